@@ -1,0 +1,27 @@
+# Debian 12's packages. `./run build` installs them.
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+
+# GDCM's config warns about programs that only libgdcm-tools installs, and VTK is not wanted from it.
+set(GDCM_SKIP_USE_VTK ON)
+find_package(GDCM 3.0 REQUIRED)
+find_package(NIFTI REQUIRED)
+find_package(OpenMesh REQUIRED)
+
+# FindOpenVDB.cmake lies in the OpenVDB package's own folder.
+find_path(SPINALTAP_OPENVDB_MODULE_DIR FindOpenVDB.cmake
+          PATHS /usr/lib/${CMAKE_CXX_LIBRARY_ARCHITECTURE}/cmake/OpenVDB /usr/lib/cmake/OpenVDB /usr/lib64/cmake/OpenVDB
+          REQUIRED)
+list(APPEND CMAKE_MODULE_PATH ${SPINALTAP_OPENVDB_MODULE_DIR})
+find_package(OpenVDB 10 REQUIRED COMPONENTS openvdb)
+
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(PNG REQUIRED)
+if(SPINALTAP_TESTS)
+  find_package(GTest REQUIRED)
+  if(SPINALTAP_BENCHMARKS)
+    find_package(benchmark REQUIRED)
+  endif()
+endif()

@@ -1,0 +1,55 @@
+# Targets of this project: spinaltap_library(core), spinaltap_link(core PUBLIC Eigen3::Eigen).
+
+# The name of our own target for `core`, `vdb`, ..., or the name itself for a foreign one.
+function(spinaltap_target_name out folder)
+  if(TARGET spinaltap_${folder})
+    set(${out} spinaltap_${folder} PARENT_SCOPE)
+  else()
+    set(${out} ${folder} PARENT_SCOPE)
+  endif()
+endfunction()
+
+# Links `target` of `folder` to libraries, refusing those that SPINALTAP_LINKS_<folder> does not list.
+function(spinaltap_link folder target scope)
+  foreach(library IN LISTS ARGN)
+    if(NOT library IN_LIST SPINALTAP_LINKS_${folder})
+      message(FATAL_ERROR "${folder}/ may not link ${library}; the root CMakeLists.txt lists what it may")
+    endif()
+    spinaltap_target_name(name ${library})
+    target_link_libraries(${target} ${scope} ${name})
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY SPINALTAP_TARGETS_${folder} ${target})
+endfunction()
+
+# A static library spinaltap_<folder> of all sources below the current folder, with the alias spinaltap::<folder>.
+function(spinaltap_library folder)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp *.h)
+  add_library(spinaltap_${folder} STATIC ${sources})
+  add_library(spinaltap::${folder} ALIAS spinaltap_${folder})
+  set_target_properties(spinaltap_${folder} PROPERTIES EXPORT_NAME ${folder})
+  target_compile_features(spinaltap_${folder} PUBLIC cxx_std_20)
+  target_include_directories(spinaltap_${folder} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/spinaltap>)
+  target_link_libraries(spinaltap_${folder} PRIVATE $<BUILD_INTERFACE:spinaltap_flags>)
+endfunction()
+
+# Fails the configuration when a target links something that its folder's list does not have.
+function(spinaltap_check_links)
+  foreach(folder core vdb mesh apps tests)
+    set(allowed spinaltap_flags "$<BUILD_INTERFACE:spinaltap_flags>")
+    foreach(library IN LISTS SPINALTAP_LINKS_${folder})
+      spinaltap_target_name(name ${library})
+      list(APPEND allowed ${name})
+    endforeach()
+    get_property(targets GLOBAL PROPERTY SPINALTAP_TARGETS_${folder})
+    list(REMOVE_DUPLICATES targets)
+    foreach(target IN LISTS targets)
+      get_target_property(linked ${target} LINK_LIBRARIES)
+      foreach(library IN LISTS linked)
+        if(NOT library IN_LIST allowed)
+          message(FATAL_ERROR "${target} links ${library}, which the root CMakeLists.txt does not allow for ${folder}/")
+        endif()
+      endforeach()
+    endforeach()
+  endforeach()
+endfunction()

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace spinaltap {
+
+/// Thrown by setup code. The message is one line that says what was expected, what was found and where,
+/// so that a person can act on it.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Thrown out of long work when its Progress was cancelled. Nothing has been written then.
+class Cancelled : public Error {
+ public:
+  Cancelled() : Error("cancelled") {}
+};
+
+/// Throws Error with its arguments written one after the other: fail("expected ", n, " slices, found ", m).
+template <class... Parts>
+[[noreturn]] void fail(const Parts&... parts) {
+  std::ostringstream message;
+  (message << ... << parts);
+  throw Error(message.str());
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,16 @@
+#include "core/base/geometry.h"
+
+#include <cmath>
+
+namespace spinaltap {
+
+Vec3 any_perpendicular(const Vec3& axis) {
+  // The coordinate axis least along `axis` gives the best-conditioned cross product.
+  int least = 0;
+  for (int i = 1; i < 3; ++i) {
+    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
+  }
+  return axis.cross(Vec3::Unit(least)).normalized();
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace spinaltap {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+/// Axis-aligned box; lengths are in the unit of its points (mm in patient space).
+using Box3 = Eigen::AlignedBox3d;
+
+/// Any unit vector at right angles to `axis` (unit). The same axis always gives the same vector.
+Vec3 any_perpendicular(const Vec3& axis);
+
+}  // namespace spinaltap

@@ -1,0 +1,87 @@
+#include "core/base/staged_output.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace fs = std::filesystem;
+
+StagedOutput::~StagedOutput() {
+  std::error_code ignored;
+  for (const Entry& entry : entries_) fs::remove(entry.temporary, ignored);
+  // Deepest first; remove() leaves a folder that something else has been put into.
+  for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) fs::remove(*folder, ignored);
+}
+
+fs::path StagedOutput::stage(const fs::path& final_path) {
+  std::error_code error;
+  if (final_path.filename().empty() || fs::is_directory(final_path, error)) {
+    fail("expected the name of a file to write, found a folder: ", final_path.string());
+  }
+  std::vector<fs::path> missing;
+  for (fs::path folder = final_path.parent_path(); !folder.empty() && !fs::exists(folder, error);
+       folder = folder.parent_path()) {
+    missing.push_back(folder);
+  }
+  for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
+    if (!fs::create_directory(*folder, error) && error) {
+      fail("cannot make the folder ", folder->string(), ": ", error.message());
+    }
+    made_folders_.push_back(*folder);
+  }
+  // The extension is kept at the end: some writers choose the format by it.
+  const std::string name = "." + final_path.stem().string() + ".partial-" + std::to_string(::getpid()) +
+                           final_path.extension().string();
+  Entry entry{final_path.parent_path() / name, final_path};
+  entries_.push_back(entry);
+  return entry.temporary;
+}
+
+void StagedOutput::write(const fs::path& final_path, std::string_view content) {
+  write_whole_file(stage(final_path), content);
+}
+
+void StagedOutput::commit() {
+  std::error_code error;
+  for (const Entry& entry : entries_) {
+    if (!fs::is_regular_file(entry.temporary, error)) fail("was not written: ", entry.final_path.string());
+  }
+  for (const Entry& entry : entries_) {
+    fs::rename(entry.temporary, entry.final_path, error);
+    if (error) fail("cannot write ", entry.final_path.string(), ": ", error.message());
+  }
+  entries_.clear();
+  made_folders_.clear();
+}
+
+void write_whole_file(const fs::path& path, std::string_view content) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(content.data(), static_cast<std::streamsize>(content.size()));
+  file.close();
+  if (!file) fail("cannot write ", path.string(), ": ", std::strerror(errno));
+}
+
+std::string read_whole_file(const fs::path& path, std::size_t max_bytes) {
+  std::error_code error;
+  if (!fs::exists(path, error)) fail("no such file: ", path.string());
+  if (!fs::is_regular_file(path, error)) fail("expected a regular file, found something else: ", path.string());
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) fail("cannot read ", path.string(), ": ", error.message());
+  if (size > max_bytes) {
+    fail("expected at most ", max_bytes, " bytes, found ", size, " in ", path.string());
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string content(static_cast<std::size_t>(size), '\0');
+  file.read(content.data(), static_cast<std::streamsize>(content.size()));
+  if (!file) fail("cannot read ", path.string());
+  return content;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace spinaltap {
+
+/// Files that appear together or not at all.
+///
+/// Each file is written to a temporary name beside its final one; commit() renames them all. Without commit() the
+/// destructor removes what was written, and the folders it made, so a failed run leaves the old files or none.
+class StagedOutput {
+ public:
+  StagedOutput() = default;
+  ~StagedOutput();
+  StagedOutput(const StagedOutput&) = delete;
+  StagedOutput& operator=(const StagedOutput&) = delete;
+
+  /// The temporary path to write instead of `final_path`. Missing parent folders are made.
+  /// Throws Error where a folder cannot be made or `final_path` is a folder.
+  std::filesystem::path stage(const std::filesystem::path& final_path);
+
+  /// As stage(), and writes `content` there. Throws Error when the disk is full.
+  void write(const std::filesystem::path& final_path, std::string_view content);
+
+  /// Gives every staged file its final name, replacing old ones. Throws Error when one is missing or cannot be renamed.
+  void commit();
+
+ private:
+  struct Entry {
+    std::filesystem::path temporary;
+    std::filesystem::path final_path;
+  };
+  std::vector<Entry> entries_;
+  std::vector<std::filesystem::path> made_folders_;
+};
+
+/// Writes `content` to `path` (already a temporary name). Throws Error when the disk is full or the path not writable.
+void write_whole_file(const std::filesystem::path& path, std::string_view content);
+
+/// The whole content of a regular file. Throws Error when it is missing, not a regular file, or over `max_bytes`.
+std::string read_whole_file(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);
+
+}  // namespace spinaltap

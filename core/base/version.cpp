@@ -1,0 +1,7 @@
+#include "core/base/version.h"
+
+namespace spinaltap {
+
+const char* version() { return SPINALTAP_VERSION; }
+
+}  // namespace spinaltap

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/ct/grid_geometry.h"
+
+namespace spinaltap {
+
+/// A CT: Hounsfield units on a regular grid. Holds nothing that identifies a patient.
+struct CtVolume {
+  GridGeometry geometry;
+  std::vector<std::int16_t> hu;  ///< geometry.voxel_count() values, i fastest
+  std::string source_hash;       ///< hexadecimal FNV-1a of geometry and voxels: same CT, same hash
+
+  std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
+};
+
+/// Voxels of a CT that belong to the bone: 1 inside, 0 outside, on the CT's grid.
+struct BoneMask {
+  GridGeometry geometry;
+  std::vector<std::uint8_t> inside;  ///< geometry.voxel_count() values, i fastest
+
+  bool at(int i, int j, int k) const { return inside[geometry.offset(i, j, k)] != 0; }
+};
+
+/// Checks sizes and geometry and fills in `source_hash`. Throws Error.
+CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> hu);
+
+/// HU at a patient position (mm) by tri-linear interpolation; `outside_hu` beyond the outermost voxel centres.
+double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu = -1024.0);
+
+}  // namespace spinaltap
