@@ -6,7 +6,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 # GDCM's config warns about programs that only libgdcm-tools installs, and VTK is not wanted from it.
 set(GDCM_SKIP_USE_VTK ON)
 find_package(GDCM 3.0 REQUIRED)
-find_package(NIFTI REQUIRED)
+find_package(Nifti2 REQUIRED)
 find_package(OpenMesh REQUIRED)
 
 # FindOpenVDB.cmake lies in the OpenVDB package's own folder.

@@ -4,7 +4,9 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS spinaltap_core spinaltap_vdb spinaltap_mesh EXPORT SpinalTapTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS spinaltap RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET spinaltap)
+  install(TARGETS spinaltap RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 foreach(folder core vdb mesh)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/spinaltap
           FILES_MATCHING PATTERN "*.h" PATTERN "detail" EXCLUDE)
@@ -18,4 +20,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/SpinalTapConfig.cmake.in
                               ${CMAKE_BINARY_DIR}/SpinalTapConfig.cmake INSTALL_DESTINATION ${config_dir})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/SpinalTapConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/SpinalTapConfig.cmake ${CMAKE_BINARY_DIR}/SpinalTapConfigVersion.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/FindNifti2.cmake
         DESTINATION ${config_dir})

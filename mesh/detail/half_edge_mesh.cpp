@@ -1,0 +1,33 @@
+#include "mesh/detail/half_edge_mesh.h"
+
+#include <OpenMesh/Core/Utils/vector_cast.hh>
+
+namespace spinaltap::detail {
+namespace {
+
+/// OpenMesh writes a line to its error stream for each face it refuses; we count them instead.
+class SilencedErrors {
+ public:
+  SilencedErrors() { omerr().disable(); }
+  ~SilencedErrors() { omerr().enable(); }
+  SilencedErrors(const SilencedErrors&) = delete;
+  SilencedErrors& operator=(const SilencedErrors&) = delete;
+};
+
+}  // namespace
+
+HalfEdgeResult to_half_edges(const TriangleMesh& mesh) {
+  const SilencedErrors silenced;
+  HalfEdgeResult result;
+  result.mesh.reserve(mesh.vertices_mm.size(), mesh.triangles.size() * 3 / 2, mesh.triangles.size());
+  for (const Eigen::Vector3f& p : mesh.vertices_mm) result.mesh.add_vertex({p.x(), p.y(), p.z()});
+  for (const auto& corners : mesh.triangles) {
+    const auto handle = [&](int corner) {
+      return OpenMesh::VertexHandle(static_cast<int>(corners[static_cast<std::size_t>(corner)]));
+    };
+    if (!result.mesh.add_face(handle(0), handle(1), handle(2)).is_valid()) ++result.refused_faces;
+  }
+  return result;
+}
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+#include "core/base/triangle_mesh.h"
+
+namespace spinaltap::detail {
+
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
+
+struct HalfEdgeResult {
+  HalfEdgeMesh mesh;
+  std::size_t refused_faces = 0;  ///< faces that would have made the mesh non-manifold, or use a vertex twice
+};
+
+/// OpenMesh's half-edge structure of a mesh. Vertices keep their order.
+HalfEdgeResult to_half_edges(const TriangleMesh& mesh);
+
+}  // namespace spinaltap::detail
