@@ -3,18 +3,9 @@
 #include <OpenMesh/Core/Utils/vector_cast.hh>
 
 namespace spinaltap::detail {
-namespace {
 
-/// OpenMesh writes a line to its error stream for each face it refuses; we count them instead.
-class SilencedErrors {
- public:
-  SilencedErrors() { omerr().disable(); }
-  ~SilencedErrors() { omerr().enable(); }
-  SilencedErrors(const SilencedErrors&) = delete;
-  SilencedErrors& operator=(const SilencedErrors&) = delete;
-};
-
-}  // namespace
+SilencedErrors::SilencedErrors() { omerr().disable(); }
+SilencedErrors::~SilencedErrors() { omerr().enable(); }
 
 HalfEdgeResult to_half_edges(const TriangleMesh& mesh) {
   const SilencedErrors silenced;

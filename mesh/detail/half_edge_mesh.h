@@ -8,6 +8,15 @@ namespace spinaltap::detail {
 
 using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
 
+/// Keeps OpenMesh from writing to the error stream; what goes wrong is counted or thrown instead.
+class SilencedErrors {
+ public:
+  SilencedErrors();
+  ~SilencedErrors();
+  SilencedErrors(const SilencedErrors&) = delete;
+  SilencedErrors& operator=(const SilencedErrors&) = delete;
+};
+
 struct HalfEdgeResult {
   HalfEdgeMesh mesh;
   std::size_t refused_faces = 0;  ///< faces that would have made the mesh non-manifold, or use a vertex twice

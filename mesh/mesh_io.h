@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/triangle_mesh.h"
+
+namespace spinaltap {
+
+/// Writes STL (binary), PLY (binary) or OBJ, by the extension of `path`, which must be a staged (temporary) name.
+/// Throws Error on another extension and when the disk is full.
+void write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path);
+
+/// Reads STL, PLY, OBJ or OFF; coordinates are taken as patient LPS, mm. Throws Error when the file is missing, damaged or
+/// has no triangle.
+TriangleMesh read_mesh(const std::filesystem::path& path);
+
+}  // namespace spinaltap

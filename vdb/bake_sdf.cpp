@@ -1,0 +1,137 @@
+#include <openvdb/tools/FastSweeping.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tools/Prune.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "vdb/detail/bake_sdf.h"
+#include "vdb/detail/bone_grids.h"
+
+namespace spinaltap::detail {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using Mask = openvdb::MaskTree;
+
+/// Evaluates the field in every voxel that `wanted` has and `grid` has not, and sets its first-order distance there.
+/// Voxels where it is below `near_mm` go into `near`.
+std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double voxel_mm, double near_mm,
+                            FloatGrid& grid, Mask& near, const Progress& progress) {
+  std::vector<Coord> voxels;
+  for (auto voxel = wanted.cbeginValueOn(); voxel; ++voxel) {
+    openvdb::CoordBBox box;
+    voxel.getBoundingBox(box);
+    for (auto at = box.begin(); at; ++at) {
+      if (!grid.tree().isValueOn(*at)) voxels.push_back(*at);
+    }
+  }
+  constexpr std::size_t kBatch = 4096;
+  std::vector<float> distance_mm(voxels.size());
+  ProgressCounter counter(progress, "baking the distance", voxels.size());
+  for (std::size_t begin = 0; begin < voxels.size(); begin += kBatch) {
+    const std::size_t size = std::min(kBatch, voxels.size() - begin);
+    std::vector<Vec3> points_mm(size);
+    std::vector<double> values_mm(size);
+    std::vector<Vec3> gradients(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      const Coord& voxel = voxels[begin + i];
+      points_mm[i] = voxel_mm * Vec3(voxel.x(), voxel.y(), voxel.z());
+    }
+    field.evaluate(points_mm, values_mm, gradients);
+    for (std::size_t i = 0; i < size; ++i) {
+      // Where the gradient vanishes the value says nothing of the distance; a tenth keeps the result finite.
+      distance_mm[begin + i] = static_cast<float>(values_mm[i] / std::max(gradients[i].norm(), 0.1));
+    }
+    counter.add(size);
+  }
+  auto accessor = grid.getAccessor();
+  openvdb::tree::ValueAccessor<Mask> near_accessor(near);
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    if (!std::isfinite(distance_mm[i])) fail("baking: the field is not a number at a voxel");
+    accessor.setValue(voxels[i], distance_mm[i]);
+    if (std::abs(static_cast<double>(distance_mm[i])) < near_mm) near_accessor.setValueOn(voxels[i]);
+  }
+  return voxels.size();
+}
+
+/// Drops all but the piece with the most voxels; returns how many were dropped.
+std::size_t keep_largest_piece(FloatGrid::Ptr& grid) {
+  std::vector<FloatGrid::Ptr> pieces;
+  openvdb::tools::segmentSDF(*grid, pieces);
+  if (pieces.size() < 2) return 0;
+  const auto largest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
+    return a->activeVoxelCount() < b->activeVoxelCount();
+  });
+  grid = *largest;
+  openvdb::tools::signedFloodFill(grid->tree());
+  return pieces.size() - 1;
+}
+
+}  // namespace
+
+FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm, BakeReport& report,
+                        const Progress& progress) {
+  constexpr int kMostRounds = 200;
+  constexpr double kNearVoxels = 1.75;  // a cell that the surface cuts has its corners nearer than sqrt(3) voxels
+  const auto band = static_cast<float>(kHalfWidthVoxels * voxel_mm);
+  FloatGrid::Ptr grid = FloatGrid::create(band);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_mm));
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+
+  auto wanted = std::make_shared<Mask>();
+  {
+    openvdb::tree::ValueAccessor<Mask> accessor(*wanted);
+    for (const Vec3& p : seeds_mm) accessor.setValueOn(Coord::round(to_vdb(p / voxel_mm)));
+  }
+  openvdb::tools::dilateActiveValues(*wanted, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::IGNORE_TILES);
+
+  // Each round evaluates the neighbours of the voxels near the surface, until all of those are known.
+  for (int round = 0; round < kMostRounds; ++round) {
+    auto near = std::make_shared<Mask>();
+    const std::size_t evaluated =
+        evaluate_voxels(field, *wanted, voxel_mm, kNearVoxels * voxel_mm, *grid, *near, progress);
+    report.evaluated_voxels += evaluated;
+    if (evaluated == 0) break;
+    openvdb::tools::dilateActiveValues(*near, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::IGNORE_TILES);
+    wanted = near;
+  }
+
+  bool any_inside = false;
+  bool any_outside = false;
+  for (auto voxel = grid->beginValueOn(); voxel; ++voxel) {
+    const float value = *voxel;
+    any_inside |= value < 0.0F;
+    any_outside |= value >= 0.0F;
+    // Only the surface's own neighbourhood is kept; the rest is swept from it.
+    if (std::abs(value) >= static_cast<float>(kNearVoxels * voxel_mm) * 1.25F) {
+      voxel.setValue(value < 0.0F ? -band : band);
+      voxel.setValueOff();
+    }
+  }
+  if (!any_inside || !any_outside) fail("baking: the field has no zero set near the ", seeds_mm.size(), " seeds");
+  openvdb::tools::signedFloodFill(grid->tree());
+  report.dropped_pieces = keep_largest_piece(grid);
+
+  progress.report("widening the band", 0.0);
+  constexpr int kWiden = 2;
+  grid = openvdb::tools::dilateSdf(*grid, kWiden, openvdb::tools::NN_FACE, 2);
+  for (auto voxel = grid->beginValueOn(); voxel; ++voxel) {
+    if (std::abs(*voxel) < band) continue;
+    voxel.setValue(*voxel < 0.0F ? -band : band);
+    voxel.setValueOff();
+  }
+  openvdb::tools::pruneLevelSet(grid->tree());
+  openvdb::tools::signedFloodFill(grid->tree());
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setName("sdf");
+  progress.report("widening the band", 1.0);
+  return grid;
+}
+
+}  // namespace spinaltap::detail

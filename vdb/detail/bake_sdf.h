@@ -1,0 +1,23 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <span>
+
+#include "core/base/progress.h"
+#include "core/base/scalar_field.h"
+#include "vdb/bake.h"
+
+namespace spinaltap::detail {
+
+/// Half width of every level set here, in voxels: what OpenVDB's tools expect.
+inline constexpr double kHalfWidthVoxels = 3.0;
+
+/// The signed distance grid of a field's zero set; see bake_bone().
+openvdb::FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm,
+                                 BakeReport& report, const Progress& progress);
+
+/// CT numbers of the voxels within the level set and `margin_mm` around it, on the CT's own grid, rounded to half floats.
+openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const CtVolume& ct, double margin_mm);
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <map>
+#include <string>
+
+#include "core/base/geometry.h"
+
+namespace spinaltap::detail {
+
+/// The grids of a BoneModel.
+struct BoneGrids {
+  openvdb::FloatGrid::ConstPtr sdf;  ///< a level set: mm, negative inside
+  openvdb::FloatGrid::ConstPtr hu;
+  std::map<std::string, std::string> facts;
+};
+
+inline openvdb::Vec3d to_vdb(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+inline Vec3 from_vdb(const openvdb::Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Box around the active voxels' centres, patient LPS, mm.
+Box3 active_box_mm(const openvdb::FloatGrid& grid);
+
+}  // namespace spinaltap::detail

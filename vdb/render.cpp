@@ -1,0 +1,168 @@
+#include "vdb/render.h"
+
+#include <openvdb/math/Ray.h>
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/RayIntersector.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "vdb/detail/bone_grids.h"
+
+namespace spinaltap {
+namespace {
+
+using openvdb::FloatGrid;
+using Intersector = openvdb::tools::LevelSetRayIntersector<FloatGrid>;
+using Sampler = openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
+using Colour = Eigen::Array3d;
+
+/// Parallel projection onto a rectangle that holds the frame seen from `from`.
+struct Camera {
+  Vec3 forward;
+  Vec3 right;
+  Vec3 up;
+  Vec3 centre_mm;
+  double mm_per_pixel;
+  double reach_mm;
+
+  Camera(const RenderOptions& options, const Box3& frame_mm)
+      : forward(-options.from.normalized()),
+        right(forward.cross(options.up).normalized()),
+        up(right.cross(forward)),
+        centre_mm(frame_mm.center()),
+        mm_per_pixel(0.0),
+        reach_mm(frame_mm.diagonal().norm()) {
+    constexpr double kMargin = 1.06;
+    const auto extent_mm = [&](const Vec3& axis) { return frame_mm.sizes().dot(axis.cwiseAbs()); };
+    mm_per_pixel = kMargin * std::max(extent_mm(right) / options.width, extent_mm(up) / options.height);
+  }
+
+  /// Start of the ray through a place of the picture, pixels from its upper left corner.
+  Vec3 start_mm(double x, double y, const RenderOptions& options) const {
+    return centre_mm + mm_per_pixel * ((x - 0.5 * options.width) * right + (0.5 * options.height - y) * up) -
+           reach_mm * forward;
+  }
+};
+
+/// One thread's view of the grids.
+class Tracer {
+ public:
+  Tracer(const BoneModel& bone, const RenderOptions& options, const Camera& camera, const Intersector& intersector)
+      : camera_(camera),
+        intersector_(intersector),
+        sdf_accessor_(bone.grids().sdf->getConstAccessor()),
+        sdf_(sdf_accessor_, bone.grids().sdf->transform()),
+        hu_accessor_(bone.grids().hu->getConstAccessor()),
+        hu_(hu_accessor_, bone.grids().hu->transform()),
+        uncut_grid_(options.uncut != nullptr ? options.uncut->grids().sdf : bone.grids().sdf),
+        uncut_accessor_(uncut_grid_->getConstAccessor()),
+        uncut_(uncut_accessor_, uncut_grid_->transform()),
+        new_depth_mm_(options.uncut != nullptr ? 1.5 * bone.voxel_mm() : 1e30),
+        step_mm_(bone.voxel_mm()) {}
+
+  Colour trace(const Vec3& start_mm) {
+    using Ray = openvdb::math::Ray<double>;
+    const Ray ray(detail::to_vdb(start_mm), detail::to_vdb(camera_.forward));
+    openvdb::Vec3d hit;
+    openvdb::Vec3d unused_normal;
+    if (!intersector_.intersectsWS(ray, hit, unused_normal)) return background();
+    const Vec3 p_mm = detail::from_vdb(hit);
+    return shade(p_mm, normal(p_mm));
+  }
+
+ private:
+  static Colour background() { return {1.0, 1.0, 1.0}; }
+
+  double distance_mm(const Vec3& p_mm) { return static_cast<double>(sdf_.wsSample(detail::to_vdb(p_mm))); }
+
+  Vec3 normal(const Vec3& p_mm) {
+    Vec3 slope;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 step = step_mm_ * Vec3::Unit(axis);
+      slope[axis] = distance_mm(p_mm + step) - distance_mm(p_mm - step);
+    }
+    return slope.norm() > 0.0 ? slope.normalized() : Vec3(-camera_.forward);
+  }
+
+  /// Share of a few steps outward that are free of bone: hollows come out darker.
+  double openness(const Vec3& p_mm, const Vec3& n) {
+    constexpr int kSteps = 4;
+    double blocked = 0.0;
+    for (int i = 1; i <= kSteps; ++i) {
+      const double way_mm = 0.7 * i * step_mm_;
+      blocked += std::max(0.0, way_mm - distance_mm(p_mm + way_mm * n)) / way_mm;
+    }
+    return 1.0 - 0.6 * blocked / kSteps;
+  }
+
+  Colour shade(const Vec3& p_mm, const Vec3& n) {
+    const Vec3 key = (-camera_.forward + 0.6 * camera_.up - 0.5 * camera_.right).normalized();
+    const Vec3 fill = (-camera_.forward - 0.3 * camera_.up + 0.8 * camera_.right).normalized();
+    const double light = 0.28 + 0.62 * std::max(0.0, n.dot(key)) + 0.18 * std::max(0.0, n.dot(fill));
+    return (surface_colour(p_mm) * light * openness(p_mm, n)).min(1.0);
+  }
+
+  /// Bone on the old surface; on a new one, dark red marrow to white cortex by CT number.
+  Colour surface_colour(const Vec3& p_mm) {
+    constexpr double kMarrowHu = -50.0;
+    constexpr double kCortexHu = 800.0;
+    const Colour bone(0.94, 0.89, 0.79);
+    if (-static_cast<double>(uncut_.wsSample(detail::to_vdb(p_mm))) < new_depth_mm_) return bone;
+    const Colour marrow(0.62, 0.20, 0.16);
+    const Colour cortex(1.0, 0.97, 0.90);
+    const double hu = static_cast<double>(hu_.wsSample(detail::to_vdb(p_mm)));
+    const double t = std::clamp((hu - kMarrowHu) / (kCortexHu - kMarrowHu), 0.0, 1.0);
+    return marrow + t * (cortex - marrow);
+  }
+
+  const Camera& camera_;
+  Intersector intersector_;
+  FloatGrid::ConstAccessor sdf_accessor_;
+  Sampler sdf_;
+  FloatGrid::ConstAccessor hu_accessor_;
+  Sampler hu_;
+  FloatGrid::ConstPtr uncut_grid_;
+  FloatGrid::ConstAccessor uncut_accessor_;
+  Sampler uncut_;
+  double new_depth_mm_;
+  double step_mm_;
+};
+
+}  // namespace
+
+Image render_bone(const BoneModel& bone, const RenderOptions& options, const Progress& progress) {
+  constexpr int kLargestSide = 16384;
+  if (options.width < 1 || options.height < 1 || options.width > kLargestSide || options.height > kLargestSide) {
+    fail("render: expected 1 to ", kLargestSide, " pixels a side, found ", options.width, " x ", options.height);
+  }
+  if (!(options.from.cross(options.up).norm() > 1e-9)) fail("render: the view and its up direction are parallel");
+  const Camera camera(options, options.frame_mm.isEmpty() ? bone.bounds_mm() : options.frame_mm);
+  const Intersector intersector(*bone.grids().sdf);
+  Image image{options.width, options.height, {}};
+  image.rgb.resize(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) * 3);
+  ProgressCounter counter(progress, "drawing", static_cast<std::size_t>(options.height));
+  tbb::parallel_for(0, options.height, [&](int y) {
+    constexpr int kSamples = 2;  // a side: four rays a pixel
+    Tracer tracer(bone, options, camera, intersector);
+    std::size_t next = static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) * 3;
+    for (int x = 0; x < options.width; ++x) {
+      Colour sum = Colour::Zero();
+      for (int sample = 0; sample < kSamples * kSamples; ++sample) {
+        const double dx = (0.5 + sample % kSamples) / kSamples;
+        const double dy = (0.5 + static_cast<double>(sample / kSamples)) / kSamples;
+        sum += tracer.trace(camera.start_mm(x + dx, y + dy, options));
+      }
+      for (int channel = 0; channel < 3; ++channel) {
+        const double mean = sum[channel] / (kSamples * kSamples);
+        image.rgb[next++] = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(mean, 1.0 / 1.6)));
+      }
+    }
+    counter.add();
+  });
+  return image;
+}
+
+}  // namespace spinaltap

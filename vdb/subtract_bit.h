@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+
+#include "core/drill/drill_bit.h"
+#include "vdb/bone_model.h"
+
+namespace spinaltap {
+
+/// The bone without what a bit took that moved along its own axis from `start` to `end` (patient LPS, mm; same axis):
+/// the larger of the bone's distance and minus the swept bit's. The swept bit is the bit at `end`, lengthened backwards by
+/// the way. Throws Error when the axes differ.
+BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end);
+
+/// The part of the bone on the side of a plane that `normal` points away from: for cut-open pictures.
+BoneModel cut_by_plane(const BoneModel& bone, const Vec3& point_mm, const Vec3& normal);
+
+}  // namespace spinaltap
