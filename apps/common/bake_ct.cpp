@@ -1,0 +1,42 @@
+#include "apps/common/bake_ct.h"
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "core/base/version.h"
+#include "core/ct/label_map.h"
+
+namespace spinaltap {
+
+BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
+  const BoneMask mask = options.labels ? read_label_map(options.labels->file, options.labels->label, ct.geometry)
+                                       : threshold_mask(ct, options.threshold, progress);
+  const SurfacePoints surface = extract_surface(ct, mask, options.surface, progress);
+  const RbfFit fit = fit_surface_rbf(surface, options.rbf, progress);
+
+  const auto text = [](const auto&... parts) {
+    std::ostringstream out;
+    (out << ... << parts);
+    return out.str();
+  };
+  const std::map<std::string, std::string> facts{
+      {"version", version()},
+      {"source_hash", ct.source_hash},
+      {"mask", options.labels ? text("label ", options.labels->label)
+                              : text("threshold ", options.threshold.threshold_hu, " HU")},
+      {"surface_centres", text(fit.report.surface_centres)},
+      {"off_surface_centres", text(fit.report.off_surface_centres)},
+      {"smoothing_mm", text(options.rbf.smoothing_mm)},
+      {"rbf_mean_residual_mm", text(fit.report.mean_residual_mm)},
+      {"rbf_max_residual_mm", text(fit.report.max_residual_mm)},
+  };
+  BakeReport report;
+  const BoneModel bone =
+      bake_bone(fit.field, surface.positions_mm, ct, options.bake, facts, &report, progress);
+  const auto mask_voxels =
+      static_cast<std::size_t>(std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1}));
+  return {bone, mask_voxels, fit.report, report};
+}
+
+}  // namespace spinaltap

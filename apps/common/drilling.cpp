@@ -1,0 +1,108 @@
+#include "apps/common/drilling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "vdb/subtract_bit.h"
+
+namespace spinaltap {
+namespace {
+
+std::vector<DepthRow> rows_of(const std::vector<CycleRecord>& records, const LockStepMotion& motion,
+                              const Material& material, double log_step_mm) {
+  std::vector<DepthRow> rows;
+  std::int64_t hu_sum = 0;
+  double work_n_mm = 0.0;
+  double seconds = 0.0;
+  double begin_mm = motion.depth_mm(0);
+  DepthRow row;
+  for (std::size_t cycle = 0; cycle < records.size(); ++cycle) {
+    const CycleRecord& record = records[cycle];
+    ++row.cycles;
+    row.removed += record.removed;
+    row.tested += record.tested;
+    hu_sum += record.removed_hu;
+    work_n_mm += static_cast<double>(record.work_n_mm);
+    seconds += 1e-9 * record.wall_ns;
+    // Rows end at whole multiples of the log step, whatever the advance; half a nanometre forgives rounding.
+    const double end_mm = motion.depth_mm(0) + log_step_mm * static_cast<double>(rows.size() + 1) - 5e-7;
+    if (record.depth_mm < end_mm && cycle + 1 < records.size()) continue;
+    row.depth_mm = record.depth_mm;
+    row.hu = row.removed > 0 ? static_cast<double>(hu_sum) / static_cast<double>(row.removed)
+                             : std::numeric_limits<double>::quiet_NaN();
+    row.density_g_cm3 = row.removed > 0 ? material.density_g_cm3(row.hu) : row.hu;
+    row.thrust_n = work_n_mm / (record.depth_mm - begin_mm);
+    row.cycles_per_s = static_cast<double>(row.cycles) / std::max(seconds, 1e-12);
+    rows.push_back(row);
+    begin_mm = record.depth_mm;
+    row = {};
+    hu_sum = 0;
+    work_n_mm = 0.0;
+    seconds = 0.0;
+  }
+  return rows;
+}
+
+}  // namespace
+
+Drilling drill_bone(const BoneModel& bone, const DrillPath& path, const Material& material,
+                    const DrillingOptions& options, const Progress& progress) {
+  if (!(options.log_step_mm > 0.0)) fail("drilling: expected a log step above 0 mm, found ", options.log_step_mm);
+  const LockStepMotion motion(path, options.volume.lead_in_mm, options.motion);
+  PointVolume volume(path, options.volume);
+  fill_volume(
+      volume,
+      [&](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
+        bone.sample(points_mm, distance_mm, hu);
+      },
+      progress);
+  Drilling drilling(bone);
+  drilling.points = volume.point_count();
+  drilling.points_in_bone = volume.alive_count();
+  drilling.discs = volume.disc_count();
+  drilling.points_per_disc = volume.pattern().point_count();
+  if (drilling.points_in_bone == 0) {
+    const Box3 bounds_mm = bone.bounds_mm();
+    const Eigen::IOFormat format(4, Eigen::DontAlignCols, ", ", ", ");
+    fail("path \"", path.name, "\" misses the bone: it runs from (", path.entry_mm.transpose().format(format), ") to (",
+         path.target_mm.transpose().format(format), "), the bone lies within (", bounds_mm.min().transpose().format(format),
+         ") and (", bounds_mm.max().transpose().format(format), ") mm");
+  }
+  const auto engine = make_reference_engine(volume, path.bit, material);
+  const std::vector<CycleRecord> records = run_lock_step(*engine, motion, progress);
+  drilling.cycles = records.size();
+  drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();
+  for (const CycleRecord& record : records) {
+    if (record.removed > 0 && std::isnan(drilling.entry_depth_mm)) drilling.entry_depth_mm = record.depth_mm;
+    drilling.seconds += 1e-9 * record.wall_ns;
+    drilling.removed += record.removed;
+  }
+  drilling.rows = rows_of(records, motion, material, options.log_step_mm);
+  for (const DepthRow& row : drilling.rows) drilling.most_thrust_n = std::max(drilling.most_thrust_n, row.thrust_n);
+  drilling.drilled = subtract_bit(bone, path.bit, motion.pose(0), motion.pose(motion.cycle_count()));
+  return drilling;
+}
+
+std::string log_csv(const std::vector<DepthRow>& rows) {
+  std::ostringstream csv;
+  csv.precision(7);
+  csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,density_g_cm3,thrust_N,cycles_per_s\n";
+  const auto number = [&](double value) {
+    csv << ',';
+    if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
+  };
+  for (const DepthRow& row : rows) {
+    csv << row.depth_mm << ',' << row.cycles << ',' << row.removed << ',' << row.tested;
+    number(row.hu);
+    number(row.density_g_cm3);
+    number(row.thrust_n);
+    number(row.cycles_per_s);
+    csv << '\n';
+  }
+  return csv.str();
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/base/geometry.h"
+
+namespace spinaltap {
+
+/// Keys keep the order in which they were written.
+using Json = nlohmann::ordered_json;
+
+/// Parses a JSON file. Throws Error with the file and the place of the mistake.
+Json read_json(const std::filesystem::path& path);
+
+/// Writes a staged JSON file and gives it its name.
+void write_json(const Json& json, const std::filesystem::path& path);
+
+/// Reads members of one JSON object and names the file and the key in every complaint.
+class JsonObject {
+ public:
+  JsonObject(const Json& json, std::filesystem::path file);
+
+  /// Throws Error when the key is missing or not a finite number.
+  double number(const char* key) const;
+  double number_or(const char* key, double fallback) const;
+  std::string text(const char* key) const;
+  /// An array of three numbers.
+  Vec3 vector(const char* key) const;
+  bool has(const char* key) const { return json_.contains(key); }
+  const Json& at(const char* key) const;
+
+ private:
+  const Json& json_;
+  std::filesystem::path file_;
+};
+
+/// [x, y, z]
+Json to_json(const Vec3& v);
+
+}  // namespace spinaltap

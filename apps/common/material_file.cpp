@@ -1,0 +1,16 @@
+#include "apps/common/material_file.h"
+
+#include "apps/common/json_file.h"
+
+namespace spinaltap {
+
+Material read_material(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  const JsonObject object(json, path);
+  const Material material{object.number("density_at_0_hu_g_cm3"), object.number("density_per_hu_g_cm3"),
+                          object.number("pressure_at_1_g_cm3_mpa"), object.number("pressure_exponent")};
+  check_material(material);
+  return material;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/drill/material.h"
+
+namespace spinaltap {
+
+/// Reads a law of data/materials/. Throws Error that names the file and the key at fault.
+Material read_material(const std::filesystem::path& path);
+
+}  // namespace spinaltap

@@ -1,0 +1,61 @@
+#include "apps/common/plan_file.h"
+
+#include "apps/common/json_file.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr const char* kFormat = "spinaltap-plan";
+constexpr int kVersion = 1;
+
+}  // namespace
+
+void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
+  Json plan{{"format", kFormat}, {"version", kVersion}, {"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}};
+  for (const DrillPath& drill_path : paths) {
+    const DrillBit& bit = drill_path.bit;
+    plan["paths"].push_back({{"name", drill_path.name},
+                             {"entry", to_json(drill_path.entry_mm)},
+                             {"target", to_json(drill_path.target_mm)},
+                             {"bit",
+                              {{"diameter_mm", bit.diameter_mm},
+                               {"length_mm", bit.length_mm},
+                               {"tip_length_mm", bit.tip_length_mm}}}});
+  }
+  write_json(plan, path);
+}
+
+std::vector<DrillPath> read_plan(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  const JsonObject plan(json, path);
+  if (plan.text("format") != kFormat || plan.number("version") != kVersion || plan.text("frame") != "LPS") {
+    fail("expected a ", kFormat, " of version ", kVersion, " in the frame LPS in ", path.string());
+  }
+  const Json& list = plan.at("paths");
+  if (!list.is_array() || list.empty()) fail("expected one path or more in ", path.string(), ", found none");
+  std::vector<DrillPath> paths;
+  for (const Json& item : list) {
+    const JsonObject object(item, path);
+    DrillPath drill_path;
+    drill_path.name = object.text("name");
+    drill_path.entry_mm = object.vector("entry");
+    drill_path.target_mm = object.vector("target");
+    const JsonObject bit(object.at("bit"), path);
+    drill_path.bit = {bit.number("diameter_mm"), bit.number("length_mm"), bit.number("tip_length_mm")};
+    check_path(drill_path);
+    paths.push_back(drill_path);
+  }
+  return paths;
+}
+
+const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::string& name) {
+  std::string names;
+  for (const DrillPath& path : paths) {
+    if (name.empty() || path.name == name) return path;
+    names += names.empty() ? path.name : ", " + path.name;
+  }
+  fail("expected the name of a path in the plan, found \"", name, "\"; it has: ", names);
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/drill/drill_path.h"
+
+namespace spinaltap {
+
+/// Writes planned paths as JSON: patient LPS, mm; see docs/plan-file.md.
+void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path);
+
+/// Reads what write_plan wrote. Throws Error that names the file and the key at fault.
+std::vector<DrillPath> read_plan(const std::filesystem::path& path);
+
+/// The path called `name`, or the first when `name` is empty. Throws Error that lists the names.
+const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::string& name);
+
+}  // namespace spinaltap

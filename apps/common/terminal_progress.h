@@ -1,0 +1,12 @@
+#pragma once
+
+#include "core/base/progress.h"
+
+namespace spinaltap {
+
+/// Progress for a program: where the error stream is a terminal and a stage takes over a second, a bar with the stage's
+/// name on one line, removed when the stage ends; otherwise nothing. Ctrl-C and SIGTERM cancel the work, a second
+/// Ctrl-C kills it. To be called once.
+Progress terminal_progress();
+
+}  // namespace spinaltap

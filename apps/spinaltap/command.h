@@ -1,0 +1,40 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "apps/common/json_file.h"
+#include "core/base/progress.h"
+
+namespace spinaltap {
+
+/// What every subcommand has: --json and --threads, and what main() runs after parsing.
+struct Command {
+  CLI::App* app = nullptr;
+  std::filesystem::path json_file;
+  int threads = 0;
+  /// Does the work and returns the figures for --json.
+  std::function<Json(const Progress&)> run;
+};
+
+/// Adds a subcommand with the options that all have. `footer` shows an example.
+CLI::App* add_command(CLI::App& program, Command& command, const std::string& name, const std::string& description,
+                      const std::string& footer);
+
+// One file each.
+void add_phantom(CLI::App& program, Command& command);
+void add_info(CLI::App& program, Command& command);
+void add_bake(CLI::App& program, Command& command);
+void add_plan(CLI::App& program, Command& command);
+void add_drill(CLI::App& program, Command& command);
+void add_mesh(CLI::App& program, Command& command);
+void add_demo(CLI::App& program, Command& command);
+
+/// Prints "name value unit" in columns on standard output.
+void print_figure(const std::string& name, double value, const std::string& unit, int digits = 2);
+void print_figure(const std::string& name, const std::string& value);
+
+}  // namespace spinaltap

@@ -1,0 +1,90 @@
+#include <tbb/global_control.h>
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <thread>
+
+#include "apps/common/terminal_progress.h"
+#include "apps/spinaltap/command.h"
+#include "core/base/error.h"
+#include "core/base/version.h"
+
+namespace spinaltap {
+
+CLI::App* add_command(CLI::App& program, Command& command, const std::string& name, const std::string& description,
+                      const std::string& footer) {
+  CLI::App* app = program.add_subcommand(name, description);
+  app->footer(footer);
+  app->add_option("--json", command.json_file, "Write the figures to this file as JSON")->type_name("FILE");
+  app->add_option("--threads", command.threads, "Threads to use; 0: one for each core")
+      ->check(CLI::Range(0, 1024))
+      ->type_name("N");
+  command.app = app;
+  return app;
+}
+
+void print_figure(const std::string& name, double value, const std::string& unit, int digits) {
+  std::printf("  %-34s %14.*f %s\n", name.c_str(), digits, value, unit.c_str());
+}
+
+void print_figure(const std::string& name, const std::string& value) {
+  std::printf("  %-34s %s\n", name.c_str(), value.c_str());
+}
+
+namespace {
+
+int run_program(int argc, char** argv) {
+  CLI::App program(
+      "SpinalTap: from a CT of a vertebra to a bone that can be drilled at haptic rate.\n"
+      "Lengths are in mm, positions in patient LPS (x to the patient's left, y to the back, z to the head).\n"
+      "Research and training software, not a medical device.");
+  program.name("spinaltap");
+  program.set_version_flag("--version", std::string("spinaltap ") + version());
+  program.require_subcommand(1);
+
+  std::array<Command, 7> commands;
+  add_demo(program, commands[0]);
+  add_phantom(program, commands[1]);
+  add_info(program, commands[2]);
+  add_bake(program, commands[3]);
+  add_plan(program, commands[4]);
+  add_drill(program, commands[5]);
+  add_mesh(program, commands[6]);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    std::fprintf(stderr, "spinaltap: %s (try --help)\n", error.what());
+    return 2;
+  }
+  for (const Command& command : commands) {
+    if (!command.app->parsed()) continue;
+    std::unique_ptr<tbb::global_control> limit;
+    if (command.threads > 0) {
+      limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    static_cast<std::size_t>(command.threads));
+    }
+    const Json figures = command.run(terminal_progress());
+    if (!command.json_file.empty()) write_json(figures, command.json_file);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace spinaltap
+
+int main(int argc, char** argv) {
+  try {
+    return spinaltap::run_program(argc, argv);
+  } catch (const spinaltap::Cancelled&) {
+    std::fprintf(stderr, "spinaltap: cancelled\n");
+    return 130;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "spinaltap: not enough memory\n");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "spinaltap: %s\n", error.what());
+  }
+  return 1;
+}
