@@ -1,0 +1,73 @@
+#include "core/ct/dicom_read.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/ct/dicom_parallel.h"
+#include "core/ct/dicom_scan.h"
+#include "core/ct/dicom_slice.h"
+#include "core/ct/dicom_stack.h"
+
+namespace spinaltap {
+namespace {
+
+/// "1 = 1.2.3 (CT, 512 x 512, 70 files); 2 = ..."
+std::string list_for_people(const std::vector<ScannedSeries>& all) {
+  std::ostringstream text;
+  for (const ScannedSeries& series : all) {
+    const SeriesInfo& info = series.info;
+    text << (info.number == all.front().info.number ? "" : "; ") << info.number << " = "
+         << (info.uid.empty() ? "no UID" : info.uid) << " (" << (info.modality.empty() ? "no modality" : info.modality)
+         << ", " << info.columns << " x " << info.rows << ", " << info.files.size()
+         << (info.files.size() == 1 ? " file)" : " files)");
+  }
+  return text.str();
+}
+
+void refuse_several(const std::vector<ScannedSeries>& found, const std::filesystem::path& folder) {
+  const bool one_uid = std::all_of(found.begin(), found.end(), [&](const ScannedSeries& series) {
+    return series.info.uid == found.front().info.uid && series.info.modality == found.front().info.modality;
+  });
+  fail(one_uid ? "expected slices of one size and orientation, found " : "expected one series, found ", found.size(),
+       one_uid ? " sets in " : " in ", folder.string(), "; choose one by number ", one_uid ? "" : "or UID ",
+       "with --series: ", list_for_people(found));
+}
+
+ScannedSeries choose_series(std::vector<ScannedSeries> all, const std::string& wanted,
+                            const std::filesystem::path& folder) {
+  std::vector<ScannedSeries> matches;
+  for (ScannedSeries& series : all) {
+    if (wanted.empty() || series.info.uid == wanted) matches.push_back(series);
+  }
+  if (matches.empty()) {
+    for (ScannedSeries& series : all) {
+      if (std::to_string(series.info.number) == wanted) matches.push_back(series);
+    }
+  }
+  if (matches.empty()) {
+    fail("no series \"", wanted, "\" in ", folder.string(), "; there are: ", list_for_people(all));
+  }
+  if (matches.size() > 1) refuse_several(matches, folder);
+  return std::move(matches.front());
+}
+
+}  // namespace
+
+CtVolume read_dicom(const std::filesystem::path& folder, const DicomReadOptions& options, const Progress& progress) {
+  ScannedSeries series = choose_series(scan_dicom_folder(folder, progress), options.series, folder);
+  if (series.info.modality != "CT") {
+    fail("expected a CT, found modality ", series.info.modality.empty() ? "\"\"" : series.info.modality, " in ",
+         series.info.files.front().string());
+  }
+  const DicomStack stack = stack_slices(std::move(series.headers));
+
+  std::vector<std::int16_t> hu(stack.geometry.voxel_count());
+  const std::size_t slice_size = stack.geometry.offset(0, 0, 1);
+  for_each_file(stack.slices.size(), "decoding slices", progress, [&](std::size_t k) {
+    decode_dicom_slice(stack.slices[k], std::span(hu).subspan(k * slice_size, slice_size));
+  });
+  return make_ct_volume(stack.geometry, std::move(hu));
+}
+
+}  // namespace spinaltap

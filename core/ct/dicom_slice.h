@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/ct/dicom_header.h"
+
+namespace spinaltap {
+
+/// Decodes the pixels of one slice into `hu` (header.columns * header.rows values, columns fastest), rescaled, rounded
+/// and clamped to 16 bit. Safe to call from many threads. Throws Error for what is not one grey picture or cannot be
+/// decoded.
+void decode_dicom_slice(const DicomHeader& header, std::span<std::int16_t> hu);
+
+}  // namespace spinaltap
