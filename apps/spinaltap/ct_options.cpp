@@ -1,0 +1,71 @@
+#include "apps/spinaltap/ct_options.h"
+
+#include "apps/spinaltap/command.h"
+#include "core/base/error.h"
+#include "core/ct/dicom_read.h"
+
+namespace spinaltap {
+
+void CtOptions::add_reading(CLI::App& app) {
+  app.add_option("--series", series, "SeriesInstanceUID or number of the series, where the folder holds several")
+      ->type_name("UID");
+}
+
+void CtOptions::add_baking(CLI::App& app) {
+  CLI::Option* labels_option =
+      app.add_option("--labels", labels, "NIfTI label map that marks the bone; without it a threshold finds it")
+          ->type_name("FILE");
+  app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
+  app.add_option("--threshold", bake.threshold.threshold_hu, "Bone is at least this dense, HU")
+      ->capture_default_str()
+      ->excludes(labels_option)
+      ->type_name("HU");
+  app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")->capture_default_str()->type_name("MM");
+  app.add_option("--centres", bake.rbf.max_surface_centres, "Most surface centres of the radial basis function")
+      ->capture_default_str()
+      ->check(CLI::Range(20, 9000))
+      ->type_name("N");
+  app.add_option("--smoothing", bake.rbf.smoothing_mm, "How far the surface may give way to smoothness, mm; 0: through "
+                                                       "all centres")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MM");
+}
+
+CtVolume CtOptions::read(const Progress& progress) const { return read_dicom(folder, {.series = series}, progress); }
+
+BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
+  BakeCtOptions options = bake;
+  if (!labels.empty()) options.labels = LabelChoice{labels, label};
+  return bake_ct(ct, options, progress);
+}
+
+Json report_baked(const CtVolume& ct, const BakedCt& baked) {
+  const Vec3 size_mm = baked.bone.bounds_mm().sizes();
+  print_figure("CT voxels", static_cast<double>(ct.geometry.voxel_count()), "", 0);
+  print_figure("bone voxels", static_cast<double>(baked.mask_voxels), "", 0);
+  print_figure("surface points", static_cast<double>(baked.fit.points), "", 0);
+  print_figure("RBF centres", static_cast<double>(baked.fit.surface_centres + baked.fit.off_surface_centres), "", 0);
+  print_figure("surface points missed by, mean", baked.fit.mean_residual_mm, "mm", 3);
+  print_figure("surface points missed by, 99 %", baked.fit.p99_residual_mm, "mm", 3);
+  print_figure("grid voxels", static_cast<double>(baked.bone.active_voxels()), "", 0);
+  print_figure("pieces dropped", static_cast<double>(baked.bake.dropped_pieces), "", 0);
+  print_figure("bone, across", size_mm.x(), "mm", 1);
+  print_figure("bone, front to back", size_mm.y(), "mm", 1);
+  print_figure("bone, top to bottom", size_mm.z(), "mm", 1);
+  return {{"ct_voxels", ct.geometry.voxel_count()},
+          {"ct_hash", ct.source_hash},
+          {"bone_voxels", baked.mask_voxels},
+          {"surface_points", baked.fit.points},
+          {"surface_centres", baked.fit.surface_centres},
+          {"off_surface_centres", baked.fit.off_surface_centres},
+          {"mean_residual_mm", baked.fit.mean_residual_mm},
+          {"p99_residual_mm", baked.fit.p99_residual_mm},
+          {"max_residual_mm", baked.fit.max_residual_mm},
+          {"evaluated_voxels", baked.bake.evaluated_voxels},
+          {"active_voxels", baked.bone.active_voxels()},
+          {"dropped_pieces", baked.bake.dropped_pieces},
+          {"size_mm", to_json(size_mm)}};
+}
+
+}  // namespace spinaltap

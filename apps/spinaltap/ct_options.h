@@ -1,0 +1,34 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "apps/common/bake_ct.h"
+#include "apps/common/json_file.h"
+
+namespace spinaltap {
+
+/// The options of commands that read a CT and make a bone of it.
+struct CtOptions {
+  std::filesystem::path folder;
+  std::string series;
+  std::filesystem::path labels;
+  int label = 1;
+  BakeCtOptions bake;
+
+  /// Adds the options for reading: --series.
+  void add_reading(CLI::App& app);
+  /// Adds the options for making a bone: --labels, --label, --threshold, --voxel, --centres, --smoothing.
+  void add_baking(CLI::App& app);
+
+  CtVolume read(const Progress& progress) const;
+  BakedCt make_bone(const CtVolume& ct, const Progress& progress) const;
+};
+
+/// Prints the figures of a baked CT and gives them as JSON.
+Json report_baked(const CtVolume& ct, const BakedCt& baked);
+
+}  // namespace spinaltap

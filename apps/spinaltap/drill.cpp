@@ -1,0 +1,43 @@
+#include <memory>
+#include <optional>
+
+#include "apps/common/plan_file.h"
+#include "apps/spinaltap/command.h"
+#include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/drill_run.h"
+
+namespace spinaltap {
+
+void add_drill(CLI::App& program, Command& command) {
+  struct Options {
+    std::filesystem::path bone;
+    std::filesystem::path plan;
+    std::string path_name;
+    std::filesystem::path folder = "drilled";
+    CtOptions ct;
+    DrillOptions drill;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(program, command, "drill", "Drill a planned path; writes report.html, drilled.vdb, "
+                                                         "drilled.stl and log.csv",
+                              "Example: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/");
+  app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
+  app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
+  app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
+  app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
+  app->add_option("--ct", options->ct.folder, "Folder with the CT, for the report's slices")->type_name("FOLDER");
+  options->ct.add_reading(*app);
+  options->drill.add_to(*app);
+
+  command.run = [options](const Progress& progress) {
+    const std::vector<DrillPath> paths = read_plan(options->plan);
+    const DrillPath& path = choose_path(paths, options->path_name);
+    const BoneModel bone = read_bone(options->bone);
+    std::optional<CtVolume> ct;
+    if (!options->ct.folder.empty()) ct = options->ct.read(progress);
+    return run_drill("Drilling " + path.name, ct ? &*ct : nullptr, bone, path, options->drill, options->folder,
+                     progress);
+  };
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/json_file.h"
+#include "core/drill/drill_path.h"
+
+namespace spinaltap {
+
+/// The options of commands that take a path from the command line.
+struct PathOptions {
+  std::vector<double> entry_mm;   ///< empty or three numbers, patient LPS
+  std::vector<double> target_mm;  ///< empty or three numbers, patient LPS
+  DrillBit bit;
+
+  /// Adds --entry, --target, --diameter, --bit-length and --tip-length.
+  void add_to(CLI::App& app);
+  /// The path that was given, if one was. Throws Error when only half of it was.
+  std::optional<DrillPath> given_path(const std::string& name) const;
+};
+
+/// Prints paths and gives them as JSON.
+Json report_paths(const std::vector<DrillPath>& paths);
+
+}  // namespace spinaltap
