@@ -111,7 +111,8 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& file) 
   DicomHeader header;
   header.file = file;
   const auto may_be_ct = [&] {
-    return header.sop_class.empty() || header.sop_class == kCtImageStorage || header.modality == "CT";
+    return header.sop_class == kCtImageStorage || header.modality == "CT" ||
+           (header.sop_class.empty() && header.modality.empty());
   };
   try {
     for (DicomElement element; walker.next(element) && take(walker, element, header);) {
@@ -120,9 +121,10 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& file) 
     if (may_be_ct()) throw;
     return std::nullopt;
   }
-  if (header.rows != 0 || header.columns != 0) return header;
-  if (header.sop_class == kCtImageStorage) {
-    fail("expected a CT slice, found no Rows and Columns (cut short?) in ", file.string());
+  if (header.rows >= 0 && header.columns >= 0) return header;
+  // Other objects of modality CT have no pixels: structured reports, raw data.
+  if (header.sop_class == kCtImageStorage || (header.sop_class.empty() && may_be_ct())) {
+    fail("expected Rows and Columns of a CT slice, found none (file cut short?) in ", file.string());
   }
   return std::nullopt;
 }

@@ -18,8 +18,8 @@ struct DicomHeader {
   std::string series_uid;
   std::string modality;
   std::string photometric;  ///< "MONOCHROME2", ...
-  int columns = 0;
-  int rows = 0;
+  int columns = -1;         ///< -1 while missing
+  int rows = -1;
   int samples = 1;  ///< per pixel
   int bits_allocated = 0;
   int bits_stored = 0;
