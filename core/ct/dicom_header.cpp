@@ -1,9 +1,7 @@
 #include "core/ct/dicom_header.h"
 
-#include <charconv>
-#include <limits>
-
 #include "core/base/error.h"
+#include "core/ct/dicom_decimal.h"
 
 namespace spinaltap {
 namespace {
@@ -107,31 +105,14 @@ bool take(DicomElementWalker& walker, const DicomElement& element, DicomHeader& 
 
 }  // namespace
 
-std::vector<double> parse_decimal_string(std::string_view text) {
-  std::vector<double> values;
-  if (text.empty()) return values;
-  while (true) {
-    const std::size_t end = text.find('\\');
-    std::string_view part = text.substr(0, end);
-    while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
-    while (!part.empty() && part.back() == ' ') part.remove_suffix(1);
-    if (!part.empty() && part.front() == '+') part.remove_prefix(1);
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    const bool is_number = error == std::errc{} && stop == part.data() + part.size() && !part.empty();
-    values.push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
-    if (end == std::string_view::npos) return values;
-    text.remove_prefix(end + 1);
-  }
-}
-
 std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& file) {
   DicomElementWalker walker;
   if (!walker.open(file)) return std::nullopt;
   DicomHeader header;
   header.file = file;
   const auto may_be_ct = [&] {
-    return header.sop_class.empty() || header.sop_class == kCtImageStorage || header.modality == "CT";
+    return header.sop_class == kCtImageStorage || header.modality == "CT" ||
+           (header.sop_class.empty() && header.modality.empty());
   };
   try {
     for (DicomElement element; walker.next(element) && take(walker, element, header);) {
@@ -140,9 +121,10 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& file) 
     if (may_be_ct()) throw;
     return std::nullopt;
   }
-  if (header.rows != 0 || header.columns != 0) return header;
-  if (header.sop_class == kCtImageStorage) {
-    fail("expected a CT slice, found no Rows and Columns (cut short?) in ", file.string());
+  if (header.rows >= 0 && header.columns >= 0) return header;
+  // Other objects of modality CT have no pixels: structured reports, raw data.
+  if (header.sop_class == kCtImageStorage || (header.sop_class.empty() && may_be_ct())) {
+    fail("expected Rows and Columns of a CT slice, found none (file cut short?) in ", file.string());
   }
   return std::nullopt;
 }

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/ct/dicom_elements.h"
@@ -19,8 +18,8 @@ struct DicomHeader {
   std::string series_uid;
   std::string modality;
   std::string photometric;  ///< "MONOCHROME2", ...
-  int columns = 0;
-  int rows = 0;
+  int columns = -1;         ///< -1 while missing
+  int rows = -1;
   int samples = 1;  ///< per pixel
   int bits_allocated = 0;
   int bits_stored = 0;
@@ -39,8 +38,5 @@ struct DicomHeader {
 /// Reads all but the pixels. Nothing for a file that is not DICOM, cannot be opened, or is no image.
 /// Throws Error for a file that ends early or is broken and may be a CT slice: it must not be lost in silence.
 std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& file);
-
-/// Numbers of a DICOM decimal string such as "-30\135\-103.2"; NaN for a part that is not a number.
-std::vector<double> parse_decimal_string(std::string_view text);
 
 }  // namespace spinaltap

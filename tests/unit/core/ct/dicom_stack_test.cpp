@@ -1,0 +1,95 @@
+#include "core/ct/dicom_stack.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+using test::error_of;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Slices named a, b, c, ... at the given z, mm.
+std::vector<DicomHeader> slices_at(const std::vector<double>& z_mm) {
+  std::vector<DicomHeader> slices;
+  for (const double z : z_mm) {
+    DicomHeader slice;
+    slice.file = std::string(1, static_cast<char>('a' + slices.size())) + ".dcm";
+    slice.columns = slice.rows = 8;
+    slice.position_mm = {10.0, 20.0, z};
+    slice.orientation = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+    slice.pixel_spacing_mm = {0.5, 0.5};
+    slices.push_back(slice);
+  }
+  return slices;
+}
+
+template <class Change>
+std::string error_with(const Change& change) {
+  std::vector<DicomHeader> slices = slices_at({0, 1, 2, 3});
+  change(slices);
+  return error_of([&] { stack_slices(slices); });
+}
+
+std::string error_at(const std::vector<double>& z_mm) {
+  return error_of([&] { stack_slices(slices_at(z_mm)); });
+}
+
+TEST(StackSlices, NamesTheSlicesAroundAMissingOne) {
+  EXPECT_THAT(error_at({0, 1, 2, 4, 5}),
+              AllOf(HasSubstr("a slice is missing: expected a step of 1 mm, found 2 mm between c.dcm and d.dcm")));
+  EXPECT_THAT(error_at({0, 1, 2, 6, 7, 8}), HasSubstr("slices are missing: expected a step of 1 mm, found 4 mm"));
+}
+
+TEST(StackSlices, NamesTwoSlicesAtOnePosition) {
+  EXPECT_THAT(error_at({0, 1, 2, 1, 3}), AllOf(HasSubstr("two"), HasSubstr("b.dcm and d.dcm")));
+  EXPECT_THAT(error_at({0, 0, 1, 1, 2, 2}), HasSubstr("a.dcm and b.dcm"));
+  EXPECT_THAT(error_at({5, 5}), HasSubstr("a.dcm and b.dcm"));
+}
+
+TEST(StackSlices, NamesTheSliceOfAnUnevenStep) {
+  EXPECT_THAT(error_at({0, 1, 2.3, 3.3, 4.3}), AllOf(HasSubstr("uneven"), HasSubstr("b.dcm and c.dcm")));
+  EXPECT_THAT(error_at({0, 1, 2, 3.05, 4.05}), AllOf(HasSubstr("uneven"), HasSubstr("c.dcm and d.dcm")));
+}
+
+TEST(StackSlices, RefusesFewerThanTwoSlices) {
+  EXPECT_THAT(error_at({0}), AllOf(HasSubstr("at least two slices, found 1"), HasSubstr("a.dcm")));
+  EXPECT_THAT(error_at({}), HasSubstr("found 0"));
+}
+
+TEST(StackSlices, RefusesATiltedGantryAndSaysTheAngle) {
+  const std::string message = error_with([](std::vector<DicomHeader>& slices) {
+    for (DicomHeader& slice : slices) slice.position_mm[1] += slice.position_mm[2] * std::tan(15.0 * M_PI / 180.0);
+  });
+  EXPECT_THAT(message, AllOf(HasSubstr("gantry tilt of about 15 degrees")));
+}
+
+TEST(StackSlices, NamesASliceShiftedSideways) {
+  EXPECT_THAT(error_with([](std::vector<DicomHeader>& slices) { slices[2].position_mm[0] += 0.2; }),
+              AllOf(HasSubstr("sideways by 0.2 mm"), HasSubstr("c.dcm")));
+}
+
+TEST(StackSlices, RefusesNumbersThatAreMissingOrNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(error_with([&](auto& slices) {
+                slices[1].pixel_spacing_mm = {nan, 0.5};
+              }),
+              AllOf(HasSubstr("PixelSpacing above 0 mm, found nan"), HasSubstr("b.dcm")));
+  EXPECT_THAT(error_with([](auto& slices) { slices[1].pixel_spacing_mm = {0.5, 0.0}; }), HasSubstr("found 0 in b.dcm"));
+  EXPECT_THAT(error_with([](auto& slices) { slices[1].pixel_spacing_mm = {0.6, 0.5}; }), HasSubstr("b.dcm"));
+  EXPECT_THAT(error_with([](auto& slices) { slices[1].pixel_spacing_mm = {}; }), HasSubstr("found 0 in b.dcm"));
+  EXPECT_THAT(error_with([&](auto& slices) { slices[1].position_mm[2] = nan; }), HasSubstr("b.dcm"));
+  EXPECT_THAT(error_with([](auto& slices) { slices[1].position_mm = {}; }),
+              HasSubstr("expected 3 numbers in ImagePositionPatient, found 0 in b.dcm"));
+  EXPECT_THAT(error_with([](auto& slices) { slices[0].orientation = {1, 0, 0, 1, 0, 0}; }), HasSubstr("right angles"));
+  EXPECT_THAT(error_with([](auto& slices) { slices[0].orientation = {1, 0, 0}; }), HasSubstr("6 numbers"));
+}
+
+}  // namespace
+}  // namespace spinaltap
