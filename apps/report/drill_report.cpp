@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "apps/report/depth_bins.h"
 #include "apps/report/slice_figure.h"
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
@@ -20,25 +21,28 @@ using Curve = std::vector<double>;
 
 constexpr double kHapticRate = 1000.0;  ///< cycles per second that a steady force needs
 constexpr double kPlotHeight = 230.0;
+constexpr std::size_t kDepthBins = 480;  ///< about two drawing units each
 
 std::string position(const Vec3& p) {
   return readable_number(p.x(), 1) + ", " + readable_number(p.y(), 1) + ", " + readable_number(p.z(), 1);
 }
 
-/// Smallest, largest and median of the finite values.
+/// Smallest, largest and median of the finite values; NaN where there is none.
 struct Spread {
   double least = std::numeric_limits<double>::quiet_NaN();
   double most = std::numeric_limits<double>::quiet_NaN();
   double median = std::numeric_limits<double>::quiet_NaN();
 };
 
-Spread spread(Curve values) {
-  std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  const double median = values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-  return {values.front(), values.back(), median};
+Spread spread(const Curve& values) {
+  Spread result;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    result.least = std::fmin(result.least, value);
+    result.most = std::fmax(result.most, value);
+  }
+  result.median = finite_median(values);
+  return result;
 }
 
 void check(const DrillReportData& data) {
@@ -96,10 +100,10 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   const auto add = [&](const char* name, double value, int decimals, const char* unit) {
     if (std::isfinite(value)) rows.push_back({name, readable_number(value, decimals), unit});
   };
-  add("Density, median along the path", spread(data.density_hu).median, 0, "HU");
-  add("Density, median along the path", spread(data.density_g_per_cm3).median, 2, "g/cm³");
-  add("Thrust, greatest", spread(data.thrust_N).most, 1, "N");
-  add("Engine, slowest", spread(data.cycles_per_s).least, 0, "cycles/s");
+  add("Median density", spread(data.density_hu).median, 0, "HU");
+  add("Median density", spread(data.density_g_per_cm3).median, 2, "g/cm³");
+  add("Greatest thrust", spread(data.thrust_N).most, 1, "N");
+  add("Slowest engine cycle", spread(data.cycles_per_s).least, 0, "cycles/s");
   return rows;
 }
 
@@ -155,7 +159,13 @@ class DepthPlots {
     plot.x_unit = "mm";
     plot.y_label = y_label;
     plot.y_unit = y_unit;
-    plot.series = {{y_label, data_.depth_mm, y}};
+    if (y.size() < 4 * kDepthBins) {
+      plot.series = {{y_label, data_.depth_mm, y}};
+    } else {  // a thousand cycles a mm would be a thick blur
+      const DepthBins bins = bin_by_depth(data_.depth_mm, y, kDepthBins);
+      plot.series = {{"median", bins.depth, bins.median}};
+      plot.bands = {{"least to greatest", bins.depth, bins.least, bins.greatest}};
+    }
     plot.markers = {{0.0, "Entry"}, {data_.path.length_mm(), "Target"}};
     const Spread depths = spread(data_.depth_mm);  // all panels reach as far
     plot.x_low = depths.least;

@@ -24,7 +24,7 @@ header { border-bottom: 3px solid #0072b2; padding-bottom: 12px; margin-bottom: 
 h1 { font-size: 28px; line-height: 1.2; margin: 0 0 6px; overflow-wrap: anywhere; }
 h2 { font-size: 20px; margin: 34px 0 12px; padding-bottom: 4px; border-bottom: 1px solid #d9dee2; }
 p { margin: 8px 0; max-width: 82ch; overflow-wrap: anywhere; }
-.purpose { color: #4a545d; font-size: 14px; margin: 0; }
+.purpose { color: #4a545d; font-size: 14px; margin: 0; max-width: none; }
 .purpose strong { color: #a33b00; }
 .note { border-left: 4px solid #e69f00; background: #fdf6e6; padding: 8px 14px; margin: 12px 0; max-width: none; }
 .tables { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 0 36px; }
@@ -32,11 +32,13 @@ table { width: 100%; border-collapse: collapse; font-size: 15px; align-self: sta
 tr { border-bottom: 1px solid #e4e8eb; }
 th, td { padding: 5px 0; vertical-align: baseline; }
 th { text-align: left; font-weight: 400; color: #4a545d; padding-right: 16px; }
-td.value { text-align: right; font-variant-numeric: tabular-nums; font-weight: 600; overflow-wrap: anywhere; }
-td.unit { width: 5.5em; padding-left: 8px; color: #4a545d; white-space: nowrap; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 18px; }
+td.value { text-align: right; font-variant-numeric: tabular-nums; font-weight: 600; white-space: nowrap; }
+td.long { white-space: normal; overflow-wrap: anywhere; }
+td.unit { width: 4.6em; padding-left: 8px; color: #4a545d; white-space: nowrap; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 18px;
+  margin-top: 14px; }
 .drawings { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(480px, 100%), 1fr)); gap: 20px;
-  align-items: start; }
+  align-items: start; margin-top: 14px; }
 figure { margin: 0; break-inside: avoid; }
 figure img { display: block; width: 100%; height: auto; border-radius: 3px; }
 figure.wide { margin: 14px 0 20px; }
@@ -59,6 +61,8 @@ constexpr std::string_view kPurpose =
     "<strong>Research and training software, not a medical device.</strong> Not for diagnosis, planning or treatment "
     "of patients.";
 
+constexpr std::size_t kLongValue = 24;  ///< bytes; longer values may wrap
+
 std::string figure(const std::string& content, const std::string& caption, std::string_view attributes = "") {
   std::string html = "<figure" + std::string(attributes) + ">\n" + content;
   if (!caption.empty()) html += "<figcaption>" + escape_html(caption) + "</figcaption>\n";
@@ -68,8 +72,9 @@ std::string figure(const std::string& content, const std::string& caption, std::
 std::string table(std::span<const ReportRow> rows) {
   std::string html = "<table>\n";
   for (const ReportRow& row : rows) {
-    html += "<tr><th scope=\"row\">" + escape_html(row.name) + "</th><td class=\"value\">" + escape_html(row.value) +
-            "</td><td class=\"unit\">" + escape_html(row.unit) + "</td></tr>\n";
+    const bool is_long = row.value.size() > kLongValue;
+    html += "<tr><th scope=\"row\">" + escape_html(row.name) + "</th><td class=\"value" + (is_long ? " long" : "") +
+            "\">" + escape_html(row.value) + "</td><td class=\"unit\">" + escape_html(row.unit) + "</td></tr>\n";
   }
   return html + "</table>\n";
 }

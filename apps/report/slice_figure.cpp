@@ -50,18 +50,17 @@ class SliceDrawing {
     const PixelPolygon projection = in_units(bit_projection(frame_, path.bit, pose));
     const PixelPolygon section = in_units(bit_section(frame_, path.bit, pose));
     if (!holds_path(path)) {
-      add_polygon(projection,
-                  "fill-opacity=\"0.10\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\" stroke-opacity=\"0.85\"");
+      add_polygon(projection, "fill-opacity=\"0.10\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\"");
     }
     if (!section.empty()) add_polygon(section, "fill-opacity=\"0.28\" stroke-width=\"1.8\"");
     placer_.avoid_shape(projection);
   }
 
   void add_axis(const DrillPath& path) {
-    const Point entry = in_units(path.entry_mm);
-    const Point target = in_units(path.target_mm);
-    svg_ += "<path d=\"M" + point(entry) + "L" + point(target) +
-            "\" fill=\"none\" stroke=\"#fff\" stroke-width=\"1.2\" stroke-dasharray=\"9 3 2 3\"/>\n";
+    const std::string line =
+        "<path d=\"M" + point(in_units(path.entry_mm)) + "L" + point(in_units(path.target_mm)) + "\" ";
+    svg_ += line + "stroke=\"#000\" stroke-opacity=\"0.35\" stroke-width=\"2.6\"/>" + line +
+            "stroke=\"#fff\" stroke-width=\"1.2\" stroke-dasharray=\"9 3 2 3\"/>\n";
   }
 
   /// The markers first, then their labels, which keep clear of both.
@@ -122,11 +121,13 @@ class SliceDrawing {
     return away_pixels * frame_.pixel_mm < 0.01;
   }
 
+  /// Over a dark line, for bone is as bright as the bit's colour.
   void add_polygon(const PixelPolygon& polygon, const std::string& style) {
-    svg_ += "<polygon points=\"";
-    for (const Point& p : polygon) svg_ += point(p) + " ";
-    svg_ += "\" fill=\"" + std::string(kBitColour) + "\" stroke=\"" + std::string(kBitColour) +
-            "\" stroke-linejoin=\"round\" " + style + "/>\n";
+    std::string points = "<polygon points=\"";
+    for (const Point& p : polygon) points += (&p == &polygon.front() ? "" : " ") + point(p);
+    points += "\" stroke-linejoin=\"round\" ";
+    svg_ += points + "fill=\"none\" stroke=\"#000\" stroke-opacity=\"0.35\" stroke-width=\"3\"/>" + points + "fill=\"" +
+            std::string(kBitColour) + "\" stroke=\"" + std::string(kBitColour) + "\" " + style + "/>\n";
   }
 
   void add_text(const std::string& text, const Point& place, std::string_view anchor, std::string_view colour,

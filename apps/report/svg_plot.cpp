@@ -102,9 +102,8 @@ class PlotDrawing {
   explicit PlotDrawing(const Plot& plot) : plot_(plot) {
     const Range xs = x_range(plot);
     const Range ys = y_range(plot);
-    empty_ = ys.empty();
     x_ticks_ = linear_ticks(xs.low(), xs.high(), 12);
-    y_ticks_ = plot.log_y ? log_ticks(empty_ ? 1.0 : ys.low(), empty_ ? 10.0 : ys.high())
+    y_ticks_ = plot.log_y ? log_ticks(ys.empty() ? 1.0 : ys.low(), ys.empty() ? 10.0 : ys.high())
                           : linear_ticks(ys.low(), ys.high(), plot.height < 240.0 ? 4 : 6);
     // The curve fills the width, though it may not end on a tick.
     const bool fills = xs.high() > xs.low();
@@ -149,6 +148,7 @@ class PlotDrawing {
       const PlotRun back = thinned(low, kColumn);
       edge.insert(edge.end(), back.rbegin(), back.rend());
       if (high.size() > 1) {
+        drew_ = true;
         svg_ += "<path d=\"" + path_data(edge) + "Z\" fill=\"" + std::string(fill) + "\" fill-opacity=\"0.18\"/>\n";
       }
       low.clear();
@@ -184,6 +184,7 @@ class PlotDrawing {
       data += path_data(thinned(series.step ? stepped(run) : run, kColumn));
     }
     if (data.empty()) return;
+    drew_ = true;
     svg_ += "<path d=\"" + data + "\" fill=\"none\" stroke=\"" + std::string(stroke) +
             "\" stroke-width=\"1.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
   }
@@ -198,7 +199,7 @@ class PlotDrawing {
     svg_ += label(x_middle, y_.from + 40.0, "middle", with_unit(plot_.x_label, plot_.x_unit));
     svg_ += label(0.0, 0.0, "middle", with_unit(plot_.y_label, plot_.y_unit),
                   "transform=\"translate(18 " + svg_number(y_middle) + ") rotate(-90)\"");
-    if (empty_) svg_ += label(x_middle, y_middle, "middle", "no data", "fill=\"#5b6670\" font-style=\"italic\"");
+    if (!drew_) svg_ += label(x_middle, y_middle, "middle", "no data", "fill=\"#5b6670\" font-style=\"italic\"");
   }
 
   /// On the title's line, from the right.
@@ -216,17 +217,17 @@ class PlotDrawing {
     double right = x_.to;
     for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
       const std::string paint(entry->colour);
-      svg_ += label(right, 18.0, "end", entry->name);
       const double left = right - text_width(entry->name, kFontSize) - 30.0;
       svg_ += entry->area
                   ? line(left, 13.5, left + 22.0, 13.5, "stroke=\"" + paint + "\" stroke-width=\"10\" opacity=\"0.3\"")
                   : line(left, 13.5, left + 22.0, 13.5, "stroke=\"" + paint + "\" stroke-width=\"2.5\"");
-      right = left - 18.0;
+      svg_ += label(left + 28.0, 18.0, "start", entry->name);
+      right = left - 14.0;
     }
   }
 
   const Plot& plot_;
-  bool empty_ = false;
+  bool drew_ = false;  ///< any curve or band
   AxisTicks x_ticks_;
   AxisTicks y_ticks_;
   AxisScale x_;
