@@ -19,9 +19,10 @@ namespace {
 
 using Curve = std::vector<double>;
 
-constexpr double kHapticRate = 1000.0;  ///< cycles per second that a steady force needs
+constexpr double kHapticRate = 1000.0;      ///< cycles per second that a steady force needs
+constexpr double kMaxSlicePixels = 1200.0;  ///< along a crop's longest side: coarser pixels beyond 240 mm
 constexpr double kPlotHeight = 230.0;
-constexpr std::size_t kDepthBins = 480;  ///< about two drawing units each
+constexpr std::size_t kDepthBins = 480;  ///< under two drawing units each
 
 std::string position(const Vec3& p) {
   return readable_number(p.x(), 1) + ", " + readable_number(p.y(), 1) + ", " + readable_number(p.z(), 1);
@@ -122,12 +123,13 @@ void add_slices(const DrillReportData& data, HtmlReport& report) {
     std::string caption;
   };
   const Box3 box = shown_box(data);
+  const double pixel_mm = std::max(0.2, box.sizes().maxCoeff() / kMaxSlicePixels);
   const Vec3 middle_mm = 0.5 * (data.path.entry_mm + data.path.target_mm);
   const auto standard = [&](Plane plane) {
-    const SliceFrame frame = plane_frame(plane, middle_mm, box);
+    const SliceFrame frame = plane_frame(plane, middle_mm, box, pixel_mm);
     return View{frame, plane_caption(plane, frame)};
   };
-  const SliceFrame along = path_frame(data.path, box);
+  const SliceFrame along = path_frame(data.path, box, pixel_mm);
   std::array<View, 4> views{View{along, path_caption(along)}, standard(Plane::kAxial), standard(Plane::kSagittal),
                             standard(Plane::kCoronal)};
   // One scale for all four, and one height for the two side by side.

@@ -48,9 +48,14 @@ footer { margin-top: 36px; padding-top: 10px; border-top: 1px solid #d9dee2; col
 @media (max-width: 640px) { main { padding: 16px; } }
 @media print {
   @page { margin: 14mm; }
-  body { background: #fff; font-size: 11pt; }
+  body { background: #fff; }
   main { max-width: none; padding: 0; }
-  h2 { break-after: avoid; }
+  h1 { font-size: 18pt; }
+  h2 { font-size: 13pt; margin-top: 16pt; }
+  h2, h2 + p { break-after: avoid; }
+  body, .note { font-size: 10pt; }
+  table, .purpose, figcaption { font-size: 8.5pt; }
+  .tables { grid-template-columns: 1fr 1fr; gap: 0 20px; }
   .drawings { grid-template-columns: 1fr 1fr; gap: 10px; }
   .pictures { grid-template-columns: repeat(3, 1fr); gap: 10px; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }

@@ -43,7 +43,7 @@ struct Plot {
   /// Where the x axis must reach at least, to align plots; NaN: no further than the data.
   double x_low = std::numeric_limits<double>::quiet_NaN();
   double x_high = std::numeric_limits<double>::quiet_NaN();
-  double width = 1060.0;  ///< drawing units; the text is 13 units high
+  double width = 940.0;  ///< drawing units; the text is 13 units high
   double height = 300.0;
 };
 

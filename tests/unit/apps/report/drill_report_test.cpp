@@ -145,6 +145,13 @@ TEST(DrillReport, LeavesOutPartsWithoutData) {
   expect_balanced(html);
 }
 
+TEST(DrillReport, ShowsLargeBoundsWithCoarserPixels) {
+  const CtVolume ct = small_ct();
+  DrillReportData data = full_data(ct);
+  data.bone_bounds_mm = Box3(Vec3(-900, -900, -900), Vec3(900, 900, 900));
+  EXPECT_EQ(count(drill_report(data), "<svg class=\"slice\""), 4U);
+}
+
 TEST(DrillReport, DrawsCurvesThatHoldNoFiniteValue) {
   DrillReportData data;
   data.path.target_mm = {0, -30, 0};
