@@ -1,0 +1,238 @@
+#include "apps/report/drill_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "apps/report/depth_bins.h"
+#include "apps/report/slice_figure.h"
+#include "apps/report/svg_plot.h"
+#include "apps/report/text.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+using Curve = std::vector<double>;
+
+constexpr double kHapticRate = 1000.0;      ///< cycles per second that a steady force needs
+constexpr double kMaxSlicePixels = 1200.0;  ///< along a crop's longest side: coarser pixels beyond 240 mm
+constexpr double kPlotHeight = 230.0;
+constexpr std::size_t kDepthBins = 480;  ///< under two drawing units each
+
+std::string position(const Vec3& p) {
+  return readable_number(p.x(), 1) + ", " + readable_number(p.y(), 1) + ", " + readable_number(p.z(), 1);
+}
+
+/// Smallest, largest and median of the finite values; NaN where there is none.
+struct Spread {
+  double least = std::numeric_limits<double>::quiet_NaN();
+  double most = std::numeric_limits<double>::quiet_NaN();
+  double median = std::numeric_limits<double>::quiet_NaN();
+};
+
+Spread spread(const Curve& values) {
+  Spread result;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    result.least = std::fmin(result.least, value);
+    result.most = std::fmax(result.most, value);
+  }
+  result.median = finite_median(values);
+  return result;
+}
+
+void check(const DrillReportData& data) {
+  if (!(data.path.length_mm() > 0.0))
+    fail("drill report: expected a path longer than 0 mm, found ", data.path.length_mm());
+  const std::array<std::pair<const char*, const Curve*>, 5> curves{{{"density_hu", &data.density_hu},
+                                                                    {"density_g_per_cm3", &data.density_g_per_cm3},
+                                                                    {"thrust_N", &data.thrust_N},
+                                                                    {"cycles_per_s", &data.cycles_per_s},
+                                                                    {"removed_points", &data.removed_points}}};
+  for (const auto& [name, curve] : curves) {
+    if (!curve->empty() && curve->size() != data.depth_mm.size()) {
+      fail("drill report: expected ", data.depth_mm.size(), " values of ", name, ", one a depth, found ",
+           curve->size());
+    }
+  }
+}
+
+/// The angle by which a direction leans, with the side it leans to: "12.3° to the right".
+std::string lean(double angle_rad, std::string_view positive, std::string_view negative) {
+  const std::string size = readable_number(std::abs(angle_rad) * 180.0 / std::numbers::pi, 1);
+  return size == "0.0" ? size + "°" : size + "° to the " + std::string(angle_rad > 0.0 ? positive : negative);
+}
+
+std::vector<ReportRow> summary(const DrillReportData& data) {
+  const DrillPath& path = data.path;
+  const Vec3 direction = path.direction();
+  std::vector<ReportRow> rows;
+  if (!path.name.empty()) rows.push_back({"Path", path.name, ""});
+  rows.push_back({"Length, entry to target", readable_number(path.length_mm(), 1), "mm"});
+  rows.push_back({"Entry (x, y, z)", position(path.entry_mm), "mm"});
+  rows.push_back({"Target (x, y, z)", position(path.target_mm), "mm"});
+  const double across = direction.head<2>().norm();
+  if (across > 1e-6) {
+    // Seen from the feet: away from the sagittal plane, whether the path runs forward or back.
+    rows.push_back(
+        {"Leans in the axial plane", lean(std::atan2(direction.x(), std::abs(direction.y())), "left", "right"), ""});
+  }
+  rows.push_back({"Leans out of the axial plane", lean(std::atan2(direction.z(), across), "head", "feet"), ""});
+  rows.push_back({"Bit, diameter × length",
+                  readable_number(path.bit.diameter_mm, 1) + " × " + readable_number(path.bit.length_mm, 1), "mm"});
+  rows.push_back({"Bit, conical tip", readable_number(path.bit.tip_length_mm, 1), "mm"});
+  if (data.ct != nullptr) {
+    const GridGeometry& grid = data.ct->geometry;
+    rows.push_back(
+        {"CT, voxels",
+         std::to_string(grid.size[0]) + " × " + std::to_string(grid.size[1]) + " × " + std::to_string(grid.size[2]),
+         ""});
+    rows.push_back({"CT, voxel size",
+                    readable_number(grid.spacing_mm.x(), 3) + " × " + readable_number(grid.spacing_mm.y(), 3) + " × " +
+                        readable_number(grid.spacing_mm.z(), 3),
+                    "mm"});
+    if (!data.ct->source_hash.empty()) rows.push_back({"CT, fingerprint", data.ct->source_hash, ""});
+  }
+  const auto add = [&](const char* name, double value, int decimals, const char* unit) {
+    if (std::isfinite(value)) rows.push_back({name, readable_number(value, decimals), unit});
+  };
+  add("Median density", spread(data.density_hu).median, 0, "HU");
+  add("Median density", spread(data.density_g_per_cm3).median, 2, "g/cm³");
+  add("Greatest thrust", spread(data.thrust_N).most, 1, "N");
+  add("Slowest engine cycle", spread(data.cycles_per_s).least, 0, "cycles/s");
+  return rows;
+}
+
+/// What the slices show: the bone and the path with some room around.
+Box3 shown_box(const DrillReportData& data) {
+  Box3 box = data.bone_bounds_mm;
+  const double room_mm = box.isEmpty() ? 25.0 : 5.0;
+  box.extend(data.path.entry_mm);
+  box.extend(data.path.target_mm);
+  return Box3(box.min() - Vec3::Constant(room_mm), box.max() + Vec3::Constant(room_mm));
+}
+
+void add_slices(const DrillReportData& data, HtmlReport& report) {
+  struct View {
+    SliceFrame frame;
+    std::string caption;
+  };
+  const Box3 box = shown_box(data);
+  const double pixel_mm = std::max(0.2, box.sizes().maxCoeff() / kMaxSlicePixels);
+  const Vec3 middle_mm = 0.5 * (data.path.entry_mm + data.path.target_mm);
+  const auto standard = [&](Plane plane) {
+    const SliceFrame frame = plane_frame(plane, middle_mm, box, pixel_mm);
+    return View{frame, plane_caption(plane, frame)};
+  };
+  const SliceFrame along = path_frame(data.path, box, pixel_mm);
+  std::array<View, 4> views{View{along, path_caption(along)}, standard(Plane::kAxial), standard(Plane::kSagittal),
+                            standard(Plane::kCoronal)};
+  // One scale for all four, and one height for the two side by side.
+  int width = 0;
+  for (const View& view : views) width = std::max(width, view.frame.width);
+  std::vector<ReportDrawing> drawings;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const SliceFrame frame = grown_to(views[i].frame, width, views[i ^ 1U].frame.height);
+    drawings.push_back({slice_svg(ct_slice(*data.ct, frame), data.path, views[i].caption), views[i].caption});
+  }
+  report.add_heading("CT with the planned hole");
+  report.add_text(
+      "Planes through the middle of the path, bone window (level 500, width 1,800 HU), all at one scale. Blue and "
+      "solid: "
+      "where the plane cuts the bit at the target, at its true width. Dashed: the bit projected onto the plane. Axial "
+      "is "
+      "seen from the feet, coronal from the front, sagittal from the patient's left.");
+  report.add_svgs(drawings);
+}
+
+class DepthPlots {
+ public:
+  DepthPlots(const DrillReportData& data, HtmlReport& report) : data_(data), report_(report) {}
+
+  Plot plot(const std::string& title, const std::string& y_label, const std::string& y_unit, const Curve& y) const {
+    Plot plot;
+    plot.title = title;
+    plot.x_label = "depth of the tip";
+    plot.x_unit = "mm";
+    plot.y_label = y_label;
+    plot.y_unit = y_unit;
+    if (y.size() < 4 * kDepthBins) {
+      plot.series = {{y_label, data_.depth_mm, y}};
+    } else {  // a thousand cycles a mm would be a thick blur
+      const DepthBins bins = bin_by_depth(data_.depth_mm, y, kDepthBins);
+      plot.series = {{"median", bins.depth, bins.median}};
+      plot.bands = {{"least to greatest", bins.depth, bins.least, bins.greatest}};
+    }
+    plot.markers = {{0.0, "Entry"}, {data_.path.length_mm(), "Target"}};
+    const Spread depths = spread(data_.depth_mm);  // all panels reach as far
+    plot.x_low = depths.least;
+    plot.x_high = depths.most;
+    plot.height = kPlotHeight;
+    return plot;
+  }
+
+  void add(const std::string& title, const std::string& y_label, const std::string& y_unit, const Curve& y,
+           bool from_zero = true) {
+    if (y.empty()) return;
+    Plot panel = plot(title, y_label, y_unit, y);
+    panel.y_from_zero = from_zero;
+    report_.add_svg(svg_plot(panel));
+  }
+
+ private:
+  const DrillReportData& data_;
+  HtmlReport& report_;
+};
+
+void add_speed(const DrillReportData& data, HtmlReport& report) {
+  if (data.cycles_per_s.empty()) return;
+  const Spread speed = spread(data.cycles_per_s);
+  Plot plot = DepthPlots(data, report).plot("Speed of the drill engine", "cycles per second", "", data.cycles_per_s);
+  plot.log_y = speed.least > 0.0 && speed.most > 20.0 * speed.least;
+  plot.y_from_zero = true;
+  plot.height = 300.0;
+  report.add_heading("Speed along the depth");
+  std::string caption;
+  if (std::isfinite(speed.least)) {
+    caption = "Slowest " + readable_number(speed.least, 0) + ", median " + readable_number(speed.median, 0) +
+              " cycles per second; haptic devices ask for " + readable_number(kHapticRate, 0) + ".";
+  }
+  report.add_svg(svg_plot(plot), caption);
+}
+
+}  // namespace
+
+std::string drill_report(const DrillReportData& data) {
+  check(data);
+  HtmlReport report(data.title);
+  report.add_heading("Summary");
+  report.add_table(summary(data));
+  for (const std::string& note : data.notes) report.add_note(note);
+  if (data.ct != nullptr) add_slices(data, report);
+  if (!data.renders.empty()) {
+    report.add_heading("The bone before and after");
+    report.add_pictures(data.renders);
+  }
+  if (!data.density_hu.empty() || !data.density_g_per_cm3.empty() || !data.thrust_N.empty() ||
+      !data.removed_points.empty()) {
+    report.add_heading("Density and thrust along the depth");
+    DepthPlots plots(data, report);
+    plots.add("Density of the bone removed", "density", "HU", data.density_hu);
+    plots.add("Density of the bone removed", "density", "g/cm³", data.density_g_per_cm3);
+    plots.add("Thrust", "thrust", "N", data.thrust_N);
+    plots.add("Points removed at each step", "points", "", data.removed_points);
+  }
+  add_speed(data, report);
+  if (!data.figures.empty()) {
+    report.add_heading("Figures");
+    report.add_table(data.figures);
+  }
+  return report.html();
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "apps/report/html_report.h"
+#include "core/ct/ct_volume.h"
+#include "core/drill/drill_path.h"
+
+namespace spinaltap {
+
+/// What a drilling was and how it went. The curves share `depth_mm`: each is empty or as long as it.
+struct DrillReportData {
+  std::string title;
+  const CtVolume* ct = nullptr;  ///< for the slices; none without it
+  DrillPath path;
+  Box3 bone_bounds_mm;  ///< patient LPS; empty: a box around the path
+
+  std::vector<ReportPicture> renders;  ///< the bone before and after, from two sides, and cut open
+
+  std::vector<double> depth_mm;           ///< of the tip along the path: 0 at the entry
+  std::vector<double> density_hu;         ///< mean of the bone removed there; NaN where none was
+  std::vector<double> density_g_per_cm3;  ///< the same by the material law
+  std::vector<double> thrust_N;
+  std::vector<double> cycles_per_s;    ///< how fast the engine's step ran there
+  std::vector<double> removed_points;  ///< at that step, not summed
+
+  std::vector<ReportRow> figures;  ///< further values for the last table
+  std::vector<std::string> notes;
+};
+
+/// The report on a drilling as one self-contained HTML file. Parts without data are left out.
+/// Throws Error when a curve's length is not that of `depth_mm`, or the path has no length.
+std::string drill_report(const DrillReportData& data);
+
+}  // namespace spinaltap

@@ -1,0 +1,248 @@
+#include "apps/report/svg_plot.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "apps/report/label_place.h"
+#include "apps/report/plot_curve.h"
+#include "apps/report/plot_ticks.h"
+#include "apps/report/text.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+// Okabe & Ito's colours for all kinds of colour vision, those that are dark enough on white.
+constexpr std::array<std::string_view, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#B58900"};
+constexpr double kFontSize = 13.0;
+constexpr double kColumn = 0.5;  ///< of a thinned curve, drawing units
+constexpr double kLeft = 76.0;
+constexpr double kRight = 18.0;
+constexpr double kTop = 34.0;
+constexpr double kMarkerRow = 18.0;
+constexpr double kBottom = 50.0;
+
+void check_lengths(const Plot& plot) {
+  for (const PlotSeries& s : plot.series) {
+    if (s.x.size() != s.y.size()) fail("plot: curve ", s.name, " has ", s.x.size(), " x and ", s.y.size(), " y values");
+  }
+  for (const PlotBand& b : plot.bands) {
+    if (b.x.size() != b.low.size() || b.x.size() != b.high.size()) {
+      fail("plot: band ", b.name, " has ", b.x.size(), " x, ", b.low.size(), " low and ", b.high.size(),
+           " high values");
+    }
+  }
+}
+
+/// Lowest and highest value that can be drawn.
+class Range {
+ public:
+  explicit Range(bool log = false) { scale_.log = log; }
+  void add(double value) {
+    if (!scale_.shows(value)) return;
+    low_ = empty_ ? value : std::min(low_, value);
+    high_ = empty_ ? value : std::max(high_, value);
+    empty_ = false;
+  }
+  void add(const std::vector<double>& values) {
+    for (const double value : values) add(value);
+  }
+  bool empty() const { return empty_; }
+  double low() const { return low_; }
+  double high() const { return high_; }
+
+ private:
+  AxisScale scale_;
+  bool empty_ = true;
+  double low_ = 0.0;
+  double high_ = 1.0;
+};
+
+Range x_range(const Plot& plot) {
+  Range range;
+  for (const PlotSeries& s : plot.series) range.add(s.x);
+  for (const PlotBand& b : plot.bands) range.add(b.x);
+  for (const PlotMarker& m : plot.markers) range.add(m.x);
+  range.add(plot.x_low);
+  range.add(plot.x_high);
+  return range;
+}
+
+Range y_range(const Plot& plot) {
+  Range range(plot.log_y);
+  for (const PlotSeries& s : plot.series) range.add(s.y);
+  for (const PlotBand& b : plot.bands) {
+    range.add(b.low);
+    range.add(b.high);
+  }
+  if (plot.y_from_zero && !plot.log_y) range.add(0.0);
+  return range;
+}
+
+std::string line(double x1, double y1, double x2, double y2, std::string_view style) {
+  return "<path d=\"M" + svg_number(x1) + " " + svg_number(y1) + "L" + svg_number(x2) + " " + svg_number(y2) + "\" " +
+         std::string(style) + "/>\n";
+}
+
+std::string label(double x, double y, std::string_view anchor, std::string_view text, std::string_view style = "") {
+  return "<text x=\"" + svg_number(x) + "\" y=\"" + svg_number(y) + "\" text-anchor=\"" + std::string(anchor) + "\" " +
+         std::string(style) + ">" + escape_html(text) + "</text>\n";
+}
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " (" + unit + ")";
+}
+
+std::string_view colour(std::size_t index) { return kColours[index % kColours.size()]; }
+
+class PlotDrawing {
+ public:
+  explicit PlotDrawing(const Plot& plot) : plot_(plot) {
+    const Range xs = x_range(plot);
+    const Range ys = y_range(plot);
+    x_ticks_ = linear_ticks(xs.low(), xs.high(), 12);
+    y_ticks_ = plot.log_y ? log_ticks(ys.empty() ? 1.0 : ys.low(), ys.empty() ? 10.0 : ys.high())
+                          : linear_ticks(ys.low(), ys.high(), plot.height < 240.0 ? 4 : 6);
+    // The curve fills the width, though it may not end on a tick.
+    const bool fills = xs.high() > xs.low();
+    x_ = {fills ? xs.low() : x_ticks_.low, fills ? xs.high() : x_ticks_.high, kLeft, plot.width - kRight, false};
+    const double top = kTop + (plot.markers.empty() ? 0.0 : kMarkerRow);
+    y_ = {y_ticks_.low, y_ticks_.high, plot.height - kBottom, top, plot.log_y};
+  }
+
+  std::string draw() {
+    add_grid();
+    for (std::size_t i = 0; i < plot_.bands.size(); ++i) add_band(plot_.bands[i], colour(i));
+    add_markers();
+    for (std::size_t i = 0; i < plot_.series.size(); ++i) add_series(plot_.series[i], colour(i));
+    add_frame_and_titles();
+    add_legend();
+    return std::move(svg_);
+  }
+
+ private:
+  void add_grid() {
+    const auto step = [](const AxisTicks& ticks) { return ticks.major[1] - ticks.major[0]; };
+    for (const double value : y_ticks_.minor) {
+      svg_ += line(x_.from, y_(value), x_.to, y_(value), "stroke=\"#eef1f3\"");
+    }
+    for (const double value : y_ticks_.major) {
+      svg_ += line(x_.from, y_(value), x_.to, y_(value), "stroke=\"#d9dee2\"");
+      svg_ += label(x_.from - 8.0, y_(value) + 4.5, "end", tick_label(value, plot_.log_y ? 0.0 : step(y_ticks_)));
+    }
+    const double slack = 1e-9 * (x_.high - x_.low);
+    for (const double value : x_ticks_.major) {
+      if (value < x_.low - slack || value > x_.high + slack) continue;
+      svg_ += line(x_(value), y_.from, x_(value), y_.to, "stroke=\"#d9dee2\"");
+      svg_ += label(x_(value), y_.from + 18.0, "middle", tick_label(value, step(x_ticks_)));
+    }
+  }
+
+  /// One area for every stretch where x and both edges are known.
+  void add_band(const PlotBand& band, std::string_view fill) {
+    PlotRun low, high;
+    const auto flush = [&] {
+      PlotRun edge = thinned(high, kColumn);
+      const PlotRun back = thinned(low, kColumn);
+      edge.insert(edge.end(), back.rbegin(), back.rend());
+      if (high.size() > 1) {
+        drew_ = true;
+        svg_ += "<path d=\"" + path_data(edge) + "Z\" fill=\"" + std::string(fill) + "\" fill-opacity=\"0.18\"/>\n";
+      }
+      low.clear();
+      high.clear();
+    };
+    for (std::size_t i = 0; i < band.x.size(); ++i) {
+      if (x_.shows(band.x[i]) && y_.shows(band.low[i]) && y_.shows(band.high[i])) {
+        low.emplace_back(x_(band.x[i]), y_(band.low[i]));
+        high.emplace_back(x_(band.x[i]), y_(band.high[i]));
+      } else {
+        flush();
+      }
+    }
+    flush();
+  }
+
+  void add_markers() {
+    double taken_to = 0.0;
+    for (const PlotMarker& marker : plot_.markers) {
+      if (!x_.shows(marker.x)) continue;
+      const double x = x_(marker.x);
+      svg_ += line(x, y_.from, x, y_.to - 4.0, "stroke=\"#333b42\" stroke-width=\"1.2\" stroke-dasharray=\"5 4\"");
+      const double half = 0.5 * text_width(marker.label, kFontSize);
+      const double middle = std::min(std::max(x, taken_to + half + 8.0), plot_.width - half - 2.0);
+      taken_to = middle + half;
+      svg_ += label(middle, y_.to - 9.0, "middle", marker.label, "fill=\"#333b42\"");
+    }
+  }
+
+  void add_series(const PlotSeries& series, std::string_view stroke) {
+    std::string data;
+    for (const PlotRun& run : curve_runs(series.x, series.y, x_, y_)) {
+      data += path_data(thinned(series.step ? stepped(run) : run, kColumn));
+    }
+    if (data.empty()) return;
+    drew_ = true;
+    svg_ += "<path d=\"" + data + "\" fill=\"none\" stroke=\"" + std::string(stroke) +
+            "\" stroke-width=\"1.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
+  }
+
+  void add_frame_and_titles() {
+    const double x_middle = 0.5 * (x_.from + x_.to);
+    const double y_middle = 0.5 * (y_.from + y_.to);
+    svg_ += "<rect x=\"" + svg_number(x_.from) + "\" y=\"" + svg_number(y_.to) + "\" width=\"" +
+            svg_number(x_.to - x_.from) + "\" height=\"" + svg_number(y_.from - y_.to) +
+            "\" fill=\"none\" stroke=\"#5b6670\"/>\n";
+    svg_ += label(x_.from, 18.0, "start", plot_.title, "font-weight=\"600\" font-size=\"15\" fill=\"#1a2026\"");
+    svg_ += label(x_middle, y_.from + 40.0, "middle", with_unit(plot_.x_label, plot_.x_unit));
+    svg_ += label(0.0, 0.0, "middle", with_unit(plot_.y_label, plot_.y_unit),
+                  "transform=\"translate(18 " + svg_number(y_middle) + ") rotate(-90)\"");
+    if (!drew_) svg_ += label(x_middle, y_middle, "middle", "no data", "fill=\"#5b6670\" font-style=\"italic\"");
+  }
+
+  /// On the title's line, from the right.
+  void add_legend() {
+    struct Entry {
+      std::string_view name;
+      std::string_view colour;
+      bool area;
+    };
+    std::vector<Entry> entries;
+    for (std::size_t i = 0; i < plot_.series.size(); ++i) entries.push_back({plot_.series[i].name, colour(i), false});
+    for (std::size_t i = 0; i < plot_.bands.size(); ++i) entries.push_back({plot_.bands[i].name, colour(i), true});
+    std::erase_if(entries, [](const Entry& entry) { return entry.name.empty(); });
+    if (entries.size() < 2) return;
+    double right = x_.to;
+    for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+      const std::string paint(entry->colour);
+      const double left = right - text_width(entry->name, kFontSize) - 30.0;
+      svg_ += entry->area
+                  ? line(left, 13.5, left + 22.0, 13.5, "stroke=\"" + paint + "\" stroke-width=\"10\" opacity=\"0.3\"")
+                  : line(left, 13.5, left + 22.0, 13.5, "stroke=\"" + paint + "\" stroke-width=\"2.5\"");
+      svg_ += label(left + 28.0, 18.0, "start", entry->name);
+      right = left - 14.0;
+    }
+  }
+
+  const Plot& plot_;
+  bool drew_ = false;  ///< any curve or band
+  AxisTicks x_ticks_;
+  AxisTicks y_ticks_;
+  AxisScale x_;
+  AxisScale y_;
+  std::string svg_;
+};
+
+}  // namespace
+
+std::string svg_plot(const Plot& plot) {
+  check_lengths(plot);
+  const std::string name = plot.title.empty() ? plot.y_label + " over " + plot.x_label : plot.title;
+  return "<svg class=\"plot\" role=\"img\" aria-label=\"" + escape_html(name) + "\" viewBox=\"0 0 " +
+         svg_number(plot.width) + " " + svg_number(plot.height) + "\" font-size=\"" + svg_number(kFontSize) +
+         "\" fill=\"#3d464e\">\n" + PlotDrawing(plot).draw() + "</svg>\n";
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,198 @@
+#include "apps/report/drill_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <regex>
+
+#include "apps/report/slice_figure.h"
+#include "core/base/error.h"
+#include "core/base/version.h"
+
+namespace spinaltap {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+CtVolume small_ct() {
+  GridGeometry grid;
+  grid.size = {40, 40, 20};
+  grid.origin_mm = {-20, -20, -10};
+  return make_ct_volume(grid, std::vector<std::int16_t>(grid.voxel_count(), 300));
+}
+
+DrillReportData full_data(const CtVolume& ct) {
+  DrillReportData data;
+  data.title = "L3";
+  data.ct = &ct;
+  data.path.name = "left pedicle";
+  data.path.entry_mm = {8, 15, 2};
+  data.path.target_mm = {2, -12, -1};
+  data.bone_bounds_mm = Box3(Vec3(-18, -18, -9), Vec3(18, 18, 9));
+  data.renders.resize(2);
+  data.renders[0].image = Image{2, 1, {1, 2, 3, 4, 5, 6}};
+  data.renders[0].caption = "before";
+  data.renders[1].image = Image{1, 1, {7, 8, 9}};
+  data.renders[1].caption = "after";
+  for (int i = 0; i < 3000; ++i) {
+    data.depth_mm.push_back(0.01 * i);
+    data.density_hu.push_back(i < 10 ? std::numeric_limits<double>::quiet_NaN() : 300.0 + i % 7);
+    data.density_g_per_cm3.push_back(0.3);
+    data.thrust_N.push_back(5.0);
+    data.cycles_per_s.push_back(1e6 / (1 + i));
+    data.removed_points.push_back(i % 30);
+  }
+  data.figures = {{"Points", "986,958", ""}};
+  data.notes = {"a note"};
+  return data;
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
+  return found;
+}
+
+/// Every opened element is closed in order (void elements aside).
+void expect_balanced(const std::string& html) {
+  const std::regex tag("<(/?)([a-zA-Z0-9]+)((?:\\s[^<>]*?)?)(/?)>");
+  std::vector<std::string> open;
+  for (std::sregex_iterator it(html.begin(), html.end(), tag), end; it != end; ++it) {
+    const std::string name = (*it)[2];
+    if ((*it)[4] == "/" || name == "meta" || name == "img") continue;
+    if ((*it)[1] != "/") {
+      open.push_back(name);
+      continue;
+    }
+    ASSERT_FALSE(open.empty()) << "closes " << name;
+    ASSERT_EQ(open.back(), name);
+    open.pop_back();
+  }
+  EXPECT_TRUE(open.empty());
+}
+
+/// The report without its embedded pictures, whose letters mean nothing (and which std::regex cannot digest).
+std::string without_pictures(const std::string& html) {
+  std::string rest;
+  std::size_t from = 0;
+  for (std::size_t at = html.find("base64,"); at != std::string::npos; at = html.find("base64,", from)) {
+    rest += html.substr(from, at - from);
+    from = html.find('"', at);
+  }
+  return rest + html.substr(from);
+}
+
+TEST(DrillReport, ShowsEveryPart) {
+  const CtVolume ct = small_ct();
+  const std::string html = drill_report(full_data(ct));
+  for (const char* part : {"Summary", "CT with the planned hole", "Axial, z = 0.5 mm", "Coronal, y = 1.5 mm",
+                           "Sagittal, x = 5.0 mm", "Along the path", "before and after", "Thrust", "cycles per second",
+                           "986,958", "a note", "not a medical device", version()}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_EQ(count(html, "<svg class=\"slice\""), 4U);
+  EXPECT_EQ(count(html, "<svg class=\"plot\""), 5U);
+  EXPECT_EQ(count(html, "<img "), 2U);
+  expect_balanced(without_pictures(html));
+}
+
+TEST(DrillReport, IsTheSameForTheSameData) {
+  const CtVolume ct = small_ct();
+  EXPECT_EQ(drill_report(full_data(ct)), drill_report(full_data(ct)));
+}
+
+TEST(DrillReport, RefersToNothingOutsideAndRunsNoScript) {
+  const CtVolume ct = small_ct();
+  std::string html = without_pictures(drill_report(full_data(ct)));
+  std::transform(html.begin(), html.end(), html.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* part : {"http", "//", "<script", "<link", "@import", "url(", "javascript:", "onload"}) {
+    EXPECT_THAT(html, Not(HasSubstr(part)));
+  }
+  for (const char* attribute : {" src=\"", " href=\""}) {
+    EXPECT_EQ(count(html, attribute), count(html, std::string(attribute) + "data:image/png;")) << attribute;
+  }
+  EXPECT_FALSE(std::regex_search(html, std::regex("[^a-z](nan|inf)[^a-z]")));
+}
+
+TEST(DrillReport, EscapesNamesFromFiles) {
+  const std::string attack = "\"><script>alert('x')</script>";
+  const CtVolume ct = small_ct();
+  DrillReportData data = full_data(ct);
+  data.title = attack;
+  data.path.name = attack;
+  data.renders[0].caption = attack;
+  data.figures = {{attack, attack, attack}};
+  data.notes = {attack};
+  const std::string html = drill_report(data);
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("\">&lt;")));
+  EXPECT_GE(count(html, "&lt;script&gt;alert(&#39;x&#39;)"), 8U);
+  expect_balanced(without_pictures(html));
+}
+
+TEST(DrillReport, LeavesOutPartsWithoutData) {
+  DrillReportData data;
+  data.path.target_mm = {0, -30, 0};
+  const std::string html = drill_report(data);
+  EXPECT_THAT(html, Not(HasSubstr("<svg")));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+  EXPECT_THAT(html, HasSubstr("Summary"));
+  expect_balanced(html);
+}
+
+TEST(DrillReport, ShowsLargeBoundsWithCoarserPixels) {
+  const CtVolume ct = small_ct();
+  DrillReportData data = full_data(ct);
+  data.bone_bounds_mm = Box3(Vec3(-900, -900, -900), Vec3(900, 900, 900));
+  EXPECT_EQ(count(drill_report(data), "<svg class=\"slice\""), 4U);
+}
+
+TEST(DrillReport, DrawsCurvesThatHoldNoFiniteValue) {
+  DrillReportData data;
+  data.path.target_mm = {0, -30, 0};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  data.depth_mm = {0, 1, 2};
+  data.density_hu = {nan, nan, nan};
+  data.cycles_per_s = {nan, nan, nan};
+  EXPECT_EQ(count(drill_report(data), "no data"), 2U);
+}
+
+TEST(DrillReport, RefusesCurvesOfAnotherLengthAndAPathWithoutLength) {
+  DrillReportData data;
+  EXPECT_THROW(drill_report(data), Error);
+  data.path.target_mm = {0, -30, 0};
+  data.depth_mm = {0, 1, 2};
+  data.thrust_N = {1, 2};
+  EXPECT_THROW(drill_report(data), Error);
+}
+
+TEST(SliceFigure, DrawsTheProjectionOnlyWhereThePlaneDoesNotHoldThePath) {
+  const CtVolume ct = small_ct();
+  const DrillReportData data = full_data(ct);
+  const std::string along = slice_svg(ct_slice(ct, path_frame(data.path, data.bone_bounds_mm)), data.path, "along");
+  const Vec3 middle = 0.5 * (data.path.entry_mm + data.path.target_mm);
+  const std::string coronal =
+      slice_svg(ct_slice(ct, plane_frame(Plane::kCoronal, middle, data.bone_bounds_mm)), data.path, "coronal");
+  // Each outline is a dark polygon under a bright one.
+  EXPECT_EQ(count(along, "<polygon"), 2U);
+  EXPECT_EQ(count(coronal, "<polygon"), 4U);
+  for (const char* text : {">Entry<", ">Target<", ">10 mm<", ">R<", ">L<", ">S<", ">I<"}) {
+    EXPECT_THAT(coronal, HasSubstr(text));
+  }
+}
+
+TEST(SliceFigure, RefusesAPictureThatDoesNotFitItsFrame) {
+  const CtVolume ct = small_ct();
+  const DrillReportData data = full_data(ct);
+  CtSlice slice = ct_slice(ct, path_frame(data.path, data.bone_bounds_mm));
+  slice.frame.width += 1;
+  EXPECT_THROW(slice_svg(slice, data.path, ""), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap
