@@ -20,8 +20,9 @@ struct SeriesInfo {
 };
 
 /// The DICOM image series below a folder, ordered by UID (then orientation and size, which split a series whose files
-/// do not fit into one volume). Files that are not DICOM are passed over.
-/// Throws Error when the folder is missing or holds no DICOM image.
+/// do not fit into one volume). Files without the mark of a DICOM file ("DICM" after 128 bytes), DICOM objects without
+/// pixels and what cannot be opened are passed over; links to folders are not followed.
+/// Throws Error when the folder is missing or holds no DICOM image, and for a file cut short that may be a CT slice.
 std::vector<SeriesInfo> list_dicom_series(const std::filesystem::path& folder, const Progress& progress = {});
 
 struct DicomReadOptions {
@@ -29,9 +30,11 @@ struct DicomReadOptions {
   std::string series;
 };
 
-/// Reads a CT series: slices sorted by position along their normal, rescaled to HU, step taken from the positions.
+/// Reads a CT series: slices sorted by position along their normal, rescaled to HU, clamped to 16 bit. The step is the
+/// mean over the positions. The grid is right-handed: k grows along the normal, columns' direction x rows' direction.
 /// Throws Error on a folder without DICOM, a series that is not CT, several series and none chosen (the message lists
-/// them), a missing or doubled slice, slices of unequal size or orientation, and files that cannot be decoded.
+/// them), a missing or doubled slice, slices of unequal size, orientation or step, slices that drift sideways (a
+/// tilted gantry), one slice alone, and files that cannot be decoded.
 CtVolume read_dicom(const std::filesystem::path& folder, const DicomReadOptions& options = {},
                     const Progress& progress = {});
 

@@ -9,9 +9,11 @@
 #include <exception>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/ct/dicom_codestream.h"
 #include "core/ct/dicom_library.h"
 
 namespace spinaltap {
@@ -64,8 +66,20 @@ Rescale rescale_of(const DicomHeader& header) {
   return rescale;
 }
 
+void check_codestream(const DicomHeader& header, std::span<const char> bytes) {
+  const std::optional<CodestreamSize> found = codestream_size(bytes);
+  if (!found) fail("cannot decode the compressed pixels, which have no readable header, of ", header.file.string());
+  const int bits_allocated = found->bits <= 8 ? 8 : found->bits <= 16 ? 16 : 32;
+  if (found->columns != header.columns || found->rows != header.rows || found->components != 1 ||
+      bits_allocated != header.bits_allocated) {
+    fail("expected compressed pixels of ", header.columns, " x ", header.rows, " values of ", header.bits_allocated,
+         " bits, found ", found->columns, " x ", found->rows, " x ", found->components, " of ", found->bits,
+         " bits in ", header.file.string());
+  }
+}
+
 /// The pixels as they are in the file, for GDCM.
-gdcm::DataElement stored_pixels(const DicomHeader& header) {
+gdcm::DataElement stored_pixels(const DicomHeader& header, const gdcm::TransferSyntax& syntax) {
   gdcm::DataElement element(gdcm::Tag(0x7fe0, 0x0010));
   const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
   std::ifstream stream(header.file, std::ios::binary);
@@ -76,6 +90,8 @@ gdcm::DataElement stored_pixels(const DicomHeader& header) {
       fail("cannot read the pixels of ", header.file.string());
     }
     const auto length = static_cast<std::uint32_t>(bytes.size());
+    const bool has_codestream = header.encapsulated && syntax != gdcm::TransferSyntax::RLELossless;
+    if (has_codestream && &range == header.pixels.data()) check_codestream(header, bytes);
     if (header.encapsulated) {
       gdcm::Fragment fragment;
       fragment.SetByteValue(bytes.data(), length);
@@ -99,7 +115,7 @@ std::vector<char> decode(const DicomHeader& header, const gdcm::TransferSyntax& 
                                          bits(header.high_bit), header.is_signed ? 1 : 0));
   image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
   image.SetTransferSyntax(syntax);
-  image.SetDataElement(stored_pixels(header));
+  image.SetDataElement(stored_pixels(header, syntax));
 
   const std::size_t wanted = static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows) *
                              static_cast<std::size_t>(header.bits_allocated / 8);
