@@ -39,7 +39,7 @@ TriangleMesh read_mesh(const fs::path& path) {
   std::error_code status;
   if (!fs::exists(path, status)) fail("no such file: ", path.string());
   if (!fs::is_regular_file(path, status)) fail("expected a mesh file, found something else: ", path.string());
-  const detail::SilencedErrors silenced;
+  const detail::SilencedOutput silenced;
   detail::HalfEdgeMesh mesh;
   if (!OpenMesh::IO::read_mesh(mesh, path.string()) || mesh.n_faces() == 0) {
     fail("cannot read triangles from ", path.string());
@@ -60,7 +60,7 @@ TriangleMesh read_mesh(const fs::path& path) {
 
 void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
   require_extension(path, {".stl", ".ply", ".obj"});
-  const detail::SilencedErrors silenced;
+  const detail::SilencedOutput silenced;
   const detail::HalfEdgeMesh linked = detail::to_half_edges(mesh).mesh;
   OpenMesh::IO::Options options;
   if (lower_extension(path) != ".obj") options += OpenMesh::IO::Options::Binary;

@@ -60,7 +60,17 @@ std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double
   return voxels.size();
 }
 
-/// Drops all but the piece with the most voxels; returns how many were dropped.
+/// Whether the grid holds both inside and outside voxels: a surface. Specks of the band deep inside do not.
+bool has_surface(const FloatGrid& grid) {
+  bool any_inside = false;
+  bool any_outside = false;
+  for (auto voxel = grid.cbeginValueOn(); voxel && !(any_inside && any_outside); ++voxel) {
+    (*voxel < 0.0F ? any_inside : any_outside) = true;
+  }
+  return any_inside && any_outside;
+}
+
+/// Drops all but the piece with the most voxels; returns how many surfaces were dropped.
 std::size_t keep_largest_piece(FloatGrid::Ptr& grid) {
   std::vector<FloatGrid::Ptr> pieces;
   openvdb::tools::segmentSDF(*grid, pieces);
@@ -68,9 +78,10 @@ std::size_t keep_largest_piece(FloatGrid::Ptr& grid) {
   const auto largest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
     return a->activeVoxelCount() < b->activeVoxelCount();
   });
+  const auto surfaces = std::count_if(pieces.begin(), pieces.end(), [](const auto& piece) { return has_surface(*piece); });
   grid = *largest;
   openvdb::tools::signedFloodFill(grid->tree());
-  return pieces.size() - 1;
+  return static_cast<std::size_t>(surfaces) - 1;
 }
 
 }  // namespace
@@ -102,19 +113,15 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
     wanted = near;
   }
 
-  bool any_inside = false;
-  bool any_outside = false;
   for (auto voxel = grid->beginValueOn(); voxel; ++voxel) {
     const float value = *voxel;
-    any_inside |= value < 0.0F;
-    any_outside |= value >= 0.0F;
     // Only the surface's own neighbourhood is kept; the rest is swept from it.
     if (std::abs(value) >= static_cast<float>(kNearVoxels * voxel_mm) * 1.25F) {
       voxel.setValue(value < 0.0F ? -band : band);
       voxel.setValueOff();
     }
   }
-  if (!any_inside || !any_outside) fail("baking: the field has no zero set near the ", seeds_mm.size(), " seeds");
+  if (!has_surface(*grid)) fail("baking: the field has no zero set near the ", seeds_mm.size(), " seeds");
   openvdb::tools::signedFloodFill(grid->tree());
   report.dropped_pieces = keep_largest_piece(grid);
 

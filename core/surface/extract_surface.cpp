@@ -1,10 +1,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/segment/float_grid.h"
+#include "core/surface/point_grid.h"
 #include "core/surface/surface_points.h"
 
 namespace spinaltap {
@@ -23,41 +26,67 @@ Vec3 gradient(const FloatGrid& grid, const Vec3& p_index) {
   return grid.geometry.directions * per_mm;
 }
 
-/// Moves a point along its normal to where the CT number is halfway between the tissue outside and the peak of the
-/// cortex, if there is such a place within `reach_mm`.
-class HuRefiner {
+/// Finds how far along its normal a point lies from where the CT number is halfway between the tissue outside and the
+/// peak of the cortex.
+class EdgeFinder {
  public:
-  HuRefiner(const FloatGrid& hu, double reach_mm) : hu_(hu), reach_mm_(reach_mm) {}
+  EdgeFinder(const FloatGrid& hu, double reach_mm) : hu_(hu), reach_mm_(reach_mm) {}
 
-  Vec3 refine(const Vec3& p_mm, const Vec3& normal) const {
+  /// mm, at most `reach_mm` either way; NaN where there is no such edge.
+  double offset_mm(const Vec3& p_mm, const Vec3& normal) const {
     constexpr int kSamples = 41;
     constexpr double kLowestContrastHu = 100.0;
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     const double span_mm = 2.0 * reach_mm_;
     std::array<double, kSamples> profile{};
-    const auto way_mm = [&](int i) { return span_mm * (2.0 * i / (kSamples - 1) - 1.0); };
+    const auto way_mm = [&](std::ptrdiff_t i) {
+      return span_mm * (2.0 * static_cast<double>(i) / (kSamples - 1) - 1.0);
+    };
     for (int i = 0; i < kSamples; ++i) {
-      profile[static_cast<std::size_t>(i)] =
-          sample_clamped(hu_, hu_.geometry.to_index(p_mm + way_mm(i) * normal));
+      profile[static_cast<std::size_t>(i)] = sample_clamped(hu_, hu_.geometry.to_index(p_mm + way_mm(i) * normal));
     }
     // The cortex peaks within reach of the mask's surface or further in; the tissue outside is lowest further out.
     const auto peak = std::max_element(profile.begin(), profile.begin() + 3 * kSamples / 4);
     const auto outside = std::min_element(peak, profile.end());
-    if (*peak - *outside < kLowestContrastHu) return p_mm;
+    if (*peak - *outside < kLowestContrastHu) return kNone;
     const double level = 0.5 * (*peak + *outside);
-    for (auto next = peak + 1; next <= outside && next != profile.end(); ++next) {
+    for (auto next = peak + 1; next <= outside; ++next) {
       if (*next > level) continue;
       const double t = (*(next - 1) - level) / (*(next - 1) - *next);
-      const double moved_mm = std::lerp(way_mm(static_cast<int>(next - profile.begin()) - 1),
-                                        way_mm(static_cast<int>(next - profile.begin())), t);
-      return p_mm + std::clamp(moved_mm, -reach_mm_, reach_mm_) * normal;
+      const auto index = next - profile.begin();
+      return std::clamp(std::lerp(way_mm(index - 1), way_mm(index), t), -reach_mm_, reach_mm_);
     }
-    return p_mm;
+    return kNone;
   }
 
  private:
   const FloatGrid& hu_;
   double reach_mm_;
 };
+
+/// Moves every point along its normal by the mean of what its neighbours within `radius_mm` ask for, itself included:
+/// noise in the CT moves single points, the bone's edge moves them together.
+void move_to_edges(SurfacePoints& surface, const EdgeFinder& edges, double radius_mm) {
+  const std::size_t count = surface.positions_mm.size();
+  std::vector<double> offset_mm(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    offset_mm[i] = edges.offset_mm(surface.positions_mm[i], surface.normals[i]);
+  });
+  const PointGrid grid(surface.positions_mm, radius_mm);
+  std::vector<Vec3> moved_mm(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    double sum_mm = 0.0;
+    int found = 0;
+    grid.for_each_within(surface.positions_mm[i], radius_mm, [&](std::size_t near) {
+      // Points of another side of a thin part face elsewhere.
+      if (std::isnan(offset_mm[near]) || surface.normals[near].dot(surface.normals[i]) < 0.5) return;
+      sum_mm += offset_mm[near];
+      ++found;
+    });
+    moved_mm[i] = surface.positions_mm[i] + (found > 0 ? sum_mm / found : 0.0) * surface.normals[i];
+  });
+  surface.positions_mm = std::move(moved_mm);
+}
 
 }  // namespace
 
@@ -74,7 +103,6 @@ SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const Su
   progress.report("surface points", 0.0);
   const FloatGrid smooth = gaussian_blur(crop_mask(mask, work_box), smooth_mm);
   const FloatGrid hu = crop_hu(ct, work_box);
-  const HuRefiner refiner(hu, reach_mm);
   const auto& size = smooth.geometry.size;
   const Mat3 to_patient = smooth.geometry.index_to_patient_matrix();
 
@@ -97,7 +125,7 @@ SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const Su
           if (!(inward.norm() > 1e-6)) continue;
           const Vec3 normal = -inward.normalized();
           const Vec3 p_mm = smooth.geometry.origin_mm + to_patient * p_index;
-          points.positions_mm.push_back(options.refine_by_hu ? refiner.refine(p_mm, normal) : p_mm);
+          points.positions_mm.push_back(p_mm);
           points.normals.push_back(normal);
         }
       }
@@ -110,6 +138,7 @@ SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const Su
     all.normals.insert(all.normals.end(), points.normals.begin(), points.normals.end());
   }
   if (all.positions_mm.empty()) fail("surface: the smoothed mask has no surface; is the bone thinner than a voxel?");
+  if (options.refine_by_hu) move_to_edges(all, EdgeFinder(hu, reach_mm), std::max(1.0, 2.0 * largest_step_mm));
   return all;
 }
 

@@ -4,11 +4,18 @@
 
 namespace spinaltap::detail {
 
-SilencedErrors::SilencedErrors() { omerr().disable(); }
-SilencedErrors::~SilencedErrors() { omerr().enable(); }
+SilencedOutput::SilencedOutput() : errors_were_on_(omerr().is_enabled()), log_was_on_(omlog().is_enabled()) {
+  omerr().disable();
+  omlog().disable();
+}
+
+SilencedOutput::~SilencedOutput() {
+  if (errors_were_on_) omerr().enable();
+  if (log_was_on_) omlog().enable();
+}
 
 HalfEdgeResult to_half_edges(const TriangleMesh& mesh) {
-  const SilencedErrors silenced;
+  const SilencedOutput silenced;
   HalfEdgeResult result;
   result.mesh.reserve(mesh.vertices_mm.size(), mesh.triangles.size() * 3 / 2, mesh.triangles.size());
   for (const Eigen::Vector3f& p : mesh.vertices_mm) result.mesh.add_vertex({p.x(), p.y(), p.z()});

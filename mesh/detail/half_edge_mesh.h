@@ -8,13 +8,17 @@ namespace spinaltap::detail {
 
 using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<>;
 
-/// Keeps OpenMesh from writing to the error stream; what goes wrong is counted or thrown instead.
-class SilencedErrors {
+/// Keeps OpenMesh from writing to the output and error streams; what goes wrong is counted or thrown instead.
+class SilencedOutput {
  public:
-  SilencedErrors();
-  ~SilencedErrors();
-  SilencedErrors(const SilencedErrors&) = delete;
-  SilencedErrors& operator=(const SilencedErrors&) = delete;
+  SilencedOutput();
+  ~SilencedOutput();
+  SilencedOutput(const SilencedOutput&) = delete;
+  SilencedOutput& operator=(const SilencedOutput&) = delete;
+
+ private:
+  bool errors_were_on_;  ///< scopes nest
+  bool log_was_on_;
 };
 
 struct HalfEdgeResult {
