@@ -11,8 +11,8 @@ namespace spinaltap {
 IdealImage::IdealImage(const Solid& solid, const GridGeometry& geometry, const ScanOptions& options)
     : solid_(solid), options_(options) {
   const double samples = options.samples_per_pixel;
-  step_mm_ = Vec3(options.pixel_mm / samples, options.pixel_mm / samples,
-                  options.slice_step_mm / options.samples_per_step);
+  step_mm_ =
+      Vec3(options.pixel_mm / samples, options.pixel_mm / samples, options.slice_step_mm / options.samples_per_step);
   const double back = 0.5 * (samples - 1.0) / samples * options.pixel_mm;
   origin_mm_ = geometry.origin_mm - Vec3(back, back, 0.0);
   cell_mm_ = std::cbrt(step_mm_.prod());
@@ -23,7 +23,8 @@ IdealImage::IdealImage(const Solid& solid, const GridGeometry& geometry, const S
     const double low = (bounds.min()[i] - cell_mm_ - origin_mm_[i]) / step_mm_[i];
     const double high = (bounds.max()[i] + cell_mm_ - origin_mm_[i]) / step_mm_[i];
     first_[axis] = static_cast<int>(std::clamp(std::floor(low), 0.0, static_cast<double>(most[axis])));
-    size_[axis] = static_cast<int>(std::clamp(std::ceil(high) + 1.0, 0.0, static_cast<double>(most[axis]))) - first_[axis];
+    size_[axis] =
+        static_cast<int>(std::clamp(std::ceil(high) + 1.0, 0.0, static_cast<double>(most[axis]))) - first_[axis];
     size_[axis] = std::max(size_[axis], 0);
   }
 }

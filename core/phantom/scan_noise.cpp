@@ -19,7 +19,8 @@ ScanNoise::ScanNoise(const ScanOptions& options) : options_(options) {
 }
 
 std::vector<float> ScanNoise::slice(int slice) const {
-  const std::size_t columns = static_cast<std::size_t>(options_.columns), rows = static_cast<std::size_t>(options_.rows);
+  const std::size_t columns = static_cast<std::size_t>(options_.columns),
+                    rows = static_cast<std::size_t>(options_.rows);
   std::vector<float> image(columns * rows, 0.0F);
   if (!(options_.noise_hu > 0.0)) return image;
   // White noise goes on past the edges, so that the edges are as noisy as the middle.

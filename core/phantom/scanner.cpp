@@ -89,7 +89,8 @@ class SliceMaker {
 
   /// columns * rows values above the surroundings, HU.
   std::vector<float> make(int slice) const {
-    const std::size_t width = static_cast<std::size_t>(ideal_.width()), height = static_cast<std::size_t>(ideal_.height());
+    const std::size_t width = static_cast<std::size_t>(ideal_.width()),
+                      height = static_cast<std::size_t>(ideal_.height());
     const std::size_t columns = static_cast<std::size_t>(options_.columns);
     std::vector<float> sum(width * height, 0.0F);
     for (int n = -plane_reach(); n <= plane_reach(); ++n) {

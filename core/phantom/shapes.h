@@ -98,10 +98,11 @@ class FlatBar {
     Box3 box;
     for (const double along : {0.0, length_}) {
       const double radius = start_radius_ + slope_ * along;
-      const Vec3 half = radius * (frame_.thin.array().square() +
-                                  (frame_.wide.array().square() + frame_.axis.array().square()) / (flatness_ * flatness_))
-                                     .sqrt()
-                                     .matrix();
+      const Vec3 half =
+          radius * (frame_.thin.array().square() +
+                    (frame_.wide.array().square() + frame_.axis.array().square()) / (flatness_ * flatness_))
+                       .sqrt()
+                       .matrix();
       const Vec3 centre = start_ + along * frame_.axis;
       box.extend(centre - half).extend(centre + half);
     }

@@ -23,7 +23,8 @@ double slope(std::uint64_t hash, double x, double y, double z) {
 
 }  // namespace
 
-Texture::Texture(const Vec3& grain_mm, std::uint64_t seed) : inverse_grain_(grain_mm.cwiseInverse()), seed_(mix_bits(seed)) {}
+Texture::Texture(const Vec3& grain_mm, std::uint64_t seed)
+    : inverse_grain_(grain_mm.cwiseInverse()), seed_(mix_bits(seed)) {}
 
 double Texture::at(const Vec3& p_mm) const {
   const Vec3 p = p_mm.cwiseProduct(inverse_grain_);

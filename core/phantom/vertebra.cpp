@@ -17,7 +17,7 @@ using shapes::smooth_step;
 struct Band {
   double start, end;
 };
-constexpr Band kOutside{0.5, 1.6}, kInside{0.4, 1.2};
+constexpr Band kOutside{0.5, 1.6}, kInside{0.35, 1.05};
 
 /// Distances are lessened by this share a mm, which takes back what Newton's method overshoots.
 constexpr double kCaution = 0.04;
@@ -64,8 +64,7 @@ Vertebra::Vertebra(const VertebraAnatomy& anatomy) : anatomy_(anatomy) {
   rotation_ = rotation_from_degrees(anatomy.placement.rotation_deg);
   const VertebraAnatomy::Cancellous& bone = anatomy.cancellous;
   const Vec3 grain = bone.texture_scale_mm * Vec3(1.0, 1.0, bone.texture_stretch);
-  inside_ = std::make_unique<const Inside>(
-      Inside{shapes::VertebraShape(anatomy), Texture(grain, bone.texture_seed)});
+  inside_ = std::make_unique<const Inside>(Inside{shapes::VertebraShape(anatomy), Texture(grain, bone.texture_seed)});
   // The isthmus is exact when every point of its ellipse is a zero of the whole shape.
   const shapes::PedicleShape& pedicle = inside_->shape.pedicle();
   for (int step = 0; step < 90; ++step) {
@@ -100,8 +99,7 @@ double Vertebra::value_mm(const Vec3& p) const {
   return f + weight * (distance - f);
 }
 
-void Vertebra::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
-                        std::span<Vec3> gradients) const {
+void Vertebra::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const {
   constexpr double kStep = 1e-5;
   for (std::size_t n = 0; n < points_mm.size(); ++n) {
     const Vec3 p = to_own(points_mm[n]);
@@ -142,10 +140,11 @@ double Vertebra::hu(const Vec3& p_patient, double distance_mm, double aperture_m
   const double wall = std::lerp(cortex.body_wall_mm, cortex.endplate_mm, at_endplate);
   const double shell = blend(wall, cortex.pedicle_mm, cortex.posterior_mm);
   const double depth = -distance_mm;
-  const double cortical = aperture_mm > 0.0 ? std::clamp((shell - depth) / aperture_mm + 0.5, 0.0, 1.0)
-                                            : (depth < shell ? 1.0 : 0.0);
+  const double cortical =
+      aperture_mm > 0.0 ? std::clamp((shell - depth) / aperture_mm + 0.5, 0.0, 1.0) : (depth < shell ? 1.0 : 0.0);
   if (cortical >= 1.0) return cortex.hu;
-  const double core = blend(bone.body_hu, bone.pedicle_hu, bone.posterior_hu) + bone.texture_hu * inside_->texture.at(p);
+  const double core =
+      blend(bone.body_hu, bone.pedicle_hu, bone.posterior_hu) + bone.texture_hu * inside_->texture.at(p);
   return std::lerp(core, cortex.hu, cortical);
 }
 

@@ -14,8 +14,8 @@ RoundPlate make_lamina(const VertebraAnatomy::Lamina& lamina) {
   const Vec3 level_back(std::sin(slope), std::cos(slope), 0.0);
   const Vec3 back = std::cos(lean) * level_back + std::sin(lean) * Vec3::UnitZ();
   const Frame frame{back, outward.cross(back), outward};
-  return RoundPlate(lamina.centre_mm, frame,
-                    0.5 * Vec3(lamina.thickness_mm, lamina.height_mm, lamina.length_mm), 0.48 * lamina.thickness_mm);
+  return RoundPlate(lamina.centre_mm, frame, 0.5 * Vec3(lamina.thickness_mm, lamina.height_mm, lamina.length_mm),
+                    0.48 * lamina.thickness_mm);
 }
 
 }  // namespace
