@@ -1,0 +1,172 @@
+#include "core/phantom/scanner.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/phantom/ideal_image.h"
+#include "core/phantom/scan_noise.h"
+
+namespace spinaltap {
+namespace {
+
+void check_options(const ScanOptions& options) {
+  const auto positive = [](const char* name, double value, double most) {
+    if (!(value > 0.0 && value <= most)) fail("scan: ", name, " must lie in (0, ", most, "], found ", value);
+  };
+  const auto not_negative = [](const char* name, double value, double most) {
+    if (!(value >= 0.0 && value <= most)) fail("scan: ", name, " must lie in [0, ", most, "], found ", value);
+  };
+  positive("columns", options.columns, 8192);
+  positive("rows", options.rows, 8192);
+  positive("slices", options.slices, 8192);
+  positive("pixel_mm", options.pixel_mm, 10.0);
+  positive("slice_step_mm", options.slice_step_mm, 20.0);
+  positive("slice_width_mm", options.slice_width_mm, 40.0);
+  not_negative("blur_mm", options.blur_mm, 10.0);
+  not_negative("noise_hu", options.noise_hu, 1000.0);
+  positive("surroundings_hu plus 1025", options.surroundings_hu + 1025.0, 4096.0);
+  positive("samples_per_pixel", options.samples_per_pixel, 16);
+  positive("samples_per_step", options.samples_per_step, 32);
+}
+
+GridGeometry field_of_view(const Solid& solid, const ScanOptions& options) {
+  GridGeometry geometry;
+  geometry.size = {options.columns, options.rows, options.slices};
+  geometry.spacing_mm = Vec3(options.pixel_mm, options.pixel_mm, options.slice_step_mm);
+  const Vec3 last(options.columns - 1, options.rows - 1, options.slices - 1);
+  const Vec3 corner = solid.bounds_mm().center() - 0.5 * last.cwiseProduct(geometry.spacing_mm);
+  // Whole micrometres, which the decimal text of a DICOM file holds exactly.
+  geometry.origin_mm = (corner * 1e3).array().round() * 1e-3;
+  return geometry;
+}
+
+/// Weights of planes -n ... n steps of `step_mm` away, that sum to 1: how much of each plane's cell a box of `width_mm`
+/// covers.
+std::vector<float> box_weights(double width_mm, double step_mm) {
+  const int reach = static_cast<int>(std::ceil(0.5 * width_mm / step_mm - 0.5));
+  std::vector<float> weights;
+  for (int plane = -std::max(reach, 0); plane <= std::max(reach, 0); ++plane) {
+    const double low = std::max((plane - 0.5) * step_mm, -0.5 * width_mm);
+    const double high = std::min((plane + 0.5) * step_mm, 0.5 * width_mm);
+    weights.push_back(static_cast<float>(std::max(high - low, 0.0) / width_mm));
+  }
+  return weights;
+}
+
+/// Samples per pixel times `pixels` rows or columns: weights of a Gaussian at the samples around a pixel's centre, for
+/// each distance in samples; the pixel's own samples alone when there is no blur.
+std::vector<float> blur_weights(const ScanOptions& options) {
+  const int samples = options.samples_per_pixel;
+  const double step = options.pixel_mm / samples;
+  const int reach = options.blur_mm > 0.0 ? static_cast<int>(std::ceil(4.0 * options.blur_mm / step)) : 0;
+  const int count = samples + 2 * reach;
+  std::vector<double> exact;
+  double sum = 0.0;
+  for (int n = 0; n < count; ++n) {
+    const double distance = (n - 0.5 * (count - 1)) * step;
+    exact.push_back(options.blur_mm > 0.0 ? std::exp(-0.5 * std::pow(distance / options.blur_mm, 2)) : 1.0);
+    sum += exact.back();
+  }
+  std::vector<float> weights;
+  for (const double weight : exact) weights.push_back(static_cast<float>(weight / sum));
+  return weights;
+}
+
+/// One slice of the image, without noise: the ideal image averaged over the slice profile and blurred.
+class SliceMaker {
+ public:
+  SliceMaker(const IdealImage& ideal, const ScanOptions& options)
+      : ideal_(ideal),
+        options_(options),
+        profile_(box_weights(options.slice_width_mm, options.slice_step_mm / options.samples_per_step)),
+        blur_(blur_weights(options)) {}
+
+  int plane_reach() const { return static_cast<int>(profile_.size() / 2); }
+
+  /// columns * rows values above the surroundings, HU.
+  std::vector<float> make(int slice) const {
+    const std::size_t width = static_cast<std::size_t>(ideal_.width()),
+                      height = static_cast<std::size_t>(ideal_.height());
+    const std::size_t columns = static_cast<std::size_t>(options_.columns);
+    std::vector<float> sum(width * height, 0.0F);
+    for (int n = -plane_reach(); n <= plane_reach(); ++n) {
+      const float weight = profile_[static_cast<std::size_t>(n + plane_reach())];
+      const std::span<const float> plane = ideal_.plane(slice * options_.samples_per_step + n);
+      for (std::size_t at = 0; at < sum.size(); ++at) sum[at] += weight * plane[at];
+    }
+    std::vector<float> narrow(columns * height, 0.0F);
+    for (std::size_t row = 0; row < height; ++row) {
+      for (int column = 0; column < options_.columns; ++column) {
+        const Taps taps = taps_of(column, ideal_.first_column(), ideal_.width());
+        float value = 0.0F;
+        for (int n = taps.begin; n < taps.end; ++n) {
+          value += blur_[static_cast<std::size_t>(n)] * sum[row * width + static_cast<std::size_t>(taps.first + n)];
+        }
+        narrow[row * columns + static_cast<std::size_t>(column)] = value;
+      }
+    }
+    std::vector<float> image(columns * static_cast<std::size_t>(options_.rows), 0.0F);
+    for (int row = 0; row < options_.rows; ++row) {
+      float* line = &image[static_cast<std::size_t>(row) * columns];
+      const Taps taps = taps_of(row, ideal_.first_row(), ideal_.height());
+      for (int n = taps.begin; n < taps.end; ++n) {
+        const float weight = blur_[static_cast<std::size_t>(n)];
+        const float* from = &narrow[static_cast<std::size_t>(taps.first + n) * columns];
+        for (std::size_t column = 0; column < columns; ++column) line[column] += weight * from[column];
+      }
+    }
+    return image;
+  }
+
+ private:
+  /// Weights begin ... end - 1 fall on the held samples first + begin ... first + end - 1.
+  struct Taps {
+    int first, begin, end;
+  };
+
+  Taps taps_of(int pixel, int first_held, int held) const {
+    const int count = static_cast<int>(blur_.size());
+    const int first = pixel * options_.samples_per_pixel - (count - options_.samples_per_pixel) / 2 - first_held;
+    return {first, std::clamp(-first, 0, count), std::clamp(held - first, 0, count)};
+  }
+
+  const IdealImage& ideal_;
+  const ScanOptions& options_;
+  std::vector<float> profile_, blur_;
+};
+
+}  // namespace
+
+CtVolume scan(const Solid& solid, const ScanOptions& options, const Progress& progress) {
+  check_options(options);
+  const GridGeometry geometry = field_of_view(solid, options);
+  check_geometry(geometry, "scan");
+  std::vector<std::int16_t> hu(geometry.voxel_count());
+  IdealImage ideal(solid, geometry, options);
+  const SliceMaker maker(ideal, options);
+  const ScanNoise noise(options);
+  ProgressCounter done(progress, "scan", static_cast<std::size_t>(options.slices));
+  constexpr int kSlab = 8;  // slices at a time: what of the fine lattice is held
+  for (int begin = 0; begin < options.slices; begin += kSlab) {
+    const int end = std::min(begin + kSlab, options.slices);
+    ideal.hold(begin * options.samples_per_step - maker.plane_reach(),
+               (end - 1) * options.samples_per_step + maker.plane_reach() + 1);
+    tbb::parallel_for(begin, end, [&](int slice) {
+      const std::vector<float> signal = maker.make(slice);
+      const std::vector<float> grain = noise.slice(slice);
+      std::int16_t* out = &hu[geometry.offset(0, 0, slice)];
+      for (std::size_t at = 0; at < signal.size(); ++at) {
+        const double value = options.surroundings_hu + static_cast<double>(signal[at]) + static_cast<double>(grain[at]);
+        out[at] = static_cast<std::int16_t>(std::lround(std::clamp(value, -1024.0, 32767.0)));
+      }
+      done.add();
+    });
+  }
+  return make_ct_volume(geometry, std::move(hu));
+}
+
+}  // namespace spinaltap
