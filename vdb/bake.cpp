@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/version.h"
+#include "core/phantom/surface_seeds.h"
 #include "vdb/detail/bake_sdf.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/initialize.h"
@@ -29,14 +31,14 @@ openvdb::math::Transform::Ptr transform_of(const GridGeometry& geometry) {
 
 }  // namespace
 
-openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const CtVolume& ct, double margin_mm) {
+openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const GridGeometry& geometry, double margin_mm,
+                                const HuOfVoxel& hu) {
   constexpr float kAirHu = -1024.0F;
-  const GridGeometry& geometry = ct.geometry;
   const auto grid = openvdb::FloatGrid::create(kAirHu);
   grid->setTransform(transform_of(geometry));
   grid->setName("hu");
 
-  // The CT's voxels within the level set's band or inside it ...
+  // The grid's voxels within the level set's band or inside it ...
   openvdb::MaskTree kept;
   openvdb::tree::ValueAccessor<openvdb::MaskTree> kept_accessor(kept);
   const openvdb::FloatGrid::ConstAccessor sdf_accessor = sdf.getConstAccessor();
@@ -71,7 +73,7 @@ openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const CtVolume& c
     for (auto at = box.begin(); at; ++at) {
       const openvdb::Coord& c = *at;
       if (!geometry.contains(c.x(), c.y(), c.z())) continue;
-      accessor.setValue(c, static_cast<float>(openvdb::math::half(static_cast<float>(ct.at(c.x(), c.y(), c.z())))));
+      accessor.setValue(c, static_cast<float>(openvdb::math::half(hu(c.x(), c.y(), c.z()))));
     }
   }
   return grid;
@@ -79,24 +81,59 @@ openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const CtVolume& c
 
 }  // namespace detail
 
-BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, const CtVolume& ct,
-                    const BakeOptions& options, const std::map<std::string, std::string>& facts, BakeReport* report,
-                    const Progress& progress) {
+namespace {
+
+void check_options(const BakeOptions& options) {
   constexpr double kSmallestVoxelMm = 0.02;
   constexpr double kLargestVoxelMm = 5.0;
-  initialize_openvdb();
   if (!(options.voxel_mm >= kSmallestVoxelMm && options.voxel_mm <= kLargestVoxelMm)) {
     fail("baking: expected voxels of ", kSmallestVoxelMm, " to ", kLargestVoxelMm, " mm, found ", options.voxel_mm);
   }
   if (!(options.hu_margin_mm >= 0.0 && options.hu_margin_mm <= 100.0)) {
     fail("baking: expected a margin of 0 to 100 mm, found ", options.hu_margin_mm);
   }
+}
+
+}  // namespace
+
+BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, const CtVolume& ct,
+                    const BakeOptions& options, const std::map<std::string, std::string>& facts, BakeReport* report,
+                    const Progress& progress) {
+  initialize_openvdb();
+  check_options(options);
   BakeReport own_report;
   auto grids = std::make_shared<detail::BoneGrids>();
   grids->sdf = detail::bake_sdf(field, seeds_mm, options.voxel_mm, own_report, progress);
-  grids->hu = detail::bake_hu(*grids->sdf, ct, options.hu_margin_mm);
+  grids->hu = detail::bake_hu(*grids->sdf, ct.geometry, options.hu_margin_mm,
+                              [&](int i, int j, int k) { return static_cast<float>(ct.at(i, j, k)); });
   grids->facts = facts;
   if (report != nullptr) *report = own_report;
+  return BoneModel(grids);
+}
+
+BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu, const Progress& progress) {
+  initialize_openvdb();
+  check_options(options);
+  BakeReport report;
+  auto grids = std::make_shared<detail::BoneGrids>();
+  grids->sdf = detail::bake_sdf(solid, surface_seeds(solid, options.voxel_mm), options.voxel_mm, report, progress);
+  GridGeometry geometry;
+  geometry.spacing_mm = Vec3::Constant(options.voxel_mm);
+  const double margin_mm = options.hu_margin_mm + 2.0 * options.voxel_mm;
+  geometry.origin_mm = solid.bounds_mm().min() - Vec3::Constant(margin_mm);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double extent_mm = solid.bounds_mm().sizes()[static_cast<Eigen::Index>(axis)] + 2.0 * margin_mm;
+    geometry.size[axis] = static_cast<int>(std::ceil(extent_mm / options.voxel_mm)) + 1;
+  }
+  check_geometry(geometry, "truth grid");
+  grids->hu = detail::bake_hu(*grids->sdf, geometry, options.hu_margin_mm, [&](int i, int j, int k) {
+    const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
+    double distance_mm = 0.0;
+    solid.evaluate({&p_mm, 1}, {&distance_mm, 1}, {});
+    const double hu = distance_mm < 0.0 ? solid.hu(p_mm, distance_mm, options.voxel_mm) : surroundings_hu;
+    return static_cast<float>(hu);
+  });
+  grids->facts = {{"version", version()}, {"method", "truth of a phantom"}};
   return BoneModel(grids);
 }
 

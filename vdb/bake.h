@@ -7,6 +7,7 @@
 #include "core/base/progress.h"
 #include "core/base/scalar_field.h"
 #include "core/ct/ct_volume.h"
+#include "core/phantom/solid.h"
 #include "vdb/bone_model.h"
 
 namespace spinaltap {
@@ -30,5 +31,10 @@ struct BakeReport {
 BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, const CtVolume& ct,
                     const BakeOptions& options, const std::map<std::string, std::string>& facts,
                     BakeReport* report = nullptr, const Progress& progress = {});
+
+/// Bakes the truth of a phantom in the same form: its distance, and its own CT numbers, without blur or noise, on a grid
+/// of the same voxel; `surroundings_hu` beside it.
+BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu,
+                     const Progress& progress = {});
 
 }  // namespace spinaltap

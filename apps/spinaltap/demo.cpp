@@ -1,4 +1,95 @@
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "apps/common/bone_corridor.h"
+#include "apps/common/plan_file.h"
+#include "apps/common/surface_error.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/drill_run.h"
+#include "apps/spinaltap/mesh_figures.h"
+#include "apps/spinaltap/path_options.h"
+#include "apps/spinaltap/phantom_options.h"
+#include "core/base/staged_output.h"
+#include "mesh/mesh_io.h"
+#include "vdb/isosurface.h"
+
 namespace spinaltap {
-void add_demo(CLI::App& program, Command& command) { add_command(program, command, "demo", "", ""); }
+namespace {
+
+struct DemoOptions {
+  std::filesystem::path folder = "spinaltap-demo";
+  CtOptions ct;
+  PathOptions path;
+  DrillOptions drill;
+  PhantomCommandOptions phantom;
+};
+
+void heading(const char* text) { std::printf("%s\n", text); }
+
+Json demo(DemoOptions options, const Progress& progress) {
+  Json figures = Json::object();
+  std::optional<Phantom> phantom;
+  std::vector<DrillPath> paths;
+  if (options.ct.folder.empty()) {
+    heading("Phantom");
+    phantom = options.phantom.make();
+    const std::filesystem::path folder = options.folder / "phantom";
+    write_phantom(*phantom->solid, phantom->truth, options.phantom.output_options(), folder, progress);
+    options.ct.folder = folder / "ct";
+    if (phantom->truth) paths = read_plan(folder / "plan.json");
+    print_figure("written", folder.string());
+  }
+
+  heading("CT to bone");
+  const CtVolume ct = options.ct.read(progress);
+  const BakedCt baked = options.ct.make_bone(ct, progress);
+  figures["bake"] = report_baked(ct, baked);
+  const TriangleMesh mesh = bone_surface(baked.bone);
+  figures["mesh"] = report_mesh(measure_mesh(mesh));
+  if (phantom) {
+    const SurfaceError error = surface_error(mesh, *phantom->solid);
+    print_figure("distance to the truth, mean", error.mean_mm, "mm", 3);
+    print_figure("distance to the truth, 99 %", error.p99_mm, "mm", 3);
+    figures["truth"] = {{"mean_mm", error.mean_mm}, {"p99_mm", error.p99_mm}, {"bias_mm", error.bias_mm}};
+  }
+  StagedOutput output;
+  write_bone(baked.bone, output.stage(options.folder / "bone.vdb"));
+  write_mesh(mesh, output.stage(options.folder / "bone.stl"));
+  output.commit();
+
+  heading("Plan");
+  if (const std::optional<DrillPath> given = options.path.given_path("given")) {
+    paths = {*given};
+  } else if (paths.empty()) {
+    paths = {suggest_path(baked.bone, options.path.bit, progress)};
+  }
+  figures["plan"] = report_paths(paths);
+  write_plan(paths, options.folder / "plan.json");
+
+  heading("Drilling");
+  const std::string title = phantom ? "Drilling the phantom" : "Drilling " + options.ct.folder.filename().string();
+  figures["drill"] = run_drill(title, &ct, baked.bone, paths.front(), options.drill, options.folder, progress);
+  return figures;
 }
+
+}  // namespace
+
+void add_demo(CLI::App& program, Command& command) {
+  const auto options = std::make_shared<DemoOptions>();
+  CLI::App* app = add_command(program, command, "demo",
+                              "Run the whole chain, from a CT to a drilled bone: on a phantom, or on your own CT",
+                              "Examples: spinaltap demo\n"
+                              "          spinaltap demo ct/ --labels vertebrae.nii.gz --label 22 -o out/");
+  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series; default: a phantom")->type_name("FOLDER");
+  app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
+  options->ct.add_reading(*app);
+  options->ct.add_baking(*app);
+  options->path.add_to(*app);
+  options->drill.add_to(*app);
+
+  command.run = [options](const Progress& progress) { return demo(*options, progress); };
+}
+
+}  // namespace spinaltap

@@ -1,4 +1,82 @@
+#include <memory>
+
+#include "apps/common/data_files.h"
+#include "apps/common/phantom_file.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/phantom_options.h"
+#include "mesh/mesh_io.h"
+#include "vdb/mesh_solid.h"
+
 namespace spinaltap {
-void add_phantom(CLI::App& program, Command& command) { add_command(program, command, "phantom", "", ""); }
+
+void PhantomCommandOptions::add_to(CLI::App& app) {
+  ScanOptions& scan = phantom.scan;
+  CLI::Option* anatomy_option =
+      app.add_option("--anatomy", anatomy, "Measures of the vertebra; default: the shipped phantom/l3.json")
+          ->type_name("FILE");
+  app.add_option("--mesh", mesh, "Scan this closed surface (STL, PLY, OBJ; mm) and not a vertebra")
+      ->excludes(anatomy_option)
+      ->type_name("FILE");
+  app.add_option("--seed", scan.seed, "Seed of the noise")->capture_default_str()->type_name("N");
+  app.add_option("--noise", scan.noise_hu, "Standard deviation of the noise, HU")->capture_default_str()->type_name("HU");
+  app.add_option("--slices", scan.slices, "Number of slices")->capture_default_str()->type_name("N");
+  app.add_option("--slice-step", scan.slice_step_mm, "Distance between slices, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--slice-width", scan.slice_width_mm, "Thickness over which a slice averages, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--pixel", scan.pixel_mm, "Pixel size, mm")->capture_default_str()->type_name("MM");
+  app.add_option("--size", scan.columns, "Columns and rows of a slice")->capture_default_str()->type_name("N");
+  app.add_option("--blur", scan.blur_mm, "Standard deviation of the blur in a slice, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--surroundings", surroundings, "What the bone lies in")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"tissue", "air"}));
 }
+
+Phantom PhantomCommandOptions::make() const {
+  if (!mesh.empty()) return {make_mesh_solid(read_mesh(mesh)), std::nullopt};
+  auto vertebra = std::make_unique<Vertebra>(read_anatomy(anatomy.empty() ? data_file("phantom/l3.json") : anatomy));
+  const VertebraTruth truth = vertebra_truth(*vertebra);
+  return {std::move(vertebra), truth};
+}
+
+PhantomOptions PhantomCommandOptions::output_options() const {
+  constexpr double kTissueHu = 40.0;
+  constexpr double kAirHu = -1000.0;
+  PhantomOptions options = phantom;
+  options.scan.rows = options.scan.columns;
+  options.scan.surroundings_hu = surroundings == "air" ? kAirHu : kTissueHu;
+  return options;
+}
+
+void add_phantom(CLI::App& program, Command& command) {
+  struct Options {
+    std::filesystem::path folder;
+    PhantomCommandOptions phantom;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(program, command, "phantom",
+                              "Make a virtual CT of an L3 vertebra, or of any closed mesh, with the truth beside it",
+                              "Example: spinaltap phantom l3/ --noise 20 --seed 7\n"
+                              "Writes l3/ct/*.dcm, l3/truth.vdb, l3/truth.json and l3/plan.json.");
+  app->add_option("folder", options->folder, "Folder to make")->required()->type_name("FOLDER");
+  options->phantom.add_to(*app);
+
+  command.run = [options](const Progress& progress) -> Json {
+    const Phantom phantom = options->phantom.make();
+    write_phantom(*phantom.solid, phantom.truth, options->phantom.output_options(), options->folder, progress);
+    Json figures = read_json(options->folder / "truth.json");
+    print_figure("seed", static_cast<double>(options->phantom.phantom.scan.seed), "", 0);
+    if (phantom.truth) {
+      print_figure("pedicle width, left", phantom.truth->left.width_mm, "mm");
+      print_figure("pedicle height, left", phantom.truth->left.height_mm, "mm");
+    }
+    print_figure("written", options->folder.string());
+    return figures;
+  };
+}
+
+}  // namespace spinaltap

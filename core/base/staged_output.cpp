@@ -60,6 +60,42 @@ void StagedOutput::commit() {
   made_folders_.clear();
 }
 
+StagedFolder::StagedFolder(fs::path final_path, fs::path marker) : final_path_(std::move(final_path)) {
+  // "out/" and "out" are one folder.
+  if (!final_path_.has_filename()) final_path_ = final_path_.parent_path();
+  if (final_path_.empty()) fail("expected the name of a folder to write, found none");
+  std::error_code error;
+  if (fs::exists(final_path_, error)) {
+    if (!fs::is_directory(final_path_, error)) fail("expected a folder, found a file: ", final_path_.string());
+    if (!fs::is_empty(final_path_, error) && !fs::exists(final_path_ / marker, error)) {
+      fail("the folder ", final_path_.string(), " holds other files (no ", marker.string(),
+           "), so it is not replaced; choose another");
+    }
+  }
+  temporary_ = final_path_.parent_path() /
+               ("." + final_path_.filename().string() + ".partial-" + std::to_string(::getpid()));
+  if (!final_path_.parent_path().empty()) fs::create_directories(final_path_.parent_path(), error);
+  if (!fs::create_directory(temporary_, error)) {
+    fail("cannot make the folder ", temporary_.string(), ": ", error ? error.message() : "it exists");
+  }
+}
+
+StagedFolder::~StagedFolder() {
+  std::error_code ignored;
+  if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+}
+
+void StagedFolder::commit() {
+  std::error_code error;
+  const fs::path old = temporary_.string() + ".old";
+  const bool replaces = fs::exists(final_path_, error);
+  if (replaces) fs::rename(final_path_, old, error);
+  if (!error) fs::rename(temporary_, final_path_, error);
+  if (error) fail("cannot write the folder ", final_path_.string(), ": ", error.message());
+  temporary_.clear();
+  if (replaces) fs::remove_all(old, error);
+}
+
 void write_whole_file(const fs::path& path, std::string_view content) {
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);

@@ -36,6 +36,25 @@ class StagedOutput {
   std::vector<std::filesystem::path> made_folders_;
 };
 
+/// A folder that appears whole or not at all: filled under a temporary name beside its own, then renamed.
+class StagedFolder {
+ public:
+  /// Makes the temporary folder. An existing `final_path` is replaced on commit() only where it holds `marker`, a file
+  /// that says that we made it; otherwise Error is thrown, unless it is empty.
+  StagedFolder(std::filesystem::path final_path, std::filesystem::path marker);
+  /// Removes what was not committed.
+  ~StagedFolder();
+  StagedFolder(const StagedFolder&) = delete;
+  StagedFolder& operator=(const StagedFolder&) = delete;
+
+  const std::filesystem::path& temporary() const { return temporary_; }
+  void commit();
+
+ private:
+  std::filesystem::path final_path_;
+  std::filesystem::path temporary_;
+};
+
 /// Writes `content` to `path` (already a temporary name). Throws Error when the disk is full or the path not writable.
 void write_whole_file(const std::filesystem::path& path, std::string_view content);
 

@@ -2,6 +2,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <functional>
 #include <span>
 
 #include "core/base/progress.h"
@@ -17,7 +18,12 @@ inline constexpr double kHalfWidthVoxels = 3.0;
 openvdb::FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm,
                                  BakeReport& report, const Progress& progress);
 
-/// CT numbers of the voxels within the level set and `margin_mm` around it, on the CT's own grid, rounded to half floats.
-openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const CtVolume& ct, double margin_mm);
+/// The CT number of voxel (i, j, k) of a grid.
+using HuOfVoxel = std::function<float(int i, int j, int k)>;
+
+/// CT numbers of the voxels within the level set and `margin_mm` around it, on a grid of the given geometry, rounded to
+/// half floats.
+openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const GridGeometry& geometry, double margin_mm,
+                                const HuOfVoxel& hu);
 
 }  // namespace spinaltap::detail

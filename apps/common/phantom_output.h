@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/base/progress.h"
+#include "core/phantom/scanner.h"
+#include "core/phantom/solid.h"
+#include "core/phantom/vertebra_truth.h"
+
+namespace spinaltap {
+
+struct PhantomOptions {
+  ScanOptions scan;
+  double truth_voxel_mm = 0.25;
+};
+
+/// Scans a phantom and writes, whole or not at all, a folder with ct/ (DICOM), truth.vdb (distance and CT numbers),
+/// truth.json (how it was scanned and, for a vertebra, its pedicles) and, for a vertebra, plan.json (a path through each).
+void write_phantom(const Solid& solid, const std::optional<VertebraTruth>& truth, const PhantomOptions& options,
+                   const std::filesystem::path& folder, const Progress& progress = {});
+
+}  // namespace spinaltap
