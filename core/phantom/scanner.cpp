@@ -57,8 +57,8 @@ std::vector<float> box_weights(double width_mm, double step_mm) {
   return weights;
 }
 
-/// Samples per pixel times `pixels` rows or columns: weights of a Gaussian at the samples around a pixel's centre, for
-/// each distance in samples; the pixel's own samples alone when there is no blur.
+/// Weights, that sum to 1, of the samples around a pixel's centre along a row or column: a Gaussian out to 4 deviations
+/// beyond the pixel; the pixel's own samples alone, alike, when there is no blur.
 std::vector<float> blur_weights(const ScanOptions& options) {
   const int samples = options.samples_per_pixel;
   const double step = options.pixel_mm / samples;

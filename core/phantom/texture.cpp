@@ -8,7 +8,7 @@ namespace spinaltap {
 namespace {
 
 /// One over the deviation of the raw noise, measured over ten million points.
-constexpr double kUnitDeviation = 3.8;
+constexpr double kUnitDeviation = 3.70;
 
 double fade(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
 double mix(double a, double b, double t) { return a + t * (b - a); }

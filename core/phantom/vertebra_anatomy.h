@@ -25,16 +25,16 @@ struct VertebraAnatomy {
   } body;
 
   struct Pedicle {
-    double width_mm = 9.0;             ///< at the isthmus, at right angles to the axis: exact
-    double height_mm = 14.5;           ///< at the isthmus: exact; above the width
-    Vec3 isthmus_mm{16.0, 20.5, 2.6};  ///< centre of the isthmus
-    double convergence_deg = 12.0;     ///< between the axis and the sagittal plane, forward and inward
-    double tilt_deg = 0.0;             ///< of the axis, upward to the front
-    double flare_mm = 1.3;             ///< growth of half the width far from the isthmus
-    double flare_length_mm = 5.0;      ///< from the isthmus, where half of the flare is reached
-    double anterior_length_mm = 13.0;  ///< from the isthmus into the body
-    double posterior_length_mm = 8.0;  ///< from the isthmus into the arch
-    double blend_mm = 2.5;             ///< reach of the fillet to the body
+    double width_mm = 9.0;              ///< at the isthmus, at right angles to the axis: exact
+    double height_mm = 14.5;            ///< at the isthmus: exact; above the width
+    Vec3 isthmus_mm{16.0, 20.5, 2.6};   ///< centre of the isthmus
+    double convergence_deg = 12.0;      ///< between the axis and the sagittal plane, forward and inward
+    double tilt_deg = 0.0;              ///< of the axis, upward to the front
+    double flare_mm = 1.3;              ///< growth of half the width far from the isthmus
+    double flare_length_mm = 5.0;       ///< from the isthmus, where half of the flare is reached
+    double anterior_length_mm = 13.0;   ///< from the isthmus into the body
+    double posterior_length_mm = 10.0;  ///< from the isthmus into the arch
+    double blend_mm = 2.5;              ///< reach of the fillet to the body
   } pedicle;
 
   struct Canal {

@@ -103,7 +103,6 @@ TEST(Scanner, BlursAnEdgeByTheGaussianAskedFor) {
   options.blur_mm = 0.5;
   options.pixel_mm = 0.1;
   options.slices = 3;
-  // A ball of 200 mm is flat where the field of view meets its right edge.
   class Wall : public UpperHalf {
    public:
     void evaluate(std::span<const Vec3> p, std::span<double> v, std::span<Vec3>) const override {

@@ -25,7 +25,7 @@ TEST(SurfaceSeeds, LieWithinTheSpacingOfTheSurface) {
 TEST(SurfaceSeeds, LeaveNoPieceOfTheSurfaceOut) {
   const Vertebra vertebra;
   const std::vector<Vec3> seeds = surface_seeds(vertebra, 1.0);
-  // Rays from points in the bone meet the surface; a seed must be near.
+  // Random points pulled onto the surface along the gradient; a seed must be near.
   int found = 0;
   for (std::uint64_t n = 0; found < 200; ++n) {
     const Box3 box = vertebra.bounds_mm();
