@@ -19,25 +19,32 @@ using Intersector = openvdb::tools::LevelSetRayIntersector<FloatGrid>;
 using Sampler = openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 using Colour = Eigen::Array3d;
 
-/// Parallel projection onto a rectangle that holds the frame seen from `from`.
+/// Parallel projection onto a rectangle that holds the bone seen from `from`.
 struct Camera {
   Vec3 forward;
   Vec3 right;
   Vec3 up;
-  Vec3 centre_mm;
-  double mm_per_pixel;
-  double reach_mm;
+  Vec3 centre_mm = Vec3::Zero();
+  double mm_per_pixel = 0.0;
+  double reach_mm = 0.0;
 
-  Camera(const RenderOptions& options, const Box3& frame_mm)
+  Camera(const BoneModel& shown, const RenderOptions& options)
       : forward(-options.from.normalized()),
         right(forward.cross(options.up).normalized()),
-        up(right.cross(forward)),
-        centre_mm(frame_mm.center()),
-        mm_per_pixel(0.0),
-        reach_mm(frame_mm.diagonal().norm()) {
+        up(right.cross(forward)) {
     constexpr double kMargin = 1.06;
-    const auto extent_mm = [&](const Vec3& axis) { return frame_mm.sizes().dot(axis.cwiseAbs()); };
-    mm_per_pixel = kMargin * std::max(extent_mm(right) / options.width, extent_mm(up) / options.height);
+    // The leaves of the narrow band lie along the whole surface.
+    Box3 seen_mm;
+    const FloatGrid& grid = *shown.grids().sdf;
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+      const Vec3 p_mm = detail::from_vdb(grid.indexToWorld(leaf->origin().asVec3d() + openvdb::Vec3d(3.5)));
+      seen_mm.extend(Vec3(p_mm.dot(right), p_mm.dot(up), p_mm.dot(forward)));
+    }
+    const Vec3 centre = seen_mm.center();
+    centre_mm = centre.x() * right + centre.y() * up + centre.z() * forward;
+    mm_per_pixel =
+        kMargin * std::max(seen_mm.sizes().x() / options.width, seen_mm.sizes().y() / options.height);
+    reach_mm = seen_mm.sizes().norm();
   }
 
   /// Start of the ray through a place of the picture, pixels from its upper left corner.
@@ -139,7 +146,7 @@ Image render_bone(const BoneModel& bone, const RenderOptions& options, const Pro
     fail("render: expected 1 to ", kLargestSide, " pixels a side, found ", options.width, " x ", options.height);
   }
   if (!(options.from.cross(options.up).norm() > 1e-9)) fail("render: the view and its up direction are parallel");
-  const Camera camera(options, options.frame_mm.isEmpty() ? bone.bounds_mm() : options.frame_mm);
+  const Camera camera(options.uncut != nullptr ? *options.uncut : bone, options);
   const Intersector intersector(*bone.grids().sdf);
   Image image{options.width, options.height, {}};
   image.rgb.resize(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) * 3);

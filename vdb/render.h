@@ -12,9 +12,8 @@ struct RenderOptions {
   /// From where the eye looks, patient LPS: (0, 1, 0) looks at the back of the patient, from behind.
   Vec3 from = Vec3(0.0, 1.0, 0.0);
   Vec3 up = Vec3(0.0, 0.0, 1.0);
-  /// What fills the picture: the bone's bounds when empty.
-  Box3 frame_mm;
-  /// Where a surface is new (cut or drilled), found as lying this deep inside `uncut`, it is coloured by its CT number.
+  /// The bone before it was cut or drilled: it fills the picture, and where a surface lies inside it, so is new, that
+  /// surface is coloured by its CT number.
   const BoneModel* uncut = nullptr;
 };
 

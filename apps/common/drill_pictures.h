@@ -9,7 +9,8 @@
 
 namespace spinaltap {
 
-/// The bone before and after drilling, from behind and along the path, then cut open along the path and seen from above.
+/// The bone before and after drilling, from behind and from the side of the hole, then cut open along the path in two
+/// planes.
 std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,
                                           const Progress& progress = {});
 

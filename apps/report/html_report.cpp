@@ -35,7 +35,7 @@ th { text-align: left; font-weight: 400; color: #4a545d; padding-right: 16px; }
 td.value { text-align: right; font-variant-numeric: tabular-nums; font-weight: 600; white-space: nowrap; }
 td.long { white-space: normal; overflow-wrap: anywhere; }
 td.unit { width: 4.6em; padding-left: 8px; color: #4a545d; white-space: nowrap; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 18px;
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(440px, 100%), 1fr)); gap: 18px;
   margin-top: 14px; }
 .drawings { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(480px, 100%), 1fr)); gap: 20px;
   align-items: start; margin-top: 14px; }
@@ -57,7 +57,7 @@ footer { margin-top: 36px; padding-top: 10px; border-top: 1px solid #d9dee2; col
   table, .purpose, figcaption { font-size: 8.5pt; }
   .tables { grid-template-columns: 1fr 1fr; gap: 0 20px; }
   .drawings { grid-template-columns: 1fr 1fr; gap: 10px; }
-  .pictures { grid-template-columns: repeat(3, 1fr); gap: 10px; }
+  .pictures { grid-template-columns: repeat(2, 1fr); gap: 10px; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 )";
