@@ -23,7 +23,7 @@ void CtOptions::add_baking(CLI::App& app) {
   app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")->capture_default_str()->type_name("MM");
   app.add_option("--centres", bake.rbf.max_surface_centres, "Most surface centres of the radial basis function")
       ->capture_default_str()
-      ->check(CLI::Range(20, 9000))
+      ->check(CLI::Range(20, 6000))
       ->type_name("N");
   app.add_option("--smoothing", bake.rbf.smoothing_mm, "How far the surface may give way to smoothness, mm; 0: through "
                                                        "all centres")

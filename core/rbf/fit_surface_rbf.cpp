@@ -59,12 +59,14 @@ Centres make_centres(const SurfacePoints& surface, const PointGrid& grid, const 
     centres.values_mm.push_back(0.0);
   }
   centres.surface = chosen.size();
-  for (const std::size_t i : chosen) {
-    const double length_mm =
-        off_surface_length_mm(grid, surface.positions_mm[i], surface.normals[i], off_surface_mm);
-    if (!(length_mm > 0.0)) continue;
-    centres.points_mm.push_back(surface.positions_mm[i] + length_mm * surface.normals[i]);
-    centres.values_mm.push_back(length_mm);
+  for (const double side : {1.0, -1.0}) {
+    for (const std::size_t i : chosen) {
+      const Vec3 way = side * surface.normals[i];
+      const double length_mm = off_surface_length_mm(grid, surface.positions_mm[i], way, off_surface_mm);
+      if (!(length_mm > 0.0)) continue;
+      centres.points_mm.push_back(surface.positions_mm[i] + length_mm * way);
+      centres.values_mm.push_back(side * length_mm);
+    }
   }
   return centres;
 }
@@ -106,6 +108,7 @@ std::vector<std::size_t> worst_points(const SurfacePoints& surface, const std::v
 
 RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& options, const Progress& progress) {
   constexpr std::size_t kFewestPoints = 20;
+  constexpr std::size_t kMostCentres = 6'000;
   constexpr int kRounds = 3;
   constexpr double kFirstShare = 0.6;
   constexpr double kLaterSpacing = 0.4;  // later centres may lie nearer to each other than the first
@@ -116,7 +119,7 @@ RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& option
     fail("RBF: expected tolerance and off-surface distance above 0 mm, found ", options.tolerance_mm, " and ",
          options.off_surface_mm);
   }
-  const std::size_t most = std::clamp<std::size_t>(options.max_surface_centres, kFewestPoints, 9'000);
+  const std::size_t most = std::clamp<std::size_t>(options.max_surface_centres, kFewestPoints, kMostCentres);
   const PointGrid grid(surface.positions_mm, options.off_surface_mm);
   const Subset first = spread_count(surface.positions_mm,
                                     static_cast<std::size_t>(kFirstShare * static_cast<double>(most)));

@@ -13,7 +13,7 @@ namespace spinaltap {
 RbfField interpolate_rbf(std::span<const Vec3> points_mm, std::span<const double> values_mm, double smoothing_mm = 0.0);
 
 struct RbfFitOptions {
-  std::size_t max_surface_centres = 1900;  ///< as many off-surface centres come on top
+  std::size_t max_surface_centres = 1400;  ///< up to twice as many off-surface centres come on top
   double tolerance_mm = 0.05;              ///< points that the surface misses by more become centres
   double off_surface_mm = 1.0;             ///< distance of an off-surface centre, shortened where another part is near
   double smoothing_mm = 0.0;
@@ -36,8 +36,9 @@ struct RbfFit {
 };
 
 /// A surface through a few thousand well-spread centres: a Poisson-disc subset first, then, round by round, the points
-/// that the surface misses most (greedy centre selection, Carr et al. 2001, section 4). Each surface centre brings an
-/// off-surface one outside along its normal. Throws Error when there are too few points.
+/// that the surface misses most (greedy centre selection, Carr et al. 2001, section 4). Each surface centre brings two
+/// off-surface ones along its normal, outside and inside: with both, the surface centre's own weight almost vanishes, and
+/// with it the dimple that |x - c| makes there. Throws Error when there are too few points.
 RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap
