@@ -10,8 +10,10 @@
 namespace spinaltap {
 
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
+  ThresholdOptions threshold = options.threshold;
+  if (!threshold.threshold_hu) threshold.threshold_hu = choose_threshold_hu(ct);
   const BoneMask mask = options.labels ? read_label_map(options.labels->file, options.labels->label, ct.geometry)
-                                       : threshold_mask(ct, options.threshold, progress);
+                                       : threshold_mask(ct, threshold, progress);
   const SurfacePoints surface = extract_surface(ct, mask, options.surface, progress);
   const RbfFit fit = fit_surface_rbf(surface, options.rbf, progress);
 
@@ -24,7 +26,7 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
       {"version", version()},
       {"source_hash", ct.source_hash},
       {"mask", options.labels ? text("label ", options.labels->label)
-                              : text("threshold ", options.threshold.threshold_hu, " HU")},
+                              : text("threshold ", *threshold.threshold_hu, " HU")},
       {"surface_centres", text(fit.report.surface_centres)},
       {"off_surface_centres", text(fit.report.off_surface_centres)},
       {"smoothing_mm", text(options.rbf.smoothing_mm)},

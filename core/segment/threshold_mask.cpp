@@ -50,6 +50,15 @@ std::vector<std::uint8_t> fill_marrow(const FloatGrid& bone, double seal_mm) {
 
 }  // namespace
 
+double choose_threshold_hu(const CtVolume& ct) {
+  constexpr double kQuietHu = 150.0;
+  constexpr double kNoisyHu = 115.0;
+  constexpr double kQuietNoise = 30.0;
+  constexpr double kNoisyNoise = 70.0;
+  const double share = std::clamp((estimate_noise_hu(ct) - kQuietNoise) / (kNoisyNoise - kQuietNoise), 0.0, 1.0);
+  return std::lerp(kQuietHu, kNoisyHu, share);
+}
+
 double estimate_noise_hu(const CtVolume& ct) {
   constexpr std::size_t kMaxSamples = 1'000'000;
   const auto soft = [](std::int16_t hu) { return hu > -200 && hu < 300; };
@@ -69,23 +78,24 @@ double estimate_noise_hu(const CtVolume& ct) {
 
 BoneMask threshold_mask(const CtVolume& ct, const ThresholdOptions& options, const Progress& progress) {
   const GridGeometry& geometry = ct.geometry;
-  if (!std::isfinite(options.threshold_hu)) fail("bone threshold: expected a number of HU, found ", options.threshold_hu);
+  const double threshold_hu = options.threshold_hu ? *options.threshold_hu : choose_threshold_hu(ct);
+  if (!std::isfinite(threshold_hu)) fail("bone threshold: expected a number of HU, found ", threshold_hu);
   // A blur of 0.7 voxels tames noise of 85 HU; a quiet CT keeps its thin cortex.
   constexpr double kNoisePerBlurredVoxel = 120.0;
   const double smooth_voxels = options.smooth_voxels >= 0.0
                                    ? options.smooth_voxels
                                    : std::min(estimate_noise_hu(ct) / kNoisePerBlurredVoxel, 0.8);
   progress.report("finding bone", 0.0);
-  BoneMask mask{geometry, largest_part(voxels_over(ct, options.threshold_hu, smooth_voxels), geometry)};
+  BoneMask mask{geometry, largest_part(voxels_over(ct, threshold_hu, smooth_voxels), geometry)};
   progress.report("finding bone", 0.5);
   const VoxelBox box = mask_box(mask);
   if (box.empty()) {
     const auto [lowest, highest] = std::minmax_element(ct.hu.begin(), ct.hu.end());
-    fail("no voxel over the bone threshold of ", options.threshold_hu, " HU; the CT holds ", *lowest, " to ", *highest,
+    fail("no voxel over the bone threshold of ", threshold_hu, " HU; the CT holds ", *lowest, " to ", *highest,
          " HU");
   }
   const double largest_step_mm = geometry.spacing_mm.maxCoeff();
-  const double seal_mm = options.seal_mm > 0.0 ? options.seal_mm : std::max(1.0, 1.2 * largest_step_mm);
+  const double seal_mm = options.seal_mm > 0.0 ? options.seal_mm : std::max(1.0, 2.0 * largest_step_mm);
   // The margin leaves room for the ball to roll around the bone.
   const VoxelBox work_box = grow_box(box, 2.0 * seal_mm + 2.0 * largest_step_mm, geometry);
   const FloatGrid bone = crop_mask(mask, work_box);
