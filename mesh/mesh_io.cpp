@@ -72,10 +72,9 @@ void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
     written = false;
   }
   // OpenMesh does not look whether its last bytes reached the disk; reading them back does.
-  if (!written) fail("cannot write ", path.string());
   detail::HalfEdgeMesh back;
-  if (!OpenMesh::IO::read_mesh(back, path.string()) || back.n_faces() != linked.n_faces()) {
-    fail("cannot write ", path.string(), ": the disk may be full");
+  if (!written || !OpenMesh::IO::read_mesh(back, path.string()) || back.n_faces() != linked.n_faces()) {
+    fail("cannot write ", path.filename().string(), ": is the disk full, or the folder not writable?");
   }
 }
 
