@@ -15,7 +15,8 @@ struct ThresholdOptions {
 };
 
 /// The largest connected part of the voxels over a threshold, with its marrow: everything that a ball of radius
-/// `seal_mm` cannot reach from outside without touching the bone. Throws Error when no voxel is over the threshold.
+/// `seal_mm` cannot reach from outside without touching the bone. Throws Error when no voxel is over the threshold,
+/// and on a blur over 10 voxels or a seal over 50 mm.
 BoneMask threshold_mask(const CtVolume& ct, const ThresholdOptions& options = {}, const Progress& progress = {});
 
 /// Standard deviation of the noise (HU) in soft tissue: from the differences of neighbours between -200 and 300 HU, by
