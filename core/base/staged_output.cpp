@@ -11,12 +11,35 @@
 
 namespace spinaltap {
 namespace fs = std::filesystem;
+namespace {
+
+/// Makes a folder and those above it, and adds what it made to `made`, the uppermost first.
+void make_folders(const fs::path& wanted, std::vector<fs::path>& made) {
+  std::error_code error;
+  std::vector<fs::path> missing;
+  for (fs::path folder = wanted; !folder.empty() && !fs::exists(folder, error); folder = folder.parent_path()) {
+    missing.push_back(folder);
+  }
+  for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
+    if (!fs::create_directory(*folder, error) && error) {
+      fail("cannot make the folder ", folder->string(), ": ", error.message());
+    }
+    made.push_back(*folder);
+  }
+}
+
+/// Deepest first; a folder that something else has been put into stays.
+void remove_empty_folders(const std::vector<fs::path>& made) {
+  std::error_code ignored;
+  for (auto folder = made.rbegin(); folder != made.rend(); ++folder) fs::remove(*folder, ignored);
+}
+
+}  // namespace
 
 StagedOutput::~StagedOutput() {
   std::error_code ignored;
   for (const Entry& entry : entries_) fs::remove(entry.temporary, ignored);
-  // Deepest first; remove() leaves a folder that something else has been put into.
-  for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) fs::remove(*folder, ignored);
+  remove_empty_folders(made_folders_);
 }
 
 fs::path StagedOutput::stage(const fs::path& final_path) {
@@ -24,17 +47,7 @@ fs::path StagedOutput::stage(const fs::path& final_path) {
   if (final_path.filename().empty() || fs::is_directory(final_path, error)) {
     fail("expected the name of a file to write, found a folder: ", final_path.string());
   }
-  std::vector<fs::path> missing;
-  for (fs::path folder = final_path.parent_path(); !folder.empty() && !fs::exists(folder, error);
-       folder = folder.parent_path()) {
-    missing.push_back(folder);
-  }
-  for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
-    if (!fs::create_directory(*folder, error) && error) {
-      fail("cannot make the folder ", folder->string(), ": ", error.message());
-    }
-    made_folders_.push_back(*folder);
-  }
+  make_folders(final_path.parent_path(), made_folders_);
   // A folder of our own beside the file: the file keeps its name, so that messages and writers that choose the format by
   // the extension are right.
   const fs::path folder = final_path.parent_path() / (".spinaltap-partial-" + std::to_string(::getpid()));
@@ -83,8 +96,9 @@ StagedFolder::StagedFolder(fs::path final_path, fs::path marker) : final_path_(s
   }
   temporary_ = final_path_.parent_path() /
                ("." + final_path_.filename().string() + ".partial-" + std::to_string(::getpid()));
-  if (!final_path_.parent_path().empty()) fs::create_directories(final_path_.parent_path(), error);
+  make_folders(final_path_.parent_path(), made_folders_);
   if (!fs::create_directory(temporary_, error)) {
+    remove_empty_folders(made_folders_);
     fail("cannot make the folder ", temporary_.string(), ": ", error ? error.message() : "it exists");
   }
 }
@@ -92,16 +106,23 @@ StagedFolder::StagedFolder(fs::path final_path, fs::path marker) : final_path_(s
 StagedFolder::~StagedFolder() {
   std::error_code ignored;
   if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+  remove_empty_folders(made_folders_);
 }
 
 void StagedFolder::commit() {
+  if (temporary_.empty()) fail("the folder is written already: ", final_path_.string());
   std::error_code error;
   const fs::path old = temporary_.string() + ".old";
   const bool replaces = fs::exists(final_path_, error);
   if (replaces) fs::rename(final_path_, old, error);
-  if (!error) fs::rename(temporary_, final_path_, error);
+  if (!error) {
+    fs::rename(temporary_, final_path_, error);
+    std::error_code ignored;
+    if (error && replaces) fs::rename(old, final_path_, ignored);
+  }
   if (error) fail("cannot write the folder ", final_path_.string(), ": ", error.message());
   temporary_.clear();
+  made_folders_.clear();
   if (replaces) fs::remove_all(old, error);
 }
 

@@ -43,7 +43,7 @@ class StagedFolder {
   /// Makes the temporary folder. An existing `final_path` is replaced on commit() only where it holds `marker`, a file
   /// that says that we made it; otherwise Error is thrown, unless it is empty.
   StagedFolder(std::filesystem::path final_path, std::filesystem::path marker);
-  /// Removes what was not committed.
+  /// Removes what was not committed, and the folders made for it.
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
@@ -54,6 +54,7 @@ class StagedFolder {
  private:
   std::filesystem::path final_path_;
   std::filesystem::path temporary_;
+  std::vector<std::filesystem::path> made_folders_;
 };
 
 /// Writes `content` to `path` (already a temporary name). Throws Error when the disk is full or the path not writable.

@@ -73,6 +73,18 @@ Corridor follow(const Clearance& clearance, const Vec3& seed_mm, const Vec3& dir
   return corridor;
 }
 
+/// Whether no bone lies behind the entry, so that a straight bit can come to it. A way that enters the body through its
+/// back wall has the vertebral arch behind it.
+bool is_open_behind(const Clearance& clearance, const Corridor& corridor) {
+  constexpr double kStepMm = 0.5;
+  constexpr double kWayMm = 60.0;
+  const Vec3 back = (corridor.entry_mm - corridor.target_mm).normalized();
+  for (double way_mm = 2.0 * kStepMm; way_mm <= kWayMm; way_mm += kStepMm) {
+    if (clearance.at(corridor.entry_mm + way_mm * back) > 0.0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const CorridorOptions& options,
@@ -100,7 +112,9 @@ DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const Corri
         const Vec3 seed_mm = bone.geometry.to_patient(Vec3(i, j, k));
         for (const Vec3& direction : directions) {
           const Corridor corridor = follow(clearance, seed_mm, direction, options);
-          if (corridor.width_mm > 0.0 && corridor.score() > best.score()) best = corridor;
+          if (corridor.width_mm > 0.0 && corridor.score() > best.score() && is_open_behind(clearance, corridor)) {
+            best = corridor;
+          }
         }
       }
     }

@@ -16,7 +16,8 @@ struct CorridorOptions {
 
 /// The straight way from the back of a vertebra forward into its body that keeps furthest from the bone's surface.
 ///
-/// Only the pedicles join back and body, so the widest such corridor runs through one. The search is exhaustive over a
+/// Only the pedicles join back and body, so the widest such corridor runs through one; ways with more bone behind their
+/// entry, which cross the canal, do not count. The search is exhaustive over a
 /// coarse grid of targets and directions around the patient's anterior (-y); it knows no anatomy. `bone` should have
 /// voxels of about 1 mm. Throws Error when there is no such way.
 DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const CorridorOptions& options = {},

@@ -46,6 +46,11 @@ void fill_volume(PointVolume& volume, const BoneSampler& bone, const Progress& p
     const auto number = volume.hu().subspan(volume.disc_start(disc), per_disc);
     for (std::size_t i = 0; i < per_disc; ++i) {
       alive[i] = distance_mm[i] < 0.0F ? 1 : 0;
+      if (std::isnan(hu[i])) {
+        if (alive[i] != 0) fail("point volume: the CT number of a point inside the bone is not a number");
+        number[i] = 0;
+        continue;
+      }
       number[i] = static_cast<std::int16_t>(std::lround(std::clamp(hu[i], -32768.0F, 32767.0F)));
     }
     counter.add();

@@ -62,7 +62,8 @@ class PointVolume {
 using BoneSampler = std::function<void(std::span<const Vec3> points_mm, std::span<float> distance_mm,
                                        std::span<float> hu)>;
 
-/// Kills every point outside the bone and gives the others their CT number (the paper's section 6.3).
+/// Kills every point outside the bone and gives the others their CT number (the paper's section 6.3). Points whose
+/// distance is not a number die. Throws Error when the CT number of a point inside is not a number.
 void fill_volume(PointVolume& volume, const BoneSampler& bone, const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -33,9 +33,7 @@ class ReferenceEngine final : public DrillEngine {
     pressure_sum_ = {0, 0};
     for (int i = 1; i <= poses; ++i) {
       const double t = static_cast<double>(i) / poses;
-      pose_ = i == poses ? target
-                         : Pose{start.tip_mm + t * (target.tip_mm - start.tip_mm),
-                                (start.axis + t * (target.axis - start.axis)).normalized()};
+      pose_ = i == poses ? target : between(start, target, t);
       remove_at_pose(result);
     }
     const DiscPattern& pattern = volume_.pattern();
@@ -48,6 +46,13 @@ class ReferenceEngine final : public DrillEngine {
   }
 
  private:
+  static Pose between(const Pose& start, const Pose& target, double t) noexcept {
+    const Vec3 axis = start.axis + t * (target.axis - start.axis);
+    // Half way between opposite axes lies none: the bit is turned round at once there.
+    const double length = axis.norm();
+    return {start.tip_mm + t * (target.tip_mm - start.tip_mm), length > 1e-9 ? Vec3(axis / length) : target.axis};
+  }
+
   /// How many poses make steps of at most half a spacing, measured at the tip and at the base.
   int poses_between(const Pose& start, const Pose& target) const noexcept {
     constexpr double kMaxPoses = 1e6;

@@ -30,19 +30,21 @@ Subset spread_count(std::span<const Vec3> points_mm, std::size_t count) {
   for (const Vec3& p : points_mm) box.extend(p);
   double low_mm = 0.0;
   double high_mm = std::max(box.diagonal().norm(), 1e-3);
-  Subset subset;
-  for (int i = 0; i < 24; ++i) {
+  // The largest subset that is not too large. On a lattice no spacing may give a number near `count`.
+  Subset best;
+  for (int i = 0; i < 24 || best.indices.empty(); ++i) {
+    Subset subset;
     subset.spacing_mm = i == 0 ? 0.02 * high_mm : 0.5 * (low_mm + high_mm);
     subset.indices = spread_subset(points_mm, subset.spacing_mm);
     if (subset.indices.size() > count) {
       low_mm = subset.spacing_mm;
-    } else {
-      high_mm = subset.spacing_mm;
-      if (subset.indices.size() > count * 19 / 20) break;
+      continue;
     }
+    high_mm = subset.spacing_mm;
+    if (subset.indices.size() > best.indices.size()) best = std::move(subset);
+    if (best.indices.size() > count * 19 / 20 || best.indices.size() == points_mm.size()) break;
   }
-  if (subset.indices.size() > count) subset.indices.resize(count);
-  return subset;
+  return best;
 }
 
 struct Centres {
@@ -115,6 +117,11 @@ RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& option
   if (surface.positions_mm.size() < kFewestPoints || surface.normals.size() != surface.positions_mm.size()) {
     fail("RBF: expected ", kFewestPoints, " surface points with normals or more, found ", surface.positions_mm.size());
   }
+  const auto finite = [](const Vec3& v) { return v.allFinite(); };
+  if (!std::all_of(surface.positions_mm.begin(), surface.positions_mm.end(), finite) ||
+      !std::all_of(surface.normals.begin(), surface.normals.end(), finite)) {
+    fail("RBF: a surface point or its normal is not a number");
+  }
   if (!(options.tolerance_mm > 0.0) || !(options.off_surface_mm > 0.0)) {
     fail("RBF: expected tolerance and off-surface distance above 0 mm, found ", options.tolerance_mm, " and ",
          options.off_surface_mm);
@@ -130,6 +137,9 @@ RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& option
   for (int round = 1;; ++round) {
     progress.report("fitting the surface", static_cast<double>(round - 1) / kRounds);
     const Centres centres = make_centres(surface, grid, chosen, options.off_surface_mm);
+    if (centres.points_mm.size() == centres.surface) {
+      fail("RBF: expected unit normals that point out of the surface, found no room along any of them");
+    }
     RbfField field = interpolate_rbf(centres.points_mm, centres.values_mm, options.smoothing_mm);
     std::vector<double> residual_mm = residuals_mm(field, surface.positions_mm);
     const std::size_t room = round == kRounds || chosen.size() >= most ? 0

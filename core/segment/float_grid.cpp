@@ -15,7 +15,8 @@ std::vector<float> gaussian_kernel(double sigma_voxels) {
   std::vector<double> kernel(static_cast<std::size_t>(2 * reach + 1));
   double sum = 0.0;
   for (int i = -reach; i <= reach; ++i) {
-    const double value = std::exp(-0.5 * i * i / (sigma_voxels * sigma_voxels));
+    const double deviations = i / sigma_voxels;
+    const double value = std::exp(-0.5 * deviations * deviations);
     kernel[static_cast<std::size_t>(i + reach)] = value;
     sum += value;
   }
@@ -118,6 +119,10 @@ FloatGrid crop_mask(const BoneMask& mask, const VoxelBox& box) {
 }
 
 FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm) {
+  constexpr double kMostVoxels = 1000.0;
+  if (!(sigma_mm > 0.0) || !(sigma_mm <= kMostVoxels * grid.geometry.smallest_spacing_mm())) {
+    fail("blur: expected a width above 0 and up to ", kMostVoxels, " voxels, found ", sigma_mm, " mm");
+  }
   FloatGrid result = grid;
   for (int axis = 0; axis < 3; ++axis) {
     blur_axis(result, axis, gaussian_kernel(sigma_mm / grid.geometry.spacing_mm[axis]));

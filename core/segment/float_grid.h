@@ -37,7 +37,7 @@ FloatGrid crop_hu(const CtVolume& ct, const VoxelBox& box);
 FloatGrid crop_mask(const BoneMask& mask, const VoxelBox& box);
 
 /// Gaussian blur of standard deviation `sigma_mm` along each axis, values beyond the border repeating the border's.
-/// Bit-identical at any thread count.
+/// Bit-identical at any thread count. Throws Error when the width is not above 0 or over 1,000 voxels.
 FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm);
 
 /// Tri-linear value at grid index coordinates; beyond the border, the border's value.

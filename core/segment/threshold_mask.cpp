@@ -80,6 +80,12 @@ BoneMask threshold_mask(const CtVolume& ct, const ThresholdOptions& options, con
   const GridGeometry& geometry = ct.geometry;
   const double threshold_hu = options.threshold_hu ? *options.threshold_hu : choose_threshold_hu(ct);
   if (!std::isfinite(threshold_hu)) fail("bone threshold: expected a number of HU, found ", threshold_hu);
+  if (!(options.smooth_voxels <= 10.0)) {
+    fail("bone threshold: expected a blur of at most 10 voxels, found ", options.smooth_voxels);
+  }
+  if (!(options.seal_mm >= 0.0 && options.seal_mm <= 50.0)) {
+    fail("bone threshold: expected gaps of 0 to 50 mm to seal, found ", options.seal_mm, " mm");
+  }
   // A blur of 0.7 voxels tames noise of 85 HU; a quiet CT keeps its thin cortex.
   constexpr double kNoisePerBlurredVoxel = 120.0;
   const double smooth_voxels = options.smooth_voxels >= 0.0

@@ -9,7 +9,7 @@ namespace spinaltap {
 
 struct ThresholdOptions {
   /// Bone is at least this dense; by default what choose_threshold_hu() gives.
-  std::optional<double> threshold_hu;
+  std::optional<double> threshold_hu = std::nullopt;
   /// Width (standard deviation, in voxels) of the blur before thresholding; negative: chosen from the CT's noise.
   double smooth_voxels = -1.0;
   /// Gaps in the cortex narrower than twice this do not let marrow out; 0: 1 mm or twice the largest voxel step,
@@ -18,7 +18,8 @@ struct ThresholdOptions {
 };
 
 /// The largest connected part of the voxels over a threshold, with its marrow: everything that a ball of radius
-/// `seal_mm` cannot reach from outside without touching the bone. Throws Error when no voxel is over the threshold.
+/// `seal_mm` cannot reach from outside without touching the bone. Throws Error when no voxel is over the threshold,
+/// and on a blur over 10 voxels or a seal over 50 mm.
 BoneMask threshold_mask(const CtVolume& ct, const ThresholdOptions& options = {}, const Progress& progress = {});
 
 /// A threshold for bone: 150 HU in a quiet CT, down to 115 HU in a noisy one, whose blur lowers the thin cortex.

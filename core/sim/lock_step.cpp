@@ -14,6 +14,7 @@ LockStepMotion::LockStepMotion(const DrillPath& path, double lead_in_mm, const L
     : length_mm_(path.length_mm() + lead_in_mm), lead_in_mm_(lead_in_mm), step_mm_(options.step_mm), cycles_(0) {
   constexpr double kMaxCycles = 0x1.0p27;
   check_path(path);
+  if (!(lead_in_mm >= 0.0)) fail("drilling: expected a lead-in of 0 mm or more, found ", lead_in_mm, " mm");
   if (!(options.step_mm > 0.0) || !(length_mm_ / options.step_mm <= kMaxCycles)) {
     fail("drilling: expected an advance of ", length_mm_ / kMaxCycles, " mm a cycle or more, found ", options.step_mm);
   }

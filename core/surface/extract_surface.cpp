@@ -93,6 +93,13 @@ void move_to_edges(SurfacePoints& surface, const EdgeFinder& edges, double radiu
 SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const SurfaceOptions& options,
                               const Progress& progress) {
   if (mask.geometry.size != ct.geometry.size) fail("surface: expected the mask on the CT's grid, found another size");
+  if (mask.geometry.origin_mm != ct.geometry.origin_mm || mask.geometry.spacing_mm != ct.geometry.spacing_mm ||
+      mask.geometry.directions != ct.geometry.directions) {
+    fail("surface: expected the mask on the CT's grid, found one that lies elsewhere");
+  }
+  if (!(options.smooth_mm >= 0.0 && options.smooth_mm <= 20.0)) {
+    fail("surface: expected smoothing of 0 to 20 mm, found ", options.smooth_mm, " mm");
+  }
   const VoxelBox box = mask_box(mask);
   if (box.empty()) fail("surface: the mask holds no voxel");
   const double largest_step_mm = ct.geometry.spacing_mm.maxCoeff();

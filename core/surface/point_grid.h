@@ -18,6 +18,7 @@ class PointGrid {
   /// Calls visit(index) for every point within `radius_mm` of p, in an order that depends on the points alone.
   template <class Visit>
   void for_each_within(const Vec3& p_mm, double radius_mm, const Visit& visit) const {
+    if (!p_mm.allFinite()) return;  // no cell holds it
     const Eigen::Array3i low = cell_of(p_mm - Vec3::Constant(radius_mm));
     const Eigen::Array3i high = cell_of(p_mm + Vec3::Constant(radius_mm));
     const double radius_squared = radius_mm * radius_mm;

@@ -23,7 +23,7 @@ struct SurfaceOptions {
 };
 
 /// Points where the smoothed mask crosses one half along the voxel grid's lines, refined by the CT's grey values.
-/// Throws Error when the mask is empty or its grid is not the CT's.
+/// Throws Error when the mask is empty or its grid is not the CT's, and on smoothing over 20 mm.
 SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const SurfaceOptions& options = {},
                               const Progress& progress = {});
 

@@ -1,0 +1,49 @@
+#include "core/base/hash.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <set>
+#include <vector>
+
+namespace spinaltap {
+namespace {
+
+std::string hash_of(const std::vector<unsigned char>& bytes) {
+  Fnv1a hash;
+  hash.add(bytes.data(), bytes.size());
+  return hash.hex();
+}
+
+TEST(Fnv1a, StartsAtItsPublishedOffsetAndPrintsSixteenDigits) {
+  EXPECT_EQ(Fnv1a().hex(), "cbf29ce484222325");
+  EXPECT_EQ(Fnv1a().value(), 0xcbf29ce484222325ULL);
+}
+
+TEST(Fnv1a, ChangesWithEveryBit) {
+  std::vector<unsigned char> bytes(37, 0x5a);
+  std::set<std::string> seen{hash_of(bytes)};
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] ^= static_cast<unsigned char>(1U << (bit % 8));
+    EXPECT_TRUE(seen.insert(hash_of(bytes)).second) << bit;
+    bytes[bit / 8] ^= static_cast<unsigned char>(1U << (bit % 8));
+  }
+}
+
+TEST(Fnv1a, ChangesWithTheOrderOfWords) {
+  std::vector<unsigned char> forth(16, 0), back(16, 0);
+  forth[0] = back[8] = 1;
+  EXPECT_NE(hash_of(forth), hash_of(back));
+}
+
+TEST(Fnv1a, GoesOnWhereItStopped) {
+  const char text[] = "sixteen bytes ...";
+  Fnv1a whole, parts;
+  whole.add(text, 16);
+  parts.add(text, 8);  // whole words
+  parts.add(text + 8, 8);
+  EXPECT_EQ(whole.value(), parts.value());
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,199 @@
+#include "core/base/staged_output.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "core/base/error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+namespace fs = std::filesystem;
+using test::error_of;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+/// How many files and folders lie below a folder.
+std::ptrdiff_t count_in(const fs::path& folder) {
+  return std::distance(fs::recursive_directory_iterator(folder), fs::recursive_directory_iterator());
+}
+
+TEST(StagedOutput, ShowsItsFilesOnCommitAndReplacesOldOnes) {
+  const TemporaryFolder folder;
+  const fs::path a = folder.path() / "a.txt", b = folder.path() / "b.txt";
+  write_whole_file(a, "old");
+  StagedOutput output;
+  output.write(a, "new a");
+  output.write(b, "new b");
+  EXPECT_EQ(read_whole_file(a), "old");
+  EXPECT_FALSE(fs::exists(b));
+  output.commit();
+  EXPECT_EQ(read_whole_file(a), "new a");
+  EXPECT_EQ(read_whole_file(b), "new b");
+  EXPECT_EQ(count_in(folder.path()), 2);
+}
+
+TEST(StagedOutput, LeavesTheOldFileAndNothingElseWithoutCommit) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "a.txt", "old");
+  {
+    StagedOutput output;
+    output.write(folder.path() / "a.txt", "new");
+    output.write(folder.path() / "deep" / "er" / "b.txt", "new");
+    EXPECT_TRUE(fs::is_directory(folder.path() / "deep" / "er"));
+  }
+  EXPECT_EQ(read_whole_file(folder.path() / "a.txt"), "old");
+  EXPECT_EQ(count_in(folder.path()), 1);
+}
+
+TEST(StagedOutput, MakesMissingFoldersAndKeepsThemOnCommit) {
+  const TemporaryFolder folder;
+  StagedOutput output;
+  output.write(folder.path() / "x" / "y" / "z.txt", "here");
+  output.commit();
+  EXPECT_EQ(read_whole_file(folder.path() / "x" / "y" / "z.txt"), "here");
+}
+
+TEST(StagedOutput, LeavesAFolderThatSomebodyElseUsesMeanwhile) {
+  const TemporaryFolder folder;
+  {
+    StagedOutput output;
+    output.write(folder.path() / "x" / "y" / "z.txt", "here");
+    write_whole_file(folder.path() / "x" / "mine.txt", "mine");
+  }
+  EXPECT_EQ(read_whole_file(folder.path() / "x" / "mine.txt"), "mine");
+  EXPECT_FALSE(fs::exists(folder.path() / "x" / "y"));
+}
+
+TEST(StagedOutput, KeepsTheExtensionOfATemporaryName) {
+  const TemporaryFolder folder;
+  StagedOutput output;
+  EXPECT_EQ(output.stage(folder.path() / "bone.vdb").extension(), ".vdb");
+}
+
+TEST(StagedOutput, ShowsNoneOfItsFilesWhenOneWasNotWritten) {
+  const TemporaryFolder folder;
+  StagedOutput output;
+  output.write(folder.path() / "a.txt", "a");
+  output.stage(folder.path() / "b.txt");
+  EXPECT_THAT(error_of([&] { output.commit(); }), HasSubstr("b.txt"));
+  EXPECT_FALSE(fs::exists(folder.path() / "a.txt"));
+}
+
+TEST(StagedOutput, RefusesAFolderAsAFileAndAFileAsAFolder) {
+  const TemporaryFolder folder;
+  StagedOutput output;
+  EXPECT_THROW(output.stage(folder.path()), Error);
+  EXPECT_THROW(output.stage(folder.path() / "x" / ""), Error);
+  write_whole_file(folder.path() / "file", "");
+  EXPECT_THROW(output.write(folder.path() / "file" / "a.txt", "a"), Error);
+  EXPECT_THROW(output.write(folder.path() / "file" / "sub" / "a.txt", "a"), Error);
+  EXPECT_EQ(count_in(folder.path()), 1);
+}
+
+TEST(StagedOutput, LeavesTheOldFileWhenTheDiskIsFull) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "a.txt", "old");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  // A file of at most 4,096 bytes stands for a disk with no more room.
+  const rlimit small{4096, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  std::string message;
+  {
+    StagedOutput output;
+    message = error_of([&] { output.write(folder.path() / "a.txt", std::string(100'000, 'x')); });
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_THAT(message, HasSubstr("cannot write"));
+  EXPECT_EQ(read_whole_file(folder.path() / "a.txt"), "old");
+  EXPECT_EQ(count_in(folder.path()), 1);
+}
+
+TEST(StagedFolder, AppearsWholeOnCommitAndNotBefore) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "made" / "out";
+  StagedFolder staged(out, "mine.json");
+  write_whole_file(staged.temporary() / "mine.json", "{}");
+  EXPECT_FALSE(fs::exists(out));
+  staged.commit();
+  EXPECT_EQ(read_whole_file(out / "mine.json"), "{}");
+  EXPECT_EQ(count_in(folder.path()), 3);
+}
+
+TEST(StagedFolder, LeavesNothingWithoutCommit) {
+  const TemporaryFolder folder;
+  {
+    const StagedFolder staged(folder.path() / "made" / "for" / "out", "mine.json");
+    write_whole_file(staged.temporary() / "a.txt", "a");
+  }
+  EXPECT_EQ(count_in(folder.path()), 0);
+}
+
+TEST(StagedFolder, ReplacesAFolderThatHoldsItsMarkerAndAnEmptyOne) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directory(out);
+  for (const char* content : {"first", "second"}) {
+    StagedFolder staged(out / "", "mine.json");  // "out/" is "out"
+    write_whole_file(staged.temporary() / "mine.json", content);
+    write_whole_file(staged.temporary() / (std::string(content) + ".txt"), "");
+    staged.commit();
+    EXPECT_EQ(read_whole_file(out / "mine.json"), content);
+  }
+  EXPECT_FALSE(fs::exists(out / "first.txt"));
+  EXPECT_EQ(count_in(folder.path()), 3);
+}
+
+TEST(StagedFolder, RefusesFoldersThatItDidNotMake) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "out");
+  write_whole_file(folder.path() / "out" / "thesis.txt", "years of work");
+  EXPECT_THAT(error_of([&] { StagedFolder(folder.path() / "out", "mine.json"); }), HasSubstr("holds other files"));
+  EXPECT_THAT(error_of([&] { StagedFolder(folder.path() / "out" / "thesis.txt", "mine.json"); }),
+              HasSubstr("found a file"));
+  EXPECT_THROW(StagedFolder("", "mine.json"), Error);
+  EXPECT_EQ(read_whole_file(folder.path() / "out" / "thesis.txt"), "years of work");
+  EXPECT_EQ(count_in(folder.path()), 2);
+}
+
+TEST(StagedFolder, KeepsWhatItWroteWhenItIsCommittedTwice) {
+  const TemporaryFolder folder;
+  StagedFolder staged(folder.path() / "out", "mine.json");
+  write_whole_file(staged.temporary() / "mine.json", "{}");
+  staged.commit();
+  EXPECT_THROW(staged.commit(), Error);
+  EXPECT_EQ(read_whole_file(folder.path() / "out" / "mine.json"), "{}");
+}
+
+TEST(StagedFolder, PutsTheOldFolderBackWhenTheNewOneIsLost) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directory(out);
+  write_whole_file(out / "mine.json", "old");
+  StagedFolder staged(out, "mine.json");
+  fs::remove_all(staged.temporary());
+  EXPECT_THROW(staged.commit(), Error);
+  EXPECT_EQ(read_whole_file(out / "mine.json"), "old");
+}
+
+TEST(ReadWholeFile, GivesBackWhatWasWrittenAndRefusesOtherThings) {
+  const TemporaryFolder folder;
+  const std::string bytes("a\0b\n\r\xff", 6);
+  write_whole_file(folder.path() / "a", bytes);
+  EXPECT_EQ(read_whole_file(folder.path() / "a"), bytes);
+  EXPECT_EQ(read_whole_file(folder.path() / "a", 6), bytes);
+  EXPECT_THAT(error_of([&] { read_whole_file(folder.path() / "a", 5); }), HasSubstr("at most 5 bytes, found 6"));
+  EXPECT_THAT(error_of([&] { read_whole_file(folder.path() / "b"); }), HasSubstr("no such file"));
+  EXPECT_THAT(error_of([&] { read_whole_file(folder.path()); }), HasSubstr("regular file"));
+}
+
+}  // namespace
+}  // namespace spinaltap
