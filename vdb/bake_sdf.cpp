@@ -32,10 +32,12 @@ std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double
       if (!grid.tree().isValueOn(*at)) voxels.push_back(*at);
     }
   }
-  constexpr std::size_t kBatch = 4096;
+  constexpr std::size_t kBatch = 1024;
+  const std::size_t batches = (voxels.size() + kBatch - 1) / kBatch;
   std::vector<float> distance_mm(voxels.size());
-  ProgressCounter counter(progress, "baking the distance", voxels.size());
-  for (std::size_t begin = 0; begin < voxels.size(); begin += kBatch) {
+  ProgressCounter counter(progress, "baking the distance", batches);
+  tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t batch) {
+    const std::size_t begin = batch * kBatch;
     const std::size_t size = std::min(kBatch, voxels.size() - begin);
     std::vector<Vec3> points_mm(size);
     std::vector<double> values_mm(size);
@@ -49,8 +51,8 @@ std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double
       // Where the gradient vanishes the value says nothing of the distance; a tenth keeps the result finite.
       distance_mm[begin + i] = static_cast<float>(values_mm[i] / std::max(gradients[i].norm(), 0.1));
     }
-    counter.add(size);
-  }
+    counter.add();
+  });
   auto accessor = grid.getAccessor();
   openvdb::tree::ValueAccessor<Mask> near_accessor(near);
   for (std::size_t i = 0; i < voxels.size(); ++i) {

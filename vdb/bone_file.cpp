@@ -36,6 +36,14 @@ void replace_random_tag(const std::filesystem::path& path, const std::string& di
   if (!file) fail("cannot write ", path.string());
 }
 
+/// The start of a message that may quote a damaged file's bytes.
+std::string printable(const std::string& message) {
+  constexpr std::size_t kMost = 160;
+  std::string text;
+  for (const char c : message.substr(0, kMost)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text;
+}
+
 std::string hash_of(const BoneModel& bone) {
   Fnv1a hash;
   for (const auto& grid : {bone.grids().sdf, bone.grids().hu}) {
@@ -68,8 +76,9 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
     replace_random_tag(path, hash_of(bone));
     // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
     read_bone(path);
-  } catch (const std::exception& error) {
-    fail("cannot write ", path.string(), ": ", error.what());
+  } catch (const std::exception&) {
+    // What OpenVDB says of its own broken file does not help; the cause is nearly always this one.
+    fail("cannot write ", path.filename().string(), ": is the disk full, or the folder not writable?");
   }
 }
 
@@ -99,7 +108,7 @@ BoneModel read_bone(const std::filesystem::path& path) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    fail("cannot read ", path.string(), ": ", error.what());
+    fail("cannot read ", path.string(), ": ", printable(error.what()));
   }
   if (!grids->sdf || !grids->hu) fail("expected grids of floats in ", path.string());
   if (grids->sdf->getGridClass() != openvdb::GRID_LEVEL_SET || grids->sdf->activeVoxelCount() == 0) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "apps/common/bone_path.h"
 #include "core/base/error.h"
 #include "vdb/subtract_bit.h"
 
@@ -52,6 +53,7 @@ Drilling drill_bone(const BoneModel& bone, const DrillPath& path, const Material
                     const DrillingOptions& options, const Progress& progress) {
   if (!(options.log_step_mm > 0.0)) fail("drilling: expected a log step above 0 mm, found ", options.log_step_mm);
   const LockStepMotion motion(path, options.volume.lead_in_mm, options.motion);
+  check_path_meets_bone(path, bone);
   PointVolume volume(path, options.volume);
   fill_volume(
       volume,
@@ -64,13 +66,6 @@ Drilling drill_bone(const BoneModel& bone, const DrillPath& path, const Material
   drilling.points_in_bone = volume.alive_count();
   drilling.discs = volume.disc_count();
   drilling.points_per_disc = volume.pattern().point_count();
-  if (drilling.points_in_bone == 0) {
-    const Box3 bounds_mm = bone.bounds_mm();
-    const Eigen::IOFormat format(4, Eigen::DontAlignCols, ", ", ", ");
-    fail("path \"", path.name, "\" misses the bone: it runs from (", path.entry_mm.transpose().format(format), ") to (",
-         path.target_mm.transpose().format(format), "), the bone lies within (", bounds_mm.min().transpose().format(format),
-         ") and (", bounds_mm.max().transpose().format(format), ") mm");
-  }
   const auto engine = make_reference_engine(volume, path.bit, material);
   const std::vector<CycleRecord> records = run_lock_step(*engine, motion, progress);
   drilling.cycles = records.size();

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "apps/common/bone_corridor.h"
+#include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
 #include "apps/common/surface_error.h"
 #include "apps/spinaltap/command.h"

@@ -2,7 +2,7 @@
 #include <optional>
 #include <sstream>
 
-#include "apps/common/bone_corridor.h"
+#include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/path_options.h"
@@ -76,7 +76,9 @@ void add_plan(CLI::App& program, Command& command) {
   command.run = [options](const Progress& progress) {
     const BoneModel bone = read_bone(options->bone);
     std::optional<DrillPath> path = options->path.given_path(options->name);
-    if (!path) {
+    if (path) {
+      check_path_meets_bone(*path, bone);
+    } else {
       path = suggest_path(bone, options->path.bit, progress);
       path->name = options->name;
     }

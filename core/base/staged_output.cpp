@@ -35,10 +35,17 @@ fs::path StagedOutput::stage(const fs::path& final_path) {
     }
     made_folders_.push_back(*folder);
   }
-  // The extension is kept at the end: some writers choose the format by it.
-  const std::string name = "." + final_path.stem().string() + ".partial-" + std::to_string(::getpid()) +
-                           final_path.extension().string();
-  Entry entry{final_path.parent_path() / name, final_path};
+  // A folder of our own beside the file: the file keeps its name, so that messages and writers that choose the format by
+  // the extension are right.
+  const fs::path folder = final_path.parent_path() / (".spinaltap-partial-" + std::to_string(::getpid()));
+  if (!fs::exists(folder, error)) {
+    if (!fs::create_directory(folder, error)) {
+      fail("cannot write into ", final_path.parent_path().string(), ": ", error.message());
+    }
+    made_folders_.push_back(folder);
+    staging_folders_.push_back(folder);
+  }
+  Entry entry{folder / final_path.filename(), final_path};
   entries_.push_back(entry);
   return entry.temporary;
 }
@@ -57,6 +64,8 @@ void StagedOutput::commit() {
     if (error) fail("cannot write ", entry.final_path.string(), ": ", error.message());
   }
   entries_.clear();
+  for (const fs::path& folder : staging_folders_) fs::remove(folder, error);
+  staging_folders_.clear();
   made_folders_.clear();
 }
 

@@ -8,7 +8,7 @@ namespace spinaltap {
 
 /// Files that appear together or not at all.
 ///
-/// Each file is written to a temporary name beside its final one; commit() renames them all. Without commit() the
+/// Each file is written into a temporary folder beside its final place; commit() moves them all. Without commit() the
 /// destructor removes what was written, and the folders it made, so a failed run leaves the old files or none.
 class StagedOutput {
  public:
@@ -34,6 +34,7 @@ class StagedOutput {
   };
   std::vector<Entry> entries_;
   std::vector<std::filesystem::path> made_folders_;
+  std::vector<std::filesystem::path> staging_folders_;  ///< those of made_folders_ that are temporary
 };
 
 /// A folder that appears whole or not at all: filled under a temporary name beside its own, then renamed.

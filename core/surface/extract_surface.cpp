@@ -34,10 +34,10 @@ class EdgeFinder {
 
   /// mm, at most `reach_mm` either way; NaN where there is no such edge.
   double offset_mm(const Vec3& p_mm, const Vec3& normal) const {
-    constexpr int kSamples = 41;
+    constexpr int kSamples = 61;
     constexpr double kLowestContrastHu = 100.0;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const double span_mm = 2.0 * reach_mm_;
+    const double span_mm = 3.0 * reach_mm_;
     std::array<double, kSamples> profile{};
     const auto way_mm = [&](std::ptrdiff_t i) {
       return span_mm * (2.0 * static_cast<double>(i) / (kSamples - 1) - 1.0);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/common/bake_ct.h"
-#include "apps/common/bone_corridor.h"
+#include "apps/common/bone_path.h"
 #include "apps/common/drilling.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"

@@ -1,4 +1,4 @@
-#include "apps/common/bone_corridor.h"
+#include "apps/common/bone_path.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,214 @@
+// Bad input gets one line that says what was expected and found, a non-zero exit, and leaves no file.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nifti1.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/ct/dicom_write.h"
+#include "tests/cli/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using test::everything_in;
+using test::ProgramRun;
+using test::run_program;
+namespace fs = std::filesystem;
+
+constexpr int kSide = 32;
+
+/// A ball of bone (radius 10 mm, 600 HU) in soft tissue, around (16, 16, 16) mm.
+CtVolume ball_ct(double spacing_mm = 1.0) {
+  GridGeometry geometry;
+  geometry.size = {kSide, kSide, kSide};
+  geometry.spacing_mm = Vec3::Constant(spacing_mm);
+  std::vector<std::int16_t> hu(geometry.voxel_count());
+  for (int k = 0; k < kSide; ++k) {
+    for (int j = 0; j < kSide; ++j) {
+      for (int i = 0; i < kSide; ++i) {
+        const double depth = 10.0 - (Vec3(i, j, k) - Vec3::Constant(16.0)).norm();
+        hu[geometry.offset(i, j, k)] = static_cast<std::int16_t>(40.0 + 560.0 * std::clamp(depth + 0.5, 0.0, 1.0));
+      }
+    }
+  }
+  return make_ct_volume(geometry, std::move(hu));
+}
+
+/// A label map over the ball's CT in which every voxel is 5.
+void write_labels(const fs::path& file) {
+  nifti_1_header header{};
+  header.sizeof_hdr = sizeof header;
+  header.dim[0] = 3;
+  for (int axis = 1; axis <= 3; ++axis) header.dim[axis] = kSide;
+  header.datatype = DT_UINT8;
+  header.bitpix = 8;
+  for (int axis = 0; axis <= 3; ++axis) header.pixdim[axis] = 1.0F;
+  header.vox_offset = 352.0F;
+  header.sform_code = 1;
+  header.srow_x[0] = -1.0F;  // RAS: x and y are the negative of LPS
+  header.srow_y[1] = -1.0F;
+  header.srow_z[2] = 1.0F;
+  std::memcpy(header.magic, "n+1", 4);
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(&header), sizeof header);
+  out.write("\0\0\0\0", 4);
+  out << std::string(static_cast<std::size_t>(kSide) * kSide * kSide, '\5');
+}
+
+class Errors : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directory(folder_.path() / "ct");
+    write_dicom(ball_ct(), folder_.path() / "ct");
+    fs::create_directory(folder_.path() / "work");
+  }
+
+  fs::path in(const std::string& name) const { return folder_.path() / name; }
+  fs::path work() const { return folder_.path() / "work"; }
+
+  /// Runs the program in the empty folder work/, and expects one line of error, an exit that is not 0, and no file.
+  std::string refused(const std::string& arguments, const std::string& before = "") {
+    const ProgramRun run = run_program(arguments, work(), before);
+    EXPECT_NE(run.exit_code, 0) << arguments;
+    EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
+    EXPECT_THAT(run.errors, ::testing::StartsWith("spinaltap: "));
+    EXPECT_LT(run.errors.size(), 600U) << run.errors;
+    EXPECT_THAT(everything_in(work()), IsEmpty()) << arguments;
+    return run.errors;
+  }
+
+  /// A baked ball in the test's folder.
+  void bake_ball() {
+    const ProgramRun run = run_program("bake ct --centres 150 --voxel 0.5 -o bone.vdb", folder_.path());
+    ASSERT_EQ(run.exit_code, 0) << run.errors;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Errors, NamesAFolderThatIsMissing) {
+  EXPECT_THAT(refused("bake ../nowhere -o out/bone.vdb"), HasSubstr("no such folder: ../nowhere"));
+}
+
+TEST_F(Errors, SaysThatAFolderHoldsNoDicom) {
+  fs::create_directory(in("notes"));
+  std::ofstream(in("notes/readme.txt")) << "nothing here";
+  EXPECT_THAT(refused("bake ../notes -o out/bone.vdb"), HasSubstr("expected DICOM images, found none"));
+}
+
+TEST_F(Errors, NamesTheModalityOfASeriesThatIsNotCt) {
+  const std::string ct_element("\x08\x00\x60\x00" "CS\x02\x00" "CT", 10);
+  const std::string mr_element("\x08\x00\x60\x00" "CS\x02\x00" "MR", 10);
+  for (const auto& entry : fs::directory_iterator(in("ct"))) {
+    std::ostringstream text;
+    text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
+    std::string bytes = text.str();
+    const std::size_t at = bytes.find(ct_element);
+    ASSERT_NE(at, std::string::npos);
+    bytes.replace(at, ct_element.size(), mr_element);
+    std::ofstream(entry.path(), std::ios::binary) << bytes;
+  }
+  EXPECT_THAT(refused("bake ../ct -o out/bone.vdb"), HasSubstr("MR"));
+}
+
+TEST_F(Errors, NamesTheNeighboursOfAMissingSlice) {
+  fs::remove(in("ct/0009.dcm"));
+  const std::string error = refused("bake ../ct -o out/bone.vdb");
+  EXPECT_THAT(error, HasSubstr("a slice is missing: expected a step of 1 mm, found 2 mm"));
+  EXPECT_THAT(error, HasSubstr("0008.dcm"));
+  EXPECT_THAT(error, HasSubstr("0010.dcm"));
+}
+
+TEST_F(Errors, ListsTheSeriesOfAMixedFolder) {
+  fs::create_directory(in("ct/second"));
+  write_dicom(ball_ct(0.5), in("ct/second"));
+  const std::string error = refused("bake ../ct -o out/bone.vdb");
+  EXPECT_THAT(error, HasSubstr("expected one series, found 2"));
+  EXPECT_THAT(error, HasSubstr("--series"));
+  EXPECT_THAT(error, HasSubstr("1 = "));
+  EXPECT_THAT(error, HasSubstr("2 = "));
+  EXPECT_THAT(refused("bake ../ct --series 3 -o out/bone.vdb"), HasSubstr("3"));
+}
+
+TEST_F(Errors, ListsTheLabelsOfAMapWithoutTheOneAskedFor) {
+  write_labels(in("labels.nii"));
+  const std::string error = refused("bake ../ct --labels ../labels.nii --label 7 -o out/bone.vdb");
+  EXPECT_THAT(error, HasSubstr("no label 7"));
+  EXPECT_THAT(error, HasSubstr("there are: 5"));
+}
+
+TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
+  bake_ball();
+  const std::string error = refused("plan ../bone.vdb --entry 100,0,0 --target 130,0,0 -o out/plan.json");
+  EXPECT_THAT(error, HasSubstr("misses the bone"));
+  EXPECT_THAT(error, HasSubstr("(100, 0, 0) to (130, 0, 0)"));
+  std::ofstream(in("plan.json")) << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "paths": [
+    {"name": "far", "entry": [100, 0, 0], "target": [130, 0, 0],
+     "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
+  EXPECT_THAT(refused("drill ../bone.vdb ../plan.json -o out"), HasSubstr("misses the bone"));
+}
+
+TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
+  bake_ball();
+  std::ofstream(in("plan.json")) << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "paths": [
+    {"name": "p", "entry": [1, 2], "target": [3, 0, 0], "bit": {}}]})";
+  const std::string error = refused("drill ../bone.vdb ../plan.json -o out");
+  EXPECT_THAT(error, HasSubstr("\"entry\""));
+  EXPECT_THAT(error, HasSubstr("plan.json"));
+}
+
+TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
+  bake_ball();
+  std::ofstream(in("plan.json")) << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "paths": [
+    {"name": "p", "entry": [16, 26, 16], "target": [16, 10, 16],
+     "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
+  // A limit on the size of a file makes writes fail as a full disk does.
+  const std::string small = "ulimit -f 8;";
+  EXPECT_THAT(refused("bake ../ct --centres 150 --voxel 0.5 -o out/bone.vdb", small), HasSubstr("cannot write"));
+  EXPECT_THAT(refused("mesh ../bone.vdb -o out/bone.stl", small), HasSubstr("cannot write"));
+  EXPECT_THAT(refused("drill ../bone.vdb ../plan.json --step 0.05 -o out", small), HasSubstr("cannot write"));
+  EXPECT_THAT(refused("phantom out --slices 3 --slice-step 5", small), HasSubstr("cannot write"));
+}
+
+TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
+  bake_ball();
+  const auto size = fs::file_size(in("bone.vdb"));
+  const ProgramRun run =
+      run_program("bake ct --centres 150 --voxel 0.5 -o bone.vdb", folder_.path(), "ulimit -f 8;");
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
+}
+
+TEST_F(Errors, RefusesAnUnknownOptionWithAWordAboutHelp) {
+  EXPECT_THAT(refused("bake ../ct --colour red"), HasSubstr("--help"));
+  EXPECT_THAT(refused("drill"), HasSubstr("--help"));
+}
+
+TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"demo", "phantom", "info", "bake", "plan", "drill", "mesh"}) {
+    const ProgramRun run = run_program(std::string(name) + " --help", folder.path());
+    EXPECT_EQ(run.exit_code, 0) << name;
+    EXPECT_THAT(run.output, HasSubstr("Example")) << name;
+    EXPECT_THAT(run.output, HasSubstr("--json")) << name;
+    EXPECT_THAT(run.output, HasSubstr("--threads")) << name;
+  }
+}
+
+TEST_F(Errors, PrintsNoProgressIntoAPipe) {
+  const ProgramRun run = run_program("bake ct --centres 150 --voxel 0.5 -o work/bone.vdb --json work/bake.json",
+                                     folder_.path());
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.errors, IsEmpty());
+  EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("bake.json", "bone.vdb"));
+}
+
+}  // namespace
+}  // namespace spinaltap
