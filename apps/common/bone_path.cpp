@@ -11,8 +11,6 @@ namespace spinaltap {
 DrillPath suggest_path(const BoneModel& bone, const DrillBit& bit, const Progress& progress) {
   constexpr double kVoxelMm = 1.0;
   const Box3 bounds_mm = bone.bounds_mm();
-  const Box3 surface_mm(bounds_mm.min() + Vec3::Constant(bone.band_mm()),
-                        bounds_mm.max() - Vec3::Constant(bone.band_mm()));
   BoneMask mask;
   mask.geometry.origin_mm = bounds_mm.min() - Vec3::Constant(2.0 * kVoxelMm);
   mask.geometry.spacing_mm = Vec3::Constant(kVoxelMm);
@@ -31,14 +29,7 @@ DrillPath suggest_path(const BoneModel& bone, const DrillBit& bit, const Progres
       for (const float value : distance_mm) mask.inside.push_back(value < 0.0F ? 1 : 0);
     }
   }
-  // A way that slants through the body alone is wider than any pedicle and up to 35 mm long in an L3 of 75 mm from
-  // front to back; one through a pedicle is some 46 mm. Ribs and neighbours make the box large, so the demand has a
-  // limit.
-  constexpr double kShareOfDepth = 0.53;
-  CorridorOptions options;
-  options.least_length_mm =
-      std::clamp(kShareOfDepth * surface_mm.sizes().y(), options.least_length_mm, options.least_length_mm + 10.0);
-  return widest_corridor(mask, bit, options, progress);
+  return widest_corridor(mask, bit, {}, progress);
 }
 
 void check_path_meets_bone(const DrillPath& path, const BoneModel& bone) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/common/bake_ct.h"
@@ -28,7 +29,11 @@ constexpr double kPixelMm = 0.352;
 BoneModel expect_chain_gives_back(const Solid& solid, const std::optional<VertebraTruth>& truth,
                                   double true_volume_mm3) {
   const test::TemporaryFolder folder;
-  write_phantom(solid, truth, {}, folder.path() / "phantom");
+  PhantomOptions options;
+  // The whole body and some tissue above and below.
+  const double height_mm = solid.bounds_mm().sizes().z() + 6.0;
+  options.scan.slices = std::max(options.scan.slices, static_cast<int>(height_mm / options.scan.slice_step_mm));
+  write_phantom(solid, truth, options, folder.path() / "phantom");
   const CtVolume ct = read_dicom(folder.path() / "phantom/ct");
   EXPECT_NEAR(ct.geometry.spacing_mm.x(), kPixelMm, 1e-9);
   const BakedCt baked = bake_ct(ct);
