@@ -68,8 +68,10 @@ MeshQuality measure_mesh(const TriangleMesh& mesh) {
   quality.refused_faces = linked.refused_faces;
   quality.pieces = count_pieces(linked.mesh);
   for (const auto edge : linked.mesh.edges()) quality.boundary_edges += edge.is_boundary() ? 1U : 0U;
-  quality.euler_number = static_cast<long>(linked.mesh.n_vertices()) - static_cast<long>(linked.mesh.n_edges()) +
-                         static_cast<long>(linked.mesh.n_faces());
+  const auto isolated = std::count_if(linked.mesh.vertices_begin(), linked.mesh.vertices_end(),
+                                      [&](const auto& handle) { return linked.mesh.is_isolated(handle); });
+  quality.euler_number = static_cast<long>(linked.mesh.n_vertices()) - static_cast<long>(isolated) -
+                         static_cast<long>(linked.mesh.n_edges()) + static_cast<long>(linked.mesh.n_faces());
   return quality;
 }
 

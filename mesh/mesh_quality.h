@@ -13,7 +13,7 @@ struct MeshQuality {
   std::size_t pieces = 0;           ///< connected parts
   std::size_t boundary_edges = 0;   ///< edges with one triangle; 0 when closed
   std::size_t refused_faces = 0;    ///< triangles that would make an edge or vertex non-manifold, or are degenerate
-  long euler_number = 0;            ///< vertices - edges + triangles; 2 - 2 * genus for one closed piece
+  long euler_number = 0;            ///< used vertices - edges + triangles; 2 - 2 * genus for one closed piece
   double volume_mm3 = 0.0;          ///< enclosed, positive when faces wind outward
   double area_mm2 = 0.0;
   double smallest_angle_deg = 0.0;

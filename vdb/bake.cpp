@@ -2,14 +2,16 @@
 
 #include <openvdb/math/Half.h>
 #include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/Morphology.h>
-#include <openvdb/tools/Prune.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/version.h"
 #include "core/phantom/surface_seeds.h"
+#include "core/segment/distance_transform.h"
 #include "vdb/detail/bake_sdf.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/initialize.h"
@@ -38,42 +40,50 @@ openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const GridGeometr
   grid->setTransform(transform_of(geometry));
   grid->setName("hu");
 
-  // The grid's voxels within the level set's band or inside it ...
-  openvdb::MaskTree kept;
-  openvdb::tree::ValueAccessor<openvdb::MaskTree> kept_accessor(kept);
-  const openvdb::FloatGrid::ConstAccessor sdf_accessor = sdf.getConstAccessor();
-  const openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::PointSampler> distance(
-      sdf_accessor, sdf.transform());
+  // The part of the grid that the level set and the margin can reach.
+  const double reach_mm = margin_mm + geometry.spacing_mm.norm();
   Box3 box_index;
   const Box3 box_mm = active_box_mm(sdf);
   for (int corner = 0; corner < 8; ++corner) {
     box_index.extend(geometry.to_index(box_mm.corner(static_cast<Box3::CornerType>(corner))));
   }
-  const auto low = [&](int axis) { return std::max(0, static_cast<int>(std::floor(box_index.min()[axis]))); };
-  const auto high = [&](int axis) {
-    return std::min(geometry.size[static_cast<std::size_t>(axis)] - 1,
-                    static_cast<int>(std::ceil(box_index.max()[axis])));
-  };
-  for (int k = low(2); k <= high(2); ++k) {
-    for (int j = low(1); j <= high(1); ++j) {
-      for (int i = low(0); i <= high(0); ++i) {
-        if (distance.wsSample(to_vdb(geometry.to_patient(Vec3(i, j, k)))) < sdf.background()) {
-          kept_accessor.setValueOn(openvdb::Coord(i, j, k));
-        }
+  GridGeometry part = geometry;
+  std::array<int, 3> low{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    const double reach_index = reach_mm / geometry.spacing_mm[at];
+    const double last = geometry.size[axis] - 1;
+    low[axis] = static_cast<int>(std::clamp(std::floor(box_index.min()[at] - reach_index), 0.0, last + 1.0));
+    const int high = static_cast<int>(std::clamp(std::ceil(box_index.max()[at] + reach_index), -1.0, last));
+    part.size[axis] = std::max(0, high - low[axis] + 1);
+  }
+  if (part.voxel_count() == 0) return grid;
+  part.origin_mm = geometry.to_patient(Vec3(low[0], low[1], low[2]));
+
+  // Its voxels within the level set's band or inside it, and those that are near to one: no further than the margin and
+  // a voxel's diagonal, so that whole cells reach the margin.
+  const openvdb::FloatGrid::ConstAccessor sdf_accessor = sdf.getConstAccessor();
+  const openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::PointSampler> distance(
+      sdf_accessor, sdf.transform());
+  std::vector<std::uint8_t> in_bone;
+  in_bone.reserve(part.voxel_count());
+  for (int k = 0; k < part.size[2]; ++k) {
+    for (int j = 0; j < part.size[1]; ++j) {
+      for (int i = 0; i < part.size[0]; ++i) {
+        const float value = distance.wsSample(to_vdb(part.to_patient(Vec3(i, j, k))));
+        in_bone.push_back(value < sdf.background() ? 1 : 0);
       }
     }
   }
-  // ... and the margin around them.
-  const int margin = static_cast<int>(std::ceil(margin_mm / geometry.smallest_spacing_mm()));
-  openvdb::tools::dilateActiveValues(kept, margin, openvdb::tools::NN_FACE, openvdb::tools::IGNORE_TILES);
+  const std::vector<float> squared_mm2 = squared_distance_to(in_bone, part);
   auto accessor = grid->getAccessor();
-  for (auto voxel = kept.cbeginValueOn(); voxel; ++voxel) {
-    openvdb::CoordBBox box;
-    voxel.getBoundingBox(box);
-    for (auto at = box.begin(); at; ++at) {
-      const openvdb::Coord& c = *at;
-      if (!geometry.contains(c.x(), c.y(), c.z())) continue;
-      accessor.setValue(c, static_cast<float>(openvdb::math::half(hu(c.x(), c.y(), c.z()))));
+  for (int k = 0; k < part.size[2]; ++k) {
+    for (int j = 0; j < part.size[1]; ++j) {
+      for (int i = 0; i < part.size[0]; ++i) {
+        if (!(static_cast<double>(squared_mm2[part.offset(i, j, k)]) <= reach_mm * reach_mm)) continue;
+        const openvdb::Coord c(low[0] + i, low[1] + j, low[2] + k);
+        accessor.setValue(c, static_cast<float>(openvdb::math::half(hu(c.x(), c.y(), c.z()))));
+      }
     }
   }
   return grid;

@@ -1,3 +1,4 @@
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Morphology.h>
@@ -80,7 +81,8 @@ std::size_t keep_largest_piece(FloatGrid::Ptr& grid) {
   const auto largest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
     return a->activeVoxelCount() < b->activeVoxelCount();
   });
-  const auto surfaces = std::count_if(pieces.begin(), pieces.end(), [](const auto& piece) { return has_surface(*piece); });
+  const auto surfaces =
+      std::count_if(pieces.begin(), pieces.end(), [](const auto& piece) { return has_surface(*piece); });
   grid = *largest;
   openvdb::tools::signedFloodFill(grid->tree());
   return static_cast<std::size_t>(surfaces) - 1;
@@ -90,8 +92,9 @@ std::size_t keep_largest_piece(FloatGrid::Ptr& grid) {
 
 FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm, BakeReport& report,
                         const Progress& progress) {
-  constexpr int kMostRounds = 200;
-  constexpr double kNearVoxels = 1.75;  // a cell that the surface cuts has its corners nearer than sqrt(3) voxels
+  constexpr double kFarthestSeedMm = 1e5;
+  constexpr double kLongestWayMm = 300.0;  // from the seeds, along the surface: longer than any vertebra is round
+  constexpr double kNearVoxels = 1.75;     // a cell that the surface cuts has its corners nearer than sqrt(3) voxels
   const auto band = static_cast<float>(kHalfWidthVoxels * voxel_mm);
   FloatGrid::Ptr grid = FloatGrid::create(band);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_mm));
@@ -100,12 +103,20 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   auto wanted = std::make_shared<Mask>();
   {
     openvdb::tree::ValueAccessor<Mask> accessor(*wanted);
-    for (const Vec3& p : seeds_mm) accessor.setValueOn(Coord::round(to_vdb(p / voxel_mm)));
+    for (const Vec3& p : seeds_mm) {
+      if (!(p.cwiseAbs().maxCoeff() <= kFarthestSeedMm)) {
+        fail("baking: expected seeds within ", kFarthestSeedMm, " mm of the origin, found ", p.transpose());
+      }
+      accessor.setValueOn(Coord::round(to_vdb(p / voxel_mm)));
+    }
   }
   openvdb::tools::dilateActiveValues(*wanted, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::IGNORE_TILES);
 
-  // Each round evaluates the neighbours of the voxels near the surface, until all of those are known.
-  for (int round = 0; round < kMostRounds; ++round) {
+  // Each round evaluates the neighbours of the voxels near the surface, one voxel further, until all of those are
+  // known.
+  const int most_rounds = static_cast<int>(std::ceil(kLongestWayMm / voxel_mm));
+  for (int round = 0;; ++round) {
+    if (round == most_rounds) fail("baking: the zero set does not close within ", kLongestWayMm, " mm of the seeds");
     auto near = std::make_shared<Mask>();
     const std::size_t evaluated =
         evaluate_voxels(field, *wanted, voxel_mm, kNearVoxels * voxel_mm, *grid, *near, progress);
@@ -135,6 +146,8 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
     voxel.setValue(*voxel < 0.0F ? -band : band);
     voxel.setValueOff();
   }
+  // The sweep leaves the largest distance that it met as the background.
+  openvdb::tools::changeLevelSetBackground(grid->tree(), band);
   openvdb::tools::pruneLevelSet(grid->tree());
   openvdb::tools::signedFloodFill(grid->tree());
   grid->setGridClass(openvdb::GRID_LEVEL_SET);

@@ -1,4 +1,5 @@
 #include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
 
 #include <cctype>
 #include <fstream>
@@ -90,14 +91,20 @@ BoneModel read_bone(const std::filesystem::path& path) {
   }
   auto grids = std::make_shared<detail::BoneGrids>();
   try {
-    openvdb::io::File file(path.string());
-    file.setCopyMaxBytes(0);
-    file.open(false);  // no delayed loading: a truncated file must be noticed here
-    for (const char* name : {"sdf", "hu"}) {
-      if (!file.hasGrid(name)) fail("expected the grids sdf and hu in ", path.string(), ", found no ", name);
-    }
-    grids->sdf = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("sdf"));
-    grids->hu = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("hu"));
+    // OpenVDB does not look whether it got the bytes that it asked for. This stream throws when they run out, so that a
+    // file cut short is noticed, even by one byte, before garbage is taken for sizes.
+    std::ifstream bytes;
+    bytes.exceptions(std::ios::failbit | std::ios::badbit);
+    bytes.open(path, std::ios::binary);
+    openvdb::io::Stream stream(bytes, false);
+    const openvdb::GridPtrVecPtr found = stream.getGrids();
+    const auto grid = [&](const char* name) {
+      const auto at = openvdb::findGridByName(*found, name);
+      if (!at) fail("expected the grids sdf and hu in ", path.string(), ", found no ", name);
+      return openvdb::gridPtrCast<openvdb::FloatGrid>(at);
+    };
+    grids->sdf = grid("sdf");
+    grids->hu = grid("hu");
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
@@ -106,6 +113,9 @@ BoneModel read_bone(const std::filesystem::path& path) {
   if (!grids->sdf || !grids->hu) fail("expected grids of floats in ", path.string());
   if (grids->sdf->getGridClass() != openvdb::GRID_LEVEL_SET || grids->sdf->activeVoxelCount() == 0) {
     fail("expected the grid sdf to be a level set that is not empty in ", path.string());
+  }
+  if (!grids->sdf->transform().isLinear() || !grids->sdf->hasUniformVoxels() || !grids->hu->transform().isLinear()) {
+    fail("expected the grid sdf to have cubic voxels, and no perspective, in ", path.string());
   }
   const std::string prefix = kFactPrefix;
   for (auto meta = grids->sdf->beginMeta(); meta != grids->sdf->endMeta(); ++meta) {

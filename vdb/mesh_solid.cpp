@@ -71,10 +71,16 @@ std::unique_ptr<Solid> make_mesh_solid(const TriangleMesh& mesh, const MeshSolid
     points.back() = openvdb::Vec3s(transform->worldToIndex(points.back()));
   }
   if (!(bounds_mm.sizes().maxCoeff() <= kLargestMm)) {
-    fail("mesh phantom: expected at most ", kLargestMm, " mm (are its units mm?), found ", bounds_mm.sizes().maxCoeff());
+    fail("mesh phantom: expected at most ", kLargestMm, " mm (are its units mm?), found ",
+         bounds_mm.sizes().maxCoeff());
   }
   std::vector<openvdb::Vec3I> triangles;
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t corner : t) {
+      if (corner >= points.size()) fail("mesh phantom: vertex ", corner, " of ", points.size());
+    }
+    triangles.emplace_back(t[0], t[1], t[2]);
+  }
   const auto band_voxels = static_cast<float>(kBandMm / options.voxel_mm);
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points, triangles);
   const auto grid = openvdb::tools::meshToVolume<FloatGrid>(adapter, *transform, band_voxels, band_voxels);

@@ -18,8 +18,8 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 
-/// max(bone, cut) in every leaf that meets `box` (index space). `cut_mm(p)` is the distance of the kept half space or of
-/// the outside of a tool: negative where bone may stay.
+/// max(bone, cut) in every leaf that meets `box` (index space). `cut_mm(p)` is the distance of the kept half space or
+/// of the outside of a tool: negative where bone may stay.
 template <class Cut>
 BoneModel intersect(const BoneModel& bone, const CoordBBox& box, const Cut& cut_mm) {
   const FloatGrid::Ptr grid = bone.grids().sdf->deepCopy();
@@ -34,7 +34,8 @@ BoneModel intersect(const BoneModel& bone, const CoordBBox& box, const Cut& cut_
         const Coord origin(i, j, k);
         const Vec3 centre_mm = detail::from_vdb(transform.indexToWorld(origin.asVec3d() + openvdb::Vec3d(3.5)));
         if (cut_mm(centre_mm) < -reach_mm) continue;
-        const bool inside_or_band = grid->tree().probeConstLeaf(origin) != nullptr || grid->tree().getValue(origin) < 0.0F;
+        const bool inside_or_band =
+            grid->tree().probeConstLeaf(origin) != nullptr || grid->tree().getValue(origin) < 0.0F;
         if (inside_or_band) leaf_origins.push_back(origin);
       }
     }
@@ -75,6 +76,7 @@ Box3 grown(const Box3& box, double margin_mm) {
 
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end) {
   check_bit(bit);
+  if (!(std::abs(end.axis.norm() - 1.0) < 1e-6)) fail("subtracting the bit: expected an axis of length 1");
   const double way_mm = (end.tip_mm - start.tip_mm).dot(end.axis);
   if (!((start.axis - end.axis).norm() < 1e-9) || !((start.tip_mm + way_mm * end.axis - end.tip_mm).norm() < 1e-6)) {
     fail("subtracting the bit: expected a move along the bit's own axis");
@@ -92,7 +94,7 @@ BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& s
 }
 
 BoneModel cut_by_plane(const BoneModel& bone, const Vec3& point_mm, const Vec3& normal) {
-  if (!(normal.norm() > 0.0)) fail("cutting: expected a normal that is not zero");
+  if (!(normal.norm() > 0.0) || !point_mm.allFinite()) fail("cutting: expected a point, and a normal that is not zero");
   const Vec3 unit = normal.normalized();
   return intersect(bone, index_box(bone, bone.bounds_mm()),
                    [&](const Vec3& p_mm) { return (p_mm - point_mm).dot(unit); });

@@ -15,13 +15,12 @@ void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path
   Json plan{{"format", kFormat}, {"version", kVersion}, {"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}};
   for (const DrillPath& drill_path : paths) {
     const DrillBit& bit = drill_path.bit;
-    plan["paths"].push_back({{"name", drill_path.name},
-                             {"entry", to_json(drill_path.entry_mm)},
-                             {"target", to_json(drill_path.target_mm)},
-                             {"bit",
-                              {{"diameter_mm", bit.diameter_mm},
-                               {"length_mm", bit.length_mm},
-                               {"tip_length_mm", bit.tip_length_mm}}}});
+    plan["paths"].push_back(
+        {{"name", drill_path.name},
+         {"entry", to_json(drill_path.entry_mm)},
+         {"target", to_json(drill_path.target_mm)},
+         {"bit",
+          {{"diameter_mm", bit.diameter_mm}, {"length_mm", bit.length_mm}, {"tip_length_mm", bit.tip_length_mm}}}});
   }
   write_json(plan, path);
 }
@@ -29,8 +28,9 @@ void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path
 std::vector<DrillPath> read_plan(const std::filesystem::path& path) {
   const Json json = read_json(path);
   const JsonObject plan(json, path);
-  if (plan.text("format") != kFormat || plan.number("version") != kVersion || plan.text("frame") != "LPS") {
-    fail("expected a ", kFormat, " of version ", kVersion, " in the frame LPS in ", path.string());
+  if (plan.text("format") != kFormat || plan.number("version") != kVersion || plan.text("frame") != "LPS" ||
+      plan.text("unit") != "mm") {
+    fail("expected a ", kFormat, " of version ", kVersion, " in the frame LPS and the unit mm in ", path.string());
   }
   const Json& list = plan.at("paths");
   if (!list.is_array() || list.empty()) fail("expected one path or more in ", path.string(), ", found none");
@@ -43,7 +43,11 @@ std::vector<DrillPath> read_plan(const std::filesystem::path& path) {
     drill_path.target_mm = object.vector("target");
     const JsonObject bit(object.at("bit"), path);
     drill_path.bit = {bit.number("diameter_mm"), bit.number("length_mm"), bit.number("tip_length_mm")};
-    check_path(drill_path);
+    try {
+      check_path(drill_path);
+    } catch (const Error& error) {
+      fail(path.string(), ": path \"", drill_path.name, "\": ", error.what());
+    }
     paths.push_back(drill_path);
   }
   return paths;

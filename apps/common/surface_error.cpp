@@ -17,7 +17,9 @@ SurfaceError surface_error(const TriangleMesh& mesh, const ScalarField& truth) {
   truth.evaluate(points_mm, distance_mm, gradients);
   SurfaceError error;
   for (std::size_t i = 0; i < distance_mm.size(); ++i) {
-    distance_mm[i] /= std::max(gradients[i].norm(), 0.1);
+    // Far from the surface a truth may be flat; its value is then the least that the distance can be.
+    const double slope = gradients[i].norm();
+    if (slope > 0.5) distance_mm[i] /= slope;
     error.bias_mm += distance_mm[i];
     distance_mm[i] = std::abs(distance_mm[i]);
     error.mean_mm += distance_mm[i];

@@ -26,7 +26,7 @@ struct HalfEdgeResult {
   std::size_t refused_faces = 0;  ///< faces that would have made the mesh non-manifold, or use a vertex twice
 };
 
-/// OpenMesh's half-edge structure of a mesh. Vertices keep their order.
+/// OpenMesh's half-edge structure of a mesh. Vertices keep their order. Throws Error when an index is out of range.
 HalfEdgeResult to_half_edges(const TriangleMesh& mesh);
 
 }  // namespace spinaltap::detail

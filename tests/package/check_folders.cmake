@@ -1,0 +1,82 @@
+# cmake -D SOURCE_DIR=... -P: which folder may include what (docs of the design, section 1), and what the top level holds.
+cmake_minimum_required(VERSION 3.25)
+set(problems "")
+
+# Adds to `problems` every #include of `files` that matches `pattern`.
+function(forbid files pattern rule)
+  foreach(file IN LISTS files)
+    file(STRINGS ${file} lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${pattern})")
+    foreach(line IN LISTS lines)
+      file(RELATIVE_PATH name ${SOURCE_DIR} ${file})
+      string(APPEND problems "  ${name}: ${line} (${rule})\n")
+    endforeach()
+  endforeach()
+  set(problems "${problems}" PARENT_SCOPE)
+endfunction()
+
+function(sources folder headers all)
+  file(GLOB_RECURSE header_files ${SOURCE_DIR}/${folder}/*.h)
+  file(GLOB_RECURSE source_files ${SOURCE_DIR}/${folder}/*.cpp)
+  set(${all} ${header_files} ${source_files} PARENT_SCOPE)
+  list(FILTER header_files EXCLUDE REGEX "/detail/")
+  set(${headers} ${header_files} PARENT_SCOPE)
+endfunction()
+
+set(openvdb "openvdb/|nanovdb/")
+set(openmesh "OpenMesh/")
+set(readers "gdcm|nifti|H5|hdf5")
+set(windows "Q[A-Z]|Qt|vtk")
+set(app_libraries "CLI/|nlohmann/|png\\.h|${windows}")
+set(test_libraries "gtest/|gmock/|benchmark/|tests/")
+
+sources(core headers all)
+forbid("${all}" "vdb/|mesh/|apps/" "core/ includes itself only")
+forbid("${all}" "${openvdb}|${openmesh}|${app_libraries}|${test_libraries}" "core/ may use Eigen, TBB, GDCM, NIfTI, HDF5")
+forbid("${headers}" "${readers}" "in .cpp files and detail/ only")
+
+sources(vdb headers all)
+forbid("${all}" "mesh/|apps/" "vdb/ includes core/ only")
+forbid("${all}" "${readers}|${openmesh}|${app_libraries}|${test_libraries}" "vdb/ may use OpenVDB and TBB")
+forbid("${headers}" "${openvdb}" "in .cpp files and detail/ only")
+
+sources(mesh headers all)
+forbid("${all}" "apps/" "mesh/ includes core/ and vdb/ only")
+forbid("${all}" "${readers}|${openvdb}|${app_libraries}|${test_libraries}" "mesh/ may use OpenMesh")
+forbid("${headers}" "${openmesh}" "in .cpp files and detail/ only")
+
+sources(apps headers all)
+forbid("${all}" "tests/|gtest/|gmock/" "apps/ does not need tests")
+forbid("${all}" "${openmesh}|${readers}" "mesh/ and core/ wrap these")
+list(FILTER all EXCLUDE REGEX "/apps/spinaltap-planner/")
+forbid("${all}" "${windows}" "only the planner has windows")
+
+# The private headers of a folder are its own.
+foreach(folder core vdb mesh apps)
+  sources(${folder} headers all)
+  foreach(other core vdb mesh)
+    if(NOT other STREQUAL folder)
+      forbid("${all}" "${other}/([^\"]*/)?detail/" "detail/ belongs to its own folder")
+    endif()
+  endforeach()
+endforeach()
+
+# Without git, build folders cannot be told from others but by their name, which .gitignore gives.
+set(allowed CMakeLists.txt CMakePresets.json core vdb mesh apps tests data README.md LICENSE docs run)
+file(GLOB entries RELATIVE ${SOURCE_DIR} LIST_DIRECTORIES true ${SOURCE_DIR}/*)
+foreach(entry IN LISTS entries)
+  if(entry IN_LIST allowed OR entry MATCHES "^\\." OR entry MATCHES "^build")
+    continue()
+  endif()
+  set(not_ignored 1)
+  if(EXISTS ${SOURCE_DIR}/.git)
+    execute_process(COMMAND git check-ignore -q ${entry} WORKING_DIRECTORY ${SOURCE_DIR} RESULT_VARIABLE not_ignored
+                    OUTPUT_QUIET ERROR_QUIET)
+  endif()
+  if(NOT not_ignored EQUAL 0)
+    string(APPEND problems "  ${entry}: not allowed at the top level\n")
+  endif()
+endforeach()
+
+if(problems)
+  message(FATAL_ERROR "folder rules broken:\n${problems}")
+endif()

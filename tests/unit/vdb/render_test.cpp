@@ -1,0 +1,152 @@
+#include "vdb/render.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "tests/support/analytic_bodies.h"
+#include "vdb/subtract_bit.h"
+
+namespace spinaltap {
+namespace {
+
+using test::Ball;
+
+const Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
+
+const BoneModel& ball_bone() {
+  static const BoneModel bone = test::bake_ball(kBall, 0.25, 100);
+  return bone;
+}
+
+RenderOptions options() {
+  RenderOptions result;
+  result.width = 320;
+  result.height = 240;
+  return result;
+}
+
+std::array<int, 3> colour_at(const Image& image, int x, int y) {
+  const std::size_t at =
+      3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+  return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
+}
+
+bool is_white(const std::array<int, 3>& colour) { return colour == std::array<int, 3>{255, 255, 255}; }
+
+/// Where a picture is not white, pixels.
+struct Disc {
+  double radius = 0.0;  ///< of a disc of the same area
+  double x = 0.0;       ///< of the centre
+  double y = 0.0;
+  int left = 0, right = -1, top = 0, bottom = -1;
+
+  explicit Disc(const Image& image) : left(image.width), top(image.height) {
+    double count = 0.0;
+    for (int row = 0; row < image.height; ++row) {
+      for (int column = 0; column < image.width; ++column) {
+        if (is_white(colour_at(image, column, row))) continue;
+        ++count;
+        x += column + 0.5;
+        y += row + 0.5;
+        left = std::min(left, column);
+        right = std::max(right, column);
+        top = std::min(top, row);
+        bottom = std::max(bottom, row);
+      }
+    }
+    x /= count;
+    y /= count;
+    radius = std::sqrt(count / std::numbers::pi);
+  }
+};
+
+TEST(RenderBone, DrawsASphereAsADiscThatFillsThePicture) {
+  const Image image = render_bone(ball_bone(), options());
+  ASSERT_EQ(image.rgb.size(), std::size_t{320 * 240 * 3});
+  const Disc disc(image);
+  // The picture's lower side, 240 pixels, less a margin. The frame is known to a leaf of 8 voxels, 2 of the ball's 20
+  // mm.
+  EXPECT_LT(2.0 * disc.radius, 240.0);
+  EXPECT_GT(2.0 * disc.radius, 0.8 * 240.0);
+  EXPECT_NEAR(disc.x, 160.0, 0.05 * 240.0);
+  EXPECT_NEAR(disc.y, 120.0, 0.05 * 240.0);
+  // A pixel at the rim counts when a ray of four meets bone: up to a pixel more on each side.
+  EXPECT_NEAR(disc.right - disc.left + 1, 2.0 * disc.radius, 2.0);
+  EXPECT_NEAR(disc.bottom - disc.top + 1, 2.0 * disc.radius, 2.0);
+  EXPECT_NEAR(0.5 * (disc.left + disc.right + 1), disc.x, 0.5);
+  EXPECT_NEAR(0.5 * (disc.top + disc.bottom + 1), disc.y, 0.5);
+  EXPECT_GT(disc.top, 0);
+  EXPECT_LT(disc.bottom, 239);
+  for (const auto& [x, y] : {std::pair{0, 0}, {319, 0}, {0, 239}, {319, 239}}) {
+    EXPECT_TRUE(is_white(colour_at(image, x, y)));
+  }
+}
+
+TEST(RenderBone, KeepsSizesAndPlacesInTheFrameOfTheUncutBone) {
+  const Disc whole(render_bone(ball_bone(), options()));
+  const double pixels_per_mm = whole.radius / kBall.radius_mm;
+  const Ball part{kBall.centre_mm + Vec3(2.0, 1.0, 3.0), 5.0};
+  RenderOptions view = options();
+  view.uncut = &ball_bone();
+  const Disc disc(render_bone(test::bake_ball(part), view));
+  EXPECT_NEAR(disc.radius, 5.0 * pixels_per_mm, 0.5);
+  // From behind with z up, the patient's left (+x) is on the left.
+  EXPECT_NEAR(disc.x - whole.x, -2.0 * pixels_per_mm, 0.5);
+  EXPECT_NEAR(disc.y - whole.y, -3.0 * pixels_per_mm, 0.5);
+}
+
+TEST(RenderBone, LightsFromAbove) {
+  const Image whole = render_bone(ball_bone(), options());
+  EXPECT_GT(colour_at(whole, 160, 60)[0], colour_at(whole, 160, 190)[0]);
+}
+
+TEST(RenderBone, IsTheSameAtOneAndTwoThreads) {
+  const Image many = render_bone(ball_bone(), options());
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(render_bone(ball_bone(), options()).rgb, many.rgb);
+}
+
+TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
+  // Straight into the middle of the picture, 100 HU: marrow, which is red.
+  const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};
+  const Pose end{kBall.centre_mm, -Vec3::UnitY()};
+  const BoneModel drilled = subtract_bit(ball_bone(), {6.0, 30.0, 1.0}, start, end);
+  RenderOptions view = options();
+  view.uncut = &ball_bone();
+  const Image image = render_bone(drilled, view);
+  const auto redness = [&](int x, int y) {
+    const auto colour = colour_at(image, x, y);
+    return static_cast<double>(colour[0]) / std::max(1, colour[1]);
+  };
+  EXPECT_GT(redness(150, 125), 1.3);
+  EXPECT_LT(redness(100, 120), 1.15);
+  // Without the uncut bone nothing is known to be new.
+  view.uncut = nullptr;
+  const Image plain = render_bone(drilled, view);
+  const auto colour = colour_at(plain, 150, 125);
+  EXPECT_LT(static_cast<double>(colour[0]) / std::max(1, colour[1]), 1.15);
+}
+
+TEST(RenderBone, RefusesSizesAndViewsWithoutSense) {
+  RenderOptions bad = options();
+  bad.width = 0;
+  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  bad = options();
+  bad.height = 100000;
+  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  bad = options();
+  bad.up = bad.from;
+  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  bad = options();
+  bad.from = Vec3::Constant(std::nan(""));
+  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap
