@@ -7,12 +7,12 @@
 namespace spinaltap {
 
 /// Writes STL (binary), PLY (binary) or OBJ, by the extension of `path`, which must be a staged (temporary) name.
-/// Throws Error on another extension, on a mesh without triangles or with triangles that OpenMesh cannot hold (degenerate
-/// ones, or three at an edge), and when the disk is full.
+/// Throws Error on another extension, on a mesh without triangles or with triangles that OpenMesh cannot hold
+/// (degenerate ones, or three at an edge), and when the disk is full.
 void write_mesh(const TriangleMesh& mesh, const std::filesystem::path& path);
 
-/// Reads STL, PLY, OBJ or OFF; coordinates are taken as patient LPS, mm. Throws Error when the file is missing, damaged or
-/// has no triangle.
+/// Reads STL, PLY, OBJ or OFF; coordinates are taken as patient LPS, mm. Throws Error when the file is missing, damaged
+/// or has no triangle.
 TriangleMesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace spinaltap

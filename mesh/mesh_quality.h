@@ -10,11 +10,11 @@ namespace spinaltap {
 struct MeshQuality {
   std::size_t vertices = 0;
   std::size_t triangles = 0;
-  std::size_t pieces = 0;           ///< connected parts
-  std::size_t boundary_edges = 0;   ///< edges with one triangle; 0 when closed
-  std::size_t refused_faces = 0;    ///< triangles that would make an edge or vertex non-manifold, or are degenerate
-  long euler_number = 0;            ///< used vertices - edges + triangles; 2 - 2 * genus for one closed piece
-  double volume_mm3 = 0.0;          ///< enclosed, positive when faces wind outward
+  std::size_t pieces = 0;          ///< connected parts
+  std::size_t boundary_edges = 0;  ///< edges with one triangle; 0 when closed
+  std::size_t refused_faces = 0;   ///< triangles that would make an edge or vertex non-manifold, or are degenerate
+  long euler_number = 0;           ///< used vertices - edges + triangles; 2 - 2 * genus for one closed piece
+  double volume_mm3 = 0.0;         ///< enclosed, positive when faces wind outward
   double area_mm2 = 0.0;
   double smallest_angle_deg = 0.0;
   Box3 bounds_mm;

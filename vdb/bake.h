@@ -32,8 +32,8 @@ BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, co
                     const BakeOptions& options, const std::map<std::string, std::string>& facts,
                     BakeReport* report = nullptr, const Progress& progress = {});
 
-/// Bakes the truth of a phantom in the same form: its distance, and its own CT numbers, without blur or noise, on a grid
-/// of the same voxel; `surroundings_hu` beside it.
+/// Bakes the truth of a phantom in the same form: its distance, and its own CT numbers, without blur or noise, on a
+/// grid of the same voxel; `surroundings_hu` beside it.
 BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu,
                      const Progress& progress = {});
 

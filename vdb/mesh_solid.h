@@ -8,8 +8,8 @@
 namespace spinaltap {
 
 struct MeshSolidOptions {
-  double voxel_mm = 0.15;         ///< of the distance grid made from the mesh
-  double cortex_mm = 0.8;         ///< thickness of the cortical shell
+  double voxel_mm = 0.15;  ///< of the distance grid made from the mesh
+  double cortex_mm = 0.8;  ///< thickness of the cortical shell
   double cortex_hu = 1200.0;
   double trabecular_hu = 180.0;
 };

@@ -29,9 +29,7 @@ struct Camera {
   double reach_mm = 0.0;
 
   Camera(const BoneModel& shown, const RenderOptions& options)
-      : forward(-options.from.normalized()),
-        right(forward.cross(options.up).normalized()),
-        up(right.cross(forward)) {
+      : forward(-options.from.normalized()), right(forward.cross(options.up).normalized()), up(right.cross(forward)) {
     constexpr double kMargin = 1.06;
     // The leaves of the narrow band lie along the whole surface.
     Box3 seen_mm;
@@ -42,8 +40,7 @@ struct Camera {
     }
     const Vec3 centre = seen_mm.center();
     centre_mm = centre.x() * right + centre.y() * up + centre.z() * forward;
-    mm_per_pixel =
-        kMargin * std::max(seen_mm.sizes().x() / options.width, seen_mm.sizes().y() / options.height);
+    mm_per_pixel = kMargin * std::max(seen_mm.sizes().x() / options.width, seen_mm.sizes().y() / options.height);
     reach_mm = seen_mm.sizes().norm();
   }
 

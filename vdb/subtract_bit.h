@@ -8,8 +8,8 @@
 namespace spinaltap {
 
 /// The bone without what a bit took that moved along its own axis from `start` to `end` (patient LPS, mm; same axis):
-/// the larger of the bone's distance and minus the swept bit's. The swept bit is the bit at `end`, lengthened backwards by
-/// the way. Throws Error when the axes differ.
+/// the larger of the bone's distance and minus the swept bit's. The swept bit is the bit at `end`, lengthened backwards
+/// by the way. Throws Error when the axes differ.
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end);
 
 /// The part of the bone on the side of a plane that `normal` points away from: for cut-open pictures.

@@ -25,8 +25,8 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
   const std::map<std::string, std::string> facts{
       {"version", version()},
       {"source_hash", ct.source_hash},
-      {"mask", options.labels ? text("label ", options.labels->label)
-                              : text("threshold ", *threshold.threshold_hu, " HU")},
+      {"mask",
+       options.labels ? text("label ", options.labels->label) : text("threshold ", *threshold.threshold_hu, " HU")},
       {"surface_centres", text(fit.report.surface_centres)},
       {"off_surface_centres", text(fit.report.off_surface_centres)},
       {"smoothing_mm", text(options.rbf.smoothing_mm)},
@@ -34,8 +34,7 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
       {"rbf_max_residual_mm", text(fit.report.max_residual_mm)},
   };
   BakeReport report;
-  const BoneModel bone =
-      bake_bone(fit.field, surface.positions_mm, ct, options.bake, facts, &report, progress);
+  const BoneModel bone = bake_bone(fit.field, surface.positions_mm, ct, options.bake, facts, &report, progress);
   const auto mask_voxels =
       static_cast<std::size_t>(std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1}));
   return {bone, mask_voxels, fit.report, report};

@@ -34,9 +34,10 @@ std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel
   pictures.push_back({render_bone(drilled, behind, progress), "After, from behind"});
   pictures.push_back({render_bone(bone, oblique, progress), "Before, from the side of the hole"});
   pictures.push_back({render_bone(drilled, oblique, progress), "After, from the side of the hole"});
-  pictures.push_back({render_bone(opened, from_below, progress),
-                      "After, cut open along the path and seen from the feet, as on the axial slice: marrow red, cortex "
-                      "white, by CT number"});
+  pictures.push_back(
+      {render_bone(opened, from_below, progress),
+       "After, cut open along the path and seen from the feet, as on the axial slice: marrow red, cortex "
+       "white, by CT number"});
   pictures.push_back({render_bone(opened_side, from_side, progress),
                       "After, cut upright along the path and seen from the side of the hole"});
   return pictures;

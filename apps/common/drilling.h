@@ -20,14 +20,14 @@ struct DrillingOptions {
 
 /// One row of the log: the cycles within `log_step_mm` of depth.
 struct DepthRow {
-  double depth_mm = 0.0;        ///< of the tip beyond the entry, at the row's end
+  double depth_mm = 0.0;  ///< of the tip beyond the entry, at the row's end
   std::size_t cycles = 0;
-  std::size_t removed = 0;      ///< points
-  std::size_t tested = 0;       ///< points
-  double hu = 0.0;              ///< mean of the removed points; NaN where none was
-  double density_g_cm3 = 0.0;   ///< by the material's law; NaN where none was
-  double thrust_n = 0.0;        ///< work of the row's cycles over its depth
-  double cycles_per_s = 0.0;    ///< by the wall time of the engine's steps
+  std::size_t removed = 0;     ///< points
+  std::size_t tested = 0;      ///< points
+  double hu = 0.0;             ///< mean of the removed points; NaN where none was
+  double density_g_cm3 = 0.0;  ///< by the material's law; NaN where none was
+  double thrust_n = 0.0;       ///< work of the row's cycles over its depth
+  double cycles_per_s = 0.0;   ///< by the wall time of the engine's steps
 };
 
 struct Drilling {
@@ -37,10 +37,10 @@ struct Drilling {
   int discs = 0;
   std::size_t points_per_disc = 0;
   std::size_t cycles = 0;
-  double seconds = 0.0;            ///< of all engine steps
-  double entry_depth_mm = 0.0;     ///< where the first point was cut, beyond the planned entry
-  double most_thrust_n = 0.0;      ///< of a row
-  BoneModel drilled;               ///< the bone without the hole
+  double seconds = 0.0;         ///< of all engine steps
+  double entry_depth_mm = 0.0;  ///< where the first point was cut, beyond the planned entry
+  double most_thrust_n = 0.0;   ///< of a row
+  BoneModel drilled;            ///< the bone without the hole
   std::vector<DepthRow> rows;
 
   explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}

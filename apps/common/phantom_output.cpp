@@ -12,10 +12,14 @@ namespace spinaltap {
 namespace {
 
 Json json_of(const PedicleTruth& pedicle) {
-  return {{"isthmus_mm", to_json(pedicle.isthmus_mm)},     {"axis", to_json(pedicle.axis)},
-          {"width_axis", to_json(pedicle.width_axis)},     {"height_axis", to_json(pedicle.height_axis)},
-          {"width_mm", pedicle.width_mm},                  {"height_mm", pedicle.height_mm},
-          {"entry_mm", to_json(pedicle.entry_mm)},         {"target_mm", to_json(pedicle.target_mm)}};
+  return {{"isthmus_mm", to_json(pedicle.isthmus_mm)},
+          {"axis", to_json(pedicle.axis)},
+          {"width_axis", to_json(pedicle.width_axis)},
+          {"height_axis", to_json(pedicle.height_axis)},
+          {"width_mm", pedicle.width_mm},
+          {"height_mm", pedicle.height_mm},
+          {"entry_mm", to_json(pedicle.entry_mm)},
+          {"target_mm", to_json(pedicle.target_mm)}};
 }
 
 Json truth_json(const std::optional<VertebraTruth>& truth, const ScanOptions& scan, const CtVolume& ct) {

@@ -16,7 +16,8 @@ struct PhantomOptions {
 };
 
 /// Scans a phantom and writes, whole or not at all, a folder with ct/ (DICOM), truth.vdb (distance and CT numbers),
-/// truth.json (how it was scanned and, for a vertebra, its pedicles) and, for a vertebra, plan.json (a path through each).
+/// truth.json (how it was scanned and, for a vertebra, its pedicles) and, for a vertebra, plan.json (a path through
+/// each).
 void write_phantom(const Solid& solid, const std::optional<VertebraTruth>& truth, const PhantomOptions& options,
                    const std::filesystem::path& folder, const Progress& progress = {});
 

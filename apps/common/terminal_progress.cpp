@@ -31,7 +31,8 @@ class Bar {
     if (!slow || (drawn_ && now - drawn_at_ < std::chrono::milliseconds(100))) return;
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(kWidth * std::clamp(fraction, 0.0, 1.0));
-    std::fprintf(stderr, "\r%-28s [%s%s] %3.0f %%", stage_.c_str(), std::string(static_cast<std::size_t>(filled), '#').c_str(),
+    std::fprintf(stderr, "\r%-28s [%s%s] %3.0f %%", stage_.c_str(),
+                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
                  std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), 100.0 * fraction);
     std::fflush(stderr);
     drawn_ = true;

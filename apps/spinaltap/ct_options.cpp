@@ -16,17 +16,21 @@ void CtOptions::add_baking(CLI::App& app) {
       app.add_option("--labels", labels, "NIfTI label map that marks the bone; without it a threshold finds it")
           ->type_name("FILE");
   app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
-  app.add_option("--threshold", bake.threshold.threshold_hu, "Bone is at least this dense, HU; default: 150, less in a "
-                                                             "noisy CT")
+  app.add_option("--threshold", bake.threshold.threshold_hu,
+                 "Bone is at least this dense, HU; default: 150, less in a "
+                 "noisy CT")
       ->excludes(labels_option)
       ->type_name("HU");
-  app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")->capture_default_str()->type_name("MM");
+  app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")
+      ->capture_default_str()
+      ->type_name("MM");
   app.add_option("--centres", bake.rbf.max_surface_centres, "Most surface centres of the radial basis function")
       ->capture_default_str()
       ->check(CLI::Range(20, 6000))
       ->type_name("N");
-  app.add_option("--smoothing", bake.rbf.smoothing_mm, "How far the surface may give way to smoothness, mm; 0: through "
-                                                       "all centres")
+  app.add_option("--smoothing", bake.rbf.smoothing_mm,
+                 "How far the surface may give way to smoothness, mm; 0: through "
+                 "all centres")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->type_name("MM");

@@ -18,8 +18,9 @@ void add_drill(CLI::App& program, Command& command) {
     DrillOptions drill;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(program, command, "drill", "Drill a planned path; writes report.html, drilled.vdb, "
-                                                         "drilled.stl and log.csv",
+  CLI::App* app = add_command(program, command, "drill",
+                              "Drill a planned path; writes report.html, drilled.vdb, "
+                              "drilled.stl and log.csv",
                               "Example: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/");
   app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");

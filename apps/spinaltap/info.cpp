@@ -29,8 +29,11 @@ Json info_of_bone(const std::filesystem::path& file) {
     print_figure(key, value);
     facts[key] = value;
   }
-  return {{"active_voxels", bone.active_voxels()}, {"voxel_mm", bone.voxel_mm()}, {"low_mm", to_json(bounds_mm.min())},
-          {"high_mm", to_json(bounds_mm.max())},   {"facts", facts}};
+  return {{"active_voxels", bone.active_voxels()},
+          {"voxel_mm", bone.voxel_mm()},
+          {"low_mm", to_json(bounds_mm.min())},
+          {"high_mm", to_json(bounds_mm.max())},
+          {"facts", facts}};
 }
 
 Json info_of_series(const CtVolume& ct) {

@@ -42,7 +42,8 @@ void add_mesh(CLI::App& program, Command& command) {
   app->add_option("-o,--output", options->output, "The mesh to write: .stl, .ply or .obj")
       ->capture_default_str()
       ->type_name("FILE");
-  app->add_option("--adaptivity", options->surface.adaptivity, "0: even triangles; up to 1: larger ones where it is flat")
+  app->add_option("--adaptivity", options->surface.adaptivity,
+                  "0: even triangles; up to 1: larger ones where it is flat")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
 

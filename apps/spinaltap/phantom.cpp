@@ -18,7 +18,9 @@ void PhantomCommandOptions::add_to(CLI::App& app) {
       ->excludes(anatomy_option)
       ->type_name("FILE");
   app.add_option("--seed", scan.seed, "Seed of the noise")->capture_default_str()->type_name("N");
-  app.add_option("--noise", scan.noise_hu, "Standard deviation of the noise, HU")->capture_default_str()->type_name("HU");
+  app.add_option("--noise", scan.noise_hu, "Standard deviation of the noise, HU")
+      ->capture_default_str()
+      ->type_name("HU");
   app.add_option("--slices", scan.slices, "Number of slices")->capture_default_str()->type_name("N");
   app.add_option("--slice-step", scan.slice_step_mm, "Distance between slices, mm")
       ->capture_default_str()

@@ -33,7 +33,8 @@ void PathOptions::add_to(CLI::App& app) {
 std::optional<DrillPath> PathOptions::given_path(const std::string& name) const {
   if (entry_mm.empty()) return std::nullopt;
   if (target_mm.empty()) fail("--entry was given: expected --target x,y,z too");
-  DrillPath path{name, Vec3(entry_mm[0], entry_mm[1], entry_mm[2]), Vec3(target_mm[0], target_mm[1], target_mm[2]), bit};
+  DrillPath path{name, Vec3(entry_mm[0], entry_mm[1], entry_mm[2]), Vec3(target_mm[0], target_mm[1], target_mm[2]),
+                 bit};
   check_path(path);
   return path;
 }
@@ -44,8 +45,8 @@ Json report_paths(const std::vector<DrillPath>& paths) {
     std::ostringstream text;
     text.precision(4);
     text << "(" << path.entry_mm.x() << ", " << path.entry_mm.y() << ", " << path.entry_mm.z() << ") to ("
-         << path.target_mm.x() << ", " << path.target_mm.y() << ", " << path.target_mm.z() << "), "
-         << path.length_mm() << " mm";
+         << path.target_mm.x() << ", " << path.target_mm.y() << ", " << path.target_mm.z() << "), " << path.length_mm()
+         << " mm";
     print_figure("path " + path.name, text.str());
     list.push_back({{"name", path.name},
                     {"entry_mm", to_json(path.entry_mm)},

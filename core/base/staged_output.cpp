@@ -48,8 +48,8 @@ fs::path StagedOutput::stage(const fs::path& final_path) {
     fail("expected the name of a file to write, found a folder: ", final_path.string());
   }
   make_folders(final_path.parent_path(), made_folders_);
-  // A folder of our own beside the file: the file keeps its name, so that messages and writers that choose the format by
-  // the extension are right.
+  // A folder of our own beside the file: the file keeps its name, so that messages and writers that choose the format
+  // by the extension are right.
   const fs::path folder = final_path.parent_path() / (".spinaltap-partial-" + std::to_string(::getpid()));
   if (!fs::exists(folder, error)) {
     if (!fs::create_directory(folder, error)) {
@@ -94,8 +94,8 @@ StagedFolder::StagedFolder(fs::path final_path, fs::path marker) : final_path_(s
            "), so it is not replaced; choose another");
     }
   }
-  temporary_ = final_path_.parent_path() /
-               ("." + final_path_.filename().string() + ".partial-" + std::to_string(::getpid()));
+  temporary_ =
+      final_path_.parent_path() / ("." + final_path_.filename().string() + ".partial-" + std::to_string(::getpid()));
   make_folders(final_path_.parent_path(), made_folders_);
   if (!fs::create_directory(temporary_, error)) {
     remove_empty_folders(made_folders_);

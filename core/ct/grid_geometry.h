@@ -10,10 +10,10 @@ namespace spinaltap {
 /// Where the voxels of a regular grid lie. Index (i, j, k) counts columns, rows and slices; voxel centres sit on
 /// integer indices; i runs fastest in memory.
 struct GridGeometry {
-  std::array<int, 3> size{0, 0, 0};      ///< columns, rows, slices
-  Vec3 origin_mm = Vec3::Zero();         ///< centre of voxel (0, 0, 0), patient LPS
-  Vec3 spacing_mm = Vec3::Ones();        ///< step of i, j and k
-  Mat3 directions = Mat3::Identity();    ///< column c: unit vector in patient LPS along which index c grows
+  std::array<int, 3> size{0, 0, 0};    ///< columns, rows, slices
+  Vec3 origin_mm = Vec3::Zero();       ///< centre of voxel (0, 0, 0), patient LPS
+  Vec3 spacing_mm = Vec3::Ones();      ///< step of i, j and k
+  Mat3 directions = Mat3::Identity();  ///< column c: unit vector in patient LPS along which index c grows
 
   std::size_t voxel_count() const {
     return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
@@ -36,8 +36,8 @@ struct GridGeometry {
   double smallest_spacing_mm() const { return spacing_mm.minCoeff(); }
 };
 
-/// Refuses sizes below 1 or over `max_voxels`, spacing that is not above zero, values that are not finite, and axes that
-/// are not unit vectors at right angles within 1e-3. `what` names the grid in the message.
+/// Refuses sizes below 1 or over `max_voxels`, spacing that is not above zero, values that are not finite, and axes
+/// that are not unit vectors at right angles within 1e-3. `what` names the grid in the message.
 void check_geometry(const GridGeometry& geometry, const char* what, std::size_t max_voxels = std::size_t{1} << 31);
 
 }  // namespace spinaltap

@@ -108,7 +108,8 @@ DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const Corri
     Corridor& best = best_of_slice[static_cast<std::size_t>(k)];
     for (int j = 0; j < size[1]; j += 2) {
       for (int i = 0; i < size[0]; i += 2) {
-        if (static_cast<double>(clearance.of_voxel(bone.geometry.offset(i, j, k))) < options.body_clearance_mm) continue;
+        if (static_cast<double>(clearance.of_voxel(bone.geometry.offset(i, j, k))) < options.body_clearance_mm)
+          continue;
         const Vec3 seed_mm = bone.geometry.to_patient(Vec3(i, j, k));
         for (const Vec3& direction : directions) {
           const Corridor corridor = follow(clearance, seed_mm, direction, options);
@@ -123,7 +124,8 @@ DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const Corri
   const auto best = std::max_element(best_of_slice.begin(), best_of_slice.end(),
                                      [](const Corridor& a, const Corridor& b) { return a.score() < b.score(); });
   if (best == best_of_slice.end() || !(best->width_mm > 0.0)) {
-    fail("no straight way of ", options.least_length_mm, " mm through bone from the back into a vertebral body; give "
+    fail("no straight way of ", options.least_length_mm,
+         " mm through bone from the back into a vertebral body; give "
          "--entry and --target");
   }
   DrillPath path{"suggested", best->entry_mm, best->target_mm, bit};

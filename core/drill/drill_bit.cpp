@@ -27,7 +27,8 @@ void check_bit(const DrillBit& bit) {
   above_zero(bit.length_mm, "length");
   above_zero(bit.tip_length_mm, "tip length");
   if (bit.tip_length_mm > bit.length_mm) {
-    fail("drill bit: expected a tip no longer than the bit, found ", bit.tip_length_mm, " mm of ", bit.length_mm, " mm");
+    fail("drill bit: expected a tip no longer than the bit, found ", bit.tip_length_mm, " mm of ", bit.length_mm,
+         " mm");
   }
 }
 
@@ -45,7 +46,8 @@ bool bit_contains(const DrillBit& bit, const Pose& pose, const Vec3& p) {
 }
 
 double bit_distance_mm(const DrillBit& bit, const Pose& pose, const Vec3& p) {
-  // The bit is a body of revolution: its distance is that to its outline in the half plane (back from the tip, off axis).
+  // The bit is a body of revolution: its distance is that to its outline in the half plane (back from the tip, off
+  // axis).
   const Vec3 from_tip_mm = p - pose.tip_mm;
   const double back_mm = -from_tip_mm.dot(pose.axis);
   const double off_axis_mm = (from_tip_mm + back_mm * pose.axis).norm();
@@ -55,8 +57,7 @@ double bit_distance_mm(const DrillBit& bit, const Pose& pose, const Vec3& p) {
   const Eigen::Vector2d base_rim(bit.length_mm, bit.radius_mm());
   const Eigen::Vector2d base_centre(bit.length_mm, 0.0);
   const double to_cone_mm = segment_distance(q, tip, shoulder);
-  const double to_wall_mm =
-      bit.length_mm > bit.tip_length_mm ? segment_distance(q, shoulder, base_rim) : to_cone_mm;
+  const double to_wall_mm = bit.length_mm > bit.tip_length_mm ? segment_distance(q, shoulder, base_rim) : to_cone_mm;
   const double to_base_mm = segment_distance(q, base_rim, base_centre);
   const double distance_mm = std::min({to_cone_mm, to_wall_mm, to_base_mm});
   const bool inside = back_mm >= 0.0 && back_mm <= bit.length_mm && off_axis_mm <= bit.radius_mm() &&

@@ -7,8 +7,8 @@ namespace spinaltap {
 /// A cylindrical drill bit with a conical tip. Lengths in mm.
 struct DrillBit {
   double diameter_mm = 3.0;
-  double length_mm = 50.0;      ///< from the base to the tip, cone included
-  double tip_length_mm = 5.0;   ///< of the cone
+  double length_mm = 50.0;     ///< from the base to the tip, cone included
+  double tip_length_mm = 5.0;  ///< of the cone
 
   double radius_mm() const { return 0.5 * diameter_mm; }
 };

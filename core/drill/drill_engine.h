@@ -12,11 +12,11 @@ namespace spinaltap {
 
 /// What one move of the bit did.
 struct StepResult {
-  std::size_t removed = 0;       ///< points that died
-  std::size_t tested = 0;        ///< points put to the inside test
-  std::int64_t removed_hu = 0;   ///< sum of their CT numbers
-  double work_n_mm = 0.0;        ///< of cutting them
-  double thrust_n = 0.0;         ///< work over the way the tip went along its axis; 0 when it did not advance
+  std::size_t removed = 0;      ///< points that died
+  std::size_t tested = 0;       ///< points put to the inside test
+  std::int64_t removed_hu = 0;  ///< sum of their CT numbers
+  double work_n_mm = 0.0;       ///< of cutting them
+  double thrust_n = 0.0;        ///< work over the way the tip went along its axis; 0 when it did not advance
 };
 
 /// Removes the points that a moving bit reaches. `step` allocates, locks and logs nothing.

@@ -9,10 +9,10 @@ namespace spinaltap {
 /// How hard bone is to drill, from its CT number: a linear law for its density and a power law for the pressure that
 /// thrust must overcome. The numbers and their sources are in data/materials/.
 struct Material {
-  double density_at_0_hu = 0.05;    ///< g/cm³
-  double density_per_hu = 0.00105;  ///< g/cm³ per HU
-  double pressure_at_1_g_cm3 = 6.0; ///< MPa (N/mm²), of the thrust over the section cut
-  double pressure_exponent = 2.0;   ///< of the density in g/cm³
+  double density_at_0_hu = 0.05;     ///< g/cm³
+  double density_per_hu = 0.00105;   ///< g/cm³ per HU
+  double pressure_at_1_g_cm3 = 6.0;  ///< MPa (N/mm²), of the thrust over the section cut
+  double pressure_exponent = 2.0;    ///< of the density in g/cm³
 
   /// Density, g/cm³, never below 0.
   double density_g_cm3(double hu) const;
@@ -31,9 +31,7 @@ class PressureTable {
   explicit PressureTable(const Material& material);
 
   /// Pressure in units of kUnitMpa.
-  std::int64_t units(std::int16_t hu) const {
-    return units_[static_cast<std::size_t>(static_cast<int>(hu) + kOffset)];
-  }
+  std::int64_t units(std::int16_t hu) const { return units_[static_cast<std::size_t>(static_cast<int>(hu) + kOffset)]; }
 
  private:
   static constexpr int kOffset = 32768;

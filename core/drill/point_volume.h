@@ -59,8 +59,8 @@ class PointVolume {
 
 /// What fills a volume: for patient positions (mm), the signed distance to the bone's surface (mm, negative inside) and
 /// the CT number (HU). Called from many threads at once.
-using BoneSampler = std::function<void(std::span<const Vec3> points_mm, std::span<float> distance_mm,
-                                       std::span<float> hu)>;
+using BoneSampler =
+    std::function<void(std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu)>;
 
 /// Kills every point outside the bone and gives the others their CT number (the paper's section 6.3). Points whose
 /// distance is not a number die. Throws Error when the CT number of a point inside is not a number.

@@ -14,8 +14,10 @@ namespace {
 class ReferenceEngine final : public DrillEngine {
  public:
   ReferenceEngine(PointVolume& volume, const DrillBit& bit, const Material& material)
-      : volume_(volume), bit_(bit), pressure_(material), first_living_ring_(
-            static_cast<std::size_t>(volume.disc_count()), 0) {
+      : volume_(volume),
+        bit_(bit),
+        pressure_(material),
+        first_living_ring_(static_cast<std::size_t>(volume.disc_count()), 0) {
     check_bit(bit);
   }
 
@@ -37,9 +39,8 @@ class ReferenceEngine final : public DrillEngine {
       remove_at_pose(result);
     }
     const DiscPattern& pattern = volume_.pattern();
-    result.work_n_mm = PressureTable::kUnitMpa *
-                       (static_cast<double>(pressure_sum_[0]) * pattern.point_volume_mm3(0) +
-                        static_cast<double>(pressure_sum_[1]) * pattern.point_volume_mm3(1));
+    result.work_n_mm = PressureTable::kUnitMpa * (static_cast<double>(pressure_sum_[0]) * pattern.point_volume_mm3(0) +
+                                                  static_cast<double>(pressure_sum_[1]) * pattern.point_volume_mm3(1));
     const double advance_mm = (target.tip_mm - start.tip_mm).dot(target.axis);
     if (advance_mm > 0.0) result.thrust_n = result.work_n_mm / advance_mm;
     return result;
@@ -86,8 +87,8 @@ class ReferenceEngine final : public DrillEngine {
     const double to_plane_mm = (volume_.disc_depth_mm(disc) - pose_.tip_mm.z()) / pose_.axis.z();
     const Vec3 centre_mm = pose_.tip_mm + to_plane_mm * pose_.axis;
     const double reach_mm = std::hypot(centre_mm.x(), centre_mm.y()) + bit_.radius_mm() / along;
-    return static_cast<int>(std::min(std::floor(reach_mm / volume_.pattern().spacing_mm()) + 1.0,
-                                     static_cast<double>(last_ring)));
+    return static_cast<int>(
+        std::min(std::floor(reach_mm / volume_.pattern().spacing_mm()) + 1.0, static_cast<double>(last_ring)));
   }
 
   void remove_in_disc(int disc, StepResult& result) noexcept {
@@ -124,16 +125,15 @@ class ReferenceEngine final : public DrillEngine {
   PointVolume& volume_;
   DrillBit bit_;
   PressureTable pressure_;
-  std::vector<int> first_living_ring_;  ///< per disc: every ring within is wholly destroyed
+  std::vector<int> first_living_ring_;              ///< per disc: every ring within is wholly destroyed
   std::array<std::int64_t, 2> pressure_sum_{0, 0};  ///< of this step's dead: centres, points of rings
-  Pose pose_;  ///< path-local
+  Pose pose_;                                       ///< path-local
   bool placed_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<DrillEngine> make_reference_engine(PointVolume& volume, const DrillBit& bit,
-                                                   const Material& material) {
+std::unique_ptr<DrillEngine> make_reference_engine(PointVolume& volume, const DrillBit& bit, const Material& material) {
   return std::make_unique<ReferenceEngine>(volume, bit, material);
 }
 

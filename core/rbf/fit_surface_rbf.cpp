@@ -128,8 +128,8 @@ RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& option
   }
   const std::size_t most = std::clamp<std::size_t>(options.max_surface_centres, kFewestPoints, kMostCentres);
   const PointGrid grid(surface.positions_mm, options.off_surface_mm);
-  const Subset first = spread_count(surface.positions_mm,
-                                    static_cast<std::size_t>(kFirstShare * static_cast<double>(most)));
+  const Subset first =
+      spread_count(surface.positions_mm, static_cast<std::size_t>(kFirstShare * static_cast<double>(most)));
   std::vector<std::size_t> chosen = first.indices;
 
   RbfFitReport report;
@@ -143,8 +143,8 @@ RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& option
     RbfField field = interpolate_rbf(centres.points_mm, centres.values_mm, options.smoothing_mm);
     std::vector<double> residual_mm = residuals_mm(field, surface.positions_mm);
     const std::size_t room = round == kRounds || chosen.size() >= most ? 0
-                             : round == kRounds - 1                   ? most - chosen.size()
-                                                                      : (most - chosen.size()) / 2;
+                             : round == kRounds - 1                    ? most - chosen.size()
+                                                                       : (most - chosen.size()) / 2;
     const std::vector<std::size_t> worst =
         worst_points(surface, residual_mm, chosen, options.tolerance_mm, kLaterSpacing * first.spacing_mm, room);
     if (!worst.empty()) {
@@ -154,8 +154,8 @@ RbfFit fit_surface_rbf(const SurfacePoints& surface, const RbfFitOptions& option
     report.surface_centres = centres.surface;
     report.off_surface_centres = centres.points_mm.size() - centres.surface;
     report.rounds = round;
-    report.mean_residual_mm = std::accumulate(residual_mm.begin(), residual_mm.end(), 0.0) /
-                              static_cast<double>(residual_mm.size());
+    report.mean_residual_mm =
+        std::accumulate(residual_mm.begin(), residual_mm.end(), 0.0) / static_cast<double>(residual_mm.size());
     std::sort(residual_mm.begin(), residual_mm.end());
     report.p99_residual_mm = residual_mm[(residual_mm.size() - 1) * 99 / 100];
     report.max_residual_mm = residual_mm.back();

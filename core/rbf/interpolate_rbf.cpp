@@ -27,7 +27,8 @@ RbfField interpolate_rbf(std::span<const Vec3> points_mm, std::span<const double
     fail("RBF: expected 4 to ", kMostPoints, " points for the dense solver, found ", points_mm.size());
   }
   if (values_mm.size() != points_mm.size()) fail("RBF: expected a value for each point");
-  if (!(smoothing_mm >= 0.0) || !std::isfinite(smoothing_mm)) fail("RBF: expected smoothing of 0 mm or more, found ", smoothing_mm);
+  if (!(smoothing_mm >= 0.0) || !std::isfinite(smoothing_mm))
+    fail("RBF: expected smoothing of 0 mm or more, found ", smoothing_mm);
   const auto count = static_cast<Eigen::Index>(points_mm.size());
   Vec3 origin_mm = Vec3::Zero();
   for (const Vec3& p : points_mm) origin_mm += p;

@@ -51,8 +51,7 @@ void RbfField::evaluate_one(const Vec3& p_mm, double& value_mm, Vec3* gradient) 
   if (gradient != nullptr) *gradient = slope;
 }
 
-void RbfField::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
-                        std::span<Vec3> gradients) const {
+void RbfField::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const {
   constexpr std::size_t kGrain = 64;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points_mm.size(), kGrain), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {

@@ -15,8 +15,7 @@ class RbfField final : public ScalarField {
   /// from which the polynomial measures. Throws Error when sizes do not fit or a number is not finite.
   RbfField(std::vector<Vec3> centres_mm, const Eigen::VectorXd& weights, const Vec3& origin_mm);
 
-  void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
-                std::span<Vec3> gradients) const override;
+  void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;
 
   std::size_t centre_count() const { return static_cast<std::size_t>(weight_.size()); }
 

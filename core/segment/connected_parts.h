@@ -8,7 +8,8 @@
 
 namespace spinaltap {
 
-/// The face-connected part of the voxels where `inside` is not 0 that holds `seed` (an offset); 1 in the part, 0 elsewhere.
+/// The face-connected part of the voxels where `inside` is not 0 that holds `seed` (an offset); 1 in the part, 0
+/// elsewhere.
 std::vector<std::uint8_t> connected_part(std::span<const std::uint8_t> inside, const GridGeometry& geometry,
                                          std::size_t seed);
 

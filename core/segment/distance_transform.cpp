@@ -47,8 +47,8 @@ void transform_line(float* line, std::size_t stride, int length, double step_mm,
   for (int p = 0; p < length; ++p) {
     while (envelope.border[lowest + 1] < p) ++lowest;
     const double way = p - envelope.apex[lowest];
-    line[static_cast<std::size_t>(p) * stride] = static_cast<float>(
-        step_squared * way * way + envelope.value[static_cast<std::size_t>(envelope.apex[lowest])]);
+    line[static_cast<std::size_t>(p) * stride] =
+        static_cast<float>(step_squared * way * way + envelope.value[static_cast<std::size_t>(envelope.apex[lowest])]);
   }
 }
 

@@ -46,7 +46,8 @@ void blur_axis(FloatGrid& grid, int axis, const std::vector<float>& kernel) {
       }
       for (int i = 0; i < length; ++i) {
         float sum = 0.0F;
-        for (std::size_t tap = 0; tap < kernel.size(); ++tap) sum += kernel[tap] * line[static_cast<std::size_t>(i) + tap];
+        for (std::size_t tap = 0; tap < kernel.size(); ++tap)
+          sum += kernel[tap] * line[static_cast<std::size_t>(i) + tap];
         values[static_cast<std::size_t>(i) * stride] = sum;
       }
     }
@@ -113,9 +114,8 @@ FloatGrid crop_hu(const CtVolume& ct, const VoxelBox& box) {
 }
 
 FloatGrid crop_mask(const BoneMask& mask, const VoxelBox& box) {
-  return crop(mask.geometry, box, [&](int i, int j, int k) {
-    return mask.geometry.contains(i, j, k) && mask.at(i, j, k) ? 1.0F : 0.0F;
-  });
+  return crop(mask.geometry, box,
+              [&](int i, int j, int k) { return mask.geometry.contains(i, j, k) && mask.at(i, j, k) ? 1.0F : 0.0F; });
 }
 
 FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm) {

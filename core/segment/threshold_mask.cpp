@@ -23,8 +23,8 @@ std::vector<std::uint8_t> voxels_over(const CtVolume& ct, double threshold_hu, d
                    [&](std::int16_t hu) { return static_cast<std::uint8_t>(hu >= threshold_hu ? 1 : 0); });
     return over;
   }
-  const FloatGrid smooth = gaussian_blur(crop_hu(ct, whole_grid(ct.geometry)),
-                                         smooth_voxels * ct.geometry.smallest_spacing_mm());
+  const FloatGrid smooth =
+      gaussian_blur(crop_hu(ct, whole_grid(ct.geometry)), smooth_voxels * ct.geometry.smallest_spacing_mm());
   std::transform(smooth.values.begin(), smooth.values.end(), over.begin(),
                  [&](float hu) { return static_cast<std::uint8_t>(static_cast<double>(hu) >= threshold_hu ? 1 : 0); });
   return over;
@@ -97,8 +97,7 @@ BoneMask threshold_mask(const CtVolume& ct, const ThresholdOptions& options, con
   const VoxelBox box = mask_box(mask);
   if (box.empty()) {
     const auto [lowest, highest] = std::minmax_element(ct.hu.begin(), ct.hu.end());
-    fail("no voxel over the bone threshold of ", threshold_hu, " HU; the CT holds ", *lowest, " to ", *highest,
-         " HU");
+    fail("no voxel over the bone threshold of ", threshold_hu, " HU; the CT holds ", *lowest, " to ", *highest, " HU");
   }
   const double largest_step_mm = geometry.spacing_mm.maxCoeff();
   const double seal_mm = options.seal_mm > 0.0 ? options.seal_mm : std::max(1.0, 2.0 * largest_step_mm);

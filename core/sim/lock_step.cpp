@@ -58,8 +58,8 @@ std::vector<CycleRecord> run_lock_step(DrillEngine& engine, const LockStepMotion
     record.removed_hu = result.removed_hu;
     record.work_n_mm = static_cast<float>(result.work_n_mm);
     record.thrust_n = static_cast<float>(result.thrust_n);
-    record.wall_ns = static_cast<std::uint32_t>(
-        std::min<std::int64_t>(elapsed.count(), std::numeric_limits<std::uint32_t>::max()));
+    record.wall_ns =
+        static_cast<std::uint32_t>(std::min<std::int64_t>(elapsed.count(), std::numeric_limits<std::uint32_t>::max()));
     counter.add();
   }
   return records;

@@ -10,20 +10,20 @@ namespace spinaltap {
 
 /// A bit that advances along a straight line, by itself parallel to the path or tilted to it.
 struct LockStepOptions {
-  double step_mm = 0.001;    ///< advance a cycle
-  double offset_mm = 0.0;    ///< sideways shift of the bit's line from the path
-  double tilt_deg = 0.0;     ///< between the bit's line and the path; they meet (or pass) at the path's middle
+  double step_mm = 0.001;  ///< advance a cycle
+  double offset_mm = 0.0;  ///< sideways shift of the bit's line from the path
+  double tilt_deg = 0.0;   ///< between the bit's line and the path; they meet (or pass) at the path's middle
 };
 
 /// One cycle of a lock-step run.
 struct CycleRecord {
-  double depth_mm = 0.0;         ///< of the tip beyond the entry, along the path
-  std::uint32_t removed = 0;     ///< points
-  std::uint32_t tested = 0;      ///< points
-  std::int64_t removed_hu = 0;   ///< sum over the removed points
+  double depth_mm = 0.0;        ///< of the tip beyond the entry, along the path
+  std::uint32_t removed = 0;    ///< points
+  std::uint32_t tested = 0;     ///< points
+  std::int64_t removed_hu = 0;  ///< sum over the removed points
   float work_n_mm = 0.0F;
   float thrust_n = 0.0F;
-  std::uint32_t wall_ns = 0;     ///< time of the engine's step, saturated at 4.29 s
+  std::uint32_t wall_ns = 0;  ///< time of the engine's step, saturated at 4.29 s
 };
 
 /// Poses of a lock-step run: computed from the index alone, so that no error adds up.

@@ -20,8 +20,8 @@ Vec3 gradient(const FloatGrid& grid, const Vec3& p_index) {
   Vec3 per_mm;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 half = 0.5 * Vec3::Unit(axis);
-    per_mm[axis] = (sample_clamped(grid, p_index + half) - sample_clamped(grid, p_index - half)) /
-                   grid.geometry.spacing_mm[axis];
+    per_mm[axis] =
+        (sample_clamped(grid, p_index + half) - sample_clamped(grid, p_index - half)) / grid.geometry.spacing_mm[axis];
   }
   return grid.geometry.directions * per_mm;
 }

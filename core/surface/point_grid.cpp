@@ -21,8 +21,9 @@ PointGrid::PointGrid(std::span<const Vec3> points_mm, double cell_mm) : points_m
   low_mm_ = box.min();
   const Vec3 extent_mm = box.sizes();
   // Far outliers would ask for more cells than there is memory: larger cells stay right, only slower.
-  while ((extent_mm / cell_mm_).array().floor().cwiseMax(0.0).matrix().unaryExpr([](double n) { return n + 1.0; }).prod() >
-         most_cells) {
+  while (
+      (extent_mm / cell_mm_).array().floor().cwiseMax(0.0).matrix().unaryExpr([](double n) { return n + 1.0; }).prod() >
+      most_cells) {
     cell_mm_ *= 2.0;
   }
   cells_ = (extent_mm / cell_mm_).array().floor().cast<int>() + 1;

@@ -15,11 +15,11 @@
 namespace spinaltap {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using test::everything_in;
 using test::ProgramRun;
 using test::run_program;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 namespace fs = std::filesystem;
 
 constexpr int kSide = 32;
@@ -104,8 +104,16 @@ TEST_F(Errors, SaysThatAFolderHoldsNoDicom) {
 }
 
 TEST_F(Errors, NamesTheModalityOfASeriesThatIsNotCt) {
-  const std::string ct_element("\x08\x00\x60\x00" "CS\x02\x00" "CT", 10);
-  const std::string mr_element("\x08\x00\x60\x00" "CS\x02\x00" "MR", 10);
+  const std::string ct_element(
+      "\x08\x00\x60\x00"
+      "CS\x02\x00"
+      "CT",
+      10);
+  const std::string mr_element(
+      "\x08\x00\x60\x00"
+      "CS\x02\x00"
+      "MR",
+      10);
   for (const auto& entry : fs::directory_iterator(in("ct"))) {
     std::ostringstream text;
     text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
@@ -180,8 +188,7 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
 TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
   bake_ball();
   const auto size = fs::file_size(in("bone.vdb"));
-  const ProgramRun run =
-      run_program("bake ct --centres 150 --voxel 0.5 -o bone.vdb", folder_.path(), "ulimit -f 8;");
+  const ProgramRun run = run_program("bake ct --centres 150 --voxel 0.5 -o bone.vdb", folder_.path(), "ulimit -f 8;");
   EXPECT_NE(run.exit_code, 0);
   EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
 }
@@ -203,8 +210,8 @@ TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
 }
 
 TEST_F(Errors, PrintsNoProgressIntoAPipe) {
-  const ProgramRun run = run_program("bake ct --centres 150 --voxel 0.5 -o work/bone.vdb --json work/bake.json",
-                                     folder_.path());
+  const ProgramRun run =
+      run_program("bake ct --centres 150 --voxel 0.5 -o work/bone.vdb --json work/bake.json", folder_.path());
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.errors, IsEmpty());
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("bake.json", "bone.vdb"));

@@ -18,12 +18,13 @@ struct ProgramRun {
   std::string errors;
 };
 
-/// Runs the program with arguments as a shell splits them, in `folder`. `before` goes in front, for example "ulimit -f 8;".
+/// Runs the program with arguments as a shell splits them, in `folder`. `before` goes in front, for example "ulimit -f
+/// 8;".
 inline ProgramRun run_program(const std::string& arguments, const std::filesystem::path& folder,
                               const std::string& before = "") {
   const std::filesystem::path errors = folder / ".errors";
-  const std::string command = "cd '" + folder.string() + "' && (" + before + " '" + SPINALTAP_PROGRAM + "' " + arguments +
-                              ") 2>'" + errors.string() + "'";
+  const std::string command = "cd '" + folder.string() + "' && (" + before + " '" + SPINALTAP_PROGRAM + "' " +
+                              arguments + ") 2>'" + errors.string() + "'";
   ProgramRun run;
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return run;

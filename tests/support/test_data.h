@@ -22,9 +22,9 @@ inline bool test_data_required() {
 }  // namespace spinaltap::test
 
 /// Sets `folder` to the real CT `name`, or skips the test; fails it where the data are required.
-#define SPINALTAP_NEED_TEST_DATA(folder, name)                                             \
-  const std::filesystem::path folder = spinaltap::test::test_data_folder() / (name);       \
-  if (spinaltap::test::test_data_folder().empty() || !std::filesystem::exists(folder)) {   \
-    if (spinaltap::test::test_data_required()) FAIL() << "test data missing: " << folder;  \
-    GTEST_SKIP() << "needs the real CT " << (name) << ": set SPINALTAP_TEST_DATA";         \
+#define SPINALTAP_NEED_TEST_DATA(folder, name)                                            \
+  const std::filesystem::path folder = spinaltap::test::test_data_folder() / (name);      \
+  if (spinaltap::test::test_data_folder().empty() || !std::filesystem::exists(folder)) {  \
+    if (spinaltap::test::test_data_required()) FAIL() << "test data missing: " << folder; \
+    GTEST_SKIP() << "needs the real CT " << (name) << ": set SPINALTAP_TEST_DATA";        \
   }
