@@ -31,7 +31,10 @@ class PressureTable {
   explicit PressureTable(const Material& material);
 
   /// Pressure in units of kUnitMpa.
-  std::int64_t units(std::int16_t hu) const { return units_[static_cast<std::size_t>(static_cast<int>(hu) + kOffset)]; }
+  std::int64_t units(std::int16_t hu) const {
+    const int index = hu + kOffset;
+    return units_[static_cast<std::size_t>(index)];
+  }
 
  private:
   static constexpr int kOffset = 32768;
