@@ -34,14 +34,14 @@ void refuse_several(const std::vector<ScannedSeries>& found, const std::filesyst
        "with --series: ", list_for_people(found));
 }
 
-ScannedSeries choose_series(std::vector<ScannedSeries> all, const std::string& wanted,
+ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::string& wanted,
                             const std::filesystem::path& folder) {
   std::vector<ScannedSeries> matches;
-  for (ScannedSeries& series : all) {
+  for (const ScannedSeries& series : all) {
     if (wanted.empty() || series.info.uid == wanted) matches.push_back(series);
   }
   if (matches.empty()) {
-    for (ScannedSeries& series : all) {
+    for (const ScannedSeries& series : all) {
       if (std::to_string(series.info.number) == wanted) matches.push_back(series);
     }
   }

@@ -30,7 +30,7 @@ struct SeriesText {
   std::string thickness_mm;
 };
 
-void put(gdcm::DataSet& data, gdcm::Tag tag, gdcm::VR::VRType vr, std::string value) {
+void put(gdcm::DataSet& data, const gdcm::Tag& tag, gdcm::VR::VRType vr, std::string value) {
   // Values have even length: UIDs are padded with a zero byte, text with a space (PS3.5, 6.2).
   if (value.size() % 2 != 0) value.push_back(vr == gdcm::VR::UI ? '\0' : ' ');
   gdcm::DataElement element(tag);
@@ -39,7 +39,7 @@ void put(gdcm::DataSet& data, gdcm::Tag tag, gdcm::VR::VRType vr, std::string va
   data.Replace(element);
 }
 
-void put_short(gdcm::DataSet& data, gdcm::Tag tag, int value) {
+void put_short(gdcm::DataSet& data, const gdcm::Tag& tag, int value) {
   put(data, tag, gdcm::VR::US, {static_cast<char>(value & 0xff), static_cast<char>(value >> 8 & 0xff)});
 }
 
