@@ -82,7 +82,7 @@ void StagedOutput::commit() {
   made_folders_.clear();
 }
 
-StagedFolder::StagedFolder(fs::path final_path, fs::path marker) : final_path_(std::move(final_path)) {
+StagedFolder::StagedFolder(fs::path final_path, const fs::path& marker) : final_path_(std::move(final_path)) {
   // "out/" and "out" are one folder.
   if (!final_path_.has_filename()) final_path_ = final_path_.parent_path();
   if (final_path_.empty()) fail("expected the name of a folder to write, found none");

@@ -42,7 +42,7 @@ class StagedFolder {
  public:
   /// Makes the temporary folder. An existing `final_path` is replaced on commit() only where it holds `marker`, a file
   /// that says that we made it; otherwise Error is thrown, unless it is empty.
-  StagedFolder(std::filesystem::path final_path, std::filesystem::path marker);
+  StagedFolder(std::filesystem::path final_path, const std::filesystem::path& marker);
   /// Removes what was not committed, and the folders made for it.
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;

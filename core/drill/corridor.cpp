@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -43,7 +44,8 @@ struct Corridor {
   Vec3 target_mm = Vec3::Zero();
   double width_mm = 0.0;  ///< least clearance between the entry's neighbourhood and the target
 
-  double score() const { return width_mm + 0.01 * (target_mm - entry_mm).norm(); }
+  /// Twenty mm of length weigh as much as one of clearance: of ways of like width, the one that starts on the arch.
+  double score() const { return width_mm + 0.05 * (target_mm - entry_mm).norm(); }
 };
 
 /// Follows the bone backwards from the target and forwards from it.
@@ -85,6 +87,25 @@ bool is_open_behind(const Clearance& clearance, const Corridor& corridor) {
   return true;
 }
 
+/// Patient y halfway between the bone's front and its back, mm: entries lie behind it, on the arch. The body's own
+/// wall, reached through a foramen, lies before it.
+double middle_y_mm(const BoneMask& bone) {
+  double front_mm = std::numeric_limits<double>::infinity();
+  double back_mm = -front_mm;
+  const auto& size = bone.geometry.size;
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
+        if (!bone.at(i, j, k)) continue;
+        const double y_mm = bone.geometry.to_patient(Vec3(i, j, k)).y();
+        front_mm = std::min(front_mm, y_mm);
+        back_mm = std::max(back_mm, y_mm);
+      }
+    }
+  }
+  return 0.5 * (front_mm + back_mm);
+}
+
 }  // namespace
 
 DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const CorridorOptions& options,
@@ -93,6 +114,7 @@ DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const Corri
   constexpr double kAngleStepDeg = 2.5;
   check_bit(bit);
   const Clearance clearance(bone);
+  const double entry_behind_mm = middle_y_mm(bone);
   const auto& size = bone.geometry.size;
   std::vector<Vec3> directions;
   for (double across = -options.most_convergence_deg; across <= options.most_convergence_deg; across += kAngleStepDeg) {
@@ -113,7 +135,8 @@ DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const Corri
         const Vec3 seed_mm = bone.geometry.to_patient(Vec3(i, j, k));
         for (const Vec3& direction : directions) {
           const Corridor corridor = follow(clearance, seed_mm, direction, options);
-          if (corridor.width_mm > 0.0 && corridor.score() > best.score() && is_open_behind(clearance, corridor)) {
+          if (corridor.width_mm > 0.0 && corridor.entry_mm.y() > entry_behind_mm && corridor.score() > best.score() &&
+              is_open_behind(clearance, corridor)) {
             best = corridor;
           }
         }

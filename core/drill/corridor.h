@@ -7,17 +7,17 @@
 namespace spinaltap {
 
 struct CorridorOptions {
-  double least_length_mm = 30.0;       ///< of bone along the path
+  double least_length_mm = 35.0;       ///< of bone along the path
   double body_clearance_mm = 7.0;      ///< the target lies at least this deep: in the vertebral body
   double front_clearance_mm = 6.0;     ///< of bone left ahead of the target
   double most_convergence_deg = 35.0;  ///< to either side of straight forward
-  double most_inclination_deg = 25.0;  ///< up or down
+  double most_inclination_deg = 15.0;  ///< up or down
 };
 
 /// The straight way from the back of a vertebra forward into its body that keeps furthest from the bone's surface.
 ///
-/// Only the pedicles join back and body, so the widest such corridor runs through one; ways with more bone behind their
-/// entry, which cross the canal, do not count. The search is exhaustive over a
+/// Only the pedicles join back and body, so the widest such corridor runs through one; ways that enter in the
+/// bone's front half, or with more bone behind their entry, do not count. The search is exhaustive over a
 /// coarse grid of targets and directions around the patient's anterior (-y); it knows no anatomy. `bone` should have
 /// voxels of about 1 mm. Throws Error when there is no such way.
 DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const CorridorOptions& options = {},

@@ -72,6 +72,7 @@ std::vector<float> blur_weights(const ScanOptions& options) {
     sum += exact.back();
   }
   std::vector<float> weights;
+  weights.reserve(exact.size());
   for (const double weight : exact) weights.push_back(static_cast<float>(weight / sum));
   return weights;
 }
