@@ -35,8 +35,8 @@ class SuggestedPath : public testing::TestWithParam<bool> {
   BoneModel bone_ = bake_solid(vertebra_, {.voxel_mm = 0.5}, 40.0);
 };
 
-// Fails, so it waits: on this grid the search returns a way of 37 mm beside the pedicle's middle, since the better one
-// grazes an articular process behind its entry and is refused. The search needs anatomy, not only width.
+// Fails, so it waits: on this grid the search returns ways of 35 to 37 mm, and on the turned vertebra one outside the
+// isthmus, where it finds 46 mm through the pedicle of the same vertebra baked from a CT. Why is not known yet.
 TEST_P(SuggestedPath, DISABLED_KeepsItsDistanceFromTheSurfaceOnTheWayThroughAPedicle) {
   const DrillPath path = suggest_path(bone_, {});
   // From behind into the body.
