@@ -104,7 +104,7 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   {
     openvdb::tree::ValueAccessor<Mask> accessor(*wanted);
     for (const Vec3& p : seeds_mm) {
-      if (!(p.cwiseAbs().maxCoeff() <= kFarthestSeedMm)) {
+      if (!(p.array().abs() <= kFarthestSeedMm).all()) {
         fail("baking: expected seeds within ", kFarthestSeedMm, " mm of the origin, found ", p.transpose());
       }
       accessor.setValueOn(Coord::round(to_vdb(p / voxel_mm)));
