@@ -105,7 +105,8 @@ class SliceMaker {
         const Taps taps = taps_of(column, ideal_.first_column(), ideal_.width());
         float value = 0.0F;
         for (int n = taps.begin; n < taps.end; ++n) {
-          value += blur_[static_cast<std::size_t>(n)] * sum[row * width + static_cast<std::size_t>(taps.first + n)];
+          const int sample = taps.first + n;
+          value += blur_[static_cast<std::size_t>(n)] * sum[row * width + static_cast<std::size_t>(sample)];
         }
         narrow[row * columns + static_cast<std::size_t>(column)] = value;
       }
