@@ -87,23 +87,47 @@ bool is_open_behind(const Clearance& clearance, const Corridor& corridor) {
   return true;
 }
 
-/// Patient y halfway between the bone's front and its back, mm: entries lie behind it, on the arch. The body's own
-/// wall, reached through a foramen, lies before it.
-double middle_y_mm(const BoneMask& bone) {
-  double front_mm = std::numeric_limits<double>::infinity();
-  double back_mm = -front_mm;
+/// Patient y of the vertebral canal's middle, mm; +infinity when none is seen. In a transverse slice the canal is what
+/// has bone on all four sides; the median over the slices passes over those few that show a hollow endplate instead.
+double canal_y_mm(const BoneMask& bone) {
   const auto& size = bone.geometry.size;
+  const auto columns = static_cast<std::size_t>(size[0]);
+  const auto rows = static_cast<std::size_t>(size[1]);
+  struct Span {
+    int first = std::numeric_limits<int>::max();
+    int last = -1;
+    void add(int at) { first = std::min(first, at), last = std::max(last, at); }
+    bool encloses(int at) const { return first < at && at < last; }
+  };
+  std::vector<double> of_slice_mm;
   for (int k = 0; k < size[2]; ++k) {
+    std::vector<Span> of_column(columns);
+    std::vector<Span> of_row(rows);
     for (int j = 0; j < size[1]; ++j) {
       for (int i = 0; i < size[0]; ++i) {
         if (!bone.at(i, j, k)) continue;
-        const double y_mm = bone.geometry.to_patient(Vec3(i, j, k)).y();
-        front_mm = std::min(front_mm, y_mm);
-        back_mm = std::max(back_mm, y_mm);
+        of_column[static_cast<std::size_t>(i)].add(j);
+        of_row[static_cast<std::size_t>(j)].add(i);
       }
     }
+    double sum_mm = 0.0;
+    int count = 0;
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
+        if (bone.at(i, j, k) || !of_column[static_cast<std::size_t>(i)].encloses(j) ||
+            !of_row[static_cast<std::size_t>(j)].encloses(i)) {
+          continue;
+        }
+        sum_mm += bone.geometry.to_patient(Vec3(i, j, k)).y();
+        ++count;
+      }
+    }
+    if (count > 0) of_slice_mm.push_back(sum_mm / count);
   }
-  return 0.5 * (front_mm + back_mm);
+  if (of_slice_mm.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = of_slice_mm.begin() + static_cast<std::ptrdiff_t>(of_slice_mm.size() / 2);
+  std::nth_element(of_slice_mm.begin(), middle, of_slice_mm.end());
+  return *middle;
 }
 
 }  // namespace
@@ -112,9 +136,10 @@ DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const Corri
                           const Progress& progress) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr double kAngleStepDeg = 2.5;
+  constexpr double kEntryBehindCanalMm = 8.0;  // entries through the side of a pedicle lie beside the canal
   check_bit(bit);
   const Clearance clearance(bone);
-  const double entry_behind_mm = middle_y_mm(bone);
+  const double entry_behind_mm = canal_y_mm(bone) + kEntryBehindCanalMm;
   const auto& size = bone.geometry.size;
   std::vector<Vec3> directions;
   for (double across = -options.most_convergence_deg; across <= options.most_convergence_deg; across += kAngleStepDeg) {

@@ -16,10 +16,10 @@ struct CorridorOptions {
 
 /// The straight way from the back of a vertebra forward into its body that keeps furthest from the bone's surface.
 ///
-/// Only the pedicles join back and body, so the widest such corridor runs through one; ways that enter in the
-/// bone's front half, or with more bone behind their entry, do not count. The search is exhaustive over a
-/// coarse grid of targets and directions around the patient's anterior (-y); it knows no anatomy. `bone` should have
-/// voxels of about 1 mm. Throws Error when there is no such way.
+/// Only the pedicles join back and body, so the widest such corridor runs through one; ways that enter beside or ahead
+/// of the canal, or with more bone behind their entry, do not count. The search is exhaustive over a coarse grid of
+/// targets and directions around the patient's anterior (-y). `bone` should have voxels of about 1 mm. Throws Error
+/// when there is no such way, and when no canal is seen.
 DrillPath widest_corridor(const BoneMask& bone, const DrillBit& bit, const CorridorOptions& options = {},
                           const Progress& progress = {});
 
