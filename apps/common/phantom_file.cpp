@@ -142,7 +142,9 @@ void read(const json& value, std::uint64_t* target, const Place& place) {
 
 void read_group(const json& object, Group& group, const Place& place) {
   if (!object.is_object()) fail(place.file, ": ", place.key, ": an object expected, found ", object.dump());
-  for (const auto& [key, value] : object.items()) {
+  for (const auto& item : object.items()) {
+    const std::string& key = item.key();
+    const json& value = item.value();
     const Place inner{place.file, place.key + "." + key};
     if (key == "source") {
       if (!value.is_string()) fail(place.file, ": ", inner.key, ": a text expected, found ", value.dump());

@@ -33,7 +33,8 @@ double LabelPlacer::cost(const Rectangle& rectangle) const {
   for (const PixelPolygon& shape : shapes_) {
     int inside = 0;
     for (int i = 0; i < kColumns * kRows; ++i) {
-      const Eigen::Vector2d share((i % kColumns) / (kColumns - 1.0), (i / kColumns) / (kRows - 1.0));
+      const int row = i / kColumns;
+      const Eigen::Vector2d share((i % kColumns) / (kColumns - 1.0), row / (kRows - 1.0));
       inside += holds(shape, rectangle.min() + share.cwiseProduct(rectangle.sizes())) ? 1 : 0;
     }
     covered += area(rectangle) * inside / (kColumns * kRows);

@@ -61,6 +61,7 @@ SliceFrame frame_around(const Axes& axes, const Vec3& through_mm, const std::vec
 
 std::vector<Vec3> corners(const Box3& box) {
   std::vector<Vec3> points;
+  points.reserve(8);
   for (int i = 0; i < 8; ++i) points.push_back(box.corner(static_cast<Box3::CornerType>(i)));
   return points;
 }

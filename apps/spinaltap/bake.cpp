@@ -25,7 +25,7 @@ void add_bake(CLI::App& program, Command& command) {
     StagedOutput output;
     write_bone(baked.bone, output.stage(options->output));
     output.commit();
-    const Json figures = report_baked(ct, baked);
+    Json figures = report_baked(ct, baked);
     print_figure("written", options->output.string());
     return figures;
   };

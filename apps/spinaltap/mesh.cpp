@@ -54,7 +54,7 @@ void add_mesh(CLI::App& program, Command& command) {
     StagedOutput output;
     write_mesh(mesh, output.stage(options->output));
     output.commit();
-    const Json figures = report_mesh(measure_mesh(mesh));
+    Json figures = report_mesh(measure_mesh(mesh));
     print_figure("written", options->output.string());
     return figures;
   };

@@ -84,7 +84,7 @@ void add_plan(CLI::App& program, Command& command) {
       path->name = options->name;
     }
     write_plan({*path}, options->output);
-    const Json figures = report_paths({*path});
+    Json figures = report_paths({*path});
     print_figure("written", options->output.string());
     return figures;
   };
