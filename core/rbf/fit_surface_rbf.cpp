@@ -4,20 +4,11 @@
 
 #include "core/base/error.h"
 #include "core/rbf/rbf_fit.h"
+#include "core/surface/off_surface.h"
 #include "core/surface/point_grid.h"
 
 namespace spinaltap {
 namespace {
-
-/// How far along its normal an off-surface point may go: no part of the surface but its own may be nearer to it.
-double off_surface_length_mm(const PointGrid& grid, const Vec3& p_mm, const Vec3& normal, double wanted_mm) {
-  constexpr double kOwnPatch = 0.98;  // neighbours on the same patch are nearer by curvature, but only a little
-  for (double length_mm = wanted_mm; length_mm > 0.05; length_mm *= 0.7) {
-    const PointGrid::Nearest nearest = grid.nearest_within(p_mm + length_mm * normal, kOwnPatch * length_mm);
-    if (!std::isfinite(nearest.distance_mm)) return length_mm;
-  }
-  return 0.0;
-}
 
 struct Subset {
   std::vector<std::size_t> indices;

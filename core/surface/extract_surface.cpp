@@ -7,6 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/segment/float_grid.h"
+#include "core/surface/edge_model.h"
+#include "core/surface/local_normals.h"
 #include "core/surface/point_grid.h"
 #include "core/surface/surface_points.h"
 
@@ -26,65 +28,38 @@ Vec3 gradient(const FloatGrid& grid, const Vec3& p_index) {
   return grid.geometry.directions * per_mm;
 }
 
-/// Finds how far along its normal a point lies from where the CT number is halfway between the tissue outside and the
-/// peak of the cortex.
-class EdgeFinder {
- public:
-  EdgeFinder(const FloatGrid& hu, double reach_mm) : hu_(hu), reach_mm_(reach_mm) {}
-
-  /// mm, at most `reach_mm` either way; NaN where there is no such edge.
-  double offset_mm(const Vec3& p_mm, const Vec3& normal) const {
-    constexpr int kSamples = 61;
-    constexpr double kLowestContrastHu = 100.0;
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const double span_mm = 3.0 * reach_mm_;
-    std::array<double, kSamples> profile{};
-    const auto way_mm = [&](std::ptrdiff_t i) {
-      return span_mm * (2.0 * static_cast<double>(i) / (kSamples - 1) - 1.0);
-    };
-    for (int i = 0; i < kSamples; ++i) {
-      profile[static_cast<std::size_t>(i)] = sample_clamped(hu_, hu_.geometry.to_index(p_mm + way_mm(i) * normal));
-    }
-    // The cortex peaks within reach of the mask's surface or further in; the tissue outside is lowest further out.
-    const auto peak = std::max_element(profile.begin(), profile.begin() + 3 * kSamples / 4);
-    const auto outside = std::min_element(peak, profile.end());
-    if (*peak - *outside < kLowestContrastHu) return kNone;
-    const double level = 0.5 * (*peak + *outside);
-    for (auto next = peak + 1; next <= outside; ++next) {
-      if (*next > level) continue;
-      const double t = (*(next - 1) - level) / (*(next - 1) - *next);
-      const auto index = next - profile.begin();
-      return std::clamp(std::lerp(way_mm(index - 1), way_mm(index), t), -reach_mm_, reach_mm_);
-    }
-    return kNone;
-  }
-
- private:
-  const FloatGrid& hu_;
-  double reach_mm_;
-};
-
-/// Moves every point along its normal by the mean of what its neighbours within `radius_mm` ask for, itself included:
-/// noise in the CT moves single points, the bone's edge moves them together.
-void move_to_edges(SurfacePoints& surface, const EdgeFinder& edges, double radius_mm) {
+/// Moves every point along its normal to the bone's edge: by the median of what its neighbours within `radius_mm` ask
+/// for, itself included. Noise in the CT moves single points, the edge moves them together, in and across slices.
+void move_to_edges(SurfacePoints& surface, const FloatGrid& hu, double reach_mm, double radius_mm) {
+  constexpr double kSameSide = 0.8;  // cosine; points of another side of a thin part face elsewhere
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::size_t count = surface.positions_mm.size();
+  const double step_mm = 1.5 * reach_mm / EdgeProfile::kInside;
+  std::vector<EdgeProfile> profiles(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    profiles[i] = sample_profile(hu, surface.positions_mm[i], surface.normals[i], step_mm);
+  });
+  const EdgeModel model = estimate_edge_model(profiles, hu.geometry, reach_mm);
   std::vector<double> offset_mm(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    offset_mm[i] = edges.offset_mm(surface.positions_mm[i], surface.normals[i]);
+    const std::optional<EdgeFit> fit = fit_edge(profiles[i], model, hu.geometry, reach_mm);
+    offset_mm[i] = fit ? fit->offset_mm : kNone;
   });
   const PointGrid grid(surface.positions_mm, radius_mm);
   std::vector<Vec3> moved_mm(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    double sum_mm = 0.0;
-    int found = 0;
+    std::vector<double> asked_mm;
     grid.for_each_within(surface.positions_mm[i], radius_mm, [&](std::size_t near) {
-      // Points of another side of a thin part face elsewhere.
-      if (std::isnan(offset_mm[near]) || surface.normals[near].dot(surface.normals[i]) < 0.5) return;
-      sum_mm += offset_mm[near];
-      ++found;
+      if (std::isnan(offset_mm[near]) || surface.normals[near].dot(surface.normals[i]) < kSameSide) return;
+      asked_mm.push_back(offset_mm[near]);
     });
-    moved_mm[i] = surface.positions_mm[i] + (found > 0 ? sum_mm / found : 0.0) * surface.normals[i];
+    moved_mm[i] = surface.positions_mm[i];
+    if (asked_mm.empty()) return;
+    const auto middle = asked_mm.begin() + static_cast<std::ptrdiff_t>(asked_mm.size() / 2);
+    std::nth_element(asked_mm.begin(), middle, asked_mm.end());
+    moved_mm[i] += *middle * surface.normals[i];
   });
+  surface.normals = local_normals(moved_mm, surface.normals, radius_mm);
   surface.positions_mm = std::move(moved_mm);
 }
 
@@ -104,8 +79,8 @@ SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const Su
   if (box.empty()) fail("surface: the mask holds no voxel");
   const double largest_step_mm = ct.geometry.spacing_mm.maxCoeff();
   const double smooth_mm = options.smooth_mm > 0.0 ? options.smooth_mm : std::max(0.5, 0.7 * largest_step_mm);
-  const double reach_mm = largest_step_mm;
-  const VoxelBox work_box = grow_box(box, 3.0 * smooth_mm + 3.0 * largest_step_mm, ct.geometry);
+  const double reach_mm = std::max(2.0, 1.5 * largest_step_mm);
+  const VoxelBox work_box = grow_box(box, 3.0 * smooth_mm + 2.0 * reach_mm, ct.geometry);
 
   progress.report("surface points", 0.0);
   const FloatGrid smooth = gaussian_blur(crop_mask(mask, work_box), smooth_mm);
@@ -145,7 +120,7 @@ SurfacePoints extract_surface(const CtVolume& ct, const BoneMask& mask, const Su
     all.normals.insert(all.normals.end(), points.normals.begin(), points.normals.end());
   }
   if (all.positions_mm.empty()) fail("surface: the smoothed mask has no surface; is the bone thinner than a voxel?");
-  if (options.refine_by_hu) move_to_edges(all, EdgeFinder(hu, reach_mm), std::max(1.0, 2.0 * largest_step_mm));
+  if (options.refine_by_hu) move_to_edges(all, hu, reach_mm, std::max(1.0, 2.0 * largest_step_mm));
   return all;
 }
 
