@@ -94,9 +94,9 @@ class SliceMaker {
                       height = static_cast<std::size_t>(ideal_.height());
     const std::size_t columns = static_cast<std::size_t>(options_.columns);
     std::vector<float> sum(width * height, 0.0F);
-    for (int n = -plane_reach(); n <= plane_reach(); ++n) {
-      const float weight = profile_[static_cast<std::size_t>(n + plane_reach())];
-      const std::span<const float> plane = ideal_.plane(slice * options_.samples_per_step + n);
+    int index = slice * options_.samples_per_step - plane_reach();
+    for (const float weight : profile_) {
+      const std::span<const float> plane = ideal_.plane(index++);
       for (std::size_t at = 0; at < sum.size(); ++at) sum[at] += weight * plane[at];
     }
     std::vector<float> narrow(columns * height, 0.0F);

@@ -12,15 +12,16 @@ namespace {
 
 std::vector<float> gaussian_kernel(double sigma_voxels) {
   const int reach = std::max(1, static_cast<int>(std::ceil(3.0 * sigma_voxels)));
-  std::vector<double> kernel(static_cast<std::size_t>(2 * reach + 1));
+  std::vector<double> kernel;
+  kernel.reserve(2 * static_cast<std::size_t>(reach) + 1);
   double sum = 0.0;
   for (int i = -reach; i <= reach; ++i) {
     const double deviations = i / sigma_voxels;
-    const double value = std::exp(-0.5 * deviations * deviations);
-    kernel[static_cast<std::size_t>(i + reach)] = value;
-    sum += value;
+    kernel.push_back(std::exp(-0.5 * deviations * deviations));
+    sum += kernel.back();
   }
   std::vector<float> normalised;
+  normalised.reserve(kernel.size());
   for (const double value : kernel) normalised.push_back(static_cast<float>(value / sum));
   return normalised;
 }
