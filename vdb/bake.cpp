@@ -36,7 +36,7 @@ openvdb::math::Transform::Ptr transform_of(const GridGeometry& geometry) {
 openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const GridGeometry& geometry, double margin_mm,
                                 const HuOfVoxel& hu) {
   constexpr float kAirHu = -1024.0F;
-  const auto grid = openvdb::FloatGrid::create(kAirHu);
+  auto grid = openvdb::FloatGrid::create(kAirHu);
   grid->setTransform(transform_of(geometry));
   grid->setName("hu");
 

@@ -35,7 +35,7 @@ void blur_axis(FloatGrid& grid, int axis, const std::vector<float>& kernel) {
   const int outer_axis = axis == 2 ? 1 : 2;
   const int inner_axis = axis == 0 ? 1 : 0;
   tbb::parallel_for(0, size[static_cast<std::size_t>(outer_axis)], [&](int outer) {
-    std::vector<float> line(static_cast<std::size_t>(length + 2 * reach));
+    std::vector<float> line(static_cast<std::size_t>(length) + 2 * static_cast<std::size_t>(reach));
     for (int inner = 0; inner < size[static_cast<std::size_t>(inner_axis)]; ++inner) {
       std::array<int, 3> first{0, 0, 0};
       first[static_cast<std::size_t>(outer_axis)] = outer;
