@@ -69,7 +69,7 @@ MeshQuality measure_mesh(const TriangleMesh& mesh) {
   quality.pieces = count_pieces(linked.mesh);
   for (const auto edge : linked.mesh.edges()) quality.boundary_edges += edge.is_boundary() ? 1U : 0U;
   const auto isolated = std::count_if(linked.mesh.vertices_begin(), linked.mesh.vertices_end(),
-                                      [&](const auto& handle) { return linked.mesh.is_isolated(handle); });
+                                      [&](OpenMesh::VertexHandle handle) { return linked.mesh.is_isolated(handle); });
   quality.euler_number = static_cast<long>(linked.mesh.n_vertices()) - static_cast<long>(isolated) -
                          static_cast<long>(linked.mesh.n_edges()) + static_cast<long>(linked.mesh.n_faces());
   return quality;

@@ -113,7 +113,7 @@ class Tracer {
   Colour surface_colour(const Vec3& p_mm) {
     constexpr double kMarrowHu = -50.0;
     constexpr double kCortexHu = 800.0;
-    const Colour bone(0.94, 0.89, 0.79);
+    Colour bone(0.94, 0.89, 0.79);
     if (-static_cast<double>(uncut_.wsSample(detail::to_vdb(p_mm))) < new_depth_mm_) return bone;
     const Colour marrow(0.62, 0.20, 0.16);
     const Colour cortex(1.0, 0.97, 0.90);
@@ -155,8 +155,9 @@ Image render_bone(const BoneModel& bone, const RenderOptions& options, const Pro
     for (int x = 0; x < options.width; ++x) {
       Colour sum = Colour::Zero();
       for (int sample = 0; sample < kSamples * kSamples; ++sample) {
+        const int row = sample / kSamples;
         const double dx = (0.5 + sample % kSamples) / kSamples;
-        const double dy = (0.5 + static_cast<double>(sample / kSamples)) / kSamples;
+        const double dy = (0.5 + row) / kSamples;
         sum += tracer.trace(camera.start_mm(x + dx, y + dy, options));
       }
       for (int channel = 0; channel < 3; ++channel) {

@@ -121,7 +121,6 @@ constexpr double kLowestHu = -1100.0;
 /// Marrow, cortex of known density, tissue outside: offset, thickness, inside, outside.
 class CortexEdge {
  public:
-  static constexpr int kSize = 4;
   using Vector = Eigen::Vector4d;
   using Matrix = Eigen::Matrix4d;
 
@@ -158,7 +157,6 @@ class CortexEdge {
 /// Bone as dense inside as at its edge: offset, inside, outside.
 class PlainEdge {
  public:
-  static constexpr int kSize = 3;
   using Vector = Eigen::Vector3d;
   using Matrix = Eigen::Matrix3d;
 

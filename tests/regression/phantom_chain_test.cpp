@@ -11,8 +11,8 @@
 #include "apps/common/surface_error.h"
 #include "core/ct/dicom_read.h"
 #include "core/phantom/vertebra_truth.h"
-#include "mesh/mesh_io.h"
 #include "mesh/mesh_quality.h"
+#include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/surface_distance.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
@@ -73,12 +73,7 @@ TEST(PhantomChain, GivesBackTheVertebra) {
 
 TEST(PhantomChain, GivesBackTheMeshOfARealVertebra) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_mesh")
-  std::filesystem::path file;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".stl") file = entry.path();
-  }
-  ASSERT_FALSE(file.empty()) << "no .stl in " << folder;
-  const TriangleMesh mesh = read_mesh(file);
+  const TriangleMesh mesh = test::read_only_stl(folder);
   const std::unique_ptr<Solid> solid = make_mesh_solid(mesh);
   expect_chain_gives_back(*solid, std::nullopt, std::abs(measure_mesh(mesh).volume_mm3));
 }
