@@ -67,7 +67,8 @@ CtVolume ordered_as_lps(const CtVolume& ct) {
   for (std::ptrdiff_t k = 0; k < geometry.size[2]; ++k) {
     for (std::ptrdiff_t j = 0; j < geometry.size[1]; ++j) {
       const std::ptrdiff_t row = start + k * step[2] + j * step[1];
-      for (std::ptrdiff_t i = 0; i < geometry.size[0]; ++i) hu[out++] = ct.hu[static_cast<std::size_t>(row + i * step[0])];
+      for (std::ptrdiff_t i = 0; i < geometry.size[0]; ++i)
+        hu[out++] = ct.hu[static_cast<std::size_t>(row + i * step[0])];
     }
   }
   return make_ct_volume(geometry, std::move(hu));

@@ -34,8 +34,8 @@ struct DicomBytes::Inflater {
   /// Makes `inflated` hold at least `count` bytes where the stream does; gives how many it holds.
   std::size_t fill(std::ifstream& stream, std::size_t count) {
     if (end - begin >= count) return end - begin;
-    std::copy(inflated.begin() + static_cast<std::ptrdiff_t>(begin), inflated.begin() + static_cast<std::ptrdiff_t>(end),
-              inflated.begin());
+    std::copy(inflated.begin() + static_cast<std::ptrdiff_t>(begin),
+              inflated.begin() + static_cast<std::ptrdiff_t>(end), inflated.begin());
     end -= begin;
     begin = 0;
     while (end < count && is_ready && !is_done) {

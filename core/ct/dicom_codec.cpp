@@ -4,7 +4,6 @@
 #include <gdcmSequenceOfFragments.h>
 
 #include <array>
-#include <cstring>
 #include <exception>
 #include <optional>
 #include <span>
@@ -15,6 +14,8 @@
 #include "core/ct/dicom_codestream.h"
 #include "core/ct/dicom_library.h"
 #include "core/ct/dicom_rle.h"
+#include "core/ct/jpeg_stream.h"
+#include "core/ct/quiet_stderr.h"
 
 namespace spinaltap {
 namespace {
@@ -66,15 +67,18 @@ std::size_t frame_bytes(const DicomHeader& header) {
          static_cast<std::size_t>(header.bits_allocated / 8);
 }
 
-std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<std::vector<char>>& fragments) {
+/// Baseline, extended and lossless, not JPEG-LS or JPEG 2000.
+bool is_jpeg(const std::string& uid) {
+  return uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70";
+}
+
+std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<char>& codestream) {
   silence_gdcm();
   const auto bits = [](int value) { return static_cast<unsigned short>(value); };
   const gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
-  for (const std::vector<char>& bytes : fragments) {
-    gdcm::Fragment fragment;
-    fragment.SetByteValue(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-    sequence->AddFragment(fragment);
-  }
+  gdcm::Fragment fragment;
+  fragment.SetByteValue(codestream.data(), static_cast<std::uint32_t>(codestream.size()));
+  sequence->AddFragment(fragment);
   gdcm::DataElement element(gdcm::Tag(0x7fe0, 0x0010));
   element.SetValue(*sequence);
 
@@ -90,6 +94,7 @@ std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<
 
   std::vector<char> bytes(frame_bytes(header));
   bool decoded = false;
+  const QuietStderr quiet;
   try {
     decoded = image.GetBufferLength() == bytes.size() && image.GetBuffer(bytes.data());
   } catch (const std::exception&) {
@@ -103,9 +108,7 @@ std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<
 
 bool is_known_syntax(const std::string& uid) { return find_syntax(uid) != nullptr; }
 
-bool is_compressed_syntax(const std::string& uid) {
-  return uid.starts_with("1.2.840.10008.1.2.4.") || uid == kRle;
-}
+bool is_compressed_syntax(const std::string& uid) { return uid.starts_with("1.2.840.10008.1.2.4.") || uid == kRle; }
 
 std::string transfer_syntax_name(const std::string& uid) {
   const Syntax* syntax = find_syntax(uid);
@@ -134,17 +137,22 @@ std::vector<std::vector<char>> read_fragments(const DicomHeader& header) {
 std::vector<char> decompress_frame(const DicomHeader& header) {
   const std::vector<std::vector<char>> fragments = read_fragments(header);
   if (fragments.empty()) fail("expected compressed pixels, found none in ", path_of(header));
+  std::vector<char> whole;
+  for (const std::vector<char>& part : fragments) whole.insert(whole.end(), part.begin(), part.end());
   if (header.transfer_syntax == kRle) {
-    std::vector<char> rle;
-    for (const std::vector<char>& part : fragments) rle.insert(rle.end(), part.begin(), part.end());
     std::vector<char> bytes(frame_bytes(header));
-    if (!decode_dicom_rle(rle, header.bits_allocated / 8, bytes)) {
+    if (!decode_dicom_rle(whole, header.bits_allocated / 8, bytes)) {
       fail("cannot decode the RLE pixels of ", path_of(header));
     }
     return bytes;
   }
-  check_codestream(header, fragments.front());
-  return decode_with_gdcm(header, fragments);
+  check_codestream(header, whole);
+  if (is_jpeg(header.transfer_syntax)) {
+    const std::optional<std::vector<char>> plain = plain_jpeg_stream(whole);
+    if (!plain) fail("cannot decode the JPEG pixels, which are broken or of another process, of ", path_of(header));
+    whole = *plain;
+  }
+  return decode_with_gdcm(header, whole);
 }
 
 }  // namespace spinaltap

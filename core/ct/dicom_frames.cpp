@@ -69,8 +69,8 @@ std::vector<std::vector<ByteRange>> share_out(const DicomFragments& pixels, std:
   }
   const bool is_sorted = std::is_sorted(pixels.frames_at.begin(), pixels.frames_at.end());
   if (pixels.frames_at.size() != frames || !is_sorted || pixels.frames_at.front() != 0) {
-    fail("expected ", frames, " compressed frames, found ", pixels.fragments.size(), " fragments and an offset table of ",
-         pixels.frames_at.size(), " in ", file.file.string());
+    fail("expected ", frames, " compressed frames, found ", pixels.fragments.size(),
+         " fragments and an offset table of ", pixels.frames_at.size(), " in ", file.file.string());
   }
   constexpr std::uint64_t kItemHead = 8;  // tag and length before a fragment
   for (const ByteRange& fragment : pixels.fragments) {
@@ -99,9 +99,8 @@ std::vector<DicomFrame> read_functional_groups(DicomElementWalker& walker, const
     if (item >= kMaxFrames) fail("expected functional groups of at most ", kMaxFrames, " frames, found more");
     if (frames.size() <= item) frames.resize(item + 1);
     if (!is_wanted_group(group.tag)) return walker.skip(group);
-    walker.items(group, [&](std::size_t, const DicomElement& element) {
-      take_from_group(walker, element, frames[item]);
-    });
+    walker.items(group,
+                 [&](std::size_t, const DicomElement& element) { take_from_group(walker, element, frames[item]); });
   });
   return frames;
 }

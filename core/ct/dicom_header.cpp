@@ -104,12 +104,16 @@ bool Reading::take(const DicomElement& element) {
       header.is_signed = number(element) != 0;
       return true;
     case 0x00280120:
-      if (element.length > 0) header.padding = number(element);
-      else walker.skip(element);
+      if (element.length > 0)
+        header.padding = number(element);
+      else
+        walker.skip(element);
       return true;
     case 0x00280121:
-      if (element.length > 0) header.padding_limit = number(element);
-      else walker.skip(element);
+      if (element.length > 0)
+        header.padding_limit = number(element);
+      else
+        walker.skip(element);
       return true;
     case 0x00281052:
       header.rescale_intercept = decimals(element);

@@ -41,8 +41,7 @@ bool fit_into_one_volume(const DicomHeader& a, const DicomHeader& b) {
   const auto key = [](const DicomHeader& h) {
     return std::tie(h.series_uid, h.modality, h.stack_id, h.columns, h.rows);
   };
-  if (key(a) != key(b) ||
-      a.orientation.size() != b.orientation.size()) {
+  if (key(a) != key(b) || a.orientation.size() != b.orientation.size()) {
     return false;
   }
   for (std::size_t n = 0; n < a.orientation.size(); ++n) {

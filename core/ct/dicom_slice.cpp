@@ -97,8 +97,8 @@ class Padding {
  public:
   explicit Padding(const DicomHeader& header) : value_(header) {
     if (!header.padding) return;
-    const std::uint32_t all = header.bits_allocated == 32 ? ~std::uint32_t{0}
-                                                          : (std::uint32_t{1} << header.bits_allocated) - 1;
+    const std::uint32_t all =
+        header.bits_allocated == 32 ? ~std::uint32_t{0} : (std::uint32_t{1} << header.bits_allocated) - 1;
     raw_ = *header.padding & all;
     const std::uint32_t above = *raw_ >> (header.bits_stored - 1);
     fits_ = *raw_ == value_.used(*raw_) || (header.is_signed && above == all >> (header.bits_stored - 1));

@@ -67,8 +67,8 @@ void check_pixel_spacing(const DicomHeader& header, const DicomHeader& first) {
       fail("expected PixelSpacing above 0 mm, found ", spacing_mm, " in ", path_of(header));
     }
     if (!(std::abs(spacing_mm - first.pixel_spacing_mm[n]) <= 1e-4 * first.pixel_spacing_mm[n])) {
-      fail("expected PixelSpacing ", first.pixel_spacing_mm[n], " mm as in ", name_of(first),
-           ", found ", spacing_mm, " mm in ", path_of(header));
+      fail("expected PixelSpacing ", first.pixel_spacing_mm[n], " mm as in ", name_of(first), ", found ", spacing_mm,
+           " mm in ", path_of(header));
     }
   }
 }

@@ -13,7 +13,7 @@ namespace spinaltap {
 
 /// Where a slice of a stack lies against the first one, mm.
 struct SlicePlace {
-  double along_mm = 0.0;                                ///< along the normal
+  double along_mm = 0.0;                                  ///< along the normal
   Eigen::Vector2d sideways_mm = Eigen::Vector2d::Zero();  ///< along columns' and rows' growth
 };
 

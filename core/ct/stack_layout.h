@@ -11,7 +11,7 @@ struct StackLayout {
   Mat3 directions;             ///< as GridGeometry's
   double least_step_mm = 0.0;  ///< along the normal
   double most_step_mm = 0.0;
-  double tilt_rad = 0.0;       ///< between the normal and the line of the slices' first pixels
+  double tilt_rad = 0.0;  ///< between the normal and the line of the slices' first pixels
 };
 
 /// The plane of slices with this normal (unit, patient LPS): "axial", "coronal" or "sagittal" within 3 degrees,

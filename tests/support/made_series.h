@@ -33,9 +33,9 @@ struct SeriesRecipe {
   bool is_signed = true;
   int slope = 1;
   int intercept = 0;
-  bool is_enhanced = false;           ///< one file of many frames, with functional groups
-  bool shares_groups = true;          ///< orientation, spacing and rescaling stand once, not with each frame
-  bool has_padding = false;           ///< the corners of each slice hold PixelPaddingValue
+  bool is_enhanced = false;   ///< one file of many frames, with functional groups
+  bool shares_groups = true;  ///< orientation, spacing and rescaling stand once, not with each frame
+  bool has_padding = false;   ///< the corners of each slice hold PixelPaddingValue
   Mat3 directions = Mat3::Identity();
   int tolerance_hu = 0;
 };

@@ -141,7 +141,8 @@ TEST(ReadDicom, NamesAMissingFolderAFileAndAFolderWithoutDicom) {
   const TemporaryFolder folder;
   EXPECT_THAT(error_of([&] { read_dicom(folder.path() / "gone"); }), HasSubstr("no such folder"));
   write_whole_file(folder.path() / "notes.txt", "not DICOM");
-  EXPECT_THAT(error_of([&] { read_dicom(folder.path() / "notes.txt"); }), HasSubstr("expected DICOM images, found none among 1 file in"));
+  EXPECT_THAT(error_of([&] { read_dicom(folder.path() / "notes.txt"); }),
+              HasSubstr("expected DICOM images, found none among 1 file in"));
   EXPECT_THAT(error_of([&] { read_dicom(folder.path()); }), HasSubstr("found none among 1 file in"));
 }
 
@@ -185,7 +186,8 @@ TEST(ReadDicom, RefusesWhatItCannotTurnIntoHu) {
   };
   EXPECT_THAT(with(0x00281053, "DS", "0"), AllOf(HasSubstr("RescaleSlope"), HasSubstr("slice1")));
   EXPECT_THAT(with(0x00281052, "DS", "abc"), AllOf(HasSubstr("RescaleIntercept"), HasSubstr("slice1")));
-  EXPECT_THAT(with(0x00280008, "IS", "2"), AllOf(HasSubstr("expected 2 frames of 24 bytes, found 24 bytes"), HasSubstr("slice1")));
+  EXPECT_THAT(with(0x00280008, "IS", "2"),
+              AllOf(HasSubstr("expected 2 frames of 24 bytes, found 24 bytes"), HasSubstr("slice1")));
   EXPECT_THAT(with(0x00280004, "CS", "RGB"), AllOf(HasSubstr("grey"), HasSubstr("slice1")));
   EXPECT_THAT(error_of_series([](HandMadeDicom& slice, int) { slice.remove(0x00281052); }),
               HasSubstr("no RescaleIntercept"));

@@ -91,7 +91,9 @@ TEST(StackSlices, InterpolatesUnequalStepsAndGapsOnlyWhereAskedTo) {
   EXPECT_EQ(stack.geometry.spacing_mm.z(), 1.0);  // the usual step
   EXPECT_EQ(stack.places[3].along_mm, 4.5);
   EXPECT_THAT(error_at({0, 1, 2, 4, 5}), HasSubstr("--resample"));
-  EXPECT_THAT(error_of([&] { stack_slices(slices_at({0, 1, 2, 9, 10}), true); }),
+  EXPECT_THAT(error_of([&] {
+                stack_slices(slices_at({0, 1, 2, 9, 10}), true);
+              }),
               AllOf(HasSubstr("found 7 mm between c.dcm and d.dcm"), HasSubstr("more than the 6 mm")));
   EXPECT_THAT(error_of([&] { stack_slices(slices_at({0, 1, 1, 2}), true); }), HasSubstr("two"));
 }

@@ -14,8 +14,8 @@
 namespace spinaltap {
 namespace {
 
-using test::make_series;
 using test::MadeSeries;
+using test::make_series;
 using test::TemporaryFolder;
 
 class MadeSeriesOf : public testing::TestWithParam<test::SeriesRecipe> {};
