@@ -12,7 +12,7 @@ struct ContactSheetOptions {
   int most_slices = 20;   ///< evenly chosen from first to last
   int columns = 5;        ///< of slices
   int tile_pixels = 256;  ///< the longer side of a slice in the picture
-  HuWindow window;        ///< a bone window
+  HuWindow window{};      ///< a bone window
 };
 
 /// The slices of a contact sheet, from first to last: all where there are few, else evenly chosen.

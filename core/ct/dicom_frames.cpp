@@ -50,6 +50,8 @@ void overlay(const DicomFrame& from, DicomFrame& to) {
 }
 
 std::uint64_t frame_bytes(const DicomHeader& file) {
+  constexpr int kMostPixels = 65535;  // along a side: Rows and Columns have 16 bits
+  if (file.columns > kMostPixels || file.rows > kMostPixels || file.samples > 4 || file.bits_allocated > 64) return 0;
   return static_cast<std::uint64_t>(std::max(file.columns, 0)) * static_cast<std::uint64_t>(std::max(file.rows, 0)) *
          static_cast<std::uint64_t>(std::max(file.samples, 0)) *
          static_cast<std::uint64_t>(std::max(file.bits_allocated, 0) / 8);

@@ -100,8 +100,9 @@ std::vector<Placed> place(std::vector<DicomHeader> headers, const Mat3& directio
   return placed;
 }
 
+/// Of two in the middle the lower: gaps lengthen steps.
 double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }

@@ -103,6 +103,7 @@ class Stream {
   void keep_scan() {
     std::size_t end = at_;
     while (end + 1 < bytes_.size() && !(u8(end) == 0xff && u8(end + 1) != 0 && !is_restart(u8(end + 1)))) ++end;
+    if (end + 1 >= bytes_.size()) end = bytes_.size();
     keep(at_, end - at_);
     plain_.push_back(static_cast<char>(0xff));
     plain_.push_back(static_cast<char>(kEnd));

@@ -79,6 +79,16 @@ void check_header(const fs::path& file) {
   const double offset = is_second ? static_cast<double>(number_at<std::int64_t>(bytes, 168, swapped))
                                   : static_cast<double>(number_at<float>(bytes, 108, swapped));
   if (!(offset >= 0.0 && offset <= kMostOffset)) fail_not_nifti(file);
+  const auto real = [&](std::size_t first, std::size_t second) -> double {
+    return is_second ? number_at<double>(bytes, second, swapped)
+                     : static_cast<double>(number_at<float>(bytes, first, swapped));
+  };
+  // The library would take a scale that is no number for none.
+  const double slope = real(112, 176);
+  const double intercept = real(116, 184);
+  if (!std::isfinite(slope) || !std::isfinite(intercept)) {
+    fail("expected scl_slope and scl_inter to be numbers, found ", slope, " and ", intercept, " in ", file.string());
+  }
 }
 
 NiftiImage open_nifti(const fs::path& file) {
@@ -96,7 +106,7 @@ NiftiImage open_nifti(const fs::path& file) {
     fail("expected a NIfTI file (.nii or .nii.gz), found ", file.string());
   }
   check_header(file);
-  NiftiImage image(is_nifti_file(file.c_str()) > 0 ? nifti_image_read(file.c_str(), 0) : nullptr, nifti_image_free);
+  NiftiImage image(nifti_image_read(file.c_str(), 0), nifti_image_free);
   if (!image) fail_not_nifti(file);
   return image;
 }
@@ -197,10 +207,6 @@ NiftiVolume::NiftiVolume(const fs::path& file) : file_(file) {
   values_at_ = image->iname_offset;
   // A slope of 0 means that values are stored as they are.
   if (image->scl_slope == 0.0) return;
-  if (!std::isfinite(image->scl_slope) || !std::isfinite(image->scl_inter)) {
-    fail("expected scl_slope and scl_inter to be numbers, found ", image->scl_slope, " and ", image->scl_inter, " in ",
-         file.string());
-  }
   slope_ = image->scl_slope;
   intercept_ = image->scl_inter;
 }

@@ -3,6 +3,7 @@
 #include <gdcmTransferSyntax.h>
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,8 @@ struct SeriesRecipe {
   bool has_padding = false;   ///< the corners of each slice hold PixelPaddingValue
   Mat3 directions = Mat3::Identity();
   int tolerance_hu = 0;
+
+  friend void PrintTo(const SeriesRecipe& recipe, std::ostream* out) { *out << recipe.name; }
 };
 
 /// Soft tissue with a bright, textured ball: 20 x 16 x 6 voxels of 0.5 x 0.75 x 2 mm, every HU a multiple of `slope`
