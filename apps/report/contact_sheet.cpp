@@ -66,9 +66,9 @@ Image slice_picture(const CtVolume& ct, int k, const Layout& layout, const HuWin
     for (int column = 0; column < layout.width; ++column) {
       int sum = 0;
       for (int n = 0; n < fine * fine; ++n) {
-        const auto y = static_cast<std::size_t>(row * fine + n / fine);
-        const auto x = static_cast<std::size_t>(column * fine + n % fine);
-        sum += picture.rgb[3 * (y * wide + x)];
+        const int y = row * fine + n / fine;
+        const int x = column * fine + n % fine;
+        sum += picture.rgb[3 * (static_cast<std::size_t>(y) * wide + static_cast<std::size_t>(x))];
       }
       fill_rectangle(mean, column, row, 1, 1, [&] {
         const auto grey = static_cast<std::uint8_t>((sum + fine * fine / 2) / (fine * fine));
@@ -129,6 +129,7 @@ void draw_bar(Image& sheet, const Layout& layout, int x, int y) {
 std::vector<int> contact_sheet_slices(int slices, int most) {
   std::vector<int> chosen;
   const int count = std::min(slices, most);
+  chosen.reserve(static_cast<std::size_t>(count));
   for (int n = 0; n < count; ++n) {
     chosen.push_back(count > 1 ? static_cast<int>(std::lround(static_cast<double>(n) * (slices - 1) / (count - 1)))
                                : (slices - 1) / 2);
