@@ -89,11 +89,13 @@ VoxelBlock block_around(const BoneMask& mask, double margin_mm) {
 }
 
 CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
-  return make_ct_volume(block_geometry(ct.geometry, block), copy_block(ct.geometry, ct.hu, block));
+  const GridGeometry geometry = block_geometry(ct.geometry, block);  // checks the block, so it comes first
+  return make_ct_volume(geometry, copy_block(ct.geometry, ct.hu, block));
 }
 
 BoneMask crop(const BoneMask& mask, const VoxelBlock& block) {
-  return {block_geometry(mask.geometry, block), copy_block(mask.geometry, mask.inside, block)};
+  const GridGeometry geometry = block_geometry(mask.geometry, block);
+  return {geometry, copy_block(mask.geometry, mask.inside, block)};
 }
 
 }  // namespace spinaltap

@@ -136,7 +136,7 @@ bool Reading::take(const DicomElement& element) {
   }
 }
 
-std::string with_frame(std::string name, const DicomHeader& header) {
+std::string with_frame(const std::string& name, const DicomHeader& header) {
   return header.frames > 1 ? name + ", frame " + std::to_string(header.frame + 1) : name;
 }
 

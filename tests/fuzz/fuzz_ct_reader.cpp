@@ -149,7 +149,7 @@ int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus
     if (start.is_gzipped && &file == &start.files.back()) bytes = test::gzipped(bytes);
     write(start.folder / file.name, bytes);
     write(last, bytes);  // stays behind when the program is stopped
-    ::alarm(60);                    // stops a hang
+    ::alarm(60);         // stops a hang
     if (!read_once(start, counts)) {
       std::printf("found by seed %llu in a file made from: %s\nit is here: %s\n", static_cast<unsigned long long>(seed),
                   start.name.c_str(), last.c_str());
