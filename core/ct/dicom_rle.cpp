@@ -19,7 +19,8 @@ bool unpack(std::span<const char> segment, std::span<char> values, std::size_t s
   std::size_t in = 0;
   for (std::size_t out = 0; out < values.size();) {
     if (in + 1 >= segment.size()) return false;
-    const int code = static_cast<signed char>(segment[in++]);
+    const int byte = static_cast<unsigned char>(segment[in++]);
+    const int code = byte < 128 ? byte : byte - 256;
     if (code == -128) continue;
     const auto count = static_cast<std::size_t>(code >= 0 ? code + 1 : 1 - code);
     const bool is_run = code < 0;

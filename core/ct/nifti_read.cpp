@@ -72,6 +72,7 @@ CtVolume read_nifti_ct(const std::filesystem::path& file, const Progress& progre
   });
   if (!placement.leans) return ordered_as_lps(make_ct_volume(placement.grid, std::move(hu)));
   std::vector<SlicePlace> places;
+  places.reserve(static_cast<std::size_t>(placement.grid.size[2]));
   for (int k = 0; k < placement.grid.size[2]; ++k) {
     places.push_back({k * placement.step.z(), k * placement.step.head<2>()});
   }
