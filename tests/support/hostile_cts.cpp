@@ -135,9 +135,9 @@ std::vector<HostileCt> hostile_cts() {
        [](const fs::path& folder) {
          const std::string whole = HandMadeDicom().set_transfer_syntax("1.2.840.10008.1.2.1.99").bytes();
          const std::size_t data_set = whole.find(std::string("\x08\x00\x16\x00UI", 6));
-         const std::string zeros = std::string("\x09\x00\x10\x10OB\0\0", 8) + little_endian(100u << 20);
+         const std::string zeros = std::string("\x09\x00\x10\x10OB\0\0", 8) + little_endian(40u << 20);
          write_whole_file(folder / "bomb", whole.substr(0, data_set) + raw_deflated(whole.substr(data_set, 34) + zeros +
-                                                                                    std::string(100u << 20, '\0')));
+                                                                                    std::string(40u << 20, '\0')));
          return folder;
        },
        "cut short"},

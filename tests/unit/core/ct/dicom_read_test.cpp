@@ -82,7 +82,19 @@ TEST(ReadDicom, RoundsAndClampsToSixteenBits) {
   EXPECT_EQ(ct.at(0, 1, 0), 32767);
 }
 
-TEST(ReadDicom, KeepsPaddingBelowAir) {
+TEST(ReadDicom, MakesAirOfPaddingAndItsRange) {
+  const TemporaryFolder folder;
+  write_series(folder.path(), [](HandMadeDicom& slice, int) {
+    slice.set_short(0x00280120, 105).set_short(0x00280121, 102).set(0x00281052, "DS", "0");
+  });
+  const CtVolume ct = read_dicom(folder.path());
+  EXPECT_EQ(ct.at(1, 0, 0), 101);
+  EXPECT_EQ(ct.at(2, 0, 0), -1024);
+  EXPECT_EQ(ct.at(1, 1, 0), -1024);
+  EXPECT_EQ(ct.at(2, 1, 0), 106);
+}
+
+TEST(ReadDicom, KeepsValuesBelowAirThatAreNotCalledPadding) {
   const TemporaryFolder folder;
   write_series(folder.path(), [](HandMadeDicom& slice, int) {
     slice.set_short(0x00280103, 1).set_pixels(std::vector<std::uint16_t>(12, static_cast<std::uint16_t>(-2000)));
