@@ -14,7 +14,9 @@ void add_bake(CLI::App& program, Command& command) {
   const auto options = std::make_shared<Options>();
   CLI::App* app = add_command(program, command, "bake", "Make bone.vdb (distance and CT numbers) from a CT",
                               "Example: spinaltap bake ct/ --labels vertebrae.nii.gz --label 22 -o bone.vdb");
-  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series")->required()->type_name("FOLDER");
+  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
+      ->required()
+      ->type_name("PATH");
   app->add_option("-o,--output", options->output, "The .vdb file to write")->capture_default_str()->type_name("FILE");
   options->ct.add_reading(*app);
   options->ct.add_baking(*app);

@@ -2,13 +2,22 @@
 
 #include "apps/spinaltap/command.h"
 #include "core/base/error.h"
-#include "core/ct/dicom_read.h"
+#include "core/ct/crop.h"
+#include "core/ct/label_map.h"
 
 namespace spinaltap {
 
 void CtOptions::add_reading(CLI::App& app) {
-  app.add_option("--series", series, "SeriesInstanceUID or number of the series, where the folder holds several")
+  app.add_option("--series", reading.series,
+                 "SeriesInstanceUID or number of the series, where the folder holds several")
       ->type_name("UID");
+  app.add_flag(
+      "--resample", reading.resample,
+      "Interpolate unequal slice steps, gaps of up to 6 mm and uneven sideways shifts instead of refusing them");
+  app.add_option("--crop", crop_mm, "Take only this box, patient LPS, mm")
+      ->delimiter(',')
+      ->expected(6)
+      ->type_name("X0,Y0,Z0,X1,Y1,Z1");
 }
 
 void CtOptions::add_baking(CLI::App& app) {
@@ -16,6 +25,10 @@ void CtOptions::add_baking(CLI::App& app) {
       app.add_option("--labels", labels, "NIfTI label map that marks the bone; without it a threshold finds it")
           ->type_name("FILE");
   app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
+  app.add_option("--crop-margin", crop_margin_mm, "Take only the label's box and this much around it, mm")
+      ->needs(labels_option)
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MM");
   app.add_option("--threshold", bake.threshold.threshold_hu,
                  "Bone is at least this dense, HU; default: 150, less in a "
                  "noisy CT")
@@ -36,7 +49,17 @@ void CtOptions::add_baking(CLI::App& app) {
       ->type_name("MM");
 }
 
-CtVolume CtOptions::read(const Progress& progress) const { return read_dicom(folder, {.series = series}, progress); }
+CtVolume CtOptions::read(const Progress& progress) const {
+  CtVolume ct = read_ct(folder, reading, progress);
+  if (crop_mm.size() == 6) {
+    const auto corner = [&](std::size_t n) { return Vec3(crop_mm[n], crop_mm[n + 1], crop_mm[n + 2]); };
+    ct = crop(ct, block_in_box(ct.geometry, Box3(corner(0), corner(3))));
+  }
+  if (crop_margin_mm >= 0.0) {
+    ct = crop(ct, block_around(read_label_map(labels, label, ct.geometry), crop_margin_mm));
+  }
+  return ct;
+}
 
 BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
   BakeCtOptions options = bake;

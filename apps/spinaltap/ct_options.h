@@ -5,23 +5,28 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "apps/common/bake_ct.h"
 #include "apps/common/json_file.h"
+#include "core/ct/read_ct.h"
 
 namespace spinaltap {
 
 /// The options of commands that read a CT and make a bone of it.
 struct CtOptions {
-  std::filesystem::path folder;
-  std::string series;
+  std::filesystem::path folder;  ///< or a file
+  CtReadOptions reading;
+  std::vector<double> crop_mm;   ///< empty, or two corners, patient LPS
+  double crop_margin_mm = -1.0;  ///< around the label; below 0: no crop
   std::filesystem::path labels;
   int label = 1;
   BakeCtOptions bake;
 
-  /// Adds the options for reading: --series.
+  /// Adds the options for reading: --series, --resample, --crop.
   void add_reading(CLI::App& app);
-  /// Adds the options for making a bone: --labels, --label, --threshold, --voxel, --centres, --smoothing.
+  /// Adds the options for making a bone: --labels, --label, --crop-margin, --threshold, --voxel, --centres,
+  /// --smoothing.
   void add_baking(CLI::App& app);
 
   CtVolume read(const Progress& progress) const;

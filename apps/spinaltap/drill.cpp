@@ -26,7 +26,7 @@ void add_drill(CLI::App& program, Command& command) {
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
-  app->add_option("--ct", options->ct.folder, "Folder with the CT, for the report's slices")->type_name("FOLDER");
+  app->add_option("--ct", options->ct.folder, "The CT, for the report's slices")->type_name("PATH");
   options->ct.add_reading(*app);
   options->drill.add_to(*app);
 

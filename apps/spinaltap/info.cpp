@@ -1,10 +1,15 @@
 #include <algorithm>
 #include <memory>
+#include <numbers>
 #include <sstream>
 
+#include "apps/report/contact_sheet.h"
+#include "apps/report/png.h"
+#include "apps/report/slice_frame.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
 #include "core/segment/threshold_mask.h"
 
@@ -36,13 +41,15 @@ Json info_of_bone(const std::filesystem::path& file) {
           {"facts", facts}};
 }
 
-Json info_of_series(const CtVolume& ct) {
+Json info_of_ct(const CtVolume& ct) {
   const GridGeometry& geometry = ct.geometry;
   const auto [lowest, highest] = std::minmax_element(ct.hu.begin(), ct.hu.end());
   std::ostringstream size;
   size << geometry.size[0] << " x " << geometry.size[1] << " x " << geometry.size[2];
   const Vec3 far_corner(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1);
+  const std::string plane = plane_name(geometry.directions.col(2));
   print_figure("voxels", size.str());
+  print_figure("slices", plane);
   print_figure("voxel step", triple(geometry.spacing_mm, "mm"));
   print_figure("first voxel", triple(geometry.origin_mm, "mm"));
   print_figure("last voxel", triple(geometry.to_patient(far_corner), "mm"));
@@ -55,6 +62,7 @@ Json info_of_series(const CtVolume& ct) {
   print_figure("noise in soft tissue, about", noise_hu, "HU", 0);
   print_figure("hash", ct.source_hash);
   return {{"size", geometry.size},
+          {"plane", plane},
           {"spacing_mm", to_json(geometry.spacing_mm)},
           {"origin_mm", to_json(geometry.origin_mm)},
           {"direction_i", to_json(geometry.directions.col(0))},
@@ -66,33 +74,86 @@ Json info_of_series(const CtVolume& ct) {
           {"hash", ct.source_hash}};
 }
 
+/// One series of a folder, from its headers alone.
+Json info_of_series(const SeriesInfo& series) {
+  const std::string name = "series " + std::to_string(series.number);
+  std::ostringstream text;
+  text << series.modality << ", " << series.slices << " slices of " << series.columns << " x " << series.rows << " in "
+       << series.files.size() << (series.files.size() == 1 ? " file" : " files") << ", UID "
+       << (series.uid.empty() ? "none" : series.uid);
+  print_figure(name, text.str());
+  print_figure("  stored as", series.transfer_syntax);
+  Json json{{"number", series.number},     {"uid", series.uid},
+            {"modality", series.modality}, {"files", series.files.size()},
+            {"slices", series.slices},     {"columns", series.columns},
+            {"rows", series.rows},         {"transfer_syntax", series.transfer_syntax}};
+  if (!series.layout) {
+    print_figure("  slices", "without a place in space, or only one");
+    return json;
+  }
+  const StackLayout& layout = *series.layout;
+  const std::string plane = plane_name(layout.directions.col(2));
+  const double tilt_deg = layout.tilt_rad * 180.0 / std::numbers::pi;
+  std::ostringstream step;
+  step << layout.least_step_mm << " mm";
+  if (layout.most_step_mm > layout.least_step_mm) step << " to " << layout.most_step_mm << " mm";
+  print_figure("  slices", plane + ", columns grow to " + orientation_letters(layout.directions.col(0)) + ", rows to " +
+                               orientation_letters(layout.directions.col(1)));
+  print_figure("  slice step", step.str());
+  print_figure("  gantry tilt", tilt_deg, "degrees", 1);
+  json["plane"] = plane;
+  json["least_step_mm"] = layout.least_step_mm;
+  json["most_step_mm"] = layout.most_step_mm;
+  json["tilt_deg"] = tilt_deg;
+  return json;
+}
+
+void write_contact_sheet(const CtVolume& ct, const std::filesystem::path& file) {
+  StagedOutput output;
+  output.write(file, encode_png(contact_sheet(ct)));
+  output.commit();
+  print_figure("written", file.string());
+}
+
 }  // namespace
 
 void add_info(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<CtOptions>();
-  CLI::App* app = add_command(program, command, "info", "Show what a CT folder or a bone.vdb holds",
-                              "Example: spinaltap info ct/ --json ct.json");
-  app->add_option("path", options->folder, "Folder with DICOM files, or a bone.vdb")->required()->type_name("PATH");
-  options->add_reading(*app);
+  struct Options {
+    CtOptions ct;
+    std::filesystem::path contact_sheet;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(program, command, "info", "Show what a CT or a bone.vdb holds",
+                              "Example: spinaltap info ct/ --contact-sheet ct.png --json ct.json");
+  app->add_option("path", options->ct.folder, "Folder with DICOM files, a NIfTI file, or a bone.vdb")
+      ->required()
+      ->type_name("PATH");
+  app->add_option("--contact-sheet", options->contact_sheet,
+                  "Write up to 20 slices of the CT, evenly chosen, as one PNG picture at a bone window")
+      ->type_name("FILE");
+  options->ct.add_reading(*app);
 
   command.run = [options](const Progress& progress) -> Json {
-    if (options->folder.extension() == ".vdb") return info_of_bone(options->folder);
-    const std::vector<SeriesInfo> series = list_dicom_series(options->folder, progress);
-    Json list = Json::array();
-    for (const SeriesInfo& one : series) {
-      std::ostringstream text;
-      text << one.modality << ", " << one.files.size() << " files of " << one.columns << " x " << one.rows << ", UID "
-           << (one.uid.empty() ? "none" : one.uid);
-      print_figure("series " + std::to_string(one.number), text.str());
-      list.push_back({{"number", one.number},
-                      {"uid", one.uid},
-                      {"modality", one.modality},
-                      {"files", one.files.size()},
-                      {"columns", one.columns},
-                      {"rows", one.rows}});
+    const std::filesystem::path& path = options->ct.folder;
+    if (path.extension() == ".vdb") {
+      if (!options->contact_sheet.empty()) fail("expected a CT for a contact sheet, found ", path.string());
+      return info_of_bone(path);
     }
-    Json figures{{"series", list}};
-    if (series.size() == 1 || !options->series.empty()) figures["ct"] = info_of_series(options->read(progress));
+    Json figures = Json::object();
+    // Of several series, only the chosen one is read. A contact sheet needs one: reading then says which there are.
+    bool is_one = true;
+    std::error_code error;
+    if (!is_nifti_name(path) || std::filesystem::is_directory(path, error)) {
+      const std::vector<SeriesInfo> series = list_dicom_series(path, progress);
+      Json list = Json::array();
+      for (const SeriesInfo& one : series) list.push_back(info_of_series(one));
+      figures["series"] = list;
+      is_one = series.size() == 1 || !options->ct.reading.series.empty() || !options->contact_sheet.empty();
+    }
+    if (!is_one) return figures;
+    const CtVolume ct = options->ct.read(progress);
+    figures["ct"] = info_of_ct(ct);
+    if (!options->contact_sheet.empty()) write_contact_sheet(ct, options->contact_sheet);
     return figures;
   };
 }

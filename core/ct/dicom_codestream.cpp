@@ -23,6 +23,13 @@ std::optional<CodestreamSize> jpeg2000_size(const BigEndian& bytes, std::size_t 
   const auto number = [&](std::size_t at) { return bytes.u32(siz + at); };
   const bool is_subsampled = bytes.u8(siz + 41) != 1 || bytes.u8(siz + 42) != 1;
   if (is_subsampled) return std::nullopt;
+  // Decoders take memory for each tile that a header claims, before they look for it.
+  constexpr long long kMostTiles = 4096;
+  const long long tile_columns = number(22);
+  const long long tile_rows = number(26);
+  if (tile_columns < 1 || tile_rows < 1) return std::nullopt;
+  const long long tiles = (number(6) / tile_columns + 1) * (number(10) / tile_rows + 1);
+  if (tiles > kMostTiles) return std::nullopt;
   return CodestreamSize{number(6) - number(14), number(10) - number(18), bytes.u16(siz + 38),
                         (bytes.u8(siz + 40) & 0x7f) + 1};
 }

@@ -1,7 +1,9 @@
 #include "core/ct/dicom_elements.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <limits>
 #include <string_view>
 
 #include "core/base/error.h"
@@ -29,46 +31,36 @@ bool has_long_length(std::string_view vr) {
 
 bool DicomElementWalker::open(const std::filesystem::path& file) {
   file_ = file;
-  std::error_code error;
-  size_ = std::filesystem::file_size(file, error);
-  if (error || size_ < 132) return false;
-  stream_.open(file, std::ios::binary);
   std::array<char, 132> start{};
-  if (!stream_.read(start.data(), start.size())) return false;
-  position_ = start.size();
-  return std::memcmp(start.data() + 128, "DICM", 4) == 0;
+  return bytes_.open(file) && bytes_.read(start.data(), start.size()) &&
+         std::memcmp(start.data() + 128, "DICM", 4) == 0;
 }
+
+void DicomElementWalker::set_transfer_syntax(std::string_view uid) { deflated_ = uid == "1.2.840.10008.1.2.1.99"; }
 
 void DicomElementWalker::fail_short() const {
   fail("expected a whole DICOM file, found one that is cut short or broken: ", file_.string());
 }
 
-void DicomElementWalker::read(void* bytes, std::uint64_t count) {
-  if (count > left()) fail_short();
-  if (!stream_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(count))) fail_short();
-  position_ += count;
+void DicomElementWalker::read(char* bytes, std::uint64_t count) {
+  if (!bytes_.read(bytes, count)) fail_short();
 }
 
-void DicomElementWalker::seek(std::uint64_t position) {
-  if (position > size_) fail_short();
-  constexpr std::uint64_t kShortWay = 1024;
-  if (position >= position_ && position - position_ <= kShortWay) {
-    stream_.ignore(static_cast<std::streamsize>(position - position_));  // keeps what the stream has buffered
-  } else {
-    stream_.seekg(static_cast<std::streamoff>(position));
-  }
-  position_ = position;
+void DicomElementWalker::move_to(std::uint64_t position) {
+  if (position < bytes_.position() || !bytes_.skip(position - bytes_.position())) fail_short();
 }
 
 std::uint16_t DicomElementWalker::read_u16() {
-  std::array<unsigned char, 2> bytes{};
+  std::array<char, 2> bytes{};
   read(bytes.data(), bytes.size());
-  return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
+  const auto at = [&](std::size_t n) { return static_cast<unsigned char>(bytes[n]); };
+  return static_cast<std::uint16_t>(big_endian_ ? at(0) << 8 | at(1) : at(0) | at(1) << 8);
 }
 
 std::uint32_t DicomElementWalker::read_u32() {
-  const std::uint32_t low = read_u16();
-  return low | static_cast<std::uint32_t>(read_u16()) << 16;
+  const std::uint32_t first = read_u16();
+  const std::uint32_t second = read_u16();
+  return big_endian_ ? first << 16 | second : first | second << 16;
 }
 
 std::uint32_t DicomElementWalker::read_tag() {
@@ -94,25 +86,35 @@ DicomElement DicomElementWalker::read_element(bool implicit) {
     } else {
       element.length = read_u16();
     }
+    element.is_bytes = name == "OB";
     element.implicit_inside = name == "UN";  // PS3.5, 6.2.2: unknown sequences are implicit
   }
   element.undefined_length = element.length == kUndefinedLength;
-  element.offset = position_;
-  if (!element.undefined_length && element.length > left()) fail_short();
+  element.offset = bytes_.position();
+  if (!element.undefined_length && !bytes_.may_hold(element.length)) fail_short();
   return element;
 }
 
+/// Behind the file's own group 0002, which is always explicit little endian.
+void DicomElementWalker::begin_data_set() {
+  past_meta_ = true;
+  data_set_offset_ = bytes_.position();
+  if (deflated_) bytes_.inflate_from_here();
+  std::array<char, 6> head{};
+  if (!bytes_.peek(head.data(), head.size())) fail_short();
+  // Files exist that name one syntax and use the other: what they use shows in the first element, whose group is 0008.
+  big_endian_ = head[0] == 0 && head[1] != 0;
+  implicit_ = !(is_upper(head[4]) && is_upper(head[5]));
+}
+
 bool DicomElementWalker::next(DicomElement& element) {
-  if (left() == 0) return false;
   if (!past_meta_) {
-    const std::uint64_t start = position_;
-    std::array<char, 6> head{};
-    read(head.data(), head.size());
-    past_meta_ = head[0] != 2 || head[1] != 0;
-    // Files exist that name one syntax and use the other: what they use shows in the first element.
-    implicit_ = past_meta_ && !(is_upper(head[4]) && is_upper(head[5]));
-    seek(start);
+    if (bytes_.at_end()) return false;
+    std::array<char, 2> group{};
+    if (!bytes_.peek(group.data(), group.size())) fail_short();
+    if (group[0] != 2 || group[1] != 0) begin_data_set();
   }
+  if (bytes_.at_end()) return false;
   element = read_element(implicit_);
   return true;
 }
@@ -121,7 +123,7 @@ void DicomElementWalker::skip(const DicomElement& element) {
   if (element.undefined_length) {
     skip_sequence(element.implicit_inside, 0);
   } else {
-    seek(element.offset + element.length);
+    move_to(element.offset + element.length);
   }
 }
 
@@ -134,7 +136,7 @@ void DicomElementWalker::skip_sequence(bool implicit, int depth) {
     if (item.undefined_length) {
       skip_item(implicit, depth);
     } else {
-      seek(item.offset + item.length);
+      move_to(item.offset + item.length);
     }
   }
 }
@@ -146,7 +148,7 @@ void DicomElementWalker::skip_item(bool implicit, int depth) {
     if (inner.undefined_length) {
       skip_sequence(inner.implicit_inside, depth + 1);
     } else {
-      seek(inner.offset + inner.length);
+      move_to(inner.offset + inner.length);
     }
   }
 }
@@ -162,17 +164,41 @@ std::string DicomElementWalker::value(const DicomElement& element, std::uint32_t
   return bytes;
 }
 
-std::vector<ByteRange> DicomElementWalker::fragments() {
-  std::vector<ByteRange> ranges;
+void DicomElementWalker::items(const DicomElement& element,
+                               const std::function<void(std::size_t item, const DicomElement&)>& visit) {
+  constexpr std::uint64_t kNoEnd = std::numeric_limits<std::uint64_t>::max();
+  const auto end_of = [](const DicomElement& e) { return e.undefined_length ? kNoEnd : e.offset + e.length; };
+  const std::uint64_t end = end_of(element);
+  for (std::size_t item = 0; bytes_.position() < end; ++item) {
+    const DicomElement head = read_element(element.implicit_inside);
+    if (head.tag == kSequenceEnd && element.undefined_length) return;
+    if (head.tag != kItem || (!head.undefined_length && end_of(head) > end)) fail_short();
+    while (bytes_.position() < end_of(head)) {
+      const DicomElement inner = read_element(element.implicit_inside);
+      if (inner.tag == kItemEnd && head.undefined_length) break;
+      if (!inner.undefined_length && end_of(inner) > std::min(end, end_of(head))) fail_short();
+      visit(item, inner);
+    }
+  }
+}
+
+DicomFragments DicomElementWalker::fragments() {
+  DicomFragments pixels;
+  bool is_first = true;  // the offset table
   while (true) {
     const DicomElement item = read_element(false);
     if (item.tag == kSequenceEnd) break;
     if (item.tag != kItem || item.undefined_length) fail_short();
-    ranges.push_back({item.offset, item.length});
-    seek(item.offset + item.length);
+    if (is_first) {
+      for (std::uint32_t n = 0; n < item.length / 4; ++n) pixels.frames_at.push_back(read_u32());
+    } else {
+      pixels.fragments.push_back({item.offset, item.length});
+    }
+    move_to(item.offset + item.length);
+    if (is_first) pixels.start = bytes_.position();
+    is_first = false;
   }
-  if (!ranges.empty()) ranges.erase(ranges.begin());
-  return ranges;
+  return pixels;
 }
 
 }  // namespace spinaltap

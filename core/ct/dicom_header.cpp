@@ -1,101 +1,134 @@
 #include "core/ct/dicom_header.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "core/base/error.h"
-#include "core/ct/dicom_decimal.h"
+#include "core/ct/dicom_frames.h"
+#include "core/ct/dicom_values.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr std::string_view kCtImageStorage = "1.2.840.10008.5.1.4.1.1.2";
+/// CT Image Storage, Enhanced CT, Legacy Converted Enhanced CT.
+bool is_ct_class(const std::string& uid) {
+  const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
+  return uid == ct || uid == ct + ".1" || uid == ct + ".2";
+}
 
-/// The value without its padding. Anything but printable ASCII becomes '?', so that it fits into a message.
-std::string text_of(std::string text) {
-  const std::string padding(" \0", 2);
-  const std::size_t first = text.find_first_not_of(padding);
-  if (first == std::string::npos) return {};
-  text = text.substr(first, text.find_last_not_of(padding) - first + 1);
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
+/// What a file says, while it is read.
+struct Reading {
+  DicomElementWalker walker;
+  DicomHeader header;
+  DicomFrameGroups groups;
+  DicomPixelData pixels;
+
+  bool take(const DicomElement& element);
+  void take_pixels(const DicomElement& element);
+  std::string text(const DicomElement& element) { return dicom_text(walker.value(element)); }
+  std::vector<double> decimals(const DicomElement& element) { return dicom_decimals(walker.value(element)); }
+  std::uint32_t number(const DicomElement& element) {
+    return dicom_unsigned(walker.value(element), walker.is_big_endian());
   }
-  return text;
-}
+  /// As number(), small enough for an int.
+  int small(const DicomElement& element) {
+    return static_cast<int>(std::min<std::uint32_t>(number(element), std::numeric_limits<int>::max()));
+  }
+};
 
-/// An unsigned short; 0 where the value is shorter.
-int short_of(const std::string& value) {
-  if (value.size() < 2) return 0;
-  return static_cast<unsigned char>(value[0]) | static_cast<unsigned char>(value[1]) << 8;
+void Reading::take_pixels(const DicomElement& element) {
+  header.encapsulated = element.undefined_length;
+  header.big_endian = walker.is_big_endian();
+  header.swapped_bytes = header.big_endian && !element.is_bytes;
+  if (walker.is_deflated()) header.deflated_at = walker.data_set_offset();
+  if (header.encapsulated) {
+    pixels.encapsulated = walker.fragments();
+  } else {
+    pixels.plain = {element.offset, element.length};
+  }
 }
-
-std::vector<double> decimals_of(std::string value) { return parse_decimal_string(text_of(std::move(value))); }
 
 /// Takes what the element says; false for the pixels, after which nothing of interest comes.
-bool take(DicomElementWalker& walker, const DicomElement& element, DicomHeader& header) {
-  const auto value = [&] { return walker.value(element); };
+bool Reading::take(const DicomElement& element) {
   switch (element.tag) {
     case 0x00020002:
-      header.sop_class = text_of(value());
+      header.sop_class = text(element);
       return true;
     case 0x00020010:
-      header.transfer_syntax = text_of(value());
+      header.transfer_syntax = text(element);
+      walker.set_transfer_syntax(header.transfer_syntax);
       return true;
     case 0x00080016:
-      if (std::string uid = text_of(value()); !uid.empty()) header.sop_class = std::move(uid);
+      if (std::string uid = text(element); !uid.empty()) header.sop_class = std::move(uid);
       return true;
     case 0x00080060:
-      header.modality = text_of(value());
+      header.modality = text(element);
       return true;
     case 0x0020000e:
-      header.series_uid = text_of(value());
+      header.series_uid = text(element);
       return true;
     case 0x00200032:
-      header.position_mm = decimals_of(value());
+      header.position_mm = decimals(element);
       return true;
     case 0x00200037:
-      header.orientation = decimals_of(value());
+      header.orientation = decimals(element);
       return true;
     case 0x00280002:
-      header.samples = short_of(value());
+      header.samples = small(element);
       return true;
     case 0x00280004:
-      header.photometric = text_of(value());
+      header.photometric = text(element);
       return true;
     case 0x00280008:
-      header.frames = decimals_of(value());
+      groups.frame_count = decimals(element);
       return true;
     case 0x00280010:
-      header.rows = short_of(value());
+      header.rows = small(element);
       return true;
     case 0x00280011:
-      header.columns = short_of(value());
+      header.columns = small(element);
       return true;
     case 0x00280030:
-      header.pixel_spacing_mm = decimals_of(value());
+      header.pixel_spacing_mm = decimals(element);
       return true;
     case 0x00280100:
-      header.bits_allocated = short_of(value());
+      header.bits_allocated = small(element);
       return true;
     case 0x00280101:
-      header.bits_stored = short_of(value());
+      header.bits_stored = small(element);
       return true;
     case 0x00280102:
-      header.high_bit = short_of(value());
+      header.high_bit = small(element);
       return true;
     case 0x00280103:
-      header.is_signed = short_of(value()) != 0;
+      header.is_signed = number(element) != 0;
+      return true;
+    case 0x00280120:
+      if (element.length > 0)
+        header.padding = number(element);
+      else
+        walker.skip(element);
+      return true;
+    case 0x00280121:
+      if (element.length > 0)
+        header.padding_limit = number(element);
+      else
+        walker.skip(element);
       return true;
     case 0x00281052:
-      header.rescale_intercept = decimals_of(value());
+      header.rescale_intercept = decimals(element);
       return true;
     case 0x00281053:
-      header.rescale_slope = decimals_of(value());
+      header.rescale_slope = decimals(element);
+      return true;
+    case 0x52009229:
+      groups.shared = read_functional_groups(walker, element);
+      return true;
+    case 0x52009230:
+      groups.per_frame = read_functional_groups(walker, element);
       return true;
     case 0x7fe00010:
-      header.encapsulated = element.undefined_length;
-      if (header.encapsulated) {
-        header.pixels = walker.fragments();
-      } else {
-        header.pixels = {{element.offset, element.length}};
-      }
+      take_pixels(element);
       return false;
     default:
       walker.skip(element);
@@ -103,30 +136,38 @@ bool take(DicomElementWalker& walker, const DicomElement& element, DicomHeader& 
   }
 }
 
+std::string with_frame(const std::string& name, const DicomHeader& header) {
+  return header.frames > 1 ? name + ", frame " + std::to_string(header.frame + 1) : name;
+}
+
 }  // namespace
 
-std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& file) {
-  DicomElementWalker walker;
-  if (!walker.open(file)) return std::nullopt;
-  DicomHeader header;
+std::string name_of(const DicomHeader& header) { return with_frame(header.file.filename().string(), header); }
+std::string path_of(const DicomHeader& header) { return with_frame(header.file.string(), header); }
+
+std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file) {
+  Reading reading;
+  if (!reading.walker.open(file)) return {};
+  DicomHeader& header = reading.header;
   header.file = file;
   const auto may_be_ct = [&] {
-    return header.sop_class == kCtImageStorage || header.modality == "CT" ||
+    return is_ct_class(header.sop_class) || header.modality == "CT" ||
            (header.sop_class.empty() && header.modality.empty());
   };
   try {
-    for (DicomElement element; walker.next(element) && take(walker, element, header);) {
+    for (DicomElement element; reading.walker.next(element) && reading.take(element);) {
     }
+    const bool is_image = header.rows >= 0 && header.columns >= 0;
+    if (is_image) return split_into_frames(header, reading.groups, reading.pixels);
   } catch (const Error&) {
     if (may_be_ct()) throw;
-    return std::nullopt;
+    return {};
   }
-  if (header.rows >= 0 && header.columns >= 0) return header;
   // Other objects of modality CT have no pixels: structured reports, raw data.
-  if (header.sop_class == kCtImageStorage || (header.sop_class.empty() && may_be_ct())) {
+  if (is_ct_class(header.sop_class) || (header.sop_class.empty() && may_be_ct())) {
     fail("expected Rows and Columns of a CT slice, found none (file cut short?) in ", file.string());
   }
-  return std::nullopt;
+  return {};
 }
 
 }  // namespace spinaltap

@@ -20,7 +20,9 @@ std::string list_for_people(const std::vector<ScannedSeries>& all) {
     text << (info.number == all.front().info.number ? "" : "; ") << info.number << " = "
          << (info.uid.empty() ? "no UID" : info.uid) << " (" << (info.modality.empty() ? "no modality" : info.modality)
          << ", " << info.columns << " x " << info.rows << ", " << info.files.size()
-         << (info.files.size() == 1 ? " file)" : " files)");
+         << (info.files.size() == 1 ? " file" : " files");
+    if (info.files.size() != static_cast<std::size_t>(info.slices)) text << " of " << info.slices << " slices";
+    text << ')';
   }
   return text.str();
 }
@@ -54,20 +56,22 @@ ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::st
 
 }  // namespace
 
-CtVolume read_dicom(const std::filesystem::path& folder, const DicomReadOptions& options, const Progress& progress) {
-  ScannedSeries series = choose_series(scan_dicom_folder(folder, progress), options.series, folder);
+CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options, const Progress& progress) {
+  ScannedSeries series = choose_series(scan_dicom(path, progress), options.series, path);
   if (series.info.modality != "CT") {
     fail("expected a CT, found modality ", series.info.modality.empty() ? "\"\"" : series.info.modality, " in ",
          series.info.files.front().string());
   }
-  const DicomStack stack = stack_slices(std::move(series.headers));
+  const DicomStack stack = stack_slices(std::move(series.headers), options.resample);
+  for (const DicomHeader& slice : stack.slices) check_dicom_slice(slice);  // before memory is taken
 
   std::vector<std::int16_t> hu(stack.geometry.voxel_count());
   const std::size_t slice_size = stack.geometry.offset(0, 0, 1);
   for_each_file(stack.slices.size(), "decoding slices", progress, [&](std::size_t k) {
     decode_dicom_slice(stack.slices[k], std::span(hu).subspan(k * slice_size, slice_size));
   });
-  return make_ct_volume(stack.geometry, std::move(hu));
+  if (!stack.needs_resampling) return make_ct_volume(stack.geometry, std::move(hu));
+  return resample_stack(stack.geometry, stack.places, stack.geometry.spacing_mm.z(), hu, progress);
 }
 
 }  // namespace spinaltap

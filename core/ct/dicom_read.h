@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
+#include "core/ct/stack_layout.h"
 
 namespace spinaltap {
 
@@ -16,26 +18,33 @@ struct SeriesInfo {
   std::string modality;  ///< "CT", "MR", ...
   int columns = 0;
   int rows = 0;
+  int slices = 0;                            ///< files, or the frames in them
+  std::string transfer_syntax;               ///< how the first is stored: "JPEG 2000, lossless", ...
+  std::optional<StackLayout> layout;         ///< where the slices lie, where they say so
   std::vector<std::filesystem::path> files;  ///< in the order of the names
 };
 
-/// The DICOM image series below a folder, ordered by UID (then orientation and size, which split a series whose files
-/// do not fit into one volume). Files without the mark of a DICOM file ("DICM" after 128 bytes), DICOM objects without
-/// pixels and what cannot be opened are passed over; links to folders are not followed.
-/// Throws Error when the folder is missing or holds no DICOM image, and for a file cut short that may be a CT slice.
-std::vector<SeriesInfo> list_dicom_series(const std::filesystem::path& folder, const Progress& progress = {});
+/// The DICOM image series below a folder, or in one file, ordered by UID (then orientation, stack and size, which split
+/// a series whose pictures do not fit into one volume). Files without the mark of a DICOM file ("DICM" after 128
+/// bytes), DICOM objects without pixels and what cannot be opened are passed over; links to folders are not followed.
+/// Throws Error when the path is missing or holds no DICOM image, and for a file cut short that may be a CT.
+std::vector<SeriesInfo> list_dicom_series(const std::filesystem::path& path, const Progress& progress = {});
 
 struct DicomReadOptions {
   /// SeriesInstanceUID or number of the series to read; may be empty where the folder holds just one.
   std::string series;
+  /// Unequal steps, gaps of up to 6 mm and uneven sideways shifts are interpolated instead of refused.
+  bool resample = false;
 };
 
-/// Reads a CT series: slices sorted by position along their normal, rescaled to HU, clamped to 16 bit. The step is the
-/// mean over the positions. The grid is right-handed: k grows along the normal, columns' direction x rows' direction.
-/// Throws Error on a folder without DICOM, a series that is not CT, several series and none chosen (the message lists
-/// them), a missing or doubled slice, slices of unequal size, orientation or step, slices that drift sideways (a
-/// tilted gantry), one slice alone, and files that cannot be decoded.
-CtVolume read_dicom(const std::filesystem::path& folder, const DicomReadOptions& options = {},
+/// Reads a CT series from a folder, or from one multi-frame file: slices sorted by position along their normal,
+/// rescaled to HU, clamped to 16 bit, padding made air. The step is the mean over the positions. The grid is
+/// right-handed: k grows along the normal, columns' direction x rows' direction. Slices of a tilted gantry, which drift
+/// sideways evenly, are resampled onto an orthogonal grid (resample_stack()).
+/// Throws Error on a path without DICOM, a series that is not CT, several series and none chosen (the message lists
+/// them), a doubled slice, slices of unequal size or orientation, without `resample` a missing slice, unequal steps and
+/// uneven drift, one slice alone, and files that cannot be decoded.
+CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options = {},
                     const Progress& progress = {});
 
 }  // namespace spinaltap

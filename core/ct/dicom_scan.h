@@ -7,13 +7,13 @@
 
 namespace spinaltap {
 
-/// A series and the headers of its files, in the same order.
+/// A series and the headers of its files and frames, in the order of the names.
 struct ScannedSeries {
   SeriesInfo info;
   std::vector<DicomHeader> headers;
 };
 
 /// As list_dicom_series(), with what the headers say.
-std::vector<ScannedSeries> scan_dicom_folder(const std::filesystem::path& folder, const Progress& progress);
+std::vector<ScannedSeries> scan_dicom(const std::filesystem::path& path, const Progress& progress);
 
 }  // namespace spinaltap

@@ -1,20 +1,14 @@
 #include "core/ct/dicom_slice.h"
 
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
-
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
-#include <exception>
-#include <fstream>
 #include <limits>
 #include <optional>
-#include <string>
 
 #include "core/base/error.h"
-#include "core/ct/dicom_codestream.h"
-#include "core/ct/dicom_library.h"
+#include "core/ct/dicom_codec.h"
 
 namespace spinaltap {
 namespace {
@@ -24,16 +18,11 @@ struct Rescale {
   double intercept = 0.0;
 };
 
-/// Everything that the decoder takes for granted.
-void check_pixel_format(const DicomHeader& header, const gdcm::TransferSyntax& syntax) {
-  const std::string file = header.file.string();
-  if (syntax == gdcm::TransferSyntax::TS_END || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian ||
-      syntax == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE ||
-      syntax == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian) {
-    fail("expected a little endian DICOM transfer syntax, found \"", header.transfer_syntax, "\" in ", file);
-  }
-  if (!header.frames.empty() && !(header.frames.front() == 1.0)) {
-    fail("expected one slice a file, found ", header.frames.front(), " frames in ", file);
+/// Everything that decoding takes for granted.
+void check_pixel_format(const DicomHeader& header) {
+  const std::string file = path_of(header);
+  if (!is_known_syntax(header.transfer_syntax)) {
+    fail("expected a DICOM transfer syntax for pictures, found \"", header.transfer_syntax, "\" in ", file);
   }
   if (header.samples != 1 || !header.photometric.starts_with("MONOCHROME")) {
     fail("expected a grey picture, found ", header.photometric, " with ", header.samples, " values a pixel in ", file);
@@ -44,8 +33,9 @@ void check_pixel_format(const DicomHeader& header, const gdcm::TransferSyntax& s
     fail("expected values of 8, 16 or 32 bits, the lowest ones used, found ", header.bits_stored, " of ", bits,
          " bits with the highest at ", header.high_bit, " in ", file);
   }
-  if (header.pixels.empty() || header.encapsulated != syntax.IsEncapsulated()) {
-    fail("expected ", syntax.IsEncapsulated() ? "compressed" : "plain", " pixels, found ",
+  const bool is_compressed = is_compressed_syntax(header.transfer_syntax);
+  if (header.pixels.empty() || header.encapsulated != is_compressed) {
+    fail("expected ", is_compressed ? "compressed" : "plain", " pixels, found ",
          header.pixels.empty() ? "none" : "others", " in ", file);
   }
 }
@@ -56,117 +46,121 @@ Rescale rescale_of(const DicomHeader& header) {
   if (!has_slope && !has_intercept && header.is_signed) return {};  // stored as HU
   if (!has_slope || !has_intercept) {
     fail("expected RescaleSlope and RescaleIntercept, without which stored values have no unit, found ",
-         has_slope ? "no RescaleIntercept" : "no RescaleSlope", " in ", header.file.string());
+         has_slope ? "no RescaleIntercept" : "no RescaleSlope", " in ", path_of(header));
   }
   const Rescale rescale{header.rescale_slope.front(), header.rescale_intercept.front()};
   if (!std::isfinite(rescale.slope) || rescale.slope == 0.0 || !std::isfinite(rescale.intercept)) {
     fail("expected a RescaleSlope other than 0 and a RescaleIntercept, found ", rescale.slope, " and ",
-         rescale.intercept, " in ", header.file.string());
+         rescale.intercept, " in ", path_of(header));
   }
   return rescale;
 }
 
-void check_codestream(const DicomHeader& header, std::span<const char> bytes) {
-  const std::optional<CodestreamSize> found = codestream_size(bytes);
-  if (!found) fail("cannot decode the compressed pixels, which have no readable header, of ", header.file.string());
-  const int bits_allocated = found->bits <= 8 ? 8 : found->bits <= 16 ? 16 : 32;
-  if (found->columns != header.columns || found->rows != header.rows || found->components != 1 ||
-      bits_allocated != header.bits_allocated) {
-    fail("expected compressed pixels of ", header.columns, " x ", header.rows, " values of ", header.bits_allocated,
-         " bits, found ", found->columns, " x ", found->rows, " x ", found->components, " of ", found->bits,
-         " bits in ", header.file.string());
-  }
+std::uint64_t frame_bytes(const DicomHeader& header) {
+  return static_cast<std::uint64_t>(header.columns) * static_cast<std::uint64_t>(header.rows) *
+         static_cast<std::uint64_t>(header.bits_allocated / 8);
 }
 
-/// The pixels as they are in the file, for GDCM.
-gdcm::DataElement stored_pixels(const DicomHeader& header, const gdcm::TransferSyntax& syntax) {
-  gdcm::DataElement element(gdcm::Tag(0x7fe0, 0x0010));
-  const gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
-  std::ifstream stream(header.file, std::ios::binary);
-  for (const ByteRange& range : header.pixels) {
-    std::vector<char> bytes(range.length);
-    stream.seekg(static_cast<std::streamoff>(range.offset));
-    if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
-      fail("cannot read the pixels of ", header.file.string());
-    }
-    const auto length = static_cast<std::uint32_t>(bytes.size());
-    const bool has_codestream = header.encapsulated && syntax != gdcm::TransferSyntax::RLELossless;
-    if (has_codestream && &range == header.pixels.data()) check_codestream(header, bytes);
-    if (header.encapsulated) {
-      gdcm::Fragment fragment;
-      fragment.SetByteValue(bytes.data(), length);
-      fragments->AddFragment(fragment);
-    } else {
-      element.SetVR(gdcm::VR::OW);
-      element.SetByteValue(bytes.data(), length);
-    }
+/// Plain pixels, made little endian.
+std::vector<char> plain_frame(const DicomHeader& header) {
+  std::vector<char> bytes = std::move(read_fragments(header).front());
+  const auto word = static_cast<std::size_t>(header.swapped_bytes ? std::max(2, header.bits_allocated / 8)
+                                             : header.big_endian  ? header.bits_allocated / 8
+                                                                  : 1);
+  for (std::size_t n = 0; word > 1 && n + word <= bytes.size(); n += word) {
+    std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(n), bytes.begin() + static_cast<std::ptrdiff_t>(n + word));
   }
-  if (header.encapsulated) element.SetValue(*fragments);
-  return element;
-}
-
-std::vector<char> decode(const DicomHeader& header, const gdcm::TransferSyntax& syntax) {
-  const auto bits = [](int value) { return static_cast<unsigned short>(value); };
-  gdcm::Image image;
-  image.SetNumberOfDimensions(2);
-  image.SetDimension(0, static_cast<unsigned>(header.columns));
-  image.SetDimension(1, static_cast<unsigned>(header.rows));
-  image.SetPixelFormat(gdcm::PixelFormat(1, bits(header.bits_allocated), bits(header.bits_stored),
-                                         bits(header.high_bit), header.is_signed ? 1 : 0));
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image.SetTransferSyntax(syntax);
-  image.SetDataElement(stored_pixels(header, syntax));
-
-  const std::size_t wanted = static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows) *
-                             static_cast<std::size_t>(header.bits_allocated / 8);
-  if (!header.encapsulated && header.pixels.front().length < wanted) {
-    fail("expected ", wanted, " bytes of pixels, found ", header.pixels.front().length, " in ", header.file.string());
-  }
-  std::vector<char> bytes(wanted);
-  bool decoded = false;
-  try {
-    decoded = image.GetBufferLength() == wanted && image.GetBuffer(bytes.data());
-  } catch (const std::exception&) {
-    decoded = false;  // GDCM throws on some broken pixels
-  }
-  if (!decoded) fail("cannot decode the pixels of ", header.file.string());
   return bytes;
 }
 
-template <class Stored>
-void to_hu(const std::vector<char>& bytes, Rescale rescale, std::span<std::int16_t> hu) {
+/// The bits of a value that are used, with its sign.
+class StoredValues {
+ public:
+  explicit StoredValues(const DicomHeader& header)
+      : mask_(header.bits_stored == 32 ? ~std::uint32_t{0} : (std::uint32_t{1} << header.bits_stored) - 1),
+        sign_(header.is_signed ? std::uint32_t{1} << (header.bits_stored - 1) : 0) {}
+
+  double operator()(std::uint32_t raw) const {
+    const std::uint32_t used = raw & mask_;
+    return (used & sign_) != 0 ? static_cast<double>(used) - static_cast<double>(mask_) - 1.0 : used;
+  }
+  std::uint32_t used(std::uint32_t raw) const { return raw & mask_; }
+
+ private:
+  std::uint32_t mask_;
+  std::uint32_t sign_;
+};
+
+/// Which stored values are padding and not measured (PS3.3, C.7.5.1.1.2). A padding value may use bits above those
+/// stored, as some scanners write it, and then meets no other value.
+class Padding {
+ public:
+  explicit Padding(const DicomHeader& header) : value_(header) {
+    if (!header.padding) return;
+    const std::uint32_t all =
+        header.bits_allocated == 32 ? ~std::uint32_t{0} : (std::uint32_t{1} << header.bits_allocated) - 1;
+    raw_ = *header.padding & all;
+    const std::uint32_t above = *raw_ >> (header.bits_stored - 1);
+    fits_ = *raw_ == value_.used(*raw_) || (header.is_signed && above == all >> (header.bits_stored - 1));
+    low_ = high_ = value_(*raw_);
+    if (header.padding_limit) high_ = value_(*header.padding_limit);
+    if (high_ < low_) std::swap(low_, high_);
+  }
+  bool holds(std::uint32_t raw, double value) const {
+    return raw_ && (raw == *raw_ || (fits_ && value >= low_ && value <= high_));
+  }
+
+ private:
+  StoredValues value_;
+  std::optional<std::uint32_t> raw_;
+  bool fits_ = false;
+  double low_ = 0.0;
+  double high_ = 0.0;
+};
+
+template <class Word>
+void to_hu(const std::vector<char>& bytes, const DicomHeader& header, Rescale rescale, std::span<std::int16_t> hu) {
   constexpr double kMin = std::numeric_limits<std::int16_t>::min();
   constexpr double kMax = std::numeric_limits<std::int16_t>::max();
+  const StoredValues value_of(header);
+  const Padding padding(header);
   for (std::size_t n = 0; n < hu.size(); ++n) {
-    Stored stored;
-    std::memcpy(&stored, bytes.data() + n * sizeof stored, sizeof stored);
-    const double value = std::clamp(static_cast<double>(stored) * rescale.slope + rescale.intercept, kMin, kMax);
+    Word raw;
+    std::memcpy(&raw, bytes.data() + n * sizeof raw, sizeof raw);
+    const double stored = value_of(raw);
+    if (padding.holds(raw, stored)) {
+      hu[n] = kAirHu;
+      continue;
+    }
+    const double value = std::clamp(stored * rescale.slope + rescale.intercept, kMin, kMax);
     hu[n] = static_cast<std::int16_t>(static_cast<std::int32_t>(value + (value < 0.0 ? -0.5 : 0.5)));
   }
 }
 
 }  // namespace
 
+void check_dicom_slice(const DicomHeader& header) {
+  check_pixel_format(header);
+  static_cast<void>(rescale_of(header));
+  const std::uint64_t wanted = frame_bytes(header);
+  std::uint64_t found = 0;
+  for (const ByteRange& range : header.pixels) found += range.length;
+  // What compresses a plain picture best, JPEG 2000, needs a byte for a few thousand.
+  constexpr std::uint64_t kMostCompression = 4096;
+  constexpr std::uint64_t kAlwaysAllowed = std::uint64_t{1} << 20;
+  const bool is_enough =
+      header.encapsulated ? found > 0 && wanted <= kAlwaysAllowed + found * kMostCompression : found >= wanted;
+  if (!is_enough) fail("expected ", wanted, " bytes of pixels, found ", found, " in ", path_of(header));
+}
+
 void decode_dicom_slice(const DicomHeader& header, std::span<std::int16_t> hu) {
-  silence_gdcm();
-  const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(header.transfer_syntax.c_str()));
-  check_pixel_format(header, syntax);
+  static_assert(std::endian::native == std::endian::little, "stored values are little endian");
+  check_dicom_slice(header);
   const Rescale rescale = rescale_of(header);
-  const std::vector<char> bytes = decode(header, syntax);
-  switch (header.bits_allocated * (header.is_signed ? -1 : 1)) {
-    case 8:
-      return to_hu<std::uint8_t>(bytes, rescale, hu);
-    case -8:
-      return to_hu<std::int8_t>(bytes, rescale, hu);
-    case 16:
-      return to_hu<std::uint16_t>(bytes, rescale, hu);
-    case -16:
-      return to_hu<std::int16_t>(bytes, rescale, hu);
-    case 32:
-      return to_hu<std::uint32_t>(bytes, rescale, hu);
-    default:
-      return to_hu<std::int32_t>(bytes, rescale, hu);
-  }
+  const std::vector<char> bytes = header.encapsulated ? decompress_frame(header) : plain_frame(header);
+  if (header.bits_allocated == 8) return to_hu<std::uint8_t>(bytes, header, rescale, hu);
+  if (header.bits_allocated == 16) return to_hu<std::uint16_t>(bytes, header, rescale, hu);
+  to_hu<std::uint32_t>(bytes, header, rescale, hu);
 }
 
 }  // namespace spinaltap

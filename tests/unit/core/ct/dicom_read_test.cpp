@@ -6,9 +6,9 @@
 #include <tbb/global_control.h>
 
 #include "core/base/staged_output.h"
+#include "tests/support/hand_made_dicom.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/core/ct/error_of.h"
-#include "tests/unit/core/ct/hand_made_dicom.h"
 
 namespace spinaltap {
 namespace {
@@ -82,7 +82,19 @@ TEST(ReadDicom, RoundsAndClampsToSixteenBits) {
   EXPECT_EQ(ct.at(0, 1, 0), 32767);
 }
 
-TEST(ReadDicom, KeepsPaddingBelowAir) {
+TEST(ReadDicom, MakesAirOfPaddingAndItsRange) {
+  const TemporaryFolder folder;
+  write_series(folder.path(), [](HandMadeDicom& slice, int) {
+    slice.set_short(0x00280120, 105).set_short(0x00280121, 102).set(0x00281052, "DS", "0");
+  });
+  const CtVolume ct = read_dicom(folder.path());
+  EXPECT_EQ(ct.at(1, 0, 0), 101);
+  EXPECT_EQ(ct.at(2, 0, 0), -1024);
+  EXPECT_EQ(ct.at(1, 1, 0), -1024);
+  EXPECT_EQ(ct.at(2, 1, 0), 106);
+}
+
+TEST(ReadDicom, KeepsValuesBelowAirThatAreNotCalledPadding) {
   const TemporaryFolder folder;
   write_series(folder.path(), [](HandMadeDicom& slice, int) {
     slice.set_short(0x00280103, 1).set_pixels(std::vector<std::uint16_t>(12, static_cast<std::uint16_t>(-2000)));
@@ -141,8 +153,9 @@ TEST(ReadDicom, NamesAMissingFolderAFileAndAFolderWithoutDicom) {
   const TemporaryFolder folder;
   EXPECT_THAT(error_of([&] { read_dicom(folder.path() / "gone"); }), HasSubstr("no such folder"));
   write_whole_file(folder.path() / "notes.txt", "not DICOM");
-  EXPECT_THAT(error_of([&] { read_dicom(folder.path() / "notes.txt"); }), HasSubstr("found a file"));
-  EXPECT_THAT(error_of([&] { read_dicom(folder.path()); }), HasSubstr("found none among 1 files"));
+  EXPECT_THAT(error_of([&] { read_dicom(folder.path() / "notes.txt"); }),
+              HasSubstr("expected DICOM images, found none among 1 file in"));
+  EXPECT_THAT(error_of([&] { read_dicom(folder.path()); }), HasSubstr("found none among 1 file in"));
 }
 
 TEST(ReadDicom, SaysWhichModalityItFound) {
@@ -185,14 +198,15 @@ TEST(ReadDicom, RefusesWhatItCannotTurnIntoHu) {
   };
   EXPECT_THAT(with(0x00281053, "DS", "0"), AllOf(HasSubstr("RescaleSlope"), HasSubstr("slice1")));
   EXPECT_THAT(with(0x00281052, "DS", "abc"), AllOf(HasSubstr("RescaleIntercept"), HasSubstr("slice1")));
-  EXPECT_THAT(with(0x00280008, "IS", "2"), AllOf(HasSubstr("found 2 frames"), HasSubstr("slice1")));
+  EXPECT_THAT(with(0x00280008, "IS", "2"),
+              AllOf(HasSubstr("expected 2 frames of 24 bytes, found 24 bytes"), HasSubstr("slice1")));
   EXPECT_THAT(with(0x00280004, "CS", "RGB"), AllOf(HasSubstr("grey"), HasSubstr("slice1")));
   EXPECT_THAT(error_of_series([](HandMadeDicom& slice, int) { slice.remove(0x00281052); }),
               HasSubstr("no RescaleIntercept"));
   EXPECT_THAT(error_of_series([](HandMadeDicom& slice, int) { slice.set_short(0x00280102, 3); }),
               HasSubstr("highest at 3"));
-  EXPECT_THAT(error_of_series([](HandMadeDicom& slice, int) { slice.set_transfer_syntax("1.2.840.10008.1.2.2"); }),
-              HasSubstr("little endian"));
+  EXPECT_THAT(error_of_series([](HandMadeDicom& slice, int) { slice.set_transfer_syntax("1.2.840.10008.1.2.4.100"); }),
+              HasSubstr("transfer syntax for pictures"));  // MPEG-2
   EXPECT_THAT(error_of_series([](HandMadeDicom& slice, int) { slice.set_transfer_syntax("9.9"); }),
               HasSubstr("\"9.9\""));
 }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/ct/dicom_read.h"
+#include "core/ct/read_ct.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/core/ct/error_of.h"
@@ -51,6 +52,21 @@ TEST(ReadRealDicom, AgreesWithTheNiftiOfTheL3Vertebra) {
   EXPECT_EQ(different, 0u);
 }
 
+TEST(ReadRealDicom, AgreesWithOurOwnReadingOfTheNiftiVoxelForVoxel) {
+  SPINALTAP_NEED_TEST_DATA(data, "L3_ct_1.5mm");
+  const CtVolume dicom = read_ct(data / "dicom");
+  const CtVolume nifti = read_ct(data / "sub-ct_label-22_ct.nii.gz");
+  EXPECT_EQ(nifti.hu, dicom.hu);
+  EXPECT_EQ(nifti.geometry.size, dicom.geometry.size);
+  EXPECT_EQ(nifti.geometry.directions, dicom.geometry.directions);
+  EXPECT_LT((nifti.geometry.origin_mm - dicom.geometry.origin_mm).norm(), 1e-4);  // floats in the NIfTI
+  EXPECT_LT((nifti.geometry.spacing_mm - dicom.geometry.spacing_mm).norm(), 1e-6);
+  // Read out of the NIfTI by hand.
+  EXPECT_NEAR(sample_hu(nifti, Vec3(33.0, 192.0, -67.2)), 404.0, 0.1);
+  EXPECT_NEAR(sample_hu(dicom, Vec3(33.0, 192.0, -67.2)), 404.0, 0.1);
+  EXPECT_NEAR(sample_hu(dicom, Vec3(24.0, 189.0, -68.7)), -15.0, 0.1);
+}
+
 TEST(ReadRealDicom, ReadsTheT11SeriesWhoseNamesAreNotInOrder) {
   SPINALTAP_NEED_TEST_DATA(data, "T11_ct_0.78mm");
   const CtVolume ct = read_dicom(data);
@@ -60,6 +76,13 @@ TEST(ReadRealDicom, ReadsTheT11SeriesWhoseNamesAreNotInOrder) {
   EXPECT_NEAR(ct.geometry.to_patient(Vec3(0.0, 0.0, 69.0)).z(), -610.8, 1e-3);
   EXPECT_EQ(*std::min_element(ct.hu.begin(), ct.hu.end()), -1000);
   EXPECT_EQ(*std::max_element(ct.hu.begin(), ct.hu.end()), 1755);
+  // Read out of the files' bytes by hand, at positions that their headers state.
+  EXPECT_EQ(ct.at(256, 320, 29), 33);  // z -650.8
+  EXPECT_EQ(ct.at(100, 100, 29), -988);
+  EXPECT_EQ(ct.at(300, 200, 29), 96);
+  EXPECT_EQ(ct.at(250, 330, 0), 131);
+  EXPECT_EQ(ct.at(256, 320, 69), 82);
+  EXPECT_NEAR(sample_hu(ct, Vec3(33.375, 97.25, -650.8)), 96.0, 0.1);
 }
 
 TEST(ReadRealDicom, ReadsAJpeg2000SeriesWithoutUids) {
@@ -71,6 +94,13 @@ TEST(ReadRealDicom, ReadsAJpeg2000SeriesWithoutUids) {
   EXPECT_NEAR(ct.geometry.origin_mm.z(), -804.5, 1e-3);
   EXPECT_EQ(*std::min_element(ct.hu.begin(), ct.hu.end()), -1024);
   EXPECT_EQ(*std::max_element(ct.hu.begin(), ct.hu.end()), 1839);
+  // LargestImagePixelValue of the files, from the lowest slice upwards.
+  const std::vector<int> largest{2429, 2420, 2414, 2431, 2458, 2472, 2480, 2467, 2458, 2468,
+                                 2469, 2474, 2473, 2496, 2496, 2863, 2757, 2467, 2454, 2460};
+  for (int k = 0; k < 20; ++k) {
+    const auto slice = ct.hu.begin() + static_cast<std::ptrdiff_t>(ct.geometry.offset(0, 0, k));
+    EXPECT_EQ(*std::max_element(slice, slice + 512 * 512), largest[static_cast<std::size_t>(k)] - 1024) << k;
+  }
 }
 
 TEST(ReadRealDicom, NamesACompressedFileCutShort) {

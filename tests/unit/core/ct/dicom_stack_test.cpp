@@ -63,16 +63,47 @@ TEST(StackSlices, RefusesFewerThanTwoSlices) {
   EXPECT_THAT(error_at({}), HasSubstr("found 0"));
 }
 
-TEST(StackSlices, RefusesATiltedGantryAndSaysTheAngle) {
-  const std::string message = error_with([](std::vector<DicomHeader>& slices) {
-    for (DicomHeader& slice : slices) slice.position_mm[1] += slice.position_mm[2] * std::tan(15.0 * M_PI / 180.0);
-  });
-  EXPECT_THAT(message, AllOf(HasSubstr("gantry tilt of about 15 degrees")));
+/// Slices of a gantry tilted about the patient's x axis.
+std::vector<DicomHeader> tilted_slices(double degrees) {
+  std::vector<DicomHeader> slices = slices_at({0, 1, 2, 3});
+  for (DicomHeader& slice : slices) slice.position_mm[1] += slice.position_mm[2] * std::tan(degrees * M_PI / 180.0);
+  return slices;
+}
+
+TEST(StackSlices, MarksATiltedGantryForResampling) {
+  const DicomStack stack = stack_slices(tilted_slices(15.0));
+  EXPECT_TRUE(stack.needs_resampling);
+  ASSERT_EQ(stack.places.size(), 4u);
+  EXPECT_DOUBLE_EQ(stack.places[2].along_mm, 2.0);
+  EXPECT_NEAR(stack.places[2].sideways_mm.x(), 0.0, 1e-12);
+  EXPECT_NEAR(stack.places[2].sideways_mm.y(), 2.0 * std::tan(15.0 * M_PI / 180.0), 1e-12);
+  EXPECT_NEAR(measure_stack(tilted_slices(15.0)).tilt_rad, 15.0 * M_PI / 180.0, 1e-12);
+  EXPECT_FALSE(stack_slices(slices_at({0, 1, 2, 3})).needs_resampling);
+}
+
+TEST(StackSlices, RefusesATiltNoGantryHas) {
+  EXPECT_THAT(error_of([&] { stack_slices(tilted_slices(60.0), true); }), HasSubstr("found 60 degrees"));
+}
+
+TEST(StackSlices, InterpolatesUnequalStepsAndGapsOnlyWhereAskedTo) {
+  const DicomStack stack = stack_slices(slices_at({0, 1, 2, 4.5, 5.5}), true);
+  EXPECT_TRUE(stack.needs_resampling);
+  EXPECT_EQ(stack.geometry.spacing_mm.z(), 1.0);  // the usual step
+  EXPECT_EQ(stack.places[3].along_mm, 4.5);
+  EXPECT_THAT(error_at({0, 1, 2, 4, 5}), HasSubstr("--resample"));
+  EXPECT_THAT(error_of([&] {
+                stack_slices(slices_at({0, 1, 2, 9, 10}), true);
+              }),
+              AllOf(HasSubstr("found 7 mm between c.dcm and d.dcm"), HasSubstr("more than the 6 mm")));
+  EXPECT_THAT(error_of([&] { stack_slices(slices_at({0, 1, 1, 2}), true); }), HasSubstr("two"));
 }
 
 TEST(StackSlices, NamesASliceShiftedSideways) {
   EXPECT_THAT(error_with([](std::vector<DicomHeader>& slices) { slices[2].position_mm[0] += 0.2; }),
               AllOf(HasSubstr("sideways by 0.2 mm"), HasSubstr("c.dcm")));
+  std::vector<DicomHeader> slices = slices_at({0, 1, 2, 3});
+  slices[2].position_mm[0] += 0.2;
+  EXPECT_NEAR(stack_slices(slices, true).places[2].sideways_mm.x(), 0.2, 1e-9);
 }
 
 TEST(StackSlices, RefusesNumbersThatAreMissingOrNone) {

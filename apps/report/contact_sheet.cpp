@@ -1,0 +1,169 @@
+#include "apps/report/contact_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "apps/report/pixel_text.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr Colour kWhite{255, 255, 255};
+constexpr Colour kAmber{255, 196, 64};
+constexpr Colour kGround{40, 44, 52};
+constexpr int kGap = 6;
+constexpr int kLabelHeight = 22;  // above each slice
+constexpr int kScale = 2;         // of the letters
+
+/// Tile size and scale, the same for all slices.
+struct Layout {
+  double pixel_mm;
+  int width;
+  int height;
+  int columns;
+  int rows;
+
+  int tile_x(int n) const { return kGap + n % columns * (width + kGap); }
+  int tile_y(int n) const { return kGap + n / columns * (height + kLabelHeight + kGap) + kLabelHeight; }
+};
+
+Layout layout_of(const GridGeometry& geometry, int slices, const ContactSheetOptions& options) {
+  const double width_mm = geometry.size[0] * geometry.spacing_mm.x();
+  const double height_mm = geometry.size[1] * geometry.spacing_mm.y();
+  Layout layout{};
+  layout.pixel_mm = std::max(width_mm, height_mm) / options.tile_pixels;
+  // Long narrow slices still have room for their labels.
+  const int least = std::min(options.tile_pixels, 210);
+  layout.width = std::max(least, static_cast<int>(std::lround(width_mm / layout.pixel_mm)));
+  layout.height = std::max(least / 2, static_cast<int>(std::lround(height_mm / layout.pixel_mm)));
+  layout.columns = std::min(options.columns, slices);
+  layout.rows = (slices + layout.columns - 1) / layout.columns;
+  return layout;
+}
+
+/// A slice at the sheet's scale. Where a pixel covers several voxels it is their mean, so that noise does not alias.
+Image slice_picture(const CtVolume& ct, int k, const Layout& layout, const HuWindow& window) {
+  const GridGeometry& geometry = ct.geometry;
+  const double voxel_mm = std::min(geometry.spacing_mm.x(), geometry.spacing_mm.y());
+  const int fine = std::clamp(static_cast<int>(std::ceil(layout.pixel_mm / voxel_mm - 1e-6)), 1, 8);
+  SliceFrame frame;
+  frame.right = geometry.directions.col(0);
+  frame.down = geometry.directions.col(1);
+  frame.pixel_mm = layout.pixel_mm / fine;
+  frame.width = layout.width * fine;
+  frame.height = layout.height * fine;
+  const Vec3 middle = geometry.to_patient(Vec3(0.5 * (geometry.size[0] - 1), 0.5 * (geometry.size[1] - 1), k));
+  frame.origin_mm =
+      middle - frame.pixel_mm * (0.5 * (frame.width - 1) * frame.right + 0.5 * (frame.height - 1) * frame.down);
+  const Image picture = ct_slice(ct, frame, window).image;
+  Image mean{layout.width, layout.height, {}};
+  mean.rgb.resize(3 * static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height));
+  const auto wide = static_cast<std::size_t>(frame.width);
+  for (int row = 0; row < layout.height; ++row) {
+    for (int column = 0; column < layout.width; ++column) {
+      int sum = 0;
+      for (int n = 0; n < fine * fine; ++n) {
+        const int y = row * fine + n / fine;
+        const int x = column * fine + n % fine;
+        sum += picture.rgb[3 * (static_cast<std::size_t>(y) * wide + static_cast<std::size_t>(x))];
+      }
+      fill_rectangle(mean, column, row, 1, 1, [&] {
+        const auto grey = static_cast<std::uint8_t>((sum + fine * fine / 2) / (fine * fine));
+        return Colour{grey, grey, grey};
+      }());
+    }
+  }
+  return mean;
+}
+
+void paste(const Image& from, Image& to, int x, int y) {
+  for (int row = 0; row < from.height; ++row) {
+    const auto begin = from.rgb.begin() + static_cast<std::ptrdiff_t>(3) * row * from.width;
+    const auto at =
+        to.rgb.begin() + static_cast<std::ptrdiff_t>(3) * (static_cast<std::ptrdiff_t>(y + row) * to.width + x);
+    std::copy(begin, begin + static_cast<std::ptrdiff_t>(3) * from.width, at);
+  }
+}
+
+/// Letters at the four borders: towards which side of the patient the picture goes there.
+void draw_letters(Image& sheet, const GridGeometry& geometry, const Layout& layout, int x, int y) {
+  const Vec3 right = geometry.directions.col(0);
+  const Vec3 down = geometry.directions.col(1);
+  const int height = kTextHeight * kScale;
+  const auto at = [&](const Vec3& direction, double across, double along) {
+    const std::string letters = orientation_letters(direction);
+    const int width = pixel_text_width(letters, kScale);
+    draw_text(sheet, x + 4 + static_cast<int>(std::lround(across * (layout.width - width - 8))),
+              y + 4 + static_cast<int>(std::lround(along * (layout.height - height - 8))), letters, kScale, kAmber);
+  };
+  at(-right, 0.0, 0.5);
+  at(right, 1.0, 0.5);
+  at(-down, 0.5, 0.0);
+  at(down, 0.5, 1.0);
+}
+
+/// A bar of 1, 2 or 5 times a power of ten, about a quarter of the slice.
+void draw_bar(Image& sheet, const Layout& layout, int x, int y) {
+  const double wanted_mm = 0.25 * layout.width * layout.pixel_mm;
+  double bar_mm = std::pow(10.0, std::floor(std::log10(wanted_mm)));
+  for (const double factor : {5.0, 2.0}) {
+    if (factor * bar_mm <= wanted_mm) {
+      bar_mm *= factor;
+      break;
+    }
+  }
+  const int width = static_cast<int>(std::lround(bar_mm / layout.pixel_mm));
+  char text[32];
+  std::snprintf(text, sizeof text, "%g mm", bar_mm);
+  const int bottom = y + layout.height - 6;
+  fill_rectangle(sheet, x + 5, bottom - 4, width + 2, 5, {0, 0, 0});
+  fill_rectangle(sheet, x + 6, bottom - 3, width, 3, kWhite);
+  draw_text(sheet, x + 6, bottom - 8 - kTextHeight, text, 1, kWhite);
+}
+
+}  // namespace
+
+std::vector<int> contact_sheet_slices(int slices, int most) {
+  std::vector<int> chosen;
+  const int count = std::min(slices, most);
+  chosen.reserve(static_cast<std::size_t>(count));
+  for (int n = 0; n < count; ++n) {
+    chosen.push_back(count > 1 ? static_cast<int>(std::lround(static_cast<double>(n) * (slices - 1) / (count - 1)))
+                               : (slices - 1) / 2);
+  }
+  return chosen;
+}
+
+Image contact_sheet(const CtVolume& ct, const ContactSheetOptions& options) {
+  check_geometry(ct.geometry, "CT");
+  if (options.most_slices < 1 || options.most_slices > 100 || options.columns < 1 || options.tile_pixels < 64 ||
+      options.tile_pixels > 1024) {
+    fail("contact sheet: expected 1 to 100 slices, a column or more, and 64 to 1024 pixels a slice, found ",
+         options.most_slices, ", ", options.columns, " and ", options.tile_pixels);
+  }
+  const std::vector<int> slices = contact_sheet_slices(ct.geometry.size[2], options.most_slices);
+  const Layout layout = layout_of(ct.geometry, static_cast<int>(slices.size()), options);
+  Image sheet{
+      layout.columns * (layout.width + kGap) + kGap, layout.rows * (layout.height + kLabelHeight + kGap) + kGap, {}};
+  sheet.rgb.resize(3 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height));
+  fill_rectangle(sheet, 0, 0, sheet.width, sheet.height, kGround);
+  for (std::size_t n = 0; n < slices.size(); ++n) {
+    const int x = layout.tile_x(static_cast<int>(n));
+    const int y = layout.tile_y(static_cast<int>(n));
+    paste(slice_picture(ct, slices[n], layout, options.window), sheet, x, y);
+    const double along_mm = ct.geometry.directions.col(2).dot(ct.geometry.to_patient(Vec3(0.0, 0.0, slices[n])));
+    char text[64];
+    std::snprintf(text, sizeof text, "k %d  %s %.1f mm", slices[n],
+                  orientation_letters(ct.geometry.directions.col(2)).c_str(), along_mm);
+    const int scale = pixel_text_width(text, kScale) <= layout.width ? kScale : 1;
+    draw_text(sheet, x, y - kLabelHeight + 4, text, scale, kWhite);
+    draw_letters(sheet, ct.geometry, layout, x, y);
+    draw_bar(sheet, layout, x, y);
+  }
+  return sheet;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+
+#include "core/base/geometry.h"
+
+namespace spinaltap {
+
+/// A NIfTI file of one volume (.nii, .nii.gz; NIfTI-1 or -2, either byte order): its header is read and checked when it
+/// is made, its values on demand.
+class NiftiVolume {
+ public:
+  /// Throws Error for what is not a NIfTI file with header and voxels in one, holds more than one volume, claims more
+  /// voxels than the file can hold, or does not say where they lie.
+  explicit NiftiVolume(const std::filesystem::path& file);
+
+  const std::array<int, 3>& size() const { return size_; }
+  std::size_t voxel_count() const;
+  /// Index steps to mm, patient LPS (NIfTI's frame is RAS: x and y turn round). Steps of any length and angle.
+  const Mat3& index_to_patient() const { return index_to_patient_; }
+  /// Centre of voxel (0, 0, 0), patient LPS.
+  const Vec3& origin_mm() const { return origin_mm_; }
+
+  /// Calls `take` with the values from first to last, some at a time, scaled by scl_slope and scl_inter; not a number
+  /// where the file has none. Throws Error where the file ends early.
+  void read_values(const std::function<void(std::span<const double>)>& take) const;
+
+ private:
+  std::filesystem::path file_;
+  std::array<int, 3> size_{};
+  Mat3 index_to_patient_ = Mat3::Identity();
+  Vec3 origin_mm_ = Vec3::Zero();
+  int type_ = 0;         ///< NIfTI's number of the stored type
+  int value_bytes_ = 0;  ///< of one stored value
+  bool is_swapped_ = false;
+  std::int64_t values_at_ = 0;  ///< bytes from the (inflated) file's start
+  double slope_ = 1.0;
+  double intercept_ = 0.0;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,30 @@
+// What is no good CT is refused with a word. tests/cli measures time and memory of the same files.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/ct/read_ct.h"
+#include "tests/support/hostile_cts.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+class HostileCtOf : public testing::TestWithParam<test::HostileCt> {};
+
+TEST_P(HostileCtOf, IsRefusedWithAWord) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = GetParam().make(folder.path());
+  for (const bool resample : {false, true}) {
+    const std::string message = test::error_of([&] { read_ct(path, {.series = "", .resample = resample}); });
+    EXPECT_THAT(message, testing::HasSubstr(GetParam().word)) << "resample " << resample;
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, HostileCtOf, testing::ValuesIn(test::hostile_cts()),
+                         [](const auto& hostile) { return hostile.param.name; });
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,146 @@
+#include "core/ct/nifti_read.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/staged_output.h"
+#include "core/ct/read_ct.h"
+#include "tests/support/made_nifti.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+using test::MadeNifti;
+using test::TemporaryFolder;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// 4 x 3 x 2 voxels whose values are 100 i + 10 j + k.
+MadeNifti numbered() {
+  MadeNifti nifti;
+  for (int k = 0; k < 2; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 4; ++i) nifti.values.push_back(100 * i + 10 * j + k);
+    }
+  }
+  return nifti;
+}
+
+CtVolume read(const MadeNifti& nifti, bool zipped = false) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / (zipped ? "ct.nii.gz" : "ct.nii");
+  write_whole_file(file, zipped ? test::gzipped(nifti.bytes()) : nifti.bytes());
+  return read_ct(file);
+}
+
+TEST(ReadNiftiCt, TurnsRasIntoLpsWithAxesInTheOrderOfThePatients) {
+  MadeNifti nifti = numbered();
+  nifti.ras_steps = Vec3(0.5, 0.75, 2.0).asDiagonal();
+  nifti.ras_origin_mm = Vec3(10.0, 20.0, 30.0);
+  const CtVolume ct = read(nifti);
+  EXPECT_THAT(ct.geometry.size, ElementsAre(4, 3, 2));
+  EXPECT_TRUE(ct.geometry.directions.isApprox(Mat3::Identity()));
+  EXPECT_EQ(ct.geometry.spacing_mm, Vec3(0.5, 0.75, 2.0));
+  // The file's voxel (3, 2, 0) is the one farthest to the right and to the front: the first in LPS.
+  EXPECT_EQ(ct.geometry.origin_mm, Vec3(-11.5, -21.5, 30.0));
+  EXPECT_EQ(ct.at(0, 0, 0), 320);
+  EXPECT_EQ(ct.at(3, 2, 1), 1);
+}
+
+TEST(ReadNiftiCt, PlacesEveryVoxelOfAnyOrientation) {
+  MadeNifti nifti = numbered();
+  const Mat3 turn = Eigen::AngleAxisd(0.5, Vec3(1, -2, 1).normalized()).toRotationMatrix();
+  for (const bool mirrored : {false, true}) {
+    Mat3 axes;  // as sagittal scanners store them, then turned a little; and mirrored
+    axes << 0, 0, (mirrored ? 1 : -1), 1, 0, 0, 0, -1, 0;
+    nifti.ras_steps = turn * axes * Vec3(0.5, 0.75, 2.0).asDiagonal();
+    const CtVolume ct = read(nifti);
+    EXPECT_GT(ct.geometry.directions.determinant(), 0.0);
+    EXPECT_GT(ct.geometry.directions.diagonal().minCoeff(), 0.5);
+    for (int k = 0; k < 2; ++k) {
+      for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 4; ++i) {
+          const Vec3 ras = nifti.ras_steps * Vec3(i, j, k);
+          const Vec3 p_index = ct.geometry.to_index(Vec3(-ras.x(), -ras.y(), ras.z()));
+          const Vec3 nearest = p_index.array().round();
+          ASSERT_LT((p_index - nearest).norm(), 1e-5);  // the file's numbers are floats
+          const auto at = [&](int axis) { return static_cast<int>(nearest[axis]); };
+          ASSERT_TRUE(ct.geometry.contains(at(0), at(1), at(2)));
+          EXPECT_EQ(ct.at(at(0), at(1), at(2)), 100 * i + 10 * j + k);
+        }
+      }
+    }
+  }
+}
+
+TEST(ReadNiftiCt, ReadsBothVersionsByteOrdersAndZippedAlike) {
+  const std::string expected = read(numbered()).source_hash;
+  for (const bool is_second : {false, true}) {
+    for (const bool is_big_endian : {false, true}) {
+      for (const auto type : {MadeNifti::Type::kInt16, MadeNifti::Type::kFloat, MadeNifti::Type::kDouble}) {
+        MadeNifti nifti = numbered();
+        nifti.is_second = is_second;
+        nifti.is_big_endian = is_big_endian;
+        nifti.type = type;
+        EXPECT_EQ(read(nifti).source_hash, expected);
+        EXPECT_EQ(read(nifti, true).source_hash, expected);
+        nifti.values_at = 1000.0;  // behind extensions
+        EXPECT_EQ(read(nifti).source_hash, expected);
+      }
+    }
+  }
+}
+
+TEST(ReadNiftiCt, ScalesRoundsClampsAndMakesAirOfWhatIsNoNumber) {
+  MadeNifti nifti = numbered();
+  nifti.type = MadeNifti::Type::kFloat;
+  nifti.slope = 2.0;
+  nifti.intercept = -1024.0;
+  nifti.values.assign(24, 0.0);
+  nifti.values[0] = 500.3;  // the last voxel in LPS of the first slice
+  nifti.values[1] = 1e9;
+  nifti.values[2] = std::numeric_limits<double>::quiet_NaN();
+  nifti.values[3] = -std::numeric_limits<double>::infinity();
+  const CtVolume ct = read(nifti);
+  EXPECT_EQ(ct.at(3, 2, 0), -23);  // -23.4
+  EXPECT_EQ(ct.at(2, 2, 0), 32767);
+  EXPECT_EQ(ct.at(1, 2, 0), -1024);
+  EXPECT_EQ(ct.at(0, 2, 0), -32768);
+  EXPECT_EQ(ct.at(0, 0, 1), -1024);
+}
+
+TEST(ReadNiftiCt, ResamplesAStackThatLeans) {
+  MadeNifti nifti;
+  nifti.dim = {3, 20, 20, 6, 1, 1, 1, 1};
+  nifti.ras_steps.col(2) = Vec3(0.0, 0.5, 2.0);  // 14 degrees
+  for (int k = 0; k < 6; ++k) {
+    for (int j = 0; j < 20; ++j) {
+      for (int i = 0; i < 20; ++i) nifti.values.push_back(10 * i + 20 * (j + 0.5 * k) + 30 * k);
+    }
+  }
+  const CtVolume ct = read(nifti);
+  EXPECT_TRUE(ct.geometry.directions.isApprox(Mat3::Identity()));
+  EXPECT_EQ(ct.geometry.spacing_mm, Vec3(1.0, 1.0, 2.0));
+  EXPECT_THAT(ct.geometry.size, ElementsAre(20, 23, 6));
+  for (int k = 0; k < 6; ++k) {
+    for (int y = 5; y < 18; ++y) {  // RAS mm; linear fields come back but for rounding
+      const Vec3 p_index = ct.geometry.to_index(Vec3(-7.0, -y, 2.0 * k));
+      EXPECT_NEAR(ct.at(static_cast<int>(std::lround(p_index.x())), static_cast<int>(std::lround(p_index.y())), k),
+                  70 + 20 * y + 30 * k, 1.0);
+    }
+  }
+}
+
+TEST(ReadNiftiCt, RefusesASeriesForAFileThatHoldsNone) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "ct.nii", numbered().bytes());
+  EXPECT_THAT(test::error_of([&] { read_ct(folder.path() / "ct.nii", {.series = "1"}); }), HasSubstr("no series"));
+}
+
+}  // namespace
+}  // namespace spinaltap
