@@ -192,7 +192,7 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   }
   const double cut_mm2 = cut_area_mm2(mine, bone, geometry);
   trim_rim(mine, bone, work.smooth, closing.peak, depth_mm);
-  mine = fill_hollows(mine, geometry, 0.0);
+  mine = fill_hollows(mine, geometry, geometry.spacing_mm.maxCoeff());
   const std::size_t parts = part_sizes(mine, geometry).size();
   mine = parts_that_touch(mine, core, geometry);
 

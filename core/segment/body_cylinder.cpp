@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -127,6 +128,20 @@ BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels&
   return best;
 }
 
+std::vector<BodyCylinder> starts_around(const Vec3& centre_mm) {
+  std::vector<BodyCylinder> starts;
+  for (const Vec3& half_mm : {Vec3(16.0, 13.0, 11.0), Vec3(23.0, 17.0, 14.0)}) {
+    for (const double x : {-0.55, 0.0, 0.55}) {
+      for (const double y : {-0.55, 0.0, 0.55}) {
+        for (const double z : {-0.8, 0.0, 0.8}) {
+          starts.push_back({centre_mm + half_mm.cwiseProduct(Vec3(x, y, z)), half_mm, Vec3::Zero(), 0.0});
+        }
+      }
+    }
+  }
+  return starts;
+}
+
 }  // namespace
 
 Mat3 BodyCylinder::axes() const {
@@ -164,26 +179,26 @@ FloatGrid smooth_around(const CtVolume& ct, const Vec3& p_mm) {
 }
 
 BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels) {
-  std::vector<BodyCylinder> starts;
-  for (const Vec3& half_mm : {Vec3(16.0, 13.0, 11.0), Vec3(23.0, 17.0, 14.0)}) {
-    for (const double x : {-0.55, 0.0, 0.55}) {
-      for (const double y : {-0.55, 0.0, 0.55}) {
-        for (const double z : {-0.6, 0.0, 0.6}) {
-          starts.push_back({seed_mm + half_mm.cwiseProduct(Vec3(x, y, z)), half_mm, Vec3::Zero(), 0.0});
-        }
-      }
+  // The second round starts from the middle of what the first one found: a seed near a wall is a poor start.
+  constexpr int kRounds = 2;
+  constexpr std::size_t kBest = 12;
+  BodyCylinder best;
+  best.centre_mm = seed_mm;
+  best.fit = -std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<BodyCylinder> found = starts_around(best.centre_mm);
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+      found[i] = improve(hu, seed_mm, levels, found[i], 6.0, 1.5);
+    });
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
+    found.resize(kBest);
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+      found[i] = improve(hu, seed_mm, levels, found[i], 1.5, 0.25);
+    });
+    for (const BodyCylinder& one : found) {
+      if (one.fit > best.fit) best = one;
     }
   }
-  tbb::parallel_for(std::size_t{0}, starts.size(), [&](std::size_t i) {
-    starts[i] = improve(hu, seed_mm, levels, starts[i], 6.0, 1.5);
-  });
-  std::stable_sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
-  starts.resize(6);
-  tbb::parallel_for(std::size_t{0}, starts.size(), [&](std::size_t i) {
-    starts[i] = improve(hu, seed_mm, levels, starts[i], 1.5, 0.25);
-  });
-  BodyCylinder best = *std::max_element(starts.begin(), starts.end(),
-                                        [](const auto& a, const auto& b) { return a.fit < b.fit; });
   best.fit = fit_of(hu, best, levels);
   return best;
 }

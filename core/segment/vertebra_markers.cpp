@@ -51,7 +51,7 @@ bool on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_
 
 WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& body, bool is_rib, bool is_on_border) {
   constexpr double kDeepMm = 2.5;       // away from the wall, whose place is unsure
-  constexpr double kDiscMm = 0.5;       // on the endplate: what noise and blur make of it
+  constexpr double kDiscMm = 0.3;       // on the endplate: what noise and blur make of it
   constexpr double kNextBodyMm = 3.5;   // thinner discs are rare
   constexpr double kInFront = 1.3;      // osteophytes reach no further
   constexpr double kMostUpMm = 20.0;    // superior articular processes rise less over the endplate,
