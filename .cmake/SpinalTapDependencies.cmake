@@ -7,6 +7,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 set(GDCM_SKIP_USE_VTK ON)
 find_package(GDCM 3.0 REQUIRED)
 find_package(Nifti2 REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(OpenMesh REQUIRED)
 
 # FindOpenVDB.cmake lies in the OpenVDB package's own folder.

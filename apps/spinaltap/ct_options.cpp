@@ -13,10 +13,15 @@ void CtOptions::add_reading(CLI::App& app) {
 
 void CtOptions::add_baking(CLI::App& app) {
   CLI::Option* labels_option =
-      app.add_option("--labels", labels, "NIfTI label map that marks the bone; without it a threshold finds it")
+      app.add_option("--labels", labels, "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
           ->type_name("FILE");
   app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
-  app.add_option("--threshold", bake.threshold.threshold_hu,
+  app.add_option("--seed", seed_mm, "A point in the body of the wanted vertebra, mm; default: in the largest body")
+      ->excludes(labels_option)
+      ->expected(3)
+      ->delimiter(',')
+      ->type_name("X,Y,Z");
+  app.add_option("--threshold", bake.segment.threshold_hu,
                  "Bone is at least this dense, HU; default: 150, less in a "
                  "noisy CT")
       ->excludes(labels_option)
@@ -38,9 +43,15 @@ void CtOptions::add_baking(CLI::App& app) {
 
 CtVolume CtOptions::read(const Progress& progress) const { return read_dicom(folder, {.series = series}, progress); }
 
+std::optional<Vec3> CtOptions::given_seed() const {
+  if (seed_mm.empty()) return std::nullopt;
+  return Vec3(seed_mm[0], seed_mm[1], seed_mm[2]);
+}
+
 BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
   BakeCtOptions options = bake;
   if (!labels.empty()) options.labels = LabelChoice{labels, label};
+  options.segment.seed_mm = given_seed();
   return bake_ct(ct, options, progress);
 }
 

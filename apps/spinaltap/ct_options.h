@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/common/bake_ct.h"
 #include "apps/common/json_file.h"
@@ -17,14 +19,16 @@ struct CtOptions {
   std::string series;
   std::filesystem::path labels;
   int label = 1;
+  std::vector<double> seed_mm;  ///< empty or three numbers, patient LPS
   BakeCtOptions bake;
 
   /// Adds the options for reading: --series.
   void add_reading(CLI::App& app);
-  /// Adds the options for making a bone: --labels, --label, --threshold, --voxel, --centres, --smoothing.
+  /// Adds the options for making a bone: --labels, --label, --seed, --threshold, --voxel, --centres, --smoothing.
   void add_baking(CLI::App& app);
 
   CtVolume read(const Progress& progress) const;
+  std::optional<Vec3> given_seed() const;
   BakedCt make_bone(const CtVolume& ct, const Progress& progress) const;
 };
 

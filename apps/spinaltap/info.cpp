@@ -6,7 +6,7 @@
 #include "apps/spinaltap/ct_options.h"
 #include "core/base/error.h"
 #include "core/ct/dicom_read.h"
-#include "core/segment/threshold_mask.h"
+#include "core/segment/bone_levels.h"
 
 namespace spinaltap {
 namespace {
