@@ -127,7 +127,8 @@ void trim_rim(Mask& mine, const Mask& bone, const FloatGrid& smooth, const std::
 }
 
 /// Area of the faces between the vertebra and other bone, mm².
-double cut_area_mm2(const Mask& mine, const Mask& bone, const GridGeometry& geometry) {
+double cut_area_mm2(const Mask& mine, const std::vector<WalkerVoxel>& markers, const GridGeometry& geometry) {
+  const auto is_bone = [&](std::size_t voxel) { return markers[voxel] != WalkerVoxel::kOutside; };
   const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
   double area_mm2 = 0.0;
   for (int k = 0; k < geometry.size[2]; ++k) {
@@ -138,8 +139,8 @@ double cut_area_mm2(const Mask& mine, const Mask& bone, const GridGeometry& geom
         for (std::size_t axis = 0; axis < 3; ++axis) {
           if (index[axis] + 1 >= geometry.size[axis]) continue;
           const std::size_t next = here + stride[axis];
-          const bool cut = (mine[here] != 0 && mine[next] == 0 && bone[next] != 0) ||
-                           (mine[next] != 0 && mine[here] == 0 && bone[here] != 0);
+          const bool cut = (mine[here] != 0 && mine[next] == 0 && is_bone(next)) ||
+                           (mine[next] != 0 && mine[here] == 0 && is_bone(here));
           if (cut) area_mm2 += geometry.spacing_mm.prod() / geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
         }
       }
@@ -164,11 +165,9 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   if (options.seed_mm) check_seed(ct, *options.seed_mm);
   const Vec3 seed_mm = options.seed_mm ? *options.seed_mm : find_body_seed(ct, levels);
   const VertebralBody body = find_vertebral_body(smooth_around(ct, seed_mm), seed_mm, {levels.low_hu});
-  constexpr double kLeastFit = 0.15;  // 0.36 in a body whose wall is as thin as the noise
-  if (!(body.cylinder.fit >= kLeastFit)) {
-    fail("seed: expected a point in a vertebral body, found no body's wall around ", in_words(seed_mm), " (",
-         std::lround(100.0 * body.cylinder.fit), " % of a full wall, at least ", std::lround(100.0 * kLeastFit),
-         " % expected)");
+  if (!body.cylinder.is_body()) {
+    fail("seed: expected a point in a vertebral body, found no body's wall around ", in_words(seed_mm),
+         "; the best place has ", std::lround(100.0 * body.cylinder.fit), " % of one");
   }
   progress.report("finding bone", 0.0);
   const Work work = work_around(ct, seed_mm, levels);
@@ -180,7 +179,8 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   const GreyClosing closing = close_gaps(work.hu, kGapReachMm);
   const Mask ribs = find_ribs(bone, body.cylinder, geometry);
   const std::vector<WalkerVoxel> markers =
-      place_markers(bone, ribs, depth_mm, body.cylinder, geometry, ct.geometry);
+      place_markers(bone, ribs, depth_mm, work.smooth, 0.5 * (levels.low_hu + levels.sure_hu), body.cylinder,
+                    ct.geometry);
   const std::vector<float> probability =
       walk_randomly(markers, conductivity_of(work.hu, closing.closed, depth_mm), geometry, progress);
 
@@ -190,9 +190,10 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
     mine[v] = probability[v] > 0.5F ? 1 : 0;
     core[v] = markers[v] == WalkerVoxel::kWanted ? 1 : 0;
   }
-  const double cut_mm2 = cut_area_mm2(mine, bone, geometry);
+  const double cut_mm2 = cut_area_mm2(mine, markers, geometry);
   trim_rim(mine, bone, work.smooth, closing.peak, depth_mm);
-  mine = fill_hollows(mine, geometry, geometry.spacing_mm.maxCoeff());
+  constexpr double kPitMm = 1.5;
+  mine = fill_hollows(mine, geometry, kPitMm);
   const std::size_t parts = part_sizes(mine, geometry).size();
   mine = parts_that_touch(mine, core, geometry);
 

@@ -19,7 +19,7 @@ const Vec3 kMostHalfMm(32.0, 24.0, 20.0);
 constexpr double kLeastWidthOverDepth = 0.95;  // T6, heart-shaped
 constexpr double kMostWidthOverDepth = 1.75;   // L5
 constexpr double kLeastHeightOverDepth = 0.65;  // less is a disc between two endplates
-constexpr double kMostHeightOverDepth = 1.3;
+constexpr double kMostHeightOverDepth = 1.1;   // more is two bodies
 const Vec3 kMostTurnRad(0.6, 0.4, 0.35);  // L5 may lie 35 degrees steep; the patient may be turned by 20
 
 /// Points and outward normals of the unit cylinder, about as dense everywhere on a typical body.
@@ -148,6 +148,12 @@ Mat3 BodyCylinder::axes() const {
   return (Eigen::AngleAxisd(turn_rad.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(turn_rad.y(), Vec3::UnitY()) *
           Eigen::AngleAxisd(turn_rad.x(), Vec3::UnitX()))
       .toRotationMatrix();
+}
+
+bool BodyCylinder::is_body() const {
+  constexpr double kLeastFit = 0.25;  // 0.36 in an L3 whose wall is as thin as the noise of 73 HU, 0.5 to 0.7 in others
+  constexpr double kLargerMm = 0.3;
+  return fit >= kLeastFit && half_mm.z() > kLeastHalfMm.z() + kLargerMm;
 }
 
 double BodyCylinder::scale_to(const Vec3& p_patient) const {

@@ -17,6 +17,9 @@ struct BodyCylinder {
   Vec3 turn_rad = Vec3::Zero();           ///< about x, then y, then z of the patient
   double fit = 0.0;                       ///< share of a full wall that its surface has on average, up to 1
 
+  /// Whether there is wall enough on it, and it is larger than the search allows at least: what is found around a point
+  /// in soft tissue or in an arch is as small as can be, with walls on few sides.
+  bool is_body() const;
   /// Columns: the body's own left, back and up in patient LPS.
   Mat3 axes() const;
   /// Below 1 inside the cylinder, above outside: how much larger it would have to be to reach the point.

@@ -82,7 +82,7 @@ Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
   const auto& size = ct.geometry.size;
   const VoxelBox whole{{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
   const FloatGrid hu = bin_hu(ct, whole, bins_for(ct.geometry, kLatticeMm));
-  constexpr std::size_t kMostTried = 5;
+  constexpr std::size_t kMostTried = 3;
   constexpr double kApartMm = 12.0;
   std::vector<Vec3> tried_mm;
   Vec3 best_mm = Vec3::Zero();
@@ -96,7 +96,7 @@ Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
     tried_mm.push_back(candidate.p_mm);
     const BodyCylinder body = fit_body_cylinder(smooth_around(ct, candidate.p_mm), candidate.p_mm, {levels.low_hu});
     const double wall = body.fit * body.half_mm.x() * body.half_mm.y() * body.half_mm.z();
-    if (wall <= best) continue;
+    if (!body.is_body() || wall <= best) continue;
     best = wall;
     best_mm = body.centre_mm;
   }

@@ -49,8 +49,9 @@ bool on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_
   return false;
 }
 
-WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& body, bool is_rib, bool is_on_border) {
-  constexpr double kDeepMm = 2.5;       // away from the wall, whose place is unsure
+WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& body, bool is_rib, bool is_on_border,
+                      bool is_dense) {
+  constexpr double kDeepMm = 1.7;       // away from the wall, whose place is unsure
   constexpr double kDiscMm = 0.3;       // on the endplate: what noise and blur make of it
   constexpr double kNextBodyMm = 3.5;   // thinner discs are rare
   constexpr double kInFront = 1.3;      // osteophytes reach no further
@@ -66,7 +67,7 @@ WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& b
   const bool on_endplate = (place.across < 1.0 && end_share > 0.6) ||
                            (place.across < kInFront && place.beyond_mm > -1.0 &&
                             place.p_body_mm.y() < 0.8 * body.half_mm.y());
-  if (on_endplate && depth_mm < -kDiscMm) return WalkerVoxel::kOutside;
+  if (on_endplate && depth_mm < -kDiscMm && !is_dense) return WalkerVoxel::kOutside;
   const double most_mm = is_on_border ? (above ? kBorderUpMm : kBorderDownMm) : (above ? kMostUpMm : kMostDownMm);
   return place.beyond_mm > most_mm ? WalkerVoxel::kOther : WalkerVoxel::kFree;
 }
@@ -76,11 +77,13 @@ WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& b
 std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometry& geometry) {
   constexpr float kFar = -1000.0F;
   constexpr double kMarginMm = 3.0;
+  // wall_edge() is largest this far outside the cortex's crest.
+  constexpr double kWallMm = 0.8;
   std::vector<float> depth_mm(geometry.voxel_count(), kFar);
   const double reach_mm = body.surface.largest_radius_mm() + kMarginMm;
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
     if ((p_mm - body.surface.centre_mm()).norm() > reach_mm) return;
-    const double depth = body.surface.depth_mm(p_mm);
+    const double depth = body.surface.depth_mm(p_mm) - kWallMm;
     const bool held_back = depth > 0.0 && body.cylinder.scale_to(p_mm) > 1.0;
     depth_mm[voxel] = held_back ? -0.01F : static_cast<float>(depth);
   });
@@ -98,14 +101,16 @@ std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask,
 }
 
 std::vector<WalkerVoxel> place_markers(std::span<const std::uint8_t> bone, std::span<const std::uint8_t> ribs,
-                                       std::span<const float> depth_mm, const BodyCylinder& body,
-                                       const GridGeometry& geometry, const GridGeometry& ct_geometry) {
+                                       std::span<const float> depth_mm, const FloatGrid& hu, double dense_hu,
+                                       const BodyCylinder& body, const GridGeometry& ct_geometry) {
+  const GridGeometry& geometry = hu.geometry;
   std::vector<WalkerVoxel> markers(bone.size(), WalkerVoxel::kOutside);
   const PlaceFinder place_of(body);
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
     if (bone[voxel] == 0) return;
     markers[voxel] = marker_at(place_of(p_mm), static_cast<double>(depth_mm[voxel]), body, ribs[voxel] != 0,
-                               on_border(ct_geometry, p_mm, geometry.spacing_mm));
+                               on_border(ct_geometry, p_mm, geometry.spacing_mm),
+                               static_cast<double>(hu.values[voxel]) >= dense_hu);
   });
   return markers;
 }
