@@ -41,8 +41,7 @@ void check_seed(const CtVolume& ct, const Vec3& seed_mm) {
   const GridGeometry& geometry = ct.geometry;
   const Vec3 p = geometry.to_index(seed_mm);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (p[static_cast<Eigen::Index>(axis)] >= -0.5 &&
-        p[static_cast<Eigen::Index>(axis)] <= geometry.size[axis] - 0.5) {
+    if (p[static_cast<Eigen::Index>(axis)] >= -0.5 && p[static_cast<Eigen::Index>(axis)] <= geometry.size[axis] - 0.5) {
       continue;
     }
     Box3 reach(geometry.origin_mm, geometry.origin_mm);
@@ -99,7 +98,8 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
   constexpr double kLeastHu = 50.0;
   std::vector<float> conductivity(hu.values.size());
   tbb::parallel_for(std::size_t{0}, conductivity.size(), [&](std::size_t v) {
-    const double ratio = std::clamp(static_cast<double>(hu.values[v]) / std::max<double>(closed[v], kLeastHu), 0.0, 1.0);
+    const double ratio =
+        std::clamp(static_cast<double>(hu.values[v]) / std::max<double>(closed[v], kLeastHu), 0.0, 1.0);
     conductivity[v] = depth_mm[v] > 0.0F ? 1.0F : static_cast<float>(std::max(kLeast, std::pow(ratio, kPower)));
   });
   return conductivity;
@@ -107,8 +107,8 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
 
 /// Ribs: bone that goes on from where transverse processes may end to where they certainly have.
 Mask find_ribs(const Mask& bone, const BodyCylinder& body, const GridGeometry& geometry) {
-  constexpr double kFromMm = 38.0;   // thoracic transverse processes, which meet ribs, end before
-  constexpr double kBeyondMm = 55.0; // and so do the longest lumbar ones
+  constexpr double kFromMm = 38.0;    // thoracic transverse processes, which meet ribs, end before
+  constexpr double kBeyondMm = 55.0;  // and so do the longest lumbar ones
   return parts_that_touch(voxels_to_the_side(bone, body, geometry, kFromMm),
                           voxels_to_the_side(bone, body, geometry, kBeyondMm), geometry);
 }
@@ -178,9 +178,8 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   constexpr double kGapReachMm = 1.6;  // joint spaces are up to 3 mm wide
   const GreyClosing closing = close_gaps(work.hu, kGapReachMm);
   const Mask ribs = find_ribs(bone, body.cylinder, geometry);
-  const std::vector<WalkerVoxel> markers =
-      place_markers(bone, ribs, depth_mm, work.smooth, 0.5 * (levels.low_hu + levels.sure_hu), body.cylinder,
-                    ct.geometry);
+  const std::vector<WalkerVoxel> markers = place_markers(
+      bone, ribs, depth_mm, work.smooth, 0.5 * (levels.low_hu + levels.sure_hu), body.cylinder, ct.geometry);
   const std::vector<float> probability =
       walk_randomly(markers, conductivity_of(work.hu, closing.closed, depth_mm), geometry, progress);
 
@@ -198,8 +197,8 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   mine = parts_that_touch(mine, core, geometry);
 
   Segmentation result;
-  result.mask = detail::refine_mask({mine, bone, depth_mm, closing.peak, work.hu.geometry, work.box, work.bins}, ct,
-                                    levels);
+  result.mask =
+      detail::refine_mask({mine, bone, depth_mm, closing.peak, work.hu.geometry, work.box, work.bins}, ct, levels);
   if (mask_box(result.mask).empty()) fail("found no bone around ", in_words(seed_mm));
   result.report = {.seed_mm = seed_mm,
                    .threshold_hu = levels.low_hu,

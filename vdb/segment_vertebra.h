@@ -15,10 +15,10 @@ struct SegmentOptions {
 };
 
 struct SegmentReport {
-  Vec3 seed_mm = Vec3::Zero();      ///< given or found
-  double threshold_hu = 0.0;        ///< bone is over this where it hangs together with ...
-  double sure_threshold_hu = 0.0;   ///< ... voxels over this
-  double noise_hu = 0.0;            ///< standard deviation in soft tissue
+  Vec3 seed_mm = Vec3::Zero();     ///< given or found
+  double threshold_hu = 0.0;       ///< bone is over this where it hangs together with ...
+  double sure_threshold_hu = 0.0;  ///< ... voxels over this
+  double noise_hu = 0.0;           ///< standard deviation in soft tissue
   Vec3 body_centre_mm = Vec3::Zero();
   Vec3 body_size_mm = Vec3::Zero();  ///< width, depth and height of the cylinder nearest to the body
   double body_fit = 0.0;             ///< share of a full wall that the body's surface has, up to 1

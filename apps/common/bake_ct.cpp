@@ -29,8 +29,8 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
   const std::map<std::string, std::string> facts{
       {"version", version()},
       {"source_hash", ct.source_hash},
-      {"mask",
-       options.labels ? text("label ", options.labels->label) : text("threshold ", report_of_mask->threshold_hu, " HU")},
+      {"mask", options.labels ? text("label ", options.labels->label)
+                              : text("threshold ", report_of_mask->threshold_hu, " HU")},
       {"surface_centres", text(fit.report.surface_centres)},
       {"off_surface_centres", text(fit.report.off_surface_centres)},
       {"smoothing_mm", text(options.rbf.smoothing_mm)},

@@ -46,17 +46,19 @@ void draw_outline(CtSlice& slice, const BoneMask& mask) {
   }
   for (int row = 1; row + 1 < height; ++row) {
     for (int column = 1; column + 1 < width; ++column) {
-      const bool rim = inside[at(column, row)] != 0 &&
-                       (inside[at(column - 1, row)] == 0 || inside[at(column + 1, row)] == 0 ||
-                        inside[at(column, row - 1)] == 0 || inside[at(column, row + 1)] == 0);
-      if (rim) std::copy(kColour.begin(), kColour.end(), slice.image.rgb.begin() + 3 * static_cast<long>(at(column, row)));
+      const bool rim =
+          inside[at(column, row)] != 0 && (inside[at(column - 1, row)] == 0 || inside[at(column + 1, row)] == 0 ||
+                                           inside[at(column, row - 1)] == 0 || inside[at(column, row + 1)] == 0);
+      if (rim)
+        std::copy(kColour.begin(), kColour.end(), slice.image.rgb.begin() + 3 * static_cast<long>(at(column, row)));
     }
   }
 }
 
 }  // namespace
 
-Image mask_picture(const CtVolume& ct, const BoneMask& mask, const Vec3& through_mm, const MaskPictureOptions& options) {
+Image mask_picture(const CtVolume& ct, const BoneMask& mask, const Vec3& through_mm,
+                   const MaskPictureOptions& options) {
   if (mask.geometry.size != ct.geometry.size) fail("picture: expected a mask on the CT's grid, found another");
   const Box3 box_mm = box_of(mask, options.margin_mm);
   std::vector<CtSlice> slices;

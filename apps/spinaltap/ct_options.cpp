@@ -13,7 +13,8 @@ void CtOptions::add_reading(CLI::App& app) {
 
 void CtOptions::add_baking(CLI::App& app) {
   CLI::Option* labels_option =
-      app.add_option("--labels", labels, "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
+      app.add_option("--labels", labels,
+                     "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
           ->type_name("FILE");
   app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
   app.add_option("--seed", seed_mm, "A point in the body of the wanted vertebra, mm; default: in the largest body")

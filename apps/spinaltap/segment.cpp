@@ -87,8 +87,8 @@ Json segment(const Options& options, const Progress& progress) {
   const CtVolume ct = options.ct.read(progress);
   std::optional<LabelChoice> labels;
   if (!options.ct.labels.empty()) labels = LabelChoice{options.ct.labels, options.from_label};
-  const ChosenBone bone = choose_bone(
-      ct, labels, {.seed_mm = options.ct.given_seed(), .threshold_hu = options.threshold_hu}, progress);
+  const ChosenBone bone =
+      choose_bone(ct, labels, {.seed_mm = options.ct.given_seed(), .threshold_hu = options.threshold_hu}, progress);
   StagedOutput output;
   output.write(options.output, encode_label_map(bone.mask, options.label, options.output));
   if (!options.picture.empty()) {

@@ -58,25 +58,42 @@ const std::string& field(const Header& header, const std::string& name, const st
 }
 
 Stored stored_as(const std::string& type, const std::string& what) {
-  static const std::map<std::string, Stored> kTypes{
-      {"signed char", Stored::kInt8},       {"int8", Stored::kInt8},
-      {"int8_t", Stored::kInt8},            {"uchar", Stored::kUint8},
-      {"unsigned char", Stored::kUint8},    {"uint8", Stored::kUint8},
-      {"uint8_t", Stored::kUint8},          {"short", Stored::kInt16},
-      {"short int", Stored::kInt16},        {"signed short", Stored::kInt16},
-      {"signed short int", Stored::kInt16}, {"int16", Stored::kInt16},
-      {"int16_t", Stored::kInt16},          {"ushort", Stored::kUint16},
-      {"unsigned short", Stored::kUint16},  {"unsigned short int", Stored::kUint16},
-      {"uint16", Stored::kUint16},          {"uint16_t", Stored::kUint16},
-      {"int", Stored::kInt32},              {"signed int", Stored::kInt32},
-      {"int32", Stored::kInt32},            {"int32_t", Stored::kInt32},
-      {"uint", Stored::kUint32},            {"unsigned int", Stored::kUint32},
-      {"uint32", Stored::kUint32},          {"uint32_t", Stored::kUint32},
-      {"longlong", Stored::kInt64},         {"long long", Stored::kInt64},
-      {"int64", Stored::kInt64},            {"int64_t", Stored::kInt64},
-      {"ulonglong", Stored::kUint64},       {"unsigned long long", Stored::kUint64},
-      {"uint64", Stored::kUint64},          {"uint64_t", Stored::kUint64},
-      {"float", Stored::kFloat32},          {"double", Stored::kFloat64}};
+  static const std::map<std::string, Stored> kTypes{{"signed char", Stored::kInt8},
+                                                    {"int8", Stored::kInt8},
+                                                    {"int8_t", Stored::kInt8},
+                                                    {"uchar", Stored::kUint8},
+                                                    {"unsigned char", Stored::kUint8},
+                                                    {"uint8", Stored::kUint8},
+                                                    {"uint8_t", Stored::kUint8},
+                                                    {"short", Stored::kInt16},
+                                                    {"short int", Stored::kInt16},
+                                                    {"signed short", Stored::kInt16},
+                                                    {"signed short int", Stored::kInt16},
+                                                    {"int16", Stored::kInt16},
+                                                    {"int16_t", Stored::kInt16},
+                                                    {"ushort", Stored::kUint16},
+                                                    {"unsigned short", Stored::kUint16},
+                                                    {"unsigned short int", Stored::kUint16},
+                                                    {"uint16", Stored::kUint16},
+                                                    {"uint16_t", Stored::kUint16},
+                                                    {"int", Stored::kInt32},
+                                                    {"signed int", Stored::kInt32},
+                                                    {"int32", Stored::kInt32},
+                                                    {"int32_t", Stored::kInt32},
+                                                    {"uint", Stored::kUint32},
+                                                    {"unsigned int", Stored::kUint32},
+                                                    {"uint32", Stored::kUint32},
+                                                    {"uint32_t", Stored::kUint32},
+                                                    {"longlong", Stored::kInt64},
+                                                    {"long long", Stored::kInt64},
+                                                    {"int64", Stored::kInt64},
+                                                    {"int64_t", Stored::kInt64},
+                                                    {"ulonglong", Stored::kUint64},
+                                                    {"unsigned long long", Stored::kUint64},
+                                                    {"uint64", Stored::kUint64},
+                                                    {"uint64_t", Stored::kUint64},
+                                                    {"float", Stored::kFloat32},
+                                                    {"double", Stored::kFloat64}};
   const auto found = kTypes.find(type);
   if (found == kTypes.end()) fail("expected labels stored as numbers, found NRRD type \"", type, "\" in ", what);
   return found->second;
@@ -107,8 +124,8 @@ std::array<int, 3> sizes_of(const Header& header, const std::string& what) {
   }
   if (sizes.size() == 4 && sizes.front() == 1) sizes.erase(sizes.begin());
   if (sizes.size() == 4) {
-    fail("expected a label map of one layer, found ", sizes.front(),
-         " in ", what, " (3D Slicer: Segmentations, Collapse labelmap layers)");
+    fail("expected a label map of one layer, found ", sizes.front(), " in ", what,
+         " (3D Slicer: Segmentations, Collapse labelmap layers)");
   }
   if (sizes.size() != 3) fail("expected three NRRD axes, found ", words.size(), " in ", what);
   return {static_cast<int>(sizes[0]), static_cast<int>(sizes[1]), static_cast<int>(sizes[2])};
@@ -117,7 +134,8 @@ std::array<int, 3> sizes_of(const Header& header, const std::string& what) {
 /// "(1,0,0)" as a vector; nothing for "none".
 std::optional<Vec3> vector_of(std::string word, const std::string& what) {
   if (word == "none") return std::nullopt;
-  std::replace_if(word.begin(), word.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+  std::replace_if(
+      word.begin(), word.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
   std::istringstream in(word);
   Vec3 vector;
   std::string rest;
@@ -143,10 +161,9 @@ std::vector<std::string> vectors_of(const std::string& text) {
 }
 
 void set_transform(const Header& header, const std::string& what, LabelVoxels& voxels) {
-  static const std::map<std::string, Vec3> kToLps{
-      {"left-posterior-superior", {1, 1, 1}},   {"LPS", {1, 1, 1}},
-      {"right-anterior-superior", {-1, -1, 1}}, {"RAS", {-1, -1, 1}},
-      {"left-anterior-superior", {1, -1, 1}},   {"LAS", {1, -1, 1}}};
+  static const std::map<std::string, Vec3> kToLps{{"left-posterior-superior", {1, 1, 1}},   {"LPS", {1, 1, 1}},
+                                                  {"right-anterior-superior", {-1, -1, 1}}, {"RAS", {-1, -1, 1}},
+                                                  {"left-anterior-superior", {1, -1, 1}},   {"LAS", {1, -1, 1}}};
   const std::string& space = field(header, "space", what);
   const auto to_lps = kToLps.find(space);
   if (to_lps == kToLps.end()) {

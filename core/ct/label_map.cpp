@@ -38,8 +38,7 @@ detail::LabelVoxels load(const fs::path& file, int label) {
   if (!is_nrrd && !name.ends_with(".nii") && !name.ends_with(".nii.gz")) {
     fail("expected a label map as NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .seg.nrrd), found ", file.string());
   }
-  detail::LabelVoxels voxels =
-      is_nrrd ? detail::load_nrrd_label(file, label) : detail::load_nifti_label(file, label);
+  detail::LabelVoxels voxels = is_nrrd ? detail::load_nrrd_label(file, label) : detail::load_nifti_label(file, label);
   if (label == 0 || !voxels.present.contains(label)) {
     fail("no label ", label, " in ", file.string(), "; there are: ", list_for_people(voxels.present));
   }
@@ -68,8 +67,8 @@ BoneMask read_label_map(const fs::path& file, int label, const GridGeometry& ct_
           return nearest[axis] >= 0.0 && nearest[axis] < voxels.size[static_cast<std::size_t>(axis)];
         };
         if (!inside_axis(0) || !inside_axis(1) || !inside_axis(2)) continue;
-        const std::size_t offset = grid.offset(static_cast<int>(nearest[0]), static_cast<int>(nearest[1]),
-                                               static_cast<int>(nearest[2]));
+        const std::size_t offset =
+            grid.offset(static_cast<int>(nearest[0]), static_cast<int>(nearest[1]), static_cast<int>(nearest[2]));
         if (voxels.has_label[offset] == 0) continue;
         mask.inside[ct_geometry.offset(i, j, k)] = 1;
         found.store(true, std::memory_order_relaxed);

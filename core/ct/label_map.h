@@ -8,9 +8,9 @@
 namespace spinaltap {
 
 /// Reads a label map as 3D Slicer and TotalSegmentator write them, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .seg.nrrd), on
-/// any grid, and gives the voxels of `ct_geometry` whose centre lies in a voxel with `label`. Throws Error when the file
-/// is neither, does not say where its voxels lie, or the label does not occur in it (the message lists those that do) or
-/// not within the CT.
+/// any grid, and gives the voxels of `ct_geometry` whose centre lies in a voxel with `label`. Throws Error when the
+/// file is neither, does not say where its voxels lie, or the label does not occur in it (the message lists those that
+/// do) or not within the CT.
 BoneMask read_label_map(const std::filesystem::path& file, int label, const GridGeometry& ct_geometry);
 
 /// A mask as a label map's bytes: `label` in the mask, 0 elsewhere, on the mask's grid. The format follows the name's

@@ -61,9 +61,7 @@ std::string nifti_header(const GridGeometry& geometry, int label) {
 std::string nrrd_header(const GridGeometry& geometry, int label, bool is_segmentation) {
   std::ostringstream text;
   text.precision(17);
-  const auto vector = [&](const Vec3& v) {
-    text << '(' << v.x() << ',' << v.y() << ',' << v.z() << ')';
-  };
+  const auto vector = [&](const Vec3& v) { text << '(' << v.x() << ',' << v.y() << ',' << v.z() << ')'; };
   text << "NRRD0004\ntype: " << (label <= 255 ? "unsigned char" : "short")
        << "\ndimension: 3\nspace: left-posterior-superior\nsizes: " << geometry.size[0] << ' ' << geometry.size[1]
        << ' ' << geometry.size[2] << "\nspace directions:";
@@ -76,9 +74,8 @@ std::string nrrd_header(const GridGeometry& geometry, int label, bool is_segment
   text << '\n';
   if (is_segmentation) {
     text << "Segment0_ID:=vertebra\nSegment0_Name:=vertebra\nSegment0_Color:=0.95 0.84 0.57\nSegment0_LabelValue:="
-         << label << "\nSegment0_Layer:=0\nSegment0_Extent:=0 " << geometry.size[0] - 1 << " 0 "
-         << geometry.size[1] - 1 << " 0 " << geometry.size[2] - 1
-         << "\nSegmentation_MasterRepresentation:=Binary labelmap\n";
+         << label << "\nSegment0_Layer:=0\nSegment0_Extent:=0 " << geometry.size[0] - 1 << " 0 " << geometry.size[1] - 1
+         << " 0 " << geometry.size[2] - 1 << "\nSegmentation_MasterRepresentation:=Binary labelmap\n";
   }
   text << '\n';
   return text.str();

@@ -16,11 +16,11 @@ namespace {
 
 const Vec3 kLeastHalfMm(10.0, 7.5, 6.5);
 const Vec3 kMostHalfMm(32.0, 24.0, 20.0);
-constexpr double kLeastWidthOverDepth = 0.95;  // T6, heart-shaped
-constexpr double kMostWidthOverDepth = 1.75;   // L5
+constexpr double kLeastWidthOverDepth = 0.95;   // T6, heart-shaped
+constexpr double kMostWidthOverDepth = 1.75;    // L5
 constexpr double kLeastHeightOverDepth = 0.65;  // less is a disc between two endplates
-constexpr double kMostHeightOverDepth = 1.1;   // more is two bodies
-const Vec3 kMostTurnRad(0.6, 0.4, 0.35);  // L5 may lie 35 degrees steep; the patient may be turned by 20
+constexpr double kMostHeightOverDepth = 1.1;    // more is two bodies
+const Vec3 kMostTurnRad(0.6, 0.4, 0.35);        // L5 may lie 35 degrees steep; the patient may be turned by 20
 
 /// Points and outward normals of the unit cylinder, about as dense everywhere on a typical body.
 struct UnitSurface {
@@ -107,8 +107,8 @@ bool allowed(const BodyCylinder& cylinder, const Vec3& seed_mm) {
 }
 
 /// Makes one move at a time while that helps, with steps that halve.
-BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels, BodyCylinder best, double step_mm,
-                     double least_step_mm) {
+BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels, BodyCylinder best,
+                     double step_mm, double least_step_mm) {
   best.fit = worth(hu, best, levels);
   for (; step_mm >= least_step_mm; step_mm *= 0.5) {
     constexpr int kMostRounds = 12;
@@ -193,14 +193,12 @@ BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const W
   best.fit = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
     std::vector<BodyCylinder> found = starts_around(best.centre_mm);
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      found[i] = improve(hu, seed_mm, levels, found[i], 6.0, 1.5);
-    });
+    tbb::parallel_for(std::size_t{0}, found.size(),
+                      [&](std::size_t i) { found[i] = improve(hu, seed_mm, levels, found[i], 6.0, 1.5); });
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
     found.resize(kBest);
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      found[i] = improve(hu, seed_mm, levels, found[i], 1.5, 0.25);
-    });
+    tbb::parallel_for(std::size_t{0}, found.size(),
+                      [&](std::size_t i) { found[i] = improve(hu, seed_mm, levels, found[i], 1.5, 0.25); });
     for (const BodyCylinder& one : found) {
       if (one.fit > best.fit) best = one;
     }

@@ -89,9 +89,8 @@ Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
   double best = 0.0;
   for (const Candidate& candidate : candidates_of(hu, levels.low_hu)) {
     if (tried_mm.size() == kMostTried) break;
-    const bool is_near = std::any_of(tried_mm.begin(), tried_mm.end(), [&](const Vec3& p_mm) {
-      return (p_mm - candidate.p_mm).norm() < kApartMm;
-    });
+    const bool is_near = std::any_of(tried_mm.begin(), tried_mm.end(),
+                                     [&](const Vec3& p_mm) { return (p_mm - candidate.p_mm).norm() < kApartMm; });
     if (is_near) continue;
     tried_mm.push_back(candidate.p_mm);
     const BodyCylinder body = fit_body_cylinder(smooth_around(ct, candidate.p_mm), candidate.p_mm, {levels.low_hu});

@@ -20,9 +20,9 @@ void for_all(const GridGeometry& geometry, const Visit& visit) {
 
 /// A point seen from the body: its own frame, and how far outside the cylinder.
 struct Place {
-  Vec3 p_body_mm;      ///< to the left, back and up from the middle
-  double across;       ///< 1 on the cylinder's side, below 1 within it
-  double beyond_mm;    ///< above the upper or below the lower end; negative between
+  Vec3 p_body_mm;    ///< to the left, back and up from the middle
+  double across;     ///< 1 on the cylinder's side, below 1 within it
+  double beyond_mm;  ///< above the upper or below the lower end; negative between
 };
 
 class PlaceFinder {
@@ -51,22 +51,22 @@ bool on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_
 
 WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& body, bool is_rib, bool is_on_border,
                       bool is_dense) {
-  constexpr double kDeepMm = 1.7;       // away from the wall, whose place is unsure
-  constexpr double kDiscMm = 0.3;       // on the endplate: what noise and blur make of it
-  constexpr double kNextBodyMm = 3.5;   // thinner discs are rare
-  constexpr double kInFront = 1.3;      // osteophytes reach no further
-  constexpr double kMostUpMm = 20.0;    // superior articular processes rise less over the endplate,
-  constexpr double kMostDownMm = 50.0;  // spinous processes of the middle thoracic spine hang down less;
-  constexpr double kBorderUpMm = 12.0;  // on the CT's border neighbours are cut from their bodies,
+  constexpr double kDeepMm = 1.7;         // away from the wall, whose place is unsure
+  constexpr double kDiscMm = 0.3;         // on the endplate: what noise and blur make of it
+  constexpr double kNextBodyMm = 3.5;     // thinner discs are rare
+  constexpr double kInFront = 1.3;        // osteophytes reach no further
+  constexpr double kMostUpMm = 20.0;      // superior articular processes rise less over the endplate,
+  constexpr double kMostDownMm = 50.0;    // spinous processes of the middle thoracic spine hang down less;
+  constexpr double kBorderUpMm = 12.0;    // on the CT's border neighbours are cut from their bodies,
   constexpr double kBorderDownMm = 20.0;  // and more likely met than the vertebra's own tips
   const bool above = place.p_body_mm.z() > 0.0;
   const double end_share = std::abs(place.p_body_mm.z()) / body.half_mm.z();
   if (depth_mm > kDeepMm && place.across < 0.9 && end_share < 0.9) return WalkerVoxel::kWanted;
   if (is_rib || (place.p_body_mm.y() < 0.0 && place.across > kInFront)) return WalkerVoxel::kOther;
   if (place.across < 1.0 && place.beyond_mm > kNextBodyMm) return WalkerVoxel::kOther;
-  const bool on_endplate = (place.across < 1.0 && end_share > 0.6) ||
-                           (place.across < kInFront && place.beyond_mm > -1.0 &&
-                            place.p_body_mm.y() < 0.8 * body.half_mm.y());
+  const bool on_endplate =
+      (place.across < 1.0 && end_share > 0.6) ||
+      (place.across < kInFront && place.beyond_mm > -1.0 && place.p_body_mm.y() < 0.8 * body.half_mm.y());
   if (on_endplate && depth_mm < -kDiscMm && !is_dense) return WalkerVoxel::kOutside;
   const double most_mm = is_on_border ? (above ? kBorderUpMm : kBorderDownMm) : (above ? kMostUpMm : kMostDownMm);
   return place.beyond_mm > most_mm ? WalkerVoxel::kOther : WalkerVoxel::kFree;
@@ -108,9 +108,9 @@ std::vector<WalkerVoxel> place_markers(std::span<const std::uint8_t> bone, std::
   const PlaceFinder place_of(body);
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
     if (bone[voxel] == 0) return;
-    markers[voxel] = marker_at(place_of(p_mm), static_cast<double>(depth_mm[voxel]), body, ribs[voxel] != 0,
-                               on_border(ct_geometry, p_mm, geometry.spacing_mm),
-                               static_cast<double>(hu.values[voxel]) >= dense_hu);
+    markers[voxel] =
+        marker_at(place_of(p_mm), static_cast<double>(depth_mm[voxel]), body, ribs[voxel] != 0,
+                  on_border(ct_geometry, p_mm, geometry.spacing_mm), static_cast<double>(hu.values[voxel]) >= dense_hu);
   });
   return markers;
 }

@@ -5,8 +5,8 @@
 
 namespace spinaltap {
 
-/// Depth of each voxel's centre below the crest of the body's wall (along the ray from its middle), mm; negative outside the
-/// surface or outside the cylinder, which holds back a surface that ran into a pedicle or a rib's head.
+/// Depth of each voxel's centre below the crest of the body's wall (along the ray from its middle), mm; negative
+/// outside the surface or outside the cylinder, which holds back a surface that ran into a pedicle or a rib's head.
 std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometry& geometry);
 
 /// The voxels of a mask at least `from_mm` to either side of the body's middle plane.
