@@ -9,11 +9,15 @@
 
 namespace spinaltap {
 
+ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
+                       const Progress& progress) {
+  if (labels) return {read_label_map(labels->file, labels->label, ct.geometry), std::nullopt};
+  Segmentation segmentation = segment_vertebra(ct, options, progress);
+  return {std::move(segmentation.mask), segmentation.report};
+}
+
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
-  ThresholdOptions threshold = options.threshold;
-  if (!threshold.threshold_hu) threshold.threshold_hu = choose_threshold_hu(ct);
-  const BoneMask mask = options.labels ? read_label_map(options.labels->file, options.labels->label, ct.geometry)
-                                       : threshold_mask(ct, threshold, progress);
+  const auto [mask, report_of_mask] = choose_bone(ct, options.labels, options.segment, progress);
   const SurfacePoints surface = extract_surface(ct, mask, options.surface, progress);
   const RbfFit fit = fit_surface_rbf(surface, options.rbf, progress);
 
@@ -25,8 +29,8 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
   const std::map<std::string, std::string> facts{
       {"version", version()},
       {"source_hash", ct.source_hash},
-      {"mask",
-       options.labels ? text("label ", options.labels->label) : text("threshold ", *threshold.threshold_hu, " HU")},
+      {"mask", options.labels ? text("label ", options.labels->label)
+                              : text("threshold ", report_of_mask->threshold_hu, " HU")},
       {"surface_centres", text(fit.report.surface_centres)},
       {"off_surface_centres", text(fit.report.off_surface_centres)},
       {"smoothing_mm", text(options.rbf.smoothing_mm)},

@@ -6,21 +6,21 @@
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/rbf/rbf_fit.h"
-#include "core/segment/threshold_mask.h"
 #include "core/surface/surface_points.h"
 #include "vdb/bake.h"
+#include "vdb/segment_vertebra.h"
 
 namespace spinaltap {
 
 /// A voxel label map that says which bone is meant.
 struct LabelChoice {
-  std::filesystem::path file;  ///< NIfTI
+  std::filesystem::path file;  ///< NIfTI or NRRD
   int label = 1;
 };
 
 struct BakeCtOptions {
-  std::optional<LabelChoice> labels;  ///< without it: the largest part over the threshold
-  ThresholdOptions threshold;
+  std::optional<LabelChoice> labels;  ///< without it: what segment_vertebra() finds
+  SegmentOptions segment;
   SurfaceOptions surface;
   RbfFitOptions rbf;
   BakeOptions bake;
@@ -32,6 +32,16 @@ struct BakedCt {
   RbfFitReport fit;
   BakeReport bake;
 };
+
+/// Which voxels are the wanted bone, and how they were found.
+struct ChosenBone {
+  BoneMask mask;
+  std::optional<SegmentReport> report;  ///< without a label map
+};
+
+/// The bone that a label map marks, or the vertebra that segment_vertebra() finds.
+ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
+                       const Progress& progress = {});
 
 /// The chain from a CT to a baked bone: mask, surface points, radial basis function, grids.
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options = {}, const Progress& progress = {});

@@ -27,6 +27,8 @@ CLI::App* add_command(CLI::App& program, Command& command, const std::string& na
 // One file each.
 void add_phantom(CLI::App& program, Command& command);
 void add_info(CLI::App& program, Command& command);
+void add_segment(CLI::App& program, Command& command);
+void add_points(CLI::App& program, Command& command);
 void add_bake(CLI::App& program, Command& command);
 void add_plan(CLI::App& program, Command& command);
 void add_drill(CLI::App& program, Command& command);

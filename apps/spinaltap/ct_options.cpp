@@ -20,20 +20,30 @@ void CtOptions::add_reading(CLI::App& app) {
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
 }
 
-void CtOptions::add_baking(CLI::App& app) {
+void CtOptions::add_choosing(CLI::App& app) {
   CLI::Option* labels_option =
-      app.add_option("--labels", labels, "NIfTI label map that marks the bone; without it a threshold finds it")
+      app.add_option("--labels", labels,
+                     "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
           ->type_name("FILE");
   app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
   app.add_option("--crop-margin", crop_margin_mm, "Take only the label's box and this much around it, mm")
       ->needs(labels_option)
       ->check(CLI::NonNegativeNumber)
       ->type_name("MM");
-  app.add_option("--threshold", bake.threshold.threshold_hu,
+  app.add_option("--seed", seed_mm, "A point in the body of the wanted vertebra, mm; default: in the largest body")
+      ->excludes(labels_option)
+      ->expected(3)
+      ->delimiter(',')
+      ->type_name("X,Y,Z");
+  app.add_option("--threshold", bake.segment.threshold_hu,
                  "Bone is at least this dense, HU; default: 150, less in a "
                  "noisy CT")
       ->excludes(labels_option)
       ->type_name("HU");
+}
+
+void CtOptions::add_baking(CLI::App& app) {
+  add_choosing(app);
   app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")
       ->capture_default_str()
       ->type_name("MM");
@@ -61,9 +71,23 @@ CtVolume CtOptions::read(const Progress& progress) const {
   return ct;
 }
 
+std::optional<Vec3> CtOptions::given_seed() const {
+  if (seed_mm.empty()) return std::nullopt;
+  return Vec3(seed_mm[0], seed_mm[1], seed_mm[2]);
+}
+
+ChosenBone CtOptions::choose(const CtVolume& ct, const Progress& progress) const {
+  std::optional<LabelChoice> choice;
+  if (!labels.empty()) choice = LabelChoice{labels, label};
+  SegmentOptions segment = bake.segment;
+  segment.seed_mm = given_seed();
+  return choose_bone(ct, choice, segment, progress);
+}
+
 BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
   BakeCtOptions options = bake;
   if (!labels.empty()) options.labels = LabelChoice{labels, label};
+  options.segment.seed_mm = given_seed();
   return bake_ct(ct, options, progress);
 }
 

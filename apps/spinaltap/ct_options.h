@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,15 +22,19 @@ struct CtOptions {
   double crop_margin_mm = -1.0;  ///< around the label; below 0: no crop
   std::filesystem::path labels;
   int label = 1;
+  std::vector<double> seed_mm;  ///< empty or three numbers, patient LPS
   BakeCtOptions bake;
 
   /// Adds the options for reading: --series, --resample, --crop.
   void add_reading(CLI::App& app);
-  /// Adds the options for making a bone: --labels, --label, --crop-margin, --threshold, --voxel, --centres,
-  /// --smoothing.
+  /// Adds the options that say which bone is meant: --labels, --label, --crop-margin, --seed, --threshold.
+  void add_choosing(CLI::App& app);
+  /// Adds those, and the options for making a bone of it: --voxel, --centres, --smoothing.
   void add_baking(CLI::App& app);
 
   CtVolume read(const Progress& progress) const;
+  std::optional<Vec3> given_seed() const;
+  ChosenBone choose(const CtVolume& ct, const Progress& progress) const;
   BakedCt make_bone(const CtVolume& ct, const Progress& progress) const;
 };
 

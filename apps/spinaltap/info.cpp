@@ -11,7 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
-#include "core/segment/threshold_mask.h"
+#include "core/segment/bone_levels.h"
 
 namespace spinaltap {
 namespace {

@@ -44,14 +44,16 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 7> commands;
+  std::array<Command, 9> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
-  add_bake(program, commands[3]);
-  add_plan(program, commands[4]);
-  add_drill(program, commands[5]);
-  add_mesh(program, commands[6]);
+  add_segment(program, commands[3]);
+  add_points(program, commands[4]);
+  add_bake(program, commands[5]);
+  add_plan(program, commands[6]);
+  add_drill(program, commands[7]);
+  add_mesh(program, commands[8]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -7,17 +7,17 @@
 
 #include <memory>
 
-#include "core/ct/dicom_read.h"
 #include "core/ct/dicom_write.h"
+#include "core/ct/read_ct.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra.h"
-#include "core/segment/threshold_mask.h"
 #include "core/surface/surface_samples.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/point_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "vdb/mesh_solid.h"
+#include "vdb/segment_vertebra.h"
 
 namespace spinaltap {
 namespace {
@@ -34,7 +34,7 @@ Scanned scan_of(std::unique_ptr<Solid> solid) {
   options.slices = std::max(options.slices, static_cast<int>(height_mm / options.slice_step_mm));
   Scanned scanned{std::move(solid), {}, {}};
   scanned.ct = scan(*scanned.solid, options);
-  scanned.mask = threshold_mask(scanned.ct);
+  scanned.mask = segment_vertebra(scanned.ct).mask;
   return scanned;
 }
 
@@ -64,8 +64,8 @@ void from_files_to_points(benchmark::State& state) {
   }
   const double before_mib = peak_memory_mib();
   for (auto _ : state) {
-    const CtVolume ct = read_dicom(folder.path() / "ct");
-    const BoneMask mask = threshold_mask(ct);
+    const CtVolume ct = read_ct(folder.path() / "ct");
+    const BoneMask mask = segment_vertebra(ct).mask;
     const SurfaceSamples samples = sample_surface(ct, mask);
     state.counters["points"] = static_cast<double>(samples.positions_mm.size());
   }

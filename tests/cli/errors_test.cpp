@@ -152,6 +152,39 @@ TEST_F(Errors, ListsTheLabelsOfAMapWithoutTheOneAskedFor) {
   EXPECT_THAT(error, HasSubstr("there are: 5"));
 }
 
+TEST_F(Errors, SaysWhatIsWrongWithASeed) {
+  EXPECT_THAT(refused("segment ../ct --seed 16,16,400 -o out/map.nii.gz"), HasSubstr("expected a point in the CT"));
+  EXPECT_THAT(refused("bake ../ct --seed 16,16,400 -o out/bone.vdb"), HasSubstr("expected a point in the CT"));
+  EXPECT_THAT(refused("segment ../ct --seed 1,2,3 -o out/map.nii.gz"), HasSubstr("no body's wall around (1, 2, 3) mm"));
+  EXPECT_THAT(refused("segment ../ct --seed 1,2 -o out/map.nii.gz"), HasSubstr("--help"));
+}
+
+TEST_F(Errors, NamesALabelMapThatIsNone) {
+  std::ofstream(in("bad.nrrd")) << "not NRRD at all";
+  EXPECT_THAT(refused("segment ../ct --labels ../bad.nrrd -o out/map.nii.gz"),
+              ::testing::AllOf(HasSubstr("expected an NRRD file"), HasSubstr("bad.nrrd")));
+  EXPECT_THAT(refused("bake ../ct --labels ../nowhere.nrrd -o out/bone.vdb"), HasSubstr("no such file"));
+  EXPECT_THAT(refused("segment ../ct -o out/map.png"), HasSubstr("map.png"));
+}
+
+TEST_F(Errors, LeavesNeitherMapNorPictureOnAFullDisk) {
+  write_labels(in("labels.nii"));
+  const std::string segment = "segment ../ct --labels ../labels.nii --from 5 -o out/map.nii --picture out/map.png";
+  EXPECT_THAT(refused(segment, "ulimit -f 8;"), HasSubstr("cannot write"));
+}
+
+TEST_F(Errors, CarriesALabelMapFromOneFormatToAnotherAndBack) {
+  write_labels(in("labels.nii"));
+  const auto run = [&](const std::string& arguments) {
+    const ProgramRun done = run_program("segment ct " + arguments, folder_.path());
+    EXPECT_EQ(done.exit_code, 0) << done.errors;
+    EXPECT_THAT(done.output, HasSubstr("32768"));  // every voxel of the CT
+  };
+  run("--labels labels.nii --from 5 --label 300 -o work/map.seg.nrrd --picture work/map.png");
+  run("--labels work/map.seg.nrrd --from 300 -o work/map.nii.gz");
+  EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("map.nii.gz", "map.png", "map.seg.nrrd"));
+}
+
 TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
   bake_ball();
   const std::string error = refused("plan ../bone.vdb --entry 100,0,0 --target 130,0,0 -o out/plan.json");
@@ -203,7 +236,7 @@ TEST_F(Errors, RefusesAnUnknownOptionWithAWordAboutHelp) {
 
 TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
   const test::TemporaryFolder folder;
-  for (const char* name : {"demo", "phantom", "info", "bake", "plan", "drill", "mesh"}) {
+  for (const char* name : {"demo", "phantom", "info", "segment", "bake", "plan", "drill", "mesh"}) {
     const ProgramRun run = run_program(std::string(name) + " --help", folder.path());
     EXPECT_EQ(run.exit_code, 0) << name;
     EXPECT_THAT(run.output, HasSubstr("Example")) << name;

@@ -7,12 +7,12 @@
 
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra.h"
-#include "core/segment/threshold_mask.h"
 #include "core/surface/surface_samples.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/point_error.h"
 #include "tests/support/test_data.h"
 #include "vdb/mesh_solid.h"
+#include "vdb/segment_vertebra.h"
 
 namespace spinaltap {
 namespace {
@@ -22,7 +22,7 @@ void expect_points_on(const Solid& solid) {
   const double height_mm = solid.bounds_mm().sizes().z() + 6.0;
   options.slices = std::max(options.slices, static_cast<int>(height_mm / options.slice_step_mm));
   const CtVolume ct = scan(solid, options);
-  const BoneMask mask = threshold_mask(ct);
+  const BoneMask mask = segment_vertebra(ct).mask;
   const auto error_of = [&](PointMethod method, const char* name) {
     const SurfaceSamples samples = sample_surface(ct, mask, {.method = method});
     const test::PointError error =

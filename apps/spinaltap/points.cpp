@@ -1,0 +1,62 @@
+#include <map>
+#include <memory>
+
+#include "apps/spinaltap/command.h"
+#include "apps/spinaltap/ct_options.h"
+#include "core/base/staged_output.h"
+#include "core/surface/point_file.h"
+
+namespace spinaltap {
+
+void add_points(CLI::App& program, Command& command) {
+  struct Options {
+    CtOptions ct;
+    SampleOptions sample;
+    std::filesystem::path output = "points.ply";
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(program, command, "points", "Write a bone's surface and off-surface points as PLY",
+                              "Example: spinaltap points ct/ --seed -9,222,-638 --method contours -o t11.ply\n"
+                              "Each point has x, y, z (mm, patient LPS), nx, ny, nz and value: 0 on the surface,\n"
+                              "otherwise the signed distance from it, mm, positive outside.");
+  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
+      ->required()
+      ->type_name("PATH");
+  app->add_option("-o,--output", options->output, "The .ply file to write")->capture_default_str()->type_name("FILE");
+  const std::map<std::string, PointMethod> methods{
+      {"pixels", PointMethod::pixels}, {"normals", PointMethod::normals}, {"contours", PointMethod::contours}};
+  app->add_option("--method", options->sample.method,
+                  "pixels: voxel centres and their neighbours; normals: voxel centres and estimated normals; contours "
+                  "(default): sub-pixel edges")
+      ->transform(CLI::CheckedTransformer(methods))
+      ->type_name("NAME");
+  app->add_option("--off-surface", options->sample.off_surface_mm,
+                  "Distance of off-surface points along normals, mm; less where another part is near")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber)
+      ->type_name("MM");
+  options->ct.add_reading(*app);
+  options->ct.add_choosing(*app);
+
+  command.run = [options](const Progress& progress) {
+    const CtVolume ct = options->ct.read(progress);
+    const ChosenBone bone = options->ct.choose(ct, progress);
+    const SurfaceSamples samples = sample_surface(ct, bone.mask, options->sample, progress);
+    StagedOutput output;
+    write_points(samples, output.stage(options->output));
+    output.commit();
+    const std::size_t off_surface = samples.positions_mm.size() - samples.surface_count;
+    print_figure("surface points", static_cast<double>(samples.surface_count), "", 0);
+    print_figure("off-surface points", static_cast<double>(off_surface), "", 0);
+    print_figure("pixels without a direction, dropped", static_cast<double>(samples.dropped), "", 0);
+    print_figure("no room off the surface", static_cast<double>(samples.without_off), "", 0);
+    print_figure("written", options->output.string());
+    return Json{{"surface_points", samples.surface_count},
+                {"off_surface_points", off_surface},
+                {"dropped", samples.dropped},
+                {"without_off_surface_point", samples.without_off},
+                {"ct_hash", ct.source_hash}};
+  };
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,106 @@
+#include "core/segment/find_body_seed.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/segment/binned_ct.h"
+#include "core/segment/body_cylinder.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kLatticeMm = 3.0;
+constexpr double kReachMm = 36.0;
+constexpr double kLeastWallMm = 6.0;  // half the height of the smallest bodies
+
+std::vector<Vec3> directions_26() {
+  std::vector<Vec3> directions;
+  for (int n = 0; n < 27; ++n) {
+    const Vec3 way(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    if (n != 13) directions.push_back(way.normalized());
+  }
+  return directions;
+}
+
+/// How far the far side of the first bone lies along a ray, mm; 0 when there is none, or it lies too near.
+double wall_mm(const FloatGrid& hu, const Vec3& from_mm, const Vec3& direction, double bone_hu) {
+  bool met = false;
+  for (double r = 0.0; r <= kReachMm; r += kLatticeMm) {
+    const Vec3 p = hu.geometry.to_index(from_mm + r * direction);
+    const Eigen::Array3i nearest = p.array().round().cast<int>();
+    if (!hu.geometry.contains(nearest.x(), nearest.y(), nearest.z())) return 0.0;
+    const bool is_bone = static_cast<double>(hu.at(nearest.x(), nearest.y(), nearest.z())) >= bone_hu;
+    if (met && !is_bone && r >= kLeastWallMm) return r;
+    met = met || is_bone;
+  }
+  return 0.0;
+}
+
+/// Share of directions with a wall, times the walls' mean distance.
+double enclosure(const FloatGrid& hu, const Vec3& p_mm, double bone_hu) {
+  static const std::vector<Vec3> directions = directions_26();
+  constexpr int kLeastWalls = 20;
+  int walls = 0;
+  double sum_mm = 0.0;
+  for (const Vec3& direction : directions) {
+    const double here_mm = wall_mm(hu, p_mm, direction, bone_hu);
+    walls += here_mm > 0.0 ? 1 : 0;
+    sum_mm += here_mm;
+  }
+  return walls < kLeastWalls ? 0.0 : sum_mm * walls * walls;
+}
+
+struct Candidate {
+  Vec3 p_mm;
+  double score;
+};
+
+std::vector<Candidate> candidates_of(const FloatGrid& hu, double bone_hu) {
+  const auto& size = hu.geometry.size;
+  std::vector<std::vector<Candidate>> by_slice(static_cast<std::size_t>(size[2]));
+  tbb::parallel_for(0, size[2], [&](int k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
+        if (hu.at(i, j, k) < -50.0F) continue;  // fat and air
+        const Vec3 p_mm = hu.geometry.to_patient(Vec3(i, j, k));
+        const double score = enclosure(hu, p_mm, bone_hu);
+        if (score > 0.0) by_slice[static_cast<std::size_t>(k)].push_back({p_mm, score});
+      }
+    }
+  });
+  std::vector<Candidate> all;
+  for (const auto& slice : by_slice) all.insert(all.end(), slice.begin(), slice.end());
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  return all;
+}
+
+}  // namespace
+
+Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
+  const auto& size = ct.geometry.size;
+  const VoxelBox whole{{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
+  const FloatGrid hu = bin_hu(ct, whole, bins_for(ct.geometry, kLatticeMm));
+  constexpr std::size_t kMostTried = 3;
+  constexpr double kApartMm = 12.0;
+  std::vector<Vec3> tried_mm;
+  Vec3 best_mm = Vec3::Zero();
+  double best = 0.0;
+  for (const Candidate& candidate : candidates_of(hu, levels.low_hu)) {
+    if (tried_mm.size() == kMostTried) break;
+    const bool is_near = std::any_of(tried_mm.begin(), tried_mm.end(),
+                                     [&](const Vec3& p_mm) { return (p_mm - candidate.p_mm).norm() < kApartMm; });
+    if (is_near) continue;
+    tried_mm.push_back(candidate.p_mm);
+    const BodyCylinder body = fit_body_cylinder(smooth_around(ct, candidate.p_mm), candidate.p_mm, {levels.low_hu});
+    const double wall = body.fit * body.half_mm.x() * body.half_mm.y() * body.half_mm.z();
+    if (!body.is_body() || wall <= best) continue;
+    best = wall;
+    best_mm = body.centre_mm;
+  }
+  if (!(best > 0.0)) fail("found no vertebral body in the CT; give a point in it (--seed)");
+  return best_mm;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,153 @@
+#include "core/segment/star_surface.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+/// Directions within this many times their mean spacing are neighbours: six for most.
+constexpr double kNeighbourReach = 1.45;
+
+/// Fibonacci's lattice: even, and in order of falling z.
+std::vector<Vec3> even_directions(int count) {
+  std::vector<Vec3> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count;
+    const double turn = 2.0 * std::numbers::pi * i / std::numbers::phi;
+    const double r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
+  }
+  return directions;
+}
+
+/// Indices of the directions whose z may be within `reach_rad` of z.
+std::pair<int, int> band(double z, double reach_rad, int count) {
+  const auto index = [&](double at) { return std::clamp(static_cast<int>(0.5 * count * (1.0 - at)), 0, count - 1); };
+  return {index(z + reach_rad), index(z - reach_rad)};
+}
+
+}  // namespace
+
+StarSurface::StarSurface(const Vec3& centre_mm, int direction_count) : centre_mm_(centre_mm) {
+  if (direction_count < 100) fail("star surface: expected at least 100 directions, found ", direction_count);
+  directions_ = even_directions(direction_count);
+  spacing_rad_ = std::sqrt(4.0 * std::numbers::pi / direction_count);
+  radii_mm_.assign(directions_.size(), 0.0);
+  neighbours_.resize(directions_.size());
+  const double reach_rad = kNeighbourReach * spacing_rad_;
+  for (int i = 0; i < direction_count; ++i) {
+    const Vec3& here = directions_[static_cast<std::size_t>(i)];
+    const auto [first, last] = band(here.z(), reach_rad, direction_count);
+    for (int j = first; j <= last; ++j) {
+      if (j != i && (directions_[static_cast<std::size_t>(j)] - here).norm() < reach_rad) {
+        neighbours_[static_cast<std::size_t>(i)].push_back(j);
+      }
+    }
+  }
+}
+
+double StarSurface::radius_towards_mm(const Vec3& direction) const {
+  const double reach_rad = kNeighbourReach * spacing_rad_;
+  const auto [first, last] = band(direction.z(), reach_rad, static_cast<int>(directions_.size()));
+  double sum = 0.0;
+  double weights = 0.0;
+  for (int i = first; i <= last; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double share = 1.0 - (directions_[at] - direction).squaredNorm() / (reach_rad * reach_rad);
+    if (share <= 0.0) continue;
+    sum += share * share * radii_mm_[at];
+    weights += share * share;
+  }
+  return weights > 0.0 ? sum / weights : 0.0;
+}
+
+double StarSurface::depth_mm(const Vec3& p_patient) const {
+  const Vec3 way = p_patient - centre_mm_;
+  const double length = way.norm();
+  return radius_towards_mm(length > 0.0 ? Vec3(way / length) : Vec3(Vec3::UnitX())) - length;
+}
+
+double StarSurface::volume_mm3() const {
+  double sum = 0.0;
+  for (const double r : radii_mm_) sum += r * r * r;
+  return sum * 4.0 * std::numbers::pi / (3.0 * static_cast<double>(radii_mm_.size()));
+}
+
+Vec3 StarSurface::centroid_mm() const {
+  Vec3 moment = Vec3::Zero();
+  double volume = 0.0;
+  for (std::size_t i = 0; i < radii_mm_.size(); ++i) {
+    const double cube = radii_mm_[i] * radii_mm_[i] * radii_mm_[i];
+    moment += 0.25 * cube * radii_mm_[i] * directions_[i];
+    volume += cube / 3.0;
+  }
+  return volume > 0.0 ? Vec3(centre_mm_ + moment / volume) : centre_mm_;
+}
+
+double StarSurface::largest_radius_mm() const { return *std::max_element(radii_mm_.begin(), radii_mm_.end()); }
+
+std::vector<int> choose_steps(const StarSurface& surface, const StarCost& cost, int rounds) {
+  const auto& neighbours = surface.neighbours();
+  const std::size_t count = neighbours.size();
+  const auto steps = static_cast<std::size_t>(cost.step_count);
+  if (steps < 1) fail("star surface: expected at least one radius to choose from");
+  std::vector<double> data(count * steps);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    for (std::size_t s = 0; s < steps; ++s) {
+      data[i * steps + s] = cost.cost(static_cast<int>(i), static_cast<int>(s));
+    }
+  });
+  // Messages lie with their receiver; `back[e]` is the edge that runs the other way.
+  std::vector<std::size_t> start(count + 1, 0);
+  for (std::size_t i = 0; i < count; ++i) start[i + 1] = start[i] + neighbours[i].size();
+  std::vector<std::size_t> back(start[count]);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t n = 0; n < neighbours[i].size(); ++n) {
+      const auto j = static_cast<std::size_t>(neighbours[i][n]);
+      const auto place = std::find(neighbours[j].begin(), neighbours[j].end(), static_cast<int>(i));
+      back[start[i] + n] = start[j] + static_cast<std::size_t>(place - neighbours[j].begin());
+    }
+  }
+  std::vector<double> messages(start[count] * steps, 0.0);
+  std::vector<double> sent(messages.size());
+  const auto belief = [&](std::size_t i, std::vector<double>& sum) {
+    sum.assign(data.begin() + static_cast<std::ptrdiff_t>(i * steps),
+               data.begin() + static_cast<std::ptrdiff_t>((i + 1) * steps));
+    for (std::size_t e = start[i]; e < start[i + 1]; ++e) {
+      for (std::size_t s = 0; s < steps; ++s) sum[s] += messages[e * steps + s];
+    }
+  };
+  for (int round = 0; round < rounds; ++round) {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      std::vector<double> sum;
+      belief(i, sum);
+      for (std::size_t e = start[i]; e < start[i + 1]; ++e) {
+        double* out = sent.data() + back[e] * steps;
+        for (std::size_t s = 0; s < steps; ++s) out[s] = sum[s] - messages[e * steps + s];
+        const double least = *std::min_element(out, out + steps);
+        for (std::size_t s = 1; s < steps; ++s) out[s] = std::min(out[s], out[s - 1] + cost.stiffness);
+        for (std::size_t s = steps - 1; s > 0; --s) out[s - 1] = std::min(out[s - 1], out[s] + cost.stiffness);
+        // Less its minimum, so that sums stay small.
+        for (std::size_t s = 0; s < steps; ++s) {
+          out[s] = std::min(out[s] - least, cost.stiffness * cost.most_difference);
+        }
+      }
+    });
+    messages.swap(sent);
+  }
+  std::vector<int> chosen(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    std::vector<double> sum;
+    belief(i, sum);
+    chosen[i] = static_cast<int>(std::min_element(sum.begin(), sum.end()) - sum.begin());
+  });
+  return chosen;
+}
+
+}  // namespace spinaltap

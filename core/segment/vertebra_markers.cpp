@@ -1,0 +1,118 @@
+#include "core/segment/vertebra_markers.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace spinaltap {
+namespace {
+
+/// Calls `visit(offset, p_patient)` for all voxels, slices in parallel.
+template <class Visit>
+void for_all(const GridGeometry& geometry, const Visit& visit) {
+  tbb::parallel_for(0, geometry.size[2], [&](int k) {
+    std::size_t voxel = geometry.offset(0, 0, k);
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) visit(voxel++, geometry.to_patient(Vec3(i, j, k)));
+    }
+  });
+}
+
+/// A point seen from the body: its own frame, and how far outside the cylinder.
+struct Place {
+  Vec3 p_body_mm;    ///< to the left, back and up from the middle
+  double across;     ///< 1 on the cylinder's side, below 1 within it
+  double beyond_mm;  ///< above the upper or below the lower end; negative between
+};
+
+class PlaceFinder {
+ public:
+  explicit PlaceFinder(const BodyCylinder& body) : body_(body), to_body_(body.axes().transpose()) {}
+
+  Place operator()(const Vec3& p_patient) const {
+    const Vec3 p = to_body_ * (p_patient - body_.centre_mm);
+    return {p, std::hypot(p.x() / body_.half_mm.x(), p.y() / body_.half_mm.y()), std::abs(p.z()) - body_.half_mm.z()};
+  }
+
+ private:
+  const BodyCylinder& body_;
+  Mat3 to_body_;
+};
+
+bool on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_mm) {
+  const Vec3 p = ct.to_index(p_patient);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const double half_voxel = 0.5 * voxel_mm[a] / ct.spacing_mm[a] + 0.1;
+    if (p[a] < half_voxel || p[a] > ct.size[axis] - 1 - half_voxel) return true;
+  }
+  return false;
+}
+
+WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& body, bool is_rib, bool is_on_border,
+                      bool is_dense) {
+  constexpr double kDeepMm = 1.7;         // away from the wall, whose place is unsure
+  constexpr double kDiscMm = 0.3;         // on the endplate: what noise and blur make of it
+  constexpr double kNextBodyMm = 3.5;     // thinner discs are rare
+  constexpr double kInFront = 1.3;        // osteophytes reach no further
+  constexpr double kMostUpMm = 20.0;      // superior articular processes rise less over the endplate,
+  constexpr double kMostDownMm = 50.0;    // spinous processes of the middle thoracic spine hang down less;
+  constexpr double kBorderUpMm = 12.0;    // on the CT's border neighbours are cut from their bodies,
+  constexpr double kBorderDownMm = 20.0;  // and more likely met than the vertebra's own tips
+  const bool above = place.p_body_mm.z() > 0.0;
+  const double end_share = std::abs(place.p_body_mm.z()) / body.half_mm.z();
+  if (depth_mm > kDeepMm && place.across < 0.9 && end_share < 0.9) return WalkerVoxel::kWanted;
+  if (is_rib || (place.p_body_mm.y() < 0.0 && place.across > kInFront)) return WalkerVoxel::kOther;
+  if (place.across < 1.0 && place.beyond_mm > kNextBodyMm) return WalkerVoxel::kOther;
+  const bool on_endplate =
+      (place.across < 1.0 && end_share > 0.6) ||
+      (place.across < kInFront && place.beyond_mm > -1.0 && place.p_body_mm.y() < 0.8 * body.half_mm.y());
+  if (on_endplate && depth_mm < -kDiscMm && !is_dense) return WalkerVoxel::kOutside;
+  const double most_mm = is_on_border ? (above ? kBorderUpMm : kBorderDownMm) : (above ? kMostUpMm : kMostDownMm);
+  return place.beyond_mm > most_mm ? WalkerVoxel::kOther : WalkerVoxel::kFree;
+}
+
+}  // namespace
+
+std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometry& geometry) {
+  constexpr float kFar = -1000.0F;
+  constexpr double kMarginMm = 3.0;
+  // wall_edge() is largest this far outside the cortex's crest.
+  constexpr double kWallMm = 0.8;
+  std::vector<float> depth_mm(geometry.voxel_count(), kFar);
+  const double reach_mm = body.surface.largest_radius_mm() + kMarginMm;
+  for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
+    if ((p_mm - body.surface.centre_mm()).norm() > reach_mm) return;
+    const double depth = body.surface.depth_mm(p_mm) - kWallMm;
+    const bool held_back = depth > 0.0 && body.cylinder.scale_to(p_mm) > 1.0;
+    depth_mm[voxel] = held_back ? -0.01F : static_cast<float>(depth);
+  });
+  return depth_mm;
+}
+
+std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask, const BodyCylinder& body,
+                                             const GridGeometry& geometry, double from_mm) {
+  std::vector<std::uint8_t> side(mask.size(), 0);
+  const PlaceFinder place_of(body);
+  for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
+    if (mask[voxel] != 0 && std::abs(place_of(p_mm).p_body_mm.x()) >= from_mm) side[voxel] = 1;
+  });
+  return side;
+}
+
+std::vector<WalkerVoxel> place_markers(std::span<const std::uint8_t> bone, std::span<const std::uint8_t> ribs,
+                                       std::span<const float> depth_mm, const FloatGrid& hu, double dense_hu,
+                                       const BodyCylinder& body, const GridGeometry& ct_geometry) {
+  const GridGeometry& geometry = hu.geometry;
+  std::vector<WalkerVoxel> markers(bone.size(), WalkerVoxel::kOutside);
+  const PlaceFinder place_of(body);
+  for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
+    if (bone[voxel] == 0) return;
+    markers[voxel] =
+        marker_at(place_of(p_mm), static_cast<double>(depth_mm[voxel]), body, ribs[voxel] != 0,
+                  on_border(ct_geometry, p_mm, geometry.spacing_mm), static_cast<double>(hu.values[voxel]) >= dense_hu);
+  });
+  return markers;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/segment/random_walker.h"
+#include "core/segment/vertebral_body.h"
+
+namespace spinaltap {
+
+/// Depth of each voxel's centre below the crest of the body's wall (along the ray from its middle), mm; negative
+/// outside the surface or outside the cylinder, which holds back a surface that ran into a pedicle or a rib's head.
+std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometry& geometry);
+
+/// The voxels of a mask at least `from_mm` to either side of the body's middle plane.
+std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask, const BodyCylinder& body,
+                                             const GridGeometry& geometry, double from_mm);
+
+/// What is known of each bone voxel before the walk, from anatomy:
+/// wanted is the inside of the body; other are `ribs`, bone in the column of bodies above and below, bone in front of
+/// the column, bone further up or down than processes reach, and bone on the CT's border that is nearly so far.
+/// Outside (no bone) is what lies on an endplate and is not as dense as `dense_hu`, for that is disc. All the rest is
+/// free.
+std::vector<WalkerVoxel> place_markers(std::span<const std::uint8_t> bone, std::span<const std::uint8_t> ribs,
+                                       std::span<const float> depth_mm, const FloatGrid& hu, double dense_hu,
+                                       const BodyCylinder& body, const GridGeometry& ct_geometry);
+
+}  // namespace spinaltap

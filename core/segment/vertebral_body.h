@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/segment/body_cylinder.h"
+#include "core/segment/float_grid.h"
+#include "core/segment/star_surface.h"
+
+namespace spinaltap {
+
+/// A vertebral body: the cylinder that lies nearest, and its true surface.
+struct VertebralBody {
+  BodyCylinder cylinder;
+  StarSurface surface;
+};
+
+/// The vertebral body around `seed_mm` (patient LPS), in a CT that was smoothed. First a cylinder; then, along each of
+/// many rays from its middle, the outer edge of the wall near it. Neighbouring rays pull each other along (see
+/// choose_steps()), so that the wall is found where it is as thin as the noise, and marrow may be as dark as the discs.
+VertebralBody find_vertebral_body(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels);
+
+}  // namespace spinaltap

@@ -1,0 +1,153 @@
+#include "vdb/segment_vertebra.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/phantom/scanner.h"
+#include "tests/support/mask_overlap.h"
+#include "tests/support/stacked_vertebrae.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::HasSubstr;
+
+std::string error_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// Three vertebrae, turned, whose facets are under 1 mm apart, less than the scan resolves.
+class ThreeVertebrae : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    stack_ = new test::StackedVertebrae(3, 31.5, Vec3(10.0, 5.0, -8.0));
+    ct_ = new CtVolume(scan(*stack_, {.columns = 200,
+                                      .rows = 200,
+                                      .slices = 125,
+                                      .pixel_mm = 0.7,
+                                      .slice_step_mm = 1.0,
+                                      .noise_hu = 25.0,
+                                      .seed = 7}));
+  }
+  static void TearDownTestSuite() {
+    delete ct_;
+    delete stack_;
+  }
+
+  static void expect_the_middle_one(const SegmentOptions& options) {
+    const Segmentation found = segment_vertebra(*ct_, options);
+    const BoneMask truth = test::true_mask(*stack_, 1, ct_->geometry);
+    const double dice = test::dice(found.mask, truth);
+    const double mean_mm = test::mean_surface_distance_mm(found.mask, truth);
+    std::printf("Dice %.3f, mean surface distance %.2f mm, cut over %.0f mm2\n", dice, mean_mm,
+                found.report.cut_area_mm2);
+    EXPECT_GE(dice, 0.95);
+    EXPECT_LE(mean_mm, 0.7);  // a pixel
+    EXPECT_GT(found.report.cut_area_mm2, 100.0) << "the scan was to show the facets as one";
+    EXPECT_FALSE(found.report.reaches_border);
+    for (const std::size_t neighbour : {std::size_t{0}, std::size_t{2}}) {
+      const BoneMask other = test::true_mask(*stack_, neighbour, ct_->geometry);
+      std::size_t taken = 0;
+      std::size_t all = 0;
+      for (std::size_t v = 0; v < other.inside.size(); ++v) {
+        taken += other.inside[v] != 0 && found.mask.inside[v] != 0 ? 1U : 0U;
+        all += other.inside[v];
+      }
+      // A layer of a tenth of a mm on the facets would be this much.
+      EXPECT_LT(static_cast<double>(taken), 0.001 * static_cast<double>(all)) << "of vertebra " << neighbour;
+    }
+  }
+
+  static const test::StackedVertebrae* stack_;
+  static const CtVolume* ct_;
+};
+
+const test::StackedVertebrae* ThreeVertebrae::stack_ = nullptr;
+const CtVolume* ThreeVertebrae::ct_ = nullptr;
+
+TEST_F(ThreeVertebrae, GiveTheMiddleOneFromASeedInItsMiddle) { expect_the_middle_one({.seed_mm = Vec3::Zero()}); }
+
+TEST_F(ThreeVertebrae, GiveTheMiddleOneFromASeedNearItsWall) {
+  // 4 mm below the upper endplate, 7 mm from the left wall.
+  expect_the_middle_one({.seed_mm = (*stack_)[1].to_patient(Vec3(14.0, -5.0, 8.0))});
+}
+
+TEST_F(ThreeVertebrae, GiveTheSameAtAnyNumberOfThreads) {
+  const SegmentOptions options{.seed_mm = Vec3::Zero()};
+  BoneMask one;
+  {
+    const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
+    one = segment_vertebra(*ct_, options).mask;
+  }
+  const tbb::global_control parallel(tbb::global_control::max_allowed_parallelism, 3);
+  EXPECT_EQ(segment_vertebra(*ct_, options).mask.inside, one.inside);
+}
+
+TEST_F(ThreeVertebrae, RefuseASeedBesideABody) {
+  // In the muscle beside the middle one.
+  const Vec3 beside_mm = (*stack_)[1].to_patient(Vec3(48.0, -10.0, 0.0));
+  EXPECT_THAT(error_of([&] { segment_vertebra(*ct_, {.seed_mm = beside_mm}); }), HasSubstr("no body's wall around"));
+}
+
+TEST_F(ThreeVertebrae, RefuseASeedOutsideTheCt) {
+  EXPECT_THAT(error_of([&] { segment_vertebra(*ct_, {.seed_mm = Vec3(0.0, 0.0, 400.0)}); }),
+              HasSubstr("expected a point in the CT"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(error_of([&] { segment_vertebra(*ct_, {.seed_mm = Vec3(0.0, nan, 0.0)}); }), HasSubstr("not a number"));
+}
+
+TEST(SegmentVertebra, FindsAVertebraWithoutASeed) {
+  const Vertebra vertebra;
+  const CtVolume ct =
+      scan(vertebra, {.columns = 170, .rows = 170, .slices = 70, .pixel_mm = 0.7, .slice_step_mm = 1.0});
+  const Segmentation found = segment_vertebra(ct);
+  EXPECT_LT((found.report.body_centre_mm - vertebra.to_patient(Vec3::Zero())).norm(), 3.0);
+  BoneMask truth{ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
+  for (int k = 0; k < ct.geometry.size[2]; ++k) {
+    for (int j = 0; j < ct.geometry.size[1]; ++j) {
+      for (int i = 0; i < ct.geometry.size[0]; ++i) {
+        const Vec3 p_mm = ct.geometry.to_patient(Vec3(i, j, k));
+        double value_mm = 0.0;
+        vertebra.evaluate({&p_mm, 1}, {&value_mm, 1}, {});
+        if (value_mm < 0.0) truth.inside[ct.geometry.offset(i, j, k)] = 1;
+      }
+    }
+  }
+  EXPECT_GE(test::dice(found.mask, truth), 0.95);
+  EXPECT_EQ(found.report.cut_area_mm2, 0.0);  // it stands alone
+}
+
+TEST(SegmentVertebra, RefusesASeedInAir) {
+  GridGeometry geometry;
+  geometry.size = {20, 20, 20};
+  std::vector<std::int16_t> hu(geometry.voxel_count(), -1000);
+  for (std::size_t v = 0; v < 400; ++v) hu[v] = 500;
+  const CtVolume ct = make_ct_volume(geometry, std::move(hu));
+  EXPECT_THAT(error_of([&] { segment_vertebra(ct, {.seed_mm = Vec3(10.0, 10.0, 10.0)}); }),
+              HasSubstr("found air (-1000 HU)"));
+}
+
+TEST(SegmentVertebra, SaysWhatTheCtHoldsWhenNothingIsOverTheThreshold) {
+  GridGeometry geometry;
+  geometry.size = {8, 8, 8};
+  std::vector<std::int16_t> hu(geometry.voxel_count(), 140);
+  hu[3] = -90;
+  const CtVolume ct = make_ct_volume(geometry, std::move(hu));
+  EXPECT_THAT(error_of([&] { segment_vertebra(ct, {.threshold_hu = 250.0}); }),
+              testing::AllOf(HasSubstr("250 HU"), HasSubstr("-90 to 140 HU")));
+}
+
+}  // namespace
+}  // namespace spinaltap
