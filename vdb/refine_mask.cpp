@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/segment/distance_transform.h"
+#include "core/segment/vertebra_markers.h"
 #include "vdb/connected_parts.h"
 
 namespace spinaltap::detail {
@@ -60,7 +61,7 @@ BoneMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const Bon
         const bool is_bone = hu.values[voxel] >=
                              std::max(static_cast<float>(levels.low_hu), least_share_of_peak(binned.peak_hu[coarse]));
         const bool is_near = to_mine[coarse] <= one_bin && to_mine[coarse] < to_other[coarse];
-        const bool in_body = binned.mine[coarse] != 0 && binned.depth_mm[coarse] > 0.0F;
+        const bool in_body = binned.mine[coarse] != 0 && binned.depth_mm[coarse] > kSureDepthMm;
         deep[voxel] = is_deep ? 1 : 0;
         inside[voxel] = is_fine ? (is_deep || in_body || (is_near && is_bone)) : binned.mine[coarse] != 0;
       }

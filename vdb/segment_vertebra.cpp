@@ -83,7 +83,7 @@ Mask at_least(const FloatGrid& hu, double threshold_hu) {
 Mask find_bone(const FloatGrid& smooth, const BoneLevels& levels, const std::vector<float>& depth_mm) {
   Mask bone = parts_that_touch(at_least(smooth, levels.low_hu), at_least(smooth, levels.sure_hu), smooth.geometry);
   for (std::size_t v = 0; v < bone.size(); ++v) {
-    if (depth_mm[v] > 0.0F) bone[v] = 1;
+    if (depth_mm[v] > kSureDepthMm) bone[v] = 1;
   }
   return fill_hollows(bone, smooth.geometry, std::max(1.0, smooth.geometry.spacing_mm.maxCoeff()));
 }
@@ -122,7 +122,7 @@ void trim_rim(Mask& mine, const Mask& bone, const FloatGrid& smooth, const std::
   const double reach_mm = 1.01 * smooth.geometry.spacing_mm.maxCoeff();
   for (std::size_t v = 0; v < mine.size(); ++v) {
     const bool on_rim = static_cast<double>(to_soft[v]) <= reach_mm * reach_mm;
-    if (on_rim && !(depth_mm[v] > 0.0F) && smooth.values[v] < detail::least_share_of_peak(peak[v])) mine[v] = 0;
+    if (on_rim && !(depth_mm[v] > kSureDepthMm) && smooth.values[v] < detail::least_share_of_peak(peak[v])) mine[v] = 0;
   }
 }
 

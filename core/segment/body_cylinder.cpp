@@ -15,11 +15,11 @@ namespace spinaltap {
 namespace {
 
 const Vec3 kLeastHalfMm(10.0, 7.5, 6.5);
-const Vec3 kMostHalfMm(32.0, 24.0, 20.0);
+const Vec3 kMostHalfMm(32.0, 24.0, 17.5);
 constexpr double kLeastWidthOverDepth = 0.95;   // T6, heart-shaped
 constexpr double kMostWidthOverDepth = 1.75;    // L5
 constexpr double kLeastHeightOverDepth = 0.65;  // less is a disc between two endplates
-constexpr double kMostHeightOverDepth = 1.1;    // more is two bodies
+constexpr double kMostHeightOverDepth = 0.95;   // more is two bodies
 const Vec3 kMostTurnRad(0.6, 0.4, 0.35);        // L5 may lie 35 degrees steep; the patient may be turned by 20
 
 /// Points and outward normals of the unit cylinder, about as dense everywhere on a typical body.
@@ -193,8 +193,13 @@ BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const W
   best.fit = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
     std::vector<BodyCylinder> found = starts_around(best.centre_mm);
-    tbb::parallel_for(std::size_t{0}, found.size(),
-                      [&](std::size_t i) { found[i] = improve(hu, seed_mm, levels, found[i], 6.0, 1.5); });
+    tbb::parallel_for(
+        std::size_t{0}, found.size(),
+        [&](std::size_t i) {  // Large steps leap over false walls, small ones stay near the start: both are tried.
+          const BodyCylinder leapt = improve(hu, seed_mm, levels, found[i], 6.0, 1.5);
+          const BodyCylinder near = improve(hu, seed_mm, levels, found[i], 3.0, 1.5);
+          found[i] = leapt.fit > near.fit ? leapt : near;
+        });
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
     found.resize(kBest);
     tbb::parallel_for(std::size_t{0}, found.size(),

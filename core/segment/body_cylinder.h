@@ -35,7 +35,7 @@ FloatGrid smooth_around(const CtVolume& ct, const Vec3& p_mm);
 
 /// The cylinder around `seed_mm` (patient LPS) with the most wall on its surface, found by a pattern search from many
 /// starts. All of its surface speaks at once, so that a wall as thin as the noise is found. Half sizes from 10 x 7.5 x
-/// 6.5 mm (the smallest adults' T1) to 32 x 24 x 20 mm (the largest L5). `hu` should be smoothed.
+/// 6.5 mm (the smallest adults' T1) to 32 x 24 x 17.5 mm (the largest L5). `hu` should be smoothed.
 BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels);
 
 }  // namespace spinaltap

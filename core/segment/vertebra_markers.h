@@ -5,6 +5,10 @@
 
 namespace spinaltap {
 
+/// Deeper than this below the body's wall, mm, all is bone, as dark as marrow may be. Nearer to it CT numbers decide:
+/// the wall's place is sure to no more than this, most of all where the canal hollows it.
+inline constexpr float kSureDepthMm = 2.5F;
+
 /// Depth of each voxel's centre below the crest of the body's wall (along the ray from its middle), mm; negative
 /// outside the surface or outside the cylinder, which holds back a surface that ran into a pedicle or a rib's head.
 std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometry& geometry);
