@@ -73,7 +73,7 @@ TEST(PhantomChain, GivesBackTheVertebra) {
 
 TEST(PhantomChain, GivesBackTheMeshOfARealVertebra) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_mesh")
-  const TriangleMesh mesh = test::read_only_stl(folder);
+  const TriangleMesh mesh = test::read_real_vertebra(folder);
   const std::unique_ptr<Solid> solid = make_mesh_solid(mesh);
   expect_chain_gives_back(*solid, std::nullopt, std::abs(measure_mesh(mesh).volume_mm3));
 }

@@ -47,7 +47,7 @@ TEST(SurfacePointsOfScans, LieOnThePhantom) { expect_points_on(Vertebra()); }
 
 TEST(SurfacePointsOfScans, LieOnTheMeshOfARealVertebra) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_mesh")
-  expect_points_on(*make_mesh_solid(test::read_only_stl(folder)));
+  expect_points_on(*make_mesh_solid(test::read_real_vertebra(folder)));
 }
 
 }  // namespace

@@ -7,10 +7,13 @@
 
 namespace spinaltap::test {
 
-/// The one .stl file in a folder.
-inline TriangleMesh read_only_stl(const std::filesystem::path& folder) {
+/// The real vertebra of L3_mesh, turned into patient LPS: its file has the back at -x.
+inline TriangleMesh read_real_vertebra(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".stl") return read_mesh(entry.path());
+    if (entry.path().extension() != ".stl") continue;
+    TriangleMesh mesh = read_mesh(entry.path());
+    for (Eigen::Vector3f& vertex : mesh.vertices_mm) vertex = Eigen::Vector3f(vertex.y(), -vertex.x(), vertex.z());
+    return mesh;
   }
   fail("no .stl in ", folder.string());
 }
