@@ -165,7 +165,8 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   if (options.seed_mm) check_seed(ct, *options.seed_mm);
   const Vec3 seed_mm = options.seed_mm ? *options.seed_mm : find_body_seed(ct, levels);
   const VertebralBody body = find_vertebral_body(smooth_around(ct, seed_mm), seed_mm, {levels.low_hu});
-  if (!body.cylinder.is_body()) {
+  constexpr double kOutsideMm = 2.0;  // the surface's own error, and a seed on the wall
+  if (!body.cylinder.is_body() || body.surface.depth_mm(seed_mm) < -kOutsideMm) {
     fail("seed: expected a point in a vertebral body, found no body's wall around ", in_words(seed_mm),
          "; the best place has ", std::lround(100.0 * body.cylinder.fit), " % of one");
   }

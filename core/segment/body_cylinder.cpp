@@ -50,16 +50,17 @@ struct UnitSurface {
   }
 };
 
-double fit_of(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevels& levels) {
+/// The mean wall edge at every `stride`-th point of the surface.
+double fit_of(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevels& levels, std::size_t stride) {
   static const UnitSurface unit;
   const Mat3 axes = cylinder.axes();
   double sum = 0.0;
-  for (std::size_t i = 0; i < unit.points.size(); ++i) {
+  for (std::size_t i = 0; i < unit.points.size(); i += stride) {
     const Vec3 p_mm = cylinder.centre_mm + axes * unit.points[i].cwiseProduct(cylinder.half_mm);
     const Vec3 outward = (axes * unit.normals[i].cwiseQuotient(cylinder.half_mm)).normalized();
     sum += wall_edge(hu, p_mm, outward, levels);
   }
-  return sum / static_cast<double>(unit.points.size());
+  return sum / static_cast<double>((unit.points.size() + stride - 1) / stride);
 }
 
 /// The ways in which the search changes a cylinder: it moves one of the six faces, moves or widens the whole, or turns.
@@ -90,10 +91,10 @@ BodyCylinder moved(const BodyCylinder& cylinder, int move, double step_mm) {
 
 /// What the search makes as large as it can. Of two surfaces with as much wall the larger is the whole body, the
 /// smaller a part of it. Height does not count: it would be had from the discs.
-double worth(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevels& levels) {
+double worth(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevels& levels, std::size_t stride) {
   constexpr double kSizePower = 0.2;
   const Vec3& h = cylinder.half_mm;
-  return fit_of(hu, cylinder, levels) * std::pow(h.x() * h.y(), kSizePower);
+  return fit_of(hu, cylinder, levels, stride) * std::pow(h.x() * h.y(), kSizePower);
 }
 
 bool allowed(const BodyCylinder& cylinder, const Vec3& seed_mm) {
@@ -108,8 +109,8 @@ bool allowed(const BodyCylinder& cylinder, const Vec3& seed_mm) {
 
 /// Makes one move at a time while that helps, with steps that halve.
 BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels, BodyCylinder best,
-                     double step_mm, double least_step_mm) {
-  best.fit = worth(hu, best, levels);
+                     double step_mm, double least_step_mm, std::size_t stride) {
+  best.fit = worth(hu, best, levels, stride);
   for (; step_mm >= least_step_mm; step_mm *= 0.5) {
     constexpr int kMostRounds = 12;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -118,7 +119,7 @@ BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels&
         for (const double sign : {-1.0, 1.0}) {
           BodyCylinder other = moved(best, move, sign * step_mm);
           if (!allowed(other, seed_mm)) continue;
-          other.fit = worth(hu, other, levels);
+          other.fit = worth(hu, other, levels, stride);
           if (other.fit > best.fit) best = other;
         }
       }
@@ -188,6 +189,7 @@ BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const W
   // The second round starts from the middle of what the first one found: a seed near a wall is a poor start.
   constexpr int kRounds = 2;
   constexpr std::size_t kBest = 12;
+  constexpr std::size_t kCoarse = 2;  // every second point will do for a first look
   BodyCylinder best;
   best.centre_mm = seed_mm;
   best.fit = -std::numeric_limits<double>::infinity();
@@ -196,19 +198,19 @@ BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const W
     tbb::parallel_for(
         std::size_t{0}, found.size(),
         [&](std::size_t i) {  // Large steps leap over false walls, small ones stay near the start: both are tried.
-          const BodyCylinder leapt = improve(hu, seed_mm, levels, found[i], 6.0, 1.5);
-          const BodyCylinder near = improve(hu, seed_mm, levels, found[i], 3.0, 1.5);
+          const BodyCylinder leapt = improve(hu, seed_mm, levels, found[i], 6.0, 1.5, kCoarse);
+          const BodyCylinder near = improve(hu, seed_mm, levels, found[i], 3.0, 1.5, kCoarse);
           found[i] = leapt.fit > near.fit ? leapt : near;
         });
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
     found.resize(kBest);
     tbb::parallel_for(std::size_t{0}, found.size(),
-                      [&](std::size_t i) { found[i] = improve(hu, seed_mm, levels, found[i], 1.5, 0.25); });
+                      [&](std::size_t i) { found[i] = improve(hu, seed_mm, levels, found[i], 1.5, 0.25, 1); });
     for (const BodyCylinder& one : found) {
       if (one.fit > best.fit) best = one;
     }
   }
-  best.fit = fit_of(hu, best, levels);
+  best.fit = fit_of(hu, best, levels, 1);
   return best;
 }
 
