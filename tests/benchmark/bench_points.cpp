@@ -44,7 +44,8 @@ const Scanned& phantom() {
 }
 
 const Scanned& real_mesh() {
-  static const Scanned scanned = scan_of(make_mesh_solid(test::read_real_vertebra(test::test_data_folder() / "L3_mesh")));
+  static const Scanned scanned =
+      scan_of(make_mesh_solid(test::read_real_vertebra(test::test_data_folder() / "L3_mesh")));
   return scanned;
 }
 
