@@ -61,6 +61,7 @@ void from_files_to_points(benchmark::State& state) {
   {
     ScanOptions options;
     options.slices = 95;
+    std::filesystem::create_directory(folder.path() / "ct");
     write_dicom(scan(Vertebra(), options), folder.path() / "ct");
   }
   const double before_mib = peak_memory_mib();
