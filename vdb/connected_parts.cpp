@@ -4,6 +4,7 @@
 #include <openvdb/tools/LevelSetUtil.h>
 
 #include <algorithm>
+#include <array>
 
 #include "core/base/error.h"
 #include "core/segment/distance_transform.h"
@@ -12,25 +13,45 @@
 namespace spinaltap {
 namespace {
 
-using Parts = std::vector<openvdb::BoolTree::Ptr>;
+struct Parts {
+  std::vector<openvdb::BoolTree::Ptr> trees;
+  /// Offsets of voxels without a neighbour. Noise makes thousands, and each would be a tree of a quarter megabyte.
+  std::vector<std::size_t> single;
+};
+
+bool has_neighbour(std::span<const std::uint8_t> inside, const GridGeometry& geometry, int i, int j, int k) {
+  const std::array<int, 3> index{i, j, k};
+  const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
+  const std::size_t here = geometry.offset(i, j, k);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (index[axis] > 0 && inside[here - stride[axis]] != 0) return true;
+    if (index[axis] + 1 < geometry.size[axis] && inside[here + stride[axis]] != 0) return true;
+  }
+  return false;
+}
 
 Parts parts_of(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
   if (inside.size() != geometry.voxel_count()) {
     fail("connected parts: expected ", geometry.voxel_count(), " voxels, found ", inside.size());
   }
   initialize_openvdb();
+  Parts parts;
   openvdb::MaskTree tree;
   openvdb::tree::ValueAccessor<openvdb::MaskTree> accessor(tree);
   std::size_t voxel = 0;
   for (int k = 0; k < geometry.size[2]; ++k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
-      for (int i = 0; i < geometry.size[0]; ++i) {
-        if (inside[voxel++] != 0) accessor.setValueOn(openvdb::Coord(i, j, k));
+      for (int i = 0; i < geometry.size[0]; ++i, ++voxel) {
+        if (inside[voxel] == 0) continue;
+        if (has_neighbour(inside, geometry, i, j, k)) {
+          accessor.setValueOn(openvdb::Coord(i, j, k));
+        } else {
+          parts.single.push_back(voxel);
+        }
       }
     }
   }
-  Parts parts;
-  openvdb::tools::extractActiveVoxelSegmentMasks(tree, parts);
+  openvdb::tools::extractActiveVoxelSegmentMasks(tree, parts.trees);
   return parts;
 }
 
@@ -73,7 +94,9 @@ std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside,
     fail("connected parts: expected two masks of one size, found ", inside.size(), " and ", touched.size(), " voxels");
   }
   std::vector<std::uint8_t> result(inside.size(), 0);
-  for (const openvdb::BoolTree::Ptr& part : parts_of(inside, geometry)) {
+  const Parts parts = parts_of(inside, geometry);
+  for (const std::size_t voxel : parts.single) result[voxel] = touched[voxel] != 0 ? 1 : 0;
+  for (const openvdb::BoolTree::Ptr& part : parts.trees) {
     bool touches = false;
     for_voxels(*part, geometry, [&](std::size_t voxel) { return !(touches = touched[voxel] != 0); });
     if (!touches) continue;
@@ -86,8 +109,9 @@ std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside,
 }
 
 std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
-  std::vector<std::size_t> sizes;
-  for (const openvdb::BoolTree::Ptr& part : parts_of(inside, geometry)) sizes.push_back(part->activeVoxelCount());
+  const Parts parts = parts_of(inside, geometry);
+  std::vector<std::size_t> sizes(parts.single.size(), 1);
+  for (const openvdb::BoolTree::Ptr& part : parts.trees) sizes.push_back(part->activeVoxelCount());
   std::sort(sizes.begin(), sizes.end(), std::greater<>());
   return sizes;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -157,6 +158,23 @@ bool reaches_border(const BoneMask& mask) {
   return false;
 }
 
+/// Refuses a seed that lies away from the bone that was found in its name.
+void check_near(const Mask& mine, const GridGeometry& geometry, const Vec3& seed_mm) {
+  constexpr double kMostMm = 3.0;  // over a hole in the wall, or in marrow that the noise left open
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        if (mine[geometry.offset(i, j, k)] == 0) continue;
+        least_mm = std::min(least_mm, (geometry.to_patient(Vec3(i, j, k)) - seed_mm).norm());
+      }
+    }
+  }
+  if (least_mm <= kMostMm) return;
+  fail("seed: expected a point in a vertebral body, found the nearest one ", std::lround(least_mm), " mm from ",
+       in_words(seed_mm));
+}
+
 }  // namespace
 
 Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
@@ -196,6 +214,8 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   mine = fill_hollows(mine, geometry, kPitMm);
   const std::size_t parts = part_sizes(mine, geometry).size();
   mine = parts_that_touch(mine, core, geometry);
+
+  check_near(mine, geometry, seed_mm);
 
   Segmentation result;
   result.mask =

@@ -97,20 +97,28 @@ double worth(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevels
   return fit_of(hu, cylinder, levels, stride) * std::pow(h.x() * h.y(), kSizePower);
 }
 
-bool allowed(const BodyCylinder& cylinder, const Vec3& seed_mm) {
+/// What a search keeps to.
+struct Search {
+  Vec3 seed_mm;  ///< stays within the cylinder
+  WallLevels levels;
+  double facing_rad;  ///< the turn about z that the cylinder's own may differ from a little
+};
+
+bool allowed(const BodyCylinder& cylinder, const Search& search) {
   const double width_over_depth = cylinder.half_mm.x() / cylinder.half_mm.y();
   const double height_over_depth = cylinder.half_mm.z() / cylinder.half_mm.y();
   return width_over_depth >= kLeastWidthOverDepth && width_over_depth <= kMostWidthOverDepth &&
          height_over_depth >= kLeastHeightOverDepth && height_over_depth <= kMostHeightOverDepth &&
          (cylinder.half_mm.array() >= kLeastHalfMm.array()).all() &&
          (cylinder.half_mm.array() <= kMostHalfMm.array()).all() &&
-         (cylinder.turn_rad.array().abs() <= kMostTurnRad.array()).all() && cylinder.scale_to(seed_mm) < 1.05;
+         ((cylinder.turn_rad - Vec3(0.0, 0.0, search.facing_rad)).array().abs() <= kMostTurnRad.array()).all() &&
+         cylinder.scale_to(search.seed_mm) < 1.05;
 }
 
 /// Makes one move at a time while that helps, with steps that halve.
-BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels, BodyCylinder best,
-                     double step_mm, double least_step_mm, std::size_t stride) {
-  best.fit = worth(hu, best, levels, stride);
+BodyCylinder improve(const FloatGrid& hu, const Search& search, BodyCylinder best, double step_mm, double least_step_mm,
+                     std::size_t stride) {
+  best.fit = worth(hu, best, search.levels, stride);
   for (; step_mm >= least_step_mm; step_mm *= 0.5) {
     constexpr int kMostRounds = 12;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -118,8 +126,8 @@ BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels&
       for (int move = 0; move < kMoves; ++move) {
         for (const double sign : {-1.0, 1.0}) {
           BodyCylinder other = moved(best, move, sign * step_mm);
-          if (!allowed(other, seed_mm)) continue;
-          other.fit = worth(hu, other, levels, stride);
+          if (!allowed(other, search)) continue;
+          other.fit = worth(hu, other, search.levels, stride);
           if (other.fit > best.fit) best = other;
         }
       }
@@ -129,13 +137,15 @@ BodyCylinder improve(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels&
   return best;
 }
 
-std::vector<BodyCylinder> starts_around(const Vec3& centre_mm) {
+std::vector<BodyCylinder> starts_around(const Vec3& centre_mm, double facing_rad) {
+  const Mat3 facing = Eigen::AngleAxisd(facing_rad, Vec3::UnitZ()).toRotationMatrix();
   std::vector<BodyCylinder> starts;
   for (const Vec3& half_mm : {Vec3(16.0, 13.0, 11.0), Vec3(23.0, 17.0, 14.0)}) {
     for (const double x : {-0.55, 0.0, 0.55}) {
       for (const double y : {-0.55, 0.0, 0.55}) {
         for (const double z : {-0.8, 0.0, 0.8}) {
-          starts.push_back({centre_mm + half_mm.cwiseProduct(Vec3(x, y, z)), half_mm, Vec3::Zero(), 0.0});
+          starts.push_back(
+              {centre_mm + facing * half_mm.cwiseProduct(Vec3(x, y, z)), half_mm, Vec3(0.0, 0.0, facing_rad), 0.0});
         }
       }
     }
@@ -177,6 +187,35 @@ double wall_edge(const FloatGrid& hu, const Vec3& p_patient, const Vec3& outward
   return edge > 0.0 ? edge * soft : edge;
 }
 
+double facing_of_arch_rad(const FloatGrid& hu, const BodyCylinder& body, double bone_hu) {
+  constexpr double kArchMm = 35.0;  // how far behind the body laminae and spinous processes are looked for
+  constexpr double kAboveMm = 5.0;  // and how far above and below its ends
+  constexpr double kAtLeastTwice = 2.0;
+  const Mat3 to_body = body.axes().transpose();
+  std::array<double, 4> bone{};  // behind, and counter-clockwise from there as seen from above
+  for (int k = 0; k < hu.geometry.size[2]; ++k) {
+    for (int j = 0; j < hu.geometry.size[1]; ++j) {
+      for (int i = 0; i < hu.geometry.size[0]; ++i) {
+        if (static_cast<double>(hu.at(i, j, k)) < bone_hu) continue;
+        const Vec3 p = to_body * (hu.geometry.to_patient(Vec3(i, j, k)) - body.centre_mm);
+        if (std::abs(p.z()) > body.half_mm.z() + kAboveMm) continue;
+        const std::array<Eigen::Vector2d, 4> turned{Eigen::Vector2d(p.x(), p.y()), Eigen::Vector2d(p.y(), -p.x()),
+                                                    Eigen::Vector2d(-p.x(), -p.y()), Eigen::Vector2d(-p.y(), p.x())};
+        for (std::size_t quarter = 0; quarter < 4; ++quarter) {
+          const double half_depth_mm = body.half_mm[quarter % 2 == 0 ? 1 : 0];
+          const double half_width_mm = body.half_mm[quarter % 2 == 0 ? 0 : 1];
+          const double behind_mm = turned[quarter].y() - 1.1 * half_depth_mm;
+          if (behind_mm > 0.0 && behind_mm < kArchMm && std::abs(turned[quarter].x()) < half_width_mm) {
+            bone[quarter] += 1.0;
+          }
+        }
+      }
+    }
+  }
+  const auto most = std::max_element(bone.begin(), bone.end());
+  return *most > kAtLeastTwice * bone[0] ? 0.5 * std::numbers::pi * static_cast<double>(most - bone.begin()) : 0.0;
+}
+
 FloatGrid smooth_around(const CtVolume& ct, const Vec3& p_mm) {
   constexpr double kStepMm = 0.8;
   constexpr double kBlurMm = 0.9;
@@ -185,7 +224,8 @@ FloatGrid smooth_around(const CtVolume& ct, const Vec3& p_mm) {
   return gaussian_blur(bin_hu(ct, voxels_of(box_mm, ct.geometry), bins_for(ct.geometry, kStepMm)), kBlurMm);
 }
 
-BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels) {
+BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels, double facing_rad) {
+  const Search search{seed_mm, levels, facing_rad};
   // The second round starts from the middle of what the first one found: a seed near a wall is a poor start.
   constexpr int kRounds = 2;
   constexpr std::size_t kBest = 12;
@@ -194,18 +234,20 @@ BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const W
   best.centre_mm = seed_mm;
   best.fit = -std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<BodyCylinder> found = starts_around(best.centre_mm);
-    tbb::parallel_for(
-        std::size_t{0}, found.size(),
-        [&](std::size_t i) {  // Large steps leap over false walls, small ones stay near the start: both are tried.
-          const BodyCylinder leapt = improve(hu, seed_mm, levels, found[i], 6.0, 1.5, kCoarse);
-          const BodyCylinder near = improve(hu, seed_mm, levels, found[i], 3.0, 1.5, kCoarse);
-          found[i] = leapt.fit > near.fit ? leapt : near;
-        });
+    std::vector<BodyCylinder> found = starts_around(best.centre_mm, facing_rad);
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+      // Large steps leap over false walls, small ones stay near the start: all are tried.
+      const BodyCylinder start = found[i];
+      found[i].fit = -std::numeric_limits<double>::infinity();
+      for (const double step_mm : {6.0, 3.0, 1.5}) {
+        const BodyCylinder one = improve(hu, search, start, step_mm, 1.5, kCoarse);
+        if (one.fit > found[i].fit) found[i] = one;
+      }
+    });
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
     found.resize(kBest);
     tbb::parallel_for(std::size_t{0}, found.size(),
-                      [&](std::size_t i) { found[i] = improve(hu, seed_mm, levels, found[i], 1.5, 0.25, 1); });
+                      [&](std::size_t i) { found[i] = improve(hu, search, found[i], 1.5, 0.25, 1); });
     for (const BodyCylinder& one : found) {
       if (one.fit > best.fit) best = one;
     }

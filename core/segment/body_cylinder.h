@@ -36,6 +36,13 @@ FloatGrid smooth_around(const CtVolume& ct, const Vec3& p_mm);
 /// The cylinder around `seed_mm` (patient LPS) with the most wall on its surface, found by a pattern search from many
 /// starts. All of its surface speaks at once, so that a wall as thin as the noise is found. Half sizes from 10 x 7.5 x
 /// 6.5 mm (the smallest adults' T1) to 32 x 24 x 17.5 mm (the largest L5). `hu` should be smoothed.
-BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels);
+/// Its own back is within 20 degrees of the patient's, turned by `facing_rad` about z.
+BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels,
+                               double facing_rad = 0.0);
+
+/// The turn about z (rad: 0 or a multiple of a quarter turn) to what is really the body's back, where the arch is: the
+/// side with most bone behind it. Other than 0 only where that is twice as much as at the patient's back, as in scans
+/// of models that do not lie in the patient's frame.
+double facing_of_arch_rad(const FloatGrid& hu, const BodyCylinder& body, double bone_hu);
 
 }  // namespace spinaltap

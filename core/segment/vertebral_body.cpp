@@ -29,7 +29,13 @@ Exit leave(const BodyCylinder& cylinder, const Vec3& direction) {
 }  // namespace
 
 VertebralBody find_vertebral_body(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels) {
-  const BodyCylinder cylinder = fit_body_cylinder(hu, seed_mm, levels);
+  BodyCylinder cylinder = fit_body_cylinder(hu, seed_mm, levels);
+  const double facing_rad = facing_of_arch_rad(hu, cylinder, levels.bone_hu);
+  if (facing_rad != 0.0) {
+    const BodyCylinder turned = fit_body_cylinder(hu, seed_mm, levels, facing_rad);
+    // A body that fits as well as before: otherwise there was no arch, only other bone at the side.
+    if (turned.fit > 0.9 * cylinder.fit) cylinder = turned;
+  }
   StarSurface surface(cylinder.centre_mm, kDirections);
   std::vector<Exit> exits;
   for (const Vec3& direction : surface.directions()) exits.push_back(leave(cylinder, direction));

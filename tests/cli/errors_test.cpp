@@ -155,7 +155,7 @@ TEST_F(Errors, ListsTheLabelsOfAMapWithoutTheOneAskedFor) {
 TEST_F(Errors, SaysWhatIsWrongWithASeed) {
   EXPECT_THAT(refused("segment ../ct --seed 16,16,400 -o out/map.nii.gz"), HasSubstr("expected a point in the CT"));
   EXPECT_THAT(refused("bake ../ct --seed 16,16,400 -o out/bone.vdb"), HasSubstr("expected a point in the CT"));
-  EXPECT_THAT(refused("segment ../ct --seed 1,2,3 -o out/map.nii.gz"), HasSubstr("no body's wall around (1, 2, 3) mm"));
+  EXPECT_THAT(refused("segment ../ct --seed 1,2,3 -o out/map.nii.gz"), HasSubstr("mm from (1, 2, 3) mm"));
   EXPECT_THAT(refused("segment ../ct --seed 1,2 -o out/map.nii.gz"), HasSubstr("--help"));
 }
 
