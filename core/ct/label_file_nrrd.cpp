@@ -33,7 +33,7 @@ Header read_header(const std::string& content, const std::string& what) {
   if (!content.starts_with("NRRD")) fail("expected an NRRD file, found one that is not: ", what);
   Header header;
   std::size_t begin = content.find('\n');
-  while (begin != std::string::npos && begin < kMostHeader) {
+  while (begin < kMostHeader) {
     ++begin;
     const std::size_t end = content.find('\n', begin);
     if (end == std::string::npos) break;

@@ -55,12 +55,13 @@ double fit_of(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevel
   static const UnitSurface unit;
   const Mat3 axes = cylinder.axes();
   double sum = 0.0;
-  for (std::size_t i = 0; i < unit.points.size(); i += stride) {
+  double count = 0.0;
+  for (std::size_t i = 0; i < unit.points.size(); i += stride, count += 1.0) {
     const Vec3 p_mm = cylinder.centre_mm + axes * unit.points[i].cwiseProduct(cylinder.half_mm);
     const Vec3 outward = (axes * unit.normals[i].cwiseQuotient(cylinder.half_mm)).normalized();
     sum += wall_edge(hu, p_mm, outward, levels);
   }
-  return sum / static_cast<double>((unit.points.size() + stride - 1) / stride);
+  return sum / count;
 }
 
 /// The ways in which the search changes a cylinder: it moves one of the six faces, moves or widens the whole, or turns.

@@ -17,9 +17,12 @@ constexpr double kLeastWallMm = 6.0;  // half the height of the smallest bodies
 
 std::vector<Vec3> directions_26() {
   std::vector<Vec3> directions;
-  for (int n = 0; n < 27; ++n) {
-    const Vec3 way(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    if (n != 13) directions.push_back(way.normalized());
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      for (const double z : {-1.0, 0.0, 1.0}) {
+        if (x != 0.0 || y != 0.0 || z != 0.0) directions.push_back(Vec3(x, y, z).normalized());
+      }
+    }
   }
   return directions;
 }
