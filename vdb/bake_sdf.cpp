@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "vdb/detail/bake_sdf.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/detail/one_piece.h"
 
 namespace spinaltap::detail {
 namespace {
@@ -73,50 +74,6 @@ bool has_surface(const FloatGrid& grid) {
   return any_inside && any_outside;
 }
 
-/// Drops all but the piece with the most voxels; returns how many surfaces were dropped.
-std::size_t keep_largest_piece(FloatGrid::Ptr& grid) {
-  std::vector<FloatGrid::Ptr> pieces;
-  openvdb::tools::segmentSDF(*grid, pieces);
-  if (pieces.size() < 2) return 0;
-  const auto largest = std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
-    return a->activeVoxelCount() < b->activeVoxelCount();
-  });
-  const auto surfaces =
-      std::count_if(pieces.begin(), pieces.end(), [](const auto& piece) { return has_surface(*piece); });
-  grid = *largest;
-  openvdb::tools::signedFloodFill(grid->tree());
-  return static_cast<std::size_t>(surfaces) - 1;
-}
-
-/// Drops solids beside the largest whose bands touch its own, which keep_largest_piece() takes for one; returns how
-/// many.
-std::size_t drop_solids_beside(FloatGrid& grid) {
-  constexpr int kBand = 3;
-  const openvdb::BoolGrid::Ptr interior = openvdb::tools::sdfInteriorMask(grid);
-  interior->tree().voxelizeActiveTiles();
-  std::vector<openvdb::BoolGrid::Ptr> solids;  // the largest first
-  openvdb::tools::segmentActiveVoxels(*interior, solids);
-  const float band = grid.background();
-  auto accessor = grid.getAccessor();
-  for (std::size_t n = 1; n < solids.size(); ++n) {
-    const auto is_bone = solids.front()->getConstAccessor();
-    for (auto voxel = solids[n]->cbeginValueOn(); voxel; ++voxel) {
-      // Its voxels, and those around it that no voxel of the bone touches.
-      const Coord at = voxel.getCoord();
-      accessor.setValueOff(at, band);
-      for (auto near = openvdb::CoordBBox(at.offsetBy(-kBand), at.offsetBy(kBand)).begin(); near; ++near) {
-        if (!accessor.isValueOn(*near) || accessor.getValue(*near) < 0.0F) continue;
-        bool touches = false;
-        for (auto next = openvdb::CoordBBox((*near).offsetBy(-1), (*near).offsetBy(1)).begin(); next; ++next) {
-          touches = touches || is_bone.isValueOn(*next);
-        }
-        if (!touches) accessor.setValueOff(*near, band);
-      }
-    }
-  }
-  return solids.empty() ? 0 : solids.size() - 1;
-}
-
 }  // namespace
 
 FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm, BakeReport& report,
@@ -165,11 +122,10 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   }
   if (!has_surface(*grid)) fail("baking: the field has no zero set near the ", seeds_mm.size(), " seeds");
   openvdb::tools::signedFloodFill(grid->tree());
-  report.dropped_pieces = keep_largest_piece(grid);
-  report.dropped_pieces += drop_solids_beside(*grid);
+  report.dropped_pieces = keep_one_piece(grid);
 
   progress.report("widening the band", 0.0);
-  constexpr int kWiden = 2;
+  constexpr int kWiden = 3;  // where a piece was dropped beside it, a surface has but one voxel on each side
   grid = openvdb::tools::dilateSdf(*grid, kWiden, openvdb::tools::NN_FACE, 2);
   for (auto voxel = grid->beginValueOn(); voxel; ++voxel) {
     if (std::abs(*voxel) < band) continue;

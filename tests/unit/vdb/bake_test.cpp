@@ -132,9 +132,12 @@ TEST(BakeBone, EvaluatesTheFieldNearTheSurfaceOnly) {
   EXPECT_EQ(report.dropped_pieces, 0U);
 }
 
-TEST(BakeBone, KeepsTheLargestOfTwoSpheres) {
+/// Apart, and so near that their bands of 0.75 mm touch.
+class TwoSpheres : public testing::TestWithParam<double> {};
+
+TEST_P(TwoSpheres, BecomeTheLargerOne) {
   const Ball large{Vec3(0.0, 0.0, 0.0), 8.0};
-  const Ball small{Vec3(20.0, 0.0, 0.0), 5.0};
+  const Ball small{Vec3(large.radius_mm + GetParam() + 5.0, 0.0, 0.0), 5.0};
   const auto nearer = [=](const Vec3& p) { return large.distance_mm(p) < small.distance_mm(p) ? large : small; };
   const FormulaField both([=](const Vec3& p) { return nearer(p).distance_mm(p); },
                           [=](const Vec3& p) -> Vec3 { return (p - nearer(p).centre_mm).normalized(); });
@@ -151,13 +154,19 @@ TEST(BakeBone, KeepsTheLargestOfTwoSpheres) {
   EXPECT_EQ(test::distance_at(bone, small.centre_mm + Vec3(0.0, 0.0, 5.0)), bone.band_mm());
 }
 
-TEST(BakeBone, FillsACavityAndCountsIt) {
+INSTANTIATE_TEST_SUITE_P(Gap, TwoSpheres, testing::Values(7.0, 0.8));
+
+/// Under a thick wall, and under one so thin that the bands of its two sides touch.
+class Cavity : public testing::TestWithParam<double> {};
+
+TEST_P(Cavity, IsFilledAndCounted) {
   const Ball outer{Vec3::Zero(), 9.0};
-  const Ball inner{Vec3::Zero(), 4.0};
+  const Ball inner{Vec3(outer.radius_mm - GetParam() - 4.0, 0.0, 0.0), 4.0};
   const FormulaField shell([=](const Vec3& p) { return std::max(outer.distance_mm(p), -inner.distance_mm(p)); },
                            [=](const Vec3& p) -> Vec3 {
-                             const Vec3 away = p.normalized();
-                             return outer.distance_mm(p) > -inner.distance_mm(p) ? away : Vec3(-away);
+                             return outer.distance_mm(p) > -inner.distance_mm(p)
+                                        ? Vec3(p.normalized())
+                                        : Vec3((inner.centre_mm - p).normalized());
                            });
   std::vector<Vec3> seeds = inner.surface_points(1.0);
   const std::vector<Vec3> more = outer.surface_points(1.0);
@@ -166,8 +175,10 @@ TEST(BakeBone, FillsACavityAndCountsIt) {
   const BoneModel bone = bake_bone(shell, seeds, test::even_ct(outer.bounds_mm(), 1.0, 300), {}, {}, &report);
   EXPECT_EQ(report.dropped_pieces, 1U);
   expect_distance_of(bone, outer);
-  EXPECT_EQ(test::distance_at(bone, Vec3::Zero()), -bone.band_mm());
+  EXPECT_EQ(test::distance_at(bone, inner.centre_mm), -bone.band_mm());
 }
+
+INSTANTIATE_TEST_SUITE_P(Wall, Cavity, testing::Values(5.0, 0.8));
 
 TEST(BakeBone, RefusesAFieldWithoutAZeroSetNearTheSeeds) {
   const CtVolume ct = test::even_ct(kBall.bounds_mm(), 1.0, 300);
