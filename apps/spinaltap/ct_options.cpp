@@ -76,19 +76,20 @@ std::optional<Vec3> CtOptions::given_seed() const {
   return Vec3(seed_mm[0], seed_mm[1], seed_mm[2]);
 }
 
-ChosenBone CtOptions::choose(const CtVolume& ct, const Progress& progress) const {
-  std::optional<LabelChoice> choice;
-  if (!labels.empty()) choice = LabelChoice{labels, label};
-  SegmentOptions segment = bake.segment;
-  segment.seed_mm = given_seed();
-  return choose_bone(ct, choice, segment, progress);
-}
-
-BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
+BakeCtOptions CtOptions::complete() const {
   BakeCtOptions options = bake;
   if (!labels.empty()) options.labels = LabelChoice{labels, label};
   options.segment.seed_mm = given_seed();
-  return bake_ct(ct, options, progress);
+  return options;
+}
+
+ChosenBone CtOptions::choose(const CtVolume& ct, const Progress& progress) const {
+  const BakeCtOptions options = complete();
+  return choose_bone(ct, options.labels, options.segment, progress);
+}
+
+BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
+  return bake_ct(ct, complete(), progress);
 }
 
 Json report_baked(const CtVolume& ct, const BakedCt& baked) {

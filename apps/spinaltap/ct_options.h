@@ -34,6 +34,8 @@ struct CtOptions {
 
   CtVolume read(const Progress& progress) const;
   std::optional<Vec3> given_seed() const;
+  /// The options for baking, with the label map and the seed that were given.
+  BakeCtOptions complete() const;
   ChosenBone choose(const CtVolume& ct, const Progress& progress) const;
   BakedCt make_bone(const CtVolume& ct, const Progress& progress) const;
 };

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "core/ct/label_file.h"
 #include "core/ct/nifti_volume.h"
 
@@ -11,7 +9,6 @@ LabelVoxels load_nifti_label(const std::filesystem::path& file, int label) {
   voxels.size = nifti.size();
   voxels.index_to_patient = nifti.index_to_patient();
   voxels.origin_mm = nifti.origin_mm();
-  check_transform(voxels, file.string());
   voxels.has_label.reserve(nifti.voxel_count());
   nifti.read_values([&](std::span<const double> values) { find_label(values, label, voxels); });
   return voxels;
