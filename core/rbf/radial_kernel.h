@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+namespace spinaltap {
+
+/// Basic functions of distance r (mm) in space. Each is the Green's function of a power of the Laplacian, so that the
+/// interpolant is the smoothest one in that sense (Carr et al. 2001, section 3).
+enum class RadialKernel {
+  biharmonic,   ///< phi(r) = r, with a linear polynomial: least bending, the default
+  triharmonic,  ///< phi(r) = r^3, with a quadratic polynomial: smoother, and further off where there is no data
+};
+
+/// Terms of the polynomial that goes with a kernel: 4 (linear) or 10 (quadratic).
+constexpr std::size_t polynomial_terms(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? 4 : 10; }
+
+/// phi at squared distance `r2` (mm^2) + `c2`: with c2 = width^2 the basic function is its own low-pass filtered self,
+/// (r^2 + c^2)^(m/2) (Carr et al. 2003, section 4).
+inline double phi(RadialKernel kernel, double r2, double c2 = 0.0) {
+  const double s = std::sqrt(r2 + c2);
+  return kernel == RadialKernel::biharmonic ? s : s * s * s;
+}
+
+}  // namespace spinaltap
