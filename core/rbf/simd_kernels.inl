@@ -1,0 +1,211 @@
+// Compiled once for each instruction set by simd_kernels.cpp, which sets SPINALTAP_VECTOR_BYTES; no include guard, no
+// includes. Eight lanes are as many registers as the instruction set needs for them.
+
+using Lanes = double __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
+constexpr std::size_t kWidth = SPINALTAP_VECTOR_BYTES / sizeof(double);
+
+inline void load(const double* from, Lanes& to) { __builtin_memcpy(&to, from, sizeof(Lanes)); }
+inline void store(const Lanes& from, double* to) { __builtin_memcpy(to, &from, sizeof(Lanes)); }
+inline void add_to(const Lanes& sum, double* to) {
+  Lanes old;
+  load(to, old);
+  store(old + sum, to);
+}
+inline void square_root(const Lanes& of, Lanes& root) {
+  for (std::size_t l = 0; l < kWidth; ++l) root[l] = __builtin_sqrt(of[l]);
+}
+
+template <int kPower, bool kGradient>
+void near_sum_of(const double* targets, const SourceArrays& sources, std::size_t begin, std::size_t end, double c2,
+                 std::size_t lane, LaneSums& sums) {
+  Lanes x;
+  Lanes y;
+  Lanes z;
+  load(targets + lane, x);
+  load(targets + kLanes + lane, y);
+  load(targets + 2 * kLanes + lane, z);
+  Lanes value{};
+  Lanes gx{};
+  Lanes gy{};
+  Lanes gz{};
+  for (std::size_t j = begin; j < end; ++j) {
+    const Lanes dx = x - sources.x[j];
+    const Lanes dy = y - sources.y[j];
+    const Lanes dz = z - sources.z[j];
+    const Lanes r2 = (dx * dx + dy * dy) + (dz * dz + c2);
+    Lanes r;
+    square_root(r2, r);
+    const double w = sources.weight[j];
+    if constexpr (kPower == 1) {
+      value += w * r;
+      if constexpr (kGradient) {
+        // At its own place a source gives 0 / tiny = 0.
+        const Lanes share = w / (r > 1e-150 ? r : Lanes{} + 1e-150);
+        gx += share * dx;
+        gy += share * dy;
+        gz += share * dz;
+      }
+    } else {
+      const Lanes wr = w * r;
+      value += wr * r2;
+      if constexpr (kGradient) {
+        const Lanes share = 3.0 * wr;
+        gx += share * dx;
+        gy += share * dy;
+        gz += share * dz;
+      }
+    }
+  }
+  add_to(value, sums.value + lane);
+  if constexpr (kGradient) {
+    add_to(gx, sums.gradient[0] + lane);
+    add_to(gy, sums.gradient[1] + lane);
+    add_to(gz, sums.gradient[2] + lane);
+  }
+}
+
+void near_sum(int power, bool gradient, const double* targets, const SourceArrays& sources, std::size_t begin,
+              std::size_t end, double c2, LaneSums& sums) {
+  for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+    if (power == 1) {
+      gradient ? near_sum_of<1, true>(targets, sources, begin, end, c2, lane, sums)
+               : near_sum_of<1, false>(targets, sources, begin, end, c2, lane, sums);
+    } else {
+      gradient ? near_sum_of<3, true>(targets, sources, begin, end, c2, lane, sums)
+               : near_sum_of<3, false>(targets, sources, begin, end, c2, lane, sums);
+    }
+  }
+}
+
+/// The basis polynomials at eight places t (-1..1), and their derivatives: products of (t - t_k) from the left and
+/// from the right, so that no place divides by zero.
+inline void lagrange_lanes(int order, const Lanes& t, const double* inverse, bool gradient, Lanes* basis,
+                           Lanes* slope) {
+  Lanes left[kMaxOrder + 1];
+  Lanes right[kMaxOrder + 1];
+  Lanes left_slope[kMaxOrder + 1];
+  Lanes right_slope[kMaxOrder + 1];
+  left[0] = Lanes{} + 1.0;
+  right[order] = Lanes{} + 1.0;
+  left_slope[0] = Lanes{};
+  right_slope[order] = Lanes{};
+  const double step = 2.0 / (order - 1);
+  for (int k = 0; k < order; ++k) {
+    const Lanes d = t - (-1.0 + step * k);
+    left[k + 1] = left[k] * d;
+    if (gradient) left_slope[k + 1] = left_slope[k] * d + left[k];
+  }
+  for (int k = order - 1; k >= 0; --k) {
+    const Lanes d = t - (-1.0 + step * k);
+    right[k] = right[k + 1] * d;
+    if (gradient) right_slope[k] = right_slope[k + 1] * d + right[k + 1];
+  }
+  for (int k = 0; k < order; ++k) {
+    basis[k] = left[k] * right[k + 1] * inverse[k];
+    if (gradient) slope[k] = (left_slope[k] * right[k + 1] + left[k] * right_slope[k + 1]) * inverse[k];
+  }
+}
+
+template <bool kGradient>
+void interpolate_with(int order, const double* places, const double* nodes, const double* inverse, double scale,
+                      std::size_t lane, LaneSums& sums) {
+  Lanes basis[3][kMaxOrder];
+  Lanes slope[3][kMaxOrder];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Lanes t;
+    load(places + axis * kLanes + lane, t);
+    lagrange_lanes(order, t, inverse, kGradient, basis[axis], slope[axis]);
+  }
+  Lanes value{};
+  Lanes gx{};
+  Lanes gy{};
+  Lanes gz{};
+  for (int k = 0; k < order; ++k) {
+    Lanes plane{};
+    Lanes plane_x{};
+    Lanes plane_y{};
+    for (int j = 0; j < order; ++j) {
+      Lanes row{};
+      Lanes row_x{};
+      for (int i = 0; i < order; ++i, ++nodes) {
+        row += *nodes * basis[0][i];
+        if constexpr (kGradient) row_x += *nodes * slope[0][i];
+      }
+      plane += row * basis[1][j];
+      if constexpr (kGradient) {
+        plane_x += row_x * basis[1][j];
+        plane_y += row * slope[1][j];
+      }
+    }
+    value += plane * basis[2][k];
+    if constexpr (kGradient) {
+      gx += plane_x * basis[2][k];
+      gy += plane_y * basis[2][k];
+      gz += plane * slope[2][k];
+    }
+  }
+  add_to(value, sums.value + lane);
+  if constexpr (kGradient) {
+    add_to(gx * scale, sums.gradient[0] + lane);
+    add_to(gy * scale, sums.gradient[1] + lane);
+    add_to(gz * scale, sums.gradient[2] + lane);
+  }
+}
+
+void interpolate(int order, bool gradient, const double* places, const double* nodes, const double* inverse,
+                 double scale, LaneSums& sums) {
+  for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+    gradient ? interpolate_with<true>(order, places, nodes, inverse, scale, lane, sums)
+             : interpolate_with<false>(order, places, nodes, inverse, scale, lane, sums);
+  }
+}
+
+void multiply_spectra(const SpectrumPair* pairs, std::size_t count, const double* table, const double* source,
+                      double* out) {
+  constexpr std::size_t kChunk = 2 * kLanes;
+  constexpr std::size_t kParts = kLanes / kWidth;
+  Lanes re[kParts] = {};
+  Lanes im[kParts] = {};
+  for (std::size_t p = 0; p < count; ++p) {
+    const double* a = table + pairs[p].table * kChunk;
+    const double* b = source + pairs[p].source * kChunk;
+    for (std::size_t part = 0; part < kParts; ++part) {
+      Lanes a_re;
+      Lanes a_im;
+      Lanes b_re;
+      Lanes b_im;
+      load(a + part * kWidth, a_re);
+      load(a + kLanes + part * kWidth, a_im);
+      load(b + part * kWidth, b_re);
+      load(b + kLanes + part * kWidth, b_im);
+      re[part] += a_re * b_re - a_im * b_im;
+      im[part] += a_re * b_im + a_im * b_re;
+    }
+  }
+  for (std::size_t part = 0; part < kParts; ++part) {
+    store(re[part], out + part * kWidth);
+    store(im[part], out + kLanes + part * kWidth);
+  }
+}
+
+void multiply_complex(std::size_t rows, std::size_t inner, std::size_t columns, const double* a_re, const double* a_im,
+                      const double* in_re, const double* in_im, double* out_re, double* out_im) {
+  for (std::size_t column = 0; column < columns; column += kWidth) {
+    for (std::size_t r = 0; r < rows; ++r) {
+      Lanes re{};
+      Lanes im{};
+      for (std::size_t k = 0; k < inner; ++k) {
+        const double c = a_re[r * inner + k];
+        const double s = a_im[r * inner + k];
+        Lanes from_re;
+        Lanes from_im;
+        load(in_re + k * columns + column, from_re);
+        load(in_im + k * columns + column, from_im);
+        re += c * from_re - s * from_im;
+        im += c * from_im + s * from_re;
+      }
+      store(re, out_re + r * columns + column);
+      store(im, out_im + r * columns + column);
+    }
+  }
+}
