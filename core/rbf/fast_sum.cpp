@@ -29,6 +29,33 @@ TargetPack pack(std::size_t count, const PointAt& point_at) {
 
 }  // namespace
 
+void direct_sums(RadialKernel kernel, double low_pass_mm, std::span<const Vec3> centres_mm,
+                 std::span<const double> weights, std::span<const Vec3> points_mm, std::span<double> values,
+                 std::span<Vec3> gradients, const SimdKernels& simd) {
+  const std::size_t count = centres_mm.size();
+  std::vector<double> coordinates(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      coordinates[axis * count + i] = centres_mm[i][static_cast<Eigen::Index>(axis)];
+    }
+  }
+  const SourceArrays sources{coordinates.data(), coordinates.data() + count, coordinates.data() + 2 * count,
+                             weights.data()};
+  tbb::parallel_for(std::size_t{0}, (points_mm.size() + kLanes - 1) / kLanes, [&](std::size_t k) {
+    const std::size_t first = k * kLanes;
+    const std::size_t size = std::min(kLanes, points_mm.size() - first);
+    const TargetPack targets = pack(size, [&](std::size_t l) -> const Vec3& { return points_mm[first + l]; });
+    LaneSums sums{};
+    simd.near_sum(power_of(kernel), !gradients.empty(), targets.at, sources, 0, count, low_pass_mm * low_pass_mm, sums);
+    for (std::size_t l = 0; l < size; ++l) {
+      values[first + l] = sums.value[l];
+      if (!gradients.empty()) {
+        gradients[first + l] = Vec3(sums.gradient[0][l], sums.gradient[1][l], sums.gradient[2][l]);
+      }
+    }
+  });
+}
+
 FastSum::FastSum(RadialKernel kernel, double low_pass_mm, std::span<const Vec3> centres_mm,
                  const FastSumOptions& options)
     : kernel_(kernel),

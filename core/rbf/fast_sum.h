@@ -18,6 +18,11 @@ struct FastSumOptions {
   const SimdKernels* simd = nullptr;  ///< null: the fastest here
 };
 
+/// The sums themselves, term by term; `gradients` may be empty.
+void direct_sums(RadialKernel kernel, double low_pass_mm, std::span<const Vec3> centres_mm,
+                 std::span<const double> weights, std::span<const Vec3> points_mm, std::span<double> values,
+                 std::span<Vec3> gradients, const SimdKernels& simd = best_simd_kernels());
+
 /// Sums sum_j w_j phi(|x - c_j|) and their gradients at many places: a fast multipole method that interpolates the
 /// kernel on even grids in the boxes of an octree (kernel-independent, so that phi may be low-pass filtered; Fong &
 /// Darve 2009) and goes from box to box by Fourier transforms (Blanchard, Coulaud & Darve 2015). A place's result

@@ -55,6 +55,13 @@ struct SimdKernels {
   void (*multiply_complex)(std::size_t rows, std::size_t inner, std::size_t columns, const double* a_re,
                            const double* a_im, const double* in_re, const double* in_im, double* out_re,
                            double* out_im);
+
+  /// Eight local systems at once, each of `count` points (points[(3 i + axis) * kLanes + lane], within about 1 of each
+  /// other): the column L'^-1 e_last, where L L' = -+phi + diagonal + a penalty on polynomials of `terms` terms. That
+  /// is the last point's cardinal function, scaled to 1 in the kernel's norm. `work` holds
+  /// (terms * count + count (count + 1) / 2) * kLanes numbers.
+  void (*local_functions)(int power, std::size_t count, std::size_t terms, const double* points,
+                          const double* diagonal, double* work, double* out);
 };
 
 /// The kernels that this CPU can run, portable ones first, the fastest last.

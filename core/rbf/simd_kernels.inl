@@ -209,3 +209,152 @@ void multiply_complex(std::size_t rows, std::size_t inner, std::size_t columns, 
     }
   }
 }
+
+/// One lane set of local_functions(): see simd_kernels.h.
+template <int kPower>
+void local_functions_of(std::size_t count, std::size_t terms, const double* points, const double* diagonal,
+                        double* basis, double* factor, double* out) {
+  // basis: terms x count, orthonormal polynomials over the points (modified Gram-Schmidt, twice).
+  const auto at = [&](double* array, std::size_t k) { return array + k * kLanes; };
+  for (std::size_t i = 0; i < count; ++i) {
+    Lanes x;
+    Lanes y;
+    Lanes z;
+    load(points + 3 * i * kLanes, x);
+    load(points + (3 * i + 1) * kLanes, y);
+    load(points + (3 * i + 2) * kLanes, z);
+    const Lanes row[10] = {Lanes{} + 1.0, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z};
+    for (std::size_t k = 0; k < terms; ++k) store(row[k], at(basis, k * count + i));
+  }
+  for (std::size_t k = 0; k < terms; ++k) {
+    Lanes before{};
+    for (std::size_t i = 0; i < count; ++i) {
+      Lanes b;
+      load(at(basis, k * count + i), b);
+      before += b * b;
+    }
+    for (int pass = 0; pass < 2; ++pass) {
+      for (std::size_t l = 0; l < k; ++l) {
+        Lanes dot{};
+        for (std::size_t i = 0; i < count; ++i) {
+          Lanes b;
+          Lanes q;
+          load(at(basis, k * count + i), b);
+          load(at(basis, l * count + i), q);
+          dot += b * q;
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+          Lanes b;
+          Lanes q;
+          load(at(basis, k * count + i), b);
+          load(at(basis, l * count + i), q);
+          store(b - dot * q, at(basis, k * count + i));
+        }
+      }
+    }
+    Lanes square{};
+    for (std::size_t i = 0; i < count; ++i) {
+      Lanes b;
+      load(at(basis, k * count + i), b);
+      square += b * b;
+    }
+    Lanes norm;
+    square_root(square, norm);
+    // Points in a plane leave nothing of a term but rounding.
+    for (std::size_t l = 0; l < kWidth; ++l) norm[l] = square[l] > 1e-20 * before[l] ? 1.0 / norm[l] : 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      Lanes b;
+      load(at(basis, k * count + i), b);
+      store(b * norm, at(basis, k * count + i));
+    }
+  }
+  // factor: rows of the lower triangle of K = -+phi + penalty * basis basis', then of its Cholesky factor.
+  const double penalty = 1e5 * static_cast<double>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    Lanes x;
+    Lanes y;
+    Lanes z;
+    load(points + 3 * i * kLanes, x);
+    load(points + (3 * i + 1) * kLanes, y);
+    load(points + (3 * i + 2) * kLanes, z);
+    for (std::size_t j = 0; j <= i; ++j) {
+      Lanes px;
+      Lanes py;
+      Lanes pz;
+      load(points + 3 * j * kLanes, px);
+      load(points + (3 * j + 1) * kLanes, py);
+      load(points + (3 * j + 2) * kLanes, pz);
+      const Lanes dx = x - px;
+      const Lanes dy = y - py;
+      const Lanes dz = z - pz;
+      const Lanes r2 = (dx * dx + dy * dy) + dz * dz;
+      Lanes r;
+      square_root(r2, r);
+      Lanes sum{};
+      for (std::size_t k = 0; k < terms; ++k) {
+        Lanes p;
+        Lanes q;
+        load(at(basis, k * count + i), p);
+        load(at(basis, k * count + j), q);
+        sum += p * q;
+      }
+      sum = penalty * sum + (kPower == 1 ? -r : r * r2);
+      if (i == j) {
+        Lanes d;
+        load(diagonal + i * kLanes, d);
+        sum += d;
+      }
+      store(sum, at(factor, i * (i + 1) / 2 + j));
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    double* row_i = at(factor, i * (i + 1) / 2);
+    for (std::size_t j = 0; j <= i; ++j) {
+      const double* row_j = at(factor, j * (j + 1) / 2);
+      Lanes sum;
+      load(row_i + j * kLanes, sum);
+      for (std::size_t k = 0; k < j; ++k) {
+        Lanes p;
+        Lanes q;
+        load(row_i + k * kLanes, p);
+        load(row_j + k * kLanes, q);
+        sum -= p * q;
+      }
+      if (j < i) {
+        Lanes inverse;
+        load(row_j + j * kLanes, inverse);
+        store(sum * inverse, row_i + j * kLanes);
+        continue;
+      }
+      // The diagonal holds reciprocals. Rounding may eat a pivot: that point's function is left out.
+      Lanes root;
+      square_root(sum, root);
+      for (std::size_t l = 0; l < kWidth; ++l) root[l] = sum[l] > 0.0 ? 1.0 / root[l] : 0.0;
+      store(root, row_i + i * kLanes);
+    }
+  }
+  // L' out = e_last.
+  for (std::size_t i = count; i-- > 0;) {
+    Lanes sum = Lanes{} + (i + 1 == count ? 1.0 : 0.0);
+    for (std::size_t k = i + 1; k < count; ++k) {
+      Lanes l;
+      Lanes o;
+      load(at(factor, k * (k + 1) / 2 + i), l);
+      load(out + k * kLanes, o);
+      sum -= l * o;
+    }
+    Lanes inverse;
+    load(at(factor, i * (i + 1) / 2 + i), inverse);
+    store(sum * inverse, out + i * kLanes);
+  }
+}
+
+void local_functions(int power, std::size_t count, std::size_t terms, const double* points, const double* diagonal,
+                     double* work, double* out) {
+  for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+    double* basis = work + lane;
+    double* factor = work + terms * count * kLanes + lane;
+    (power == 1 ? local_functions_of<1> : local_functions_of<3>)(count, terms, points + lane, diagonal + lane, basis,
+                                                                 factor, out + lane);
+  }
+}
