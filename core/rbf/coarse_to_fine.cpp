@@ -11,14 +11,13 @@
 namespace spinaltap::detail {
 namespace {
 
-/// Finds the nearest `wanted` points that come before place k; all points of the grid lie about `spacing_mm` apart.
+/// Finds the nearest `wanted` points that come before place k; most points of the grid lie about half a cell apart.
 void nearest_before(const SparseGrid& grid, std::span<const Vec3> points_mm, const std::vector<std::uint32_t>& order,
-                    const std::vector<std::uint32_t>& place, std::size_t k, std::size_t wanted, double spacing_mm,
-                    std::uint32_t* out) {
-  constexpr double kFirstRadius = 2.6;  // in spacings: about forty points of a surface
-  constexpr double kGrowth = 1.4;
+                    const std::vector<std::uint32_t>& place, std::size_t k, std::size_t wanted, std::uint32_t* out) {
+  constexpr double kFirstRadius = 1.9;  // in cells: about forty points of a surface
+  constexpr double kGrowth = 1.3;
   thread_local std::vector<std::pair<double, std::uint32_t>> found;
-  for (double radius_mm = kFirstRadius * spacing_mm;; radius_mm *= kGrowth) {
+  for (double radius_mm = kFirstRadius * grid.cell_mm();; radius_mm *= kGrowth) {
     found.clear();
     grid.visit_within(points_mm[order[k]], radius_mm, [&](std::uint32_t index, double d2) {
       if (place[index] < k) found.emplace_back(d2, place[index]);
@@ -37,6 +36,7 @@ void nearest_before(const SparseGrid& grid, std::span<const Vec3> points_mm, con
 CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std::uint32_t> first,
                             std::size_t neighbours) {
   constexpr double kStep = 0.85;
+  constexpr double kManyOf = 0.02;  // a level with this share of all points so far tells how dense they are
   constexpr std::uint32_t kUnplaced = std::numeric_limits<std::uint32_t>::max();
   const std::size_t count = points_mm.size();
   CoarseToFine result;
@@ -61,6 +61,7 @@ CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> covered;
   std::size_t done = 0;
+  double dense_mm = 0.0;  // spacing of most of the points taken; a few may lie far closer
   for (double spacing_mm = 0.5 * bounds.diagonal().norm(); done < count; spacing_mm *= kStep) {
     const double spacing2 = spacing_mm * spacing_mm;
     candidates.clear();
@@ -89,13 +90,18 @@ CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std
     }
     std::erase_if(waiting, [&](std::uint32_t index) { return place[index] != kUnplaced; });
 
+    const std::size_t added = result.order.size() - done;
+    if (added == 0) continue;
+    if (dense_mm == 0.0 || static_cast<double>(added) > kManyOf * static_cast<double>(done)) dense_mm = spacing_mm;
+    SparseGrid dense(points_mm, 2.0 * dense_mm, result.order.size());
+    for (const std::uint32_t index : result.order) dense.add(index);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(done, result.order.size(), 64), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k) {
         std::uint32_t* near = result.near.data() + k * neighbours;
         if (k <= neighbours) {
           for (std::size_t i = 0; i < k; ++i) near[i] = static_cast<std::uint32_t>(i);
         } else {
-          nearest_before(taken, points_mm, result.order, place, k, neighbours, spacing_mm, near);
+          nearest_before(dense, points_mm, result.order, place, k, neighbours, near);
         }
       }
     });

@@ -2,60 +2,96 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/rbf/fast_sum.h"
+#include "core/rbf/polynomial.h"
 
 namespace spinaltap {
+namespace {
 
-RbfField::RbfField(std::vector<Vec3> centres_mm, const Eigen::VectorXd& weights, const Vec3& origin_mm)
-    : origin_mm_(origin_mm) {
-  const auto count = static_cast<Eigen::Index>(centres_mm.size());
-  if (weights.size() != count + 4) fail("RBF: expected ", count + 4, " weights, found ", weights.size());
-  if (!weights.allFinite() || !origin_mm.allFinite()) fail("RBF: a weight is not a number");
-  x_mm_.resize(count);
-  y_mm_.resize(count);
-  z_mm_.resize(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Vec3 c = centres_mm[static_cast<std::size_t>(i)] - origin_mm;
-    if (!c.allFinite()) fail("RBF: a centre is not a number");
-    x_mm_[i] = c.x();
-    y_mm_[i] = c.y();
-    z_mm_[i] = c.z();
+constexpr std::size_t kMostDirect = 2000;  // centres: with more of them, fast sums pay from 20,000 places on
+constexpr std::size_t kLeafSize = 64;
+constexpr int kFirstOrder = 5;
+
+/// Places to check the sums at: beside centres, up to a hundredth of the whole away.
+std::vector<Vec3> sample_places(const std::vector<Vec3>& centres_mm) {
+  constexpr std::size_t kSamples = 512;
+  constexpr std::uint64_t kSeed = 0x5bf0;
+  constexpr double kReach = 0.01;
+  Box3 bounds;
+  for (const Vec3& c : centres_mm) bounds.extend(c);
+  const double reach_mm = kReach * bounds.sizes().maxCoeff();
+  std::vector<Vec3> places_mm;
+  for (std::uint64_t i = 0; i < kSamples; ++i) {
+    const auto part = static_cast<double>(i) / static_cast<double>(kSamples);
+    const Vec3& centre = centres_mm[static_cast<std::size_t>(part * static_cast<double>(centres_mm.size()))];
+    const auto shift = [&](std::uint64_t axis) { return 2.0 * random_uniform(kSeed + axis, i) - 1.0; };
+    places_mm.emplace_back(centre + reach_mm * Vec3(shift(0), shift(1), shift(2)));
   }
-  weight_ = weights.head(count).array();
-  constant_ = weights[count];
-  linear_ = weights.tail(3);
+  return places_mm;
 }
 
-void RbfField::evaluate_one(const Vec3& p_mm, double& value_mm, Vec3* gradient) const {
-  constexpr Eigen::Index kBlock = 256;  // a block's differences stay in the first-level cache
-  using Block = Eigen::Array<double, Eigen::Dynamic, 1, 0, kBlock, 1>;
-  const Vec3 p = p_mm - origin_mm_;
-  double sum = constant_ + linear_.dot(p);
-  Vec3 slope = linear_;
-  for (Eigen::Index begin = 0; begin < weight_.size(); begin += kBlock) {
-    const Eigen::Index size = std::min(kBlock, weight_.size() - begin);
-    const Block dx = p.x() - x_mm_.segment(begin, size);
-    const Block dy = p.y() - y_mm_.segment(begin, size);
-    const Block dz = p.z() - z_mm_.segment(begin, size);
-    const Block distance = (dx.square() + dy.square() + dz.square()).sqrt();
-    const auto weight = weight_.segment(begin, size);
-    sum += (weight * distance).sum();
-    if (gradient == nullptr) continue;
-    // |x - c| has no gradient at its centre; the sum's other terms are what is left there.
-    const Block share = weight / distance.max(1e-300);
-    slope += Vec3((share * dx).sum(), (share * dy).sum(), (share * dz).sum());
+}  // namespace
+
+RbfField::RbfField(RbfModel model, double accuracy_mm) {
+  check_model(model);
+  if (!(accuracy_mm > 0.0)) fail("RBF: expected an accuracy above 0 mm, found ", accuracy_mm);
+  model_ = std::make_shared<const RbfModel>(std::move(model));
+  if (model_->weights.size() <= kMostDirect) return;
+
+  constexpr double kShare = 0.4;  // of the accuracy, for what the places looked at show
+  const std::vector<Vec3> places_mm = sample_places(model_->centres_mm);
+  std::vector<double> direct(places_mm.size());
+  std::vector<Vec3> direct_gradient(places_mm.size());
+  detail::direct_sums(model_->kernel, model_->low_pass_mm, model_->centres_mm, model_->weights, places_mm, direct,
+                      direct_gradient);
+  std::vector<double> values(places_mm.size());
+  std::vector<Vec3> gradients(places_mm.size());
+  double last_error = std::numeric_limits<double>::infinity();
+  for (int order = kFirstOrder; order <= detail::kMaxOrder;) {
+    const auto fast = std::make_shared<detail::FastSum>(
+        model_->kernel, model_->low_pass_mm, model_->centres_mm,
+        detail::FastSumOptions{.order = order, .leaf_size = kLeafSize, .anywhere = true});
+    fast->set_weights(model_->weights);
+    fast->evaluate(places_mm, values, gradients);
+    value_error_mm_ = 0.0;
+    gradient_error_ = 0.0;
+    for (std::size_t i = 0; i < places_mm.size(); ++i) {
+      value_error_mm_ = std::max(value_error_mm_, std::abs(values[i] - direct[i]));
+      gradient_error_ = std::max(gradient_error_, (gradients[i] - direct_gradient[i]).norm());
+    }
+    const double error = std::max(value_error_mm_, gradient_error_);
+    if (error <= kShare * accuracy_mm) {
+      fast_ = fast;
+      return;
+    }
+    // Each order gives most of a digit.
+    constexpr double kDigitsAnOrder = 0.8;
+    const double missing = std::log10(error / (kShare * accuracy_mm));
+    if (!(error < last_error)) break;
+    last_error = error;
+    order += std::max(1, static_cast<int>(std::floor(missing / kDigitsAnOrder)));
   }
-  value_mm = sum;
-  if (gradient != nullptr) *gradient = slope;
+  fail("RBF: expected sums accurate to ", accuracy_mm, " mm, reached ",
+       std::min(last_error, std::max(value_error_mm_, gradient_error_)) / kShare);
 }
 
 void RbfField::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const {
-  constexpr std::size_t kGrain = 64;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points_mm.size(), kGrain), [&](const auto& range) {
+  if (fast_) {
+    fast_->evaluate(points_mm, values_mm, gradients);
+  } else {
+    detail::direct_sums(model_->kernel, model_->low_pass_mm, model_->centres_mm, model_->weights, points_mm, values_mm,
+                        gradients);
+  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points_mm.size(), 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      evaluate_one(points_mm[i], values_mm[i], gradients.empty() ? nullptr : &gradients[i]);
+      const Vec3 d = points_mm[i] - model_->origin_mm;
+      values_mm[i] += polynomial_value(model_->kernel, model_->polynomial, d);
+      if (!gradients.empty()) gradients[i] += polynomial_gradient(model_->kernel, model_->polynomial, d);
     }
   });
 }

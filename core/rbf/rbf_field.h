@@ -1,34 +1,42 @@
 #pragma once
 
-#include <vector>
+#include <memory>
 
 #include "core/base/scalar_field.h"
+#include "core/rbf/rbf_model.h"
 
 namespace spinaltap {
 
-/// A biharmonic radial basis function with a linear polynomial,
-///   s(x) = sum_i w_i |x - c_i| + a0 + a . (x - o)
-/// (Carr et al. 2001, equation 6 with phi(r) = r), evaluated by direct summation.
+namespace detail {
+class FastSum;
+}
+
+/// A radial basis function that can be evaluated anywhere: term by term below a few thousand centres, by fast multipole
+/// sums above. A point's result does not depend on what else is asked for in the same call, nor on the number of
+/// threads. Copies share what was prepared.
 class RbfField final : public ScalarField {
  public:
-  /// `weights` has one entry a centre, then the constant and the three linear coefficients. `origin_mm` is the point
-  /// from which the polynomial measures. Throws Error when sizes do not fit or a number is not finite.
-  RbfField(std::vector<Vec3> centres_mm, const Eigen::VectorXd& weights, const Vec3& origin_mm);
+  static constexpr double kDefaultAccuracy = 1e-3;
+
+  /// Prepares the sums so that values are within `accuracy_mm`, and gradients within the same number, of the sums term
+  /// by term, as measured at some hundreds of places near the centres. Throws Error when check_model() does, and when
+  /// the accuracy is not above 0 or beyond reach.
+  explicit RbfField(RbfModel model, double accuracy_mm = kDefaultAccuracy);
 
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;
 
-  std::size_t centre_count() const { return static_cast<std::size_t>(weight_.size()); }
+  const RbfModel& model() const { return *model_; }
+  std::size_t centre_count() const { return model_->weights.size(); }
+
+  /// Largest differences met when the sums were checked; 0 where they go term by term.
+  double value_error_mm() const { return value_error_mm_; }
+  double gradient_error() const { return gradient_error_; }
 
  private:
-  void evaluate_one(const Vec3& p_mm, double& value_mm, Vec3* gradient) const;
-
-  Eigen::ArrayXd x_mm_;  ///< centres relative to origin_mm_, one array a coordinate, so that loops over them vectorise
-  Eigen::ArrayXd y_mm_;
-  Eigen::ArrayXd z_mm_;
-  Eigen::ArrayXd weight_;
-  double constant_ = 0.0;
-  Vec3 linear_ = Vec3::Zero();
-  Vec3 origin_mm_ = Vec3::Zero();
+  std::shared_ptr<const RbfModel> model_;
+  std::shared_ptr<const detail::FastSum> fast_;  ///< null: term by term
+  double value_error_mm_ = 0.0;
+  double gradient_error_ = 0.0;
 };
 
 }  // namespace spinaltap
