@@ -19,7 +19,7 @@ ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& lab
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
   const auto [mask, report_of_mask] = choose_bone(ct, options.labels, options.segment, progress);
   const SurfacePoints surface = extract_surface(ct, mask, options.surface, progress);
-  const RbfFit fit = fit_surface_rbf(surface, options.rbf, progress);
+  const SurfaceFit fit = fit_surface(surface, options.rbf, progress);
 
   const auto text = [](const auto&... parts) {
     std::ostringstream out;
@@ -31,8 +31,9 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
       {"source_hash", ct.source_hash},
       {"mask", options.labels ? text("label ", options.labels->label)
                               : text("threshold ", report_of_mask->threshold_hu, " HU")},
-      {"surface_centres", text(fit.report.surface_centres)},
-      {"off_surface_centres", text(fit.report.off_surface_centres)},
+      {"surface_points", text(fit.report.points)},
+      {"off_surface_points", text(fit.report.off_surface_points)},
+      {"rbf_centres", text(fit.report.centres)},
       {"smoothing_mm", text(options.rbf.smoothing_mm)},
       {"rbf_mean_residual_mm", text(fit.report.mean_residual_mm)},
       {"rbf_max_residual_mm", text(fit.report.max_residual_mm)},

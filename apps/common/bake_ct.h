@@ -5,7 +5,7 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
-#include "core/rbf/rbf_fit.h"
+#include "core/rbf/fit_surface.h"
 #include "core/surface/surface_points.h"
 #include "vdb/bake.h"
 #include "vdb/segment_vertebra.h"
@@ -22,14 +22,14 @@ struct BakeCtOptions {
   std::optional<LabelChoice> labels;  ///< without it: what segment_vertebra() finds
   SegmentOptions segment;
   SurfaceOptions surface;
-  RbfFitOptions rbf;
+  SurfaceFitOptions rbf;
   BakeOptions bake;
 };
 
 struct BakedCt {
   BoneModel bone;
   std::size_t mask_voxels = 0;
-  RbfFitReport fit;
+  SurfaceFitReport fit;
   BakeReport bake;
 };
 

@@ -47,13 +47,8 @@ void CtOptions::add_baking(CLI::App& app) {
   app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")
       ->capture_default_str()
       ->type_name("MM");
-  app.add_option("--centres", bake.rbf.max_surface_centres, "Most surface centres of the radial basis function")
-      ->capture_default_str()
-      ->check(CLI::Range(20, 6000))
-      ->type_name("N");
   app.add_option("--smoothing", bake.rbf.smoothing_mm,
-                 "How far the surface may give way to smoothness, mm; 0: through "
-                 "all centres")
+                 "How far the surface may give way to smoothness, mm; 0: through all points")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->type_name("MM");
@@ -97,7 +92,7 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
   print_figure("CT voxels", static_cast<double>(ct.geometry.voxel_count()), "", 0);
   print_figure("bone voxels", static_cast<double>(baked.mask_voxels), "", 0);
   print_figure("surface points", static_cast<double>(baked.fit.points), "", 0);
-  print_figure("RBF centres", static_cast<double>(baked.fit.surface_centres + baked.fit.off_surface_centres), "", 0);
+  print_figure("RBF centres", static_cast<double>(baked.fit.centres), "", 0);
   print_figure("surface points missed by, mean", baked.fit.mean_residual_mm, "mm", 3);
   print_figure("surface points missed by, 99 %", baked.fit.p99_residual_mm, "mm", 3);
   print_figure("grid voxels", static_cast<double>(baked.bone.active_voxels()), "", 0);
@@ -109,8 +104,8 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
           {"ct_hash", ct.source_hash},
           {"bone_voxels", baked.mask_voxels},
           {"surface_points", baked.fit.points},
-          {"surface_centres", baked.fit.surface_centres},
-          {"off_surface_centres", baked.fit.off_surface_centres},
+          {"off_surface_points", baked.fit.off_surface_points},
+          {"rbf_centres", baked.fit.centres},
           {"mean_residual_mm", baked.fit.mean_residual_mm},
           {"p99_residual_mm", baked.fit.p99_residual_mm},
           {"max_residual_mm", baked.fit.max_residual_mm},

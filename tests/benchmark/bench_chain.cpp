@@ -7,7 +7,7 @@
 
 #include "core/drill/point_volume.h"
 #include "core/phantom/vertebra_truth.h"
-#include "core/rbf/rbf_fit.h"
+#include "core/rbf/fit_surface.h"
 #include "tests/support/surface_distance.h"
 #include "vdb/bake.h"
 #include "vdb/isosurface.h"
@@ -32,7 +32,7 @@ const SurfacePoints& surface() {
 }
 
 const RbfField& rbf() {
-  static const RbfField field = fit_surface_rbf(surface()).field;
+  static const RbfField field = fit_surface(surface()).field;
   return field;
 }
 
@@ -73,7 +73,7 @@ BENCHMARK(evaluate_rbf)->ArgName("gradient")->Arg(0)->Arg(1)->Unit(benchmark::kM
 void fit_rbf(benchmark::State& state) {
   surface();
   for (auto _ : state) {
-    const RbfFit fit = fit_surface_rbf(surface());
+    const SurfaceFit fit = fit_surface(surface());
     state.counters["centres"] = static_cast<double>(fit.field.centre_count());
   }
 }

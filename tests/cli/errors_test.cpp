@@ -86,7 +86,7 @@ class Errors : public ::testing::Test {
 
   /// A baked ball in the test's folder.
   void bake_ball() {
-    const ProgramRun run = run_program("bake ct --centres 150 --voxel 0.5 -o bone.vdb", folder_.path());
+    const ProgramRun run = run_program("bake ct --voxel 0.5 -o bone.vdb", folder_.path());
     ASSERT_EQ(run.exit_code, 0) << run.errors;
   }
 
@@ -215,7 +215,7 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   // A limit on the size of a file makes writes fail as a full disk does.
   const std::string small = "ulimit -f 8;";
-  EXPECT_THAT(refused("bake ../ct --centres 150 --voxel 0.5 -o out/bone.vdb", small), HasSubstr("cannot write"));
+  EXPECT_THAT(refused("bake ../ct --voxel 0.5 -o out/bone.vdb", small), HasSubstr("cannot write"));
   EXPECT_THAT(refused("mesh ../bone.vdb -o out/bone.stl", small), HasSubstr("cannot write"));
   EXPECT_THAT(refused("drill ../bone.vdb ../plan.json --step 0.05 -o out", small), HasSubstr("cannot write"));
   EXPECT_THAT(refused("phantom out --slices 3 --slice-step 5", small), HasSubstr("cannot write"));
@@ -224,7 +224,7 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
 TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
   bake_ball();
   const auto size = fs::file_size(in("bone.vdb"));
-  const ProgramRun run = run_program("bake ct --centres 150 --voxel 0.5 -o bone.vdb", folder_.path(), "ulimit -f 8;");
+  const ProgramRun run = run_program("bake ct --voxel 0.5 -o bone.vdb", folder_.path(), "ulimit -f 8;");
   EXPECT_NE(run.exit_code, 0);
   EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
 }
@@ -247,7 +247,7 @@ TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
 
 TEST_F(Errors, PrintsNoProgressIntoAPipe) {
   const ProgramRun run =
-      run_program("bake ct --centres 150 --voxel 0.5 -o work/bone.vdb --json work/bake.json", folder_.path());
+      run_program("bake ct --voxel 0.5 -o work/bone.vdb --json work/bake.json", folder_.path());
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.errors, IsEmpty());
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("bake.json", "bone.vdb"));

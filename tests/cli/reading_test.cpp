@@ -89,7 +89,7 @@ TEST_F(Reading, TakesANiftiFileWhereverACtIsWanted) {
   }
   write_whole_file(folder_.path() / "ct.nii.gz", test::gzipped(nifti.bytes()));
   EXPECT_EQ(figures_of("info ct.nii.gz").at("ct").at("highest_hu"), 600);
-  const Json baked = figures_of("bake ct.nii.gz --centres 150 --voxel 0.5 -o bone.vdb");
+  const Json baked = figures_of("bake ct.nii.gz --voxel 0.5 -o bone.vdb");
   // The grid reaches 1.5 mm beyond the surface.
   EXPECT_NEAR(baked.at("size_mm").at(0).get<double>(), 18.0 + 3.0, 0.6);
 }

@@ -23,7 +23,7 @@ MeshQuality print_quality(const char* what, const BakedCt& baked) {
   std::printf(
       "%s: %zu mask voxels, %zu centres, mean residual %.3f mm; %zu triangles, %zu pieces, Euler number %ld, "
       "%.0f mm3, dropped %zu\n",
-      what, baked.mask_voxels, baked.fit.surface_centres, baked.fit.mean_residual_mm, quality.triangles, quality.pieces,
+      what, baked.mask_voxels, baked.fit.centres, baked.fit.mean_residual_mm, quality.triangles, quality.pieces,
       quality.euler_number, quality.volume_mm3, baked.bake.dropped_pieces);
   return quality;
 }
