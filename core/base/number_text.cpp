@@ -28,12 +28,14 @@ void append_number(double number, std::string& text) {
   text.append(digits.data(), end);
 }
 
-std::string quoted(std::string_view text) {
+std::string shown(std::string_view text) {
   constexpr std::size_t kMost = 40;
-  std::string shown(text.substr(0, kMost));
+  std::string printable(text.substr(0, kMost));
   std::replace_if(
-      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return '"' + shown + (text.size() > kMost ? "...\"" : "\"");
+      printable.begin(), printable.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.size() > kMost ? printable + "..." : printable;
 }
+
+std::string in_quotes(std::string_view text) { return '"' + shown(text) + '"'; }
 
 }  // namespace spinaltap

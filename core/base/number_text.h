@@ -16,7 +16,9 @@ void append_number(double number, std::string& text);
 /// Without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// Text out of a file for a message: in quotes, printable, 40 characters at most.
-std::string quoted(std::string_view text);
+/// Text out of a file for a message: printable, 40 characters at most.
+std::string shown(std::string_view text);
+/// As shown(), in quotes.
+std::string in_quotes(std::string_view text);
 
 }  // namespace spinaltap

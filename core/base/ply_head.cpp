@@ -50,7 +50,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
 
 /// A head's line that is not as it should be.
 [[noreturn]] void refuse(std::string_view expected, std::string_view found, const FileReader& file) {
-  fail("expected ", expected, ", found ", quoted(found), " in the head of ", file.name());
+  fail("expected ", expected, ", found ", in_quotes(found), " in the head of ", file.name());
 }
 
 PlyType type_of(std::string_view word, std::string_view line, const FileReader& file) {

@@ -46,9 +46,10 @@ ValueRange write_field_volume(const ScalarField& field, const GridGeometry& latt
     progress.report("evaluating", static_cast<double>(begin) / static_cast<double>(count));
     points_mm.clear();
     for (std::size_t v = begin; v < std::min(begin + kPiece, count); ++v) {
-      points_mm.push_back(
-          lattice.to_patient(Vec3(static_cast<double>(v % columns), static_cast<double>(v / columns % rows),
-                                  static_cast<double>(v / columns / rows))));
+      const std::size_t row = v / columns;
+      const std::size_t slice = row / rows;
+      points_mm.push_back(lattice.to_patient(
+          Vec3(static_cast<double>(v % columns), static_cast<double>(row % rows), static_cast<double>(slice))));
     }
     values_mm.resize(points_mm.size());
     field.evaluate(points_mm, values_mm, {});

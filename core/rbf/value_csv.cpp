@@ -88,7 +88,7 @@ class CsvReader {
     }
     for (std::size_t role = 0; role < rows_.needed(); ++role) {
       if (!found[role]) {
-        fail("expected numbers or a header with the columns ", needed_columns(rows_), ", found ", quoted(header),
+        fail("expected numbers or a header with the columns ", needed_columns(rows_), ", found ", in_quotes(header),
              " in ", place());
       }
     }
@@ -103,7 +103,7 @@ class CsvReader {
     const std::size_t most = rows_.needed() == 3 ? count : kValueColumns.size();
     if (count < rows_.needed() || count > most) {
       fail("expected ", rows_.needed() == 3 ? "at least 3" : "4 or 5", " numbers with commas between them (",
-           needed_columns(rows_), "), or a header, found ", quoted(line), " in ", place());
+           needed_columns(rows_), "), or a header, found ", in_quotes(line), " in ", place());
     }
     Columns columns;
     for (std::size_t c = 0; c < count; ++c) columns.role.push_back(c < rows_.taken() ? c : kNoColumn);
@@ -119,7 +119,7 @@ class CsvReader {
       const std::size_t role = count < columns.role.size() ? columns.role[count] : kNoColumn;
       if (role == kNoColumn) continue;
       const std::optional<double> number = parse_number(field);
-      if (!number) fail("expected a number as ", kValueColumns[role], ", found ", quoted(field), " in ", place());
+      if (!number) fail("expected a number as ", kValueColumns[role], ", found ", in_quotes(field), " in ", place());
       row[role] = *number;
     }
     if (count != columns.role.size()) {

@@ -1,6 +1,7 @@
 #include "core/rbf/value_file.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/rbf/value_formats.h"
 

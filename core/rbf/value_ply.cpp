@@ -82,7 +82,7 @@ class PlyElements {
     const std::string_view word = line_.substr(0, line_.find_first_of(" \t"));
     if (word.empty()) fail("expected ", element_->properties.size(), " properties, found fewer in ", place());
     const std::optional<double> number = parse_number(word);
-    if (!number) fail("expected a number, found ", quoted(word), " in ", place());
+    if (!number) fail("expected a number, found ", in_quotes(word), " in ", place());
     line_.remove_prefix(word.size());
     return *number;
   }
@@ -106,10 +106,10 @@ class PlyElements {
     }
   }
 
-  std::string place() const { return file_.name() + ", " + element_->name + " " + std::to_string(index_ + 1); }
+  std::string place() const { return file_.name() + ", " + shown(element_->name) + " " + std::to_string(index_ + 1); }
 
   [[noreturn]] void cut_short() const {
-    fail("expected ", element_->count, " times ", quoted(element_->name), ", found ", index_, " (cut short?) in ",
+    fail("expected ", element_->count, " times ", in_quotes(element_->name), ", found ", index_, " (cut short?) in ",
          file_.name());
   }
 
@@ -127,7 +127,7 @@ void check_count(const PlyElement& element, PlyFormat format, const FileReader& 
   const std::uint64_t least = least_bytes(element, format);
   // The last line of an ascii file may go without its end.
   if (least > 0 && element.count > (file.most_bytes_left() + 1) / least) {
-    fail("expected ", element.count, " times ", quoted(element.name), ", found room for ",
+    fail("expected ", element.count, " times ", in_quotes(element.name), ", found room for ",
          (file.most_bytes_left() + 1) / least, " at most (cut short?) in ", file.name());
   }
 }

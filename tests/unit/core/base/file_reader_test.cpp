@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "core/base/gzip.h"
 #include "core/base/staged_output.h"
 #include "tests/support/temporary_folder.h"
