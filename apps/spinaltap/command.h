@@ -29,6 +29,8 @@ void add_phantom(CLI::App& program, Command& command);
 void add_info(CLI::App& program, Command& command);
 void add_segment(CLI::App& program, Command& command);
 void add_points(CLI::App& program, Command& command);
+void add_fit(CLI::App& program, Command& command);
+void add_eval(CLI::App& program, Command& command);
 void add_bake(CLI::App& program, Command& command);
 void add_plan(CLI::App& program, Command& command);
 void add_drill(CLI::App& program, Command& command);

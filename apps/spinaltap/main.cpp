@@ -44,16 +44,18 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 9> commands;
+  std::array<Command, 11> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
   add_segment(program, commands[3]);
   add_points(program, commands[4]);
-  add_bake(program, commands[5]);
-  add_plan(program, commands[6]);
-  add_drill(program, commands[7]);
-  add_mesh(program, commands[8]);
+  add_fit(program, commands[5]);
+  add_eval(program, commands[6]);
+  add_bake(program, commands[7]);
+  add_plan(program, commands[8]);
+  add_drill(program, commands[9]);
+  add_mesh(program, commands[10]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -134,12 +134,17 @@ void write_whole_file(const fs::path& path, std::string_view content) {
   if (!file) fail("cannot write ", path.string(), ": ", std::strerror(errno));
 }
 
-std::string read_whole_file(const fs::path& path, std::size_t max_bytes) {
+std::uint64_t regular_file_size(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) fail("no such file: ", path.string());
   if (!fs::is_regular_file(path, error)) fail("expected a regular file, found something else: ", path.string());
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) fail("cannot read ", path.string(), ": ", error.message());
+  return size;
+}
+
+std::string read_whole_file(const fs::path& path, std::size_t max_bytes) {
+  const std::uint64_t size = regular_file_size(path);
   if (size > max_bytes) {
     fail("expected at most ", max_bytes, " bytes, found ", size, " in ", path.string());
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 #include <vector>
@@ -59,6 +60,9 @@ class StagedFolder {
 
 /// Writes `content` to `path` (already a temporary name). Throws Error when the disk is full or the path not writable.
 void write_whole_file(const std::filesystem::path& path, std::string_view content);
+
+/// Bytes of a regular file. Throws Error when it is missing or not a regular file.
+std::uint64_t regular_file_size(const std::filesystem::path& path);
 
 /// The whole content of a regular file. Throws Error when it is missing, not a regular file, or over `max_bytes`.
 std::string read_whole_file(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);

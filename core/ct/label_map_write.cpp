@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/gzip.h"
 #include "core/ct/label_map.h"
+#include "core/ct/nrrd_head.h"
 
 namespace spinaltap {
 namespace {
@@ -60,18 +61,7 @@ std::string nifti_header(const GridGeometry& geometry, int label) {
 
 std::string nrrd_header(const GridGeometry& geometry, int label, bool is_segmentation) {
   std::ostringstream text;
-  text.precision(17);
-  const auto vector = [&](const Vec3& v) { text << '(' << v.x() << ',' << v.y() << ',' << v.z() << ')'; };
-  text << "NRRD0004\ntype: " << (label <= 255 ? "unsigned char" : "short")
-       << "\ndimension: 3\nspace: left-posterior-superior\nsizes: " << geometry.size[0] << ' ' << geometry.size[1]
-       << ' ' << geometry.size[2] << "\nspace directions:";
-  for (int axis = 0; axis < 3; ++axis) {
-    text << ' ';
-    vector(geometry.index_to_patient_matrix().col(axis));
-  }
-  text << "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace origin: ";
-  vector(geometry.origin_mm);
-  text << '\n';
+  text << nrrd_head(geometry, label <= 255 ? "unsigned char" : "short", "gzip");
   if (is_segmentation) {
     text << "Segment0_ID:=vertebra\nSegment0_Name:=vertebra\nSegment0_Color:=0.95 0.84 0.57\nSegment0_LabelValue:="
          << label << "\nSegment0_Layer:=0\nSegment0_Extent:=0 " << geometry.size[0] - 1 << " 0 " << geometry.size[1] - 1

@@ -3,9 +3,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/ply_head.h"
 #include "core/base/staged_output.h"
 
 namespace spinaltap {
@@ -16,13 +16,10 @@ void write_points(const SurfaceSamples& samples, const std::filesystem::path& pa
   if (samples.normals.size() != count || samples.values_mm.size() != count) {
     fail("points: expected a normal and a value for each of ", count, " points");
   }
-  std::ostringstream head;
-  head << "ply\nformat binary_little_endian 1.0\n"
-       << "comment mm, patient LPS; value: signed distance from the surface, mm, negative inside\n"
-       << "element vertex " << count << "\n";
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "value"}) head << "property float " << name << "\n";
-  head << "end_header\n";
-  std::string bytes = head.str();
+  PlyHead head{.comments = {"mm, patient LPS; value: signed distance from the surface, mm, negative inside"},
+               .elements = {{"vertex", count}}};
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "value"}) head.elements[0].properties.push_back({name});
+  std::string bytes = encode(head);
   const std::size_t head_size = bytes.size();
   constexpr std::size_t kPointBytes = 7 * sizeof(float);
   bytes.resize(head_size + count * kPointBytes);

@@ -236,7 +236,8 @@ TEST_F(Errors, RefusesAnUnknownOptionWithAWordAboutHelp) {
 
 TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
   const test::TemporaryFolder folder;
-  for (const char* name : {"demo", "phantom", "info", "segment", "points", "bake", "plan", "drill", "mesh"}) {
+  for (const char* name :
+       {"demo", "phantom", "info", "segment", "points", "fit", "eval", "bake", "plan", "drill", "mesh"}) {
     const ProgramRun run = run_program(std::string(name) + " --help", folder.path());
     EXPECT_EQ(run.exit_code, 0) << name;
     EXPECT_THAT(run.output, HasSubstr("Example")) << name;

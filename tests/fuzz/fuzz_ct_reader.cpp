@@ -3,7 +3,6 @@
 //
 //   fuzz_ct_reader [--seconds N] [--seed N] [FILE ...]     FILE: more files to start from
 
-#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
@@ -12,26 +11,21 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/read_ct.h"
+#include "tests/fuzz/fuzz_run.h"
 #include "tests/fuzz/mutate.h"
 #include "tests/support/made_nifti.h"
 #include "tests/support/made_series.h"
 #include "tests/support/temporary_folder.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr double kMostSeconds = 5.0;
 // The files are small: whoever asks for so much has believed a header. Leaks are not looked for: the JPEG-LS and JPEG
 // 2000 decoders that GDCM brings lose a damaged picture's memory, which is not ours to free.
 extern "C" const char* __asan_default_options() { return "max_allocation_size_mb=200:detect_leaks=0"; }
-#else
-constexpr double kMostSeconds = 1.0;
 #endif
 
 namespace spinaltap {
@@ -41,11 +35,6 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// Unlike write_whole_file(), does not wait for the disk.
-void write(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 /// A folder with a valid CT; one of its files is changed at a time.
 struct Start {
@@ -88,7 +77,7 @@ class Starts {
     Start start{name, temporary_.path() / std::to_string(starts_.size()), {}, files, !unpacked.empty()};
     fs::create_directory(start.folder);
     start.read = start.folder / read;
-    for (const test::MadeSeries::File& file : files) write(start.folder / file.name, file.bytes);
+    for (const test::MadeSeries::File& file : files) test::write_quickly(start.folder / file.name, file.bytes);
     if (start.is_gzipped) start.files.push_back({files.front().name, unpacked});
     starts_.push_back(std::move(start));
   }
@@ -101,33 +90,6 @@ class Starts {
   std::vector<Start> starts_;
 };
 
-struct Counts {
-  long long read = 0;
-  long long refused = 0;
-};
-
-/// Reads what is there; false where reading does what it must not.
-bool read_once(const Start& start, Counts& counts) {
-  const Clock::time_point begin = Clock::now();
-  try {
-    static_cast<void>(read_ct(start.read, {.series = "1", .resample = true}));
-    ++counts.read;
-  } catch (const Error& error) {
-    if (std::string(error.what()).find('\n') != std::string::npos) {
-      std::printf("a message of several lines: %s\n", error.what());
-      return false;
-    }
-    ++counts.refused;
-  } catch (const std::exception& error) {
-    std::printf("not an Error: %s\n", error.what());
-    return false;
-  }
-  const double seconds = seconds_since(begin);
-  if (seconds < kMostSeconds) return true;
-  std::printf("took %.1f s\n", seconds);
-  return false;
-}
-
 int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus) {
   Starts starts;
   for (const fs::path& file : corpus) {
@@ -139,7 +101,7 @@ int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus
   std::fflush(stdout);
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   std::mt19937_64 random(seed);
-  Counts counts;
+  test::FuzzCounts counts;
   const Clock::time_point begin = Clock::now();
   const fs::path last = fs::temp_directory_path() / ("spinaltap-fuzz-" + std::to_string(::getpid()));
   while (seconds_since(begin) < seconds) {
@@ -148,22 +110,20 @@ int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus
     const test::MadeSeries::File& file = start.files[random() % start.files.size()];
     std::string bytes = test::mutated(file.bytes, stranger.files.front().bytes, random);
     if (start.is_gzipped && &file == &start.files.back()) bytes = test::gzipped(bytes);
-    write(start.folder / file.name, bytes);
-    write(last, bytes);  // stays behind when the program is stopped
-    ::alarm(60);         // stops a hang
-    if (!read_once(start, counts)) {
+    test::write_quickly(start.folder / file.name, bytes);
+    test::write_quickly(last, bytes);  // stays behind when the program is stopped
+    ::alarm(60);                       // stops a hang
+    const auto read = [&] { static_cast<void>(read_ct(start.read, {.series = "1", .resample = true})); };
+    if (!test::survives(read, counts)) {
       std::printf("found by seed %llu in a file made from: %s\nit is here: %s\n", static_cast<unsigned long long>(seed),
                   start.name.c_str(), last.c_str());
       return EXIT_FAILURE;
     }
-    write(start.folder / file.name, start.files.front().bytes);
-    if (!start.is_gzipped) write(start.folder / file.name, file.bytes);
+    test::write_quickly(start.folder / file.name, start.files.front().bytes);
+    if (!start.is_gzipped) test::write_quickly(start.folder / file.name, file.bytes);
   }
   fs::remove(last);
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  std::printf("%lld read, %lld refused, none broke the reader; %ld MB at most\n", counts.read, counts.refused,
-              usage.ru_maxrss / 1024);
+  test::print_fuzz_counts(counts);
   return EXIT_SUCCESS;
 }
 
@@ -171,21 +131,9 @@ int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus
 }  // namespace spinaltap
 
 int main(int argc, char** argv) {
-  double seconds = 60.0;
-  std::uint64_t seed = std::random_device()();
-  std::vector<std::filesystem::path> corpus;
-  for (int n = 1; n < argc; ++n) {
-    const std::string argument = argv[n];
-    if (argument == "--seconds" && n + 1 < argc) {
-      seconds = std::strtod(argv[++n], nullptr);
-    } else if (argument == "--seed" && n + 1 < argc) {
-      seed = std::strtoull(argv[++n], nullptr, 10);
-    } else {
-      corpus.emplace_back(argument);
-    }
-  }
+  const spinaltap::test::FuzzArguments arguments = spinaltap::test::fuzz_arguments(argc, argv);
   try {
-    return spinaltap::fuzz(seconds, seed, corpus);
+    return spinaltap::fuzz(arguments.seconds, arguments.seed, arguments.corpus);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fuzz_ct_reader: %s\n", error.what());
     return EXIT_FAILURE;

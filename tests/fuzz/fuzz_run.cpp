@@ -1,0 +1,70 @@
+#include "tests/fuzz/fuzz_run.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <random>
+
+#include "core/base/error.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr double kMostSeconds = 5.0;
+#else
+constexpr double kMostSeconds = 1.0;
+#endif
+
+namespace spinaltap::test {
+
+FuzzArguments fuzz_arguments(int argc, char** argv) {
+  FuzzArguments arguments;
+  arguments.seed = std::random_device()();
+  for (int n = 1; n < argc; ++n) {
+    const std::string argument = argv[n];
+    if (argument == "--seconds" && n + 1 < argc) {
+      arguments.seconds = std::strtod(argv[++n], nullptr);
+    } else if (argument == "--seed" && n + 1 < argc) {
+      arguments.seed = std::strtoull(argv[++n], nullptr, 10);
+    } else {
+      arguments.corpus.emplace_back(argument);
+    }
+  }
+  return arguments;
+}
+
+bool survives(const std::function<void()>& read, FuzzCounts& counts) {
+  const auto begin = std::chrono::steady_clock::now();
+  try {
+    read();
+    ++counts.read;
+  } catch (const Error& error) {
+    if (std::string(error.what()).find('\n') != std::string::npos) {
+      std::printf("a message of several lines: %s\n", error.what());
+      return false;
+    }
+    ++counts.refused;
+  } catch (const std::exception& error) {
+    std::printf("not an Error: %s\n", error.what());
+    return false;
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (seconds < kMostSeconds) return true;
+  std::printf("took %.1f s\n", seconds);
+  return false;
+}
+
+void write_quickly(const std::filesystem::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+void print_fuzz_counts(const FuzzCounts& counts) {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  std::printf("%lld read, %lld refused, none broke the reader; %ld MB at most\n", counts.read, counts.refused,
+              usage.ru_maxrss / 1024);
+}
+
+}  // namespace spinaltap::test
