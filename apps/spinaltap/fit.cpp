@@ -19,15 +19,13 @@ Json report_fit(const FitReport& report) {
   print_figure("iterations of the solver", report.iterations, "", 0);
   print_figure("mean residual", report.mean_residual_mm, "mm", 6);
   print_figure("largest residual", report.max_residual_mm, "mm", 6);
-  print_figure("largest error of the equations", report.max_equation_mm, "mm", 6);
   return {{"points", report.points},
           {"merged_points", report.merged_points},
           {"centres", report.centres},
           {"rounds", report.rounds},
           {"iterations", report.iterations},
           {"mean_residual_mm", report.mean_residual_mm},
-          {"max_residual_mm", report.max_residual_mm},
-          {"max_equation_mm", report.max_equation_mm}};
+          {"max_residual_mm", report.max_residual_mm}};
 }
 
 }  // namespace
@@ -96,7 +94,7 @@ void add_fit(CLI::App& program, Command& command) {
     }
     if (!options->error_bars) values.error_bars_mm.clear();
     const RbfFit fit = fit_rbf(values, options->fit, progress);
-    write_rbf(fit.field.model(), staged);
+    write_rbf(fit.model, staged);
     output.commit();
     Json figures = report_fit(fit.report);
     print_figure("written", options->output.string());

@@ -3,7 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/rbf/octree.h"
 #include "core/rbf/sparse_grid.h"
@@ -11,15 +13,48 @@
 namespace spinaltap::detail {
 namespace {
 
-/// Finds the nearest `wanted` points that come before place k; most points of the grid lie about half a cell apart.
-void nearest_before(const SparseGrid& grid, std::span<const Vec3> points_mm, const std::vector<std::uint32_t>& order,
-                    const std::vector<std::uint32_t>& place, std::size_t k, std::size_t wanted, std::uint32_t* out) {
-  constexpr double kFirstRadius = 1.9;  // in cells: about forty points of a surface
+/// The points so far, in cells that hold a dozen or two of them however they are spread: for searches of neighbours.
+class NeighbourGrid {
+ public:
+  NeighbourGrid(std::span<const Vec3> points_mm, double cell_mm)
+      : points_mm_(points_mm), smallest_cell_mm_(1e-6 * cell_mm), grid_(points_mm, cell_mm, points_mm.size()) {}
+
+  /// Takes in the points of `order` from the first that it does not have.
+  void add(const std::vector<std::uint32_t>& order) {
+    constexpr double kFullest = 24.0;
+    for (; size_ < order.size(); ++size_) grid_.add(order[size_]);
+    // Many points in one place stay in one cell: there is an end to it.
+    while (grid_.mean_occupancy() > kFullest && grid_.cell_mm() > smallest_cell_mm_) {
+      SparseGrid finer(points_mm_, 0.6 * grid_.cell_mm(), points_mm_.size());
+      for (const std::uint32_t index : order) finer.add(index);
+      grid_ = std::move(finer);
+    }
+  }
+
+  const SparseGrid& grid() const { return grid_; }
+
+  /// Within which about `count` points of a surface lie.
+  double radius_mm(std::size_t count) const {
+    return grid_.cell_mm() * std::sqrt(static_cast<double>(count) / (std::numbers::pi * grid_.mean_occupancy()));
+  }
+
+ private:
+  std::span<const Vec3> points_mm_;
+  double smallest_cell_mm_;
+  SparseGrid grid_;
+  std::size_t size_ = 0;
+};
+
+/// Finds the nearest `wanted` points that come before place k.
+void nearest_before(const NeighbourGrid& neighbours, std::span<const Vec3> points_mm,
+                    const std::vector<std::uint32_t>& order, const std::vector<std::uint32_t>& place, std::size_t k,
+                    std::size_t wanted, std::uint32_t* out) {
+  constexpr double kMargin = 1.5;
   constexpr double kGrowth = 1.3;
   thread_local std::vector<std::pair<double, std::uint32_t>> found;
-  for (double radius_mm = kFirstRadius * grid.cell_mm();; radius_mm *= kGrowth) {
+  for (double radius_mm = kMargin * neighbours.radius_mm(wanted);; radius_mm *= kGrowth) {
     found.clear();
-    grid.visit_within(points_mm[order[k]], radius_mm, [&](std::uint32_t index, double d2) {
+    neighbours.grid().visit_within(points_mm[order[k]], radius_mm, [&](std::uint32_t index, double d2) {
       if (place[index] < k) found.emplace_back(d2, place[index]);
       return false;
     });
@@ -36,7 +71,7 @@ void nearest_before(const SparseGrid& grid, std::span<const Vec3> points_mm, con
 CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std::uint32_t> first,
                             std::size_t neighbours) {
   constexpr double kStep = 0.85;
-  constexpr double kManyOf = 0.02;  // a level with this share of all points so far tells how dense they are
+  constexpr double kRest = 0.02;  // the last points, those that are near to others, come as they stand
   constexpr std::uint32_t kUnplaced = std::numeric_limits<std::uint32_t>::max();
   const std::size_t count = points_mm.size();
   CoarseToFine result;
@@ -61,8 +96,12 @@ CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> covered;
   std::size_t done = 0;
-  double dense_mm = 0.0;  // spacing of most of the points taken; a few may lie far closer
+  NeighbourGrid neighbour_grid(points_mm, std::max(bounds.diagonal().norm(), 1e-300));
   for (double spacing_mm = 0.5 * bounds.diagonal().norm(); done < count; spacing_mm *= kStep) {
+    if (static_cast<double>(waiting.size()) < kRest * static_cast<double>(count)) {
+      for (const std::uint32_t index : waiting) take(index);
+      waiting.clear();
+    }
     const double spacing2 = spacing_mm * spacing_mm;
     candidates.clear();
     for (const std::uint32_t index : waiting) {
@@ -85,23 +124,18 @@ CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (covered[i] != 0 || covered_by(fresh, candidates[i])) continue;
       fresh.add(candidates[i]);
-      taken.add(candidates[i]);
       take(candidates[i]);
     }
     std::erase_if(waiting, [&](std::uint32_t index) { return place[index] != kUnplaced; });
 
-    const std::size_t added = result.order.size() - done;
-    if (added == 0) continue;
-    if (dense_mm == 0.0 || static_cast<double>(added) > kManyOf * static_cast<double>(done)) dense_mm = spacing_mm;
-    SparseGrid dense(points_mm, 2.0 * dense_mm, result.order.size());
-    for (const std::uint32_t index : result.order) dense.add(index);
+    neighbour_grid.add(result.order);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(done, result.order.size(), 64), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k) {
         std::uint32_t* near = result.near.data() + k * neighbours;
         if (k <= neighbours) {
           for (std::size_t i = 0; i < k; ++i) near[i] = static_cast<std::uint32_t>(i);
         } else {
-          nearest_before(dense, points_mm, result.order, place, k, neighbours, near);
+          nearest_before(neighbour_grid, points_mm, result.order, place, k, neighbours, near);
         }
       }
     });

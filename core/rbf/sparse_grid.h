@@ -24,10 +24,13 @@ class SparseGrid {
   }
 
   double cell_mm() const { return cell_mm_; }
+  /// Points for each slot in use: about those of a cell, where there are any.
+  double mean_occupancy() const { return static_cast<double>(index_.size()) / static_cast<double>(used_); }
 
   void add(std::uint32_t index) {
     const Cell cell = cell_of(points_mm_[index]);
     std::uint32_t& head = heads_[slot(cell.x, cell.y, cell.z)];
+    used_ += head == kEmpty ? 1 : 0;
     next_.push_back(head);
     index_.push_back(index);
     head = static_cast<std::uint32_t>(index_.size() - 1);
@@ -79,6 +82,7 @@ class SparseGrid {
 
   std::span<const Vec3> points_mm_;
   double cell_mm_;
+  std::size_t used_ = 0;
   std::vector<std::uint32_t> heads_;
   std::vector<std::uint32_t> next_;
   std::vector<std::uint32_t> index_;
