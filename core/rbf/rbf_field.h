@@ -19,8 +19,8 @@ class RbfField final : public ScalarField {
   static constexpr double kDefaultAccuracy = 1e-3;
 
   /// Prepares the sums so that values are within `accuracy_mm`, and gradients within the same number, of the sums term
-  /// by term, as measured at some hundreds of places near the centres. Throws Error when check_model() does, and when
-  /// the accuracy is not above 0 or beyond reach.
+  /// by term, as measured at some hundreds of places near the centres; an accuracy beyond fast sums is met term by
+  /// term. Throws Error when check_model() does, and when the accuracy is not above 0.
   explicit RbfField(RbfModel model, double accuracy_mm = kDefaultAccuracy);
 
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;

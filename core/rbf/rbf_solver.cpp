@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/base/random.h"
 #include "core/rbf/polynomial.h"
 
 namespace spinaltap::detail {
@@ -64,8 +63,11 @@ void RbfSolver::use_order(int order) {
   if (sum_ && order == order_) return;
   order_ = order;
   sum_.reset();  // before the next one takes memory
-  sum_ = std::make_unique<FastSum>(kernel_, 0.0, points_mm_,
-                                   FastSumOptions{.order = order, .leaf_size = kLeafSize, .anywhere = false});
+  // One leaf with all points is summed term by term.
+  const std::size_t leaf_size = order > kMaxOrder ? points_mm_.size() : kLeafSize;
+  sum_ = std::make_unique<FastSum>(
+      kernel_, 0.0, points_mm_,
+      FastSumOptions{.order = std::min(order, kMaxOrder), .leaf_size = leaf_size, .anywhere = false});
 }
 
 RbfSolver::Vector RbfSolver::multiply(const Vector& weights) {
@@ -149,48 +151,66 @@ int RbfSolver::improve(Vector& weights, Vector& residual, double target_mm, cons
   return done;
 }
 
+void RbfSolver::choose_order(const Vector& weights, double accuracy_mm) {
+  constexpr int kFirstOrder = 6;
+  constexpr double kDigitsAnOrder = 0.8;
+  for (int order = std::max(order_, kFirstOrder);;) {
+    use_order(order);
+    const double missing = std::log10(sum_error(weights, multiply(weights)) / accuracy_mm);
+    if (!(missing > 0.0) || order > kMaxOrder) return;
+    const int next = order + std::max(1, static_cast<int>(missing / kDigitsAnOrder));
+    order = order < kMaxOrder ? std::min(kMaxOrder, next) : next;
+  }
+}
+
 RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_mm, std::span<const double> start,
                              const Progress& progress) {
   constexpr int kMostRounds = 12;
-  constexpr int kFirstOrder = 6;
   constexpr double kSumShare = 0.1;  // of the accuracy, for errors of the fast sums at the points looked at
+  constexpr double kSafety = 2.5;    // the sums' error anywhere, of that
   const std::size_t count = points_mm_.size();
   const Vector values = Eigen::Map<const Vector>(values_mm.data(), at(count));
   Vector weights = Vector::Zero(at(count));
-  if (!start.empty()) {
+  if (start.empty()) {
+    // The preconditioner alone gives weights of about the solution's size, which the sums' error depends on.
+    Vector right = values;
+    project(right);
+    Vector likely(at(count));
+    preconditioner_->apply(span_of(right), span_of(likely));
+    project(likely);
+    choose_order(likely, kSumShare * accuracy_mm);
+  } else {
     weights = Eigen::Map<const Vector>(start.data(), at(count));
     project(weights);
+    choose_order(weights, kSumShare * accuracy_mm);
   }
-  use_order(std::max(order_, kFirstOrder));
   RbfSolution solution;
-  Vector product = Vector::Zero(at(count));
-  bool known = start.empty();  // whether `product` is that of the weights
   for (int round = 0;; ++round) {
-    if (!known) product = multiply(weights);
-    solution.sum_error_mm = sum_error(weights, product);
+    const Vector product = multiply(weights);
+    solution.sum_error_mm = kSafety * sum_error(weights, product);
     Vector residual = values - product;
     const Vector in_basis = basis_.transpose() * residual;
     project(residual);
     solution.max_residual_mm = residual.cwiseAbs().maxCoeff();
-    const bool exact_enough = solution.sum_error_mm <= kSumShare * accuracy_mm;
-    if (exact_enough && solution.max_residual_mm + solution.sum_error_mm <= accuracy_mm) {
+    if (solution.max_residual_mm + solution.sum_error_mm <= accuracy_mm) {
       solution.model.polynomial.resize(polynomial_terms(kernel_));
       const Vector coefficients = to_coefficients_ * in_basis;
       std::copy(coefficients.begin(), coefficients.end(), solution.model.polynomial.begin());
-      solution.residual_mm = std::move(residual);
       break;
+    }
+    if (solution.sum_error_mm > 0.5 * accuracy_mm) {
+      if (order_ > kMaxOrder) {
+        fail("RBF: expected an accuracy that sums of this size can reach, about ", 4.0 * solution.sum_error_mm,
+             " mm here, found ", accuracy_mm);
+      }
+      choose_order(weights, kSumShare * accuracy_mm);
+      continue;
     }
     if (round == kMostRounds) {
       fail("RBF: expected to reach ", accuracy_mm, " mm at all ", count, " points, reached ", solution.max_residual_mm,
            " mm; are points nearly the same, with values that differ?");
     }
-    if (!exact_enough && order_ < kMaxOrder) {
-      use_order(order_ + 1);
-      known = false;
-      if (round > 0 || !start.empty()) continue;
-    }
-    solution.iterations += improve(weights, residual, 0.5 * accuracy_mm, progress);
-    known = false;
+    solution.iterations += improve(weights, residual, 0.4 * accuracy_mm, progress);
   }
   solution.model.kernel = kernel_;
   solution.model.origin_mm = origin_mm_;

@@ -17,8 +17,7 @@ struct RbfSolution {
   RbfModel model;
   int iterations = 0;
   double max_residual_mm = 0.0;  ///< of the equations at all centres, as the fast sums tell it
-  double sum_error_mm = 0.0;     ///< of those sums, against direct ones at some centres
-  Eigen::VectorXd residual_mm;   ///< one a centre
+  double sum_error_mm = 0.0;     ///< what those sums may be wrong by
 };
 
 /// Solves [A + S  P; P' 0] [w; a] = [f; 0], A_ij = phi(|x_i - x_j|), S what smoothing adds to the diagonal, for one set
@@ -45,6 +44,9 @@ class RbfSolver {
   /// Takes the polynomial part out.
   void project(Vector& vector) const;
   void use_order(int order);
+  /// Takes the lowest order, from the present one up, whose sums of these weights are accurate enough; beyond the
+  /// highest, sums term by term.
+  void choose_order(const Vector& weights, double accuracy_mm);
   /// Largest difference between fast and direct sums at some points, for the weights last multiplied.
   double sum_error(const Vector& weights, const Vector& product) const;
   /// Improves the weights until the residual's largest entry is below `target_mm`; returns iterations.
