@@ -119,11 +119,11 @@ RbfFit fit_rbf(const RbfValues& data, const FitOptions& options, const Progress&
       if (options.smoothing_mm > 0.0) {
         RbfField(fit.model, accuracy_mm).evaluate(points.points_mm, points.values_mm, {});
       }
-      take(options.slabs == 1 ? detail::reduce_centres(options.kernel, points.points_mm, points.values_mm,
-                                                       options.reduction_mm, accuracy_mm, progress)
-                              : detail::reduce_centres_in_slabs(options.kernel, points.points_mm, points.values_mm,
-                                                                options.slabs, options.reduction_mm, accuracy_mm,
-                                                                progress));
+      take(options.slabs == 1
+               ? detail::reduce_centres(options.kernel, points.points_mm, points.values_mm, options.reduction_mm,
+                                        accuracy_mm, progress)
+               : detail::reduce_centres_in_slabs(options.kernel, points.points_mm, points.values_mm, options.slabs,
+                                                 options.reduction_mm, accuracy_mm, progress));
     }
   }
   fit.report.centres = fit.model.weights.size();
