@@ -136,13 +136,14 @@ TEST(FastSum, ComesNearerTheMoreNodesABoxHas) {
       std::vector<PlainSum> sums;
       for (const Vec3& p : places_mm) sums.push_back(plain_sum(kernel, 0.0, one.centres_mm, weights, p));
       Errors last{1.0, 1.0};
-      for (const int order : {4, 7, 10, 13}) {
+      for (const int order : {4, 6, 8, 10}) {
         FastSum fast(kernel, 0.0, one.centres_mm, {.order = order, .leaf_size = 20});
         fast.set_weights(weights);
         const Errors errors = errors_of(evaluate(fast, places_mm), sums);
-        // Half a digit a node would be 1/30 for three; a little less is met when many terms are summed directly.
-        EXPECT_LT(errors.value, last.value / 8.0) << "order " << order;
-        EXPECT_LT(errors.gradient, last.gradient / 8.0) << "order " << order;
+        // Half a digit a node is a factor of ten for two; gradients, and sets where many terms are summed directly,
+        // may gain a little less. Beyond ten nodes rounding shows: even grids blow it up.
+        EXPECT_LT(errors.value, last.value / 5.0) << "order " << order;
+        EXPECT_LT(errors.gradient, last.gradient / 5.0) << "order " << order;
         last = errors;
       }
     }
