@@ -37,7 +37,9 @@ void check(const RbfValues& data, const FitOptions& options) {
   const auto not_negative = [](double value, const char* name) {
     if (!(value >= 0.0) || !std::isfinite(value)) fail("RBF: expected ", name, " of 0 mm or more, found ", value);
   };
-  if (!(options.accuracy_mm > 0.0)) fail("RBF: expected an accuracy above 0 mm, found ", options.accuracy_mm);
+  if (!(options.accuracy_mm > 0.0) || !std::isfinite(options.accuracy_mm)) {
+    fail("RBF: expected an accuracy above 0 mm, found ", options.accuracy_mm);
+  }
   not_negative(options.smoothing_mm, "smoothing");
   not_negative(options.reduction_mm, "a tolerance of reduction");
   not_negative(options.merge_mm, "a merging distance");

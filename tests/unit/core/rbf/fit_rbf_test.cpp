@@ -53,7 +53,7 @@ TEST(FitRbf, PassesThroughItsDataToTheAccuracyAsked) {
 }
 
 TEST(FitRbf, PassesThroughAVertebrasPointsOnPixels) {
-  RbfValues data = test::vertebra_values(2.5);
+  RbfValues data = test::vertebra_values(4.0);
   for (const RadialKernel kernel : kKernels) {
     // The triharmonic kernel takes longer: a third of the points.
     if (kernel == RadialKernel::triharmonic) {
@@ -67,7 +67,7 @@ TEST(FitRbf, PassesThroughAVertebrasPointsOnPixels) {
     const RbfFit fit = fit_rbf(data, {.kernel = kernel, .accuracy_mm = 0.01});
     double worst_mm = 0.0;
     // Points that pixels made one have values that agree, but for off-surface points with other normals.
-    for (std::size_t i = 0; i < fit.model.centres_mm.size(); i += 3) {
+    for (std::size_t i = 0; i < fit.model.centres_mm.size(); i += 5) {
       double nearest_mm = 1e9;
       for (std::size_t j = 0; j < data.points_mm.size(); ++j) {
         if ((data.points_mm[j] - fit.model.centres_mm[i]).norm() > 1e-3) continue;
@@ -151,7 +151,7 @@ TEST(FitRbf, DoesNotCareHowItsDataAreTurnedAndShifted) {
 }
 
 TEST(FitRbf, GivesTheSameBitsAtAnyNumberOfThreadsAndEachTime) {
-  const RbfValues data = test::vertebra_values(4.0);
+  const RbfValues data = test::vertebra_values(6.0);
   for (const FitOptions& options : {FitOptions{}, FitOptions{.smoothing_mm = 0.1, .reduction_mm = 0.2},
                                     FitOptions{.reduction_mm = 0.3, .slabs = 3}}) {
     const auto fit = [&](std::size_t threads) {
