@@ -25,7 +25,8 @@ FarField::FarField(RadialKernel kernel, double c2, int order, const SimdKernels&
   sin_.resize(length_ * length_);
   for (std::size_t k = 0; k < length_; ++k) {
     for (std::size_t m = 0; m < length_; ++m) {
-      const double angle = -2.0 * std::numbers::pi * static_cast<double>((k * m) % length_) / static_cast<double>(length_);
+      const double angle =
+          -2.0 * std::numbers::pi * static_cast<double>((k * m) % length_) / static_cast<double>(length_);
       cos_[k * length_ + m] = std::cos(angle);
       sin_[k * length_ + m] = std::sin(angle);
     }
@@ -122,8 +123,8 @@ void FarField::transform_back(const double* spectrum, std::size_t stride, double
     }
   }
   for (std::size_t kz = 0; kz < size; ++kz) {
-    simd_.multiply_complex(n, size, row, turn_re.data(), turn_im.data(), y_re + kz * size * row,
-                           y_im + kz * size * row, z_re + kz * n * row, z_im + kz * n * row);
+    simd_.multiply_complex(n, size, row, turn_re.data(), turn_im.data(), y_re + kz * size * row, y_im + kz * size * row,
+                           z_re + kz * n * row, z_im + kz * n * row);
   }
   simd_.multiply_complex(n, size, n * row, turn_re.data(), turn_im.data(), z_re, z_im, x_re, x_im);
   const double scale = 1.0 / static_cast<double>(size * size * size);
@@ -179,8 +180,8 @@ void FarField::prepare_table(double half_mm) {
                            b_re.data(), b_im.data());
     for (std::size_t kz = 0; kz < length_; ++kz) {
       const std::size_t plane = kz * length_ * half;
-      simd_.multiply_complex(length_, length_, half, cos_.data(), sin_.data(), b_re.data() + plane,
-                             b_im.data() + plane, a_re.data() + plane, a_im.data() + plane);
+      simd_.multiply_complex(length_, length_, half, cos_.data(), sin_.data(), b_re.data() + plane, b_im.data() + plane,
+                             a_re.data() + plane, a_im.data() + plane);
     }
     std::size_t out = 0;
     for (std::size_t line = 0; line < length_ * length_; ++line) {

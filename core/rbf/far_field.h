@@ -34,10 +34,10 @@ class FarField {
   RadialKernel kernel_;
   double c2_;
   std::size_t order_;
-  std::size_t length_;         ///< of the transform, 2 order - 1
-  std::size_t chunks_;         ///< of a spectrum, eight complex numbers each
+  std::size_t length_;  ///< of the transform, 2 order - 1
+  std::size_t chunks_;  ///< of a spectrum, eight complex numbers each
   const SimdKernels& simd_;
-  std::vector<double> cos_;    ///< cos and sin of -2 pi k m / length, k * length + m
+  std::vector<double> cos_;  ///< cos and sin of -2 pi k m / length, k * length + m
   std::vector<double> sin_;
   double table_half_mm_ = 0.0;  ///< box size of table_; the plain kernels need one only, for boxes of half width 1
   std::vector<double> table_;   ///< chunk by chunk, in it offset by offset

@@ -235,9 +235,8 @@ void FastSum::at_centres(std::span<double> values) const {
     if (!box.is_leaf()) return;
     for (std::uint32_t first = box.begin; first < box.end; first += kLanes) {
       const std::size_t count = std::min<std::size_t>(kLanes, box.end - first);
-      const TargetPack targets = pack(count, [&](std::size_t l) {
-        return Vec3(x_mm_[first + l], y_mm_[first + l], z_mm_[first + l]);
-      });
+      const TargetPack targets =
+          pack(count, [&](std::size_t l) { return Vec3(x_mm_[first + l], y_mm_[first + l], z_mm_[first + l]); });
       LaneSums sums{};
       leaf_sums(static_cast<std::uint32_t>(b), targets.at, false, sums);
       for (std::size_t l = 0; l < count; ++l) values[tree_.sorted()[first + l]] = sums.value[l];

@@ -12,9 +12,9 @@
 namespace spinaltap::detail {
 
 struct FastSumOptions {
-  int order = 7;                ///< nodes along a box's edge; each more gives about half a digit
-  std::size_t leaf_size = 128;  ///< most centres of a box that is not divided
-  bool anywhere = true;         ///< false: only at_centres() is wanted
+  int order = 7;                      ///< nodes along a box's edge; each more gives about half a digit
+  std::size_t leaf_size = 128;        ///< most centres of a box that is not divided
+  bool anywhere = true;               ///< false: only at_centres() is wanted
   const SimdKernels* simd = nullptr;  ///< null: the fastest here
 };
 

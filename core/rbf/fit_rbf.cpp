@@ -37,7 +37,9 @@ void check(const RbfValues& data, const FitOptions& options) {
   const auto not_negative = [](double value, const char* name) {
     if (!(value >= 0.0) || !std::isfinite(value)) fail("RBF: expected ", name, " of 0 mm or more, found ", value);
   };
-  if (!(options.accuracy_mm > 0.0)) fail("RBF: expected an accuracy above 0 mm, found ", options.accuracy_mm);
+  if (!(options.accuracy_mm > 0.0) || !std::isfinite(options.accuracy_mm)) {
+    fail("RBF: expected an accuracy above 0 mm, found ", options.accuracy_mm);
+  }
   not_negative(options.smoothing_mm, "smoothing");
   not_negative(options.reduction_mm, "a tolerance of reduction");
   not_negative(options.merge_mm, "a merging distance");
@@ -119,11 +121,11 @@ RbfFit fit_rbf(const RbfValues& data, const FitOptions& options, const Progress&
       if (options.smoothing_mm > 0.0) {
         RbfField(fit.model, accuracy_mm).evaluate(points.points_mm, points.values_mm, {});
       }
-      take(options.slabs == 1 ? detail::reduce_centres(options.kernel, points.points_mm, points.values_mm,
-                                                       options.reduction_mm, accuracy_mm, progress)
-                              : detail::reduce_centres_in_slabs(options.kernel, points.points_mm, points.values_mm,
-                                                                options.slabs, options.reduction_mm, accuracy_mm,
-                                                                progress));
+      take(options.slabs == 1
+               ? detail::reduce_centres(options.kernel, points.points_mm, points.values_mm, options.reduction_mm,
+                                        accuracy_mm, progress)
+               : detail::reduce_centres_in_slabs(options.kernel, points.points_mm, points.values_mm, options.slabs,
+                                                 options.reduction_mm, accuracy_mm, progress));
     }
   }
   fit.report.centres = fit.model.weights.size();

@@ -18,22 +18,22 @@ struct RbfValues {
 
 struct FitOptions {
   RadialKernel kernel = RadialKernel::biharmonic;
-  double accuracy_mm = 0.01;   ///< largest difference, at any point, from what the equations ask there
-  double smoothing_mm = 0.0;   ///< lets the fit miss each value by this times the point's weight; 0 interpolates
-  double reduction_mm = 0.0;   ///< 0: every point is a centre; else as few as keep all points within this (greedy),
-                               ///< with smoothing within this of the smooth fit to all points
-  std::size_t slabs = 1;       ///< choose centres slab by slab of z, as the paper did (its 3.2.2); needs reduction_mm
-  double merge_mm = 1e-3;      ///< points nearer to each other than this become one, with their mean value
+  double accuracy_mm = 0.01;  ///< largest difference, at any point, from what the equations ask there
+  double smoothing_mm = 0.0;  ///< lets the fit miss each value by this times the point's weight; 0 interpolates
+  double reduction_mm = 0.0;  ///< 0: every point is a centre; else as few as keep all points within this (greedy),
+                              ///< with smoothing within this of the smooth fit to all points
+  std::size_t slabs = 1;      ///< choose centres slab by slab of z, as the paper did (its 3.2.2); needs reduction_mm
+  double merge_mm = 1e-3;     ///< points nearer to each other than this become one, with their mean value
 };
 
 /// What a fit came to.
 struct FitReport {
-  std::size_t points = 0;           ///< given
-  std::size_t merged_points = 0;    ///< of those, taken into another
+  std::size_t points = 0;         ///< given
+  std::size_t merged_points = 0;  ///< of those, taken into another
   std::size_t centres = 0;
-  int rounds = 0;                   ///< of choosing centres; 1 when every point is one
-  int iterations = 0;               ///< of the solver, in all rounds
-  double max_residual_mm = 0.0;     ///< |s - value| at all given points: below accuracy_mm for a plain fit
+  int rounds = 0;                ///< of choosing centres; 1 when every point is one
+  int iterations = 0;            ///< of the solver, in all rounds
+  double max_residual_mm = 0.0;  ///< |s - value| at all given points: below accuracy_mm for a plain fit
   double mean_residual_mm = 0.0;
 };
 

@@ -39,11 +39,10 @@ SurfaceFit fit_surface(const SurfacePoints& surface, const SurfaceFitOptions& op
   if (data.points_mm.size() == count) {
     fail("RBF: expected unit normals that point out of the surface, found no room along any of them");
   }
-  RbfFit fit = fit_rbf(data,
-                       {.accuracy_mm = options.accuracy_mm,
-                        .smoothing_mm = options.smoothing_mm,
-                        .reduction_mm = options.reduction_mm},
-                       progress);
+  RbfFit fit = fit_rbf(
+      data,
+      {.accuracy_mm = options.accuracy_mm, .smoothing_mm = options.smoothing_mm, .reduction_mm = options.reduction_mm},
+      progress);
   SurfaceFit result{RbfField(std::move(fit.model)), {}};
   std::vector<double> residual_mm(count);
   result.field.evaluate(surface.positions_mm, residual_mm, {});

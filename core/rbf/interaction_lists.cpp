@@ -108,7 +108,7 @@ class Maker {
   const std::vector<bool>& is_target_;
   std::size_t few_;
   std::vector<std::vector<std::uint32_t>> colleagues_;  ///< same level, adjacent, with sources
-  std::vector<std::vector<std::uint32_t>> coarse_;      ///< leaves of coarser levels with sources, to be summed directly
+  std::vector<std::vector<std::uint32_t>> coarse_;  ///< leaves of coarser levels with sources, to be summed directly
   std::vector<SourceRange> near_boxes_;
   std::vector<std::pair<std::uint32_t, FarBox>> far_;
   std::vector<std::pair<std::uint32_t, SourceRange>> near_;

@@ -46,10 +46,10 @@ inline constexpr std::uint32_t kOffsets = 343;
 /// Which boxes act on which, and how (the lists U, V, W and X of Cheng, Greengard & Rokhlin 1999). Every source acts on
 /// every place of a leaf exactly once, through one of them, at the leaf or at one of its ancestors.
 struct InteractionLists {
-  Lists<FarBox> far;                ///< V: same level, expansion to expansion
-  Lists<SourceRange> near;          ///< U: of leaves, source to target; neighbouring ranges are joined
-  Lists<std::uint32_t> finer;       ///< W: of leaves, boxes whose expansion is evaluated at the targets
-  Lists<std::uint32_t> coarser;     ///< X: leaves whose sources are summed at the box's nodes
+  Lists<FarBox> far;             ///< V: same level, expansion to expansion
+  Lists<SourceRange> near;       ///< U: of leaves, source to target; neighbouring ranges are joined
+  Lists<std::uint32_t> finer;    ///< W: of leaves, boxes whose expansion is evaluated at the targets
+  Lists<std::uint32_t> coarser;  ///< X: leaves whose sources are summed at the box's nodes
 };
 
 /// Lists for the boxes where `is_target`. A finer box with fewer sources than `few` is summed directly.

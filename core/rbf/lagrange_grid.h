@@ -17,7 +17,10 @@ class LagrangeGrid {
   explicit LagrangeGrid(int order);
 
   int order() const { return order_; }
-  std::size_t node_count() const { return static_cast<std::size_t>(order_) * order_ * order_; }
+  std::size_t node_count() const {
+    const auto size = static_cast<std::size_t>(order_);
+    return size * size * size;
+  }
   /// Reciprocal of each basis polynomial's product at its own node.
   const double* inverse() const { return inverse_.data(); }
   /// Node k of the box -1..1.

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostPolynomialTerms = 10;
 inline std::array<double, kMostPolynomialTerms> polynomial_row(RadialKernel kernel, const Vec3& d) {
   std::array<double, kMostPolynomialTerms> row{1.0, d.x(), d.y(), d.z()};
   if (kernel == RadialKernel::triharmonic) {
-    row = {1.0,         d.x(),         d.y(),         d.z(),         d.x() * d.x(),
+    row = {1.0,           d.x(),         d.y(),         d.z(),         d.x() * d.x(),
            d.x() * d.y(), d.x() * d.z(), d.y() * d.y(), d.y() * d.z(), d.z() * d.z()};
   }
   return row;

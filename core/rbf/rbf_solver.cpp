@@ -49,8 +49,7 @@ RbfSolver::RbfSolver(RadialKernel kernel, std::vector<Vec3> points_mm, std::vect
     triangle(k, k) = basis_.col(k).norm();
     basis_.col(k) /= triangle(k, k);
   }
-  to_coefficients_ =
-      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(at(terms), at(terms)));
+  to_coefficients_ = triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(at(terms), at(terms)));
   for (std::size_t k = 1; k < terms; ++k) {
     to_coefficients_.row(at(k)) /= k < 4 ? extent_mm_ : extent_mm_ * extent_mm_;
   }

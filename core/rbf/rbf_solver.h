@@ -56,8 +56,8 @@ class RbfSolver {
   std::vector<Vec3> points_mm_;
   std::vector<double> smoothing_mm_;
   Vec3 origin_mm_;
-  double extent_mm_;        ///< scale of the polynomial's coordinates
-  Eigen::MatrixXd basis_;   ///< orthonormal columns that span the polynomials at the points
+  double extent_mm_;                 ///< scale of the polynomial's coordinates
+  Eigen::MatrixXd basis_;            ///< orthonormal columns that span the polynomials at the points
   Eigen::MatrixXd to_coefficients_;  ///< from a vector's products with basis_ to coefficients of monomials in mm
   std::unique_ptr<CardinalPreconditioner> preconditioner_;
   std::unique_ptr<FastSum> sum_;

@@ -60,8 +60,8 @@ struct SimdKernels {
   /// other): the column L'^-1 e_last, where L L' = -+phi + diagonal + a penalty on polynomials of `terms` terms. That
   /// is the last point's cardinal function, scaled to 1 in the kernel's norm. `work` holds
   /// (terms * count + count (count + 1) / 2) * kLanes numbers.
-  void (*local_functions)(int power, std::size_t count, std::size_t terms, const double* points,
-                          const double* diagonal, double* work, double* out);
+  void (*local_functions)(int power, std::size_t count, std::size_t terms, const double* points, const double* diagonal,
+                          double* work, double* out);
 };
 
 /// The kernels that this CPU can run, portable ones first, the fastest last.

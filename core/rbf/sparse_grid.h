@@ -36,11 +36,20 @@ class SparseGrid {
     head = static_cast<std::uint32_t>(index_.size() - 1);
   }
 
-  /// Calls visit(index, squared distance) for the points within `radius_mm` (at most `rings` cells off), in an order
-  /// that depends on the points and the order of adding alone. Stops when it returns true, and says whether it did.
+  /// Calls visit(index, squared distance) for the points within `radius_mm`, in an order that depends on the points and
+  /// the order of adding alone. Stops when it returns true, and says whether it did.
   template <class Visit>
   bool visit_within(const Vec3& p_mm, double radius_mm, const Visit& visit) const {
     const double radius2 = radius_mm * radius_mm;
+    // Where the radius holds more cells than there are points, it is quicker to look at all points.
+    const double most_cells = std::pow(2.0 * radius_mm / cell_mm_ + 1.0, 3);
+    if (most_cells > static_cast<double>(index_.size()) + kFewCells) {
+      for (const std::uint32_t index : index_) {
+        const double d2 = (points_mm_[index] - p_mm).squaredNorm();
+        if (d2 <= radius2 && visit(index, d2)) return true;
+      }
+      return false;
+    }
     const Cell low = cell_of(p_mm - Vec3::Constant(radius_mm));
     const Cell high = cell_of(p_mm + Vec3::Constant(radius_mm));
     for (std::int64_t z = low.z; z <= high.z; ++z) {
@@ -63,6 +72,7 @@ class SparseGrid {
 
  private:
   static constexpr std::uint32_t kEmpty = 0xffffffffU;
+  static constexpr double kFewCells = 1000.0;
   struct Cell {
     std::int64_t x;
     std::int64_t y;

@@ -1,0 +1,263 @@
+#include "core/rbf/fast_sum.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "tests/unit/core/rbf/plain_sum.h"
+#include "tests/unit/core/rbf/point_sets.h"
+
+namespace spinaltap::detail {
+namespace {
+
+using test::plain_sum;
+using test::PlainSum;
+
+constexpr std::uint64_t kSeed = 71;
+constexpr std::size_t kCount = 1500;
+constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+
+struct Case {
+  const char* name;
+  std::vector<Vec3> centres_mm;
+};
+
+std::vector<Case> cases() {
+  return {{"even", test::random_points(kCount, kSeed)},
+          {"surface", test::ball_points(kCount)},
+          {"clusters", test::clustered_points(kCount, kSeed)}};
+}
+
+/// Places at centres, beside them, all over their cube, on its faces, and outside it, near and far.
+std::vector<Vec3> places(const std::vector<Vec3>& centres_mm) {
+  Box3 bounds;
+  for (const Vec3& c : centres_mm) bounds.extend(c);
+  const double reach_mm = 0.5 * bounds.sizes().maxCoeff();
+  std::vector<Vec3> places_mm;
+  for (std::size_t i = 0; i < centres_mm.size(); i += 25) {
+    places_mm.push_back(centres_mm[i]);
+    places_mm.push_back(centres_mm[i] + test::random_place(kSeed + 5, i, 0.01 * reach_mm));
+  }
+  for (std::uint64_t n = 0; n < 100; ++n) {
+    places_mm.emplace_back(bounds.center() + test::random_place(kSeed + 6, n, reach_mm));
+    Vec3 on_face = test::random_place(kSeed + 7, n, 1.1 * reach_mm);
+    on_face[static_cast<Eigen::Index>(n % 3)] = n % 2 == 0 ? 1.1 * reach_mm : -1.1 * reach_mm;
+    places_mm.emplace_back(bounds.center() + on_face);
+    places_mm.emplace_back(bounds.center() + test::random_place(kSeed + 8, n, 3.0 * reach_mm));
+  }
+  for (const double times : {10.0, 1e3, 1e6}) places_mm.emplace_back(bounds.center() + Vec3(times * reach_mm, 1, 2));
+  return places_mm;
+}
+
+struct Found {
+  std::vector<double> values;
+  std::vector<Vec3> gradients;
+  bool operator==(const Found&) const = default;
+};
+
+Found evaluate(const FastSum& sum, const std::vector<Vec3>& places_mm) {
+  Found found{std::vector<double>(places_mm.size()), std::vector<Vec3>(places_mm.size())};
+  sum.evaluate(places_mm, found.values, found.gradients);
+  return found;
+}
+
+TEST(DirectSums, AreTheFormula) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  const std::vector<Vec3> centres_mm = test::random_points(301, kSeed);
+  const std::vector<double> weights = test::random_weights(301, kSeed + 1);
+  std::vector<Vec3> places_mm = test::random_points(21, kSeed + 2);  // no multiple of eight
+  places_mm[3] = centres_mm[100];
+  for (const RadialKernel kernel : kKernels) {
+    for (const double width_mm : {0.0, 0.5}) {
+      std::vector<double> values(21);
+      std::vector<double> alone(21);
+      std::vector<Vec3> gradients(21);
+      direct_sums(kernel, width_mm, centres_mm, weights, places_mm, values, gradients);
+      direct_sums(kernel, width_mm, centres_mm, weights, places_mm, alone, {});
+      EXPECT_EQ(values, alone);
+      for (std::size_t i = 0; i < 21; ++i) {
+        const PlainSum sum = plain_sum(kernel, width_mm, centres_mm, weights, places_mm[i]);
+        // 301 roundings of 2^-53, in another order of the terms' factors.
+        EXPECT_NEAR(values[i], sum.value, 3e-14 * sum.size);
+        EXPECT_LT((gradients[i] - sum.gradient).norm(), 3e-14 * sum.gradient_size);
+      }
+    }
+  }
+}
+
+TEST(FastSum, AgreesWithTheSumTermByTerm) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  for (const Case& one : cases()) {
+    const std::vector<double> weights = test::random_weights(kCount, kSeed + 1);
+    const std::vector<Vec3> places_mm = places(one.centres_mm);
+    for (const RadialKernel kernel : kKernels) {
+      for (const double width_mm : {0.0, 0.8}) {
+        SCOPED_TRACE(::testing::Message() << one.name << ", " << (kernel == RadialKernel::biharmonic ? "bi" : "tri")
+                                          << "harmonic, low pass " << width_mm << " mm");
+        FastSum fast(kernel, width_mm, one.centres_mm, {.order = 8, .leaf_size = 20});
+        fast.set_weights(weights);
+        const Found found = evaluate(fast, places_mm);
+        for (std::size_t i = 0; i < places_mm.size(); ++i) {
+          const PlainSum sum = plain_sum(kernel, width_mm, one.centres_mm, weights, places_mm[i]);
+          // Half a digit for each of 8 nodes, of the terms' magnitudes; gradients lose one of the nodes.
+          EXPECT_NEAR(found.values[i], sum.value, 1e-4 * sum.size) << i << " at " << places_mm[i].transpose();
+          EXPECT_LT((found.gradients[i] - sum.gradient).norm(), 3e-4 * sum.gradient_size)
+              << i << " at " << places_mm[i].transpose();
+        }
+      }
+    }
+  }
+}
+
+/// Root mean square differences from the sum term by term, of its terms' size.
+struct Errors {
+  double value = 0.0;
+  double gradient = 0.0;
+};
+Errors errors_of(const Found& found, const std::vector<PlainSum>& sums) {
+  Errors errors;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    errors.value += std::pow((found.values[i] - sums[i].value) / sums[i].size, 2) / static_cast<double>(sums.size());
+    errors.gradient += ((found.gradients[i] - sums[i].gradient) / sums[i].gradient_size).squaredNorm() /
+                       static_cast<double>(sums.size());
+  }
+  return {std::sqrt(errors.value), std::sqrt(errors.gradient)};
+}
+
+TEST(FastSum, ComesNearerTheMoreNodesABoxHas) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  for (const Case& one : cases()) {
+    const std::vector<double> weights = test::random_weights(kCount, kSeed + 1);
+    const std::vector<Vec3> places_mm = places(one.centres_mm);
+    for (const RadialKernel kernel : kKernels) {
+      SCOPED_TRACE(::testing::Message() << one.name << ", " << (kernel == RadialKernel::biharmonic ? "bi" : "tri")
+                                        << "harmonic");
+      std::vector<PlainSum> sums;
+      for (const Vec3& p : places_mm) sums.push_back(plain_sum(kernel, 0.0, one.centres_mm, weights, p));
+      Errors last{1.0, 1.0};
+      for (const int order : {4, 6, 8, 10}) {
+        FastSum fast(kernel, 0.0, one.centres_mm, {.order = order, .leaf_size = 20});
+        fast.set_weights(weights);
+        const Errors errors = errors_of(evaluate(fast, places_mm), sums);
+        // Half a digit a node is a factor of ten for two; gradients, and sets where many terms are summed directly,
+        // may gain a little less. Beyond ten nodes rounding shows: even grids blow it up.
+        EXPECT_LT(errors.value, last.value / 5.0) << "order " << order;
+        EXPECT_LT(errors.gradient, last.gradient / 5.0) << "order " << order;
+        last = errors;
+      }
+    }
+  }
+}
+
+TEST(FastSum, GivesTheSumsAtItsCentresInTheirOrder) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  for (const Case& one : cases()) {
+    SCOPED_TRACE(one.name);
+    FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm, {.order = 8, .leaf_size = 20, .anywhere = false});
+    for (const std::uint64_t seed : {kSeed + 1, kSeed + 2}) {  // nothing of the first weights may stay
+      const std::vector<double> weights = test::random_weights(kCount, seed);
+      fast.set_weights(weights);
+      std::vector<double> values(kCount);
+      fast.at_centres(values);
+      for (std::size_t i = 0; i < kCount; i += 10) {
+        const PlainSum sum = plain_sum(RadialKernel::biharmonic, 0.0, one.centres_mm, weights, one.centres_mm[i]);
+        EXPECT_NEAR(values[i], sum.value, 1e-4 * sum.size) << i;  // see AgreesWithTheSumTermByTerm
+      }
+    }
+  }
+}
+
+TEST(FastSum, GivesAPlaceTheSameBitsWhateverElseIsAskedFor) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  for (const Case& one : cases()) {
+    FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm, {.order = 6, .leaf_size = 20});
+    fast.set_weights(test::random_weights(kCount, kSeed + 1));
+    std::vector<Vec3> places_mm = places(one.centres_mm);
+    const Found together = evaluate(fast, places_mm);
+    for (std::size_t i = 0; i < places_mm.size(); ++i) {
+      const Found alone = evaluate(fast, {places_mm[i]});
+      EXPECT_EQ(alone.values[0], together.values[i]);
+      EXPECT_EQ(alone.gradients[0], together.gradients[i]);
+    }
+    std::vector<double> values(places_mm.size());
+    fast.evaluate(places_mm, values, {});
+    EXPECT_EQ(values, together.values);
+    std::reverse(places_mm.begin(), places_mm.end());
+    Found turned = evaluate(fast, places_mm);
+    std::reverse(turned.values.begin(), turned.values.end());
+    std::reverse(turned.gradients.begin(), turned.gradients.end());
+    EXPECT_EQ(turned, together);
+  }
+}
+
+TEST(FastSum, GivesTheSameBitsAtAnyNumberOfThreadsAndWithAnyInstructionSet) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  for (const Case& one : cases()) {
+    const std::vector<Vec3> places_mm = places(one.centres_mm);
+    const auto all = [&](std::size_t threads, const SimdKernels& simd) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      FastSum fast(RadialKernel::triharmonic, 0.3, one.centres_mm, {.order = 5, .leaf_size = 20, .simd = &simd});
+      fast.set_weights(test::random_weights(kCount, kSeed + 1));
+      Found found = evaluate(fast, places_mm);
+      found.values.resize(places_mm.size() + kCount);
+      fast.at_centres(std::span(found.values).subspan(places_mm.size()));
+      return found;
+    };
+    const Found expected = all(1, simd_kernels().front());
+    for (const SimdKernels& simd : simd_kernels()) {
+      EXPECT_EQ(all(1, simd), expected) << one.name << " " << simd.name;
+      EXPECT_EQ(all(2, simd), expected) << one.name << " " << simd.name;
+    }
+  }
+}
+
+TEST(FastSum, HasTheGradientThatDifferencesOfItsValuesGive) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  const std::vector<Vec3> centres_mm = test::ball_points(kCount);
+  for (const RadialKernel kernel : kKernels) {
+    FastSum fast(kernel, 0.2, centres_mm, {.order = 8, .leaf_size = 20});
+    fast.set_weights(test::random_weights(kCount, kSeed + 1));
+    constexpr double kStepMm = 1e-4;
+    for (std::uint64_t n = 0; n < 60; ++n) {
+      const Vec3 p = test::random_place(kSeed + 3, n, n < 40 ? 10.0 : 30.0);
+      const Vec3 gradient = evaluate(fast, {p}).gradients[0];
+      Vec3 slope;
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 step = kStepMm * Vec3::Unit(axis);
+        const std::vector<double> ends = evaluate(fast, {p - step, p + step}).values;
+        slope[axis] = (ends[1] - ends[0]) / (2.0 * kStepMm);
+      }
+      const PlainSum sum = plain_sum(kernel, 0.2, centres_mm, test::random_weights(kCount, kSeed + 1), p);
+      // Rounding, 1e-13 of the terms over 2e-4 mm; the third derivative, near 1 / (0.2 mm)^2 of a few terms, is less.
+      EXPECT_LT((gradient - slope).norm(), 1e-9 * sum.size + 1e-6 * sum.gradient_size) << p.transpose();
+    }
+  }
+}
+
+TEST(FastSum, TakesCentresThatAreFewOrTheSame) {
+  const std::vector<Vec3> few_mm{Vec3(1, 2, 3)};
+  const std::vector<Vec3> same_mm(200, Vec3(1, 2, 3));
+  for (const std::vector<Vec3>& centres_mm : {few_mm, same_mm}) {
+    FastSum fast(RadialKernel::biharmonic, 0.0, centres_mm, {.order = 5, .leaf_size = 20});
+    fast.set_weights(std::vector<double>(centres_mm.size(), 2.0));
+    const auto count = static_cast<double>(centres_mm.size());
+    const Found found = evaluate(fast, {Vec3(1, 2, 3), Vec3(4, 6, 3), Vec3(1, 2, 3 + 1e-9)});
+    EXPECT_NEAR(found.values[0], 0.0, 1e-12 * count);  // rounding of the place within boxes of 1e-9 mm
+    EXPECT_NEAR(found.values[1], 10.0 * count, 1e-12 * count);
+    EXPECT_LT((found.gradients[1] - 2.0 * count * Vec3(0.6, 0.8, 0.0)).norm(), 1e-12 * count);
+    EXPECT_TRUE(found.gradients[0].allFinite());
+  }
+}
+
+TEST(FastSum, SaysNotANumberOnlyWhereAPlaceIsNone) {
+  FastSum fast(RadialKernel::biharmonic, 0.0, test::random_points(300, kSeed), {.order = 4, .leaf_size = 10});
+  fast.set_weights(test::random_weights(300, kSeed + 1));
+  const Found found = evaluate(fast, {Vec3(1, 2, 3), Vec3(1, std::nan(""), 3), Vec3(1, 2, 3)});
+  EXPECT_TRUE(std::isnan(found.values[1]));
+  EXPECT_TRUE(std::isfinite(found.values[0]));
+  EXPECT_EQ(found.values[0], found.values[2]);
+}
+
+}  // namespace
+}  // namespace spinaltap::detail

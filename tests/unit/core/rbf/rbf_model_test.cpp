@@ -1,0 +1,75 @@
+#include "core/rbf/rbf_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::HasSubstr;
+
+RbfModel good() {
+  RbfModel model;
+  model.centres_mm = {Vec3(1, 0, 0), Vec3(0, 3, 0)};
+  model.weights = {2.0, -0.5};
+  model.polynomial = {1.0, 0.1, 0.2, 0.3};
+  return model;
+}
+
+std::string error(const RbfModel& model) {
+  return test::error_of([&] { check_model(model); });
+}
+
+TEST(RbfModel, IsTakenWhenItIsRight) {
+  EXPECT_EQ(error(good()), "");
+  RbfModel model = good();
+  model.kernel = RadialKernel::triharmonic;
+  model.polynomial.resize(10);
+  model.low_pass_mm = 0.5;
+  EXPECT_EQ(error(model), "");
+  model.centres_mm.clear();
+  model.weights.clear();
+  EXPECT_EQ(error(model), "");  // a polynomial alone
+}
+
+TEST(RbfModel, IsRefusedWhenSizesDoNotFit) {
+  RbfModel model = good();
+  model.weights.push_back(1.0);
+  EXPECT_THAT(error(model), HasSubstr("each of 2 centres, found 3"));
+  model = good();
+  model.polynomial.pop_back();
+  EXPECT_THAT(error(model), HasSubstr("4 polynomial coefficients, found 3"));
+  model = good();
+  model.kernel = RadialKernel::triharmonic;
+  EXPECT_THAT(error(model), HasSubstr("10 polynomial coefficients, found 4"));
+}
+
+TEST(RbfModel, IsRefusedWhenANumberIsNone) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    RbfModel model = good();
+    model.weights[1] = bad;
+    EXPECT_THAT(error(model), HasSubstr("weight is not a number"));
+    model = good();
+    model.polynomial[3] = bad;
+    EXPECT_THAT(error(model), HasSubstr("weight is not a number"));
+    model = good();
+    model.origin_mm.y() = bad;
+    EXPECT_THAT(error(model), HasSubstr("not a number"));
+    model = good();
+    model.centres_mm[0].z() = bad;
+    EXPECT_THAT(error(model), HasSubstr("centre is not a number"));
+    model = good();
+    model.low_pass_mm = bad;
+    EXPECT_THAT(error(model), HasSubstr("low-pass width"));
+  }
+  RbfModel model = good();
+  model.low_pass_mm = -0.1;
+  EXPECT_THAT(error(model), HasSubstr("0 mm or more, found -0.1"));
+}
+
+}  // namespace
+}  // namespace spinaltap
