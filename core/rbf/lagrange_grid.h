@@ -7,7 +7,8 @@
 namespace spinaltap::detail {
 
 inline constexpr int kMinOrder = 3;
-inline constexpr int kMaxOrder = 14;
+/// With more nodes than this even grids blow rounding up by more than they gain.
+inline constexpr int kMaxOrder = 12;
 
 /// Even grids of order^3 nodes over a box, and the polynomials through them (Lagrange), for the far field.
 class LagrangeGrid {

@@ -37,7 +37,9 @@ std::vector<Vec3> sample_places(const std::vector<Vec3>& centres_mm) {
 
 }  // namespace
 
-RbfField::RbfField(RbfModel model, double accuracy_mm) {
+RbfField::RbfField(RbfModel model, double accuracy_mm) : RbfField(std::move(model), accuracy_mm, true) {}
+
+RbfField::RbfField(RbfModel model, double accuracy_mm, bool with_gradients) {
   check_model(model);
   if (!(accuracy_mm > 0.0)) fail("RBF: expected an accuracy above 0 mm, found ", accuracy_mm);
   model_ = std::make_shared<const RbfModel>(std::move(model));
@@ -52,7 +54,7 @@ RbfField::RbfField(RbfModel model, double accuracy_mm) {
   std::vector<double> values(places_mm.size());
   std::vector<Vec3> gradients(places_mm.size());
   double last_error = std::numeric_limits<double>::infinity();
-  for (int order = kFirstOrder; order <= detail::kMaxOrder;) {
+  for (int order = kFirstOrder;;) {
     const auto fast = std::make_shared<detail::FastSum>(
         model_->kernel, model_->low_pass_mm, model_->centres_mm,
         detail::FastSumOptions{.order = order, .leaf_size = kLeafSize, .anywhere = true});
@@ -64,7 +66,7 @@ RbfField::RbfField(RbfModel model, double accuracy_mm) {
       value_error_mm_ = std::max(value_error_mm_, std::abs(values[i] - direct[i]));
       gradient_error_ = std::max(gradient_error_, (gradients[i] - direct_gradient[i]).norm());
     }
-    const double error = std::max(value_error_mm_, gradient_error_);
+    const double error = with_gradients ? std::max(value_error_mm_, gradient_error_) : value_error_mm_;
     if (error <= kShare * accuracy_mm) {
       fast_ = fast;
       return;
@@ -72,12 +74,13 @@ RbfField::RbfField(RbfModel model, double accuracy_mm) {
     // Each order gives most of a digit.
     constexpr double kDigitsAnOrder = 0.8;
     const double missing = std::log10(error / (kShare * accuracy_mm));
-    if (!(error < last_error)) break;
-    last_error = error;
-    order += std::max(1, static_cast<int>(std::floor(missing / kDigitsAnOrder)));
+    const bool improved = error < last_error;
+    last_error = std::min(last_error, error);
+    if (!improved || order == detail::kMaxOrder) break;
+    const double step = std::clamp(std::floor(missing / kDigitsAnOrder), 1.0, static_cast<double>(detail::kMaxOrder));
+    order = std::min(order + static_cast<int>(step), detail::kMaxOrder);
   }
-  fail("RBF: expected sums accurate to ", accuracy_mm, " mm, reached ",
-       std::min(last_error, std::max(value_error_mm_, gradient_error_)) / kShare);
+  fail("RBF: expected sums accurate to ", accuracy_mm, " mm, reached ", last_error / kShare);
 }
 
 void RbfField::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const {

@@ -179,8 +179,10 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
       solution.residual_mm = std::move(residual);
       break;
     }
-    if (round == kMostRounds) {
-      fail("RBF: expected to reach ", accuracy_mm, " mm at all ", count, " points, reached ", solution.max_residual_mm,
+    const bool hopeless = !exact_enough && order_ == kMaxOrder && solution.max_residual_mm <= accuracy_mm;
+    if (round == kMostRounds || hopeless) {
+      fail("RBF: expected to reach ", accuracy_mm, " mm at all ", count, " points, reached ",
+           std::max(solution.max_residual_mm + solution.sum_error_mm, solution.sum_error_mm / kSumShare),
            " mm; are points nearly the same, with values that differ?");
     }
     if (!exact_enough && order_ < kMaxOrder) {

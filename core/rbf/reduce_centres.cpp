@@ -35,7 +35,7 @@ ReducedFit reduce_centres(RadialKernel kernel, std::span<const Vec3> points_mm, 
     fit.model = std::move(solution.model);
     weights = fit.model.weights;
 
-    const RbfField field(fit.model, kFieldShare * tolerance_mm);
+    const RbfField field = RbfField::for_values(fit.model, kFieldShare * tolerance_mm);
     field.evaluate(points_mm, difference_mm, {});
     const double most_mm = tolerance_mm - kSafety * field.value_error_mm();
     std::vector<std::uint32_t> out;
