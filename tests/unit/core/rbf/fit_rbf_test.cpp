@@ -213,6 +213,17 @@ TEST(FitRbf, TakesThingsOfAnySize) {
   }
 }
 
+TEST(FitRbf, ReadsItsValuesWithoutAskingForGradientsAsFine) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  // More centres than are summed term by term: in a cube of 2e-3 mm gradients are far coarser numbers than values.
+  RbfValues data =
+      values_of(test::random_points(2200, kSeed, 1e-3), [](const Vec3& p) { return 1e-3 * wavy(1e4 * p); });
+  const RbfFit fit = fit_rbf(data, {.accuracy_mm = 1e-9, .merge_mm = 0.0});
+  EXPECT_LE(fit.report.max_residual_mm, 1e-9);
+  data.error_bars_mm.assign(2200, 1e-4);
+  EXPECT_LE(fit_rbf(data, {.accuracy_mm = 1e-8, .merge_mm = 0.0}).report.max_residual_mm, 1e-4 + 1e-8);
+}
+
 TEST(FitRbf, TakesFarClustersThatAreVeryDense) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   // Two heaps of 1 mm, 1,000 m apart, and one of 0.01 mm.
