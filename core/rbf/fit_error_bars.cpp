@@ -112,7 +112,7 @@ ReducedFit fit_error_bars(RadialKernel kernel, std::span<const Vec3> points_mm, 
     fit.centres = active.members();
     weights = fit.model.weights;
 
-    RbfField(fit.model, kFieldShare * accuracy_mm).evaluate(points_mm, found_mm, {});
+    RbfField::for_values(fit.model, kFieldShare * accuracy_mm).evaluate(points_mm, found_mm, {});
     std::vector<double> beyond_mm(count);
     std::vector<std::uint32_t> out;
     for (std::uint32_t i = 0; i < count; ++i) {

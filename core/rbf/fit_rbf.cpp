@@ -79,7 +79,7 @@ RbfValues merged(const RbfValues& data, double merge_mm) {
 /// How far the model is from the values at all given points.
 void measure(const RbfModel& model, const RbfValues& data, double accuracy_mm, FitReport& report) {
   std::vector<double> found_mm(data.points_mm.size());
-  RbfField(model, accuracy_mm).evaluate(data.points_mm, found_mm, {});
+  RbfField::for_values(model, accuracy_mm).evaluate(data.points_mm, found_mm, {});
   double sum_mm = 0.0;
   for (std::size_t i = 0; i < found_mm.size(); ++i) {
     const double difference_mm = std::abs(found_mm[i] - data.values_mm[i]);
@@ -119,7 +119,7 @@ RbfFit fit_rbf(const RbfValues& data, const FitOptions& options, const Progress&
     if (options.reduction_mm > 0.0) {
       const double accuracy_mm = std::min(options.accuracy_mm, 0.1 * options.reduction_mm);
       if (options.smoothing_mm > 0.0) {
-        RbfField(fit.model, accuracy_mm).evaluate(points.points_mm, points.values_mm, {});
+        RbfField::for_values(fit.model, accuracy_mm).evaluate(points.points_mm, points.values_mm, {});
       }
       take(options.slabs == 1
                ? detail::reduce_centres(options.kernel, points.points_mm, points.values_mm, options.reduction_mm,

@@ -37,7 +37,9 @@ std::vector<Vec3> sample_places(const std::vector<Vec3>& centres_mm) {
 
 }  // namespace
 
-RbfField::RbfField(RbfModel model, double accuracy_mm) {
+RbfField::RbfField(RbfModel model, double accuracy_mm) : RbfField(std::move(model), accuracy_mm, true) {}
+
+RbfField::RbfField(RbfModel model, double accuracy_mm, bool with_gradients) {
   check_model(model);
   if (!(accuracy_mm > 0.0)) fail("RBF: expected an accuracy above 0 mm, found ", accuracy_mm);
   model_ = std::make_shared<const RbfModel>(std::move(model));
@@ -63,14 +65,14 @@ RbfField::RbfField(RbfModel model, double accuracy_mm) {
       value_error_mm_ = std::max(value_error_mm_, std::abs(values[i] - direct[i]));
       gradient_error_ = std::max(gradient_error_, (gradients[i] - direct_gradient[i]).norm());
     }
-    const double error = std::max(value_error_mm_, gradient_error_);
+    const double error = with_gradients ? std::max(value_error_mm_, gradient_error_) : value_error_mm_;
     if (error <= kShare * accuracy_mm) {
       fast_ = fast;
       return;
     }
     // Each order gives most of a digit.
     constexpr double kDigitsAnOrder = 0.8;
-    const double missing = std::log10(error / (kShare * accuracy_mm));
+    const double missing = std::min(100.0, std::log10(error / (kShare * accuracy_mm)));
     const int next = order + std::max(1, static_cast<int>(missing / kDigitsAnOrder));
     order = order < detail::kMaxOrder ? std::min(detail::kMaxOrder, next) : next;
   }

@@ -23,6 +23,9 @@ class RbfField final : public ScalarField {
   /// term. Throws Error when check_model() does, and when the accuracy is not above 0.
   explicit RbfField(RbfModel model, double accuracy_mm = kDefaultAccuracy);
 
+  /// The same where only values are wanted: gradients may be further off.
+  static RbfField for_values(RbfModel model, double accuracy_mm) { return {std::move(model), accuracy_mm, false}; }
+
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;
 
   const RbfModel& model() const { return *model_; }
@@ -33,6 +36,8 @@ class RbfField final : public ScalarField {
   double gradient_error() const { return gradient_error_; }
 
  private:
+  RbfField(RbfModel model, double accuracy_mm, bool with_gradients);
+
   std::shared_ptr<const RbfModel> model_;
   std::shared_ptr<const detail::FastSum> fast_;  ///< null: term by term
   double value_error_mm_ = 0.0;

@@ -155,7 +155,7 @@ void RbfSolver::choose_order(const Vector& weights, double accuracy_mm) {
   constexpr double kDigitsAnOrder = 0.8;
   for (int order = std::max(order_, kFirstOrder);;) {
     use_order(order);
-    const double missing = std::log10(sum_error(weights, multiply(weights)) / accuracy_mm);
+    const double missing = std::min(100.0, std::log10(sum_error(weights, multiply(weights)) / accuracy_mm));
     if (!(missing > 0.0) || order > kMaxOrder) return;
     const int next = order + std::max(1, static_cast<int>(missing / kDigitsAnOrder));
     order = order < kMaxOrder ? std::min(kMaxOrder, next) : next;

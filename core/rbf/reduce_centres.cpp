@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/error.h"
 #include "core/rbf/coarse_to_fine.h"
 #include "core/rbf/polynomial.h"
 #include "core/rbf/rbf_field.h"
@@ -35,7 +36,7 @@ ReducedFit reduce_centres(RadialKernel kernel, std::span<const Vec3> points_mm, 
     fit.model = std::move(solution.model);
     weights = fit.model.weights;
 
-    const RbfField field(fit.model, kFieldShare * tolerance_mm);
+    const RbfField field = RbfField::for_values(fit.model, kFieldShare * tolerance_mm);
     field.evaluate(points_mm, difference_mm, {});
     const double most_mm = tolerance_mm - kSafety * field.value_error_mm();
     std::vector<std::uint32_t> out;
@@ -67,8 +68,16 @@ ReducedFit reduce_centres_in_slabs(RadialKernel kernel, std::span<const Vec3> po
     const auto begin = static_cast<std::ptrdiff_t>(by_height.size() * slab / slabs);
     const auto end = static_cast<std::ptrdiff_t>(by_height.size() * (slab + 1) / slabs);
     const std::vector<std::uint32_t> members(by_height.begin() + begin, by_height.begin() + end);
-    const ReducedFit part =
-        reduce_centres(kernel, pick(points_mm, members), pick(values_mm, members), tolerance_mm, accuracy_mm, progress);
+    const ReducedFit part = [&] {
+      try {
+        return reduce_centres(kernel, pick(points_mm, members), pick(values_mm, members), tolerance_mm, accuracy_mm,
+                              progress);
+      } catch (const Cancelled&) {
+        throw;
+      } catch (const Error& error) {
+        fail(error.what(), " (in slab ", slab + 1, " of ", slabs, ")");
+      }
+    }();
     for (const std::uint32_t i : part.centres) whole.centres.push_back(members[i]);
     whole.rounds = std::max(whole.rounds, part.rounds);
     whole.iterations += part.iterations;

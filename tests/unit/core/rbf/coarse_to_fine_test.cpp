@@ -76,7 +76,7 @@ void expect_nearest(const std::vector<Vec3>& points_mm, const CoarseToFine& foun
   }
 }
 
-TEST(CoarseToFine, FindsTheNearestOfThosesBefore) {
+TEST(CoarseToFine, FindsTheNearestOfThoseBefore) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   for (const std::vector<Vec3>& points_mm : point_sets()) {
     for (const std::size_t neighbours : {1U, 12U, 40U}) {

@@ -51,7 +51,7 @@ TEST(FarField, IsTheSumOverAllPairsOfNodes) {
       for (const int order : {3, 4, 7}) {
         SCOPED_TRACE(::testing::Message() << "power " << (kernel == RadialKernel::biharmonic ? 1 : 3) << ", c2 " << c2
                                           << ", order " << order);
-        const auto nodes = static_cast<std::size_t>(order * order * order);
+        const std::size_t nodes = LagrangeGrid(order).node_count();
         const std::vector<double> multipole = test::random_weights(scene.box_count * nodes, kSeed + 1);
         std::vector<double> local(multipole.size(), 5.0);  // to be added to
         FarField far_field(kernel, c2, order, best_simd_kernels());

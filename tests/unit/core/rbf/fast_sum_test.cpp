@@ -134,6 +134,7 @@ TEST(FastSum, ComesNearerTheMoreNodesABoxHas) {
       SCOPED_TRACE(::testing::Message() << one.name << ", " << (kernel == RadialKernel::biharmonic ? "bi" : "tri")
                                         << "harmonic");
       std::vector<PlainSum> sums;
+      sums.reserve(places_mm.size());
       for (const Vec3& p : places_mm) sums.push_back(plain_sum(kernel, 0.0, one.centres_mm, weights, p));
       Errors last{1.0, 1.0};
       for (const int order : {4, 6, 8, 10}) {

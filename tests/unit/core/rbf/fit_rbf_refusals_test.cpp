@@ -91,6 +91,7 @@ TEST(FitRbfRefusals, RefusesOptionsOutOfRange) {
   EXPECT_THAT(error(good(), {.accuracy_mm = 0.0}), HasSubstr("accuracy above 0 mm"));
   EXPECT_THAT(error(good(), {.reduction_mm = 0.1, .slabs = 0}), HasSubstr("1 slab or more"));
   EXPECT_THAT(error(good(), {.slabs = 2}), HasSubstr("slabs are for reduction"));
+  EXPECT_THAT(error(good(), {.reduction_mm = 0.1, .slabs = 20}), HasSubstr("found 2 (in slab 1 of 20)"));
   RbfValues bars = good();
   bars.error_bars_mm.assign(50, 0.1);
   EXPECT_THAT(error(bars, {.smoothing_mm = 0.1}), HasSubstr("not both"));

@@ -151,7 +151,12 @@ TEST(FitRbf, DoesNotCareHowItsDataAreTurnedAndShifted) {
 }
 
 TEST(FitRbf, GivesTheSameBitsAtAnyNumberOfThreadsAndEachTime) {
-  const RbfValues data = test::vertebra_values(6.0);
+  const RbfValues all = test::vertebra_values(6.0);
+  RbfValues data;  // every other point
+  for (std::size_t i = 0; i < all.points_mm.size(); i += 2) {
+    data.points_mm.push_back(all.points_mm[i]);
+    data.values_mm.push_back(all.values_mm[i]);
+  }
   for (const FitOptions& options : {FitOptions{}, FitOptions{.smoothing_mm = 0.1, .reduction_mm = 0.2},
                                     FitOptions{.reduction_mm = 0.3, .slabs = 3}}) {
     const auto fit = [&](std::size_t threads) {
@@ -211,6 +216,17 @@ TEST(FitRbf, TakesThingsOfAnySize) {
       EXPECT_LT(worst_residual(fit.model, data), accuracy_mm);
     }
   }
+}
+
+TEST(FitRbf, ReadsItsValuesWithoutAskingForGradientsAsFine) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  // More centres than are summed term by term: in a cube of 2e-3 mm gradients are far coarser numbers than values.
+  RbfValues data =
+      values_of(test::random_points(2200, kSeed, 1e-3), [](const Vec3& p) { return 1e-3 * wavy(1e4 * p); });
+  const RbfFit fit = fit_rbf(data, {.accuracy_mm = 1e-9, .merge_mm = 0.0});
+  EXPECT_LE(fit.report.max_residual_mm, 1e-9);
+  data.error_bars_mm.assign(2200, 1e-4);
+  EXPECT_LE(fit_rbf(data, {.accuracy_mm = 1e-8, .merge_mm = 0.0}).report.max_residual_mm, 1e-4 + 1e-8);
 }
 
 TEST(FitRbf, TakesFarClustersThatAreVeryDense) {
