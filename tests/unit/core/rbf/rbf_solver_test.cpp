@@ -59,11 +59,13 @@ TEST(RbfSolver, MeetsItsEquationsToTheAccuracyAsked) {
       if (kernel == RadialKernel::triharmonic && set > 0) continue;
       const std::vector<Vec3>& points_mm = sets[set];
       std::vector<double> values_mm;
+      values_mm.reserve(points_mm.size());
       for (const Vec3& p : points_mm) values_mm.push_back(std::sin(0.5 * p.x()) + 0.1 * p.y() * p.z());
       for (const double accuracy_mm : {1e-2, 1e-6}) {
         SCOPED_TRACE(::testing::Message() << name_of(kernel) << ", set " << set << ", accuracy " << accuracy_mm);
         const std::vector<double> smoothing_mm = test::random_weights(points_mm.size(), kSeed + 7);
         std::vector<double> magnitudes_mm;
+        magnitudes_mm.reserve(smoothing_mm.size());
         for (const double s : smoothing_mm) magnitudes_mm.push_back(0.1 * std::abs(s));
         const RbfSolution solution = RbfSolver(kernel, points_mm, magnitudes_mm).solve(values_mm, accuracy_mm);
         const double sign = kernel == RadialKernel::biharmonic ? -1.0 : 1.0;
@@ -122,6 +124,7 @@ TEST(RbfSolver, NeedsNoStepForValuesOfItsPolynomial) {
   for (const RadialKernel kernel : kKernels) {
     const std::vector<Vec3> points_mm = test::random_points(polynomial_terms(kernel), kSeed);
     std::vector<double> values_mm;
+    values_mm.reserve(points_mm.size());
     for (const Vec3& p : points_mm) values_mm.push_back(1.0 + p.x() - 2.0 * p.z());
     const RbfSolution solution = RbfSolver(kernel, points_mm).solve(values_mm, 1e-9);
     EXPECT_EQ(solution.iterations, 0);
@@ -137,6 +140,7 @@ TEST(RbfSolver, GivesTheSameBitsAtAnyNumberOfThreadsAndEachTime) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   const std::vector<Vec3> points_mm = test::clustered_points(1200, kSeed);
   std::vector<double> values_mm;
+  values_mm.reserve(points_mm.size());
   for (const Vec3& p : points_mm) values_mm.push_back(std::sin(p.x()) + 0.1 * p.y() * p.z());
   const auto solve = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

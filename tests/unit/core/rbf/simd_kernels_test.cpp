@@ -23,6 +23,7 @@ constexpr std::uint64_t kSeed = 41;
 /// Numbers as their bits, so that -0 differs from 0 and NaN equals itself.
 std::vector<std::uint64_t> bits(const std::vector<double>& numbers) {
   std::vector<std::uint64_t> result;
+  result.reserve(numbers.size());
   for (const double number : numbers) result.push_back(std::bit_cast<std::uint64_t>(number));
   return result;
 }
@@ -36,7 +37,7 @@ std::vector<double> numbers_of(const LaneSums& sums) {
 /// Runs `work` with each instruction set's kernels; all must give the bits that the portable ones give.
 template <class Work>
 std::vector<double> same_on_all(const Work& work) {
-  const std::vector<double> portable = work(simd_kernels().front());
+  std::vector<double> portable = work(simd_kernels().front());
   for (const SimdKernels& simd : simd_kernels()) {
     EXPECT_EQ(bits(work(simd)), bits(portable)) << "instruction set " << simd.name;
   }
