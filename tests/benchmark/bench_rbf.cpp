@@ -76,11 +76,11 @@ void fit_peer(benchmark::State& state, const char* name, FitOptions options) {
   if (peer_values(name).points_mm.empty()) return state.SkipWithError("set SPINALTAP_TEST_DATA");
   measure_fit(state, peer_values(name), options);
 }
-#define FIT_PEER(label, name, ...)                                   \
+#define FIT_PEER(label, name, ...)                                  \
   BENCHMARK_CAPTURE(fit_peer, label, name, FitOptions{__VA_ARGS__}) \
-      ->Iterations(1)                                                \
-      ->Repetitions(3)                                               \
-      ->Unit(benchmark::kSecond)                                     \
+      ->Iterations(1)                                               \
+      ->Repetitions(3)                                              \
+      ->Unit(benchmark::kSecond)                                    \
       ->UseRealTime()
 FIT_PEER(87k_to_0.1, "one_off", .accuracy_mm = 0.1);
 FIT_PEER(87k_to_0.01, "one_off", .accuracy_mm = 0.01);
@@ -157,9 +157,10 @@ void direct_pairs(benchmark::State& state, bool gradient) {
   std::vector<double> targets(3 * detail::kLanes, 0.3);
   detail::LaneSums sums{};
   for (auto _ : state) {
-    simd.near_sum(1, gradient, targets.data(),
-                  {numbers.data(), numbers.data() + kSources, numbers.data() + 2 * kSources, numbers.data() + 3 * kSources},
-                  0, kSources, 0.0, sums);
+    simd.near_sum(
+        1, gradient, targets.data(),
+        {numbers.data(), numbers.data() + kSources, numbers.data() + 2 * kSources, numbers.data() + 3 * kSources}, 0,
+        kSources, 0.0, sums);
     benchmark::DoNotOptimize(sums);
   }
   state.SetLabel(std::string(simd.name));

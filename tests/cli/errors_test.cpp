@@ -247,8 +247,7 @@ TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
 }
 
 TEST_F(Errors, PrintsNoProgressIntoAPipe) {
-  const ProgramRun run =
-      run_program("bake ct --voxel 0.5 -o work/bone.vdb --json work/bake.json", folder_.path());
+  const ProgramRun run = run_program("bake ct --voxel 0.5 -o work/bone.vdb --json work/bake.json", folder_.path());
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.errors, IsEmpty());
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("bake.json", "bone.vdb"));

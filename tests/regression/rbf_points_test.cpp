@@ -1,6 +1,6 @@
 // The very points that another library's fits were measured on: vertebra parts on a pixel lattice, and the same points
-// moved onto the true surface. Its figures, which ours must not exceed: reduction at 0.1 mm leaves 36,460 centres of the
-// first and 6,978 of the second.
+// moved onto the true surface. Its figures, which ours must not exceed: reduction at 0.1 mm leaves 36,460 centres of
+// the first and 6,978 of the second.
 
 #include <gtest/gtest.h>
 
