@@ -19,9 +19,9 @@ struct CoarseToFine {
 };
 
 /// Orders points so that every beginning of the order is spread evenly, nearly the maximin order (each point the one
-/// farthest from those before it): level by level points that keep a distance from all before them, which then
-/// shrinks. `first` points come first, as they stand, and the last fiftieth, points near to others, last. Source: Schaefer, Katzfuss & Owhadi 2021, whose order is exact;
-/// steps of 15 % serve as well and are found faster.
+/// farthest from those before it): level by level points that keep a distance from all before them, which then shrinks.
+/// `first` points come first, as they stand; the last fiftieth, points near to others, come last as they stand.
+/// Source: Schaefer, Katzfuss & Owhadi 2021, whose order is exact; steps of 15 % serve as well and are found faster.
 CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std::uint32_t> first,
                             std::size_t neighbours);
 
