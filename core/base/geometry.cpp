@@ -13,4 +13,10 @@ Vec3 any_perpendicular(const Vec3& axis) {
   return axis.cross(Vec3::Unit(least)).normalized();
 }
 
+Box3 bounds_of(std::span<const Vec3> points) {
+  Box3 box;
+  for (const Vec3& p : points) box.extend(p);
+  return box;
+}
+
 }  // namespace spinaltap

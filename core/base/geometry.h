@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <span>
+
 namespace spinaltap {
 
 using Vec3 = Eigen::Vector3d;
@@ -12,5 +14,8 @@ using Box3 = Eigen::AlignedBox3d;
 
 /// Any unit vector at right angles to `axis` (unit). The same axis always gives the same vector.
 Vec3 any_perpendicular(const Vec3& axis);
+
+/// The smallest box around points; empty without any.
+Box3 bounds_of(std::span<const Vec3> points);
 
 }  // namespace spinaltap

@@ -1,8 +1,11 @@
 #include "core/base/staged_output.h"
 
+#include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <system_error>
@@ -34,6 +37,36 @@ void remove_empty_folders(const std::vector<fs::path>& made) {
   for (auto folder = made.rbegin(); folder != made.rend(); ++folder) fs::remove(*folder, ignored);
 }
 
+/// `prefix` and who writes: the machine and its process.
+std::string partial_prefix(const std::string& prefix) {
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0) return prefix;
+  return prefix + host.data() + "-";
+}
+
+/// A temporary name beside a file.
+fs::path partial_path(const fs::path& parent, const std::string& prefix) {
+  return parent / (partial_prefix(prefix) + std::to_string(::getpid()));
+}
+
+/// Removes what killed processes of this machine left under such names.
+void remove_stale(const fs::path& parent, const std::string& prefix) {
+  const std::string ours = partial_prefix(prefix);
+  const fs::path folder = parent.empty() ? fs::path(".") : parent;
+  std::error_code ignored;
+  std::vector<fs::path> stale;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(ours)) continue;
+    long process = 0;
+    const char* const end = name.data() + name.size();
+    const auto [rest, error] = std::from_chars(name.data() + ours.size(), end, process);
+    if (error != std::errc() || rest != end || process <= 0) continue;
+    if (::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH) stale.push_back(entry.path());
+  }
+  for (const fs::path& path : stale) fs::remove_all(path, ignored);
+}
+
 }  // namespace
 
 StagedOutput::~StagedOutput() {
@@ -50,8 +83,10 @@ fs::path StagedOutput::stage(const fs::path& final_path) {
   make_folders(final_path.parent_path(), made_folders_);
   // A folder of our own beside the file: the file keeps its name, so that messages and writers that choose the format
   // by the extension are right.
-  const fs::path folder = final_path.parent_path() / (".spinaltap-partial-" + std::to_string(::getpid()));
+  const std::string prefix = ".spinaltap-partial-";
+  const fs::path folder = partial_path(final_path.parent_path(), prefix);
   if (!fs::exists(folder, error)) {
+    remove_stale(final_path.parent_path(), prefix);
     if (!fs::create_directory(folder, error)) {
       fail("cannot write into ", final_path.parent_path().string(), ": ", error.message());
     }
@@ -94,8 +129,9 @@ StagedFolder::StagedFolder(fs::path final_path, const fs::path& marker) : final_
            "), so it is not replaced; choose another");
     }
   }
-  temporary_ =
-      final_path_.parent_path() / ("." + final_path_.filename().string() + ".partial-" + std::to_string(::getpid()));
+  const std::string prefix = "." + final_path_.filename().string() + ".partial-";
+  temporary_ = partial_path(final_path_.parent_path(), prefix);
+  remove_stale(final_path_.parent_path(), prefix);
   make_folders(final_path_.parent_path(), made_folders_);
   if (!fs::create_directory(temporary_, error)) {
     remove_empty_folders(made_folders_);

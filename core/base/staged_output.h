@@ -10,7 +10,8 @@ namespace spinaltap {
 /// Files that appear together or not at all.
 ///
 /// Each file is written into a temporary folder beside its final place; commit() moves them all. Without commit() the
-/// destructor removes what was written, and the folders it made, so a failed run leaves the old files or none.
+/// destructor removes what was written, and the folders it made, so a failed run leaves the old files or none. What a
+/// killed run left in the temporary folder is removed by the next one that writes beside it.
 class StagedOutput {
  public:
   StagedOutput() = default;

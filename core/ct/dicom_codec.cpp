@@ -62,15 +62,12 @@ void check_codestream(const DicomHeader& header, std::span<const char> bytes) {
   }
 }
 
-std::size_t frame_bytes(const DicomHeader& header) {
-  return static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows) *
-         static_cast<std::size_t>(header.bits_allocated / 8);
-}
-
 /// Baseline, extended and lossless, not JPEG-LS or JPEG 2000.
 bool is_jpeg(const std::string& uid) {
   return uid.starts_with("1.2.840.10008.1.2.4.5") || uid == "1.2.840.10008.1.2.4.70";
 }
+
+bool is_jpeg_ls(const std::string& uid) { return uid == "1.2.840.10008.1.2.4.80" || uid == "1.2.840.10008.1.2.4.81"; }
 
 std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<char>& codestream) {
   silence_gdcm();
@@ -105,6 +102,11 @@ std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<
 }
 
 }  // namespace
+
+std::size_t frame_bytes(const DicomHeader& header) {
+  return static_cast<std::size_t>(header.columns) * static_cast<std::size_t>(header.rows) *
+         static_cast<std::size_t>(header.bits_allocated / 8);
+}
 
 bool is_known_syntax(const std::string& uid) { return find_syntax(uid) != nullptr; }
 
@@ -151,6 +153,12 @@ std::vector<char> decompress_frame(const DicomHeader& header) {
     const std::optional<std::vector<char>> plain = plain_jpeg_stream(whole);
     if (!plain) fail("cannot decode the JPEG pixels, which are broken or of another process, of ", path_of(header));
     whole = *plain;
+  }
+  if (is_jpeg_ls(header.transfer_syntax)) {
+    // Where a scan stops within a code and no marker follows, CharLS 2.4 reads 2^32 bits beyond the end, which takes
+    // seconds. A second end of image after the first does no harm.
+    constexpr std::array<char, 2> kEndOfImage{'\xff', '\xd9'};
+    whole.insert(whole.end(), kEndOfImage.begin(), kEndOfImage.end());
   }
   return decode_with_gdcm(header, whole);
 }

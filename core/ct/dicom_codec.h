@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "core/ct/dicom_header.h"
@@ -15,6 +17,9 @@ bool is_compressed_syntax(const std::string& uid);
 
 /// "JPEG 2000, lossless", ...; the UID where it is not known.
 std::string transfer_syntax_name(const std::string& uid);
+
+/// What a frame takes when it is not compressed, bytes.
+std::size_t frame_bytes(const DicomHeader& header);
 
 /// The bytes that hold this frame's pixels, for encapsulated ones its fragments one after the other. Throws Error when
 /// the file ends early.

@@ -49,7 +49,8 @@ void overlay(const DicomFrame& from, DicomFrame& to) {
   if (!from.stack_id.empty()) to.stack_id = from.stack_id;
 }
 
-std::uint64_t frame_bytes(const DicomHeader& file) {
+/// As the file states it; 0 where it states too much.
+std::uint64_t stated_frame_bytes(const DicomHeader& file) {
   constexpr int kMostPixels = 65535;  // along a side: Rows and Columns have 16 bits
   if (file.columns > kMostPixels || file.rows > kMostPixels || file.samples > 4 || file.bits_allocated > 64) return 0;
   return static_cast<std::uint64_t>(std::max(file.columns, 0)) * static_cast<std::uint64_t>(std::max(file.rows, 0)) *
@@ -114,7 +115,7 @@ std::vector<DicomHeader> split_into_frames(const DicomHeader& file, const DicomF
     fail("expected functional groups of ", frames, " frames, found those of ", groups.per_frame.size(), " in ",
          file.file.string());
   }
-  const std::uint64_t bytes = frame_bytes(file);
+  const std::uint64_t bytes = stated_frame_bytes(file);
   std::vector<std::vector<ByteRange>> shares;
   if (file.encapsulated) {
     shares = share_out(pixels.encapsulated, frames, file);

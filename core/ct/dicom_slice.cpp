@@ -56,11 +56,6 @@ Rescale rescale_of(const DicomHeader& header) {
   return rescale;
 }
 
-std::uint64_t frame_bytes(const DicomHeader& header) {
-  return static_cast<std::uint64_t>(header.columns) * static_cast<std::uint64_t>(header.rows) *
-         static_cast<std::uint64_t>(header.bits_allocated / 8);
-}
-
 /// Plain pixels, made little endian.
 std::vector<char> plain_frame(const DicomHeader& header) {
   std::vector<char> bytes = std::move(read_fragments(header).front());

@@ -11,10 +11,10 @@ CardinalPreconditioner::CardinalPreconditioner(RadialKernel kernel, std::span<co
                                                std::span<const double> smoothing_mm, CoarseToFine order,
                                                const SimdKernels& simd)
     : terms_(polynomial_terms(kernel)),
-      sign_(kernel == RadialKernel::biharmonic ? -1.0 : 1.0),
+      sign_(definite_sign(kernel)),
       order_(std::move(order)),
       function_(points_mm.size() * (order_.neighbours + 1), 0.0F) {
-  const int power = kernel == RadialKernel::biharmonic ? 1 : 3;
+  const int power = power_of(kernel);
   const std::size_t width = order_.neighbours + 1;
   const std::size_t total = points_mm.size();
   // Points with fewer neighbours than all others come alone, the rest in eights.

@@ -89,8 +89,7 @@ CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std
   constexpr std::size_t kFewPoints = 8;
   std::vector<std::uint32_t> waiting = Octree(points_mm, kFewPoints).sorted();
   std::erase_if(waiting, [&](std::uint32_t index) { return place[index] != kUnplaced; });
-  Box3 bounds;
-  for (const Vec3& p : points_mm) bounds.extend(p);
+  const Box3 bounds = bounds_of(points_mm);
   // The distance to some point taken, an upper bound of that to the nearest.
   std::vector<double> reached_mm(count, std::numeric_limits<double>::infinity());
   std::vector<std::uint32_t> candidates;
@@ -128,6 +127,10 @@ CoarseToFine coarse_to_fine(std::span<const Vec3> points_mm, std::span<const std
     }
     std::erase_if(waiting, [&](std::uint32_t index) { return place[index] != kUnplaced; });
 
+    if (neighbours == 0) {
+      done = result.order.size();
+      continue;
+    }
     neighbour_grid.add(result.order);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(done, result.order.size(), 64), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k) {

@@ -23,13 +23,35 @@ FarField::FarField(RadialKernel kernel, double c2, int order, const SimdKernels&
   chunks_ = (length_ * length_ * order_ + kLanes - 1) / kLanes;
   cos_.resize(length_ * length_);
   sin_.resize(length_ * length_);
+  minus_sin_.resize(length_ * length_);
   for (std::size_t k = 0; k < length_; ++k) {
     for (std::size_t m = 0; m < length_; ++m) {
       const double angle =
           -2.0 * std::numbers::pi * static_cast<double>((k * m) % length_) / static_cast<double>(length_);
       cos_[k * length_ + m] = std::cos(angle);
       sin_[k * length_ + m] = std::sin(angle);
+      minus_sin_[k * length_ + m] = -sin_[k * length_ + m];
+      if (m >= order_) continue;
+      short_cos_.push_back(cos_[k * length_ + m]);
+      short_sin_.push_back(sin_[k * length_ + m]);
     }
+  }
+}
+
+void FarField::store(const double* re, const double* im, double* spectrum, std::size_t stride) const {
+  const std::size_t row = padded(order_);
+  std::size_t out = 0;
+  for (std::size_t line = 0; line < length_ * length_; ++line) {
+    for (std::size_t k = 0; k < order_; ++k, ++out) {
+      double* to = spectrum + (out / kLanes) * stride + out % kLanes;
+      to[0] = re[line * row + k];
+      to[kLanes] = im[line * row + k];
+    }
+  }
+  for (; out < chunks_ * kLanes; ++out) {
+    double* to = spectrum + (out / kLanes) * stride + out % kLanes;
+    to[0] = 0.0;
+    to[kLanes] = 0.0;
   }
 }
 
@@ -59,34 +81,12 @@ void FarField::transform(const double* nodes, double* spectrum, std::size_t stri
       }
     }
   }
-  thread_local std::vector<double> turn_re;
-  thread_local std::vector<double> turn_im;
-  turn_re.resize(size * n);
-  turn_im.resize(size * n);
-  for (std::size_t k = 0; k < size; ++k) {
-    for (std::size_t m = 0; m < n; ++m) {
-      turn_re[k * n + m] = cos_[k * size + m];
-      turn_im[k * n + m] = sin_[k * size + m];
-    }
-  }
-  simd_.multiply_complex(size, n, plane, turn_re.data(), turn_im.data(), x_re, x_im, z_re, z_im);
+  simd_.multiply_complex(size, n, plane, short_cos_.data(), short_sin_.data(), x_re, x_im, z_re, z_im);
   for (std::size_t kz = 0; kz < size; ++kz) {
-    simd_.multiply_complex(size, n, row, turn_re.data(), turn_im.data(), z_re + kz * plane, z_im + kz * plane,
+    simd_.multiply_complex(size, n, row, short_cos_.data(), short_sin_.data(), z_re + kz * plane, z_im + kz * plane,
                            y_re + kz * size * row, y_im + kz * size * row);
   }
-  std::size_t out = 0;
-  for (std::size_t line = 0; line < size * size; ++line) {
-    for (std::size_t k = 0; k < n; ++k, ++out) {
-      double* to = spectrum + (out / kLanes) * stride + out % kLanes;
-      to[0] = y_re[line * row + k];
-      to[kLanes] = y_im[line * row + k];
-    }
-  }
-  for (; out < chunks_ * kLanes; ++out) {
-    double* to = spectrum + (out / kLanes) * stride + out % kLanes;
-    to[0] = 0.0;
-    to[kLanes] = 0.0;
-  }
+  store(y_re, y_im, spectrum, stride);
 }
 
 void FarField::transform_back(const double* spectrum, std::size_t stride, double* nodes) const {
@@ -112,21 +112,11 @@ void FarField::transform_back(const double* spectrum, std::size_t stride, double
       y_im[line * row + k] = from[kLanes];
     }
   }
-  thread_local std::vector<double> turn_re;
-  thread_local std::vector<double> turn_im;
-  turn_re.resize(n * size);
-  turn_im.resize(n * size);
-  for (std::size_t m = 0; m < n; ++m) {
-    for (std::size_t k = 0; k < size; ++k) {
-      turn_re[m * size + k] = cos_[m * size + k];
-      turn_im[m * size + k] = -sin_[m * size + k];
-    }
-  }
   for (std::size_t kz = 0; kz < size; ++kz) {
-    simd_.multiply_complex(n, size, row, turn_re.data(), turn_im.data(), y_re + kz * size * row, y_im + kz * size * row,
+    simd_.multiply_complex(n, size, row, cos_.data(), minus_sin_.data(), y_re + kz * size * row, y_im + kz * size * row,
                            z_re + kz * n * row, z_im + kz * n * row);
   }
-  simd_.multiply_complex(n, size, n * row, turn_re.data(), turn_im.data(), z_re, z_im, x_re, x_im);
+  simd_.multiply_complex(n, size, n * row, cos_.data(), minus_sin_.data(), z_re, z_im, x_re, x_im);
   const double scale = 1.0 / static_cast<double>(size * size * size);
   for (std::size_t line = 0; line < n * n; ++line) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -183,14 +173,7 @@ void FarField::prepare_table(double half_mm) {
       simd_.multiply_complex(length_, length_, half, cos_.data(), sin_.data(), b_re.data() + plane, b_im.data() + plane,
                              a_re.data() + plane, a_im.data() + plane);
     }
-    std::size_t out = 0;
-    for (std::size_t line = 0; line < length_ * length_; ++line) {
-      for (std::size_t k = 0; k < order_; ++k, ++out) {
-        double* to = table_.data() + ((out / kLanes) * kOffsets + offset) * kChunk + out % kLanes;
-        to[0] = a_re[line * half + k];
-        to[kLanes] = a_im[line * half + k];
-      }
-    }
+    store(a_re.data(), a_im.data(), table_.data() + offset * kChunk, kOffsets * kChunk);
   });
 }
 
@@ -214,8 +197,7 @@ void FarField::translate(const Octree& tree, const InteractionLists& lists, std:
   const double half_mm = tree.half_width_mm(tree.boxes()[begin]);
   const bool scales = c2_ == 0.0;
   prepare_table(scales ? 1.0 : half_mm);
-  const double power = kernel_ == RadialKernel::biharmonic ? 1.0 : 3.0;
-  const double scale = scales ? std::pow(half_mm, power) : 1.0;
+  const double scale = scales ? std::pow(half_mm, power_of(kernel_)) : 1.0;
 
   std::vector<std::vector<SpectrumPair>> pairs(targets.size());
   for (std::size_t t = 0; t < targets.size(); ++t) {

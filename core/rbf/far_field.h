@@ -29,6 +29,8 @@ class FarField {
   void prepare_table(double half_mm);
   /// Spectrum of one box's nodes; `chunks` numbers of stride `stride` apart.
   void transform(const double* nodes, double* spectrum, std::size_t stride) const;
+  /// Writes rows of complex numbers, padded as the transforms leave them, as chunks `stride` apart.
+  void store(const double* re, const double* im, double* spectrum, std::size_t stride) const;
   void transform_back(const double* spectrum, std::size_t stride, double* nodes) const;
 
   RadialKernel kernel_;
@@ -39,6 +41,9 @@ class FarField {
   const SimdKernels& simd_;
   std::vector<double> cos_;  ///< cos and sin of -2 pi k m / length, k * length + m
   std::vector<double> sin_;
+  std::vector<double> minus_sin_;  ///< of the way back
+  std::vector<double> short_cos_;  ///< their first `order` columns, for inputs that are zero beyond
+  std::vector<double> short_sin_;
   double table_half_mm_ = 0.0;  ///< box size of table_; the plain kernels need one only, for boxes of half width 1
   std::vector<double> table_;   ///< chunk by chunk, in it offset by offset
   std::vector<double> source_spectra_;  ///< chunk by chunk, in it box by box; kept from call to call

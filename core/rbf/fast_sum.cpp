@@ -8,8 +8,6 @@
 namespace spinaltap::detail {
 namespace {
 
-int power_of(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? 1 : 3; }
-
 /// Eight targets as the kernels take them; places past the last repeat it.
 struct TargetPack {
   double at[3 * kLanes];

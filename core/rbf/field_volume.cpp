@@ -14,8 +14,7 @@ namespace spinaltap {
 GridGeometry lattice_over(std::span<const Vec3> points_mm, double spacing_mm) {
   if (points_mm.empty()) fail("lattice: expected points to put it around, found none");
   if (!(spacing_mm > 0.0)) fail("lattice: expected a step above 0 mm, found ", spacing_mm);
-  Box3 box;
-  for (const Vec3& p : points_mm) box.extend(p);
+  const Box3 box = bounds_of(points_mm);
   constexpr double kMostVoxels = 2147483648.0;
   const Vec3 counts = ((box.sizes() / spacing_mm).array().ceil() + 1.0).matrix();
   if (!(counts.prod() <= kMostVoxels)) {

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/rbf/coarse_to_fine.h"
-#include "core/rbf/polynomial.h"
+#include "core/rbf/first_centres.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_solver.h"
 #include "core/rbf/spread_worst.h"
@@ -86,19 +85,13 @@ class ActiveSet {
 
 ReducedFit fit_error_bars(RadialKernel kernel, std::span<const Vec3> points_mm, std::span<const double> values_mm,
                           std::span<const double> error_bars_mm, double accuracy_mm, const Progress& progress) {
-  constexpr double kFirstShare = 0.01;
-  constexpr std::size_t kFewest = 64;
   constexpr int kFreeingRounds = 60;
   constexpr double kFieldShare = 0.1;
   const std::size_t count = points_mm.size();
   // d(norm)/d(value) is twice the weight where the kernel is positive definite, minus that where it is negative.
-  const double sign = kernel == RadialKernel::biharmonic ? -1.0 : 1.0;
-  const std::vector<std::uint32_t> determining = determining_points(kernel, points_mm);
-  const CoarseToFine order = coarse_to_fine(points_mm, determining, 1);
-  ActiveSet active(values_mm, error_bars_mm, determining.size());
-  const std::size_t first =
-      std::clamp(static_cast<std::size_t>(kFirstShare * static_cast<double>(count)), std::min(kFewest, count), count);
-  for (std::size_t k = 0; k < first; ++k) active.add(order.order[k], Hold::middle);
+  const double sign = definite_sign(kernel);
+  ActiveSet active(values_mm, error_bars_mm, polynomial_terms(kernel));
+  for (const std::uint32_t i : first_centres(kernel, points_mm)) active.add(i, Hold::middle);
 
   ReducedFit fit;
   std::vector<double> found_mm(count);

@@ -91,7 +91,7 @@ void measure(const RbfModel& model, const RbfValues& data, double accuracy_mm, F
 
 }  // namespace
 
-RbfFit fit_rbf(const RbfValues& data, const FitOptions& options, const Progress& progress) {
+RbfFit detail::fit_without_residuals(const RbfValues& data, const FitOptions& options, const Progress& progress) {
   check(data, options);
   RbfValues points = merged(data, options.merge_mm);
   RbfFit fit;
@@ -129,6 +129,11 @@ RbfFit fit_rbf(const RbfValues& data, const FitOptions& options, const Progress&
     }
   }
   fit.report.centres = fit.model.weights.size();
+  return fit;
+}
+
+RbfFit fit_rbf(const RbfValues& data, const FitOptions& options, const Progress& progress) {
+  RbfFit fit = detail::fit_without_residuals(data, options, progress);
   measure(fit.model, data, 0.1 * options.accuracy_mm, fit.report);
   return fit;
 }

@@ -47,4 +47,10 @@ struct RbfFit {
 /// quadric), on numbers that are not finite and options out of range; Cancelled.
 RbfFit fit_rbf(const RbfValues& data, const FitOptions& options = {}, const Progress& progress = {});
 
+namespace detail {
+
+/// The same without the residuals of its report, for callers that read their own.
+RbfFit fit_without_residuals(const RbfValues& data, const FitOptions& options, const Progress& progress);
+
+}  // namespace detail
 }  // namespace spinaltap

@@ -13,6 +13,7 @@ namespace spinaltap {
 
 SurfaceFit fit_surface(const SurfacePoints& surface, const SurfaceFitOptions& options, const Progress& progress) {
   constexpr std::size_t kFewestPoints = 20;
+  constexpr double kWidestSpacingMm = 100.0;
   const std::size_t count = surface.positions_mm.size();
   if (count < kFewestPoints || surface.normals.size() != count) {
     fail("RBF: expected ", kFewestPoints, " surface points with normals or more, found ", count);
@@ -25,10 +26,18 @@ SurfaceFit fit_surface(const SurfacePoints& surface, const SurfaceFitOptions& op
   if (!(options.off_surface_mm > 0.0)) {
     fail("RBF: expected an off-surface distance above 0 mm, found ", options.off_surface_mm);
   }
-  RbfValues data{surface.positions_mm, std::vector<double>(count, 0.0), {}};
+  if (!(options.spacing_mm >= 0.0 && options.spacing_mm <= kWidestSpacingMm)) {
+    fail("RBF: expected a spacing of 0 to ", kWidestSpacingMm, " mm, found ", options.spacing_mm);
+  }
+  std::vector<std::size_t> taken(count);
+  std::iota(taken.begin(), taken.end(), std::size_t{0});
+  if (options.spacing_mm > 0.0) taken = spread_subset(surface.positions_mm, surface.normals, options.spacing_mm);
+  RbfValues data;
+  for (const std::size_t i : taken) data.points_mm.push_back(surface.positions_mm[i]);
+  data.values_mm.assign(taken.size(), 0.0);
   const PointGrid grid(surface.positions_mm, options.off_surface_mm);
   for (const double side : {1.0, -1.0}) {
-    for (std::size_t i = 0; i < count; ++i) {
+    for (const std::size_t i : taken) {
       const Vec3 way = side * surface.normals[i];
       const double length_mm = off_surface_length_mm(grid, surface.positions_mm[i], way, options.off_surface_mm);
       if (!(length_mm > 0.0)) continue;
@@ -36,10 +45,10 @@ SurfaceFit fit_surface(const SurfacePoints& surface, const SurfaceFitOptions& op
       data.values_mm.push_back(side * length_mm);
     }
   }
-  if (data.points_mm.size() == count) {
+  if (data.points_mm.size() == taken.size()) {
     fail("RBF: expected unit normals that point out of the surface, found no room along any of them");
   }
-  RbfFit fit = fit_rbf(
+  RbfFit fit = detail::fit_without_residuals(
       data,
       {.accuracy_mm = options.accuracy_mm, .smoothing_mm = options.smoothing_mm, .reduction_mm = options.reduction_mm},
       progress);
@@ -49,7 +58,7 @@ SurfaceFit fit_surface(const SurfacePoints& surface, const SurfaceFitOptions& op
   for (double& value : residual_mm) value = std::abs(value);
   SurfaceFitReport& report = result.report;
   report.points = count;
-  report.off_surface_points = data.points_mm.size() - count;
+  report.off_surface_points = data.points_mm.size() - taken.size();
   report.centres = fit.report.centres;
   report.iterations = fit.report.iterations;
   report.mean_residual_mm = std::accumulate(residual_mm.begin(), residual_mm.end(), 0.0) / static_cast<double>(count);

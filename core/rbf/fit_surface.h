@@ -7,8 +7,9 @@
 namespace spinaltap {
 
 struct SurfaceFitOptions {
+  double spacing_mm = 0.5;      ///< of points nearer to each other than this one is taken; 0: all of them
   double off_surface_mm = 1.0;  ///< distance of off-surface points, shortened where another part is near
-  double smoothing_mm = 0.1;    ///< see FitOptions
+  double smoothing_mm = 1.0;    ///< see FitOptions; chosen by docs/surface-comparison.md
   double accuracy_mm = 0.01;
   double reduction_mm = 0.0;
 };
@@ -29,10 +30,10 @@ struct SurfaceFit {
   SurfaceFitReport report;
 };
 
-/// A surface through all points: their values are 0, and each brings two off-surface points along its normal, outside
-/// and inside, with their distance as the value (Carr et al. 2001, section 2). With both, a surface point's own weight
-/// almost vanishes, and with it the dimple that |x - c| makes there. Throws Error when there are too few points, when a
-/// position or a normal is not finite, and when no normal leads away from the surface.
+/// A surface through points spread evenly over those given: their values are 0, and each brings two off-surface points
+/// along its normal, outside and inside, with their distance as the value (Carr et al. 2001, section 2). With both, a
+/// surface point's own weight almost vanishes, and with it the dimple that |x - c| makes there. Throws Error when there
+/// are too few points, when a position or a normal is not finite, and when no normal leads away from the surface.
 SurfaceFit fit_surface(const SurfacePoints& surface, const SurfaceFitOptions& options = {},
                        const Progress& progress = {});
 

@@ -9,8 +9,7 @@ namespace spinaltap::detail {
 std::vector<std::uint32_t> merge_points(std::span<const Vec3> points_mm, double merge_mm) {
   // Cells far smaller than the whole would count beyond integers; what is nearer than that is the same place.
   constexpr double kFinest = 1e-12;
-  Box3 bounds;
-  for (const Vec3& p : points_mm) bounds.extend(p);
+  const Box3 bounds = bounds_of(points_mm);
   const double largest_mm = std::max(bounds.min().cwiseAbs().maxCoeff(), bounds.max().cwiseAbs().maxCoeff());
   const double reach_mm = std::max(merge_mm, kFinest * largest_mm);
   SparseGrid kept(points_mm, 2.0 * std::max(reach_mm, 1e-300), points_mm.size());

@@ -14,8 +14,7 @@ int octant_of(const Vec3& p, const Vec3& centre) {
 
 Octree::Octree(std::span<const Vec3> points_mm, std::size_t leaf_size) {
   constexpr double kPadding = 1.1;  // fields are asked a little beyond their centres too
-  Box3 bounds;
-  for (const Vec3& p : points_mm) bounds.extend(p);
+  const Box3 bounds = bounds_of(points_mm);
   size_mm_ = std::max(bounds.sizes().maxCoeff() * kPadding, 1e-9);
   low_mm_ = bounds.center() - Vec3::Constant(0.5 * size_mm_);
   sorted_.resize(points_mm.size());

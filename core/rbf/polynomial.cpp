@@ -31,8 +31,7 @@ std::vector<std::uint32_t> determining_points(RadialKernel kernel, std::span<con
   if (points_mm.size() < terms) {
     fail("RBF: expected ", terms, " points or more that differ, found ", points_mm.size());
   }
-  Box3 bounds;
-  for (const Vec3& p : points_mm) bounds.extend(p);
+  const Box3 bounds = bounds_of(points_mm);
   const double per_mm = 1.0 / std::max(0.5 * bounds.sizes().maxCoeff(), 1e-300);
   std::vector<std::array<double, kMostPolynomialTerms>> rows;
   rows.reserve(points_mm.size());

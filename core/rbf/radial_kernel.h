@@ -15,6 +15,12 @@ enum class RadialKernel {
 /// Terms of the polynomial that goes with a kernel: 4 (linear) or 10 (quadratic).
 constexpr std::size_t polynomial_terms(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? 4 : 10; }
 
+/// The power of r.
+constexpr int power_of(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? 1 : 3; }
+
+/// 1 where the matrix of phi is positive on weights that the side conditions allow, -1 where it is negative.
+constexpr double definite_sign(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? -1.0 : 1.0; }
+
 /// phi at squared distance `r2` (mm^2) + `c2`: with c2 = width^2 the basic function is its own low-pass filtered self,
 /// (r^2 + c^2)^(m/2) (Carr et al. 2003, section 4).
 inline double phi(RadialKernel kernel, double r2, double c2 = 0.0) {

@@ -22,9 +22,7 @@ std::vector<Vec3> sample_places(const std::vector<Vec3>& centres_mm) {
   constexpr std::size_t kSamples = 512;
   constexpr std::uint64_t kSeed = 0x5bf0;
   constexpr double kReach = 0.01;
-  Box3 bounds;
-  for (const Vec3& c : centres_mm) bounds.extend(c);
-  const double reach_mm = kReach * bounds.sizes().maxCoeff();
+  const double reach_mm = kReach * bounds_of(centres_mm).sizes().maxCoeff();
   std::vector<Vec3> places_mm;
   for (std::uint64_t i = 0; i < kSamples; ++i) {
     const auto part = static_cast<double>(i) / static_cast<double>(kSamples);

@@ -36,8 +36,6 @@ struct Head {
 };
 static_assert(sizeof(Head) == 64);
 
-std::uint32_t power_of(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? 1 : 3; }
-
 std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
   if (bytes.empty()) return before;  // zlib would begin anew at a null pointer
   return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
@@ -75,7 +73,7 @@ Head read_head(std::string_view bytes, const std::string& name) {
 void write_rbf(const RbfModel& model, const std::filesystem::path& path) {
   check_model(model);
   Head head;
-  head.power = power_of(model.kernel);
+  head.power = static_cast<std::uint32_t>(power_of(model.kernel));
   head.low_pass_mm = model.low_pass_mm;
   head.origin_mm = {model.origin_mm.x(), model.origin_mm.y(), model.origin_mm.z()};
   head.centres = model.centres_mm.size();

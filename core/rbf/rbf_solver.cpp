@@ -24,8 +24,7 @@ std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<st
 RbfSolver::RbfSolver(RadialKernel kernel, std::vector<Vec3> points_mm, std::vector<double> smoothing_mm)
     : kernel_(kernel), points_mm_(std::move(points_mm)), smoothing_mm_(std::move(smoothing_mm)) {
   const std::vector<std::uint32_t> first = determining_points(kernel, points_mm_);
-  Box3 bounds;
-  for (const Vec3& p : points_mm_) bounds.extend(p);
+  const Box3 bounds = bounds_of(points_mm_);
   origin_mm_ = bounds.center();
   extent_mm_ = 0.5 * bounds.sizes().maxCoeff();
 
@@ -73,7 +72,7 @@ RbfSolver::Vector RbfSolver::multiply(const Vector& weights) {
   sum_->set_weights(span_of(weights));
   Vector product(weights.size());
   sum_->at_centres(span_of(product));
-  const double sign = kernel_ == RadialKernel::biharmonic ? -1.0 : 1.0;
+  const double sign = definite_sign(kernel_);
   for (std::size_t i = 0; i < smoothing_mm_.size(); ++i) product[at(i)] += sign * smoothing_mm_[i] * weights[at(i)];
   return product;
 }
@@ -88,7 +87,7 @@ double RbfSolver::sum_error(const Vector& weights, const Vector& product) const 
   const std::size_t step = std::max<std::size_t>(1, count / kSamples);
   std::vector<Vec3> places_mm;
   std::vector<double> fast;
-  const double sign = kernel_ == RadialKernel::biharmonic ? -1.0 : 1.0;
+  const double sign = definite_sign(kernel_);
   for (std::size_t i = step / 2; i < count; i += step) {
     places_mm.push_back(points_mm_[i]);
     fast.push_back(product[at(i)] - (smoothing_mm_.empty() ? 0.0 : sign * smoothing_mm_[i] * weights[at(i)]));
@@ -150,13 +149,14 @@ int RbfSolver::improve(Vector& weights, Vector& residual, double target_mm, cons
   return done;
 }
 
-void RbfSolver::choose_order(const Vector& weights, double accuracy_mm) {
+RbfSolver::Vector RbfSolver::choose_order(const Vector& weights, double accuracy_mm) {
   constexpr int kFirstOrder = 6;
   constexpr double kDigitsAnOrder = 0.8;
   for (int order = std::max(order_, kFirstOrder);;) {
     use_order(order);
-    const double missing = std::min(100.0, std::log10(sum_error(weights, multiply(weights)) / accuracy_mm));
-    if (!(missing > 0.0) || order > kMaxOrder) return;
+    Vector product = multiply(weights);
+    const double missing = std::min(100.0, std::log10(sum_error(weights, product) / accuracy_mm));
+    if (!(missing > 0.0) || order > kMaxOrder) return product;
     const int next = order + std::max(1, static_cast<int>(missing / kDigitsAnOrder));
     order = order < kMaxOrder ? std::min(kMaxOrder, next) : next;
   }
@@ -170,6 +170,7 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
   const std::size_t count = points_mm_.size();
   const Vector values = Eigen::Map<const Vector>(values_mm.data(), at(count));
   Vector weights = Vector::Zero(at(count));
+  Vector product = weights;  // the matrix times them
   if (start.empty()) {
     // The preconditioner alone gives weights of about the solution's size, which the sums' error depends on.
     Vector right = values;
@@ -181,11 +182,10 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
   } else {
     weights = Eigen::Map<const Vector>(start.data(), at(count));
     project(weights);
-    choose_order(weights, kSumShare * accuracy_mm);
+    product = choose_order(weights, kSumShare * accuracy_mm);
   }
   RbfSolution solution;
   for (int round = 0;; ++round) {
-    const Vector product = multiply(weights);
     solution.sum_error_mm = kSafety * sum_error(weights, product);
     Vector residual = values - product;
     const Vector in_basis = basis_.transpose() * residual;
@@ -202,7 +202,7 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
         fail("RBF: expected an accuracy that sums of this size can reach, about ", 4.0 * solution.sum_error_mm,
              " mm here, found ", accuracy_mm);
       }
-      choose_order(weights, kSumShare * accuracy_mm);
+      product = choose_order(weights, kSumShare * accuracy_mm);
       continue;
     }
     if (round == kMostRounds) {
@@ -210,6 +210,7 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
            " mm; are points nearly the same, with values that differ?");
     }
     solution.iterations += improve(weights, residual, 0.4 * accuracy_mm, progress);
+    product = multiply(weights);
   }
   solution.model.kernel = kernel_;
   solution.model.origin_mm = origin_mm_;

@@ -45,8 +45,8 @@ class RbfSolver {
   void project(Vector& vector) const;
   void use_order(int order);
   /// Takes the lowest order, from the present one up, whose sums of these weights are accurate enough; beyond the
-  /// highest, sums term by term.
-  void choose_order(const Vector& weights, double accuracy_mm);
+  /// highest, sums term by term. Returns the matrix times the weights.
+  Vector choose_order(const Vector& weights, double accuracy_mm);
   /// Largest difference between fast and direct sums at some points, for the weights last multiplied.
   double sum_error(const Vector& weights, const Vector& product) const;
   /// Improves the weights until the residual's largest entry is below `target_mm`; returns iterations.

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "core/rbf/coarse_to_fine.h"
-#include "core/rbf/polynomial.h"
+#include "core/rbf/first_centres.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_solver.h"
 #include "core/rbf/spread_worst.h"
@@ -13,16 +12,11 @@ namespace spinaltap::detail {
 
 ReducedFit reduce_centres(RadialKernel kernel, std::span<const Vec3> points_mm, std::span<const double> values_mm,
                           double tolerance_mm, double accuracy_mm, const Progress& progress) {
-  constexpr double kFirstShare = 0.01;
-  constexpr std::size_t kFewest = 64;
   constexpr double kFieldShare = 0.1;
   constexpr double kSafety = 2.5;  // the sums' error anywhere, of that at the places where it was measured
   const std::size_t count = points_mm.size();
   ReducedFit fit;
-  const CoarseToFine order = coarse_to_fine(points_mm, determining_points(kernel, points_mm), 1);
-  const std::size_t first =
-      std::clamp(static_cast<std::size_t>(kFirstShare * static_cast<double>(count)), std::min(kFewest, count), count);
-  fit.centres.assign(order.order.begin(), order.order.begin() + static_cast<std::ptrdiff_t>(first));
+  fit.centres = first_centres(kernel, points_mm);
   std::vector<bool> is_centre(count, false);
   for (const std::uint32_t i : fit.centres) is_centre[i] = true;
   std::vector<double> difference_mm(count);

@@ -12,8 +12,7 @@ std::vector<std::uint32_t> spread_worst(std::span<const Vec3> points_mm, const s
   constexpr double kGrowth = 0.5;
   constexpr std::size_t kFewest = 50;
   constexpr double kGap = 0.7;  // of the centres' mean spacing, were they spread on the faces of their box
-  Box3 bounds;
-  for (const Vec3& p : points_mm) bounds.extend(p);
+  const Box3 bounds = bounds_of(points_mm);
   const Vec3 size_mm = bounds.sizes();
   const double area_mm2 = 2.0 * (size_mm.x() * size_mm.y() + size_mm.y() * size_mm.z() + size_mm.z() * size_mm.x());
   const double gap_mm = kGap * std::sqrt(area_mm2 / static_cast<double>(centres));

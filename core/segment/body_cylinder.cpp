@@ -177,9 +177,12 @@ double wall_edge(const FloatGrid& hu, const Vec3& p_patient, const Vec3& outward
   constexpr double kInsideMm = 0.8;
   constexpr double kOutsideMm = 1.8;
   constexpr double kUnsureHu = 40.0;
+  const Mat3 to_index = hu.geometry.index_to_patient_matrix().inverse();
+  const Vec3 p_index = to_index * (p_patient - hu.geometry.origin_mm);
+  const Vec3 outward_index = to_index * outward;
   // Metal and calcium no more than cortex, lung no less than fat: a wall is a wall.
   const auto value = [&](double depth_mm) {
-    return std::clamp(sample_clamped(hu, hu.geometry.to_index(p_patient - depth_mm * outward)), -100.0, 500.0);
+    return std::clamp(sample_clamped(hu, p_index - depth_mm * outward_index), -100.0, 500.0);
   };
   const double outside_hu = value(-kOutsideMm);
   const double edge = std::clamp((value(kInsideMm) - outside_hu) / levels.full_drop_hu, -1.0, 1.0);

@@ -56,14 +56,19 @@ PointGrid::Nearest PointGrid::nearest_within(const Vec3& p_mm, double radius_mm)
   return nearest;
 }
 
-std::vector<std::size_t> spread_subset(std::span<const Vec3> points_mm, double spacing_mm) {
+std::vector<std::size_t> spread_subset(std::span<const Vec3> points_mm, std::span<const Vec3> normals,
+                                       double spacing_mm) {
+  constexpr double kSameSide = 0.5;  // cosine
   const PointGrid grid(points_mm, spacing_mm);
   std::vector<bool> covered(points_mm.size(), false);
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
     if (covered[i]) continue;
     kept.push_back(i);
-    grid.for_each_within(points_mm[i], spacing_mm, [&](std::size_t index) { covered[index] = true; });
+    covered[i] = true;
+    grid.for_each_within(points_mm[i], spacing_mm, [&](std::size_t index) {
+      if (normals[index].dot(normals[i]) > kSameSide) covered[index] = true;
+    });
   }
   return kept;
 }

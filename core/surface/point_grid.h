@@ -58,8 +58,10 @@ class PointGrid {
   std::vector<std::uint32_t> order_;       ///< point indices, cell by cell, ascending within a cell
 };
 
-/// Points that keep `spacing_mm` from each other, taken in the order of the input: a Poisson-disc subset.
-/// Returns their indices, ascending.
-std::vector<std::size_t> spread_subset(std::span<const Vec3> points_mm, double spacing_mm);
+/// Points that keep `spacing_mm` from each other, taken in the order of the input: a Poisson-disc subset. Only points
+/// whose normals lie within 60 degrees count as near to each other: both sides of a thin part are kept. `normals` are
+/// unit vectors, one a point. Returns indices, ascending.
+std::vector<std::size_t> spread_subset(std::span<const Vec3> points_mm, std::span<const Vec3> normals,
+                                       double spacing_mm);
 
 }  // namespace spinaltap

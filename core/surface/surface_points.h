@@ -17,7 +17,7 @@ struct SurfaceOptions {
   /// Width (standard deviation) of the Gaussian that smooths the mask before its surface is taken; 0: chosen from the
   /// voxel size, 0.5 mm or 0.7 of the largest voxel step, whichever is larger.
   double smooth_mm = 0.0;
-  /// Whether each point moves along its normal, by at most 2 mm or 1.5 voxel steps, to the cortex's outer edge
+  /// Whether each point moves along its normal, by at most 1 mm or 0.8 voxel steps, to the cortex's outer edge
   /// (edge_profile.h).
   bool refine_by_hu = true;
 };

@@ -119,8 +119,7 @@ int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus
                   start.name.c_str(), last.c_str());
       return EXIT_FAILURE;
     }
-    test::write_quickly(start.folder / file.name, start.files.front().bytes);
-    if (!start.is_gzipped) test::write_quickly(start.folder / file.name, file.bytes);
+    test::write_quickly(start.folder / file.name, start.is_gzipped ? start.files.front().bytes : file.bytes);
   }
   fs::remove(last);
   test::print_fuzz_counts(counts);

@@ -71,6 +71,16 @@ std::string jpeg2000_head(std::uint16_t side, std::uint32_t tile) {
          u32(tile) + u32(0) + u32(0) + u16(1) + std::string("\x0f\x01\x01", 3) + std::string(100, '\0');
 }
 
+/// 4 x 3 pixels of 16 bits whose scan stops within a code, with no marker after it.
+std::string jpeg_ls_cut_short() {
+  return std::string(
+      "\xff\xd8"
+      "\xff\xf7\x00\x0b\x10\x00\x03\x00\x04\x01\x01\x11\x00"
+      "\xff\xda\x00\x08\x01\x01\x00\x00\x00\x00"
+      "\x09\x97\xd1\x37\xf6\xe6\x91\x75\x2c",
+      34);
+}
+
 HandMadeDicom sized(HandMadeDicom slice, int side) {
   return slice.set_short(0x00280010, side).set_short(0x00280011, side);
 }
@@ -85,6 +95,7 @@ std::string raw_deflated(const std::string& bytes) {
 std::vector<HostileCt> hostile_cts() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::string rle = "1.2.840.10008.1.2.5";
+  const std::string jpeg_ls = "1.2.840.10008.1.2.4.80";
   const std::string jpeg2000 = "1.2.840.10008.1.2.4.90";
   return {
       series("CutShort", "cut short",
@@ -121,6 +132,8 @@ std::vector<HostileCt> hostile_cts() {
           [=](HandMadeDicom& slice, int) { return with_fragment(sized(slice, 700), jpeg2000, jpeg2000_head(700, 1)); }),
       series("NoCodestream", "no readable header",
              [=](HandMadeDicom& slice, int) { return with_fragment(slice, jpeg2000, "not a codestream at all"); }),
+      series("JpegLsCutShortWithinACode", "cannot decode the pixels",
+             [=](HandMadeDicom& slice, int) { return with_fragment(slice, jpeg_ls, jpeg_ls_cut_short()); }),
       {"SequencesWithoutEnd",
        [](const fs::path& folder) {
          std::string bytes = HandMadeDicom().remove(0x7fe00010).bytes();

@@ -214,11 +214,24 @@ TEST(FitSurface, RefusesPointsAndOptionsWithoutSense) {
   bad = good;
   for (Vec3& normal : bad.normals) normal.setZero();
   EXPECT_THAT(error(bad), HasSubstr("unit normals"));
+  EXPECT_THAT(error(good, {.spacing_mm = -1.0}), HasSubstr("spacing"));
+  EXPECT_THAT(error(good, {.spacing_mm = nan}), HasSubstr("spacing"));
   EXPECT_THAT(error(good, {.off_surface_mm = 0.0}), HasSubstr("off-surface"));
   EXPECT_THAT(error(good, {.off_surface_mm = nan}), HasSubstr("off-surface"));
   EXPECT_THAT(error(good, {.smoothing_mm = -1.0}), HasSubstr("smoothing"));
   EXPECT_THAT(error(good, {.accuracy_mm = nan}), HasSubstr("accuracy"));
   EXPECT_THAT(error(good, {.reduction_mm = nan}), HasSubstr("reduction"));
+}
+
+TEST(FitSurface, ThinsOutDensePointsAndStillPassesTheRest) {
+  // 6,000 points on a sphere of 10 mm lie 0.46 mm apart; every second or third is enough for so smooth a surface.
+  const SurfacePoints surface = ball(10.0, 6000);
+  const SurfaceFit all = fit_surface(surface, {.spacing_mm = 0.0});
+  const SurfaceFit some = fit_surface(surface, {.spacing_mm = 0.7});
+  EXPECT_EQ(all.report.centres, 3 * surface.positions_mm.size());
+  EXPECT_LT(some.report.centres, all.report.centres / 2);
+  EXPECT_EQ(some.report.points, surface.positions_mm.size());
+  EXPECT_LT(some.report.max_residual_mm, 0.02);
 }
 
 TEST(FitSurface, StopsWhenItIsCancelled) {

@@ -20,7 +20,7 @@ struct Scan {
 };
 
 /// A ball of 1000 HU around `centre_mm` in water, each voxel blended by its share of bone over a voxel's width.
-Scan ball(const Vec3& centre_mm, const GridGeometry& geometry) {
+Scan ball(const Vec3& centre_mm, const GridGeometry& geometry, double radius_mm = kRadiusMm) {
   std::vector<std::int16_t> hu;
   BoneMask mask{geometry, {}};
   const double width_mm = geometry.spacing_mm.maxCoeff();
@@ -29,7 +29,7 @@ Scan ball(const Vec3& centre_mm, const GridGeometry& geometry) {
       for (int i = 0; i < geometry.size[0]; ++i) {
         const double r_mm = (geometry.to_patient(Vec3(i, j, k)) - centre_mm).norm();
         hu.push_back(
-            static_cast<std::int16_t>(std::lround(1000.0 * std::clamp(0.5 + (kRadiusMm - r_mm) / width_mm, 0.0, 1.0))));
+            static_cast<std::int16_t>(std::lround(1000.0 * std::clamp(0.5 + (radius_mm - r_mm) / width_mm, 0.0, 1.0))));
         mask.inside.push_back(hu.back() >= 500 ? 1 : 0);
       }
     }
@@ -132,7 +132,7 @@ TEST(ExtractSurface, ClosesBoneThatTheCtsBorderCuts) {
 }
 
 TEST(ExtractSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
-  const Scan scan = ball(Vec3(0.3, -0.1, 0.2), grid_around(Vec3::Zero()));
+  const Scan scan = ball(Vec3(0.3, -0.1, 0.2), grid_around(Vec3::Zero()), 0.5 * kRadiusMm);
   SurfacePoints one;
   {
     const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);

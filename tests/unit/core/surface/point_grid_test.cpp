@@ -73,8 +73,9 @@ TEST(PointGrid, RefusesPointsAndCellsThatAreNone) {
 TEST(SpreadSubset, KeepsItsSpacingAndCoversEveryPoint) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   const std::vector<Vec3> points_mm = cloud(1500);
+  const std::vector<Vec3> normals(points_mm.size(), Vec3::UnitX());
   for (const double spacing_mm : {1e-6, 0.3, 1.0, 4.0, 100.0}) {
-    const std::vector<std::size_t> kept = spread_subset(points_mm, spacing_mm);
+    const std::vector<std::size_t> kept = spread_subset(points_mm, normals, spacing_mm);
     EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
     for (std::size_t a = 0; a < kept.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) ASSERT_GT((points_mm[kept[a]] - points_mm[kept[b]]).norm(), spacing_mm);
@@ -84,6 +85,19 @@ TEST(SpreadSubset, KeepsItsSpacingAndCoversEveryPoint) {
                               [&](std::size_t i) { return (points_mm[i] - p).norm() <= spacing_mm; }));
     }
   }
+}
+
+TEST(SpreadSubset, KeepsBothSidesOfAThinPlate) {
+  std::vector<Vec3> points_mm;
+  std::vector<Vec3> normals;
+  for (int i = 0; i < 20; ++i) {
+    for (const double side : {1.0, -1.0}) {
+      points_mm.emplace_back(0.6 * i, 0.0, side * 0.05);
+      normals.emplace_back(0.0, 0.0, side);
+    }
+  }
+  EXPECT_EQ(spread_subset(points_mm, normals, 0.5).size(), points_mm.size());
+  EXPECT_EQ(spread_subset(points_mm, normals, 1.0).size(), points_mm.size() / 2);
 }
 
 }  // namespace
