@@ -1,7 +1,9 @@
 #include "mesh/mesh_quality.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -35,11 +37,43 @@ std::size_t count_pieces(const detail::HalfEdgeMesh& mesh) {
   return pieces;
 }
 
-double smallest_angle_rad(const Vec3& a, const Vec3& b, const Vec3& c) {
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+std::array<double, 3> angles_rad(const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto angle = [](const Vec3& corner, const Vec3& p, const Vec3& q) {
     return std::atan2((p - corner).cross(q - corner).norm(), (p - corner).dot(q - corner));
   };
-  return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
+  return {angle(a, b, c), angle(b, c, a), angle(c, a, b)};
+}
+
+/// Circumradius over twice the inradius.
+double aspect(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double p = (b - c).norm();
+  const double q = (c - a).norm();
+  const double r = (a - b).norm();
+  const double doubled_area = (b - a).cross(c - a).norm();
+  if (!(doubled_area > 0.0)) return std::numeric_limits<double>::infinity();
+  return p * q * r * (p + q + r) / (4.0 * doubled_area * doubled_area);
+}
+
+double sharpest_edge_rad(const detail::HalfEdgeMesh& mesh) {
+  const auto normal_of = [&](OpenMesh::HalfedgeHandle h) -> Vec3 {
+    const auto point = [&](OpenMesh::VertexHandle v) -> Vec3 {
+      const auto& p = mesh.point(v);
+      return Eigen::Vector3f(p[0], p[1], p[2]).cast<double>();
+    };
+    const Vec3 a = point(mesh.from_vertex_handle(h));
+    const Vec3 b = point(mesh.to_vertex_handle(h));
+    return (b - a).cross(point(mesh.to_vertex_handle(mesh.next_halfedge_handle(h))) - a);
+  };
+  double sharpest_rad = 0.0;
+  for (const auto edge : mesh.edges()) {
+    if (edge.is_boundary()) continue;
+    const Vec3 n = normal_of(OpenMesh::HalfedgeHandle(mesh.halfedge_handle(edge, 0).idx()));
+    const Vec3 m = normal_of(OpenMesh::HalfedgeHandle(mesh.halfedge_handle(edge, 1).idx()));
+    sharpest_rad = std::max(sharpest_rad, std::atan2(n.cross(m).norm(), n.dot(m)));
+  }
+  return sharpest_rad;
 }
 
 }  // namespace
@@ -49,6 +83,8 @@ MeshQuality measure_mesh(const TriangleMesh& mesh) {
   quality.vertices = mesh.vertices_mm.size();
   quality.triangles = mesh.triangles.size();
   double smallest_rad = std::numbers::pi;
+  double largest_rad = 0.0;
+  std::size_t below_30 = 0;
   const auto vertex = [&](std::uint32_t index) -> Vec3 {
     if (index >= mesh.vertices_mm.size()) fail("mesh: vertex ", index, " of ", mesh.vertices_mm.size());
     return mesh.vertices_mm[index].cast<double>();
@@ -59,14 +95,28 @@ MeshQuality measure_mesh(const TriangleMesh& mesh) {
     const Vec3 c = vertex(corners[2]);
     quality.area_mm2 += 0.5 * (b - a).cross(c - a).norm();
     quality.volume_mm3 += a.dot(b.cross(c)) / 6.0;
-    smallest_rad = std::min(smallest_rad, smallest_angle_rad(a, b, c));
+    const std::array<double, 3> angles = angles_rad(a, b, c);
+    const double smallest_here_rad = *std::min_element(angles.begin(), angles.end());
+    smallest_rad = std::min(smallest_rad, smallest_here_rad);
+    largest_rad = std::max(largest_rad, *std::max_element(angles.begin(), angles.end()));
+    below_30 += smallest_here_rad * kDegrees < 30.0 ? 1U : 0U;
+    const double aspect_here = aspect(a, b, c);
+    quality.worst_aspect = std::max(quality.worst_aspect, aspect_here);
+    quality.mean_aspect += aspect_here;
     for (const Vec3& corner : {a, b, c}) quality.bounds_mm.extend(corner);
   }
-  quality.smallest_angle_deg = mesh.triangles.empty() ? 0.0 : smallest_rad * 180.0 / std::numbers::pi;
+  if (!mesh.triangles.empty()) {
+    const auto count = static_cast<double>(mesh.triangles.size());
+    quality.smallest_angle_deg = smallest_rad * kDegrees;
+    quality.largest_angle_deg = largest_rad * kDegrees;
+    quality.share_below_30_deg = static_cast<double>(below_30) / count;
+    quality.mean_aspect /= count;
+  }
 
   const detail::HalfEdgeResult linked = detail::to_half_edges(mesh);
   quality.refused_faces = linked.refused_faces;
   quality.pieces = count_pieces(linked.mesh);
+  quality.sharpest_edge_deg = sharpest_edge_rad(linked.mesh) * kDegrees;
   for (const auto edge : linked.mesh.edges()) quality.boundary_edges += edge.is_boundary() ? 1U : 0U;
   const auto isolated = std::count_if(linked.mesh.vertices_begin(), linked.mesh.vertices_end(),
                                       [&](OpenMesh::VertexHandle handle) { return linked.mesh.is_isolated(handle); });

@@ -17,6 +17,12 @@ struct MeshQuality {
   double volume_mm3 = 0.0;         ///< enclosed, positive when faces wind outward
   double area_mm2 = 0.0;
   double smallest_angle_deg = 0.0;
+  double largest_angle_deg = 0.0;
+  double share_below_30_deg = 0.0;  ///< of the triangles: those with an angle below 30 degrees
+  /// Circumradius over twice the inradius: 1 for an equilateral triangle, infinite for one without area.
+  double worst_aspect = 0.0;
+  double mean_aspect = 0.0;
+  double sharpest_edge_deg = 0.0;  ///< largest angle between the normals of two triangles at an edge
   Box3 bounds_mm;
 
   bool closed() const { return triangles > 0 && boundary_edges == 0 && refused_faces == 0; }

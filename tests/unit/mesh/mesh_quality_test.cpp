@@ -126,6 +126,18 @@ TEST(MeasureMesh, ThrowsOnAnIndexOutOfRange) {
   EXPECT_THAT([&] { measure_mesh(mesh); }, ThrowsMessage<Error>(HasSubstr("vertex 4 of 4")));
 }
 
+TEST(MeasureMesh, KnowsAnglesAndAspectsOfABoxsHalfSquares) {
+  const MeshQuality cube = measure_mesh(test::box_mesh({3.0F, 3.0F, 3.0F}, {0.0F, 0.0F, 0.0F}));
+  EXPECT_NEAR(cube.largest_angle_deg, 90.0, 1e-9);
+  EXPECT_NEAR(cube.sharpest_edge_deg, 90.0, 1e-9);
+  EXPECT_EQ(cube.share_below_30_deg, 0.0);
+  // Legs of 1: circumradius sqrt(2)/2, inradius 1 - sqrt(2)/2.
+  const double aspect = std::sqrt(0.5) / (2.0 - std::sqrt(2.0));
+  EXPECT_NEAR(cube.worst_aspect, aspect, 1e-12);
+  EXPECT_NEAR(cube.mean_aspect, aspect, 1e-12);
+  EXPECT_EQ(measure_mesh(test::box_mesh({1.0F, 4.0F, 4.0F}, {0.0F, 0.0F, 0.0F})).share_below_30_deg, 8.0 / 12.0);
+}
+
 TEST(MeasureMesh, OfNothingIsNotClosed) {
   const MeshQuality quality = measure_mesh({});
   EXPECT_FALSE(quality.closed());

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/geometry.h"
+
+namespace spinaltap::detail {
+
+/// Cosine of a triangle's smallest angle: 0.5 when all are equal, 1 when it has no area. Smaller is better.
+inline double smallest_angle_cosine(const Vec3& a, const Vec3& b, const Vec3& c) {
+  double shortest = (b - c).squaredNorm();
+  double other = (c - a).squaredNorm();
+  double third = (a - b).squaredNorm();
+  if (other < shortest) std::swap(other, shortest);
+  if (third < shortest) std::swap(third, shortest);
+  const double product = other * third;
+  return product > 0.0 ? (other + third - shortest) / (2.0 * std::sqrt(product)) : 1.0;
+}
+
+/// The smallest cosine between a triangle's normal and its corners' (unit) normals; -1 for one without area.
+inline double agreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal_a, const Vec3& normal_b,
+                        const Vec3& normal_c) {
+  const Vec3 normal = (b - a).cross(c - a);
+  const double length = normal.norm();
+  if (!(length > 0.0)) return -1.0;
+  return std::min({normal.dot(normal_a), normal.dot(normal_b), normal.dot(normal_c)}) / length;
+}
+
+}  // namespace spinaltap::detail
