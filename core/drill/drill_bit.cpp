@@ -1,21 +1,22 @@
 #include "core/drill/drill_bit.h"
 
-#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/error.h"
 
 namespace spinaltap {
-namespace {
 
-/// Distance from q to the segment a-b, in the plane.
-double segment_distance(const Eigen::Vector2d& q, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double t = std::clamp((q - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (q - a - t * along).norm();
+DrillBit twist_drill(double diameter_mm, double length_mm, double point_angle_deg, double chisel_edge_mm) {
+  if (!(point_angle_deg >= 20.0 && point_angle_deg < 180.0)) {
+    fail("drill bit: expected a point angle of 20 to below 180 degrees, found ", point_angle_deg);
+  }
+  const double half_angle = 0.5 * point_angle_deg * std::numbers::pi / 180.0;
+  DrillBit bit{diameter_mm, length_mm, 0.5 * (diameter_mm - chisel_edge_mm) / std::tan(half_angle)};
+  bit.tip_diameter_mm = chisel_edge_mm;
+  check_bit(bit);
+  return bit;
 }
-
-}  // namespace
 
 void check_bit(const DrillBit& bit) {
   const auto above_zero = [](double length_mm, const char* what) {
@@ -23,46 +24,30 @@ void check_bit(const DrillBit& bit) {
       fail("drill bit: expected a ", what, " above 0 mm, found ", length_mm, " mm");
     }
   };
+  const auto within = [&](double diameter_mm, const char* what) {
+    if (!(diameter_mm >= 0.0 && diameter_mm <= bit.diameter_mm)) {
+      fail("drill bit: expected a ", what, " from 0 to the bit's ", bit.diameter_mm, " mm, found ", diameter_mm, " mm");
+    }
+  };
   above_zero(bit.diameter_mm, "diameter");
   above_zero(bit.length_mm, "length");
+  within(bit.tip_diameter_mm, "tip diameter");
+  within(bit.shank_diameter_mm, "shank diameter");
+  if (bit.shape == BitShape::round_burr) {
+    if (!(bit.length_mm > 0.5 * bit.diameter_mm)) {
+      fail("drill bit: expected a burr longer than its ball's radius, found ", bit.length_mm, " mm for ",
+           bit.diameter_mm, " mm of diameter");
+    }
+    return;
+  }
   above_zero(bit.tip_length_mm, "tip length");
   if (bit.tip_length_mm > bit.length_mm) {
     fail("drill bit: expected a tip no longer than the bit, found ", bit.tip_length_mm, " mm of ", bit.length_mm,
          " mm");
   }
-}
-
-bool bit_contains(const DrillBit& bit, const Pose& pose, const Vec3& p) {
-  const double cylinder_share = (bit.length_mm - bit.tip_length_mm) / bit.length_mm;
-  const Vec3 base_mm = pose.tip_mm - bit.length_mm * pose.axis;
-  const Vec3 from_base_mm = p - base_mm;
-  const double along_mm = from_base_mm.dot(pose.axis);
-  const double alpha = along_mm / bit.length_mm;
-  if (alpha < 0.0 || alpha > 1.0) return false;
-  const double off_axis_squared = (along_mm * pose.axis - from_base_mm).squaredNorm();
-  double allowed_mm = bit.radius_mm();
-  if (alpha > cylinder_share) allowed_mm *= (1.0 - alpha) * bit.length_mm / bit.tip_length_mm;
-  return off_axis_squared <= allowed_mm * allowed_mm;
-}
-
-double bit_distance_mm(const DrillBit& bit, const Pose& pose, const Vec3& p) {
-  // The bit is a body of revolution: its distance is that to its outline in the half plane (back from the tip, off
-  // axis).
-  const Vec3 from_tip_mm = p - pose.tip_mm;
-  const double back_mm = -from_tip_mm.dot(pose.axis);
-  const double off_axis_mm = (from_tip_mm + back_mm * pose.axis).norm();
-  const Eigen::Vector2d q(back_mm, off_axis_mm);
-  const Eigen::Vector2d tip(0.0, 0.0);
-  const Eigen::Vector2d shoulder(bit.tip_length_mm, bit.radius_mm());
-  const Eigen::Vector2d base_rim(bit.length_mm, bit.radius_mm());
-  const Eigen::Vector2d base_centre(bit.length_mm, 0.0);
-  const double to_cone_mm = segment_distance(q, tip, shoulder);
-  const double to_wall_mm = bit.length_mm > bit.tip_length_mm ? segment_distance(q, shoulder, base_rim) : to_cone_mm;
-  const double to_base_mm = segment_distance(q, base_rim, base_centre);
-  const double distance_mm = std::min({to_cone_mm, to_wall_mm, to_base_mm});
-  const bool inside = back_mm >= 0.0 && back_mm <= bit.length_mm && off_axis_mm <= bit.radius_mm() &&
-                      off_axis_mm * bit.tip_length_mm <= back_mm * bit.radius_mm();
-  return inside ? -distance_mm : distance_mm;
+  if (bit.shape == BitShape::tapered_screw && bit.tip_length_mm < bit.length_mm) {
+    above_zero(bit.tip_diameter_mm, "tip diameter of a screw");
+  }
 }
 
 }  // namespace spinaltap

@@ -4,16 +4,31 @@
 
 namespace spinaltap {
 
-/// A cylindrical drill bit with a conical tip. Lengths in mm.
+/// Shapes of rotating tools. All are bodies of revolution: what a turning tool sweeps.
+enum class BitShape {
+  drill,         ///< a cylinder with a conical tip; with a tip diameter: a twist drill, whose chisel edge is that wide
+  round_burr,    ///< a ball on a shank; `tip_length_mm` is not used
+  conical_burr,  ///< a frustum from the tip's diameter to the bit's over the tip's length, on a shank
+  tapered_screw  ///< a cone to the tip's diameter over the tip's length, then a taper to the bit's diameter at the base
+};
+
+/// A rotating tool. Lengths in mm. The defaults are the paper's bit.
 struct DrillBit {
-  double diameter_mm = 3.0;
-  double length_mm = 50.0;     ///< from the base to the tip, cone included
-  double tip_length_mm = 5.0;  ///< of the cone
+  double diameter_mm = 3.0;  ///< where the bit is widest
+  double length_mm = 50.0;   ///< from the base to the tip, tip included
+  double tip_length_mm = 5.0;
+  BitShape shape = BitShape::drill;
+  double tip_diameter_mm = 0.0;    ///< drill: of the chisel edge; see BitShape for the others
+  double shank_diameter_mm = 0.0;  ///< of burrs, behind the head
 
   double radius_mm() const { return 0.5 * diameter_mm; }
 };
 
-/// Refuses lengths that are not above 0 or not finite, and a cone longer than the bit.
+/// A twist drill's outline. `point_angle_deg`: of the whole tip, 118 for most drills. `chisel_edge_mm`: its width.
+/// Throws Error on angles that are not between 20 and 180 degrees.
+DrillBit twist_drill(double diameter_mm, double length_mm, double point_angle_deg, double chisel_edge_mm);
+
+/// Refuses lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it.
 void check_bit(const DrillBit& bit);
 
 /// Where a bit is: its tip and the direction it drills in.
@@ -21,13 +36,5 @@ struct Pose {
   Vec3 tip_mm = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();  ///< unit, from the base to the tip
 };
-
-/// Whether the bit at `pose` holds point p (same frame as the pose, mm). The surface counts as inside.
-/// The paper's algorithm 1, with the cone's factor the right way up: the allowed radius is
-/// (1 - alpha) * length / tip_length of the bit's radius, where alpha runs from 0 at the base to 1 at the tip.
-bool bit_contains(const DrillBit& bit, const Pose& pose, const Vec3& p);
-
-/// Exact signed distance (mm) from p to the bit's surface at `pose`; negative inside.
-double bit_distance_mm(const DrillBit& bit, const Pose& pose, const Vec3& p);
 
 }  // namespace spinaltap

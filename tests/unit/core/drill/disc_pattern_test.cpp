@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -64,6 +65,71 @@ TEST(DiscPattern, SharesTheDiscsVolumeAmongItsPoints) {
     const double reach_mm = 3.0 - 0.5 * spacing_mm;
     EXPECT_NEAR(sum_mm3, std::numbers::pi * reach_mm * reach_mm * spacing_mm, 1e-12 * sum_mm3) << spacing_mm;
   }
+}
+
+TEST(DiscPattern, KnowsTheRingOfEveryPoint) {
+  EXPECT_EQ(DiscPattern::ring_of(0), 0);
+  // Both ends of each ring, up to the largest disc allowed.
+  for (int ring = 1; ring < 4096; ++ring) {
+    const std::size_t start = DiscPattern::ring_start(ring);
+    ASSERT_EQ(DiscPattern::ring_of(start), ring);
+    ASSERT_EQ(DiscPattern::ring_of(start + 3 * static_cast<std::size_t>(ring)), ring);
+    ASSERT_EQ(DiscPattern::ring_of(start + DiscPattern::ring_size(ring) - 1), ring);
+  }
+}
+
+TEST(DiscPattern, PutsHexagonsPointsAtOneDistanceFromTheirNeighbours) {
+  const DiscPattern pattern(1.5, 0.1, DiscSubdivision::hexagons);
+  EXPECT_EQ(pattern.point_count(), DiscPattern(1.5, 0.1).point_count());
+  for (std::size_t i = 0; i < pattern.point_count(); ++i) {
+    double nearest_mm = 1e9;
+    int neighbours = 0;
+    for (std::size_t j = 0; j < pattern.point_count(); ++j) {
+      if (i == j) continue;
+      const double distance_mm = (pattern.point_mm(i) - pattern.point_mm(j)).norm();
+      nearest_mm = std::min(nearest_mm, distance_mm);
+      neighbours += std::abs(distance_mm - 0.1) < 1e-12;
+    }
+    EXPECT_NEAR(nearest_mm, 0.1, 1e-14);
+    // Six around each point; four beside those of the outermost hexagon's sides, three at its corners.
+    const int ring = DiscPattern::ring_of(i);
+    const bool is_outermost = ring == pattern.ring_count() - 1;
+    const bool is_corner = is_outermost && (i - DiscPattern::ring_start(ring)) % static_cast<std::size_t>(ring) == 0;
+    EXPECT_EQ(neighbours, is_corner ? 3 : is_outermost ? 4 : 6) << i;
+  }
+}
+
+TEST(DiscPattern, SaysHowFarPointsLieFromEvenStepsAroundTheirCircle) {
+  for (const DiscSubdivision subdivision : {DiscSubdivision::rings, DiscSubdivision::hexagons}) {
+    const DiscPattern pattern(20.0, 0.1, subdivision);
+    double widest = 0.0;
+    for (std::size_t i = 0; i < pattern.point_count(); ++i) {
+      const int ring = DiscPattern::ring_of(i);
+      const double turns =
+          static_cast<double>(i - DiscPattern::ring_start(ring)) / static_cast<double>(DiscPattern::ring_size(ring));
+      const double angle = 2.0 * std::numbers::pi * turns;
+      const Eigen::Vector2d even_mm = 0.1 * ring * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      const double deviation_mm = (pattern.point_mm(i) - even_mm).norm();
+      ASSERT_LE(deviation_mm, pattern.deviation_mm(ring) + 1e-13) << i;
+      if (ring > 0) widest = std::max(widest, deviation_mm / (0.1 * ring));
+    }
+    // A hexagon's flats lie 1 - cos 30 degrees, 0.134 of its radius, nearer.
+    if (subdivision == DiscSubdivision::hexagons) {
+      EXPECT_NEAR(widest, 1.0 - std::cos(std::numbers::pi / 6.0), 1e-3);
+    }
+  }
+}
+
+TEST(DiscPattern, SharesAHexagonsVolumeAmongItsPoints) {
+  const DiscPattern pattern(3.0, 0.1, DiscSubdivision::hexagons);
+  double sum_mm3 = 0.0;
+  for (int ring = 0; ring < pattern.ring_count(); ++ring) {
+    sum_mm3 += static_cast<double>(DiscPattern::ring_size(ring)) * pattern.point_volume_mm3(ring);
+  }
+  // A hexagon of half a spacing beyond the last corner of 2.9 mm has area 3/2 sqrt(3) r²; its points' share is that but
+  // for a quarter of a point: 3n(n-1) + 1 = 3 (n - 1/2)² + 1/4.
+  const double hexagon_mm3 = 1.5 * std::numbers::sqrt3 * 2.95 * 2.95 * 0.1;
+  EXPECT_NEAR(sum_mm3, hexagon_mm3 + 0.25 * pattern.point_volume_mm3(1), 1e-12);
 }
 
 TEST(DiscPattern, RoundsTheNumberOfRings) {

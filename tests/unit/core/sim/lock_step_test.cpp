@@ -29,6 +29,7 @@ class Recorder final : public DrillEngine {
     ++count;
     return {.removed = count, .tested = 2 * count, .removed_hu = -1, .work_n_mm = 0.5, .thrust_n = 0.25};
   }
+  std::size_t memory_bytes() const override { return sizeof(*this); }
   std::vector<Pose> poses = std::vector<Pose>(1000);
   std::size_t count = 0;
 };

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace spinaltap::detail {
+
+/// A line of the axis in float: x(z), y(z) and how far back from the tip it meets the plane at z; mm.
+struct FloatLine {
+  float x, y, x_slope, y_slope, back, back_slope;
+};
+
+/// Checks certificates: see DiscCertificates.
+struct CheckArguments {
+  FloatLine line;
+  float spacing, across_share_squared, turn, slack, least_back;
+  std::size_t count;  ///< of discs, whole vectors
+  float* free;
+  const float* back_share;
+  const float* x;
+  const float* y;
+  const float* x_slope;
+  const float* y_slope;
+  const float* back;
+  std::uint8_t* due;
+};
+
+/// Places on a ring: the living points at both ends of a gap of dead ones, the upper one in the upper half.
+using GapEnds = std::uint32_t;
+constexpr GapEnds kUnknownGap = 0xffffffff;
+constexpr GapEnds kDeadRing = 0xfffefffe;
+
+/// Least distances of rings: see RingGaps.
+struct GapArguments {
+  const GapEnds* ends;    ///< of all rings of the disc, readable for a vector beyond the last
+  const float* points_x;  ///< of the disc's points
+  const float* points_y;
+  float x, y, off_axis, spacing;
+  float reach_square;
+  std::size_t begin, end;  ///< rings
+};
+
+/// What gap_squares finds.
+struct GapResult {
+  /// Rings, whole vectors from GapArguments::begin on, a byte each: 0 where none of its points is within reach.
+  std::uint8_t* is_reached;
+  float least_square;  ///< of those out of reach
+};
+
+/// One set of instructions. All sets do the same operations in the same order: their results are the same bits.
+struct DiscKernels {
+  const char* name;
+  void (*check)(const CheckArguments&);
+  void (*gap_squares)(const GapArguments&, GapResult&);
+};
+
+/// Floats of the longest vector: columns are this long or a multiple.
+constexpr std::size_t kLongestVector = 16;
+constexpr std::size_t whole_vectors(std::size_t count) {
+  return (count + kLongestVector - 1) / kLongestVector * kLongestVector;
+}
+
+/// The sets that this machine can run; portable ones first, the fastest last.
+const std::vector<DiscKernels>& disc_kernels();
+
+}  // namespace spinaltap::detail
