@@ -1,11 +1,12 @@
 #include "vdb/bake.h"
 
-#include <openvdb/math/Half.h>
 #include <openvdb/tools/Interpolation.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/base/error.h"
@@ -75,14 +76,24 @@ openvdb::FloatGrid::Ptr bake_hu(const openvdb::FloatGrid& sdf, const GridGeometr
       }
     }
   }
-  const std::vector<float> squared_mm2 = squared_distance_to(in_bone, part);
+  // The numbers take the distances' place; where there is none, nothing is stored.
+  constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> numbers = squared_distance_to(in_bone, part);
+  tbb::parallel_for(0, part.size[2], [&](int k) {
+    for (int j = 0; j < part.size[1]; ++j) {
+      for (int i = 0; i < part.size[0]; ++i) {
+        float& number = numbers[part.offset(i, j, k)];
+        const bool is_near = static_cast<double>(number) <= reach_mm * reach_mm;
+        number = is_near ? rounded_to_half(hu(low[0] + i, low[1] + j, low[2] + k)) : kNoNumber;
+      }
+    }
+  });
   auto accessor = grid->getAccessor();
   for (int k = 0; k < part.size[2]; ++k) {
     for (int j = 0; j < part.size[1]; ++j) {
       for (int i = 0; i < part.size[0]; ++i) {
-        if (!(static_cast<double>(squared_mm2[part.offset(i, j, k)]) <= reach_mm * reach_mm)) continue;
-        const openvdb::Coord c(low[0] + i, low[1] + j, low[2] + k);
-        accessor.setValue(c, static_cast<float>(openvdb::math::half(hu(c.x(), c.y(), c.z()))));
+        const float number = numbers[part.offset(i, j, k)];
+        if (!std::isnan(number)) accessor.setValue(openvdb::Coord(low[0] + i, low[1] + j, low[2] + k), number);
       }
     }
   }

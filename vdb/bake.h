@@ -18,8 +18,8 @@ struct BakeOptions {
 };
 
 struct BakeReport {
-  std::size_t evaluated_voxels = 0;  ///< where the field was evaluated
-  std::size_t dropped_pieces = 0;    ///< parts of the zero set apart from the largest, not in the model
+  std::size_t evaluations = 0;     ///< of the field, one a point asked
+  std::size_t dropped_pieces = 0;  ///< parts of the zero set apart from the largest, not in the model
 };
 
 /// Bakes the zero set of a field into a signed distance grid, and a CT into a grid of densities.

@@ -1,17 +1,17 @@
-#include <openvdb/tools/ChangeBackground.h>
-#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/Morphology.h>
-#include <openvdb/tools/Prune.h>
 #include <openvdb/tools/SignedFloodFill.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "core/base/error.h"
 #include "vdb/detail/bake_sdf.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/detail/closest_points.h"
+#include "vdb/detail/evaluate_batches.h"
 #include "vdb/detail/one_piece.h"
 
 namespace spinaltap::detail {
@@ -21,10 +21,10 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 using Mask = openvdb::MaskTree;
 
-/// Evaluates the field in every voxel that `wanted` has and `grid` has not, and sets its first-order distance there.
-/// Voxels where it is below `near_mm` go into `near`.
+/// Evaluates the field in every voxel that `wanted` has and `grid` has not, and sets its first-order distance there and
+/// the way to the zero set. Voxels where the distance is below `near_mm` go into `near`.
 std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double voxel_mm, double near_mm,
-                            FloatGrid& grid, Mask& near, const Progress& progress) {
+                            FloatGrid& grid, openvdb::Vec3SGrid& ways, Mask& near, const Progress& progress) {
   std::vector<Coord> voxels;
   for (auto voxel = wanted.cbeginValueOn(); voxel; ++voxel) {
     openvdb::CoordBBox box;
@@ -33,32 +33,24 @@ std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double
       if (!grid.tree().isValueOn(*at)) voxels.push_back(*at);
     }
   }
-  constexpr std::size_t kBatch = 1 << 14;  // fields sort their points: the more at once, the better
-  const std::size_t batches = (voxels.size() + kBatch - 1) / kBatch;
   std::vector<float> distance_mm(voxels.size());
-  ProgressCounter counter(progress, "baking the distance", batches);
-  tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t batch) {
-    const std::size_t begin = batch * kBatch;
-    const std::size_t size = std::min(kBatch, voxels.size() - begin);
-    std::vector<Vec3> points_mm(size);
-    std::vector<double> values_mm(size);
-    std::vector<Vec3> gradients(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      const Coord& voxel = voxels[begin + i];
-      points_mm[i] = voxel_mm * Vec3(voxel.x(), voxel.y(), voxel.z());
-    }
-    field.evaluate(points_mm, values_mm, gradients);
-    for (std::size_t i = 0; i < size; ++i) {
-      // Where the gradient vanishes the value says nothing of the distance; a tenth keeps the result finite.
-      distance_mm[begin + i] = static_cast<float>(values_mm[i] / std::max(gradients[i].norm(), 0.1));
-    }
-    counter.add();
-  });
+  std::vector<openvdb::Vec3s> way_mm(voxels.size());
+  evaluate_batches(
+      field, voxels.size(), "baking the distance", progress,
+      [&](std::size_t i) -> Vec3 { return voxel_mm * Vec3(voxels[i].x(), voxels[i].y(), voxels[i].z()); },
+      [&](std::size_t i, double value_mm, const Vec3& gradient) {
+        // Where the gradient vanishes the value says nothing of the distance; a tenth keeps the result finite.
+        const double slope = std::max(gradient.norm(), 0.1);
+        distance_mm[i] = static_cast<float>(value_mm / slope);
+        way_mm[i] = openvdb::Vec3s(to_vdb(-value_mm / (slope * slope) * gradient));
+      });
   auto accessor = grid.getAccessor();
+  auto ways_accessor = ways.getAccessor();
   openvdb::tree::ValueAccessor<Mask> near_accessor(near);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     if (!std::isfinite(distance_mm[i])) fail("baking: the field is not a number at a voxel");
     accessor.setValue(voxels[i], distance_mm[i]);
+    ways_accessor.setValue(voxels[i], way_mm[i]);
     if (std::abs(static_cast<double>(distance_mm[i])) < near_mm) near_accessor.setValueOn(voxels[i]);
   }
   return voxels.size();
@@ -74,14 +66,45 @@ bool has_surface(const FloatGrid& grid) {
   return any_inside && any_outside;
 }
 
+/// Seeds that lie off the zero set, as those of a much smoothed function do, moved onto it along the gradient.
+std::vector<Vec3> drawn_to_zero_set(const ScalarField& field, std::span<const Vec3> seeds_mm, double near_mm) {
+  constexpr int kMostRounds = 8;
+  constexpr double kLongestStepMm = 2.0;
+  std::vector<Vec3> places_mm(seeds_mm.begin(), seeds_mm.end());
+  std::vector<std::size_t> away(places_mm.size());
+  std::iota(away.begin(), away.end(), std::size_t{0});
+  for (int round = 0; round < kMostRounds && !away.empty(); ++round) {
+    std::vector<Vec3> asked_mm;
+    asked_mm.reserve(away.size());
+    for (const std::size_t i : away) asked_mm.push_back(places_mm[i]);
+    std::vector<double> values_mm(asked_mm.size());
+    std::vector<Vec3> gradients(asked_mm.size());
+    field.evaluate(asked_mm, values_mm, gradients);
+    std::vector<std::size_t> still_away;
+    for (std::size_t n = 0; n < away.size(); ++n) {
+      const double slope = gradients[n].norm();
+      const double way_mm = std::clamp(values_mm[n] / std::max(slope, 1e-3), -kLongestStepMm, kLongestStepMm);
+      if (!(std::abs(way_mm) > near_mm)) continue;
+      places_mm[away[n]] -= way_mm * gradients[n] / std::max(slope, 1e-3);
+      still_away.push_back(away[n]);
+    }
+    away = std::move(still_away);
+  }
+  return places_mm;
+}
+
 }  // namespace
 
 FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm, BakeReport& report,
                         const Progress& progress) {
   constexpr double kFarthestSeedMm = 1e5;
   constexpr double kLongestWayMm = 300.0;  // from the seeds, along the surface: longer than any vertebra is round
-  constexpr double kNearVoxels = 1.75;     // a cell that the surface cuts has its corners nearer than sqrt(3) voxels
-  const auto band = static_cast<float>(kHalfWidthVoxels * voxel_mm);
+  // A cell that the surface cuts has all its corners nearer than sqrt(3) voxels, and one, whose neighbours the others
+  // are, nearer than half of that; some more is for the error of first-order distances.
+  constexpr double kCornerVoxels = 2.2;
+  constexpr double kNearVoxels = 1.05;
+  // A number that half floats have: a file of them gives it back.
+  const float band = rounded_to_half(static_cast<float>(kHalfWidthVoxels * voxel_mm));
   FloatGrid::Ptr grid = FloatGrid::create(band);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_mm));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
@@ -93,6 +116,9 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
       if (!(p.array().abs() <= kFarthestSeedMm).all()) {
         fail("baking: expected seeds within ", kFarthestSeedMm, " mm of the origin, found ", p.transpose());
       }
+    }
+    for (const Vec3& p : drawn_to_zero_set(field, seeds_mm, 0.5 * voxel_mm)) {
+      if (!(p.array().abs() <= kFarthestSeedMm).all()) continue;
       accessor.setValueOn(Coord::round(to_vdb(p / voxel_mm)));
     }
   }
@@ -100,13 +126,14 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
 
   // Each round evaluates the neighbours of the voxels near the surface, one voxel further, until all of those are
   // known.
+  openvdb::Vec3SGrid ways;
   const int most_rounds = static_cast<int>(std::ceil(kLongestWayMm / voxel_mm));
   for (int round = 0;; ++round) {
     if (round == most_rounds) fail("baking: the zero set does not close within ", kLongestWayMm, " mm of the seeds");
     auto near = std::make_shared<Mask>();
     const std::size_t evaluated =
-        evaluate_voxels(field, *wanted, voxel_mm, kNearVoxels * voxel_mm, *grid, *near, progress);
-    report.evaluated_voxels += evaluated;
+        evaluate_voxels(field, *wanted, voxel_mm, kNearVoxels * voxel_mm, *grid, ways, *near, progress);
+    report.evaluations += evaluated;
     if (evaluated == 0) break;
     openvdb::tools::dilateActiveValues(*near, 1, openvdb::tools::NN_FACE_EDGE_VERTEX, openvdb::tools::IGNORE_TILES);
     wanted = near;
@@ -115,7 +142,7 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   for (auto voxel = grid->beginValueOn(); voxel; ++voxel) {
     const float value = *voxel;
     // Only the surface's own neighbourhood is kept; the rest is swept from it.
-    if (std::abs(value) >= static_cast<float>(kNearVoxels * voxel_mm) * 1.25F) {
+    if (std::abs(value) >= static_cast<float>(kCornerVoxels * voxel_mm)) {
       voxel.setValue(value < 0.0F ? -band : band);
       voxel.setValueOff();
     }
@@ -124,21 +151,8 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   openvdb::tools::signedFloodFill(grid->tree());
   report.dropped_pieces = keep_one_piece(grid);
 
-  progress.report("widening the band", 0.0);
-  constexpr int kWiden = 3;  // where a piece was dropped beside it, a surface has but one voxel on each side
-  grid = openvdb::tools::dilateSdf(*grid, kWiden, openvdb::tools::NN_FACE, 2);
-  for (auto voxel = grid->beginValueOn(); voxel; ++voxel) {
-    if (std::abs(*voxel) < band) continue;
-    voxel.setValue(*voxel < 0.0F ? -band : band);
-    voxel.setValueOff();
-  }
-  // The sweep leaves the largest distance that it met as the background.
-  openvdb::tools::changeLevelSetBackground(grid->tree(), band);
-  openvdb::tools::pruneLevelSet(grid->tree());
-  openvdb::tools::signedFloodFill(grid->tree());
-  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid = with_true_distances(*grid, ways, field, band, report.evaluations, progress);
   grid->setName("sdf");
-  progress.report("widening the band", 1.0);
   return grid;
 }
 

@@ -1,9 +1,12 @@
 #include "vdb/bone_model.h"
 
-#include <openvdb/tools/Interpolation.h>
+#include <openvdb/openvdb.h>
+
+#include <vector>
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/detail/bone_samplers.h"
 
 namespace spinaltap {
 namespace detail {
@@ -24,18 +27,44 @@ Box3 active_box_mm(const openvdb::FloatGrid& grid) {
 
 BoneModel::BoneModel(std::shared_ptr<const detail::BoneGrids> grids) : grids_(std::move(grids)) {
   if (!grids_ || !grids_->sdf || !grids_->hu) fail("bone model: expected the grids sdf and hu");
+  samplers_ = std::make_shared<const detail::BoneSamplers>(detail::make_samplers(*grids_));
 }
 
 void BoneModel::sample(std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) const {
-  using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
-  // Accessors belong to one thread: each call makes its own.
-  const openvdb::FloatGrid::ConstAccessor sdf_accessor = grids_->sdf->getConstAccessor();
-  const Sampler sdf(sdf_accessor, grids_->sdf->transform());
-  for (std::size_t i = 0; i < points_mm.size(); ++i) distance_mm[i] = sdf.wsSample(detail::to_vdb(points_mm[i]));
-  if (hu.empty()) return;
-  const openvdb::FloatGrid::ConstAccessor hu_accessor = grids_->hu->getConstAccessor();
-  const Sampler number(hu_accessor, grids_->hu->transform());
-  for (std::size_t i = 0; i < points_mm.size(); ++i) hu[i] = number.wsSample(detail::to_vdb(points_mm[i]));
+  samplers_->distance.linear(points_mm, distance_mm, {});
+  if (!hu.empty()) samplers_->hu.linear(points_mm, hu, {});
+}
+
+void BoneModel::distance(std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<Vec3> gradients,
+                         Interpolation interpolation) const {
+  if (interpolation == Interpolation::linear) {
+    samplers_->distance.linear(points_mm, distance_mm, gradients);
+  } else {
+    samplers_->distance.quadratic(points_mm, distance_mm, gradients);
+  }
+}
+
+void BoneModel::hu(std::span<const Vec3> points_mm, std::span<float> hu, std::span<Vec3> gradients_hu_per_mm,
+                   Interpolation interpolation) const {
+  if (interpolation == Interpolation::linear) {
+    samplers_->hu.linear(points_mm, hu, gradients_hu_per_mm);
+  } else {
+    samplers_->hu.quadratic(points_mm, hu, gradients_hu_per_mm);
+  }
+}
+
+void BoneModel::normals(std::span<const Vec3> points_mm, std::span<Vec3> normals) const {
+  constexpr double kLeastSlope = 0.1;
+  std::vector<float> unused(points_mm.size());
+  samplers_->distance.quadratic(points_mm, std::span<float>(unused), normals);
+  for (Vec3& normal : normals) {
+    const double slope = normal.norm();
+    normal = slope >= kLeastSlope ? Vec3(normal / slope) : Vec3(Vec3::Zero());
+  }
+}
+
+void BoneModel::inside(std::span<const Vec3> points_mm, std::span<std::uint8_t> inside) const {
+  samplers_->distance.negative(points_mm, inside);
 }
 
 double BoneModel::band_mm() const { return static_cast<double>(grids_->sdf->background()); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -12,19 +13,52 @@ namespace spinaltap {
 
 namespace detail {
 struct BoneGrids;
-}
+struct BoneSamplers;
+}  // namespace detail
+
+/// How values between voxels come about; docs/bone-vdb.md has the errors of both.
+enum class Interpolation {
+  linear,     ///< tri-linear between the eight voxels around
+  quadratic,  ///< tri-quadratic: parabolas through the nearest voxel and its neighbours, exact for quadratics
+};
 
 /// A baked bone: a signed distance grid `sdf` (mm, negative inside, a narrow band of 3 voxels around the surface) and a
 /// grid `hu` of CT numbers within the bone and a margin, both in patient LPS, mm. Copies share the grids, which nothing
 /// changes.
+///
+/// Samplers take patient positions (LPS, mm), fill spans of the same length, leave empty ones alone, and may be called
+/// from many threads at once. Beyond a grid's box, and where a position is not a number, they find the grid's
+/// background: outside, +band_mm(), -1024 HU, no gradient.
 class BoneModel {
  public:
-  /// Takes over grids that baking made.
+  /// Takes over grids that baking made, and lists their blocks for the samplers. Throws Error where a grid is spread so
+  /// thinly over its box that it cannot be a bone.
   explicit BoneModel(std::shared_ptr<const detail::BoneGrids> grids);
 
-  /// Distance (mm, clamped to the band) and CT number (HU) at patient positions (mm), tri-linear. All spans have one
-  /// length; an empty `hu` is not filled. Safe from many threads at once.
+  /// Distance (mm) and CT number (HU), tri-linear; `hu` may be empty.
   void sample(std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) const;
+
+  /// Distance to the surface (mm, negative inside) and its gradient (mm per mm, outward; may be empty).
+  ///
+  /// The grid is clamped at band_mm(), 3 voxels, and so is what a stencil finds there. Tri-linear values come from true
+  /// distances up to 1.2 voxels from the surface (2 along an axis). Tri-quadratic stencils are wider: outermost
+  /// corners, of little weight, are clamped from 0.4 voxels on, which costs under 0.01 voxel and 0.01 of the slope up
+  /// to 1 voxel from the surface, 0.1 and 0.15 up to 2. Then the gradient fades, to zero at 5.6 voxels.
+  void distance(std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<Vec3> gradients,
+                Interpolation interpolation = Interpolation::linear) const;
+
+  /// CT number (HU) and its gradient (HU per mm; may be empty). Within a voxel of where the grid ends, the background
+  /// mixes in.
+  void hu(std::span<const Vec3> points_mm, std::span<float> hu, std::span<Vec3> gradients_hu_per_mm,
+          Interpolation interpolation = Interpolation::linear) const;
+
+  /// Unit normals, outward: the direction of the tri-quadratic gradient. Zero where that is below 0.1 mm per mm, so
+  /// beyond the band and half-way between the walls of a thin plate.
+  void normals(std::span<const Vec3> points_mm, std::span<Vec3> normals) const;
+
+  /// 1 inside the bone, 0 outside: the sign of the tri-linear distance. It differs from the true surface's at most
+  /// voxel² (|k1| + |k2|) / 8 away from it, k1 and k2 being the surface's curvatures, and the grid's own error further.
+  void inside(std::span<const Vec3> points_mm, std::span<std::uint8_t> inside) const;
 
   /// Width of the band on each side of the surface: distances are clamped to it, mm.
   double band_mm() const;
@@ -36,9 +70,11 @@ class BoneModel {
   const std::map<std::string, std::string>& facts() const;
 
   const detail::BoneGrids& grids() const { return *grids_; }
+  const detail::BoneSamplers& samplers() const { return *samplers_; }
 
  private:
   std::shared_ptr<const detail::BoneGrids> grids_;
+  std::shared_ptr<const detail::BoneSamplers> samplers_;
 };
 
 /// Writes `bone.vdb` with the grids `sdf` and `hu` to `path`, which must be a staged (temporary) name. The same model

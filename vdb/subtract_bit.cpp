@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/drill/bit_profile.h"
 #include "vdb/detail/bone_grids.h"
 
 namespace spinaltap {
@@ -81,11 +82,10 @@ BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& s
   if (!((start.axis - end.axis).norm() < 1e-9) || !((start.tip_mm + way_mm * end.axis - end.tip_mm).norm() < 1e-6)) {
     fail("subtracting the bit: expected a move along the bit's own axis");
   }
-  DrillBit swept = bit;
-  swept.length_mm += std::abs(way_mm);
+  const BitProfile swept = BitProfile(bit).lengthened(std::abs(way_mm));
   const Pose foremost = way_mm >= 0.0 ? end : start;
   Box3 box_mm(foremost.tip_mm);
-  box_mm.extend(foremost.tip_mm - swept.length_mm * foremost.axis);
+  box_mm.extend(foremost.tip_mm - swept.length_mm() * foremost.axis);
   const double margin_mm = bit.radius_mm() + 2.0 * bone.band_mm();
   const Box3 reach_mm = grown(box_mm, margin_mm).intersection(grown(bone.bounds_mm(), 0.0));
   if (reach_mm.isEmpty()) return bone;

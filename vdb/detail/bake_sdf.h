@@ -18,7 +18,7 @@ inline constexpr double kHalfWidthVoxels = 3.0;
 openvdb::FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm,
                                  BakeReport& report, const Progress& progress);
 
-/// The CT number of voxel (i, j, k) of a grid.
+/// The CT number of voxel (i, j, k) of a grid; called from many threads at once.
 using HuOfVoxel = std::function<float(int i, int j, int k)>;
 
 /// CT numbers of the voxels within the level set and `margin_mm` around it, on a grid of the given geometry, rounded to

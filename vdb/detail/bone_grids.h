@@ -1,5 +1,6 @@
 #pragma once
 
+#include <openvdb/math/Half.h>
 #include <openvdb/openvdb.h>
 
 #include <map>
@@ -15,6 +16,9 @@ struct BoneGrids {
   openvdb::FloatGrid::ConstPtr hu;
   std::map<std::string, std::string> facts;
 };
+
+/// The nearest number that a half float has.
+inline float rounded_to_half(float value) { return static_cast<float>(openvdb::math::half(value)); }
 
 inline openvdb::Vec3d to_vdb(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 inline Vec3 from_vdb(const openvdb::Vec3d& p) { return {p.x(), p.y(), p.z()}; }

@@ -15,6 +15,7 @@
 #include "vdb/bone_model.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/initialize.h"
+#include "vdb/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -88,6 +89,14 @@ TEST_F(BoneFile, IsALevelSetAndAnHuGridToOtherPrograms) {
   EXPECT_EQ(in.getGrids()->size(), 2U);
   EXPECT_EQ(in.readGrid("sdf")->getGridClass(), openvdb::GRID_LEVEL_SET);
   EXPECT_TRUE(in.readGrid("hu")->saveFloatAsHalf());
+  EXPECT_TRUE(in.readGrid("sdf")->saveFloatAsHalf());
+}
+
+TEST_F(BoneFile, GivesBackAlsoWhatHalfFloatsDoNotHold) {
+  // Most distances from an oblique plane are no half floats.
+  const BoneModel cut = cut_by_plane(ball_bone(), kBall.centre_mm, Vec3(0.3, 0.5, 0.7));
+  write_bone(cut, file("cut.vdb"));
+  expect_equal_grids(*cut.grids().sdf, *read_bone(file("cut.vdb")).grids().sdf);
 }
 
 TEST_F(BoneFile, HasTheSameBytesInTwoRunsAndAtOneAndTwoThreads) {

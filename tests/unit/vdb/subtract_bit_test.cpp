@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/drill/bit_profile.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/isosurface.h"
@@ -33,6 +34,7 @@ double bit_volume_mm3(const DrillBit& bit) {
 /// Volume of the ball within the bit at `pose`, by counting the middles of small cubes.
 double shared_volume_mm3(const DrillBit& bit, const Pose& pose) {
   constexpr double kStepMm = 0.05;
+  const BitProfile profile(bit);
   Box3 box(pose.tip_mm);
   box.extend(pose.tip_mm - bit.length_mm * pose.axis);
   const Vec3 low = box.min() - Vec3::Constant(bit.radius_mm());
@@ -43,7 +45,7 @@ double shared_volume_mm3(const DrillBit& bit, const Pose& pose) {
     for (int j = 0; j < size.y(); ++j) {
       for (int i = 0; i < size.x(); ++i) {
         const Vec3 p = low + kStepMm * (Vec3(i, j, k) + Vec3::Constant(0.5));
-        inside += kBall.distance_mm(p) < 0.0 && bit_contains(bit, pose, p) ? 1U : 0U;
+        inside += kBall.distance_mm(p) < 0.0 && bit_contains(profile, pose, p) ? 1U : 0U;
       }
     }
   }
@@ -89,11 +91,12 @@ TEST(SubtractBit, LeavesItsSurfaceOnTheExactCut) {
   const Pose end{kBall.centre_mm + 9.0 * axis, axis};
   DrillBit swept = kBit;
   swept.length_mm += 27.0;
+  const BitProfile profile(swept);
   std::size_t on_cut = 0;
   for (const Eigen::Vector3f& vertex : bone_surface(subtract_bit(ball_bone(), kBit, start, end)).vertices_mm) {
     const Vec3 p = vertex.cast<double>();
     const double to_ball_mm = std::abs(kBall.distance_mm(p));
-    const double to_bit_mm = std::abs(bit_distance_mm(swept, end, p));
+    const double to_bit_mm = std::abs(bit_distance_mm(profile, end, p));
     // At the rim, the tip and the shoulder a grid rounds by up to a voxel.
     ASSERT_LE(std::min(to_ball_mm, to_bit_mm), kVoxelMm) << p.transpose();
     const double back_mm = (end.tip_mm - p).dot(axis);

@@ -1,0 +1,296 @@
+#include "vdb/detail/grid_sampler.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace spinaltap::detail {
+namespace {
+
+constexpr unsigned kSide = BlockTable::kSide;
+
+/// The largest whole number that is not above `x`, which must fit. std::floor() is a call without SSE 4.1.
+int floor_of(double x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < static_cast<double>(truncated) ? 1 : 0);
+}
+
+/// A voxel, counted from the table's first.
+using Place = std::array<unsigned, 3>;
+
+Place place_of(const BlockTable& table, int x, int y, int z) {
+  return {static_cast<unsigned>(x - table.low[0]), static_cast<unsigned>(y - table.low[1]),
+          static_cast<unsigned>(z - table.low[2])};
+}
+
+std::size_t block_at(const BlockTable& table, const Place& voxel) {
+  return table.offset(voxel[0] / kSide, voxel[1] / kSide, voxel[2] / kSide);
+}
+
+/// A cube of values with a side of Size voxels, z fastest.
+template <unsigned Size>
+using Values = std::array<float, std::size_t{Size} * Size * Size>;
+
+/// The values from voxel `first` on.
+template <unsigned Size>
+Values<Size> gather(const BlockTable& table, const Place& first) {
+  Values<Size> values;
+  std::size_t next = 0;
+  const Place in_block{first[0] % kSide, first[1] % kSide, first[2] % kSide};
+  constexpr unsigned kLast = kSide - Size;
+  if (in_block[0] <= kLast && in_block[1] <= kLast && in_block[2] <= kLast) {
+    const float* const corner =
+        table.blocks[block_at(table, first)] + ((in_block[0] * kSide + in_block[1]) * kSide + in_block[2]);
+    for (unsigned i = 0; i < Size; ++i) {
+      for (unsigned j = 0; j < Size; ++j) {
+        for (unsigned k = 0; k < Size; ++k) values[next++] = corner[(i * kSide + j) * kSide + k];
+      }
+    }
+    return values;
+  }
+  // The cube reaches into other blocks. What each axis adds to the places of a value is found once.
+  const std::array<std::size_t, 3> block_steps{table.offset(1, 0, 0), table.offset(0, 1, 0), 1};
+  constexpr std::array<unsigned, 3> kValueSteps{kSide * kSide, kSide, 1};
+  std::array<std::array<std::size_t, Size>, 3> block{};
+  std::array<std::array<unsigned, Size>, 3> value{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (unsigned i = 0; i < Size; ++i) {
+      const unsigned at = first[axis] + i;
+      block[axis][i] = at / kSide * block_steps[axis];
+      value[axis][i] = at % kSide * kValueSteps[axis];
+    }
+  }
+  for (unsigned i = 0; i < Size; ++i) {
+    for (unsigned j = 0; j < Size; ++j) {
+      for (unsigned k = 0; k < Size; ++k) {
+        values[next++] = table.blocks[block[0][i] + block[1][j] + block[2][k]][value[0][i] + value[1][j] + value[2][k]];
+      }
+    }
+  }
+  return values;
+}
+
+/// Asks for the memory that gather() will read.
+template <unsigned Size>
+void prefetch(const BlockTable& table, const Place& first) {
+  // A row of a block is half a cache line: the first and the last row of each layer bring those between along.
+  for (unsigned i = 0; i < Size; ++i) {
+    for (unsigned j = 0; j < Size; j += Size - 1) {
+      const Place row{first[0] + i, first[1] + j, first[2]};
+      __builtin_prefetch(table.blocks[block_at(table, row)] +
+                         ((row[0] % kSide * kSide + row[1] % kSide) * kSide + row[2] % kSide));
+    }
+  }
+}
+
+/// As OpenVDB's BoxSampler rounds: difference and sum in float, the product in double.
+float between(float a, float b, double weight) { return a + static_cast<float>(static_cast<double>(b - a) * weight); }
+
+float linear_value(const Values<2>& v, const Vec3& weight) {
+  return between(between(between(v[0], v[1], weight.z()), between(v[2], v[3], weight.z()), weight.y()),
+                 between(between(v[4], v[5], weight.z()), between(v[6], v[7], weight.z()), weight.y()), weight.x());
+}
+
+Vec3 linear_slope(const Values<2>& values, const Vec3& weight) {
+  std::array<double, 8> v{};
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = static_cast<double>(values[i]);
+  const auto mix = [](double a, double b, double w) { return a + (b - a) * w; };
+  const double x0z0 = mix(v[0], v[2], weight.y());
+  const double x0z1 = mix(v[1], v[3], weight.y());
+  const double x1z0 = mix(v[4], v[6], weight.y());
+  const double x1z1 = mix(v[5], v[7], weight.y());
+  return {mix(x1z0 - x0z0, x1z1 - x0z1, weight.z()),
+          mix(mix(v[2] - v[0], v[3] - v[1], weight.z()), mix(v[6] - v[4], v[7] - v[5], weight.z()), weight.x()),
+          mix(x0z1 - x0z0, x1z1 - x1z0, weight.x())};
+}
+
+/// The parabola through a, b and c at -1, 0 and 1.
+struct Parabola {
+  double half_bend;
+  double slope;
+  double middle;
+  Parabola(double a, double b, double c) : half_bend(0.5 * (a + c) - b), slope(0.5 * (c - a)), middle(b) {}
+  double value(double t) const { return t * (t * half_bend + slope) + middle; }
+  double slope_at(double t) const { return 2.0 * t * half_bend + slope; }
+};
+
+template <bool WithSlope>
+double quadratic_value(const Values<3>& v, const Vec3& t, Vec3& slope) {
+  std::array<double, 3> value_x{};
+  std::array<double, 3> slope_y{};
+  std::array<double, 3> slope_z{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::array<double, 3> value_y{};
+    std::array<double, 3> slope_z_y{};
+    for (std::size_t j = 0; j < 3; ++j) {
+      const float* const row = &v[9 * i + 3 * j];
+      const Parabola along_z(static_cast<double>(row[0]), static_cast<double>(row[1]), static_cast<double>(row[2]));
+      value_y[j] = along_z.value(t.z());
+      if constexpr (WithSlope) slope_z_y[j] = along_z.slope_at(t.z());
+    }
+    const Parabola along_y(value_y[0], value_y[1], value_y[2]);
+    value_x[i] = along_y.value(t.y());
+    if constexpr (WithSlope) {
+      slope_y[i] = along_y.slope_at(t.y());
+      slope_z[i] = Parabola(slope_z_y[0], slope_z_y[1], slope_z_y[2]).value(t.y());
+    }
+  }
+  const Parabola along_x(value_x[0], value_x[1], value_x[2]);
+  if constexpr (WithSlope) {
+    slope = {along_x.slope_at(t.x()), Parabola(slope_y[0], slope_y[1], slope_y[2]).value(t.x()),
+             Parabola(slope_z[0], slope_z[1], slope_z[2]).value(t.x())};
+  }
+  return along_x.value(t.x());
+}
+
+}  // namespace
+
+GridSampler::GridSampler(BlockTable table, const IndexMap& map) : table_(std::move(table)), map_(map) {
+  // Stencils reach from one voxel below to two above. Those that this leaves out lie in the layer of background.
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    low_index_[at] = table_.low[axis] + 1.0;
+    end_index_[at] = table_.low[axis] + static_cast<double>(BlockTable::kSide) * table_.size[axis] - 2.0;
+  }
+}
+
+bool GridSampler::holds(const Vec3& p_index) const {
+  // Numbers that are none compare false.
+  return p_index.x() >= low_index_.x() && p_index.x() < end_index_.x() && p_index.y() >= low_index_.y() &&
+         p_index.y() < end_index_.y() && p_index.z() >= low_index_.z() && p_index.z() < end_index_.z();
+}
+
+/// The cube of values that a point needs, and where in it the point lies.
+struct GridSampler::Stencil {
+  Place first;
+  Vec3 offset;        ///< from the lower corner of a cell, or from the middle voxel
+  std::size_t point;  ///< in the batch
+};
+
+/// Points at a time: the memory of all is asked for before the first is computed, since random points wait for it
+/// longer than for anything else.
+struct GridSampler::Batch {
+  static constexpr std::size_t kPoints = 64;
+  std::array<Stencil, kPoints> stencils;
+  std::size_t count = 0;
+
+  /// Calls `visit(begin, size)` for pieces of `count` points.
+  template <class Visit>
+  static void for_each(std::size_t count, const Visit& visit) {
+    for (std::size_t begin = 0; begin < count; begin += kPoints) visit(begin, std::min(kPoints, count - begin));
+  }
+};
+
+/// Finds the stencils of Size voxels a side; calls `beyond(point)` for points outside the table instead.
+template <unsigned Size, class Beyond>
+void GridSampler::locate(std::span<const Vec3> points_mm, Batch& batch, const Beyond& beyond) const {
+  batch.count = 0;
+  for (std::size_t i = 0; i < points_mm.size(); ++i) {
+    const Vec3 p_index = map_.to_index(points_mm[i]);
+    if (!holds(p_index)) {
+      beyond(i);
+      continue;
+    }
+    // A cell starts below the point; three voxels have the nearest in their middle.
+    constexpr bool kCell = Size == 2;
+    constexpr double kRound = kCell ? 0.0 : 0.5;
+    constexpr int kBelow = kCell ? 0 : 1;
+    const int x = floor_of(p_index.x() + kRound);
+    const int y = floor_of(p_index.y() + kRound);
+    const int z = floor_of(p_index.z() + kRound);
+    Stencil& stencil = batch.stencils[batch.count++];
+    stencil.first = place_of(table_, x - kBelow, y - kBelow, z - kBelow);
+    stencil.offset = p_index - Vec3(x, y, z);
+    stencil.point = i;
+  }
+}
+
+template <unsigned Size>
+void GridSampler::prefetch_values(const Batch& batch) const {
+  for (std::size_t i = 0; i < batch.count; ++i) prefetch<Size>(table_, batch.stencils[i].first);
+}
+
+void GridSampler::linear(std::span<const Vec3> points_mm, std::span<float> values, std::span<Vec3> gradients) const {
+  Batch batch;
+  Batch::for_each(points_mm.size(), [&](std::size_t begin, std::size_t size) {
+    const auto beyond = [&](std::size_t i) {
+      values[begin + i] = table_.background;
+      if (!gradients.empty()) gradients[begin + i].setZero();
+    };
+    locate<2>(points_mm.subspan(begin, size), batch, beyond);
+    prefetch_values<2>(batch);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Stencil& stencil = batch.stencils[i];
+      const Values<2> corners = gather<2>(table_, stencil.first);
+      values[begin + stencil.point] = linear_value(corners, stencil.offset);
+      if (gradients.empty()) continue;
+      gradients[begin + stencil.point] = map_.gradient_to_patient(linear_slope(corners, stencil.offset));
+    }
+  });
+}
+
+template <class Value>
+void GridSampler::quadratic_of(std::span<const Vec3> points_mm, std::span<Value> values,
+                               std::span<Vec3> gradients) const {
+  Batch batch;
+  Batch::for_each(points_mm.size(), [&](std::size_t begin, std::size_t size) {
+    const auto beyond = [&](std::size_t i) {
+      values[begin + i] = static_cast<Value>(table_.background);
+      if (!gradients.empty()) gradients[begin + i].setZero();
+    };
+    locate<3>(points_mm.subspan(begin, size), batch, beyond);
+    prefetch_values<3>(batch);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Stencil& stencil = batch.stencils[i];
+      const Values<3> around = gather<3>(table_, stencil.first);
+      Vec3 slope;
+      if (gradients.empty()) {
+        values[begin + stencil.point] = static_cast<Value>(quadratic_value<false>(around, stencil.offset, slope));
+      } else {
+        values[begin + stencil.point] = static_cast<Value>(quadratic_value<true>(around, stencil.offset, slope));
+        gradients[begin + stencil.point] = map_.gradient_to_patient(slope);
+      }
+    }
+  });
+}
+
+void GridSampler::quadratic(std::span<const Vec3> points_mm, std::span<float> values, std::span<Vec3> gradients) const {
+  quadratic_of(points_mm, values, gradients);
+}
+
+void GridSampler::quadratic(std::span<const Vec3> points_mm, std::span<double> values,
+                            std::span<Vec3> gradients) const {
+  quadratic_of(points_mm, values, gradients);
+}
+
+void GridSampler::negative(std::span<const Vec3> points_mm, std::span<std::uint8_t> result) const {
+  Batch batch;
+  Batch::for_each(points_mm.size(), [&](std::size_t begin, std::size_t size) {
+    const auto beyond = [&](std::size_t i) { result[begin + i] = table_.background < 0.0F ? 1 : 0; };
+    locate<2>(points_mm.subspan(begin, size), batch, beyond);
+    std::array<const CellSigns::Layer*, Batch::kPoints> layers;
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Place& first = batch.stencils[i].first;
+      layers[i] = &table_.signs[table_.sign_places[block_at(table_, first)]].layers[first[0] % kSide];
+      __builtin_prefetch(layers[i]);
+    }
+    // Those whose bits do not decide move to the front of the batch, without a branch that no one could foresee.
+    std::size_t unsure = 0;
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Stencil stencil = batch.stencils[i];
+      const unsigned bit = stencil.first[1] % kSide * kSide + stencil.first[2] % kSide;
+      result[begin + stencil.point] = static_cast<std::uint8_t>((layers[i]->negative >> bit) & 1U);
+      batch.stencils[unsure] = stencil;
+      unsure += (layers[i]->mixed >> bit) & 1U;
+    }
+    batch.count = unsure;
+    prefetch_values<2>(batch);
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Stencil& stencil = batch.stencils[i];
+      const float value = linear_value(gather<2>(table_, stencil.first), stencil.offset);
+      result[begin + stencil.point] = value < 0.0F ? 1 : 0;
+    }
+  });
+}
+
+}  // namespace spinaltap::detail

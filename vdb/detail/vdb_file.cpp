@@ -1,0 +1,73 @@
+#include "vdb/detail/vdb_file.h"
+
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+
+#include <cctype>
+#include <fstream>
+
+#include "core/base/error.h"
+#include "vdb/initialize.h"
+
+namespace spinaltap::detail {
+namespace {
+
+/// OpenVDB puts a random tag into each file's head. One made from the content keeps equal models' files equal.
+void replace_random_tag(const std::filesystem::path& path, const std::string& digits) {
+  constexpr std::streamoff kTagOffset = 8 + 4 + 4 + 4 + 1;  // magic, file version, library version, has-offsets
+  constexpr std::size_t kTagLength = 36;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::string tag(kTagLength, ' ');
+  file.seekg(kTagOffset);
+  file.read(tag.data(), kTagLength);
+  for (std::size_t i = 0, digit = 0; i < kTagLength; ++i) {
+    const bool dash = i == 8 || i == 13 || i == 18 || i == 23;
+    if (!file || (tag[i] == '-') != dash || (!dash && std::isxdigit(static_cast<unsigned char>(tag[i])) == 0)) {
+      fail("cannot write ", path.string(), ": not the file head that OpenVDB 10 writes");
+    }
+    if (!dash) tag[i] = digits[digit++ % digits.size()];
+  }
+  file.seekp(kTagOffset);
+  file.write(tag.data(), kTagLength);
+  file.close();
+  if (!file) fail("cannot write ", path.string());
+}
+
+}  // namespace
+
+std::string printable(const std::string& message) {
+  constexpr std::size_t kMost = 160;
+  std::string text;
+  for (const char c : message.substr(0, kMost)) text += c >= ' ' && c <= '~' ? c : '?';
+  return text;
+}
+
+openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path) {
+  initialize_openvdb();
+  std::error_code status;
+  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
+  if (!std::filesystem::is_regular_file(path, status)) {
+    fail("expected a .vdb file, found something else: ", path.string());
+  }
+  try {
+    // OpenVDB does not look whether it got the bytes that it asked for. This stream throws when they run out, so that a
+    // file cut short is noticed, even by one byte, before garbage is taken for sizes.
+    std::ifstream bytes;
+    bytes.exceptions(std::ios::failbit | std::ios::badbit);
+    bytes.open(path, std::ios::binary);
+    openvdb::io::Stream stream(bytes, false);
+    return stream.getGrids();
+  } catch (const std::exception& error) {
+    fail("cannot read ", path.string(), ": ", printable(error.what()));
+  }
+}
+
+void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const std::string& content_hash) {
+  initialize_openvdb();
+  openvdb::io::File file(path.string());
+  file.write(grids);
+  file.close();
+  replace_random_tag(path, content_hash);
+}
+
+}  // namespace spinaltap::detail
