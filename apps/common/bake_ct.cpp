@@ -4,6 +4,8 @@
 #include <map>
 #include <sstream>
 
+#include "apps/common/bake_cache.h"
+#include "core/base/hash.h"
 #include "core/base/version.h"
 #include "core/ct/label_map.h"
 
@@ -16,33 +18,119 @@ ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& lab
   return {std::move(segmentation.mask), segmentation.report};
 }
 
-BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
-  const auto [mask, report_of_mask] = choose_bone(ct, options.labels, options.segment, progress);
-  const SurfacePoints surface = extract_surface(ct, mask, options.surface, progress);
-  const SurfaceFit fit = fit_surface(surface, options.rbf, progress);
+namespace {
 
-  const auto text = [](const auto&... parts) {
-    std::ostringstream out;
-    (out << ... << parts);
-    return out.str();
-  };
-  const std::map<std::string, std::string> facts{
+template <class... Parts>
+std::string text(const Parts&... parts) {
+  std::ostringstream out;
+  (out << ... << parts);
+  return out.str();
+}
+
+/// Names a stage's result by all that it depends on. Numbers count by all their digits.
+class StageKey {
+ public:
+  explicit StageKey(const CtVolume& ct) { add(std::string(version()), ct.source_hash); }
+
+  template <class... Parts>
+  StageKey& add(const Parts&... parts) {
+    (add_one(parts), ...);
+    return *this;
+  }
+  std::string hex() const { return hash_.hex(); }
+
+ private:
+  void add_one(const std::string& part) {
+    add_one(part.size());
+    hash_.add(part.data(), part.size());
+  }
+  template <class Number>
+  void add_one(Number number) {
+    static_assert(std::is_arithmetic_v<Number>);
+    hash_.add(&number, sizeof number);
+  }
+  void add_one(const std::optional<double>& number) { number ? add(true, *number) : add(false); }
+  void add_one(const std::optional<Vec3>& place) { place ? add(true, place->x(), place->y(), place->z()) : add(false); }
+
+  Fnv1a hash_;
+};
+
+MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const BakeCache& cache, bool& from_cache,
+                    const Progress& progress) {
+  const std::string key = StageKey(ct).add(options.segment.seed_mm, options.segment.threshold_hu).hex();
+  if (!options.labels) {
+    if (std::optional<MaskStage> kept = cache.find_mask(key, ct.geometry)) {
+      from_cache = true;
+      return *std::move(kept);
+    }
+  }
+  ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
+  MaskStage stage{std::move(chosen.mask), chosen.report ? text("threshold ", chosen.report->threshold_hu, " HU")
+                                                        : text("label ", options.labels->label)};
+  if (!options.labels) cache.keep_mask(key, stage);
+  return stage;
+}
+
+SurfaceFit make_fit(const CtVolume& ct, const BoneMask& mask, const SurfacePoints& surface,
+                    const BakeCtOptions& options, const BakeCache& cache, bool& from_cache, const Progress& progress) {
+  StageKey key(ct);
+  Fnv1a mask_hash;
+  mask_hash.add(mask.inside.data(), mask.inside.size());
+  key.add(mask_hash.value(), options.surface.smooth_mm, options.surface.refine_by_hu);
+  key.add(options.rbf.spacing_mm, options.rbf.off_surface_mm, options.rbf.smoothing_mm, options.rbf.accuracy_mm,
+          options.rbf.reduction_mm);
+  if (std::optional<SurfaceFit> kept = cache.find_fit(key.hex())) {
+    from_cache = true;
+    return *std::move(kept);
+  }
+  SurfaceFit fit = fit_surface(surface, options.rbf, progress);
+  cache.keep_fit(key.hex(), fit);
+  return fit;
+}
+
+std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOptions& options, const MaskStage& mask,
+                                            const SurfaceFitReport& fit) {
+  const GridGeometry& geometry = ct.geometry;
+  return {
       {"version", version()},
+      {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
-      {"mask", options.labels ? text("label ", options.labels->label)
-                              : text("threshold ", report_of_mask->threshold_hu, " HU")},
-      {"surface_points", text(fit.report.points)},
-      {"off_surface_points", text(fit.report.off_surface_points)},
-      {"rbf_centres", text(fit.report.centres)},
+      {"ct_size", text(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
+      {"ct_spacing_mm", text(geometry.spacing_mm.transpose())},
+      {"ct_origin_mm", text(geometry.origin_mm.transpose())},
+      {"ct_directions", text(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
+                             geometry.directions.col(2).transpose())},
+      {"mask", mask.method},
+      {"surface_points", text(fit.points)},
+      {"off_surface_points", text(fit.off_surface_points)},
+      {"rbf_centres", text(fit.centres)},
+      {"point_spacing_mm", text(options.rbf.spacing_mm)},
+      {"off_surface_mm", text(options.rbf.off_surface_mm)},
       {"smoothing_mm", text(options.rbf.smoothing_mm)},
-      {"rbf_mean_residual_mm", text(fit.report.mean_residual_mm)},
-      {"rbf_max_residual_mm", text(fit.report.max_residual_mm)},
+      {"rbf_accuracy_mm", text(options.rbf.accuracy_mm)},
+      {"rbf_reduction_mm", text(options.rbf.reduction_mm)},
+      {"rbf_mean_residual_mm", text(fit.mean_residual_mm)},
+      {"rbf_p99_residual_mm", text(fit.p99_residual_mm)},
+      {"rbf_max_residual_mm", text(fit.max_residual_mm)},
+      {"hu_margin_mm", text(options.bake.hu_margin_mm)},
   };
+}
+
+}  // namespace
+
+BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
+  const BakeCache cache(options.cache);
+  bool mask_from_cache = false;
+  bool fit_from_cache = false;
+  const MaskStage mask = make_mask(ct, options, cache, mask_from_cache, progress);
+  const SurfacePoints surface = extract_surface(ct, mask.mask, options.surface, progress);
+  const SurfaceFit fit = make_fit(ct, mask.mask, surface, options, cache, fit_from_cache, progress);
   BakeReport report;
-  const BoneModel bone = bake_bone(fit.field, surface.positions_mm, ct, options.bake, facts, &report, progress);
+  const BoneModel bone = bake_bone(fit.field, surface.positions_mm, ct, options.bake,
+                                   facts_of(ct, options, mask, fit.report), &report, progress);
   const auto mask_voxels =
-      static_cast<std::size_t>(std::count(mask.inside.begin(), mask.inside.end(), std::uint8_t{1}));
-  return {bone, mask_voxels, fit.report, report};
+      static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
+  return {bone, mask_voxels, fit.report, report, mask_from_cache, fit_from_cache};
 }
 
 }  // namespace spinaltap

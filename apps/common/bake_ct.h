@@ -24,6 +24,7 @@ struct BakeCtOptions {
   SurfaceOptions surface;
   SurfaceFitOptions rbf;
   BakeOptions bake;
+  std::filesystem::path cache;  ///< folder of finished stages (bake_cache.h); empty: none
 };
 
 struct BakedCt {
@@ -31,6 +32,8 @@ struct BakedCt {
   std::size_t mask_voxels = 0;
   SurfaceFitReport fit;
   BakeReport bake;
+  bool mask_from_cache = false;
+  bool fit_from_cache = false;
 };
 
 /// Which voxels are the wanted bone, and how they were found.
@@ -43,7 +46,8 @@ struct ChosenBone {
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress = {});
 
-/// The chain from a CT to a baked bone: mask, surface points, radial basis function, grids.
+/// The chain from a CT to a baked bone: mask, surface points, radial basis function, grids. Masks and functions that
+/// the cache has are taken from there; the result is the same.
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

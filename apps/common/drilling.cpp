@@ -7,6 +7,7 @@
 
 #include "apps/common/bone_path.h"
 #include "core/base/error.h"
+#include "core/drill/volume_segments.h"
 #include "vdb/subtract_bit.h"
 
 namespace spinaltap {
@@ -34,7 +35,7 @@ std::vector<DepthRow> rows_of(const std::vector<CycleRecord>& records, const Loc
     row.depth_mm = record.depth_mm;
     row.hu = row.removed > 0 ? static_cast<double>(hu_sum) / static_cast<double>(row.removed)
                              : std::numeric_limits<double>::quiet_NaN();
-    row.density_g_cm3 = row.removed > 0 ? material.density_g_cm3(row.hu) : row.hu;
+    row.density_g_cm3 = row.removed > 0 ? material.density.density_g_cm3(row.hu) : row.hu;
     row.thrust_n = work_n_mm / (record.depth_mm - begin_mm);
     row.cycles_per_s = static_cast<double>(row.cycles) / std::max(seconds, 1e-12);
     rows.push_back(row);
@@ -47,6 +48,30 @@ std::vector<DepthRow> rows_of(const std::vector<CycleRecord>& records, const Loc
   return rows;
 }
 
+BoneSampler sampler_of(const BoneModel& bone, const ScalarField* exact) {
+  return [&bone, exact](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
+    bone.sample(points_mm, distance_mm, hu);
+    if (exact == nullptr) return;
+    std::vector<double> values_mm(points_mm.size());
+    exact->evaluate(points_mm, values_mm, {});
+    std::transform(values_mm.begin(), values_mm.end(), distance_mm.begin(),
+                   [](double value_mm) { return static_cast<float>(value_mm); });
+  };
+}
+
+std::vector<PointVolume> volumes_along(const BoneModel& bone, const DrillPath& path, const DrillingOptions& options) {
+  if (options.fine_spacing_mm == 0.0) {
+    std::vector<PointVolume> one;
+    one.emplace_back(path, options.volume);
+    return one;
+  }
+  return make_segments(
+      path,
+      fine_near_surface(path, options.volume.lead_in_mm, sampler_of(bone, nullptr), options.fine_near_mm,
+                        options.fine_tip_mm, options.fine_spacing_mm, options.volume.spacing_mm),
+      options.volume);
+}
+
 }  // namespace
 
 Drilling drill_bone(const BoneModel& bone, const DrillPath& path, const Material& material,
@@ -54,19 +79,22 @@ Drilling drill_bone(const BoneModel& bone, const DrillPath& path, const Material
   if (!(options.log_step_mm > 0.0)) fail("drilling: expected a log step above 0 mm, found ", options.log_step_mm);
   const LockStepMotion motion(path, options.volume.lead_in_mm, options.motion);
   check_path_meets_bone(path, bone);
-  PointVolume volume(path, options.volume);
-  fill_volume(
-      volume,
-      [&](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
-        bone.sample(points_mm, distance_mm, hu);
-      },
-      progress);
   Drilling drilling(bone);
-  drilling.points = volume.point_count();
-  drilling.points_in_bone = volume.alive_count();
-  drilling.discs = volume.disc_count();
-  drilling.points_per_disc = volume.pattern().point_count();
-  const auto engine = make_reference_engine(volume, path.bit, material);
+  drilling.volumes = volumes_along(bone, path, options);
+  std::vector<std::unique_ptr<DrillEngine>> engines;
+  std::size_t bytes = 0;
+  for (PointVolume& volume : drilling.volumes) {
+    fill_volume(volume, sampler_of(bone, options.exact), progress);
+    drilling.points += volume.point_count();
+    drilling.points_in_bone += volume.alive_count();
+    drilling.discs += volume.disc_count();
+    bytes += volume.memory_bytes();
+    engines.push_back(make_engine(options.engine, volume, path.bit, material));
+  }
+  drilling.points_per_disc = drilling.volumes.front().pattern().point_count();
+  const auto engine = make_joint_engine(std::move(engines));
+  bytes += engine->memory_bytes();
+  drilling.bytes_per_point = static_cast<double>(bytes) / static_cast<double>(drilling.points);
   const std::vector<CycleRecord> records = run_lock_step(*engine, motion, progress);
   drilling.cycles = records.size();
   drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();

@@ -5,11 +5,14 @@
 
 namespace spinaltap {
 
-Material read_material(const std::filesystem::path& path) {
+Material read_material(const std::filesystem::path& path, const DensityLaw& density) {
   const Json json = read_json(path);
   const JsonObject object(json, path);
-  const Material material{object.number("density_at_0_hu_g_cm3"), object.number("density_per_hu_g_cm3"),
-                          object.number("pressure_at_1_g_cm3_mpa"), object.number("pressure_exponent")};
+  for (const char* key : {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3"}) {
+    // Left unread, it would change nothing without a word.
+    if (object.has(key)) fail("expected no \"", key, "\" in ", path.string(), ": the density's law has its own file");
+  }
+  const Material material{density, object.number("pressure_at_1_g_cm3_mpa"), object.number("pressure_exponent")};
   try {
     check_material(material);
   } catch (const Error& error) {

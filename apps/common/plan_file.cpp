@@ -1,5 +1,6 @@
 #include "apps/common/plan_file.h"
 
+#include "apps/common/bit_shapes.h"
 #include "apps/common/json_file.h"
 #include "core/base/error.h"
 
@@ -9,18 +10,40 @@ namespace {
 constexpr const char* kFormat = "spinaltap-plan";
 constexpr int kVersion = 1;
 
+Json to_json(const DrillBit& bit) {
+  Json json{{"diameter_mm", bit.diameter_mm}, {"length_mm", bit.length_mm}, {"tip_length_mm", bit.tip_length_mm}};
+  // A plain drill stays what programs that know no other shape can read.
+  if (bit.shape != BitShape::drill) json["shape"] = name_of(bit.shape);
+  if (bit.tip_diameter_mm != 0.0) json["tip_diameter_mm"] = bit.tip_diameter_mm;
+  if (bit.shank_diameter_mm != 0.0) json["shank_diameter_mm"] = bit.shank_diameter_mm;
+  return json;
+}
+
+DrillBit read_bit(const JsonObject& json, const std::filesystem::path& path) {
+  DrillBit bit{json.number("diameter_mm"), json.number("length_mm"), json.number("tip_length_mm")};
+  if (json.has("shape")) {
+    const std::string name = json.text("shape");
+    const auto shape = bit_shapes().find(name);
+    if (shape == bit_shapes().end()) {
+      fail("expected the bit's shape to be drill, round-burr, conical-burr or tapered-screw in ", path.string(),
+           ", found \"", name, "\"");
+    }
+    bit.shape = shape->second;
+  }
+  if (json.has("tip_diameter_mm")) bit.tip_diameter_mm = json.number("tip_diameter_mm");
+  if (json.has("shank_diameter_mm")) bit.shank_diameter_mm = json.number("shank_diameter_mm");
+  return bit;
+}
+
 }  // namespace
 
 void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
   Json plan{{"format", kFormat}, {"version", kVersion}, {"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}};
   for (const DrillPath& drill_path : paths) {
-    const DrillBit& bit = drill_path.bit;
-    plan["paths"].push_back(
-        {{"name", drill_path.name},
-         {"entry", to_json(drill_path.entry_mm)},
-         {"target", to_json(drill_path.target_mm)},
-         {"bit",
-          {{"diameter_mm", bit.diameter_mm}, {"length_mm", bit.length_mm}, {"tip_length_mm", bit.tip_length_mm}}}});
+    plan["paths"].push_back({{"name", drill_path.name},
+                             {"entry", to_json(drill_path.entry_mm)},
+                             {"target", to_json(drill_path.target_mm)},
+                             {"bit", to_json(drill_path.bit)}});
   }
   write_json(plan, path);
 }
@@ -41,8 +64,7 @@ std::vector<DrillPath> read_plan(const std::filesystem::path& path) {
     drill_path.name = object.text("name");
     drill_path.entry_mm = object.vector("entry");
     drill_path.target_mm = object.vector("target");
-    const JsonObject bit(object.at("bit"), path);
-    drill_path.bit = {bit.number("diameter_mm"), bit.number("length_mm"), bit.number("tip_length_mm")};
+    drill_path.bit = read_bit(JsonObject(object.at("bit"), path), path);
     try {
       check_path(drill_path);
     } catch (const Error& error) {

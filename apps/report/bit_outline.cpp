@@ -4,31 +4,47 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/drill/bit_profile.h"
+
 namespace spinaltap {
 namespace {
 
 constexpr int kAround = 96;  ///< points around the bit: 1 - cos(pi / 96) = 0.05% of the radius
 
-/// The bit's surface as lines along it (tip, end of the cone, end of the shaft) in pixels, depth third.
-struct Generators {
-  Vec3 tip;
-  std::vector<Vec3> cone_end;
-  std::vector<Vec3> shaft_end;
-};
+/// A convex part of the bit: circles around its axis from tip to base, in pixels, depth third.
+using Rims = std::vector<std::vector<Vec3>>;
 
-Generators generators(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
+/// How far back from the tip a piece's outline is followed: a ball's at 24 places, a straight one at its ends.
+std::vector<double> stations_mm(const ProfilePiece& piece) {
+  const int steps = piece.ball_radius_mm > 0.0 ? 24 : 1;
+  std::vector<double> stations;
+  for (int n = 0; n <= steps; ++n) {
+    // Even angles around a ball.
+    const double share = steps == 1 ? n : 0.5 - 0.5 * std::cos(std::numbers::pi * n / steps);
+    stations.push_back(piece.begin_mm + share * (piece.end_mm - piece.begin_mm));
+  }
+  return stations;
+}
+
+std::vector<Rims> convex_parts(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
   const Vec3 back = -pose.axis.normalized();
   const Vec3 side = any_perpendicular(back);
   const Vec3 other = back.cross(side);
-  Generators lines;
-  lines.tip = frame.to_pixel(pose.tip_mm);
-  for (int i = 0; i < kAround; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / kAround;
-    const Vec3 rim = pose.tip_mm + bit.radius_mm() * (std::cos(angle) * side + std::sin(angle) * other);
-    lines.cone_end.push_back(frame.to_pixel(rim + bit.tip_length_mm * back));
-    lines.shaft_end.push_back(frame.to_pixel(rim + bit.length_mm * back));
+  std::vector<Rims> parts;
+  const BitProfile profile(bit);
+  for (const ProfilePiece& piece : profile.pieces()) {
+    if (parts.empty() || !profile.is_cone_and_cylinder()) parts.emplace_back();
+    for (const double back_mm : stations_mm(piece)) {
+      const double radius_mm = std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm)));
+      std::vector<Vec3>& rim = parts.back().emplace_back();
+      for (int i = 0; i < kAround; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kAround;
+        const Vec3 out = radius_mm * (std::cos(angle) * side + std::sin(angle) * other);
+        rim.push_back(frame.to_pixel(pose.tip_mm + back_mm * back + out));
+      }
+    }
   }
-  return lines;
+  return parts;
 }
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -71,26 +87,33 @@ void add_crossing(const Vec3& a, const Vec3& b, std::vector<Eigen::Vector2d>& po
 
 }  // namespace
 
-PixelPolygon bit_projection(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
-  // The bit is convex, so its shadow is the hull of its rims' and tip's shadows.
-  const Generators lines = generators(frame, bit, pose);
-  std::vector<Eigen::Vector2d> points{lines.tip.head<2>()};
-  for (const Vec3& p : lines.cone_end) points.push_back(p.head<2>());
-  for (const Vec3& p : lines.shaft_end) points.push_back(p.head<2>());
-  return convex_hull(std::move(points));
+std::vector<PixelPolygon> bit_projection(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
+  // A convex part's shadow is the hull of its rims' shadows.
+  std::vector<PixelPolygon> polygons;
+  for (const Rims& rims : convex_parts(frame, bit, pose)) {
+    std::vector<Eigen::Vector2d> points;
+    for (const std::vector<Vec3>& rim : rims) {
+      for (const Vec3& p : rim) points.push_back(p.head<2>());
+    }
+    polygons.push_back(convex_hull(std::move(points)));
+  }
+  return polygons;
 }
 
-PixelPolygon bit_section(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
-  const Generators lines = generators(frame, bit, pose);
-  std::vector<Eigen::Vector2d> points;
-  for (std::size_t i = 0; i < lines.cone_end.size(); ++i) {
-    const std::size_t next = (i + 1) % lines.cone_end.size();
-    add_crossing(lines.tip, lines.cone_end[i], points);
-    add_crossing(lines.cone_end[i], lines.shaft_end[i], points);
-    add_crossing(lines.cone_end[i], lines.cone_end[next], points);
-    add_crossing(lines.shaft_end[i], lines.shaft_end[next], points);
+std::vector<PixelPolygon> bit_section(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
+  std::vector<PixelPolygon> polygons;
+  for (const Rims& rims : convex_parts(frame, bit, pose)) {
+    std::vector<Eigen::Vector2d> points;
+    for (std::size_t n = 0; n < rims.size(); ++n) {
+      for (std::size_t i = 0; i < rims[n].size(); ++i) {
+        add_crossing(rims[n][i], rims[n][(i + 1) % rims[n].size()], points);
+        if (n > 0) add_crossing(rims[n - 1][i], rims[n][i], points);
+      }
+    }
+    PixelPolygon polygon = convex_hull(std::move(points));
+    if (!polygon.empty()) polygons.push_back(std::move(polygon));
   }
-  return convex_hull(std::move(points));
+  return polygons;
 }
 
 }  // namespace spinaltap

@@ -79,15 +79,6 @@ Image slice_picture(const CtVolume& ct, int k, const Layout& layout, const HuWin
   return mean;
 }
 
-void paste(const Image& from, Image& to, int x, int y) {
-  for (int row = 0; row < from.height; ++row) {
-    const auto begin = from.rgb.begin() + static_cast<std::ptrdiff_t>(3) * row * from.width;
-    const auto at =
-        to.rgb.begin() + static_cast<std::ptrdiff_t>(3) * (static_cast<std::ptrdiff_t>(y + row) * to.width + x);
-    std::copy(begin, begin + static_cast<std::ptrdiff_t>(3) * from.width, at);
-  }
-}
-
 /// Letters at the four borders: towards which side of the patient the picture goes there.
 void draw_letters(Image& sheet, const GridGeometry& geometry, const Layout& layout, int x, int y) {
   const Vec3 right = geometry.directions.col(0);

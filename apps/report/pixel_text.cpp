@@ -84,4 +84,11 @@ void fill_rectangle(Image& image, int x, int y, int width, int height, const Col
   }
 }
 
+void paste(const Image& part, Image& whole, int x, int y) {
+  for (int row = 0; row < part.height; ++row) {
+    std::copy_n(part.rgb.begin() + std::ptrdiff_t{3} * row * part.width, std::ptrdiff_t{3} * part.width,
+                whole.rgb.begin() + 3 * (static_cast<std::ptrdiff_t>(y + row) * whole.width + x));
+  }
+}
+
 }  // namespace spinaltap

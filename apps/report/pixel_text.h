@@ -24,4 +24,7 @@ void draw_text(Image& image, int x, int y, std::string_view text, int scale, con
 /// Fills a rectangle, as much of it as lies in the picture.
 void fill_rectangle(Image& image, int x, int y, int width, int height, const Colour& colour);
 
+/// Copies a picture into another, its upper left corner to (x, y); it must lie within.
+void paste(const Image& part, Image& whole, int x, int y);
+
 }  // namespace spinaltap

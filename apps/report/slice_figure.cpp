@@ -23,7 +23,7 @@ using Point = Eigen::Vector2d;
 constexpr std::string_view kBitColour = "#56B4E9";
 constexpr std::string_view kEntryColour = "#F0E442";
 constexpr std::string_view kTargetColour = "#FF8A3D";
-constexpr double kFontSize = 14.0;
+constexpr double kLabelSize = 14.0;
 
 /// Writes SVG in drawing units, which are pixels times a scale.
 class SliceDrawing {
@@ -47,13 +47,16 @@ class SliceDrawing {
 
   void add_bit(const DrillPath& path) {
     const Pose pose{path.target_mm, path.direction()};
-    const PixelPolygon projection = in_units(bit_projection(frame_, path.bit, pose));
-    const PixelPolygon section = in_units(bit_section(frame_, path.bit, pose));
-    if (!holds_path(path)) {
-      add_polygon(projection, "fill-opacity=\"0.10\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\"");
+    for (const PixelPolygon& polygon : bit_projection(frame_, path.bit, pose)) {
+      const PixelPolygon projection = in_units(polygon);
+      if (!holds_path(path)) {
+        add_polygon(projection, "fill-opacity=\"0.10\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\"");
+      }
+      placer_.avoid_shape(projection);
     }
-    if (!section.empty()) add_polygon(section, "fill-opacity=\"0.28\" stroke-width=\"1.8\"");
-    placer_.avoid_shape(projection);
+    for (const PixelPolygon& section : bit_section(frame_, path.bit, pose)) {
+      add_polygon(in_units(section), "fill-opacity=\"0.28\" stroke-width=\"1.8\"");
+    }
   }
 
   void add_axis(const DrillPath& path) {
@@ -140,7 +143,7 @@ class SliceDrawing {
   }
 
   void add_label(const std::string& text, const Point& anchor, std::string_view colour) {
-    const LabelPlacer::Rectangle place = placer_.place(anchor, {text_width(text, kFontSize) + 4.0, kFontSize + 4.0});
+    const LabelPlacer::Rectangle place = placer_.place(anchor, {text_width(text, kLabelSize) + 4.0, kLabelSize + 4.0});
     // A thin line from the label's edge to the marker's rim, where they are apart.
     const Point near = anchor.cwiseMax(place.min()).cwiseMin(place.max());
     const Point way = near - anchor;

@@ -18,6 +18,8 @@ struct Command {
   int threads = 0;
   /// Does the work and returns the figures for --json.
   std::function<Json(const Progress&)> run;
+  int exit_code = 0;            ///< of the program after run(), which may set it
+  int exit_code_of_errors = 1;  ///< where run() throws
 };
 
 /// Adds a subcommand with the options that all have. `footer` shows an example.
@@ -35,7 +37,10 @@ void add_bake(CLI::App& program, Command& command);
 void add_plan(CLI::App& program, Command& command);
 void add_drill(CLI::App& program, Command& command);
 void add_mesh(CLI::App& program, Command& command);
+void add_diff(CLI::App& program, Command& command);
+void add_compare(CLI::App& program, Command& command);
 void add_demo(CLI::App& program, Command& command);
+void add_bench(CLI::App& program, Command& command);
 
 /// Prints "name value unit" in columns on standard output.
 void print_figure(const std::string& name, double value, const std::string& unit, int digits = 2);

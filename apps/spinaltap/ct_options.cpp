@@ -47,6 +47,11 @@ void CtOptions::add_baking(CLI::App& app) {
   app.add_option("--voxel", bake.bake.voxel_mm, "Voxel of the distance grid, mm")
       ->capture_default_str()
       ->type_name("MM");
+  app.add_option("--point-spacing", bake.rbf.spacing_mm,
+                 "Of surface points nearer to each other than this one is taken, mm; 0: all of them")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("MM");
   app.add_option("--smoothing", bake.rbf.smoothing_mm,
                  "How far the surface may give way to smoothness, mm; 0: through all points")
       ->capture_default_str()
@@ -102,6 +107,8 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
   print_figure("bone, top to bottom", size_mm.z(), "mm", 1);
   return {{"ct_voxels", ct.geometry.voxel_count()},
           {"ct_hash", ct.source_hash},
+          {"mask_from_cache", baked.mask_from_cache},
+          {"fit_from_cache", baked.fit_from_cache},
           {"bone_voxels", baked.mask_voxels},
           {"surface_points", baked.fit.points},
           {"off_surface_points", baked.fit.off_surface_points},
@@ -109,7 +116,7 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
           {"mean_residual_mm", baked.fit.mean_residual_mm},
           {"p99_residual_mm", baked.fit.p99_residual_mm},
           {"max_residual_mm", baked.fit.max_residual_mm},
-          {"evaluated_voxels", baked.bake.evaluated_voxels},
+          {"evaluations", baked.bake.evaluations},
           {"active_voxels", baked.bone.active_voxels()},
           {"dropped_pieces", baked.bake.dropped_pieces},
           {"size_mm", to_json(size_mm)}};

@@ -29,7 +29,7 @@ struct CtOptions {
   void add_reading(CLI::App& app);
   /// Adds the options that say which bone is meant: --labels, --label, --crop-margin, --seed, --threshold.
   void add_choosing(CLI::App& app);
-  /// Adds those, and the options for making a bone of it: --voxel, --smoothing.
+  /// Adds those, and the options for making a bone of it: --voxel, --point-spacing, --smoothing.
   void add_baking(CLI::App& app);
 
   CtVolume read(const Progress& progress) const;

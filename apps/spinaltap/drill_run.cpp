@@ -2,16 +2,23 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <optional>
 
 #include "apps/common/data_files.h"
+#include "apps/common/density_file.h"
 #include "apps/common/drill_pictures.h"
 #include "apps/common/material_file.h"
 #include "apps/report/drill_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "core/base/staged_output.h"
+#include "core/drill/neighbour_distances.h"
+#include "core/rbf/rbf_field.h"
+#include "core/rbf/rbf_file.h"
 #include "mesh/mesh_io.h"
 #include "vdb/isosurface.h"
+#include "vdb/points_file.h"
 
 namespace spinaltap {
 namespace {
@@ -94,7 +101,9 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
 }  // namespace
 
 void DrillOptions::add_to(CLI::App& app) {
-  app.add_option("--material", material, "Law of density and resistance; default: the shipped vertebra.json")
+  app.add_option("--density", density, "Law of density, or a calibration; default: the shipped densities/vertebra.json")
+      ->type_name("FILE");
+  app.add_option("--material", material, "Law of resistance; default: the shipped materials/vertebra.json")
       ->type_name("FILE");
   app.add_option("--radius", drilling.volume.radius_mm, "Radius of the point volume, mm")
       ->capture_default_str()
@@ -102,6 +111,37 @@ void DrillOptions::add_to(CLI::App& app) {
   app.add_option("--spacing", drilling.volume.spacing_mm, "Distance between points, mm")
       ->capture_default_str()
       ->type_name("MM");
+  app.add_option("--fine-spacing", drilling.fine_spacing_mm,
+                 "Distance between points near the bone's surface and the target, mm; 0: the same everywhere")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--fine-near", drilling.fine_near_mm, "How far along the path from the surface points are fine, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--fine-tip", drilling.fine_tip_mm, "How far before the target points are fine, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--hu-bits", drilling.volume.hu_bits,
+                 "Bits for a point's CT number: 8 (steps of 16 HU) or 16 (default)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, HuBits>{{"8", HuBits::eight}, {"16", HuBits::sixteen}}))
+      ->type_name("BITS");
+  app.add_option("--subdivision", drilling.volume.subdivision, "How discs are divided: rings (default) or hexagons")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, DiscSubdivision>{
+          {"rings", DiscSubdivision::rings}, {"hexagons", DiscSubdivision::hexagons}}))
+      ->type_name("NAME");
+  app.add_option("--jitter", drilling.volume.jitter, "Random displacement of points, share of the spacing, 0 to 0.5")
+      ->capture_default_str()
+      ->type_name("SHARE");
+  app.add_option("--jitter-seed", drilling.volume.jitter_seed, "Seed of the jitter")
+      ->capture_default_str()
+      ->type_name("N");
+  app.add_option("--rbf", field,
+                 "A surface that `fit` wrote: decides exactly which points are bone, in place of the grid; slower")
+      ->type_name("FILE");
+  app.add_option("--engine", drilling.engine, "Drilling engine: ring (default), leaf, arc, reference; same result")
+      ->transform(CLI::CheckedTransformer(engine_kinds()))
+      ->type_name("NAME");
+  app.add_flag("--points", writes_points, "Also write the points left as points.vdb, for Houdini, Blender, ParaView");
   app.add_option("--lead-in", drilling.volume.lead_in_mm, "How far before the entry the drilling starts, mm")
       ->capture_default_str()
       ->type_name("MM");
@@ -119,9 +159,15 @@ void DrillOptions::add_to(CLI::App& app) {
 
 Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bone, const DrillPath& path,
                const DrillOptions& options, const std::filesystem::path& folder, const Progress& progress) {
+  const DensityCalibration density =
+      read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   const Material material =
-      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material);
-  const Drilling drilling = drill_bone(bone, path, material, options.drilling, progress);
+      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
+  std::optional<RbfField> field;
+  if (!options.field.empty()) field.emplace(RbfField::for_values(read_rbf(options.field), RbfField::kDefaultAccuracy));
+  DrillingOptions settings = options.drilling;
+  if (field) settings.exact = &*field;
+  const Drilling drilling = drill_bone(bone, path, material, settings, progress);
   progress.report("meshing", 0.0);
   const TriangleMesh mesh = bone_surface(drilling.drilled);
   const MeshQuality quality = measure_mesh(mesh);
@@ -132,6 +178,11 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
   output.write(folder / "log.csv", log_csv(drilling.rows));
   write_bone(drilling.drilled, output.stage(folder / "drilled.vdb"));
   write_mesh(mesh, output.stage(folder / "drilled.stl"));
+  for (std::size_t n = 0; options.writes_points && n < drilling.volumes.size(); ++n) {
+    const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
+    write_points(drilling.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
+                 {.density = density.law});
+  }
   output.write(folder / "report.html", drill_report(data));
   output.commit();
 
@@ -139,10 +190,19 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
   print_figure("points in the cylinder", static_cast<double>(drilling.points), "", 0);
   print_figure("points in bone", static_cast<double>(drilling.points_in_bone), "", 0);
   print_figure("points removed", static_cast<double>(drilling.removed), "", 0);
+  const NeighbourDistances neighbours = neighbour_distances(drilling.volumes.front(), false);
+  print_figure("nearest neighbours, mean", neighbours.mean_mm, "mm", 4);
+  print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
+  print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
   print_figure("cycles", static_cast<double>(drilling.cycles), "", 0);
   print_figure("rate, first tenth of the path", rates.first_tenth, "cycles/s", 0);
   print_figure("rate, last tenth", rates.last_tenth, "cycles/s", 0);
   print_figure("greatest thrust", drilling.most_thrust_n, "N", 2);
+  print_figure("density at 0 HU", density.law.at_0_hu, "g/cm3", 4);
+  print_figure("density per 1000 HU", 1000.0 * density.law.per_hu, "g/cm3", 4);
+  if (density.rms_residual_g_cm3 > 0.0) {
+    print_figure("calibration misses the line by", density.rms_residual_g_cm3, "g/cm3 rms", 4);
+  }
   Json figures{{"path", path.name},
                {"length_mm", path.length_mm()},
                {"discs", drilling.discs},
@@ -150,12 +210,22 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
                {"points", drilling.points},
                {"points_in_bone", drilling.points_in_bone},
                {"removed", drilling.removed},
+               {"bytes_per_point", drilling.bytes_per_point},
+               {"nearest_neighbours_mm",
+                {{"least", neighbours.least_mm},
+                 {"mean", neighbours.mean_mm},
+                 {"deviation", neighbours.deviation_mm},
+                 {"most", neighbours.most_mm}}},
                {"cycles", drilling.cycles},
                {"engine_seconds", drilling.seconds},
                {"cycles_per_s_first_tenth", rates.first_tenth},
                {"cycles_per_s_middle_tenth", rates.middle_tenth},
                {"cycles_per_s_last_tenth", rates.last_tenth},
                {"greatest_thrust_N", drilling.most_thrust_n},
+               {"density_at_0_hu_g_cm3", density.law.at_0_hu},
+               {"density_per_hu_g_cm3", density.law.per_hu},
+               {"calibration_rms_g_cm3", density.rms_residual_g_cm3},
+               {"calibration_most_g_cm3", density.most_residual_g_cm3},
                {"mesh", report_mesh(quality)}};
   print_figure("report", (folder / "report.html").string());
   return figures;

@@ -35,7 +35,8 @@ void print_figure(const std::string& name, const std::string& value) {
 
 namespace {
 
-int run_program(int argc, char** argv) {
+/// Returns the exit code, and leaves in `exit_code_of_errors` the one for what it throws.
+int run_program(int argc, char** argv, int& exit_code_of_errors) {
   CLI::App program(
       "SpinalTap: from a CT of a vertebra to a bone that can be drilled at haptic rate.\n"
       "Lengths are in mm, positions in patient LPS (x to the patient's left, y to the back, z to the head).\n"
@@ -44,7 +45,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 11> commands;
+  std::array<Command, 14> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -56,6 +57,9 @@ int run_program(int argc, char** argv) {
   add_plan(program, commands[8]);
   add_drill(program, commands[9]);
   add_mesh(program, commands[10]);
+  add_diff(program, commands[11]);
+  add_compare(program, commands[12]);
+  add_bench(program, commands[13]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -70,8 +74,10 @@ int run_program(int argc, char** argv) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                     static_cast<std::size_t>(command.threads));
     }
+    exit_code_of_errors = command.exit_code_of_errors;
     const Json figures = command.run(terminal_progress());
     if (!command.json_file.empty()) write_json(figures, command.json_file);
+    return command.exit_code;
   }
   return 0;
 }
@@ -80,8 +86,9 @@ int run_program(int argc, char** argv) {
 }  // namespace spinaltap
 
 int main(int argc, char** argv) {
+  int exit_code_of_errors = 1;
   try {
-    return spinaltap::run_program(argc, argv);
+    return spinaltap::run_program(argc, argv, exit_code_of_errors);
   } catch (const spinaltap::Cancelled&) {
     std::fprintf(stderr, "spinaltap: cancelled\n");
     return 130;
@@ -90,5 +97,5 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spinaltap: %s\n", error.what());
   }
-  return 1;
+  return exit_code_of_errors;
 }

@@ -17,7 +17,8 @@ struct PathOptions {
   std::vector<double> target_mm;  ///< empty or three numbers, patient LPS
   DrillBit bit;
 
-  /// Adds --entry, --target, --diameter, --bit-length and --tip-length.
+  /// Adds --entry, --target, and those of the bit: --diameter, --bit-length, --tip-length, --shape, --tip-diameter,
+  /// --shank-diameter.
   void add_to(CLI::App& app);
   /// The path that was given, if one was. Throws Error when only half of it was.
   std::optional<DrillPath> given_path(const std::string& name) const;

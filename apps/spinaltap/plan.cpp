@@ -2,6 +2,7 @@
 #include <optional>
 #include <sstream>
 
+#include "apps/common/bit_shapes.h"
 #include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
 #include "apps/spinaltap/command.h"
@@ -26,6 +27,16 @@ void PathOptions::add_to(CLI::App& app) {
       ->capture_default_str()
       ->type_name("MM");
   app.add_option("--tip-length", bit.tip_length_mm, "Length of the bit's conical tip, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--shape", bit.shape, "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw")
+      ->transform(CLI::CheckedTransformer(bit_shapes()))
+      ->type_name("NAME");
+  app.add_option("--tip-diameter", bit.tip_diameter_mm,
+                 "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--shank-diameter", bit.shank_diameter_mm, "Diameter of a burr's shank, mm")
       ->capture_default_str()
       ->type_name("MM");
 }

@@ -1,6 +1,6 @@
-#include <map>
 #include <memory>
 
+#include "apps/common/point_methods.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "core/base/staged_output.h"
@@ -23,12 +23,10 @@ void add_points(CLI::App& program, Command& command) {
       ->required()
       ->type_name("PATH");
   app->add_option("-o,--output", options->output, "The .ply file to write")->capture_default_str()->type_name("FILE");
-  const std::map<std::string, PointMethod> methods{
-      {"pixels", PointMethod::pixels}, {"normals", PointMethod::normals}, {"contours", PointMethod::contours}};
   app->add_option("--method", options->sample.method,
                   "pixels: voxel centres and their neighbours; normals: voxel centres and estimated normals; contours "
                   "(default): sub-pixel edges")
-      ->transform(CLI::CheckedTransformer(methods))
+      ->transform(CLI::CheckedTransformer(point_methods()))
       ->type_name("NAME");
   app->add_option("--off-surface", options->sample.off_surface_mm,
                   "Distance of off-surface points along normals, mm; less where another part is near")

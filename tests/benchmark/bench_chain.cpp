@@ -84,7 +84,7 @@ void bake_rbf(benchmark::State& state) {
   const RbfField& field = rbf();
   BakeReport report;
   for (auto _ : state) bake_bone(field, surface().positions_mm, ct, {}, {}, &report);
-  state.counters["voxels"] = static_cast<double>(report.evaluated_voxels);
+  state.counters["voxels"] = static_cast<double>(report.evaluations);
 }
 BENCHMARK(bake_rbf)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 

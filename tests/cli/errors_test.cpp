@@ -23,6 +23,7 @@ using ::testing::IsEmpty;
 namespace fs = std::filesystem;
 
 constexpr int kSide = 32;
+constexpr const char* kBake = "bake ct --voxel 0.5";
 
 /// A ball of bone (radius 10 mm, 600 HU) in soft tissue, around (16, 16, 16) mm.
 CtVolume ball_ct(double spacing_mm = 1.0) {
@@ -64,9 +65,17 @@ void write_labels(const fs::path& file) {
 
 class Errors : public ::testing::Test {
  protected:
+  static void SetUpTestSuite() {
+    made_ = new test::TemporaryFolder;
+    fs::create_directory(made_->path() / "ct");
+    write_dicom(ball_ct(), made_->path() / "ct");
+    const ProgramRun run = run_program(std::string(kBake) + " -o bone.vdb", made_->path());
+    ASSERT_EQ(run.exit_code, 0) << run.errors;
+  }
+  static void TearDownTestSuite() { delete made_; }
+
   void SetUp() override {
-    fs::create_directory(folder_.path() / "ct");
-    write_dicom(ball_ct(), folder_.path() / "ct");
+    fs::copy(made_->path() / "ct", folder_.path() / "ct");
     fs::create_directory(folder_.path() / "work");
   }
 
@@ -84,14 +93,14 @@ class Errors : public ::testing::Test {
     return run.errors;
   }
 
-  /// A baked ball in the test's folder.
-  void bake_ball() {
-    const ProgramRun run = run_program("bake ct --voxel 0.5 -o bone.vdb", folder_.path());
-    ASSERT_EQ(run.exit_code, 0) << run.errors;
-  }
+  /// Puts the baked ball into the test's folder.
+  void take_bone() { fs::copy(made_->path() / "bone.vdb", folder_.path()); }
 
+  static const test::TemporaryFolder* made_;  ///< a CT in ct/, and bone.vdb
   test::TemporaryFolder folder_;
 };
+
+const test::TemporaryFolder* Errors::made_ = nullptr;
 
 TEST_F(Errors, NamesAFolderThatIsMissing) {
   EXPECT_THAT(refused("bake ../nowhere -o out/bone.vdb"), HasSubstr("no such folder: ../nowhere"));
@@ -186,7 +195,7 @@ TEST_F(Errors, CarriesALabelMapFromOneFormatToAnotherAndBack) {
 }
 
 TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
-  bake_ball();
+  take_bone();
   const std::string error = refused("plan ../bone.vdb --entry 100,0,0 --target 130,0,0 -o out/plan.json");
   EXPECT_THAT(error, HasSubstr("misses the bone"));
   EXPECT_THAT(error, HasSubstr("(100, 0, 0) to (130, 0, 0)"));
@@ -198,7 +207,7 @@ TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
 }
 
 TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
-  bake_ball();
+  take_bone();
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "p", "entry": [1, 2], "target": [3, 0, 0], "bit": {}}]})";
@@ -208,7 +217,7 @@ TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
 }
 
 TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
-  bake_ball();
+  take_bone();
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "p", "entry": [16, 26, 16], "target": [16, 10, 16],
@@ -222,9 +231,9 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
 }
 
 TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
-  bake_ball();
+  take_bone();
   const auto size = fs::file_size(in("bone.vdb"));
-  const ProgramRun run = run_program("bake ct --voxel 0.5 -o bone.vdb", folder_.path(), "ulimit -f 8;");
+  const ProgramRun run = run_program(std::string(kBake) + " -o bone.vdb", folder_.path(), "ulimit -f 8;");
   EXPECT_NE(run.exit_code, 0);
   EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
 }
@@ -236,8 +245,8 @@ TEST_F(Errors, RefusesAnUnknownOptionWithAWordAboutHelp) {
 
 TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
   const test::TemporaryFolder folder;
-  for (const char* name :
-       {"demo", "phantom", "info", "segment", "points", "fit", "eval", "bake", "plan", "drill", "mesh"}) {
+  for (const char* name : {"demo", "phantom", "info", "segment", "points", "fit", "eval", "bake", "plan", "drill",
+                           "mesh", "diff", "compare"}) {
     const ProgramRun run = run_program(std::string(name) + " --help", folder.path());
     EXPECT_EQ(run.exit_code, 0) << name;
     EXPECT_THAT(run.output, HasSubstr("Example")) << name;
@@ -247,7 +256,7 @@ TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
 }
 
 TEST_F(Errors, PrintsNoProgressIntoAPipe) {
-  const ProgramRun run = run_program("bake ct --voxel 0.5 -o work/bone.vdb --json work/bake.json", folder_.path());
+  const ProgramRun run = run_program(std::string(kBake) + " -o work/bone.vdb --json work/bake.json", folder_.path());
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.errors, IsEmpty());
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("bake.json", "bone.vdb"));

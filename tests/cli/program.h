@@ -18,15 +18,12 @@ struct ProgramRun {
   std::string errors;
 };
 
-/// Runs the program with arguments as a shell splits them, in `folder`. `before` goes in front, for example "ulimit -f
-/// 8;".
-inline ProgramRun run_program(const std::string& arguments, const std::filesystem::path& folder,
-                              const std::string& before = "") {
+/// Runs a command of the shell in `folder`.
+inline ProgramRun run_command(const std::string& command, const std::filesystem::path& folder) {
   const std::filesystem::path errors = folder / ".errors";
-  const std::string command = "cd '" + folder.string() + "' && (" + before + " '" + SPINALTAP_PROGRAM + "' " +
-                              arguments + ") 2>'" + errors.string() + "'";
+  const std::string whole = "cd '" + folder.string() + "' && (" + command + ") 2>'" + errors.string() + "'";
   ProgramRun run;
-  FILE* pipe = ::popen(command.c_str(), "r");
+  FILE* pipe = ::popen(whole.c_str(), "r");
   if (pipe == nullptr) return run;
   char buffer[4096];
   for (std::size_t got = 0; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) run.output.append(buffer, got);
@@ -37,6 +34,13 @@ inline ProgramRun run_program(const std::string& arguments, const std::filesyste
   run.errors = text.str();
   std::filesystem::remove(errors);
   return run;
+}
+
+/// Runs the program with arguments as a shell splits them, in `folder`. `before` goes in front, for example "ulimit -f
+/// 8;".
+inline ProgramRun run_program(const std::string& arguments, const std::filesystem::path& folder,
+                              const std::string& before = "") {
+  return run_command(before + " '" + SPINALTAP_PROGRAM + "' " + arguments, folder);
 }
 
 /// Everything below a folder, sorted; hidden and temporary files too.

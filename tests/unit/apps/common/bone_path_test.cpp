@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
@@ -29,14 +30,22 @@ double distance_mm(const Solid& solid, const Vec3& p) {
   return value;
 }
 
+/// The path through a vertebra in the middle or placed elsewhere, looked for once for all tests.
 class SuggestedPath : public testing::TestWithParam<bool> {
  protected:
+  static const DrillPath& path_through(const Vertebra& vertebra) {
+    static std::map<bool, DrillPath> paths;
+    const auto found = paths.find(GetParam());
+    if (found != paths.end()) return found->second;
+    return paths[GetParam()] = suggest_path(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0), {});
+  }
+
   Vertebra vertebra_{GetParam() ? placed() : VertebraAnatomy()};
-  BoneModel bone_ = bake_solid(vertebra_, {.voxel_mm = 0.5}, 40.0);
+  DrillPath path_ = path_through(vertebra_);
 };
 
 TEST_P(SuggestedPath, KeepsItsDistanceFromTheSurfaceOnTheWayThroughAPedicle) {
-  const DrillPath path = suggest_path(bone_, {});
+  const DrillPath& path = path_;
   // From behind into the body.
   EXPECT_LT(path.direction().y(), -0.7);
   EXPECT_GE(path.length_mm(), 38.0);
@@ -61,7 +70,7 @@ TEST_P(SuggestedPath, KeepsItsDistanceFromTheSurfaceOnTheWayThroughAPedicle) {
 }
 
 TEST_P(SuggestedPath, StartsAtTheBonesBackAndEndsInItsBody) {
-  const DrillPath path = suggest_path(bone_, {});
+  const DrillPath& path = path_;
   // The search steps by half a millimetre through voxels of one.
   EXPECT_LT(std::abs(distance_mm(vertebra_, path.entry_mm)), 1.5);
   EXPECT_LT(distance_mm(vertebra_, path.target_mm), -4.0);

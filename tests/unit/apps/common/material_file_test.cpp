@@ -19,21 +19,18 @@ using testing::ThrowsMessage;
 const std::filesystem::path kShipped = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/materials/vertebra.json";
 
 TEST(MaterialFile, ShipsTheDefaults) {
-  const Material shipped = read_material(kShipped);
+  const Material shipped = read_material(kShipped, {});
   const Material defaults;
-  EXPECT_EQ(shipped.density_at_0_hu, defaults.density_at_0_hu);
-  EXPECT_EQ(shipped.density_per_hu, defaults.density_per_hu);
   EXPECT_EQ(shipped.pressure_at_1_g_cm3, defaults.pressure_at_1_g_cm3);
   EXPECT_EQ(shipped.pressure_exponent, defaults.pressure_exponent);
 }
 
 TEST(MaterialFile, ReadsEachKeyIntoItsOwnMember) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder.path() / "m.json") << R"({"density_at_0_hu_g_cm3": 0.1, "density_per_hu_g_cm3": 0.002,
-      "pressure_at_1_g_cm3_mpa": 3, "pressure_exponent": 1.5})";
-  const Material material = read_material(folder.path() / "m.json");
-  EXPECT_EQ(material.density_at_0_hu, 0.1);
-  EXPECT_EQ(material.density_per_hu, 0.002);
+  std::ofstream(folder.path() / "m.json") << R"({"pressure_at_1_g_cm3_mpa": 3, "pressure_exponent": 1.5})";
+  const Material material = read_material(folder.path() / "m.json", {0.1, 0.002});
+  EXPECT_EQ(material.density.at_0_hu, 0.1);
+  EXPECT_EQ(material.density.per_hu, 0.002);
   EXPECT_EQ(material.pressure_at_1_g_cm3, 3.0);
   EXPECT_EQ(material.pressure_exponent, 1.5);
 }
@@ -41,8 +38,7 @@ TEST(MaterialFile, ReadsEachKeyIntoItsOwnMember) {
 TEST(MaterialFile, IsRefusedWithFileAndKeyNamed) {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "m.json";
-  for (const char* key :
-       {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3", "pressure_at_1_g_cm3_mpa", "pressure_exponent"}) {
+  for (const char* key : {"pressure_at_1_g_cm3_mpa", "pressure_exponent"}) {
     // Missing, of the wrong type, and without sense.
     for (const Json& value : {Json(), Json("1"), Json(-1e6)}) {
       Json json = read_json(kShipped);
@@ -54,11 +50,19 @@ TEST(MaterialFile, IsRefusedWithFileAndKeyNamed) {
       std::ofstream(path, std::ios::trunc) << json.dump();
       // Where the law itself is refused, the message says the member's name without the unit.
       const std::string stem = std::string(key).substr(0, 14);
-      EXPECT_THAT([&] { read_material(path); }, ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(stem))))
+      EXPECT_THAT([&] { read_material(path, {}); }, ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(stem))))
           << key << ": " << value;
     }
   }
-  EXPECT_THAT([&] { read_material(folder.path() / "none.json"); }, ThrowsMessage<Error>(HasSubstr("no such file")));
+  EXPECT_THAT([&] { read_material(folder.path() / "none.json", {}); }, ThrowsMessage<Error>(HasSubstr("no such file")));
+}
+
+TEST(MaterialFile, IsRefusedWhereItHoldsTheDensityToo) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "m.json")
+      << R"({"density_per_hu_g_cm3": 0.002, "pressure_at_1_g_cm3_mpa": 3, "pressure_exponent": 1.5})";
+  EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr("density_per_hu_g_cm3"))));
 }
 
 }  // namespace

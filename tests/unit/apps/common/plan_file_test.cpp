@@ -57,6 +57,21 @@ TEST_F(PlanFile, GivesBackEveryPathToTheLastBit) {
   }
 }
 
+TEST_F(PlanFile, KeepsEveryShapeOfBit) {
+  for (const BitShape shape :
+       {BitShape::drill, BitShape::round_burr, BitShape::conical_burr, BitShape::tapered_screw}) {
+    std::vector<DrillPath> paths = two_paths();
+    paths[1].bit = {4.0, 40.0, 6.0, shape, 1.5, 0.7};
+    write_plan(paths, path());
+    const DrillBit bit = read_plan(path())[1].bit;
+    EXPECT_EQ(bit.shape, shape);
+    EXPECT_EQ(bit.tip_diameter_mm, 1.5);
+    EXPECT_EQ(bit.shank_diameter_mm, 0.7);
+  }
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["bit"]["shape"] = "spoon"; }); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("spoon"), HasSubstr("round-burr"))));
+}
+
 TEST_F(PlanFile, SaysItsFrameAndUnit) {
   write_plan(two_paths(), path());
   const Json json = read_json(path());

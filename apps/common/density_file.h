@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/ct/density_law.h"
+
+namespace spinaltap {
+
+/// Reads a law of data/densities/: a JSON object with either "density_at_0_hu_g_cm3" and "density_per_hu_g_cm3", or
+/// "calibration": pairs [HU, g/cm³] measured on a calibration phantom, through which a line is laid. Without a
+/// calibration the residuals are 0. Throws Error that names the file and the key at fault.
+DensityCalibration read_density_law(const std::filesystem::path& path);
+
+}  // namespace spinaltap

@@ -1,0 +1,76 @@
+#include "apps/report/comparison_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <string>
+
+#include "apps/common/point_methods.h"
+#include "apps/report/pixel_text.h"
+#include "core/base/error.h"
+#include "vdb/render.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr int kTileWidth = 420;
+constexpr int kTileHeight = 330;
+constexpr int kTextScale = 2;
+constexpr int kLine = (kTextHeight + 3) * kTextScale;
+constexpr int kHead = 2 * kLine + 6;
+constexpr int kGap = 8;
+constexpr Colour kWhite{255, 255, 255};
+constexpr Colour kAmber{255, 190, 60};
+
+struct Tile {
+  const BoneModel* bone;
+  std::string title;
+  std::string figures;
+};
+
+std::string figures_text(const SurfaceFigures& figures, bool is_truth) {
+  std::array<char, 96> text{};
+  if (is_truth) {
+    std::snprintf(text.data(), text.size(), "ROUGHNESS %.1f", figures.roughness_deg);
+  } else {
+    std::snprintf(text.data(), text.size(), "ROUGHNESS %.1f VOLUME %.1f %.2f mm", figures.roughness_deg,
+                  100.0 * figures.volume_change, figures.mean_mm);
+  }
+  return text.data();
+}
+
+}  // namespace
+
+Image comparison_picture(const Comparison& comparison, const Progress& progress) {
+  if (comparison.surfaces.empty()) fail("comparison: nothing was compared");
+  const PointMethod first = comparison.surfaces.front().method;
+  const auto columns = static_cast<int>(std::count_if(comparison.surfaces.begin(), comparison.surfaces.end(),
+                                                      [&](const auto& surface) { return surface.method == first; }));
+  std::vector<Tile> tiles;
+  for (const ComparedSurface& surface : comparison.surfaces) {
+    std::string name = name_of(surface.method);
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    std::array<char, 64> title{};
+    std::snprintf(title.data(), title.size(), "%s, SMOOTHING %g mm", name.c_str(), surface.smoothing_mm);
+    tiles.push_back({surface.bone ? &*surface.bone : nullptr, title.data(),
+                     surface.bone ? figures_text(surface.figures, false) : "NO SURFACE"});
+  }
+  tiles.push_back({&comparison.truth, "TRUTH", figures_text(comparison.truth_figures, true)});
+  const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
+  Image sheet{columns * (kTileWidth + kGap) + kGap, rows * (kTileHeight + kHead + kGap) + kGap, {}};
+  sheet.rgb.assign(3 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), 24);
+  for (std::size_t n = 0; n < tiles.size(); ++n) {
+    const int x = kGap + static_cast<int>(n) % columns * (kTileWidth + kGap);
+    const int y = kGap + static_cast<int>(n) / columns * (kTileHeight + kHead + kGap);
+    draw_text(sheet, x, y, tiles[n].title, kTextScale, kWhite);
+    draw_text(sheet, x, y + kLine, tiles[n].figures, kTextScale, kAmber);
+    if (tiles[n].bone == nullptr) continue;
+    const RenderOptions options{.width = kTileWidth, .height = kTileHeight, .from = Vec3(0.35, 1.0, 0.45)};
+    paste(render_bone(*tiles[n].bone, options, progress), sheet, x, y + kHead);
+  }
+  return sheet;
+}
+
+}  // namespace spinaltap

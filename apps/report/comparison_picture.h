@@ -1,0 +1,13 @@
+#pragma once
+
+#include "apps/common/surface_comparison.h"
+#include "core/base/image.h"
+#include "core/base/progress.h"
+
+namespace spinaltap {
+
+/// The compared surfaces as one picture, from behind: a row for each method, a column for each smoothing, the truth
+/// beside the last row, with their figures. Throws Error when nothing was compared.
+Image comparison_picture(const Comparison& comparison, const Progress& progress = {});
+
+}  // namespace spinaltap

@@ -1,0 +1,112 @@
+// spinaltap bench drill on coarse points: the figures' form and their agreement, not the times.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "apps/common/json_file.h"
+#include "core/base/staged_output.h"
+#include "tests/cli/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using test::run_program;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Bench : public testing::Test {
+ protected:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Bench, MeasuresEnginesOnEachMotion) {
+  const test::ProgramRun run = run_program(
+      "bench drill --engine reference,arc,ring --spacing 0.3 --motion on-path,hand-off-path --diameter 3.0 --window 5 "
+      "-o bench.json "
+      "--plot bench.html",
+      folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("seed 1"));
+  EXPECT_THAT(run.output, HasSubstr("reference*"));
+  const Json figures = read_json(folder_.path() / "bench.json");
+  // For each motion: reference and arc once, ring with 1 and 2 threads.
+  ASSERT_EQ(figures["runs"].size(), 8U);
+  for (const Json& one : figures["runs"]) {
+    EXPECT_EQ(one["points"].get<int>(), 126 * 271);
+    EXPECT_GT(one["cycles_per_cpu_s"]["last_tenth"].get<double>(), 0.0);
+    EXPECT_GT(one["ratio_to_reference"]["last_tenth"].get<double>(), 0.0);
+    EXPECT_LE(one["cpu_us"]["p50"].get<double>(), one["cpu_us"]["max"].get<double>());
+    EXPECT_GT(one["bytes_per_point"].get<double>(), 1.0);
+    const bool is_whole = one["engine"] == "ring";
+    EXPECT_EQ(one["timed_cycles"].get<int>(), is_whole ? 37'800 : 55);
+    EXPECT_EQ(one["curve_begin_end_cycles_per_cpu_s"].size(), is_whole ? 100U : 21U);
+  }
+  EXPECT_EQ(figures["runs"][2]["alive_hash"], figures["runs"][3]["alive_hash"]);
+  EXPECT_NE(figures["runs"][2]["alive_hash"], figures["runs"][6]["alive_hash"]);
+  EXPECT_THAT(read_whole_file(folder_.path() / "bench.html"), HasSubstr("Figure 20"));
+}
+
+TEST_F(Bench, MeasuresLongStepsWithEachNumberOfThreads) {
+  const test::ProgramRun run = run_program(
+      "bench drill --engine ring --spacing 0.3 --motion burr,sideways --threads 2,1 -o bench.json", folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json figures = read_json(folder_.path() / "bench.json");
+  ASSERT_EQ(figures["steps"].size(), 4U);
+  EXPECT_EQ(figures["steps"][0]["threads"], 2);
+  EXPECT_EQ(figures["steps"][0]["speed_up"], 1.0);
+  EXPECT_EQ(figures["steps"][0]["removed"], figures["steps"][1]["removed"]);
+  EXPECT_TRUE(figures["runs"].empty());
+}
+
+TEST_F(Bench, FindsTheSamePointsWithEveryEngine) {
+  const test::ProgramRun run = run_program(
+      "bench drill --spacing 0.3 --motion hand,tilted,burr,sideways --diameter 3.06 --window 2", folder_.path());
+  EXPECT_EQ(run.exit_code, 0) << run.errors;
+}
+
+TEST_F(Bench, RepeatsItsHandBySeed) {
+  const auto hash = [&](const std::string& seed) {
+    const test::ProgramRun run = run_program(
+        "bench drill --spacing 0.5 --motion hand --diameter 3.0 --engine ring "
+        "--threads 1 -o bench.json --seed " +
+            seed,
+        folder_.path());
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    return read_json(folder_.path() / "bench.json")["runs"][0]["alive_hash"].get<std::string>();
+  };
+  const std::string first = hash("1");
+  EXPECT_EQ(first, hash("1"));
+  EXPECT_NE(first, hash("2"));
+}
+
+TEST_F(Bench, PrintsMarkdownWhereAskedFor) {
+  const test::ProgramRun run = run_program(
+      "bench drill --spacing 0.5 --motion tilted --diameter 3.06 --engine ring --threads 1 --markdown", folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("|---|--:|---|"));
+  EXPECT_THAT(run.output, HasSubstr("| tilted, 3.06 | 0.5 | ring | 1 |"));
+}
+
+TEST_F(Bench, IsRefusedInOneLineAndLeavesNoFile) {
+  for (const char* arguments :
+       {"--engine voxels", "--motion backwards", "--spacing 0", "--spacing 0.1,nan", "--diameter -3", "--diameter nan",
+        "--threads 0", "--window 0", "--window 5000", "--hu-bits 12", "--seed -1 --engine"}) {
+    const test::ProgramRun run = run_program(
+        std::string("bench drill --engine ring --motion tilted -o bench.json ") + arguments, folder_.path());
+    EXPECT_NE(run.exit_code, 0) << arguments;
+    EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
+    EXPECT_THAT(test::everything_in(folder_.path()), ElementsAre());
+  }
+  EXPECT_EQ(run_program("bench drill --engine voxels", folder_.path()).exit_code, 2);
+  EXPECT_EQ(run_program("bench", folder_.path()).exit_code, 2);
+  // Files are refused before the work: this would take minutes.
+  const test::ProgramRun nowhere = run_program("bench drill --spacing 0.025 -o /proc/none/bench.json", folder_.path());
+  EXPECT_EQ(nowhere.exit_code, 1);
+  EXPECT_THAT(nowhere.errors, HasSubstr("/proc/none"));
+}
+
+}  // namespace
+}  // namespace spinaltap
