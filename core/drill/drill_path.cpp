@@ -16,6 +16,7 @@ void check_path(const DrillPath& path) {
          length_mm, " mm");
   }
   check_bit(path.bit);
+  if (path.screw) check_screw(*path.screw);
 }
 
 }  // namespace spinaltap

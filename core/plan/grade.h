@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/drill/drill_path.h"
+#include "core/drill/material.h"
+#include "core/plan/wall_distance.h"
+
+namespace spinaltap {
+
+/// Gertzbein & Robbins 1990: A no breach, B below 2 mm, C from 2 to below 4, D from 4 to below 6, E from 6 mm on.
+enum class Grade { A, B, C, D, E };
+/// Throws Error on a breach that is negative or not a number.
+Grade gertzbein_robbins(double breach_mm);
+
+/// Where something lies as seen from a path through a pedicle.
+enum class PathSide { medial, lateral, cranial, caudal, anterior };
+const char* name_of(PathSide side);
+
+/// CT numbers (HU) at positions (patient LPS, mm).
+using HuSampler = std::function<void(std::span<const Vec3>, std::span<float>)>;
+
+struct GradeOptions {
+  double step_mm = 0.25;                       ///< along the path
+  std::vector<double> hu_bands{135.0, 375.0};  ///< borders, ascending
+};
+
+/// What a tool meets at one depth of the tip's way.
+struct GradeRow {
+  double depth_mm = 0.0;  ///< from the entry
+  double outer_mm = 0.0;  ///< clearance of the tool's surface to the outer surface; negative: breach
+  double canal_mm = 0.0;  ///< to the canal
+  PathSide outer_side = PathSide::lateral;
+  bool is_entry = false;  ///< still in the hole's mouth: the outer surface does not count
+  double hu = 0.0;        ///< mean over the tool's section; NaN where no bone is
+  double thrust_n = 0.0;  ///< predicted, of drilling the section there
+};
+
+/// A nearest approach: how near, at what depth, on which side.
+struct Approach {
+  double clearance_mm = std::numeric_limits<double>::infinity();
+  double depth_mm = 0.0;
+  PathSide side = PathSide::medial;
+};
+
+struct PathGrade {
+  Grade grade = Grade::A;
+  double breach_mm = 0.0;              ///< of the tool's surface beyond the bone's, the mouth of the hole not counted
+  Approach outer, canal;               ///< nearest approaches; the one that is negative and lower is the breach
+  double hu = 0.0;                     ///< mean along the path
+  std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
+  double most_thrust_n = 0.0;
+  std::vector<GradeRow> rows;
+};
+
+/// Grades a drill or, where the path has one, a screw on a path.
+PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
+                     const GradeOptions& options = {});
+
+}  // namespace spinaltap
