@@ -8,10 +8,12 @@
 
 namespace spinaltap {
 
-/// Writes planned paths as JSON: patient LPS, mm; see docs/plan-file.md.
+/// Writes planned paths as JSON: patient LPS, mm; see docs/plan-file.md. A name that ends in ".mrk.json" makes them
+/// 3D Slicer's markups.
 void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path);
 
-/// Reads what write_plan wrote. Throws Error that names the file and the key at fault.
+/// Reads what write_plan wrote, or lines from 3D Slicer's markups. Throws Error that names the file and the key at
+/// fault.
 std::vector<DrillPath> read_plan(const std::filesystem::path& path);
 
 /// The path called `name`, or the first when `name` is empty. Throws Error that lists the names.
