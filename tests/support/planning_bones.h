@@ -8,6 +8,7 @@
 #include "core/phantom/vertebra_truth.h"
 #include "core/plan/wall_distance.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/gridded_field.h"
 
 namespace spinaltap::test {
 
@@ -79,11 +80,11 @@ inline Landmarks phantom_landmarks(const Vertebra& vertebra, const BoneShape& bo
   return landmarks;
 }
 
-/// The phantom, its true surface as a BoneShape, and its landmarks.
+/// The phantom, its surface as a BoneShape, and its landmarks.
 struct PhantomBone {
   explicit PhantomBone(const VertebraAnatomy& anatomy = {})
       : vertebra(std::make_shared<Vertebra>(anatomy)),
-        bone(vertebra, vertebra->bounds_mm(), 0.3),
+        bone(std::make_shared<GriddedField>(*vertebra), vertebra->bounds_mm(), 0.3),
         landmarks(phantom_landmarks(*vertebra, bone)) {}
 
   std::shared_ptr<const Vertebra> vertebra;

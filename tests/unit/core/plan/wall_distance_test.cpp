@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "core/base/error.h"
 #include "core/phantom/surface_seeds.h"
@@ -86,18 +87,21 @@ struct TruePlaces {
   std::vector<Vec3> places_mm, normals;
 };
 
-TruePlaces true_places(const Vertebra& vertebra, const Vec3& from_mm, const Vec3& to_mm, double within_mm) {
+TruePlaces true_places(const Vertebra& vertebra, const std::vector<Vec3>& seeds_mm, const Vec3& from_mm,
+                       const Vec3& to_mm, double within_mm) {
   std::vector<Vec3> places_mm;
   const Vec3 way_mm = to_mm - from_mm;
-  for (const Vec3& seed_mm : surface_seeds(vertebra, 0.2)) {
+  for (const Vec3& seed_mm : seeds_mm) {
     const double share = std::clamp((seed_mm - from_mm).dot(way_mm) / way_mm.squaredNorm(), 0.0, 1.0);
     if ((from_mm + share * way_mm - seed_mm).norm() < within_mm) places_mm.push_back(seed_mm);
   }
   std::vector<Vec3> normals(places_mm.size());
   tbb::parallel_for(std::size_t{0}, places_mm.size(), [&](std::size_t n) {
-    for (int round = 0; round < 3; ++round) {
-      double value_mm = 0.0;
-      vertebra.evaluate({&places_mm[n], 1}, {&value_mm, 1}, {&normals[n], 1});
+    double value_mm = 0.0;
+    vertebra.evaluate({&places_mm[n], 1}, {&value_mm, 1}, {&normals[n], 1});
+    places_mm[n] -= value_mm / normals[n].squaredNorm() * normals[n];
+    for (int round = 0; round < 2; ++round) {  // the slope hardly changes in 0.15 mm
+      vertebra.evaluate({&places_mm[n], 1}, {&value_mm, 1}, {});
       places_mm[n] -= value_mm / normals[n].squaredNorm() * normals[n];
     }
     normals[n].normalize();
@@ -129,14 +133,16 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
   const test::PhantomBone phantom(anatomy);
   const WallDistance walls(phantom.bone, phantom.landmarks);
   const VertebraTruth truth = vertebra_truth(*phantom.vertebra);
-  constexpr double kReachMm = 20.0;
+  constexpr double kReachMm = 17.0;
+  const std::vector<Vec3> seeds_mm = surface_seeds(*phantom.vertebra, 0.2);
   for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
-    const TruePlaces surface = true_places(*phantom.vertebra, pedicle.entry_mm, pedicle.target_mm, kReachMm);
+    const TruePlaces surface = true_places(*phantom.vertebra, seeds_mm, pedicle.entry_mm, pedicle.target_mm, kReachMm);
     std::vector<std::uint8_t> is_canal;
     for (std::size_t n = 0; n < surface.places_mm.size(); ++n) {
       is_canal.push_back(test::faces_canal(*phantom.vertebra, surface.places_mm[n], surface.normals[n]) ? 1 : 0);
     }
     int compared = 0;
+    double worst_mm = 0.0;
     for (const double aside_mm : {-6.0, -3.0, 0.0, 3.0}) {
       for (int n = 0; n <= 20; ++n) {
         const Vec3 p_mm =
@@ -150,15 +156,18 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
         EXPECT_NEAR(std::min(std::abs(found.outer.distance_mm), std::abs(found.canal.distance_mm)), either_mm, 0.05)
             << aside_mm << " mm aside, " << n;
         for (const auto& [wall, truth_there] : {std::pair(found.outer, outer), std::pair(found.canal, canal)}) {
-          if (truth_there.distance_mm > kReachMm - 7.0) continue;
+          if (truth_there.distance_mm > kReachMm - 6.0) continue;
           // Where one wall goes over into the other, its end lies somewhere between two samples.
           if (truth_there.facing < 0.99) continue;
+          worst_mm = std::max(worst_mm, std::abs(std::abs(wall.distance_mm) - truth_there.distance_mm));
           EXPECT_NEAR(std::abs(wall.distance_mm), truth_there.distance_mm, 0.05) << aside_mm << " mm aside, " << n;
           ++compared;
         }
       }
     }
     EXPECT_GT(compared, 80);
+    RecordProperty("compared", compared);
+    RecordProperty("worst_mm", std::to_string(worst_mm));
   }
 }
 
