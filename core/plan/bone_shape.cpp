@@ -11,7 +11,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kSampleMm = 0.5 * BoneShape::kLatticeMm;
+constexpr double kSampleMm = BoneShape::kSampleMm;
 
 FloatGrid sampled_lattice(const ScalarField& surface, const Box3& bounds_mm, const Progress& progress) {
   constexpr double kLargestMm = 500.0;

@@ -16,6 +16,8 @@ namespace spinaltap {
 class BoneShape {
  public:
   static constexpr double kLatticeMm = 0.5;
+  /// About how far the points of the surface lie from each other.
+  static constexpr double kSampleMm = 0.5 * kLatticeMm;
 
   /// `surface`: its value is the distance up to `sure_mm` from its zero set, has the right sign everywhere, and its
   /// gradient leads to the zero set from 0.5 mm away. `bounds_mm` holds the zero set. Throws Error where there is none,
@@ -45,6 +47,8 @@ class BoneShape {
   }
 
   const ScalarField& surface() const { return *surface_; }
+  /// Up to here from its zero set the surface's value is the distance.
+  double sure_mm() const { return sure_mm_; }
 
  private:
   std::shared_ptr<const ScalarField> surface_;

@@ -1,0 +1,123 @@
+#include "core/plan/grade.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/plan/find_breach.h"
+#include "core/plan/graded_tool.h"
+#include "core/plan/inside_bone.h"
+#include "core/plan/tool_sections.h"
+
+namespace spinaltap {
+namespace {
+
+void check_options(const GradeOptions& options) {
+  constexpr double kFinestMm = 0.01, kCoarsestMm = 5.0;
+  if (!(options.step_mm >= kFinestMm && options.step_mm <= kCoarsestMm)) {
+    fail("grade: expected a step of ", kFinestMm, " to ", kCoarsestMm, " mm, found ", options.step_mm, " mm");
+  }
+  constexpr int kFewest = 8, kMost = 720;
+  if (options.ring_points < kFewest || options.ring_points > kMost) {
+    fail("grade: expected ", kFewest, " to ", kMost, " points of a ring, found ", options.ring_points);
+  }
+  for (std::size_t n = 0; n < options.hu_bands.size(); ++n) {
+    if (!std::isfinite(options.hu_bands[n]) || (n > 0 && !(options.hu_bands[n] > options.hu_bands[n - 1]))) {
+      fail("grade: expected borders of HU bands that ascend, found ", options.hu_bands[n], " HU");
+    }
+  }
+}
+
+std::vector<double> depths_of(double length_mm, double step_mm) {
+  std::vector<double> depths_mm;
+  for (int n = 0; step_mm * n < length_mm - 1e-6; ++n) depths_mm.push_back(step_mm * n);
+  depths_mm.push_back(length_mm);
+  return depths_mm;
+}
+
+/// How many rows belong to the hole's mouth: until the whole section is in bone for the first time and what is nearest
+/// of the outer surface no longer lies behind; at the latest 4 mm before the pedicle's isthmus.
+std::size_t rows_of_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
+                          std::span<const GradeRow> rows, std::span<const WallDistance::Walls> axis, int ring_points) {
+  constexpr double kBeforeIsthmusMm = 4.0;
+  constexpr double kBehind = 0.5;  // cosine of 60 degrees
+  const double latest_mm = (sides.pedicle().isthmus_mm - tool.axis_mm(0.0)).dot(tool.direction()) - kBeforeIsthmusMm;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    if (!(rows[n].depth_mm < latest_mm)) return n;
+    if (!(axis[n].nearer_mm() > 0.0)) continue;
+    const Vec3 towards = SideNames::towards(tool.axis_mm(rows[n].depth_mm), axis[n].outer);
+    if (-towards.dot(tool.direction()) > kBehind) continue;
+    const std::vector<Vec3> ring = ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, ring_points);
+    const std::vector<std::uint8_t> inside = inside_bone(walls.bone(), ring);
+    if (std::all_of(inside.begin(), inside.end(), [](std::uint8_t one) { return one != 0; })) return n;
+  }
+  return rows.size();
+}
+
+Approach nearest_of(Approach so_far, double clearance_mm, double depth_mm, PathSide side) {
+  return clearance_mm < so_far.clearance_mm ? Approach{clearance_mm, depth_mm, side} : so_far;
+}
+
+}  // namespace
+
+Grade gertzbein_robbins(double breach_mm) {
+  if (!(breach_mm >= 0.0)) fail("grade: expected a breach of 0 mm or more, found ", breach_mm, " mm");
+  if (breach_mm == 0.0) return Grade::A;
+  if (breach_mm < 2.0) return Grade::B;
+  if (breach_mm < 4.0) return Grade::C;
+  return breach_mm < 6.0 ? Grade::D : Grade::E;
+}
+
+char letter_of(Grade grade) { return static_cast<char>('A' + static_cast<int>(grade)); }
+
+PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
+                     const GradeOptions& options) {
+  check_options(options);
+  check_material(material);
+  if (!hu) fail("grade: expected a sampler of CT numbers");
+  const GradedTool tool(path);
+  const SideNames sides(walls.landmarks(), path);
+  const std::vector<double> depths_mm = depths_of(tool.length_mm(), options.step_mm);
+
+  PathGrade graded;
+  graded.is_left = sides.is_left();
+  std::vector<WallDistance::Walls> axis;
+  for (const double depth_mm : depths_mm) {
+    const Vec3 p_mm = tool.axis_mm(depth_mm);
+    axis.push_back(walls.walls(p_mm));
+    GradeRow row;
+    row.depth_mm = depth_mm;
+    row.radius_mm = tool.radius_mm(depth_mm);
+    row.outer_mm = axis.back().outer.distance_mm - row.radius_mm;
+    row.canal_mm = axis.back().canal.distance_mm - row.radius_mm;
+    row.outer_side = sides.of(p_mm, axis.back().outer);
+    row.canal_side = sides.of(p_mm, axis.back().canal);
+    graded.rows.push_back(row);
+  }
+  const std::size_t entry_rows = rows_of_entry(walls, tool, sides, graded.rows, axis, options.ring_points);
+  graded.entry_end_mm = entry_rows < depths_mm.size() ? depths_mm[entry_rows] : tool.length_mm();
+  const ToolSections sections(walls.bone(), hu, material, tool, depths_mm, options.step_mm, options.hu_bands);
+  for (std::size_t n = 0; n < graded.rows.size(); ++n) {
+    GradeRow& row = graded.rows[n];
+    row.is_entry = n < entry_rows;
+    row.hu = sections.hu(n);
+    row.thrust_n = sections.thrust_n(n);
+    graded.most_thrust_n = std::max(graded.most_thrust_n, row.thrust_n);
+    if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side);
+    graded.canal = nearest_of(graded.canal, row.canal_mm, row.depth_mm, row.canal_side);
+  }
+  graded.hu = sections.mean_hu();
+  graded.hu_band_shares = sections.band_shares();
+
+  const FoundBreach breach = find_breach(walls, tool, graded.rows, axis, options.ring_points);
+  graded.breach_mm = breach.breach_mm;
+  graded.grade = gertzbein_robbins(breach.breach_mm);
+  if (breach.breach_mm > 0.0) {
+    graded.breach_depth_mm = breach.depth_mm;
+    graded.breaches_canal = breach.is_canal;
+    graded.breach_side = sides.of(breach.place_mm, breach.wall);
+  }
+  return graded;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,38 @@
+#include "core/plan/graded_tool.h"
+
+#include <algorithm>
+
+namespace spinaltap {
+namespace {
+
+BitProfile profile_of(const DrillPath& path) {
+  check_path(path);
+  return BitProfile(path.screw ? path.screw->outline() : path.bit);
+}
+
+}  // namespace
+
+GradedTool::GradedTool(const DrillPath& path)
+    : profile_(profile_of(path)),
+      entry_mm_(path.entry_mm),
+      target_mm_(path.target_mm),
+      direction_(path.direction()),
+      length_mm_(path.length_mm()) {}
+
+double GradedTool::radius_mm(double depth_mm) const {
+  // Whatever has passed a depth has cut it as wide as its widest part: a burr's hole does not narrow to its shank.
+  return std::max(0.0, profile_.widest_mm(0.0, length_mm_ - depth_mm));
+}
+
+double GradedTool::back_mm(double radius_mm) const {
+  double narrower_mm = 0.0;
+  double as_wide_mm = profile_.length_mm();
+  if (profile_.widest_mm(0.0, 0.0) >= radius_mm) return 0.0;
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle_mm = 0.5 * (narrower_mm + as_wide_mm);
+    (profile_.widest_mm(0.0, middle_mm) < radius_mm ? narrower_mm : as_wide_mm) = middle_mm;
+  }
+  return as_wide_mm;
+}
+
+}  // namespace spinaltap

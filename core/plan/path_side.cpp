@@ -1,0 +1,65 @@
+#include "core/plan/path_side.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spinaltap {
+namespace {
+
+double distance_to_path_mm(const Vec3& p_mm, const DrillPath& path) {
+  const double along_mm = std::clamp((p_mm - path.entry_mm).dot(path.direction()), 0.0, path.length_mm());
+  return (path.entry_mm + along_mm * path.direction() - p_mm).norm();
+}
+
+bool is_mostly_anterior(const Vec3& own) { return -own.y() > std::max(std::abs(own.x()), std::abs(own.z())); }
+
+}  // namespace
+
+const char* name_of(PathSide side) {
+  switch (side) {
+    case PathSide::medial:
+      return "medial";
+    case PathSide::lateral:
+      return "lateral";
+    case PathSide::cranial:
+      return "cranial";
+    case PathSide::caudal:
+      return "caudal";
+    case PathSide::anterior:
+      break;
+  }
+  return "anterior";
+}
+
+SideNames::SideNames(const Landmarks& landmarks, const DrillPath& path)
+    : landmarks_(landmarks),
+      pedicle_(distance_to_path_mm(landmarks.left_pedicle.isthmus_mm, path) <=
+                       distance_to_path_mm(landmarks.right_pedicle.isthmus_mm, path)
+                   ? &landmarks.left_pedicle
+                   : &landmarks.right_pedicle),
+      direction_(path.direction()),
+      target_mm_(path.target_mm) {}
+
+Vec3 SideNames::towards(const Vec3& p_mm, const WallDistance::Wall& wall) {
+  constexpr double kNearMm = 0.5;
+  if (!(std::abs(wall.distance_mm) > kNearMm)) return wall.normal;
+  const Vec3 way_mm = wall.distance_mm > 0.0 ? wall.nearest_mm - p_mm : p_mm - wall.nearest_mm;
+  const double length_mm = way_mm.norm();
+  return length_mm > 0.0 ? Vec3(way_mm / length_mm) : wall.normal;
+}
+
+PathSide SideNames::of(const Vec3& p_mm, const WallDistance::Wall& wall) const {
+  constexpr double kAhead = 0.5;  // cosine of 60 degrees
+  const Vec3 way = towards(p_mm, wall);
+  const Vec3 own = landmarks_.axes.transpose() * way;
+  if (is_mostly_anterior(own) || is_mostly_anterior(landmarks_.axes.transpose() * wall.normal)) {
+    return PathSide::anterior;
+  }
+  const bool runs_forward = -direction_.dot(landmarks_.posterior()) > kAhead;
+  const bool is_ahead = wall.distance_mm <= 0.0 || (wall.nearest_mm - target_mm_).dot(direction_) > 0.0;
+  if (runs_forward && is_ahead && way.dot(direction_) > kAhead) return PathSide::anterior;
+  if (std::abs(own.x()) < std::abs(own.z())) return own.z() > 0.0 ? PathSide::cranial : PathSide::caudal;
+  return (own.x() < 0.0) == is_left() ? PathSide::medial : PathSide::lateral;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,144 @@
+#include "core/plan/tool_sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace spinaltap {
+namespace {
+
+/// A unit vector of the plane at right angles to `axis`, `turn` of a whole turn round.
+Vec3 across(const Vec3& axis, const Vec3& first, double turn) {
+  const double angle = 2.0 * std::numbers::pi * turn;
+  return std::cos(angle) * first + std::sin(angle) * axis.cross(first);
+}
+
+int places_of(int annulus) { return 4 * (2 * annulus + 1); }
+
+}  // namespace
+
+ToolSections::ToolSections(const BoneShape& bone,
+                           const std::function<void(std::span<const Vec3>, std::span<float>)>& hu,
+                           const Material& material, const GradedTool& tool, std::span<const double> depths_mm,
+                           double step_mm, std::span<const double> hu_bands)
+    : step_mm_(step_mm),
+      share_mm2_(std::numbers::pi * tool.widest_mm() * tool.widest_mm() / kPoints),
+      band_count_(hu_bands.size() + 1) {
+  for (std::size_t n = 0; n < kAnnuli; ++n) {
+    middle_mm_[n] = (static_cast<double>(n) + 0.5) / kAnnuli * tool.widest_mm();
+    back_mm_[n] = tool.back_mm(middle_mm_[n]);
+  }
+  // A tip at the entry has its wider part behind, where a slanting surface may have bone.
+  lead_ = static_cast<std::size_t>(std::ceil(back_mm_.back() / step_mm));
+  for (std::size_t n = lead_; n > 0; --n) depths_mm_.push_back(-step_mm * static_cast<double>(n));
+  depths_mm_.insert(depths_mm_.end(), depths_mm.begin(), depths_mm.end());
+  for (const double depth_mm : depths_mm) radii_mm_.push_back(tool.radius_mm(depth_mm));
+
+  std::vector<Vec3> places_mm;
+  places_mm.reserve(depths_mm_.size() * kPoints);
+  const Vec3 first = any_perpendicular(tool.direction());
+  std::vector<Vec3> pattern_mm;
+  for (int annulus = 0; annulus < kAnnuli; ++annulus) {
+    const int count = places_of(annulus);
+    for (int n = 0; n < count; ++n) {
+      pattern_mm.push_back(middle_mm_[static_cast<std::size_t>(annulus)] *
+                           across(tool.direction(), first, (n + 0.5) / count));
+    }
+  }
+  for (const double depth_mm : depths_mm_) {
+    for (const Vec3& place_mm : pattern_mm) places_mm.push_back(tool.axis_mm(depth_mm) + place_mm);
+  }
+  const std::vector<std::uint8_t> inside = inside_bone(bone, places_mm);
+  std::vector<Vec3> in_bone_mm;
+  for (std::size_t n = 0; n < places_mm.size(); ++n) {
+    if (inside[n] != 0) in_bone_mm.push_back(places_mm[n]);
+  }
+  std::vector<float> found_hu(in_bone_mm.size());
+  if (!in_bone_mm.empty()) hu(in_bone_mm, found_hu);
+
+  sections_.resize(depths_mm_.size());
+  std::size_t place = 0;
+  std::size_t next = 0;
+  for (Section& section : sections_) {
+    for (int annulus = 0; annulus < kAnnuli; ++annulus) {
+      Sums& sums = section[static_cast<std::size_t>(annulus)];
+      sums.bands.assign(band_count_, 0);
+      for (int n = 0; n < places_of(annulus); ++n, ++place) {
+        if (inside[place] == 0) continue;
+        const auto value_hu = static_cast<double>(found_hu[next++]);
+        if (!std::isfinite(value_hu)) continue;
+        ++sums.count;
+        sums.hu += value_hu;
+        sums.pressure_mpa += material.pressure_mpa(value_hu);
+        const auto band = std::upper_bound(hu_bands.begin(), hu_bands.end(), value_hu) - hu_bands.begin();
+        ++sums.bands[static_cast<std::size_t>(band)];
+      }
+    }
+  }
+}
+
+bool ToolSections::holds(std::size_t annulus, std::size_t n) const {
+  // The very tip still has a CT number: that on its axis.
+  return annulus == 0 || middle_mm_[annulus] <= radii_mm_[n];
+}
+
+double ToolSections::hu(std::size_t n) const {
+  int count = 0;
+  double sum = 0.0;
+  for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
+    if (!holds(annulus, n)) continue;
+    count += at(n)[annulus].count;
+    sum += at(n)[annulus].hu;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+double ToolSections::mean_hu() const {
+  int count = 0;
+  double sum = 0.0;
+  for (std::size_t n = 0; n < radii_mm_.size(); ++n) {
+    for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
+      if (!holds(annulus, n)) continue;
+      count += at(n)[annulus].count;
+      sum += at(n)[annulus].hu;
+    }
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<double> ToolSections::band_shares() const {
+  std::vector<double> shares(band_count_, 0.0);
+  double count = 0.0;
+  for (std::size_t n = 0; n < radii_mm_.size(); ++n) {
+    for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
+      if (!holds(annulus, n)) continue;
+      count += at(n)[annulus].count;
+      for (std::size_t band = 0; band < band_count_; ++band) shares[band] += at(n)[annulus].bands[band];
+    }
+  }
+  for (double& share : shares) share = count > 0.0 ? share / count : 0.0;
+  return shares;
+}
+
+double ToolSections::pressure_sum_mpa(std::size_t annulus, double depth_mm) const {
+  const double index =
+      std::clamp((depth_mm - depths_mm_.front()) / step_mm_, 0.0, static_cast<double>(depths_mm_.size() - 1));
+  const auto below = std::min(static_cast<std::size_t>(index), depths_mm_.size() - 1);
+  const std::size_t above = std::min(below + 1, depths_mm_.size() - 1);
+  const double low = sections_[below][annulus].pressure_mpa;
+  const double gap_mm = depths_mm_[above] - depths_mm_[below];
+  if (!(gap_mm > 0.0)) return low;
+  const double share = std::clamp((depth_mm - depths_mm_[below]) / gap_mm, 0.0, 1.0);
+  return low + share * (sections_[above][annulus].pressure_mpa - low);
+}
+
+double ToolSections::thrust_n(std::size_t n) const {
+  double sum_mpa = 0.0;
+  for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
+    sum_mpa += pressure_sum_mpa(annulus, depths_mm_[lead_ + n] - back_mm_[annulus]);
+  }
+  return sum_mpa * share_mm2_;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/drill/material.h"
+#include "core/plan/graded_tool.h"
+#include "core/plan/inside_bone.h"
+
+namespace spinaltap {
+
+/// The bone that a tool meets, in sections across its path: places of equal shares of the widest section, in annuli.
+class ToolSections {
+ public:
+  static constexpr int kAnnuli = 4;
+  static constexpr int kPoints = 4 * kAnnuli * kAnnuli;
+
+  /// `depths_mm`: ascending, from 0 to the path's length, `step_mm` apart except for the last. `hu_bands`: borders.
+  ToolSections(const BoneShape& bone, const std::function<void(std::span<const Vec3>, std::span<float>)>& hu,
+               const Material& material, const GradedTool& tool, std::span<const double> depths_mm, double step_mm,
+               std::span<const double> hu_bands);
+
+  /// Mean CT number of the bone in the tool's own section at the n-th depth; NaN where there is none.
+  double hu(std::size_t n) const;
+  /// Of the tool's whole volume in bone; NaN where there is none.
+  double mean_hu() const;
+  /// Shares of that volume, one more than there are borders; 0 without bone.
+  std::vector<double> band_shares() const;
+  /// Work of drilling over way (N) with the tip at the n-th depth: each annulus is cut where the tip first is as wide.
+  double thrust_n(std::size_t n) const;
+
+ private:
+  /// Sums over the places of an annulus that are in bone.
+  struct Sums {
+    int count = 0;
+    double hu = 0.0;
+    double pressure_mpa = 0.0;
+    std::vector<int> bands;
+  };
+  using Section = std::array<Sums, kAnnuli>;
+
+  double pressure_sum_mpa(std::size_t annulus, double depth_mm) const;
+  const Section& at(std::size_t n) const { return sections_[lead_ + n]; }
+  bool holds(std::size_t annulus, std::size_t n) const;
+
+  std::vector<Section> sections_;
+  std::vector<double> depths_mm_;  ///< of sections_, the first `lead_` of them before the entry
+  std::size_t lead_ = 0;
+  std::vector<double> radii_mm_;             ///< of the tool, one of each depth from the entry on
+  std::array<double, kAnnuli> middle_mm_{};  ///< radius of each annulus
+  std::array<double, kAnnuli> back_mm_{};    ///< how far behind the tip it is cut
+  double step_mm_;
+  double share_mm2_;
+  std::size_t band_count_;
+};
+
+}  // namespace spinaltap

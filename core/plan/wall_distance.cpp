@@ -1,0 +1,86 @@
+#include "core/plan/wall_distance.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+double surface_value_mm(const BoneShape& bone, const Vec3& p_mm) {
+  double value_mm = 0.0;
+  bone.surface().evaluate({&p_mm, 1}, {&value_mm, 1}, {});
+  return value_mm;
+}
+
+/// The wall near a sample, as a plane: its distance without sign, and the foot of p on it.
+WallDistance::Wall wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& normal) {
+  WallDistance::Wall wall;
+  wall.normal = normal;
+  wall.nearest_mm = sample_mm;
+  wall.distance_mm = without_sampling_error_mm(p_mm, sample_mm, normal, BoneShape::kSampleMm);
+  const Vec3 foot_mm = p_mm - (p_mm - sample_mm).dot(normal) * normal;
+  if ((foot_mm - sample_mm).norm() <= BoneShape::kSampleMm) wall.nearest_mm = foot_mm;
+  return wall;
+}
+
+}  // namespace
+
+WallDistance::Samples WallDistance::samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal) {
+  std::vector<Vec3> points_mm;
+  Samples samples;
+  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
+    if ((landmarks.is_canal_wall[n] != 0) != is_canal) continue;
+    points_mm.push_back(bone.points_mm()[n]);
+    samples.normals.push_back(bone.normals()[n]);
+  }
+  samples.tree = PointTree(std::move(points_mm));
+  return samples;
+}
+
+WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks) : bone_(bone), landmarks_(landmarks) {
+  if (landmarks.is_canal_wall.size() != bone.points_mm().size()) {
+    fail("walls: expected landmarks of this bone, which flag its ", bone.points_mm().size(), " points, found ",
+         landmarks.is_canal_wall.size(), " flags");
+  }
+  outer_ = samples_of(bone, landmarks, false);
+  canal_ = samples_of(bone, landmarks, true);
+}
+
+WallDistance::Walls WallDistance::walls(const Vec3& p_mm) const {
+  Walls both;
+  if (!p_mm.allFinite()) {
+    both.outer.distance_mm = both.canal.distance_mm = std::numeric_limits<double>::quiet_NaN();
+    return both;
+  }
+  const auto nearest = [&](const Samples& samples) {
+    const PointTree::Nearest found = samples.tree.nearest(p_mm);
+    if (found.index >= samples.normals.size()) {
+      return Wall{std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()};
+    }
+    return wall_at(p_mm, samples.tree.points_mm()[found.index], samples.normals[found.index]);
+  };
+  both.outer = nearest(outer_);
+  both.canal = nearest(canal_);
+  Wall& nearer = both.canal.distance_mm < both.outer.distance_mm ? both.canal : both.outer;
+  const double value_mm = surface_value_mm(bone_, p_mm);
+  if (std::abs(value_mm) < bone_.sure_mm()) nearer.distance_mm = std::abs(value_mm);
+  if (value_mm > 0.0) nearer.distance_mm = -nearer.distance_mm;
+  return both;
+}
+
+WallDistance::Beyond WallDistance::beyond(const Vec3& p_mm) const {
+  Beyond result;
+  const double value_mm = surface_value_mm(bone_, p_mm);
+  if (!(value_mm > 0.0)) return result;
+  const PointTree::Nearest found = bone_.nearest(p_mm);
+  if (found.index >= bone_.normals().size()) return result;
+  result.is_canal = landmarks_.is_canal_wall[found.index] != 0;
+  result.wall = wall_at(p_mm, bone_.points_mm()[found.index], bone_.normals()[found.index]);
+  result.distance_mm = value_mm < bone_.sure_mm() ? value_mm : result.wall.distance_mm;
+  result.wall.distance_mm = -result.distance_mm;
+  return result;
+}
+
+}  // namespace spinaltap
