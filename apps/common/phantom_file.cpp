@@ -27,6 +27,19 @@ Group process_group(VertebraAnatomy::Process& process) {
           {"blend_mm", &process.blend_mm}};
 }
 
+Group pedicle_group(VertebraAnatomy::Pedicle& pedicle) {
+  return {{"width_mm", &pedicle.width_mm},
+          {"height_mm", &pedicle.height_mm},
+          {"isthmus_mm", &pedicle.isthmus_mm},
+          {"convergence_deg", &pedicle.convergence_deg},
+          {"tilt_deg", &pedicle.tilt_deg},
+          {"flare_mm", &pedicle.flare_mm},
+          {"flare_length_mm", &pedicle.flare_length_mm},
+          {"anterior_length_mm", &pedicle.anterior_length_mm},
+          {"posterior_length_mm", &pedicle.posterior_length_mm},
+          {"blend_mm", &pedicle.blend_mm}};
+}
+
 std::map<std::string, Group> groups_of(VertebraAnatomy& a) {
   return {
       {"body",
@@ -40,17 +53,7 @@ std::map<std::string, Group> groups_of(VertebraAnatomy& a) {
         {"inferior_hollow_mm", &a.body.inferior_hollow_mm},
         {"rim_mm", &a.body.rim_mm},
         {"edge_mm", &a.body.edge_mm}}},
-      {"pedicle",
-       {{"width_mm", &a.pedicle.width_mm},
-        {"height_mm", &a.pedicle.height_mm},
-        {"isthmus_mm", &a.pedicle.isthmus_mm},
-        {"convergence_deg", &a.pedicle.convergence_deg},
-        {"tilt_deg", &a.pedicle.tilt_deg},
-        {"flare_mm", &a.pedicle.flare_mm},
-        {"flare_length_mm", &a.pedicle.flare_length_mm},
-        {"anterior_length_mm", &a.pedicle.anterior_length_mm},
-        {"posterior_length_mm", &a.pedicle.posterior_length_mm},
-        {"blend_mm", &a.pedicle.blend_mm}}},
+      {"pedicle", pedicle_group(a.pedicle)},
       {"canal",
        {{"width_mm", &a.canal.width_mm},
         {"front_mm", &a.canal.front_mm},
@@ -172,6 +175,7 @@ VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
   VertebraAnatomy anatomy;
   std::map<std::string, Group> groups = groups_of(anatomy);
   for (const auto& [key, value] : whole.items()) {
+    if (key == "right_pedicle") continue;
     if (key == "name" || key == "source") {
       if (!value.is_string()) fail(file, ": ", key, ": a text expected, found ", value.dump());
       continue;
@@ -179,6 +183,11 @@ VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
     const auto found = groups.find(key);
     if (found == groups.end()) fail(file, ": unknown key ", key);
     read_group(value, found->second, {file, key});
+  }
+  // What it leaves out is as in the left one, so that one is read first.
+  if (const auto right = whole.find("right_pedicle"); right != whole.end()) {
+    Group group = pedicle_group(anatomy.right_pedicle.emplace(anatomy.pedicle));
+    read_group(*right, group, {file, "right_pedicle"});
   }
   try {
     check_anatomy(anatomy);

@@ -52,6 +52,26 @@ Tangent tangent_at(const shapes::VertebraShape& shape, const Vec3& foot, const V
   return {normal, (p - foot).dot(normal) + f.v / divisor, slope};
 }
 
+const VertebraAnatomy::Pedicle& right_pedicle(const VertebraAnatomy& anatomy) {
+  return anatomy.right_pedicle ? *anatomy.right_pedicle : anatomy.pedicle;
+}
+
+/// The isthmus is exact when every point of its ellipse is a zero of the whole shape. `side`: 1 for left, -1 for right.
+void check_isthmus(const shapes::VertebraShape& whole, const VertebraAnatomy::Pedicle& pedicle,
+                   const shapes::PedicleShape& shape, double side) {
+  for (int step = 0; step < 90; ++step) {
+    const double angle = shapes::radians(4.0 * step);
+    const Vec3 p = pedicle.isthmus_mm + 0.5 * pedicle.width_mm * std::cos(angle) * shape.sideways() +
+                   0.5 * pedicle.height_mm * std::sin(angle) * shape.upward();
+    const double value = whole(Point<double>{side * p.x(), p.y(), p.z()});
+    if (!(std::fabs(value) < 1e-9)) {
+      fail("vertebra: the ", side > 0.0 ? "left" : "right",
+           " pedicle's isthmus must be free of fillets and canal, but ", std::fabs(value), " mm are added at (",
+           side * p.x(), ", ", p.y(), ", ", p.z(), "); move it or make blend_mm smaller");
+    }
+  }
+}
+
 }  // namespace
 
 struct Vertebra::Inside {
@@ -65,18 +85,8 @@ Vertebra::Vertebra(const VertebraAnatomy& anatomy) : anatomy_(anatomy) {
   const VertebraAnatomy::Cancellous& bone = anatomy.cancellous;
   const Vec3 grain = bone.texture_scale_mm * Vec3(1.0, 1.0, bone.texture_stretch);
   inside_ = std::make_unique<const Inside>(Inside{shapes::VertebraShape(anatomy), Texture(grain, bone.texture_seed)});
-  // The isthmus is exact when every point of its ellipse is a zero of the whole shape.
-  const shapes::PedicleShape& pedicle = inside_->shape.pedicle();
-  for (int step = 0; step < 90; ++step) {
-    const double angle = shapes::radians(4.0 * step);
-    const Vec3 p = anatomy.pedicle.isthmus_mm + 0.5 * anatomy.pedicle.width_mm * std::cos(angle) * pedicle.sideways() +
-                   0.5 * anatomy.pedicle.height_mm * std::sin(angle) * pedicle.upward();
-    const double value = inside_->shape(Point<double>{p.x(), p.y(), p.z()});
-    if (!(std::fabs(value) < 1e-9)) {
-      fail("vertebra: the pedicle's isthmus must be free of fillets and canal, but ", std::fabs(value),
-           " mm are added at (", p.x(), ", ", p.y(), ", ", p.z(), "); move it or make blend_mm smaller");
-    }
-  }
+  check_isthmus(inside_->shape, anatomy.pedicle, inside_->shape.left_pedicle(), 1.0);
+  check_isthmus(inside_->shape, right_pedicle(anatomy), inside_->shape.right_pedicle(), -1.0);
 }
 
 Vertebra::~Vertebra() = default;
@@ -129,7 +139,9 @@ double Vertebra::hu(const Vec3& p_patient, double distance_mm, double aperture_m
   const VertebraAnatomy::Cortex& cortex = anatomy_.cortex;
   const VertebraAnatomy::Cancellous& bone = anatomy_.cancellous;
   const double half_depth = 0.5 * anatomy_.body.depth_mm, half_height = 0.5 * anatomy_.body.height_mm;
-  const double arch_y = anatomy_.pedicle.isthmus_mm.y() + 0.6 * anatomy_.pedicle.posterior_length_mm;
+  // Where the sides differ, they part in the canal, at x = 0.
+  const VertebraAnatomy::Pedicle& nearer = p.x() < 0.0 ? right_pedicle(anatomy_) : anatomy_.pedicle;
+  const double arch_y = nearer.isthmus_mm.y() + 0.6 * nearer.posterior_length_mm;
   const double behind_body = smooth_step(half_depth - 1.5 - kBorder, half_depth - 1.5 + kBorder, p.y());
   const double in_arch = smooth_step(arch_y - kBorder, arch_y + kBorder, p.y());
   const auto blend = [&](double body, double pedicle, double arch) {

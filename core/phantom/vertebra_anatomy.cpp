@@ -32,6 +32,23 @@ void check_process(const std::string& name, const VertebraAnatomy::Process& proc
   }
 }
 
+void check_pedicle(const std::string& name, const VertebraAnatomy::Pedicle& pedicle) {
+  const auto check = [&](const char* key, double value, double low, double high) {
+    in_range((name + "." + key).c_str(), value, low, high);
+  };
+  check("width_mm", pedicle.width_mm, 2.0, 30.0);
+  check("height_mm", pedicle.height_mm, pedicle.width_mm, 40.0);
+  position(name + ".isthmus_mm", pedicle.isthmus_mm);
+  check("isthmus_mm.x", pedicle.isthmus_mm.x(), pedicle.width_mm, 60.0);
+  check("convergence_deg", pedicle.convergence_deg, -30.0, 45.0);
+  check("tilt_deg", pedicle.tilt_deg, -30.0, 30.0);
+  check("flare_mm", pedicle.flare_mm, 0.0, 15.0);
+  check("flare_length_mm", pedicle.flare_length_mm, 1.0, 50.0);
+  check("anterior_length_mm", pedicle.anterior_length_mm, 4.0, 40.0);
+  check("posterior_length_mm", pedicle.posterior_length_mm, 4.0, 40.0);
+  check("blend_mm", pedicle.blend_mm, 0.1, 15.0);
+}
+
 void check_spinous(const VertebraAnatomy::Spinous& spinous) {
   const std::size_t corners = spinous.outline_mm.size();
   for (std::size_t n = 0; n < corners; ++n) {
@@ -78,18 +95,8 @@ void check_anatomy(const VertebraAnatomy& anatomy) {
   in_range("body.inferior_hollow_mm", body.inferior_hollow_mm, 0.0, 0.25 * body.height_mm);
   in_range("body.rim_mm", body.rim_mm, 0.0, 0.25 * body.depth_mm);
 
-  const VertebraAnatomy::Pedicle& pedicle = anatomy.pedicle;
-  in_range("pedicle.width_mm", pedicle.width_mm, 2.0, 30.0);
-  in_range("pedicle.height_mm", pedicle.height_mm, pedicle.width_mm, 40.0);
-  position("pedicle.isthmus_mm", pedicle.isthmus_mm);
-  in_range("pedicle.isthmus_mm.x", pedicle.isthmus_mm.x(), pedicle.width_mm, 60.0);
-  in_range("pedicle.convergence_deg", pedicle.convergence_deg, -30.0, 45.0);
-  in_range("pedicle.tilt_deg", pedicle.tilt_deg, -30.0, 30.0);
-  in_range("pedicle.flare_mm", pedicle.flare_mm, 0.0, 15.0);
-  in_range("pedicle.flare_length_mm", pedicle.flare_length_mm, 1.0, 50.0);
-  in_range("pedicle.anterior_length_mm", pedicle.anterior_length_mm, 4.0, 40.0);
-  in_range("pedicle.posterior_length_mm", pedicle.posterior_length_mm, 4.0, 40.0);
-  in_range("pedicle.blend_mm", pedicle.blend_mm, 0.1, 15.0);
+  check_pedicle("pedicle", anatomy.pedicle);
+  if (anatomy.right_pedicle) check_pedicle("right_pedicle", *anatomy.right_pedicle);
 
   const VertebraAnatomy::Canal& canal = anatomy.canal;
   in_range("canal.width_mm", canal.width_mm, 4.0, 60.0);

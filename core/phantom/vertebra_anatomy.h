@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/base/geometry.h"
 
@@ -9,7 +10,7 @@ namespace spinaltap {
 
 /// What an L3 vertebra looks like. Lengths in mm, angles in degrees, CT numbers in HU. Positions are given for the left
 /// side (+x) in the vertebra's own frame: x to the left, y posterior, z superior, origin in the middle of the body. The
-/// right side mirrors the left.
+/// right side mirrors the left, but for its pedicle where right_pedicle is given.
 struct VertebraAnatomy {
   struct Body {
     double width_mm = 44.0;           ///< across, at the rims
@@ -36,6 +37,9 @@ struct VertebraAnatomy {
     double posterior_length_mm = 10.0;  ///< from the isthmus into the arch
     double blend_mm = 2.5;              ///< reach of the fillet to the body
   } pedicle;
+  /// The right pedicle where it is not the left one's mirror image. Values as for a left one: x and convergence are
+  /// those of its mirror image.
+  std::optional<Pedicle> right_pedicle{};
 
   struct Canal {
     double width_mm = 20.0;    ///< of the hollow cut into body and arch; the pedicles bound the canal itself

@@ -37,6 +37,9 @@ VertebraShape::VertebraShape(const VertebraAnatomy& anatomy)
     : canal_(anatomy.canal), canal_blend_(anatomy.canal.blend_mm) {
   body_ = make_part(BodyShape(anatomy.body), 0.0, false);
   pedicle_ = make_part(PedicleShape(anatomy.pedicle), anatomy.pedicle.blend_mm, true);
+  if (anatomy.right_pedicle) {
+    right_pedicle_ = make_part(PedicleShape(*anatomy.right_pedicle), anatomy.right_pedicle->blend_mm, true);
+  }
   lamina_ = make_part(make_lamina(anatomy.lamina), anatomy.lamina.blend_mm, true);
   pars_ = make_part(make_bar(anatomy.pars), anatomy.pars.blend_mm, true);
   inferior_ = make_part(make_bar(anatomy.inferior_articular), anatomy.inferior_articular.blend_mm, true);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/phantom/vertebra_parts.h"
 
 namespace spinaltap::shapes {
@@ -15,7 +17,12 @@ class VertebraShape {
   T operator()(const Point<T>& p) const {
     const Point<T> side{magnitude(p.x), p.y, p.z};
     T f = pruned(body_, p);
-    join(f, pedicle_, side);
+    if (right_pedicle_) {
+      join(f, pedicle_, p);
+      join(f, *right_pedicle_, Point<T>{p.x * -1.0, p.y, p.z});
+    } else {
+      join(f, pedicle_, side);
+    }
     join(f, lamina_, Point<T>{soft_magnitude(p.x, kLaminaRidge), p.y, p.z});
     join(f, pars_, side);
     join(f, inferior_, side);
@@ -27,7 +34,9 @@ class VertebraShape {
     return f;
   }
 
-  const PedicleShape& pedicle() const { return pedicle_.shape; }
+  const PedicleShape& left_pedicle() const { return pedicle_.shape; }
+  /// Mirrored to the left, as all that is given for the right side.
+  const PedicleShape& right_pedicle() const { return right_pedicle_ ? right_pedicle_->shape : pedicle_.shape; }
   /// Holds the surface, fillets included.
   const Box3& bounds() const { return bounds_; }
 
@@ -70,7 +79,8 @@ class VertebraShape {
   }
 
   Part<BodyShape> body_;
-  Part<PedicleShape> pedicle_;
+  Part<PedicleShape> pedicle_;                       ///< both, or the left one
+  std::optional<Part<PedicleShape>> right_pedicle_;  ///< where it differs; mirrored to the left
   Part<RoundPlate> lamina_;
   Part<FlatBar> pars_, inferior_, transverse_;
   Part<SuperiorArticularShape> superior_;

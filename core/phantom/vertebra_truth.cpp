@@ -34,7 +34,9 @@ Vec3 way_out(const Vertebra& vertebra, const Vec3& start, const Vec3& direction)
 
 PedicleTruth pedicle_truth(const Vertebra& vertebra, double side) {
   constexpr double kLeftInFront = 8.0;  // mm of bone beyond the target
-  const VertebraAnatomy::Pedicle& pedicle = vertebra.anatomy().pedicle;
+  const VertebraAnatomy& anatomy = vertebra.anatomy();
+  const VertebraAnatomy::Pedicle& pedicle =
+      side < 0.0 && anatomy.right_pedicle ? *anatomy.right_pedicle : anatomy.pedicle;
   const shapes::PedicleShape shape(pedicle);
   const Vec3 mirror(side, 1.0, 1.0);
   const auto turned = [&](const Vec3& direction) { return Vec3(vertebra.rotation() * direction.cwiseProduct(mirror)); };
@@ -48,7 +50,7 @@ PedicleTruth pedicle_truth(const Vertebra& vertebra, double side) {
   truth.entry_mm = way_out(vertebra, truth.isthmus_mm, -truth.axis);
   truth.target_mm = way_out(vertebra, truth.isthmus_mm, truth.axis) - kLeftInFront * truth.axis;
   const double own_y = vertebra.to_own(truth.target_mm).y();
-  if (!(own_y < 0.5 * vertebra.anatomy().body.depth_mm)) {
+  if (!(own_y < 0.5 * anatomy.body.depth_mm)) {
     fail("vertebra: the pedicle's axis must enter the body, but leaves the bone at y = ", own_y, " mm");
   }
   return truth;

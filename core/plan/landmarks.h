@@ -12,8 +12,8 @@ namespace spinaltap {
 struct PedicleLandmarks {
   Vec3 isthmus_mm = Vec3::Zero();    ///< centre of the narrowest section
   Vec3 axis = -Vec3::UnitY();        ///< unit, from the back to the front, at right angles to that section
-  Vec3 width_axis = Vec3::UnitX();   ///< unit, along the section's smaller diameter, to the patient's left
-  Vec3 height_axis = Vec3::UnitZ();  ///< unit, along its larger one, upward
+  Vec3 width_axis = Vec3::UnitX();   ///< unit, the section's principal axis that is nearer to the patient's left
+  Vec3 height_axis = Vec3::UnitZ();  ///< unit, the other one, upward
   double width_mm = 0.0;             ///< the section's extent along width_axis
   double height_mm = 0.0;            ///< and along height_axis
 };
