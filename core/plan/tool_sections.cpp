@@ -94,30 +94,38 @@ double ToolSections::hu(std::size_t n) const {
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }
 
+double ToolSections::weight_mm(std::size_t n) const {
+  const std::size_t before = n > 0 ? n - 1 : n;
+  const std::size_t after = std::min(n + 1, radii_mm_.size() - 1);
+  return 0.5 * (depths_mm_[lead_ + after] - depths_mm_[lead_ + before]);
+}
+
 double ToolSections::mean_hu() const {
-  int count = 0;
+  double volume = 0.0;
   double sum = 0.0;
   for (std::size_t n = 0; n < radii_mm_.size(); ++n) {
     for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
       if (!holds(annulus, n)) continue;
-      count += at(n)[annulus].count;
-      sum += at(n)[annulus].hu;
+      volume += weight_mm(n) * at(n)[annulus].count;
+      sum += weight_mm(n) * at(n)[annulus].hu;
     }
   }
-  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  return volume > 0.0 ? sum / volume : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::vector<double> ToolSections::band_shares() const {
   std::vector<double> shares(band_count_, 0.0);
-  double count = 0.0;
+  double volume = 0.0;
   for (std::size_t n = 0; n < radii_mm_.size(); ++n) {
     for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
       if (!holds(annulus, n)) continue;
-      count += at(n)[annulus].count;
-      for (std::size_t band = 0; band < band_count_; ++band) shares[band] += at(n)[annulus].bands[band];
+      volume += weight_mm(n) * at(n)[annulus].count;
+      for (std::size_t band = 0; band < band_count_; ++band) {
+        shares[band] += weight_mm(n) * at(n)[annulus].bands[band];
+      }
     }
   }
-  for (double& share : shares) share = count > 0.0 ? share / count : 0.0;
+  for (double& share : shares) share = volume > 0.0 ? share / volume : 0.0;
   return shares;
 }
 

@@ -44,6 +44,8 @@ class ToolSections {
   double pressure_sum_mpa(std::size_t annulus, double depth_mm) const;
   const Section& at(std::size_t n) const { return sections_[lead_ + n]; }
   bool holds(std::size_t annulus, std::size_t n) const;
+  /// The length of the path for which the section at the n-th depth stands.
+  double weight_mm(std::size_t n) const;
 
   std::vector<Section> sections_;
   std::vector<double> depths_mm_;  ///< of sections_, the first `lead_` of them before the entry

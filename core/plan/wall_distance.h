@@ -18,7 +18,7 @@ class WallDistance {
 
   struct Wall {
     double distance_mm = 0.0;        ///< signed; infinite where the bone has no such wall
-    Vec3 nearest_mm = Vec3::Zero();  ///< the place of the wall that is nearest, patient LPS
+    Vec3 nearest_mm = Vec3::Zero();  ///< place of the wall, to about 0.2 mm the nearest, patient LPS
     Vec3 normal = Vec3::Zero();      ///< there: unit, out of the bone; zero where there is no wall
   };
   struct Walls {
