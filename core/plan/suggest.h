@@ -12,10 +12,10 @@ namespace spinaltap {
 /// What a good path is worth. Each term runs from 0 to 1; docs/planning.md has them.
 struct SuggestWeights {
   double length = 1.0;      ///< how far into the body the tip comes
-  double diameter = 1.0;    ///< of the screw, against the widest that is allowed
-  double clearance = 1.5;   ///< of the screw to any surface between the hole's mouth and its tip
-  double canal = 1.0;       ///< of the screw to the canal
-  double endplates = 0.5;   ///< of the screw to the nearer endplate
+  double diameter = 2.0;    ///< of the screw, against the widest that is allowed
+  double clearance = 1.5;   ///< of the path's axis to any surface, on its way through the pedicle
+  double canal = 1.0;       ///< of the path's axis to the canal
+  double endplates = 0.5;   ///< of the path's axis to the nearer endplate
   double density = 0.5;     ///< of the bone along the screw
   double along_axis = 1.0;  ///< how little the path is turned from the pedicle's axis
 };

@@ -109,7 +109,6 @@ std::optional<ScrewedWay> WaySearch::with_screw(const Way& way) const {
   const double back_of_body_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
   const double furthest_y_mm = back_of_body_mm - options_.furthest_share * marks.body.depth_mm;
   double tip_mm = 0.0;
-  double least_depth_mm = pedicle_depth_mm;
   for (std::size_t n = 0; n < line.ahead_mm.size(); ++n) {
     const double at_mm = kStepMm * static_cast<double>(n);
     const Vec3 own_mm = marks.to_own(crossing_mm + at_mm * direction);
@@ -129,20 +128,19 @@ std::optional<ScrewedWay> WaySearch::with_screw(const Way& way) const {
   const Vec3 outside_mm = crossing_mm + (line.entry_mm() - kStepMm) * direction;
   const Vec3 entry_mm = surface_between(bone, outside_mm, outside_mm + 2.0 * kStepMm * direction);
   if (!is_open_behind(bone, entry_mm, direction)) return std::nullopt;
-  const auto used = static_cast<std::ptrdiff_t>((line.entry_mm() + screw->length_mm) / kStepMm);
-  least_depth_mm = std::min(least_depth_mm, *std::min_element(line.ahead_mm.begin(), line.ahead_mm.begin() + used));
   ScrewedWay found;
   found.way = way;
   found.path = {side_ > 0.0 ? "left" : "right", entry_mm, entry_mm + screw->length_mm * direction, options_.bit,
                 *screw};
-  found.score = score(found.path, least_depth_mm);
+  found.score = score(found.path, pedicle_depth_mm);
   return found;
 }
 
-double WaySearch::score(const DrillPath& path, double least_depth_mm) const {
-  constexpr double kEnoughClearanceMm = 2.0;
-  constexpr double kEnoughToCanalMm = 3.0;
-  constexpr double kEnoughToEndplateMm = 6.0;
+double WaySearch::score(const DrillPath& path, double pedicle_depth_mm) const {
+  // Of the axis, not of the thread: else thin screws would be worth more.
+  const double half_width_mm = 0.5 * pedicle_.width_mm;
+  const double enough_to_canal_mm = 1.2 * half_width_mm;
+  constexpr double kEnoughToEndplateMm = 9.0;
   constexpr double kDenseHu = 350.0;
   constexpr double kTurnedDeg = 15.0;
   const SuggestWeights& weights = options_.weights;
@@ -153,12 +151,12 @@ double WaySearch::score(const DrillPath& path, double least_depth_mm) const {
 
   const double back_of_body_mm = marks.to_own(body.centre_mm).y() + 0.5 * body.depth_mm;
   const double in_body_mm = back_of_body_mm - marks.to_own(path.target_mm).y();
-  double canal_mm = kEnoughToCanalMm + radius_mm;
+  double canal_mm = enough_to_canal_mm;
   const double crossing_mm = (pedicle_.isthmus_mm - path.entry_mm).dot(direction);
   for (double at_mm = -kPedicleMm; at_mm <= kPedicleMm; at_mm += 1.0) {
     canal_mm = std::min(canal_mm, walls_.canal(path.entry_mm + (crossing_mm + at_mm) * direction).distance_mm);
   }
-  double endplate_mm = kEnoughToEndplateMm + radius_mm;
+  double endplate_mm = kEnoughToEndplateMm;
   for (const double at : {0.5, 0.75, 1.0}) {
     const Vec3 p_mm = path.entry_mm + at * path.length_mm() * direction;
     for (const EndplateLandmarks* plate : {&body.upper, &body.lower}) {
@@ -185,9 +183,9 @@ double WaySearch::score(const DrillPath& path, double least_depth_mm) const {
   const double turned_deg = std::acos(std::clamp(direction.dot(pedicle_.axis), -1.0, 1.0)) / kDegree;
   return weights.length * share(in_body_mm, options_.furthest_share * body.depth_mm) +
          weights.diameter * share(path.screw->diameter_mm, options_.widest_share * pedicle_.width_mm) +
-         weights.clearance * share(least_depth_mm - radius_mm, kEnoughClearanceMm) +
-         weights.canal * share(canal_mm - radius_mm, kEnoughToCanalMm) +
-         weights.endplates * share(endplate_mm - radius_mm, kEnoughToEndplateMm) +
+         weights.clearance * share(pedicle_depth_mm, half_width_mm) +
+         weights.canal * share(canal_mm, enough_to_canal_mm) +
+         weights.endplates * share(endplate_mm, kEnoughToEndplateMm) +
          weights.density * share(sum_hu / static_cast<double>(hu.size()), kDenseHu) +
          weights.along_axis * (1.0 - share(turned_deg * turned_deg, kTurnedDeg * kTurnedDeg));
 }

@@ -37,7 +37,8 @@ class WaySearch {
 
  private:
   std::optional<ScrewedWay> with_screw(const Way& way) const;
-  double score(const DrillPath& path, double least_depth_mm) const;
+  /// `pedicle_depth_mm`: how deep the path's axis lies below the surface, at least, on its way through the pedicle.
+  double score(const DrillPath& path, double pedicle_depth_mm) const;
   ScrewedWay refined(ScrewedWay best);
 
   const WallDistance& walls_;
