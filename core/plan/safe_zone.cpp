@@ -1,6 +1,9 @@
-#include <algorithm>
+#include <tbb/parallel_for.h>
+
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/plan/suggest.h"
 
@@ -60,14 +63,15 @@ SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
     });
   };
   SafeZone zone;
-  zone.medial_mm = shift_mm(medial_unit);
-  zone.lateral_mm = shift_mm(-medial_unit);
-  zone.cranial_mm = shift_mm(cranial);
-  zone.caudal_mm = shift_mm(-cranial);
-  zone.medial_deg = turn_deg(medial_unit);
-  zone.lateral_deg = turn_deg(-medial_unit);
-  zone.cranial_deg = turn_deg(cranial);
-  zone.caudal_deg = turn_deg(-cranial);
+  const std::array<std::pair<double*, Vec3>, 4> shifts{{{&zone.medial_mm, medial_unit},
+                                                        {&zone.lateral_mm, -medial_unit},
+                                                        {&zone.cranial_mm, cranial},
+                                                        {&zone.caudal_mm, -cranial}}};
+  const std::array<double*, 4> turns{&zone.medial_deg, &zone.lateral_deg, &zone.cranial_deg, &zone.caudal_deg};
+  tbb::parallel_for(std::size_t{0}, 2 * shifts.size(), [&](std::size_t n) {
+    const auto& [shift, to] = shifts[n / 2];
+    (n % 2 == 0 ? *shift : *turns[n / 2]) = n % 2 == 0 ? shift_mm(to) : turn_deg(to);
+  });
   return zone;
 }
 

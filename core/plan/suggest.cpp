@@ -1,5 +1,7 @@
 #include "core/plan/suggest.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -69,8 +71,12 @@ std::vector<Suggestion> suggest_paths(const WallDistance& walls, const HuSampler
                                       std::span<const PedicleScrew> screws, const SuggestOptions& options,
                                       const Progress& progress) {
   check_options(screws, options);
-  return {suggest_side(walls, hu, material, screws, options, 1.0, progress),
-          suggest_side(walls, hu, material, screws, options, -1.0, progress)};
+  std::vector<Suggestion> sides(2);
+  tbb::parallel_for(0, 2, [&](int n) {
+    sides[static_cast<std::size_t>(n)] =
+        suggest_side(walls, hu, material, screws, options, n == 0 ? 1.0 : -1.0, progress);
+  });
+  return sides;
 }
 
 }  // namespace spinaltap

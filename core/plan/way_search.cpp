@@ -153,7 +153,7 @@ double WaySearch::score(const DrillPath& path, double pedicle_depth_mm) const {
   const double in_body_mm = back_of_body_mm - marks.to_own(path.target_mm).y();
   double canal_mm = enough_to_canal_mm;
   const double crossing_mm = (pedicle_.isthmus_mm - path.entry_mm).dot(direction);
-  for (double at_mm = -kPedicleMm; at_mm <= kPedicleMm; at_mm += 1.0) {
+  for (double at_mm = -kPedicleMm; at_mm <= kPedicleMm; at_mm += 2.0) {
     canal_mm = std::min(canal_mm, walls_.canal(path.entry_mm + (crossing_mm + at_mm) * direction).distance_mm);
   }
   double endplate_mm = kEnoughToEndplateMm;
@@ -190,7 +190,7 @@ double WaySearch::score(const DrillPath& path, double pedicle_depth_mm) const {
          weights.along_axis * (1.0 - share(turned_deg * turned_deg, kTurnedDeg * kTurnedDeg));
 }
 
-ScrewedWay WaySearch::refined(ScrewedWay best) {
+ScrewedWay WaySearch::refined(ScrewedWay best, std::size_t& looked_at) const {
   constexpr int kHalvings = 4;
   Way step{0.5, 0.75, 2.0, 2.0};
   for (int halving = 0; halving < kHalvings; ++halving) {
@@ -201,7 +201,7 @@ ScrewedWay WaySearch::refined(ScrewedWay best) {
           Way way = best.way;
           way.*of += sign * step.*of;
           if (std::max(std::abs(way.turn_deg), std::abs(way.rise_deg)) > options_.most_turn_deg) continue;
-          ++looked_at_;
+          ++looked_at;
           const std::optional<ScrewedWay> other = with_screw(way);
           if (!other || !(other->score > best.score + 1e-6)) continue;
           best = *other;
@@ -252,7 +252,10 @@ std::vector<ScrewedWay> WaySearch::find(std::size_t most, const Progress& progre
                                      [&](const ScrewedWay& other) { return are_neighbours(one.way, other.way); });
     if (is_new) chosen.push_back(one);
   }
-  for (ScrewedWay& one : chosen) one = refined(one);
+  std::vector<std::size_t> looked_at(chosen.size(), 0);
+  tbb::parallel_for(std::size_t{0}, chosen.size(),
+                    [&](std::size_t n) { chosen[n] = refined(chosen[n], looked_at[n]); });
+  for (const std::size_t count : looked_at) looked_at_ += count;
   std::sort(chosen.begin(), chosen.end(), is_better);
   return chosen;
 }

@@ -39,7 +39,8 @@ class WaySearch {
   std::optional<ScrewedWay> with_screw(const Way& way) const;
   /// `pedicle_depth_mm`: how deep the path's axis lies below the surface, at least, on its way through the pedicle.
   double score(const DrillPath& path, double pedicle_depth_mm) const;
-  ScrewedWay refined(ScrewedWay best);
+  /// Counts in `looked_at` the ways it tries.
+  ScrewedWay refined(ScrewedWay best, std::size_t& looked_at) const;
 
   const WallDistance& walls_;
   const HuSampler& hu_;
