@@ -1,30 +1,33 @@
 #pragma once
 
-#include <memory>
-
+#include "core/base/progress.h"
 #include "core/plan/grade.h"
+#include "core/plan/landmarks.h"
+#include "core/plan/wall_distance.h"
 #include "vdb/bone_model.h"
 
 namespace spinaltap {
 
-/// A baked vertebra with all that suggesting and grading paths ask of it.
+/// A baked bone with what planning asks of it, made once: shape, landmarks, walls.
 class PlanningBone {
  public:
-  /// Reads shape and landmarks out of the grids, in about a second. Throws Error where there is not one whole vertebra.
-  explicit PlanningBone(BoneModel bone, const Progress& progress = {});
+  /// Throws Error as find_landmarks() does.
+  explicit PlanningBone(BoneModel model, const Progress& progress = {});
+  PlanningBone(const PlanningBone&) = delete;
+  PlanningBone& operator=(const PlanningBone&) = delete;
 
-  const BoneModel& bone() const { return bone_; }
-  const BoneShape& shape() const { return *shape_; }
-  const Landmarks& landmarks() const { return *landmarks_; }
-  const WallDistance& walls() const { return *walls_; }
-  /// CT numbers of the bone's grid, tri-linear.
+  const BoneModel& model() const { return model_; }
+  const BoneShape& shape() const { return shape_; }
+  const Landmarks& landmarks() const { return landmarks_; }
+  const WallDistance& walls() const { return walls_; }
+  /// Of the baked CT numbers; valid as long as this.
   HuSampler hu() const;
 
  private:
-  BoneModel bone_;
-  std::unique_ptr<const BoneShape> shape_;
-  std::unique_ptr<const Landmarks> landmarks_;
-  std::unique_ptr<const WallDistance> walls_;
+  BoneModel model_;
+  BoneShape shape_;
+  Landmarks landmarks_;
+  WallDistance walls_;
 };
 
 }  // namespace spinaltap

@@ -35,6 +35,7 @@ void add_fit(CLI::App& program, Command& command);
 void add_eval(CLI::App& program, Command& command);
 void add_bake(CLI::App& program, Command& command);
 void add_plan(CLI::App& program, Command& command);
+void add_grade(CLI::App& program, Command& command);
 void add_drill(CLI::App& program, Command& command);
 void add_mesh(CLI::App& program, Command& command);
 void add_diff(CLI::App& program, Command& command);

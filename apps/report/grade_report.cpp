@@ -1,0 +1,136 @@
+#include "apps/report/grade_report.h"
+
+#include <cmath>
+#include <limits>
+
+#include "apps/report/html_report.h"
+#include "apps/report/svg_plot.h"
+#include "apps/report/text.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kPlotHeight = 260.0;
+
+std::string meaning_of(Grade grade) {
+  switch (grade) {
+    case Grade::A:
+      return "A: no breach";
+    case Grade::B:
+      return "B: breach below 2 mm";
+    case Grade::C:
+      return "C: breach of 2 to below 4 mm";
+    case Grade::D:
+      return "D: breach of 4 to below 6 mm";
+    case Grade::E:
+      break;
+  }
+  return "E: breach of 6 mm or more";
+}
+
+std::string place_of(const Approach& approach) {
+  return std::string(name_of(approach.side)) + ", at " + readable_number(approach.depth_mm, 1) + " mm of depth";
+}
+
+std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<double>& hu_bands) {
+  const PathGrade& grade = graded.grade;
+  std::vector<ReportRow> rows{{"Tool", tool_of(graded.path), ""},
+                              {"Length, entry to target", readable_number(graded.path.length_mm(), 1), "mm"},
+                              {"Pedicle", grade.is_left ? "left" : "right", ""},
+                              {"Gertzbein-Robbins", meaning_of(grade.grade), ""},
+                              {"Breach", readable_number(grade.breach_mm, 2), "mm"}};
+  if (grade.breach_mm > 0.0) {
+    rows.push_back({"Breach into", breach_of(grade), ""});
+    rows.push_back({"Breach at a depth of", readable_number(grade.breach_depth_mm, 1), "mm"});
+  }
+  const auto add = [&](const std::string& name, const Approach& approach) {
+    if (!std::isfinite(approach.clearance_mm)) return;
+    rows.push_back({name + ", least clearance", readable_number(approach.clearance_mm, 2), "mm"});
+    rows.push_back({name + ", nearest", place_of(approach), ""});
+  };
+  add("Outer surface", grade.outer);
+  add("Canal", grade.canal);
+  if (std::isfinite(grade.hu)) rows.push_back({"Bone in the tool's volume, mean", readable_number(grade.hu, 0), "HU"});
+  const std::vector<std::string> names = band_names(hu_bands);
+  for (std::size_t n = 0; n < names.size() && n < grade.hu_band_shares.size(); ++n) {
+    rows.push_back({"Share " + names[n], readable_number(100.0 * grade.hu_band_shares[n], 1), "%"});
+  }
+  rows.push_back({"Greatest predicted thrust", readable_number(grade.most_thrust_n, 1), "N"});
+  return rows;
+}
+
+Plot empty_plot(const GradedPath& graded, const std::string& title, const std::string& y_label,
+                const std::string& y_unit) {
+  Plot plot;
+  plot.title = title;
+  plot.x_label = "depth along the path";
+  plot.x_unit = "mm";
+  plot.y_label = y_label;
+  plot.y_unit = y_unit;
+  plot.x_low = 0.0;
+  plot.x_high = graded.path.length_mm();
+  plot.y_from_zero = true;
+  plot.height = kPlotHeight;
+  return plot;
+}
+
+Plot clearance_plot(const GradedPath& graded) {
+  Plot plot = empty_plot(graded, "Clearance", "clearance", "mm");
+  PlotSeries outer{"outer surface", {}, {}};
+  PlotSeries canal{"canal", {}, {}};
+  PlotSeries mouth{"outer surface at the entry, not counted", {}, {}};
+  for (const GradeRow& row : graded.grade.rows) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    for (PlotSeries* series : {&outer, &canal, &mouth}) series->x.push_back(row.depth_mm);
+    outer.y.push_back(row.is_entry ? kNone : row.outer_mm);
+    mouth.y.push_back(row.is_entry ? row.outer_mm : kNone);
+    canal.y.push_back(row.canal_mm);
+  }
+  // A line without a name has no place in the legend: where the tool touches the wall.
+  const PlotSeries touching{"", {0.0, graded.path.length_mm()}, {0.0, 0.0}};
+  plot.series = {outer, canal, mouth, touching};
+  plot.markers = {{graded.grade.outer.depth_mm, "Nearest to the outer surface"},
+                  {graded.grade.canal.depth_mm, "Nearest to the canal"}};
+  if (!std::isfinite(graded.grade.canal.clearance_mm)) plot.markers.pop_back();
+  if (!std::isfinite(graded.grade.outer.clearance_mm)) plot.markers.erase(plot.markers.begin());
+  if (plot.markers.size() == 2 && plot.markers[1].x < plot.markers[0].x) std::swap(plot.markers[0], plot.markers[1]);
+  return plot;
+}
+
+template <class Value>
+Plot plot_of(const GradedPath& graded, const std::string& title, const std::string& y_label, const std::string& y_unit,
+             const Value& value) {
+  Plot plot = empty_plot(graded, title, y_label, y_unit);
+  PlotSeries series{y_label, {}, {}};
+  for (const GradeRow& row : graded.grade.rows) {
+    series.x.push_back(row.depth_mm);
+    series.y.push_back(value(row));
+  }
+  plot.series = {series};
+  return plot;
+}
+
+}  // namespace
+
+std::string grade_report(const std::string& title, const std::vector<GradedPath>& paths,
+                         const std::vector<double>& hu_bands, const std::vector<std::string>& notes) {
+  if (paths.empty()) fail("grade report: expected one path or more, found none");
+  HtmlReport report(title);
+  for (const std::string& note : notes) report.add_note(note);
+  report.add_text(
+      "Clearance is from the tool's surface to the wall; below 0 the tool is nearer than its radius. The breach is how "
+      "far the tool stands out of the bone. The outer surface that is pierced on purpose at the entry does not count.");
+  for (const GradedPath& graded : paths) {
+    report.add_heading(graded.path.name.empty() ? "Path" : graded.path.name);
+    report.add_table(figures_of(graded, hu_bands));
+    report.add_svg(svg_plot(clearance_plot(graded)));
+    report.add_svg(svg_plot(plot_of(graded, "Bone in the tool's section", "mean CT number", "HU",
+                                    [](const GradeRow& row) { return row.hu; })));
+    report.add_svg(
+        svg_plot(plot_of(graded, "Predicted thrust", "thrust", "N", [](const GradeRow& row) { return row.thrust_n; })));
+  }
+  return report.html();
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,106 @@
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "apps/common/data_files.h"
+#include "apps/common/density_file.h"
+#include "apps/common/grade_output.h"
+#include "apps/common/material_file.h"
+#include "apps/common/plan_file.h"
+#include "apps/common/planning_bone.h"
+#include "apps/report/grade_report.h"
+#include "apps/spinaltap/command.h"
+#include "core/base/staged_output.h"
+
+namespace spinaltap {
+namespace {
+
+struct Options {
+  std::filesystem::path bone, plan, density, material;
+  std::string path_name;
+  double screw_diameter_mm = std::nan("");
+  double screw_length_mm = std::nan("");
+  GradeOptions grade;
+  std::filesystem::path folder = "graded";
+};
+
+std::vector<DrillPath> chosen_paths(const Options& options) {
+  std::vector<DrillPath> paths = read_plan(options.plan);
+  if (!options.path_name.empty()) paths = {choose_path(paths, options.path_name)};
+  if (std::isnan(options.screw_diameter_mm)) return paths;
+  for (DrillPath& path : paths) {
+    PedicleScrew screw = path.screw.value_or(PedicleScrew());
+    if (screw.diameter_mm != options.screw_diameter_mm || screw.length_mm != options.screw_length_mm) screw.name = "";
+    screw.diameter_mm = options.screw_diameter_mm;
+    screw.length_mm = options.screw_length_mm;
+    check_screw(screw);
+    path.screw = screw;
+  }
+  return paths;
+}
+
+Json grade(const Options& options, const Progress& progress) {
+  const std::vector<DrillPath> paths = chosen_paths(options);
+  const DensityCalibration density =
+      read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
+  const Material material =
+      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
+  const PlanningBone bone(read_bone(options.bone), progress);
+  std::vector<GradedPath> graded;
+  for (const DrillPath& path : paths) {
+    graded.push_back({path, grade_path(bone.walls(), bone.hu(), material, path, options.grade)});
+  }
+  Json figures{{"paths", Json::array()}, {"doubts", bone.landmarks().doubts}};
+  Json whole = figures;
+  for (const GradedPath& one : graded) {
+    figures["paths"].push_back(to_json(one, options.grade.hu_bands, false));
+    whole["paths"].push_back(to_json(one, options.grade.hu_bands, true));
+  }
+  StagedOutput output;
+  output.write(options.folder / "grade.json", whole.dump(2) + "\n");
+  output.write(options.folder / "grade.csv", grades_csv(graded));
+  output.write(options.folder / "report.html",
+               grade_report("Paths graded", graded, options.grade.hu_bands, bone.landmarks().doubts));
+  output.commit();
+  std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
+  for (const std::string& doubt : bone.landmarks().doubts) print_figure("doubt", doubt);
+  print_figure("report", (options.folder / "report.html").string());
+  return figures;
+}
+
+}  // namespace
+
+void add_grade(CLI::App& program, Command& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(program, command, "grade",
+                              "Grade planned paths: clearances, breach, CT numbers and thrust along the depth; writes "
+                              "report.html, grade.json and grade.csv",
+                              "Example: spinaltap grade bone.vdb plan.json --screw-diameter 6.5 --screw-length 45 "
+                              "-o graded/");
+  app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
+  app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
+  app->add_option("--path", options->path_name, "Name of the path in the plan; default: all")->type_name("NAME");
+  CLI::Option* diameter =
+      app->add_option("--screw-diameter", options->screw_diameter_mm, "Grade a screw of this diameter on each path, mm")
+          ->type_name("MM");
+  CLI::Option* length =
+      app->add_option("--screw-length", options->screw_length_mm, "Its length, tip included, mm")->type_name("MM");
+  diameter->needs(length);
+  length->needs(diameter);
+  app->add_option("--density", options->density,
+                  "Law of density, or a calibration; default: the shipped densities/vertebra.json")
+      ->type_name("FILE");
+  app->add_option("--material", options->material, "Law of resistance; default: the shipped materials/vertebra.json")
+      ->type_name("FILE");
+  app->add_option("--hu-bands", options->grade.hu_bands, "Borders of the bands of CT numbers, HU, ascending")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->type_name("HU,HU");
+  app->add_option("--step", options->grade.step_mm, "Depth from row to row, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
+  command.run = [options](const Progress& progress) { return grade(*options, progress); };
+}
+
+}  // namespace spinaltap

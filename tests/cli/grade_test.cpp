@@ -1,0 +1,69 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/common/json_file.h"
+#include "apps/common/plan_file.h"
+#include "core/phantom/vertebra_truth.h"
+#include "tests/cli/program.h"
+#include "tests/support/temporary_folder.h"
+#include "vdb/bake.h"
+
+namespace spinaltap {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The phantom, with the paths along its pedicles' axes.
+class Grade : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder;
+    const Vertebra vertebra;
+    write_bone(bake_solid(vertebra, {}, 40.0), folder_->path() / "bone.vdb");
+    const VertebraTruth truth = vertebra_truth(vertebra);
+    write_plan({{"left", truth.left.entry_mm, truth.left.target_mm, {}},
+                {"right", truth.right.entry_mm, truth.right.target_mm, {}}},
+               folder_->path() / "plan.json");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static const test::TemporaryFolder* folder_;
+};
+
+const test::TemporaryFolder* Grade::folder_ = nullptr;
+
+TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
+  const test::ProgramRun run = test::run_program(
+      "grade bone.vdb plan.json --screw-diameter 6.5 --screw-length 45 -o out --json out.json", folder_->path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json figures = read_json(folder_->path() / "out.json");
+  ASSERT_EQ(figures["paths"].size(), 2U);
+  for (const Json& path : figures["paths"]) {
+    EXPECT_EQ(path["grade"], "A");
+    EXPECT_EQ(path["pedicle"], path["name"]);
+    // The isthmus is 9 mm wide.
+    EXPECT_NEAR(path["outer"]["clearance_mm"].get<double>(), 1.25, 0.15);
+    EXPECT_NEAR(path["canal"]["clearance_mm"].get<double>(), 1.25, 0.15);
+    EXPECT_EQ(path["outer"]["side"], "lateral");
+    EXPECT_EQ(path["canal"]["side"], "medial");
+    EXPECT_GT(path["most_thrust_N"].get<double>(), 1.0);
+  }
+  EXPECT_THAT(run.output, HasSubstr("screw 6.5 x 45 mm"));
+  EXPECT_GT(read_json(folder_->path() / "out" / "grade.json")["paths"][1]["rows"].size(), 100U);
+  EXPECT_EQ(test::everything_in(folder_->path() / "out"),
+            (std::vector<std::string>{"grade.csv", "grade.json", "report.html"}));
+}
+
+TEST_F(Grade, RefusesOptionsWithoutSense) {
+  for (const char* options : {"--path middle", "--screw-diameter 6.5", "--screw-diameter -1 --screw-length 45",
+                              "--step 0", "--hu-bands 375,135", "--material none.json"}) {
+    const test::ProgramRun run =
+        test::run_program(std::string("grade bone.vdb plan.json -o refused ") + options, folder_->path());
+    EXPECT_NE(run.exit_code, 0) << options;
+    EXPECT_FALSE(run.errors.empty()) << options;
+    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "refused")) << options;
+  }
+}
+
+}  // namespace
+}  // namespace spinaltap

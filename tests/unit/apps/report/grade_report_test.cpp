@@ -1,0 +1,119 @@
+#include "apps/report/grade_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "apps/common/grade_output.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<double> kBands{135.0, 375.0};
+
+GradedPath graded(double breach_mm) {
+  GradedPath made;
+  made.path.name = "left";
+  made.path.target_mm = Vec3(0.0, -40.0, 0.0);
+  made.path.screw = PedicleScrew{"", 6.5, 45.0, 4.0};
+  PathGrade& grade = made.grade;
+  grade.breach_mm = breach_mm;
+  grade.grade = gertzbein_robbins(breach_mm);
+  grade.breaches_canal = true;
+  grade.breach_side = PathSide::medial;
+  grade.breach_depth_mm = 18.25;
+  grade.outer = {1.25, 17.5, PathSide::lateral};
+  grade.canal = {-breach_mm, 18.25, PathSide::medial};
+  grade.hu = 240.4;
+  grade.hu_band_shares = {0.125, 0.75, 0.125};
+  grade.most_thrust_n = 34.5;
+  for (int n = 0; n <= 160; ++n) {
+    GradeRow row;
+    row.depth_mm = 0.25 * n;
+    row.radius_mm = 3.25;
+    row.outer_mm = 2.0;
+    row.canal_mm = 1.0;
+    row.is_entry = n < 20;
+    row.hu = n < 4 ? std::numeric_limits<double>::quiet_NaN() : 200.0 + n;
+    row.thrust_n = 0.1 * n;
+    grade.rows.push_back(row);
+  }
+  return made;
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
+  return found;
+}
+
+TEST(GradeReport, ShowsGradeBreachApproachesAndThreePlotsOfEachPath) {
+  const std::string html = grade_report("L3", {graded(2.5), graded(0.0)}, kBands, {"an odd vertebra"});
+  for (const char* part :
+       {"C: breach of 2 to below 4 mm", "A: no breach", "canal, medial", "lateral, at 17.5 mm of depth", "240", "75.0",
+        "135 to 375 HU", "34.5", "an odd vertebra", "not a medical device", "screw 6.5 x 45 mm"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_EQ(count(html, "<svg class=\"plot\""), 6U);
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+}
+
+TEST(GradeReport, EscapesNamesFromFiles) {
+  GradedPath attack = graded(0.0);
+  attack.path.name = "<script>alert(1)</script>";
+  EXPECT_THAT(grade_report("L3", {attack}, kBands), Not(HasSubstr("<script")));
+}
+
+TEST(GradeReport, LeavesOutWallsThatAreNotThere) {
+  GradedPath alone = graded(0.0);
+  alone.grade.canal = {};
+  alone.grade.outer = {};
+  alone.grade.hu = std::numeric_limits<double>::quiet_NaN();
+  for (GradeRow& row : alone.grade.rows) row.canal_mm = std::numeric_limits<double>::infinity();
+  const std::string html = grade_report("L3", {alone}, kBands);
+  EXPECT_THAT(html, Not(HasSubstr("least clearance")));
+  EXPECT_THAT(html, Not(HasSubstr(">inf")));
+  EXPECT_THAT(html, Not(HasSubstr(">nan")));
+}
+
+TEST(GradeReport, RefusesToReportNothing) { EXPECT_THROW(grade_report("L3", {}, kBands), Error); }
+
+TEST(GradeOutput, WritesWhatIsNotFiniteAsNullAndAsAnEmptyField) {
+  GradedPath alone = graded(0.0);
+  alone.path.name = "left, \"upper\"";
+  alone.grade.canal = {};
+  alone.grade.rows[0].canal_mm = std::numeric_limits<double>::infinity();
+  const Json json = to_json(alone, kBands, true);
+  EXPECT_TRUE(json["canal"].is_null());
+  EXPECT_TRUE(json["breach"].is_null());
+  EXPECT_TRUE(json["rows"][0]["hu"].is_null());
+  EXPECT_TRUE(json["rows"][0]["canal_mm"].is_null());
+  EXPECT_EQ(json["rows"].size(), 161U);
+  EXPECT_EQ(json["grade"], "A");
+  EXPECT_FALSE(to_json(alone, kBands, false).contains("rows"));
+  const std::string csv = grades_csv({alone});
+  EXPECT_THAT(csv, HasSubstr("\n\"left, \"\"upper\"\"\",0,3.25,2,lateral,,medial,1,,0\n"));
+  EXPECT_EQ(count(csv, "\n"), 162U);
+}
+
+TEST(GradeOutput, NamesTheBandsAndTheToolAndTheBreach) {
+  EXPECT_EQ(band_names(kBands), (std::vector<std::string>{"below 135 HU", "135 to 375 HU", "375 HU and above"}));
+  EXPECT_EQ(band_names({}).size(), 1U);
+  EXPECT_EQ(tool_of(graded(0.0).path), "screw 6.5 x 45 mm");
+  EXPECT_EQ(tool_of(DrillPath()), "bit of 3 mm");
+  EXPECT_EQ(breach_of(graded(1.0).grade), "canal, medial");
+  EXPECT_EQ(breach_of(graded(0.0).grade), "");
+  const std::string table = grades_table({graded(2.5)}, kBands);
+  for (const char* part : {"2.50", "canal, medial", "-2.50", "18.2", "75.0", "34.5"}) {
+    EXPECT_THAT(table, HasSubstr(part));
+  }
+}
+
+}  // namespace
+}  // namespace spinaltap
