@@ -2,7 +2,6 @@
 #include <memory>
 #include <optional>
 
-#include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
 #include "apps/common/surface_error.h"
 #include "apps/spinaltap/command.h"
@@ -63,9 +62,12 @@ Json demo(DemoOptions options, const Progress& progress) {
   if (const std::optional<DrillPath> given = options.path.given_path("given")) {
     paths = {*given};
   } else if (paths.empty()) {
-    paths = {suggest_path(baked.bone, options.path.bit, progress)};
+    const PlanningBone bone(baked.bone, progress);
+    const std::vector<Suggestion> suggestions = auto_plan(bone, {{}, {}, 0.0, options.path.bit}, progress);
+    figures["plan"] = report_suggestions(bone, suggestions);
+    paths = paths_of(suggestions);
   }
-  figures["plan"] = report_paths(paths);
+  figures["plan"].update(report_paths(paths));
   write_plan(paths, options.folder / "plan.json");
 
   heading("Drilling");

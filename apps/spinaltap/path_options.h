@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/common/auto_plan.h"
 #include "apps/common/json_file.h"
 #include "core/drill/drill_path.h"
 
@@ -26,5 +27,8 @@ struct PathOptions {
 
 /// Prints paths and gives them as JSON.
 Json report_paths(const std::vector<DrillPath>& paths);
+
+/// Prints what was found of a vertebra and suggested for it, and gives it as JSON.
+Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>& suggestions);
 
 }  // namespace spinaltap

@@ -5,6 +5,7 @@
 #include "apps/common/bit_shapes.h"
 #include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
+#include "apps/common/planning_json.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/path_options.h"
 #include "core/base/error.h"
@@ -67,35 +68,107 @@ Json report_paths(const std::vector<DrillPath>& paths) {
   return {{"paths", list}};
 }
 
+namespace {
+
+void add_auto_plan(CLI::App& app, AutoPlanOptions& options) {
+  app.add_option("--screws", options.screws, "Table of screw sizes; default: the shipped screws/pedicle.json")
+      ->type_name("FILE");
+  app.add_option("--rules", options.rules, "Margins and weights; default: the shipped planning/pedicle.json")
+      ->type_name("FILE");
+  app.add_option("--margin", options.margin_mm, "Bone to keep around the screw, mm; default: that of the rules")
+      ->type_name("MM");
+}
+
+std::string degrees_and_mm(double mm, double deg) {
+  std::ostringstream text;
+  text.precision(3);
+  text << mm << " mm, " << deg << "°";
+  return text.str();
+}
+
+void print_suggestion(const Suggestion& suggestion) {
+  if (!suggestion.best) {
+    print_figure(suggestion.side, "no path: " + suggestion.refusal);
+    return;
+  }
+  const SuggestedPath& best = *suggestion.best;
+  print_figure(suggestion.side + " screw", best.path.screw->name);
+  print_figure(suggestion.side + " grade", std::string(1, letter_of(best.grade.grade)));
+  print_figure(suggestion.side + " clearance, outer surface", best.grade.outer.clearance_mm, "mm");
+  print_figure(suggestion.side + " clearance, canal", best.grade.canal.clearance_mm, "mm");
+  print_figure(suggestion.side + " convergence", best.convergence_deg, "°", 1);
+  print_figure(suggestion.side + " inclination", best.inclination_deg, "°", 1);
+  const SafeZone& safe = best.safe;
+  print_figure(suggestion.side + " may err medially", degrees_and_mm(safe.medial_mm, safe.medial_deg));
+  print_figure(suggestion.side + " may err laterally", degrees_and_mm(safe.lateral_mm, safe.lateral_deg));
+  print_figure(suggestion.side + " may err cranially", degrees_and_mm(safe.cranial_mm, safe.cranial_deg));
+  print_figure(suggestion.side + " may err caudally", degrees_and_mm(safe.caudal_mm, safe.caudal_deg));
+}
+
+void print_landmarks(const Landmarks& marks) {
+  print_figure("left pedicle, width", marks.left_pedicle.width_mm, "mm");
+  print_figure("right pedicle, width", marks.right_pedicle.width_mm, "mm");
+  print_figure("canal, width", marks.canal.width_mm, "mm");
+  print_figure("canal, depth", marks.canal.depth_mm, "mm");
+  for (const std::string& doubt : marks.doubts) print_figure("doubt", doubt);
+}
+
+}  // namespace
+
+Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>& suggestions) {
+  print_landmarks(bone.landmarks());
+  Json list = Json::array();
+  for (const Suggestion& suggestion : suggestions) {
+    print_suggestion(suggestion);
+    list.push_back(to_json(suggestion));
+  }
+  return {{"landmarks", to_json(bone.landmarks())}, {"suggestions", list}};
+}
+
 void add_plan(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
     std::filesystem::path output = "plan.json";
     std::string name = "path";
     PathOptions path;
+    bool is_auto = false;
+    AutoPlanOptions suggest;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(program, command, "plan",
-                              "Write a plan: from given points, or the widest straight way into the vertebral body",
-                              "Examples: spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
-                              "          spinaltap plan bone.vdb -o plan.json\n"
-                              "A phantom brings its own plan.json along.");
+  CLI::App* app =
+      add_command(program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
+                  "Examples: spinaltap plan bone.vdb --auto -o plan.json\n"
+                  "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
+                  "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
+                  "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
   app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
   app->add_option("-o,--output", options->output, "The plan to write")->capture_default_str()->type_name("FILE");
-  app->add_option("--name", options->name, "Name of the path")->capture_default_str();
+  app->add_option("--name", options->name, "Name of the given path")->capture_default_str();
+  app->add_flag("--auto", options->is_auto, "Find the pedicles and suggest a path and a screw through each")
+      ->excludes("--name");
   options->path.add_to(*app);
+  add_auto_plan(*app, options->suggest);
+  app->get_option("--auto")->excludes("--entry");
+  for (const char* name : {"--screws", "--rules", "--margin"}) app->get_option(name)->needs("--auto");
 
   command.run = [options](const Progress& progress) {
+    Json figures = Json::object();
     const BoneModel bone = read_bone(options->bone);
-    std::optional<DrillPath> path = options->path.given_path(options->name);
-    if (path) {
+    std::vector<DrillPath> paths;
+    if (const std::optional<DrillPath> path = options->path.given_path(options->name)) {
       check_path_meets_bone(*path, bone);
+      paths = {*path};
+    } else if (options->is_auto) {
+      options->suggest.bit = options->path.bit;
+      const PlanningBone planning(bone, progress);
+      const std::vector<Suggestion> suggestions = auto_plan(planning, options->suggest, progress);
+      figures = report_suggestions(planning, suggestions);
+      paths = paths_of(suggestions);
     } else {
-      path = suggest_path(bone, options->path.bit, progress);
-      path->name = options->name;
+      fail("expected --entry and --target, or --auto");
     }
-    write_plan({*path}, options->output);
-    Json figures = report_paths({*path});
+    write_plan(paths, options->output);
+    figures.update(report_paths(paths));
     print_figure("written", options->output.string());
     return figures;
   };

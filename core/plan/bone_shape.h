@@ -38,8 +38,8 @@ class BoneShape {
   /// The nearest of points_mm().
   PointTree::Nearest nearest(const Vec3& p_mm) const { return tree_.nearest(p_mm); }
 
-  /// Distances at voxels of kLatticeMm around the bone: those of distance_mm() inside, and outside at least the right
-  /// sign. For searches.
+  /// Distances at voxels of kLatticeMm around the bone: inside as distance_mm(), deeper than 3 mm up to 0.1 mm more;
+  /// outside at least the right sign. For searches.
   const FloatGrid& lattice() const { return lattice_; }
   /// Tri-linear value of the lattice; beyond it, its border's.
   double lattice_mm(const Vec3& p_mm) const {

@@ -139,7 +139,8 @@ std::optional<CanalView> find_canal(const SurfaceSample& surface) {
   const Vec3 axis = middle_of_best(fine).axis;
   const Hole hole = widest_hole(surface, axis);
   if (!(hole.radius_mm >= kLeastRadiusMm)) return std::nullopt;
-  return CanalView{hole.centre_mm, axis, hole.radius_mm};
+  const Vec3 middle_mm = bounds_of(surface.points_mm).center();
+  return CanalView{hole.centre_mm + axis.dot(middle_mm) * axis, axis, hole.radius_mm};
 }
 
 }  // namespace spinaltap

@@ -8,7 +8,7 @@ namespace spinaltap {
 
 /// A straight way through the vertebral canal.
 struct CanalView {
-  Vec3 point_mm = Vec3::Zero();  ///< on the way
+  Vec3 point_mm = Vec3::Zero();  ///< on the way, at the height of the bone's middle
   Vec3 axis = Vec3::UnitZ();     ///< unit, upward
   double radius_mm = 0.0;        ///< of the widest cylinder around it that meets no bone
 };

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,27 +25,73 @@ bool sees(const BoneShape& bone, const Vec3& point_mm, const Vec3& place_mm) {
   return true;
 }
 
-}  // namespace
+/// Tells the canal's wall from the rest of the surface.
+class CanalWall {
+ public:
+  CanalWall(const BoneShape& bone, const Landmarks& landmarks)
+      : bone_(bone),
+        landmarks_(landmarks),
+        top_mm_(height_of(landmarks.body.upper.centre_mm) + kAboveMm),
+        bottom_mm_(height_of(landmarks.body.lower.centre_mm) - kBelowMm),
+        half_width_mm_(0.5 * landmarks.canal.width_mm + kBesideMm),
+        half_depth_mm_(0.5 * std::max(landmarks.canal.depth_mm, landmarks.canal.width_mm) + kBehindMm) {}
 
-std::vector<std::uint8_t> canal_wall_flags(const BoneShape& bone, const Landmarks& landmarks) {
-  constexpr double kBesideMm = 2.0, kAboveMm = 4.0, kBelowMm = 10.0, kBehindMm = 6.0;
-  constexpr double kLeastFacing = 0.2;  // cosine: flatter, a place looks up or down and not at the canal
-  const Landmarks::Canal& canal = landmarks.canal;
-  const double top_mm = landmarks.to_own(landmarks.body.upper.centre_mm).z() + kAboveMm;
-  const double bottom_mm = landmarks.to_own(landmarks.body.lower.centre_mm).z() - kBelowMm;
-  const double half_width_mm = 0.5 * canal.width_mm + kBesideMm;
-  const double half_depth_mm = 0.5 * std::max(canal.depth_mm, canal.width_mm) + kBehindMm;
-  std::vector<std::uint8_t> flags(bone.points_mm().size(), 0);
-  tbb::parallel_for(std::size_t{0}, flags.size(), [&](std::size_t n) {
-    const Vec3& p_mm = bone.points_mm()[n];
-    const double height_mm = landmarks.to_own(p_mm).z();
-    if (height_mm > top_mm || height_mm < bottom_mm) return;
+  bool holds(const Vec3& p_mm, const Vec3& normal) const {
+    constexpr double kLeastFacing = 0.2;  // cosine: flatter, a place looks up or down and not at the canal
+    const double height_mm = height_of(p_mm);
+    if (height_mm > top_mm_ || height_mm < bottom_mm_) return false;
+    const Landmarks::Canal& canal = landmarks_.canal;
     const Vec3 axis_mm = canal.centre_mm + canal.axis * (p_mm - canal.centre_mm).dot(canal.axis);
     const Vec3 to_axis_mm = axis_mm - p_mm;
-    if (std::abs(to_axis_mm.dot(landmarks.left())) > half_width_mm) return;
-    if (std::abs(to_axis_mm.dot(landmarks.posterior())) > half_depth_mm) return;
-    if (!(bone.normals()[n].dot(to_axis_mm) > kLeastFacing * to_axis_mm.norm())) return;
-    if (sees(bone, p_mm, axis_mm)) flags[n] = 1;
+    if (std::abs(to_axis_mm.dot(landmarks_.left())) > half_width_mm_) return false;
+    if (std::abs(to_axis_mm.dot(landmarks_.posterior())) > half_depth_mm_) return false;
+    if (!(normal.dot(to_axis_mm) > kLeastFacing * to_axis_mm.norm())) return false;
+    return sees(bone_, p_mm, axis_mm);
+  }
+
+ private:
+  static constexpr double kBesideMm = 2.0, kAboveMm = 4.0, kBelowMm = 10.0, kBehindMm = 6.0;
+
+  double height_of(const Vec3& p_mm) const { return landmarks_.superior().dot(p_mm - landmarks_.canal.centre_mm); }
+
+  const BoneShape& bone_;
+  const Landmarks& landmarks_;
+  double top_mm_, bottom_mm_, half_width_mm_, half_depth_mm_;
+};
+
+}  // namespace
+
+Vec3 direction_of_canal(const BoneShape& bone, const SurfaceSample& surface, const Landmarks& landmarks) {
+  constexpr double kLevelsMm = 10.0, kReach = 0.35;
+  constexpr int kRounds = 6;
+  const CanalWall wall(bone, landmarks);
+  std::vector<Vec3> normals;
+  for (std::size_t n = 0; n < surface.points_mm.size(); ++n) {
+    const Vec3& p_mm = surface.points_mm[n];
+    if (std::abs(landmarks.superior().dot(p_mm - landmarks.canal.centre_mm)) > kLevelsMm) continue;
+    if (wall.holds(p_mm, surface.normals[n])) normals.push_back(surface.normals[n]);
+  }
+  Vec3 axis = landmarks.canal.axis;
+  for (int round = 0; round < kRounds; ++round) {
+    Mat3 spread = Mat3::Zero();
+    for (const Vec3& normal : normals) {
+      const double ratio = normal.dot(axis) / kReach;
+      if (std::abs(ratio) < 1.0) spread += (1.0 - ratio * ratio) * (1.0 - ratio * ratio) * normal * normal.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
+    // Walls of one direction only do not tell.
+    if (!(solver.eigenvalues()[1] > 0.05 * solver.eigenvalues()[2])) return landmarks.canal.axis;
+    axis = solver.eigenvectors().col(0);
+    if (axis.dot(landmarks.superior()) < 0.0) axis = -axis;
+  }
+  return axis;
+}
+
+std::vector<std::uint8_t> canal_wall_flags(const BoneShape& bone, const Landmarks& landmarks) {
+  const CanalWall wall(bone, landmarks);
+  std::vector<std::uint8_t> flags(bone.points_mm().size(), 0);
+  tbb::parallel_for(std::size_t{0}, flags.size(), [&](std::size_t n) {
+    if (wall.holds(bone.points_mm()[n], bone.normals()[n])) flags[n] = 1;
   });
   return flags;
 }

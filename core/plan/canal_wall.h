@@ -4,8 +4,13 @@
 #include <vector>
 
 #include "core/plan/landmarks.h"
+#include "core/plan/surface_sample.h"
 
 namespace spinaltap {
+
+/// The direction along which the canal's wall runs: at right angles to the wall's normals, as well as can be (least
+/// squares with Tukey's biweight), within 10 mm of canal.centre_mm. `landmarks`: body, axes and a first canal.
+Vec3 direction_of_canal(const BoneShape& bone, const SurfaceSample& surface, const Landmarks& landmarks);
 
 /// Of each of bone.points_mm(): 1 where it is a wall of the canal. That is what the canal's axis sees of the bone
 /// within the canal's width, from a little above the body to a little below: the back of the body, the inner sides of

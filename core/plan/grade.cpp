@@ -54,6 +54,34 @@ std::size_t rows_of_entry(const WallDistance& walls, const GradedTool& tool, con
   return rows.size();
 }
 
+/// What the tool's axis meets on its way.
+struct Walk {
+  std::vector<GradeRow> rows;  ///< without CT numbers
+  std::vector<WallDistance::Walls> axis;
+  std::size_t entry_rows = 0;
+};
+
+Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
+                const GradeOptions& options) {
+  Walk walk;
+  for (const double depth_mm : depths_of(tool.length_mm(), options.step_mm)) {
+    const Vec3 p_mm = tool.axis_mm(depth_mm);
+    walk.axis.push_back(walls.walls(p_mm));
+    const WallDistance::Walls& at = walk.axis.back();
+    GradeRow row;
+    row.depth_mm = depth_mm;
+    row.radius_mm = tool.radius_mm(depth_mm);
+    row.outer_mm = at.outer.distance_mm - row.radius_mm;
+    row.canal_mm = at.canal.distance_mm - row.radius_mm;
+    row.outer_side = sides.of(p_mm, at.outer);
+    row.canal_side = sides.of(p_mm, at.canal);
+    walk.rows.push_back(row);
+  }
+  walk.entry_rows = rows_of_entry(walls, tool, sides, walk.rows, walk.axis, options.ring_points);
+  for (std::size_t n = 0; n < walk.entry_rows; ++n) walk.rows[n].is_entry = true;
+  return walk;
+}
+
 Approach nearest_of(Approach so_far, double clearance_mm, double depth_mm, PathSide side) {
   return clearance_mm < so_far.clearance_mm ? Approach{clearance_mm, depth_mm, side} : so_far;
 }
@@ -77,29 +105,17 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   if (!hu) fail("grade: expected a sampler of CT numbers");
   const GradedTool tool(path);
   const SideNames sides(walls.landmarks(), path);
-  const std::vector<double> depths_mm = depths_of(tool.length_mm(), options.step_mm);
+  Walk walk = walk_along(walls, tool, sides, options);
 
   PathGrade graded;
   graded.is_left = sides.is_left();
-  std::vector<WallDistance::Walls> axis;
-  for (const double depth_mm : depths_mm) {
-    const Vec3 p_mm = tool.axis_mm(depth_mm);
-    axis.push_back(walls.walls(p_mm));
-    GradeRow row;
-    row.depth_mm = depth_mm;
-    row.radius_mm = tool.radius_mm(depth_mm);
-    row.outer_mm = axis.back().outer.distance_mm - row.radius_mm;
-    row.canal_mm = axis.back().canal.distance_mm - row.radius_mm;
-    row.outer_side = sides.of(p_mm, axis.back().outer);
-    row.canal_side = sides.of(p_mm, axis.back().canal);
-    graded.rows.push_back(row);
-  }
-  const std::size_t entry_rows = rows_of_entry(walls, tool, sides, graded.rows, axis, options.ring_points);
-  graded.entry_end_mm = entry_rows < depths_mm.size() ? depths_mm[entry_rows] : tool.length_mm();
+  graded.rows = std::move(walk.rows);
+  std::vector<double> depths_mm;
+  for (const GradeRow& row : graded.rows) depths_mm.push_back(row.depth_mm);
+  graded.entry_end_mm = walk.entry_rows < depths_mm.size() ? depths_mm[walk.entry_rows] : tool.length_mm();
   const ToolSections sections(walls.bone(), hu, material, tool, depths_mm, options.step_mm, options.hu_bands);
   for (std::size_t n = 0; n < graded.rows.size(); ++n) {
     GradeRow& row = graded.rows[n];
-    row.is_entry = n < entry_rows;
     row.hu = sections.hu(n);
     row.thrust_n = sections.thrust_n(n);
     graded.most_thrust_n = std::max(graded.most_thrust_n, row.thrust_n);
@@ -109,7 +125,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   graded.hu = sections.mean_hu();
   graded.hu_band_shares = sections.band_shares();
 
-  const FoundBreach breach = find_breach(walls, tool, graded.rows, axis, options.ring_points);
+  const FoundBreach breach = find_breach(walls, tool, graded.rows, walk.axis, options.ring_points);
   graded.breach_mm = breach.breach_mm;
   graded.grade = gertzbein_robbins(breach.breach_mm);
   if (breach.breach_mm > 0.0) {
@@ -118,6 +134,13 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
     graded.breach_side = sides.of(breach.place_mm, breach.wall);
   }
   return graded;
+}
+
+double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {
+  check_options(options);
+  const GradedTool tool(path);
+  const Walk walk = walk_along(walls, tool, SideNames(walls.landmarks(), path), options);
+  return find_breach(walls, tool, walk.rows, walk.axis, options.ring_points).breach_mm;
 }
 
 }  // namespace spinaltap

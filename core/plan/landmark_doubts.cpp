@@ -48,7 +48,7 @@ void doubt_pedicle(Doubts& doubts, const Landmarks& found, const PedicleLandmark
 }  // namespace
 
 std::vector<std::string> doubts_about(const Landmarks& found, double asymmetry_mm, const CutFace& cut_face) {
-  constexpr double kCutMm2 = 40.0;
+  constexpr double kCutMm2 = 25.0;
   Doubts doubts;
   if (cut_face.area_mm2 >= kCutMm2) {
     doubts.add(line("the bone ends at the patient's ", side_of_patient(cut_face.normal), " in a flat face of ",

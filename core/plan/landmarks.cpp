@@ -68,6 +68,23 @@ void refuse_two_bodies(const BoneShape& bone, const Core& core, const Mat3& axes
   if (bodies > 1) fail("landmarks: expected one vertebra, found ", bodies, " vertebral bodies one above the other");
 }
 
+void refuse_tall_body(const Landmarks::Body& body) {
+  constexpr double kMostHeightOverDepth = 1.5;
+  if (body.height_mm <= kMostHeightOverDepth * body.depth_mm) return;
+  fail("landmarks: expected one vertebra, found a body ", body.height_mm, " mm high and only ", body.depth_mm,
+       " mm deep: two that touch or have grown together");
+}
+
+/// The body of a vertebra is the thickest part by far: a ring of even thickness has none.
+void refuse_thin_body(const Landmarks& found) {
+  constexpr double kLeastOverPedicle = 1.3;
+  const double body_mm = std::min({found.body.width_mm, found.body.depth_mm, found.body.height_mm});
+  const double pedicle_mm = std::max(found.left_pedicle.width_mm, found.right_pedicle.width_mm);
+  if (body_mm >= kLeastOverPedicle * pedicle_mm) return;
+  fail("landmarks: no vertebral body: the thickest part of the bone is only ", body_mm,
+       " mm thick, where a pedicle is ", pedicle_mm, " mm wide; expected a whole vertebra");
+}
+
 PedicleLandmarks pedicle_or_error(const BoneShape& bone, const PedicleRegion& region, double side) {
   const std::optional<PedicleLandmarks> pedicle = find_pedicle(bone, region, side);
   if (pedicle) return *pedicle;
@@ -80,6 +97,11 @@ Vec3 on_canal_at(const CanalView& canal, const SymmetryPlane& middle, const Vec3
   const double way_mm = (p_mm - canal.point_mm).dot(superior) / canal.axis.dot(superior);
   const Vec3 at_mm = canal.point_mm + way_mm * canal.axis;
   return at_mm - (at_mm - middle.point_mm).dot(middle.normal) * middle.normal;
+}
+
+/// A direction turned into the midsagittal plane.
+Vec3 in_middle(const Vec3& direction, const SymmetryPlane& middle) {
+  return (direction - direction.dot(middle.normal) * middle.normal).normalized();
 }
 
 }  // namespace
@@ -109,6 +131,7 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
     found.body = measure_body(bone, core.centre_mm, found.axes);
     found.axes = frame_of(middle.normal, found.body.upper.normal - found.body.lower.normal);
   }
+  refuse_tall_body(found.body);
   PedicleRegion region;
   region.axes = found.axes;
   region.canal_mm = on_canal_at(canal, middle, found.superior(), found.body.centre_mm);
@@ -117,11 +140,14 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
   region.highest_mm = found.superior().dot(found.body.upper.centre_mm - region.canal_mm);
   found.left_pedicle = pedicle_or_error(bone, region, 1.0);
   found.right_pedicle = pedicle_or_error(bone, region, -1.0);
+  refuse_thin_body(found);
   progress.report(kStage, 0.8);
 
   const Vec3 level_mm = 0.5 * (found.left_pedicle.isthmus_mm + found.right_pedicle.isthmus_mm);
-  const Vec3 canal_axis = (canal.axis - canal.axis.dot(found.left()) * found.left()).normalized();
-  found.canal = measure_canal(bone, on_canal_at(canal, middle, found.superior(), level_mm), canal_axis, found.axes);
+  const Vec3 in_canal_mm = on_canal_at(canal, middle, found.superior(), level_mm);
+  found.canal = measure_canal(bone, in_canal_mm, in_middle(canal.axis, middle), found.axes);
+  found.canal.axis = in_middle(direction_of_canal(bone, surface, found), middle);
+  found.canal = measure_canal(bone, in_canal_mm, found.canal.axis, found.axes);
   found.origin_mm = found.canal.centre_mm;
   found.is_canal_wall = canal_wall_flags(bone, found);
   found.doubts = doubts_about(found, middle.residual_mm, cut_face);

@@ -2,14 +2,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
+#include "core/plan/cubic_form.h"
 #include "core/plan/pedicle_section.h"
 
 namespace spinaltap {
@@ -103,30 +102,18 @@ const TriedCut* smallest_of(const std::vector<TriedCut>& tried) {
   return smallest;
 }
 
-/// Where the quadratic form through the areas is least, in units of `reach`; nothing where it has no minimum.
-std::optional<Vec3> minimum_of_quadratic(const std::vector<TriedCut>& tried, const Vec3& reach, double least_mm2) {
-  using Row = Eigen::Matrix<double, 10, 1>;
-  constexpr double kMostGrowth = 0.35;  // beyond, the section is no more one of the isthmus
-  Eigen::Matrix<double, 10, 10> matrix = Eigen::Matrix<double, 10, 10>::Zero();
-  Row right = Row::Zero();
+/// Where a cubic form through the areas is least; nothing where it has no minimum.
+std::optional<Vec3> minimum_of_areas(const std::vector<TriedCut>& tried, const Vec3& reach, double least_mm2) {
+  constexpr double kMostGrowth = 0.3;  // beyond, the section is no more one of the isthmus
+  CubicForm form;
   for (const TriedCut& one : tried) {
     if (!is_closed(one.section)) continue;
     const double growth = one.section.area_mm2 / least_mm2 - 1.0;
-    if (!(growth < kMostGrowth)) continue;
-    const double share = 1.0 - growth / kMostGrowth;
-    const Vec3 m = one.move.cwiseQuotient(reach);
-    Row row;
-    row << 1.0, m.x(), m.y(), m.z(), 0.5 * m.x() * m.x(), 0.5 * m.y() * m.y(), 0.5 * m.z() * m.z(), m.x() * m.y(),
-        m.x() * m.z(), m.y() * m.z();
-    matrix += share * row * row.transpose();
-    right += share * growth * row;
+    if (growth < kMostGrowth) form.add(one.move.cwiseQuotient(reach), growth, 1.0 - growth / kMostGrowth);
   }
-  const Row form = matrix.ldlt().solve(right);
-  if (!form.allFinite()) return std::nullopt;
-  Mat3 bend;
-  bend << form[4], form[7], form[8], form[7], form[5], form[9], form[8], form[9], form[6];
-  if (!(Eigen::SelfAdjointEigenSolver<Mat3>(bend).eigenvalues()[0] > 1e-4)) return std::nullopt;
-  return Vec3(-bend.ldlt().solve(form.segment<3>(1)));
+  const std::optional<Vec3> minimum = form.minimum();
+  if (!minimum) return std::nullopt;
+  return Vec3(minimum->cwiseProduct(reach));
 }
 
 }  // namespace
@@ -140,14 +127,13 @@ std::optional<PedicleLandmarks> find_pedicle(const BoneShape& bone, const Pedicl
   if (const TriedCut* best = smallest_of(coarse)) {
     cut = Cut{best->section.centre_mm, moved(*cut, upward, best->move).axis};
   }
-  constexpr int kRounds = 5;
+  constexpr int kRounds = 4;
   const Vec3 reach(2.5, 14.0 * kRadian, 14.0 * kRadian);
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<TriedCut> tried = tried_around(bone, *cut, upward, reach, Eigen::Vector3i(5, 5, 5));
+    const std::vector<TriedCut> tried = tried_around(bone, *cut, upward, reach, Eigen::Vector3i(4, 4, 4));
     const TriedCut* best = smallest_of(tried);
     if (best == nullptr) return std::nullopt;
-    const std::optional<Vec3> minimum = minimum_of_quadratic(tried, reach, best->section.area_mm2);
-    const Vec3 move = minimum ? Vec3(minimum->cwiseMax(-1.0).cwiseMin(1.0).cwiseProduct(reach)) : best->move;
+    const Vec3 move = minimum_of_areas(tried, reach, best->section.area_mm2).value_or(best->move);
     const Cut next = moved(*cut, upward, move);
     const BoneSection section = section_around(bone, next.centre_mm, next.axis, upward);
     if (!is_closed(section)) return std::nullopt;

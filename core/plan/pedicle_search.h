@@ -16,9 +16,10 @@ struct PedicleRegion {
 };
 
 /// The isthmus of the pedicle on one side: among plane sections of the bone between arch and body the one of least
-/// area. Found over position and both tilts by a coarse search, then where a quadratic form through the areas of about
-/// 1,000 sections around has its minimum: the smallest area itself is moved by the surface's noise. `side`: 1 for
-/// the left, -1 for the right. Nothing where no bone joins the arch to the body.
+/// area. Found over position and both tilts by a coarse search, then where a cubic form through the areas of 729
+/// sections around has its minimum: the smallest area itself is moved by the surface's noise, and the minimum of a
+/// quadratic form by fillets that begin nearer on one side. `side`: 1 for the left, -1 for the right. Nothing where no
+/// bone joins the arch to the body.
 std::optional<PedicleLandmarks> find_pedicle(const BoneShape& bone, const PedicleRegion& region, double side);
 
 }  // namespace spinaltap

@@ -53,9 +53,9 @@ Moments moments_of(const std::array<double, kRays>& radii) {
   return sum;
 }
 
-/// Radii without the Fourier orders above 8.
+/// Radii without the Fourier orders above 6.
 std::array<double, kRays> smoothed(const std::array<double, kRays>& radii) {
-  constexpr std::size_t kOrders = 8;
+  constexpr std::size_t kOrders = 6;
   std::array<double, kRays> result{};
   for (std::size_t order = 0; order <= kOrders; ++order) {
     double cosine = 0.0, sine = 0.0;

@@ -33,7 +33,7 @@ struct SectionSize {
   double small_mm = 0.0, large_mm = 0.0;
 };
 
-/// Axes from the second moments. Extents of the contour after it was smoothed: of its radii the Fourier orders up to 8
+/// Axes from the second moments. Extents of the contour after it was smoothed: of its radii the Fourier orders up to 6
 /// are kept, which hold an ellipse of 1 : 1.7 within 0.2%, and leave out most of a surface's noise, which would make
 /// every extent too large.
 SectionSize size_of(const BoneSection& section);

@@ -6,9 +6,8 @@
 
 #include <optional>
 
-#include "apps/common/bone_path.h"
 #include "core/drill/point_volume.h"
-#include "core/phantom/vertebra.h"
+#include "core/phantom/vertebra_truth.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_field.h"
 #include "tests/support/vertebra_values.h"
@@ -24,9 +23,8 @@ const BoneModel& bone() {
 
 const DrillPath& path() {
   static const DrillPath found = [] {
-    DrillPath through = suggest_path(bone(), DrillBit());
-    through.entry_mm = through.target_mm - 37.8 * through.direction();
-    return through;
+    const PedicleTruth pedicle = vertebra_truth(Vertebra()).left;
+    return DrillPath{"left", pedicle.target_mm - 37.8 * pedicle.axis, pedicle.target_mm, {}};
   }();
   return found;
 }

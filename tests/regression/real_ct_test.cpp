@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "apps/common/auto_plan.h"
 #include "apps/common/bake_ct.h"
-#include "apps/common/bone_path.h"
 #include "apps/common/drilling.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
@@ -100,7 +100,9 @@ TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   std::printf("furthest vertex from the label's boundary: %.2f mm\n", most_mm);
   EXPECT_LE(most_mm, voxel_mm);
 
-  const DrillPath path = suggest_path(baked.bone, {});
+  const std::vector<DrillPath> paths = paths_of(auto_plan(PlanningBone(baked.bone)));
+  ASSERT_EQ(paths.size(), 2U);
+  const DrillPath path = paths.front();
   DrillingOptions options;
   options.motion.step_mm = 0.02;
   const Drilling drilling = drill_bone(baked.bone, path, {}, options);

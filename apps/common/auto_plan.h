@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "apps/common/planning_bone.h"
+#include "core/plan/suggest.h"
+
+namespace spinaltap {
+
+struct AutoPlanOptions {
+  std::filesystem::path screws;  ///< table of sizes; empty: the shipped screws/pedicle.json
+  std::filesystem::path rules;   ///< margins and weights; empty: the shipped planning/pedicle.json
+  double margin_mm = 0.0;        ///< of bone around the screw; 0: that of the rules
+  DrillBit bit;                  ///< for the holes
+};
+
+/// suggest_paths() with tables and laws from files.
+std::vector<Suggestion> auto_plan(const PlanningBone& bone, const AutoPlanOptions& options = {},
+                                  const Progress& progress = {});
+
+/// The paths among suggestions. Throws Error that says why there is none, where there is none.
+std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions);
+
+}  // namespace spinaltap

@@ -1,0 +1,177 @@
+#include "core/plan/suggest.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "tests/support/planning_bones.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+void even_hu(std::span<const Vec3>, std::span<float> hu) { std::fill(hu.begin(), hu.end(), 200.0F); }
+
+std::vector<PedicleScrew> table() {
+  std::vector<PedicleScrew> screws;
+  for (const double diameter_mm : {5.0, 6.0, 6.5, 7.0, 8.0}) {
+    for (const double length_mm : {35.0, 40.0, 45.0, 50.0}) screws.push_back({"", diameter_mm, length_mm, 4.0});
+  }
+  return screws;
+}
+
+/// A turned and moved phantom by its true surface, and its landmarks as they are found.
+class SuggestPaths : public testing::Test {
+ protected:
+  static const Vertebra& vertebra() {
+    VertebraAnatomy anatomy;
+    anatomy.placement = {Vec3(12.0, -30.0, 400.0), Vec3(7.0, -5.0, 11.0)};
+    static const Vertebra solid(anatomy);
+    return solid;
+  }
+  static const WallDistance& walls() {
+    static const BoneShape bone(std::make_shared<const Vertebra>(vertebra().anatomy()), vertebra().bounds_mm(), 0.3);
+    static const Landmarks landmarks = find_landmarks(bone);
+    static const WallDistance of_bone(bone, landmarks);
+    return of_bone;
+  }
+  static const std::vector<Suggestion>& suggested() {
+    static const std::vector<Suggestion> both = suggest_paths(walls(), even_hu, {}, table());
+    return both;
+  }
+  static double value_mm(const Vec3& p_mm) {
+    double value = 0.0;
+    vertebra().evaluate({&p_mm, 1}, {&value, 1}, {});
+    return value;
+  }
+};
+
+TEST_F(SuggestPaths, RunThroughTheIsthmusOfEachSideIntoTheBody) {
+  const VertebraTruth truth = vertebra_truth(vertebra());
+  ASSERT_EQ(suggested().size(), 2U);
+  EXPECT_EQ(suggested()[0].side, "left");
+  EXPECT_EQ(suggested()[1].side, "right");
+  for (std::size_t n = 0; n < 2; ++n) {
+    ASSERT_TRUE(suggested()[n].best) << suggested()[n].refusal;
+    const SuggestedPath& best = *suggested()[n].best;
+    const PedicleTruth& pedicle = n == 0 ? truth.left : truth.right;
+    const Vec3 direction = best.path.direction();
+    const double way_mm = (pedicle.isthmus_mm - best.path.entry_mm).dot(pedicle.axis) / direction.dot(pedicle.axis);
+    const Vec3 off_mm = best.path.entry_mm + way_mm * direction - pedicle.isthmus_mm;
+    // A screw of 6.5 in a pedicle of 9.0 by 14.5 mm with 1 mm around it has little choice across.
+    EXPECT_LT(std::abs(off_mm.dot(pedicle.width_axis)), 0.5);
+    EXPECT_LT(std::abs(off_mm.dot(pedicle.height_axis)), 4.0);
+    EXPECT_LT(std::acos(direction.dot(pedicle.axis)) / kDegree, 16.0);
+    // Of 9.0 mm 80 % are 7.2 mm, and 7.0 mm with 1 mm to both sides fill them without any room to err.
+    EXPECT_GE(best.path.screw->diameter_mm, 6.5);
+    EXPECT_LE(best.path.screw->diameter_mm, 7.0);
+    EXPECT_NEAR(best.path.length_mm(), best.path.screw->length_mm, 1e-9);
+    EXPECT_LT(std::abs(value_mm(best.path.entry_mm)), 0.01) << "the entry is on the bone's surface";
+    EXPECT_LT(vertebra().to_own(best.path.target_mm).y(), 5.0) << "the tip is well in the body";
+    EXPECT_GT(best.convergence_deg, 0.0);
+    EXPECT_LT(best.convergence_deg, 28.0);
+    EXPECT_LT(std::abs(best.inclination_deg), 16.0);
+  }
+}
+
+TEST_F(SuggestPaths, KeepTheirMarginsOfTheTrueSurface) {
+  constexpr int kAround = 36;
+  for (const Suggestion& suggestion : suggested()) {
+    ASSERT_TRUE(suggestion.best);
+    const SuggestedPath& best = *suggestion.best;
+    EXPECT_EQ(best.grade.grade, Grade::A);
+    const Vec3 direction = best.path.direction();
+    const Vec3 beside = any_perpendicular(direction);
+    const Vec3 above = direction.cross(beside);
+    double least_mm = std::numeric_limits<double>::infinity();
+    for (double depth_mm = best.grade.entry_end_mm; depth_mm <= best.path.length_mm() - 4.0; depth_mm += 0.2) {
+      for (int n = 0; n < kAround; ++n) {
+        const double angle = 2.0 * std::numbers::pi * n / kAround;
+        const Vec3 out = std::cos(angle) * beside + std::sin(angle) * above;
+        least_mm = std::min(least_mm,
+                            -value_mm(best.path.entry_mm + depth_mm * direction + best.path.screw->radius_mm() * out));
+      }
+    }
+    EXPECT_GT(least_mm, 0.0);
+    EXPECT_GT(best.grade.canal.clearance_mm, 0.9);
+    // Ahead of the tip there are 5 mm and more.
+    for (double ahead_mm = 0.0; ahead_mm < 4.9; ahead_mm += 0.1) {
+      EXPECT_LT(value_mm(best.path.target_mm + ahead_mm * direction), 0.0) << ahead_mm;
+    }
+  }
+}
+
+TEST_F(SuggestPaths, OfAVertebraThatMirrorsItselfMirrorEachOther) {
+  const SuggestedPath& left = *suggested()[0].best;
+  const SuggestedPath& right = *suggested()[1].best;
+  EXPECT_EQ(left.path.screw->diameter_mm, right.path.screw->diameter_mm);
+  EXPECT_EQ(left.path.screw->length_mm, right.path.screw->length_mm);
+  EXPECT_NEAR(left.score, right.score, 0.1);
+  EXPECT_NEAR(left.convergence_deg, right.convergence_deg, 4.0);
+}
+
+TEST_F(SuggestPaths, AreTheSameAtAnyNumberOfThreads) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const std::vector<Suggestion> again = suggest_paths(walls(), even_hu, {}, table());
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(again[n].best->path.entry_mm, suggested()[n].best->path.entry_mm);
+    EXPECT_EQ(again[n].best->path.target_mm, suggested()[n].best->path.target_mm);
+    EXPECT_EQ(again[n].best->score, suggested()[n].best->score);
+  }
+}
+
+TEST_F(SuggestPaths, GoIntoTheDenserBoneWhereThatIsWorthMost) {
+  SuggestOptions options;
+  options.weights = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  const auto mean_height = [&](double sign) {
+    const HuSampler denser_to_one_end = [&](std::span<const Vec3> points_mm, std::span<float> hu) {
+      for (std::size_t n = 0; n < hu.size(); ++n) {
+        hu[n] = static_cast<float>(150.0 + 10.0 * sign * vertebra().to_own(points_mm[n]).z());
+      }
+    };
+    const Suggestion left = suggest_paths(walls(), denser_to_one_end, {}, table(), options)[0];
+    const DrillPath& path = left.best.value().path;
+    return vertebra().to_own(0.5 * (path.entry_mm + path.target_mm)).z();
+  };
+  EXPECT_GT(mean_height(1.0), mean_height(-1.0) + 1.0);
+}
+
+TEST_F(SuggestPaths, SayWhyThereIsNone) {
+  SuggestOptions wide;
+  wide.margin_mm = 3.0;
+  const std::vector<Suggestion> none = suggest_paths(walls(), even_hu, {}, table(), wide);
+  for (const Suggestion& suggestion : none) {
+    EXPECT_FALSE(suggestion.best);
+    EXPECT_NE(suggestion.refusal.find("3 mm of bone"), std::string::npos) << suggestion.refusal;
+    EXPECT_NE(suggestion.refusal.find(suggestion.side), std::string::npos) << suggestion.refusal;
+  }
+}
+
+TEST_F(SuggestPaths, RefuseOptionsWithoutSense) {
+  const auto refused = [&](const auto& change) {
+    SuggestOptions options;
+    change(options);
+    EXPECT_THROW(suggest_paths(walls(), even_hu, {}, table(), options), Error);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused([&](SuggestOptions& options) { options.margin_mm = nan; });
+  refused([&](SuggestOptions& options) { options.margin_mm = -1.0; });
+  refused([&](SuggestOptions& options) { options.front_margin_mm = nan; });
+  refused([&](SuggestOptions& options) { options.widest_share = 0.0; });
+  refused([&](SuggestOptions& options) { options.furthest_share = 1.5; });
+  refused([&](SuggestOptions& options) { options.most_turn_deg = 90.0; });
+  refused([&](SuggestOptions& options) { options.weights.canal = nan; });
+  refused([&](SuggestOptions& options) { options.bit.diameter_mm = nan; });
+  EXPECT_THROW(suggest_paths(walls(), even_hu, {}, {}), Error);
+  std::vector<PedicleScrew> bad = table();
+  bad[1].length_mm = nan;
+  EXPECT_THROW(suggest_paths(walls(), even_hu, {}, bad), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap
