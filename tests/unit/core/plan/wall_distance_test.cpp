@@ -134,6 +134,7 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
   const WallDistance walls(phantom.bone, phantom.landmarks);
   const VertebraTruth truth = vertebra_truth(*phantom.vertebra);
   constexpr double kReachMm = 17.0;
+  double worst_mm = 0.0;
   const std::vector<Vec3> seeds_mm = surface_seeds(*phantom.vertebra, 0.2);
   for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
     const TruePlaces surface = true_places(*phantom.vertebra, seeds_mm, pedicle.entry_mm, pedicle.target_mm, kReachMm);
@@ -142,7 +143,6 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
       is_canal.push_back(test::faces_canal(*phantom.vertebra, surface.places_mm[n], surface.normals[n]) ? 1 : 0);
     }
     int compared = 0;
-    double worst_mm = 0.0;
     for (const double aside_mm : {-6.0, -3.0, 0.0, 3.0}) {
       for (int n = 0; n <= 20; ++n) {
         const Vec3 p_mm =
@@ -166,9 +166,8 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
       }
     }
     EXPECT_GT(compared, 80);
-    RecordProperty("compared", compared);
-    RecordProperty("worst_mm", std::to_string(worst_mm));
   }
+  RecordProperty("worst_mm", std::to_string(worst_mm));
 }
 
 }  // namespace
