@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -53,21 +52,41 @@ Moments moments_of(const std::array<double, kRays>& radii) {
   return sum;
 }
 
-/// Radii without the Fourier orders above 6.
-std::array<double, kRays> smoothed(const std::array<double, kRays>& radii) {
-  constexpr std::size_t kOrders = 6;
+/// The principal axes of the moments about the centroid, and the half diameters of the ellipse that has them.
+struct Ellipse {
+  Eigen::Matrix2d axes;  ///< columns: along the small and the large diameter
+  Eigen::Vector2d halves;
+
+  double radius(const Unit& direction) const {
+    const Eigen::Vector2d along = axes.transpose() * Eigen::Vector2d(direction.x, direction.y);
+    return 1.0 / along.cwiseQuotient(halves).norm();
+  }
+};
+
+Ellipse ellipse_of(const Moments& moments) {
+  const Eigen::Vector2d centroid = moments.first / moments.area;
+  const Eigen::Matrix2d spread = moments.second / moments.area - centroid * centroid.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread);
+  return {solver.eigenvectors(), 2.0 * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt()};
+}
+
+/// Radii of which, over those of the ellipse, the Fourier orders above 5 are left out.
+std::array<double, kRays> smoothed(const std::array<double, kRays>& radii, const Ellipse& ellipse) {
+  constexpr std::size_t kOrders = 5;
   std::array<double, kRays> result{};
   for (std::size_t order = 0; order <= kOrders; ++order) {
     double cosine = 0.0, sine = 0.0;
     for (std::size_t ray = 0; ray < kRays; ++ray) {
-      cosine += radii[ray] * circle()[order * ray % kRays].x;
-      sine += radii[ray] * circle()[order * ray % kRays].y;
+      const double ratio = radii[ray] / ellipse.radius(circle()[ray]);
+      cosine += ratio * circle()[order * ray % kRays].x;
+      sine += ratio * circle()[order * ray % kRays].y;
     }
     const double scale = (order == 0 ? 1.0 : 2.0) / static_cast<double>(kRays);
     for (std::size_t ray = 0; ray < kRays; ++ray) {
       result[ray] += scale * (cosine * circle()[order * ray % kRays].x + sine * circle()[order * ray % kRays].y);
     }
   }
+  for (std::size_t ray = 0; ray < kRays; ++ray) result[ray] *= ellipse.radius(circle()[ray]);
   return result;
 }
 
@@ -147,14 +166,11 @@ BoneSection sharpened(const BoneShape& bone, BoneSection section) {
 }
 
 SectionSize size_of(const BoneSection& section) {
-  const std::array<double, kRays> radii = smoothed(section.radii_mm);
-  const Moments moments = moments_of(radii);
-  const Eigen::Vector2d centroid = moments.first / moments.area;
-  const Eigen::Matrix2d spread = moments.second / moments.area - centroid * centroid.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread);
+  const Ellipse ellipse = ellipse_of(moments_of(section.radii_mm));
+  const std::array<double, kRays> radii = smoothed(section.radii_mm, ellipse);
   SectionSize size;
   const auto axis = [&](int n, double& extent_mm) {
-    const Eigen::Vector2d along = solver.eigenvectors().col(n);
+    const Eigen::Vector2d along = ellipse.axes.col(n);
     extent_mm = extent_along(radii, along);
     return Vec3(along.x() * section.u + along.y() * section.v);
   };

@@ -33,9 +33,9 @@ struct SectionSize {
   double small_mm = 0.0, large_mm = 0.0;
 };
 
-/// Axes from the second moments. Extents of the contour after it was smoothed: of its radii the Fourier orders up to 6
-/// are kept, which hold an ellipse of 1 : 1.7 within 0.2%, and leave out most of a surface's noise, which would make
-/// every extent too large.
+/// Axes from the second moments. Extents of the contour after it was smoothed: of the ratio of its radii to those of
+/// the ellipse with its moments the Fourier orders up to 5 are kept. That changes no ellipse, and leaves out most of a
+/// surface's noise, which would make every extent too large.
 SectionSize size_of(const BoneSection& section);
 
 }  // namespace spinaltap

@@ -110,8 +110,8 @@ double median_of(std::vector<double> values) {
 
 SymmetryPlane find_symmetry_plane(const BoneShape& bone, const SurfaceSample& surface, const SymmetryPlane& start,
                                   const Vec3& posterior, const Vec3& superior) {
-  constexpr std::size_t kMostPoints = 3000;
-  constexpr int kRounds = 12;
+  constexpr std::size_t kMostPoints = 2000;
+  constexpr int kRounds = 9;
   constexpr double kWideMm = 3.0, kNarrowMm = 1.0, kDifference = 1e-4;
   std::vector<Vec3> points_mm;
   const std::size_t step = std::max<std::size_t>(1, surface.points_mm.size() / kMostPoints);

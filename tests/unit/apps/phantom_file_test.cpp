@@ -84,9 +84,22 @@ TEST_F(PhantomFile, TakesTheDefaultForMissingKeys) {
   EXPECT_EQ(anatomy.pedicle.width_mm, VertebraAnatomy().pedicle.width_mm);
 }
 
+TEST_F(PhantomFile, TakesTheLeftPediclesValuesForMissingOnesOfTheRight) {
+  const VertebraAnatomy plain = read_text(R"({"pedicle": {"width_mm": 8}})");
+  EXPECT_FALSE(plain.right_pedicle.has_value());
+  const VertebraAnatomy anatomy =
+      read_text(R"({"right_pedicle": {"height_mm": 13, "source": "made up"}, "pedicle": {"width_mm": 8}})");
+  ASSERT_TRUE(anatomy.right_pedicle.has_value());
+  EXPECT_EQ(anatomy.right_pedicle->width_mm, 8.0);
+  EXPECT_EQ(anatomy.right_pedicle->height_mm, 13.0);
+  EXPECT_EQ(anatomy.pedicle.height_mm, VertebraAnatomy().pedicle.height_mm);
+}
+
 TEST_F(PhantomFile, NamesFileAndKeyOfWhatItRefuses) {
   const auto names = [](const char* key) { return AllOf(HasSubstr("bone.json"), HasSubstr(key)); };
   EXPECT_THAT(message(R"({"body": {"width": 44}})"), names("unknown key body.width"));
+  EXPECT_THAT(message(R"({"right_pedicle": {"girth_mm": 4}})"), names("unknown key right_pedicle.girth_mm"));
+  EXPECT_THAT(message(R"({"right_pedicle": {"width_mm": 99}})"), names("right_pedicle.width_mm"));
   EXPECT_THAT(message(R"({"head": {}})"), names("unknown key head"));
   EXPECT_THAT(message(R"({"body": 3})"), names("body"));
   EXPECT_THAT(message(R"({"body": {"width_mm": "44"}})"), names("body.width_mm"));

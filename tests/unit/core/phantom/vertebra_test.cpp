@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -139,6 +142,64 @@ TEST(Vertebra, MirrorsItsLeftSideOntoItsRight) {
     const Vec3 p = random_point(vertebra.bounds_mm(), 22, n);
     ASSERT_EQ(value_at(vertebra, p), value_at(vertebra, Vec3(-p.x(), p.y(), p.z())));
   }
+}
+
+/// Where its right pedicle differs.
+VertebraAnatomy asymmetric() {
+  VertebraAnatomy anatomy;
+  anatomy.right_pedicle = anatomy.pedicle;
+  anatomy.right_pedicle->width_mm = 7.5;
+  anatomy.right_pedicle->height_mm = 13.0;
+  anatomy.right_pedicle->isthmus_mm += Vec3(0.4, -0.2, -0.3);
+  anatomy.right_pedicle->convergence_deg = 17.0;
+  anatomy.right_pedicle->tilt_deg = 3.0;
+  return anatomy;
+}
+
+TEST(Vertebra, MayHaveADifferentRightPedicle) {
+  const Vertebra vertebra(asymmetric());
+  const VertebraTruth truth = vertebra_truth(vertebra);
+  EXPECT_EQ(truth.left.width_mm, 9.0);
+  EXPECT_EQ(truth.right.width_mm, 7.5);
+  EXPECT_LE((truth.right.isthmus_mm - Vec3(-16.4, 20.3, 2.3)).norm(), 1e-12);
+  // Inward, to the left, and upward.
+  EXPECT_NEAR(std::atan2(truth.right.axis.x(), -truth.right.axis.y()) * 180.0 / std::numbers::pi, 17.0, 1e-9);
+  EXPECT_NEAR(std::asin(truth.right.axis.z()) * 180.0 / std::numbers::pi, 3.0, 1e-9);
+  for (const PedicleTruth& side : {truth.left, truth.right}) {
+    for (const auto& [axis, size_mm] :
+         {std::pair(side.width_axis, side.width_mm), {side.height_axis, side.height_mm}}) {
+      EXPECT_NEAR(crossing_mm(vertebra, side.isthmus_mm, axis, 10.0), 0.5 * size_mm, 1e-6);
+      EXPECT_NEAR(crossing_mm(vertebra, side.isthmus_mm, -axis, 10.0), 0.5 * size_mm, 1e-6);
+    }
+  }
+}
+
+TEST(Vertebra, DoesNotChangeWhereItsRightPedicleIsGivenAsTheLeftOne) {
+  VertebraAnatomy anatomy;
+  anatomy.right_pedicle = anatomy.pedicle;
+  const Vertebra same(anatomy), plain;
+  for (std::uint64_t n = 0; n < 2000; ++n) {
+    const Vec3 p = random_point(plain.bounds_mm(), 25, n);
+    const double value = value_at(plain, p);
+    // Further away, in the canal's middle, the fillets of both pedicles meet, of which each side has but its own else.
+    if (std::abs(value) > 2.0) continue;
+    ASSERT_NEAR(value_at(same, p), value, 1e-12) << p.transpose();
+    ASSERT_EQ(same.hu(p, value, 0.1), plain.hu(p, value, 0.1));
+  }
+}
+
+TEST(Vertebra, RefusesARightPedicleWithTheNameOfItsValue) {
+  VertebraAnatomy anatomy = asymmetric();
+  anatomy.right_pedicle->width_mm = -1.0;
+  try {
+    check_anatomy(anatomy);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("right_pedicle.width_mm"), std::string::npos) << error.what();
+  }
+  anatomy = asymmetric();
+  anatomy.right_pedicle->isthmus_mm.y() = 17.0;
+  EXPECT_THROW(Vertebra{anatomy}, Error);
 }
 
 TEST(Vertebra, LeavesItsCanalOpen) {

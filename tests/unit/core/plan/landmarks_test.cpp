@@ -72,6 +72,28 @@ TEST(Landmarks, FindThePediclesUnderNoiseOfTheSurface) {
   }
 }
 
+/// Takes minutes: ask for it with --gtest_also_run_disabled_tests --gtest_filter='*Fifty*'.
+TEST(Landmarks, DISABLED_FindThePediclesOfFiftyRandomVertebrae) {
+  for (const double noise_mm : {0.0, 0.1}) {
+    Errors worst, sum;
+    constexpr std::uint64_t kSeeds = 50;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      const Vertebra vertebra(test::random_anatomy(seed));
+      const Landmarks found = find_landmarks(test::shape_of(test::RoughSolid(vertebra, noise_mm, seed)));
+      const Errors errors = errors_of(found, vertebra);
+      expect_within_promise(errors, seed_name(seed));
+      expect_no_doubts(found);
+      for (const auto member : {&Errors::axis_deg, &Errors::isthmus_mm, &Errors::width_mm, &Errors::height_mm}) {
+        worst.*member = std::max(worst.*member, errors.*member);
+        sum.*member += errors.*member / static_cast<double>(kSeeds);
+      }
+    }
+    const std::string noise = "noise " + std::to_string(noise_mm) + " mm";
+    expect_within_promise(worst, noise + ", worst");
+    expect_within_promise(sum, noise + ", mean of each vertebra's worse pedicle");
+  }
+}
+
 /// Which of the landmarks a test compares, in the vertebra's own frame.
 std::vector<Vec3> own_positions(const Landmarks& found, const Vertebra& vertebra) {
   std::vector<Vec3> positions;
