@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/plan/find_breach.h"
@@ -35,21 +36,26 @@ std::vector<double> depths_of(double length_mm, double step_mm) {
   return depths_mm;
 }
 
-/// How many rows belong to the hole's mouth: until the whole section is in bone for the first time and what is nearest
-/// of the outer surface no longer lies behind; at the latest 4 mm before the pedicle's isthmus.
+/// How many rows belong to the hole's mouth: until the whole section is in bone for the first time, and then until what
+/// is nearest of the outer surface is no longer the mouth itself, but lies as deep as that section or deeper; at the
+/// latest 4 mm before the pedicle's isthmus.
 std::size_t rows_of_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
                           std::span<const GradeRow> rows, std::span<const WallDistance::Walls> axis, int ring_points) {
   constexpr double kBeforeIsthmusMm = 4.0;
-  constexpr double kBehind = 0.5;  // cosine of 60 degrees
-  const double latest_mm = (sides.pedicle().isthmus_mm - tool.axis_mm(0.0)).dot(tool.direction()) - kBeforeIsthmusMm;
+  const Vec3 entry_mm = tool.axis_mm(0.0);
+  const double latest_mm = (sides.pedicle().isthmus_mm - entry_mm).dot(tool.direction()) - kBeforeIsthmusMm;
+  double whole_mm = std::numeric_limits<double>::infinity();  // depth of the first section that is all in bone
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (!(rows[n].depth_mm < latest_mm)) return n;
     if (!(axis[n].nearer_mm() > 0.0)) continue;
-    const Vec3 towards = SideNames::towards(tool.axis_mm(rows[n].depth_mm), axis[n].outer);
-    if (-towards.dot(tool.direction()) > kBehind) continue;
-    const std::vector<Vec3> ring = ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, ring_points);
-    const std::vector<std::uint8_t> inside = inside_bone(walls.bone(), ring);
-    if (std::all_of(inside.begin(), inside.end(), [](std::uint8_t one) { return one != 0; })) return n;
+    if (!std::isfinite(whole_mm)) {
+      const Vec3 towards = SideNames::towards(tool.axis_mm(rows[n].depth_mm), axis[n].outer);
+      const std::vector<Vec3> ring = ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, ring_points);
+      const std::vector<std::uint8_t> inside = inside_bone(walls.bone(), ring);
+      if (!std::all_of(inside.begin(), inside.end(), [](std::uint8_t one) { return one != 0; })) continue;
+      whole_mm = rows[n].depth_mm;
+    }
+    if ((axis[n].outer.nearest_mm - entry_mm).dot(tool.direction()) >= whole_mm) return n;
   }
   return rows.size();
 }
