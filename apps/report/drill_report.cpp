@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "apps/report/depth_bins.h"
-#include "apps/report/slice_figure.h"
+#include "apps/report/path_slices.h"
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -19,8 +19,7 @@ namespace {
 
 using Curve = std::vector<double>;
 
-constexpr double kHapticRate = 1000.0;      ///< cycles per second that a steady force needs
-constexpr double kMaxSlicePixels = 1200.0;  ///< along a crop's longest side: coarser pixels beyond 240 mm
+constexpr double kHapticRate = 1000.0;  ///< cycles per second that a steady force needs
 constexpr double kPlotHeight = 230.0;
 constexpr std::size_t kDepthBins = 480;  ///< under two drawing units each
 
@@ -108,38 +107,7 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   return rows;
 }
 
-/// What the slices show: the bone and the path with some room around.
-Box3 shown_box(const DrillReportData& data) {
-  Box3 box = data.bone_bounds_mm;
-  const double room_mm = box.isEmpty() ? 25.0 : 5.0;
-  box.extend(data.path.entry_mm);
-  box.extend(data.path.target_mm);
-  return Box3(box.min() - Vec3::Constant(room_mm), box.max() + Vec3::Constant(room_mm));
-}
-
 void add_slices(const DrillReportData& data, HtmlReport& report) {
-  struct View {
-    SliceFrame frame;
-    std::string caption;
-  };
-  const Box3 box = shown_box(data);
-  const double pixel_mm = std::max(0.2, box.sizes().maxCoeff() / kMaxSlicePixels);
-  const Vec3 middle_mm = 0.5 * (data.path.entry_mm + data.path.target_mm);
-  const auto standard = [&](Plane plane) {
-    const SliceFrame frame = plane_frame(plane, middle_mm, box, pixel_mm);
-    return View{frame, plane_caption(plane, frame)};
-  };
-  const SliceFrame along = path_frame(data.path, box, pixel_mm);
-  std::array<View, 4> views{View{along, path_caption(along)}, standard(Plane::kAxial), standard(Plane::kSagittal),
-                            standard(Plane::kCoronal)};
-  // One scale for all four, and one height for the two side by side.
-  int width = 0;
-  for (const View& view : views) width = std::max(width, view.frame.width);
-  std::vector<ReportDrawing> drawings;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const SliceFrame frame = grown_to(views[i].frame, width, views[i ^ 1U].frame.height);
-    drawings.push_back({slice_svg(ct_slice(*data.ct, frame), data.path, views[i].caption), views[i].caption});
-  }
   report.add_heading("CT with the planned hole");
   report.add_text(
       "Planes through the middle of the path, bone window (level 500, width 1,800 HU), all at one scale. Blue and "
@@ -147,7 +115,7 @@ void add_slices(const DrillReportData& data, HtmlReport& report) {
       "where the plane cuts the bit at the target, at its true width. Dashed: the bit projected onto the plane. Axial "
       "is "
       "seen from the feet, coronal from the front, sagittal from the patient's left.");
-  report.add_svgs(drawings);
+  report.add_svgs(path_slices(*data.ct, data.path, data.bone_bounds_mm));
 }
 
 class DepthPlots {

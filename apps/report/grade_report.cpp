@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "apps/report/html_report.h"
+#include "apps/report/path_slices.h"
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -111,10 +112,17 @@ Plot plot_of(const GradedPath& graded, const std::string& title, const std::stri
   return plot;
 }
 
+/// What is graded, where drawings show the bit.
+DrillPath with_its_tool(DrillPath path) {
+  if (path.screw) path.bit = path.screw->outline();
+  return path;
+}
+
 }  // namespace
 
 std::string grade_report(const std::string& title, const std::vector<GradedPath>& paths,
-                         const std::vector<double>& hu_bands, const std::vector<std::string>& notes) {
+                         const std::vector<double>& hu_bands, const CtVolume& ct, const Box3& bone_bounds_mm,
+                         const std::vector<std::string>& notes) {
   if (paths.empty()) fail("grade report: expected one path or more, found none");
   HtmlReport report(title);
   for (const std::string& note : notes) report.add_note(note);
@@ -124,6 +132,7 @@ std::string grade_report(const std::string& title, const std::vector<GradedPath>
   for (const GradedPath& graded : paths) {
     report.add_heading(graded.path.name.empty() ? "Path" : graded.path.name);
     report.add_table(figures_of(graded, hu_bands));
+    report.add_svgs(path_slices(ct, with_its_tool(graded.path), bone_bounds_mm));
     report.add_svg(svg_plot(clearance_plot(graded)));
     report.add_svg(svg_plot(plot_of(graded, "Bone in the tool's section", "mean CT number", "HU",
                                     [](const GradeRow& row) { return row.hu; })));

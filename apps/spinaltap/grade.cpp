@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "apps/common/bone_ct.h"
 #include "apps/common/data_files.h"
 #include "apps/common/density_file.h"
 #include "apps/common/grade_output.h"
@@ -60,7 +61,8 @@ Json grade(const Options& options, const Progress& progress) {
   output.write(options.folder / "grade.json", whole.dump(2) + "\n");
   output.write(options.folder / "grade.csv", grades_csv(graded));
   output.write(options.folder / "report.html",
-               grade_report("Paths graded", graded, options.grade.hu_bands, bone.landmarks().doubts));
+               grade_report("Paths graded", graded, options.grade.hu_bands, ct_of_bone(bone.model()),
+                            bone.model().bounds_mm(), bone.landmarks().doubts));
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   for (const std::string& doubt : bone.landmarks().doubts) print_figure("doubt", doubt);

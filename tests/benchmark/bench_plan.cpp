@@ -1,50 +1,74 @@
-// Grading a path, as a window does while its end is dragged: one core, on the phantom of an L3 vertebra baked with
-// voxels of 0.25 mm, a screw of 6.5 mm by 45 mm on the left pedicle's path, shifted inward by the argument in mm: 0
-// stays in the bone, 4 breaks through the canal's wall, 40 lies in the air on the other side.
+// Planning on the phantom of an L3 vertebra baked with voxels of 0.25 mm. auto_plan is all that `plan --auto` does but
+// reading the file, on all cores; its stages follow. grade is what a window does while a path's end is dragged, on one
+// core: a screw of 6.5 mm by 45 mm on the left pedicle's path, shifted inward by the argument in mm: 0 stays in the
+// bone, 4 breaks through the canal's wall, 40 lies in the air on the other side.
 
 #include <benchmark/benchmark.h>
 
 #include <memory>
 
-#include "core/plan/grade.h"
-#include "tests/support/planning_bones.h"
+#include "apps/common/auto_plan.h"
+#include "core/phantom/vertebra_truth.h"
 #include "vdb/bake.h"
 #include "vdb/bone_field.h"
 
 namespace spinaltap {
 namespace {
 
-struct Bone {
-  Vertebra vertebra;
-  BoneModel model = bake_solid(vertebra, {}, 40.0);
-  BoneShape shape{std::make_shared<BoneField>(model), model.bounds_mm(), model.voxel_mm()};
-  Landmarks landmarks = test::phantom_landmarks(vertebra, shape);
-  WallDistance walls{shape, landmarks};
-};
+const BoneModel& model() {
+  static const BoneModel made = bake_solid(Vertebra(), {}, 40.0);
+  return made;
+}
 
-const Bone& bone() {
-  static const Bone made;
+const PlanningBone& bone() {
+  static const PlanningBone made(model());
   return made;
 }
 
 DrillPath path(double inward_mm) {
-  const PedicleTruth pedicle = vertebra_truth(bone().vertebra).left;
+  const PedicleTruth pedicle = vertebra_truth(Vertebra()).left;
   const Vec3 inward = -inward_mm * Vec3::UnitX();
   DrillPath made{"left", pedicle.entry_mm + inward, pedicle.target_mm + inward, {}};
   made.screw = PedicleScrew{"", 6.5, 45.0, 4.0};
   return made;
 }
 
+void plan_both_sides(benchmark::State& state) {
+  model();
+  std::size_t ways = 0;
+  for (auto _ : state) {
+    const PlanningBone planned(model());
+    ways = auto_plan(planned)[0].best.value().ways_looked_at;
+  }
+  state.counters["ways_a_side"] = static_cast<double>(ways);
+}
+BENCHMARK(plan_both_sides)->Name("auto_plan")->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+
+void make_shape(benchmark::State& state) {
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(BoneShape(std::make_shared<BoneField>(model()), model().bounds_mm(), model().voxel_mm()));
+  }
+}
+BENCHMARK(make_shape)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+
+void make_landmarks(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(find_landmarks(bone().shape()));
+}
+BENCHMARK(make_landmarks)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+
+void suggest(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(auto_plan(bone()));
+}
+BENCHMARK(suggest)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+
 void grade(benchmark::State& state) {
   const DrillPath graded_path = path(static_cast<double>(state.range(0)));
-  const HuSampler hu = [](std::span<const Vec3> points_mm, std::span<float> values) {
-    bone().model.hu(points_mm, values, {});
-  };
+  const HuSampler hu = bone().hu();
   const Material material;
   double breach_mm = 0.0;
   std::size_t rows = 0;
   for (auto _ : state) {
-    const PathGrade graded = grade_path(bone().walls, hu, material, graded_path);
+    const PathGrade graded = grade_path(bone().walls(), hu, material, graded_path);
     breach_mm = graded.breach_mm;
     rows = graded.rows.size();
   }
@@ -58,7 +82,7 @@ void walls(benchmark::State& state) {
   double sum_mm = 0.0;
   for (auto _ : state) {
     for (int n = 0; n <= 100; ++n) {
-      sum_mm += bone().walls.walls(along.entry_mm + n / 100.0 * (along.target_mm - along.entry_mm)).nearer_mm();
+      sum_mm += bone().walls().walls(along.entry_mm + n / 100.0 * (along.target_mm - along.entry_mm)).nearer_mm();
     }
   }
   benchmark::DoNotOptimize(sum_mm);
@@ -67,7 +91,7 @@ void walls(benchmark::State& state) {
 BENCHMARK(walls)->Unit(benchmark::kMicrosecond);
 
 void make_walls(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(WallDistance(bone().shape, bone().landmarks));
+  for (auto _ : state) benchmark::DoNotOptimize(WallDistance(bone().shape(), bone().landmarks()));
 }
 BENCHMARK(make_walls)->Unit(benchmark::kMillisecond);
 
