@@ -1,10 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/common/json_file.h"
-#include "core/plan/grade.h"
+#include "core/plan/suggest.h"
 
 namespace spinaltap {
 
@@ -12,6 +13,7 @@ namespace spinaltap {
 struct GradedPath {
   DrillPath path;
   PathGrade grade;
+  std::optional<SafeZone> safe = {};  ///< where it was worked out
 };
 
 /// "screw 6.5 x 45 mm" or "bit of 3 mm".

@@ -58,7 +58,30 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
     rows.push_back({"Share " + names[n], readable_number(100.0 * grade.hu_band_shares[n], 1), "%"});
   }
   rows.push_back({"Greatest predicted thrust", readable_number(grade.most_thrust_n, 1), "N"});
+  if (graded.safe) {
+    const SafeZone& safe = *graded.safe;
+    const auto add_error = [&](const std::string& to, double mm, double degrees) {
+      rows.push_back({"May be off " + to + " until it breaches",
+                      readable_number(mm, 1) + " mm or " + readable_number(degrees, 1) + "°", ""});
+    };
+    add_error("medially", safe.medial_mm, safe.medial_deg);
+    add_error("laterally", safe.lateral_mm, safe.lateral_deg);
+    add_error("cranially", safe.cranial_mm, safe.cranial_deg);
+    add_error("caudally", safe.caudal_mm, safe.caudal_deg);
+  }
   return rows;
+}
+
+std::vector<ReportRow> figures_of(const Landmarks& landmarks) {
+  const auto size = [](const std::string& name, double width_mm, double height_mm) {
+    return ReportRow{name, readable_number(width_mm, 1) + " × " + readable_number(height_mm, 1), "mm"};
+  };
+  const Landmarks::Body& body = landmarks.body;
+  return {size("Left pedicle, width × height", landmarks.left_pedicle.width_mm, landmarks.left_pedicle.height_mm),
+          size("Right pedicle, width × height", landmarks.right_pedicle.width_mm, landmarks.right_pedicle.height_mm),
+          size("Canal, width × depth", landmarks.canal.width_mm, landmarks.canal.depth_mm),
+          size("Body, width × depth", body.width_mm, body.depth_mm),
+          {"Body, height", readable_number(body.height_mm, 1), "mm"}};
 }
 
 Plot empty_plot(const GradedPath& graded, const std::string& title, const std::string& y_label,
@@ -120,19 +143,22 @@ DrillPath with_its_tool(DrillPath path) {
 
 }  // namespace
 
-std::string grade_report(const std::string& title, const std::vector<GradedPath>& paths,
-                         const std::vector<double>& hu_bands, const CtVolume& ct, const Box3& bone_bounds_mm,
-                         const std::vector<std::string>& notes) {
-  if (paths.empty()) fail("grade report: expected one path or more, found none");
-  HtmlReport report(title);
-  for (const std::string& note : notes) report.add_note(note);
+std::string grade_report(const GradeReportData& data) {
+  if (data.paths.empty()) fail("grade report: expected one path or more, found none");
+  HtmlReport report(data.title);
+  report.add_note("Research and training software, not a medical device: a person must judge what it says.");
+  if (data.landmarks != nullptr) {
+    for (const std::string& doubt : data.landmarks->doubts) report.add_note(doubt);
+    report.add_heading("The vertebra");
+    report.add_table(figures_of(*data.landmarks));
+  }
   report.add_text(
       "Clearance is from the tool's surface to the wall; below 0 the tool is nearer than its radius. The breach is how "
       "far the tool stands out of the bone. The outer surface that is pierced on purpose at the entry does not count.");
-  for (const GradedPath& graded : paths) {
+  for (const GradedPath& graded : data.paths) {
     report.add_heading(graded.path.name.empty() ? "Path" : graded.path.name);
-    report.add_table(figures_of(graded, hu_bands));
-    report.add_svgs(path_slices(ct, with_its_tool(graded.path), bone_bounds_mm));
+    report.add_table(figures_of(graded, data.hu_bands));
+    if (data.ct != nullptr) report.add_svgs(path_slices(*data.ct, with_its_tool(graded.path), data.bone_bounds_mm));
     report.add_svg(svg_plot(clearance_plot(graded)));
     report.add_svg(svg_plot(plot_of(graded, "Bone in the tool's section", "mean CT number", "HU",
                                     [](const GradeRow& row) { return row.hu; })));

@@ -8,11 +8,19 @@
 
 namespace spinaltap {
 
-/// The report on graded paths as one self-contained HTML file: of each path its grade and nearest approaches, and
-/// clearances, CT numbers and predicted thrust along the depth, and slices of `ct` with its tool. `bone_bounds_mm`: what
-/// the slices show. `notes` come first. Throws Error without a path.
-std::string grade_report(const std::string& title, const std::vector<GradedPath>& paths,
-                         const std::vector<double>& hu_bands, const CtVolume& ct, const Box3& bone_bounds_mm,
-                         const std::vector<std::string>& notes = {});
+/// Graded paths through one vertebra.
+struct GradeReportData {
+  std::string title;
+  std::vector<GradedPath> paths;
+  std::vector<double> hu_bands;
+  const Landmarks* landmarks = nullptr;  ///< none: no table of the vertebra
+  const CtVolume* ct = nullptr;          ///< for slices with the tool; none without it
+  Box3 bone_bounds_mm;                   ///< what the slices show, patient LPS
+};
+
+/// The report as one self-contained HTML file: what was found of the vertebra, doubts first; of each path its grade,
+/// nearest approaches and safe zone, slices, and clearances, CT numbers and predicted thrust along the depth. Throws
+/// Error without a path.
+std::string grade_report(const GradeReportData& data);
 
 }  // namespace spinaltap

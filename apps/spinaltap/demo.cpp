@@ -66,6 +66,7 @@ Json demo(DemoOptions options, const Progress& progress) {
     const std::vector<Suggestion> suggestions = auto_plan(bone, {{}, {}, 0.0, options.path.bit}, progress);
     figures["plan"] = report_suggestions(bone, suggestions);
     paths = paths_of(suggestions);
+    write_planning_report("Suggested paths", bone, suggestions, options.folder / "plan.html");
   }
   figures["plan"].update(report_paths(paths));
   write_plan(paths, options.folder / "plan.json");

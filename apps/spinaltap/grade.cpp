@@ -60,9 +60,9 @@ Json grade(const Options& options, const Progress& progress) {
   StagedOutput output;
   output.write(options.folder / "grade.json", whole.dump(2) + "\n");
   output.write(options.folder / "grade.csv", grades_csv(graded));
-  output.write(options.folder / "report.html",
-               grade_report("Paths graded", graded, options.grade.hu_bands, ct_of_bone(bone.model()),
-                            bone.model().bounds_mm(), bone.landmarks().doubts));
+  const CtVolume ct = ct_of_bone(bone.model());
+  output.write(options.folder / "report.html", grade_report({"Paths graded", graded, options.grade.hu_bands,
+                                                             &bone.landmarks(), &ct, bone.model().bounds_mm()}));
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   for (const std::string& doubt : bone.landmarks().doubts) print_figure("doubt", doubt);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,5 +31,9 @@ Json report_paths(const std::vector<DrillPath>& paths);
 
 /// Prints what was found of a vertebra and suggested for it, and gives it as JSON.
 Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>& suggestions);
+
+/// Writes the report on suggested paths: the vertebra, and each path's grade, safe zone, slices and plots.
+void write_planning_report(const std::string& title, const PlanningBone& bone,
+                           const std::vector<Suggestion>& suggestions, const std::filesystem::path& file);
 
 }  // namespace spinaltap

@@ -3,12 +3,15 @@
 #include <sstream>
 
 #include "apps/common/bit_shapes.h"
+#include "apps/common/bone_ct.h"
 #include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
 #include "apps/common/planning_json.h"
+#include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/path_options.h"
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 
 namespace spinaltap {
 
@@ -125,6 +128,19 @@ Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>&
   return {{"landmarks", to_json(bone.landmarks())}, {"suggestions", list}};
 }
 
+void write_planning_report(const std::string& title, const PlanningBone& bone,
+                           const std::vector<Suggestion>& suggestions, const std::filesystem::path& file) {
+  const CtVolume ct = ct_of_bone(bone.model());
+  GradeReportData data{title, {}, GradeOptions().hu_bands, &bone.landmarks(), &ct, bone.model().bounds_mm()};
+  for (const Suggestion& suggestion : suggestions) {
+    if (suggestion.best) data.paths.push_back({suggestion.best->path, suggestion.best->grade, suggestion.best->safe});
+  }
+  StagedOutput output;
+  output.write(file, grade_report(data));
+  output.commit();
+  print_figure("report", file.string());
+}
+
 void add_plan(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
@@ -133,11 +149,12 @@ void add_plan(CLI::App& program, Command& command) {
     PathOptions path;
     bool is_auto = false;
     AutoPlanOptions suggest;
+    std::filesystem::path report;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* app =
       add_command(program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
-                  "Examples: spinaltap plan bone.vdb --auto -o plan.json\n"
+                  "Examples: spinaltap plan bone.vdb --auto -o plan.json --report plan.html\n"
                   "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
                   "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
                   "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
@@ -148,8 +165,10 @@ void add_plan(CLI::App& program, Command& command) {
       ->excludes("--name");
   options->path.add_to(*app);
   add_auto_plan(*app, options->suggest);
+  app->add_option("--report", options->report, "Also write a page with slices, plots, grades and safe zones")
+      ->type_name("FILE");
   app->get_option("--auto")->excludes("--entry");
-  for (const char* name : {"--screws", "--rules", "--margin"}) app->get_option(name)->needs("--auto");
+  for (const char* name : {"--screws", "--rules", "--margin", "--report"}) app->get_option(name)->needs("--auto");
 
   command.run = [options](const Progress& progress) {
     Json figures = Json::object();
@@ -164,6 +183,7 @@ void add_plan(CLI::App& program, Command& command) {
       const std::vector<Suggestion> suggestions = auto_plan(planning, options->suggest, progress);
       figures = report_suggestions(planning, suggestions);
       paths = paths_of(suggestions);
+      if (!options->report.empty()) write_planning_report("Suggested paths", planning, suggestions, options->report);
     } else {
       fail("expected --entry and --target, or --auto");
     }

@@ -38,7 +38,7 @@ void doubt_pedicle(Doubts& doubts, const Landmarks& found, const PedicleLandmark
   const std::string name = side > 0.0 ? "the left pedicle's " : "the right pedicle's ";
   const Vec3 isthmus = found.to_own(pedicle.isthmus_mm), axis = found.axes.transpose() * pedicle.axis;
   doubts.expect(name + "width", pedicle.width_mm, 2.0, 20.0, "mm");
-  doubts.expect(name + "height", pedicle.height_mm, 5.0, 24.0, "mm");
+  doubts.expect(name + "height", pedicle.height_mm, 5.0, 22.0, "mm");
   doubts.expect(name + "distance from the midsagittal plane", side * isthmus.x(), 5.0, 30.0, "mm");
   const double convergence = std::atan2(-side * axis.x(), -axis.y()) * 180.0 / std::numbers::pi;
   doubts.expect(name + "convergence", convergence, -15.0, 45.0, "degrees");

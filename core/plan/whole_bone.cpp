@@ -12,25 +12,34 @@ namespace spinaltap {
 
 CutFace find_cut_face(const SurfaceSample& surface) {
   constexpr std::size_t kMostTried = 1000;
-  constexpr double kFlatMm = 0.15, kBeyondMm = 0.5;
-  const double likeness = std::cos(0.07);     // 4 degrees
-  constexpr double kMostBeyondShare = 0.002;  // what noise may leave there
+  constexpr double kFlatMm = 0.15, kBeyondMm = 0.5, kBelowMm = 2.0;
+  constexpr double kMostBeyondShare = 0.002;                  // what noise may leave there
+  const double flat = std::cos(0.07), bent = std::cos(0.21);  // 4 and 12 degrees
   const std::size_t count = surface.points_mm.size();
   const std::size_t step = std::max<std::size_t>(1, count / kMostTried);
   std::vector<CutFace> faces(count / step);
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t n) {
     const Vec3& p_mm = surface.points_mm[n * step];
     const Vec3& normal = surface.normals[n * step];
-    double area_mm2 = 0.0;
+    double area_mm2 = 0.0, bent_mm2 = 0.0;
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const double height_mm = normal.dot(surface.points_mm[i] - p_mm);
       if (height_mm > kBeyondMm) ++beyond;
-      if (std::abs(height_mm) < kFlatMm && normal.dot(surface.normals[i]) > likeness) {
+      if (height_mm < -kBelowMm) continue;
+      const double likeness = normal.dot(surface.normals[i]);
+      if (std::abs(height_mm) < kFlatMm && likeness > flat) {
         area_mm2 += surface.areas_mm2[i];
+      } else if (likeness > bent) {
+        bent_mm2 += surface.areas_mm2[i];
       }
     }
-    if (static_cast<double>(beyond) <= kMostBeyondShare * static_cast<double>(count)) faces[n] = {area_mm2, normal};
+    // A cut ends at an edge. Where a surface is only little curved, as an endplate, eight times as much of it is bent
+    // by 4 to 12 degrees as by less.
+    const bool has_edge = bent_mm2 < area_mm2;
+    if (has_edge && static_cast<double>(beyond) <= kMostBeyondShare * static_cast<double>(count)) {
+      faces[n] = {area_mm2, normal};
+    }
   });
   CutFace largest;
   for (const CutFace& face : faces) {

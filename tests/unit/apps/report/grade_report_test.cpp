@@ -53,13 +53,22 @@ std::size_t count(const std::string& text, const std::string& part) {
 }
 
 TEST(GradeReport, ShowsGradeBreachApproachesAndThreePlotsOfEachPath) {
-  const std::string html = grade_report("L3", {graded(2.5), graded(0.0)}, kBands, {"an odd vertebra"});
-  for (const char* part :
-       {"C: breach of 2 to below 4 mm", "A: no breach", "canal, medial", "lateral, at 17.5 mm of depth", "240", "75.0",
-        "135 to 375 HU", "34.5", "an odd vertebra", "not a medical device", "screw 6.5 x 45 mm"}) {
+  Landmarks odd;
+  odd.doubts = {"an odd vertebra"};
+  odd.left_pedicle.width_mm = 8.76;
+  GradedPath safe = graded(0.0);
+  safe.safe = SafeZone{.medial_mm = 1.23, .caudal_deg = 4.56};
+  const GridGeometry geometry{{20, 60, 20}, Vec3(-10.0, -50.0, -10.0), Vec3::Ones(), Mat3::Identity()};
+  const CtVolume ct = make_ct_volume(geometry, std::vector<std::int16_t>(geometry.voxel_count(), 300));
+  const Box3 box(Vec3(-10.0, -50.0, -10.0), Vec3(10.0, 10.0, 10.0));
+  const std::string html = grade_report({"L3", {graded(2.5), safe}, kBands, &odd, &ct, box});
+  for (const char* part : {"C: breach of 2 to below 4 mm", "A: no breach", "canal, medial",
+                           "lateral, at 17.5 mm of depth", "240", "75.0", "135 to 375 HU", "34.5", "an odd vertebra",
+                           "not a medical device", "screw 6.5 x 45 mm", "8.8", "1.2 mm or", "or 4.6°"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
   EXPECT_EQ(count(html, "<svg class=\"plot\""), 6U);
+  EXPECT_EQ(count(html, "data:image/png"), 8U) << "four slices of each path";
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
 }
@@ -67,7 +76,7 @@ TEST(GradeReport, ShowsGradeBreachApproachesAndThreePlotsOfEachPath) {
 TEST(GradeReport, EscapesNamesFromFiles) {
   GradedPath attack = graded(0.0);
   attack.path.name = "<script>alert(1)</script>";
-  EXPECT_THAT(grade_report("L3", {attack}, kBands), Not(HasSubstr("<script")));
+  EXPECT_THAT(grade_report({"L3", {attack}, kBands, nullptr, nullptr, {}}), Not(HasSubstr("<script")));
 }
 
 TEST(GradeReport, LeavesOutWallsThatAreNotThere) {
@@ -76,13 +85,15 @@ TEST(GradeReport, LeavesOutWallsThatAreNotThere) {
   alone.grade.outer = {};
   alone.grade.hu = std::numeric_limits<double>::quiet_NaN();
   for (GradeRow& row : alone.grade.rows) row.canal_mm = std::numeric_limits<double>::infinity();
-  const std::string html = grade_report("L3", {alone}, kBands);
+  const std::string html = grade_report({"L3", {alone}, kBands, nullptr, nullptr, {}});
   EXPECT_THAT(html, Not(HasSubstr("least clearance")));
   EXPECT_THAT(html, Not(HasSubstr(">inf")));
   EXPECT_THAT(html, Not(HasSubstr(">nan")));
 }
 
-TEST(GradeReport, RefusesToReportNothing) { EXPECT_THROW(grade_report("L3", {}, kBands), Error); }
+TEST(GradeReport, RefusesToReportNothing) {
+  EXPECT_THROW(grade_report({"L3", {}, kBands, nullptr, nullptr, {}}), Error);
+}
 
 TEST(GradeOutput, WritesWhatIsNotFiniteAsNullAndAsAnEmptyField) {
   GradedPath alone = graded(0.0);
