@@ -1,0 +1,103 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "apps/common/json_file.h"
+#include "apps/common/plan_file.h"
+#include "core/phantom/vertebra_truth.h"
+#include "tests/cli/program.h"
+#include "tests/support/analytic_bodies.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using ::testing::HasSubstr;
+
+class PlanAuto : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder;
+    write_bone(bake_solid(Vertebra(), {.voxel_mm = 0.5}, 40.0), folder_->path() / "bone.vdb");
+    write_bone(test::bake_ball({Vec3::Zero(), 12.0}, 0.5), folder_->path() / "ball.vdb");
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
+  static std::filesystem::path in(const char* name) { return folder_->path() / name; }
+
+  static const test::TemporaryFolder* folder_;
+};
+
+const test::TemporaryFolder* PlanAuto::folder_ = nullptr;
+
+TEST_F(PlanAuto, WritesAPathWithAScrewForEachSideThatGradeCallsA) {
+  const test::ProgramRun planned = run("plan bone.vdb --auto -o plan.json --report plan.html --json out.json");
+  ASSERT_EQ(planned.exit_code, 0) << planned.errors;
+  const std::vector<DrillPath> paths = read_plan(in("plan.json"));
+  ASSERT_EQ(paths.size(), 2U);
+  EXPECT_EQ(paths[0].name, "left");
+  EXPECT_EQ(paths[1].name, "right");
+  const Json figures = read_json(in("out.json"));
+  EXPECT_NEAR(figures["landmarks"]["left_pedicle"]["width_mm"].get<double>(), 9.0, 0.1);
+  for (std::size_t n = 0; n < 2; ++n) {
+    ASSERT_TRUE(paths[n].screw);
+    const Json& suggestion = figures["suggestions"][n];
+    EXPECT_EQ(suggestion["screw"]["name"], paths[n].screw->name);
+    EXPECT_GT(suggestion["safe_zone"]["medial_mm"].get<double>(), 0.9);
+    EXPECT_NEAR(suggestion["convergence_deg"].get<double>(), 12.0, 8.0);
+  }
+  std::ostringstream html;
+  html << std::ifstream(in("plan.html")).rdbuf();
+  for (const char* part : {"Suggested paths", "Left pedicle", "A: no breach", "until it breaches", "<svg"}) {
+    EXPECT_THAT(html.str(), HasSubstr(part));
+  }
+
+  const test::ProgramRun graded = run("grade bone.vdb plan.json -o graded --json graded.json");
+  ASSERT_EQ(graded.exit_code, 0) << graded.errors;
+  for (const Json& path : read_json(in("graded.json"))["paths"]) {
+    EXPECT_EQ(path["grade"], "A");
+    EXPECT_EQ(path["pedicle"], path["name"]);
+  }
+}
+
+TEST_F(PlanAuto, GoesToSlicerAndBack) {
+  ASSERT_EQ(run("plan bone.vdb --auto -o plan.json").exit_code, 0);
+  ASSERT_EQ(run("plan bone.vdb --auto -o plan.mrk.json").exit_code, 0);
+  const std::vector<DrillPath> own = read_plan(in("plan.json"));
+  const std::vector<DrillPath> slicer = read_plan(in("plan.mrk.json"));
+  ASSERT_EQ(own.size(), slicer.size());
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    EXPECT_EQ(own[n].entry_mm, slicer[n].entry_mm);
+    EXPECT_EQ(own[n].target_mm, slicer[n].target_mm);
+  }
+  EXPECT_EQ(run("grade bone.vdb plan.mrk.json -o slicer").exit_code, 0);
+}
+
+TEST_F(PlanAuto, IsTheSameAtAnyNumberOfThreads) {
+  ASSERT_EQ(run("plan bone.vdb --auto --threads 1 -o one.json").exit_code, 0);
+  ASSERT_EQ(run("plan bone.vdb --auto --threads 2 -o two.json").exit_code, 0);
+  EXPECT_EQ(read_json(in("one.json")), read_json(in("two.json")));
+}
+
+TEST_F(PlanAuto, SaysInOneLineWhatIsWrongAndWritesNothing) {
+  const auto refused = [&](const std::string& arguments, const char* why) {
+    const test::ProgramRun failed = run("plan " + arguments + " -o none.json");
+    EXPECT_NE(failed.exit_code, 0) << arguments;
+    EXPECT_THAT(failed.errors, HasSubstr(why)) << arguments;
+    EXPECT_EQ(std::count(failed.errors.begin(), failed.errors.end(), '\n'), 1) << failed.errors;
+    EXPECT_FALSE(std::filesystem::exists(in("none.json")));
+  };
+  refused("ball.vdb --auto", "canal");
+  refused("bone.vdb", "--auto");
+  refused("bone.vdb --auto --entry 1,2,3 --target 4,5,6", "--auto");
+  refused("bone.vdb --auto --margin 4", "4 mm of bone");
+  refused("bone.vdb --auto --margin -1", "margin");
+  refused("bone.vdb --auto --screws missing.json", "missing.json");
+  refused("bone.vdb --margin 1 --entry 1,2,3 --target 4,5,6", "--auto");
+}
+
+}  // namespace
+}  // namespace spinaltap
