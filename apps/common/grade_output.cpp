@@ -1,5 +1,6 @@
 #include "apps/common/grade_output.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -95,15 +96,21 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
                             {"canal_side", name_of(row.canal_side)},
                             {"is_entry", row.is_entry},
                             {"hu", number(row.hu)},
+                            {"hu_band_shares", row.hu_band_shares},
                             {"thrust_N", row.thrust_n}});
   }
   return json;
 }
 
-std::string grades_csv(const std::vector<GradedPath>& paths) {
+std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
   std::ostringstream csv;
   csv.precision(7);
-  csv << "path,depth_mm,radius_mm,outer_mm,outer_side,canal_mm,canal_side,is_entry,hu,thrust_N\n";
+  csv << "path,depth_mm,radius_mm,outer_mm,outer_side,canal_mm,canal_side,is_entry,hu,thrust_N";
+  for (std::string name : band_names(hu_bands)) {
+    std::replace(name.begin(), name.end(), ' ', '_');
+    csv << ",share_" << name;
+  }
+  csv << '\n';
   const auto field = [&](double value) {
     if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
     csv << ',';
@@ -118,7 +125,9 @@ std::string grades_csv(const std::vector<GradedPath>& paths) {
       field(row.canal_mm);
       csv << name_of(row.canal_side) << ',' << (row.is_entry ? 1 : 0) << ',';
       field(row.hu);
-      csv << row.thrust_n << '\n';
+      csv << row.thrust_n;
+      for (const double share : row.hu_band_shares) csv << ',' << share;
+      csv << '\n';
     }
   }
   return csv.str();

@@ -26,7 +26,7 @@ std::vector<std::string> band_names(const std::vector<double>& hu_bands);
 /// All figures of a path, with its rows where asked. What is not finite is null.
 Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool with_rows);
 /// The rows of all paths, with a head line; units are in the names of the columns. What is not finite is empty.
-std::string grades_csv(const std::vector<GradedPath>& paths);
+std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands);
 /// For a terminal: a line of each path on its walls, and one on its bone.
 std::string grades_table(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands);
 

@@ -141,6 +141,20 @@ DrillPath with_its_tool(DrillPath path) {
   return path;
 }
 
+Plot bands_plot(const GradedPath& graded, const std::vector<double>& hu_bands) {
+  Plot plot = empty_plot(graded, "Bone by CT number in the tool's section", "share", "%");
+  const std::vector<std::string> names = band_names(hu_bands);
+  for (std::size_t band = 0; band < names.size(); ++band) {
+    PlotSeries series{names[band], {}, {}};
+    for (const GradeRow& row : graded.grade.rows) {
+      series.x.push_back(row.depth_mm);
+      series.y.push_back(100.0 * row.hu_band_shares.at(band));
+    }
+    plot.series.push_back(series);
+  }
+  return plot;
+}
+
 }  // namespace
 
 std::string grade_report(const GradeReportData& data) {
@@ -162,6 +176,7 @@ std::string grade_report(const GradeReportData& data) {
     report.add_svg(svg_plot(clearance_plot(graded)));
     report.add_svg(svg_plot(plot_of(graded, "Bone in the tool's section", "mean CT number", "HU",
                                     [](const GradeRow& row) { return row.hu; })));
+    report.add_svg(svg_plot(bands_plot(graded, data.hu_bands)));
     report.add_svg(
         svg_plot(plot_of(graded, "Predicted thrust", "thrust", "N", [](const GradeRow& row) { return row.thrust_n; })));
   }

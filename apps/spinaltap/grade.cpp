@@ -59,7 +59,7 @@ Json grade(const Options& options, const Progress& progress) {
   }
   StagedOutput output;
   output.write(options.folder / "grade.json", whole.dump(2) + "\n");
-  output.write(options.folder / "grade.csv", grades_csv(graded));
+  output.write(options.folder / "grade.csv", grades_csv(graded, options.grade.hu_bands));
   const CtVolume ct = ct_of_bone(bone.model());
   output.write(options.folder / "report.html", grade_report({"Paths graded", graded, options.grade.hu_bands,
                                                              &bone.landmarks(), &ct, bone.model().bounds_mm()}));

@@ -123,6 +123,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   for (std::size_t n = 0; n < graded.rows.size(); ++n) {
     GradeRow& row = graded.rows[n];
     row.hu = sections.hu(n);
+    row.hu_band_shares = sections.band_shares(n);
     row.thrust_n = sections.thrust_n(n);
     graded.most_thrust_n = std::max(graded.most_thrust_n, row.thrust_n);
     if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side);

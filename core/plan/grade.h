@@ -37,9 +37,10 @@ struct GradeRow {
   double canal_mm = 0.0;   ///< to the canal; infinite where the bone has none
   PathSide outer_side = PathSide::lateral;
   PathSide canal_side = PathSide::medial;
-  bool is_entry = false;  ///< still in the hole's mouth: the outer surface does not count
-  double hu = 0.0;        ///< mean over the tool's section; NaN where no bone is
-  double thrust_n = 0.0;  ///< predicted, of drilling with the tip there
+  bool is_entry = false;               ///< still in the hole's mouth: the outer surface does not count
+  double hu = 0.0;                     ///< mean over the tool's section; NaN where no bone is
+  std::vector<double> hu_band_shares;  ///< of the bone in that section, as PathGrade's; 0 where no bone is
+  double thrust_n = 0.0;               ///< predicted, of drilling with the tip there
 };
 
 /// A nearest approach: how near, at what depth, on which side. Infinite where nothing counts.

@@ -113,18 +113,27 @@ double ToolSections::mean_hu() const {
   return volume > 0.0 ? sum / volume : std::numeric_limits<double>::quiet_NaN();
 }
 
+double ToolSections::add_bands(std::size_t n, double weight, std::vector<double>& bands) const {
+  double sum = 0.0;
+  for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
+    if (!holds(annulus, n)) continue;
+    sum += weight * at(n)[annulus].count;
+    for (std::size_t band = 0; band < band_count_; ++band) bands[band] += weight * at(n)[annulus].bands[band];
+  }
+  return sum;
+}
+
+std::vector<double> ToolSections::band_shares(std::size_t n) const {
+  std::vector<double> shares(band_count_, 0.0);
+  const double area = add_bands(n, 1.0, shares);
+  for (double& share : shares) share = area > 0.0 ? share / area : 0.0;
+  return shares;
+}
+
 std::vector<double> ToolSections::band_shares() const {
   std::vector<double> shares(band_count_, 0.0);
   double volume = 0.0;
-  for (std::size_t n = 0; n < radii_mm_.size(); ++n) {
-    for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
-      if (!holds(annulus, n)) continue;
-      volume += weight_mm(n) * at(n)[annulus].count;
-      for (std::size_t band = 0; band < band_count_; ++band) {
-        shares[band] += weight_mm(n) * at(n)[annulus].bands[band];
-      }
-    }
-  }
+  for (std::size_t n = 0; n < radii_mm_.size(); ++n) volume += add_bands(n, weight_mm(n), shares);
   for (double& share : shares) share = volume > 0.0 ? share / volume : 0.0;
   return shares;
 }

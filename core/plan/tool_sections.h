@@ -24,9 +24,11 @@ class ToolSections {
 
   /// Mean CT number of the bone in the tool's own section at the n-th depth; NaN where there is none.
   double hu(std::size_t n) const;
+  /// Shares of that bone by band, one more than there are borders; 0 without bone.
+  std::vector<double> band_shares(std::size_t n) const;
   /// Of the tool's whole volume in bone; NaN where there is none.
   double mean_hu() const;
-  /// Shares of that volume, one more than there are borders; 0 without bone.
+  /// Likewise of that volume.
   std::vector<double> band_shares() const;
   /// Work of drilling over way (N) with the tip at the n-th depth: each annulus is cut where the tip first is as wide.
   double thrust_n(std::size_t n) const;
@@ -44,6 +46,8 @@ class ToolSections {
   double pressure_sum_mpa(std::size_t annulus, double depth_mm) const;
   const Section& at(std::size_t n) const { return sections_[lead_ + n]; }
   bool holds(std::size_t annulus, std::size_t n) const;
+  /// Adds what the section at the n-th depth has of each band, `weight` times; returns the sum.
+  double add_bands(std::size_t n, double weight, std::vector<double>& bands) const;
   /// The length of the path for which the section at the n-th depth stands.
   double weight_mm(std::size_t n) const;
 

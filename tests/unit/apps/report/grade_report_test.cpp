@@ -41,6 +41,7 @@ GradedPath graded(double breach_mm) {
     row.is_entry = n < 20;
     row.hu = n < 4 ? std::numeric_limits<double>::quiet_NaN() : 200.0 + n;
     row.thrust_n = 0.1 * n;
+    row.hu_band_shares = {0.25, 0.5, 0.25};
     grade.rows.push_back(row);
   }
   return made;
@@ -52,7 +53,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-TEST(GradeReport, ShowsGradeBreachApproachesAndThreePlotsOfEachPath) {
+TEST(GradeReport, ShowsGradeBreachApproachesAndFourPlotsOfEachPath) {
   Landmarks odd;
   odd.doubts = {"an odd vertebra"};
   odd.left_pedicle.width_mm = 8.76;
@@ -67,7 +68,7 @@ TEST(GradeReport, ShowsGradeBreachApproachesAndThreePlotsOfEachPath) {
                            "not a medical device", "screw 6.5 x 45 mm", "8.8", "1.2 mm or", "or 4.6°"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
-  EXPECT_EQ(count(html, "<svg class=\"plot\""), 6U);
+  EXPECT_EQ(count(html, "<svg class=\"plot\""), 8U);
   EXPECT_EQ(count(html, "data:image/png"), 8U) << "four slices of each path";
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
@@ -108,8 +109,8 @@ TEST(GradeOutput, WritesWhatIsNotFiniteAsNullAndAsAnEmptyField) {
   EXPECT_EQ(json["rows"].size(), 161U);
   EXPECT_EQ(json["grade"], "A");
   EXPECT_FALSE(to_json(alone, kBands, false).contains("rows"));
-  const std::string csv = grades_csv({alone});
-  EXPECT_THAT(csv, HasSubstr("\n\"left, \"\"upper\"\"\",0,3.25,2,lateral,,medial,1,,0\n"));
+  const std::string csv = grades_csv({alone}, kBands);
+  EXPECT_THAT(csv, HasSubstr("\n\"left, \"\"upper\"\"\",0,3.25,2,lateral,,medial,1,,0,0.25,0.5,0.25\n"));
   EXPECT_EQ(count(csv, "\n"), 162U);
 }
 

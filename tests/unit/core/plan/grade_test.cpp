@@ -230,6 +230,9 @@ TEST_F(GradePath, WeighsCtNumbersByTheToolsVolumeInBone) {
   for (const GradeRow& row : graded.rows) {
     if (row.depth_mm > 0.0) {
       EXPECT_NEAR(row.hu, row.depth_mm < 20.0 ? 100.0 : 500.0, 1e-3) << row.depth_mm;
+      const bool is_behind = row.depth_mm < 20.0;
+      EXPECT_EQ(row.hu_band_shares, (std::vector<double>{is_behind ? 1.0 : 0.0, 0.0, is_behind ? 0.0 : 1.0}))
+          << row.depth_mm;
     }
   }
 }
