@@ -14,6 +14,7 @@
 #include "apps/common/auto_plan.h"
 #include "apps/common/bake_ct.h"
 #include "apps/common/planning_bone.h"
+#include "core/drill/bit_profile.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/support/random_vertebra.h"
