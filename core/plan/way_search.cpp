@@ -3,7 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace spinaltap::detail {
@@ -90,12 +92,11 @@ std::optional<ScrewedWay> WaySearch::with_screw(const Way& way) const {
   DepthLine line;
   line.ahead_mm = depths_until_out(bone, crossing_mm, kStepMm * direction);
   line.behind_mm = depths_until_out(bone, crossing_mm - kStepMm * direction, -kStepMm * direction);
-  const auto mouth = static_cast<std::size_t>(kMouthMm / kStepMm);
-  const auto through = static_cast<std::size_t>(kPedicleMm / kStepMm);
-  if (line.behind_mm.size() <= mouth || line.ahead_mm.size() <= through) return std::nullopt;
-  double pedicle_depth_mm = *std::min_element(line.behind_mm.begin(), line.behind_mm.begin() + kMouthMm / kStepMm);
-  pedicle_depth_mm = std::min(pedicle_depth_mm,
-                              *std::min_element(line.ahead_mm.begin(), line.ahead_mm.begin() + kPedicleMm / kStepMm));
+  constexpr auto kMouth = static_cast<std::ptrdiff_t>(kMouthMm / kStepMm);
+  constexpr auto kThrough = static_cast<std::ptrdiff_t>(kPedicleMm / kStepMm);
+  if (std::ssize(line.behind_mm) <= kMouth || std::ssize(line.ahead_mm) <= kThrough) return std::nullopt;
+  const double pedicle_depth_mm = std::min(*std::min_element(line.behind_mm.begin(), line.behind_mm.begin() + kMouth),
+                                           *std::min_element(line.ahead_mm.begin(), line.ahead_mm.begin() + kThrough));
   const double widest_mm =
       std::min(2.0 * (pedicle_depth_mm - options_.margin_mm), options_.widest_share * pedicle_.width_mm * (1.0 + 1e-9));
   double diameter_mm = 0.0;
