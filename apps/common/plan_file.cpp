@@ -32,6 +32,7 @@ std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::pa
   const Json& list = plan.at("paths");
   if (!list.is_array() || list.empty()) fail("expected one path or more in ", file.string(), ", found none");
   std::vector<DrillPath> paths;
+  paths.reserve(list.size());
   for (const Json& item : list) paths.push_back(read_path(item, file));
   return paths;
 }

@@ -48,6 +48,7 @@ Json grade(const Options& options, const Progress& progress) {
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
   const PlanningBone bone(read_bone(options.bone), progress);
   std::vector<GradedPath> graded;
+  graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
     graded.push_back({path, grade_path(bone.walls(), bone.hu(), material, path, options.grade)});
   }

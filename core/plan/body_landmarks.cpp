@@ -31,6 +31,7 @@ Vec3 robust_plane(const std::vector<Vec3>& points) {
   constexpr double kWideMm = 6.0, kNarrowMm = 2.5;
   Vec3 plane = Vec3::Zero();
   std::vector<double> heights;
+  heights.reserve(points.size());
   for (const Vec3& p : points) heights.push_back(p.z());
   const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
   std::nth_element(heights.begin(), middle, heights.end());
@@ -90,8 +91,8 @@ Core find_core(const BoneShape& bone) {
   const auto offset = static_cast<std::size_t>(deepest - lattice.values.begin());
   const auto [width, height, depth] = lattice.geometry.size;
   const auto in_row = static_cast<std::size_t>(width), in_layer = in_row * static_cast<std::size_t>(height);
-  const Vec3 deepest_index(static_cast<double>(offset % in_row), static_cast<double>(offset % in_layer / in_row),
-                           static_cast<double>(offset / in_layer));
+  const std::size_t column = offset % in_row, row = offset % in_layer / in_row, layer = offset / in_layer;
+  const Vec3 deepest_index(static_cast<double>(column), static_cast<double>(row), static_cast<double>(layer));
   // Its neighbourhood's mean moves less with noise. A second body lies further away than this.
   constexpr double kShare = 0.85, kReachMm = 10.0;
   const int reach = static_cast<int>(kReachMm / BoneShape::kLatticeMm);

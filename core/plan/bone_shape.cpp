@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -80,11 +81,7 @@ struct Samples {
 
 /// The first of the points in each cell of `cell_mm`.
 std::vector<Vec3> one_of_each_cell(const std::vector<Vec3>& points_mm, double cell_mm) {
-  struct Placed {
-    std::array<int, 3> cell;
-    std::size_t index;
-    auto operator<=>(const Placed&) const = default;
-  };
+  using Placed = std::pair<std::array<int, 3>, std::size_t>;  // cell and index
   std::vector<Placed> placed;
   placed.reserve(points_mm.size());
   for (const Vec3& p : points_mm) {
@@ -94,7 +91,7 @@ std::vector<Vec3> one_of_each_cell(const std::vector<Vec3>& points_mm, double ce
   std::sort(placed.begin(), placed.end());
   std::vector<Vec3> few;
   for (std::size_t n = 0; n < placed.size(); ++n) {
-    if (n == 0 || placed[n].cell != placed[n - 1].cell) few.push_back(points_mm[placed[n].index]);
+    if (n == 0 || placed[n].first != placed[n - 1].first) few.push_back(points_mm[placed[n].second]);
   }
   return few;
 }

@@ -117,6 +117,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   graded.is_left = sides.is_left();
   graded.rows = std::move(walk.rows);
   std::vector<double> depths_mm;
+  depths_mm.reserve(graded.rows.size());
   for (const GradeRow& row : graded.rows) depths_mm.push_back(row.depth_mm);
   graded.entry_end_mm = walk.entry_rows < depths_mm.size() ? depths_mm[walk.entry_rows] : tool.length_mm();
   const ToolSections sections(walls.bone(), hu, material, tool, depths_mm, options.step_mm, options.hu_bands);
