@@ -66,7 +66,7 @@ inline void disturb(VertebraAnatomy::Pedicle& pedicle, RandomNumbers& random) {
 }
 
 /// A vertebra like the shipped one: 12% larger or smaller along each of its axes, with two different pedicles, turned
-/// by up to 20 degrees about any axis and moved by up to 100 mm; every second one has the thin cortex and the empty
+/// by up to 20 degrees about any axis and moved by up to 100 mm; every second one has the thin cortex (0.4 mm and less around the body) and the empty
 /// core of osteoporosis. The same seed always gives the same one, and one whose isthmuses are exact.
 inline VertebraAnatomy random_anatomy(std::uint64_t seed) {
   constexpr std::uint64_t kMostDraws = 1000;
@@ -83,7 +83,7 @@ inline VertebraAnatomy random_anatomy(std::uint64_t seed) {
     disturb(a.pedicle, random);
     disturb(*a.right_pedicle, random);
     if (seed % 2 == 1) {
-      a.cortex = {900.0, 0.35, 0.3, 0.5, 0.6};
+      a.cortex = {1300.0, 0.4, 0.25, 0.6, 0.7};  // walls of old vertebrae; the bone of the cortex stays as dense
       a.cancellous.body_hu = random.within(40.0, 90.0);
       a.cancellous.pedicle_hu = a.cancellous.body_hu + 60.0;
       a.cancellous.posterior_hu = a.cancellous.body_hu + 120.0;
