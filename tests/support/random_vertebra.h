@@ -66,8 +66,9 @@ inline void disturb(VertebraAnatomy::Pedicle& pedicle, RandomNumbers& random) {
 }
 
 /// A vertebra like the shipped one: 12% larger or smaller along each of its axes, with two different pedicles, turned
-/// by up to 20 degrees about any axis and moved by up to 100 mm; every second one has the thin cortex (0.4 mm and less around the body) and the empty
-/// core of osteoporosis. The same seed always gives the same one, and one whose isthmuses are exact.
+/// by up to 20 degrees about any axis and moved by up to 100 mm; every second one has the thin cortex (0.4 mm and less
+/// around the body) and the empty core of osteoporosis. The same seed always gives the same one, and one whose
+/// isthmuses are exact.
 inline VertebraAnatomy random_anatomy(std::uint64_t seed) {
   constexpr std::uint64_t kMostDraws = 1000;
   constexpr double kRadian = std::numbers::pi / 180.0;
