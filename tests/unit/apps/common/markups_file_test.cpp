@@ -135,7 +135,8 @@ TEST_F(MarkupsFile, SaysItsFrameUnitAndKindAsSlicerAsksFor) {
 
 TEST_F(MarkupsFile, LeavesOutOtherMarkupsAndIsRefusedWithoutALine) {
   Json json = Json::parse(kSavedInSlicer);
-  json["markups"].insert(json["markups"].begin(), {{"type", "Fiducial"}, {"controlPoints", Json::array()}});
+  const Json points{{"type", "Fiducial"}, {"controlPoints", Json::array()}};
+  json["markups"].insert(json["markups"].begin(), points);
   std::ofstream(path()) << json.dump();
   EXPECT_EQ(read_plan(path()).size(), 1U);
   EXPECT_THAT([&] { read_changed([](Json& line) { line["type"] = "Curve"; }); },
