@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -50,20 +51,33 @@ FloatGrid sampled_lattice(const ScalarField& surface, const Box3& bounds_mm, con
   return lattice;
 }
 
-/// Centres of the eighths of every cell that the surface crosses, k ascending.
+/// Centres of those eighths of the cells that the surface crosses which it may cross itself, k ascending.
 std::vector<Vec3> places_near_surface(const FloatGrid& lattice) {
+  constexpr std::array<double, 4> kWeights{27.0 / 64.0, 9.0 / 64.0, 3.0 / 64.0, 1.0 / 64.0};  // by axes away
+  constexpr double kFarMm = 0.9 * kSampleMm;  // half an eighth's diagonal, and some for what is not linear
   const auto& size = lattice.geometry.size;
   std::vector<std::vector<Vec3>> of_layer(static_cast<std::size_t>(std::max(size[2] - 1, 0)));
   tbb::parallel_for(std::size_t{0}, of_layer.size(), [&](std::size_t layer) {
     const auto k = static_cast<int>(layer);
     for (int j = 0; j + 1 < size[1]; ++j) {
       for (int i = 0; i + 1 < size[0]; ++i) {
+        std::array<float, 8> corners{};
         int inside = 0;
         for (int corner = 0; corner < 8; ++corner) {
-          inside += lattice.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)) < 0.0F ? 1 : 0;
+          const float value = lattice.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
+          corners[static_cast<std::size_t>(corner)] = value;
+          inside += value < 0.0F ? 1 : 0;
         }
         if (inside == 0 || inside == 8) continue;
         for (int part = 0; part < 8; ++part) {
+          // Tri-linear: 3/4 of the nearer corner and 1/4 of the other, along each axis.
+          double value_mm = 0.0;
+          for (int corner = 0; corner < 8; ++corner) {
+            const int away = std::popcount(static_cast<unsigned>(corner ^ part));
+            value_mm += kWeights[static_cast<std::size_t>(away)] *
+                        static_cast<double>(corners[static_cast<std::size_t>(corner)]);
+          }
+          if (std::abs(value_mm) > kFarMm) continue;
           const Vec3 offset(0.25 + 0.5 * (part & 1), 0.25 + 0.5 * (part >> 1 & 1), 0.25 + 0.5 * (part >> 2));
           of_layer[layer].push_back(lattice.geometry.origin_mm + BoneShape::kLatticeMm * (Vec3(i, j, k) + offset));
         }

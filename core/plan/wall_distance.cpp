@@ -48,21 +48,28 @@ WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks) : 
   canal_ = samples_of(bone, landmarks, true);
 }
 
+WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_mm) {
+  const PointTree::Nearest found = samples.tree.nearest(p_mm);
+  if (found.index >= samples.normals.size()) {
+    return Wall{std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()};
+  }
+  return wall_at(p_mm, samples.tree.points_mm()[found.index], samples.normals[found.index]);
+}
+
+WallDistance::Wall WallDistance::canal(const Vec3& p_mm) const {
+  // Deeper than the surface's value is sure, both walls are ahead, and none of them is nearer than that.
+  if (surface_value_mm(bone_, p_mm) <= -bone_.sure_mm()) return nearest(canal_, p_mm);
+  return walls(p_mm).canal;
+}
+
 WallDistance::Walls WallDistance::walls(const Vec3& p_mm) const {
   Walls both;
   if (!p_mm.allFinite()) {
     both.outer.distance_mm = both.canal.distance_mm = std::numeric_limits<double>::quiet_NaN();
     return both;
   }
-  const auto nearest = [&](const Samples& samples) {
-    const PointTree::Nearest found = samples.tree.nearest(p_mm);
-    if (found.index >= samples.normals.size()) {
-      return Wall{std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()};
-    }
-    return wall_at(p_mm, samples.tree.points_mm()[found.index], samples.normals[found.index]);
-  };
-  both.outer = nearest(outer_);
-  both.canal = nearest(canal_);
+  both.outer = nearest(outer_, p_mm);
+  both.canal = nearest(canal_, p_mm);
   Wall& nearer = both.canal.distance_mm < both.outer.distance_mm ? both.canal : both.outer;
   const double value_mm = surface_value_mm(bone_, p_mm);
   if (std::abs(value_mm) < bone_.sure_mm()) nearer.distance_mm = std::abs(value_mm);

@@ -29,7 +29,8 @@ class WallDistance {
   /// Both at one go, for little more than one. Right to about 0.02 mm. Not a number where the position is not.
   Walls walls(const Vec3& p_mm) const;
   Wall outer(const Vec3& p_mm) const { return walls(p_mm).outer; }
-  Wall canal(const Vec3& p_mm) const { return walls(p_mm).canal; }
+  /// Quicker than walls() in the bone.
+  Wall canal(const Vec3& p_mm) const;
 
   /// Which wall a place is beyond, and how far.
   struct Beyond {
@@ -48,6 +49,7 @@ class WallDistance {
     PointTree tree{std::vector<Vec3>{}};
     std::vector<Vec3> normals;
   };
+  static Wall nearest(const Samples& samples, const Vec3& p_mm);
   static Samples samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal);
 
   const BoneShape& bone_;

@@ -38,7 +38,7 @@ double turn_to_wall_deg(double room_mm) {
   return low * 180.0 / std::numbers::pi;
 }
 
-// Rings of the screw are looked at 0.25 mm apart along it: a wall is met at most that late.
+// Rings of the screw are looked at 0.5 mm apart along it: a wall is met at most that late.
 constexpr double kToleranceMm = 0.06;
 constexpr double kToleranceDeg = 0.2;
 
