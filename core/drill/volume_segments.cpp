@@ -28,7 +28,7 @@ class JointEngine final : public DrillEngine {
   }
 
   std::size_t memory_bytes() const override {
-    std::size_t bytes = sizeof(*this);
+    std::size_t bytes = sizeof(*this) + engines_.size() * sizeof(engines_[0]);
     for (const auto& engine : engines_) bytes += engine->memory_bytes();
     return bytes;
   }
