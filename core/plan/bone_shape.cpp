@@ -9,13 +9,12 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/plan/lattice_depths.h"
 
 namespace spinaltap {
 namespace {
 
 constexpr double kSampleMm = BoneShape::kSampleMm;
-constexpr double kDeepMm = 3.0;
-constexpr double kFewMm = 0.75;  // at kDeepMm the nearest of a few points is at most 0.1 mm further
 
 FloatGrid sampled_lattice(const ScalarField& surface, const Box3& bounds_mm, const Progress& progress) {
   constexpr double kLargestMm = 500.0;
@@ -93,23 +92,6 @@ struct Samples {
   std::vector<Vec3> points_mm, normals;
 };
 
-/// The first of the points in each cell of `cell_mm`.
-std::vector<Vec3> one_of_each_cell(const std::vector<Vec3>& points_mm, double cell_mm) {
-  using Placed = std::pair<std::array<int, 3>, std::size_t>;  // cell and index
-  std::vector<Placed> placed;
-  placed.reserve(points_mm.size());
-  for (const Vec3& p : points_mm) {
-    const Eigen::Array3i cell = (p / cell_mm).array().floor().cast<int>();
-    placed.push_back({{cell.x(), cell.y(), cell.z()}, placed.size()});
-  }
-  std::sort(placed.begin(), placed.end());
-  std::vector<Vec3> few;
-  for (std::size_t n = 0; n < placed.size(); ++n) {
-    if (n == 0 || placed[n].first != placed[n - 1].first) few.push_back(points_mm[placed[n].second]);
-  }
-  return few;
-}
-
 /// The places moved onto the surface, less those that are far from it or do not arrive.
 Samples moved_to_surface(const ScalarField& surface, const std::vector<Vec3>& places) {
   constexpr int kRounds = 3;
@@ -170,23 +152,7 @@ BoneShape::BoneShape(std::shared_ptr<const ScalarField> surface, const Box3& bou
   bounds_mm_ = bounds_of(samples.points_mm);
   normals_ = std::move(samples.normals);
   tree_ = PointTree(std::move(samples.points_mm));
-  const PointTree few(one_of_each_cell(points_mm(), kFewMm));
-  const auto& size = lattice_.geometry.size;
-  ProgressCounter counter(progress, "measuring the bone's depth", static_cast<std::size_t>(size[2]));
-  tbb::parallel_for(0, size[2], [&](int k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i) {
-        float& value = lattice_.values[lattice_.geometry.offset(i, j, k)];
-        if (static_cast<double>(value) > -sure_mm_) continue;
-        const Vec3 p_mm = lattice_.geometry.origin_mm + kLatticeMm * Vec3(i, j, k);
-        // Deep in the bone very many points are about as near: a few of them do.
-        double depth_mm = few.nearest(p_mm).distance_mm;
-        if (depth_mm < kDeepMm) depth_mm = nearest(p_mm).distance_mm;
-        value = -static_cast<float>(depth_mm);
-      }
-    }
-    counter.add();
-  });
+  lattice_ = with_depths(std::move(lattice_), tree_, sure_mm_, progress);
 }
 
 double BoneShape::distance_mm(const Vec3& p_mm) const {

@@ -2,33 +2,102 @@
 
 #include <cmath>
 #include <nanoflann.hpp>
+#include <numeric>
 #include <optional>
 
 #include "core/base/error.h"
 
 namespace spinaltap {
+namespace {
+
+/// The nearest point so far; of several as near the one that was met first.
+class NearestSoFar {
+ public:
+  NearestSoFar() = default;
+  /// Looks for points nearer than this only.
+  explicit NearestSoFar(double squared_mm2) : squared_mm2_(squared_mm2) {}
+
+  // Names as nanoflann asks for them.
+  double worstDist() const { return squared_mm2_; }
+  bool full() const { return true; }
+  bool addPoint(double squared_mm2, std::size_t leaf_place) {
+    if (squared_mm2 < squared_mm2_) {
+      squared_mm2_ = squared_mm2;
+      leaf_place_ = leaf_place;
+    }
+    return true;  // there may be nearer ones
+  }
+
+  static constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
+  std::size_t leaf_place() const { return leaf_place_; }
+
+ private:
+  double squared_mm2_ = std::numeric_limits<double>::max();
+  std::size_t leaf_place_ = kNowhere;
+};
+
+/// The same among some of the points.
+class NearestChosen : public NearestSoFar {
+ public:
+  NearestChosen(std::span<const std::uint32_t> originals, std::span<const std::uint8_t> flags, bool flag)
+      : originals_(originals), flags_(flags), flag_(flag) {}
+
+  bool addPoint(double squared_mm2, std::size_t leaf_place) {
+    if ((flags_[originals_[leaf_place]] != 0) != flag_) return true;
+    return NearestSoFar::addPoint(squared_mm2, leaf_place);
+  }
+
+ private:
+  std::span<const std::uint32_t> originals_;
+  std::span<const std::uint8_t> flags_;
+  bool flag_;
+};
+
+}  // namespace
 
 struct PointTree::Tree {
   // Names as nanoflann asks for them.
   std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t n, std::size_t axis) const { return points[n][static_cast<Eigen::Index>(axis)]; }
+  double kdtree_get_pt(std::size_t n, std::size_t axis) const { return seen[n][static_cast<Eigen::Index>(axis)]; }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
   }
-  using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Tree>, Tree, 3>;
+  using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Tree>, Tree, 3, std::uint32_t>;
 
-  explicit Tree(std::vector<Vec3> points_mm) : points(std::move(points_mm)) {
+  explicit Tree(std::vector<Vec3> points_mm) : points(std::move(points_mm)), seen(points.data()) {
     for (const Vec3& p : points) {
       if (!p.allFinite()) fail("point tree: expected finite positions");
     }
-    if (!points.empty()) index.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+    if (points.empty()) return;
+    index.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(12));
+    // The points of a leaf side by side: a search spends most of its time on fetching them.
+    originals = std::move(index->vAcc);
+    index->vAcc.resize(originals.size());
+    std::iota(index->vAcc.begin(), index->vAcc.end(), 0U);
+    in_leaves.reserve(points.size());
+    for (const std::uint32_t original : originals) in_leaves.push_back(points[original]);
+    seen = in_leaves.data();
   }
   Tree(const Tree&) = delete;
   Tree& operator=(const Tree&) = delete;
   ~Tree() = default;
 
+  template <class Result>
+  Nearest search(const Vec3& p_mm, Result result) const {
+    Nearest found;
+    if (!index || !p_mm.allFinite()) return found;
+    index->findNeighbors(result, p_mm.data(), nanoflann::SearchParams());
+    if (result.leaf_place() == NearestSoFar::kNowhere) return found;
+    found.index = originals[result.leaf_place()];
+    found.distance_mm = std::sqrt(result.worstDist());
+    return found;
+  }
+
   std::vector<Vec3> points;
+  std::vector<Vec3> in_leaves;           ///< the same points in the order of the tree's leaves
+  std::vector<std::uint32_t> originals;  ///< of each of in_leaves, its place in points
+  const Vec3* seen;                      ///< what the index numbers its points by
   std::optional<Index> index;
 };
 
@@ -39,15 +108,22 @@ PointTree::~PointTree() = default;
 
 const std::vector<Vec3>& PointTree::points_mm() const { return tree_->points; }
 
-PointTree::Nearest PointTree::nearest(const Vec3& p_mm) const {
-  Nearest found;
-  if (!tree_->index || !p_mm.allFinite()) return found;
-  double squared_mm2 = 0.0;
-  nanoflann::KNNResultSet<double> result(1);
-  result.init(&found.index, &squared_mm2);
-  tree_->index->findNeighbors(result, p_mm.data(), nanoflann::SearchParams());
-  found.distance_mm = std::sqrt(squared_mm2);
-  return found;
+PointTree::Nearest PointTree::nearest(const Vec3& p_mm) const { return tree_->search(p_mm, NearestSoFar()); }
+
+PointTree::Nearest PointTree::nearest(const Vec3& p_mm, std::size_t guess) const {
+  if (guess >= tree_->points.size()) return nearest(p_mm);
+  // Summed as the tree does, so that equal ways are equal.
+  const Vec3 way_mm = p_mm - tree_->points[guess];
+  const double squared_mm2 = way_mm.x() * way_mm.x() + way_mm.y() * way_mm.y() + way_mm.z() * way_mm.z();
+  const Nearest nearer = tree_->search(p_mm, NearestSoFar(squared_mm2));
+  return nearer.index < tree_->points.size() ? nearer : Nearest{guess, std::sqrt(squared_mm2)};
+}
+
+PointTree::Nearest PointTree::nearest_flagged(const Vec3& p_mm, std::span<const std::uint8_t> flags, bool flag) const {
+  if (flags.size() != tree_->points.size()) {
+    fail("point tree: expected a flag for each of ", tree_->points.size(), " points, found ", flags.size());
+  }
+  return tree_->search(p_mm, NearestChosen(tree_->originals, flags, flag));
 }
 
 }  // namespace spinaltap
