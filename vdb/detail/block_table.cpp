@@ -2,6 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <cmath>
+#include <unordered_set>
+
 namespace spinaltap::detail {
 namespace {
 
@@ -49,6 +52,26 @@ CellSigns cell_signs(const BlockTable& table, std::size_t block) {
 }
 
 }  // namespace
+
+void find_even_blocks(BlockTable& table) {
+  // Runs of three equal blocks along z, then along y, then along x. The outermost blocks are asked for nothing.
+  table.is_even.assign(table.blocks.size(), 0);
+  if (table.blocks.empty()) return;
+  std::unordered_set<const float*> shared;
+  for (const auto& block : table.constants) {
+    if (std::isfinite(block->front())) shared.insert(block->data());
+  }
+  for (std::size_t i = 0; i < table.blocks.size(); ++i) table.is_even[i] = shared.contains(table.blocks[i]) ? 1 : 0;
+  for (const std::size_t step : {std::size_t{1}, table.offset(0, 1, 0), table.offset(1, 0, 0)}) {
+    const std::vector<std::uint8_t> before = table.is_even;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const bool has_both = i >= step && i + step < before.size();
+      const bool is_same = has_both && before[i - step] != 0 && before[i] != 0 && before[i + step] != 0 &&
+                           table.blocks[i - step] == table.blocks[i] && table.blocks[i + step] == table.blocks[i];
+      table.is_even[i] = is_same ? 1 : 0;
+    }
+  }
+}
 
 void find_signs(BlockTable& table) {
   if (table.blocks.empty()) return;

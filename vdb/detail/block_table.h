@@ -32,6 +32,9 @@ struct BlockTable {
   std::vector<const float*> blocks;  ///< first value of each block; block indices run like the voxels', z fastest
   std::vector<std::unique_ptr<const Block>> constants;  ///< the shared blocks
   float background = 0.0F;
+  /// For each block whether it and all around it are one and the same shared block, so that any stencil of a voxel of
+  /// it finds this one value.
+  std::vector<std::uint8_t> is_even;
 
   /// Where to find the sign of each cell (of 2 x 2 x 2 voxels) without its values: for each block the place of its
   /// bits. Empty when not wanted.
@@ -43,6 +46,9 @@ struct BlockTable {
     return (std::size_t{x} * static_cast<unsigned>(size[1]) + y) * static_cast<unsigned>(size[2]) + z;
   }
 };
+
+/// Fills `is_even`.
+void find_even_blocks(BlockTable& table);
 
 /// Fills `sign_places` and `signs`.
 void find_signs(BlockTable& table);

@@ -129,6 +129,7 @@ BlockTable block_table_of(const openvdb::FloatGrid& grid, const char* name) {
     const openvdb::Coord& origin = leaf->origin();
     block_at(origin.x(), origin.y(), origin.z()) = leaf->buffer().data();
   }
+  find_even_blocks(table);
   return table;
 }
 

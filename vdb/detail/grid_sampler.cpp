@@ -181,14 +181,15 @@ struct GridSampler::Batch {
   }
 };
 
-/// Finds the stencils of Size voxels a side; calls `beyond(point)` for points outside the table instead.
-template <unsigned Size, class Beyond>
-void GridSampler::locate(std::span<const Vec3> points_mm, Batch& batch, const Beyond& beyond) const {
+/// Finds the stencils of Size voxels a side; instead calls `even(point, value)` for points outside the table, and for
+/// those of three voxels of which all have one value.
+template <unsigned Size, class Even>
+void GridSampler::locate(std::span<const Vec3> points_mm, Batch& batch, const Even& even) const {
   batch.count = 0;
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
     const Vec3 p_index = map_.to_index(points_mm[i]);
     if (!holds(p_index)) {
-      beyond(i);
+      even(i, table_.background);
       continue;
     }
     // A cell starts below the point; three voxels have the nearest in their middle.
@@ -198,6 +199,13 @@ void GridSampler::locate(std::span<const Vec3> points_mm, Batch& batch, const Be
     const int x = floor_of(p_index.x() + kRound);
     const int y = floor_of(p_index.y() + kRound);
     const int z = floor_of(p_index.z() + kRound);
+    if constexpr (!kCell) {
+      const std::size_t block = block_at(table_, place_of(table_, x, y, z));
+      if (table_.is_even[block] != 0) {
+        even(i, *table_.blocks[block]);
+        continue;
+      }
+    }
     Stencil& stencil = batch.stencils[batch.count++];
     stencil.first = place_of(table_, x - kBelow, y - kBelow, z - kBelow);
     stencil.offset = p_index - Vec3(x, y, z);
@@ -213,11 +221,11 @@ void GridSampler::prefetch_values(const Batch& batch) const {
 void GridSampler::linear(std::span<const Vec3> points_mm, std::span<float> values, std::span<Vec3> gradients) const {
   Batch batch;
   Batch::for_each(points_mm.size(), [&](std::size_t begin, std::size_t size) {
-    const auto beyond = [&](std::size_t i) {
-      values[begin + i] = table_.background;
+    const auto even = [&](std::size_t i, float value) {
+      values[begin + i] = value;
       if (!gradients.empty()) gradients[begin + i].setZero();
     };
-    locate<2>(points_mm.subspan(begin, size), batch, beyond);
+    locate<2>(points_mm.subspan(begin, size), batch, even);
     prefetch_values<2>(batch);
     for (std::size_t i = 0; i < batch.count; ++i) {
       const Stencil& stencil = batch.stencils[i];
@@ -234,11 +242,11 @@ void GridSampler::quadratic_of(std::span<const Vec3> points_mm, std::span<Value>
                                std::span<Vec3> gradients) const {
   Batch batch;
   Batch::for_each(points_mm.size(), [&](std::size_t begin, std::size_t size) {
-    const auto beyond = [&](std::size_t i) {
-      values[begin + i] = static_cast<Value>(table_.background);
+    const auto even = [&](std::size_t i, float value) {
+      values[begin + i] = static_cast<Value>(value);
       if (!gradients.empty()) gradients[begin + i].setZero();
     };
-    locate<3>(points_mm.subspan(begin, size), batch, beyond);
+    locate<3>(points_mm.subspan(begin, size), batch, even);
     prefetch_values<3>(batch);
     for (std::size_t i = 0; i < batch.count; ++i) {
       const Stencil& stencil = batch.stencils[i];
@@ -266,8 +274,8 @@ void GridSampler::quadratic(std::span<const Vec3> points_mm, std::span<double> v
 void GridSampler::negative(std::span<const Vec3> points_mm, std::span<std::uint8_t> result) const {
   Batch batch;
   Batch::for_each(points_mm.size(), [&](std::size_t begin, std::size_t size) {
-    const auto beyond = [&](std::size_t i) { result[begin + i] = table_.background < 0.0F ? 1 : 0; };
-    locate<2>(points_mm.subspan(begin, size), batch, beyond);
+    const auto even = [&](std::size_t i, float value) { result[begin + i] = value < 0.0F ? 1 : 0; };
+    locate<2>(points_mm.subspan(begin, size), batch, even);
     std::array<const CellSigns::Layer*, Batch::kPoints> layers;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const Place& first = batch.stencils[i].first;

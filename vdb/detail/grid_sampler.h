@@ -33,8 +33,8 @@ class GridSampler {
   struct Stencil;
   struct Batch;
 
-  template <unsigned Size, class Beyond>
-  void locate(std::span<const Vec3> points_mm, Batch& batch, const Beyond& beyond) const;
+  template <unsigned Size, class Even>
+  void locate(std::span<const Vec3> points_mm, Batch& batch, const Even& even) const;
   template <unsigned Size>
   void prefetch_values(const Batch& batch) const;
   template <class Value>
