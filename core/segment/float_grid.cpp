@@ -131,25 +131,4 @@ FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm) {
   return result;
 }
 
-double sample_clamped(const FloatGrid& grid, const Vec3& p_index) {
-  std::array<int, 3> low{};
-  std::array<int, 3> high{};
-  Vec3 t;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    const int last = grid.geometry.size[axis] - 1;
-    const double p = std::clamp(p_index[a], 0.0, static_cast<double>(last));
-    low[axis] = static_cast<int>(p);
-    high[axis] = std::min(low[axis] + 1, last);
-    t[a] = p - low[axis];
-  }
-  // Not std::lerp: its care for special cases takes most of the time of those who ask millions of times.
-  const auto mix = [](double at_low, double at_high, double share) { return at_low + share * (at_high - at_low); };
-  const auto row = [&](int j, int k) {
-    return mix(static_cast<double>(grid.at(low[0], j, k)), static_cast<double>(grid.at(high[0], j, k)), t.x());
-  };
-  return mix(mix(row(low[1], low[2]), row(high[1], low[2]), t.y()),
-             mix(row(low[1], high[2]), row(high[1], high[2]), t.y()), t.z());
-}
-
 }  // namespace spinaltap
