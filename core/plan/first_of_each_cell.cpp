@@ -10,7 +10,10 @@ std::vector<std::size_t> first_of_each_cell(std::span<const Vec3> points_mm, con
   constexpr double kMostCells = 4294967296.0;
   const auto cell_of = [&](const Vec3& p_mm) -> Vec3 { return ((p_mm - origin_mm) / cell_mm).array().floor(); };
   Box3 box;
-  for (const Vec3& p_mm : points_mm) box.extend(cell_of(p_mm));
+  for (const Vec3& p_mm : points_mm) {
+    if (!p_mm.allFinite()) fail("thinning points: expected numbers, found a position that is none");
+    box.extend(cell_of(p_mm));
+  }
   if (points_mm.empty()) return {};
   const Vec3 size = box.sizes() + Vec3::Ones();
   if (!(size.prod() <= kMostCells)) {

@@ -9,8 +9,8 @@
 namespace spinaltap {
 
 /// Thins points out: places of those that are the first in their cell, in the order in which they come. Cells are cubes
-/// of `cell_mm`; one has its lowest corner at `origin_mm`. Throws Error where the points lie in a box of over 2^32
-/// cells.
+/// of `cell_mm`; one has its lowest corner at `origin_mm`. Throws Error on positions that are not finite, and where
+/// the points lie in a box of over 2^32 cells.
 std::vector<std::size_t> first_of_each_cell(std::span<const Vec3> points_mm, const Vec3& origin_mm, double cell_mm);
 
 }  // namespace spinaltap
