@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -38,10 +37,6 @@ class BoneShape {
   bool is_inside(const Vec3& p_mm) const;
   /// The nearest of points_mm().
   PointTree::Nearest nearest(const Vec3& p_mm) const { return tree_.nearest(p_mm); }
-  /// The same among those with or without a flag; see PointTree.
-  PointTree::Nearest nearest_flagged(const Vec3& p_mm, std::span<const std::uint8_t> flags, bool flag) const {
-    return tree_.nearest_flagged(p_mm, flags, flag);
-  }
 
   /// Distances at voxels of kLatticeMm around the bone: inside as distance_mm(), deeper than 3 mm up to 0.1 mm more;
   /// outside at least the right sign. For searches.

@@ -25,39 +25,40 @@ WallDistance::Wall wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& 
   return wall;
 }
 
-WallDistance::Wall no_wall(const Vec3& p_mm) { return {std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()}; }
-
 }  // namespace
+
+WallDistance::Samples WallDistance::samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal) {
+  std::vector<Vec3> points_mm;
+  Samples samples;
+  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
+    if ((landmarks.is_canal_wall[n] != 0) != is_canal) continue;
+    points_mm.push_back(bone.points_mm()[n]);
+    samples.normals.push_back(bone.normals()[n]);
+  }
+  samples.tree = PointTree(std::move(points_mm));
+  return samples;
+}
 
 WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks) : bone_(bone), landmarks_(landmarks) {
   if (landmarks.is_canal_wall.size() != bone.points_mm().size()) {
     fail("walls: expected landmarks of this bone, which flag its ", bone.points_mm().size(), " points, found ",
          landmarks.is_canal_wall.size(), " flags");
   }
-  std::vector<Vec3> points_mm;
-  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
-    if (landmarks.is_canal_wall[n] == 0) continue;
-    points_mm.push_back(bone.points_mm()[n]);
-    canal_normals_.push_back(bone.normals()[n]);
+  outer_ = samples_of(bone, landmarks, false);
+  canal_ = samples_of(bone, landmarks, true);
+}
+
+WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_mm) {
+  const PointTree::Nearest found = samples.tree.nearest(p_mm);
+  if (found.index >= samples.normals.size()) {
+    return Wall{std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()};
   }
-  canal_ = PointTree(std::move(points_mm));
-}
-
-WallDistance::Wall WallDistance::nearest_of_outer(const Vec3& p_mm) const {
-  const PointTree::Nearest found = bone_.nearest_flagged(p_mm, landmarks_.is_canal_wall, false);
-  if (found.index >= bone_.normals().size()) return no_wall(p_mm);
-  return wall_at(p_mm, bone_.points_mm()[found.index], bone_.normals()[found.index]);
-}
-
-WallDistance::Wall WallDistance::nearest_of_canal(const Vec3& p_mm) const {
-  const PointTree::Nearest found = canal_.nearest(p_mm);
-  if (found.index >= canal_normals_.size()) return no_wall(p_mm);
-  return wall_at(p_mm, canal_.points_mm()[found.index], canal_normals_[found.index]);
+  return wall_at(p_mm, samples.tree.points_mm()[found.index], samples.normals[found.index]);
 }
 
 WallDistance::Wall WallDistance::canal(const Vec3& p_mm) const {
   // Deeper than the surface's value is sure, both walls are ahead, and none of them is nearer than that.
-  if (surface_value_mm(bone_, p_mm) <= -bone_.sure_mm()) return nearest_of_canal(p_mm);
+  if (surface_value_mm(bone_, p_mm) <= -bone_.sure_mm()) return nearest(canal_, p_mm);
   return walls(p_mm).canal;
 }
 
@@ -67,8 +68,8 @@ WallDistance::Walls WallDistance::walls(const Vec3& p_mm) const {
     both.outer.distance_mm = both.canal.distance_mm = std::numeric_limits<double>::quiet_NaN();
     return both;
   }
-  both.outer = nearest_of_outer(p_mm);
-  both.canal = nearest_of_canal(p_mm);
+  both.outer = nearest(outer_, p_mm);
+  both.canal = nearest(canal_, p_mm);
   Wall& nearer = both.canal.distance_mm < both.outer.distance_mm ? both.canal : both.outer;
   const double value_mm = surface_value_mm(bone_, p_mm);
   if (std::abs(value_mm) < bone_.sure_mm()) nearer.distance_mm = std::abs(value_mm);

@@ -44,14 +44,17 @@ class WallDistance {
   const Landmarks& landmarks() const { return landmarks_; }
 
  private:
-  Wall nearest_of_outer(const Vec3& p_mm) const;
-  Wall nearest_of_canal(const Vec3& p_mm) const;
+  /// The samples of one wall.
+  struct Samples {
+    PointTree tree{std::vector<Vec3>{}};
+    std::vector<Vec3> normals;
+  };
+  static Wall nearest(const Samples& samples, const Vec3& p_mm);
+  static Samples samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal);
 
   const BoneShape& bone_;
   const Landmarks& landmarks_;
-  // Most of the surface is outer: the bone's own tree does for it. The canal's wall would be far from most of that.
-  PointTree canal_{std::vector<Vec3>{}};
-  std::vector<Vec3> canal_normals_;
+  Samples outer_, canal_;
 };
 
 }  // namespace spinaltap
