@@ -1,6 +1,7 @@
 #include "core/plan/point_tree.h"
 
 #include <cmath>
+#include <cstdint>
 #include <nanoflann.hpp>
 #include <numeric>
 #include <optional>
@@ -36,23 +37,6 @@ class NearestSoFar {
   std::size_t leaf_place_ = kNowhere;
 };
 
-/// The same among some of the points.
-class NearestChosen : public NearestSoFar {
- public:
-  NearestChosen(std::span<const std::uint32_t> originals, std::span<const std::uint8_t> flags, bool flag)
-      : originals_(originals), flags_(flags), flag_(flag) {}
-
-  bool addPoint(double squared_mm2, std::size_t leaf_place) {
-    if ((flags_[originals_[leaf_place]] != 0) != flag_) return true;
-    return NearestSoFar::addPoint(squared_mm2, leaf_place);
-  }
-
- private:
-  std::span<const std::uint32_t> originals_;
-  std::span<const std::uint8_t> flags_;
-  bool flag_;
-};
-
 }  // namespace
 
 struct PointTree::Tree {
@@ -83,8 +67,7 @@ struct PointTree::Tree {
   Tree& operator=(const Tree&) = delete;
   ~Tree() = default;
 
-  template <class Result>
-  Nearest search(const Vec3& p_mm, Result result) const {
+  Nearest search(const Vec3& p_mm, NearestSoFar result) const {
     Nearest found;
     if (!index || !p_mm.allFinite()) return found;
     index->findNeighbors(result, p_mm.data(), nanoflann::SearchParams());
@@ -117,13 +100,6 @@ PointTree::Nearest PointTree::nearest(const Vec3& p_mm, std::size_t guess) const
   const double squared_mm2 = way_mm.x() * way_mm.x() + way_mm.y() * way_mm.y() + way_mm.z() * way_mm.z();
   const Nearest nearer = tree_->search(p_mm, NearestSoFar(squared_mm2));
   return nearer.index < tree_->points.size() ? nearer : Nearest{guess, std::sqrt(squared_mm2)};
-}
-
-PointTree::Nearest PointTree::nearest_flagged(const Vec3& p_mm, std::span<const std::uint8_t> flags, bool flag) const {
-  if (flags.size() != tree_->points.size()) {
-    fail("point tree: expected a flag for each of ", tree_->points.size(), " points, found ", flags.size());
-  }
-  return tree_->search(p_mm, NearestChosen(tree_->originals, flags, flag));
 }
 
 }  // namespace spinaltap

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "core/base/geometry.h"
@@ -30,8 +28,6 @@ class PointTree {
   Nearest nearest(const Vec3& p_mm) const;
   /// The same, sooner where points_mm()[guess] is about as near. Of several points at one distance it may find another.
   Nearest nearest(const Vec3& p_mm, std::size_t guess) const;
-  /// The nearest of those points of which `flags`, one for each, are 0 (`flag` is false) or are not (`flag` is true).
-  Nearest nearest_flagged(const Vec3& p_mm, std::span<const std::uint8_t> flags, bool flag) const;
 
  private:
   struct Tree;
