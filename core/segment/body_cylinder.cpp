@@ -90,14 +90,6 @@ BodyCylinder moved(const BodyCylinder& cylinder, int move, double step_mm) {
   return other;
 }
 
-/// What the search makes as large as it can. Of two surfaces with as much wall the larger is the whole body, the
-/// smaller a part of it. Height does not count: it would be had from the discs.
-double worth(const FloatGrid& hu, const BodyCylinder& cylinder, const WallLevels& levels, std::size_t stride) {
-  constexpr double kSizePower = 0.2;
-  const Vec3& h = cylinder.half_mm;
-  return fit_of(hu, cylinder, levels, stride) * std::pow(h.x() * h.y(), kSizePower);
-}
-
 /// What a search keeps to.
 struct Search {
   Vec3 seed_mm;  ///< stays within the cylinder
@@ -119,20 +111,20 @@ bool allowed(const BodyCylinder& cylinder, const Search& search) {
 /// Makes one move at a time while that helps, with steps that halve.
 BodyCylinder improve(const FloatGrid& hu, const Search& search, BodyCylinder best, double step_mm, double least_step_mm,
                      std::size_t stride) {
-  best.fit = worth(hu, best, search.levels, stride);
+  best.fit = fit_of(hu, best, search.levels, stride);
   for (; step_mm >= least_step_mm; step_mm *= 0.5) {
     constexpr int kMostRounds = 12;
     for (int round = 0; round < kMostRounds; ++round) {
-      const double before = best.fit;
+      const double before = best.worth();
       for (int move = 0; move < kMoves; ++move) {
         for (const double sign : {-1.0, 1.0}) {
           BodyCylinder other = moved(best, move, sign * step_mm);
           if (!allowed(other, search)) continue;
-          other.fit = worth(hu, other, search.levels, stride);
-          if (other.fit > best.fit) best = other;
+          other.fit = fit_of(hu, other, search.levels, stride);
+          if (other.worth() > best.worth()) best = other;
         }
       }
-      if (!(best.fit > before)) break;
+      if (!(best.worth() > before)) break;
     }
   }
   return best;
@@ -166,6 +158,11 @@ bool BodyCylinder::is_body() const {
   constexpr double kLeastFit = 0.25;  // 0.36 in an L3 whose wall is as thin as the noise of 73 HU, 0.5 to 0.7 in others
   constexpr double kLargerMm = 0.3;
   return fit >= kLeastFit && half_mm.z() > kLeastHalfMm.z() + kLargerMm;
+}
+
+double BodyCylinder::worth() const {
+  constexpr double kSizePower = 0.2;
+  return fit * std::pow(half_mm.x() * half_mm.y(), kSizePower);
 }
 
 double BodyCylinder::scale_to(const Vec3& p_patient) const {
@@ -245,18 +242,17 @@ BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const W
       found[i].fit = -std::numeric_limits<double>::infinity();
       for (const double step_mm : {6.0, 3.0, 1.5}) {
         const BodyCylinder one = improve(hu, search, start, step_mm, 1.5, kCoarse);
-        if (one.fit > found[i].fit) found[i] = one;
+        if (one.worth() > found[i].worth()) found[i] = one;
       }
     });
-    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.fit > b.fit; });
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.worth() > b.worth(); });
     found.resize(kBest);
     tbb::parallel_for(std::size_t{0}, found.size(),
                       [&](std::size_t i) { found[i] = improve(hu, search, found[i], 1.5, 0.25, 1); });
     for (const BodyCylinder& one : found) {
-      if (one.fit > best.fit) best = one;
+      if (one.worth() > best.worth()) best = one;
     }
   }
-  best.fit = fit_of(hu, best, levels, 1);
   return best;
 }
 

@@ -20,6 +20,9 @@ struct BodyCylinder {
   /// Whether there is wall enough on it, and it is larger than the search allows at least: what is found around a point
   /// in soft tissue or in an arch is as small as can be, with walls on few sides.
   bool is_body() const;
+  /// What a search makes as large as it can. Of two surfaces with as much wall the larger is the whole body, the
+  /// smaller a part of it. Height does not count: it would be had from the discs.
+  double worth() const;
   /// Columns: the body's own left, back and up in patient LPS.
   Mat3 axes() const;
   /// Below 1 inside the cylinder, above outside: how much larger it would have to be to reach the point.

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/segment/binned_ct.h"
@@ -79,12 +80,53 @@ std::vector<Candidate> candidates_of(const FloatGrid& hu, double bone_hu) {
   return all;
 }
 
+/// The CT in steps of about 1 mm, blurred as its noise asks for: in larger ones a thin wall is no brighter than tissue.
+FloatGrid fine_hu(const CtVolume& ct, const VoxelBox& whole, const BoneLevels& levels) {
+  constexpr double kStepMm = 1.0;
+  const FloatGrid hu = bin_hu(ct, whole, bins_for(ct.geometry, kStepMm));
+  const double blur_mm = levels.blur_voxels * ct.geometry.smallest_spacing_mm();
+  return levels.blur_voxels < 0.25 ? hu : gaussian_blur(hu, blur_mm);
+}
+
+/// The greatest number in each block of about kLatticeMm: a wall within the block is seen however thin it is.
+FloatGrid brightest_of_blocks(const FloatGrid& fine) {
+  const std::array<int, 3> bins = bins_for(fine.geometry, kLatticeMm);
+  FloatGrid grid;
+  grid.geometry = fine.geometry;
+  Vec3 first;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    grid.geometry.size[axis] = (fine.geometry.size[axis] - 1) / bins[axis] + 1;
+    grid.geometry.spacing_mm[a] = fine.geometry.spacing_mm[a] * bins[axis];
+    first[a] = 0.5 * (bins[axis] - 1);
+  }
+  grid.geometry.origin_mm = fine.geometry.to_patient(first);
+  grid.values.assign(grid.geometry.voxel_count(), std::numeric_limits<float>::lowest());
+  tbb::parallel_for(0, grid.geometry.size[2], [&](int k) {
+    const int end = std::min((k + 1) * bins[2], fine.geometry.size[2]);
+    for (int fk = k * bins[2]; fk < end; ++fk) {
+      for (int fj = 0; fj < fine.geometry.size[1]; ++fj) {
+        for (int fi = 0; fi < fine.geometry.size[0]; ++fi) {
+          float& brightest = grid.values[grid.geometry.offset(fi / bins[0], fj / bins[1], k)];
+          brightest = std::max(brightest, fine.at(fi, fj, fk));
+        }
+      }
+    }
+  });
+  return grid;
+}
+
+bool is_within(const Vec3& p_mm, const GridGeometry& geometry) {
+  const Eigen::Array3i nearest = geometry.to_index(p_mm).array().round().cast<int>();
+  return geometry.contains(nearest.x(), nearest.y(), nearest.z());
+}
+
 }  // namespace
 
 Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
   const auto& size = ct.geometry.size;
   const VoxelBox whole{{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
-  const FloatGrid hu = bin_hu(ct, whole, bins_for(ct.geometry, kLatticeMm));
+  const FloatGrid hu = brightest_of_blocks(fine_hu(ct, whole, levels));
   constexpr std::size_t kMostTried = 3;
   constexpr double kApartMm = 12.0;
   std::vector<Vec3> tried_mm;
@@ -97,9 +139,8 @@ Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
     if (is_near) continue;
     tried_mm.push_back(candidate.p_mm);
     const BodyCylinder body = fit_body_cylinder(smooth_around(ct, candidate.p_mm), candidate.p_mm, {levels.low_hu});
-    const double wall = body.fit * body.half_mm.x() * body.half_mm.y() * body.half_mm.z();
-    if (!body.is_body() || wall <= best) continue;
-    best = wall;
+    if (!body.is_body() || !is_within(body.centre_mm, ct.geometry) || body.worth() <= best) continue;
+    best = body.worth();
     best_mm = body.centre_mm;
   }
   if (!(best > 0.0)) fail("found no vertebral body in the CT; give a point in it (--seed)");
