@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
@@ -135,6 +136,50 @@ class Tracer {
   double step_mm_;
 };
 
+/// One ray through the middle of each pixel.
+std::vector<Colour> pixel_centres(const BoneModel& bone, const RenderOptions& options, const Camera& camera,
+                                  const Intersector& intersector, const Progress& progress) {
+  const auto width = static_cast<std::size_t>(options.width);
+  std::vector<Colour> centres(width * static_cast<std::size_t>(options.height));
+  ProgressCounter counter(progress, "drawing", static_cast<std::size_t>(options.height));
+  tbb::parallel_for(0, options.height, [&](int y) {
+    Tracer tracer(bone, options, camera, intersector);
+    for (int x = 0; x < options.width; ++x) {
+      centres[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =
+          tracer.trace(camera.start_mm(x + 0.5, y + 0.5, options));
+    }
+    counter.add();
+  });
+  return centres;
+}
+
+/// Whether a pixel differs so from one beside it that a single ray would show as a step.
+bool is_at_edge(const std::vector<Colour>& centres, const RenderOptions& options, int x, int y) {
+  constexpr double kStep = 0.03;
+  const auto colour_at = [&](int i, int j) -> const Colour& {
+    return centres[static_cast<std::size_t>(j) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(i)];
+  };
+  const Colour& here = colour_at(x, y);
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, options.height - 1); ++j) {
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, options.width - 1); ++i) {
+      if ((colour_at(i, j) - here).abs().maxCoeff() > kStep) return true;
+    }
+  }
+  return false;
+}
+
+Colour mean_of_samples(Tracer& tracer, const Camera& camera, const RenderOptions& options, int x, int y) {
+  constexpr int kSamples = 2;  // a side: four rays
+  Colour sum = Colour::Zero();
+  for (int sample = 0; sample < kSamples * kSamples; ++sample) {
+    const int row = sample / kSamples;
+    const double dx = (0.5 + sample % kSamples) / kSamples;
+    const double dy = (0.5 + row) / kSamples;
+    sum += tracer.trace(camera.start_mm(x + dx, y + dy, options));
+  }
+  return sum / (kSamples * kSamples);
+}
+
 }  // namespace
 
 Image render_bone(const BoneModel& bone, const RenderOptions& options, const Progress& progress) {
@@ -145,27 +190,21 @@ Image render_bone(const BoneModel& bone, const RenderOptions& options, const Pro
   if (!(options.from.cross(options.up).norm() > 1e-9)) fail("render: the view and its up direction are parallel");
   const Camera camera(options.uncut != nullptr ? *options.uncut : bone, options);
   const Intersector intersector(*bone.grids().sdf);
+  const std::vector<Colour> centres = pixel_centres(bone, options, camera, intersector, progress);
+  const auto width = static_cast<std::size_t>(options.width);
   Image image{options.width, options.height, {}};
-  image.rgb.resize(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) * 3);
-  ProgressCounter counter(progress, "drawing", static_cast<std::size_t>(options.height));
+  image.rgb.resize(3 * centres.size());
   tbb::parallel_for(0, options.height, [&](int y) {
-    constexpr int kSamples = 2;  // a side: four rays a pixel
     Tracer tracer(bone, options, camera, intersector);
-    std::size_t next = static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) * 3;
     for (int x = 0; x < options.width; ++x) {
-      Colour sum = Colour::Zero();
-      for (int sample = 0; sample < kSamples * kSamples; ++sample) {
-        const int row = sample / kSamples;
-        const double dx = (0.5 + sample % kSamples) / kSamples;
-        const double dy = (0.5 + row) / kSamples;
-        sum += tracer.trace(camera.start_mm(x + dx, y + dy, options));
-      }
+      const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+      const Colour colour =
+          is_at_edge(centres, options, x, y) ? mean_of_samples(tracer, camera, options, x, y) : centres[pixel];
       for (int channel = 0; channel < 3; ++channel) {
-        const double mean = sum[channel] / (kSamples * kSamples);
-        image.rgb[next++] = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(mean, 1.0 / 1.6)));
+        image.rgb[3 * pixel + static_cast<std::size_t>(channel)] =
+            static_cast<std::uint8_t>(std::lround(255.0 * std::pow(colour[channel], 1.0 / 1.6)));
       }
     }
-    counter.add();
   });
   return image;
 }
