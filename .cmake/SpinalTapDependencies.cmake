@@ -8,6 +8,7 @@ set(GDCM_SKIP_USE_VTK ON)
 find_package(GDCM 3.0 REQUIRED)
 find_package(Nifti2 REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(Hdf5C REQUIRED)
 find_path(SPINALTAP_NANOFLANN_DIR nanoflann.hpp REQUIRED)  # headers only, in .cpp files only
 find_package(OpenMesh REQUIRED)
 

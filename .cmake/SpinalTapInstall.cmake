@@ -20,5 +20,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/SpinalTapConfig.cmake.in
                               ${CMAKE_BINARY_DIR}/SpinalTapConfig.cmake INSTALL_DESTINATION ${config_dir})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/SpinalTapConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/SpinalTapConfig.cmake ${CMAKE_BINARY_DIR}/SpinalTapConfigVersion.cmake
-              ${CMAKE_CURRENT_LIST_DIR}/FindNifti2.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/FindNifti2.cmake ${CMAKE_CURRENT_LIST_DIR}/FindHdf5C.cmake
         DESTINATION ${config_dir})

@@ -1,43 +1,12 @@
 #include <algorithm>
-#include <cctype>
 
+#include "core/base/csv_fields.h"
 #include "core/rbf/value_formats.h"
 
 namespace spinaltap::detail {
 namespace {
 
 constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
-
-/// A line, field by field.
-class Fields {
- public:
-  explicit Fields(std::string_view line) : rest_(line) {}
-
-  bool next(std::string_view& field) {
-    if (!has_more_) return false;
-    // One in quotes may hold commas.
-    const std::size_t from = rest_.starts_with('"') ? std::min(rest_.find('"', 1), rest_.size()) : 0;
-    const std::size_t end = std::min(rest_.find(',', from), rest_.size());
-    field = rest_.substr(0, end);
-    has_more_ = end < rest_.size();
-    if (has_more_) rest_.remove_prefix(end + 1);
-    return true;
-  }
-
- private:
-  std::string_view rest_;
-  bool has_more_ = true;
-};
-
-/// A header's field as a column's name: lower case, without quotes.
-std::string name_of(std::string_view field) {
-  field = trimmed(field);
-  if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
-  std::string name(trimmed(field));
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name;
-}
 
 /// Which of kValueColumns stands in each of a file's columns.
 struct Columns {
@@ -52,9 +21,9 @@ class CsvReader {
   void read() {
     std::string_view line;
     if (!next_line(line)) return;
-    if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);  // a byte order mark, as Excel writes it
+    line = without_byte_order_mark(line);
     std::string_view first;
-    Fields(line).next(first);
+    CsvFields(line).next(first);
     const bool has_header = !parse_number(first);
     const Columns columns = has_header ? named_columns(line) : ordered_columns(line);
     if (!has_header) add(line, columns);
@@ -76,9 +45,9 @@ class CsvReader {
   Columns named_columns(std::string_view header) const {
     Columns columns;
     std::array<bool, kValueColumns.size()> found{};
-    Fields fields(header);
+    CsvFields fields(header);
     for (std::string_view field; fields.next(field);) {
-      const std::string name = name_of(field);
+      const std::string name = csv_column_name(field);
       const auto* match = std::find(kValueColumns.begin(), kValueColumns.begin() + rows_.taken(), name);
       const auto role = static_cast<std::size_t>(match - kValueColumns.begin());
       columns.role.push_back(role < rows_.taken() ? role : kNoColumn);
@@ -98,7 +67,7 @@ class CsvReader {
 
   Columns ordered_columns(std::string_view line) const {
     std::size_t count = 0;
-    Fields fields(line);
+    CsvFields fields(line);
     for (std::string_view field; fields.next(field);) ++count;
     const std::size_t most = rows_.needed() == 3 ? count : kValueColumns.size();
     if (count < rows_.needed() || count > most) {
@@ -113,7 +82,7 @@ class CsvReader {
 
   void add(std::string_view line, const Columns& columns) {
     ValueRow row{};
-    Fields fields(line);
+    CsvFields fields(line);
     std::size_t count = 0;
     for (std::string_view field; fields.next(field); ++count) {
       const std::size_t role = count < columns.role.size() ? columns.role[count] : kNoColumn;
