@@ -15,8 +15,11 @@ struct StepResult {
   std::size_t removed = 0;      ///< points that died
   std::size_t tested = 0;       ///< points put to a test of their position
   std::int64_t removed_hu = 0;  ///< sum of their CT numbers
-  double work_n_mm = 0.0;       ///< of cutting them
-  double thrust_n = 0.0;        ///< work over the way the tip went along its axis; 0 when it did not advance
+  double removed_mm3 = 0.0;     ///< what they stood for
+  double work_n_mm = 0.0;       ///< energy of cutting them at the material's reference feed
+  /// Sum over them of that energy times the place, from the tip where the step ends to the point, N·mm²; along the axes
+  /// of patient LPS. Its part across the bit's axis tells on which side the bit cut.
+  Vec3 moment_n_mm2 = Vec3::Zero();
 };
 
 /// Removes the points that a moving bit reaches. `step` allocates, locks and logs nothing, except that steps with work
@@ -34,6 +37,9 @@ class DrillEngine {
   /// Moves the bit to `pose` (patient LPS, mm). Poses that are not finite, whose axis is not unit, or that are more
   /// than 10 m from the volume's start change nothing.
   virtual StepResult step(const Pose& pose) noexcept = 0;
+
+  /// Forgets where the bit is: the next step has no way, only its pose. For a bit that was moved without turning.
+  virtual void lift() noexcept = 0;
 
   /// What the engine keeps beside the volume.
   virtual std::size_t memory_bytes() const = 0;

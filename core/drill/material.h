@@ -2,31 +2,53 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/ct/density_law.h"
 
 namespace spinaltap {
 
-/// How hard bone is to drill, from its CT number: a law for its density, and a power law of the density for the
-/// pressure that thrust must overcome. The numbers of the power law and their sources are in data/materials/.
+/// How hard bone is to drill, from its CT number: a law for its density, and power laws of the density for what the
+/// lips and the chisel edge of a bit meet. docs/forces.md derives them; the numbers and their sources are in
+/// data/materials/.
 struct Material {
   DensityLaw density = {};
-  double pressure_at_1_g_cm3 = 6.0;  ///< MPa (N/mm²), of the thrust over the section cut
-  double pressure_exponent = 2.0;    ///< of the density in g/cm³
 
-  /// Thrust over section, MPa, which is also the work of cutting, N·mm per mm³.
-  double pressure_mpa(double hu) const;
+  /// Energy of cutting a volume, N·mm/mm³, of bone of 1 g/cm³ at a feed of `reference_feed_mm` per turn.
+  double cutting_mpa = 356.0;
+  double cutting_exponent = 2.0;    ///< of the density in g/cm³
+  double reference_feed_mm = 0.1;   ///< per turn
+  double feed_exponent = 0.3;       ///< the energy goes with the feed per turn to minus this: thin chips cost more
+  double lip_thrust_share = 0.376;  ///< thrust of the lips over the force along their cut
+
+  /// Pressure of the chisel edge, which indents bone and does not cut, N/mm² of bone of 1 g/cm³.
+  double chisel_mpa = 145.0;
+  double chisel_exponent = 2.0;
+  double chisel_share = 0.16;  ///< width of the chisel edge over the bit's diameter, where the bit states none
+
+  /// Of a bit that touches without cutting: force over depth, N/mm, of bone of 1 g/cm³, of a surface as large as the
+  /// bit's section.
+  double contact_n_mm = 200.0;
+  double contact_exponent = 1.56;
+
+  /// Of cutting at the reference feed, N·mm/mm³.
+  double cutting_pressure_mpa(double hu) const;
+  /// Under the chisel edge, N/mm².
+  double chisel_pressure_mpa(double hu) const;
+  /// Of a surface as large as the bit's section, N/mm.
+  double contact_stiffness_n_mm(double hu) const;
 };
 
 /// Refuses values that are not finite, and laws by which denser bone would be easier to drill.
 void check_material(const Material& material);
 
-/// A material's pressure for each CT number of a range, in whole units, so that a sum over points does not depend on
-/// its order.
+/// A material's cutting pressure for each CT number of a range, in whole units, so that a sum over points does not
+/// depend on its order.
 class PressureTable {
  public:
-  static constexpr double kUnitMpa = 1e-6;
+  static constexpr double kUnitMpa = 1e-3;
+  static constexpr std::int64_t kMostUnits = std::int64_t{1} << 24;  ///< 16.8 GPa: no bone resists with more
 
   explicit PressureTable(const Material& material, std::int16_t lowest_hu = -32768, std::int16_t highest_hu = 32767);
 

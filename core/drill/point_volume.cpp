@@ -64,14 +64,27 @@ void PointVolume::set_hu(int disc, std::size_t index, double hu) {
   }
 }
 
-std::pair<std::int16_t, std::int16_t> PointVolume::hu_range() const {
-  if (hu8_.empty()) {
-    const auto [lowest, highest] = std::minmax_element(hu16_.begin(), hu16_.end());
-    return {*lowest, *highest};
+namespace {
+
+/// Every engine asks at its making. std::minmax_element compares number by number; compilers turn this into vectors.
+template <class Number>
+std::pair<Number, Number> range_of(const std::vector<Number>& numbers) {
+  Number lowest = numbers.front();
+  Number highest = numbers.front();
+  for (const Number number : numbers) {
+    lowest = std::min(lowest, number);
+    highest = std::max(highest, number);
   }
-  const auto [lowest, highest] = std::minmax_element(hu8_.begin(), hu8_.end());
-  return {static_cast<std::int16_t>(kLowestHu + kHuStep * *lowest),
-          static_cast<std::int16_t>(kLowestHu + kHuStep * *highest)};
+  return {lowest, highest};
+}
+
+}  // namespace
+
+std::pair<std::int16_t, std::int16_t> PointVolume::hu_range() const {
+  if (hu8_.empty()) return range_of(hu16_);
+  const auto [lowest, highest] = range_of(hu8_);
+  return {static_cast<std::int16_t>(kLowestHu + kHuStep * lowest),
+          static_cast<std::int16_t>(kLowestHu + kHuStep * highest)};
 }
 
 Vec3 PointVolume::jitter(int disc, std::size_t index) const {

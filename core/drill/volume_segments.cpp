@@ -21,10 +21,15 @@ class JointEngine final : public DrillEngine {
       sum.removed += part.removed;
       sum.tested += part.tested;
       sum.removed_hu += part.removed_hu;
+      sum.removed_mm3 += part.removed_mm3;
       sum.work_n_mm += part.work_n_mm;
-      sum.thrust_n += part.thrust_n;
+      sum.moment_n_mm2 += part.moment_n_mm2;
     }
     return sum;
+  }
+
+  void lift() noexcept override {
+    for (const auto& engine : engines_) engine->lift();
   }
 
   std::size_t memory_bytes() const override {

@@ -22,6 +22,13 @@ void check_options(const GradeOptions& options) {
   if (options.ring_points < kFewest || options.ring_points > kMost) {
     fail("grade: expected ", kFewest, " to ", kMost, " points of a ring, found ", options.ring_points);
   }
+  constexpr double kFastestRpm = 1e6, kFastestMmS = 1e3;
+  if (!(options.spindle.rpm > 0.0 && options.spindle.rpm <= kFastestRpm)) {
+    fail("grade: expected a spindle of above 0 to ", kFastestRpm, " rpm, found ", options.spindle.rpm, " rpm");
+  }
+  if (!(options.feed_mm_s > 0.0 && options.feed_mm_s <= kFastestMmS)) {
+    fail("grade: expected a feed of above 0 to ", kFastestMmS, " mm/s, found ", options.feed_mm_s, " mm/s");
+  }
   for (std::size_t n = 0; n < options.hu_bands.size(); ++n) {
     if (!std::isfinite(options.hu_bands[n]) || (n > 0 && !(options.hu_bands[n] > options.hu_bands[n - 1]))) {
       fail("grade: expected borders of HU bands that ascend, found ", options.hu_bands[n], " HU");
@@ -65,6 +72,10 @@ struct Walk {
   std::vector<GradeRow> rows;  ///< without CT numbers
   std::vector<WallDistance::Walls> axis;
   std::size_t entry_rows = 0;
+
+  double entry_end_mm(const GradedTool& tool) const {
+    return entry_rows < rows.size() ? rows[entry_rows].depth_mm : tool.length_mm();
+  }
 };
 
 Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
@@ -115,17 +126,18 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
 
   PathGrade graded;
   graded.is_left = sides.is_left();
+  graded.entry_end_mm = walk.entry_end_mm(tool);
   graded.rows = std::move(walk.rows);
   std::vector<double> depths_mm;
   depths_mm.reserve(graded.rows.size());
   for (const GradeRow& row : graded.rows) depths_mm.push_back(row.depth_mm);
-  graded.entry_end_mm = walk.entry_rows < depths_mm.size() ? depths_mm[walk.entry_rows] : tool.length_mm();
-  const ToolSections sections(walls.bone(), hu, material, tool, depths_mm, options.step_mm, options.hu_bands);
+  const ToolSections sections(walls.bone(), hu, material, tool, path.bit, depths_mm, options.step_mm, options.hu_bands);
+  const double feed_mm = options.feed_mm_s * 60.0 / options.spindle.rpm;
   for (std::size_t n = 0; n < graded.rows.size(); ++n) {
     GradeRow& row = graded.rows[n];
     row.hu = sections.hu(n);
     row.hu_band_shares = sections.band_shares(n);
-    row.thrust_n = sections.thrust_n(n);
+    row.thrust_n = sections.resistance(n).thrust_n(feed_mm);
     graded.most_thrust_n = std::max(graded.most_thrust_n, row.thrust_n);
     if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side);
     graded.canal = nearest_of(graded.canal, row.canal_mm, row.depth_mm, row.canal_side);
@@ -142,6 +154,12 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
     graded.breach_side = sides.of(breach.place_mm, breach.wall);
   }
   return graded;
+}
+
+double entry_end_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {
+  check_options(options);
+  const GradedTool tool(path);
+  return walk_along(walls, tool, SideNames(walls.landmarks(), path), options).entry_end_mm(tool);
 }
 
 double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/drill/drill_forces.h"
 #include "core/drill/drill_path.h"
 #include "core/drill/material.h"
 #include "core/plan/path_side.h"
@@ -27,6 +28,8 @@ struct GradeOptions {
   double step_mm = 0.25;                       ///< along the path
   std::vector<double> hu_bands{135.0, 375.0};  ///< borders, ascending
   int ring_points = 48;                        ///< around the tool at each depth, where a breach is looked for
+  Spindle spindle = {};                        ///< for the predicted thrust
+  double feed_mm_s = 1.0;                      ///< the same; a hand's, and `drill`'s of 0.001 mm a cycle at 1 kHz
 };
 
 /// What a tool meets at one depth of the tip's way.
@@ -40,7 +43,7 @@ struct GradeRow {
   bool is_entry = false;               ///< still in the hole's mouth: the outer surface does not count
   double hu = 0.0;                     ///< mean over the tool's section; NaN where no bone is
   std::vector<double> hu_band_shares;  ///< of the bone in that section, as PathGrade's; 0 where no bone is
-  double thrust_n = 0.0;               ///< predicted, of drilling with the tip there
+  double thrust_n = 0.0;               ///< predicted, of drilling the hole with the path's bit, its tip there
 };
 
 /// A nearest approach: how near, at what depth, on which side. Infinite where nothing counts.
@@ -69,6 +72,10 @@ struct PathGrade {
 /// materials and options that make no sense, and without a sampler.
 PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
                      const GradeOptions& options = {});
+
+/// Only grade_path()'s entry_end_mm: the depth from which on the outer surface counts, for the path's screw or, where
+/// it has none, its bit. The path's length where it never does.
+double entry_end_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options = {});
 
 /// Only the breach of grade_path(), mm, in a fraction of its time: 0 when the tool stays in the bone.
 double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options = {});

@@ -24,15 +24,4 @@ double GradedTool::radius_mm(double depth_mm) const {
   return std::max(0.0, profile_.widest_mm(0.0, length_mm_ - depth_mm));
 }
 
-double GradedTool::back_mm(double radius_mm) const {
-  double narrower_mm = 0.0;
-  double as_wide_mm = profile_.length_mm();
-  if (profile_.widest_mm(0.0, 0.0) >= radius_mm) return 0.0;
-  for (int halving = 0; halving < 40; ++halving) {
-    const double middle_mm = 0.5 * (narrower_mm + as_wide_mm);
-    (profile_.widest_mm(0.0, middle_mm) < radius_mm ? narrower_mm : as_wide_mm) = middle_mm;
-  }
-  return as_wide_mm;
-}
-
 }  // namespace spinaltap

@@ -20,8 +20,6 @@ class GradedTool {
   /// The hole's radius there; 0 beyond the tip.
   double radius_mm(double depth_mm) const;
   double widest_mm() const { return profile_.radius_mm(); }
-  /// How far behind the tip the tool is first as wide as `radius_mm`, which is at most widest_mm().
-  double back_mm(double radius_mm) const;
 
  private:
   BitProfile profile_;

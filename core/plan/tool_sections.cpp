@@ -16,21 +16,37 @@ Vec3 across(const Vec3& axis, const Vec3& first, double turn) {
 
 int places_of(int annulus) { return 4 * (2 * annulus + 1); }
 
+/// How far behind the tip an outline is first as wide as `radius_mm`, which is at most its widest.
+double first_as_wide_mm(const BitProfile& outline, double radius_mm) {
+  if (outline.widest_mm(0.0, 0.0) >= radius_mm) return 0.0;
+  double narrower_mm = 0.0;
+  double as_wide_mm = outline.length_mm();
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle_mm = 0.5 * (narrower_mm + as_wide_mm);
+    (outline.widest_mm(0.0, middle_mm) < radius_mm ? narrower_mm : as_wide_mm) = middle_mm;
+  }
+  return as_wide_mm;
+}
+
 }  // namespace
 
 ToolSections::ToolSections(const BoneShape& bone,
                            const std::function<void(std::span<const Vec3>, std::span<float>)>& hu,
-                           const Material& material, const GradedTool& tool, std::span<const double> depths_mm,
-                           double step_mm, std::span<const double> hu_bands)
-    : step_mm_(step_mm),
-      share_mm2_(std::numbers::pi * tool.widest_mm() * tool.widest_mm() / kPoints),
+                           const Material& material, const GradedTool& tool, const DrillBit& bit,
+                           std::span<const double> depths_mm, double step_mm, std::span<const double> hu_bands)
+    : widest_mm_(tool.widest_mm()),
+      bit_(bit),
+      material_(material),
+      step_mm_(step_mm),
       band_count_(hu_bands.size() + 1) {
+  const BitProfile outline(bit);
   for (std::size_t n = 0; n < kAnnuli; ++n) {
-    middle_mm_[n] = (static_cast<double>(n) + 0.5) / kAnnuli * tool.widest_mm();
-    back_mm_[n] = tool.back_mm(middle_mm_[n]);
+    const double share = (static_cast<double>(n) + 0.5) / kAnnuli;
+    middle_mm_[n] = share * tool.widest_mm();
+    bit_back_mm_[n] = first_as_wide_mm(outline, share * bit.radius_mm());
   }
   // A tip at the entry has its wider part behind, where a slanting surface may have bone.
-  lead_ = static_cast<std::size_t>(std::ceil(back_mm_.back() / step_mm));
+  lead_ = static_cast<std::size_t>(std::ceil(bit_back_mm_.back() / step_mm));
   for (std::size_t n = lead_; n > 0; --n) depths_mm_.push_back(-step_mm * static_cast<double>(n));
   depths_mm_.insert(depths_mm_.end(), depths_mm.begin(), depths_mm.end());
   for (const double depth_mm : depths_mm) radii_mm_.push_back(tool.radius_mm(depth_mm));
@@ -70,7 +86,8 @@ ToolSections::ToolSections(const BoneShape& bone,
         if (!std::isfinite(value_hu)) continue;
         ++sums.count;
         sums.hu += value_hu;
-        sums.pressure_mpa += material.pressure_mpa(value_hu);
+        sums.cutting_mpa += material.cutting_pressure_mpa(value_hu);
+        if (annulus == 0) sums.chisel_mpa += material.chisel_pressure_mpa(value_hu);
         const auto band = std::upper_bound(hu_bands.begin(), hu_bands.end(), value_hu) - hu_bands.begin();
         ++sums.bands[static_cast<std::size_t>(band)];
       }
@@ -138,24 +155,30 @@ std::vector<double> ToolSections::band_shares() const {
   return shares;
 }
 
-double ToolSections::pressure_sum_mpa(std::size_t annulus, double depth_mm) const {
+double ToolSections::mean_mpa(std::size_t annulus, double depth_mm, double Sums::*sum) const {
   const double index =
       std::clamp((depth_mm - depths_mm_.front()) / step_mm_, 0.0, static_cast<double>(depths_mm_.size() - 1));
   const auto below = std::min(static_cast<std::size_t>(index), depths_mm_.size() - 1);
   const std::size_t above = std::min(below + 1, depths_mm_.size() - 1);
-  const double low = sections_[below][annulus].pressure_mpa;
+  const double low_mpa = sections_[below][annulus].*sum;
+  const double high_mpa = sections_[above][annulus].*sum;
   const double gap_mm = depths_mm_[above] - depths_mm_[below];
-  if (!(gap_mm > 0.0)) return low;
-  const double share = std::clamp((depth_mm - depths_mm_[below]) / gap_mm, 0.0, 1.0);
-  return low + share * (sections_[above][annulus].pressure_mpa - low);
+  const double share = gap_mm > 0.0 ? std::clamp((depth_mm - depths_mm_[below]) / gap_mm, 0.0, 1.0) : 0.0;
+  return (low_mpa + share * (high_mpa - low_mpa)) / places_of(static_cast<int>(annulus));
 }
 
-double ToolSections::thrust_n(std::size_t n) const {
-  double sum_mpa = 0.0;
+FeedResistance ToolSections::resistance(std::size_t n) const {
+  const double tip_mm = depths_mm_[lead_ + n];
+  const double section_mm2 = std::numbers::pi * bit_.radius_mm() * bit_.radius_mm();
+  double energy_n = 0.0;
   for (std::size_t annulus = 0; annulus < kAnnuli; ++annulus) {
-    sum_mpa += pressure_sum_mpa(annulus, depths_mm_[lead_ + n] - back_mm_[annulus]);
+    // The bit is not as wide as the screw that the hole is for: the sections' annulus that lies at the same radius.
+    const double share = (static_cast<double>(annulus) + 0.5) / kAnnuli * bit_.radius_mm() / widest_mm_;
+    const auto met = std::min<std::size_t>(static_cast<std::size_t>(share * kAnnuli), kAnnuli - 1);
+    const double area_mm2 = section_mm2 * places_of(static_cast<int>(annulus)) / kPoints;
+    energy_n += area_mm2 * mean_mpa(met, tip_mm - bit_back_mm_[annulus], &Sums::cutting_mpa);
   }
-  return sum_mpa * share_mm2_;
+  return resistance_of_cut(bit_, material_, energy_n, mean_mpa(0, tip_mm, &Sums::chisel_mpa));
 }
 
 }  // namespace spinaltap

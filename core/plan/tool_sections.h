@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/drill/material.h"
+#include "core/drill/drill_forces.h"
 #include "core/plan/graded_tool.h"
 #include "core/plan/inside_bone.h"
 
@@ -17,10 +17,11 @@ class ToolSections {
   static constexpr int kAnnuli = 4;
   static constexpr int kPoints = 4 * kAnnuli * kAnnuli;
 
-  /// `depths_mm`: ascending, from 0 to the path's length, `step_mm` apart except for the last. `hu_bands`: borders.
+  /// `bit` drills the tool's hole. `depths_mm`: ascending, from 0 to the path's length, `step_mm` apart except for the
+  /// last. `hu_bands`: borders.
   ToolSections(const BoneShape& bone, const std::function<void(std::span<const Vec3>, std::span<float>)>& hu,
-               const Material& material, const GradedTool& tool, std::span<const double> depths_mm, double step_mm,
-               std::span<const double> hu_bands);
+               const Material& material, const GradedTool& tool, const DrillBit& bit, std::span<const double> depths_mm,
+               double step_mm, std::span<const double> hu_bands);
 
   /// Mean CT number of the bone in the tool's own section at the n-th depth; NaN where there is none.
   double hu(std::size_t n) const;
@@ -30,20 +31,23 @@ class ToolSections {
   double mean_hu() const;
   /// Likewise of that volume.
   std::vector<double> band_shares() const;
-  /// Work of drilling over way (N) with the tip at the n-th depth: each annulus is cut where the tip first is as wide.
-  double thrust_n(std::size_t n) const;
+  /// What the bone asks of the bit with its tip at the n-th depth: each annulus of the bit is cut where the tip first
+  /// is as wide.
+  FeedResistance resistance(std::size_t n) const;
 
  private:
   /// Sums over the places of an annulus that are in bone.
   struct Sums {
     int count = 0;
     double hu = 0.0;
-    double pressure_mpa = 0.0;
+    double cutting_mpa = 0.0;
+    double chisel_mpa = 0.0;
     std::vector<int> bands;
   };
   using Section = std::array<Sums, kAnnuli>;
 
-  double pressure_sum_mpa(std::size_t annulus, double depth_mm) const;
+  /// Mean over an annulus' places, those out of bone counted with nothing.
+  double mean_mpa(std::size_t annulus, double depth_mm, double Sums::*sum) const;
   const Section& at(std::size_t n) const { return sections_[lead_ + n]; }
   bool holds(std::size_t annulus, std::size_t n) const;
   /// Adds what the section at the n-th depth has of each band, `weight` times; returns the sum.
@@ -56,9 +60,11 @@ class ToolSections {
   std::size_t lead_ = 0;
   std::vector<double> radii_mm_;             ///< of the tool, one of each depth from the entry on
   std::array<double, kAnnuli> middle_mm_{};  ///< radius of each annulus
-  std::array<double, kAnnuli> back_mm_{};    ///< how far behind the tip it is cut
+  double widest_mm_;
+  DrillBit bit_;
+  Material material_;
+  std::array<double, kAnnuli> bit_back_mm_{};  ///< how far behind the tip each annulus of the bit is cut
   double step_mm_;
-  double share_mm2_;
   std::size_t band_count_;
 };
 

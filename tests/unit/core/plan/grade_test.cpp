@@ -244,16 +244,35 @@ TEST_F(GradePath, CountsABandFromItsLowerBorderOn) {
   EXPECT_DOUBLE_EQ(grade_path(walls(), at_border, Material(), path(18.0)).hu_band_shares[2], 1.0);
 }
 
-TEST_F(GradePath, PredictsPressureTimesSectionAndLessWhileTheTipEnters) {
-  const Material material;
-  const double full_n = material.pressure_mpa(300.0) * std::numbers::pi * kRadiusMm * kRadiusMm;
-  const PathGrade graded = grade(path(18.0));
+TEST_F(GradePath, PredictsTheThrustOfTheBitAndLessWhileItsTipEnters) {
+  const DrillPath planned = path(18.0);
+  const GradeOptions options;
+  const double feed_mm = options.feed_mm_s * 60.0 / options.spindle.rpm;
+  FeedResistance block = resistance_of_block(planned.bit, Material(), 300.0);
+  const double full_n = block.thrust_n(feed_mm);
+  const double lips_n = full_n - block.chisel_n;
+  ASSERT_GT(lips_n, 0.1 * full_n);
+  // The screw is twice as wide as its hole; that is not what is drilled.
+  ASSERT_GT(planned.screw->diameter_mm, 1.9 * planned.bit.diameter_mm);
+  const PathGrade graded = grade(planned);
   for (const GradeRow& row : graded.rows) {
-    // A cone of 4 mm cuts the square of the share of it that is in; four annuli make that four steps.
-    const double in = std::min(1.0, row.depth_mm / 4.0);
-    EXPECT_NEAR(row.thrust_n / full_n, in * in, in < 1.0 ? 0.25 : 1e-3) << row.depth_mm;
+    if (row.depth_mm == 0.0) continue;  // the chisel edge is at the surface
+    // The lips cut the square of the share of their cone that is in; four annuli make that four steps.
+    const double in = std::min(1.0, row.depth_mm / planned.bit.tip_length_mm);
+    EXPECT_NEAR((row.thrust_n - block.chisel_n) / lips_n, in * in, in < 1.0 ? 0.25 : 1e-3) << row.depth_mm;
   }
   EXPECT_NEAR(graded.most_thrust_n, full_n, 1e-3 * full_n);
+}
+
+TEST_F(GradePath, PredictsMoreThrustAtAFasterFeedAndASlowerSpindle) {
+  GradeOptions faster;
+  faster.feed_mm_s = 2.0;
+  GradeOptions slower_spindle;
+  slower_spindle.spindle.rpm = 625.0;
+  const double usual_n = grade(path(18.0)).most_thrust_n;
+  EXPECT_GT(grade(path(18.0), faster).most_thrust_n, 1.1 * usual_n);
+  // What counts is the feed per turn.
+  EXPECT_NEAR(grade(path(18.0), slower_spindle).most_thrust_n, grade(path(18.0), faster).most_thrust_n, 1e-9);
 }
 
 TEST_F(GradePath, FindsNoBreachDeeperThanTheNearestApproachAllows) {
@@ -311,9 +330,13 @@ TEST_F(GradePath, RefusesWhatMakesNoSense) {
   refuses(path(18.0), {.hu_bands = {135.0, 135.0}});
   refuses(path(18.0), {.hu_bands = {kNan}});
   refuses(path(18.0), {.ring_points = 3});
+  for (const double number : {kNan, 0.0, -1.0, 1e9}) {
+    refuses(path(18.0), {.spindle = {.rpm = number}});
+    refuses(path(18.0), {.feed_mm_s = number});
+  }
   refuses(path(18.0), {}, HuSampler());
   Material material;
-  material.pressure_exponent = kNan;
+  material.cutting_exponent = kNan;
   refuses(path(18.0), {}, even_hu, material);
   EXPECT_EQ(grade(path(18.0), {.hu_bands = {}}).hu_band_shares, std::vector<double>{1.0});
 }

@@ -1,7 +1,6 @@
 #include "core/plan/wall_distance.h"
 
 #include <gtest/gtest.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/phantom/surface_seeds.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/true_places.h"
 
 namespace spinaltap {
 namespace {
@@ -82,40 +82,13 @@ TEST_F(BlockWalls, OfACanalThatIsNotThereAreEndlesslyFar) {
   EXPECT_NEAR(all_outer.outer(Vec3(7.0, 0.0, 0.0)).distance_mm, -1.0, kToleranceMm);
 }
 
-/// The phantom's true surface around a line, in places at most 0.25 mm from each other.
-struct TruePlaces {
-  std::vector<Vec3> places_mm, normals;
-};
-
-TruePlaces true_places(const Vertebra& vertebra, const std::vector<Vec3>& seeds_mm, const Vec3& from_mm,
-                       const Vec3& to_mm, double within_mm) {
-  std::vector<Vec3> places_mm;
-  const Vec3 way_mm = to_mm - from_mm;
-  for (const Vec3& seed_mm : seeds_mm) {
-    const double share = std::clamp((seed_mm - from_mm).dot(way_mm) / way_mm.squaredNorm(), 0.0, 1.0);
-    if ((from_mm + share * way_mm - seed_mm).norm() < within_mm) places_mm.push_back(seed_mm);
-  }
-  std::vector<Vec3> normals(places_mm.size());
-  tbb::parallel_for(std::size_t{0}, places_mm.size(), [&](std::size_t n) {
-    double value_mm = 0.0;
-    vertebra.evaluate({&places_mm[n], 1}, {&value_mm, 1}, {&normals[n], 1});
-    places_mm[n] -= value_mm / normals[n].squaredNorm() * normals[n];
-    for (int round = 0; round < 2; ++round) {  // the slope hardly changes in 0.15 mm
-      vertebra.evaluate({&places_mm[n], 1}, {&value_mm, 1}, {});
-      places_mm[n] -= value_mm / normals[n].squaredNorm() * normals[n];
-    }
-    normals[n].normalize();
-  });
-  return {places_mm, normals};
-}
-
 /// The nearest of some places, and how far it looks at p: 1 where its normal leads there.
 struct Nearest {
   double distance_mm = std::numeric_limits<double>::infinity();
   double facing = 0.0;
 };
 
-Nearest nearest(const TruePlaces& surface, const std::vector<std::uint8_t>& is_canal, bool wants_canal,
+Nearest nearest(const test::TruePlaces& surface, const std::vector<std::uint8_t>& is_canal, bool wants_canal,
                 const Vec3& p_mm) {
   Nearest found;
   for (std::size_t n = 0; n < surface.places_mm.size(); ++n) {
@@ -137,7 +110,8 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
   double worst_mm = 0.0;
   const std::vector<Vec3> seeds_mm = surface_seeds(*phantom.vertebra, 0.2);
   for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
-    const TruePlaces surface = true_places(*phantom.vertebra, seeds_mm, pedicle.entry_mm, pedicle.target_mm, kReachMm);
+    const test::TruePlaces surface =
+        test::true_places(*phantom.vertebra, seeds_mm, pedicle.entry_mm, pedicle.target_mm, kReachMm);
     std::vector<std::uint8_t> is_canal;
     for (std::size_t n = 0; n < surface.places_mm.size(); ++n) {
       is_canal.push_back(test::faces_canal(*phantom.vertebra, surface.places_mm[n], surface.normals[n]) ? 1 : 0);
