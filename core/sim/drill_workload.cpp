@@ -6,8 +6,7 @@
 #include <numbers>
 
 #include "core/drill/path_frame.h"
-#include "core/sim/hand_motion.h"
-#include "core/sim/lock_step.h"
+#include "core/sim/path_motion.h"
 
 namespace spinaltap {
 namespace {
@@ -15,12 +14,12 @@ namespace {
 constexpr double kPathMm = 37.8;
 constexpr double kOffPathMm = 1.2;
 constexpr double kTiltDeg = 3.0;
+constexpr double kTremorMm = 0.1;
 
 constexpr std::array kMotions{WorkloadMotion::on_path, WorkloadMotion::off_path, WorkloadMotion::tilted,
                               WorkloadMotion::hand, WorkloadMotion::hand_off_path};
 
-template <class Motion>
-std::vector<Pose> all_poses(const Motion& motion) {
+std::vector<Pose> all_poses(const PathMotion& motion) {
   std::vector<Pose> poses(motion.cycle_count() + 1);
   for (std::size_t index = 0; index < poses.size(); ++index) poses[index] = motion.pose(index);
   return poses;
@@ -81,24 +80,16 @@ void revive_all(PointVolume& volume) {
 
 std::vector<Pose> workload_poses(WorkloadMotion motion, std::uint64_t seed) {
   const DrillPath path = workload_path(3.0);
-  LockStepOptions lock_step{.step_mm = 0.001};
-  HandOptions hand{.seed = seed};
-  switch (motion) {
-    case WorkloadMotion::on_path:
-      break;
-    case WorkloadMotion::off_path:
-      lock_step.offset_mm = kOffPathMm;
-      break;
-    case WorkloadMotion::tilted:
-      lock_step.tilt_deg = kTiltDeg;
-      break;
-    case WorkloadMotion::hand_off_path:
-      hand.offset_mm = kOffPathMm;
-      return all_poses(HandMotion(path, hand));
-    case WorkloadMotion::hand:
-      return all_poses(HandMotion(path, hand));
+  PathMotionOptions options = in_steps_of(0.001);
+  if (motion == WorkloadMotion::off_path || motion == WorkloadMotion::hand_off_path) {
+    options.line.offset_mm = kOffPathMm;
   }
-  return all_poses(LockStepMotion(path, 0.0, lock_step));
+  if (motion == WorkloadMotion::tilted) options.line.tilt_deg = kTiltDeg;
+  if (motion == WorkloadMotion::hand || motion == WorkloadMotion::hand_off_path) {
+    options.tremor_mm = kTremorMm;
+    options.seed = seed;
+  }
+  return all_poses(PathMotion(path, options));
 }
 
 StepWorkload burr_step() {

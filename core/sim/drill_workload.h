@@ -18,7 +18,7 @@ enum class WorkloadMotion {
   on_path,       ///< lock-step, 0.001 mm a cycle
   off_path,      ///< the same, parallel to the path at 1.2 mm
   tilted,        ///< the same, tilted by 3 degrees about the path's middle
-  hand,          ///< 1 mm/s at 1 kHz with a tremor of 0.1 mm (HandMotion)
+  hand,          ///< 1 mm/s at 1 kHz with a tremor of 0.1 mm (Tremor)
   hand_off_path  ///< the same, parallel to the path at 1.2 mm
 };
 

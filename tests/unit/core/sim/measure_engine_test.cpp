@@ -30,6 +30,7 @@ class Forgetful final : public DrillEngine {
     volume_.set_alive(1, 0, true);
     return result;
   }
+  void lift() noexcept override { engine_->lift(); }
   std::size_t memory_bytes() const override { return 0; }
 
  private:
