@@ -1,8 +1,9 @@
 #pragma once
 
-#include <functional>
+#include <span>
 
 #include "core/drill/drill_bit.h"
+#include "core/sim/straight_ways.h"
 #include "vdb/bone_model.h"
 
 namespace spinaltap {
@@ -11,6 +12,9 @@ namespace spinaltap {
 /// the larger of the bone's distance and minus the swept bit's. The swept bit is the bit at `end`, lengthened backwards
 /// by the way. Throws Error when the axes differ.
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end);
+
+/// The same for many ways, in one go over the bone.
+BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways);
 
 /// The part of the bone on the side of a plane that `normal` points away from: for cut-open pictures.
 BoneModel cut_by_plane(const BoneModel& bone, const Vec3& point_mm, const Vec3& normal);

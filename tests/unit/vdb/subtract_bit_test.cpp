@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
 #include "core/drill/bit_profile.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/analytic_bodies.h"
@@ -74,6 +75,25 @@ TEST(SubtractBit, TakesWhatTheBitSweptThroughTheSurface) {
   EXPECT_TRUE(quality.closed());
   EXPECT_EQ(quality.pieces, 1U);
   EXPECT_EQ(quality.euler_number, 2);
+}
+
+TEST(SubtractBit, TakesManyWaysAsOneAfterTheOther) {
+  std::vector<BitWay> ways;
+  BoneModel one_by_one = ball_bone();
+  for (int n = 0; n < 5; ++n) {
+    const Vec3 axis = Vec3(-0.7 + 0.2 * n, 0.2, -0.4 + 0.1 * n).normalized();
+    ways.push_back({{kBall.centre_mm - 20.0 * axis, axis}, {kBall.centre_mm + (3.0 + n) * axis, axis}});
+    one_by_one = subtract_bit(one_by_one, kBit, ways.back().start, ways.back().end);
+  }
+  const BoneModel at_once = subtract_bit(ball_bone(), kBit, ways);
+  // Distances, not only surfaces: culling bits that are not nearest must change nothing. Beyond the band both are
+  // clamped, but by a rounding of it.
+  for (std::uint64_t n = 0; n < 20'000; ++n) {
+    const Vec3 p = kBall.centre_mm +
+                   16.0 * (2.0 * Vec3(random_uniform(1, n), random_uniform(2, n), random_uniform(3, n)) - Vec3::Ones());
+    ASSERT_NEAR(test::distance_at(at_once, p), test::distance_at(one_by_one, p), 1e-5) << p.transpose();
+  }
+  EXPECT_LT(volume_mm3(at_once), volume_mm3(ball_bone()) - 500.0);
 }
 
 TEST(SubtractBit, MakesATunnelWhereItComesOutAgain) {
