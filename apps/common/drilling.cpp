@@ -3,129 +3,151 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
+#include <utility>
 
-#include "apps/common/bone_path.h"
-#include "core/base/error.h"
-#include "core/drill/volume_segments.h"
+#include "apps/common/live_mesh.h"
+#include "core/sim/straight_ways.h"
+#include "core/sim/timing.h"
 #include "vdb/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
 
-std::vector<DepthRow> rows_of(const std::vector<CycleRecord>& records, const LockStepMotion& motion,
-                              const Material& material, double log_step_mm) {
-  std::vector<DepthRow> rows;
-  std::int64_t hu_sum = 0;
-  double work_n_mm = 0.0;
-  double seconds = 0.0;
-  double begin_mm = motion.depth_mm(0);
-  DepthRow row;
-  for (std::size_t cycle = 0; cycle < records.size(); ++cycle) {
-    const CycleRecord& record = records[cycle];
-    ++row.cycles;
-    row.removed += record.removed;
-    row.tested += record.tested;
-    hu_sum += record.removed_hu;
-    work_n_mm += static_cast<double>(record.work_n_mm);
-    seconds += 1e-9 * record.wall_ns;
-    // Rows end at whole multiples of the log step, whatever the advance; half a nanometre forgives rounding.
-    const double end_mm = motion.depth_mm(0) + log_step_mm * static_cast<double>(rows.size() + 1) - 5e-7;
-    if (record.depth_mm < end_mm && cycle + 1 < records.size()) continue;
-    row.depth_mm = record.depth_mm;
-    row.hu = row.removed > 0 ? static_cast<double>(hu_sum) / static_cast<double>(row.removed)
-                             : std::numeric_limits<double>::quiet_NaN();
-    row.density_g_cm3 = row.removed > 0 ? material.density.density_g_cm3(row.hu) : row.hu;
-    row.thrust_n = work_n_mm / (record.depth_mm - begin_mm);
-    row.cycles_per_s = static_cast<double>(row.cycles) / std::max(seconds, 1e-12);
-    rows.push_back(row);
-    begin_mm = record.depth_mm;
-    row = {};
-    hu_sum = 0;
-    work_n_mm = 0.0;
-    seconds = 0.0;
+/// What was done, kept in memory that is there from the start: the collision thread must not wait for more.
+class InputLog {
+ public:
+  explicit InputLog(std::size_t expected) : inputs_(expected) {}
+
+  void add(const ToolInput& input) {
+    if (used_ < inputs_.size()) {
+      inputs_[used_] = input;
+    } else {
+      inputs_.push_back(input);
+    }
+    ++used_;
   }
-  return rows;
-}
+  std::span<const ToolInput> inputs() const { return {inputs_.data(), used_}; }
 
-BoneSampler sampler_of(const BoneModel& bone, const ScalarField* exact) {
-  return [&bone, exact](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
-    bone.sample(points_mm, distance_mm, hu);
-    if (exact == nullptr) return;
-    std::vector<double> values_mm(points_mm.size());
-    exact->evaluate(points_mm, values_mm, {});
-    std::transform(values_mm.begin(), values_mm.end(), distance_mm.begin(),
-                   [](double value_mm) { return static_cast<float>(value_mm); });
-  };
-}
+ private:
+  std::vector<ToolInput> inputs_;
+  std::size_t used_ = 0;
+};
 
-std::vector<PointVolume> volumes_along(const BoneModel& bone, const DrillPath& path, const DrillingOptions& options) {
-  if (options.fine_spacing_mm == 0.0) {
-    std::vector<PointVolume> one;
-    one.emplace_back(path, options.volume);
-    return one;
+std::size_t expected_inputs(const ToolSource& hand, const std::optional<RealTimeOptions>& real_time) {
+  constexpr std::size_t kMost = 4'000'000;  // 256 MB; what comes then is allocated when it comes
+  std::size_t expected = hand.count() > 0 ? hand.count() + 1 : kMost;
+  if (real_time) {
+    const double cycles = real_time->longest_s * real_time->rate_hz + 2.0;
+    expected = static_cast<std::size_t>(std::min(static_cast<double>(expected), cycles));
+  } else if (hand.count() == 0) {
+    expected = 0;
   }
-  return make_segments(
-      path,
-      fine_near_surface(path, options.volume.lead_in_mm, sampler_of(bone, nullptr), options.fine_near_mm,
-                        options.fine_tip_mm, options.fine_spacing_mm, options.volume.spacing_mm),
-      options.volume);
+  return std::min(expected, kMost);
 }
 
-}  // namespace
-
-Drilling drill_bone(const BoneModel& bone, const DrillPath& path, const Material& material,
-                    const DrillingOptions& options, const Progress& progress) {
-  if (!(options.log_step_mm > 0.0)) fail("drilling: expected a log step above 0 mm, found ", options.log_step_mm);
-  const LockStepMotion motion(path, options.volume.lead_in_mm, options.motion);
-  check_path_meets_bone(path, bone);
-  Drilling drilling(bone);
-  drilling.volumes = volumes_along(bone, path, options);
-  std::vector<std::unique_ptr<DrillEngine>> engines;
-  std::size_t bytes = 0;
-  for (PointVolume& volume : drilling.volumes) {
-    fill_volume(volume, sampler_of(bone, options.exact), progress);
+void count_points(const BuiltSession& built, Drilling& drilling) {
+  std::size_t bytes = built.session->engine().memory_bytes();
+  for (const PointVolume& volume : built.volumes) {
     drilling.points += volume.point_count();
     drilling.points_in_bone += volume.alive_count();
     drilling.discs += volume.disc_count();
     bytes += volume.memory_bytes();
-    engines.push_back(make_engine(options.engine, volume, path.bit, material));
   }
-  drilling.points_per_disc = drilling.volumes.front().pattern().point_count();
-  const auto engine = make_joint_engine(std::move(engines));
-  bytes += engine->memory_bytes();
+  drilling.points_per_disc = built.volumes.front().pattern().point_count();
   drilling.bytes_per_point = static_cast<double>(bytes) / static_cast<double>(drilling.points);
-  const std::vector<CycleRecord> records = run_lock_step(*engine, motion, progress);
-  drilling.cycles = records.size();
-  drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();
-  for (const CycleRecord& record : records) {
-    if (record.removed > 0 && std::isnan(drilling.entry_depth_mm)) drilling.entry_depth_mm = record.depth_mm;
-    drilling.seconds += 1e-9 * record.wall_ns;
-    drilling.removed += record.removed;
-  }
-  drilling.rows = rows_of(records, motion, material, options.log_step_mm);
-  for (const DepthRow& row : drilling.rows) drilling.most_thrust_n = std::max(drilling.most_thrust_n, row.thrust_n);
-  drilling.drilled = subtract_bit(bone, path.bit, motion.pose(0), motion.pose(motion.cycle_count()));
-  return drilling;
 }
 
-std::string log_csv(const std::vector<DepthRow>& rows) {
-  std::ostringstream csv;
-  csv.precision(7);
-  csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,density_g_cm3,thrust_N,cycles_per_s\n";
-  const auto number = [&](double value) {
-    csv << ',';
-    if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
-  };
-  for (const DepthRow& row : rows) {
-    csv << row.depth_mm << ',' << row.cycles << ',' << row.removed << ',' << row.tested;
-    number(row.hu);
-    number(row.density_g_cm3);
-    number(row.thrust_n);
-    number(row.cycles_per_s);
-    csv << '\n';
+/// Watches a session's cycles, on the thread that runs them.
+class Watch {
+ public:
+  Watch(const DrillSession& session, const DrillingOptions& options, DepthLog& log, InputLog& inputs,
+        Drilling& drilling)
+      : session_(session), options_(options), log_(log), inputs_(inputs), drilling_(drilling) {}
+
+  void observe(const Cycle& cycle) {
+    const bool is_paced = options_.real_time.has_value();
+    const double seconds =
+        is_paced ? std::numeric_limits<double>::quiet_NaN() : 1e-9 * static_cast<double>(wall_ns() - before_ns_);
+    log_.add(cycle, seconds);
+    ToolInput input = cycle.input;
+    input.spindle_on = input.spindle_on && session_.options().spindle.rpm > 0.0;
+    inputs_.add(input);
+    drilling_.removed += cycle.step.removed;
+    if (is_first_) {
+      is_first_ = false;
+    } else {
+      ++drilling_.cycles;
+      drilling_.seconds += seconds;
+    }
+    drilling_.session_s = cycle.time_s;
+    drilling_.deepest_mm = std::fmax(drilling_.deepest_mm, cycle.depth_mm);
+    drilling_.least_outer_mm = std::fmin(drilling_.least_outer_mm, cycle.clearance.outer_mm);
+    drilling_.least_canal_mm = std::fmin(drilling_.least_canal_mm, cycle.clearance.canal_mm);
+    if (cycle.step.removed > 0 && std::isnan(drilling_.entry_depth_mm)) drilling_.entry_depth_mm = cycle.depth_mm;
+    if (options_.record != nullptr) record(cycle, is_paced);
+    before_ns_ = is_paced ? 0 : wall_ns();
   }
-  return csv.str();
+
+ private:
+  void record(const Cycle& cycle, bool is_paced) {
+    if (is_paced) {
+      options_.record->add(cycle);  // where it is lost, the record counts it
+    } else {
+      options_.record->add_waiting(cycle);
+    }
+    options_.record->add_events(session_.events());
+  }
+
+  const DrillSession& session_;
+  const DrillingOptions& options_;
+  DepthLog& log_;
+  InputLog& inputs_;
+  Drilling& drilling_;
+  bool is_first_ = true;
+  std::int64_t before_ns_ = wall_ns();
+};
+
+}  // namespace
+
+Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
+                    const DrillingOptions& options, const Progress& progress) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kBeyondMm = 20.0;  // hands may go further than the target
+  DepthLog log(options.log_step_mm, setup.material, setup.volume.lead_in_mm + setup.path.length_mm() + kBeyondMm);
+  BuiltSession built = build_session(bone, setup, progress, options.exact);
+  DrillSession& session = *built.session;
+  Drilling drilling(bone.model());
+  count_points(built, drilling);
+  drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();
+  drilling.deepest_mm = -kInfinity;
+  drilling.least_outer_mm = kInfinity;
+  drilling.least_canal_mm = kInfinity;
+
+  InputLog inputs(expected_inputs(hand, options.real_time));
+  Watch watch(session, options, log, inputs, drilling);
+  const CycleObserver observe = [&](const Cycle& cycle) { watch.observe(cycle); };
+  if (options.real_time) {
+    LiveMesh live(bone.model(), setup.path.bit, setup.options.longest_jump_mm);
+    drilling.real_time = run_real_time(
+        session, hand, *options.real_time, observe, [&](const Cycle& cycle) { live.update(cycle.input); }, {},
+        progress);
+  } else {
+    run_session(session, hand, observe, progress);
+  }
+
+  drilling.is_stopped = session.is_stopped();
+  drilling.events.assign(session.events().begin(), session.events().end());
+  drilling.events_lost = session.events_lost();
+  drilling.rows = log.finish();
+  for (const DepthRow& row : drilling.rows) {
+    drilling.most_thrust_n = std::max(drilling.most_thrust_n, row.thrust_n);
+    drilling.most_torque_n_mm = std::max(drilling.most_torque_n_mm, row.torque_n_mm);
+  }
+  progress.report("cutting the hole", 0.0);
+  drilling.drilled = subtract_bit(bone.model(), setup.path.bit,
+                                  straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm));
+  drilling.volumes = std::move(built.volumes);  // the points stay where the session knows them
+  return drilling;
 }
 
 }  // namespace spinaltap

@@ -1,5 +1,6 @@
 #include "apps/common/json_file.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
@@ -55,6 +56,16 @@ Vec3 JsonObject::vector(const char* key) const {
     fail("expected three numbers for \"", key, "\" in ", file_.string(), ", found ", value.dump());
   }
   return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& file,
+                std::string_view what) {
+  const JsonObject object(json, file);  // refuses what has no keys
+  for (const auto& item : json.items()) {
+    if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
+      fail("expected ", what, " in ", file.string(), ", found \"", item.key(), "\", which is none");
+    }
+  }
 }
 
 Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "core/base/geometry.h"
 
@@ -34,6 +36,11 @@ class JsonObject {
   const Json& json_;
   std::filesystem::path file_;
 };
+
+/// Refuses a key that is not among `known`: nobody would read it, and it is likely a slip of the pen. `what`: what the
+/// key ought to be, as in "a rule of planning".
+void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& file,
+                std::string_view what);
 
 /// [x, y, z]
 Json to_json(const Vec3& v);

@@ -1,6 +1,5 @@
 #include "apps/common/plan_file.h"
 
-#include "apps/common/json_file.h"
 #include "apps/common/markups_file.h"
 #include "apps/common/tool_json.h"
 #include "core/base/error.h"
@@ -10,18 +9,6 @@ namespace {
 
 constexpr const char* kFormat = "spinaltap-plan";
 constexpr int kVersion = 1;
-
-/// A path from a plan's list.
-DrillPath read_path(const Json& json, const std::filesystem::path& file) {
-  const JsonObject object(json, file);
-  DrillPath path;
-  path.name = object.text("name");
-  path.entry_mm = object.vector("entry");
-  path.target_mm = object.vector("target");
-  path.bit = read_bit(object.at("bit"), file);
-  if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
-  return path;
-}
 
 std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::path& file) {
   const JsonObject plan(json, file);
@@ -39,20 +26,33 @@ std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::pa
 
 }  // namespace
 
+Json to_json(const DrillPath& path) {
+  Json json{{"name", path.name},
+            {"entry", to_json(path.entry_mm)},
+            {"target", to_json(path.target_mm)},
+            {"bit", to_json(path.bit)}};
+  if (path.screw) json["screw"] = to_json(*path.screw);
+  return json;
+}
+
+DrillPath read_path(const Json& json, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  DrillPath path;
+  path.name = object.text("name");
+  path.entry_mm = object.vector("entry");
+  path.target_mm = object.vector("target");
+  path.bit = read_bit(object.at("bit"), file);
+  if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
+  return path;
+}
+
 void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
   if (path.string().ends_with(".mrk.json")) {
     write_json(markups_of(paths), path);
     return;
   }
   Json plan{{"format", kFormat}, {"version", kVersion}, {"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}};
-  for (const DrillPath& drill_path : paths) {
-    Json json{{"name", drill_path.name},
-              {"entry", to_json(drill_path.entry_mm)},
-              {"target", to_json(drill_path.target_mm)},
-              {"bit", to_json(drill_path.bit)}};
-    if (drill_path.screw) json["screw"] = to_json(*drill_path.screw);
-    plan["paths"].push_back(json);
-  }
+  for (const DrillPath& drill_path : paths) plan["paths"].push_back(to_json(drill_path));
   write_json(plan, path);
 }
 

@@ -1,25 +1,8 @@
 #include "apps/common/planning_rules_file.h"
 
-#include <algorithm>
-#include <initializer_list>
-#include <string_view>
-
 #include "apps/common/json_file.h"
-#include "core/base/error.h"
 
 namespace spinaltap {
-namespace {
-
-/// A key that nobody reads is likely a slip of the pen.
-void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& path) {
-  for (const auto& item : json.items()) {
-    if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
-      fail("\"", item.key(), "\" in ", path.string(), " is no rule of planning");
-    }
-  }
-}
-
-}  // namespace
 
 SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   const Json json = read_json(path);
@@ -27,7 +10,7 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   check_keys(
       json,
       {"name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share", "most_turn_deg", "weights"},
-      path);
+      path, "a rule of planning");
   SuggestOptions options;
   options.margin_mm = rules.number("margin_mm");
   options.front_margin_mm = rules.number("front_margin_mm");
@@ -36,7 +19,7 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   options.most_turn_deg = rules.number("most_turn_deg");
   const JsonObject weights(rules.at("weights"), path);
   check_keys(rules.at("weights"), {"length", "diameter", "clearance", "canal", "endplates", "density", "along_axis"},
-             path);
+             path, "a weight of planning");
   options.weights.length = weights.number("length");
   options.weights.diameter = weights.number("diameter");
   options.weights.clearance = weights.number("clearance");

@@ -18,9 +18,11 @@ class Bar {
  public:
   void show(std::string_view stage, double fraction) {
     const Clock::time_point now = Clock::now();
-    if (stage != stage_) {
+    // What follows a colon tells how the stage goes on, and changes.
+    const std::string_view name = stage.substr(0, stage.find(':'));
+    if (name != stage_) {
       clear();
-      stage_ = stage;
+      stage_ = name;
       started_ = now;
     }
     if (fraction >= 1.0) {
@@ -31,7 +33,7 @@ class Bar {
     if (!slow || (drawn_ && now - drawn_at_ < std::chrono::milliseconds(100))) return;
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(kWidth * std::clamp(fraction, 0.0, 1.0));
-    std::fprintf(stderr, "\r%-28s [%s%s] %3.0f %%", stage_.c_str(),
+    std::fprintf(stderr, "\r%-34s [%s%s] %3.0f %%", std::string(stage).c_str(),
                  std::string(static_cast<std::size_t>(filled), '#').c_str(),
                  std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), 100.0 * fraction);
     std::fflush(stderr);
@@ -41,11 +43,11 @@ class Bar {
 
  private:
   void clear() {
-    if (drawn_) std::fprintf(stderr, "\r%70s\r", "");
+    if (drawn_) std::fprintf(stderr, "\r%76s\r", "");
     drawn_ = false;
   }
 
-  std::string stage_;
+  std::string stage_;  ///< its name
   Clock::time_point started_;
   Clock::time_point drawn_at_;
   bool drawn_ = false;

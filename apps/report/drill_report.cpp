@@ -10,6 +10,7 @@
 
 #include "apps/report/depth_bins.h"
 #include "apps/report/path_slices.h"
+#include "apps/report/session_report.h"
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -48,9 +49,13 @@ Spread spread(const Curve& values) {
 void check(const DrillReportData& data) {
   if (!(data.path.length_mm() > 0.0))
     fail("drill report: expected a path longer than 0 mm, found ", data.path.length_mm());
-  const std::array<std::pair<const char*, const Curve*>, 5> curves{{{"density_hu", &data.density_hu},
+  const std::array<std::pair<const char*, const Curve*>, 9> curves{{{"density_hu", &data.density_hu},
                                                                     {"density_g_per_cm3", &data.density_g_per_cm3},
                                                                     {"thrust_N", &data.thrust_N},
+                                                                    {"torque_N_mm", &data.torque_N_mm},
+                                                                    {"lateral_N", &data.lateral_N},
+                                                                    {"outer_clearance_mm", &data.outer_clearance_mm},
+                                                                    {"canal_clearance_mm", &data.canal_clearance_mm},
                                                                     {"cycles_per_s", &data.cycles_per_s},
                                                                     {"removed_points", &data.removed_points}}};
   for (const auto& [name, curve] : curves) {
@@ -103,7 +108,10 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   add("Median density", spread(data.density_hu).median, 0, "HU");
   add("Median density", spread(data.density_g_per_cm3).median, 2, "g/cm³");
   add("Greatest thrust", spread(data.thrust_N).most, 1, "N");
-  add("Slowest engine cycle", spread(data.cycles_per_s).least, 0, "cycles/s");
+  add("Greatest torque", spread(data.torque_N_mm).most, 0, "N·mm");
+  add("Least clearance to the outer surface", spread(data.outer_clearance_mm).least, 2, "mm");
+  add("Least clearance to the canal", spread(data.canal_clearance_mm).least, 2, "mm");
+  add("Slowest cycles", spread(data.cycles_per_s).least, 0, "cycles/s");
   return rows;
 }
 
@@ -145,22 +153,35 @@ class DepthPlots {
   }
 
   void add(const std::string& title, const std::string& y_label, const std::string& y_unit, const Curve& y,
-           bool from_zero = true) {
+           bool from_zero = true, bool with_states = false) {
     if (y.empty()) return;
     Plot panel = plot(title, y_label, y_unit, y);
+    if (with_states) mark_states(panel);
     panel.y_from_zero = from_zero;
     report_.add_svg(svg_plot(panel));
   }
 
  private:
+  /// Where states begin takes the place of the entry, which is where the first does.
+  void mark_states(Plot& panel) const {
+    std::vector<PlotMarker> states = state_markers(data_.events);
+    if (states.empty()) return;
+    states.push_back(panel.markers.back());
+    std::sort(states.begin(), states.end(), [](const PlotMarker& a, const PlotMarker& b) { return a.x < b.x; });
+    panel.markers = std::move(states);
+  }
+
   const DrillReportData& data_;
   HtmlReport& report_;
 };
 
+/// Nothing of a curve without a finite value: a bone without that wall needs no panel that says so.
+Curve where_known(const Curve& values) { return std::isfinite(spread(values).most) ? values : Curve(); }
+
 void add_speed(const DrillReportData& data, HtmlReport& report) {
   if (data.cycles_per_s.empty()) return;
   const Spread speed = spread(data.cycles_per_s);
-  Plot plot = DepthPlots(data, report).plot("Speed of the drill engine", "cycles per second", "", data.cycles_per_s);
+  Plot plot = DepthPlots(data, report).plot("Speed of the cycles", "cycles per second", "", data.cycles_per_s);
   plot.log_y = speed.least > 0.0 && speed.most > 20.0 * speed.least;
   plot.y_from_zero = true;
   plot.height = 300.0;
@@ -188,13 +209,20 @@ std::string drill_report(const DrillReportData& data) {
   }
   if (!data.density_hu.empty() || !data.density_g_per_cm3.empty() || !data.thrust_N.empty() ||
       !data.removed_points.empty()) {
-    report.add_heading("Density and thrust along the depth");
+    report.add_heading("Density, forces and clearances along the depth");
     DepthPlots plots(data, report);
+    plots.add("Thrust", "thrust", "N", data.thrust_N, true, true);
+    plots.add("Torque", "torque", "N·mm", data.torque_N_mm, true, true);
+    plots.add("Lateral force", "lateral force", "N", data.lateral_N);
     plots.add("Density of the bone removed", "density", "HU", data.density_hu);
     plots.add("Density of the bone removed", "density", "g/cm³", data.density_g_per_cm3);
-    plots.add("Thrust", "thrust", "N", data.thrust_N);
+    plots.add("Clearance to the outer surface, beyond the hole's mouth", "clearance", "mm",
+              where_known(data.outer_clearance_mm));
+    plots.add("Clearance to the canal", "clearance", "mm", where_known(data.canal_clearance_mm));
     plots.add("Points removed at each step", "points", "", data.removed_points);
   }
+  add_events(data.events, data.events_lost, report);
+  if (data.real_time) add_real_time(*data.real_time, report);
   add_speed(data, report);
   if (!data.figures.empty()) {
     report.add_heading("Figures");

@@ -1,12 +1,15 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/report/html_report.h"
 #include "core/ct/ct_volume.h"
 #include "core/drill/drill_path.h"
+#include "core/sim/real_time.h"
+#include "core/sim/session_event.h"
 
 namespace spinaltap {
 
@@ -23,8 +26,16 @@ struct DrillReportData {
   std::vector<double> density_hu;         ///< mean of the bone removed there; NaN where none was
   std::vector<double> density_g_per_cm3;  ///< the same by the material law
   std::vector<double> thrust_N;
-  std::vector<double> cycles_per_s;    ///< how fast the engine's step ran there
+  std::vector<double> torque_N_mm;
+  std::vector<double> lateral_N;           ///< force of cutting across the bit's axis
+  std::vector<double> outer_clearance_mm;  ///< of the bit; infinite where there is no wall near
+  std::vector<double> canal_clearance_mm;
+  std::vector<double> cycles_per_s;    ///< how fast cycles ran there
   std::vector<double> removed_points;  ///< at that step, not summed
+
+  std::vector<SessionEvent> events;  ///< those of states also become markers in the plots of forces
+  std::size_t events_lost = 0;
+  std::optional<RealTimeReport> real_time;
 
   std::vector<ReportRow> figures;  ///< further values for the last table
   std::vector<std::string> notes;

@@ -8,6 +8,7 @@
 #include "apps/report/base64.h"
 #include "apps/report/png.h"
 #include "apps/report/text.h"
+#include "core/base/error.h"
 #include "core/base/version.h"
 
 namespace spinaltap {
@@ -34,6 +35,10 @@ th, td { padding: 5px 0; vertical-align: baseline; }
 th { text-align: left; font-weight: 400; color: #4a545d; padding-right: 16px; }
 td.value { text-align: right; font-variant-numeric: tabular-nums; font-weight: 600; white-space: nowrap; }
 td.long { white-space: normal; overflow-wrap: anywhere; }
+table.grid { margin-top: 10px; }
+table.grid thead th { text-align: right; vertical-align: bottom; }
+table.grid th:first-child { text-align: left; }
+table.grid td { text-align: right; padding-left: 14px; font-variant-numeric: tabular-nums; }
 td.unit { width: 4.6em; padding-left: 8px; color: #4a545d; white-space: nowrap; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(440px, 100%), 1fr)); gap: 18px;
   margin-top: 14px; }
@@ -102,6 +107,24 @@ void HtmlReport::add_table(const std::vector<ReportRow>& rows) {
   body_ += "<div class=\"tables\">\n" + table(all.first(first));
   if (first < rows.size()) body_ += table(all.subspan(first));
   body_ += "</div>\n";
+}
+
+void HtmlReport::add_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+  if (rows.empty()) return;
+  body_ += "<table class=\"grid\">\n<thead><tr>";
+  for (const std::string& name : head) body_ += "<th scope=\"col\">" + escape_html(name) + "</th>";
+  body_ += "</tr></thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : rows) {
+    if (row.size() != head.size()) {
+      fail("report: expected rows of ", head.size(), " cells, found one of ", row.size());
+    }
+    body_ += "<tr>";
+    for (std::size_t n = 0; n < row.size(); ++n) {
+      body_ += n == 0 ? "<th scope=\"row\">" + escape_html(row[n]) + "</th>" : "<td>" + escape_html(row[n]) + "</td>";
+    }
+    body_ += "</tr>\n";
+  }
+  body_ += "</tbody>\n</table>\n";
 }
 
 void HtmlReport::add_pictures(const std::vector<ReportPicture>& pictures) {

@@ -39,6 +39,9 @@ class HtmlReport {
   void add_note(const std::string& text);
   /// In two columns of rows from eight rows on, where the page is wide enough.
   void add_table(const std::vector<ReportRow>& rows);
+  /// Rows of as many cells as `head` has; the first column is text, the others are numbers. Throws Error where a row
+  /// has other than so many. Nothing where there are no rows.
+  void add_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
   /// Side by side, as many as fit. Throws Error on an empty picture.
   void add_pictures(const std::vector<ReportPicture>& pictures);
   /// Over the whole width.

@@ -181,12 +181,17 @@ class PlotDrawing {
   void add_series(const PlotSeries& series, std::string_view stroke) {
     std::string data;
     for (const PlotRun& run : curve_runs(series.x, series.y, x_, y_)) {
-      data += path_data(thinned(series.step ? stepped(run) : run, kColumn));
+      if (series.points) {
+        for (const Eigen::Vector2d& p : run) data += path_data({p});
+      } else {
+        data += path_data(thinned(series.step ? stepped(run) : run, kColumn));
+      }
     }
     if (data.empty()) return;
     drew_ = true;
-    svg_ += "<path d=\"" + data + "\" fill=\"none\" stroke=\"" + std::string(stroke) +
-            "\" stroke-width=\"1.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
+    svg_ += "<path d=\"" + data + "\" fill=\"none\" stroke=\"" + std::string(stroke) + "\" stroke-width=\"" +
+            (series.points ? "5\" stroke-opacity=\"0.6" : "1.6") +
+            "\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
   }
 
   void add_frame_and_titles() {

@@ -6,12 +6,13 @@
 
 namespace spinaltap {
 
-/// One curve. Values that are not finite, and on a log axis those not above 0, break it.
+/// One curve, or a cloud of points. Values that are not finite, and on a log axis those not above 0, break it.
 struct PlotSeries {
   std::string name;  ///< in the legend, which appears where there are two or more names
   std::vector<double> x;
   std::vector<double> y;  ///< as many as x
   bool step = false;      ///< each value holds until the next x, as counts per step do
+  bool points = false;    ///< a dot for each value, in place of a curve
 };
 
 /// An area between two curves, for example from the 5th to the 95th percentile.

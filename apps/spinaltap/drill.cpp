@@ -4,6 +4,7 @@
 #include "apps/common/plan_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/drill_run.h"
 
 namespace spinaltap {
@@ -18,10 +19,12 @@ void add_drill(CLI::App& program, Command& command) {
     DrillOptions drill;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(program, command, "drill",
-                              "Drill a planned path; writes report.html, drilled.vdb, "
-                              "drilled.stl and log.csv",
-                              "Example: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/");
+  CLI::App* app =
+      add_command(program, command, "drill",
+                  "Drill a planned path; writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv",
+                  "Examples: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/\n"
+                  "          spinaltap drill bone.vdb plan.json --hand push --push 40 --stop-on-breach\n"
+                  "          spinaltap drill bone.vdb plan.json --hand tremor --real-time --record run.h5");
   app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
@@ -29,8 +32,10 @@ void add_drill(CLI::App& program, Command& command) {
   app->add_option("--ct", options->ct.folder, "The CT, for the report's slices")->type_name("PATH");
   options->ct.add_reading(*app);
   options->drill.add_to(*app);
+  options->drill.add_session_to(*app);
 
   command.run = [options](const Progress& progress) {
+    options->drill.check();  // before anything is read
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
     const BoneModel bone = read_bone(options->bone);

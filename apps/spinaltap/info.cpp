@@ -12,6 +12,7 @@
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
 #include "core/segment/bone_levels.h"
+#include "core/sim/session_record.h"
 
 namespace spinaltap {
 namespace {
@@ -39,6 +40,34 @@ Json info_of_bone(const std::filesystem::path& file) {
           {"low_mm", to_json(bounds_mm.min())},
           {"high_mm", to_json(bounds_mm.max())},
           {"facts", facts}};
+}
+
+Json info_of_record(const std::filesystem::path& file) {
+  const SessionRecord record = read_record(file);
+  const double seconds = record.cycles.empty() ? 0.0 : record.cycles.back().time_s;
+  print_figure("record", record.is_whole ? "whole" : "being written, or cut short");
+  print_figure("cycles", static_cast<double>(record.cycles.size()), "", 0);
+  print_figure("time", seconds, "s", 3);
+  if (record.lost > 0) print_figure("cycles lost", static_cast<double>(record.lost), "", 0);
+  Json events = Json::array();
+  for (const SessionEvent& event : record.events) {
+    std::ostringstream text;
+    text << event.time_s << " s, depth " << event.depth_mm << " mm, value " << event.value;
+    print_figure(std::string(name_of(event.kind)), text.str());
+    events.push_back({{"kind", name_of(event.kind)},
+                      {"cycle", event.cycle},
+                      {"time_s", event.time_s},
+                      {"depth_mm", event.depth_mm},
+                      {"place_mm", to_json(event.place_mm)},
+                      {"value", event.value}});
+  }
+  for (const auto& [key, value] : record.setup) print_figure(key, value);
+  return {{"is_whole", record.is_whole},
+          {"cycles", record.cycles.size()},
+          {"seconds", seconds},
+          {"lost", record.lost},
+          {"events", events},
+          {"setup", record.setup}};
 }
 
 Json info_of_ct(const CtVolume& ct) {
@@ -123,9 +152,9 @@ void add_info(CLI::App& program, Command& command) {
     std::filesystem::path contact_sheet;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(program, command, "info", "Show what a CT or a bone.vdb holds",
+  CLI::App* app = add_command(program, command, "info", "Show what a CT, a bone.vdb or a recorded drilling holds",
                               "Example: spinaltap info ct/ --contact-sheet ct.png --json ct.json");
-  app->add_option("path", options->ct.folder, "Folder with DICOM files, a NIfTI file, or a bone.vdb")
+  app->add_option("path", options->ct.folder, "Folder with DICOM files, a NIfTI file, a bone.vdb, or a record (.h5)")
       ->required()
       ->type_name("PATH");
   app->add_option("--contact-sheet", options->contact_sheet,
@@ -138,6 +167,10 @@ void add_info(CLI::App& program, Command& command) {
     if (path.extension() == ".vdb") {
       if (!options->contact_sheet.empty()) fail("expected a CT for a contact sheet, found ", path.string());
       return info_of_bone(path);
+    }
+    if (path.extension() == ".h5" || path.extension() == ".hdf5") {
+      if (!options->contact_sheet.empty()) fail("expected a CT for a contact sheet, found ", path.string());
+      return info_of_record(path);
     }
     Json figures = Json::object();
     // Of several series, only the chosen one is read. A contact sheet needs one: reading then says which there are.

@@ -45,7 +45,7 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 15> commands;
+  std::array<Command, 19> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -57,10 +57,14 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
   add_plan(program, commands[8]);
   add_grade(program, commands[9]);
   add_drill(program, commands[10]);
-  add_mesh(program, commands[11]);
-  add_diff(program, commands[12]);
-  add_compare(program, commands[13]);
-  add_bench(program, commands[14]);
+  add_replay(program, commands[11]);
+  add_export(program, commands[12]);
+  add_study(program, commands[13]);
+  add_merge(program, commands[14]);
+  add_mesh(program, commands[15]);
+  add_diff(program, commands[16]);
+  add_compare(program, commands[17]);
+  add_bench(program, commands[18]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

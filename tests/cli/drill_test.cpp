@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 
 #include "apps/common/json_file.h"
@@ -101,6 +103,122 @@ TEST_F(Drill, TakesBitsOfOtherShapes) {
   const Json figures = drill("", "burr.json");
   EXPECT_GT(figures["removed"].get<int>(), 6000);
   EXPECT_EQ(figures["mesh"]["closed"], true);
+}
+
+TEST_F(Drill, TellsWhatHappenedInItsFilesAndStopsWhereItIsAsked) {
+  const Json free = drill("");
+  EXPECT_EQ(free["stopped"], false);
+  const double most_n = free["greatest_thrust_N"].get<double>();
+  ASSERT_GT(most_n, 1.0);
+  const Json stopped = drill("--stop-at-thrust " + std::to_string(0.5 * most_n));
+  EXPECT_EQ(stopped["stopped"], true);
+  EXPECT_LT(stopped["deepest_mm"].get<double>(), free["deepest_mm"].get<double>() - 1.0);
+  std::ifstream events(folder_->path() / "out" / "events.csv");
+  const std::string text((std::istreambuf_iterator<char>(events)), std::istreambuf_iterator<char>());
+  EXPECT_NE(text.find("\nstop: thrust,"), std::string::npos);
+  EXPECT_NE(text.find("\nstate,"), std::string::npos);
+}
+
+TEST_F(Drill, StopsOnABreachOfTheFarSide) {
+  // 3 mm beyond the ball: its outer surface is all the wall there is, since it is no vertebra.
+  const DrillPath inside = path({2.0, 20.0, 2.0});
+  DrillPath through = inside;
+  through.target_mm += 5.0 * through.direction();
+  write_plan({through}, folder_->path() / "through.json");
+  const Json stopped = drill("--stop-on-breach", "through.json");
+  EXPECT_EQ(stopped["stopped"], true);
+  EXPECT_NEAR(stopped["deepest_mm"].get<double>(), 2.0 * kRadiusMm, 0.3);
+  EXPECT_LT(stopped["least_outer_clearance_mm"].get<double>(), 0.05);
+}
+
+TEST_F(Drill, TakesEveryHand) {
+  EXPECT_EQ(drill("--hand off-path")["hand"]["offset"], "1.2 mm");
+  EXPECT_EQ(drill("--hand tilted --tilt 5")["hand"]["tilt"], "5 degrees");
+  EXPECT_EQ(drill("--hand tremor --seed 7")["hand"]["tremor"], "0.1 mm, seed 7");
+  const test::ProgramRun pushed = test::run_program(
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --json out.json --hand push --push 30",
+      folder_->path());
+  ASSERT_EQ(pushed.exit_code, 0) << pushed.errors;
+  EXPECT_EQ(read_json(folder_->path() / "out.json")["hand"]["push"], "30 N");
+  // Feed over rate is the step: the same poses either way, and the same bone.
+  const Json by_step = drill("");
+  const test::ProgramRun by_rate = test::run_program(
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --feed 1 --rate 100 -o out --json out.json", folder_->path());
+  ASSERT_EQ(by_rate.exit_code, 0) << by_rate.errors;
+  EXPECT_EQ(read_json(folder_->path() / "out.json")["removed"], by_step["removed"]);
+  EXPECT_EQ(read_json(folder_->path() / "out.json")["greatest_thrust_N"], by_step["greatest_thrust_N"]);
+}
+
+TEST_F(Drill, FollowsPosesFromAFile) {
+  const DrillPath drilled = path({});
+  const Vec3 axis = drilled.direction();
+  std::ofstream csv(folder_->path() / "poses.csv");
+  csv << "time_s,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n";
+  for (int n = 0; n <= 700; ++n) {
+    const Vec3 tip = drilled.entry_mm + (-3.0 + 0.01 * n) * axis;
+    csv << 0.01 * n << ',' << tip.x() << ',' << tip.y() << ',' << tip.z() << ',' << axis.x() << ',' << axis.y() << ','
+        << axis.z() << '\n';
+  }
+  csv.close();
+  const test::ProgramRun run = test::run_program(
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --hand poses.csv -o out --json out.json", folder_->path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json figures = read_json(folder_->path() / "out.json");
+  EXPECT_EQ(figures["cycles"], 700);
+  EXPECT_NEAR(figures["deepest_mm"].get<double>(), 4.0, 1e-3);
+  EXPECT_NEAR(figures["session_s"].get<double>(), 7.0, 0.011);
+}
+
+TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
+  std::filesystem::remove(folder_->path() / "run.h5");
+  const std::string options =
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --hand tremor --feed 10 --rate 500 --real-time --seconds 1 "
+      "--output-rate 2000 --record run.h5 -o out --json out.json";
+  const test::ProgramRun run = test::run_program(options, folder_->path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json figures = read_json(folder_->path() / "out.json");
+  const Json& collision = figures["real_time"]["collision"];
+  EXPECT_NEAR(figures["real_time"]["seconds"].get<double>(), 1.0, 0.9);
+  EXPECT_EQ(collision["cycles"], figures["cycles"]);
+  EXPECT_NEAR(collision["cycles"].get<double>() + collision["idle"].get<double>() + collision["skipped"].get<double>(),
+              500.0 * figures["real_time"]["seconds"].get<double>(), 5.0);
+  EXPECT_GT(figures["real_time"]["display"]["cycles"].get<int>(), 0);
+  EXPECT_GT(figures["real_time"]["output"]["cycles"].get<int>(), 500);
+  EXPECT_NE(run.output.find("collision, work, CPU"), std::string::npos) << run.output;
+  // A record is not written over; and it brings the same again.
+  const test::ProgramRun again = test::run_program(options, folder_->path());
+  EXPECT_NE(again.exit_code, 0);
+  EXPECT_NE(again.errors.find("run.h5"), std::string::npos) << again.errors;
+  const test::ProgramRun replay = test::run_program("replay run.h5 bone.vdb --engine leaf", folder_->path());
+  EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
+}
+
+TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
+  const auto refused = [&](const std::string& options, const std::string& word) {
+    const test::ProgramRun run = test::run_program("drill bone.vdb plan.json -o refused " + options, folder_->path());
+    EXPECT_NE(run.exit_code, 0) << options;
+    EXPECT_NE(run.errors.find(word), std::string::npos) << options << ": " << run.errors;
+    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "refused")) << options;
+  };
+  refused("--hand sideways", "found \"sideways\"");
+  refused("--hand on-path --offset 1", "take off-path");
+  refused("--hand push --feed 2", "feed follows from the bone");
+  refused("--push 20", "only the hand push");
+  refused("--hand none.csv", "none.csv");
+  refused("--hand none.csv --tremor 0.1", "the file says where");
+  refused("--step 0.01 --feed 1 --rate 100", "two of --step, --feed and --rate");
+  refused("--real-time --step 0.01", "no --step with --real-time");
+  refused("--seconds 5", "expected --real-time");
+  refused("--output-rate 5000", "expected --real-time");
+  refused("--real-time --rate 50000", "1 to 20,000 Hz");
+  refused("--real-time --seconds 0", "above 0 s");
+  refused("--stop-on-breach --no-clearances", "leave --no-clearances away");
+  refused("--record run2.h5 --rbf none.rbf", "without --rbf");
+  refused("--feed 1:x", "expected --feed");
+  refused("--feed 0", "0 mm/s");
+  refused("--tremor -1", "tremor");
+  refused("--spindle -5", "turns a minute");
+  EXPECT_FALSE(std::filesystem::exists(folder_->path() / "run2.h5"));
 }
 
 TEST_F(Drill, RefusesOptionsWithoutSense) {

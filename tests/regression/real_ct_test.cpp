@@ -13,6 +13,7 @@
 #include "apps/common/drilling.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
+#include "core/sim/path_hand.h"
 #include "core/surface/point_grid.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/test_data.h"
@@ -103,9 +104,11 @@ TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   const std::vector<DrillPath> paths = paths_of(auto_plan(PlanningBone(baked.bone)));
   ASSERT_EQ(paths.size(), 2U);
   const DrillPath path = paths.front();
-  DrillingOptions options;
-  options.motion.step_mm = 0.02;
-  const Drilling drilling = drill_bone(baked.bone, path, {}, options);
+  SessionSetup setup;
+  setup.path = path;
+  setup.has_clearances = false;
+  PathHand hand(path, in_steps_of(0.02, {.lead_in_mm = setup.volume.lead_in_mm}));
+  const Drilling drilling = drill_bone(SessionBone(baked.bone, false), setup, hand);
   std::printf("suggested path: %.1f mm, %zu points in bone, %zu removed, greatest thrust %.2f N\n", path.length_mm(),
               drilling.points_in_bone, drilling.removed, drilling.most_thrust_n);
   EXPECT_GE(path.length_mm(), 30.0);

@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/sim/path_hand.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/isosurface.h"
@@ -37,50 +36,75 @@ DrillPath diameter_path() {
   return {"diameter", entry, entry + 22.0 * axis, {3.1, 50.0, 5.0}};
 }
 
-DrillingOptions quick() {
-  DrillingOptions options;
-  options.motion.step_mm = 0.02;
-  options.log_step_mm = 0.5;
-  return options;
+constexpr double kFeedMmS = 1.0;
+constexpr double kStepMm = 0.02;
+
+/// The ball is no vertebra: no landmarks are looked for.
+const SessionBone& session_bone() {
+  static const SessionBone bone(ball_bone(), false);
+  return bone;
+}
+
+SessionSetup setup_of(const DrillPath& path) {
+  SessionSetup setup;
+  setup.path = path;
+  setup.has_clearances = false;
+  return setup;
+}
+
+PathMotionOptions motion_of(const SessionSetup& setup, double step_mm = kStepMm) {
+  return {.line = {.lead_in_mm = setup.volume.lead_in_mm},
+          .rate_hz = kFeedMmS / step_mm,
+          .feed = {.steps = {{0.0, kFeedMmS}}}};
+}
+
+Drilling drill(const SessionSetup& setup, const PathMotionOptions& motion,
+               const DrillingOptions& options = {.log_step_mm = 0.5}) {
+  PathHand hand(setup.path, motion);
+  return drill_bone(session_bone(), setup, hand, options);
 }
 
 const Drilling& drilled_ball() {
-  static const Drilling drilling = drill_bone(ball_bone(), diameter_path(), {}, quick());
+  static const Drilling drilling = drill(setup_of(diameter_path()), motion_of(setup_of(diameter_path())));
   return drilling;
 }
 
-TEST(DrillBone, NeedsTheMaterialsPressureTimesTheSection) {
+FeedResistance even_bone() { return resistance_of_block(diameter_path().bit, Material(), kHu); }
+
+double feed_mm() { return kFeedMmS * 60.0 / Spindle().rpm; }
+
+TEST(DrillBone, NeedsTheThrustOfTheLaw) {
   const Material material;
-  const double section_mm2 = std::numbers::pi * std::pow(diameter_path().bit.radius_mm(), 2);
-  const double expected_n = material.pressure_mpa(kHu) * section_mm2;
+  const double expected_n = even_bone().thrust_n(feed_mm());
   int rows = 0;
   for (const DepthRow& row : drilled_ball().rows) {
-    // From where the whole cone is in; the surface is curved.
-    if (row.depth_mm < 6.5) continue;
+    // From where the whole cone is in, and what it cuts is averaged; the surface is curved. The chisel edge feels two
+    // discs ahead, and the volume ends at the target.
+    if (row.depth_mm < 6.4 || row.depth_mm > 21.6) continue;
     ++rows;
-    // A row of 0.5 mm holds 5 discs of points, whose edges it may cut: 1% of a disc of a row.
     EXPECT_NEAR(row.thrust_n, expected_n, 0.01 * expected_n) << row.depth_mm;
     EXPECT_NEAR(row.hu, kHu, 1e-9);
     EXPECT_NEAR(row.density_g_cm3, material.density.density_g_cm3(kHu), 1e-12);
   }
-  EXPECT_EQ(rows, 32);
+  EXPECT_EQ(rows, 31);
   EXPECT_NEAR(drilled_ball().most_thrust_n, expected_n, 0.01 * expected_n);
 }
 
 TEST(DrillBone, NeedsNoForceBeforeItMeetsBoneAndLessWithTheConesTip) {
-  const Material material;
   const DrillPath path = diameter_path();
-  const double whole_n = material.pressure_mpa(kHu) * std::numbers::pi * std::pow(path.bit.radius_mm(), 2);
+  const double chisel_n = even_bone().chisel_n;
+  const double lips_n = even_bone().thrust_n(feed_mm()) - chisel_n;
   for (const DepthRow& row : drilled_ball().rows) {
-    if (row.depth_mm < -0.05) {
+    if (row.depth_mm < -0.25) {  // the chisel edge feels two discs ahead
       EXPECT_EQ(row.removed, 0U);
       EXPECT_EQ(row.thrust_n, 0.0);
       EXPECT_TRUE(std::isnan(row.hu));
       EXPECT_TRUE(std::isnan(row.density_g_cm3));
     } else if (row.depth_mm > 1.5 && row.depth_mm < 4.6) {
-      // Thrust is the pressure on the cone's section at the surface, where the row's depths average d² (nearly flat).
-      const double share = std::pow((row.depth_mm - 0.25) / path.bit.tip_length_mm, 2);
-      EXPECT_NEAR(row.thrust_n, share * whole_n, 0.12 * whole_n) << row.depth_mm;
+      // The lips cut the cone's section at the surface, where the row's depths average d² (nearly flat), 0.2 mm ago:
+      // that is how long a box of averaging is.
+      const double share = std::pow((row.depth_mm - 0.25 - 0.2) / path.bit.tip_length_mm, 2);
+      EXPECT_NEAR(row.thrust_n, chisel_n + share * lips_n, 0.05 * lips_n) << row.depth_mm;
     }
   }
   EXPECT_NEAR(drilled_ball().entry_depth_mm, 0.0, 0.15);
@@ -94,16 +118,15 @@ TEST(DrillBone, DoesTheWorkOfTheVolumeItRemoves) {
   const double missing_mm3 = std::numbers::pi * r * r * cap_height / 2.0;
   const double hole_mm3 = std::numbers::pi * r * r * (22.0 - path.bit.tip_length_mm * 2.0 / 3.0) - missing_mm3;
   double work_n_mm = 0.0;
-  double begin_mm = -3.0;
   std::size_t removed = 0;
   for (const DepthRow& row : drilled_ball().rows) {
-    work_n_mm += row.thrust_n * (row.depth_mm - begin_mm);
-    begin_mm = row.depth_mm;
+    work_n_mm += row.work_n_mm;
     removed += row.removed;
   }
   EXPECT_EQ(removed, drilled_ball().removed);
   // Points a tenth of a millimetre apart; the cone's wall cuts their cells at random.
-  EXPECT_NEAR(work_n_mm, Material().pressure_mpa(kHu) * hole_mm3, 0.01 * Material().pressure_mpa(kHu) * hole_mm3);
+  EXPECT_NEAR(work_n_mm, Material().cutting_pressure_mpa(kHu) * hole_mm3,
+              0.01 * Material().cutting_pressure_mpa(kHu) * hole_mm3);
   const double taken_mm3 = measure_mesh(bone_surface(ball_bone())).volume_mm3 -
                            measure_mesh(bone_surface(drilled_ball().drilled)).volume_mm3;
   EXPECT_NEAR(taken_mm3, hole_mm3, 0.01 * hole_mm3);
@@ -123,23 +146,24 @@ TEST(DrillBone, CountsWhatTheVolumeHolds) {
   EXPECT_NEAR(drilling.rows.back().depth_mm, 22.0, 1e-9);
 }
 
-TEST(DrillBone, RemovesTheSameAtAnyAdvance) {
-  DrillingOptions slower = quick();
-  slower.motion.step_mm = 0.007;
-  const Drilling drilling = drill_bone(ball_bone(), diameter_path(), {}, slower);
+TEST(DrillBone, RemovesTheSameAtAnyAdvanceAndNeedsTheSameThrust) {
+  const SessionSetup setup = setup_of(diameter_path());
+  const Drilling drilling = drill(setup, motion_of(setup, 0.007));
   EXPECT_EQ(drilling.removed, drilled_ball().removed);
   EXPECT_EQ(drilling.rows.size(), drilled_ball().rows.size());
+  EXPECT_NEAR(drilling.most_thrust_n, drilled_ball().most_thrust_n, 0.01 * drilling.most_thrust_n);
 }
 
 TEST(DrillBone, RemovesTheSameWithEveryEngine) {
-  DrillingOptions tilted = quick();
-  tilted.volume.spacing_mm = 0.2;
-  tilted.motion.tilt_deg = 2.0;
-  const Drilling ring = drill_bone(ball_bone(), diameter_path(), {}, tilted);
+  SessionSetup setup = setup_of(diameter_path());
+  setup.volume.spacing_mm = 0.2;
+  PathMotionOptions tilted = motion_of(setup);
+  tilted.line.tilt_deg = 2.0;
+  const Drilling ring = drill(setup, tilted);
   EXPECT_GT(ring.removed, 10'000U);
   for (const EngineKind kind : {EngineKind::leaf, EngineKind::arc, EngineKind::reference}) {
-    tilted.engine = kind;
-    const Drilling other = drill_bone(ball_bone(), diameter_path(), {}, tilted);
+    setup.engine = kind;
+    const Drilling other = drill(setup, tilted);
     EXPECT_EQ(other.removed, ring.removed);
     EXPECT_EQ(other.most_thrust_n, ring.most_thrust_n);
   }
@@ -148,25 +172,63 @@ TEST(DrillBone, RemovesTheSameWithEveryEngine) {
 TEST(DrillBone, CutsTheSameBoneWithFinerPointsNearTheSurface) {
   const auto work_n_mm = [](const Drilling& drilling) {
     double sum = 0.0;
-    double before_mm = -quick().volume.lead_in_mm;
-    for (const DepthRow& row : drilling.rows) {
-      sum += row.thrust_n * (row.depth_mm - before_mm);
-      before_mm = row.depth_mm;
-    }
+    for (const DepthRow& row : drilling.rows) sum += row.work_n_mm;
     return sum;
   };
-  DrillingOptions coarse = quick();
+  SessionSetup coarse = setup_of(diameter_path());
   coarse.volume.spacing_mm = 0.2;
-  DrillingOptions fine = coarse;
+  SessionSetup fine = coarse;
   fine.fine_spacing_mm = 0.1;
   fine.fine_near_mm = 3.0;
   fine.fine_tip_mm = 2.0;
-  const Drilling by_coarse = drill_bone(ball_bone(), diameter_path(), {}, coarse);
-  const Drilling by_fine = drill_bone(ball_bone(), diameter_path(), {}, fine);
+  const Drilling by_coarse = drill(coarse, motion_of(coarse));
+  const Drilling by_fine = drill(fine, motion_of(fine));
   ASSERT_EQ(by_fine.volumes.size(), 3U);  // around the entry, between, before the target
   EXPECT_GT(by_fine.points, by_coarse.points * 2);
   // A bit of 15.5 spacings across is cut to 1 % at 0.2 mm, and better at 0.1 mm.
   EXPECT_NEAR(work_n_mm(by_fine), work_n_mm(by_coarse), 0.02 * work_n_mm(by_coarse));
+}
+
+TEST(DrillBone, CutsTheHoleOfATremblingHandOutOfTheGrid) {
+  const SessionSetup setup = setup_of(diameter_path());
+  PathMotionOptions trembling = motion_of(setup, 0.005);
+  trembling.tremor_mm = 0.15;
+  const Drilling drilling = drill(setup, trembling);
+  // What the points lost is what the grid lost: both are the union of all poses. A point stands for its share of its
+  // ring; the wall cuts points and voxels at random.
+  double points_mm3 = 0.0;
+  const PointVolume& volume = drilling.volumes.front();
+  for (int disc = 0; disc < volume.disc_count(); ++disc) {
+    for (std::size_t n = 0; n < volume.pattern().point_count(); ++n) {
+      const Vec3 p_mm = volume.frame().to_patient(volume.point_in_path_mm(disc, n));
+      const bool was_bone = kBall.distance_mm(p_mm) < 0.0;
+      if (was_bone && !volume.is_alive(disc, n)) points_mm3 += std::numbers::pi / 3.0 * 1e-3;
+    }
+  }
+  const double grid_mm3 =
+      measure_mesh(bone_surface(ball_bone())).volume_mm3 - measure_mesh(bone_surface(drilling.drilled)).volume_mm3;
+  EXPECT_NEAR(grid_mm3, points_mm3, 0.015 * points_mm3);
+  const double steady_mm3 = measure_mesh(bone_surface(ball_bone())).volume_mm3 -
+                            measure_mesh(bone_surface(drilled_ball().drilled)).volume_mm3;
+  EXPECT_GT(grid_mm3, 1.1 * steady_mm3);  // a hole wider by twice the tremor
+}
+
+TEST(DrillBone, InRealTimeCountsItsCyclesAndRemovesWhatTheHandReached) {
+  SessionSetup setup = setup_of(diameter_path());
+  setup.volume.spacing_mm = 0.2;
+  PathMotionOptions quick = motion_of(setup);
+  quick.rate_hz = 500.0;
+  quick.feed.steps = {{0.0, 20.0}};
+  const Drilling drilling =
+      drill(setup, quick, {.log_step_mm = 0.5, .real_time = RealTimeOptions{.rate_hz = 500.0, .tool_rate_hz = 500.0}});
+  ASSERT_TRUE(drilling.real_time.has_value());
+  EXPECT_EQ(drilling.real_time->collision.cycles, drilling.cycles);
+  EXPECT_GT(drilling.real_time->display.cycles, 0U);
+  EXPECT_NEAR(drilling.session_s, 25.0 / 20.0, 1e-9);
+  EXPECT_NEAR(drilling.deepest_mm, 22.0, 1e-6);
+  // Late or not, the straight ways between the poses are cut.
+  const Drilling lock_step = drill(setup, quick);
+  EXPECT_EQ(drilling.removed, lock_step.removed);
 }
 
 TEST(DrillBone, AsksTheExactSurfaceWhereThereIsOne) {
@@ -179,9 +241,8 @@ TEST(DrillBone, AsksTheExactSurfaceWhereThereIsOne) {
     }
   };
   const SmallerBall exact;
-  DrillingOptions options = quick();
-  options.exact = &exact;
-  const Drilling drilling = drill_bone(ball_bone(), diameter_path(), {}, options);
+  const SessionSetup setup = setup_of(diameter_path());
+  const Drilling drilling = drill(setup, motion_of(setup), {.exact = &exact, .log_step_mm = 0.5});
   // The tip meets the smaller ball 5 mm beyond the entry; the first disc in it may lie a spacing further.
   EXPECT_NEAR(drilling.entry_depth_mm, 5.0, 0.15);
   // A cylinder of 3 mm, less half a spacing, from 5 mm to 22 mm, in points of their share of the section.
@@ -190,9 +251,9 @@ TEST(DrillBone, AsksTheExactSurfaceWhereThereIsOne) {
 }
 
 TEST(DrillBone, TakesOneByteLessAPointWithCtNumbersOfEightBits) {
-  DrillingOptions options = quick();
-  options.volume.hu_bits = HuBits::eight;
-  const Drilling drilling = drill_bone(ball_bone(), diameter_path(), {}, options);
+  SessionSetup setup = setup_of(diameter_path());
+  setup.volume.hu_bits = HuBits::eight;
+  const Drilling drilling = drill(setup, motion_of(setup));
   EXPECT_EQ(drilling.removed, drilled_ball().removed);
   EXPECT_NEAR(drilled_ball().bytes_per_point - drilling.bytes_per_point, 1.0, 0.01);
 }
@@ -203,39 +264,9 @@ TEST(DrillBone, SaysWhereAPathRunsThatMissesTheBone) {
   path.entry_mm = Vec3(60.5, -2.0, 100.0);
   path.target_mm = Vec3(60.5, 20.25, 100.0);
   EXPECT_THAT(
-      [&] { drill_bone(ball_bone(), path, {}, quick()); },
+      [&] { drill(setup_of(path), motion_of(setup_of(path))); },
       ThrowsMessage<Error>(AllOf(HasSubstr("\"beside\""), HasSubstr("misses the bone"), HasSubstr("60.5, -2, 100"),
                                  HasSubstr("60.5, 20.25, 100"), HasSubstr("the bone lies within (-12."))));
-}
-
-TEST(DrillBone, RefusesALogStepThatIsNotAboveZero) {
-  for (const double step_mm : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
-    DrillingOptions options = quick();
-    options.log_step_mm = step_mm;
-    EXPECT_THROW(drill_bone(ball_bone(), diameter_path(), {}, options), Error);
-  }
-}
-
-TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const DepthRow nothing{-2.9, 100, 0, 0, kNan, kNan, 0.0, 1e6};
-  const DepthRow bone{0.1, 100, 12, 340, 300.5, 0.365, 1.25, 250000.0};
-  EXPECT_EQ(log_csv({nothing, bone}),
-            "depth_mm,cycles,removed_points,tested_points,mean_hu,density_g_cm3,thrust_N,cycles_per_s\n"
-            "-2.9,100,0,0,,,0,1000000\n"
-            "0.1,100,12,340,300.5,0.365,1.25,250000\n");
-}
-
-TEST(DrillLog, OfADrillingHasEightColumnsInEveryRow) {
-  std::istringstream csv(log_csv(drilled_ball().rows));
-  std::string line;
-  std::size_t lines = 0;
-  while (std::getline(csv, line)) {
-    ++lines;
-    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
-    EXPECT_EQ(line.find("nan"), std::string::npos) << line;
-  }
-  EXPECT_EQ(lines, drilled_ball().rows.size() + 1);
 }
 
 }  // namespace

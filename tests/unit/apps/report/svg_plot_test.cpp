@@ -91,6 +91,15 @@ TEST(SvgPlot, HoldsValuesUntilTheNextStep) {
   EXPECT_EQ(count(curve_data(svg_plot(plot)), "L"), 3U);  // over, up, over
 }
 
+TEST(SvgPlot, DrawsEveryValueOfACloudAsADot) {
+  Plot plot;
+  plot.series = {{"", {3.0, 1.0, 2.0, 2.0, kNan}, {1.0, 2.0, 3.0, 3.5, 4.0}, false, true}};
+  const std::string data = curve_data(svg_plot(plot));
+  EXPECT_EQ(count(data, "M"), 4U);
+  EXPECT_EQ(count(data, "h0"), 4U);
+  EXPECT_EQ(count(data, "L"), 0U);
+}
+
 TEST(SvgPlot, NamesAxesUnitsMarkersAndSeries) {
   Plot plot;
   plot.title = "a < b";

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/base/progress.h"
+#include "core/sim/drill_session.h"
+#include "core/sim/session_record.h"
+
+namespace spinaltap {
+
+/// What running a record again came to.
+struct Replay {
+  std::size_t cycles = 0;  ///< that were run and compared
+  std::size_t events = 0;  ///< that were compared
+  std::string difference;  ///< the first, with cycle, quantity and both values; empty: every bit is the same
+  /// Where the record lacks cycles, which nobody can run again: what comes after is not compared. Empty: it does not.
+  std::string gap;
+
+  bool is_same() const { return difference.empty() && gap.empty(); }
+};
+
+/// Feeds a new session the record's inputs, and compares every number that comes out, bit for bit, then the events. Of
+/// a record that was cut short, events that were still under way may have grown.
+Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress = {});
+
+}  // namespace spinaltap

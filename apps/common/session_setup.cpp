@@ -1,0 +1,50 @@
+#include "apps/common/session_setup.h"
+
+#include "apps/common/bone_path.h"
+#include "apps/common/bone_volumes.h"
+#include "core/base/error.h"
+#include "core/drill/volume_segments.h"
+#include "vdb/bone_field.h"
+#include "vdb/bone_hash.h"
+
+namespace spinaltap {
+
+std::string hash_of(const BoneModel& bone) { return bone_hash(bone); }
+
+SessionBone::SessionBone(BoneModel model, bool with_walls, const Progress& progress) : model_(std::move(model)) {
+  if (!with_walls) return;
+  shape_ =
+      std::make_unique<BoneShape>(std::make_shared<BoneField>(model_), model_.bounds_mm(), model_.voxel_mm(), progress);
+  try {
+    landmarks_ = find_landmarks(*shape_, progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    remark_ = error.what();
+    landmarks_ = {};
+    landmarks_.is_canal_wall.assign(shape_->points_mm().size(), 0);
+  }
+  walls_.emplace(*shape_, landmarks_);
+}
+
+BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress,
+                           const ScalarField* exact) {
+  check_path_meets_bone(setup.path, bone.model());
+  BuiltSession built;
+  built.volumes = volumes_along(bone.model(), setup.path, setup.volume,
+                                {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
+  std::vector<std::unique_ptr<DrillEngine>> engines;
+  for (PointVolume& volume : built.volumes) {
+    fill_volume(volume, sampler_of(bone.model(), exact), progress);
+    engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
+  }
+  if (setup.has_clearances && bone.walls() != nullptr) {
+    progress.report("clearances", 0.0);
+    built.clearances = std::make_unique<ClearanceField>(*bone.walls(), setup.path);
+  }
+  built.session = std::make_unique<DrillSession>(setup.path, built.volumes, make_joint_engine(std::move(engines)),
+                                                 setup.material, built.clearances.get(), setup.options);
+  return built;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,101 @@
+#include "apps/spinaltap/drill_options.h"
+
+#include <map>
+
+#include "core/base/error.h"
+#include "vdb/engine_kind.h"
+
+namespace spinaltap {
+
+void DrillOptions::add_to(CLI::App& app) {
+  app.add_option("--density", density, "Law of density, or a calibration; default: the shipped densities/vertebra.json")
+      ->type_name("FILE");
+  app.add_option("--material", material, "Law of resistance; default: the shipped materials/vertebra.json")
+      ->type_name("FILE");
+  PointVolumeOptions& volume = setup.volume;
+  app.add_option("--radius", volume.radius_mm, "Radius of the point volume, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--spacing", volume.spacing_mm, "Distance between points, mm")->capture_default_str()->type_name("MM");
+  app.add_option("--fine-spacing", setup.fine_spacing_mm,
+                 "Distance between points near the bone's surface and the target, mm; 0: the same everywhere")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--fine-near", setup.fine_near_mm, "How far along the path from the surface points are fine, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--fine-tip", setup.fine_tip_mm, "How far before the target points are fine, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  app.add_option("--hu-bits", volume.hu_bits, "Bits for a point's CT number: 8 (steps of 16 HU) or 16 (default)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, HuBits>{{"8", HuBits::eight}, {"16", HuBits::sixteen}}))
+      ->type_name("BITS");
+  app.add_option("--subdivision", volume.subdivision, "How discs are divided: rings (default) or hexagons")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, DiscSubdivision>{
+          {"rings", DiscSubdivision::rings}, {"hexagons", DiscSubdivision::hexagons}}))
+      ->type_name("NAME");
+  app.add_option("--jitter", volume.jitter, "Random displacement of points, share of the spacing, 0 to 0.5")
+      ->capture_default_str()
+      ->type_name("SHARE");
+  app.add_option("--jitter-seed", volume.jitter_seed, "Seed of the jitter")->capture_default_str()->type_name("N");
+  app.add_option("--rbf", field,
+                 "A surface that `fit` wrote: decides exactly which points are bone, in place of the grid; slower")
+      ->type_name("FILE");
+  app.add_option("--engine", setup.engine, "Drilling engine: ring (default), leaf, arc, reference; same result")
+      ->transform(CLI::CheckedTransformer(engine_kinds()))
+      ->type_name("NAME");
+  app.add_flag("--points", writes_points, "Also write the points left as points.vdb, for Houdini, Blender, ParaView");
+  app.add_option("--lead-in", volume.lead_in_mm, "How far before the entry the drilling starts, mm")
+      ->capture_default_str()
+      ->type_name("MM");
+  hand.add_straight(app);
+  app.add_option("--log-step", log_step_mm, "Depth for one row of log.csv, mm")->capture_default_str()->type_name("MM");
+  app.add_option("--spindle", setup.options.spindle.rpm, "Speed of the spindle, rpm; 0: off, the bit only touches")
+      ->capture_default_str()
+      ->type_name("RPM");
+}
+
+void DrillOptions::add_session_to(CLI::App& app) {
+  hand.add_all(app);
+  StopRules& stop = setup.options.stop;
+  app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the hand to stop at this thrust, N; default: never")
+      ->type_name("N");
+  app.add_option("--stop-at-clearance", stop.clearance_mm,
+                 "Ask it to stop at this clearance of the bit to the outer surface or the canal, mm; default: never")
+      ->type_name("MM");
+  app.add_flag("--stop-on-breach", stop.on_breach, "Ask it to stop where the bit breaks through either wall");
+  app.add_flag("--no-clearances", leaves_clearances, "Do not look for the bone's walls: begins sooner; no breaches");
+  app.add_option("--record", record, "Write every cycle into this HDF5 file, which must not be there; see `replay`")
+      ->type_name("FILE");
+  app.add_flag("--real-time", is_real_time,
+               "By the clock, with threads for hand, collisions and display; prints their latencies");
+  app.add_option("--seconds", seconds, "With --real-time: how long at most, s; default: 600")->type_name("S");
+  app.add_option("--output-rate", output_rate_hz,
+                 "With --real-time: extrapolate forces at this rate for a device, Hz; default: not")
+      ->type_name("HZ");
+}
+
+void DrillOptions::check() const {
+  hand.check(is_real_time);
+  if (!is_real_time && (seconds || output_rate_hz)) {
+    fail("expected --real-time with --seconds and --output-rate: without it drilling goes as fast as it goes");
+  }
+  if (leaves_clearances && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
+    fail("expected clearances with --stop-at-clearance and --stop-on-breach: leave --no-clearances away");
+  }
+  if (!record.empty() && !field.empty()) {
+    fail("expected --record without --rbf: a record does not hold the fitted surface, so it could not be replayed");
+  }
+}
+
+std::optional<RealTimeOptions> DrillOptions::real_time(const HandPlan& plan) const {
+  if (!is_real_time) return std::nullopt;
+  RealTimeOptions options;
+  options.rate_hz = plan.cycle_rate_hz;
+  options.tool_rate_hz = plan.rate_hz;
+  options.output_rate_hz = output_rate_hz.value_or(0.0);
+  options.longest_s = seconds.value_or(options.longest_s);
+  return options;
+}
+
+}  // namespace spinaltap

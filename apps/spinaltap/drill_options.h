@@ -1,0 +1,41 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <filesystem>
+#include <optional>
+
+#include "apps/common/session_setup.h"
+#include "apps/spinaltap/hand_choice.h"
+#include "core/ct/density_law.h"
+#include "core/sim/real_time.h"
+
+namespace spinaltap {
+
+/// The options of commands that drill.
+struct DrillOptions {
+  std::filesystem::path density;   ///< empty: the shipped law
+  std::filesystem::path material;  ///< the same
+  std::filesystem::path field;     ///< a radial basis function that decides which points are bone; empty: the grid
+  bool writes_points = false;
+  bool leaves_clearances = false;
+  double log_step_mm = 0.1;
+  SessionSetup setup;  ///< but for the path, the material and the bone's hash
+  HandChoice hand;
+  std::filesystem::path record;  ///< empty: none
+  bool is_real_time = false;
+  std::optional<double> seconds;
+  std::optional<double> output_rate_hz;
+
+  /// Adds the laws', the point volume's, the engine's, and of the hand those of a straight motion.
+  void add_to(CLI::App& app);
+  /// Adds the rest: hands, stop rules, records, real time.
+  void add_session_to(CLI::App& app);
+
+  /// Throws Error where options do not go together.
+  void check() const;
+  /// How the threads are paced; nothing where drilling goes as fast as it goes.
+  std::optional<RealTimeOptions> real_time(const HandPlan& hand) const;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/drill/drill_path.h"
+#include "core/sim/path_motion.h"
+#include "core/sim/tool_source.h"
+
+namespace spinaltap {
+
+/// A hand as the command line asks for it, and the rates that go with it.
+struct HandPlan {
+  std::unique_ptr<ToolSource> hand;
+  double rate_hz = 1000.0;        ///< poses a second
+  double cycle_rate_hz = 1000.0;  ///< collision cycles a second, in real time
+  /// What a record says of the hand, by option: it holds the poses themselves.
+  std::map<std::string, std::string> words;
+};
+
+/// The options that say how the bit is moved. What was not given has the default that its hand has.
+struct HandChoice {
+  std::string name;  ///< empty: along the path
+  std::optional<double> offset_mm;
+  std::optional<double> tilt_deg;
+  std::optional<double> step_mm;
+  std::string feed;  ///< mm/s, or "MM_S,FROM_MM:MM_S,...", by depth
+  std::optional<double> rate_hz;
+  std::optional<double> tremor_mm;
+  std::optional<double> peck_mm;
+  std::optional<double> withdraw_mm_s;
+  std::optional<double> push_n;
+  std::optional<std::uint64_t> seed;
+
+  /// --step, --offset, --tilt.
+  void add_straight(CLI::App& app);
+  /// The others.
+  void add_all(CLI::App& app);
+
+  /// Throws Error where options do not go together.
+  void check(bool is_real_time) const;
+  /// The hand, from `lead_in_mm` before the path's entry. Throws Error on values out of range, and where a file of
+  /// poses cannot be read.
+  HandPlan plan(const DrillPath& path, double lead_in_mm, const Spindle& spindle, bool is_real_time) const;
+
+ private:
+  void add_path_hand(const DrillPath& path, const GuideLine& line, HandPlan& plan) const;
+  void add_push_hand(const DrillPath& path, const GuideLine& line, const Spindle& spindle, HandPlan& plan) const;
+  double tremor_or_default_mm() const;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,75 @@
+#include <chrono>
+#include <memory>
+
+#include "apps/common/replay.h"
+#include "apps/common/session_setup.h"
+#include "apps/spinaltap/command.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr int kDifferent = 1;
+constexpr int kTrouble = 2;
+
+struct Options {
+  std::filesystem::path record, bone;
+  std::optional<EngineKind> engine;
+};
+
+BoneModel bone_of(const SessionSetup& setup, const Options& options) {
+  BoneModel bone = read_bone(options.bone);
+  const std::string hash = hash_of(bone);
+  if (hash != setup.bone_hash) {
+    fail("expected the bone that was drilled in ", options.record.string(), ", of hash ", setup.bone_hash, "; found ",
+         options.bone.string(), " of hash ", hash);
+  }
+  return bone;
+}
+
+Json replay(const Options& options, const Progress& progress, int& exit_code) {
+  const SessionRecord record = read_record(options.record);
+  SessionSetup setup = recorded_setup(record.setup, options.record);
+  if (options.engine) setup.engine = *options.engine;
+  const SessionBone bone(bone_of(setup, options), setup.has_clearances, progress);
+  const BuiltSession built = build_session(bone, setup, progress);
+  const auto start = std::chrono::steady_clock::now();
+  const Replay result = replay_record(*built.session, record, progress);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  exit_code = result.is_same() ? 0 : kDifferent;
+  print_figure("record", record.is_whole ? "whole" : "cut short");
+  print_figure("cycles compared", static_cast<double>(result.cycles), "", 0);
+  print_figure("events compared", static_cast<double>(result.events), "", 0);
+  if (!result.gap.empty()) print_figure("gap", result.gap);
+  print_figure("first difference", result.difference.empty() ? "none" : result.difference);
+  return {{"same", result.is_same()},
+          {"is_whole", record.is_whole},
+          {"cycles", result.cycles},
+          {"events", result.events},
+          {"recorded", record.cycles.size()},
+          {"lost", record.lost},
+          {"difference", result.difference},
+          {"gap", result.gap},
+          {"seconds", seconds}};
+}
+
+}  // namespace
+
+void add_replay(CLI::App& program, Command& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(program, command, "replay", "Run a recorded drilling again and compare every bit",
+                              "Example: spinaltap replay session.h5 bone.vdb --engine reference --threads 1\n"
+                              "Records that were cut short are compared as far as they go. The exit code is 0 where\n"
+                              "every number comes out the same, 1 where one differs or cycles are missing, 2 where\n"
+                              "the record cannot be run.");
+  app->add_option("record", options->record, "A record of drill --record")->required()->type_name("RECORD");
+  app->add_option("bone", options->bone, "The bone.vdb that was drilled")->required()->type_name("BONE");
+  app->add_option("--engine", options->engine,
+                  "Drilling engine: ring, leaf, arc, reference (default: that of the record); same result")
+      ->transform(CLI::CheckedTransformer(engine_kinds()))
+      ->type_name("NAME");
+  command.exit_code_of_errors = kTrouble;
+  command.run = [options, &command](const Progress& progress) { return replay(*options, progress, command.exit_code); };
+}
+
+}  // namespace spinaltap

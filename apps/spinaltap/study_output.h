@@ -1,0 +1,12 @@
+#pragma once
+
+#include <filesystem>
+
+#include "apps/common/study_summary.h"
+
+namespace spinaltap {
+
+/// Prints a study's summary and where its report is.
+void print_study(const StudySummary& summary, const std::filesystem::path& folder);
+
+}  // namespace spinaltap
