@@ -45,8 +45,7 @@ BoneMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const Bon
   const auto one_bin = static_cast<float>(1.01 * bin_mm * 1.01 * bin_mm);
   const bool is_fine = binned.bins != std::array<int, 3>{1, 1, 1};
 
-  FloatGrid hu = crop_hu(ct, box);
-  if (levels.blur_voxels >= 0.25) hu = gaussian_blur(hu, levels.blur_voxels * ct.geometry.smallest_spacing_mm());
+  const FloatGrid hu = blurred_as_asked(crop_hu(ct, box), levels, ct);
   Mask inside(hu.values.size(), 0);
   Mask deep(hu.values.size(), 0);
   tbb::parallel_for(0, hu.geometry.size[2], [&](int k) {

@@ -68,8 +68,7 @@ Work work_around(const CtVolume& ct, const Vec3& seed_mm, const BoneLevels& leve
   work.box = voxels_of(box_mm, ct.geometry);
   work.bins = bins_for(ct.geometry, kStepMm);
   work.hu = bin_hu(ct, work.box, work.bins);
-  const double blur_mm = levels.blur_voxels * ct.geometry.smallest_spacing_mm();
-  work.smooth = levels.blur_voxels < 0.25 ? work.hu : gaussian_blur(work.hu, blur_mm);
+  work.smooth = blurred_as_asked(work.hu, levels, ct);
   return work;
 }
 

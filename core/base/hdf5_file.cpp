@@ -152,11 +152,7 @@ Hdf5Table Hdf5File::make_table(const std::string& name, Hdf5Number number, std::
                         H5P_DEFAULT),
              H5Dclose);
   check(dataset.get(), "write", path);
-  Hdf5Table table;
-  table.row_bytes_ = H5Tget_size(in_memory(number)) * width;
-  table.handle_ =
-      std::make_shared<Hdf5Table::Handle>(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 0, path});
-  return table;
+  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 0, path});
 }
 
 Hdf5Table Hdf5File::make_row(const std::string& name, Hdf5Number number, std::uint64_t width) {
@@ -171,11 +167,7 @@ Hdf5Table Hdf5File::make_row(const std::string& name, Hdf5Number number, std::ui
                         H5P_DEFAULT),
              H5Dclose);
   check(dataset.get(), "write", path);
-  Hdf5Table table;
-  table.row_bytes_ = H5Tget_size(in_memory(number)) * width;
-  table.handle_ =
-      std::make_shared<Hdf5Table::Handle>(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 1, path});
-  return table;
+  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 1, path});
 }
 
 Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, std::uint64_t width) const {
@@ -192,11 +184,7 @@ Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, std::
     fail("cannot read ", path.string(), ": expected rows of ", width, " numbers of ", H5Tget_size(in_file(number)),
          " bytes in ", name, ", found something else");
   }
-  Hdf5Table table;
-  table.row_bytes_ = H5Tget_size(in_memory(number)) * width;
-  table.handle_ = std::make_shared<Hdf5Table::Handle>(
-      Hdf5Table::Handle{std::move(dataset), in_memory(number), width, size[0], path});
-  return table;
+  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, size[0], path});
 }
 
 void Hdf5File::let_others_read() {

@@ -16,6 +16,9 @@ enum class Hdf5Number { u8, u32, u64, i64, f64 };
 /// Rows of `width` numbers each. Belongs to the file that made or opened it, which must outlive it.
 class Hdf5Table {
  public:
+  /// None yet.
+  Hdf5Table() = default;
+
   std::uint64_t rows() const;
   /// Bytes that a row takes in memory.
   std::size_t row_bytes() const { return row_bytes_; }
@@ -27,6 +30,7 @@ class Hdf5Table {
  private:
   friend class Hdf5File;
   struct Handle;
+  explicit Hdf5Table(Handle handle);
   std::shared_ptr<Handle> handle_;
   std::size_t row_bytes_ = 0;
 };

@@ -28,6 +28,9 @@ Id memory_of(std::uint64_t width, std::uint64_t count, const fs::path& path) {
 
 }  // namespace
 
+Hdf5Table::Hdf5Table(Handle handle)
+    : handle_(std::make_shared<Handle>(std::move(handle))), row_bytes_(H5Tget_size(handle_->number) * handle_->width) {}
+
 std::uint64_t Hdf5Table::rows() const { return handle_->rows; }
 
 void Hdf5Table::write(std::uint64_t first, std::uint64_t count, const void* numbers) {

@@ -57,6 +57,8 @@ class PressureTable {
     const int index = hu - lowest_hu_;
     return units_[static_cast<std::size_t>(index)];
   }
+  /// Of the hardest CT number in the range.
+  std::int64_t highest_units() const { return units_.back(); }
   std::size_t memory_bytes() const { return units_.size() * sizeof(units_[0]); }
 
  private:

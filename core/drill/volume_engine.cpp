@@ -10,12 +10,17 @@ namespace {
 double places_per_mm(const PointVolume& volume, const PressureTable& pressure) {
   const double spacing_mm = volume.pattern().spacing_mm();
   const double farthest = std::max(volume.disc_count(), volume.pattern().ring_count()) + 1.0;
-  const auto hardest = static_cast<double>(pressure.units(volume.hu_range().second));
+  const auto hardest = static_cast<double>(pressure.highest_units());
   double places = 16.0;
   while (4.0 * hardest * static_cast<double>(volume.point_count()) * (farthest * places + 1.0) > 0x1.0p62) {
     places *= 0.5;
   }
   return places / spacing_mm;
+}
+
+PressureTable pressures_in(const PointVolume& volume, const Material& material) {
+  const auto [lowest, highest] = volume.hu_range();
+  return PressureTable(material, lowest, highest);
 }
 
 }  // namespace
@@ -47,7 +52,7 @@ VolumeEngine::VolumeEngine(PointVolume& volume, const DrillBit& bit, const Mater
     : volume_(volume),
       profile_(bit),
       grown_(profile_.grown(SweptBit::kSkinMm)),
-      pressure_(material, volume.hu_range().first, volume.hu_range().second),
+      pressure_(pressures_in(volume, material)),
       parts_(volume.pattern()),
       places_(volume, pressure_) {}
 

@@ -33,6 +33,19 @@ std::array<int, 3> bins_for(const GridGeometry& geometry, double step_mm) {
   return bins;
 }
 
+GridGeometry binned_geometry(const GridGeometry& fine, const VoxelBox& box, const std::array<int, 3>& bins) {
+  GridGeometry geometry = fine;
+  Vec3 first;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    geometry.size[axis] = (box.high[axis] - box.low[axis]) / bins[axis] + 1;
+    geometry.spacing_mm[a] = fine.spacing_mm[a] * bins[axis];
+    first[a] = box.low[axis] + 0.5 * (bins[axis] - 1);
+  }
+  geometry.origin_mm = fine.to_patient(first);
+  return geometry;
+}
+
 FloatGrid bin_hu(const CtVolume& ct, const VoxelBox& box, const std::array<int, 3>& bins) {
   const GridGeometry& fine = ct.geometry;
   if (box.empty() || !fine.contains(box.low[0], box.low[1], box.low[2]) ||
@@ -40,15 +53,7 @@ FloatGrid bin_hu(const CtVolume& ct, const VoxelBox& box, const std::array<int, 
     fail("binning: expected a box of voxels within the CT");
   }
   FloatGrid grid;
-  grid.geometry = fine;
-  Vec3 first;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    grid.geometry.size[axis] = (box.high[axis] - box.low[axis]) / bins[axis] + 1;
-    grid.geometry.spacing_mm[a] = fine.spacing_mm[a] * bins[axis];
-    first[a] = box.low[axis] + 0.5 * (bins[axis] - 1);
-  }
-  grid.geometry.origin_mm = fine.to_patient(first);
+  grid.geometry = binned_geometry(fine, box, bins);
   grid.values.resize(grid.geometry.voxel_count());
   tbb::parallel_for(0, grid.geometry.size[2], [&](int k) {
     const auto range = [&](int index, std::size_t axis) {

@@ -62,4 +62,10 @@ BoneLevels choose_bone_levels(const CtVolume& ct, std::optional<double> threshol
   return levels;
 }
 
+FloatGrid blurred_as_asked(FloatGrid hu, const BoneLevels& levels, const CtVolume& ct) {
+  constexpr double kLeastVoxels = 0.25;  // less changes nothing
+  if (levels.blur_voxels < kLeastVoxels) return hu;
+  return gaussian_blur(hu, levels.blur_voxels * ct.geometry.smallest_spacing_mm());
+}
+
 }  // namespace spinaltap

@@ -25,4 +25,7 @@ double estimate_noise_hu(const CtVolume& ct);
 /// Throws Error when no voxel is over low_hu, or the threshold is not a number.
 BoneLevels choose_bone_levels(const CtVolume& ct, std::optional<double> threshold_hu = std::nullopt);
 
+/// A part of the CT, binned or not, blurred as the noise asks for before thresholding: as it is in a quiet CT.
+FloatGrid blurred_as_asked(FloatGrid hu, const BoneLevels& levels, const CtVolume& ct);
+
 }  // namespace spinaltap

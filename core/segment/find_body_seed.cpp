@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "core/base/error.h"
@@ -80,27 +81,21 @@ std::vector<Candidate> candidates_of(const FloatGrid& hu, double bone_hu) {
   return all;
 }
 
+VoxelBox whole_of(const GridGeometry& geometry) {
+  return {{0, 0, 0}, {geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1}};
+}
+
 /// The CT in steps of about 1 mm, blurred as its noise asks for: in larger ones a thin wall is no brighter than tissue.
-FloatGrid fine_hu(const CtVolume& ct, const VoxelBox& whole, const BoneLevels& levels) {
+FloatGrid fine_hu(const CtVolume& ct, const BoneLevels& levels) {
   constexpr double kStepMm = 1.0;
-  const FloatGrid hu = bin_hu(ct, whole, bins_for(ct.geometry, kStepMm));
-  const double blur_mm = levels.blur_voxels * ct.geometry.smallest_spacing_mm();
-  return levels.blur_voxels < 0.25 ? hu : gaussian_blur(hu, blur_mm);
+  return blurred_as_asked(bin_hu(ct, whole_of(ct.geometry), bins_for(ct.geometry, kStepMm)), levels, ct);
 }
 
 /// The greatest number in each block of about kLatticeMm: a wall within the block is seen however thin it is.
 FloatGrid brightest_of_blocks(const FloatGrid& fine) {
   const std::array<int, 3> bins = bins_for(fine.geometry, kLatticeMm);
   FloatGrid grid;
-  grid.geometry = fine.geometry;
-  Vec3 first;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    grid.geometry.size[axis] = (fine.geometry.size[axis] - 1) / bins[axis] + 1;
-    grid.geometry.spacing_mm[a] = fine.geometry.spacing_mm[a] * bins[axis];
-    first[a] = 0.5 * (bins[axis] - 1);
-  }
-  grid.geometry.origin_mm = fine.geometry.to_patient(first);
+  grid.geometry = binned_geometry(fine.geometry, whole_of(fine.geometry), bins);
   grid.values.assign(grid.geometry.voxel_count(), std::numeric_limits<float>::lowest());
   tbb::parallel_for(0, grid.geometry.size[2], [&](int k) {
     const int end = std::min((k + 1) * bins[2], fine.geometry.size[2]);
@@ -124,9 +119,7 @@ bool is_within(const Vec3& p_mm, const GridGeometry& geometry) {
 }  // namespace
 
 Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
-  const auto& size = ct.geometry.size;
-  const VoxelBox whole{{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}};
-  const FloatGrid hu = brightest_of_blocks(fine_hu(ct, whole, levels));
+  const FloatGrid hu = brightest_of_blocks(fine_hu(ct, levels));
   constexpr std::size_t kMostTried = 3;
   constexpr double kApartMm = 12.0;
   std::vector<Vec3> tried_mm;
