@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/drill/drill_bit.h"
+#include "vdb/detail/meridian_outline.h"
+
+namespace spinaltap::detail {
+
+/// Distance to what a bit swept (mm, negative inside) and its gradient, unit, away from the bit.
+struct SweepSample {
+  double distance_mm = 0.0;
+  Vec3 gradient = Vec3::Zero();
+};
+
+/// A short way of a bit: through some poses, straight from each to the next as seen from the bit (see SweptBit). The
+/// distance is the least over the way: outside it is exact, inside it is exact near the surface.
+class BitSweep {
+ public:
+  BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Pose> poses);
+
+  const BitOutline& outline() const { return *outline_; }
+  std::size_t moment_count() const { return moments_.size(); }
+  const Pose& pose(std::size_t moment) const { return poses_[moment]; }
+  /// The pose that bounds are taken from.
+  const Pose& middle() const { return poses_[middle_]; }
+
+  /// Distance to the bit at middle(), exact.
+  double middle_distance_mm(const Vec3& p) const;
+  /// By how much, at most, the distance of points within `around_mm` of p changes between the bit at `from` and at any
+  /// pose of this way. Along a cylinder's wall the bit may slide: `wall_mm` is how near to the bit those points are that
+  /// matter.
+  double change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const;
+
+  /// The least distance over the way.
+  SweepSample nearest(const Vec3& p) const;
+
+  /// Box around all that lies within `margin_mm` of the bit on its way.
+  Box3 bounds_mm(double margin_mm) const;
+
+ private:
+  struct Moment {
+    Vec3 tip_mm;
+    Mat3 rows;  ///< two directions across the axis, and back along it
+  };
+  struct Place {
+    std::size_t moment = 0;
+    double t = 0.0;
+  };
+  Vec3 seen_at(const Vec3& p, const Place& place) const;
+  Place nearest_place(const MeridianOutline& body, const Vec3& p) const;
+  SweepSample sample_at(const Vec3& p, const Place& place) const;
+
+  std::shared_ptr<const BitOutline> outline_;
+  std::vector<Pose> poses_;
+  std::vector<Moment> moments_;
+  std::size_t middle_ = 0;
+};
+
+/// Cuts a way through `poses` into short ones. Poses are left out where the bit passes them within `tolerance_mm`, turns
+/// are cut until chord and arc differ by less; a straight way along the axis is one pose of a lengthened bit. Other ways
+/// are no longer than `longest_mm`. One pose is a bit that stands.
+std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const Pose> poses, double tolerance_mm,
+                                      double longest_mm);
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/base/geometry.h"
+
+namespace spinaltap::detail {
+
+/// Voxels in blocks of 8 x 8 x 8 over a box. A voxel's centre is its indices times `voxel_mm` (patient LPS), so that one
+/// lies on the origin, as in baked bones. Block (x, y, z) holds voxels 8 x to 8 x + 7, and so on.
+struct BlockLattice {
+  using Index3 = std::array<int, 3>;
+  static constexpr int kSide = 8;
+  static constexpr int kVoxels = kSide * kSide * kSide;
+
+  Index3 low{};   ///< first block
+  Index3 size{};  ///< blocks along x, y and z
+  double voxel_mm = 0.2;
+
+  std::size_t count() const {
+    return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+  }
+  bool holds(const Index3& block) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (block[axis] < low[axis] || block[axis] >= low[axis] + size[axis]) return false;
+    }
+    return true;
+  }
+  /// Of a block that the lattice holds; z runs fastest.
+  std::size_t index(const Index3& block) const {
+    const auto at = [&](std::size_t axis) { return static_cast<std::size_t>(block[axis] - low[axis]); };
+    return (at(0) * static_cast<std::size_t>(size[1]) + at(1)) * static_cast<std::size_t>(size[2]) + at(2);
+  }
+  Index3 block(std::size_t index) const {
+    const auto y = static_cast<std::size_t>(size[1]);
+    const auto z = static_cast<std::size_t>(size[2]);
+    return {low[0] + static_cast<int>(index / (y * z)), low[1] + static_cast<int>(index / z % y),
+            low[2] + static_cast<int>(index % z)};
+  }
+  /// How far apart in `index` neighbours along x, y and z are.
+  std::array<std::ptrdiff_t, 3> strides() const {
+    return {std::ptrdiff_t{size[1]} * size[2], std::ptrdiff_t{size[2]}, 1};
+  }
+
+  /// Of a voxel within its block; z runs fastest.
+  static std::size_t offset(int x, int y, int z) { return static_cast<std::size_t>((x * kSide + y) * kSide + z); }
+  /// The centre of a block's first voxel.
+  Vec3 corner_mm(const Index3& block) const { return kSide * voxel_mm * Vec3(block[0], block[1], block[2]); }
+};
+
+}  // namespace spinaltap::detail
