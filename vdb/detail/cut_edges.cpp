@@ -186,7 +186,8 @@ std::vector<EdgeCut> find_cut_edges(const BoneModel& bone, const HoleGrid& grid,
     }
     edges.push_back(edge);
   };
-  constexpr unsigned kOwn = 0x1FFU << 1U;  // voxels 0 to 8
+  constexpr unsigned kOwn = 0x1FFU << 1U;        // voxels 0 to 8
+  constexpr unsigned kOwnButLast = 0xFFU << 1U;  // 0 to 7
   const auto each = [](unsigned bits, const auto& visit) {
     for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits) - 1);
   };
@@ -195,7 +196,7 @@ std::vector<EdgeCut> find_cut_edges(const BoneModel& bone, const HoleGrid& grid,
       const unsigned row = signs.row(x, y);
       if (x < kSide) each((row ^ signs.row(x + 1, y)) & kOwn, [&](int z) { add(x, y, z, 0); });
       if (y < kSide) each((row ^ signs.row(x, y + 1)) & kOwn, [&](int z) { add(x, y, z, 1); });
-      each((row ^ row >> 1U) & (kOwn >> 1U), [&](int z) { add(x, y, z, 2); });
+      each((row ^ row >> 1U) & kOwnButLast, [&](int z) { add(x, y, z, 2); });
     }
   }
   std::vector<Vec3> normals;
