@@ -6,7 +6,9 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <numbers>
 
+#include "core/drill/path_frame.h"
 #include "core/phantom/vertebra.h"
 #include "core/sim/drill_workload.h"
 #include "core/sim/timing.h"
@@ -21,11 +23,27 @@ const BoneModel& bone() {
   return model;
 }
 
+/// The paper's path, 37.8 mm long, through the phantom's left pedicle, by hand.
+std::vector<Pose> hand_poses() {
+  const Vertebra vertebra;
+  const auto& pedicle = vertebra.anatomy().pedicle;
+  const double inward = pedicle.convergence_deg * std::numbers::pi / 180.0;
+  const Vec3 along(-std::sin(inward), -std::cos(inward), 0.0);
+  constexpr double kBeforeIsthmusMm = 14.0;
+  const DrillPath path = workload_path(3.0);
+  const PathFrame from(path.entry_mm, path.direction());
+  const PathFrame to(vertebra.to_patient(pedicle.isthmus_mm - kBeforeIsthmusMm * along), vertebra.rotation() * along);
+  std::vector<Pose> poses = workload_poses(WorkloadMotion::hand);
+  for (Pose& pose : poses) pose = to.to_patient(from.to_path(pose));
+  return poses;
+}
+
 /// The argument is the voxel, um.
 void drill_by_hand(benchmark::State& state) {
+  bone();
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const double voxel_mm = 1e-3 * static_cast<double>(state.range(0));
-  const std::vector<Pose> poses = workload_poses(WorkloadMotion::hand);
+  const std::vector<Pose> poses = hand_poses();
   const DrillBit bit = workload_path(3.0).bit;
   for (auto _ : state) {
     const std::int64_t begin_ns = thread_cpu_ns();
