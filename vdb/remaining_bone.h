@@ -17,7 +17,7 @@ class HoleGrid;
 struct RemainingBoneOptions {
   double voxel_mm = 0.2;  ///< of the grid that is drilled and meshed
   /// Poses are left out where the bit passes them so nearly, in voxels; turns are cut as finely.
-  double tolerance_voxels = 0.005;
+  double tolerance_voxels = 0.01;
   /// What may be kept for undo and redo. Beyond it the oldest holes become final.
   std::size_t undo_bytes = std::size_t{256} << 20U;
 };

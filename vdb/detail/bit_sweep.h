@@ -33,9 +33,15 @@ class BitSweep {
   /// pose of this way. Along a cylinder's wall the bit may slide: `wall_mm` is how near to the bit those points are that
   /// matter.
   double change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const;
+  /// The same from middle() to each pose alone, into `changes_mm`, one a moment; returns the largest.
+  double changes_from_middle_mm(const Vec3& p, double around_mm, double wall_mm, std::vector<double>& changes_mm) const;
 
   /// The least distance over the way.
   SweepSample nearest(const Vec3& p) const;
+  /// The same where it is below `limit_mm`; elsewhere any distance not below it. `at_middle_mm` and `changes_mm` are of
+  /// p: they tell which parts of the way need no look.
+  SweepSample nearest_below(const Vec3& p, double limit_mm, double at_middle_mm,
+                            std::span<const double> changes_mm) const;
 
   /// Box around all that lies within `margin_mm` of the bit on its way.
   Box3 bounds_mm(double margin_mm) const;
@@ -45,12 +51,23 @@ class BitSweep {
     Vec3 tip_mm;
     Mat3 rows;  ///< two directions across the axis, and back along it
   };
+  /// How far all points around p move, at most, seen from the bit: in any way, and where they are at a cylinder's wall.
+  struct Change {
+    double all_mm = 0.0;
+    double across_mm = 0.0;
+    double along_mm = 0.0;
+  };
+  /// A moment of the way: t from a pose to the next.
   struct Place {
     std::size_t moment = 0;
     double t = 0.0;
+    bool is_found = false;
   };
+  static Change change(const Pose& from, const Pose& to, double reach_mm);
+  bool is_at_wall(const Pose& from, const Vec3& p, double spare_mm) const;
   Vec3 seen_at(const Vec3& p, const Place& place) const;
-  Place nearest_place(const MeridianOutline& body, const Vec3& p) const;
+  Place nearest_place(const MeridianOutline& body, const Vec3& p, double limit_mm, double at_middle_mm,
+                      std::span<const double> changes_mm) const;
   SweepSample sample_at(const Vec3& p, const Place& place) const;
 
   std::shared_ptr<const BitOutline> outline_;

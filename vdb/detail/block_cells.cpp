@@ -1,7 +1,5 @@
 #include "vdb/detail/block_cells.h"
 
-#include <algorithm>
-
 #include "vdb/detail/cell_patches.h"
 #include "vdb/detail/cut_edges.h"
 
@@ -51,9 +49,11 @@ Eigen::Vector3f unit_or_zero(const Vec3& v) {
 }  // namespace
 
 const BlockCells::Cell* BlockCells::find(std::uint16_t place) const {
-  const auto at = std::lower_bound(cells.begin(), cells.end(), place,
-                                   [](const Cell& cell, std::uint16_t wanted) { return cell.place < wanted; });
-  return at != cells.end() && at->place == place ? &*at : nullptr;
+  const std::size_t row = place / BlockLattice::kSide;
+  for (std::size_t n = row_begins[row]; n < row_begins[row + 1]; ++n) {
+    if (cells[n].place == place) return &cells[n];
+  }
+  return nullptr;
 }
 
 bool may_have_surface(const HoleGrid& grid, std::size_t block) {
@@ -92,6 +92,12 @@ BlockCells find_cells(const BoneModel& bone, const HoleGrid& grid, std::size_t b
   const double voxel_mm = grid.bone().lattice.voxel_mm;
   for (int x = 0; x < kSide; ++x) {
     for (int y = 0; y < kSide; ++y) {
+      result.row_begins[static_cast<std::size_t>(x * kSide + y)] = static_cast<std::uint16_t>(result.cells.size());
+      // Rows of one kind throughout have no cut cell.
+      const unsigned all = signs.row(x, y) & signs.row(x + 1, y) & signs.row(x, y + 1) & signs.row(x + 1, y + 1);
+      const unsigned any = signs.row(x, y) | signs.row(x + 1, y) | signs.row(x, y + 1) | signs.row(x + 1, y + 1);
+      constexpr unsigned kOwn = 0x1FFU << 1U;
+      if ((any & kOwn) == 0 || (all & kOwn) == kOwn) continue;
       for (int z = 0; z < kSide; ++z) {
         const std::uint8_t code = signs.code(x, y, z);
         if (code == 0 || code == 0xFF) continue;
@@ -119,6 +125,7 @@ BlockCells find_cells(const BoneModel& bone, const HoleGrid& grid, std::size_t b
       }
     }
   }
+  result.row_begins.back() = static_cast<std::uint16_t>(result.cells.size());
   return result;
 }
 

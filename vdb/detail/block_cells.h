@@ -32,7 +32,8 @@ struct BlockCells {
     Eigen::Vector3f normal;
     bool operator==(const Edge&) const = default;
   };
-  std::vector<Cell> cells;  ///< by place
+  std::vector<Cell> cells;                      ///< by place
+  std::array<std::uint16_t, 65> row_begins{};  ///< where in `cells` those of each row along z begin; one past the last
   std::vector<Vertex> vertices;
   std::vector<Edge> edges;
 

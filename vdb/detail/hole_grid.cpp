@@ -44,7 +44,8 @@ struct HoleGrid::Outcome {
   bool is_own = false;   ///< `hole` may be written
   BlockPtr before;       ///< what was copied
   bool is_copied = false;
-  double change_mm = 0.0;  ///< of distances there, during the sweep
+  double change_mm = 0.0;          ///< of distances there, at most, during the sweep
+  std::vector<double> changes_mm;  ///< the same to each of its poses
   double slack_mm = std::numeric_limits<double>::infinity();
   bool is_done = true;
   BlockChange change;
@@ -163,8 +164,8 @@ void HoleGrid::look_at(const BitSweep& sweep, std::uint64_t epoch, std::size_t b
   const auto look = looks_.find(block);
   outcome.is_own = look != looks_.end() && look->second.epoch == epoch && outcome.hole != nullptr;
   const double around_mm = to_corner_voxels(kSide) * bone_->lattice.voxel_mm;
-  outcome.change_mm = sweep.change_mm(sweep.middle(), middle_mm(bone_->lattice, block), around_mm,
-                                      static_cast<double>(bone_->band_mm));
+  outcome.change_mm = sweep.changes_from_middle_mm(middle_mm(bone_->lattice, block), around_mm,
+                                                   static_cast<double>(bone_->band_mm), outcome.changes_mm);
   for (int eighth = 0; eighth < 8; ++eighth) look_at_eighth(sweep, eighth, outcome);
 }
 
@@ -197,10 +198,19 @@ void HoleGrid::look_at_eighth(const BitSweep& sweep, int eighth, Outcome& outcom
         const double before_mm = static_cast<double>(hole_mm);
         const double at_middle_mm = sweep.middle_distance_mm(p_mm);
         const bool is_in_reach = at_middle_mm - outcome.change_mm < before_mm;
-        const SweepSample sample = is_in_reach ? sweep.nearest(p_mm) : SweepSample{before_mm, Vec3::Zero()};
+        const SweepSample sample =
+            is_in_reach ? sweep.nearest_below(p_mm, before_mm, at_middle_mm, outcome.changes_mm)
+                        : SweepSample{before_mm, Vec3::Zero()};
         const double after_mm = std::max(sample.distance_mm, -wide_band_mm);
         if (!(after_mm < before_mm - kLeastChangeMm)) {
           outcome.slack_mm = std::min(outcome.slack_mm, at_middle_mm - before_mm);
+          // So far out that the next ones in the row are out of reach too.
+          const double beyond = (at_middle_mm - outcome.change_mm - wide_band_mm) / voxel_mm;
+          if (beyond >= 1.0) {
+            const int next = std::min(static_cast<int>(beyond), kHalf);
+            outcome.slack_mm = std::min(outcome.slack_mm, at_middle_mm - next * voxel_mm - wide_band_mm);
+            z += next;
+          }
           continue;
         }
         if (after_mm > -wide_band_mm) outcome.slack_mm = std::min(outcome.slack_mm, at_middle_mm - after_mm);

@@ -96,18 +96,40 @@ MeridianSample MeridianOutline::at(double back_mm, double off_mm) const noexcept
       take(arc.end_mm, arc.end_off_mm, 1.0, 0.0);
     }
   }
-  bool is_inside = false;
-  const double off_squared = off_mm * off_mm;
-  for (std::size_t n = 0; n < piece_count_; ++n) {
-    const ProfilePiece& piece = pieces_[n];
-    is_inside = is_inside || (back_mm >= piece.begin_mm && back_mm <= piece.end_mm &&
-                              off_squared <= piece.radius_squared_mm2(back_mm));
-  }
+  const bool is_inside = contains(back_mm, off_mm * off_mm);
   const double distance_mm = std::sqrt(least_mm2);
   constexpr double kOnOutlineMm = 1e-9;
   if (distance_mm < kOnOutlineMm) return {is_inside ? -distance_mm : distance_mm, out_back, out_off};
   const double per_mm = (is_inside ? -1.0 : 1.0) / distance_mm;
   return {is_inside ? -distance_mm : distance_mm, from_back_mm * per_mm, from_off_mm * per_mm};
+}
+
+double MeridianOutline::distance_mm(double back_mm, double off_mm) const noexcept {
+  if (arc_count_ > 0) return at(back_mm, off_mm).distance_mm;
+  double least_mm2 = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < line_count_; ++n) {
+    const Line& line = lines_[n];
+    const double b = back_mm - line.back_mm;
+    const double o = off_mm - line.off_mm;
+    const double along = b * line.along_back_mm + o * line.along_off_mm;
+    const double t = std::min(1.0, std::max(0.0, along * line.per_length_squared));
+    const double across_b = b - t * line.along_back_mm;
+    const double across_o = o - t * line.along_off_mm;
+    least_mm2 = std::min(least_mm2, across_b * across_b + across_o * across_o);
+  }
+  const double distance_mm = std::sqrt(least_mm2);
+  return contains(back_mm, off_mm * off_mm) ? -distance_mm : distance_mm;
+}
+
+bool MeridianOutline::contains(double back_mm, double off_squared_mm2) const noexcept {
+  for (std::size_t n = 0; n < piece_count_; ++n) {
+    const ProfilePiece& piece = pieces_[n];
+    if (back_mm >= piece.begin_mm && back_mm <= piece.end_mm &&
+        off_squared_mm2 <= piece.radius_squared_mm2(back_mm)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 BitOutline::BitOutline(const BitProfile& profile)

@@ -24,6 +24,8 @@ class MeridianOutline {
   explicit MeridianOutline(std::span<const ProfilePiece> pieces);
 
   MeridianSample at(double back_mm, double off_mm) const noexcept;
+  /// The distance alone: the same, but for rounding.
+  double distance_mm(double back_mm, double off_mm) const noexcept;
 
  private:
   static constexpr std::size_t kMostPieces = 5;
@@ -36,6 +38,7 @@ class MeridianOutline {
   struct Arc {
     double centre_mm, radius_mm, begin_mm, end_mm, begin_off_mm, end_off_mm;
   };
+  bool contains(double back_mm, double off_squared_mm2) const noexcept;
   void add_line(double back_mm, double off_mm, double to_back_mm, double to_off_mm);
 
   std::array<Line, 2 * kMostPieces + 1> lines_{};
