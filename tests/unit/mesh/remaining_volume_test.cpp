@@ -4,7 +4,7 @@
 
 #include "core/drill/drill_engine.h"
 #include "core/drill/swept_bit.h"
-#include "core/sim/hand_motion.h"
+#include "core/sim/path_motion.h"
 #include "tests/support/drilled_ball.h"
 
 namespace spinaltap {
@@ -13,6 +13,11 @@ namespace {
 using test::kDrilledBall;
 
 double volume_mm3(const RemainingSurface& surface) { return measure_mesh(test::joined(surface)).volume_mm3; }
+
+/// A hand at 4 mm/s with the workloads' tremor.
+PathMotionOptions trembling(std::uint64_t seed) {
+  return {.feed = {.steps = {{0.0, 4.0}}}, .tremor_mm = 0.1, .seed = seed};
+}
 
 /// A short bit that fits into the ball.
 std::array<DrillBit, 3> three_bits() {
@@ -49,7 +54,7 @@ TEST(RemainingVolume, IsWhatAHandSweptInSolid) {
   for (const DrillBit& bit : three_bits()) {
     const DrillPath path{"hand", kDrilledBall.centre_mm + Vec3(1.0, 1.0, 0.0),
                          kDrilledBall.centre_mm + Vec3(2.5, 3.0, 1.0), bit};
-    const HandMotion hand(path, {.feed_mm_s = 4.0, .seed = 3});
+    const PathMotion hand(path, trembling(3));
     std::vector<Pose> poses;
     for (std::size_t n = 0; n <= hand.cycle_count(); ++n) poses.push_back(hand.pose(n));
     RemainingBone bone(test::ball_to_drill());
@@ -107,7 +112,7 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
   fill_volume(points, [&](std::span<const Vec3> p, std::span<float> d, std::span<float> hu) { model.sample(p, d, hu); });
   const std::size_t alive = points.alive_count();
   const auto engine = make_ring_engine(points, bit, Material{});
-  const HandMotion hand(path, {.feed_mm_s = 4.0, .seed = 4});
+  const PathMotion hand(path, trembling(4));
   RemainingBone bone(model);
   RemainingSurface surface(bone);
   const double before_mm3 = volume_mm3(surface);
