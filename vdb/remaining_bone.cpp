@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <optional>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "vdb/detail/hole_grid.h"
@@ -31,6 +33,14 @@ void check_pose(const Pose& pose) {
   }
 }
 
+bool is_same(const DrillBit& a, const DrillBit& b) {
+  const auto all = [](const DrillBit& bit) {
+    return std::tie(bit.diameter_mm, bit.length_mm, bit.tip_length_mm, bit.shape, bit.tip_diameter_mm,
+                    bit.shank_diameter_mm);
+  };
+  return all(a) == all(b);
+}
+
 /// A voxel's block and its place there.
 std::pair<BlockLattice::Index3, std::size_t> place_of(const std::array<int, 3>& voxel) {
   BlockLattice::Index3 block{};
@@ -48,6 +58,7 @@ struct RemainingBone::State {
   BoneModel bone;
   RemainingBoneOptions options;
   HoleGrid grid;
+  std::optional<DrillBit> last_bit;
   std::deque<SavedHole> undo;  ///< the last is the hole that is being drilled, where is_open
   std::deque<SavedHole> redo;
   std::size_t saved_bytes = 0;  ///< of all but the open hole
@@ -137,6 +148,8 @@ void RemainingBone::drill(const DrillBit& bit, std::span<const Pose> poses) {
   for (const Pose& pose : poses) check_pose(pose);
   State& state = *state_;
   state.forget_redo();
+  if (state.last_bit && !is_same(*state.last_bit, bit)) state.grid.change_bit();
+  state.last_bit = bit;
   if (!state.is_open) {
     state.undo.emplace_back();
     state.is_open = true;

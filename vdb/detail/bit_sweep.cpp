@@ -21,8 +21,11 @@ MeridianSample sample_of(const MeridianOutline& body, const Vec3& seen) {
 
 }  // namespace
 
-BitSweep::BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Pose> poses)
-    : outline_(std::move(outline)), poses_(poses.begin(), poses.end()), middle_((poses.size() - 1) / 2) {
+BitSweep::BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Pose> poses, double lengthened_mm)
+    : outline_(std::move(outline)),
+      poses_(poses.begin(), poses.end()),
+      middle_((poses.size() - 1) / 2),
+      lengthened_mm_(lengthened_mm) {
   moments_.resize(poses_.size());
   const Vec3 side = any_perpendicular(poses_[0].axis);
   moments_[0].rows.row(0) = side;
@@ -61,7 +64,8 @@ bool BitSweep::is_at_wall(const Pose& from, const Vec3& p, double spare_mm) cons
   return back_mm - spare_mm > outline_->cylinder_begin_mm() && back_mm + spare_mm < outline_->length_mm();
 }
 
-double BitSweep::change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const {
+double BitSweep::most_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm,
+                                double more_mm) const {
   const double reach_mm = (p - from.tip_mm).norm() + around_mm;
   Change most;
   for (const Pose& pose : poses_) {
@@ -69,7 +73,17 @@ double BitSweep::change_mm(const Pose& from, const Vec3& p, double around_mm, do
     most = {std::max(most.all_mm, one.all_mm), std::max(most.across_mm, one.across_mm),
             std::max(most.along_mm, one.along_mm)};
   }
-  return is_at_wall(from, p, around_mm + wall_mm + most.along_mm) ? most.across_mm : most.all_mm;
+  const bool slides = is_at_wall(from, p, around_mm + wall_mm + most.along_mm + more_mm);
+  return slides ? most.across_mm : most.all_mm + more_mm;
+}
+
+double BitSweep::change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const {
+  // A lengthened bit stands for one that was up to so much further back.
+  return most_change_mm(from, p, around_mm, wall_mm, lengthened_mm_);
+}
+
+double BitSweep::change_from_middle_mm(const Vec3& p, double around_mm, double wall_mm) const {
+  return most_change_mm(middle(), p, around_mm, wall_mm, 0.0);
 }
 
 double BitSweep::changes_from_middle_mm(const Vec3& p, double around_mm, double wall_mm,

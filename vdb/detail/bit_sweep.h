@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,7 +20,8 @@ struct SweepSample {
 /// distance is the least over the way: outside it is exact, inside it is exact near the surface.
 class BitSweep {
  public:
-  BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Pose> poses);
+  /// Where `outline` is of a bit that was lengthened backwards by the way along its axis, `lengthened_mm` is that way.
+  BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Pose> poses, double lengthened_mm = 0.0);
 
   const BitOutline& outline() const { return *outline_; }
   std::size_t moment_count() const { return moments_.size(); }
@@ -33,6 +35,7 @@ class BitSweep {
   /// pose of this way. Along a cylinder's wall the bit may slide: `wall_mm` is how near to the bit those points are that
   /// matter.
   double change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const;
+  double change_from_middle_mm(const Vec3& p, double around_mm, double wall_mm) const;
   /// The same from middle() to each pose alone, into `changes_mm`, one a moment; returns the largest.
   double changes_from_middle_mm(const Vec3& p, double around_mm, double wall_mm, std::vector<double>& changes_mm) const;
 
@@ -42,6 +45,18 @@ class BitSweep {
   /// p: they tell which parts of the way need no look.
   SweepSample nearest_below(const Vec3& p, double limit_mm, double at_middle_mm,
                             std::span<const double> changes_mm) const;
+
+  // Along a cylinder's wall all is simpler, where distances that are clamped to a band are asked for.
+  static constexpr int kWallCubeSide = 4;
+  /// Of 4 x 4 x 4 places, z running fastest.
+  using WallCube = std::array<double, kWallCubeSide * kWallCubeSide * kWallCubeSide>;
+  /// Whether, all the way, points within `around_mm` of p lie beside the cylinder and no nearer to its ends.
+  bool is_at_wall_throughout(const Vec3& p, double around_mm) const;
+  /// middle_distance_mm() of places from `first` on, `step_mm` apart.
+  void middle_distances_at_wall(const Vec3& first, double step_mm, WallCube& distances_mm) const;
+  /// nearest_below() there.
+  SweepSample nearest_below_at_wall(const Vec3& p, double limit_mm, double at_middle_mm,
+                                    std::span<const double> changes_mm) const;
 
   /// Box around all that lies within `margin_mm` of the bit on its way.
   Box3 bounds_mm(double margin_mm) const;
@@ -64,6 +79,7 @@ class BitSweep {
     bool is_found = false;
   };
   static Change change(const Pose& from, const Pose& to, double reach_mm);
+  double most_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm, double more_mm) const;
   bool is_at_wall(const Pose& from, const Vec3& p, double spare_mm) const;
   Vec3 seen_at(const Vec3& p, const Place& place) const;
   Place nearest_place(const MeridianOutline& body, const Vec3& p, double limit_mm, double at_middle_mm,
@@ -74,6 +90,7 @@ class BitSweep {
   std::vector<Pose> poses_;
   std::vector<Moment> moments_;
   std::size_t middle_ = 0;
+  double lengthened_mm_ = 0.0;
 };
 
 /// Cuts a way through `poses` into short ones. Poses are left out where the bit passes them within `tolerance_mm`, turns

@@ -70,7 +70,7 @@ std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const
       const double along_mm = (to.tip_mm - from.tip_mm).dot(to.axis);
       const Pose& foremost = along_mm >= 0.0 ? to : from;
       sweeps.emplace_back(std::make_shared<const BitOutline>(profile.lengthened(std::abs(along_mm))),
-                          std::span(&foremost, 1));
+                          std::span(&foremost, 1), std::abs(along_mm));
       way = {to};
       continue;
     }

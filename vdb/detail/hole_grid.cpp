@@ -4,52 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace spinaltap::detail {
 namespace {
 
 constexpr int kSide = BlockLattice::kSide;
-constexpr int kHalf = kSide / 2;
 constexpr std::uint32_t kNoneInside = 0;
 constexpr std::uint32_t kAllInside = 1;
 
-/// Of a block's middle to its outermost voxels.
-double to_corner_voxels(int side) { return 0.5 * std::sqrt(3.0) * (side - 1); }
-
-Vec3 middle_mm(const BlockLattice& lattice, std::size_t block) {
-  return lattice.corner_mm(lattice.block(block)) + Vec3::Constant(0.5 * (kSide - 1) * lattice.voxel_mm);
-}
-
 }  // namespace
-
-void VoxelBox::extend(const std::array<int, 3>& voxel) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low[axis] = std::min(low[axis], voxel[axis]);
-    high[axis] = std::max(high[axis], voxel[axis]);
-  }
-}
-
-void VoxelBox::extend(const VoxelBox& box) {
-  if (box.empty()) return;
-  extend(box.low);
-  extend(box.high);
-}
-
-/// What a look at a block came to.
-struct HoleGrid::Outcome {
-  std::size_t block = 0;
-  Vec3 corner_mm = Vec3::Zero();
-  BlockPtr hole;         ///< the block as it is; where it is shared, as it was until something changes
-  bool is_own = false;   ///< `hole` may be written
-  BlockPtr before;       ///< what was copied
-  bool is_copied = false;
-  double change_mm = 0.0;          ///< of distances there, at most, during the sweep
-  std::vector<double> changes_mm;  ///< the same to each of its poses
-  double slack_mm = std::numeric_limits<double>::infinity();
-  bool is_done = true;
-  BlockChange change;
-};
 
 HoleGrid::HoleGrid(std::shared_ptr<const ResampledBone> bone)
     : bone_(std::move(bone)), holes_(bone_->lattice.count()), inside_places_(bone_->lattice.count(), kNoneInside) {
@@ -100,7 +63,7 @@ std::vector<std::size_t> HoleGrid::blocks_in_reach(const BitSweep& sweep) const 
   pose.axis.cwiseAbs().maxCoeff(&main);
   const double length_mm = sweep.outline().length_mm();
   const double out_mm = band_mm + sweep.outline().radius_mm() +
-                        sweep.change_mm(pose, pose.tip_mm - 0.5 * length_mm * pose.axis, 0.5 * length_mm, 0.0);
+                        sweep.change_from_middle_mm(pose.tip_mm - 0.5 * length_mm * pose.axis, 0.5 * length_mm, 0.0);
   const auto block_at = [&](double mm) { return static_cast<int>(std::floor(mm / block_mm)); };
   const auto clamped = [&](double low, double high, Eigen::Index axis) {
     const auto n = static_cast<std::size_t>(axis);
@@ -144,125 +107,57 @@ std::vector<std::size_t> HoleGrid::blocks_in_reach(const BitSweep& sweep) const 
 bool HoleGrid::may_change(const BitSweep& sweep, std::size_t block) const {
   if (bone_->places[block] == ResampledBone::kOutside) return false;
   const BlockLattice& lattice = bone_->lattice;
-  const double around_mm = to_corner_voxels(kSide) * lattice.voxel_mm;
+  const double around_mm = block_reach_mm(lattice);
   const double band_mm = static_cast<double>(bone_->band_mm);
-  const Vec3 middle = middle_mm(lattice, block);
+  const Vec3 middle = block_middle_mm(lattice, block);
   const auto look = looks_.find(block);
-  if (look != looks_.end()) {
-    if (look->second.is_done) return false;
+  if (look != looks_.end() && look->second.is_done) return false;
+  if (look != looks_.end() && look->second.slack_mm >= 0.0) {
     const double change_mm = sweep.change_mm(look->second.from, middle, around_mm, band_mm);
-    return !(change_mm <= look->second.slack_mm);
+    return change_mm > look->second.slack_mm;
   }
-  const double change_mm = sweep.change_mm(sweep.middle(), middle, around_mm, band_mm);
+  const double change_mm = sweep.change_from_middle_mm(middle, around_mm, band_mm);
   return sweep.middle_distance_mm(middle) - around_mm - change_mm < band_mm;
 }
 
-void HoleGrid::look_at(const BitSweep& sweep, std::uint64_t epoch, std::size_t block, Outcome& outcome) const {
-  outcome.block = block;
-  outcome.hole = holes_[block];
-  outcome.corner_mm = bone_->lattice.corner_mm(bone_->lattice.block(block));
-  const auto look = looks_.find(block);
-  outcome.is_own = look != looks_.end() && look->second.epoch == epoch && outcome.hole != nullptr;
-  const double around_mm = to_corner_voxels(kSide) * bone_->lattice.voxel_mm;
-  outcome.change_mm = sweep.changes_from_middle_mm(middle_mm(bone_->lattice, block), around_mm,
-                                                   static_cast<double>(bone_->band_mm), outcome.changes_mm);
-  for (int eighth = 0; eighth < 8; ++eighth) look_at_eighth(sweep, eighth, outcome);
-}
-
-void HoleGrid::look_at_eighth(const BitSweep& sweep, int eighth, Outcome& outcome) const {
-  // Rounding to float must not look like a change again and again.
-  constexpr double kLeastChangeMm = 1e-6;
-  const double voxel_mm = bone_->lattice.voxel_mm;
-  const float band_mm = bone_->band_mm;
-  const double wide_band_mm = static_cast<double>(band_mm);
-  const std::array<int, 3> low{(eighth & 1) * kHalf, ((eighth >> 1) & 1) * kHalf, (eighth >> 2) * kHalf};
-  const Vec3 middle =
-      outcome.corner_mm + voxel_mm * (Vec3(low[0], low[1], low[2]) + Vec3::Constant(0.5 * (kHalf - 1)));
-  const double spare_mm = sweep.middle_distance_mm(middle) - to_corner_voxels(kHalf) * voxel_mm - wide_band_mm;
-  if (spare_mm >= outcome.change_mm) {
-    // What the bit did not reach may still be reached later, unless it is gone.
-    outcome.slack_mm = std::min(outcome.slack_mm, spare_mm);
-    outcome.is_done = false;
-    return;
-  }
-  for (int x = low[0]; x < low[0] + kHalf; ++x) {
-    for (int y = low[1]; y < low[1] + kHalf; ++y) {
-      for (int z = low[2]; z < low[2] + kHalf; ++z) {
-        const std::size_t offset = BlockLattice::offset(x, y, z);
-        const float hole_mm = outcome.hole == nullptr ? band_mm : outcome.hole->distance_mm[offset];
-        if (hole_mm <= -band_mm) continue;
-        const float bone_mm = bone_->at(outcome.block, offset);
-        if (bone_mm >= band_mm) continue;
-        outcome.is_done = false;
-        const Vec3 p_mm = outcome.corner_mm + voxel_mm * Vec3(x, y, z);
-        const double before_mm = static_cast<double>(hole_mm);
-        const double at_middle_mm = sweep.middle_distance_mm(p_mm);
-        const bool is_in_reach = at_middle_mm - outcome.change_mm < before_mm;
-        const SweepSample sample =
-            is_in_reach ? sweep.nearest_below(p_mm, before_mm, at_middle_mm, outcome.changes_mm)
-                        : SweepSample{before_mm, Vec3::Zero()};
-        const double after_mm = std::max(sample.distance_mm, -wide_band_mm);
-        if (!(after_mm < before_mm - kLeastChangeMm)) {
-          outcome.slack_mm = std::min(outcome.slack_mm, at_middle_mm - before_mm);
-          // So far out that the next ones in the row are out of reach too.
-          const double beyond = (at_middle_mm - outcome.change_mm - wide_band_mm) / voxel_mm;
-          if (beyond >= 1.0) {
-            const int next = std::min(static_cast<int>(beyond), kHalf);
-            outcome.slack_mm = std::min(outcome.slack_mm, at_middle_mm - next * voxel_mm - wide_band_mm);
-            z += next;
-          }
-          continue;
-        }
-        if (after_mm > -wide_band_mm) outcome.slack_mm = std::min(outcome.slack_mm, at_middle_mm - after_mm);
-        if (!outcome.is_own) {
-          outcome.before = outcome.hole;
-          outcome.is_copied = true;
-          outcome.is_own = true;
-          if (outcome.hole != nullptr) {
-            outcome.hole = std::make_shared<HoleBlock>(*outcome.hole);
-          } else {
-            outcome.hole = std::make_shared<HoleBlock>();
-            outcome.hole->distance_mm.fill(band_mm);
-            outcome.hole->gradient.fill(Eigen::Vector3f::Zero());
-          }
-        }
-        outcome.hole->distance_mm[offset] = static_cast<float>(after_mm);
-        outcome.hole->gradient[offset] = sample.gradient.cast<float>();
-        outcome.change.values.extend(std::array{x, y, z});
-        if (bone_mm < 0.0F && hole_mm > 0.0F && static_cast<float>(after_mm) <= 0.0F) {
-          outcome.change.signs.extend(std::array{x, y, z});
-        }
-      }
-    }
-  }
+void HoleGrid::change_bit() {
+  for (auto& [block, look] : looks_) look.slack_mm = -1.0;
 }
 
 void HoleGrid::drill(const BitSweep& sweep, std::uint64_t epoch, SavedBlocks& before) {
   const std::vector<std::size_t> blocks = blocks_in_reach(sweep);
-  std::vector<Outcome> outcomes(blocks.size());
-  // A look takes some microseconds.
+  std::vector<BlockDrill> drills(blocks.size());
+  const auto drill_one = [&](std::size_t n) {
+    const std::size_t block = blocks[n];
+    const auto look = looks_.find(block);
+    const bool is_own = look != looks_.end() && look->second.epoch == epoch && holes_[block] != nullptr;
+    drills[n].block = block;
+    drills[n].hole = holes_[block];
+    drills[n].is_own = is_own;
+    drill_block(*bone_, sweep, drills[n]);
+  };
+  // A block takes some microseconds.
   constexpr std::size_t kWorthSharing = 16;
   if (blocks.size() < kWorthSharing) {
-    for (std::size_t n = 0; n < blocks.size(); ++n) look_at(sweep, epoch, blocks[n], outcomes[n]);
+    for (std::size_t n = 0; n < blocks.size(); ++n) drill_one(n);
   } else {
-    tbb::parallel_for(std::size_t{0}, blocks.size(),
-                      [&](std::size_t n) { look_at(sweep, epoch, blocks[n], outcomes[n]); });
+    tbb::parallel_for(std::size_t{0}, blocks.size(), drill_one);
   }
-  for (Outcome& outcome : outcomes) {
-    Look& look = looks_[outcome.block];
+  for (BlockDrill& drill : drills) {
+    Look& look = looks_[drill.block];
     look.from = sweep.middle();
-    look.slack_mm = outcome.slack_mm;
-    look.is_done = outcome.is_done;
-    if (outcome.change.values.empty()) continue;
-    BlockChange& change = changes_[outcome.block];
-    change.values.extend(outcome.change.values);
-    change.signs.extend(outcome.change.signs);
-    if (outcome.is_copied) {
+    look.slack_mm = drill.slack_mm;
+    look.is_done = drill.is_done;
+    if (drill.change.values.empty()) continue;
+    BlockChange& change = changes_[drill.block];
+    change.values.extend(drill.change.values);
+    change.signs.extend(drill.change.signs);
+    if (drill.is_copied) {
       look.epoch = epoch;
-      before.emplace_back(outcome.block, std::move(outcome.before));
-      holes_[outcome.block] = std::move(outcome.hole);
+      before.emplace_back(drill.block, std::move(drill.before));
+      holes_[drill.block] = std::move(drill.hole);
     }
-    find_inside(outcome.block);
+    find_inside(drill.block);
   }
 }
 

@@ -7,35 +7,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "vdb/detail/bit_sweep.h"
+#include "vdb/detail/block_drill.h"
 #include "vdb/detail/resampled_bone.h"
 
 namespace spinaltap::detail {
-
-/// A block of what was drilled: at each voxel the distance to all that bits swept (mm, negative within, clamped to the
-/// band) and its gradient.
-struct HoleBlock {
-  std::array<float, BlockLattice::kVoxels> distance_mm;
-  std::array<Eigen::Vector3f, BlockLattice::kVoxels> gradient;
-};
-
-/// Box around voxels of a block; empty where low > high.
-struct VoxelBox {
-  static constexpr int kLast = BlockLattice::kSide - 1;
-  std::array<int, 3> low{BlockLattice::kSide, BlockLattice::kSide, BlockLattice::kSide};
-  std::array<int, 3> high{-1, -1, -1};
-
-  static VoxelBox whole() { return {{0, 0, 0}, {kLast, kLast, kLast}}; }
-  bool empty() const { return high[0] < 0; }
-  void extend(const std::array<int, 3>& voxel);
-  void extend(const VoxelBox& box);
-};
-
-/// What changed in a block.
-struct BlockChange {
-  VoxelBox values;  ///< voxels whose distance to the hole changed
-  VoxelBox signs;   ///< voxels that were bone and are not, or the other way
-};
 
 /// Bits that tell which voxels of a block are bone: bit 8 y + z of layer x.
 using InsideBits = std::array<std::uint64_t, BlockLattice::kSide>;
@@ -60,6 +35,8 @@ class HoleGrid {
   /// Takes away what a bit swept. Blocks that change are copied before, unless drill() of the same `epoch` did so
   /// already; the copied ones (null: nothing drilled there yet) are appended to `before`.
   void drill(const BitSweep& sweep, std::uint64_t epoch, SavedBlocks& before);
+  /// To be called before a bit of another shape drills.
+  void change_bit();
   /// Puts a block in place of another (null: nothing drilled there), which is returned.
   BlockPtr exchange(std::size_t block, BlockPtr hole);
   /// As if nothing had been drilled.
@@ -76,16 +53,13 @@ class HoleGrid {
   /// How far the bit may move, from where it was when a block was looked at, before a voxel there can change.
   struct Look {
     Pose from;
-    double slack_mm = -1.0;
+    double slack_mm = -1.0;   ///< below 0: not known
     std::uint64_t epoch = 0;  ///< in which the block became this grid's own
     bool is_done = false;     ///< nothing is left there that could change
   };
-  struct Outcome;
 
   std::vector<std::size_t> blocks_in_reach(const BitSweep& sweep) const;
   bool may_change(const BitSweep& sweep, std::size_t block) const;
-  void look_at(const BitSweep& sweep, std::uint64_t epoch, std::size_t block, Outcome& outcome) const;
-  void look_at_eighth(const BitSweep& sweep, int eighth, Outcome& outcome) const;
   void find_inside(std::size_t block);
 
   std::shared_ptr<const ResampledBone> bone_;
