@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "core/base/random.h"
@@ -60,6 +61,19 @@ inline std::size_t cut_edge_count(const RemainingBone& bone) {
     }
   }
   return count;
+}
+
+/// What the voxels that are bone stand for.
+inline double bone_voxel_volume_mm3(const RemainingBone& bone) {
+  const auto low = bone.first_voxel();
+  const auto high = bone.last_voxel();
+  std::size_t count = 0;
+  for (int x = low[0]; x <= high[0]; ++x) {
+    for (int y = low[1]; y <= high[1]; ++y) {
+      for (int z = low[2]; z <= high[2]; ++z) count += bone.value_mm({x, y, z}) < 0.0F ? 1U : 0U;
+    }
+  }
+  return static_cast<double>(count) * std::pow(bone.voxel_mm(), 3);
 }
 
 /// Numbers in a row from a seed.
