@@ -1,34 +1,42 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include <tbb/task_arena.h>
 
-#include "core/base/triangle_mesh.h"
 #include "core/sim/tool_source.h"
-#include "vdb/bone_model.h"
+#include "vdb/remaining_bone.h"
+#include "vdb/remaining_surface.h"
 
 namespace spinaltap {
 
-/// The bone's surface as it now is, for a display beside a drilling: at each update the bit's way since the last is cut
-/// out and the whole surface meshed again. On the calling thread alone, so that other threads keep their cores.
+/// The bone's surface as it now is, for a display beside a drilling: at each update what the bit swept since the last is
+/// taken away and the surface brought up to date where it changed. On the calling thread alone, so that other threads
+/// keep their cores.
 class LiveMesh {
  public:
+  /// Meshes the whole bone once.
   LiveMesh(const BoneModel& bone, const DrillBit& bit, double longest_jump_mm);
+  LiveMesh(const LiveMesh&) = delete;
+  LiveMesh& operator=(const LiveMesh&) = delete;
 
-  /// Where the bit has come to.
+  /// Where the bit has come to, straight from where it was. As a session has it: a bit that does not turn takes nothing,
+  /// nor do ways of the tip or the base longer than `longest_jump_mm`; poses that are not finite are passed over.
   void update(const ToolInput& input);
-  /// As of the last update; empty before the first.
-  const TriangleMesh& mesh() const { return mesh_; }
+  /// The blocks that the last update changed: what a renderer has to take over.
+  std::span<const SurfaceUpdate> updates() const { return updates_; }
+  const RemainingSurface& surface() const { return *surface_; }
 
  private:
-  BoneModel bone_;
   DrillBit bit_;
   double longest_jump_mm_;
-  std::optional<ToolInput> last_;
-  TriangleMesh mesh_;
   tbb::task_arena one_thread_{1};
+  std::optional<RemainingBone> bone_;
+  std::optional<RemainingSurface> surface_;
+  std::optional<Pose> last_;
+  std::vector<SurfaceUpdate> updates_;
 };
 
 }  // namespace spinaltap

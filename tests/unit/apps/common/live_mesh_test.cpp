@@ -1,0 +1,68 @@
+#include "apps/common/live_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mesh/mesh_quality.h"
+#include "mesh/remaining_mesh.h"
+#include "tests/support/analytic_bodies.h"
+
+namespace spinaltap {
+namespace {
+
+using test::Ball;
+
+const Ball kBall{Vec3(3.1, -2.3, 105.7), 9.0};
+constexpr double kLongestJumpMm = 5.0;
+
+const BoneModel& ball_bone() {
+  static const BoneModel bone = test::bake_ball(kBall, 0.25);
+  return bone;
+}
+
+/// A cylinder that fits into the ball, but for a tip of 0.1 mm.
+DrillBit short_bit() { return {3.0, 4.0, 0.1}; }
+
+MeshQuality quality(const LiveMesh& live) { return measure_mesh(join_blocks(live.surface().blocks())); }
+
+ToolInput at(double x_mm, double y_mm = 0.0) { return {{kBall.centre_mm + Vec3(x_mm, y_mm, 2.0), Vec3::UnitZ()}}; }
+
+TEST(LiveMesh, TakesWhatTheBitSweptOnItsWay) {
+  LiveMesh live(ball_bone(), short_bit(), kLongestJumpMm);
+  const double whole_mm3 = quality(live).volume_mm3;
+  EXPECT_NEAR(whole_mm3, kBall.volume_mm3(), 1e-3 * kBall.volume_mm3());
+  live.update(at(-2.0));
+  EXPECT_FALSE(live.updates().empty());
+  live.update(at(2.0));
+  // A slot: a cylinder and a box of the way's length. The tip's cone lacks two thirds of its height.
+  const double slot_mm3 = (4.0 - 0.07) * (std::numbers::pi * 1.5 * 1.5 + 4.0 * 3.0);
+  const MeshQuality drilled = quality(live);
+  EXPECT_TRUE(drilled.closed());
+  EXPECT_NEAR(whole_mm3 - drilled.volume_mm3, slot_mm3, 0.01 * slot_mm3);
+}
+
+TEST(LiveMesh, TakesNothingWithTheSpindleOffOnJumpsAndAtPosesThatAreNone) {
+  LiveMesh live(ball_bone(), short_bit(), kLongestJumpMm);
+  const double whole_mm3 = quality(live).volume_mm3;
+  ToolInput off = at(0.0);
+  off.spindle_on = false;
+  live.update(off);
+  ToolInput no_pose = at(0.0);
+  no_pose.pose.tip_mm.x() = std::numeric_limits<double>::quiet_NaN();
+  live.update(no_pose);
+  EXPECT_EQ(quality(live).volume_mm3, whole_mm3);
+  // Two bits that stand, and nothing between.
+  live.update(at(-3.0));
+  live.update(at(3.0));
+  const double two_mm3 = 2.0 * (4.0 - 0.07) * std::numbers::pi * 1.5 * 1.5;
+  EXPECT_NEAR(whole_mm3 - quality(live).volume_mm3, two_mm3, 0.01 * two_mm3);
+  EXPECT_FALSE(live.updates().empty());
+  live.update(at(3.0));
+  EXPECT_TRUE(live.updates().empty());
+}
+
+}  // namespace
+}  // namespace spinaltap
