@@ -1,6 +1,7 @@
 #include "apps/common/drilling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -8,6 +9,9 @@
 #include "apps/common/live_mesh.h"
 #include "core/sim/straight_ways.h"
 #include "core/sim/timing.h"
+#include "mesh/remaining_mesh.h"
+#include "vdb/remaining_bone.h"
+#include "vdb/remaining_surface.h"
 #include "vdb/subtract_bit.h"
 
 namespace spinaltap {
@@ -55,6 +59,14 @@ void count_points(const BuiltSession& built, Drilling& drilling) {
   }
   drilling.points_per_disc = built.volumes.front().pattern().point_count();
   drilling.bytes_per_point = static_cast<double>(bytes) / static_cast<double>(drilling.points);
+}
+
+/// The bone without what the bit took. Its grid no longer knows where the hole's rim was between voxels; here bone and
+/// hole are kept apart, in voxels of the same size.
+TriangleMesh surface_without(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways) {
+  RemainingBone remaining(bone, {.voxel_mm = bone.voxel_mm(), .undo_bytes = 0});
+  for (const BitWay& way : ways) remaining.drill(bit, std::array{way.start, way.end});
+  return join_blocks(RemainingSurface(remaining).blocks());
 }
 
 /// Watches a session's cycles, on the thread that runs them.
@@ -144,8 +156,9 @@ Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSour
     drilling.most_torque_n_mm = std::max(drilling.most_torque_n_mm, row.torque_n_mm);
   }
   progress.report("cutting the hole", 0.0);
-  drilling.drilled = subtract_bit(bone.model(), setup.path.bit,
-                                  straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm));
+  const std::vector<BitWay> ways = straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm);
+  drilling.drilled = subtract_bit(bone.model(), setup.path.bit, ways);
+  drilling.surface = surface_without(bone.model(), setup.path.bit, ways);
   drilling.volumes = std::move(built.volumes);  // the points stay where the session knows them
   return drilling;
 }

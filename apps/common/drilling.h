@@ -8,6 +8,7 @@
 #include "apps/common/session_setup.h"
 #include "core/base/progress.h"
 #include "core/base/scalar_field.h"
+#include "core/base/triangle_mesh.h"
 #include "core/sim/drill_session.h"
 #include "core/sim/real_time.h"
 #include "core/sim/session_record.h"
@@ -43,14 +44,15 @@ struct Drilling {
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;
-  BoneModel drilled;  ///< the bone without the hole
+  BoneModel drilled;     ///< the bone without the hole
+  TriangleMesh surface;  ///< the same, closed and outward, sharp at the hole's rim
   std::vector<DepthRow> rows;
 
   explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}
 };
 
 /// Fills a point volume along the path, lets a hand drill it, and cuts the hole of all its poses out of the distance
-/// grid. Throws Error when the path misses the bone.
+/// grid and of the surface. Throws Error when the path misses the bone.
 Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
                     const DrillingOptions& options = {}, const Progress& progress = {});
 

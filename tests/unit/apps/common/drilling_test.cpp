@@ -8,9 +8,12 @@
 
 #include "core/base/error.h"
 #include "core/sim/path_hand.h"
+#include "mesh/mesh_distance.h"
 #include "mesh/mesh_quality.h"
+#include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/isosurface.h"
+#include "vdb/remaining_surface.h"
 
 namespace spinaltap {
 namespace {
@@ -267,6 +270,40 @@ TEST(DrillBone, SaysWhereAPathRunsThatMissesTheBone) {
       [&] { drill(setup_of(path), motion_of(setup_of(path))); },
       ThrowsMessage<Error>(AllOf(HasSubstr("\"beside\""), HasSubstr("misses the bone"), HasSubstr("60.5, -2, 100"),
                                  HasSubstr("60.5, 20.25, 100"), HasSubstr("the bone lies within (-12."))));
+}
+
+TEST(DrillBone, LeavesASurfaceThatIsSharpAtTheRim) {
+  const TriangleMesh& mesh = drilled_ball().surface;
+  const MeshQuality quality = measure_mesh(mesh);
+  EXPECT_TRUE(quality.closed());
+  EXPECT_EQ(quality.euler_number, 2);
+  // Where the bit's wall meets the ball: a circle.
+  const DrillPath path = diameter_path();
+  const double radius_mm = path.bit.radius_mm();
+  const Vec3 axis = path.direction();
+  const Vec3 u = any_perpendicular(axis);
+  const Vec3 v = axis.cross(u);
+  std::vector<Vec3> rim_mm;
+  for (int n = 0; n < 360; ++n) {
+    const double turn = n * std::numbers::pi / 180.0;
+    rim_mm.push_back(kBall.centre_mm - std::sqrt(kBall.radius_mm * kBall.radius_mm - radius_mm * radius_mm) * axis +
+                     radius_mm * (std::cos(turn) * u + std::sin(turn) * v));
+  }
+  const MeshDistance sharp = surface_to_mesh(rim_mm, mesh);
+  const MeshDistance rounded = surface_to_mesh(rim_mm, bone_surface(drilled_ball().drilled));
+  const double voxel_mm = ball_bone().voxel_mm();
+  EXPECT_LT(sharp.mean_mm, 0.05 * voxel_mm);
+  EXPECT_LT(5.0 * sharp.mean_mm, rounded.mean_mm);
+  // A cell that the rim cuts a corner of, between the voxels, has no vertex on it.
+  EXPECT_LT(sharp.max_mm, 0.3 * voxel_mm);
+  RemainingBone whole(ball_bone(), {.voxel_mm = voxel_mm});
+  const double before_mm3 = measure_mesh(join_blocks(RemainingSurface(whole).blocks())).volume_mm3;
+  // A cylinder less half of the ball's cap that it begins with, and a cone.
+  const double cap_mm = kBall.radius_mm - std::sqrt(kBall.radius_mm * kBall.radius_mm - radius_mm * radius_mm);
+  const double tip_mm = path.bit.tip_length_mm;
+  const double hole_mm3 =
+      std::numbers::pi * radius_mm * radius_mm * (path.length_mm() - tip_mm - 0.5 * cap_mm + tip_mm / 3.0);
+  EXPECT_NEAR(before_mm3 - quality.volume_mm3, hole_mm3, 0.005 * hole_mm3);
 }
 
 }  // namespace
