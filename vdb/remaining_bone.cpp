@@ -155,8 +155,8 @@ void RemainingBone::drill(const DrillBit& bit, std::span<const Pose> poses) {
     state.is_open = true;
   }
   const double voxel_mm = state.options.voxel_mm;
-  for (const detail::BitSweep& sweep : detail::cut_into_sweeps(
-           profile, poses, state.options.tolerance_voxels * voxel_mm, kLongestVoxels * voxel_mm)) {
+  for (const detail::BitSweep& sweep :
+       detail::cut_into_sweeps(profile, poses, state.options.tolerance_voxels * voxel_mm, kLongestVoxels * voxel_mm)) {
     state.grid.drill(sweep, state.epoch, state.undo.back().blocks);
   }
   state.make_room_for_open();

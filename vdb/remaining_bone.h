@@ -23,11 +23,11 @@ struct RemainingBoneOptions {
 };
 
 /// A bone as it is while it is drilled: two distances at the voxels near its surface, that to the bone as it was, which
-/// nothing changes, and that to all that bits swept. Bone is where the first is below 0 and the second above: the larger
-/// of bone and minus hole. Kept apart, both have their own slopes, and the rim between them stays sharp.
+/// nothing changes, and that to all that bits swept. Bone is where the first is below 0 and the second above: the
+/// larger of bone and minus hole. Kept apart, both have their own slopes, and the rim between them stays sharp.
 ///
-/// One thread drills, undoes and meshes; others read what RemainingSurface hands over. The same calls give the same bits
-/// at any number of threads.
+/// One thread drills, undoes and meshes; others read what RemainingSurface hands over. The same calls give the same
+/// bits at any number of threads.
 class RemainingBone {
  public:
   /// Resamples the bone: tri-quadratic, a voxel's centre on the origin, near the surface only. Throws Error on a voxel

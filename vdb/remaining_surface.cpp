@@ -66,7 +66,8 @@ unsigned differing_ends(const BlockCells& before, const BlockCells& after) {
     } else if (a == before.cells.size() || after.cells[b].place < before.cells[a].place) {
       differ(after.cells[b++].place);
     } else {
-      const bool same = before.cells[a].code == after.cells[b].code && before.cells[a].joined == after.cells[b].joined &&
+      const bool same = before.cells[a].code == after.cells[b].code &&
+                        before.cells[a].joined == after.cells[b].joined &&
                         std::ranges::equal(vertices_of(before, a), vertices_of(after, b));
       if (!same) differ(after.cells[b].place);
       ++a;
@@ -103,7 +104,8 @@ struct RemainingSurface::State {
     const BlockCells& before = cells[block] == nullptr ? kNone : *cells[block];
     if (found == before) return 0;
     const unsigned ends = differing_ends(before, found) | 1U << 8U;
-    cells[block] = found.cells.empty() && found.edges.empty() ? nullptr : std::make_unique<BlockCells>(std::move(found));
+    cells[block] =
+        found.cells.empty() && found.edges.empty() ? nullptr : std::make_unique<BlockCells>(std::move(found));
     return ends;
   }
 
@@ -187,8 +189,8 @@ std::vector<std::shared_ptr<const SurfaceBlock>> RemainingSurface::blocks() cons
 }
 
 std::size_t RemainingSurface::memory_bytes() const {
-  std::size_t bytes = state_->cells.capacity() * sizeof(state_->cells[0]) +
-                      state_->surfaces.capacity() * sizeof(state_->surfaces[0]);
+  std::size_t bytes =
+      state_->cells.capacity() * sizeof(state_->cells[0]) + state_->surfaces.capacity() * sizeof(state_->surfaces[0]);
   for (const auto& cells : state_->cells) {
     if (cells == nullptr) continue;
     bytes += sizeof(BlockCells) + cells->cells.capacity() * sizeof(BlockCells::Cell) +

@@ -8,8 +8,8 @@
 
 namespace spinaltap {
 
-/// The surface of a RemainingBone, in blocks that are meshed again only where something changed. All blocks together are
-/// one closed, manifold mesh that winds outward, whatever was drilled, and the same as if all were meshed at once.
+/// The surface of a RemainingBone, in blocks that are meshed again only where something changed. All blocks together
+/// are one closed, manifold mesh that winds outward, whatever was drilled, and the same as if all were meshed at once.
 ///
 /// Dual contouring with normals of bone and bit, so that rims are sharp, with a vertex for each piece of surface in a
 /// cell, so that the mesh is manifold: docs/remaining-bone.md.
@@ -23,8 +23,8 @@ class RemainingSurface {
   RemainingSurface(const RemainingSurface&) = delete;
   RemainingSurface& operator=(const RemainingSurface&) = delete;
 
-  /// Meshes what drilling, undoing or resetting changed since the last call; returns the blocks that differ from before,
-  /// in a fixed order.
+  /// Meshes what drilling, undoing or resetting changed since the last call; returns the blocks that differ from
+  /// before, in a fixed order.
   std::vector<SurfaceUpdate> update();
 
   /// Meshes everything again.

@@ -12,9 +12,9 @@
 
 namespace spinaltap {
 
-/// The bone's surface as it now is, for a display beside a drilling: at each update what the bit swept since the last is
-/// taken away and the surface brought up to date where it changed. On the calling thread alone, so that other threads
-/// keep their cores.
+/// The bone's surface as it now is, for a display beside a drilling: at each update what the bit swept since the last
+/// is taken away and the surface brought up to date where it changed. On the calling thread alone, so that other
+/// threads keep their cores.
 class LiveMesh {
  public:
   /// Meshes the whole bone once.
@@ -22,8 +22,9 @@ class LiveMesh {
   LiveMesh(const LiveMesh&) = delete;
   LiveMesh& operator=(const LiveMesh&) = delete;
 
-  /// Where the bit has come to, straight from where it was. As a session has it: a bit that does not turn takes nothing,
-  /// nor do ways of the tip or the base longer than `longest_jump_mm`; poses that are not finite are passed over.
+  /// Where the bit has come to, straight from where it was. As a session has it: a bit that does not turn takes
+  /// nothing, nor do ways of the tip or the base longer than `longest_jump_mm`; poses that are not finite are passed
+  /// over.
   void update(const ToolInput& input);
   /// The blocks that the last update changed: what a renderer has to take over.
   std::span<const SurfaceUpdate> updates() const { return updates_; }

@@ -1,6 +1,6 @@
 // The bone as it is while it is drilled: the phantom of an L3 vertebra, the paper's path by hand (1 mm/s, tremor of
-// 0.1 mm), 1,000 poses a second, frames of 1/60 s. For each frame the bit's way is taken away and the surface brought up
-// to date; beside it, in the same run, the whole surface is meshed at once. One thread.
+// 0.1 mm), 1,000 poses a second, frames of 1/60 s. For each frame the bit's way is taken away and the surface brought
+// up to date; beside it, in the same run, the whole surface is meshed at once. One thread.
 
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
@@ -57,8 +57,8 @@ void drill_by_hand(benchmark::State& state) {
     constexpr double kPosesPerFrame = 1000.0 / 60.0;
     std::size_t at = 0;
     for (std::size_t frame = 1; at + 1 < poses.size(); ++frame) {
-      const auto next =
-          std::min(poses.size() - 1, static_cast<std::size_t>(std::lround(static_cast<double>(frame) * kPosesPerFrame)));
+      const auto next = std::min(poses.size() - 1,
+                                 static_cast<std::size_t>(std::lround(static_cast<double>(frame) * kPosesPerFrame)));
       const std::int64_t wall_before_ns = wall_ns();
       const std::int64_t before_ns = thread_cpu_ns();
       remaining.drill(bit, std::span(poses).subspan(at, next - at + 1));

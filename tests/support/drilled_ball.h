@@ -28,8 +28,8 @@ inline DrillBit cone_burr() { return {3.6, 30.0, 4.0, BitShape::conical_burr, 1.
 
 inline TriangleMesh joined(const RemainingSurface& surface) { return join_blocks(surface.blocks()); }
 
-/// The triangles by the positions of their corners, each from its least corner on, sorted: what two meshes must share to
-/// be equal as sets.
+/// The triangles by the positions of their corners, each from its least corner on, sorted: what two meshes must share
+/// to be equal as sets.
 inline std::vector<std::array<std::array<float, 3>, 3>> triangle_set(const TriangleMesh& mesh) {
   std::vector<std::array<std::array<float, 3>, 3>> set;
   for (const auto& triangle : mesh.triangles) {

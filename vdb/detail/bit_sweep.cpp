@@ -133,7 +133,8 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
   std::size_t looked_at = moments_.size();  // the moment that low_moment is of
   for (std::size_t n = 0; n + 1 < moments_.size(); ++n) {
     // What a point moves along a chord is most at one of its ends.
-    if (!changes_mm.empty() && at_middle_mm - std::max(changes_mm[n], changes_mm[n + 1]) >= std::min(least_mm, limit_mm)) {
+    if (!changes_mm.empty() &&
+        at_middle_mm - std::max(changes_mm[n], changes_mm[n + 1]) >= std::min(least_mm, limit_mm)) {
       continue;
     }
     if (looked_at != n) {

@@ -32,8 +32,8 @@ class BitSweep {
   /// Distance to the bit at middle(), exact.
   double middle_distance_mm(const Vec3& p) const;
   /// By how much, at most, the distance of points within `around_mm` of p changes between the bit at `from` and at any
-  /// pose of this way. Along a cylinder's wall the bit may slide: `wall_mm` is how near to the bit those points are that
-  /// matter.
+  /// pose of this way. Along a cylinder's wall the bit may slide: `wall_mm` is how near to the bit those points are
+  /// that matter.
   double change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const;
   double change_from_middle_mm(const Vec3& p, double around_mm, double wall_mm) const;
   /// The same from middle() to each pose alone, into `changes_mm`, one a moment; returns the largest.
@@ -93,9 +93,9 @@ class BitSweep {
   double lengthened_mm_ = 0.0;
 };
 
-/// Cuts a way through `poses` into short ones. Poses are left out where the bit passes them within `tolerance_mm`, turns
-/// are cut until chord and arc differ by less; a straight way along the axis is one pose of a lengthened bit. Other ways
-/// are no longer than `longest_mm`. One pose is a bit that stands.
+/// Cuts a way through `poses` into short ones. Poses are left out where the bit passes them within `tolerance_mm`,
+/// turns are cut until chord and arc differ by less; a straight way along the axis is one pose of a lengthened bit.
+/// Other ways are no longer than `longest_mm`. One pose is a bit that stands.
 std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const Pose> poses, double tolerance_mm,
                                       double longest_mm);
 

@@ -61,7 +61,8 @@ SweepSample BitSweep::nearest_below_at_wall(const Vec3& p, double limit_mm, doub
   }
   if (at_moment == moments_.size()) return {limit_mm, Vec3::Zero()};
   const double off_mm = nearest.norm();
-  const Eigen::Vector2d out = off_mm > 0.0 ? Eigen::Vector2d(nearest / off_mm) : Eigen::Vector2d(Eigen::Vector2d::UnitX());
+  const Eigen::Vector2d out =
+      off_mm > 0.0 ? Eigen::Vector2d(nearest / off_mm) : Eigen::Vector2d(Eigen::Vector2d::UnitX());
   return {least_mm, moments_[at_moment].rows.topRows<2>().transpose() * out};
 }
 

@@ -23,15 +23,26 @@ struct CellEdge {
   unsigned axis;
 };
 
-constexpr std::array<CellEdge, 12> kCellEdges{{{{0, 0, 0}, 0}, {{0, 1, 0}, 0}, {{0, 0, 1}, 0}, {{0, 1, 1}, 0},
-                                               {{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0, 0, 1}, 1}, {{1, 0, 1}, 1},
-                                               {{0, 0, 0}, 2}, {{1, 0, 0}, 2}, {{0, 1, 0}, 2}, {{1, 1, 0}, 2}}};
+constexpr std::array<CellEdge, 12> kCellEdges{{{{0, 0, 0}, 0},
+                                               {{0, 1, 0}, 0},
+                                               {{0, 0, 1}, 0},
+                                               {{0, 1, 1}, 0},
+                                               {{0, 0, 0}, 1},
+                                               {{1, 0, 0}, 1},
+                                               {{0, 0, 1}, 1},
+                                               {{1, 0, 1}, 1},
+                                               {{0, 0, 0}, 2},
+                                               {{1, 0, 0}, 2},
+                                               {{0, 1, 0}, 2},
+                                               {{1, 1, 0}, 2}}};
 
 constexpr std::size_t kCorners = kSide + 1;
 
 std::size_t edge_slot(int x, int y, int z, unsigned axis) {
   return ((static_cast<std::size_t>(x) * kCorners + static_cast<std::size_t>(y)) * kCorners +
-          static_cast<std::size_t>(z)) * 3 + axis;
+          static_cast<std::size_t>(z)) *
+             3 +
+         axis;
 }
 
 /// The cut edges of one piece of surface.

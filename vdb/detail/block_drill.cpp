@@ -116,8 +116,9 @@ class EighthDrill {
   Vec3 corner_mm_;
   double voxel_mm_;
   double band_mm_;
-  std::vector<double> changes_mm_;  ///< of distances in the block, at most, from the middle to each of the sweep's poses
-  double change_mm_;                ///< the largest
+  std::vector<double>
+      changes_mm_;    ///< of distances in the block, at most, from the middle to each of the sweep's poses
+  double change_mm_;  ///< the largest
   std::array<int, 3> low_{};
   std::array<double, kHalf * kHalf * kHalf> at_middle_mm_{};
 };

@@ -7,8 +7,8 @@
 
 namespace spinaltap::detail {
 
-/// Voxels in blocks of 8 x 8 x 8 over a box. A voxel's centre is its indices times `voxel_mm` (patient LPS), so that one
-/// lies on the origin, as in baked bones. Block (x, y, z) holds voxels 8 x to 8 x + 7, and so on.
+/// Voxels in blocks of 8 x 8 x 8 over a box. A voxel's centre is its indices times `voxel_mm` (patient LPS), so that
+/// one lies on the origin, as in baked bones. Block (x, y, z) holds voxels 8 x to 8 x + 7, and so on.
 struct BlockLattice {
   using Index3 = std::array<int, 3>;
   static constexpr int kSide = 8;

@@ -87,8 +87,8 @@ Tables::Tables() : patches{}, looped{} {
     for (unsigned index = 0; index < 6; ++index) {
       const Face face = face_of(index);
       const auto& of_edge = patches[code][0].of_edge;
-      const bool all_cut = std::all_of(face.edges.begin(), face.edges.end(),
-                                       [&](unsigned edge) { return of_edge[edge] != kNoPatch; });
+      const bool all_cut =
+          std::all_of(face.edges.begin(), face.edges.end(), [&](unsigned edge) { return of_edge[edge] != kNoPatch; });
       const bool one_patch = std::all_of(face.edges.begin(), face.edges.end(),
                                          [&](unsigned edge) { return of_edge[edge] == of_edge[face.edges[0]]; });
       if (all_cut && one_patch) looped[code] = static_cast<std::uint8_t>(index);

@@ -12,7 +12,8 @@ constexpr int kSide = BlockLattice::kSide;
 /// Voxels 0 to 8 of a block and its next neighbours.
 class BlockVoxels {
  public:
-  BlockVoxels(const HoleGrid& grid, std::size_t block) : grid_(&grid), block_(block), strides_(grid.bone().lattice.strides()) {}
+  BlockVoxels(const HoleGrid& grid, std::size_t block)
+      : grid_(&grid), block_(block), strides_(grid.bone().lattice.strides()) {}
 
   struct Place {
     std::size_t block, offset;
@@ -76,7 +77,8 @@ HoleCut cut_by_hole(double a_mm, const Vec3& a_slope, double b_mm, const Vec3& b
     const double t = 1.0 - b_mm / b_along;
     if (t >= 0.0 && t <= std::min(first, 1.0)) cut = {t, b_slope};
   }
-  if (cut.normal.squaredNorm() == 0.0) cut.normal = a_slope.squaredNorm() > 0.0 ? a_slope : Vec3(-along_mm.normalized());
+  if (cut.normal.squaredNorm() == 0.0)
+    cut.normal = a_slope.squaredNorm() > 0.0 ? a_slope : Vec3(-along_mm.normalized());
   return cut;
 }
 
@@ -114,7 +116,8 @@ SignRows::SignRows(const HoleGrid& grid, std::size_t block) {
   const auto neighbour_of = [](int voxel) { return voxel < 0 ? -1 : (voxel >= BlockLattice::kSide ? 1 : 0); };
   for (int nx = -1; nx <= 1; ++nx) {
     for (int ny = -1; ny <= 1; ++ny) {
-      const auto column = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(block) + nx * strides[0] + ny * strides[1]);
+      const auto column =
+          static_cast<std::size_t>(static_cast<std::ptrdiff_t>(block) + nx * strides[0] + ny * strides[1]);
       const InsideBits& before = grid.inside(column - 1);
       const InsideBits& own = grid.inside(column);
       const InsideBits& behind = grid.inside(column + 1);

@@ -184,7 +184,8 @@ std::size_t HoleGrid::hole_block_count() const {
 std::size_t HoleGrid::memory_bytes() const {
   return hole_block_count() * sizeof(HoleBlock) + holes_.capacity() * sizeof(holes_[0]) +
          inside_places_.capacity() * sizeof(std::uint32_t) + inside_.capacity() * sizeof(InsideBits) +
-         looks_.size() * (sizeof(Look) + 4 * sizeof(void*)) + changes_.size() * (sizeof(BlockChange) + 4 * sizeof(void*));
+         looks_.size() * (sizeof(Look) + 4 * sizeof(void*)) +
+         changes_.size() * (sizeof(BlockChange) + 4 * sizeof(void*));
 }
 
 }  // namespace spinaltap::detail

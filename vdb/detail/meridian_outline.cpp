@@ -76,9 +76,10 @@ MeridianSample MeridianOutline::at(double back_mm, double off_mm) const noexcept
   };
   for (std::size_t n = 0; n < line_count_; ++n) {
     const Line& line = lines_[n];
-    const double t = std::clamp(((back_mm - line.back_mm) * line.along_back_mm +
-                                 (off_mm - line.off_mm) * line.along_off_mm) * line.per_length_squared,
-                                0.0, 1.0);
+    const double t =
+        std::clamp(((back_mm - line.back_mm) * line.along_back_mm + (off_mm - line.off_mm) * line.along_off_mm) *
+                       line.per_length_squared,
+                   0.0, 1.0);
     take(line.back_mm + t * line.along_back_mm, line.off_mm + t * line.along_off_mm, line.out_back, line.out_off);
   }
   for (std::size_t n = 0; n < arc_count_; ++n) {
@@ -124,8 +125,7 @@ double MeridianOutline::distance_mm(double back_mm, double off_mm) const noexcep
 bool MeridianOutline::contains(double back_mm, double off_squared_mm2) const noexcept {
   for (std::size_t n = 0; n < piece_count_; ++n) {
     const ProfilePiece& piece = pieces_[n];
-    if (back_mm >= piece.begin_mm && back_mm <= piece.end_mm &&
-        off_squared_mm2 <= piece.radius_squared_mm2(back_mm)) {
+    if (back_mm >= piece.begin_mm && back_mm <= piece.end_mm && off_squared_mm2 <= piece.radius_squared_mm2(back_mm)) {
       return true;
     }
   }
@@ -142,8 +142,8 @@ BitOutline::BitOutline(const BitProfile& profile)
     begin = n;
   }
   const ProfilePiece& last = pieces.back();
-  const bool is_cylinder = last.ball_radius_mm == 0.0 && last.begin_radius_mm == last.end_radius_mm &&
-                           last.end_radius_mm == radius_mm_;
+  const bool is_cylinder =
+      last.ball_radius_mm == 0.0 && last.begin_radius_mm == last.end_radius_mm && last.end_radius_mm == radius_mm_;
   cylinder_begin_mm_ = is_cylinder ? last.begin_mm : last.end_mm;
 }
 

@@ -30,10 +30,10 @@ class MeridianOutline {
  private:
   static constexpr std::size_t kMostPieces = 5;
   struct Line {
-    double back_mm, off_mm;                    ///< begin
-    double along_back_mm, along_off_mm;        ///< to the end
-    double per_length_squared;                 ///< 1 / mm2
-    double out_back, out_off;                  ///< unit, outward
+    double back_mm, off_mm;              ///< begin
+    double along_back_mm, along_off_mm;  ///< to the end
+    double per_length_squared;           ///< 1 / mm2
+    double out_back, out_off;            ///< unit, outward
   };
   struct Arc {
     double centre_mm, radius_mm, begin_mm, end_mm, begin_off_mm, end_off_mm;

@@ -71,8 +71,7 @@ void sample_block(const BoneModel& bone, const Vec3& corner_mm, double voxel_mm,
   std::array<float, kPoints> distances_mm{};
   for (int eighth = 0; eighth < 8; ++eighth) {
     const std::array<int, 3> low{(eighth & 1) * kHalf, ((eighth >> 1) & 1) * kHalf, (eighth >> 2) * kHalf};
-    const Vec3 middle_mm =
-        corner_mm + voxel_mm * (Vec3(low[0], low[1], low[2]) + Vec3::Constant(0.5 * (kHalf - 1)));
+    const Vec3 middle_mm = corner_mm + voxel_mm * (Vec3(low[0], low[1], low[2]) + Vec3::Constant(0.5 * (kHalf - 1)));
     float at_middle_mm = 0.0F;
     bone.sample({&middle_mm, 1}, {&at_middle_mm, 1}, {});
     // Baked distances grow by a few percent more than 1 mm per mm at most.

@@ -12,8 +12,8 @@ namespace spinaltap::detail {
 /// one voxel of it; the rest is for slopes that are not quite 1.
 inline constexpr double kBandVoxels = 1.5;
 
-/// A bone's distance at the voxels of a lattice: tri-quadratic from the bake (mm, negative inside), clamped to the band.
-/// Nothing changes it.
+/// A bone's distance at the voxels of a lattice: tri-quadratic from the bake (mm, negative inside), clamped to the
+/// band. Nothing changes it.
 struct ResampledBone {
   using Values = std::array<float, BlockLattice::kVoxels>;
   static constexpr std::int32_t kOutside = -1;

@@ -106,10 +106,12 @@ TEST(RemainingVolume, IsWhatAHandSweptInSolid) {
 TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
   const DrillBit bit{3.0, 50.0, 5.0};
   const Vec3 direction = Vec3(0.6, -0.64, 0.48);
-  const DrillPath path{"points", kDrilledBall.centre_mm - 7.0 * direction, kDrilledBall.centre_mm + 5.0 * direction, bit};
+  const DrillPath path{"points", kDrilledBall.centre_mm - 7.0 * direction, kDrilledBall.centre_mm + 5.0 * direction,
+                       bit};
   PointVolume points(path, {.radius_mm = 3.0, .spacing_mm = 0.05, .lead_in_mm = 3.0});
   const BoneModel& model = test::ball_to_drill();
-  fill_volume(points, [&](std::span<const Vec3> p, std::span<float> d, std::span<float> hu) { model.sample(p, d, hu); });
+  fill_volume(points,
+              [&](std::span<const Vec3> p, std::span<float> d, std::span<float> hu) { model.sample(p, d, hu); });
   const std::size_t alive = points.alive_count();
   const auto engine = make_ring_engine(points, bit, Material{});
   const PathMotion hand(path, trembling(4));
@@ -154,7 +156,8 @@ TEST(RemainingSurface, LiesOnTheExactCutAwayFromTheRim) {
     RemainingBone bone(test::ball_to_drill(), {.voxel_mm = voxel_mm});
     RemainingSurface surface(bone);
     const DrillBit bit = test::paper_drill();
-    const std::array poses{Pose{kDrilledBall.centre_mm - 12.0 * axis, axis}, Pose{kDrilledBall.centre_mm + 4.0 * axis, axis}};
+    const std::array poses{Pose{kDrilledBall.centre_mm - 12.0 * axis, axis},
+                           Pose{kDrilledBall.centre_mm + 4.0 * axis, axis}};
     bone.drill(bit, poses);
     surface.update();
     const BitProfile swept = BitProfile(bit).lengthened(16.0);

@@ -41,7 +41,8 @@ TEST(MeridianOutline, HasASlopeOfOneThatPredictsTheNextValue) {
       const auto sample = outline.whole().at(back_mm, off_mm);
       ASSERT_NEAR(std::hypot(sample.per_back, sample.per_off), 1.0, 1e-9);
       const double slope_back = (outline.whole().at(back_mm + kStepMm, off_mm).distance_mm -
-                                 outline.whole().at(back_mm - kStepMm, off_mm).distance_mm) / (2.0 * kStepMm);
+                                 outline.whole().at(back_mm - kStepMm, off_mm).distance_mm) /
+                                (2.0 * kStepMm);
       // Where two parts are as near, the slope jumps: a line in the plane, met by one in thousands.
       kinks += std::abs(slope_back - sample.per_back) > 1e-3 ? 1 : 0;
     }

@@ -128,7 +128,8 @@ TEST(RemainingBone, DrillsTheSameAfterUndoingAsBefore) {
 }
 
 TEST(RemainingBone, RefusesWhatItCannotDrillAndStaysAsItWas) {
-  EXPECT_THAT([] { RemainingBone(test::ball_to_drill(), {.voxel_mm = 0.0}); }, ThrowsMessage<Error>(HasSubstr("voxel")));
+  EXPECT_THAT([] { RemainingBone(test::ball_to_drill(), {.voxel_mm = 0.0}); },
+              ThrowsMessage<Error>(HasSubstr("voxel")));
   EXPECT_THROW(RemainingBone(test::ball_to_drill(), {.voxel_mm = std::nan("")}), Error);
   EXPECT_THROW(RemainingBone(test::ball_to_drill(), {.voxel_mm = 1e-4}), Error);
   EXPECT_THROW(RemainingBone(test::ball_to_drill(), {.tolerance_voxels = 0.0}), Error);
