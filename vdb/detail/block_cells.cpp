@@ -103,7 +103,7 @@ BlockCells find_cells(const BoneModel& bone, const HoleGrid& grid, std::size_t b
   const double voxel_mm = grid.bone().lattice.voxel_mm;
   for (int x = 0; x < kSide; ++x) {
     for (int y = 0; y < kSide; ++y) {
-      result.row_begins[static_cast<std::size_t>(x * kSide + y)] = static_cast<std::uint16_t>(result.cells.size());
+      result.row_begins[BlockLattice::offset(0, x, y)] = static_cast<std::uint16_t>(result.cells.size());
       // Rows of one kind throughout have no cut cell.
       const unsigned all = signs.row(x, y) & signs.row(x + 1, y) & signs.row(x, y + 1) & signs.row(x + 1, y + 1);
       const unsigned any = signs.row(x, y) | signs.row(x + 1, y) | signs.row(x, y + 1) | signs.row(x + 1, y + 1);

@@ -44,7 +44,10 @@ struct BlockLattice {
   }
 
   /// Of a voxel within its block; z runs fastest.
-  static std::size_t offset(int x, int y, int z) { return static_cast<std::size_t>((x * kSide + y) * kSide + z); }
+  static std::size_t offset(int x, int y, int z) {
+    const int place = (x * kSide + y) * kSide + z;
+    return static_cast<std::size_t>(place);
+  }
   /// The centre of a block's first voxel.
   Vec3 corner_mm(const Index3& block) const { return kSide * voxel_mm * Vec3(block[0], block[1], block[2]); }
 };

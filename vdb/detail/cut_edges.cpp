@@ -129,7 +129,7 @@ SignRows::SignRows(const HoleGrid& grid, std::size_t block) {
           const auto shift = 8U * static_cast<unsigned>(y & 7);
           const auto byte = [&](const InsideBits& bits) { return static_cast<unsigned>(bits[layer] >> shift & 0xFFU); };
           const unsigned bits = byte(before) >> 7U | byte(own) << 1U | (byte(behind) & 3U) << 9U;
-          rows_[static_cast<std::size_t>((x + 1) * kSide + y + 1)] = static_cast<std::uint16_t>(bits);
+          rows_[place(x, y)] = static_cast<std::uint16_t>(bits);
         }
       }
     }

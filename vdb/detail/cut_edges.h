@@ -18,12 +18,16 @@ class SignRows {
   /// x, y, z from -1 to 9.
   bool is_bone(int x, int y, int z) const { return (row(x, y) >> static_cast<unsigned>(z + 1) & 1U) != 0; }
   /// Bit z + 1 for voxel z.
-  unsigned row(int x, int y) const { return rows_[static_cast<std::size_t>((x + 1) * kSide + y + 1)]; }
+  unsigned row(int x, int y) const { return rows_[place(x, y)]; }
   /// Of the cell whose first corner is that voxel, -1 to 8; see cell_patches.h.
   std::uint8_t code(int x, int y, int z) const;
 
  private:
   static constexpr int kSide = BlockLattice::kSide + 3;
+  static std::size_t place(int x, int y) {
+    const int row = (x + 1) * kSide + y + 1;
+    return static_cast<std::size_t>(row);
+  }
   std::array<std::uint16_t, kSide * kSide> rows_{};
 };
 
