@@ -18,7 +18,6 @@
 #include "core/rbf/rbf_file.h"
 #include "core/sim/session_record.h"
 #include "mesh/mesh_io.h"
-#include "vdb/isosurface.h"
 #include "vdb/points_file.h"
 
 namespace spinaltap {
@@ -89,7 +88,7 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
   recording.close(drilling.events);
 
   progress.report("meshing", 0.0);
-  const TriangleMesh mesh = bone_surface(drilling.drilled);
+  const TriangleMesh& mesh = drilling.surface;
   const MeshQuality quality = measure_mesh(mesh);
   const DrillFigures figures{drilling, session_bone, setup, hand, density, quality, recording.lost()};
   DrillReportData data = report_data(title, ct, figures);
