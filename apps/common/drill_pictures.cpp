@@ -1,5 +1,6 @@
 #include "apps/common/drill_pictures.h"
 
+#include "apps/common/picture_view.h"
 #include "vdb/render.h"
 #include "vdb/subtract_bit.h"
 
@@ -7,27 +8,22 @@ namespace spinaltap {
 
 std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,
                                           const Progress& progress) {
-  const Vec3 along = path.direction();
   RenderOptions behind;
   behind.from = Vec3(0.0, 1.0, 0.3);
   behind.uncut = &bone;
-  // From the hole's side, a little above it: straight down the path the hole would hide its own wall.
-  RenderOptions oblique = behind;
-  const double side = path.entry_mm.x() >= bone.bounds_mm().center().x() ? 1.0 : -1.0;
-  oblique.from = -along + side * 0.45 * Vec3::UnitX() + 0.25 * Vec3::UnitZ();
-  // The cut holds the path and is as near to a transaxial plane as that allows. What lies below it is taken away, and
-  // the eye looks up from the feet, as on transaxial slices: the patient's left is on the right.
-  const Vec3 cut_normal = (Vec3::UnitZ() - Vec3::UnitZ().dot(along) * along).normalized();
-  RenderOptions from_below = behind;
-  from_below.from = -cut_normal;
-  from_below.up = -Vec3::UnitY();
-  const BoneModel opened = cut_by_plane(drilled, path.entry_mm, -cut_normal);
-  // The other cut stands upright along the path; what lies beside it, away from the middle, is taken away.
-  Vec3 side_normal = along.cross(cut_normal).normalized();
-  if (side_normal.x() * side < 0.0) side_normal = -side_normal;
-  RenderOptions from_side = behind;
-  from_side.from = side_normal;
-  const BoneModel opened_side = cut_by_plane(drilled, path.entry_mm, side_normal);
+  const auto seen = [&](const PictureView& view) {
+    RenderOptions options = behind;
+    options.from = view.from;
+    options.up = view.up;
+    return options;
+  };
+  const RenderOptions oblique = seen(view_of_hole(path, bone));
+  const PictureCut along = cut_along_path(path);
+  const BoneModel opened = cut_by_plane(drilled, along.point_mm, along.normal);
+  const RenderOptions from_below = seen(view_onto(along));
+  const PictureCut upright = upright_cut(path, bone);
+  const BoneModel opened_side = cut_by_plane(drilled, upright.point_mm, upright.normal);
+  const RenderOptions from_side = seen(view_onto(upright));
 
   std::vector<ReportPicture> pictures;
   pictures.push_back({render_bone(bone, behind, progress), "Before, from behind"});

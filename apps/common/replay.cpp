@@ -6,14 +6,6 @@
 namespace spinaltap {
 namespace {
 
-ToolInput input_of(const RecordedCycle& row) {
-  ToolInput input;
-  input.pose = {row.tip_mm, row.axis};
-  input.spindle_on = row.spindle_on != 0;
-  input.dt_s = row.dt_s;
-  return input;
-}
-
 std::string said(const SessionEvent& event) {
   std::ostringstream text;
   text.precision(17);
@@ -53,6 +45,14 @@ void compare_events(const SessionRecord& record, std::span<const SessionEvent> n
 }
 
 }  // namespace
+
+ToolInput input_of(const RecordedCycle& row) {
+  ToolInput input;
+  input.pose = {row.tip_mm, row.axis};
+  input.spindle_on = row.spindle_on != 0;
+  input.dt_s = row.dt_s;
+  return input;
+}
 
 Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress) {
   Replay replay;

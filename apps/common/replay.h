@@ -9,6 +9,9 @@
 
 namespace spinaltap {
 
+/// What the hand gave to a recorded cycle.
+ToolInput input_of(const RecordedCycle& row);
+
 /// What running a record again came to.
 struct Replay {
   std::size_t cycles = 0;  ///< that were run and compared

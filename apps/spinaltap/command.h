@@ -42,6 +42,7 @@ void add_export(CLI::App& program, Command& command);
 void add_study(CLI::App& program, Command& command);
 void add_merge(CLI::App& program, Command& command);
 void add_mesh(CLI::App& program, Command& command);
+void add_render(CLI::App& program, Command& command);
 void add_diff(CLI::App& program, Command& command);
 void add_compare(CLI::App& program, Command& command);
 void add_demo(CLI::App& program, Command& command);

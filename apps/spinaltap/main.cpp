@@ -45,7 +45,7 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 19> commands;
+  std::array<Command, 20> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -62,9 +62,10 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
   add_study(program, commands[13]);
   add_merge(program, commands[14]);
   add_mesh(program, commands[15]);
-  add_diff(program, commands[16]);
-  add_compare(program, commands[17]);
-  add_bench(program, commands[18]);
+  add_render(program, commands[16]);
+  add_diff(program, commands[17]);
+  add_compare(program, commands[18]);
+  add_bench(program, commands[19]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

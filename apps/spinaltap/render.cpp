@@ -1,0 +1,197 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "apps/common/picture_view.h"
+#include "apps/common/plan_file.h"
+#include "apps/common/recorded_hole.h"
+#include "apps/common/session_setup.h"
+#include "apps/report/png.h"
+#include "apps/spinaltap/command.h"
+#include "core/base/error.h"
+#include "core/base/staged_output.h"
+#include "vdb/render.h"
+#include "vdb/subtract_bit.h"
+
+namespace spinaltap {
+namespace {
+
+struct Options {
+  std::filesystem::path bone, output = "bone.png", before, plan, record, frames;
+  std::string path, view, cut, size = "900x700";
+  std::optional<double> at_s;
+  double opacity = 1.0;
+  double frames_per_s = 25.0;
+  double speed = 1.0;
+};
+
+/// "900x700"
+std::array<int, 2> size_of(const std::string& text) {
+  std::array<int, 2> size{};
+  const char* const end = text.data() + text.size();
+  const auto [next, trouble] = std::from_chars(text.data(), end, size[0]);
+  if (trouble == std::errc() && next != end && *next == 'x') {
+    const auto [last, also] = std::from_chars(next + 1, end, size[1]);
+    if (also == std::errc() && last == end) return size;
+  }
+  fail("size: expected WIDTHxHEIGHT in pixels, such as 900x700; found \"", text, "\"");
+}
+
+/// The record that is shown, and what it drills.
+struct Recorded {
+  SessionRecord record;
+  SessionSetup setup;
+
+  Recorded(const std::filesystem::path& file, const BoneModel& bone)
+      : record(read_record(file)), setup(recorded_setup(record.setup, file)) {
+    if (hash_of(bone) != setup.bone_hash) {
+      fail("expected the bone that was drilled in ", file.string(), ", before it was; found another one");
+    }
+  }
+};
+
+/// One picture after the other from the same place.
+class Painter {
+ public:
+  Painter(const Options& options, const BoneModel& before, std::vector<DrillPath> paths) {
+    const std::array<int, 2> size = size_of(options.size);
+    const DrillPath* const path = paths.empty() ? nullptr : &paths.front();
+    if (!options.cut.empty()) cut_ = named_cut(options.cut, path, before);
+    PictureView view{Vec3(0.0, 1.0, 0.3), Vec3::UnitZ()};
+    if (!options.view.empty()) {
+      view = named_view(options.view, path, before);
+    } else if (cut_) {
+      view = view_onto(*cut_);
+    }
+    // What lies between the eye and the plane is taken away.
+    if (cut_ && cut_->normal.dot(view.from) < 0.0) cut_->normal = -cut_->normal;
+    render_.width = size[0];
+    render_.height = size[1];
+    render_.from = view.from;
+    render_.up = view.up;
+    render_.uncut = &before;
+    render_.opacity = options.opacity;
+    render_.paths = std::move(paths);
+  }
+
+  void show(const DrillBit& bit, const Pose& pose) { render_.bit = RenderedBit{bit, pose}; }
+
+  std::string png(const BoneModel& bone, const Progress& progress) const {
+    return encode_png(render_bone(cut_ ? cut_by_plane(bone, cut_->point_mm, cut_->normal) : bone, render_, progress));
+  }
+
+ private:
+  std::optional<PictureCut> cut_;
+  RenderOptions render_;
+};
+
+std::vector<DrillPath> paths_of(const Options& options, const std::optional<Recorded>& recorded) {
+  if (recorded) return {recorded->setup.path};
+  if (options.plan.empty()) return {};
+  std::vector<DrillPath> paths = read_plan(options.plan);
+  if (options.path.empty()) return paths;
+  return {choose_path(paths, options.path)};
+}
+
+/// Numbered pictures at even times of a record, from its begin to its end.
+Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, const DrillBit& bit,
+                  const Progress& progress) {
+  constexpr double kMostFrames = 1e5;
+  const double step_s = options.speed / options.frames_per_s;
+  const double last = std::ceil(hole.end_s() / step_s);
+  if (!(last < kMostFrames)) fail("frames: expected fewer than ", kMostFrames, ", found ", last);
+  const auto count = static_cast<std::size_t>(last) + 1;
+  for (std::size_t n = 0; n < count; ++n) {
+    progress.report("drawing frames", static_cast<double>(n) / static_cast<double>(count));
+    hole.go_to(static_cast<double>(n) * step_s);
+    painter.show(bit, hole.pose());
+    std::array<char, 16> name{};
+    std::snprintf(name.data(), name.size(), "%05zu.png", n + 1);
+    StagedOutput output;
+    output.write(options.frames / name.data(), painter.png(hole.drilled(), {}));
+    output.commit();
+  }
+  progress.report("drawing frames", 1.0);
+  print_figure("frames", static_cast<double>(count), "", 0);
+  print_figure("written", options.frames.string());
+  return {{"frames", count}, {"seconds", hole.end_s()}, {"frames_per_s", options.frames_per_s}};
+}
+
+Json write_picture(const Options& options, const Painter& painter, const BoneModel& bone, const Progress& progress) {
+  StagedOutput output;
+  output.write(options.output, painter.png(bone, progress));
+  output.commit();
+  print_figure("written", options.output.string());
+  return {{"picture", options.output.string()}};
+}
+
+Json render(const Options& options, const Progress& progress) {
+  const BoneModel bone = read_bone(options.bone);
+  std::optional<BoneModel> before;
+  if (!options.before.empty()) before = read_bone(options.before);
+  std::optional<Recorded> recorded;
+  if (!options.record.empty()) recorded.emplace(options.record, bone);
+  Painter painter(options, before ? *before : bone, paths_of(options, recorded));
+  if (!recorded) return write_picture(options, painter, bone, progress);
+  const DrillBit& bit = recorded->setup.path.bit;
+  RecordedHole hole(bone, recorded->record, bit, recorded->setup.options.longest_jump_mm);
+  if (!options.frames.empty()) return write_frames(options, painter, hole, bit, progress);
+  hole.go_to(options.at_s.value_or(hole.end_s()));
+  painter.show(bit, hole.pose());
+  return write_picture(options, painter, hole.drilled(), progress);
+}
+
+}  // namespace
+
+void add_render(CLI::App& program, Command& command) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = add_command(
+      program, command, "render", "Draw a bone, its paths and holes as PNG, or the frames of a film of a record",
+      "Example: spinaltap render bone.vdb --plan plan.json --opacity 0.4 -o planned.png\n"
+      "         spinaltap render drilled.vdb --before bone.vdb --plan plan.json --cut path -o cut.png\n"
+      "         spinaltap render bone.vdb --record run.h5 --at 12.5 --view hole -o moment.png\n"
+      "         spinaltap render bone.vdb --record run.h5 --cut upright --frames film --fps 25\n"
+      "Walls of a hole are coloured by CT number, marrow red to cortex white. No display is needed.");
+  app->add_option("bone", options->bone, "bone.vdb or drilled.vdb; with --record the bone before it was drilled")
+      ->required()
+      ->type_name("BONE");
+  app->add_option("-o,--output", options->output, "The picture to write")->capture_default_str()->type_name("FILE");
+  CLI::Option* before = app->add_option("--before", options->before,
+                                        "The bone before it was drilled: what is new is coloured by CT number");
+  before->type_name("BONE");
+  CLI::Option* plan = app->add_option("--plan", options->plan, "Draw the paths of this plan")->type_name("FILE");
+  app->add_option("--path", options->path, "Of these, only the one of this name")->needs(plan)->type_name("NAME");
+  CLI::Option* record =
+      app->add_option("--record", options->record, "Drill what this record holds, and draw its bit and path");
+  record->excludes(before)->excludes(plan)->type_name("RECORD");
+  CLI::Option* at = app->add_option("--at", options->at_s, "Up to this moment of the record, s; default: its end");
+  at->needs(record)->check(CLI::NonNegativeNumber);
+  app->add_option("--view", options->view,
+                  "From where: behind, front, left, right (of the patient), above, below, hole, or the direction to\n"
+                  "the eye as x,y,z; default: behind and a little above, or straight onto the cut")
+      ->type_name("NAME");
+  app->add_option("--cut", options->cut,
+                  "Cut the bone open: axial, sagittal, coronal through the path's middle, or path, upright along it")
+      ->type_name("NAME");
+  app->add_option("--opacity", options->opacity, "Of the bone's own surface, 0 to 1")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app->add_option("--size", options->size, "Width and height, pixels")->capture_default_str()->type_name("WxH");
+  CLI::Option* frames =
+      app->add_option("--frames", options->frames, "Write 00001.png, 00002.png, ... of the whole record there");
+  frames->needs(record)->excludes(at)->type_name("FOLDER");
+  app->add_option("--fps", options->frames_per_s, "Frames a second")
+      ->needs(frames)
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app->add_option("--speed", options->speed, "Seconds of the record in a second of the film")
+      ->needs(frames)
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command.run = [options](const Progress& progress) { return render(*options, progress); };
+}
+
+}  // namespace spinaltap
