@@ -1,5 +1,7 @@
 #include "mesh/display_mesh.h"
 
+#include "mesh/decimate.h"
+#include "mesh/remaining_mesh.h"
 #include "vdb/bone_field.h"
 #include "vdb/isosurface.h"
 
@@ -7,6 +9,8 @@ namespace spinaltap {
 
 TriangleMesh display_mesh(const BoneModel& bone, const DisplayMeshOptions& options, RemeshReport* report,
                           const Progress& progress) {
+  // Remeshing would round a hole's rim off.
+  if (is_drilled(bone)) return decimate(sharp_surface(bone), options.max_error_mm, report, progress);
   const double voxel_mm = bone.voxel_mm();
   const RemeshOptions remesh_options{.max_error_mm = options.max_error_mm,
                                      .smallest_angle_deg = options.smallest_angle_deg,

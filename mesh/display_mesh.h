@@ -16,6 +16,9 @@ struct DisplayMeshOptions {
 
 /// A bone's surface to show and to print: closed, outward, triangles near to equilateral and as large as the error
 /// allows. The isosurface (bone_surface()), meshed anew (remesh()); errors and report are remesh()'s.
+///
+/// Of a drilled bone: sharp at the hole's rim (sharp_surface()) and decimated (decimate()), so that `max_error_mm` is
+/// kept but triangles may be thin.
 TriangleMesh display_mesh(const BoneModel& bone, const DisplayMeshOptions& options = {}, RemeshReport* report = nullptr,
                           const Progress& progress = {});
 

@@ -40,7 +40,7 @@ MeshDistance surface_to_mesh(std::span<const Vec3> surface_points_mm, const Tria
 
 namespace detail {
 
-std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface, double sure_mm) {
+std::vector<Vec3> places_of_triangles_mm(const TriangleMesh& mesh) {
   std::vector<Vec3> points_mm;
   points_mm.reserve(kPlaces.size() * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
@@ -50,6 +50,11 @@ std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const Scalar
       points_mm.push_back(p);
     }
   }
+  return points_mm;
+}
+
+std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface, double sure_mm) {
+  const std::vector<Vec3> points_mm = places_of_triangles_mm(mesh);
   const ZeroSet zero_set(surface);
   std::vector<double> distances_mm = zero_set.distances_mm(points_mm);
   for (double& d : distances_mm) d = std::abs(d);

@@ -25,9 +25,10 @@ MeshDistance surface_to_mesh(std::span<const Vec3> surface_points_mm, const Tria
 
 namespace detail {
 
-/// The distances that mesh_to_surface() looks at, kDistancesOfTriangle for each triangle in turn. Those up to `sure_mm`
-/// are value over slope.
+/// The places that mesh_to_surface() looks at, kDistancesOfTriangle for each triangle in turn, and their distances.
+/// Those up to `sure_mm` are value over slope.
 inline constexpr std::size_t kDistancesOfTriangle = 13;
+std::vector<Vec3> places_of_triangles_mm(const TriangleMesh& mesh);
 std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface, double sure_mm);
 
 /// The distance of each point.

@@ -4,12 +4,23 @@
 #include <span>
 
 #include "core/base/triangle_mesh.h"
+#include "vdb/bone_model.h"
 #include "vdb/surface_block.h"
 
 namespace spinaltap {
 
-/// All blocks of a RemainingSurface as one mesh: closed, manifold, outward. Throws Error when blocks do not belong
-/// together, so that vertices of one key lie in different places.
-TriangleMesh join_blocks(std::span<const std::shared_ptr<const SurfaceBlock>> blocks);
+enum class SurfacePart {
+  whole,
+  bone  ///< without the walls of holes
+};
+
+/// All blocks of a RemainingSurface as one mesh: outward, and as a whole closed and manifold. Throws Error when blocks
+/// do not belong together, so that vertices of one key lie in different places.
+TriangleMesh join_blocks(std::span<const std::shared_ptr<const SurfaceBlock>> blocks,
+                         SurfacePart part = SurfacePart::whole);
+
+/// The surface of a bone, drilled or not, in triangles of about its voxels' size: closed, manifold, outward, and sharp
+/// where holes begin.
+TriangleMesh sharp_surface(const BoneModel& bone);
 
 }  // namespace spinaltap

@@ -21,7 +21,8 @@ bool fits_half_floats(const openvdb::FloatGrid& grid) {
 
 std::string hash_of(const BoneModel& bone) {
   Fnv1a hash;
-  for (const auto& grid : {bone.grids().sdf, bone.grids().hu}) {
+  for (const auto& grid : {bone.grids().sdf, bone.grids().hu, bone.grids().before, bone.grids().hole}) {
+    if (grid == nullptr) continue;
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
       hash.add(leaf->origin().data(), 3 * sizeof(openvdb::Int32));
       hash.add(leaf->buffer().data(), openvdb::FloatTree::LeafNodeType::SIZE * sizeof(float));
@@ -34,18 +35,27 @@ std::string hash_of(const BoneModel& bone) {
 
 void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
   initialize_openvdb();
-  const auto sdf = bone.grids().sdf->deepCopy();
-  const auto hu = bone.grids().hu->deepCopy();
-  sdf->setName("sdf");
+  openvdb::GridCPtrVec written;
+  const auto add = [&](const char* name, const openvdb::FloatGrid& grid) {
+    const auto copy = grid.deepCopy();
+    copy->setName(name);
+    // Baking rounds to half floats, so this loses nothing; what was drilled since may need more.
+    copy->setSaveFloatAsHalf(fits_half_floats(*copy));
+    written.push_back(copy);
+    return copy;
+  };
+  const auto sdf = add("sdf", *bone.grids().sdf);
   sdf->setGridClass(openvdb::GRID_LEVEL_SET);
-  hu->setName("hu");
-  // Baking rounds to half floats, so this loses nothing; what was drilled since may need more.
-  for (const auto& grid : {sdf, hu}) grid->setSaveFloatAsHalf(fits_half_floats(*grid));
   for (const auto& [key, value] : bone.facts()) {
     sdf->insertMeta(kFactPrefix + key, openvdb::StringMetadata(value));
   }
+  add("hu", *bone.grids().hu);
+  if (is_drilled(bone)) {
+    add("before", *bone.grids().before)->setGridClass(openvdb::GRID_LEVEL_SET);
+    add("hole", *bone.grids().hole)->setGridClass(openvdb::GRID_LEVEL_SET);
+  }
   try {
-    detail::write_vdb(path, {sdf, hu}, hash_of(bone));
+    detail::write_vdb(path, written, hash_of(bone));
     // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
     read_bone(path);
   } catch (const std::exception&) {
@@ -70,6 +80,21 @@ BoneModel read_bone(const std::filesystem::path& path) {
   }
   if (!grids->sdf->transform().isLinear() || !grids->sdf->hasUniformVoxels() || !grids->hu->transform().isLinear()) {
     fail("expected the grid sdf to have cubic voxels, and no perspective, in ", path.string());
+  }
+  const auto level_set = [&](const char* name) -> openvdb::FloatGrid::ConstPtr {
+    const auto at = openvdb::findGridByName(*found, name);
+    if (!at) return nullptr;
+    const auto set = openvdb::gridPtrCast<openvdb::FloatGrid>(at);
+    if (!set || set->getGridClass() != openvdb::GRID_LEVEL_SET || set->transform() != grids->sdf->transform() ||
+        set->background() != grids->sdf->background()) {
+      fail("expected the grid ", name, " to be a level set on the voxels of sdf in ", path.string());
+    }
+    return set;
+  };
+  grids->before = level_set("before");
+  grids->hole = level_set("hole");
+  if ((grids->before == nullptr) != (grids->hole == nullptr)) {
+    fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
   }
   const std::string prefix = kFactPrefix;
   for (auto meta = grids->sdf->beginMeta(); meta != grids->sdf->endMeta(); ++meta) {

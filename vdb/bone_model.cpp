@@ -77,4 +77,15 @@ std::size_t BoneModel::active_voxels() const { return grids_->sdf->activeVoxelCo
 
 const std::map<std::string, std::string>& BoneModel::facts() const { return grids_->facts; }
 
+bool is_drilled(const BoneModel& bone) { return bone.grids().hole != nullptr; }
+
+BoneModel before_drilling(const BoneModel& bone) {
+  if (!is_drilled(bone)) return bone;
+  auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
+  grids->sdf = grids->before;
+  grids->before.reset();
+  grids->hole.reset();
+  return BoneModel(grids);
+}
+
 }  // namespace spinaltap

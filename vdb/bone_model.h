@@ -77,11 +77,19 @@ class BoneModel {
   std::shared_ptr<const detail::BoneSamplers> samplers_;
 };
 
-/// Writes `bone.vdb` with the grids `sdf` and `hu` to `path`, which must be a staged (temporary) name. The same model
-/// gives the same bytes. Throws Error when the disk is full.
+/// Whether something was taken from the bone with subtract_bit(). Such a bone keeps what it was before and the hole
+/// beside its `sdf`, as level sets of their own: surfaces that are made of both have a sharp rim.
+bool is_drilled(const BoneModel& bone);
+
+/// The bone as it was before it was drilled; the bone itself where it was not.
+BoneModel before_drilling(const BoneModel& bone);
+
+/// Writes `bone.vdb` with the grids `sdf` and `hu`, and `before` and `hole` of a drilled bone, to `path`, which must be
+/// a staged (temporary) name. The same model gives the same bytes. Throws Error when the disk is full.
 void write_bone(const BoneModel& bone, const std::filesystem::path& path);
 
-/// Reads what write_bone wrote. Throws Error on a missing or damaged file, and on one without the two grids.
+/// Reads what write_bone wrote. Throws Error on a missing or damaged file, on one without `sdf` or `hu`, and on one
+/// with only one of `before` and `hole`.
 BoneModel read_bone(const std::filesystem::path& path);
 
 }  // namespace spinaltap

@@ -7,7 +7,9 @@
 #include <tuple>
 
 #include "core/base/error.h"
+#include "vdb/detail/bone_grids.h"
 #include "vdb/detail/hole_grid.h"
+#include "vdb/detail/sampled_hole.h"
 
 namespace spinaltap {
 namespace {
@@ -66,10 +68,15 @@ struct RemainingBone::State {
   bool is_open_final = false;  ///< the open hole's blocks were too many to keep
   std::uint64_t epoch = 1;
 
-  State(BoneModel model, const RemainingBoneOptions& given)
-      : bone(std::move(model)),
-        options(given),
-        grid(std::make_shared<const detail::ResampledBone>(detail::resample_bone(bone, given.voxel_mm))) {}
+  State(const BoneModel& model, const RemainingBoneOptions& given)
+      : bone(before_drilling(model)), options(given), grid(grid_of(model, bone, given.voxel_mm)) {}
+
+  static HoleGrid grid_of(const BoneModel& model, const BoneModel& before, double voxel_mm) {
+    auto resampled = std::make_shared<const detail::ResampledBone>(detail::resample_bone(before, voxel_mm));
+    HoleGrid::SavedBlocks drilled;
+    if (is_drilled(model)) drilled = detail::sample_hole(*model.grids().hole, *resampled);
+    return HoleGrid(std::move(resampled), std::move(drilled));
+  }
 
   void close() {
     if (!is_open) return;
@@ -130,11 +137,11 @@ struct RemainingBone::State {
   }
 };
 
-RemainingBone::RemainingBone(BoneModel bone, const RemainingBoneOptions& options) {
+RemainingBone::RemainingBone(const BoneModel& bone, const RemainingBoneOptions& options) {
   if (!(options.tolerance_voxels > 0.0)) {
     fail("remaining bone: expected a tolerance above 0 voxels, found ", options.tolerance_voxels);
   }
-  state_ = std::make_unique<State>(std::move(bone), options);
+  state_ = std::make_unique<State>(bone, options);
 }
 
 RemainingBone::~RemainingBone() = default;

@@ -30,9 +30,10 @@ struct RemainingBoneOptions {
 /// bits at any number of threads.
 class RemainingBone {
  public:
-  /// Resamples the bone: tri-quadratic, a voxel's centre on the origin, near the surface only. Throws Error on a voxel
+  /// Resamples the bone: tri-quadratic, a voxel's centre on the origin, near the surface only. A hole that was drilled
+  /// into it before (is_drilled()) is a hole here too, but cannot be undone. Throws Error on a voxel
   /// or a tolerance that is not above 0, and on voxels so small that there are over 2^36 in the bone's box.
-  explicit RemainingBone(BoneModel bone, const RemainingBoneOptions& options = {});
+  explicit RemainingBone(const BoneModel& bone, const RemainingBoneOptions& options = {});
   ~RemainingBone();
   RemainingBone(RemainingBone&&) noexcept;
   RemainingBone& operator=(RemainingBone&&) noexcept;
@@ -50,11 +51,12 @@ class RemainingBone {
   bool undo();
   /// Drills again what undo() put back last; false when there is nothing, or drill() came between.
   bool redo();
-  /// The bone as it was. Cannot be undone.
+  /// The bone as it was at the start. Cannot be undone.
   void reset();
   std::size_t holes_to_undo() const;
   std::size_t holes_to_redo() const;
 
+  /// Before anything was drilled.
   const BoneModel& bone() const;
   double voxel_mm() const;
   /// How far from their surfaces distances are kept; they are clamped to it.

@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/hu_colour.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/drawn_solid.h"
 
@@ -31,12 +33,11 @@ struct Camera {
   double mm_per_pixel = 0.0;
   double reach_mm = 0.0;
 
-  Camera(const BoneModel& shown, const RenderOptions& options)
+  Camera(const FloatGrid& grid, const RenderOptions& options)
       : forward(-options.from.normalized()), right(forward.cross(options.up).normalized()), up(right.cross(forward)) {
     constexpr double kMargin = 1.06;
     // The leaves of the narrow band lie along the whole surface.
     Box3 seen_mm;
-    const FloatGrid& grid = *shown.grids().sdf;
     for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
       const Vec3 p_mm = detail::from_vdb(grid.indexToWorld(leaf->origin().asVec3d() + openvdb::Vec3d(3.5)));
       seen_mm.extend(Vec3(p_mm.dot(right), p_mm.dot(up), p_mm.dot(forward)));
@@ -45,6 +46,11 @@ struct Camera {
     centre_mm = centre.x() * right + centre.y() * up + centre.z() * forward;
     mm_per_pixel = kMargin * std::max(seen_mm.sizes().x() / options.width, seen_mm.sizes().y() / options.height);
     reach_mm = seen_mm.sizes().norm();
+    if (!options.close_up) return;
+    mm_per_pixel = options.close_up->width_mm / options.width;
+    // Looked at from beyond all of the bone, wherever that place is.
+    reach_mm += (options.close_up->centre_mm - centre_mm).norm();
+    centre_mm = options.close_up->centre_mm;
   }
 
   /// Start of the ray through a place of the picture, pixels from its upper left corner.
@@ -58,15 +64,22 @@ struct Camera {
 struct Scene {
   const BoneModel& bone;
   const RenderOptions& options;
+  /// What is seen: the first without the second, each with its own surface, so that the rim between them is sharp.
+  FloatGrid::ConstPtr bone_grid;
+  FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
   Camera camera;
-  Intersector intersector;
+  Intersector to_bone;
+  std::optional<Intersector> to_hole = {};
   std::vector<DrawnSolid> solids;
 
   Scene(const BoneModel& shown, const RenderOptions& how)
       : bone(shown),
         options(how),
-        camera(how.uncut != nullptr ? *how.uncut : shown, how),
-        intersector(*shown.grids().sdf) {
+        bone_grid(shown.grids().before ? shown.grids().before : shown.grids().sdf),
+        hole_grid(shown.grids().hole),
+        camera(*bone_grid, how),
+        to_bone(*bone_grid) {
+    if (hole_grid && hole_grid->activeVoxelCount() > 0) to_hole.emplace(*hole_grid);
     constexpr double kRodMm = 0.7;
     const Colour steel(0.55, 0.60, 0.68), green(0.10, 0.62, 0.28);
     if (how.bit) solids.emplace_back(how.bit->bit, how.bit->pose, steel);
@@ -81,7 +94,21 @@ struct Scene {
 /// One thread's view of the grids.
 class Tracer {
  public:
-  explicit Tracer(const Scene& scene) : Tracer(scene, scene.bone, scene.options) {}
+  explicit Tracer(const Scene& scene)
+      : scene_(scene),
+        to_bone_(scene.to_bone),
+        to_hole_(scene.to_hole),
+        bone_accessor_(scene.bone_grid->getConstAccessor()),
+        bone_(bone_accessor_, scene.bone_grid->transform()),
+        // Never asked where there is no hole.
+        hole_accessor_((scene.hole_grid ? scene.hole_grid : scene.bone_grid)->getConstAccessor()),
+        hole_(hole_accessor_, scene.bone_grid->transform()),
+        hu_accessor_(scene.bone.grids().hu->getConstAccessor()),
+        hu_(hu_accessor_, scene.bone.grids().hu->transform()),
+        cut_(scene.options.cut),
+        step_mm_(scene.bone.voxel_mm()) {
+    if (cut_) cut_->normal.normalize();
+  }
 
   /// The colour at the end of a ray: what surfaces keep back of the light from behind, from the eye on.
   Colour trace(const Vec3& start_mm) {
@@ -98,13 +125,16 @@ class Tracer {
     }
     Colour colour = Colour::Zero();
     double light = 1.0;
-    double way_mm = 0.0;
-    for (int surface = 0; surface < kMostSurfaces; ++surface) {
-      way_mm = next_surface_mm(start_mm, way_mm);
-      if (!(way_mm < solid_mm)) break;
-      const Vec3 p_mm = start_mm + way_mm * forward;
-      const double kept = is_new(p_mm) ? std::max(scene_.options.opacity, kNewOpacity) : scene_.options.opacity;
-      if (kept > 0.0) colour += light * kept * shade(surface_colour(p_mm), normal(p_mm), p_mm);
+    begin_ray(start_mm);
+    for (int n = 0; n < kMostSurfaces; ++n) {
+      const Surface surface = next_surface(start_mm);
+      if (!(surface.way_mm < solid_mm)) break;
+      const Vec3 p_mm = start_mm + surface.way_mm * forward;
+      const bool is_new = surface.kind != Kind::bone;
+      const double kept = is_new ? std::max(scene_.options.opacity, kNewOpacity) : scene_.options.opacity;
+      if (kept > 0.0) {
+        colour += light * kept * shade(is_new ? cut_colour(p_mm) : kBone, normal(p_mm, surface.kind), p_mm);
+      }
       light *= 1.0 - kept;
       if (light < kLeastLight) return colour;
     }
@@ -114,43 +144,79 @@ class Tracer {
   }
 
  private:
+  inline static const Colour kBone{0.94, 0.89, 0.79};
   static constexpr double kNewOpacity = 0.75;
   static constexpr double kLeastLight = 1e-3;
 
-  Tracer(const Scene& scene, const BoneModel& bone, const RenderOptions& options)
-      : scene_(scene),
-        intersector_(scene.intersector),
-        sdf_accessor_(bone.grids().sdf->getConstAccessor()),
-        sdf_(sdf_accessor_, bone.grids().sdf->transform()),
-        hu_accessor_(bone.grids().hu->getConstAccessor()),
-        hu_(hu_accessor_, bone.grids().hu->transform()),
-        uncut_grid_(options.uncut != nullptr ? options.uncut->grids().sdf : bone.grids().sdf),
-        uncut_accessor_(uncut_grid_->getConstAccessor()),
-        uncut_(uncut_accessor_, uncut_grid_->transform()),
-        new_depth_mm_(options.uncut != nullptr ? 1.5 * bone.voxel_mm() : 1e30),
-        step_mm_(bone.voxel_mm()) {}
+  /// Where a ray goes into what is left of the bone, or out of it.
+  enum class Kind { bone, wall, cut };
+  struct Surface {
+    double way_mm = DrawnSolid::kMissed;
+    Kind kind = Kind::bone;
+  };
 
   static Colour background() { return {1.0, 1.0, 1.0}; }
 
-  /// Where the ray next goes into bone or out of it, beyond `from_mm`; infinite: nowhere.
-  double next_surface_mm(const Vec3& start_mm, double from_mm) {
+  double next_crossing_mm(Intersector& intersector, const Vec3& start_mm, double begin_mm) const {
     using Ray = openvdb::math::Ray<double>;
-    const double begin_mm = from_mm > 0.0 ? from_mm + 0.02 * step_mm_ : 0.0;
     const Ray ray(detail::to_vdb(start_mm), detail::to_vdb(scene_.camera.forward), begin_mm);
     openvdb::Vec3d hit;
-    if (!intersector_.intersectsWS(ray, hit)) return DrawnSolid::kMissed;
+    if (!intersector.intersectsWS(ray, hit)) return DrawnSolid::kMissed;
     return (detail::from_vdb(hit) - start_mm).dot(scene_.camera.forward);
   }
 
-  bool is_new(const Vec3& p_mm) { return -static_cast<double>(uncut_.wsSample(detail::to_vdb(p_mm))) >= new_depth_mm_; }
+  /// From outside of everything, or from where the ray goes through the cut.
+  void begin_ray(const Vec3& start_mm) {
+    begin_mm_ = 0.0;
+    end_mm_ = DrawnSolid::kMissed;
+    if (cut_) {
+      const double above_mm = (start_mm - cut_->point_mm).dot(cut_->normal);
+      const double rise = scene_.camera.forward.dot(cut_->normal);
+      if (rise < 0.0) begin_mm_ = std::max(0.0, -above_mm / rise);
+      if (rise > 0.0) end_mm_ = -above_mm / rise;
+      if (rise == 0.0 && above_mm > 0.0) end_mm_ = 0.0;
+    }
+    is_left_ = false;
+    bone_crossing_mm_ = begin_mm_ > 0.0 ? begin_mm_ : next_crossing_mm(to_bone_, start_mm, 0.0);
+    hole_crossing_mm_ = DrawnSolid::kMissed;
+    // A hole without bone around is not seen.
+    const bool may_see_hole = to_hole_ && bone_crossing_mm_ < DrawnSolid::kMissed;
+    if (may_see_hole) hole_crossing_mm_ = next_crossing_mm(*to_hole_, start_mm, begin_mm_);
+  }
 
-  double distance_mm(const Vec3& p_mm) { return static_cast<double>(sdf_.wsSample(detail::to_vdb(p_mm))); }
+  Surface next_surface(const Vec3& start_mm) {
+    // A little further on, so that the same surface is not met again. What is there is looked up and not counted: the
+    // hole is kept only near the bone, so that not all ways into it are met.
+    const double further_mm = 0.02 * step_mm_;
+    while (true) {
+      const bool is_wall = hole_crossing_mm_ < bone_crossing_mm_;
+      double& crossing_mm = is_wall ? hole_crossing_mm_ : bone_crossing_mm_;
+      const double way_mm = crossing_mm;
+      if (!(way_mm < end_mm_)) return {};
+      crossing_mm = next_crossing_mm(is_wall ? *to_hole_ : to_bone_, start_mm, way_mm + further_mm);
+      const bool was_left = is_left_;
+      is_left_ = distance_mm(start_mm + (way_mm + further_mm) * scene_.camera.forward) < 0.0;
+      const bool is_cut = begin_mm_ > 0.0 && way_mm == begin_mm_;
+      if (is_left_ != was_left) return {way_mm, is_cut ? Kind::cut : is_wall ? Kind::wall : Kind::bone};
+    }
+  }
 
-  Vec3 normal(const Vec3& p_mm) {
+  double bone_mm(const Vec3& p_mm) { return static_cast<double>(bone_.wsSample(detail::to_vdb(p_mm))); }
+  double hole_mm(const Vec3& p_mm) { return static_cast<double>(hole_.wsSample(detail::to_vdb(p_mm))); }
+  double distance_mm(const Vec3& p_mm) {
+    double distance_mm = bone_mm(p_mm);
+    if (to_hole_) distance_mm = std::max(distance_mm, -hole_mm(p_mm));
+    if (cut_) distance_mm = std::max(distance_mm, (p_mm - cut_->point_mm).dot(cut_->normal));
+    return distance_mm;
+  }
+
+  Vec3 normal(const Vec3& p_mm, Kind kind) {
+    if (kind == Kind::cut) return cut_->normal;
+    const bool is_wall = kind == Kind::wall;
     Vec3 slope;
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = step_mm_ * Vec3::Unit(axis);
-      slope[axis] = distance_mm(p_mm + step) - distance_mm(p_mm - step);
+      slope[axis] = is_wall ? hole_mm(p_mm - step) - hole_mm(p_mm + step) : bone_mm(p_mm + step) - bone_mm(p_mm - step);
     }
     return slope.norm() > 0.0 ? slope.normalized() : Vec3(-scene_.camera.forward);
   }
@@ -179,29 +245,28 @@ class Tracer {
     return (surface * light_on(n) * openness(p_mm, n)).min(1.0);
   }
 
-  /// Bone on the old surface; on a new one, dark red marrow to white cortex by CT number.
-  Colour surface_colour(const Vec3& p_mm) {
-    constexpr double kMarrowHu = -50.0;
-    constexpr double kCortexHu = 800.0;
-    Colour bone(0.94, 0.89, 0.79);
-    if (!is_new(p_mm)) return bone;
-    const Colour marrow(0.62, 0.20, 0.16);
-    const Colour cortex(1.0, 0.97, 0.90);
-    const double hu = static_cast<double>(hu_.wsSample(detail::to_vdb(p_mm)));
-    const double t = std::clamp((hu - kMarrowHu) / (kCortexHu - kMarrowHu), 0.0, 1.0);
-    return marrow + t * (cortex - marrow);
+  /// Close to the bone's surface the CT holds what is outside too: there it is that of a little deeper.
+  Colour cut_colour(const Vec3& p_mm) {
+    const double missing_mm = 1.5 * step_mm_ + bone_mm(p_mm);
+    const Vec3 deep_mm = missing_mm > 0.0 ? Vec3(p_mm - missing_mm * normal(p_mm, Kind::bone)) : p_mm;
+    return hu_colour(static_cast<double>(hu_.wsSample(detail::to_vdb(deep_mm))));
   }
 
   const Scene& scene_;
-  Intersector intersector_;
-  FloatGrid::ConstAccessor sdf_accessor_;
-  Sampler sdf_;
+  Intersector to_bone_;
+  std::optional<Intersector> to_hole_;
+  double bone_crossing_mm_ = 0.0;  ///< where the ray next goes through the surface; kMissed: nowhere
+  double hole_crossing_mm_ = 0.0;
+  double begin_mm_ = 0.0;  ///< of the ray that is seen: from here
+  double end_mm_ = 0.0;    ///< to here
+  bool is_left_ = false;   ///< whether there is bone where the ray has got to
+  FloatGrid::ConstAccessor bone_accessor_;
+  Sampler bone_;
+  FloatGrid::ConstAccessor hole_accessor_;
+  Sampler hole_;
   FloatGrid::ConstAccessor hu_accessor_;
   Sampler hu_;
-  FloatGrid::ConstPtr uncut_grid_;
-  FloatGrid::ConstAccessor uncut_accessor_;
-  Sampler uncut_;
-  double new_depth_mm_;
+  std::optional<CutPlane> cut_;
   double step_mm_;
 };
 
@@ -259,6 +324,12 @@ Image render_bone(const BoneModel& bone, const RenderOptions& options, const Pro
   if (!(options.from.cross(options.up).norm() > 1e-9)) fail("render: the view and its up direction are parallel");
   if (!(options.opacity >= 0.0 && options.opacity <= 1.0)) {
     fail("render: expected an opacity from 0 to 1, found ", options.opacity);
+  }
+  if (options.close_up && !(options.close_up->centre_mm.allFinite() && options.close_up->width_mm > 0.0)) {
+    fail("render: expected a close-up of a finite place, wider than 0 mm");
+  }
+  if (options.cut && !(options.cut->point_mm.allFinite() && options.cut->normal.norm() > 0.0)) {
+    fail("render: expected a cut through a finite point, with a normal that is not zero");
   }
   const Scene scene(bone, options);
   const std::vector<Colour> centres = pixel_centres(scene, progress);

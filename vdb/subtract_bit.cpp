@@ -1,9 +1,6 @@
 #include "vdb/subtract_bit.h"
 
-#include <openvdb/tools/LevelSetFilter.h>
-#include <openvdb/tools/LevelSetRebuild.h>
 #include <openvdb/tools/Prune.h>
-#include <openvdb/tools/SignedFloodFill.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -23,39 +20,44 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 
-/// max(bone, cut) in every leaf that meets `box` (index space). `cut.at(p)` is the distance of the kept half space or
-/// of the outside of a tool, mm: negative where bone may stay. `cut.near(p, reach_mm)` is the same cut for places
-/// within `reach_mm` of p alone, which may be cheaper.
-template <class Cut>
-BoneModel intersect(const BoneModel& bone, const CoordBBox& box, const Cut& cut) {
-  const FloatGrid::Ptr grid = bone.grids().sdf->deepCopy();
-  const float band = grid->background();
-  const openvdb::math::Transform& transform = grid->transform();
-  // The inside is stored as tiles; those near the cut become leaves, so that the new surface has voxels.
-  const double reach_mm = static_cast<double>(band) + 16.0 * grid->voxelSize()[0];
-  std::vector<Coord> leaf_origins;
+using Leaf = FloatGrid::TreeType::LeafNodeType;
+
+/// From a leaf's middle to its corners' voxels.
+double leaf_reach_mm(const FloatGrid& grid) { return 3.5 * std::sqrt(3.0) * grid.voxelSize()[0]; }
+
+Vec3 middle_mm(const FloatGrid& grid, const Coord& leaf_origin) {
+  return detail::from_vdb(grid.indexToWorld(leaf_origin.asVec3d() + openvdb::Vec3d(3.5)));
+}
+
+/// Origins of those leaves within `box` (index space) that hold bone or its band and that `wanted` takes, in order.
+template <class Wanted>
+std::vector<Coord> leaves_with_bone(const FloatGrid& bone, const CoordBBox& box, const Wanted& wanted) {
+  std::vector<Coord> origins;
   for (int k = box.min().z() & ~7; k <= box.max().z(); k += 8) {
     for (int j = box.min().y() & ~7; j <= box.max().y(); j += 8) {
       for (int i = box.min().x() & ~7; i <= box.max().x(); i += 8) {
         const Coord origin(i, j, k);
-        const Vec3 centre_mm = detail::from_vdb(transform.indexToWorld(origin.asVec3d() + openvdb::Vec3d(3.5)));
-        if (cut.at(centre_mm) < -reach_mm) continue;
-        const bool inside_or_band =
-            grid->tree().probeConstLeaf(origin) != nullptr || grid->tree().getValue(origin) < 0.0F;
-        if (inside_or_band) leaf_origins.push_back(origin);
+        const bool is_bone = bone.tree().probeConstLeaf(origin) != nullptr || bone.tree().getValue(origin) < 0.0F;
+        if (is_bone && wanted(origin)) origins.push_back(origin);
       }
     }
   }
-  std::vector<FloatGrid::TreeType::LeafNodeType*> leaves;
-  leaves.reserve(leaf_origins.size());
-  for (const Coord& origin : leaf_origins) leaves.push_back(grid->tree().touchLeaf(origin));
+  return origins;
+}
+
+/// Changes all values of some leaves, which are made where there are none. `prepare(origin)` gives what makes of a
+/// value and its voxel a new value. Those within the band are active.
+template <class Prepare>
+void change_leaves(FloatGrid& grid, const std::vector<Coord>& origins, const Prepare& prepare) {
+  const float band = grid.background();
+  std::vector<Leaf*> leaves;
+  leaves.reserve(origins.size());
+  for (const Coord& origin : origins) leaves.push_back(grid.tree().touchLeaf(origin));
   tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t index) {
-    auto& leaf = *leaves[index];
-    const Vec3 centre_mm = detail::from_vdb(transform.indexToWorld(leaf.origin().asVec3d() + openvdb::Vec3d(3.5)));
-    const Cut near = cut.near(centre_mm, 3.5 * std::sqrt(3.0) * grid->voxelSize()[0]);
-    for (openvdb::Index offset = 0; offset < FloatGrid::TreeType::LeafNodeType::SIZE; ++offset) {
-      const Vec3 p_mm = detail::from_vdb(transform.indexToWorld(leaf.offsetToGlobalCoord(offset)));
-      const float value = std::clamp(std::max(leaf.getValue(offset), static_cast<float>(near.at(p_mm))), -band, band);
+    Leaf& leaf = *leaves[index];
+    const auto change = prepare(leaf.origin());
+    for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+      const float value = std::clamp(change(leaf.getValue(offset), leaf.offsetToGlobalCoord(offset)), -band, band);
       if (std::abs(value) < band) {
         leaf.setValueOn(offset, value);
       } else {
@@ -63,10 +65,7 @@ BoneModel intersect(const BoneModel& bone, const CoordBBox& box, const Cut& cut)
       }
     }
   });
-  openvdb::tools::pruneLevelSet(grid->tree());
-  auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
-  grids->sdf = grid;
-  return BoneModel(grids);
+  openvdb::tools::pruneLevelSet(grid.tree());
 }
 
 CoordBBox index_box(const BoneModel& bone, const Box3& box_mm) {
@@ -96,38 +95,57 @@ struct SweptAlong {
   double distance_mm(const Vec3& p_mm) const { return bit_distance_mm(profile, pose, p_mm); }
 };
 
-/// What lies outside all of some bits.
-class OutsideBits {
+/// What some bits took.
+class SweptBits {
  public:
-  explicit OutsideBits(std::vector<const SweptAlong*> bits) : bits_(std::move(bits)) {}
+  explicit SweptBits(std::vector<const SweptAlong*> bits) : bits_(std::move(bits)) {}
 
-  double at(const Vec3& p_mm) const {
+  /// To the nearest of them, negative within.
+  double distance_mm(const Vec3& p_mm) const {
     double nearest_mm = std::numeric_limits<double>::infinity();
     for (const SweptAlong* bit : bits_) nearest_mm = std::min(nearest_mm, bit->distance_mm(p_mm));
-    return -nearest_mm;
+    return nearest_mm;
   }
-  /// A distance changes by no more than the way: bits further than the nearest by twice the reach are never nearest.
-  OutsideBits near(const Vec3& p_mm, double reach_mm) const {
-    const double nearest_mm = -at(p_mm);
+  /// The same for places within `reach_mm` of p. A distance changes by no more than the way: bits further than the
+  /// nearest by twice the reach are never nearest.
+  SweptBits near(const Vec3& p_mm, double reach_mm) const {
+    const double nearest_mm = distance_mm(p_mm);
     std::vector<const SweptAlong*> kept;
     for (const SweptAlong* bit : bits_) {
       if (bit->distance_mm(p_mm) <= nearest_mm + 2.0 * reach_mm) kept.push_back(bit);
     }
-    return OutsideBits(std::move(kept));
+    return SweptBits(std::move(kept));
   }
 
  private:
   std::vector<const SweptAlong*> bits_;
 };
 
-/// What lies on the side of a plane that its normal points away from.
-struct BehindPlane {
-  Vec3 point_mm;
-  Vec3 normal;
-
-  double at(const Vec3& p_mm) const { return (p_mm - point_mm).dot(normal); }
-  BehindPlane near(const Vec3& /*p_mm*/, double /*reach_mm*/) const { return *this; }
-};
+/// The hole with what bits took more, near the bone as it was before; leaves that changed go to `changed`.
+FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordBBox& box, const SweptBits& bits,
+                            std::vector<Coord>& changed) {
+  const FloatGrid& before = *(bone.before ? bone.before : bone.sdf);
+  FloatGrid::Ptr hole;
+  if (bone.hole) {
+    hole = bone.hole->deepCopy();
+  } else {
+    hole = FloatGrid::create(before.background());
+    hole->setTransform(before.transform().copy());
+    hole->setGridClass(openvdb::GRID_LEVEL_SET);
+    hole->setName("hole");
+  }
+  const double reach_mm = leaf_reach_mm(before);
+  const double band_mm = static_cast<double>(before.background());
+  changed = leaves_with_bone(before, box, [&](const Coord& origin) {
+    return bits.distance_mm(middle_mm(before, origin)) < band_mm + reach_mm;
+  });
+  change_leaves(*hole, changed, [&](const Coord& origin) {
+    return [&hole, near = bits.near(middle_mm(*hole, origin), reach_mm)](float value, const Coord& voxel) {
+      return std::min(value, static_cast<float>(near.distance_mm(detail::from_vdb(hole->indexToWorld(voxel)))));
+    };
+  });
+  return hole;
+}
 
 }  // namespace
 
@@ -149,17 +167,25 @@ BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<con
     reaching.push_back(&bit_way);
   }
   if (reaching.empty()) return bone;
-  return intersect(bone, index_box(bone, box_mm), OutsideBits(std::move(reaching)));
+  const auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
+  std::vector<Coord> changed;
+  const FloatGrid::Ptr hole =
+      widened_hole(bone.grids(), index_box(bone, box_mm), SweptBits(std::move(reaching)), changed);
+  const FloatGrid::Ptr sdf = bone.grids().sdf->deepCopy();
+  change_leaves(*sdf, changed, [&](const Coord&) {
+    return [hole_values = hole->getConstAccessor()](float value, const Coord& voxel) {
+      return std::max(value, -hole_values.getValue(voxel));
+    };
+  });
+  grids->before = bone.grids().before ? bone.grids().before : bone.grids().sdf;
+  grids->hole = hole;
+  grids->sdf = sdf;
+  return BoneModel(grids);
 }
 
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end) {
   const BitWay way{start, end};
   return subtract_bit(bone, bit, {&way, 1});
-}
-
-BoneModel cut_by_plane(const BoneModel& bone, const Vec3& point_mm, const Vec3& normal) {
-  if (!(normal.norm() > 0.0) || !point_mm.allFinite()) fail("cutting: expected a point, and a normal that is not zero");
-  return intersect(bone, index_box(bone, bone.bounds_mm()), BehindPlane{point_mm, normal.normalized()});
 }
 
 }  // namespace spinaltap

@@ -10,13 +10,10 @@ namespace spinaltap {
 
 /// The bone without what a bit took that moved along its own axis from `start` to `end` (patient LPS, mm; same axis):
 /// the larger of the bone's distance and minus the swept bit's. The swept bit is the bit at `end`, lengthened backwards
-/// by the way. Throws Error when the axes differ.
+/// by the way. The bone as it was and the hole are kept beside it: see is_drilled(). Throws Error when the axes differ.
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end);
 
 /// The same for many ways, in one go over the bone.
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways);
-
-/// The part of the bone on the side of a plane that `normal` points away from: for cut-open pictures.
-BoneModel cut_by_plane(const BoneModel& bone, const Vec3& point_mm, const Vec3& normal);
 
 }  // namespace spinaltap

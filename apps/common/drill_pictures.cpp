@@ -1,29 +1,25 @@
 #include "apps/common/drill_pictures.h"
 
+#include <optional>
+
 #include "apps/common/picture_view.h"
 #include "vdb/render.h"
-#include "vdb/subtract_bit.h"
 
 namespace spinaltap {
 
 std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,
                                           const Progress& progress) {
-  RenderOptions behind;
-  behind.from = Vec3(0.0, 1.0, 0.3);
-  behind.uncut = &bone;
-  const auto seen = [&](const PictureView& view) {
-    RenderOptions options = behind;
+  const RenderOptions behind{.from = Vec3(0.0, 1.0, 0.3)};
+  const auto seen = [](const PictureView& view, const std::optional<CutPlane>& cut) {
+    RenderOptions options;
     options.from = view.from;
     options.up = view.up;
+    options.cut = cut;
     return options;
   };
-  const RenderOptions oblique = seen(view_of_hole(path, bone));
-  const PictureCut along = cut_along_path(path);
-  const BoneModel opened = cut_by_plane(drilled, along.point_mm, along.normal);
-  const RenderOptions from_below = seen(view_onto(along));
-  const PictureCut upright = upright_cut(path, bone);
-  const BoneModel opened_side = cut_by_plane(drilled, upright.point_mm, upright.normal);
-  const RenderOptions from_side = seen(view_onto(upright));
+  const RenderOptions oblique = seen(view_of_hole(path, bone), {});
+  const CutPlane along = cut_along_path(path);
+  const CutPlane upright = upright_cut(path, bone);
 
   std::vector<ReportPicture> pictures;
   pictures.push_back({render_bone(bone, behind, progress), "Before, from behind"});
@@ -31,10 +27,10 @@ std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel
   pictures.push_back({render_bone(bone, oblique, progress), "Before, from the side of the hole"});
   pictures.push_back({render_bone(drilled, oblique, progress), "After, from the side of the hole"});
   pictures.push_back(
-      {render_bone(opened, from_below, progress),
+      {render_bone(drilled, seen(view_onto(along), along), progress),
        "After, cut open along the path and seen from the feet, as on the axial slice: marrow red, cortex "
        "white, by CT number"});
-  pictures.push_back({render_bone(opened_side, from_side, progress),
+  pictures.push_back({render_bone(drilled, seen(view_onto(upright), upright), progress),
                       "After, cut upright along the path and seen from the side of the hole"});
   return pictures;
 }

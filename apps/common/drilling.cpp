@@ -10,8 +10,7 @@
 #include "core/sim/straight_ways.h"
 #include "core/sim/timing.h"
 #include "mesh/remaining_mesh.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/bone_field.h"
 #include "vdb/subtract_bit.h"
 
 namespace spinaltap {
@@ -61,12 +60,14 @@ void count_points(const BuiltSession& built, Drilling& drilling) {
   drilling.bytes_per_point = static_cast<double>(bytes) / static_cast<double>(drilling.points);
 }
 
-/// The bone without what the bit took. Its grid no longer knows where the hole's rim was between voxels; here bone and
-/// hole are kept apart, in voxels of the same size.
-TriangleMesh surface_without(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways) {
-  RemainingBone remaining(bone, {.voxel_mm = bone.voxel_mm(), .undo_bytes = 0});
-  for (const BitWay& way : ways) remaining.drill(bit, std::array{way.start, way.end});
-  return join_blocks(RemainingSurface(remaining).blocks());
+/// The pose that got furthest along the path.
+Pose deepest_pose(std::span<const ToolInput> inputs, const DrillPath& path) {
+  const auto depth_mm = [&](const ToolInput& input) {
+    return (input.pose.tip_mm - path.entry_mm).dot(path.direction());
+  };
+  const auto deepest = std::max_element(
+      inputs.begin(), inputs.end(), [&](const ToolInput& a, const ToolInput& b) { return depth_mm(a) < depth_mm(b); });
+  return deepest == inputs.end() ? Pose{path.target_mm, path.direction()} : deepest->pose;
 }
 
 /// Watches a session's cycles, on the thread that runs them.
@@ -135,6 +136,10 @@ Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSour
   drilling.least_outer_mm = kInfinity;
   drilling.least_canal_mm = kInfinity;
 
+  std::vector<PointSplats> splats;
+  if (options.makes_splats) {
+    for (const PointVolume& volume : built.volumes) splats.emplace_back(volume, BoneField(bone.model()));
+  }
   InputLog inputs(expected_inputs(hand, options.real_time));
   Watch watch(session, options, log, inputs, drilling);
   const CycleObserver observe = [&](const Cycle& cycle) { watch.observe(cycle); };
@@ -158,7 +163,11 @@ Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSour
   progress.report("cutting the hole", 0.0);
   const std::vector<BitWay> ways = straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm);
   drilling.drilled = subtract_bit(bone.model(), setup.path.bit, ways);
-  drilling.surface = surface_without(bone.model(), setup.path.bit, ways);
+  drilling.surface = sharp_surface(drilling.drilled);
+  for (std::size_t n = 0; n < splats.size(); ++n) {
+    splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
+    drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());
+  }
   drilling.volumes = std::move(built.volumes);  // the points stay where the session knows them
   return drilling;
 }

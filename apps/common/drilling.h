@@ -9,6 +9,7 @@
 #include "core/base/progress.h"
 #include "core/base/scalar_field.h"
 #include "core/base/triangle_mesh.h"
+#include "core/drill/point_splats.h"
 #include "core/sim/drill_session.h"
 #include "core/sim/real_time.h"
 #include "core/sim/session_record.h"
@@ -20,6 +21,7 @@ struct DrillingOptions {
   const ScalarField* exact = nullptr;          ///< decides which points are bone, in place of the bone's grid
   double log_step_mm = 0.1;                    ///< depth that one row of the log stands for
   std::optional<RealTimeOptions> real_time{};  ///< paced by the clock; without: as fast as it goes
+  bool makes_splats = false;                   ///< of the points, for a picture
   RecordWriter* record = nullptr;              ///< gets every cycle and the events; closed by the caller
 };
 
@@ -44,8 +46,9 @@ struct Drilling {
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;
-  BoneModel drilled;     ///< the bone without the hole
-  TriangleMesh surface;  ///< the same, closed and outward, sharp at the hole's rim
+  BoneModel drilled;               ///< the bone without the hole
+  std::vector<PointSplat> splats;  ///< of all volumes, where asked for
+  TriangleMesh surface;            ///< the same, closed and outward, sharp at the hole's rim
   std::vector<DepthRow> rows;
 
   explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}

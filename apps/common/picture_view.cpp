@@ -41,20 +41,20 @@ PictureView view_of_hole(const DrillPath& path, const BoneModel& bone) {
   return {-path.direction() + side_of(path, bone) * 0.45 * Vec3::UnitX() + 0.25 * Vec3::UnitZ(), Vec3::UnitZ()};
 }
 
-PictureCut cut_along_path(const DrillPath& path) {
+CutPlane cut_along_path(const DrillPath& path) {
   const Vec3 along = path.direction();
   const Vec3 upward = Vec3::UnitZ() - Vec3::UnitZ().dot(along) * along;
   // Straight down a path from head to foot there is no such plane: any that holds it will do.
   return {path.entry_mm, upward.norm() > 1e-6 ? Vec3(-upward.normalized()) : Vec3(Vec3::UnitX())};
 }
 
-PictureCut upright_cut(const DrillPath& path, const BoneModel& bone) {
+CutPlane upright_cut(const DrillPath& path, const BoneModel& bone) {
   Vec3 normal = path.direction().cross(cut_along_path(path).normal).normalized();
   if (normal.x() * side_of(path, bone) < 0.0) normal = -normal;
   return {path.entry_mm, normal};
 }
 
-PictureView view_onto(const PictureCut& cut) {
+PictureView view_onto(const CutPlane& cut) {
   constexpr double kUpright = 0.7;  // more upright views have the patient's front up
   const bool is_from_below = std::abs(cut.normal.z()) > kUpright;
   return {cut.normal, is_from_below ? Vec3(-Vec3::UnitY()) : Vec3(Vec3::UnitZ())};
@@ -76,7 +76,7 @@ PictureView named_view(const std::string& name, const DrillPath* path, const Bon
   return {*direction, is_upright ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitY())};
 }
 
-PictureCut named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone) {
+CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone) {
   const Vec3 middle_mm =
       path != nullptr ? Vec3(0.5 * (path->entry_mm + path->target_mm)) : Vec3(bone.bounds_mm().center());
   if (name == "axial") return {middle_mm, -Vec3::UnitZ()};

@@ -4,6 +4,7 @@
 
 #include "core/drill/drill_path.h"
 #include "vdb/bone_model.h"
+#include "vdb/render.h"
 
 namespace spinaltap {
 
@@ -13,26 +14,20 @@ struct PictureView {
   Vec3 up = Vec3::UnitZ();
 };
 
-/// A plane that cuts a bone open: what its normal points to is taken away.
-struct PictureCut {
-  Vec3 point_mm = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();
-};
-
 /// From the hole's side, a little above it: straight down the path the hole would hide its own wall.
 PictureView view_of_hole(const DrillPath& path, const BoneModel& bone);
 /// Holds the path and is as near to a transaxial plane as that allows; takes away what lies below.
-PictureCut cut_along_path(const DrillPath& path);
+CutPlane cut_along_path(const DrillPath& path);
 /// Stands upright along the path; takes away what lies beside it, away from the middle.
-PictureCut upright_cut(const DrillPath& path, const BoneModel& bone);
+CutPlane upright_cut(const DrillPath& path, const BoneModel& bone);
 /// Straight onto a cut. From below the patient's front is up, as on transaxial slices.
-PictureView view_onto(const PictureCut& cut);
+PictureView view_onto(const CutPlane& cut);
 
 /// "behind", "front", "left", "right" (of the patient), "above", "below", "hole" (needs a path; else null), or the
 /// direction to the eye as "x,y,z". Throws Error on other names.
 PictureView named_view(const std::string& name, const DrillPath* path, const BoneModel& bone);
 /// "axial", "sagittal", "coronal": through the path's middle, or the bone's without one; "path" and "upright": see
 /// above. Throws Error on other names, and where there is no path.
-PictureCut named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone);
+CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone);
 
 }  // namespace spinaltap

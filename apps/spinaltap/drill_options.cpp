@@ -45,6 +45,9 @@ void DrillOptions::add_to(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(engine_kinds()))
       ->type_name("NAME");
   app.add_flag("--points", writes_points, "Also write the points left as points.vdb, for Houdini, Blender, ParaView");
+  app.add_flag(
+      "--splats", writes_splats,
+      "Also write the points that show as splats.ply, and the bone's surface around their cylinder as around.ply");
   app.add_option("--lead-in", volume.lead_in_mm, "How far before the entry the drilling starts, mm")
       ->capture_default_str()
       ->type_name("MM");

@@ -18,6 +18,7 @@ struct DrillOptions {
   std::filesystem::path material;  ///< the same
   std::filesystem::path field;     ///< a radial basis function that decides which points are bone; empty: the grid
   bool writes_points = false;
+  bool writes_splats = false;
   bool leaves_clearances = false;
   double log_step_mm = 0.1;
   SessionSetup setup;  ///< but for the path, the material and the bone's hash

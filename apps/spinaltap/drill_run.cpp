@@ -17,6 +17,7 @@
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_file.h"
 #include "core/sim/session_record.h"
+#include "mesh/cut_out.h"
 #include "mesh/mesh_io.h"
 #include "vdb/points_file.h"
 
@@ -83,6 +84,7 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
   DrillingOptions how{.exact = field ? &*field : nullptr,
                       .log_step_mm = options.log_step_mm,
                       .real_time = options.real_time(hand),
+                      .makes_splats = options.writes_splats,
                       .record = recording.writer()};
   const Drilling drilling = drill_bone(session_bone, setup, *hand.hand, how, progress);
   recording.close(drilling.events);
@@ -103,6 +105,12 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
     const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
     write_points(drilling.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
                  {.density = density.law});
+  }
+  if (options.writes_splats) {
+    output.write(folder / "splats.ply", splats_ply(drilling.splats));
+    const DiscPattern& pattern = drilling.volumes.front().pattern();
+    const double radius_mm = (pattern.ring_count() - 0.5) * pattern.spacing_mm();  // that the points stand for
+    write_mesh(cut_out_cylinder(bone, path, radius_mm, setup.volume.lead_in_mm), output.stage(folder / "around.ply"));
   }
   output.write(folder / "report.html", drill_report(data));
   output.commit();

@@ -1,9 +1,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
+#include <iomanip>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include "apps/common/picture_view.h"
 #include "apps/common/plan_file.h"
@@ -14,15 +15,15 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "vdb/render.h"
-#include "vdb/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
 
 struct Options {
-  std::filesystem::path bone, output = "bone.png", before, plan, record, frames;
+  std::filesystem::path bone, output = "bone.png", plan, record, frames;
   std::string path, view, cut, size = "900x700";
   std::optional<double> at_s;
+  std::optional<double> close_up_mm;
   double opacity = 1.0;
   double frames_per_s = 25.0;
   double speed = 1.0;
@@ -59,32 +60,34 @@ class Painter {
   Painter(const Options& options, const BoneModel& before, std::vector<DrillPath> paths) {
     const std::array<int, 2> size = size_of(options.size);
     const DrillPath* const path = paths.empty() ? nullptr : &paths.front();
-    if (!options.cut.empty()) cut_ = named_cut(options.cut, path, before);
+    if (!options.cut.empty()) render_.cut = named_cut(options.cut, path, before);
     PictureView view{Vec3(0.0, 1.0, 0.3), Vec3::UnitZ()};
     if (!options.view.empty()) {
       view = named_view(options.view, path, before);
-    } else if (cut_) {
-      view = view_onto(*cut_);
+    } else if (render_.cut) {
+      view = view_onto(*render_.cut);
     }
     // What lies between the eye and the plane is taken away.
-    if (cut_ && cut_->normal.dot(view.from) < 0.0) cut_->normal = -cut_->normal;
+    if (render_.cut && render_.cut->normal.dot(view.from) < 0.0) render_.cut->normal = -render_.cut->normal;
     render_.width = size[0];
     render_.height = size[1];
     render_.from = view.from;
     render_.up = view.up;
-    render_.uncut = &before;
     render_.opacity = options.opacity;
+    if (options.close_up_mm) {
+      if (path == nullptr) fail("--close-up needs a path: give a plan (--plan) or a record (--record)");
+      render_.close_up = CloseUp{path->entry_mm, *options.close_up_mm};
+    }
     render_.paths = std::move(paths);
   }
 
   void show(const DrillBit& bit, const Pose& pose) { render_.bit = RenderedBit{bit, pose}; }
 
   std::string png(const BoneModel& bone, const Progress& progress) const {
-    return encode_png(render_bone(cut_ ? cut_by_plane(bone, cut_->point_mm, cut_->normal) : bone, render_, progress));
+    return encode_png(render_bone(bone, render_, progress));
   }
 
  private:
-  std::optional<PictureCut> cut_;
   RenderOptions render_;
 };
 
@@ -108,10 +111,10 @@ Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, 
     progress.report("drawing frames", static_cast<double>(n) / static_cast<double>(count));
     hole.go_to(static_cast<double>(n) * step_s);
     painter.show(bit, hole.pose());
-    std::array<char, 16> name{};
-    std::snprintf(name.data(), name.size(), "%05zu.png", n + 1);
+    std::ostringstream name;
+    name << std::setw(5) << std::setfill('0') << n + 1 << ".png";
     StagedOutput output;
-    output.write(options.frames / name.data(), painter.png(hole.drilled(), {}));
+    output.write(options.frames / name.str(), painter.png(hole.drilled(), {}));
     output.commit();
   }
   progress.report("drawing frames", 1.0);
@@ -130,11 +133,10 @@ Json write_picture(const Options& options, const Painter& painter, const BoneMod
 
 Json render(const Options& options, const Progress& progress) {
   const BoneModel bone = read_bone(options.bone);
-  std::optional<BoneModel> before;
-  if (!options.before.empty()) before = read_bone(options.before);
+  const BoneModel before = before_drilling(bone);
   std::optional<Recorded> recorded;
   if (!options.record.empty()) recorded.emplace(options.record, bone);
-  Painter painter(options, before ? *before : bone, paths_of(options, recorded));
+  Painter painter(options, before, paths_of(options, recorded));
   if (!recorded) return write_picture(options, painter, bone, progress);
   const DrillBit& bit = recorded->setup.path.bit;
   RecordedHole hole(bone, recorded->record, bit, recorded->setup.options.longest_jump_mm);
@@ -151,22 +153,19 @@ void add_render(CLI::App& program, Command& command) {
   CLI::App* app = add_command(
       program, command, "render", "Draw a bone, its paths and holes as PNG, or the frames of a film of a record",
       "Example: spinaltap render bone.vdb --plan plan.json --opacity 0.4 -o planned.png\n"
-      "         spinaltap render drilled.vdb --before bone.vdb --plan plan.json --cut path -o cut.png\n"
+      "         spinaltap render drilled.vdb --plan plan.json --cut path -o cut.png\n"
       "         spinaltap render bone.vdb --record run.h5 --at 12.5 --view hole -o moment.png\n"
       "         spinaltap render bone.vdb --record run.h5 --cut upright --frames film --fps 25\n"
-      "Walls of a hole are coloured by CT number, marrow red to cortex white. No display is needed.");
+      "Walls of holes and cuts are coloured by CT number, marrow red to cortex white. No display is needed.");
   app->add_option("bone", options->bone, "bone.vdb or drilled.vdb; with --record the bone before it was drilled")
       ->required()
       ->type_name("BONE");
   app->add_option("-o,--output", options->output, "The picture to write")->capture_default_str()->type_name("FILE");
-  CLI::Option* before = app->add_option("--before", options->before,
-                                        "The bone before it was drilled: what is new is coloured by CT number");
-  before->type_name("BONE");
   CLI::Option* plan = app->add_option("--plan", options->plan, "Draw the paths of this plan")->type_name("FILE");
   app->add_option("--path", options->path, "Of these, only the one of this name")->needs(plan)->type_name("NAME");
   CLI::Option* record =
       app->add_option("--record", options->record, "Drill what this record holds, and draw its bit and path");
-  record->excludes(before)->excludes(plan)->type_name("RECORD");
+  record->excludes(plan)->type_name("RECORD");
   CLI::Option* at = app->add_option("--at", options->at_s, "Up to this moment of the record, s; default: its end");
   at->needs(record)->check(CLI::NonNegativeNumber);
   app->add_option("--view", options->view,
@@ -176,6 +175,8 @@ void add_render(CLI::App& program, Command& command) {
   app->add_option("--cut", options->cut,
                   "Cut the bone open: axial, sagittal, coronal through the path's middle, or path, upright along it")
       ->type_name("NAME");
+  app->add_option("--close-up", options->close_up_mm, "Show only so much around the path's entry, mm across")
+      ->check(CLI::PositiveNumber);
   app->add_option("--opacity", options->opacity, "Of the bone's own surface, 0 to 1")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));

@@ -14,6 +14,10 @@ namespace spinaltap::detail {
 struct BoneGrids {
   openvdb::FloatGrid::ConstPtr sdf;  ///< a level set: mm, negative inside
   openvdb::FloatGrid::ConstPtr hu;
+  /// Of a drilled bone, both or none: `sdf` as it was before, and a level set of what bits swept, kept near the bone.
+  /// The larger of the first and minus the second is `sdf`, which no longer knows where the rim between them was.
+  openvdb::FloatGrid::ConstPtr before;
+  openvdb::FloatGrid::ConstPtr hole;
   std::map<std::string, std::string> facts;
 };
 

@@ -14,8 +14,11 @@ constexpr std::uint32_t kAllInside = 1;
 
 }  // namespace
 
-HoleGrid::HoleGrid(std::shared_ptr<const ResampledBone> bone)
-    : bone_(std::move(bone)), holes_(bone_->lattice.count()), inside_places_(bone_->lattice.count(), kNoneInside) {
+HoleGrid::HoleGrid(std::shared_ptr<const ResampledBone> bone, SavedBlocks start)
+    : bone_(std::move(bone)),
+      holes_(bone_->lattice.count()),
+      start_(std::move(start)),
+      inside_places_(bone_->lattice.count(), kNoneInside) {
   clear();
 }
 
@@ -25,12 +28,16 @@ void HoleGrid::clear() {
     holes_[block].reset();
     changes_[block] = {VoxelBox::whole(), VoxelBox::whole()};
   }
+  for (const auto& [block, hole] : start_) {
+    holes_[block] = hole;
+    changes_[block] = {VoxelBox::whole(), VoxelBox::whole()};
+  }
   looks_.clear();
   inside_.assign(2, {});
   inside_[kAllInside].fill(~std::uint64_t{0});
   for (std::size_t block = 0; block < holes_.size(); ++block) {
     inside_places_[block] = bone_->places[block] == ResampledBone::kInside ? kAllInside : kNoneInside;
-    if (bone_->places[block] >= 0) find_inside(block);
+    if (bone_->places[block] >= 0 || holes_[block] != nullptr) find_inside(block);
   }
 }
 

@@ -22,7 +22,8 @@ class HoleGrid {
   using BlockPtr = std::shared_ptr<HoleBlock>;
   using SavedBlocks = std::vector<std::pair<std::size_t, BlockPtr>>;
 
-  explicit HoleGrid(std::shared_ptr<const ResampledBone> bone);
+  /// `start`: what was drilled before, to which clear() goes back.
+  explicit HoleGrid(std::shared_ptr<const ResampledBone> bone, SavedBlocks start = {});
 
   const ResampledBone& bone() const { return *bone_; }
   float hole_mm(std::size_t block, std::size_t offset) const {
@@ -39,7 +40,7 @@ class HoleGrid {
   void change_bit();
   /// Puts a block in place of another (null: nothing drilled there), which is returned.
   BlockPtr exchange(std::size_t block, BlockPtr hole);
-  /// As if nothing had been drilled.
+  /// As at the start.
   void clear();
 
   /// What changed since the last call, in order of the blocks.
@@ -63,7 +64,8 @@ class HoleGrid {
   void find_inside(std::size_t block);
 
   std::shared_ptr<const ResampledBone> bone_;
-  std::vector<std::shared_ptr<HoleBlock>> holes_;
+  std::vector<BlockPtr> holes_;
+  SavedBlocks start_;
   std::vector<std::uint32_t> inside_places_;
   std::vector<InsideBits> inside_;
   std::unordered_map<std::size_t, Look> looks_;

@@ -14,6 +14,7 @@
 #include "tests/support/temporary_folder.h"
 #include "vdb/bone_model.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/detail/vdb_file.h"
 #include "vdb/initialize.h"
 #include "vdb/subtract_bit.h"
 
@@ -39,6 +40,12 @@ BoneModel ball_bone() {
     hu.push_back(static_cast<std::int16_t>(i * 37 % 4096 - 1024));
   return bake_bone(kBall.field(), kBall.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {},
                    {{"source_hash", "0123"}, {"method", "ball, \"quoted\" Grad °"}, {"empty", ""}});
+}
+
+BoneModel drilled_bone() {
+  const Vec3 axis = Vec3(0.3, 0.5, 0.7).normalized();
+  const Pose pose{kBall.centre_mm, axis};
+  return subtract_bit(ball_bone(), DrillBit{}, pose, pose);
 }
 
 class BoneFile : public testing::Test {
@@ -93,10 +100,38 @@ TEST_F(BoneFile, IsALevelSetAndAnHuGridToOtherPrograms) {
 }
 
 TEST_F(BoneFile, GivesBackAlsoWhatHalfFloatsDoNotHold) {
-  // Most distances from an oblique plane are no half floats.
-  const BoneModel cut = cut_by_plane(ball_bone(), kBall.centre_mm, Vec3(0.3, 0.5, 0.7));
-  write_bone(cut, file("cut.vdb"));
-  expect_equal_grids(*cut.grids().sdf, *read_bone(file("cut.vdb")).grids().sdf);
+  // Most distances from a bit are no half floats.
+  const BoneModel drilled = drilled_bone();
+  write_bone(drilled, file("drilled.vdb"));
+  const BoneModel back = read_bone(file("drilled.vdb"));
+  expect_equal_grids(*drilled.grids().sdf, *back.grids().sdf);
+  ASSERT_TRUE(is_drilled(back));
+  expect_equal_grids(*drilled.grids().before, *back.grids().before);
+  expect_equal_grids(*drilled.grids().hole, *back.grids().hole);
+}
+
+TEST_F(BoneFile, IsRefusedWithHalfOfWhatADrilledBoneHas) {
+  const BoneModel drilled = drilled_bone();
+  detail::BoneGrids half = drilled.grids();
+  const auto write = [&](const char* name, const openvdb::FloatGrid& grid, openvdb::GridCPtrVec& grids) {
+    const auto copy = grid.deepCopy();
+    copy->setName(name);
+    grids.push_back(copy);
+  };
+  openvdb::GridCPtrVec grids;
+  write("sdf", *half.sdf, grids);
+  write("hu", *half.hu, grids);
+  write("hole", *half.hole, grids);
+  detail::write_vdb(file("half.vdb"), grids, "0123");
+  EXPECT_THAT([&] { read_bone(file("half.vdb")); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("half.vdb"), HasSubstr("before and hole"))));
+  // On other voxels than the bone's.
+  const auto moved = half.before->deepCopy();
+  moved->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+  write("before", *moved, grids);
+  detail::write_vdb(file("moved.vdb"), grids, "0123");
+  EXPECT_THAT([&] { read_bone(file("moved.vdb")); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("moved.vdb"), HasSubstr("before"))));
 }
 
 TEST_F(BoneFile, HasTheSameBytesInTwoRunsAndAtOneAndTwoThreads) {

@@ -178,21 +178,5 @@ TEST(SubtractBit, RefusesAMoveThatIsNotAlongTheAxis) {
   EXPECT_THROW(subtract_bit(ball_bone(), {0.0, 12.0, 5.0}, start, start), Error);
 }
 
-TEST(CutByPlane, KeepsTheSideThatTheNormalPointsAwayFrom) {
-  const Vec3 normal = Vec3(1.0, 2.0, -0.5);
-  const BoneModel half = cut_by_plane(ball_bone(), kBall.centre_mm, normal);
-  // The rim is rounded by a part of a voxel: 94 mm of it, times voxel², is 0.1%.
-  EXPECT_NEAR(volume_mm3(half), 0.5 * kBall.volume_mm3(), 0.005 * kBall.volume_mm3());
-  EXPECT_LT(test::distance_at(half, kBall.centre_mm - 3.0 * normal.normalized()), 0.0);
-  EXPECT_GT(test::distance_at(half, kBall.centre_mm + 3.0 * normal.normalized()), 0.0);
-  EXPECT_TRUE(measure_mesh(bone_surface(half)).closed());
-}
-
-TEST(CutByPlane, RefusesAPlaneWithoutANormal) {
-  EXPECT_THROW(cut_by_plane(ball_bone(), Vec3::Zero(), Vec3::Zero()), Error);
-  EXPECT_THROW(cut_by_plane(ball_bone(), Vec3::Zero(), Vec3::Constant(std::nan(""))), Error);
-  EXPECT_THROW(cut_by_plane(ball_bone(), Vec3::Constant(std::nan("")), Vec3::UnitX()), Error);
-}
-
 }  // namespace
 }  // namespace spinaltap

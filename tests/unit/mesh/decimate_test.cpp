@@ -1,0 +1,98 @@
+#include "mesh/decimate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/drill/bit_profile.h"
+#include "mesh/display_mesh.h"
+#include "mesh/remaining_mesh.h"
+#include "mesh/self_intersections.h"
+#include "tests/support/drilled_ball.h"
+#include "tests/support/mesh_shapes.h"
+#include "vdb/subtract_bit.h"
+
+namespace spinaltap {
+namespace {
+
+using test::kDrilledBall;
+
+const Vec3 kDown = Vec3(0.4, -0.2, -1.0).normalized();
+const Pose kStart{kDrilledBall.centre_mm - 20.0 * kDown, kDown};
+const Pose kEnd{kDrilledBall.centre_mm + 4.0 * kDown, kDown};
+
+const BoneModel& drilled_ball() {
+  static const BoneModel bone = subtract_bit(test::ball_to_drill(), test::paper_drill(), kStart, kEnd);
+  return bone;
+}
+
+/// How far a place is from the surface that the ball has without the drill's cylinder and cone.
+double off_surface_mm(const Vec3& p_mm) {
+  return std::abs(
+      std::max(kDrilledBall.distance_mm(p_mm), -bit_distance_mm(BitProfile(test::paper_drill()), kEnd, p_mm)));
+}
+
+TEST(Decimate, KeepsTheErrorAndTheRim) {
+  constexpr double kMaxErrorMm = 0.05;
+  const TriangleMesh fine = sharp_surface(drilled_ball());
+  RemeshReport report;
+  const TriangleMesh mesh = decimate(fine, kMaxErrorMm, &report);
+  EXPECT_TRUE(report.reached);
+  EXPECT_LE(report.to_surface.max_mm, kMaxErrorMm);
+  EXPECT_LE(report.from_surface.max_mm, kMaxErrorMm);
+  const MeshQuality quality = measure_mesh(mesh);
+  EXPECT_TRUE(quality.closed());
+  EXPECT_EQ(quality.euler_number, 2);
+  EXPECT_TRUE(self_intersections(mesh).empty());
+  EXPECT_LT(5 * mesh.triangles.size(), fine.triangles.size());
+  // Against the body itself; the fine mesh has an error of its own.
+  for (const Eigen::Vector3f& vertex : mesh.vertices_mm) {
+    ASSERT_LT(off_surface_mm(vertex.cast<double>()), kMaxErrorMm + 0.04);
+  }
+  // Where the drill's wall meets the ball.
+  const double radius_mm = test::paper_drill().radius_mm();
+  const double back_mm = std::sqrt(kDrilledBall.radius_mm * kDrilledBall.radius_mm - radius_mm * radius_mm);
+  const Vec3 u = any_perpendicular(kDown);
+  std::vector<Vec3> rim_mm;
+  for (int n = 0; n < 360; ++n) {
+    const double turn = n * std::numbers::pi / 180.0;
+    rim_mm.push_back(kDrilledBall.centre_mm - back_mm * kDown +
+                     radius_mm * (std::cos(turn) * u + std::sin(turn) * kDown.cross(u)));
+  }
+  EXPECT_LT(surface_to_mesh(rim_mm, mesh).mean_mm, 0.03);
+}
+
+TEST(Decimate, IsWhatADrilledBoneIsShownAs) {
+  RemeshReport report;
+  const TriangleMesh mesh = display_mesh(drilled_ball(), {}, &report);
+  EXPECT_TRUE(report.reached);
+  const TriangleMesh same = decimate(sharp_surface(drilled_ball()), DisplayMeshOptions().max_error_mm);
+  EXPECT_EQ(mesh.triangles, same.triangles);
+  EXPECT_EQ(mesh.vertices_mm, same.vertices_mm);
+}
+
+TEST(Decimate, GivesFewerTrianglesForALargerError) {
+  const TriangleMesh fine = sharp_surface(drilled_ball());
+  RemeshReport coarse;
+  RemeshReport exact;
+  const std::size_t many = decimate(fine, 0.04, &exact).triangles.size();
+  const std::size_t few = decimate(fine, 0.2, &coarse).triangles.size();
+  EXPECT_TRUE(exact.reached);
+  EXPECT_TRUE(coarse.reached);
+  EXPECT_LT(2 * few, many);
+}
+
+TEST(Decimate, RefusesWhatIsNotClosed) {
+  TriangleMesh open = sharp_surface(drilled_ball());
+  EXPECT_THROW(decimate(open, 0.0), Error);
+  EXPECT_THROW(decimate(open, std::numeric_limits<double>::quiet_NaN()), Error);
+  open.triangles.pop_back();
+  EXPECT_THROW(decimate(open, 0.05), Error);
+  EXPECT_THROW(decimate({}, 0.05), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap
