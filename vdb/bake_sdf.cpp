@@ -18,13 +18,12 @@ namespace spinaltap::detail {
 namespace {
 
 using openvdb::Coord;
-using openvdb::FloatGrid;
-using Mask = openvdb::MaskTree;
 
 /// Evaluates the field in every voxel that `wanted` has and `grid` has not, and sets its first-order distance there and
 /// the way to the zero set. Voxels where the distance is below `near_mm` go into `near`.
-std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double voxel_mm, double near_mm,
-                            FloatGrid& grid, openvdb::Vec3SGrid& ways, Mask& near, const Progress& progress) {
+std::size_t evaluate_voxels(const ScalarField& field, const openvdb::MaskTree& wanted, double voxel_mm, double near_mm,
+                            openvdb::FloatGrid& grid, openvdb::Vec3SGrid& ways, openvdb::MaskTree& near,
+                            const Progress& progress) {
   std::vector<Coord> voxels;
   for (auto voxel = wanted.cbeginValueOn(); voxel; ++voxel) {
     openvdb::CoordBBox box;
@@ -46,7 +45,7 @@ std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double
       });
   auto accessor = grid.getAccessor();
   auto ways_accessor = ways.getAccessor();
-  openvdb::tree::ValueAccessor<Mask> near_accessor(near);
+  openvdb::tree::ValueAccessor<openvdb::MaskTree> near_accessor(near);
   for (std::size_t i = 0; i < voxels.size(); ++i) {
     if (!std::isfinite(distance_mm[i])) fail("baking: the field is not a number at a voxel");
     accessor.setValue(voxels[i], distance_mm[i]);
@@ -57,7 +56,7 @@ std::size_t evaluate_voxels(const ScalarField& field, const Mask& wanted, double
 }
 
 /// Whether the grid holds both inside and outside voxels: a surface. Specks of the band deep inside do not.
-bool has_surface(const FloatGrid& grid) {
+bool has_surface(const openvdb::FloatGrid& grid) {
   bool any_inside = false;
   bool any_outside = false;
   for (auto voxel = grid.cbeginValueOn(); voxel && !(any_inside && any_outside); ++voxel) {
@@ -95,8 +94,8 @@ std::vector<Vec3> drawn_to_zero_set(const ScalarField& field, std::span<const Ve
 
 }  // namespace
 
-FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm, BakeReport& report,
-                        const Progress& progress) {
+openvdb::FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm, double voxel_mm,
+                                 BakeReport& report, const Progress& progress) {
   constexpr double kFarthestSeedMm = 1e5;
   constexpr double kLongestWayMm = 300.0;  // from the seeds, along the surface: longer than any vertebra is round
   // A cell that the surface cuts has all its corners nearer than sqrt(3) voxels, and one, whose neighbours the others
@@ -105,13 +104,13 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   constexpr double kNearVoxels = 1.05;
   // A number that half floats have: a file of them gives it back.
   const float band = rounded_to_half(static_cast<float>(kHalfWidthVoxels * voxel_mm));
-  FloatGrid::Ptr grid = FloatGrid::create(band);
+  openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(band);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_mm));
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
 
-  auto wanted = std::make_shared<Mask>();
+  auto wanted = std::make_shared<openvdb::MaskTree>();
   {
-    openvdb::tree::ValueAccessor<Mask> accessor(*wanted);
+    openvdb::tree::ValueAccessor<openvdb::MaskTree> accessor(*wanted);
     for (const Vec3& p : seeds_mm) {
       if (!(p.array().abs() <= kFarthestSeedMm).all()) {
         fail("baking: expected seeds within ", kFarthestSeedMm, " mm of the origin, found ", p.transpose());
@@ -130,7 +129,7 @@ FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3> seeds_mm
   const int most_rounds = static_cast<int>(std::ceil(kLongestWayMm / voxel_mm));
   for (int round = 0;; ++round) {
     if (round == most_rounds) fail("baking: the zero set does not close within ", kLongestWayMm, " mm of the seeds");
-    auto near = std::make_shared<Mask>();
+    auto near = std::make_shared<openvdb::MaskTree>();
     const std::size_t evaluated =
         evaluate_voxels(field, *wanted, voxel_mm, kNearVoxels * voxel_mm, *grid, ways, *near, progress);
     report.evaluations += evaluated;

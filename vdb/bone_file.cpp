@@ -8,8 +8,6 @@
 namespace spinaltap {
 namespace {
 
-constexpr const char* kFactPrefix = "spinaltap:";
-
 /// Whether a file of half floats gives every value back.
 bool fits_half_floats(const openvdb::FloatGrid& grid) {
   const auto fits = [](float value) { return detail::rounded_to_half(value) == value; };
@@ -47,7 +45,7 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
   const auto sdf = add("sdf", *bone.grids().sdf);
   sdf->setGridClass(openvdb::GRID_LEVEL_SET);
   for (const auto& [key, value] : bone.facts()) {
-    sdf->insertMeta(kFactPrefix + key, openvdb::StringMetadata(value));
+    sdf->insertMeta(detail::kFactPrefix + key, openvdb::StringMetadata(value));
   }
   add("hu", *bone.grids().hu);
   if (is_drilled(bone)) {
@@ -96,7 +94,7 @@ BoneModel read_bone(const std::filesystem::path& path) {
   if ((grids->before == nullptr) != (grids->hole == nullptr)) {
     fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
   }
-  const std::string prefix = kFactPrefix;
+  const std::string prefix = detail::kFactPrefix;
   for (auto meta = grids->sdf->beginMeta(); meta != grids->sdf->endMeta(); ++meta) {
     if (meta->first.rfind(prefix, 0) == 0) grids->facts[meta->first.substr(prefix.size())] = meta->second->str();
   }

@@ -13,7 +13,6 @@ namespace spinaltap {
 namespace {
 
 using openvdb::Coord;
-using openvdb::FloatGrid;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
 /// Cubes of a leaf's size, or larger ones of one value.
@@ -27,13 +26,13 @@ struct Block {
 /// Tiles up to this size are cut into blocks of a leaf's, so that they hash as the leaves that they stand for.
 constexpr openvdb::Int32 kLargestCutTile = 128;
 
-std::vector<Block> active_blocks(const FloatGrid& grid) {
+std::vector<Block> active_blocks(const openvdb::FloatGrid& grid) {
   std::vector<Block> blocks;
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     if (!leaf->isEmpty()) blocks.push_back({leaf->origin(), Leaf::DIM, leaf.getLeaf(), 0.0F});
   }
   auto tile = grid.tree().cbeginValueOn();
-  tile.setMaxDepth(FloatGrid::TreeType::ValueOnCIter::LEAF_DEPTH - 1);
+  tile.setMaxDepth(openvdb::FloatGrid::TreeType::ValueOnCIter::LEAF_DEPTH - 1);
   for (; tile; ++tile) {
     const openvdb::CoordBBox box = tile.getBoundingBox();
     const openvdb::Int32 size = box.dim().x();
@@ -68,7 +67,7 @@ void add_block(const Block& block, Fnv1a& hash) {
   hash.add(values.data(), sizeof values);
 }
 
-void add_grid(const FloatGrid& grid, Fnv1a& hash) {
+void add_grid(const openvdb::FloatGrid& grid, Fnv1a& hash) {
   for (const Coord& corner : {Coord(0, 0, 0), Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}) {
     const openvdb::Vec3d place_mm = grid.indexToWorld(corner);
     const std::array<double, 3> numbers{place_mm.x(), place_mm.y(), place_mm.z()};

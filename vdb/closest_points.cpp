@@ -22,7 +22,6 @@ namespace spinaltap::detail {
 namespace {
 
 using openvdb::Coord;
-using openvdb::FloatGrid;
 
 /// A voxel of the band and what is known of the point of the zero set closest to it.
 struct BandVoxel {
@@ -35,7 +34,7 @@ struct BandVoxel {
 };
 
 constexpr std::int32_t kNone = -1;
-constexpr double kSame = 2e-3;  // voxels: distances that differ by less are one
+constexpr double kSameDistance = 2e-3;  // voxels: distances that differ by less are one
 
 std::array<Coord, 26> neighbour_steps() {
   std::array<Coord, 26> steps;
@@ -52,8 +51,8 @@ std::array<Coord, 26> neighbour_steps() {
 
 class ClosestPoints {
  public:
-  ClosestPoints(const FloatGrid& near, const openvdb::Vec3SGrid& ways_mm, const ScalarField& field, double band_mm,
-                const Progress& progress)
+  ClosestPoints(const openvdb::FloatGrid& near, const openvdb::Vec3SGrid& ways_mm, const ScalarField& field,
+                double band_mm, const Progress& progress)
       : field_(field),
         progress_(progress),
         voxel_mm_(near.voxelSize()[0]),
@@ -136,7 +135,7 @@ class ClosestPoints {
 
   /// Voxels whose neighbours know a point nearer than their own take the nearest of those. All look before any takes.
   std::vector<std::uint32_t> take_from_neighbours(const std::vector<std::uint32_t>& wanted) {
-    const double gain_mm = 2.0 * kSame * voxel_mm_;
+    const double gain_mm = 2.0 * kSameDistance * voxel_mm_;
     std::vector<Eigen::Vector3f> nearest(wanted.size());
     std::vector<std::uint8_t> is_nearer(wanted.size(), 0);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, wanted.size(), 4096), [&](const auto& range) {
@@ -222,7 +221,7 @@ class ClosestPoints {
       BandVoxel& voxel = voxels_[open[n]];
       if (!searches[n].has_arrived || !searches[n].way_mm.allFinite()) continue;
       // Going on from a neighbour's point must not end on a part of the surface that is further off.
-      if (static_cast<double>(searches[n].way_mm.norm()) > voxel.distance_mm() + kSame * voxel_mm_) continue;
+      if (static_cast<double>(searches[n].way_mm.norm()) > voxel.distance_mm() + kSameDistance * voxel_mm_) continue;
       voxel.way_mm = searches[n].way_mm;
       voxel.is_found = true;
     }
@@ -249,8 +248,9 @@ float signed_half(double distance_mm, bool is_inside) {
 
 }  // namespace
 
-FloatGrid::Ptr with_true_distances(const FloatGrid& near, const openvdb::Vec3SGrid& ways_mm, const ScalarField& field,
-                                   float band_mm, std::size_t& evaluations, const Progress& progress) {
+openvdb::FloatGrid::Ptr with_true_distances(const openvdb::FloatGrid& near, const openvdb::Vec3SGrid& ways_mm,
+                                            const ScalarField& field, float band_mm, std::size_t& evaluations,
+                                            const Progress& progress) {
   ClosestPoints closest(near, ways_mm, field, static_cast<double>(band_mm), progress);
   closest.find_near();
   while (closest.widen()) {
@@ -258,7 +258,7 @@ FloatGrid::Ptr with_true_distances(const FloatGrid& near, const openvdb::Vec3SGr
   closest.exchange();
   evaluations += closest.evaluations();
 
-  FloatGrid::Ptr grid = FloatGrid::create(band_mm);
+  openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(band_mm);
   grid->setTransform(near.transform().copy());
   auto accessor = grid->getAccessor();
   const auto first_order = near.getConstAccessor();

@@ -17,13 +17,12 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
-using openvdb::FloatGrid;
-using Accessor = FloatGrid::ConstAccessor;
+using Accessor = openvdb::FloatGrid::ConstAccessor;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
 std::array<int, 3> indices(const Coord& voxel) { return {voxel.x(), voxel.y(), voxel.z()}; }
 
-ActiveVoxels active_voxels(const FloatGrid& grid) {
+ActiveVoxels active_voxels(const openvdb::FloatGrid& grid) {
   ActiveVoxels active{grid.activeVoxelCount(), {}, {}};
   if (active.count == 0) return active;
   const CoordBBox box = grid.evalActiveVoxelBoundingBox();
@@ -78,7 +77,7 @@ class Tally {
 };
 
 /// Where one of the grids has a leaf: its 512 voxels, one by one.
-void compare_leaves(const FloatGrid& a, const FloatGrid& b, Tally& tally) {
+void compare_leaves(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b, Tally& tally) {
   std::set<Coord> origins;
   for (auto leaf = a.tree().cbeginLeaf(); leaf; ++leaf) origins.insert(leaf->origin());
   for (auto leaf = b.tree().cbeginLeaf(); leaf; ++leaf) origins.insert(leaf->origin());
@@ -102,7 +101,8 @@ void compare_leaves(const FloatGrid& a, const FloatGrid& b, Tally& tally) {
 /// Where neither has: the tiles of `tiles_of`, against those of the other that are as large or larger (or only larger,
 /// so that no pair of equal tiles comes twice).
 template <class Add>
-void compare_tiles(const FloatGrid& tiles_of, const FloatGrid& other, bool also_equal, const Add& add) {
+void compare_tiles(const openvdb::FloatGrid& tiles_of, const openvdb::FloatGrid& other, bool also_equal,
+                   const Add& add) {
   const Accessor accessor = other.getConstAccessor();
   auto tile = tiles_of.tree().cbeginValueAll();
   tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
@@ -117,9 +117,9 @@ void compare_tiles(const FloatGrid& tiles_of, const FloatGrid& other, bool also_
   }
 }
 
-std::vector<std::string> different_metadata(const FloatGrid& a, const FloatGrid& b) {
+std::vector<std::string> different_metadata(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b) {
   std::set<std::string> names;
-  const auto collect = [&](const FloatGrid& one, const FloatGrid& other) {
+  const auto collect = [&](const openvdb::FloatGrid& one, const openvdb::FloatGrid& other) {
     for (auto meta = one.beginMeta(); meta != one.endMeta(); ++meta) {
       const openvdb::Metadata::ConstPtr same_name = other[meta->first];
       if (!same_name || *same_name != *meta->second) names.insert(meta->first);
@@ -130,7 +130,7 @@ std::vector<std::string> different_metadata(const FloatGrid& a, const FloatGrid&
   return {names.begin(), names.end()};
 }
 
-void compare(const FloatGrid& a, const FloatGrid& b, double tolerance, GridDifference& difference) {
+void compare(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b, double tolerance, GridDifference& difference) {
   difference.same_transform = a.transform() == b.transform();
   difference.same_background =
       a.background() == b.background() ||
@@ -155,14 +155,14 @@ void compare(const FloatGrid& a, const FloatGrid& b, double tolerance, GridDiffe
 }
 
 /// By name, and of one name by its place in the file.
-using NamedGrids = std::map<std::pair<std::string, int>, FloatGrid::ConstPtr>;
+using NamedGrids = std::map<std::pair<std::string, int>, openvdb::FloatGrid::ConstPtr>;
 
 NamedGrids read_float_grids(const std::filesystem::path& path) {
   NamedGrids grids;
   std::map<std::string, int> seen;
   const openvdb::GridPtrVecPtr all = detail::read_vdb(path);
   for (const openvdb::GridBase::Ptr& any : *all) {
-    const FloatGrid::ConstPtr grid = openvdb::gridConstPtrCast<FloatGrid>(any);
+    const openvdb::FloatGrid::ConstPtr grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(any);
     if (!grid) continue;
     if (!grid->transform().isLinear()) fail("expected grids without perspective in ", path.string());
     grids[{grid->getName(), seen[grid->getName()]++}] = grid;

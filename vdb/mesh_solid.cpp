@@ -13,19 +13,18 @@
 namespace spinaltap {
 namespace {
 
-using openvdb::FloatGrid;
-using Sampler = openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
+using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 
 class MeshSolid final : public Solid {
  public:
-  MeshSolid(FloatGrid::ConstPtr grid, const Box3& bounds_mm, const MeshSolidOptions& options)
+  MeshSolid(openvdb::FloatGrid::ConstPtr grid, const Box3& bounds_mm, const MeshSolidOptions& options)
       : grid_(std::move(grid)), bounds_mm_(bounds_mm), options_(options) {}
 
   Box3 bounds_mm() const override { return bounds_mm_; }
 
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
                 std::span<Vec3> gradients) const override {
-    const FloatGrid::ConstAccessor accessor = grid_->getConstAccessor();
+    const openvdb::FloatGrid::ConstAccessor accessor = grid_->getConstAccessor();
     const Sampler sampler(accessor, grid_->transform());
     const auto value = [&](const Vec3& p_mm) { return static_cast<double>(sampler.wsSample(detail::to_vdb(p_mm))); };
     const double step_mm = 0.5 * grid_->voxelSize()[0];
@@ -46,7 +45,7 @@ class MeshSolid final : public Solid {
   }
 
  private:
-  FloatGrid::ConstPtr grid_;
+  openvdb::FloatGrid::ConstPtr grid_;
   Box3 bounds_mm_;
   MeshSolidOptions options_;
 };
@@ -83,7 +82,7 @@ std::unique_ptr<Solid> make_mesh_solid(const TriangleMesh& mesh, const MeshSolid
   }
   const auto band_voxels = static_cast<float>(kBandMm / options.voxel_mm);
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points, triangles);
-  const auto grid = openvdb::tools::meshToVolume<FloatGrid>(adapter, *transform, band_voxels, band_voxels);
+  const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(adapter, *transform, band_voxels, band_voxels);
   return std::make_unique<MeshSolid>(grid, bounds_mm, options);
 }
 

@@ -11,14 +11,13 @@ namespace spinaltap::detail {
 namespace {
 
 using openvdb::Coord;
-using openvdb::FloatGrid;
 
 /// Drops what is left of the band without any surface.
-FloatGrid::Ptr without_specks(const FloatGrid::Ptr& grid) {
-  std::vector<FloatGrid::Ptr> pieces;
+openvdb::FloatGrid::Ptr without_specks(const openvdb::FloatGrid::Ptr& grid) {
+  std::vector<openvdb::FloatGrid::Ptr> pieces;
   openvdb::tools::segmentSDF(*grid, pieces);
   if (pieces.size() < 2) return grid;
-  FloatGrid::Ptr largest = *std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
+  openvdb::FloatGrid::Ptr largest = *std::max_element(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) {
     return a->activeVoxelCount() < b->activeVoxelCount();
   });
   openvdb::tools::signedFloodFill(largest->tree());
@@ -30,7 +29,7 @@ constexpr std::array<std::array<int, 3>, 6> kFaces{
 
 /// Gives the voxels of a piece to the other side, and takes its surface away: voxels of that side around it are no
 /// longer near a surface, but for those that touch another.
-void give_away(FloatGrid& grid, const std::vector<Coord>& piece, float other_side) {
+void give_away(openvdb::FloatGrid& grid, const std::vector<Coord>& piece, float other_side) {
   constexpr int kBand = 3;
   auto accessor = grid.getAccessor();
   for (const Coord& at : piece) accessor.setValueOff(at, other_side);
@@ -53,7 +52,7 @@ std::vector<Coord> voxels_of(const openvdb::BoolGrid& mask) {
 }
 
 /// Drops all solids but the largest; returns how many.
-std::size_t drop_other_solids(FloatGrid& grid) {
+std::size_t drop_other_solids(openvdb::FloatGrid& grid) {
   const openvdb::BoolGrid::Ptr interior = openvdb::tools::sdfInteriorMask(grid);
   interior->tree().voxelizeActiveTiles();
   std::vector<openvdb::BoolGrid::Ptr> solids;  // the largest first
@@ -63,7 +62,7 @@ std::size_t drop_other_solids(FloatGrid& grid) {
 }
 
 /// Fills cavities: no part of a bone's surface lies within it. Returns how many.
-std::size_t fill_cavities(FloatGrid& grid) {
+std::size_t fill_cavities(openvdb::FloatGrid& grid) {
   const openvdb::BoolGrid::Ptr shells = openvdb::BoolGrid::create(false);
   auto shell = shells->getAccessor();
   for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
@@ -103,7 +102,7 @@ std::size_t fill_cavities(FloatGrid& grid) {
 
 }  // namespace
 
-std::size_t keep_one_piece(FloatGrid::Ptr& grid) {
+std::size_t keep_one_piece(openvdb::FloatGrid::Ptr& grid) {
   const std::size_t solids = drop_other_solids(*grid);
   const std::size_t cavities = fill_cavities(*grid);
   grid = without_specks(grid);

@@ -23,7 +23,6 @@ using openvdb::tools::PointIndexGrid;
 using points::PointDataGrid;
 
 constexpr const char* kGridName = "points";
-constexpr const char* kFactPrefix = "spinaltap:";
 constexpr const char* kHu = "hu";
 constexpr const char* kDensity = "density";
 
@@ -75,7 +74,7 @@ PointDataGrid::Ptr make_grid(const LivingPoints& living, const PointVolume& volu
 
 void add_facts(PointDataGrid& grid, const PointVolume& volume, const DrillPath& path) {
   const auto add = [&](const char* key, const openvdb::Metadata& value) {
-    grid.insertMeta(std::string(kFactPrefix) + key, value);
+    grid.insertMeta(std::string(detail::kFactPrefix) + key, value);
   };
   const double spacing_mm = volume.pattern().spacing_mm();
   add("path", openvdb::StringMetadata(path.name));
@@ -128,7 +127,7 @@ SavedPoints read_points(const std::filesystem::path& file) {
   const auto grid = found ? openvdb::gridPtrCast<PointDataGrid>(found) : nullptr;
   if (!grid) fail("expected a grid of points named ", kGridName, " in ", file.string());
   SavedPoints saved;
-  const std::string prefix = kFactPrefix;
+  const std::string prefix = detail::kFactPrefix;
   for (auto meta = grid->beginMeta(); meta != grid->endMeta(); ++meta) {
     if (meta->first.rfind(prefix, 0) == 0) saved.facts[meta->first.substr(prefix.size())] = meta->second->str();
   }

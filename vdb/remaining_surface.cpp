@@ -10,12 +10,12 @@
 namespace spinaltap {
 namespace {
 
+using detail::BlockBox;
 using detail::BlockCells;
 using detail::BlockLattice;
-using detail::VoxelBox;
 
 constexpr unsigned kDirections = 27;
-constexpr unsigned kOwn = 13;
+constexpr unsigned kMiddle = 13;
 
 /// Steps to a neighbour, each -1, 0 or 1.
 std::array<int, 3> direction(unsigned n) {
@@ -31,7 +31,7 @@ std::size_t neighbour(const BlockLattice& lattice, std::size_t block, const std:
 
 /// Whether cells of the neighbour depend on voxels in the box: on those up to `before` voxels before its cells' first
 /// and up to `behind` behind their last.
-bool reaches(const VoxelBox& box, const std::array<int, 3>& steps, int before, int behind) {
+bool reaches(const BlockBox& box, const std::array<int, 3>& steps, int before, int behind) {
   if (box.empty()) return false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (steps[axis] < 0 && box.low[axis] >= behind) return false;
@@ -164,7 +164,7 @@ std::vector<SurfaceUpdate> RemainingSurface::update() {
     for (unsigned n = 0; n < kDirections; ++n) {
       const std::array<int, 3> steps = direction(n);
       // A cell needs its own corners' values, and the signs of the next cells' corners.
-      const bool is_stale = n == kOwn || reaches(change.values, steps, 0, 1) || reaches(change.signs, steps, 1, 2);
+      const bool is_stale = n == kMiddle || reaches(change.values, steps, 0, 1) || reaches(change.signs, steps, 1, 2);
       if (is_stale) stale.push_back(neighbour(state_->lattice(), block, steps));
     }
   }

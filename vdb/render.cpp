@@ -18,9 +18,8 @@
 namespace spinaltap {
 namespace {
 
-using openvdb::FloatGrid;
-using Intersector = openvdb::tools::LevelSetRayIntersector<FloatGrid>;
-using Sampler = openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
+using Intersector = openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid>;
+using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 using Colour = Eigen::Array3d;
 using detail::DrawnSolid;
 
@@ -33,7 +32,7 @@ struct Camera {
   double mm_per_pixel = 0.0;
   double reach_mm = 0.0;
 
-  Camera(const FloatGrid& grid, const RenderOptions& options)
+  Camera(const openvdb::FloatGrid& grid, const RenderOptions& options)
       : forward(-options.from.normalized()), right(forward.cross(options.up).normalized()), up(right.cross(forward)) {
     constexpr double kMargin = 1.06;
     // The leaves of the narrow band lie along the whole surface.
@@ -65,8 +64,8 @@ struct Scene {
   const BoneModel& bone;
   const RenderOptions& options;
   /// What is seen: the first without the second, each with its own surface, so that the rim between them is sharp.
-  FloatGrid::ConstPtr bone_grid;
-  FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
+  openvdb::FloatGrid::ConstPtr bone_grid;
+  openvdb::FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
   Camera camera;
   Intersector to_bone;
   std::optional<Intersector> to_hole = {};
@@ -260,11 +259,11 @@ class Tracer {
   double begin_mm_ = 0.0;  ///< of the ray that is seen: from here
   double end_mm_ = 0.0;    ///< to here
   bool is_left_ = false;   ///< whether there is bone where the ray has got to
-  FloatGrid::ConstAccessor bone_accessor_;
+  openvdb::FloatGrid::ConstAccessor bone_accessor_;
   Sampler bone_;
-  FloatGrid::ConstAccessor hole_accessor_;
+  openvdb::FloatGrid::ConstAccessor hole_accessor_;
   Sampler hole_;
-  FloatGrid::ConstAccessor hu_accessor_;
+  openvdb::FloatGrid::ConstAccessor hu_accessor_;
   Sampler hu_;
   std::optional<CutPlane> cut_;
   double step_mm_;

@@ -18,20 +18,19 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
-using openvdb::FloatGrid;
 
-using Leaf = FloatGrid::TreeType::LeafNodeType;
+using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 
 /// From a leaf's middle to its corners' voxels.
-double leaf_reach_mm(const FloatGrid& grid) { return 3.5 * std::sqrt(3.0) * grid.voxelSize()[0]; }
+double leaf_reach_mm(const openvdb::FloatGrid& grid) { return 3.5 * std::sqrt(3.0) * grid.voxelSize()[0]; }
 
-Vec3 middle_mm(const FloatGrid& grid, const Coord& leaf_origin) {
+Vec3 middle_mm(const openvdb::FloatGrid& grid, const Coord& leaf_origin) {
   return detail::from_vdb(grid.indexToWorld(leaf_origin.asVec3d() + openvdb::Vec3d(3.5)));
 }
 
 /// Origins of those leaves within `box` (index space) that hold bone or its band and that `wanted` takes, in order.
 template <class Wanted>
-std::vector<Coord> leaves_with_bone(const FloatGrid& bone, const CoordBBox& box, const Wanted& wanted) {
+std::vector<Coord> leaves_with_bone(const openvdb::FloatGrid& bone, const CoordBBox& box, const Wanted& wanted) {
   std::vector<Coord> origins;
   for (int k = box.min().z() & ~7; k <= box.max().z(); k += 8) {
     for (int j = box.min().y() & ~7; j <= box.max().y(); j += 8) {
@@ -48,7 +47,7 @@ std::vector<Coord> leaves_with_bone(const FloatGrid& bone, const CoordBBox& box,
 /// Changes all values of some leaves, which are made where there are none. `prepare(origin)` gives what makes of a
 /// value and its voxel a new value. Those within the band are active.
 template <class Prepare>
-void change_leaves(FloatGrid& grid, const std::vector<Coord>& origins, const Prepare& prepare) {
+void change_leaves(openvdb::FloatGrid& grid, const std::vector<Coord>& origins, const Prepare& prepare) {
   const float band = grid.background();
   std::vector<Leaf*> leaves;
   leaves.reserve(origins.size());
@@ -122,14 +121,14 @@ class SweptBits {
 };
 
 /// The hole with what bits took more, near the bone as it was before; leaves that changed go to `changed`.
-FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordBBox& box, const SweptBits& bits,
-                            std::vector<Coord>& changed) {
-  const FloatGrid& before = *(bone.before ? bone.before : bone.sdf);
-  FloatGrid::Ptr hole;
+openvdb::FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordBBox& box, const SweptBits& bits,
+                                     std::vector<Coord>& changed) {
+  const openvdb::FloatGrid& before = *(bone.before ? bone.before : bone.sdf);
+  openvdb::FloatGrid::Ptr hole;
   if (bone.hole) {
     hole = bone.hole->deepCopy();
   } else {
-    hole = FloatGrid::create(before.background());
+    hole = openvdb::FloatGrid::create(before.background());
     hole->setTransform(before.transform().copy());
     hole->setGridClass(openvdb::GRID_LEVEL_SET);
     hole->setName("hole");
@@ -169,9 +168,9 @@ BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<con
   if (reaching.empty()) return bone;
   const auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
   std::vector<Coord> changed;
-  const FloatGrid::Ptr hole =
+  const openvdb::FloatGrid::Ptr hole =
       widened_hole(bone.grids(), index_box(bone, box_mm), SweptBits(std::move(reaching)), changed);
-  const FloatGrid::Ptr sdf = bone.grids().sdf->deepCopy();
+  const openvdb::FloatGrid::Ptr sdf = bone.grids().sdf->deepCopy();
   change_leaves(*sdf, changed, [&](const Coord&) {
     return [hole_values = hole->getConstAccessor()](float value, const Coord& voxel) {
       return std::max(value, -hole_values.getValue(voxel));

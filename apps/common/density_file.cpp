@@ -9,8 +9,6 @@
 namespace spinaltap {
 namespace {
 
-constexpr const char* kAtZero = "density_at_0_hu_g_cm3";
-constexpr const char* kPerHu = "density_per_hu_g_cm3";
 constexpr const char* kCalibration = "calibration";
 
 std::vector<CalibrationPair> pairs_of(const Json& list, const std::filesystem::path& path) {

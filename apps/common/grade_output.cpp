@@ -24,10 +24,7 @@ std::string csv_field(const std::string& text) {
   return quoted + "\"";
 }
 
-/// Null where nothing counts.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json to_json(const Approach& approach) {
+Json json_of(const Approach& approach) {
   if (!std::isfinite(approach.clearance_mm)) return nullptr;
   return {{"clearance_mm", approach.clearance_mm}, {"depth_mm", approach.depth_mm}, {"side", name_of(approach.side)}};
 }
@@ -75,10 +72,10 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   } else {
     json["breach"] = nullptr;
   }
-  json["outer"] = to_json(grade.outer);
-  json["canal"] = to_json(grade.canal);
+  json["outer"] = json_of(grade.outer);
+  json["canal"] = json_of(grade.canal);
   json["entry_end_mm"] = grade.entry_end_mm;
-  json["mean_hu"] = number(grade.hu);
+  json["mean_hu"] = number_or_null(grade.hu);
   json["hu_bands"] = Json::array();
   const std::vector<std::string> names = band_names(hu_bands);
   for (std::size_t n = 0; n < names.size(); ++n) {
@@ -90,12 +87,12 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   for (const GradeRow& row : grade.rows) {
     json["rows"].push_back({{"depth_mm", row.depth_mm},
                             {"radius_mm", row.radius_mm},
-                            {"outer_mm", number(row.outer_mm)},
+                            {"outer_mm", number_or_null(row.outer_mm)},
                             {"outer_side", name_of(row.outer_side)},
-                            {"canal_mm", number(row.canal_mm)},
+                            {"canal_mm", number_or_null(row.canal_mm)},
                             {"canal_side", name_of(row.canal_side)},
                             {"is_entry", row.is_entry},
-                            {"hu", number(row.hu)},
+                            {"hu", number_or_null(row.hu)},
                             {"hu_band_shares", row.hu_band_shares},
                             {"thrust_N", row.thrust_n}});
   }

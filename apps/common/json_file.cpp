@@ -70,4 +70,6 @@ void check_keys(const Json& json, std::initializer_list<std::string_view> known,
 
 Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
 }  // namespace spinaltap

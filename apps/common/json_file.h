@@ -45,4 +45,7 @@ void check_keys(const Json& json, std::initializer_list<std::string_view> known,
 /// [x, y, z]
 Json to_json(const Vec3& v);
 
+/// JSON has no infinity and no "not a number": null.
+Json number_or_null(double value);
+
 }  // namespace spinaltap

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "apps/common/density_file.h"
 #include "core/base/error.h"
 
 namespace spinaltap {
@@ -19,9 +20,6 @@ constexpr std::array kNumbers{std::pair{"cutting_mpa", &Material::cutting_mpa},
                               std::pair{"contact_n_mm", &Material::contact_n_mm},
                               std::pair{"contact_exponent", &Material::contact_exponent}};
 static_assert(sizeof(Material) == sizeof(DensityLaw) + kNumbers.size() * sizeof(double), "a number has no key");
-
-constexpr const char* kAtZero = "density_at_0_hu_g_cm3";
-constexpr const char* kPerHu = "density_per_hu_g_cm3";
 
 }  // namespace
 

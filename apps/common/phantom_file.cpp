@@ -12,7 +12,6 @@
 namespace spinaltap {
 namespace {
 
-using nlohmann::json;
 using Outline = decltype(VertebraAnatomy::Spinous::outline_mm);
 using Target = std::variant<double*, Vec3*, Outline*, std::uint64_t*>;
 using Group = std::map<std::string, Target>;
@@ -107,47 +106,47 @@ struct Place {
   std::string file, key;
 };
 
-double number(const json& value, const Place& place) {
+double number(const nlohmann::json& value, const Place& place) {
   if (!value.is_number() || !std::isfinite(value.get<double>())) {
     fail(place.file, ": ", place.key, ": a finite number expected, found ", value.dump());
   }
   return value.get<double>();
 }
 
-const json& list(const json& value, std::size_t count, const Place& place) {
+const nlohmann::json& list(const nlohmann::json& value, std::size_t count, const Place& place) {
   if (!value.is_array() || value.size() != count) {
     fail(place.file, ": ", place.key, ": a list of ", count, " expected, found ", value.dump());
   }
   return value;
 }
 
-void read(const json& value, double* target, const Place& place) { *target = number(value, place); }
+void read(const nlohmann::json& value, double* target, const Place& place) { *target = number(value, place); }
 
-void read(const json& value, Vec3* target, const Place& place) {
+void read(const nlohmann::json& value, Vec3* target, const Place& place) {
   list(value, 3, place);
   for (std::size_t n = 0; n < 3; ++n) (*target)[static_cast<Eigen::Index>(n)] = number(value[n], place);
 }
 
-void read(const json& value, Outline* target, const Place& place) {
+void read(const nlohmann::json& value, Outline* target, const Place& place) {
   list(value, target->size(), place);
   for (std::size_t n = 0; n < target->size(); ++n) {
-    const json& corner = list(value[n], 2, place);
+    const nlohmann::json& corner = list(value[n], 2, place);
     (*target)[n] = Eigen::Vector2d(number(corner[0], place), number(corner[1], place));
   }
 }
 
-void read(const json& value, std::uint64_t* target, const Place& place) {
+void read(const nlohmann::json& value, std::uint64_t* target, const Place& place) {
   if (!value.is_number_unsigned()) {
     fail(place.file, ": ", place.key, ": a whole number not below 0 expected, found ", value.dump());
   }
   *target = value.get<std::uint64_t>();
 }
 
-void read_group(const json& object, Group& group, const Place& place) {
+void read_group(const nlohmann::json& object, Group& group, const Place& place) {
   if (!object.is_object()) fail(place.file, ": ", place.key, ": an object expected, found ", object.dump());
   for (const auto& item : object.items()) {
     const std::string& key = item.key();
-    const json& value = item.value();
+    const nlohmann::json& value = item.value();
     const Place inner{place.file, place.key + "." + key};
     if (key == "source") {
       if (!value.is_string()) fail(place.file, ": ", inner.key, ": a text expected, found ", value.dump());
@@ -165,10 +164,10 @@ VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 20;
   const std::string file = path.string();
   const std::string text = read_whole_file(path, kMostBytes);
-  json whole;
+  nlohmann::json whole;
   try {
-    whole = json::parse(text);
-  } catch (const json::exception& error) {
+    whole = nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& error) {
     fail(file, ": not JSON: ", error.what());
   }
   if (!whole.is_object()) fail(file, ": an object expected");

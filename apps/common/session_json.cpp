@@ -47,7 +47,7 @@ double limit(const JsonObject& object, const char* key, double without) {
   return object.has(key) && !object.at(key).is_null() ? object.number(key) : without;
 }
 
-Json to_json(const PointVolumeOptions& volume) {
+Json json_of(const PointVolumeOptions& volume) {
   return {{"radius_mm", volume.radius_mm},
           {"spacing_mm", volume.spacing_mm},
           {"lead_in_mm", volume.lead_in_mm},
@@ -75,7 +75,7 @@ PointVolumeOptions read_volume_part(const JsonObject& object, const fs::path& fi
   return volume;
 }
 
-Json to_json(const SessionOptions& options) {
+Json json_of(const SessionOptions& options) {
   Json stop{{"on_breach", options.stop.on_breach}};
   add_limit(stop, "thrust_n", options.stop.thrust_n);
   add_limit(stop, "clearance_mm", options.stop.clearance_mm);
@@ -116,10 +116,10 @@ Json to_json(const SessionSetup& setup) {
       {"bone_hash", setup.bone_hash},
       {"path", to_json(setup.path)},
       {"material", to_json(setup.material)},
-      {"volume", to_json(setup.volume)},
+      {"volume", json_of(setup.volume)},
       {"fine", {{"spacing_mm", setup.fine_spacing_mm}, {"near_mm", setup.fine_near_mm}, {"tip_mm", setup.fine_tip_mm}}},
       {"engine", engine},
-      {"options", to_json(setup.options)},
+      {"options", json_of(setup.options)},
       {"has_clearances", setup.has_clearances}};
 }
 

@@ -16,8 +16,8 @@
 namespace spinaltap {
 namespace {
 
-constexpr const char* kFormat = "spinaltap-study-folder";
-constexpr int kVersion = 1;
+constexpr const char* kFolderFormat = "spinaltap-study-folder";
+constexpr int kFolderVersion = 1;
 constexpr const char* kStudyFile = "study.json";
 constexpr std::string_view kPartHead = "# runs of the study ";
 
@@ -67,8 +67,8 @@ void open_study_folder(const std::filesystem::path& folder, const StudyIdentity&
     }
     fail("expected the same study as in ", folder.string(), ", found another: take another folder");
   }
-  write_json({{"format", kFormat},
-              {"version", kVersion},
+  write_json({{"format", kFolderFormat},
+              {"version", kFolderVersion},
               {"hash", identity.hash()},
               {"runs", identity.runs},
               {"study", identity.study}},
@@ -81,8 +81,8 @@ StudyIdentity read_study_identity(const std::filesystem::path& folder) {
     fail("expected a folder of a study, with ", kStudyFile, ", found ", folder.string());
   const Json json = read_json(file);
   const JsonObject object(json, file);
-  if (object.text("format") != kFormat || object.number("version") != kVersion) {
-    fail("expected a ", kFormat, " of version ", kVersion, " in ", file.string());
+  if (object.text("format") != kFolderFormat || object.number("version") != kFolderVersion) {
+    fail("expected a ", kFolderFormat, " of version ", kFolderVersion, " in ", file.string());
   }
   StudyIdentity identity{object.at("study"), static_cast<std::size_t>(object.number("runs"))};
   if (identity.hash() != object.text("hash")) fail("expected ", file.string(), " as it was written, found it changed");

@@ -8,8 +8,6 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::string_view kKey = "a key of a study";
-
 /// A whole number of 0 or more, as far as JSON's readers keep it.
 std::uint64_t whole_number_or(const JsonObject& object, const char* key, std::uint64_t fallback,
                               const std::filesystem::path& file) {
@@ -80,7 +78,7 @@ FactorLaw read_law(StudyFactor factor, const Json& json, const std::filesystem::
   return law;
 }
 
-Json to_json(const FactorLaw& law) {
+Json json_of(const FactorLaw& law) {
   switch (law.kind) {
     case FactorLaw::Kind::normal:
       return {{"normal", {{"mean", law.a}, {"deviation", law.b}}}};
@@ -134,7 +132,7 @@ StudyHand read_study_hand(const Json& json, const std::filesystem::path& file) {
 
 Json to_json(const StudyDesign& design) {
   Json factors = Json::object();
-  for (const FactorLaw& law : design.laws) factors[std::string(name_of(law.factor))] = to_json(law);
+  for (const FactorLaw& law : design.laws) factors[std::string(name_of(law.factor))] = json_of(law);
   return {{"runs", design.runs},
           {"sampling", design.is_latin ? "latin-hypercube" : "random"},
           {"seed", design.seed},
@@ -143,7 +141,7 @@ Json to_json(const StudyDesign& design) {
 
 StudyDesign read_study_design(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
-  check_keys(json, {"runs", "sampling", "seed", "factors"}, file, kKey);
+  check_keys(json, {"runs", "sampling", "seed", "factors"}, file, kStudyKey);
   StudyDesign design;
   design.runs = static_cast<std::size_t>(whole_number_or(object, "runs", design.runs, file));
   design.seed = whole_number_or(object, "seed", design.seed, file);

@@ -24,6 +24,9 @@ struct StudyHand {
   double tremor_mm = 0.0;      ///< as Tremor has it
 };
 
+/// What check_keys() says of SPEC.json.
+constexpr std::string_view kStudyKey = "a key of a study";
+
 /// The hand and the design, as SPEC.json has them.
 Json to_json(const StudyHand& hand);
 Json to_json(const StudyDesign& design);

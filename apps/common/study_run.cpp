@@ -16,7 +16,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 
 /// The planned path with room past its target, for what holds its points.
 DrillPath with_lead_out(DrillPath path, double lead_out_mm) {
@@ -129,7 +129,7 @@ StudyRow empty_row(std::size_t n, const StudyTask& task) {
        {StudyColumn::overshoot_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
         StudyColumn::transitional_mm, StudyColumn::inner_cortical_mm, StudyColumn::breakthrough_mm,
         StudyColumn::stop_mm}) {
-    row[column] = kNone;
+    row[column] = kNoFigure;
   }
   return row;
 }

@@ -12,9 +12,8 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::string_view kFormat = "spinaltap-study";
-constexpr int kVersion = 1;
-constexpr std::string_view kKey = "a key of a study";
+constexpr std::string_view kSpecFormat = "spinaltap-study";
+constexpr int kSpecVersion = 1;
 
 std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
   return (file.parent_path() / name).lexically_normal();
@@ -96,13 +95,13 @@ void check_factors(const StudySpec& spec, const std::filesystem::path& file) {
 StudySpec read_study_spec(const std::filesystem::path& file) {
   const Json json = read_json(file);
   const JsonObject object(json, file);
-  if (object.text("format") != kFormat || object.number("version") != kVersion) {
-    fail("expected a ", kFormat, " of version ", kVersion, " in ", file.string());
+  if (object.text("format") != kSpecFormat || object.number("version") != kSpecVersion) {
+    fail("expected a ", kSpecFormat, " of version ", kSpecVersion, " in ", file.string());
   }
   check_keys(json,
              {"format", "version", "name", "bone", "plan", "path", "material", "density", "volume", "spindle_rpm",
               "stop", "hand", "design"},
-             file, kKey);
+             file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
   spec.bone_file = beside(file, object.text("bone"));

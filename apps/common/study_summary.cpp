@@ -74,7 +74,7 @@ StudySummary::ByFactor by_factor(const Rows& rows, const FactorLaw& law) {
   return result;
 }
 
-Json to_json(const StudyShare& share) {
+Json json_of(const StudyShare& share) {
   return {{"runs", share.runs},
           {"count", share.count},
           {"probability", share.probability()},
@@ -82,7 +82,7 @@ Json to_json(const StudyShare& share) {
           {"high", share.interval.high}};
 }
 
-Json to_json(const StudySpread& spread) {
+Json json_of(const StudySpread& spread) {
   Json json{{"runs", spread.runs}, {"mean", spread.mean}};
   for (std::size_t n = 0; n < spread.quantiles.size(); ++n) {
     json["p" + std::to_string(std::lround(100.0 * StudySpread::kShares[n]))] = spread.quantiles[n];
@@ -127,11 +127,11 @@ StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesig
 Json to_json(const StudySummary& summary) {
   Json grades = Json::object();
   for (std::size_t n = 0; n < summary.grades.size(); ++n) {
-    grades[std::string(1, static_cast<char>('A' + n))] = to_json(summary.grades[n]);
+    grades[std::string(1, static_cast<char>('A' + n))] = json_of(summary.grades[n]);
   }
   Json spreads = Json::object();
   for (const StudySpread& spread : summary.spreads) {
-    spreads[std::string(name_of(spread.column))] = to_json(spread);
+    spreads[std::string(name_of(spread.column))] = json_of(spread);
   }
   Json factors = Json::object();
   for (const StudySummary::ByFactor& by : summary.factors) {
@@ -140,21 +140,21 @@ Json to_json(const StudySummary& summary) {
       bins.push_back({{"low", bin.low},
                       {"high", bin.high},
                       {"mean", bin.middle},
-                      {"breach", to_json(bin.breach)},
-                      {"canal", to_json(bin.canal)}});
+                      {"breach", json_of(bin.breach)},
+                      {"canal", json_of(bin.canal)}});
     }
     factors[std::string(name_of(by.factor))] = std::move(bins);
   }
   return {{"runs", summary.runs},
           {"interval", "Wilson, 95 %"},
-          {"breach", to_json(summary.breach)},
-          {"outer_breach", to_json(summary.outer)},
-          {"canal_breach", to_json(summary.canal)},
+          {"breach", json_of(summary.breach)},
+          {"outer_breach", json_of(summary.outer)},
+          {"canal_breach", json_of(summary.canal)},
           {"grades", std::move(grades)},
-          {"contact", to_json(summary.contact)},
-          {"breakthrough", to_json(summary.breakthrough)},
-          {"stopped", to_json(summary.stopped)},
-          {"left_volume", to_json(summary.left_volume)},
+          {"contact", json_of(summary.contact)},
+          {"breakthrough", json_of(summary.breakthrough)},
+          {"stopped", json_of(summary.stopped)},
+          {"left_volume", json_of(summary.left_volume)},
           {"events_lost", summary.events_lost},
           {"distributions", std::move(spreads)},
           {"breach_by_factor", std::move(factors)}};

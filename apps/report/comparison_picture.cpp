@@ -19,9 +19,8 @@ constexpr int kTileHeight = 330;
 constexpr int kTextScale = 2;
 constexpr int kLine = (kTextHeight + 3) * kTextScale;
 constexpr int kHead = 2 * kLine + 6;
-constexpr int kGap = 8;
-constexpr Colour kWhite{255, 255, 255};
-constexpr Colour kAmber{255, 190, 60};
+constexpr int kTileGap = 8;
+constexpr Colour kFigureColour{255, 190, 60};
 
 struct Tile {
   const BoneModel* bone;
@@ -59,13 +58,13 @@ Image comparison_picture(const Comparison& comparison, const Progress& progress)
   }
   tiles.push_back({&comparison.truth, "TRUTH", figures_text(comparison.truth_figures, true)});
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
-  Image sheet{columns * (kTileWidth + kGap) + kGap, rows * (kTileHeight + kHead + kGap) + kGap, {}};
+  Image sheet{columns * (kTileWidth + kTileGap) + kTileGap, rows * (kTileHeight + kHead + kTileGap) + kTileGap, {}};
   sheet.rgb.assign(3 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), 24);
   for (std::size_t n = 0; n < tiles.size(); ++n) {
-    const int x = kGap + static_cast<int>(n) % columns * (kTileWidth + kGap);
-    const int y = kGap + static_cast<int>(n) / columns * (kTileHeight + kHead + kGap);
+    const int x = kTileGap + static_cast<int>(n) % columns * (kTileWidth + kTileGap);
+    const int y = kTileGap + static_cast<int>(n) / columns * (kTileHeight + kHead + kTileGap);
     draw_text(sheet, x, y, tiles[n].title, kTextScale, kWhite);
-    draw_text(sheet, x, y + kLine, tiles[n].figures, kTextScale, kAmber);
+    draw_text(sheet, x, y + kLine, tiles[n].figures, kTextScale, kFigureColour);
     if (tiles[n].bone == nullptr) continue;
     const RenderOptions options{.width = kTileWidth, .height = kTileHeight, .from = Vec3(0.35, 1.0, 0.45)};
     paste(render_bone(*tiles[n].bone, options, progress), sheet, x, y + kHead);

@@ -11,7 +11,6 @@
 namespace spinaltap {
 namespace {
 
-constexpr Colour kWhite{255, 255, 255};
 constexpr Colour kAmber{255, 196, 64};
 constexpr Colour kGround{40, 44, 52};
 constexpr int kGap = 6;

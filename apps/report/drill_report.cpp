@@ -21,7 +21,7 @@ namespace {
 using Curve = std::vector<double>;
 
 constexpr double kHapticRate = 1000.0;  ///< cycles per second that a steady force needs
-constexpr double kPlotHeight = 230.0;
+constexpr double kDrillPlotHeight = 230.0;
 constexpr std::size_t kDepthBins = 480;  ///< under two drawing units each
 
 std::string position(const Vec3& p) {
@@ -148,7 +148,7 @@ class DepthPlots {
     const Spread depths = spread(data_.depth_mm);  // all panels reach as far
     plot.x_low = depths.least;
     plot.x_high = depths.most;
-    plot.height = kPlotHeight;
+    plot.height = kDrillPlotHeight;
     return plot;
   }
 

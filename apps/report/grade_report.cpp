@@ -12,7 +12,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kPlotHeight = 260.0;
+constexpr double kGradePlotHeight = 260.0;
 
 std::string meaning_of(Grade grade) {
   switch (grade) {
@@ -95,7 +95,7 @@ Plot empty_plot(const GradedPath& graded, const std::string& title, const std::s
   plot.x_low = 0.0;
   plot.x_high = graded.path.length_mm();
   plot.y_from_zero = true;
-  plot.height = kPlotHeight;
+  plot.height = kGradePlotHeight;
   return plot;
 }
 

@@ -11,7 +11,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kGap = 6;  // pixels between the slices
+constexpr int kSliceGap = 6;  // pixels between the slices
 
 Box3 box_of(const BoneMask& mask, double margin_mm) {
   const VoxelBox voxels = mask_box(mask);
@@ -68,7 +68,7 @@ Image mask_picture(const CtVolume& ct, const BoneMask& mask, const Vec3& through
   }
   Image picture;
   for (const CtSlice& slice : slices) {
-    picture.width += slice.image.width + (picture.width > 0 ? kGap : 0);
+    picture.width += slice.image.width + (picture.width > 0 ? kSliceGap : 0);
     picture.height = std::max(picture.height, slice.image.height);
   }
   picture.rgb.assign(3 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height), 0);
@@ -78,7 +78,7 @@ Image mask_picture(const CtVolume& ct, const BoneMask& mask, const Vec3& through
       std::copy_n(slice.image.rgb.begin() + 3L * row * slice.image.width, 3L * slice.image.width,
                   picture.rgb.begin() + 3L * (static_cast<long>(row) * picture.width + left));
     }
-    left += slice.image.width + kGap;
+    left += slice.image.width + kSliceGap;
   }
   return picture;
 }

@@ -10,6 +10,8 @@ namespace spinaltap {
 
 using Colour = std::array<std::uint8_t, 3>;
 
+constexpr Colour kWhite{255, 255, 255};
+
 /// Height of capitals and digits drawn by draw_text(), pixels at scale 1. Letters stand 6 pixels apart.
 constexpr int kTextHeight = 7;
 

@@ -8,13 +8,13 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kPlotHeight = 260.0;
+constexpr double kStudyPlotHeight = 260.0;
 
 Plot plot_over(const StudyTitle& x) {
   Plot plot;
   plot.x_label = x.name;
   plot.x_unit = x.unit;
-  plot.height = kPlotHeight;
+  plot.height = kStudyPlotHeight;
   return plot;
 }
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <sstream>
 
 #include "core/base/error.h"
 
@@ -98,6 +99,12 @@ std::string readable_number(double value, int decimals) {
     text.insert(i, 1, ',');
   }
   return text;
+}
+
+std::string short_number(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
 }
 
 }  // namespace spinaltap

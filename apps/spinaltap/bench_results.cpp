@@ -141,7 +141,7 @@ std::string hex(std::uint64_t value) {
   return text;
 }
 
-Json to_json(const TimeSpread& spread) {
+Json quantiles_of(const TimeSpread& spread) {
   return {{"p50", spread.p50_us}, {"p99", spread.p99_us}, {"p99.9", spread.p999_us}, {"max", spread.max_us}};
 }
 
@@ -151,7 +151,7 @@ Json tenths(const EngineMeasurement& measured, const auto& value) {
           {"last_tenth", value(measured.last_tenth)}};
 }
 
-Json to_json(const BenchResults& results, const BenchResult& result) {
+Json json_of(const BenchResults& results, const BenchResult& result) {
   const EngineMeasurement& measured = result.measured;
   Json json{{"engine", result.engine},
             {"motion", name_of(result.motion)},
@@ -163,8 +163,8 @@ Json to_json(const BenchResults& results, const BenchResult& result) {
             {"timed_cycles", measured.cycles},
             {"cycles_per_cpu_s", tenths(measured, [](const Stretch& part) { return part.cycles_per_cpu_s(); })},
             {"cycles_per_wall_s", tenths(measured, [](const Stretch& part) { return part.cycles_per_wall_s(); })},
-            {"cpu_us", to_json(measured.cpu)},
-            {"wall_us", to_json(measured.wall)},
+            {"cpu_us", quantiles_of(measured.cpu)},
+            {"wall_us", quantiles_of(measured.wall)},
             {"removed_per_cycle", per_cycle(measured.all.removed, measured.all)},
             {"tested_per_cycle", per_cycle(measured.all.tested, measured.all)},
             {"bytes", measured.memory_bytes},
@@ -235,7 +235,7 @@ std::string bench_tables(const BenchResults& results, bool markdown) {
 
 Json to_json(const BenchResults& results) {
   Json json{{"runs", Json::array()}, {"steps", Json::array()}};
-  for (const BenchResult& result : results.runs) json["runs"].push_back(to_json(results, result));
+  for (const BenchResult& result : results.runs) json["runs"].push_back(json_of(results, result));
   for (const BenchStepResult& result : results.steps) {
     json["steps"].push_back({{"step", result.step},
                              {"engine", result.engine},

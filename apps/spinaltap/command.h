@@ -22,6 +22,10 @@ struct Command {
   int exit_code_of_errors = 1;  ///< where run() throws
 };
 
+/// Exit codes of commands that compare, as diff and cmp have them.
+constexpr int kDifferent = 1;
+constexpr int kTrouble = 2;
+
 /// Adds a subcommand with the options that all have. `footer` shows an example.
 CLI::App* add_command(CLI::App& program, Command& command, const std::string& name, const std::string& description,
                       const std::string& footer);

@@ -17,7 +17,7 @@
 namespace spinaltap {
 namespace {
 
-Json to_json(const SurfaceFigures& figures) {
+Json json_of(const SurfaceFigures& figures) {
   return {{"roughness_deg", figures.roughness_deg},
           {"volume_mm3", figures.volume_mm3},
           {"volume_change", figures.volume_change},
@@ -46,13 +46,13 @@ Json report(const Comparison& comparison) {
         {"method", name_of(surface.method)}, {"smoothing_mm", surface.smoothing_mm}, {"rbf_centres", surface.centres}};
     if (surface.bone) {
       print_row(name.str().c_str(), surface.figures);
-      one.update(to_json(surface.figures));
+      one.update(json_of(surface.figures));
     } else {
       std::printf("  %-22s no closed surface\n", name.str().c_str());
     }
     surfaces.push_back(one);
   }
-  return {{"truth", to_json(comparison.truth_figures)}, {"surfaces", surfaces}};
+  return {{"truth", json_of(comparison.truth_figures)}, {"surfaces", surfaces}};
 }
 
 }  // namespace

@@ -9,17 +9,11 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kDifferent = 1;
-constexpr int kTrouble = 2;
-
 std::string text_of(const std::array<int, 3>& index) {
   std::ostringstream text;
   text << '(' << index[0] << ", " << index[1] << ", " << index[2] << ')';
   return text.str();
 }
-
-/// JSON has no infinity and no "not a number": null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 Json json_of(const ActiveVoxels& active) {
   return {{"active_voxels", active.count}, {"low", active.low}, {"high", active.high}};
@@ -37,15 +31,15 @@ Json json_of(const GridDifference& grid) {
   json["compared"] = grid.compared;
   json["different"] = grid.different;
   json["inactive_different"] = grid.inactive_different;
-  json["l1"] = number(grid.l1);
-  json["l2"] = number(grid.l2);
-  json["linf"] = number(grid.linf);
+  json["l1"] = number_or_null(grid.l1);
+  json["l2"] = number_or_null(grid.l2);
+  json["linf"] = number_or_null(grid.linf);
   json["metadata"] = grid.metadata;
   if (grid.first) {
     json["first"] = {{"index", grid.first->index},
                      {"position_mm", to_json(grid.first->position_mm)},
-                     {"a", number(static_cast<double>(grid.first->a))},
-                     {"b", number(static_cast<double>(grid.first->b))}};
+                     {"a", number_or_null(static_cast<double>(grid.first->a))},
+                     {"b", number_or_null(static_cast<double>(grid.first->b))}};
   }
   return json;
 }

@@ -19,9 +19,6 @@ std::string fixed(double value, int digits) {
   return text;
 }
 
-/// JSON has no infinity: what there is not is null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 /// Mean cycles per second over a part of the rows, from their times; 0 where none was measured.
 double rate(const std::vector<DepthRow>& rows, std::size_t begin, std::size_t end) {
   double cycles = 0.0;
@@ -86,12 +83,14 @@ Json json_of(const RealTimeReport& run) {
 }
 
 Json json_of(const SessionEvent& event) {
-  return {{"event", name_of(event.kind)},
-          {"cycle", event.cycle},
-          {"time_s", event.time_s},
-          {"depth_mm", number(event.depth_mm)},
-          {"place_mm", {number(event.place_mm.x()), number(event.place_mm.y()), number(event.place_mm.z())}},
-          {"value", number(event.value)}};
+  return {
+      {"event", name_of(event.kind)},
+      {"cycle", event.cycle},
+      {"time_s", event.time_s},
+      {"depth_mm", number_or_null(event.depth_mm)},
+      {"place_mm",
+       {number_or_null(event.place_mm.x()), number_or_null(event.place_mm.y()), number_or_null(event.place_mm.z())}},
+      {"value", number_or_null(event.value)}};
 }
 
 void print_rows(const TextRows& table) {
@@ -230,13 +229,13 @@ Json drilling_json(const DrillFigures& figures) {
               {"most", neighbours.most_mm}}},
             {"cycles", drilling.cycles},
             {"session_s", drilling.session_s},
-            {"deepest_mm", number(drilling.deepest_mm)},
+            {"deepest_mm", number_or_null(drilling.deepest_mm)},
             {"greatest_thrust_N", drilling.most_thrust_n},
             {"greatest_torque_N_mm", drilling.most_torque_n_mm},
-            {"least_outer_clearance_mm", number(drilling.least_outer_mm)},
-            {"least_canal_clearance_mm", number(drilling.least_canal_mm)},
+            {"least_outer_clearance_mm", number_or_null(drilling.least_outer_mm)},
+            {"least_canal_clearance_mm", number_or_null(drilling.least_canal_mm)},
             {"stopped", drilling.is_stopped},
-            {"overshoot_mm", number(overshoot_mm(drilling.events))},
+            {"overshoot_mm", number_or_null(overshoot_mm(drilling.events))},
             {"events_lost", drilling.events_lost},
             {"cycles_not_recorded", figures.cycles_not_recorded},
             {"density_at_0_hu_g_cm3", figures.density.law.at_0_hu},

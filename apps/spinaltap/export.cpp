@@ -9,7 +9,7 @@
 namespace spinaltap {
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::filesystem::path record, cycles, events;
 };
 
@@ -22,7 +22,7 @@ void write_rows(const SessionRecord& record, const std::filesystem::path& path, 
   if (!csv) fail("cannot write ", path.string(), ": is the disk full?");
 }
 
-Json export_record(const Options& options) {
+Json export_record(const ExportOptions& options) {
   const SessionRecord record = read_record(options.record);
   StagedOutput output;
   if (!options.cycles.empty()) write_rows(record, output.stage(options.cycles), write_record_csv);
@@ -41,7 +41,7 @@ Json export_record(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportOptions>();
   CLI::App* app = add_command(program, command, "export", "Write a recorded drilling as CSV, one row a cycle",
                               "Example: spinaltap export session.h5 -o session.csv --events events.csv\n"
                               "Also while it is being recorded. Units are in the names of the columns.");

@@ -16,7 +16,7 @@
 namespace spinaltap {
 namespace {
 
-struct Options {
+struct GradeCommandOptions {
   std::filesystem::path bone, plan, density, material;
   std::string path_name;
   double screw_diameter_mm = std::nan("");
@@ -25,7 +25,7 @@ struct Options {
   std::filesystem::path folder = "graded";
 };
 
-std::vector<DrillPath> chosen_paths(const Options& options) {
+std::vector<DrillPath> chosen_paths(const GradeCommandOptions& options) {
   std::vector<DrillPath> paths = read_plan(options.plan);
   if (!options.path_name.empty()) paths = {choose_path(paths, options.path_name)};
   if (std::isnan(options.screw_diameter_mm)) return paths;
@@ -40,7 +40,7 @@ std::vector<DrillPath> chosen_paths(const Options& options) {
   return paths;
 }
 
-Json grade(const Options& options, const Progress& progress) {
+Json grade(const GradeCommandOptions& options, const Progress& progress) {
   const std::vector<DrillPath> paths = chosen_paths(options);
   const DensityCalibration density =
       read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
@@ -74,7 +74,7 @@ Json grade(const Options& options, const Progress& progress) {
 }  // namespace
 
 void add_grade(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<GradeCommandOptions>();
   CLI::App* app = add_command(program, command, "grade",
                               "Grade planned paths: clearances, breach, CT numbers and thrust along the depth; writes "
                               "report.html, grade.json and grade.csv",

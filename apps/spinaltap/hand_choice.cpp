@@ -1,10 +1,10 @@
 #include "apps/spinaltap/hand_choice.h"
 
 #include <algorithm>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
+#include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/sim/path_hand.h"
@@ -22,13 +22,6 @@ constexpr double kFeedMmS = 1.0;
 constexpr double kRateHz = 1000.0;
 
 bool is_file(std::string_view name) { return name.ends_with(".csv"); }
-
-std::string text_of(double value) {
-  std::ostringstream text;
-  text.precision(6);
-  text << value;
-  return text.str();
-}
 
 /// "1.0", or "1,5:0.5": 1 mm/s, and 0.5 mm/s from 5 mm of depth on.
 std::vector<FeedStep> feed_steps(const std::string& text) {
@@ -146,8 +139,8 @@ void HandChoice::add_path_hand(const DrillPath& path, const GuideLine& line, Han
   motion.feed.withdraw_mm_s = withdraw_mm_s.value_or(0.0);
   plan.rate_hz = motion.rate_hz;
   plan.words["feed"] =
-      motion.feed.steps.size() > 1 ? feed + " mm/s" : text_of(motion.feed.steps.front().mm_s) + " mm/s";
-  if (peck_mm) plan.words["peck"] = text_of(*peck_mm) + " mm";
+      motion.feed.steps.size() > 1 ? feed + " mm/s" : short_number(motion.feed.steps.front().mm_s) + " mm/s";
+  if (peck_mm) plan.words["peck"] = short_number(*peck_mm) + " mm";
   plan.hand = std::make_unique<PathHand>(path, motion);
 }
 
@@ -160,7 +153,7 @@ void HandChoice::add_push_hand(const DrillPath& path, const GuideLine& line, con
                    .seed = seed.value_or(1)};
   push.push_n = push_n.value_or(push.push_n);
   plan.rate_hz = push.rate_hz;
-  plan.words["push"] = text_of(push.push_n) + " N";
+  plan.words["push"] = short_number(push.push_n) + " N";
   plan.hand = std::make_unique<PushHand>(path, push);
 }
 
@@ -177,10 +170,10 @@ HandPlan HandChoice::plan(const DrillPath& path, double lead_in_mm, const Spindl
     const GuideLine line{.lead_in_mm = lead_in_mm,
                          .offset_mm = offset_mm.value_or(name == "off-path" ? kOffPathMm : 0.0),
                          .tilt_deg = tilt_deg.value_or(name == "tilted" ? kTiltDeg : 0.0)};
-    if (line.offset_mm != 0.0) plan.words["offset"] = text_of(line.offset_mm) + " mm";
-    if (line.tilt_deg != 0.0) plan.words["tilt"] = text_of(line.tilt_deg) + " degrees";
+    if (line.offset_mm != 0.0) plan.words["offset"] = short_number(line.offset_mm) + " mm";
+    if (line.tilt_deg != 0.0) plan.words["tilt"] = short_number(line.tilt_deg) + " degrees";
     if (tremor_or_default_mm() != 0.0) {
-      plan.words["tremor"] = text_of(tremor_or_default_mm()) + " mm, seed " + std::to_string(seed.value_or(1));
+      plan.words["tremor"] = short_number(tremor_or_default_mm()) + " mm, seed " + std::to_string(seed.value_or(1));
     }
     if (name == "push") {
       add_push_hand(path, line, spindle, plan);
@@ -189,7 +182,7 @@ HandPlan HandChoice::plan(const DrillPath& path, double lead_in_mm, const Spindl
     }
   }
   plan.cycle_rate_hz = is_file(name) ? rate_hz.value_or(plan.rate_hz) : plan.rate_hz;
-  plan.words["rate"] = text_of(plan.rate_hz) + " Hz";
+  plan.words["rate"] = short_number(plan.rate_hz) + " Hz";
   return plan;
 }
 

@@ -8,12 +8,12 @@
 namespace spinaltap {
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::vector<std::filesystem::path> folders;
   std::filesystem::path folder;
 };
 
-Json merge(const Options& options) {
+Json merge(const MergeOptions& options) {
   const StudyIdentity identity = read_study_identity(options.folders.front());
   StudyRows rows;
   for (const std::filesystem::path& folder : options.folders) {
@@ -33,7 +33,7 @@ Json merge(const Options& options) {
 }  // namespace
 
 void add_merge(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MergeOptions>();
   CLI::App* app = add_command(program, command, "merge",
                               "Join the shards of a study: the same files, byte for byte, as from one run of it",
                               "Example: spinaltap merge one/ two/ -o study/");

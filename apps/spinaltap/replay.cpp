@@ -9,15 +9,12 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kDifferent = 1;
-constexpr int kTrouble = 2;
-
-struct Options {
+struct ReplayOptions {
   std::filesystem::path record, bone;
   std::optional<EngineKind> engine;
 };
 
-BoneModel bone_of(const SessionSetup& setup, const Options& options) {
+BoneModel bone_of(const SessionSetup& setup, const ReplayOptions& options) {
   BoneModel bone = read_bone(options.bone);
   const std::string hash = hash_of(bone);
   if (hash != setup.bone_hash) {
@@ -27,7 +24,7 @@ BoneModel bone_of(const SessionSetup& setup, const Options& options) {
   return bone;
 }
 
-Json replay(const Options& options, const Progress& progress, int& exit_code) {
+Json replay(const ReplayOptions& options, const Progress& progress, int& exit_code) {
   const SessionRecord record = read_record(options.record);
   SessionSetup setup = recorded_setup(record.setup, options.record);
   if (options.engine) setup.engine = *options.engine;
@@ -56,7 +53,7 @@ Json replay(const Options& options, const Progress& progress, int& exit_code) {
 }  // namespace
 
 void add_replay(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayOptions>();
   CLI::App* app = add_command(program, command, "replay", "Run a recorded drilling again and compare every bit",
                               "Example: spinaltap replay session.h5 bone.vdb --engine reference --threads 1\n"
                               "Records that were cut short are compared as far as they go. The exit code is 0 where\n"

@@ -11,7 +11,7 @@
 namespace spinaltap {
 namespace {
 
-struct Options {
+struct SegmentCommandOptions {
   CtOptions ct;
   std::optional<double> threshold_hu;
   int from_label = 1;
@@ -20,7 +20,7 @@ struct Options {
   std::filesystem::path picture;
 };
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(CLI::App& app, SegmentCommandOptions& options) {
   app.add_option("ct", options.ct.folder, "Folder with a DICOM CT series")->required()->type_name("FOLDER");
   app.add_option("-o,--output", options.output, "The label map to write: .nii.gz, .nii, .nrrd or .seg.nrrd")
       ->capture_default_str()
@@ -81,7 +81,7 @@ Vec3 point_to_show(const BoneMask& mask, const std::optional<SegmentReport>& rep
   return mask.geometry.to_patient(sum / count);
 }
 
-Json segment(const Options& options, const Progress& progress) {
+Json segment(const SegmentCommandOptions& options, const Progress& progress) {
   // A bad name is said before the work is done.
   encode_label_map({{{1, 1, 1}}, {0}}, options.label, options.output);
   const CtVolume ct = options.ct.read(progress);
@@ -113,7 +113,7 @@ Json segment(const Options& options, const Progress& progress) {
 }  // namespace
 
 void add_segment(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SegmentCommandOptions>();
   CLI::App* app =
       add_command(program, command, "segment", "Cut one vertebra out of a CT and write it as a label map",
                   "Example: spinaltap segment ct/ --seed -9,222,-638 -o t11.seg.nrrd --picture t11.png\n"

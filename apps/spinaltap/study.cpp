@@ -34,7 +34,7 @@ Shard read_shard(const std::string& text) {
   return shard;
 }
 
-struct Options {
+struct StudyCommandOptions {
   std::filesystem::path spec;
   std::string shard = "1/1";
   std::filesystem::path folder = "study";
@@ -50,7 +50,7 @@ Json figures_of(const StudyWork& work) {
           {"cpu_seconds_per_run", work.runs > 0 ? work.cpu_seconds / runs : 0.0}};
 }
 
-Json study(const Options& options, const Progress& progress) {
+Json study(const StudyCommandOptions& options, const Progress& progress) {
   const Shard shard = read_shard(options.shard);
   StudySpec spec = read_study_spec(options.spec);
   const StudyRuns runs(spec.design);
@@ -100,7 +100,7 @@ Json study(const Options& options, const Progress& progress) {
 }  // namespace
 
 void add_study(CLI::App& program, Command& command) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StudyCommandOptions>();
   CLI::App* app = add_command(program, command, "study",
                               "Drill one path many times, with errors, on all cores; writes runs.csv, summary.json and "
                               "report.html. Started again it goes on where it was",

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <numbers>
 #include <span>
 
 namespace spinaltap {
@@ -11,6 +12,9 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 /// Axis-aligned box; lengths are in the unit of its points (mm in patient space).
 using Box3 = Eigen::AlignedBox3d;
+
+/// One degree, rad.
+inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Any unit vector at right angles to `axis` (unit). The same axis always gives the same vector.
 Vec3 any_perpendicular(const Vec3& axis);

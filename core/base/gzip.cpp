@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kGzipFormat = 16 + MAX_WBITS;
 
-Bytef* bytes_of(const char* data) { return reinterpret_cast<Bytef*>(const_cast<char*>(data)); }  // zlib only reads it
+Bytef* zlib_bytes(const char* data) { return reinterpret_cast<Bytef*>(const_cast<char*>(data)); }  // zlib only reads it
 
 /// zlib counts in 32 bits: the next piece of what is left.
 uInt next_piece(std::size_t left) {
@@ -33,11 +33,11 @@ std::string gzip(std::string_view data) {
   std::size_t taken = 0;
   while (status == Z_OK) {
     if (stream.avail_in == 0 && taken < data.size()) {
-      stream.next_in = bytes_of(data.data() + taken);
+      stream.next_in = zlib_bytes(data.data() + taken);
       stream.avail_in = next_piece(data.size() - taken);
       taken += stream.avail_in;
     }
-    stream.next_out = bytes_of(buffer.data());
+    stream.next_out = zlib_bytes(buffer.data());
     stream.avail_out = static_cast<uInt>(buffer.size());
     status = deflate(&stream, taken == data.size() ? Z_FINISH : Z_NO_FLUSH);
     result.append(buffer, 0, buffer.size() - stream.avail_out);
@@ -58,9 +58,9 @@ std::string gunzip(std::string_view data, std::size_t size) {
   while (status == Z_OK && made < result.size()) {
     const uInt in = next_piece(data.size() - taken);
     const uInt out = next_piece(result.size() - made);
-    stream.next_in = bytes_of(data.data() + taken);
+    stream.next_in = zlib_bytes(data.data() + taken);
     stream.avail_in = in;
-    stream.next_out = bytes_of(result.data() + made);
+    stream.next_out = zlib_bytes(result.data() + made);
     stream.avail_out = out;
     status = inflate(&stream, Z_NO_FLUSH);
     taken += in - stream.avail_in;

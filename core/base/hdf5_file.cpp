@@ -13,9 +13,15 @@
 
 namespace spinaltap {
 
-using namespace detail;
-
 namespace {
+
+using detail::check_disk;
+using detail::checked;
+using detail::dimensions;
+using detail::Id;
+using detail::in_file;
+using detail::in_memory;
+using detail::QuietHdf5;
 
 /// Whether the file is being written, or its writer was killed: from the flags in the file's first bytes (HDF5's
 /// format, superblock version 3). Throws Error where it is no HDF5 file.
@@ -47,54 +53,54 @@ Hdf5File& Hdf5File::operator=(Hdf5File&&) noexcept = default;
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   const QuietHdf5 quiet;
-  const Id access(check(H5Pcreate(H5P_FILE_ACCESS), "make", path), H5Pclose);
+  const Id access(checked(H5Pcreate(H5P_FILE_ACCESS), "make", path), H5Pclose);
   // Readers may come along, and every piece of the file's own structure has a checksum.
-  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "make", path);
-  check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "make", path);
-  check(H5Pset_driver(access.get(), hdf5_stopping_driver(), nullptr), "make", path);
+  checked(H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "make", path);
+  checked(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "make", path);
+  checked(H5Pset_driver(access.get(), hdf5_stopping_driver(), nullptr), "make", path);
   errno = 0;
   Id file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access.get()), H5Fclose);
   if (file.get() < 0 && errno != 0) fail("cannot make ", path.string(), ": ", std::strerror(errno));
-  check(file.get(), "make", path);
+  checked(file.get(), "make", path);
   return Hdf5File(std::make_unique<Handle>(Handle{std::move(file), path}));
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   const bool has_writer = may_have_writer(path);
   const QuietHdf5 quiet;
-  const Id access(check(H5Pcreate(H5P_FILE_ACCESS), "open", path), H5Pclose);
-  check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "open", path);
+  const Id access(checked(H5Pcreate(H5P_FILE_ACCESS), "open", path), H5Pclose);
+  checked(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "open", path);
   unsigned flags = H5F_ACC_RDONLY;
   if (has_writer) {
     // What looks damaged may be half written and is read again, with waits that double. HDF5's own 100 times take
     // minutes.
     constexpr unsigned kAttempts = 8;
-    check(H5Pset_metadata_read_attempts(access.get(), kAttempts), "open", path);
+    checked(H5Pset_metadata_read_attempts(access.get(), kAttempts), "open", path);
     flags |= H5F_ACC_SWMR_READ;
   }
   Id file(H5Fopen(path.c_str(), flags, access.get()), H5Fclose);
-  check(file.get(), "open", path);
+  checked(file.get(), "open", path);
   return Hdf5File(std::make_unique<Handle>(Handle{std::move(file), path}));
 }
 
 void Hdf5File::make_group(const std::string& name) {
   const QuietHdf5 quiet;
   const Id group(H5Gcreate2(handle_->file.get(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  check(group.get(), "write", handle_->path);
+  checked(group.get(), "write", handle_->path);
 }
 
 void Hdf5File::write_text(const std::string& group, const std::string& name, const std::string& text) {
   const QuietHdf5 quiet;
-  const Id type(check(H5Tcopy(H5T_C_S1), "write", handle_->path), H5Tclose);
-  check(H5Tset_size(type.get(), std::max<std::size_t>(text.size(), 1)), "write", handle_->path);
-  check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), "write", handle_->path);
-  check(H5Tset_cset(type.get(), H5T_CSET_UTF8), "write", handle_->path);
-  const Id space(check(H5Screate(H5S_SCALAR), "write", handle_->path), H5Sclose);
+  const Id type(checked(H5Tcopy(H5T_C_S1), "write", handle_->path), H5Tclose);
+  checked(H5Tset_size(type.get(), std::max<std::size_t>(text.size(), 1)), "write", handle_->path);
+  checked(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), "write", handle_->path);
+  checked(H5Tset_cset(type.get(), H5T_CSET_UTF8), "write", handle_->path);
+  const Id space(checked(H5Screate(H5S_SCALAR), "write", handle_->path), H5Sclose);
   const Id attribute(H5Acreate_by_name(handle_->file.get(), group.c_str(), name.c_str(), type.get(), space.get(),
                                        H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Aclose);
-  check(attribute.get(), "write", handle_->path);
-  check(H5Awrite(attribute.get(), type.get(), text.empty() ? "\0" : text.data()), "write", handle_->path);
+  checked(attribute.get(), "write", handle_->path);
+  checked(H5Awrite(attribute.get(), type.get(), text.empty() ? "\0" : text.data()), "write", handle_->path);
 }
 
 std::map<std::string, std::string> Hdf5File::read_texts(const std::string& group) const {
@@ -103,27 +109,27 @@ std::map<std::string, std::string> Hdf5File::read_texts(const std::string& group
   constexpr hsize_t kMostTexts = 1000;
   constexpr std::size_t kMostBytes = std::size_t{64} << 20;
   const Id object(H5Gopen2(handle_->file.get(), group.c_str(), H5P_DEFAULT), H5Gclose);
-  check(object.get(), "read", path);
+  checked(object.get(), "read", path);
   H5O_info_t info{};
-  check(H5Oget_info2(object.get(), &info, H5O_INFO_NUM_ATTRS), "read", path);
+  checked(H5Oget_info2(object.get(), &info, H5O_INFO_NUM_ATTRS), "read", path);
   if (info.num_attrs > kMostTexts) fail("cannot read ", path.string(), ": ", info.num_attrs, " texts in ", group);
   std::map<std::string, std::string> texts;
   for (hsize_t n = 0; n < info.num_attrs; ++n) {
     const Id attribute(H5Aopen_by_idx(object.get(), ".", H5_INDEX_NAME, H5_ITER_INC, n, H5P_DEFAULT, H5P_DEFAULT),
                        H5Aclose);
-    check(attribute.get(), "read", path);
-    const Id type(check(H5Aget_type(attribute.get()), "read", path), H5Tclose);
-    const Id space(check(H5Aget_space(attribute.get()), "read", path), H5Sclose);
+    checked(attribute.get(), "read", path);
+    const Id type(checked(H5Aget_type(attribute.get()), "read", path), H5Tclose);
+    const Id space(checked(H5Aget_space(attribute.get()), "read", path), H5Sclose);
     const std::size_t bytes = H5Tget_size(type.get());
     if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 || bytes > kMostBytes ||
         H5Sget_simple_extent_npoints(space.get()) != 1) {
       fail("cannot read ", path.string(), ": expected texts of a fixed length in ", group);
     }
-    const ssize_t name_bytes = check(H5Aget_name(attribute.get(), 0, nullptr), "read", path);
+    const ssize_t name_bytes = checked(H5Aget_name(attribute.get(), 0, nullptr), "read", path);
     std::string name(static_cast<std::size_t>(name_bytes), '\0');
-    check(H5Aget_name(attribute.get(), name.size() + 1, name.data()), "read", path);
+    checked(H5Aget_name(attribute.get(), name.size() + 1, name.data()), "read", path);
     std::string text(bytes, '\0');
-    check(H5Aread(attribute.get(), type.get(), text.data()), "read", path);
+    checked(H5Aread(attribute.get(), type.get(), text.data()), "read", path);
     while (!text.empty() && text.back() == '\0') text.pop_back();
     texts[name] = text;
   }
@@ -138,20 +144,20 @@ Hdf5Table Hdf5File::make_table(const std::string& name, Hdf5Number number, std::
   const std::vector<hsize_t> size = dimensions(0, width);
   std::vector<hsize_t> most = size;
   most[0] = H5S_UNLIMITED;
-  const Id space(check(H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()), "write", path),
+  const Id space(checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()), "write", path),
                  H5Sclose);
-  const Id creation(check(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
-  check(H5Pset_chunk(creation.get(), static_cast<int>(size.size()), dimensions(chunk_rows, width).data()), "write",
-        path);
+  const Id creation(checked(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
+  checked(H5Pset_chunk(creation.get(), static_cast<int>(size.size()), dimensions(chunk_rows, width).data()), "write",
+          path);
   if (compresses) {
-    check(H5Pset_shuffle(creation.get()), "write", path);
-    check(H5Pset_deflate(creation.get(), kQuickest), "write", path);
+    checked(H5Pset_shuffle(creation.get()), "write", path);
+    checked(H5Pset_deflate(creation.get(), kQuickest), "write", path);
   }
-  check(H5Pset_fletcher32(creation.get()), "write", path);
+  checked(H5Pset_fletcher32(creation.get()), "write", path);
   Id dataset(H5Dcreate2(handle_->file.get(), name.c_str(), in_file(number), space.get(), H5P_DEFAULT, creation.get(),
                         H5P_DEFAULT),
              H5Dclose);
-  check(dataset.get(), "write", path);
+  checked(dataset.get(), "write", path);
   return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 0, path});
 }
 
@@ -159,14 +165,14 @@ Hdf5Table Hdf5File::make_row(const std::string& name, Hdf5Number number, std::ui
   const QuietHdf5 quiet;
   const std::filesystem::path& path = handle_->path;
   const std::array<hsize_t, 2> size{1, width};
-  const Id space(check(H5Screate_simple(width == 1 ? 1 : 2, size.data(), nullptr), "write", path), H5Sclose);
-  const Id creation(check(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
-  check(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY), "write", path);
-  check(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_ALLOC), "write", path);
+  const Id space(checked(H5Screate_simple(width == 1 ? 1 : 2, size.data(), nullptr), "write", path), H5Sclose);
+  const Id creation(checked(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
+  checked(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY), "write", path);
+  checked(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_ALLOC), "write", path);
   Id dataset(H5Dcreate2(handle_->file.get(), name.c_str(), in_file(number), space.get(), H5P_DEFAULT, creation.get(),
                         H5P_DEFAULT),
              H5Dclose);
-  check(dataset.get(), "write", path);
+  checked(dataset.get(), "write", path);
   return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 1, path});
 }
 
@@ -174,10 +180,10 @@ Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, std::
   const QuietHdf5 quiet;
   const std::filesystem::path& path = handle_->path;
   Id dataset(H5Dopen2(handle_->file.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
-  check(dataset.get(), "read", path);
-  const Id type(check(H5Dget_type(dataset.get()), "read", path), H5Tclose);
-  const Id space(check(H5Dget_space(dataset.get()), "read", path), H5Sclose);
-  const int dimension_count = check(H5Sget_simple_extent_ndims(space.get()), "read", path);
+  checked(dataset.get(), "read", path);
+  const Id type(checked(H5Dget_type(dataset.get()), "read", path), H5Tclose);
+  const Id space(checked(H5Dget_space(dataset.get()), "read", path), H5Sclose);
+  const int dimension_count = checked(H5Sget_simple_extent_ndims(space.get()), "read", path);
   std::array<hsize_t, 2> size{0, 1};
   if (dimension_count == 1 || dimension_count == 2) H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
   if (H5Tequal(type.get(), in_file(number)) <= 0 || dimension_count != (width == 1 ? 1 : 2) || size[1] != width) {
@@ -189,12 +195,12 @@ Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, std::
 
 void Hdf5File::let_others_read() {
   const QuietHdf5 quiet;
-  check(H5Fstart_swmr_write(handle_->file.get()), "write", handle_->path);
+  checked(H5Fstart_swmr_write(handle_->file.get()), "write", handle_->path);
 }
 
 void Hdf5File::flush() {
   const QuietHdf5 quiet;
-  check(H5Fflush(handle_->file.get(), H5F_SCOPE_GLOBAL), "write", handle_->path);
+  checked(H5Fflush(handle_->file.get(), H5F_SCOPE_GLOBAL), "write", handle_->path);
   check_disk(handle_->file.get(), handle_->path);
 }
 
@@ -202,7 +208,7 @@ void Hdf5File::close() {
   const QuietHdf5 quiet;
   // Closing writes again; what goes wrong then must be known before the file is let go.
   flush();
-  check(H5Fclose(handle_->file.release()), "close", handle_->path);
+  checked(H5Fclose(handle_->file.release()), "close", handle_->path);
 }
 
 }  // namespace spinaltap

@@ -7,14 +7,18 @@ namespace spinaltap {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace detail;
+using detail::check_disk;
+using detail::checked;
+using detail::dimensions;
+using detail::Id;
+using detail::QuietHdf5;
 
 /// Of rows, within the file's table.
 Id selection(hid_t dataset, std::uint64_t width, std::uint64_t first, std::uint64_t count, const fs::path& path) {
-  Id space(check(H5Dget_space(dataset), "find rows in", path), H5Sclose);
+  Id space(checked(H5Dget_space(dataset), "find rows in", path), H5Sclose);
   std::vector<hsize_t> start(dimensions(0, width).size(), 0);
   start[0] = first;
-  check(
+  checked(
       H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, dimensions(count, width).data(), nullptr),
       "find rows in", path);
   return space;
@@ -23,7 +27,8 @@ Id selection(hid_t dataset, std::uint64_t width, std::uint64_t first, std::uint6
 /// Of as many rows in memory.
 Id memory_of(std::uint64_t width, std::uint64_t count, const fs::path& path) {
   const std::vector<hsize_t> size = dimensions(count, width);
-  return {check(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), "find rows in", path), H5Sclose};
+  return {checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), "find rows in", path),
+          H5Sclose};
 }
 
 }  // namespace
@@ -38,13 +43,13 @@ void Hdf5Table::write(std::uint64_t first, std::uint64_t count, const void* numb
   const QuietHdf5 quiet;
   Handle& own = *handle_;
   if (first + count > own.rows) {
-    check(H5Dset_extent(own.dataset.get(), dimensions(first + count, own.width).data()), "write", own.path);
+    checked(H5Dset_extent(own.dataset.get(), dimensions(first + count, own.width).data()), "write", own.path);
     own.rows = first + count;
   }
   const Id memory = memory_of(own.width, count, own.path);
   const Id rows = selection(own.dataset.get(), own.width, first, count, own.path);
-  check(H5Dwrite(own.dataset.get(), own.number, memory.get(), rows.get(), H5P_DEFAULT, numbers), "write", own.path);
-  const Id file(check(H5Iget_file_id(own.dataset.get()), "write", own.path), H5Fclose);
+  checked(H5Dwrite(own.dataset.get(), own.number, memory.get(), rows.get(), H5P_DEFAULT, numbers), "write", own.path);
+  const Id file(checked(H5Iget_file_id(own.dataset.get()), "write", own.path), H5Fclose);
   check_disk(file.get(), own.path);
 }
 
@@ -57,7 +62,7 @@ void Hdf5Table::read(std::uint64_t first, std::uint64_t count, void* numbers) co
   }
   const Id memory = memory_of(own.width, count, own.path);
   const Id rows = selection(own.dataset.get(), own.width, first, count, own.path);
-  check(H5Dread(own.dataset.get(), own.number, memory.get(), rows.get(), H5P_DEFAULT, numbers), "read", own.path);
+  checked(H5Dread(own.dataset.get(), own.number, memory.get(), rows.get(), H5P_DEFAULT, numbers), "read", own.path);
 }
 
 }  // namespace spinaltap

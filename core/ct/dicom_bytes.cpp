@@ -10,7 +10,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kChunk = 64 * 1024;
+constexpr std::size_t kChunkBytes = 64 * 1024;
 constexpr std::uint64_t kMostInflation = 1032;  // deflate cannot shrink further
 
 }  // namespace
@@ -19,8 +19,8 @@ struct DicomBytes::Inflater {
   z_stream zlib{};
   bool is_ready = false;
   bool is_done = false;
-  std::vector<char> deflated = std::vector<char>(kChunk);
-  std::vector<char> inflated = std::vector<char>(kChunk);
+  std::vector<char> deflated = std::vector<char>(kChunkBytes);
+  std::vector<char> inflated = std::vector<char>(kChunkBytes);
   std::size_t begin = 0;  ///< of what is left in `inflated`
   std::size_t end = 0;
 

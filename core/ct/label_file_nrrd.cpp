@@ -23,7 +23,7 @@ struct Header {
   std::size_t data_begins = 0;
 };
 
-std::string trimmed(const std::string& text) {
+std::string without_blanks(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
@@ -37,14 +37,14 @@ Header read_header(const std::string& content, const std::string& what) {
     ++begin;
     const std::size_t end = content.find('\n', begin);
     if (end == std::string::npos) break;
-    const std::string line = trimmed(content.substr(begin, end - begin));
+    const std::string line = without_blanks(content.substr(begin, end - begin));
     if (line.empty()) {
       header.data_begins = end + 1;
       return header;
     }
     const std::size_t colon = line.find(": ");
     if (line.front() != '#' && colon != std::string::npos && line.find(":=") > colon) {
-      header.fields[line.substr(0, colon)] = trimmed(line.substr(colon + 2));
+      header.fields[line.substr(0, colon)] = without_blanks(line.substr(colon + 2));
     }
     begin = end;
   }

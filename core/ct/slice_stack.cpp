@@ -54,7 +54,7 @@ void shift_line(const float* in, std::ptrdiff_t stride, int count, const CubicWe
 }
 
 /// The pixels of the resampled grid, counted in those of the first slice.
-struct Window {
+struct PixelWindow {
   int first_i = 0;
   int first_j = 0;
   int columns = 0;
@@ -62,7 +62,7 @@ struct Window {
 };
 
 std::vector<float> shifted_slice(std::span<const std::int16_t> hu, const GridGeometry& slices, const SlicePlace& place,
-                                 const Window& window) {
+                                 const PixelWindow& window) {
   const int columns = slices.size[0];
   const int rows = slices.size[1];
   const std::vector<float> in(hu.begin(), hu.end());
@@ -81,7 +81,7 @@ std::vector<float> shifted_slice(std::span<const std::int16_t> hu, const GridGeo
   return out;
 }
 
-Window window_of(const GridGeometry& slices, std::span<const SlicePlace> places) {
+PixelWindow window_of(const GridGeometry& slices, std::span<const SlicePlace> places) {
   constexpr double kMost = 1e6;  // pixels: beyond, numbers of voxels could overflow
   Eigen::Array2d low = Eigen::Array2d::Zero();
   Eigen::Array2d high = Eigen::Array2d::Zero();
@@ -127,7 +127,7 @@ CtVolume resample_stack(const GridGeometry& slices, std::span<const SlicePlace> 
          hu.size());
   }
   if (!(step_mm > 0.0)) fail("expected a step above 0 mm, found ", step_mm);
-  const Window window = window_of(slices, places);
+  const PixelWindow window = window_of(slices, places);
   const double length_mm = places.back().along_mm;
   constexpr double kMostGrowth = 4.0;
   const double voxels = (std::floor(length_mm / step_mm + kOnGrid) + 1.0) * window.columns * window.rows;

@@ -7,7 +7,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kAround = 16;
+constexpr int kPlacesAround = 16;
 
 }  // namespace
 
@@ -54,12 +54,12 @@ BitShell::BitShell(const BonePoints& bone, const DrillBit& bit)
 
 void BitShell::add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2) {
   const double most_mm = std::sqrt(section_mm2_ / std::numbers::pi);
-  for (int n = 0; n < kAround; ++n) {
-    const double angle = 2.0 * std::numbers::pi * (n + 0.5) / kAround;
+  for (int n = 0; n < kPlacesAround; ++n) {
+    const double angle = 2.0 * std::numbers::pi * (n + 0.5) / kPlacesAround;
     const double c = std::cos(angle);
     const double s = std::sin(angle);
     places_.push_back({back_mm, radius_mm * c, radius_mm * s, normal_back, normal_off * c, normal_off * s,
-                       area_mm2 / (kAround * section_mm2_), most_mm});
+                       area_mm2 / (kPlacesAround * section_mm2_), most_mm});
   }
 }
 

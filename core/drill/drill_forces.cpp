@@ -19,7 +19,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kWholeTurn = 2.0 * std::numbers::pi;
 /// Of the tip's speed. Short of what a hand feels as delay, longer than a device's noise from pose to pose.
 constexpr double kSpeedFilterS = 0.005;
 /// The shortest boxes of averaging, mm.
@@ -128,7 +128,7 @@ FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, 
   FeedResistance resistance;
   resistance.reference_feed_mm = material.reference_feed_mm;
   resistance.feed_exponent = material.feed_exponent;
-  resistance.lips_n_mm = energy_n * material.reference_feed_mm / kTurn;
+  resistance.lips_n_mm = energy_n * material.reference_feed_mm / kWholeTurn;
   resistance.lips_n = material.lip_thrust_share * 2.0 * resistance.lips_n_mm / bit.radius_mm();
   resistance.chisel_n = chisel_mpa * std::numbers::pi * edge_mm * edge_mm;
   return resistance;
@@ -226,12 +226,12 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double reference_mm = material.reference_feed_mm;
   const double along_mm = feed_times_factor_mm(advance_mm, reference_mm, material.feed_exponent);
   const double aside_mm = feed_times_factor_mm(across_mm, reference_mm, material.feed_exponent);
-  force.torque_n_mm = (along[0] * along_mm + aside[0] * aside_mm) / kTurn;
+  force.torque_n_mm = (along[0] * along_mm + aside[0] * aside_mm) / kWholeTurn;
 
   // The force along the cut, from the moment of the energy: exact where the lips cut evenly from the axis to the rim,
   // and where they cut with the rim alone.
   const double rim_mm2 = radius_mm * radius_mm;
-  const Vec3 moment = (3.0 * along_mm * along.tail<3>() + aside_mm * aside.tail<3>()) / (kTurn * rim_mm2);
+  const Vec3 moment = (3.0 * along_mm * along.tail<3>() + aside_mm * aside.tail<3>()) / (kWholeTurn * rim_mm2);
   const Vec3 side_n = moment - moment.dot(axis) * axis;
   const Vec3 with_turn_n = spindle.is_clockwise ? axis.cross(side_n) : side_n.cross(axis);
   force.lateral_n = -with_turn_n - material.lip_thrust_share * side_n;

@@ -7,7 +7,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kMostPoints = 4096;
+constexpr std::size_t kSampledPoints = 4096;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ NeighbourDistances neighbour_distances(const PointVolume& volume, bool in_plane)
   double sum_mm = 0.0;
   double sum_squares = 0.0;
   const std::size_t count = DiscPattern::ring_start(inner);
-  const std::size_t stride = 1 + count / kMostPoints;
+  const std::size_t stride = 1 + count / kSampledPoints;
   for (std::size_t i = 0; i < count; i += stride) {
     const Vec3 p = volume.point_in_path_mm(disc, i);
     const int ring = DiscPattern::ring_of(i);

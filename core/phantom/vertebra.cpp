@@ -17,7 +17,7 @@ using shapes::smooth_step;
 struct Band {
   double start, end;
 };
-constexpr Band kOutside{0.5, 1.6}, kInside{0.35, 1.05};
+constexpr Band kOutsideBand{0.5, 1.6}, kInsideBand{0.35, 1.05};
 
 /// Distances are lessened by this share a mm, which takes back what Newton's method overshoots.
 constexpr double kCaution = 0.04;
@@ -96,7 +96,7 @@ Vertebra::~Vertebra() = default;
 /// keeps the bound, as it only lessens the growth.
 double Vertebra::value_mm(const Vec3& p) const {
   const double f = inside_->shape(Point<double>{p.x(), p.y(), p.z()});
-  const Band& band = f < 0.0 ? kInside : kOutside;
+  const Band& band = f < 0.0 ? kInsideBand : kOutsideBand;
   double weight = 1.0 - smooth_step(band.start, band.end, std::fabs(f));
   if (weight <= 0.0) return f;
   const Tangent first = tangent_at(inside_->shape, p, p);

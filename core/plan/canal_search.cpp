@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "core/segment/distance_transform.h"
 
@@ -15,7 +14,6 @@ namespace {
 
 constexpr double kPixelMm = 1.0;
 constexpr double kLeastRadiusMm = 3.0;
-constexpr double kRadian = std::numbers::pi / 180.0;
 
 /// The widest hole in the silhouette along one direction.
 struct Hole {
@@ -83,16 +81,17 @@ Hole widest_hole(const SurfaceSample& surface, const Vec3& axis) {
   return hole;
 }
 
-struct Candidate {
+struct CandidateAxis {
   Vec3 axis;
   Hole hole;
 };
 
 /// Directions at `step` around `middle`, up to `reach` away along each of two turns.
-std::vector<Candidate> candidates_around(const Vec3& middle, double reach, double step, const SurfaceSample& surface) {
-  constexpr double kMostTilt = 45.0 * kRadian;
+std::vector<CandidateAxis> candidates_around(const Vec3& middle, double reach, double step,
+                                             const SurfaceSample& surface) {
+  constexpr double kMostTilt = 45.0 * kDegree;
   const Vec3 u = Vec3::UnitY().cross(middle).normalized(), v = middle.cross(u);
-  std::vector<Candidate> all;
+  std::vector<CandidateAxis> all;
   const int steps = static_cast<int>(std::lround(reach / step));
   for (int a = -steps; a <= steps; ++a) {
     for (int b = -steps; b <= steps; ++b) {
@@ -105,20 +104,20 @@ std::vector<Candidate> candidates_around(const Vec3& middle, double reach, doubl
   return all;
 }
 
-double widest_of(const std::vector<Candidate>& all) {
+double widest_of(const std::vector<CandidateAxis>& all) {
   double widest_mm = 0.0;
-  for (const Candidate& one : all) widest_mm = std::max(widest_mm, one.hole.radius_mm);
+  for (const CandidateAxis& one : all) widest_mm = std::max(widest_mm, one.hole.radius_mm);
   return widest_mm;
 }
 
 /// The mean of the candidates from which the hole is almost as wide as from the best: its middle is surer than the
 /// best, which the pixels choose.
-Candidate middle_of_best(const std::vector<Candidate>& all) {
+CandidateAxis middle_of_best(const std::vector<CandidateAxis>& all) {
   constexpr double kAlmost = 0.9;
   const double least_mm = kAlmost * widest_of(all);
   Vec3 axis = Vec3::Zero(), centre_mm = Vec3::Zero();
   double weights = 0.0, radius_mm = 0.0;
-  for (const Candidate& one : all) {
+  for (const CandidateAxis& one : all) {
     const double weight = std::max(0.0, one.hole.radius_mm - least_mm);
     axis += weight * one.axis;
     centre_mm += weight * one.hole.centre_mm;
@@ -131,10 +130,10 @@ Candidate middle_of_best(const std::vector<Candidate>& all) {
 }  // namespace
 
 std::optional<CanalView> find_canal(const SurfaceSample& surface) {
-  const std::vector<Candidate> coarse = candidates_around(Vec3::UnitZ(), 45.0 * kRadian, 5.0 * kRadian, surface);
+  const std::vector<CandidateAxis> coarse = candidates_around(Vec3::UnitZ(), 45.0 * kDegree, 5.0 * kDegree, surface);
   if (!(widest_of(coarse) >= kLeastRadiusMm)) return std::nullopt;
   const Vec3 start = middle_of_best(coarse).axis;
-  const std::vector<Candidate> fine = candidates_around(start, 8.0 * kRadian, 2.0 * kRadian, surface);
+  const std::vector<CandidateAxis> fine = candidates_around(start, 8.0 * kDegree, 2.0 * kDegree, surface);
   if (!(widest_of(fine) >= kLeastRadiusMm)) return std::nullopt;
   const Vec3 axis = middle_of_best(fine).axis;
   const Hole hole = widest_hole(surface, axis);

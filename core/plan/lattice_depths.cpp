@@ -14,8 +14,8 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kDeepMm = 3.0;
-constexpr double kFewMm = 0.75;  // at kDeepMm the nearest of a few points is at most 0.1 mm further
+constexpr double kShallowMm = 3.0;
+constexpr double kFewMm = 0.75;  // at kShallowMm the nearest of a few points is at most 0.1 mm further
 
 /// Points, mm, and which of the surface's they are. Each coordinate lies for itself, for vector instructions.
 struct Points {
@@ -85,7 +85,7 @@ class DepthSearch {
     const double nearest_mm = std::sqrt(*nearest);
     if (near_ == kNone || block.side > kSmallSide)
       near_ = around.index[static_cast<std::size_t>(nearest - squared_mm2_.begin())];
-    if (nearest_mm + reach_mm < kDeepMm) {
+    if (nearest_mm + reach_mm < kShallowMm) {
       for_each_in_bone(block, [&](const Vec3& p_mm) { return shallow_mm(p_mm); });
       return;
     }
@@ -98,7 +98,7 @@ class DepthSearch {
     if (block.side <= kSmallSide) {
       for_each_in_bone(block, [&](const Vec3& p_mm) {
         const double depth_mm = least_mm(left, p_mm);
-        return depth_mm < kDeepMm ? shallow_mm(p_mm) : depth_mm;
+        return depth_mm < kShallowMm ? shallow_mm(p_mm) : depth_mm;
       });
       return;
     }

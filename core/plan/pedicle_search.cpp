@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "core/plan/cubic_form.h"
@@ -13,8 +12,6 @@
 
 namespace spinaltap {
 namespace {
-
-constexpr double kRadian = std::numbers::pi / 180.0;
 
 /// A plane that cuts a pedicle, and a place in the pedicle near it.
 struct Cut {
@@ -123,12 +120,12 @@ std::optional<PedicleLandmarks> find_pedicle(const BoneShape& bone, const Pedicl
   std::optional<Cut> cut = coronal_start(bone, region, side);
   if (!cut) return std::nullopt;
   const std::vector<TriedCut> coarse =
-      tried_around(bone, *cut, upward, Vec3(4.0, 35.0 * kRadian, 28.0 * kRadian), Eigen::Vector3i(3, 5, 4));
+      tried_around(bone, *cut, upward, Vec3(4.0, 35.0 * kDegree, 28.0 * kDegree), Eigen::Vector3i(3, 5, 4));
   if (const TriedCut* best = smallest_of(coarse)) {
     cut = Cut{best->section.centre_mm, moved(*cut, upward, best->move).axis};
   }
   constexpr int kRounds = 4;
-  const Vec3 reach(2.5, 14.0 * kRadian, 14.0 * kRadian);
+  const Vec3 reach(2.5, 14.0 * kDegree, 14.0 * kDegree);
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<TriedCut> tried = tried_around(bone, *cut, upward, reach, Eigen::Vector3i(4, 4, 4));
     const TriedCut* best = smallest_of(tried);
@@ -138,7 +135,7 @@ std::optional<PedicleLandmarks> find_pedicle(const BoneShape& bone, const Pedicl
     const BoneSection section = section_around(bone, next.centre_mm, next.axis, upward);
     if (!is_closed(section)) return std::nullopt;
     cut = Cut{section.centre_mm, next.axis};
-    if (std::abs(move.x()) < 0.02 && move.tail<2>().norm() < 0.1 * kRadian) break;
+    if (std::abs(move.x()) < 0.02 && move.tail<2>().norm() < 0.1 * kDegree) break;
   }
   const BoneSection section = sharpened(bone, section_around(bone, cut->centre_mm, cut->axis, upward));
   if (!is_closed(section)) return std::nullopt;

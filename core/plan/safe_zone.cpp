@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/plan/suggest.h"
@@ -36,7 +35,6 @@ double most_harmless(double most, const Harms& harms) {
 SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
   constexpr double kMostMm = 8.0;
   constexpr double kMostDeg = 24.0;
-  constexpr double kDegree = std::numbers::pi / 180.0;
   // Rings of the screw half a millimetre apart: a wall is met at most that late.
   const GradeOptions coarse{.step_mm = 0.5};
   const auto breaches = [&](const DrillPath& other) { return breach_mm(walls, other, coarse) > 0.0; };

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
 #include "core/base/error.h"
@@ -36,7 +35,6 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
 Suggestion suggest_side(const WallDistance& walls, const HuSampler& hu, const Material& material,
                         std::span<const PedicleScrew> screws, const SuggestOptions& options, double side,
                         const Progress& progress) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr std::size_t kMostRefined = 6;
   Suggestion suggestion;
   suggestion.side = side > 0.0 ? "left" : "right";

@@ -7,15 +7,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 
 #include "core/segment/distance_transform.h"
 
 namespace spinaltap {
 namespace {
-
-constexpr double kRadian = std::numbers::pi / 180.0;
 
 Vec3 mirrored(const Vec3& p_mm, const SymmetryPlane& plane) {
   return p_mm - 2.0 * (p_mm - plane.point_mm).dot(plane.normal) * plane.normal;
@@ -68,7 +65,7 @@ SymmetryPlane best_of_grid(const DistanceMap& map, const std::vector<Vec3>& poin
                            const Vec3& posterior, const Vec3& superior) {
   constexpr double kTruncateMm = 4.0;
   constexpr int kTurns = 5, kShifts = 3;
-  constexpr double kTurn = 4.0 * kRadian, kShiftMm = 2.0;
+  constexpr double kTurn = 4.0 * kDegree, kShiftMm = 2.0;
   std::vector<Vec3> moves;
   for (int a = -kTurns; a <= kTurns; ++a) {
     for (int b = -kTurns; b <= kTurns; ++b) {

@@ -6,13 +6,11 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
 namespace spinaltap::detail {
 namespace {
 
 constexpr double kStepMm = 0.5;
-constexpr double kDegree = std::numbers::pi / 180.0;
 /// Here at the latest, before the isthmus, a screw is all in the bone.
 constexpr double kMouthMm = 4.0;
 /// So far behind and ahead of the isthmus a pedicle and its canal go.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kChunk = 2 * kLanes;
 
-std::size_t at(int value) { return static_cast<std::size_t>(value); }
+std::size_t as_size(int value) { return static_cast<std::size_t>(value); }
 
 /// Rows of complex numbers are padded to whole vectors.
 std::size_t padded(std::size_t columns) { return (columns + kLanes - 1) / kLanes * kLanes; }
@@ -19,7 +19,7 @@ std::size_t padded(std::size_t columns) { return (columns + kLanes - 1) / kLanes
 }  // namespace
 
 FarField::FarField(RadialKernel kernel, double c2, int order, const SimdKernels& simd)
-    : kernel_(kernel), c2_(c2), order_(at(order)), length_(2 * at(order) - 1), simd_(simd) {
+    : kernel_(kernel), c2_(c2), order_(as_size(order)), length_(2 * as_size(order) - 1), simd_(simd) {
   chunks_ = (length_ * length_ * order_ + kLanes - 1) / kLanes;
   cos_.resize(length_ * length_);
   sin_.resize(length_ * length_);
@@ -154,14 +154,14 @@ void FarField::prepare_table(double half_mm) {
       const double rz = step_mm * (dz * (n - 1) + signed_index(z));
       for (int y = 0; y < size; ++y) {
         const double ry = step_mm * (dy * (n - 1) + signed_index(y));
-        double* re = a_re.data() + (at(z) * length_ + at(y)) * half;
-        double* im = a_im.data() + (at(z) * length_ + at(y)) * half;
+        double* re = a_re.data() + (as_size(z) * length_ + as_size(y)) * half;
+        double* im = a_im.data() + (as_size(z) * length_ + as_size(y)) * half;
         for (int x = 0; x < size; ++x) {
           const double rx = step_mm * (dx * (n - 1) + signed_index(x));
           const double value = phi(kernel_, rx * rx + ry * ry + rz * rz, c2_);
           for (std::size_t k = 0; k < order_; ++k) {
-            re[k] += value * cos_[at(x) * length_ + k];
-            im[k] += value * sin_[at(x) * length_ + k];
+            re[k] += value * cos_[as_size(x) * length_ + k];
+            im[k] += value * sin_[as_size(x) * length_ + k];
           }
         }
       }

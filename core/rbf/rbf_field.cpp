@@ -14,7 +14,7 @@ namespace spinaltap {
 namespace {
 
 constexpr std::size_t kMostDirect = 2000;  // centres: with more of them, fast sums pay from 20,000 places on
-constexpr std::size_t kLeafSize = 64;
+constexpr std::size_t kFieldLeafSize = 64;
 constexpr int kFirstOrder = 5;
 
 /// Places to check the sums at: beside centres, up to a hundredth of the whole away.
@@ -54,7 +54,7 @@ RbfField::RbfField(RbfModel model, double accuracy_mm, bool with_gradients) {
   for (int order = kFirstOrder; order <= detail::kMaxOrder;) {
     const auto fast = std::make_shared<detail::FastSum>(
         model_->kernel, model_->low_pass_mm, model_->centres_mm,
-        detail::FastSumOptions{.order = order, .leaf_size = kLeafSize, .anywhere = true});
+        detail::FastSumOptions{.order = order, .leaf_size = kFieldLeafSize, .anywhere = true});
     fast->set_weights(model_->weights);
     fast->evaluate(places_mm, values, gradients);
     value_error_mm_ = 0.0;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kNeighbours = 40;
 constexpr std::size_t kLeafSize = 128;
 
-Eigen::Index at(std::size_t i) { return static_cast<Eigen::Index>(i); }
+Eigen::Index as_index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 std::span<const double> span_of(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 std::span<double> span_of(Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
@@ -30,14 +30,14 @@ RbfSolver::RbfSolver(RadialKernel kernel, std::vector<Vec3> points_mm, std::vect
 
   const std::size_t count = points_mm_.size();
   const std::size_t terms = polynomial_terms(kernel);
-  basis_.resize(at(count), at(terms));
+  basis_.resize(as_index(count), as_index(terms));
   for (std::size_t i = 0; i < count; ++i) {
     const auto row = polynomial_row(kernel, (points_mm_[i] - origin_mm_) / extent_mm_);
-    for (std::size_t k = 0; k < terms; ++k) basis_(at(i), at(k)) = row[k];
+    for (std::size_t k = 0; k < terms; ++k) basis_(as_index(i), as_index(k)) = row[k];
   }
   // Modified Gram-Schmidt, twice; `triangle` ends as R of P = Q R.
-  Eigen::MatrixXd triangle = Eigen::MatrixXd::Identity(at(terms), at(terms));
-  for (Eigen::Index k = 0; k < at(terms); ++k) {
+  Eigen::MatrixXd triangle = Eigen::MatrixXd::Identity(as_index(terms), as_index(terms));
+  for (Eigen::Index k = 0; k < as_index(terms); ++k) {
     for (int pass = 0; pass < 2; ++pass) {
       for (Eigen::Index l = 0; l < k; ++l) {
         const double dot = basis_.col(k).dot(basis_.col(l));
@@ -48,9 +48,10 @@ RbfSolver::RbfSolver(RadialKernel kernel, std::vector<Vec3> points_mm, std::vect
     triangle(k, k) = basis_.col(k).norm();
     basis_.col(k) /= triangle(k, k);
   }
-  to_coefficients_ = triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(at(terms), at(terms)));
+  to_coefficients_ =
+      triangle.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(as_index(terms), as_index(terms)));
   for (std::size_t k = 1; k < terms; ++k) {
-    to_coefficients_.row(at(k)) /= k < 4 ? extent_mm_ : extent_mm_ * extent_mm_;
+    to_coefficients_.row(as_index(k)) /= k < 4 ? extent_mm_ : extent_mm_ * extent_mm_;
   }
   preconditioner_ = std::make_unique<CardinalPreconditioner>(
       kernel, points_mm_, smoothing_mm_, coarse_to_fine(points_mm_, first, std::min(kNeighbours, count - 1)),
@@ -73,7 +74,8 @@ RbfSolver::Vector RbfSolver::multiply(const Vector& weights) {
   Vector product(weights.size());
   sum_->at_centres(span_of(product));
   const double sign = definite_sign(kernel_);
-  for (std::size_t i = 0; i < smoothing_mm_.size(); ++i) product[at(i)] += sign * smoothing_mm_[i] * weights[at(i)];
+  for (std::size_t i = 0; i < smoothing_mm_.size(); ++i)
+    product[as_index(i)] += sign * smoothing_mm_[i] * weights[as_index(i)];
   return product;
 }
 
@@ -90,7 +92,8 @@ double RbfSolver::sum_error(const Vector& weights, const Vector& product) const 
   const double sign = definite_sign(kernel_);
   for (std::size_t i = step / 2; i < count; i += step) {
     places_mm.push_back(points_mm_[i]);
-    fast.push_back(product[at(i)] - (smoothing_mm_.empty() ? 0.0 : sign * smoothing_mm_[i] * weights[at(i)]));
+    fast.push_back(product[as_index(i)] -
+                   (smoothing_mm_.empty() ? 0.0 : sign * smoothing_mm_[i] * weights[as_index(i)]));
   }
   std::vector<double> direct(places_mm.size());
   direct_sums(kernel_, 0.0, points_mm_, span_of(weights), places_mm, direct, {});
@@ -136,7 +139,7 @@ int RbfSolver::improve(Vector& weights, Vector& residual, double target_mm, cons
     const bool ended = !(column[step + 1] > 1e-14 * start);
     if (!ended) basis.push_back(next / column[step + 1]);
     residual.setZero();
-    for (std::size_t j = 0; j < basis.size(); ++j) residual += left[at(j)] * basis[j];
+    for (std::size_t j = 0; j < basis.size(); ++j) residual += left[as_index(j)] * basis[j];
     if (ended || residual.cwiseAbs().maxCoeff() < target_mm) break;
   }
   // The preconditioner is linear: one more application gives the sum of all directions.
@@ -168,19 +171,19 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
   constexpr double kSumShare = 0.1;  // of the accuracy, for errors of the fast sums at the points looked at
   constexpr double kSafety = 2.5;    // the sums' error anywhere, of that
   const std::size_t count = points_mm_.size();
-  const Vector values = Eigen::Map<const Vector>(values_mm.data(), at(count));
-  Vector weights = Vector::Zero(at(count));
+  const Vector values = Eigen::Map<const Vector>(values_mm.data(), as_index(count));
+  Vector weights = Vector::Zero(as_index(count));
   Vector product = weights;  // the matrix times them
   if (start.empty()) {
     // The preconditioner alone gives weights of about the solution's size, which the sums' error depends on.
     Vector right = values;
     project(right);
-    Vector likely(at(count));
+    Vector likely(as_index(count));
     preconditioner_->apply(span_of(right), span_of(likely));
     project(likely);
     choose_order(likely, kSumShare * accuracy_mm);
   } else {
-    weights = Eigen::Map<const Vector>(start.data(), at(count));
+    weights = Eigen::Map<const Vector>(start.data(), as_index(count));
     project(weights);
     product = choose_order(weights, kSumShare * accuracy_mm);
   }

@@ -6,8 +6,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
-
 /// Which of kValueColumns stands in each of a file's columns.
 struct Columns {
   std::vector<std::size_t> role;

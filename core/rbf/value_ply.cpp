@@ -8,8 +8,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
-
 template <class Number>
 double number_in(std::string_view bytes, bool is_swapped) {
   std::array<char, sizeof(Number)> raw{};

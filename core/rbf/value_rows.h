@@ -14,6 +14,8 @@ namespace spinaltap::detail {
 /// What a file with points has of each, in the order in which it stands without a header.
 inline constexpr std::array<std::string_view, 5> kValueColumns{"x", "y", "z", "value", "error_bar"};
 inline constexpr std::size_t kErrorBar = 4;
+/// Of a file's column: none of these.
+inline constexpr std::size_t kNoColumn = static_cast<std::size_t>(-1);
 
 using ValueRow = std::array<double, kValueColumns.size()>;
 

@@ -14,7 +14,7 @@ namespace spinaltap {
 namespace {
 
 constexpr double kLatticeMm = 3.0;
-constexpr double kReachMm = 36.0;
+constexpr double kRayMm = 36.0;
 constexpr double kLeastWallMm = 6.0;  // half the height of the smallest bodies
 
 std::vector<Vec3> directions_26() {
@@ -32,7 +32,7 @@ std::vector<Vec3> directions_26() {
 /// How far the far side of the first bone lies along a ray, mm; 0 when there is none, or it lies too near.
 double wall_mm(const FloatGrid& hu, const Vec3& from_mm, const Vec3& direction, double bone_hu) {
   bool met = false;
-  for (double r = 0.0; r <= kReachMm; r += kLatticeMm) {
+  for (double r = 0.0; r <= kRayMm; r += kLatticeMm) {
     const Vec3 p = hu.geometry.to_index(from_mm + r * direction);
     const Eigen::Array3i nearest = p.array().round().cast<int>();
     if (!hu.geometry.contains(nearest.x(), nearest.y(), nearest.z())) return 0.0;
@@ -57,14 +57,14 @@ double enclosure(const FloatGrid& hu, const Vec3& p_mm, double bone_hu) {
   return walls < kLeastWalls ? 0.0 : sum_mm * walls * walls;
 }
 
-struct Candidate {
+struct CandidateSeed {
   Vec3 p_mm;
   double score;
 };
 
-std::vector<Candidate> candidates_of(const FloatGrid& hu, double bone_hu) {
+std::vector<CandidateSeed> candidates_of(const FloatGrid& hu, double bone_hu) {
   const auto& size = hu.geometry.size;
-  std::vector<std::vector<Candidate>> by_slice(static_cast<std::size_t>(size[2]));
+  std::vector<std::vector<CandidateSeed>> by_slice(static_cast<std::size_t>(size[2]));
   tbb::parallel_for(0, size[2], [&](int k) {
     for (int j = 0; j < size[1]; ++j) {
       for (int i = 0; i < size[0]; ++i) {
@@ -75,7 +75,7 @@ std::vector<Candidate> candidates_of(const FloatGrid& hu, double bone_hu) {
       }
     }
   });
-  std::vector<Candidate> all;
+  std::vector<CandidateSeed> all;
   for (const auto& slice : by_slice) all.insert(all.end(), slice.begin(), slice.end());
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
   return all;
@@ -125,7 +125,7 @@ Vec3 find_body_seed(const CtVolume& ct, const BoneLevels& levels) {
   std::vector<Vec3> tried_mm;
   Vec3 best_mm = Vec3::Zero();
   double best = 0.0;
-  for (const Candidate& candidate : candidates_of(hu, levels.low_hu)) {
+  for (const CandidateSeed& candidate : candidates_of(hu, levels.low_hu)) {
     if (tried_mm.size() == kMostTried) break;
     const bool is_near = std::any_of(tried_mm.begin(), tried_mm.end(),
                                      [&](const Vec3& p_mm) { return (p_mm - candidate.p_mm).norm() < kApartMm; });

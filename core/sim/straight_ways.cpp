@@ -15,7 +15,7 @@ namespace {
 using LineKey = std::array<std::int64_t, 6>;
 
 /// Poses of one line, by the tip's place along it.
-struct Stretch {
+struct LineStretch {
   double from_mm = 0.0;
   double to_mm = 0.0;
   Pose from;
@@ -56,8 +56,8 @@ class Lines {
       key[n] = std::llround(foot_mm[axis] / tolerance_mm_);
       key[n + 3] = std::llround(local.axis[axis] / lean_tolerance_);
     }
-    std::vector<Stretch>& stretches = lines_[key];
-    for (Stretch& stretch : stretches) {
+    std::vector<LineStretch>& stretches = lines_[key];
+    for (LineStretch& stretch : stretches) {
       if (along_mm < stretch.from_mm - bridged_mm_ || along_mm > stretch.to_mm + bridged_mm_) continue;
       if (along_mm < stretch.from_mm) {
         stretch.from_mm = along_mm;
@@ -75,7 +75,7 @@ class Lines {
   std::vector<BitWay> ways() const {
     std::vector<BitWay> ways;
     for (const auto& [key, stretches] : lines_) {
-      for (const Stretch& stretch : stretches) {
+      for (const LineStretch& stretch : stretches) {
         // Along the deepest pose's axis: the others lie within the tolerance.
         const double way_mm = (stretch.to.tip_mm - stretch.from.tip_mm).dot(stretch.to.axis);
         ways.push_back({{stretch.to.tip_mm - way_mm * stretch.to.axis, stretch.to.axis}, stretch.to});
@@ -89,7 +89,7 @@ class Lines {
   double tolerance_mm_;
   double lean_tolerance_;
   double bridged_mm_;
-  std::map<LineKey, std::vector<Stretch>> lines_;
+  std::map<LineKey, std::vector<LineStretch>> lines_;
 };
 
 Pose between(const Pose& from, const Pose& to, double share) {

@@ -18,9 +18,9 @@ struct ClearanceField::Lattice {
 namespace {
 
 /// Part of a bit's outline by the length along it, so that distances change by at most 1 mm per mm.
-class Stretch {
+class OutlineStretch {
  public:
-  Stretch(const ProfilePiece& piece, double begin_mm, double end_mm) : piece_(piece), begin_mm_(begin_mm) {
+  OutlineStretch(const ProfilePiece& piece, double begin_mm, double end_mm) : piece_(piece), begin_mm_(begin_mm) {
     if (piece.ball_radius_mm > 0.0) {
       from_ = angle(begin_mm);
       length_mm_ = piece.ball_radius_mm * (angle(end_mm) - from_);
@@ -122,7 +122,7 @@ class LeastDistance {
     const double begin_mm = std::max(piece.begin_mm, from_mm_);
     const double end_mm = std::min(piece.end_mm, to_mm_);
     if (!(end_mm >= begin_mm)) return;
-    const Stretch stretch(piece, begin_mm, end_mm);
+    const OutlineStretch stretch(piece, begin_mm, end_mm);
     for (double along_mm = 0.0;;) {
       const auto [back_mm, radius_mm] = stretch.at(along_mm);
       double bound_mm = centre_mm(back_mm) - radius_mm;

@@ -11,12 +11,12 @@ namespace spinaltap {
 namespace {
 
 /// Stands for no wall and for nodes out of reach; what it is mixed into is no distance any more.
-constexpr float kNone = 1e12F;
+constexpr float kNoWall = 1e12F;
 constexpr float kFarthestMm = 1e6F;
 
 Eigen::Array4f node_of(const WallDistance::Walls& walls) {
   const auto kept = [](double distance_mm) {
-    return distance_mm < static_cast<double>(kFarthestMm) ? static_cast<float>(distance_mm) : kNone;
+    return distance_mm < static_cast<double>(kFarthestMm) ? static_cast<float>(distance_mm) : kNoWall;
   };
   return {kept(walls.nearer_mm()), kept(std::abs(walls.outer.distance_mm)), kept(std::abs(walls.canal.distance_mm)),
           0.0F};
@@ -40,7 +40,7 @@ WallLattice::WallLattice(const WallDistance& walls, const DrillPath& path, doubl
   count_ = ((high_mm - low_mm_) * per_mm_).array().ceil().cast<int>() + 1;
   nodes_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
                     static_cast<std::size_t>(count_.z()),
-                Node(kNone, kNone, kNone, 0.0F));
+                Node(kNoWall, kNoWall, kNoWall, 0.0F));
   // Cells that the cylinder passes need all their nodes.
   const double widest_mm = reach_mm + 1.5 * spacing_mm;
   tbb::parallel_for(0, count_.x() * count_.y(), [&](int column) {

@@ -60,15 +60,15 @@ NormalTable::Value normal(double z) {
 }
 
 /// Samples of a profile from the marrow behind the cortex's peak to the lowest place outside it.
-struct Window {
+struct ProfileWindow {
   int begin = 0, peak = 0, end = 0;
 };
 
-std::optional<Window> find_window(const EdgeProfile& profile, double blur_mm, double reach_mm) {
+std::optional<ProfileWindow> find_window(const EdgeProfile& profile, double blur_mm, double reach_mm) {
   constexpr double kRiseHu = 60.0;  // beyond the lowest place: the next bone
   const int reach = std::min(static_cast<int>(std::ceil(reach_mm / profile.step_mm)), EdgeProfile::kOutside - 2);
   const auto hu = [&](int i) { return profile.hu[static_cast<std::size_t>(i)]; };
-  Window window;
+  ProfileWindow window;
   window.peak = EdgeProfile::kInside - reach;
   for (int i = window.peak; i <= EdgeProfile::kInside + reach * 2 / 3; ++i) {
     if (hu(i) > hu(window.peak)) window.peak = i;
@@ -87,7 +87,7 @@ std::optional<Window> find_window(const EdgeProfile& profile, double blur_mm, do
 /// Places along a window and the parts of a blurred edge there.
 class WindowedProfile {
  public:
-  WindowedProfile(const EdgeProfile& profile, const Window& window, double blur_mm)
+  WindowedProfile(const EdgeProfile& profile, const ProfileWindow& window, double blur_mm)
       : profile_(profile), window_(window), blur_mm_(blur_mm) {}
 
   int begin() const { return window_.begin; }
@@ -112,7 +112,7 @@ class WindowedProfile {
 
  private:
   const EdgeProfile& profile_;
-  const Window& window_;
+  const ProfileWindow& window_;
   double blur_mm_;
 };
 
@@ -255,7 +255,7 @@ std::optional<EdgeFit> fit_edge(const EdgeProfile& profile, const EdgeModel& mod
   constexpr double kHardlyMore = 1.3;
   constexpr double kNextToNothing = 0.015;
   const double blur_mm = model.blur_mm(profile.normal, geometry);
-  const std::optional<Window> window = find_window(profile, blur_mm, reach_mm);
+  const std::optional<ProfileWindow> window = find_window(profile, blur_mm, reach_mm);
   if (!window) return std::nullopt;
   const WindowedProfile windowed(profile, *window, blur_mm);
   const Solution<CortexEdge> cortex = solve(CortexEdge(windowed, blur_mm, model.cortex_hu), windowed);

@@ -11,9 +11,6 @@
 namespace spinaltap::detail {
 namespace {
 
-/// A triangle's normal may differ by 60 degrees from its corners' normals; by more only where it did before.
-constexpr double kLeastAgreement = 0.5;
-
 /// Over what is wanted, an edge is split (Botsch & Kobbelt 2004).
 constexpr double kLong = 4.0 / 3.0;
 

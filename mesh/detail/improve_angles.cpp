@@ -12,7 +12,6 @@ namespace spinaltap::detail {
 namespace {
 
 constexpr double kLeastGain = 1e-4;  // of a cosine
-constexpr double kLeastAgreement = 0.5;
 
 }  // namespace
 

@@ -27,4 +27,7 @@ inline double agreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
   return std::min({normal.dot(normal_a), normal.dot(normal_b), normal.dot(normal_c)}) / length;
 }
 
+/// A triangle's normal may differ by 60 degrees from its corners' normals; by more only where it did before.
+constexpr double kLeastAgreement = 0.5;
+
 }  // namespace spinaltap::detail

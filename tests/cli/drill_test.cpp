@@ -13,25 +13,22 @@
 #include "core/base/random.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_file.h"
+#include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
-#include "tests/support/made_bone.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/points_file.h"
 
 namespace spinaltap {
 namespace {
 
-const Vec3 kCentre(10.0, -4.0, 30.0);
-constexpr double kRadiusMm = 6.0;
+using test::kBoneCentre;
+using test::kBoneRadiusMm;
 
 class Drill : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
-    const Vec3 corner = Vec3::Constant(kRadiusMm + 2.0);
-    write_bone(test::made_bone([](const Vec3& p) { return (p - kCentre).norm() - kRadiusMm; },
-                               {kCentre - corner, kCentre + corner}, 0.25),
-               folder_->path() / "bone.vdb");
+    test::write_bone_ball(folder_->path() / "bone.vdb");
     write_plan({path({2.0, 20.0, 2.0})}, folder_->path() / "plan.json");
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -39,7 +36,7 @@ class Drill : public ::testing::Test {
   /// Through the ball's middle, 2 mm short of its far side.
   static DrillPath path(const DrillBit& bit) {
     const Vec3 direction = Vec3(1.0, 2.0, -2.0) / 3.0;
-    return {"middle", kCentre - kRadiusMm * direction, kCentre + (kRadiusMm - 2.0) * direction, bit};
+    return {"middle", kBoneCentre - kBoneRadiusMm * direction, kBoneCentre + (kBoneRadiusMm - 2.0) * direction, bit};
   }
 
   static Json drill(const std::string& options, const std::string& plan = "plan.json") {
@@ -62,7 +59,7 @@ TEST_F(Drill, WritesThePointsThatAreLeft) {
             figures["points_in_bone"].get<std::size_t>() - figures["removed"].get<std::size_t>());
   const DrillPath drilled = path({});
   for (const Vec3& p : points.positions_mm) {
-    ASSERT_LT((p - kCentre).norm(), kRadiusMm + 0.05);  // the grid's voxels
+    ASSERT_LT((p - kBoneCentre).norm(), kBoneRadiusMm + 0.05);  // the grid's voxels
     const Vec3 from_entry = p - drilled.entry_mm;
     const double along_mm = from_entry.dot(drilled.direction());
     const bool is_beside_cylinder = along_mm < drilled.length_mm() - 2.0;
@@ -80,7 +77,7 @@ TEST_F(Drill, TakesFinerPointsNearTheSurfaceThatAFittedFunctionHas) {
     const double angle = 2.0 * std::numbers::pi * random_uniform(2, n);
     const Vec3 out(std::sqrt(1.0 - z * z) * std::cos(angle), std::sqrt(1.0 - z * z) * std::sin(angle), z);
     for (const double off_mm : {-1.0, 0.0, 1.0}) {
-      values.points_mm.emplace_back(kCentre + (kRadiusMm - 0.5 + off_mm) * out);
+      values.points_mm.emplace_back(kBoneCentre + (kBoneRadiusMm - 0.5 + off_mm) * out);
       values.values_mm.push_back(off_mm);
     }
   }
@@ -89,11 +86,11 @@ TEST_F(Drill, TakesFinerPointsNearTheSurfaceThatAFittedFunctionHas) {
   double furthest_mm = 0.0;
   for (const char* name : {"points_1.vdb", "points_2.vdb"}) {
     for (const Vec3& p : read_points(folder_->path() / "out" / name).positions_mm) {
-      furthest_mm = std::max(furthest_mm, (p - kCentre).norm());
+      furthest_mm = std::max(furthest_mm, (p - kBoneCentre).norm());
     }
   }
   // Between 300 places 1 mm apart a fitted ball strays by less than a tenth.
-  EXPECT_NEAR(furthest_mm, kRadiusMm - 0.5, 0.1);
+  EXPECT_NEAR(furthest_mm, kBoneRadiusMm - 0.5, 0.1);
 }
 
 TEST_F(Drill, TakesBitsOfOtherShapes) {
@@ -127,7 +124,7 @@ TEST_F(Drill, StopsOnABreachOfTheFarSide) {
   write_plan({through}, folder_->path() / "through.json");
   const Json stopped = drill("--stop-on-breach", "through.json");
   EXPECT_EQ(stopped["stopped"], true);
-  EXPECT_NEAR(stopped["deepest_mm"].get<double>(), 2.0 * kRadiusMm, 0.3);
+  EXPECT_NEAR(stopped["deepest_mm"].get<double>(), 2.0 * kBoneRadiusMm, 0.3);
   EXPECT_LT(stopped["least_outer_clearance_mm"].get<double>(), 0.05);
 }
 

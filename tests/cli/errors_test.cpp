@@ -22,18 +22,18 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 namespace fs = std::filesystem;
 
-constexpr int kSide = 32;
-constexpr const char* kBake = "bake ct --voxel 0.5";
+constexpr int kCtSide = 32;
+constexpr const char* kBakeCt = "bake ct --voxel 0.5";
 
 /// A ball of bone (radius 10 mm, 600 HU) in soft tissue, around (16, 16, 16) mm.
 CtVolume ball_ct(double spacing_mm = 1.0) {
   GridGeometry geometry;
-  geometry.size = {kSide, kSide, kSide};
+  geometry.size = {kCtSide, kCtSide, kCtSide};
   geometry.spacing_mm = Vec3::Constant(spacing_mm);
   std::vector<std::int16_t> hu(geometry.voxel_count());
-  for (int k = 0; k < kSide; ++k) {
-    for (int j = 0; j < kSide; ++j) {
-      for (int i = 0; i < kSide; ++i) {
+  for (int k = 0; k < kCtSide; ++k) {
+    for (int j = 0; j < kCtSide; ++j) {
+      for (int i = 0; i < kCtSide; ++i) {
         const double depth = 10.0 - (Vec3(i, j, k) - Vec3::Constant(16.0)).norm();
         hu[geometry.offset(i, j, k)] = static_cast<std::int16_t>(40.0 + 560.0 * std::clamp(depth + 0.5, 0.0, 1.0));
       }
@@ -47,7 +47,7 @@ void write_labels(const fs::path& file) {
   nifti_1_header header{};
   header.sizeof_hdr = sizeof header;
   header.dim[0] = 3;
-  for (int axis = 1; axis <= 3; ++axis) header.dim[axis] = kSide;
+  for (int axis = 1; axis <= 3; ++axis) header.dim[axis] = kCtSide;
   header.datatype = DT_UINT8;
   header.bitpix = 8;
   for (int axis = 0; axis <= 3; ++axis) header.pixdim[axis] = 1.0F;
@@ -60,7 +60,7 @@ void write_labels(const fs::path& file) {
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(&header), sizeof header);
   out.write("\0\0\0\0", 4);
-  out << std::string(static_cast<std::size_t>(kSide) * kSide * kSide, '\5');
+  out << std::string(static_cast<std::size_t>(kCtSide) * kCtSide * kCtSide, '\5');
 }
 
 class Errors : public ::testing::Test {
@@ -69,7 +69,7 @@ class Errors : public ::testing::Test {
     made_ = new test::TemporaryFolder;
     fs::create_directory(made_->path() / "ct");
     write_dicom(ball_ct(), made_->path() / "ct");
-    const ProgramRun run = run_program(std::string(kBake) + " -o bone.vdb", made_->path());
+    const ProgramRun run = run_program(std::string(kBakeCt) + " -o bone.vdb", made_->path());
     ASSERT_EQ(run.exit_code, 0) << run.errors;
   }
   static void TearDownTestSuite() { delete made_; }
@@ -233,7 +233,7 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
 TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
   take_bone();
   const auto size = fs::file_size(in("bone.vdb"));
-  const ProgramRun run = run_program(std::string(kBake) + " -o bone.vdb", folder_.path(), "ulimit -f 8;");
+  const ProgramRun run = run_program(std::string(kBakeCt) + " -o bone.vdb", folder_.path(), "ulimit -f 8;");
   EXPECT_NE(run.exit_code, 0);
   EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
 }
@@ -256,7 +256,7 @@ TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
 }
 
 TEST_F(Errors, PrintsNoProgressIntoAPipe) {
-  const ProgramRun run = run_program(std::string(kBake) + " -o work/bone.vdb --json work/bake.json", folder_.path());
+  const ProgramRun run = run_program(std::string(kBakeCt) + " -o work/bone.vdb --json work/bake.json", folder_.path());
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.errors, IsEmpty());
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("bake.json", "bone.vdb"));

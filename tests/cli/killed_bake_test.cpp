@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-const std::string kBake = "bake ../ct --labels ../ball.nrrd --label 2 --voxel 0.15 -o bone.vdb";
+const std::string kFineBake = "bake ../ct --labels ../ball.nrrd --label 2 --voxel 0.15 -o bone.vdb";
 
 /// A ball of bone of 4 mm in water, and its label map: the whole chain in a second.
 void write_ball(const fs::path& folder) {
@@ -48,7 +48,7 @@ bool bake_and_kill(const fs::path& folder, Clock::duration lifetime) {
   const pid_t process = ::fork();
   if (process == 0) {
     if (::chdir(folder.c_str()) != 0 || std::freopen("/dev/null", "w", stdout) == nullptr) ::_exit(3);
-    const std::string command = std::string("exec '") + SPINALTAP_PROGRAM + "' " + kBake;
+    const std::string command = std::string("exec '") + SPINALTAP_PROGRAM + "' " + kFineBake;
     ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
     ::_exit(4);
   }
@@ -67,7 +67,7 @@ TEST(KilledBake, LeavesTheOldFileOrNoneAndTheNextRunEndsRight) {
   const fs::path alone = folder.path() / "alone";
   fs::create_directory(alone);
   const Clock::time_point start = Clock::now();
-  const test::ProgramRun whole = test::run_program(kBake, alone);
+  const test::ProgramRun whole = test::run_program(kFineBake, alone);
   const Clock::duration duration = Clock::now() - start;
   ASSERT_EQ(whole.exit_code, 0) << whole.errors;
   const std::string right = read_whole_file(alone / "bone.vdb");
@@ -91,7 +91,7 @@ TEST(KilledBake, LeavesTheOldFileOrNoneAndTheNextRunEndsRight) {
     } else {
       EXPECT_FALSE(has_old) << "kill " << n << " took the old file away";
     }
-    const test::ProgramRun next = test::run_program(kBake + " --json run.json", here);
+    const test::ProgramRun next = test::run_program(kFineBake + " --json run.json", here);
     ASSERT_EQ(next.exit_code, 0) << next.errors;
     EXPECT_EQ(read_whole_file(bone), right) << "after kill " << n;
     resumed += read_whole_file(here / "run.json").find("\"fit_from_cache\": true") != std::string::npos ? 1 : 0;

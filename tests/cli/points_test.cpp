@@ -24,8 +24,8 @@ using testing::IsEmpty;
 
 constexpr int kSide = 48;
 constexpr double kVoxelMm = 0.5;
-constexpr double kRadiusMm = 8.0;
-const Vec3 kCentreMm(12.1, 11.7, 12.3);
+constexpr double kScannedRadiusMm = 8.0;
+const Vec3 kScannedCentreMm(12.1, 11.7, 12.3);
 
 /// A ball of 700 HU in water with its label map, 2.
 class Points : public testing::Test {
@@ -39,7 +39,7 @@ class Points : public testing::Test {
     for (int k = 0; k < kSide; ++k) {
       for (int j = 0; j < kSide; ++j) {
         for (int i = 0; i < kSide; ++i) {
-          const double depth_mm = kRadiusMm - (geometry.to_patient(Vec3(i, j, k)) - kCentreMm).norm();
+          const double depth_mm = kScannedRadiusMm - (geometry.to_patient(Vec3(i, j, k)) - kScannedCentreMm).norm();
           hu.push_back(static_cast<std::int16_t>(std::lround(350.0 * std::erfc(-depth_mm / (0.4 * std::sqrt(2.0))))));
           mask.inside.push_back(depth_mm > 0.0 ? 1 : 0);
         }
@@ -72,9 +72,9 @@ TEST_F(Points, HaveNormalsAndTheDistanceFromTheSurfaceAsValue) {
   std::size_t on_surface = 0;
   double mean_mm = 0.0;
   for (const auto& [x, y, z, nx, ny, nz, value] : points) {
-    const Vec3 out = Vec3(x, y, z) - kCentreMm;
+    const Vec3 out = Vec3(x, y, z) - kScannedCentreMm;
     on_surface += value == 0.0F ? 1U : 0U;
-    const double miss_mm = std::abs(out.norm() - kRadiusMm - static_cast<double>(value));
+    const double miss_mm = std::abs(out.norm() - kScannedRadiusMm - static_cast<double>(value));
     ASSERT_LT(miss_mm, 0.15);  // where the mask's terraces lean a normal, as in extract_surface()'s own test
     mean_mm += miss_mm / static_cast<double>(points.size());
     ASSERT_GT(out.normalized().dot(Vec3(nx, ny, nz)), 0.97);

@@ -9,26 +9,25 @@
 #include "apps/common/plan_file.h"
 #include "core/base/staged_output.h"
 #include "core/sim/session_record.h"
+#include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
-#include "tests/support/made_bone.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
 namespace {
 
+using test::kBoneCentre;
+using test::kBoneRadiusMm;
 using testing::HasSubstr;
-
-const Vec3 kCentre(10.0, -4.0, 30.0);
-constexpr double kRadiusMm = 6.0;
 
 /// A ball of bone, drilled through and out at the far side, at the clock's pace or not.
 class Record : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
-    write_ball(kRadiusMm, "bone.vdb");
+    test::write_bone_ball(folder_->path() / "bone.vdb");
     const Vec3 direction = Vec3(1.0, 2.0, -2.0) / 3.0;
-    write_plan({{"through", kCentre - kRadiusMm * direction, kCentre + (kRadiusMm + 2.0) * direction,
+    write_plan({{"through", kBoneCentre - kBoneRadiusMm * direction, kBoneCentre + (kBoneRadiusMm + 2.0) * direction,
                  DrillBit{2.0, 30.0, 2.0}}},
                folder_->path() / "plan.json");
     const test::ProgramRun run = drill("--record run.h5");
@@ -36,12 +35,6 @@ class Record : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  static void write_ball(double radius_mm, const std::string& name) {
-    const Vec3 corner = Vec3::Constant(kRadiusMm + 2.0);
-    write_bone(test::made_bone([=](const Vec3& p) { return (p - kCentre).norm() - radius_mm; },
-                               {kCentre - corner, kCentre + corner}, 0.25),
-               folder_->path() / name);
-  }
   static test::ProgramRun drill(const std::string& options) {
     return test::run_program("drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --hand tremor -o out " + options,
                              folder_->path());
@@ -72,7 +65,7 @@ TEST_F(Record, ReplaysBitForBitWithEveryEngineOnOneThreadAndTwo) {
 }
 
 TEST_F(Record, RefusesAnotherBoneAndWhatIsNoRecord) {
-  write_ball(kRadiusMm + 0.01, "other.vdb");
+  test::write_bone_ball(folder_->path() / "other.vdb", kBoneRadiusMm + 0.01);
   const test::ProgramRun other = run("replay run.h5 other.vdb");
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.errors, HasSubstr("expected the bone that was drilled in run.h5"));

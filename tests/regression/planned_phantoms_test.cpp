@@ -22,8 +22,6 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 int phantoms() {
   const char* const asked = std::getenv("SPINALTAP_PHANTOMS");
   return asked != nullptr ? std::max(1, std::atoi(asked)) : 2;

@@ -92,6 +92,16 @@ struct Torus {
   Vec3 surface_point() const { return centre_mm + Vec3(ring_mm + tube_mm, 0.0, 0.0); }
 };
 
+// Away from the origin, askew to every lattice of voxels.
+inline const Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
+inline const Ball kSmallBall{kBall.centre_mm, 6.0};
+inline const Ball kLargeBall{kBall.centre_mm, 15.0};
+inline const Torus kTorus{Vec3(-4.2, 1.7, -60.3), 12.0, 4.0};
+
+inline Box3 grown(const Box3& box_mm, double margin_mm) {
+  return {box_mm.min().array() - margin_mm, box_mm.max().array() + margin_mm};
+}
+
 /// A CT of one number everywhere, that holds `box`.
 inline CtVolume even_ct(const Box3& box_mm, double voxel_mm, std::int16_t hu) {
   GridGeometry geometry;

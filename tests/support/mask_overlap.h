@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "core/ct/ct_volume.h"
 #include "core/segment/distance_transform.h"
 
 namespace spinaltap::test {
+
+inline std::ptrdiff_t voxel_count(const BoneMask& mask) {
+  return std::count(mask.inside.begin(), mask.inside.end(), 1);
+}
 
 /// Twice the voxels in both masks over the voxels in each (Dice 1945).
 inline double dice(const BoneMask& a, const BoneMask& b) {

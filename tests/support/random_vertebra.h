@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <numbers>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -71,7 +70,6 @@ inline void disturb(VertebraAnatomy::Pedicle& pedicle, RandomNumbers& random) {
 /// isthmuses are exact.
 inline VertebraAnatomy random_anatomy(std::uint64_t seed) {
   constexpr std::uint64_t kMostDraws = 1000;
-  constexpr double kRadian = std::numbers::pi / 180.0;
   for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
     RandomNumbers random(mix_bits(seed) + draw);
     const double width = random.within(0.88, 1.12), depth = random.within(0.88, 1.12);
@@ -92,10 +90,10 @@ inline VertebraAnatomy random_anatomy(std::uint64_t seed) {
     a.cancellous.texture_seed = mix_bits(seed);
     a.placement.position_mm = random.within_box(100.0);
     const Vec3 axis = random.within_box(1.0).normalized();
-    const Mat3 turn = Eigen::AngleAxisd(random.within(0.0, 20.0) * kRadian, axis).toRotationMatrix();
+    const Mat3 turn = Eigen::AngleAxisd(random.within(0.0, 20.0) * kDegree, axis).toRotationMatrix();
     // As turns about x, then y, then z of the patient.
     const Vec3 zyx = turn.eulerAngles(2, 1, 0);
-    a.placement.rotation_deg = Vec3(zyx[2], zyx[1], zyx[0]) / kRadian;
+    a.placement.rotation_deg = Vec3(zyx[2], zyx[1], zyx[0]) / kDegree;
     try {
       (void)Vertebra(a);
       return a;

@@ -6,8 +6,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr int kSide = BlockLattice::kSide;
-
 /// Whether the cell's looped face meets one of the next cell, and so both are joined there.
 bool is_joined(const SignRows& signs, const std::array<int, 3>& cell, std::uint8_t code) {
   const std::uint8_t face = looped_face(code);
@@ -36,7 +34,7 @@ constexpr std::array<CellEdge, 12> kCellEdges{{{{0, 0, 0}, 0},
                                                {{0, 1, 0}, 2},
                                                {{1, 1, 0}, 2}}};
 
-constexpr std::size_t kCorners = kSide + 1;
+constexpr std::size_t kCorners = kBlockSide + 1;
 
 std::size_t edge_slot(int x, int y, int z, unsigned axis) {
   return ((static_cast<std::size_t>(x) * kCorners + static_cast<std::size_t>(y)) * kCorners +
@@ -95,21 +93,21 @@ BlockCells find_cells(const BoneModel& bone, const HoleGrid& grid, std::size_t b
   for (std::size_t n = 0; n < cuts.size(); ++n) {
     const auto& [x, y, z] = cuts[n].voxel;
     cut_of_edge[edge_slot(x, y, z, cuts[n].axis)] = static_cast<std::uint16_t>(n);
-    if (x == kSide || y == kSide || z == kSide) continue;
+    if (x == kBlockSide || y == kBlockSide || z == kBlockSide) continue;
     result.edges.push_back({static_cast<std::uint16_t>(BlockLattice::offset(x, y, z)), cuts[n].axis, cuts[n].rises,
                             cuts[n].is_wall, cuts[n].normal.cast<float>()});
   }
   const Vec3 corner_mm = grid.bone().lattice.corner_mm(grid.bone().lattice.block(block));
   const double voxel_mm = grid.bone().lattice.voxel_mm;
-  for (int x = 0; x < kSide; ++x) {
-    for (int y = 0; y < kSide; ++y) {
+  for (int x = 0; x < kBlockSide; ++x) {
+    for (int y = 0; y < kBlockSide; ++y) {
       result.row_begins[BlockLattice::offset(0, x, y)] = static_cast<std::uint16_t>(result.cells.size());
       // Rows of one kind throughout have no cut cell.
       const unsigned all = signs.row(x, y) & signs.row(x + 1, y) & signs.row(x, y + 1) & signs.row(x + 1, y + 1);
       const unsigned any = signs.row(x, y) | signs.row(x + 1, y) | signs.row(x, y + 1) | signs.row(x + 1, y + 1);
       constexpr unsigned kOwn = 0x1FFU << 1U;
       if ((any & kOwn) == 0 || (all & kOwn) == kOwn) continue;
-      for (int z = 0; z < kSide; ++z) {
+      for (int z = 0; z < kBlockSide; ++z) {
         const std::uint8_t code = signs.code(x, y, z);
         if (code == 0 || code == 0xFF) continue;
         const bool joined = is_joined(signs, {x, y, z}, code);

@@ -6,8 +6,7 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr int kSide = BlockLattice::kSide;
-constexpr int kHalf = kSide / 2;
+constexpr int kHalfBlock = kBlockSide / 2;
 
 /// Of a cube of so many voxels' middle to its outermost ones.
 double to_corner_voxels(int side) { return 0.5 * std::sqrt(3.0) * (side - 1); }
@@ -26,10 +25,10 @@ class EighthDrill {
                                                 block_reach_mm(bone.lattice), band_mm_, changes_mm_)) {}
 
   void look(int eighth) {
-    low_ = {(eighth & 1) * kHalf, ((eighth >> 1) & 1) * kHalf, (eighth >> 2) * kHalf};
+    low_ = {(eighth & 1) * kHalfBlock, ((eighth >> 1) & 1) * kHalfBlock, (eighth >> 2) * kHalfBlock};
     const Vec3 first = corner_mm_ + voxel_mm_ * Vec3(low_[0], low_[1], low_[2]);
-    const Vec3 middle = first + Vec3::Constant(0.5 * (kHalf - 1) * voxel_mm_);
-    const double reach_mm = to_corner_voxels(kHalf) * voxel_mm_;
+    const Vec3 middle = first + Vec3::Constant(0.5 * (kHalfBlock - 1) * voxel_mm_);
+    const double reach_mm = to_corner_voxels(kHalfBlock) * voxel_mm_;
     const double spare_mm = sweep_.middle_distance_mm(middle) - reach_mm - band_mm_;
     if (spare_mm >= change_mm_) {
       // What the bit did not reach may still be reached later, unless it is gone.
@@ -44,9 +43,9 @@ class EighthDrill {
       find_distances(first);
     }
     std::size_t n = 0;
-    for (int x = low_[0]; x < low_[0] + kHalf; ++x) {
-      for (int y = low_[1]; y < low_[1] + kHalf; ++y) {
-        for (int z = low_[2]; z < low_[2] + kHalf; ++z) look_at({x, y, z}, at_middle_mm_[n++], is_at_wall);
+    for (int x = low_[0]; x < low_[0] + kHalfBlock; ++x) {
+      for (int y = low_[1]; y < low_[1] + kHalfBlock; ++y) {
+        for (int z = low_[2]; z < low_[2] + kHalfBlock; ++z) look_at({x, y, z}, at_middle_mm_[n++], is_at_wall);
       }
     }
   }
@@ -55,12 +54,12 @@ class EighthDrill {
   /// Distances to the bit at the middle of its way, or less where they are out of reach anyway.
   void find_distances(const Vec3& first) {
     std::size_t n = 0;
-    for (int x = 0; x < kHalf; ++x) {
-      for (int y = 0; y < kHalf; ++y) {
-        for (int z = 0; z < kHalf; ++z) {
+    for (int x = 0; x < kHalfBlock; ++x) {
+      for (int y = 0; y < kHalfBlock; ++y) {
+        for (int z = 0; z < kHalfBlock; ++z) {
           at_middle_mm_[n] = sweep_.middle_distance_mm(first + voxel_mm_ * Vec3(x, y, z));
           const double beyond_mm = at_middle_mm_[n++] - change_mm_ - band_mm_;
-          for (int next = 1; z + 1 < kHalf && beyond_mm >= next * voxel_mm_; ++next, ++z, ++n) {
+          for (int next = 1; z + 1 < kHalfBlock && beyond_mm >= next * voxel_mm_; ++next, ++z, ++n) {
             at_middle_mm_[n] = change_mm_ + band_mm_ + beyond_mm - next * voxel_mm_;
           }
         }
@@ -120,29 +119,29 @@ class EighthDrill {
       changes_mm_;    ///< of distances in the block, at most, from the middle to each of the sweep's poses
   double change_mm_;  ///< the largest
   std::array<int, 3> low_{};
-  std::array<double, kHalf * kHalf * kHalf> at_middle_mm_{};
+  std::array<double, kHalfBlock * kHalfBlock * kHalfBlock> at_middle_mm_{};
 };
 
 }  // namespace
 
-void VoxelBox::extend(const std::array<int, 3>& voxel) {
+void BlockBox::extend(const std::array<int, 3>& voxel) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     low[axis] = std::min(low[axis], voxel[axis]);
     high[axis] = std::max(high[axis], voxel[axis]);
   }
 }
 
-void VoxelBox::extend(const VoxelBox& box) {
+void BlockBox::extend(const BlockBox& box) {
   if (box.empty()) return;
   extend(box.low);
   extend(box.high);
 }
 
 Vec3 block_middle_mm(const BlockLattice& lattice, std::size_t block) {
-  return lattice.corner_mm(lattice.block(block)) + Vec3::Constant(0.5 * (kSide - 1) * lattice.voxel_mm);
+  return lattice.corner_mm(lattice.block(block)) + Vec3::Constant(0.5 * (kBlockSide - 1) * lattice.voxel_mm);
 }
 
-double block_reach_mm(const BlockLattice& lattice) { return to_corner_voxels(kSide) * lattice.voxel_mm; }
+double block_reach_mm(const BlockLattice& lattice) { return to_corner_voxels(kBlockSide) * lattice.voxel_mm; }
 
 void drill_block(const ResampledBone& bone, const BitSweep& sweep, BlockDrill& drill) {
   EighthDrill eighths(bone, sweep, drill);

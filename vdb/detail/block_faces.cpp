@@ -8,8 +8,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr int kSide = BlockLattice::kSide;
-
 /// A vertex of a cell in one of the eight blocks.
 struct Corner {
   unsigned around = 0;
@@ -69,7 +67,8 @@ class FaceMaker {
 
   /// Counter-clockwise, seen from the edge's far end.
   std::array<Corner, 4> corners_around(const BlockCells::Edge& edge) const {
-    const std::array<int, 3> voxel{edge.place / (kSide * kSide), edge.place / kSide % kSide, edge.place % kSide};
+    const std::array<int, 3> voxel{edge.place / (kBlockSide * kBlockSide), edge.place / kBlockSide % kBlockSide,
+                                   edge.place % kBlockSide};
     const std::size_t u = (edge.axis + 1U) % 3;
     const std::size_t v = (edge.axis + 2U) % 3;
     constexpr std::array<std::array<int, 2>, 4> kBefore{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};

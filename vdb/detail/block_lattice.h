@@ -52,4 +52,6 @@ struct BlockLattice {
   Vec3 corner_mm(const Index3& block) const { return kSide * voxel_mm * Vec3(block[0], block[1], block[2]); }
 };
 
+constexpr int kBlockSide = BlockLattice::kSide;
+
 }  // namespace spinaltap::detail

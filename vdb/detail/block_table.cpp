@@ -8,11 +8,10 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr unsigned kSide = BlockTable::kSide;
 /// Places in `signs` that blocks of one sign share.
 constexpr std::uint32_t kAllPositive = 0;
 constexpr std::uint32_t kAllNegative = 1;
-constexpr std::uint32_t kOwn = 2;
+constexpr std::uint32_t kFirstOwn = 2;
 
 enum class Sign : std::uint8_t { positive, negative, both };
 
@@ -25,27 +24,27 @@ Sign sign_of(const float* values) {
 
 /// The sign bits of the nine voxels along z from (x, y, 0) of the block on; x and y reach 8.
 unsigned row_signs(const BlockTable& table, std::size_t block, unsigned x, unsigned y) {
-  const std::size_t at = block + (x / kSide) * table.offset(1, 0, 0) + (y / kSide) * table.offset(0, 1, 0);
-  const unsigned first = (x % kSide * kSide + y % kSide) * kSide;
-  unsigned bits = table.blocks[at + 1][first] < 0.0F ? 1U << kSide : 0U;
-  for (unsigned z = 0; z < kSide; ++z) bits |= table.blocks[at][first + z] < 0.0F ? 1U << z : 0U;
+  const std::size_t at = block + (x / kTableSide) * table.offset(1, 0, 0) + (y / kTableSide) * table.offset(0, 1, 0);
+  const unsigned first = (x % kTableSide * kTableSide + y % kTableSide) * kTableSide;
+  unsigned bits = table.blocks[at + 1][first] < 0.0F ? 1U << kTableSide : 0U;
+  for (unsigned z = 0; z < kTableSide; ++z) bits |= table.blocks[at][first + z] < 0.0F ? 1U << z : 0U;
   return bits;
 }
 
 CellSigns cell_signs(const BlockTable& table, std::size_t block) {
-  std::array<std::array<unsigned, kSide + 1>, kSide + 1> rows{};
-  for (unsigned x = 0; x <= kSide; ++x) {
-    for (unsigned y = 0; y <= kSide; ++y) rows[x][y] = row_signs(table, block, x, y);
+  std::array<std::array<unsigned, kTableSide + 1>, kTableSide + 1> rows{};
+  for (unsigned x = 0; x <= kTableSide; ++x) {
+    for (unsigned y = 0; y <= kTableSide; ++y) rows[x][y] = row_signs(table, block, x, y);
   }
   CellSigns signs;
-  for (unsigned x = 0; x < kSide; ++x) {
-    for (unsigned y = 0; y < kSide; ++y) {
+  for (unsigned x = 0; x < kTableSide; ++x) {
+    for (unsigned y = 0; y < kTableSide; ++y) {
       const unsigned all = rows[x][y] & rows[x][y + 1] & rows[x + 1][y] & rows[x + 1][y + 1];
       const unsigned any = rows[x][y] | rows[x][y + 1] | rows[x + 1][y] | rows[x + 1][y + 1];
       const std::uint64_t negative = all & (all >> 1U) & 0xFFU;
       const std::uint64_t touched = (any | (any >> 1U)) & 0xFFU;
-      signs.layers[x].negative |= negative << (kSide * y);
-      signs.layers[x].mixed |= (touched & ~negative) << (kSide * y);
+      signs.layers[x].negative |= negative << (kTableSide * y);
+      signs.layers[x].mixed |= (touched & ~negative) << (kTableSide * y);
     }
   }
   return signs;
@@ -78,7 +77,7 @@ void find_signs(BlockTable& table) {
   std::vector<Sign> own(table.blocks.size());
   tbb::parallel_for(std::size_t{0}, own.size(), [&](std::size_t i) { own[i] = sign_of(table.blocks[i]); });
 
-  table.signs.assign(kOwn, {});
+  table.signs.assign(kFirstOwn, {});
   for (CellSigns::Layer& layer : table.signs[kAllNegative].layers) layer.negative = ~std::uint64_t{0};
   // No cell that is asked for starts in the last layer of blocks, which is background.
   table.sign_places.assign(own.size(), table.background < 0.0F ? kAllNegative : kAllPositive);
@@ -95,15 +94,15 @@ void find_signs(BlockTable& table) {
         if (same) {
           table.sign_places[block] = own[block] == Sign::negative ? kAllNegative : kAllPositive;
         } else {
-          table.sign_places[block] = static_cast<std::uint32_t>(kOwn + mixed.size());
+          table.sign_places[block] = static_cast<std::uint32_t>(kFirstOwn + mixed.size());
           mixed.push_back(block);
         }
       }
     }
   }
-  table.signs.resize(kOwn + mixed.size());
+  table.signs.resize(kFirstOwn + mixed.size());
   tbb::parallel_for(std::size_t{0}, mixed.size(),
-                    [&](std::size_t i) { table.signs[kOwn + i] = cell_signs(table, mixed[i]); });
+                    [&](std::size_t i) { table.signs[kFirstOwn + i] = cell_signs(table, mixed[i]); });
 }
 
 }  // namespace spinaltap::detail

@@ -47,6 +47,9 @@ struct BlockTable {
   }
 };
 
+/// For what counts in unsigned numbers.
+constexpr unsigned kTableSide = BlockTable::kSide;
+
 /// Fills `is_even`.
 void find_even_blocks(BlockTable& table);
 

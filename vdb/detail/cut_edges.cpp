@@ -7,8 +7,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr int kSide = BlockLattice::kSide;
-
 /// Voxels 0 to 8 of a block and its next neighbours.
 class BlockVoxels {
  public:
@@ -21,7 +19,7 @@ class BlockVoxels {
   Place place(const std::array<int, 3>& voxel) const {
     std::size_t block = block_;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (voxel[axis] >= kSide) block += static_cast<std::size_t>(strides_[axis]);
+      if (voxel[axis] >= kBlockSide) block += static_cast<std::size_t>(strides_[axis]);
     }
     return {block, BlockLattice::offset(voxel[0] & 7, voxel[1] & 7, voxel[2] & 7)};
   }
@@ -121,10 +119,10 @@ SignRows::SignRows(const HoleGrid& grid, std::size_t block) {
       const InsideBits& before = grid.inside(column - 1);
       const InsideBits& own = grid.inside(column);
       const InsideBits& behind = grid.inside(column + 1);
-      for (int x = -1; x < kSide - 1; ++x) {
+      for (int x = -1; x < kBlockSide - 1; ++x) {
         if (neighbour_of(x) != nx) continue;
         const auto layer = static_cast<std::size_t>(x & 7);
-        for (int y = -1; y < kSide - 1; ++y) {
+        for (int y = -1; y < kBlockSide - 1; ++y) {
           if (neighbour_of(y) != ny) continue;
           const auto shift = 8U * static_cast<unsigned>(y & 7);
           const auto byte = [&](const InsideBits& bits) { return static_cast<unsigned>(bits[layer] >> shift & 0xFFU); };
@@ -194,11 +192,11 @@ std::vector<EdgeCut> find_cut_edges(const BoneModel& bone, const HoleGrid& grid,
   const auto each = [](unsigned bits, const auto& visit) {
     for (; bits != 0; bits &= bits - 1) visit(std::countr_zero(bits) - 1);
   };
-  for (int x = 0; x <= kSide; ++x) {
-    for (int y = 0; y <= kSide; ++y) {
+  for (int x = 0; x <= kBlockSide; ++x) {
+    for (int y = 0; y <= kBlockSide; ++y) {
       const unsigned row = signs.row(x, y);
-      if (x < kSide) each((row ^ signs.row(x + 1, y)) & kOwn, [&](int z) { add(x, y, z, 0); });
-      if (y < kSide) each((row ^ signs.row(x, y + 1)) & kOwn, [&](int z) { add(x, y, z, 1); });
+      if (x < kBlockSide) each((row ^ signs.row(x + 1, y)) & kOwn, [&](int z) { add(x, y, z, 0); });
+      if (y < kBlockSide) each((row ^ signs.row(x, y + 1)) & kOwn, [&](int z) { add(x, y, z, 1); });
       each((row ^ row >> 1U) & kOwnButLast, [&](int z) { add(x, y, z, 2); });
     }
   }

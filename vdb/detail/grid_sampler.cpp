@@ -7,8 +7,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr unsigned kSide = BlockTable::kSide;
-
 /// The largest whole number that is not above `x`, which must fit. std::floor() is a call without SSE 4.1.
 int floor_of(double x) {
   const int truncated = static_cast<int>(x);
@@ -24,7 +22,7 @@ Place place_of(const BlockTable& table, int x, int y, int z) {
 }
 
 std::size_t block_at(const BlockTable& table, const Place& voxel) {
-  return table.offset(voxel[0] / kSide, voxel[1] / kSide, voxel[2] / kSide);
+  return table.offset(voxel[0] / kTableSide, voxel[1] / kTableSide, voxel[2] / kTableSide);
 }
 
 /// A cube of values with a side of Size voxels, z fastest.
@@ -36,28 +34,28 @@ template <unsigned Size>
 Values<Size> gather(const BlockTable& table, const Place& first) {
   Values<Size> values;
   std::size_t next = 0;
-  const Place in_block{first[0] % kSide, first[1] % kSide, first[2] % kSide};
-  constexpr unsigned kLast = kSide - Size;
+  const Place in_block{first[0] % kTableSide, first[1] % kTableSide, first[2] % kTableSide};
+  constexpr unsigned kLast = kTableSide - Size;
   if (in_block[0] <= kLast && in_block[1] <= kLast && in_block[2] <= kLast) {
     const float* const corner =
-        table.blocks[block_at(table, first)] + ((in_block[0] * kSide + in_block[1]) * kSide + in_block[2]);
+        table.blocks[block_at(table, first)] + ((in_block[0] * kTableSide + in_block[1]) * kTableSide + in_block[2]);
     for (unsigned i = 0; i < Size; ++i) {
       for (unsigned j = 0; j < Size; ++j) {
-        for (unsigned k = 0; k < Size; ++k) values[next++] = corner[(i * kSide + j) * kSide + k];
+        for (unsigned k = 0; k < Size; ++k) values[next++] = corner[(i * kTableSide + j) * kTableSide + k];
       }
     }
     return values;
   }
   // The cube reaches into other blocks. What each axis adds to the places of a value is found once.
   const std::array<std::size_t, 3> block_steps{table.offset(1, 0, 0), table.offset(0, 1, 0), 1};
-  constexpr std::array<unsigned, 3> kValueSteps{kSide * kSide, kSide, 1};
+  constexpr std::array<unsigned, 3> kValueSteps{kTableSide * kTableSide, kTableSide, 1};
   std::array<std::array<std::size_t, Size>, 3> block{};
   std::array<std::array<unsigned, Size>, 3> value{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (unsigned i = 0; i < Size; ++i) {
       const unsigned at = first[axis] + i;
-      block[axis][i] = at / kSide * block_steps[axis];
-      value[axis][i] = at % kSide * kValueSteps[axis];
+      block[axis][i] = at / kTableSide * block_steps[axis];
+      value[axis][i] = at % kTableSide * kValueSteps[axis];
     }
   }
   for (unsigned i = 0; i < Size; ++i) {
@@ -78,7 +76,7 @@ void prefetch(const BlockTable& table, const Place& first) {
     for (unsigned j = 0; j < Size; j += Size - 1) {
       const Place row{first[0] + i, first[1] + j, first[2]};
       __builtin_prefetch(table.blocks[block_at(table, row)] +
-                         ((row[0] % kSide * kSide + row[1] % kSide) * kSide + row[2] % kSide));
+                         ((row[0] % kTableSide * kTableSide + row[1] % kTableSide) * kTableSide + row[2] % kTableSide));
     }
   }
 }
@@ -279,14 +277,14 @@ void GridSampler::negative(std::span<const Vec3> points_mm, std::span<std::uint8
     std::array<const CellSigns::Layer*, Batch::kPoints> layers;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const Place& first = batch.stencils[i].first;
-      layers[i] = &table_.signs[table_.sign_places[block_at(table_, first)]].layers[first[0] % kSide];
+      layers[i] = &table_.signs[table_.sign_places[block_at(table_, first)]].layers[first[0] % kTableSide];
       __builtin_prefetch(layers[i]);
     }
     // Those whose bits do not decide move to the front of the batch, without a branch that no one could foresee.
     std::size_t unsure = 0;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const Stencil stencil = batch.stencils[i];
-      const unsigned bit = stencil.first[1] % kSide * kSide + stencil.first[2] % kSide;
+      const unsigned bit = stencil.first[1] % kTableSide * kTableSide + stencil.first[2] % kTableSide;
       result[begin + stencil.point] = static_cast<std::uint8_t>((layers[i]->negative >> bit) & 1U);
       batch.stencils[unsure] = stencil;
       unsure += (layers[i]->mixed >> bit) & 1U;

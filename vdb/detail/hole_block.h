@@ -14,21 +14,21 @@ struct HoleBlock {
 };
 
 /// Box around voxels of a block; empty where low > high.
-struct VoxelBox {
+struct BlockBox {
   static constexpr int kLast = BlockLattice::kSide - 1;
   std::array<int, 3> low{BlockLattice::kSide, BlockLattice::kSide, BlockLattice::kSide};
   std::array<int, 3> high{-1, -1, -1};
 
-  static VoxelBox whole() { return {{0, 0, 0}, {kLast, kLast, kLast}}; }
+  static BlockBox whole() { return {{0, 0, 0}, {kLast, kLast, kLast}}; }
   bool empty() const { return high[0] < 0; }
   void extend(const std::array<int, 3>& voxel);
-  void extend(const VoxelBox& box);
+  void extend(const BlockBox& box);
 };
 
 /// What changed in a block.
 struct BlockChange {
-  VoxelBox values;  ///< voxels whose distance to the hole changed
-  VoxelBox signs;   ///< voxels that were bone and are not, or the other way
+  BlockBox values;  ///< voxels whose distance to the hole changed
+  BlockBox signs;   ///< voxels that were bone and are not, or the other way
 };
 
 }  // namespace spinaltap::detail

@@ -8,7 +8,6 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr int kSide = BlockLattice::kSide;
 constexpr std::uint32_t kNoneInside = 0;
 constexpr std::uint32_t kAllInside = 1;
 
@@ -26,11 +25,11 @@ void HoleGrid::clear() {
   for (std::size_t block = 0; block < holes_.size(); ++block) {
     if (holes_[block] == nullptr) continue;
     holes_[block].reset();
-    changes_[block] = {VoxelBox::whole(), VoxelBox::whole()};
+    changes_[block] = {BlockBox::whole(), BlockBox::whole()};
   }
   for (const auto& [block, hole] : start_) {
     holes_[block] = hole;
-    changes_[block] = {VoxelBox::whole(), VoxelBox::whole()};
+    changes_[block] = {BlockBox::whole(), BlockBox::whole()};
   }
   looks_.clear();
   inside_.assign(2, {});
@@ -48,9 +47,9 @@ void HoleGrid::find_inside(std::size_t block) {
     inside_.emplace_back();
   }
   InsideBits& bits = inside_[place];
-  for (int x = 0; x < kSide; ++x) {
+  for (int x = 0; x < kBlockSide; ++x) {
     std::uint64_t layer = 0;
-    for (int yz = 0; yz < kSide * kSide; ++yz) {
+    for (int yz = 0; yz < kBlockSide * kBlockSide; ++yz) {
       const std::size_t offset = BlockLattice::offset(x, 0, yz);
       const bool is_inside = bone_->at(block, offset) < 0.0F && hole_mm(block, offset) > 0.0F;
       layer |= std::uint64_t{is_inside} << static_cast<unsigned>(yz);
@@ -61,7 +60,7 @@ void HoleGrid::find_inside(std::size_t block) {
 
 std::vector<std::size_t> HoleGrid::blocks_in_reach(const BitSweep& sweep) const {
   const BlockLattice& lattice = bone_->lattice;
-  const double block_mm = kSide * lattice.voxel_mm;
+  const double block_mm = kBlockSide * lattice.voxel_mm;
   const double band_mm = static_cast<double>(bone_->band_mm);
   const Box3 box_mm = sweep.bounds_mm(band_mm);
   // Layer by layer along the coordinate that the axis runs along most: in each the bit crosses few blocks.
@@ -171,7 +170,7 @@ void HoleGrid::drill(const BitSweep& sweep, std::uint64_t epoch, SavedBlocks& be
 HoleGrid::BlockPtr HoleGrid::exchange(std::size_t block, BlockPtr hole) {
   std::swap(holes_[block], hole);
   looks_.erase(block);
-  changes_[block] = {VoxelBox::whole(), VoxelBox::whole()};
+  changes_[block] = {BlockBox::whole(), BlockBox::whole()};
   find_inside(block);
   return hole;
 }

@@ -13,13 +13,11 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr int kSide = BlockLattice::kSide;
-
 BlockLattice lattice_around(const Box3& box_mm, double voxel_mm) {
   constexpr int kMargin = 2;
   constexpr double kMostBlocks = 0x1p27;
-  const Vec3 low = (box_mm.min() / (kSide * voxel_mm)).array().floor();
-  const Vec3 high = (box_mm.max() / (kSide * voxel_mm)).array().floor();
+  const Vec3 low = (box_mm.min() / (kBlockSide * voxel_mm)).array().floor();
+  const Vec3 high = (box_mm.max() / (kBlockSide * voxel_mm)).array().floor();
   const Vec3 size = high - low + Vec3::Constant(1.0 + 2.0 * kMargin);
   if (!(size.prod() <= kMostBlocks)) fail("remaining bone: voxels of ", voxel_mm, " mm are too small for this bone");
   BlockLattice lattice{.voxel_mm = voxel_mm};
@@ -41,7 +39,7 @@ std::vector<std::size_t> blocks_near_leaves(const openvdb::FloatGrid& grid, cons
                                  origin.z() + ((corner & 4) != 0 ? 8 : -1));
       box_mm.extend(from_vdb(grid.indexToWorld(index)));
     }
-    const auto block_at = [&](double mm) { return static_cast<int>(std::floor(mm / (kSide * lattice.voxel_mm))); };
+    const auto block_at = [&](double mm) { return static_cast<int>(std::floor(mm / (kBlockSide * lattice.voxel_mm))); };
     const Vec3 low_mm = box_mm.min();
     // A block reaches up to the next one's first voxel.
     const Vec3 high_mm = box_mm.max() + Vec3::Constant(lattice.voxel_mm);
@@ -64,7 +62,7 @@ std::vector<std::size_t> blocks_near_leaves(const openvdb::FloatGrid& grid, cons
 /// Samples a block, an eighth at a time: where the middle of an eighth is far from the surface, all of it is.
 void sample_block(const BoneModel& bone, const Vec3& corner_mm, double voxel_mm, float band_mm,
                   ResampledBone::Values& values) {
-  constexpr int kHalf = kSide / 2;
+  constexpr int kHalf = kBlockSide / 2;
   constexpr std::size_t kPoints = kHalf * kHalf * kHalf;
   const double to_corner_mm = 0.5 * std::sqrt(3.0) * (kHalf - 1) * voxel_mm;
   std::array<Vec3, kPoints> points_mm;
@@ -113,7 +111,7 @@ ResampledBone resample_bone(const BoneModel& bone, double voxel_mm) {
 
   result.places.resize(lattice.count());
   tbb::parallel_for(std::size_t{0}, lattice.count(), [&](std::size_t n) {
-    const Vec3 middle_mm = lattice.corner_mm(lattice.block(n)) + Vec3::Constant(0.5 * kSide * voxel_mm);
+    const Vec3 middle_mm = lattice.corner_mm(lattice.block(n)) + Vec3::Constant(0.5 * kBlockSide * voxel_mm);
     std::uint8_t is_inside = 0;
     bone.inside({&middle_mm, 1}, {&is_inside, 1});
     result.places[n] = is_inside != 0 ? ResampledBone::kInside : ResampledBone::kOutside;

@@ -7,6 +7,9 @@
 
 namespace spinaltap::detail {
 
+/// Before the names of our own metadata.
+constexpr const char* kFactPrefix = "spinaltap:";
+
 /// All grids of a .vdb file. Throws Error on a missing file, one that is no .vdb, and one cut short by even one byte.
 openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path);
 

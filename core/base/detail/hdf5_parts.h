@@ -69,7 +69,7 @@ class Id {
 
 /// Throws Error unless `status` is HDF5's for success.
 template <class Status>
-Status check(Status status, const char* what, const std::filesystem::path& path) {
+Status checked(Status status, const char* what, const std::filesystem::path& path) {
   if (status < 0) fail("cannot ", what, " ", path.string(), ": HDF5 says: ", words_of_hdf5());
   return status;
 }

@@ -10,6 +10,7 @@
 namespace spinaltap {
 namespace {
 
+using test::ball_to_drill;
 using test::kDrilledBall;
 
 double volume_mm3(const RemainingSurface& surface) { return measure_mesh(test::joined(surface)).volume_mm3; }
@@ -20,7 +21,7 @@ PathMotionOptions trembling(std::uint64_t seed) {
 }
 
 /// A short bit that fits into the ball.
-std::array<DrillBit, 3> three_bits() {
+std::array<DrillBit, 3> short_bits() {
   return {DrillBit{3.0, 9.0, 3.0}, DrillBit{4.0, 9.0, 1.0, BitShape::round_burr, 0.0, 2.0},
           DrillBit{3.6, 9.0, 4.0, BitShape::conical_burr, 1.0, 2.0}};
 }
@@ -38,8 +39,8 @@ double profile_volume_mm3(const BitProfile& profile) {
 
 TEST(RemainingVolume, IsTheBitsInSolid) {
   const Vec3 axis = Vec3(0.3, -0.5, 0.8).normalized();
-  for (const DrillBit& bit : three_bits()) {
-    RemainingBone bone(test::ball_to_drill());
+  for (const DrillBit& bit : short_bits()) {
+    RemainingBone bone(ball_to_drill());
     RemainingSurface surface(bone);
     const double before_mm3 = volume_mm3(surface);
     const Pose pose{kDrilledBall.centre_mm + 4.0 * axis, axis};
@@ -51,13 +52,13 @@ TEST(RemainingVolume, IsTheBitsInSolid) {
 }
 
 TEST(RemainingVolume, IsWhatAHandSweptInSolid) {
-  for (const DrillBit& bit : three_bits()) {
+  for (const DrillBit& bit : short_bits()) {
     const DrillPath path{"hand", kDrilledBall.centre_mm + Vec3(1.0, 1.0, 0.0),
                          kDrilledBall.centre_mm + Vec3(2.5, 3.0, 1.0), bit};
     const PathMotion hand(path, trembling(3));
     std::vector<Pose> poses;
     for (std::size_t n = 0; n <= hand.cycle_count(); ++n) poses.push_back(hand.pose(n));
-    RemainingBone bone(test::ball_to_drill());
+    RemainingBone bone(ball_to_drill());
     RemainingSurface surface(bone);
     const double before_mm3 = volume_mm3(surface);
     for (std::size_t n = 0; n + 1 < poses.size(); n += 16) {
@@ -109,7 +110,7 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
   const DrillPath path{"points", kDrilledBall.centre_mm - 7.0 * direction, kDrilledBall.centre_mm + 5.0 * direction,
                        bit};
   PointVolume points(path, {.radius_mm = 3.0, .spacing_mm = 0.05, .lead_in_mm = 3.0});
-  const BoneModel& model = test::ball_to_drill();
+  const BoneModel& model = ball_to_drill();
   fill_volume(points,
               [&](std::span<const Vec3> p, std::span<float> d, std::span<float> hu) { model.sample(p, d, hu); });
   const std::size_t alive = points.alive_count();
@@ -153,7 +154,7 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
 TEST(RemainingSurface, LiesOnTheExactCutAwayFromTheRim) {
   const Vec3 axis = Vec3(-0.7, 0.2, -0.4).normalized();
   for (const double voxel_mm : {0.2, 0.1}) {
-    RemainingBone bone(test::ball_to_drill(), {.voxel_mm = voxel_mm});
+    RemainingBone bone(ball_to_drill(), {.voxel_mm = voxel_mm});
     RemainingSurface surface(bone);
     const DrillBit bit = test::paper_drill();
     const std::array poses{Pose{kDrilledBall.centre_mm - 12.0 * axis, axis},

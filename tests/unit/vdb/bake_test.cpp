@@ -17,12 +17,11 @@ namespace {
 
 using test::Ball;
 using test::FormulaField;
-using test::Torus;
+using test::grown;
+using test::kBall;
+using test::kTorus;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
-const Torus kTorus{Vec3(-4.2, 1.7, -60.3), 12.0, 4.0};
 
 /// The voxel centres of a bone within a box, and its distances there.
 struct VoxelSamples {
@@ -42,8 +41,6 @@ struct VoxelSamples {
     bone.sample(points_mm, distance_mm, {});
   }
 };
-
-Box3 grown(Box3 box, double margin) { return {box.min().array() - margin, box.max().array() + margin}; }
 
 template <class Body>
 void expect_distance_of(const BoneModel& bone, const Body& body) {

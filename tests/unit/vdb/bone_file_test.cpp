@@ -22,30 +22,28 @@ namespace spinaltap {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Ball;
+using test::kSmallBall;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 6.0};
-
 /// A bone whose CT numbers differ, some of them beyond those that a half float holds.
-BoneModel ball_bone() {
+BoneModel bone_of_many_hu() {
   GridGeometry geometry;
   geometry.size = {40, 40, 24};
   geometry.spacing_mm = Vec3(0.5, 0.5, 1.0);
-  geometry.origin_mm = kBall.centre_mm - Vec3(10.0, 10.0, 12.0);
+  geometry.origin_mm = kSmallBall.centre_mm - Vec3(10.0, 10.0, 12.0);
   std::vector<std::int16_t> hu;
   for (std::size_t i = 0; i < geometry.voxel_count(); ++i)
     hu.push_back(static_cast<std::int16_t>(i * 37 % 4096 - 1024));
-  return bake_bone(kBall.field(), kBall.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {},
+  return bake_bone(kSmallBall.field(), kSmallBall.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {},
                    {{"source_hash", "0123"}, {"method", "ball, \"quoted\" Grad °"}, {"empty", ""}});
 }
 
 BoneModel drilled_bone() {
   const Vec3 axis = Vec3(0.3, 0.5, 0.7).normalized();
-  const Pose pose{kBall.centre_mm, axis};
-  return subtract_bit(ball_bone(), DrillBit{}, pose, pose);
+  const Pose pose{kSmallBall.centre_mm, axis};
+  return subtract_bit(bone_of_many_hu(), DrillBit{}, pose, pose);
 }
 
 class BoneFile : public testing::Test {
@@ -79,7 +77,7 @@ void expect_equal_grids(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b
 }
 
 TEST_F(BoneFile, GivesBackGridsAndFactsBitForBit) {
-  const BoneModel bone = ball_bone();
+  const BoneModel bone = bone_of_many_hu();
   write_bone(bone, file("bone.vdb"));
   const BoneModel back = read_bone(file("bone.vdb"));
   expect_equal_grids(*bone.grids().sdf, *back.grids().sdf);
@@ -90,7 +88,7 @@ TEST_F(BoneFile, GivesBackGridsAndFactsBitForBit) {
 }
 
 TEST_F(BoneFile, IsALevelSetAndAnHuGridToOtherPrograms) {
-  write_bone(ball_bone(), file("bone.vdb"));
+  write_bone(bone_of_many_hu(), file("bone.vdb"));
   openvdb::io::File in(file("bone.vdb").string());
   in.open();
   EXPECT_EQ(in.getGrids()->size(), 2U);
@@ -136,7 +134,7 @@ TEST_F(BoneFile, IsRefusedWithHalfOfWhatADrilledBoneHas) {
 
 TEST_F(BoneFile, HasTheSameBytesInTwoRunsAndAtOneAndTwoThreads) {
   const auto bytes_of = [&](const char* name) {
-    write_bone(ball_bone(), file(name));
+    write_bone(bone_of_many_hu(), file(name));
     return read_whole_file(file(name));
   };
   const std::string first = bytes_of("first.vdb");
@@ -150,7 +148,7 @@ TEST_F(BoneFile, HasTheSameBytesInTwoRunsAndAtOneAndTwoThreads) {
 }
 
 TEST_F(BoneFile, IsRefusedWhenCutShortAnywhere) {
-  write_bone(ball_bone(), file("bone.vdb"));
+  write_bone(bone_of_many_hu(), file("bone.vdb"));
   const std::string whole = read_whole_file(file("bone.vdb"));
   // Through the head, the descriptors, the trees and the last byte.
   for (std::size_t keep = 0; keep < whole.size(); keep += keep < 2000 ? 37 : whole.size() / 60) {
@@ -174,7 +172,7 @@ TEST_F(BoneFile, IsRefusedWhenItIsNoFile) {
 }
 
 TEST_F(BoneFile, IsRefusedWithoutItsTwoGrids) {
-  const BoneModel bone = ball_bone();
+  const BoneModel bone = bone_of_many_hu();
   const auto sdf = bone.grids().sdf->deepCopy();
   const auto hu = bone.grids().hu->deepCopy();
   EXPECT_THAT([&] { read_bone(foreign_file({sdf})); }, ThrowsMessage<Error>(HasSubstr("found no hu")));
@@ -182,7 +180,7 @@ TEST_F(BoneFile, IsRefusedWithoutItsTwoGrids) {
 }
 
 TEST_F(BoneFile, IsRefusedWithGridsOfAnotherKind) {
-  const BoneModel bone = ball_bone();
+  const BoneModel bone = bone_of_many_hu();
   const auto sdf = bone.grids().sdf->deepCopy();
   const auto hu = bone.grids().hu->deepCopy();
   const auto whole_numbers = openvdb::Int32Grid::create(0);
@@ -199,7 +197,7 @@ TEST_F(BoneFile, IsRefusedWithGridsOfAnotherKind) {
 
 TEST_F(BoneFile, IsRefusedWithVoxelsThatAreNoCubes) {
   // Distances in mm need one step along all axes.
-  const BoneModel bone = ball_bone();
+  const BoneModel bone = bone_of_many_hu();
   const auto stretched = bone.grids().sdf->deepCopy();
   openvdb::Mat4d matrix = openvdb::Mat4d::identity();
   matrix[0][0] = matrix[1][1] = 0.25;
@@ -212,7 +210,7 @@ TEST_F(BoneFile, IsRefusedWithVoxelsThatAreNoCubes) {
 }
 
 TEST_F(BoneFile, IsNotLeftBehindOnAFullDisk) {
-  const BoneModel bone = ball_bone();
+  const BoneModel bone = bone_of_many_hu();
   write_bone(bone, file("whole.vdb"));
   const auto size = fs::file_size(file("whole.vdb"));
   fs::remove(file("whole.vdb"));
@@ -227,7 +225,7 @@ TEST_F(BoneFile, IsNotLeftBehindOnAFullDisk) {
 }
 
 TEST_F(BoneFile, IsNotWrittenIntoAMissingFolder) {
-  EXPECT_THAT([&] { write_bone(ball_bone(), file("missing") / "bone.vdb"); },
+  EXPECT_THAT([&] { write_bone(bone_of_many_hu(), file("missing") / "bone.vdb"); },
               ThrowsMessage<Error>(HasSubstr("cannot write")));
 }
 

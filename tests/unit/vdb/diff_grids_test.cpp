@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using openvdb::Coord;
 using openvdb::CoordBBox;
-using openvdb::FloatGrid;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -31,8 +30,8 @@ class DiffGrids : public testing::Test {
   void SetUp() override { initialize_openvdb(); }
 
   /// A cube of 4 x 4 x 4 voxels of 2.5 from (low, low, low) on, 0 around it; voxels of 0.5 mm.
-  static FloatGrid::Ptr cube(int low = 0, const char* name = "density") {
-    auto grid = FloatGrid::create(0.0F);
+  static openvdb::FloatGrid::Ptr cube(int low = 0, const char* name = "density") {
+    auto grid = openvdb::FloatGrid::create(0.0F);
     grid->setName(name);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
     for (const Coord& voxel : CoordBBox(Coord(low), Coord(low + 3))) grid->tree().setValue(voxel, 2.5F);
@@ -167,7 +166,7 @@ TEST_F(DiffGrids, ComparesTilesWithVoxelsAndTilesOfAnotherSize) {
   // One box of 256^3 voxels, as large tiles, as leaves of equal values, and with one leaf that differs.
   const CoordBBox box(Coord(0), Coord(255));
   const std::uint64_t voxels = std::uint64_t{256} * 256 * 256;
-  const auto tiles = FloatGrid::create(0.0F);
+  const auto tiles = openvdb::FloatGrid::create(0.0F);
   tiles->setName("density");
   tiles->fill(box, 1.0F);
   const auto mixed = tiles->deepCopy();

@@ -19,8 +19,8 @@
 namespace spinaltap {
 namespace {
 
-const test::Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
-const test::Torus kTorus{Vec3(-4.2, 1.7, -60.3), 12.0, 4.0};
+using test::kBall;
+using test::kTorus;
 
 /// Of the active voxels of a distance grid.
 struct Figures {

@@ -21,7 +21,6 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::CoordBBox;
-using openvdb::FloatGrid;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -29,8 +28,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A bone with the given grid of CT numbers, and a distance grid that is not looked at.
-BoneModel bone_of(const FloatGrid::Ptr& hu) {
-  auto sdf = FloatGrid::create(0.75F);
+BoneModel bone_of(const openvdb::FloatGrid::Ptr& hu) {
+  auto sdf = openvdb::FloatGrid::create(0.75F);
   sdf->tree().setValue(Coord(0, 0, 0), 0.1F);
   auto grids = std::make_shared<detail::BoneGrids>();
   grids->sdf = sdf;
@@ -68,11 +67,11 @@ std::vector<openvdb::math::Transform::Ptr> every_kind_of_transform() {
 }
 
 /// Random leaves, tiles and holes on both sides of index 0.
-FloatGrid::Ptr ragged_grid(const openvdb::math::Transform::Ptr& transform) {
+openvdb::FloatGrid::Ptr ragged_grid(const openvdb::math::Transform::Ptr& transform) {
   std::mt19937_64 random(11);
   std::uniform_int_distribution<int> place(-40, 40);
   std::uniform_real_distribution<float> value(-1000.0F, 3000.0F);
-  auto grid = FloatGrid::create(-1024.0F);
+  auto grid = openvdb::FloatGrid::create(-1024.0F);
   grid->setTransform(transform);
   grid->fill(CoordBBox(Coord(-16, -16, -16), Coord(15, 15, 15)), 250.0F);
   grid->tree().addTile(1, Coord(32, -24, 8), -3.5F, false);
@@ -81,7 +80,7 @@ FloatGrid::Ptr ragged_grid(const openvdb::math::Transform::Ptr& transform) {
   return grid;
 }
 
-std::vector<Vec3> random_points(const FloatGrid& grid, std::size_t count) {
+std::vector<Vec3> random_points(const openvdb::FloatGrid& grid, std::size_t count) {
   std::mt19937_64 random(12);
   std::uniform_real_distribution<double> place(-60.0, 60.0);
   std::vector<Vec3> points_mm;
@@ -95,7 +94,7 @@ std::vector<Vec3> random_points(const FloatGrid& grid, std::size_t count) {
 TEST(LinearSampler, EqualsOpenVdbsBoxSamplerBitForBit) {
   initialize_openvdb();
   for (const auto& transform : every_kind_of_transform()) {
-    const FloatGrid::Ptr grid = ragged_grid(transform);
+    const openvdb::FloatGrid::Ptr grid = ragged_grid(transform);
     std::vector<Vec3> points_mm = random_points(*grid, 100000);
     // Voxel centres and the faces between blocks.
     for (int i = -48; i <= 48; ++i) {
@@ -107,8 +106,8 @@ TEST(LinearSampler, EqualsOpenVdbsBoxSamplerBitForBit) {
     const BoneModel bone = bone_of(grid);
     bone.sample(points_mm, unused, values);
     const auto accessor = grid->getConstAccessor();
-    const openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler> sampler(accessor,
-                                                                                                    *transform);
+    const openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler> sampler(
+        accessor, *transform);
     std::size_t different = 0;
     for (std::size_t i = 0; i < points_mm.size(); ++i) {
       different += values[i] == sampler.wsSample(detail::to_vdb(points_mm[i])) ? 0U : 1U;
@@ -118,9 +117,9 @@ TEST(LinearSampler, EqualsOpenVdbsBoxSamplerBitForBit) {
 }
 
 /// A grid that holds a function of patient space in 48 x 40 x 32 voxels.
-FloatGrid::Ptr grid_of(const std::function<double(const Vec3&)>& function,
-                       const openvdb::math::Transform::Ptr& transform) {
-  auto grid = FloatGrid::create(-1024.0F);
+openvdb::FloatGrid::Ptr grid_of(const std::function<double(const Vec3&)>& function,
+                                const openvdb::math::Transform::Ptr& transform) {
+  auto grid = openvdb::FloatGrid::create(-1024.0F);
   grid->setTransform(transform);
   for (const Coord& voxel : CoordBBox(Coord(-20, -20, -8), Coord(27, 19, 23))) {
     grid->tree().setValue(voxel, static_cast<float>(function(detail::from_vdb(grid->indexToWorld(voxel)))));
@@ -129,7 +128,7 @@ FloatGrid::Ptr grid_of(const std::function<double(const Vec3&)>& function,
 }
 
 /// Points whose stencils all lie within that grid.
-std::vector<Vec3> points_within(const FloatGrid& grid) {
+std::vector<Vec3> points_within(const openvdb::FloatGrid& grid) {
   std::mt19937_64 random(13);
   std::uniform_real_distribution<double> x(-18.4, 25.4);
   std::uniform_real_distribution<double> y(-18.4, 17.4);
@@ -141,7 +140,7 @@ std::vector<Vec3> points_within(const FloatGrid& grid) {
   return points_mm;
 }
 
-void expect_function(const FloatGrid::Ptr& grid, const std::function<double(const Vec3&)>& function,
+void expect_function(const openvdb::FloatGrid::Ptr& grid, const std::function<double(const Vec3&)>& function,
                      const std::function<Vec3(const Vec3&)>& gradient, Interpolation interpolation) {
   const BoneModel bone = bone_of(grid);
   const std::vector<Vec3> points_mm = points_within(*grid);
@@ -214,7 +213,7 @@ TEST(GridSampler, FindsTheBackgroundFarAwayAndWhereThereIsNoNumber) {
 }
 
 TEST(GridSampler, TakesAnEmptyGridAsBackground) {
-  const BoneModel bone = bone_of(FloatGrid::create(-1024.0F));
+  const BoneModel bone = bone_of(openvdb::FloatGrid::create(-1024.0F));
   const std::vector<Vec3> points_mm{Vec3::Zero(), Vec3(4.0, -1.0, 0.5)};
   std::vector<float> hu(2);
   bone.hu(points_mm, hu, {}, Interpolation::quadratic);
@@ -224,7 +223,7 @@ TEST(GridSampler, TakesAnEmptyGridAsBackground) {
 TEST(GridSampler, RefusesAGridThatIsSpreadThinlyOverAHugeBox) {
   initialize_openvdb();
   for (const int far : {20000, 1 << 27, 1 << 30, std::numeric_limits<int>::max()}) {
-    const auto grid = FloatGrid::create(-1024.0F);
+    const auto grid = openvdb::FloatGrid::create(-1024.0F);
     grid->tree().setValue(Coord(0, 0, 0), 5.0F);
     grid->tree().setValue(Coord(far, far, far), 5.0F);
     EXPECT_THAT([&] { bone_of(grid); }, ThrowsMessage<Error>(HasSubstr("grid hu"))) << far;

@@ -13,11 +13,8 @@
 namespace spinaltap {
 namespace {
 
-using test::Ball;
-using test::Torus;
-
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
-const Torus kTorus{Vec3(-4.2, 1.7, -60.3), 12.0, 4.0};
+using test::kBall;
+using test::kTorus;
 
 template <class Body>
 void expect_surface_of(const TriangleMesh& mesh, const Body& body, long euler_number, double tolerance_mm) {

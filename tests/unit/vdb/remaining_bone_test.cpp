@@ -17,12 +17,13 @@
 namespace spinaltap {
 namespace {
 
+using test::ball_to_drill;
 using test::Dice;
 using test::kDrilledBall;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kVoxelMm = 0.4;
+constexpr double kDrilledVoxelMm = 0.4;
 
 /// Every voxel's hole, in order.
 std::vector<float> all_holes(const RemainingBone& bone) {
@@ -47,7 +48,7 @@ void drill_somewhere(RemainingBone& bone, Dice& dice) {
 TEST(RemainingBone, UndoesAsManyHolesAsItsMemoryHolds) {
   constexpr std::size_t kBound = 400'000;
   Dice dice(1);
-  RemainingBone bone(test::ball_to_drill(), {.voxel_mm = kVoxelMm, .undo_bytes = kBound});
+  RemainingBone bone(ball_to_drill(), {.voxel_mm = kDrilledVoxelMm, .undo_bytes = kBound});
   std::vector<std::vector<float>> moments{all_holes(bone)};
   for (int hole = 0; hole < 30; ++hole) {
     drill_somewhere(bone, dice);
@@ -75,7 +76,7 @@ TEST(RemainingBone, UndoesAsManyHolesAsItsMemoryHolds) {
 
 TEST(RemainingBone, MakesAHoleFinalThatIsTooLargeToKeep) {
   Dice dice(2);
-  RemainingBone bone(test::ball_to_drill(), {.voxel_mm = kVoxelMm, .undo_bytes = 100'000});
+  RemainingBone bone(ball_to_drill(), {.voxel_mm = kDrilledVoxelMm, .undo_bytes = 100'000});
   drill_somewhere(bone, dice);
   bone.end_hole();
   EXPECT_EQ(bone.holes_to_undo(), 1U);  // nothing was there before, so that nothing is kept but where
@@ -97,7 +98,7 @@ TEST(RemainingBone, MakesAHoleFinalThatIsTooLargeToKeep) {
 
 TEST(RemainingBone, ForgetsWhatWasUndoneWhenItDrillsOn) {
   Dice dice(3);
-  RemainingBone bone(test::ball_to_drill(), {.voxel_mm = kVoxelMm});
+  RemainingBone bone(ball_to_drill(), {.voxel_mm = kDrilledVoxelMm});
   drill_somewhere(bone, dice);
   bone.undo();
   EXPECT_EQ(bone.holes_to_redo(), 1U);
@@ -109,7 +110,7 @@ TEST(RemainingBone, ForgetsWhatWasUndoneWhenItDrillsOn) {
 
 TEST(RemainingBone, DrillsTheSameAfterUndoingAsBefore) {
   Dice dice(4);
-  RemainingBone bone(test::ball_to_drill(), {.voxel_mm = kVoxelMm});
+  RemainingBone bone(ball_to_drill(), {.voxel_mm = kDrilledVoxelMm});
   drill_somewhere(bone, dice);
   bone.end_hole();
   const Dice again = dice;
@@ -128,12 +129,11 @@ TEST(RemainingBone, DrillsTheSameAfterUndoingAsBefore) {
 }
 
 TEST(RemainingBone, RefusesWhatItCannotDrillAndStaysAsItWas) {
-  EXPECT_THAT([] { RemainingBone(test::ball_to_drill(), {.voxel_mm = 0.0}); },
-              ThrowsMessage<Error>(HasSubstr("voxel")));
-  EXPECT_THROW(RemainingBone(test::ball_to_drill(), {.voxel_mm = std::nan("")}), Error);
-  EXPECT_THROW(RemainingBone(test::ball_to_drill(), {.voxel_mm = 1e-4}), Error);
-  EXPECT_THROW(RemainingBone(test::ball_to_drill(), {.tolerance_voxels = 0.0}), Error);
-  RemainingBone bone(test::ball_to_drill(), {.voxel_mm = kVoxelMm});
+  EXPECT_THAT([] { RemainingBone(ball_to_drill(), {.voxel_mm = 0.0}); }, ThrowsMessage<Error>(HasSubstr("voxel")));
+  EXPECT_THROW(RemainingBone(ball_to_drill(), {.voxel_mm = std::nan("")}), Error);
+  EXPECT_THROW(RemainingBone(ball_to_drill(), {.voxel_mm = 1e-4}), Error);
+  EXPECT_THROW(RemainingBone(ball_to_drill(), {.tolerance_voxels = 0.0}), Error);
+  RemainingBone bone(ball_to_drill(), {.voxel_mm = kDrilledVoxelMm});
   const std::vector<float> before = all_holes(bone);
   const std::array good{Pose{kDrilledBall.centre_mm, Vec3::UnitZ()}, Pose{kDrilledBall.centre_mm, Vec3::UnitX()}};
   std::array bad = good;
@@ -150,7 +150,7 @@ TEST(RemainingBone, RefusesWhatItCannotDrillAndStaysAsItWas) {
 
 TEST(SurfaceFeed, LeadsAnotherThreadToTheSurfaceAsItIs) {
   Dice dice(5);
-  RemainingBone bone(test::ball_to_drill(), {.voxel_mm = kVoxelMm});
+  RemainingBone bone(ball_to_drill(), {.voxel_mm = kDrilledVoxelMm});
   RemainingSurface surface(bone);
   using Shown = std::map<std::array<int, 3>, std::shared_ptr<const SurfaceBlock>>;
   Shown shown;

@@ -16,10 +16,9 @@ namespace spinaltap {
 namespace {
 
 using test::Ball;
+using test::kBall;
 
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
-
-const BoneModel& ball_bone() {
+const BoneModel& shown_ball() {
   static const BoneModel bone = test::bake_ball(kBall, 0.25, 100);
   return bone;
 }
@@ -67,7 +66,7 @@ struct Disc {
 };
 
 TEST(RenderBone, DrawsASphereAsADiscThatFillsThePicture) {
-  const Image image = render_bone(ball_bone(), options());
+  const Image image = render_bone(shown_ball(), options());
   ASSERT_EQ(image.rgb.size(), std::size_t{320 * 240 * 3});
   const Disc disc(image);
   // The picture's lower side, 240 pixels, less a margin. The frame is known to a leaf of 8 voxels, 2 of the ball's 20
@@ -89,21 +88,21 @@ TEST(RenderBone, DrawsASphereAsADiscThatFillsThePicture) {
 }
 
 TEST(RenderBone, LightsFromAbove) {
-  const Image whole = render_bone(ball_bone(), options());
+  const Image whole = render_bone(shown_ball(), options());
   EXPECT_GT(colour_at(whole, 160, 60)[0], colour_at(whole, 160, 190)[0]);
 }
 
 TEST(RenderBone, IsTheSameAtOneAndTwoThreads) {
-  const Image many = render_bone(ball_bone(), options());
+  const Image many = render_bone(shown_ball(), options());
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(render_bone(ball_bone(), options()).rgb, many.rgb);
+  EXPECT_EQ(render_bone(shown_ball(), options()).rgb, many.rgb);
 }
 
 TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
   // Straight into the middle of the picture, 100 HU: marrow, which is red.
   const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};
   const Pose end{kBall.centre_mm, -Vec3::UnitY()};
-  const BoneModel drilled = subtract_bit(ball_bone(), {6.0, 30.0, 1.0}, start, end);
+  const BoneModel drilled = subtract_bit(shown_ball(), {6.0, 30.0, 1.0}, start, end);
   const Image image = render_bone(drilled, options());
   const auto redness = [&](int x, int y) {
     const auto colour = colour_at(image, x, y);
@@ -116,16 +115,16 @@ TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
 TEST(RenderBone, RefusesSizesAndViewsWithoutSense) {
   RenderOptions bad = options();
   bad.width = 0;
-  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  EXPECT_THROW(render_bone(shown_ball(), bad), Error);
   bad = options();
   bad.height = 100000;
-  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  EXPECT_THROW(render_bone(shown_ball(), bad), Error);
   bad = options();
   bad.up = bad.from;
-  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  EXPECT_THROW(render_bone(shown_ball(), bad), Error);
   bad = options();
   bad.from = Vec3::Constant(std::nan(""));
-  EXPECT_THROW(render_bone(ball_bone(), bad), Error);
+  EXPECT_THROW(render_bone(shown_ball(), bad), Error);
 }
 
 }  // namespace

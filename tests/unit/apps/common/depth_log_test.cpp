@@ -6,11 +6,12 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 /// A cycle of 1 ms with the tip at a depth.
 Cycle cycle_at(double depth_mm) {

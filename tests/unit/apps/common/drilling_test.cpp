@@ -18,16 +18,15 @@
 namespace spinaltap {
 namespace {
 
-using test::Ball;
+using test::kLargeBall;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr std::int16_t kHu = 300;
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 15.0};
 
 const BoneModel& ball_bone() {
-  static const BoneModel bone = test::bake_ball(kBall, 0.25, kHu);
+  static const BoneModel bone = test::bake_ball(kLargeBall, 0.25, kHu);
   return bone;
 }
 
@@ -35,7 +34,7 @@ const BoneModel& ball_bone() {
 /// shares of the section add up to it exactly; at 3.0 mm it would lie on one.
 DrillPath diameter_path() {
   const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
-  const Vec3 entry = kBall.centre_mm - kBall.radius_mm * axis;
+  const Vec3 entry = kLargeBall.centre_mm - kLargeBall.radius_mm * axis;
   return {"diameter", entry, entry + 22.0 * axis, {3.1, 50.0, 5.0}};
 }
 
@@ -117,7 +116,7 @@ TEST(DrillBone, DoesTheWorkOfTheVolumeItRemoves) {
   // The hole: a cylinder from the entry to the shoulder, and the cone, less the cap that the sphere leaves out.
   const DrillPath path = diameter_path();
   const double r = path.bit.radius_mm();
-  const double cap_height = kBall.radius_mm - std::sqrt(kBall.radius_mm * kBall.radius_mm - r * r);
+  const double cap_height = kLargeBall.radius_mm - std::sqrt(kLargeBall.radius_mm * kLargeBall.radius_mm - r * r);
   const double missing_mm3 = std::numbers::pi * r * r * cap_height / 2.0;
   const double hole_mm3 = std::numbers::pi * r * r * (22.0 - path.bit.tip_length_mm * 2.0 / 3.0) - missing_mm3;
   double work_n_mm = 0.0;
@@ -204,7 +203,7 @@ TEST(DrillBone, CutsTheHoleOfATremblingHandOutOfTheGrid) {
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t n = 0; n < volume.pattern().point_count(); ++n) {
       const Vec3 p_mm = volume.frame().to_patient(volume.point_in_path_mm(disc, n));
-      const bool was_bone = kBall.distance_mm(p_mm) < 0.0;
+      const bool was_bone = kLargeBall.distance_mm(p_mm) < 0.0;
       if (was_bone && !volume.is_alive(disc, n)) points_mm3 += std::numbers::pi / 3.0 * 1e-3;
     }
   }
@@ -239,7 +238,7 @@ TEST(DrillBone, AsksTheExactSurfaceWhereThereIsOne) {
    public:
     void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3>) const override {
       for (std::size_t i = 0; i < points_mm.size(); ++i) {
-        values_mm[i] = (points_mm[i] - kBall.centre_mm).norm() - (kBall.radius_mm - 5.0);
+        values_mm[i] = (points_mm[i] - kLargeBall.centre_mm).norm() - (kLargeBall.radius_mm - 5.0);
       }
     }
   };
@@ -286,7 +285,8 @@ TEST(DrillBone, LeavesASurfaceThatIsSharpAtTheRim) {
   std::vector<Vec3> rim_mm;
   for (int n = 0; n < 360; ++n) {
     const double turn = n * std::numbers::pi / 180.0;
-    rim_mm.push_back(kBall.centre_mm - std::sqrt(kBall.radius_mm * kBall.radius_mm - radius_mm * radius_mm) * axis +
+    rim_mm.push_back(kLargeBall.centre_mm -
+                     std::sqrt(kLargeBall.radius_mm * kLargeBall.radius_mm - radius_mm * radius_mm) * axis +
                      radius_mm * (std::cos(turn) * u + std::sin(turn) * v));
   }
   const MeshDistance sharp = surface_to_mesh(rim_mm, mesh);
@@ -299,7 +299,8 @@ TEST(DrillBone, LeavesASurfaceThatIsSharpAtTheRim) {
   RemainingBone whole(ball_bone(), {.voxel_mm = voxel_mm});
   const double before_mm3 = measure_mesh(join_blocks(RemainingSurface(whole).blocks())).volume_mm3;
   // A cylinder less half of the ball's cap that it begins with, and a cone.
-  const double cap_mm = kBall.radius_mm - std::sqrt(kBall.radius_mm * kBall.radius_mm - radius_mm * radius_mm);
+  const double cap_mm =
+      kLargeBall.radius_mm - std::sqrt(kLargeBall.radius_mm * kLargeBall.radius_mm - radius_mm * radius_mm);
   const double tip_mm = path.bit.tip_length_mm;
   const double hole_mm3 =
       std::numbers::pi * radius_mm * radius_mm * (path.length_mm() - tip_mm - 0.5 * cap_mm + tip_mm / 3.0);

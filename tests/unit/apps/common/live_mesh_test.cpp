@@ -8,32 +8,29 @@
 
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
-#include "tests/support/analytic_bodies.h"
+#include "tests/support/drilled_ball.h"
 
 namespace spinaltap {
 namespace {
 
-using test::Ball;
+using test::ball_to_drill;
+using test::kDrilledBall;
 
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 9.0};
 constexpr double kLongestJumpMm = 5.0;
-
-const BoneModel& ball_bone() {
-  static const BoneModel bone = test::bake_ball(kBall, 0.25);
-  return bone;
-}
 
 /// A cylinder that fits into the ball, but for a tip of 0.1 mm.
 DrillBit short_bit() { return {3.0, 4.0, 0.1}; }
 
 MeshQuality quality(const LiveMesh& live) { return measure_mesh(join_blocks(live.surface().blocks())); }
 
-ToolInput at(double x_mm, double y_mm = 0.0) { return {{kBall.centre_mm + Vec3(x_mm, y_mm, 2.0), Vec3::UnitZ()}}; }
+ToolInput at(double x_mm, double y_mm = 0.0) {
+  return {{kDrilledBall.centre_mm + Vec3(x_mm, y_mm, 2.0), Vec3::UnitZ()}};
+}
 
 TEST(LiveMesh, TakesWhatTheBitSweptOnItsWay) {
-  LiveMesh live(ball_bone(), short_bit(), kLongestJumpMm);
+  LiveMesh live(ball_to_drill(), short_bit(), kLongestJumpMm);
   const double whole_mm3 = quality(live).volume_mm3;
-  EXPECT_NEAR(whole_mm3, kBall.volume_mm3(), 1e-3 * kBall.volume_mm3());
+  EXPECT_NEAR(whole_mm3, kDrilledBall.volume_mm3(), 1e-3 * kDrilledBall.volume_mm3());
   live.update(at(-2.0));
   EXPECT_FALSE(live.updates().empty());
   live.update(at(2.0));
@@ -45,7 +42,7 @@ TEST(LiveMesh, TakesWhatTheBitSweptOnItsWay) {
 }
 
 TEST(LiveMesh, TakesNothingWithTheSpindleOffOnJumpsAndAtPosesThatAreNone) {
-  LiveMesh live(ball_bone(), short_bit(), kLongestJumpMm);
+  LiveMesh live(ball_to_drill(), short_bit(), kLongestJumpMm);
   const double whole_mm3 = quality(live).volume_mm3;
   ToolInput off = at(0.0);
   off.spindle_on = false;

@@ -12,10 +12,12 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
+using test::kNan;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 using Kind = FactorLaw::Kind;
@@ -145,7 +147,6 @@ TEST(StudyDesign, RefusesWhatMakesNoSense) {
     change(design);
     EXPECT_THAT([&] { StudyRuns{design}; }, ThrowsMessage<Error>(HasSubstr(words))) << words;
   };
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   refuses([](StudyDesign& d) { d.laws[1].factor = d.laws[0].factor; }, "bit_diameter_mm twice");
   refuses([](StudyDesign& d) { d.laws[0].levels.clear(); }, "bit_diameter_mm: expected one level");
   refuses([](StudyDesign& d) { d.laws[0].levels[1] = kNan; }, "bit_diameter_mm: expected finite");

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 /// Numbers of every kind that a row may hold.
-StudyRow row_of(std::size_t run) {
+StudyRow full_row(std::size_t run) {
   StudyRow row;
   for (std::size_t n = 0; n < kStudyColumns; ++n) {
     row[static_cast<StudyColumn>(n)] = random_uniform(run, n) * std::pow(10.0, static_cast<double>(n % 9) - 4.0);
@@ -42,7 +42,7 @@ const StudyIdentity kStudy{{{"name", "one"}, {"seed", 7}}, 100};
 
 TEST(StudyRow, ComesBackFromTextBitForBit) {
   for (std::size_t run = 0; run < 50; ++run) {
-    const StudyRow row = row_of(run);
+    const StudyRow row = full_row(run);
     const std::string text = study_csv(row);
     const StudyRow back = read_study_csv(text);
     for (std::size_t n = 0; n < kStudyColumns; ++n) {
@@ -56,7 +56,7 @@ TEST(StudyRow, ComesBackFromTextBitForBit) {
 
 TEST(StudyRow, IsWrittenAsReadersOfTablesTakeIt) {
   const std::string head = study_csv_head();
-  const std::string text = study_csv(row_of(3));
+  const std::string text = study_csv(full_row(3));
   EXPECT_EQ(std::count(head.begin(), head.end(), ','), std::count(text.begin(), text.end(), ','));
   EXPECT_THAT(head, testing::StartsWith("run,entry_left_mm,"));
   EXPECT_THAT(text, testing::StartsWith("3,"));
@@ -68,7 +68,7 @@ TEST(StudyRow, IsWrittenAsReadersOfTablesTakeIt) {
 }
 
 TEST(StudyRow, RefusesTextThatIsNoRow) {
-  const std::string good = study_csv(row_of(3));
+  const std::string good = study_csv(full_row(3));
   EXPECT_THROW(read_study_csv(good + ",1"), Error);
   EXPECT_THROW(read_study_csv(good.substr(0, good.rfind(','))), Error);
   EXPECT_THROW(read_study_csv("x" + good), Error);
@@ -87,7 +87,7 @@ class StudyFolder : public ::testing::Test {
   }
   void append(std::size_t from, std::size_t to, const std::string& name = "part-1-of-1.csv") const {
     StudyPart part(path_, name, kStudy);
-    for (std::size_t run = from; run < to; ++run) part.append(study_csv(row_of(run)));
+    for (std::size_t run = from; run < to; ++run) part.append(study_csv(full_row(run)));
   }
 
   test::TemporaryFolder folder_;
@@ -100,7 +100,7 @@ TEST_F(StudyFolder, GivesRowsBackAsTheyWereAppended) {
   append(0, 5, "part-2-of-2.csv");
   const StudyRows found = rows();
   EXPECT_EQ(found.size(), 20U);
-  for (const auto& [run, text] : found) EXPECT_EQ(text, study_csv(row_of(run)));
+  for (const auto& [run, text] : found) EXPECT_EQ(text, study_csv(full_row(run)));
 }
 
 TEST_F(StudyFolder, CutAnywhereLosesOnlyTheRowThatWasCut) {
@@ -148,7 +148,7 @@ TEST_F(StudyFolder, RefusesTwoRowsOfOneRunThatDiffer) {
   append(0, 2);
   append(1, 2, "part-2-of-2.csv");
   EXPECT_EQ(rows().size(), 2U);  // the same twice is no harm
-  StudyRow row = row_of(1);
+  StudyRow row = full_row(1);
   row[StudyColumn::depth_mm] += 1.0;
   StudyPart(path_, "part-3-of-3.csv", kStudy).append(study_csv(row));
   EXPECT_THAT([&] { rows(); }, ThrowsMessage<Error>(HasSubstr("run 1 came out differently")));

@@ -6,15 +6,16 @@
 #include <limits>
 
 #include "core/base/random.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 /// 60 runs at two diameters with entry errors of -2.95, -2.85, ... mm: beyond 2 mm to the left the canal is breached,
 /// by what is beyond; thrust is 10 N times the diameter; only wide bits overshoot.
-std::vector<StudyRow> made_rows() {
+std::vector<StudyRow> counted_rows() {
   std::vector<StudyRow> rows;
   for (std::size_t n = 0; n < 60; ++n) {
     StudyRow row;
@@ -29,22 +30,22 @@ std::vector<StudyRow> made_rows() {
     row[StudyColumn::breach_canal_mm] = breach_mm;
     row[StudyColumn::grade] = breach_mm > 0.0 ? 1.0 : 0.0;
     row[StudyColumn::most_thrust_n] = 10.0 * diameter_mm;
-    row[StudyColumn::overshoot_mm] = diameter_mm > 3.5 ? 1.0 : kNone;
+    row[StudyColumn::overshoot_mm] = diameter_mm > 3.5 ? 1.0 : kNan;
     row[StudyColumn::least_outer_mm] = std::numeric_limits<double>::infinity();
-    row[StudyColumn::breakthrough_mm] = n < 15 ? 40.0 : kNone;
-    row[StudyColumn::stop_mm] = kNone;
+    row[StudyColumn::breakthrough_mm] = n < 15 ? 40.0 : kNan;
+    row[StudyColumn::stop_mm] = kNan;
     rows.push_back(row);
   }
   return rows;
 }
 
-const StudyDesign kDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::uniform, {}, -3.0, 3.0},
-                           {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}},
-                           {StudyFactor::density_scale, FactorLaw::Kind::levels, {1.0}}},
-                          30};
+const StudyDesign kOffsetDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::uniform, {}, -3.0, 3.0},
+                                 {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}},
+                                 {StudyFactor::density_scale, FactorLaw::Kind::levels, {1.0}}},
+                                30};
 
 TEST(StudySummary, CountsWhatCameAbout) {
-  const StudySummary summary = summarise_study(made_rows(), kDesign);
+  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
   EXPECT_EQ(summary.runs, 60U);
   EXPECT_EQ(summary.breach.count, 10U);
   EXPECT_EQ(summary.canal.count, 10U);
@@ -62,7 +63,7 @@ TEST(StudySummary, CountsWhatCameAbout) {
 }
 
 TEST(StudySummary, TellsHowValuesAreSpreadOfTheRunsThatHaveOne) {
-  const StudySummary summary = summarise_study(made_rows(), kDesign);
+  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
   for (const StudySpread& spread : summary.spreads) {
     if (spread.column == StudyColumn::most_thrust_n) {
       EXPECT_EQ(spread.runs, 60U);
@@ -81,7 +82,7 @@ TEST(StudySummary, TellsHowValuesAreSpreadOfTheRunsThatHaveOne) {
 }
 
 TEST(StudySummary, PartsTheRunsByEachFactorThatDiffers) {
-  const StudySummary summary = summarise_study(made_rows(), kDesign);
+  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
   ASSERT_EQ(summary.factors.size(), 2U);
   const auto& by_entry = summary.factors[0];
   EXPECT_EQ(by_entry.factor, StudyFactor::entry_left_mm);
@@ -113,7 +114,7 @@ TEST(StudySummary, PartsTheRunsByEachFactorThatDiffers) {
 }
 
 TEST(StudySummary, JsonHoldsWhatWasFound) {
-  const Json json = to_json(summarise_study(made_rows(), kDesign));
+  const Json json = to_json(summarise_study(counted_rows(), kOffsetDesign));
   EXPECT_EQ(json["breach"]["count"], 10);
   EXPECT_EQ(json["canal_breach"]["runs"], 60);
   EXPECT_EQ(json["grades"]["B"]["count"], 10);

@@ -6,11 +6,12 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 TEST(DepthBins, HoldLeastMedianAndGreatestOfEachStretch) {
   const std::vector<double> depth{0, 1, 2, 3, 4, 5, 6, 8};

@@ -10,10 +10,12 @@
 #include "apps/report/slice_figure.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "tests/unit/apps/report/times_in.h"
 
 namespace spinaltap {
 namespace {
 
+using test::times_in;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -48,12 +50,6 @@ DrillReportData full_data(const CtVolume& ct) {
   data.figures = {{"Points", "986,958", ""}};
   data.notes = {"a note"};
   return data;
-}
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
-  return found;
 }
 
 /// Every opened element is closed in order (void elements aside).
@@ -112,9 +108,9 @@ TEST(DrillReport, ShowsEveryPart) {
                            "986,958", "a note", "not a medical device", version()}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
-  EXPECT_EQ(count(html, "<svg class=\"slice\""), 4U);
-  EXPECT_EQ(count(html, "<svg class=\"plot\""), 5U);
-  EXPECT_EQ(count(html, "<img "), 2U);
+  EXPECT_EQ(times_in(html, "<svg class=\"slice\""), 4U);
+  EXPECT_EQ(times_in(html, "<svg class=\"plot\""), 5U);
+  EXPECT_EQ(times_in(html, "<img "), 2U);
   expect_balanced(without_pictures(html));
 }
 
@@ -132,7 +128,7 @@ TEST(DrillReport, RefersToNothingOutsideAndRunsNoScript) {
     EXPECT_THAT(html, Not(HasSubstr(part)));
   }
   for (const char* attribute : {" src=\"", " href=\""}) {
-    EXPECT_EQ(count(html, attribute), count(html, std::string(attribute) + "data:image/png;")) << attribute;
+    EXPECT_EQ(times_in(html, attribute), times_in(html, std::string(attribute) + "data:image/png;")) << attribute;
   }
   EXPECT_FALSE(shows_no_number(html));
 }
@@ -149,7 +145,7 @@ TEST(DrillReport, EscapesNamesFromFiles) {
   const std::string html = drill_report(data);
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("\">&lt;")));
-  EXPECT_GE(count(html, "&lt;script&gt;alert(&#39;x&#39;)"), 8U);
+  EXPECT_GE(times_in(html, "&lt;script&gt;alert(&#39;x&#39;)"), 8U);
   expect_balanced(without_pictures(html));
 }
 
@@ -167,7 +163,7 @@ TEST(DrillReport, ShowsLargeBoundsWithCoarserPixels) {
   const CtVolume ct = small_ct();
   DrillReportData data = full_data(ct);
   data.bone_bounds_mm = Box3(Vec3(-900, -900, -900), Vec3(900, 900, 900));
-  EXPECT_EQ(count(drill_report(data), "<svg class=\"slice\""), 4U);
+  EXPECT_EQ(times_in(drill_report(data), "<svg class=\"slice\""), 4U);
 }
 
 TEST(DrillReport, DrawsCurvesThatHoldNoFiniteValue) {
@@ -177,7 +173,7 @@ TEST(DrillReport, DrawsCurvesThatHoldNoFiniteValue) {
   data.depth_mm = {0, 1, 2};
   data.density_hu = {nan, nan, nan};
   data.cycles_per_s = {nan, nan, nan};
-  EXPECT_EQ(count(drill_report(data), "no data"), 2U);
+  EXPECT_EQ(times_in(drill_report(data), "no data"), 2U);
 }
 
 TEST(DrillReport, RefusesCurvesOfAnotherLengthAndAPathWithoutLength) {
@@ -197,8 +193,8 @@ TEST(SliceFigure, DrawsTheProjectionOnlyWhereThePlaneDoesNotHoldThePath) {
   const std::string coronal =
       slice_svg(ct_slice(ct, plane_frame(Plane::kCoronal, middle, data.bone_bounds_mm)), data.path, "coronal");
   // Each outline is a dark polygon under a bright one.
-  EXPECT_EQ(count(along, "<polygon"), 2U);
-  EXPECT_EQ(count(coronal, "<polygon"), 4U);
+  EXPECT_EQ(times_in(along, "<polygon"), 2U);
+  EXPECT_EQ(times_in(coronal, "<polygon"), 4U);
   for (const char* text : {">Entry<", ">Target<", ">10 mm<", ">R<", ">L<", ">S<", ">I<"}) {
     EXPECT_THAT(coronal, HasSubstr(text));
   }

@@ -7,10 +7,12 @@
 
 #include "apps/common/grade_output.h"
 #include "core/base/error.h"
+#include "tests/unit/apps/report/times_in.h"
 
 namespace spinaltap {
 namespace {
 
+using test::times_in;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -47,12 +49,6 @@ GradedPath graded(double breach_mm) {
   return made;
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
-  return found;
-}
-
 TEST(GradeReport, ShowsGradeBreachApproachesAndFourPlotsOfEachPath) {
   Landmarks odd;
   odd.doubts = {"an odd vertebra"};
@@ -68,8 +64,8 @@ TEST(GradeReport, ShowsGradeBreachApproachesAndFourPlotsOfEachPath) {
                            "not a medical device", "screw 6.5 x 45 mm", "8.8", "1.2 mm or", "or 4.6°"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
-  EXPECT_EQ(count(html, "<svg class=\"plot\""), 8U);
-  EXPECT_EQ(count(html, "data:image/png"), 8U) << "four slices of each path";
+  EXPECT_EQ(times_in(html, "<svg class=\"plot\""), 8U);
+  EXPECT_EQ(times_in(html, "data:image/png"), 8U) << "four slices of each path";
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
 }
@@ -111,7 +107,7 @@ TEST(GradeOutput, WritesWhatIsNotFiniteAsNullAndAsAnEmptyField) {
   EXPECT_FALSE(to_json(alone, kBands, false).contains("rows"));
   const std::string csv = grades_csv({alone}, kBands);
   EXPECT_THAT(csv, HasSubstr("\n\"left, \"\"upper\"\"\",0,3.25,2,lateral,,medial,1,,0,0.25,0.5,0.25\n"));
-  EXPECT_EQ(count(csv, "\n"), 162U);
+  EXPECT_EQ(times_in(csv, "\n"), 162U);
 }
 
 TEST(GradeOutput, NamesTheBandsAndTheToolAndTheBreach) {

@@ -10,6 +10,7 @@
 #include "apps/report/study_plots.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
@@ -17,15 +18,13 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-const StudyDesign kDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::normal, {}, 0.0, 1.0},
-                           {StudyFactor::entry_head_mm, FactorLaw::Kind::normal, {}, 0.0, 1.0},
-                           {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}}},
-                          100};
+const StudyDesign kBreachDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::normal, {}, 0.0, 1.0},
+                                 {StudyFactor::entry_head_mm, FactorLaw::Kind::normal, {}, 0.0, 1.0},
+                                 {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}}},
+                                100};
 
 /// Entries beyond 1 mm to the left breach the canal, beyond 1 mm to the right the outer surface.
-std::vector<StudyRow> made_rows() {
+std::vector<StudyRow> random_rows() {
   std::vector<StudyRow> rows;
   for (std::size_t n = 0; n < 200; ++n) {
     StudyRow row;
@@ -38,7 +37,7 @@ std::vector<StudyRow> made_rows() {
     row[StudyColumn::breach] = std::abs(row[StudyFactor::entry_left_mm]) > 1.0 ? 1.0 : 0.0;
     row[StudyColumn::grade] = row[StudyColumn::breach];
     row[StudyColumn::most_thrust_n] = 20.0 + random_normal(3, n);
-    row[StudyColumn::overshoot_mm] = n % 3 == 0 ? random_uniform(4, n) : kNone;
+    row[StudyColumn::overshoot_mm] = n % 3 == 0 ? random_uniform(4, n) : test::kNan;
     row[StudyColumn::least_canal_mm] = std::numeric_limits<double>::infinity();
     rows.push_back(row);
   }
@@ -46,8 +45,8 @@ std::vector<StudyRow> made_rows() {
 }
 
 StudyReportData made_data() {
-  const std::vector<StudyRow> rows = made_rows();
-  return {"A <study>", {{"Path", "left & right", ""}}, rows, summarise_study(rows, kDesign)};
+  const std::vector<StudyRow> rows = random_rows();
+  return {"A <study>", {{"Path", "left & right", ""}}, rows, summarise_study(rows, kBreachDesign)};
 }
 
 TEST(StudyReport, ShowsWhatWasFoundAndIsTheSameEveryTime) {
@@ -69,14 +68,14 @@ TEST(StudyReport, ShowsWhatWasFoundAndIsTheSameEveryTime) {
 TEST(StudyReport, WarnsOfRunsThatLeftThePoints) {
   StudyReportData data = made_data();
   data.rows[3][StudyColumn::left_volume_mm] = 0.4;
-  data.summary = summarise_study(data.rows, kDesign);
+  data.summary = summarise_study(data.rows, kBreachDesign);
   EXPECT_THAT(study_report(data), HasSubstr("1 runs cut beyond the cylinder"));
   data.rows.clear();
   EXPECT_THROW(study_report(data), Error);
 }
 
 TEST(StudyPlots, HistogramCountsEveryRunOnce) {
-  const std::vector<StudyRow> rows = made_rows();
+  const std::vector<StudyRow> rows = random_rows();
   for (const auto& [column, count] :
        {std::pair{StudyColumn::most_thrust_n, 200.0}, {StudyColumn::overshoot_mm, 67.0}}) {
     const Plot plot = histogram(rows, column);
@@ -100,7 +99,7 @@ TEST(StudyPlots, HistogramOfOneValueHasOneBar) {
 }
 
 TEST(StudyPlots, ScatterPartsRunsByWhatTheyBreached) {
-  const std::vector<StudyRow> rows = made_rows();
+  const std::vector<StudyRow> rows = random_rows();
   const Plot plot = scatter(rows, StudyFactor::entry_left_mm, StudyFactor::entry_head_mm, 150);
   ASSERT_EQ(plot.series.size(), 3U);
   EXPECT_EQ(plot.series[0].x.size() + plot.series[1].x.size() + plot.series[2].x.size(), 150U);
@@ -110,7 +109,7 @@ TEST(StudyPlots, ScatterPartsRunsByWhatTheyBreached) {
 }
 
 TEST(StudyPlots, BreachOverAFactorLiesWithinItsIntervals) {
-  const StudySummary summary = summarise_study(made_rows(), kDesign);
+  const StudySummary summary = summarise_study(random_rows(), kBreachDesign);
   const Plot plot = breach_plot(summary.factors.at(0));
   ASSERT_EQ(plot.series.size(), plot.bands.size());
   for (std::size_t curve = 0; curve < plot.series.size(); ++curve) {

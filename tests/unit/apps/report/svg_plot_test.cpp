@@ -9,21 +9,18 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
+#include "tests/unit/apps/report/times_in.h"
 
 namespace spinaltap {
 namespace {
 
+using test::kNan;
+using test::times_in;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
-  return found;
-}
 
 /// Data of the curve's path: the one with round caps.
 std::string curve_data(const std::string& svg) {
@@ -45,7 +42,7 @@ TEST(SvgPlot, BreaksTheCurveAtValuesThatAreNotFinite) {
   plot.series = {{"", {0, 1, 2, 3, 4, 5, 6}, {1, 2, kNan, 3, 4, kInfinity, 5}}};
   const std::string svg = svg_plot(plot);
   expect_no_bad_number(svg);
-  EXPECT_EQ(count(curve_data(svg), "M"), 3U);
+  EXPECT_EQ(times_in(curve_data(svg), "M"), 3U);
 }
 
 TEST(SvgPlot, BreaksTheCurveAtValuesThatALogAxisCannotShow) {
@@ -54,7 +51,7 @@ TEST(SvgPlot, BreaksTheCurveAtValuesThatALogAxisCannotShow) {
   plot.series = {{"", {0, 1, 2, 3, 4}, {10, 200, 0, -5, 3000}}};
   const std::string svg = svg_plot(plot);
   expect_no_bad_number(svg);
-  EXPECT_EQ(count(curve_data(svg), "M"), 2U);
+  EXPECT_EQ(times_in(curve_data(svg), "M"), 2U);
 }
 
 TEST(SvgPlot, DrawsWithoutDataAndWithOneValue) {
@@ -88,16 +85,16 @@ TEST(SvgPlot, ThinsLongCurvesButKeepsTheirPeaks) {
 TEST(SvgPlot, HoldsValuesUntilTheNextStep) {
   Plot plot;
   plot.series = {{"", {0, 1, 2}, {0, 10, 10}, true}};
-  EXPECT_EQ(count(curve_data(svg_plot(plot)), "L"), 3U);  // over, up, over
+  EXPECT_EQ(times_in(curve_data(svg_plot(plot)), "L"), 3U);  // over, up, over
 }
 
 TEST(SvgPlot, DrawsEveryValueOfACloudAsADot) {
   Plot plot;
   plot.series = {{"", {3.0, 1.0, 2.0, 2.0, kNan}, {1.0, 2.0, 3.0, 3.5, 4.0}, false, true}};
   const std::string data = curve_data(svg_plot(plot));
-  EXPECT_EQ(count(data, "M"), 4U);
-  EXPECT_EQ(count(data, "h0"), 4U);
-  EXPECT_EQ(count(data, "L"), 0U);
+  EXPECT_EQ(times_in(data, "M"), 4U);
+  EXPECT_EQ(times_in(data, "h0"), 4U);
+  EXPECT_EQ(times_in(data, "L"), 0U);
 }
 
 TEST(SvgPlot, NamesAxesUnitsMarkersAndSeries) {

@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-CtVolume numbered(const Mat3& directions = Mat3::Identity()) {
+CtVolume numbered_ct(const Mat3& directions = Mat3::Identity()) {
   GridGeometry geometry;
   geometry.size = {12, 10, 8};
   geometry.spacing_mm = Vec3(0.5, 1.0, 2.0);
@@ -25,7 +25,7 @@ CtVolume numbered(const Mat3& directions = Mat3::Identity()) {
 }
 
 TEST(Crop, KeepsTheVoxelsWhoseCentresLieInTheBox) {
-  const CtVolume ct = numbered();
+  const CtVolume ct = numbered_ct();
   const CtVolume cropped = crop(ct, block_in_box(ct.geometry, Box3(Vec3(-19.5, 31.1, 0.0), Vec3(-18.0, 34.0, 9.0))));
   EXPECT_THAT(cropped.geometry.size, ElementsAre(4, 3, 3));
   EXPECT_EQ(cropped.geometry.origin_mm, Vec3(-19.5, 32.0, 5.0));
@@ -37,7 +37,7 @@ TEST(Crop, KeepsTheVoxelsWhoseCentresLieInTheBox) {
 }
 
 TEST(Crop, HoldsTheWholeBoxOnAnObliqueGrid) {
-  const CtVolume ct = numbered(Eigen::AngleAxisd(0.5, Vec3::UnitZ()).toRotationMatrix());
+  const CtVolume ct = numbered_ct(Eigen::AngleAxisd(0.5, Vec3::UnitZ()).toRotationMatrix());
   const Vec3 middle = ct.geometry.to_patient(Vec3(6, 5, 4));
   const Box3 box(middle - Vec3(1, 1, 2), middle + Vec3(1, 1, 2));
   const VoxelBlock block = block_in_box(ct.geometry, box);
@@ -54,7 +54,7 @@ TEST(Crop, HoldsTheWholeBoxOnAnObliqueGrid) {
 }
 
 TEST(Crop, LeavesAMarginAroundAMask) {
-  const CtVolume ct = numbered();
+  const CtVolume ct = numbered_ct();
   BoneMask mask{ct.geometry, std::vector<std::uint8_t>(ct.hu.size(), 0)};
   mask.inside[ct.geometry.offset(6, 5, 4)] = 1;
   mask.inside[ct.geometry.offset(7, 5, 4)] = 1;
@@ -69,7 +69,7 @@ TEST(Crop, LeavesAMarginAroundAMask) {
 }
 
 TEST(Crop, RefusesBoxesAndMasksThatHoldNothing) {
-  const CtVolume ct = numbered();
+  const CtVolume ct = numbered_ct();
   const auto error = [&](const Vec3& low, const Vec3& high) {
     return test::error_of([&] { block_in_box(ct.geometry, Box3(low, high)); });
   };

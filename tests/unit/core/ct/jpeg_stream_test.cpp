@@ -20,34 +20,35 @@ const std::string kScan = text({0xff, 0xda, 0, 8, 1, 1, 0, 1, 0, 0});
 const std::string kData = text({0x12, 0xff, 0x00, 0x34, 0xff, 0xd0, 0x56});
 const std::string kEnd = text({0xff, 0xd9});
 
-std::string plain(const std::string& stream) {
+std::string plain_stream(const std::string& stream) {
   const auto bytes = plain_jpeg_stream(stream);
   return bytes ? std::string(bytes->begin(), bytes->end()) : "none";
 }
 
 TEST(PlainJpegStream, KeepsWhatDecodingNeedsAndNothingElse) {
   const std::string whole = kStart + kFrame + kTable + kScan + kData + kEnd;
-  EXPECT_EQ(plain(whole), whole);
+  EXPECT_EQ(plain_stream(whole), whole);
   const std::string application = text({0xff, 0xe0, 0, 4, 9, 9});
   const std::string comment = text({0xff, 0xfe, 0, 3, 'x'});
   const std::string second_scan = kScan + kData;
-  EXPECT_EQ(plain(kStart + application + kFrame + comment + kTable + kScan + kData + second_scan + kEnd), whole);
-  EXPECT_EQ(plain(kStart + kFrame + text({0xff}) + kTable + kScan + kData), whole);  // fill byte; no end
+  EXPECT_EQ(plain_stream(kStart + application + kFrame + comment + kTable + kScan + kData + second_scan + kEnd), whole);
+  EXPECT_EQ(plain_stream(kStart + kFrame + text({0xff}) + kTable + kScan + kData),
+            whole);  // fill byte; no end
 }
 
 TEST(PlainJpegStream, RefusesWhatIsOutOfPlace) {
-  EXPECT_EQ(plain(""), "none");
-  EXPECT_EQ(plain(kStart + "x" + kFrame + kTable + kScan + kData + kEnd), "none");
-  EXPECT_EQ(plain(kStart + kFrame + kFrame + kTable + kScan + kData + kEnd), "none");
-  EXPECT_EQ(plain(kStart + kTable + kScan + kData + kEnd), "none");
-  EXPECT_EQ(plain(kStart + kFrame + kTable), "none");
-  EXPECT_EQ(plain(kStart + kFrame + kTable.substr(0, 10)), "none");
+  EXPECT_EQ(plain_stream(""), "none");
+  EXPECT_EQ(plain_stream(kStart + "x" + kFrame + kTable + kScan + kData + kEnd), "none");
+  EXPECT_EQ(plain_stream(kStart + kFrame + kFrame + kTable + kScan + kData + kEnd), "none");
+  EXPECT_EQ(plain_stream(kStart + kTable + kScan + kData + kEnd), "none");
+  EXPECT_EQ(plain_stream(kStart + kFrame + kTable), "none");
+  EXPECT_EQ(plain_stream(kStart + kFrame + kTable.substr(0, 10)), "none");
   std::string three_codes_of_one_bit = kTable;
   three_codes_of_one_bit[5] = 3;
-  EXPECT_EQ(plain(kStart + kFrame + three_codes_of_one_bit + kScan + kData + kEnd), "none");
+  EXPECT_EQ(plain_stream(kStart + kFrame + three_codes_of_one_bit + kScan + kData + kEnd), "none");
   std::string no_predictor = kScan;
   no_predictor[7] = 0;
-  EXPECT_EQ(plain(kStart + kFrame + kTable + no_predictor + kData + kEnd), "none");
+  EXPECT_EQ(plain_stream(kStart + kFrame + kTable + no_predictor + kData + kEnd), "none");
 }
 
 }  // namespace

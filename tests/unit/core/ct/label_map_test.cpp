@@ -8,6 +8,7 @@
 
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
+#include "tests/support/mask_overlap.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/core/ct/error_of.h"
@@ -18,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::error_of;
 using test::TemporaryFolder;
+using test::voxel_count;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -66,85 +68,83 @@ struct HandMadeNifti {
 };
 
 /// LPS grid with a voxel on each of the file's: x and y run backwards, from RAS (12, 21).
-GridGeometry matching_grid() {
+GridGeometry nifti_grid() {
   GridGeometry geometry;
   geometry.size = {3, 2, 2};
   geometry.origin_mm = Vec3(-12.0, -21.0, 30.0);
   return geometry;
 }
 
-BoneMask read(const HandMadeNifti& nifti, int label, const GridGeometry& geometry = matching_grid()) {
+BoneMask read_nifti(const HandMadeNifti& nifti, int label, const GridGeometry& geometry = nifti_grid()) {
   const TemporaryFolder folder;
   write_whole_file(folder.path() / "labels.nii", nifti.bytes());
   return read_label_map(folder.path() / "labels.nii", label, geometry);
 }
 
-std::string error_reading(const HandMadeNifti& nifti, int label = 5) {
-  return error_of([&] { read(nifti, label); });
+std::string nifti_error(const HandMadeNifti& nifti, int label = 5) {
+  return error_of([&] { read_nifti(nifti, label); });
 }
 
-auto count(const BoneMask& mask) { return std::count(mask.inside.begin(), mask.inside.end(), 1); }
-
 TEST(ReadLabelMap, TurnsRasIntoLps) {
-  const BoneMask mask = read({}, 5);  // file voxel (2, 0, 0): RAS (12, 20, 30), LPS (-12, -20, 30)
-  EXPECT_EQ(count(mask), 1);
+  const BoneMask mask = read_nifti({}, 5);  // file voxel (2, 0, 0): RAS (12, 20, 30), LPS (-12, -20, 30)
+  EXPECT_EQ(voxel_count(mask), 1);
   EXPECT_TRUE(mask.at(0, 1, 0));
-  EXPECT_TRUE(read({}, 7).at(2, 1, 1));  // file voxel (0, 0, 1)
+  EXPECT_TRUE(read_nifti({}, 7).at(2, 1, 1));  // file voxel (0, 0, 1)
 }
 
 TEST(ReadLabelMap, ReadsEachTypeOfNumber) {
   for (const Type type : {Type::kUint8, Type::kInt16, Type::kFloat}) {
-    EXPECT_TRUE(read({.type = type}, 5).at(0, 1, 0)) << static_cast<int>(type);
+    EXPECT_TRUE(read_nifti({.type = type}, 5).at(0, 1, 0)) << static_cast<int>(type);
   }
 }
 
 TEST(ReadLabelMap, AppliesTheSlope) {
-  EXPECT_TRUE(read({.slope = 2.0F, .intercept = 1.0F}, 11).at(0, 1, 0));  // 2 * 5 + 1
+  EXPECT_TRUE(read_nifti({.slope = 2.0F, .intercept = 1.0F}, 11).at(0, 1, 0));  // 2 * 5 + 1
 }
 
 TEST(ReadLabelMap, UsesTheQformWithoutASform) {
-  EXPECT_TRUE(read({.sform_code = 0, .qform_code = 1}, 5).at(0, 1, 0));
-  EXPECT_THAT(error_reading({.sform_code = 0}), HasSubstr("sform or qform"));
+  EXPECT_TRUE(read_nifti({.sform_code = 0, .qform_code = 1}, 5).at(0, 1, 0));
+  EXPECT_THAT(nifti_error({.sform_code = 0}), HasSubstr("sform or qform"));
 }
 
 TEST(ReadLabelMap, TakesTheNearestVoxelOnAFinerGrid) {
-  GridGeometry fine = matching_grid();
+  GridGeometry fine = nifti_grid();
   fine.size = {12, 8, 8};
   fine.spacing_mm = Vec3::Constant(0.25);
   fine.origin_mm = Vec3(-12.375, -21.375, 29.625);  // four fine voxels fill each of the file's, along each axis
-  EXPECT_EQ(count(read({}, 5, fine)), 64);
+  EXPECT_EQ(voxel_count(read_nifti({}, 5, fine)), 64);
 }
 
 TEST(ReadLabelMap, ListsTheLabelsThatThereAre) {
-  EXPECT_THAT(error_reading({}, 6), AllOf(HasSubstr("no label 6"), HasSubstr("there are: 5, 7")));
-  EXPECT_THAT(error_reading({.values = std::vector<double>(12)}, 6), HasSubstr("there are: none"));
+  EXPECT_THAT(nifti_error({}, 6), AllOf(HasSubstr("no label 6"), HasSubstr("there are: 5, 7")));
+  EXPECT_THAT(nifti_error({.values = std::vector<double>(12)}, 6), HasSubstr("there are: none"));
 }
 
 TEST(ReadLabelMap, SaysWhenTheLabelLiesOutsideTheCt) {
-  GridGeometry far = matching_grid();
+  GridGeometry far = nifti_grid();
   far.origin_mm.x() += 100.0;
-  EXPECT_THAT(error_of([&] { read({}, 5, far); }), HasSubstr("within the CT"));
+  EXPECT_THAT(error_of([&] { read_nifti({}, 5, far); }), HasSubstr("within the CT"));
 }
 
 TEST(ReadLabelMap, RefusesAbsurdSizesBeforeItTakesMemory) {
-  EXPECT_THAT(error_reading({.dim = {3, 30000, 30000, 30000, 1, 1, 1, 1}}), HasSubstr("at most"));
-  EXPECT_THAT(error_reading({.dim = {3, 1000, 1000, 1000, 1, 1, 1, 1}}), HasSubstr("cut short"));
-  EXPECT_THAT(error_reading({.dim = {4, 3, 2, 1, 2, 1, 1, 1}}), HasSubstr("expected one volume"));
+  EXPECT_THAT(nifti_error({.dim = {3, 30000, 30000, 30000, 1, 1, 1, 1}}), HasSubstr("at most"));
+  EXPECT_THAT(nifti_error({.dim = {3, 1000, 1000, 1000, 1, 1, 1, 1}}), HasSubstr("cut short"));
+  EXPECT_THAT(nifti_error({.dim = {4, 3, 2, 1, 2, 1, 1, 1}}), HasSubstr("expected one volume"));
 }
 
 TEST(ReadLabelMap, TakesFourDimensionsWithOneVolume) {
-  EXPECT_TRUE(read({.dim = {4, 3, 2, 2, 1, 1, 1, 1}}, 5).at(0, 1, 0));
+  EXPECT_TRUE(read_nifti({.dim = {4, 3, 2, 2, 1, 1, 1, 1}}, 5).at(0, 1, 0));
 }
 
 TEST(ReadLabelMap, NamesFilesThatAreNotNifti) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "labels.nii";
-  EXPECT_THAT(error_of([&] { read_label_map(file, 5, matching_grid()); }), HasSubstr("no such file"));
-  EXPECT_THAT(error_of([&] { read_label_map(folder.path(), 5, matching_grid()); }), HasSubstr("something else"));
+  EXPECT_THAT(error_of([&] { read_label_map(file, 5, nifti_grid()); }), HasSubstr("no such file"));
+  EXPECT_THAT(error_of([&] { read_label_map(folder.path(), 5, nifti_grid()); }), HasSubstr("something else"));
   write_whole_file(file, "not NIfTI at all");
-  EXPECT_THAT(error_of([&] { read_label_map(file, 5, matching_grid()); }), HasSubstr("labels.nii"));
+  EXPECT_THAT(error_of([&] { read_label_map(file, 5, nifti_grid()); }), HasSubstr("labels.nii"));
   write_whole_file(file, HandMadeNifti{}.bytes().substr(0, 360));
-  EXPECT_THAT(error_of([&] { read_label_map(file, 5, matching_grid()); }), HasSubstr("cut short"));
+  EXPECT_THAT(error_of([&] { read_label_map(file, 5, nifti_grid()); }), HasSubstr("cut short"));
 }
 
 TEST(ReadLabelMap, FindsTheWholeL3) {
@@ -152,7 +152,7 @@ TEST(ReadLabelMap, FindsTheWholeL3) {
   const CtVolume ct = read_dicom(data / "dicom");
   const fs::path labels = data / "sub-ct_seg-vert_label-22_msk.nii.gz";
   const BoneMask mask = read_label_map(labels, 22, ct.geometry);
-  EXPECT_EQ(count(mask), 17698);
+  EXPECT_EQ(voxel_count(mask), 17698);
   // Bone is where the CT is bright: the mean of L3 lies far above that of soft tissue (about 50 HU).
   double sum_hu = 0.0;
   for (std::size_t n = 0; n < mask.inside.size(); ++n) sum_hu += mask.inside[n] * ct.hu[n];

@@ -21,7 +21,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// 4 x 3 x 2 voxels whose values are 100 i + 10 j + k.
-MadeNifti numbered() {
+MadeNifti numbered_nifti() {
   MadeNifti nifti;
   for (int k = 0; k < 2; ++k) {
     for (int j = 0; j < 3; ++j) {
@@ -31,7 +31,7 @@ MadeNifti numbered() {
   return nifti;
 }
 
-CtVolume read(const MadeNifti& nifti, bool zipped = false) {
+CtVolume read_made(const MadeNifti& nifti, bool zipped = false) {
   const TemporaryFolder folder;
   const auto file = folder.path() / (zipped ? "ct.nii.gz" : "ct.nii");
   write_whole_file(file, zipped ? test::gzipped(nifti.bytes()) : nifti.bytes());
@@ -39,10 +39,10 @@ CtVolume read(const MadeNifti& nifti, bool zipped = false) {
 }
 
 TEST(ReadNiftiCt, TurnsRasIntoLpsWithAxesInTheOrderOfThePatients) {
-  MadeNifti nifti = numbered();
+  MadeNifti nifti = numbered_nifti();
   nifti.ras_steps = Vec3(0.5, 0.75, 2.0).asDiagonal();
   nifti.ras_origin_mm = Vec3(10.0, 20.0, 30.0);
-  const CtVolume ct = read(nifti);
+  const CtVolume ct = read_made(nifti);
   EXPECT_THAT(ct.geometry.size, ElementsAre(4, 3, 2));
   EXPECT_TRUE(ct.geometry.directions.isApprox(Mat3::Identity()));
   EXPECT_EQ(ct.geometry.spacing_mm, Vec3(0.5, 0.75, 2.0));
@@ -53,13 +53,13 @@ TEST(ReadNiftiCt, TurnsRasIntoLpsWithAxesInTheOrderOfThePatients) {
 }
 
 TEST(ReadNiftiCt, PlacesEveryVoxelOfAnyOrientation) {
-  MadeNifti nifti = numbered();
+  MadeNifti nifti = numbered_nifti();
   const Mat3 turn = Eigen::AngleAxisd(0.5, Vec3(1, -2, 1).normalized()).toRotationMatrix();
   for (const bool mirrored : {false, true}) {
     Mat3 axes;  // as sagittal scanners store them, then turned a little; and mirrored
     axes << 0, 0, (mirrored ? 1 : -1), 1, 0, 0, 0, -1, 0;
     nifti.ras_steps = turn * axes * Vec3(0.5, 0.75, 2.0).asDiagonal();
-    const CtVolume ct = read(nifti);
+    const CtVolume ct = read_made(nifti);
     EXPECT_GT(ct.geometry.directions.determinant(), 0.0);
     EXPECT_GT(ct.geometry.directions.diagonal().minCoeff(), 0.5);
     for (int k = 0; k < 2; ++k) {
@@ -79,25 +79,25 @@ TEST(ReadNiftiCt, PlacesEveryVoxelOfAnyOrientation) {
 }
 
 TEST(ReadNiftiCt, ReadsBothVersionsByteOrdersAndZippedAlike) {
-  const std::string expected = read(numbered()).source_hash;
+  const std::string expected = read_made(numbered_nifti()).source_hash;
   for (const bool is_second : {false, true}) {
     for (const bool is_big_endian : {false, true}) {
       for (const auto type : {MadeNifti::Type::kInt16, MadeNifti::Type::kFloat, MadeNifti::Type::kDouble}) {
-        MadeNifti nifti = numbered();
+        MadeNifti nifti = numbered_nifti();
         nifti.is_second = is_second;
         nifti.is_big_endian = is_big_endian;
         nifti.type = type;
-        EXPECT_EQ(read(nifti).source_hash, expected);
-        EXPECT_EQ(read(nifti, true).source_hash, expected);
+        EXPECT_EQ(read_made(nifti).source_hash, expected);
+        EXPECT_EQ(read_made(nifti, true).source_hash, expected);
         nifti.values_at = 1000.0;  // behind extensions
-        EXPECT_EQ(read(nifti).source_hash, expected);
+        EXPECT_EQ(read_made(nifti).source_hash, expected);
       }
     }
   }
 }
 
 TEST(ReadNiftiCt, ScalesRoundsClampsAndMakesAirOfWhatIsNoNumber) {
-  MadeNifti nifti = numbered();
+  MadeNifti nifti = numbered_nifti();
   nifti.type = MadeNifti::Type::kFloat;
   nifti.slope = 2.0;
   nifti.intercept = -1024.0;
@@ -106,7 +106,7 @@ TEST(ReadNiftiCt, ScalesRoundsClampsAndMakesAirOfWhatIsNoNumber) {
   nifti.values[1] = 1e9;
   nifti.values[2] = std::numeric_limits<double>::quiet_NaN();
   nifti.values[3] = -std::numeric_limits<double>::infinity();
-  const CtVolume ct = read(nifti);
+  const CtVolume ct = read_made(nifti);
   EXPECT_EQ(ct.at(3, 2, 0), -23);  // -23.4
   EXPECT_EQ(ct.at(2, 2, 0), 32767);
   EXPECT_EQ(ct.at(1, 2, 0), -1024);
@@ -123,7 +123,7 @@ TEST(ReadNiftiCt, ResamplesAStackThatLeans) {
       for (int i = 0; i < 20; ++i) nifti.values.push_back(10 * i + 20 * (j + 0.5 * k) + 30 * k);
     }
   }
-  const CtVolume ct = read(nifti);
+  const CtVolume ct = read_made(nifti);
   EXPECT_TRUE(ct.geometry.directions.isApprox(Mat3::Identity()));
   EXPECT_EQ(ct.geometry.spacing_mm, Vec3(1.0, 1.0, 2.0));
   EXPECT_THAT(ct.geometry.size, ElementsAre(20, 23, 6));
@@ -138,7 +138,7 @@ TEST(ReadNiftiCt, ResamplesAStackThatLeans) {
 
 TEST(ReadNiftiCt, RefusesASeriesForAFileThatHoldsNone) {
   const TemporaryFolder folder;
-  write_whole_file(folder.path() / "ct.nii", numbered().bytes());
+  write_whole_file(folder.path() / "ct.nii", numbered_nifti().bytes());
   EXPECT_THAT(test::error_of([&] { read_ct(folder.path() / "ct.nii", {.series = "1"}); }), HasSubstr("no series"));
 }
 

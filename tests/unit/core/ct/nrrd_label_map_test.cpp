@@ -7,6 +7,7 @@
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
+#include "tests/support/mask_overlap.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/core/ct/error_of.h"
 
@@ -14,6 +15,7 @@ namespace spinaltap {
 namespace {
 
 using test::error_of;
+using test::voxel_count;
 using testing::HasSubstr;
 
 /// 3 x 2 x 2 voxels of 1 mm, voxel (0, 0, 0) at LPS (-10, -20, 30); label 5 at (2, 0, 0), 7 at (0, 0, 1).
@@ -34,31 +36,29 @@ struct HandMadeNrrd {
   }
 };
 
-GridGeometry matching_grid() {
+GridGeometry nrrd_grid() {
   GridGeometry geometry;
   geometry.size = {3, 2, 2};
   geometry.origin_mm = Vec3(-10.0, -20.0, 30.0);
   return geometry;
 }
 
-BoneMask read(const std::string& bytes, int label, const GridGeometry& geometry = matching_grid(),
-              const std::string& name = "labels.nrrd") {
+BoneMask read_nrrd(const std::string& bytes, int label, const GridGeometry& geometry = nrrd_grid(),
+                   const std::string& name = "labels.nrrd") {
   const test::TemporaryFolder folder;
   write_whole_file(folder.path() / name, bytes);
   return read_label_map(folder.path() / name, label, geometry);
 }
 
-std::string error_reading(const HandMadeNrrd& nrrd, int label = 5) {
-  return error_of([&] { read(nrrd.bytes(), label); });
+std::string nrrd_error(const HandMadeNrrd& nrrd, int label = 5) {
+  return error_of([&] { read_nrrd(nrrd.bytes(), label); });
 }
 
-auto count(const BoneMask& mask) { return std::count(mask.inside.begin(), mask.inside.end(), 1); }
-
 TEST(ReadNrrd, FindsALabelWhereItLies) {
-  const BoneMask mask = read(HandMadeNrrd{}.bytes(), 5);
-  EXPECT_EQ(count(mask), 1);
+  const BoneMask mask = read_nrrd(HandMadeNrrd{}.bytes(), 5);
+  EXPECT_EQ(voxel_count(mask), 1);
   EXPECT_TRUE(mask.at(2, 0, 0));
-  EXPECT_TRUE(read(HandMadeNrrd{}.bytes(), 7).at(0, 0, 1));
+  EXPECT_TRUE(read_nrrd(HandMadeNrrd{}.bytes(), 7).at(0, 0, 1));
 }
 
 TEST(ReadNrrd, TurnsRasAndLasIntoLps) {
@@ -66,28 +66,28 @@ TEST(ReadNrrd, TurnsRasAndLasIntoLps) {
   ras.space = "space: RAS\n";
   ras.directions = "(-1,0,0)(0,-1,0)(0,0,1)";  // also without blanks between
   ras.origin = "( 10, 20, 30 )";
-  EXPECT_TRUE(read(ras.bytes(), 5).at(2, 0, 0));
+  EXPECT_TRUE(read_nrrd(ras.bytes(), 5).at(2, 0, 0));
   HandMadeNrrd las;
   las.space = "space: left-anterior-superior\n";
   las.directions = "(1,0,0) (0,-1,0) (0,0,1)";
   las.origin = "(-10,20,30)";
-  EXPECT_TRUE(read(las.bytes(), 5).at(2, 0, 0));
+  EXPECT_TRUE(read_nrrd(las.bytes(), 5).at(2, 0, 0));
 }
 
 TEST(ReadNrrd, ReadsGzipAndBothByteOrders) {
   HandMadeNrrd zipped;
   zipped.encoding = "gzip";
   zipped.voxels = gzip(zipped.voxels);
-  EXPECT_TRUE(read(zipped.bytes(), 5).at(2, 0, 0));
+  EXPECT_TRUE(read_nrrd(zipped.bytes(), 5).at(2, 0, 0));
   HandMadeNrrd big;
   big.type = "uint16";
   big.more = "endian: big\n";
   big.voxels = std::string(24, '\0');
   big.voxels[4] = 1;
   big.voxels[5] = 2;
-  EXPECT_TRUE(read(big.bytes(), 258).at(2, 0, 0));
+  EXPECT_TRUE(read_nrrd(big.bytes(), 258).at(2, 0, 0));
   big.more = "endian: little\n";
-  EXPECT_TRUE(read(big.bytes(), 513).at(2, 0, 0));
+  EXPECT_TRUE(read_nrrd(big.bytes(), 513).at(2, 0, 0));
 }
 
 TEST(ReadNrrd, TakesOneLayerOf3DSlicerAndRefusesMore) {
@@ -95,37 +95,37 @@ TEST(ReadNrrd, TakesOneLayerOf3DSlicerAndRefusesMore) {
   layer.sizes = "1 3 2 2";
   layer.directions = "none (1,0,0) (0,1,0) (0,0,1)";
   layer.more = "kinds: list domain domain domain\nSegment0_LabelValue:=5\nSegment0_Name:=L3: mine\n";
-  EXPECT_TRUE(read(layer.bytes(), 5, matching_grid(), "s.seg.nrrd").at(2, 0, 0));
+  EXPECT_TRUE(read_nrrd(layer.bytes(), 5, nrrd_grid(), "s.seg.nrrd").at(2, 0, 0));
   layer.sizes = "2 3 2 1";
-  EXPECT_THAT(error_reading(layer), HasSubstr("one layer"));
+  EXPECT_THAT(nrrd_error(layer), HasSubstr("one layer"));
 }
 
 TEST(ReadNrrd, TakesTheNearestVoxelOnAFinerGrid) {
-  GridGeometry fine = matching_grid();
+  GridGeometry fine = nrrd_grid();
   fine.size = {12, 8, 8};
   fine.spacing_mm = Vec3::Constant(0.25);
   fine.origin_mm -= Vec3::Constant(0.375);  // four fine voxels fill each of the file's, along each axis
-  EXPECT_EQ(count(read(HandMadeNrrd{}.bytes(), 5, fine)), 64);
+  EXPECT_EQ(voxel_count(read_nrrd(HandMadeNrrd{}.bytes(), 5, fine)), 64);
 }
 
 TEST(ReadNrrd, SaysWhatIsWrong) {
-  EXPECT_THAT(error_reading({}, 6), HasSubstr("there are: 5, 7"));
-  EXPECT_THAT(error_of([] { read("not NRRD at all", 5); }), HasSubstr("expected an NRRD file"));
-  EXPECT_THAT(error_of([] { read("NRRD0004\ntype: uint8\n", 5); }), HasSubstr("empty line"));
-  EXPECT_THAT(error_reading({.type = "block"}), HasSubstr("\"block\""));
-  EXPECT_THAT(error_reading({.sizes = "3 2"}), HasSubstr("three NRRD axes"));
-  EXPECT_THAT(error_reading({.sizes = "3 2 -2"}), HasSubstr("\"3 2 -2\""));
-  EXPECT_THAT(error_reading({.sizes = "99999 99999 99999"}), HasSubstr("at most"));
-  EXPECT_THAT(error_reading({.sizes = "900 900 900"}), HasSubstr("cut short"));
-  EXPECT_THAT(error_reading({.space = ""}), HasSubstr("\"space\""));
-  EXPECT_THAT(error_reading({.space = "space: scanner-xyz\n"}), HasSubstr("LPS, RAS or LAS"));
-  EXPECT_THAT(error_reading({.directions = "(1,0,0) (0,1,0)"}), HasSubstr("three NRRD space directions"));
-  EXPECT_THAT(error_reading({.directions = "(1,0,0) (0,1,0) (0,0,x)"}), HasSubstr("three numbers"));
-  EXPECT_THAT(error_reading({.directions = "(1,0,0) (0,1,0) (1,1,0)"}), HasSubstr("volume"));
-  EXPECT_THAT(error_reading({.origin = "(nan,0,0)"}), HasSubstr("NRRD"));
-  EXPECT_THAT(error_reading({.encoding = "bzip2"}), HasSubstr("raw or gzip"));
-  EXPECT_THAT(error_reading({.encoding = "gzip"}), HasSubstr("gzip stream"));
-  EXPECT_THAT(error_reading({.more = "data file: other.raw\n"}), HasSubstr("one NRRD file"));
+  EXPECT_THAT(nrrd_error({}, 6), HasSubstr("there are: 5, 7"));
+  EXPECT_THAT(error_of([] { read_nrrd("not NRRD at all", 5); }), HasSubstr("expected an NRRD file"));
+  EXPECT_THAT(error_of([] { read_nrrd("NRRD0004\ntype: uint8\n", 5); }), HasSubstr("empty line"));
+  EXPECT_THAT(nrrd_error({.type = "block"}), HasSubstr("\"block\""));
+  EXPECT_THAT(nrrd_error({.sizes = "3 2"}), HasSubstr("three NRRD axes"));
+  EXPECT_THAT(nrrd_error({.sizes = "3 2 -2"}), HasSubstr("\"3 2 -2\""));
+  EXPECT_THAT(nrrd_error({.sizes = "99999 99999 99999"}), HasSubstr("at most"));
+  EXPECT_THAT(nrrd_error({.sizes = "900 900 900"}), HasSubstr("cut short"));
+  EXPECT_THAT(nrrd_error({.space = ""}), HasSubstr("\"space\""));
+  EXPECT_THAT(nrrd_error({.space = "space: scanner-xyz\n"}), HasSubstr("LPS, RAS or LAS"));
+  EXPECT_THAT(nrrd_error({.directions = "(1,0,0) (0,1,0)"}), HasSubstr("three NRRD space directions"));
+  EXPECT_THAT(nrrd_error({.directions = "(1,0,0) (0,1,0) (0,0,x)"}), HasSubstr("three numbers"));
+  EXPECT_THAT(nrrd_error({.directions = "(1,0,0) (0,1,0) (1,1,0)"}), HasSubstr("volume"));
+  EXPECT_THAT(nrrd_error({.origin = "(nan,0,0)"}), HasSubstr("NRRD"));
+  EXPECT_THAT(nrrd_error({.encoding = "bzip2"}), HasSubstr("raw or gzip"));
+  EXPECT_THAT(nrrd_error({.encoding = "gzip"}), HasSubstr("gzip stream"));
+  EXPECT_THAT(nrrd_error({.more = "data file: other.raw\n"}), HasSubstr("one NRRD file"));
 }
 
 class WrittenLabelMap : public ::testing::TestWithParam<std::string> {};
@@ -144,7 +144,7 @@ TEST_P(WrittenLabelMap, ComesBackVoxelForVoxel) {
   for (const int label : {1, 22, 300}) {
     const std::string bytes = encode_label_map(mask, label, GetParam());
     EXPECT_EQ(encode_label_map(mask, label, GetParam()), bytes);
-    EXPECT_EQ(read(bytes, label, mask.geometry, GetParam()).inside, mask.inside) << label;
+    EXPECT_EQ(read_nrrd(bytes, label, mask.geometry, GetParam()).inside, mask.inside) << label;
   }
 }
 
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, WrittenLabelMap,
                          ::testing::Values("map.nii", "map.nii.gz", "map.nrrd", "map.seg.nrrd"));
 
 TEST(EncodeLabelMap, RefusesOtherNamesAndLabels) {
-  const BoneMask mask{matching_grid(), std::vector<std::uint8_t>(12, 1)};
+  const BoneMask mask{nrrd_grid(), std::vector<std::uint8_t>(12, 1)};
   EXPECT_THAT(error_of([&] { encode_label_map(mask, 1, "map.png"); }), HasSubstr("map.png"));
   EXPECT_THAT(error_of([&] { encode_label_map(mask, 0, "map.nrrd"); }), HasSubstr("1 to 32767"));
   EXPECT_THAT(error_of([&] { encode_label_map(mask, 32768, "map.nrrd"); }), HasSubstr("1 to 32767"));

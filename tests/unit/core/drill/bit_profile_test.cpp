@@ -13,11 +13,11 @@ namespace {
 using test::Draw;
 using test::Tool;
 
-constexpr std::uint64_t kSeed = 20'261'121;
+constexpr std::uint64_t kProfileSeed = 20'261'121;
 
 TEST(BitProfile, ContainsWhereTheDistanceIsNegative) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kProfileSeed);
+  Draw draw(kProfileSeed);
   int inside = 0;
   for (int n = 0; n < 40'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
@@ -72,8 +72,8 @@ TEST(BitProfile, EndsAtItsHeadWithoutAShank) {
 }
 
 TEST(BitProfile, IsAsFarAsTheNearestOfManyPlacesOfItsOutline) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kProfileSeed);
+  Draw draw(kProfileSeed + 1);
   constexpr double kStepMm = 1e-3;
   for (const Tool& tool : test::five_tools()) {
     SCOPED_TRACE(tool.name);
@@ -96,8 +96,8 @@ TEST(BitProfile, IsAsFarAsTheNearestOfManyPlacesOfItsOutline) {
 }
 
 TEST(BitProfile, HasADistanceOfUnitSlope) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 2);
+  SCOPED_TRACE(::testing::Message() << "seed " << kProfileSeed);
+  Draw draw(kProfileSeed + 2);
   int smooth = 0;
   for (int n = 0; n < 10'000; ++n) {
     const DrillBit drawn = test::random_bit(draw);
@@ -124,8 +124,8 @@ TEST(BitProfile, HasADistanceOfUnitSlope) {
 }
 
 TEST(BitProfile, NeverChangesItsDistanceFasterThanThePointMoves) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 3);
+  SCOPED_TRACE(::testing::Message() << "seed " << kProfileSeed);
+  Draw draw(kProfileSeed + 3);
   for (int n = 0; n < 40'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
     const Pose pose = draw.pose();
@@ -136,8 +136,8 @@ TEST(BitProfile, NeverChangesItsDistanceFasterThanThePointMoves) {
 }
 
 TEST(BitProfile, GrowsByASkinAndByLessThanThreeAtEdges) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 4);
+  SCOPED_TRACE(::testing::Message() << "seed " << kProfileSeed);
+  Draw draw(kProfileSeed + 4);
   for (int n = 0; n < 2'000; ++n) {
     DrillBit drawn = test::random_bit(draw);
     // Flat tips too: their cones are up to 20 times as wide as long.
@@ -168,8 +168,8 @@ TEST(BitProfile, GrowsByASkinAndByLessThanThreeAtEdges) {
 }
 
 TEST(BitProfile, LiesWithinItsConeAndItsWidestRadius) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 5);
+  SCOPED_TRACE(::testing::Message() << "seed " << kProfileSeed);
+  Draw draw(kProfileSeed + 5);
   for (int n = 0; n < 1'000; ++n) {
     const DrillBit drawn = test::random_bit(draw);
     const BitProfile bit(drawn);

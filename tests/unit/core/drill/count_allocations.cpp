@@ -5,10 +5,10 @@
 
 namespace {
 
-thread_local std::size_t count = 0;
+thread_local std::size_t allocations = 0;
 
 void* allocate(std::size_t bytes, std::size_t alignment) noexcept {
-  ++count;
+  ++allocations;
   // aligned_alloc wants whole multiples of the alignment.
   return alignment <= alignof(std::max_align_t)
              ? std::malloc(bytes == 0 ? 1 : bytes)
@@ -23,7 +23,7 @@ void* allocate_or_throw(std::size_t bytes, std::size_t alignment) {
 
 }  // namespace
 
-std::size_t spinaltap::test::allocation_count() { return count; }
+std::size_t spinaltap::test::allocation_count() { return allocations; }
 
 // The array forms of the standard library call these; so do its nothrow forms, but not a sanitizer's.
 void* operator new(std::size_t bytes) { return allocate_or_throw(bytes, 1); }

@@ -15,8 +15,8 @@ namespace {
 using Motion = DiscCertificates::Motion;
 using test::Draw;
 
-constexpr std::uint64_t kSeed = 378;
-constexpr double kSpacingMm = 0.1;
+constexpr std::uint64_t kCertificateSeed = 378;
+constexpr double kDiscsApartMm = 0.1;
 constexpr std::size_t kDiscs = 100;
 
 AxisLine random_line(Draw& draw, double off_mm) {
@@ -35,17 +35,17 @@ Motion random_motion(Draw& draw, double off_mm) {
 }
 
 TEST(DiscCertificates, AreDueToTheLastByteWithAnyInstructions) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCertificateSeed);
   const auto& kernels = detail::disc_kernels();
   ASSERT_FALSE(kernels.empty());
-  Draw draw(kSeed);
+  Draw draw(kCertificateSeed);
   std::size_t due = 0;
   std::size_t held = 0;
   for (int run = 0; run < 50; ++run) {
     // Lengths that fill vectors, and that do not.
     const std::size_t discs = 1 + draw.bits() % 130;
     std::vector<DiscCertificates> sets;
-    for (const detail::DiscKernels& kernel : kernels) sets.emplace_back(discs, kSpacingMm, kernel);
+    for (const detail::DiscKernels& kernel : kernels) sets.emplace_back(discs, kDiscsApartMm, kernel);
     AxisLine line = random_line(draw, 0.5);
     for (int step = 0; step < 60; ++step) {
       for (std::size_t disc = 0; disc < discs; ++disc) {
@@ -79,7 +79,7 @@ class DiscCertificate : public ::testing::TestWithParam<detail::DiscKernels> {
  protected:
   /// Whether a certificate that was made at `from` for disc 42 holds after the motion.
   bool holds(const AxisLine& from, double free_mm, double back_share, const Motion& motion) const {
-    DiscCertificates set(kDiscs, kSpacingMm, GetParam());
+    DiscCertificates set(kDiscs, kDiscsApartMm, GetParam());
     set.renew(kDisc, from, free_mm, back_share);
     set.check(motion);
     return set.due()[kDisc] == 0;
@@ -91,8 +91,8 @@ INSTANTIATE_TEST_SUITE_P(Instructions, DiscCertificate, ::testing::ValuesIn(deta
                          [](const auto& kernels) { return test::plain_name(kernels.param); });
 
 TEST_P(DiscCertificate, HoldsForAShorterMoveThanIsFreeAndFailsForALonger) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCertificateSeed);
+  Draw draw(kCertificateSeed + 1);
   for (int n = 0; n < 5'000; ++n) {
     const AxisLine from = random_line(draw, 1.0);
     Motion motion = random_motion(draw, 0.1);
@@ -103,7 +103,7 @@ TEST_P(DiscCertificate, HoldsForAShorterMoveThanIsFreeAndFailsForALonger) {
     motion.line.back_mm += from.back_mm;
     const double back_share = draw(0.0, 1.0);
     // The formula that the header states, in double.
-    const double z_mm = kDisc * kSpacingMm;
+    const double z_mm = kDisc * kDiscsApartMm;
     const AxisLine& to = motion.line;
     const double dx = to.x_mm - from.x_mm + z_mm * (to.x_slope - from.x_slope);
     const double dy = to.y_mm - from.y_mm + z_mm * (to.y_slope - from.y_slope);
@@ -133,7 +133,7 @@ TEST_P(DiscCertificate, CountsAdvanceOnlyForBitsThatWidenBackwards) {
 }
 
 TEST_P(DiscCertificate, StaysFailedUntilItIsRenewed) {
-  DiscCertificates set(kDiscs, kSpacingMm, GetParam());
+  DiscCertificates set(kDiscs, kDiscsApartMm, GetParam());
   const AxisLine at{0.1, 0.2, 0.0, 0.0, 3.0, -1.0};
   Motion still;
   still.line = at;

@@ -11,7 +11,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 20'040'901;
+constexpr std::uint64_t kBitSeed = 20'040'901;
 
 const BitProfile kPaperBit(DrillBit{3.0, 50.0, 5.0});
 const Pose kUpright{Vec3(0, 0, 50), Vec3::UnitZ()};
@@ -60,8 +60,8 @@ TEST(DrillBit, MayBeAllCone) {
 }
 
 TEST(DrillBit, DoesNotCareHowPointAndPoseAreTurnedAndShiftedTogether) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  test::Draw draw(kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kBitSeed);
+  test::Draw draw(kBitSeed);
   for (int n = 0; n < 2'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
     const Pose pose = draw.pose();

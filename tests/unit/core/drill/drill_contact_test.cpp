@@ -12,20 +12,20 @@ namespace spinaltap {
 namespace {
 
 using test::FeltBit;
+using test::kFeltHu;
 
-constexpr double kHu = 400.0;
 const Spindle kOff{.rpm = 0.0};
 
 /// Stiffness of a surface as large as the bit's section, N/mm.
-double stiffness_n_mm() { return Material().contact_stiffness_n_mm(kHu); }
+double stiffness_n_mm() { return Material().contact_stiffness_n_mm(kFeltHu); }
 
 TEST(Contact, PushesBackFromAFloorInProportionToDepth) {
   // A bit that ends nearly flat, 1 mm of floor: bone from z = 4 mm on.
   const DrillBit flat = twist_drill(3.0, 20.0, 176.0, 2.9);
   Material material;
-  const double density = material.density.density_g_cm3(kHu);
+  const double density = material.density.density_g_cm3(kFeltHu);
   for (const double spacing_mm : {0.2, 0.1, 0.05}) {
-    PointVolume volume = test::block(8.0, 3.0, spacing_mm, kHu);
+    PointVolume volume = test::block(8.0, 3.0, spacing_mm, kFeltHu);
     test::fill_density(volume, material, [&](const Vec3& p) { return p.z() > 4.0 ? density : 0.0; });
     FeltBit felt(volume, flat, material, kOff);
     for (double depth_mm = -0.5; depth_mm < 1.2; depth_mm += 0.013) {
@@ -46,8 +46,8 @@ TEST(Contact, PushesBackFromAFloorInProportionToDepth) {
 TEST(Contact, GrowsWithoutJumps) {
   const DrillBit bit{3.0, 20.0, 5.0};
   Material material;
-  const double density = material.density.density_g_cm3(kHu);
-  PointVolume volume = test::block(8.0, 3.0, 0.1, kHu);
+  const double density = material.density.density_g_cm3(kFeltHu);
+  PointVolume volume = test::block(8.0, 3.0, 0.1, kFeltHu);
   test::fill_density(volume, material, [&](const Vec3& p) { return p.z() > 4.0 ? density : 0.0; });
   FeltBit felt(volume, bit, material, kOff);
   double before_n = 0.0;
@@ -66,8 +66,8 @@ TEST(Contact, GrowsWithoutJumps) {
 TEST(Contact, OfAShankComesFromTheWallThatItLeansOn) {
   const DrillBit bit{3.0, 20.0, 5.0};
   Material material;
-  const double density = material.density.density_g_cm3(kHu);
-  PointVolume volume = test::block(12.0, 3.0, 0.1, kHu);
+  const double density = material.density.density_g_cm3(kFeltHu);
+  PointVolume volume = test::block(12.0, 3.0, 0.1, kFeltHu);
   // A wall from x = 1.5 mm on: the cylinder touches it along its whole length in the volume.
   test::fill_density(volume, material, [&](const Vec3& p) { return p.x() > 1.5 ? density : 0.0; });
   FeltBit felt(volume, bit, material, kOff);
@@ -95,8 +95,8 @@ TEST(Contact, OfAShankComesFromTheWallThatItLeansOn) {
 TEST(Contact, DoesNotDependOnHowManyPlacesStandForTheSurface) {
   // Two bits of the same outline, the second in more pieces of places since it is longer; both in bone with their tips.
   Material material;
-  const double density = material.density.density_g_cm3(kHu);
-  PointVolume volume = test::block(8.0, 3.0, 0.05, kHu);
+  const double density = material.density.density_g_cm3(kFeltHu);
+  PointVolume volume = test::block(8.0, 3.0, 0.05, kFeltHu);
   test::fill_density(volume, material, [&](const Vec3& p) { return p.z() > 4.0 ? density : 0.0; });
   FeltBit felt_short(volume, {3.0, 8.0, 2.0}, material, kOff);
   FeltBit felt_long(volume, {3.0, 50.0, 2.0}, material, kOff);
@@ -109,7 +109,7 @@ TEST(Contact, DoesNotDependOnHowManyPlacesStandForTheSurface) {
 
 TEST(BitShell, CoversTheWholeSurfaceWithForcesThatCancelInsideBone) {
   // In bone all around, at depths that are the same everywhere, a closed surface feels nothing.
-  PointVolume volume = test::block(30.0, 6.0, 0.2, kHu);
+  PointVolume volume = test::block(30.0, 6.0, 0.2, kFeltHu);
   for (const DrillBit& bit : {DrillBit{3.0, 12.0, 4.0}, twist_drill(3.0, 12.0, 118.0, 0.6),
                               DrillBit{4.0, 12.0, 1.0, BitShape::round_burr, 0.0, 1.5},
                               DrillBit{4.0, 12.0, 3.0, BitShape::conical_burr, 1.0, 2.0}}) {

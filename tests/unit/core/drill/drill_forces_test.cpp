@@ -16,8 +16,8 @@ namespace {
 
 using test::feed_mm;
 using test::FeltBit;
+using test::kFeltHu;
 
-constexpr double kHu = 400.0;
 /// Of averaging, at most, at spacings of up to 0.2 mm: two boxes.
 constexpr double kAveragedMm = 0.8;
 
@@ -26,7 +26,7 @@ struct NamedBit {
   DrillBit bit;
 };
 
-const std::vector<NamedBit>& bits() {
+const std::vector<NamedBit>& named_bits() {
   // The wall of 3.0 mm lies on a ring of points at 0.1 and 0.05 mm, that of 3.2 mm at all spacings.
   static const std::vector<NamedBit> all{{"3.0 mm", {3.0, 50.0, 5.0}},
                                          {"3.06 mm", {3.06, 50.0, 5.0}},
@@ -55,13 +55,13 @@ void drill_steadily(PointVolume& volume, const NamedBit& tool, double offset_mm,
 TEST_P(EvenBlock, GivesThrustAndTorqueOfTheClosedFormInEveryCycle) {
   const Spindle spindle;
   double worst = 0.0;
-  for (const NamedBit& tool : bits()) {
+  for (const NamedBit& tool : named_bits()) {
     for (const double offset_mm : {0.0, 0.83}) {
       for (const double step_mm : {0.0001, 0.001, 0.01, 0.02}) {
         SCOPED_TRACE(::testing::Message() << tool.name << ", " << offset_mm << " mm off, steps of " << step_mm);
-        const FeedResistance block = resistance_of_block(tool.bit, Material(), kHu);
+        const FeedResistance block = resistance_of_block(tool.bit, Material(), kFeltHu);
         const double feed = feed_mm(step_mm, spindle);
-        PointVolume volume = test::block(tool.bit.tip_length_mm + 6.0, 2.8, GetParam(), kHu);
+        PointVolume volume = test::block(tool.bit.tip_length_mm + 6.0, 2.8, GetParam(), kFeltHu);
         int seen = 0;
         drill_steadily(volume, tool, offset_mm, step_mm, [&](double, const DrillForce& force) {
           ++seen;
@@ -107,12 +107,12 @@ TEST(DrillForces, OfHalfABlockAreHalfTheTorqueAndALateralForce) {
   const DrillBit bit{3.06, 50.0, 5.0};
   const Vec3 towards(std::cos(0.1234), std::sin(0.1234), 0.0);
   Material material;
-  const double density = material.density.density_g_cm3(kHu);
+  const double density = material.density.density_g_cm3(kFeltHu);
   for (const bool is_clockwise : {true, false}) {
-    PointVolume volume = test::block(9.0, 2.8, 0.1, kHu);
+    PointVolume volume = test::block(9.0, 2.8, 0.1, kFeltHu);
     test::fill_density(volume, material, [&](const Vec3& p) { return p.dot(towards) > 0.0 ? density : 0.0; });
     FeltBit felt(volume, bit, material, {.rpm = 1250.0, .is_clockwise = is_clockwise});
-    const FeedResistance block = resistance_of_block(bit, material, kHu);
+    const FeedResistance block = resistance_of_block(bit, material, kFeltHu);
     const double feed = feed_mm(0.002, felt.spindle());
     const double torque_n_mm = block.torque_n_mm(feed);
     const double along_cut_n = 2.0 * torque_n_mm / (std::numbers::pi * bit.radius_mm());
@@ -135,9 +135,9 @@ TEST(DrillForces, OfHalfABlockAreHalfTheTorqueAndALateralForce) {
 
 TEST(DrillForces, ChangeWithTheFeedAtOnceAndNotWithoutOne) {
   const DrillBit bit{3.06, 50.0, 5.0};
-  PointVolume volume = test::block(12.0, 2.0, 0.1, kHu);
+  PointVolume volume = test::block(12.0, 2.0, 0.1, kFeltHu);
   FeltBit felt(volume, bit);
-  const FeedResistance block = resistance_of_block(bit, Material(), kHu);
+  const FeedResistance block = resistance_of_block(bit, Material(), kFeltHu);
   felt.drill(Vec3(0.0, 0.0, -0.3), 8.0, 0.001);
   // 25 ms at four times the feed are 0.1 mm: long before what is cut has been averaged anew.
   double z_mm = 8.0;
@@ -156,9 +156,9 @@ TEST(DrillForces, AreThoseOfTheFeedUnderTremorAcrossTheAxis) {
   // A hand trembles six times as fast across the axis as it feeds. The hole gets wider, which costs torque; the thrust
   // is still that of the feed along the axis.
   const DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
-  PointVolume volume = test::block(10.0, 2.8, 0.1, kHu);
+  PointVolume volume = test::block(10.0, 2.8, 0.1, kFeltHu);
   FeltBit felt(volume, bit);
-  const FeedResistance block = resistance_of_block(bit, Material(), kHu);
+  const FeedResistance block = resistance_of_block(bit, Material(), kFeltHu);
   const double feed = feed_mm(0.001, felt.spindle());
   double sum_n = 0.0, most_n = 0.0, least_n = 1e9;
   int count = 0;
@@ -180,7 +180,7 @@ TEST(DrillForces, AreThoseOfTheFeedUnderTremorAcrossTheAxis) {
 
 TEST(DrillForces, OfABitThatWentBackComeBackWhereItLeft) {
   const DrillBit bit{3.06, 50.0, 5.0};
-  PointVolume volume = test::block(12.0, 2.0, 0.1, kHu);
+  PointVolume volume = test::block(12.0, 2.0, 0.1, kFeltHu);
   FeltBit felt(volume, bit);
   felt.drill(Vec3(0.0, 0.0, -0.3), 8.0, 0.002);
   const double before_n = felt.move_to(Vec3(0.0, 0.0, 8.002)).thrust_n;
@@ -199,9 +199,9 @@ TEST(DrillForces, OfABitThatWentBackComeBackWhereItLeft) {
 
 TEST(DrillForces, AreZeroOutsideBoneAndAfterLeavingIt) {
   const DrillBit bit = twist_drill(3.0, 50.0, 118.0, 0.5);
-  PointVolume volume = test::block(16.0, 2.0, 0.1, kHu);
+  PointVolume volume = test::block(16.0, 2.0, 0.1, kFeltHu);
   Material material;
-  const double density = material.density.density_g_cm3(kHu);
+  const double density = material.density.density_g_cm3(kFeltHu);
   test::fill_density(volume, material, [&](const Vec3& p) { return p.z() > 2.0 && p.z() < 8.0 ? density : 0.0; });
   FeltBit felt(volume, bit);
   felt.drill(Vec3(0.0, 0.0, -0.3), 14.0, 0.005, [&](double z_mm, const DrillForce& force) {
@@ -219,7 +219,7 @@ TEST(DrillForces, AreZeroOutsideBoneAndAfterLeavingIt) {
 TEST(DrillForces, AllocateNothingAndTakeBadPosesAsNone) {
   static_assert(noexcept(std::declval<DrillForces&>().update(
       std::declval<const StepResult&>(), std::declval<const Pose&>(), 0.0, std::declval<const Spindle&>())));
-  PointVolume volume = test::block(8.0, 2.0, 0.1, kHu);
+  PointVolume volume = test::block(8.0, 2.0, 0.1, kFeltHu);
   FeltBit felt(volume, {3.0, 50.0, 5.0});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::size_t before = test::allocation_count();
@@ -244,7 +244,7 @@ TEST(DrillForces, AllocateNothingAndTakeBadPosesAsNone) {
 }
 
 TEST(DrillForces, StartAnewWhenReset) {
-  PointVolume first = test::block(8.0, 2.0, 0.1, kHu);
+  PointVolume first = test::block(8.0, 2.0, 0.1, kFeltHu);
   PointVolume second = first;
   FeltBit felt(first, {3.0, 50.0, 5.0});
   FeltBit fresh(second, {3.0, 50.0, 5.0});

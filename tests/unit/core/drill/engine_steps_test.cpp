@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
 #include "tests/unit/core/drill/askew_block.h"
 #include "tests/unit/core/drill/count_allocations.h"
 #include "tests/unit/core/drill/every_engine.h"
@@ -15,9 +16,8 @@ namespace {
 
 using test::block;
 using test::EngineKind;
+using test::kNan;
 using test::pose_at;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 class EngineSteps : public ::testing::TestWithParam<EngineKind> {
  protected:

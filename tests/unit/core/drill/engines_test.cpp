@@ -15,7 +15,7 @@ namespace {
 using test::Draw;
 
 /// Every point of another CT number; in some volumes only the points of a ball live.
-void fill(PointVolume& volume, std::uint64_t seed, bool only_a_ball) {
+void fill_some(PointVolume& volume, std::uint64_t seed, bool only_a_ball) {
   Draw draw(seed);
   const double depth_mm = volume.disc_depth_mm(volume.disc_count());
   const Vec3 centre(0.4, -0.3, 0.5 * depth_mm);
@@ -65,7 +65,7 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
   options.jitter_seed = seed;
   const Vec3 entry_mm(draw(-100, 100), draw(-100, 100), draw(-900, 900));
   PointVolume volume({"any", entry_mm, entry_mm + kLengthMm * draw.direction(), bit}, options);
-  fill(volume, seed, seed % 8 == 5);
+  fill_some(volume, seed, seed % 8 == 5);
   Bench bench(volume, bit, seed % 4 == 0 ? test::every_engine() : test::three_engines());
   test::AnyMotion motion(seed, kLengthMm, kRadiusMm);
   std::size_t removed = 0;
@@ -131,7 +131,7 @@ class EnginesAtWork : public ::testing::TestWithParam<Workload> {
 TEST_P(EnginesAtWork, RemoveEqualSetsAtEveryHundredthCycle) {
   const DrillBit bit{GetParam().diameter_mm, 50.0, 5.0};
   PointVolume volume(test::askew_path(kLengthMm), {.radius_mm = 3.0, .spacing_mm = 0.2});
-  fill(volume, 5, false);
+  fill_some(volume, 5, false);
   Bench bench(volume, bit, test::every_engine());
   for (int cycle = 0; cycle <= kCycles; ++cycle) {
     SCOPED_TRACE(::testing::Message() << "cycle " << cycle);
@@ -160,7 +160,7 @@ std::vector<StepResult> run(const test::EngineKind& kind, std::size_t threads, s
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
   const DrillBit burr{4.0, 30.0, 1.0, BitShape::round_burr, 0.0, 3.0};
   PointVolume volume(test::askew_path(12.0), {.radius_mm = 4.0, .spacing_mm = 0.1});
-  fill(volume, 6, false);
+  fill_some(volume, 6, false);
   const auto engine = kind.make(volume, burr, {});
   std::vector<StepResult> results;
   Draw draw(7);

@@ -25,7 +25,7 @@ std::vector<double> numbers(const DrillForce& force) {
           force.tip_density_g_cm3, force.resistance.lips_n, force.resistance.lips_n_mm, force.resistance.chisel_n};
 }
 
-void fill(PointVolume& volume, std::uint64_t seed) {
+void fill_with_holes(PointVolume& volume, std::uint64_t seed) {
   Draw draw(seed);
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
@@ -42,7 +42,7 @@ TEST(FeltEngines, GiveTheSameForcesInAnyMotion) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     const DrillBit bit = tools[seed % tools.size()].bit;
     PointVolume whole(test::askew_path(3.0), {.radius_mm = 1.5, .spacing_mm = 0.15});
-    fill(whole, seed);
+    fill_with_holes(whole, seed);
     const std::vector<test::EngineKind> kinds = test::three_engines();
     std::vector<PointVolume> volumes(kinds.size(), whole);
     std::vector<std::unique_ptr<DrillEngine>> engines;
@@ -77,7 +77,7 @@ TEST(FeltEngines, GiveTheSameForcesAtOneAndTwoThreads) {
   const auto run = [&](std::size_t threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     PointVolume volume(test::askew_path(3.0), {.radius_mm = 2.0, .spacing_mm = 0.05});
-    fill(volume, 4);
+    fill_with_holes(volume, 4);
     const auto engine = make_ring_engine(volume, bit, {});
     DrillForces forces({&volume, 1}, bit, {});
     std::vector<double> all;

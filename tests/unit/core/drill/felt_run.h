@@ -9,6 +9,8 @@
 namespace spinaltap::test {
 
 constexpr double kCycleS = 0.001;
+/// Of even blocks.
+constexpr double kFeltHu = 400.0;
 
 /// HU of a density by the material's line.
 inline double hu_of(const Material& material, double density_g_cm3) {

@@ -10,7 +10,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 64;
+constexpr std::uint64_t kLivingSeed = 64;
 constexpr std::size_t kBits = 64 * 5;
 
 std::vector<std::uint64_t> random_words(test::Draw& draw) {
@@ -43,8 +43,8 @@ std::pair<std::size_t, std::size_t> random_range(test::Draw& draw) {
 }
 
 TEST(LivingBits, AreVisitedAsAPlainLoopWouldBothWays) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  test::Draw draw(kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLivingSeed);
+  test::Draw draw(kLivingSeed);
   for (int n = 0; n < 20'000; ++n) {
     const std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);
@@ -64,8 +64,8 @@ TEST(LivingBits, AreVisitedAsAPlainLoopWouldBothWays) {
 }
 
 TEST(LivingBits, EndTheVisitWhenToldTo) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  test::Draw draw(kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLivingSeed);
+  test::Draw draw(kLivingSeed + 1);
   for (int n = 0; n < 5'000; ++n) {
     const std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);
@@ -81,8 +81,8 @@ TEST(LivingBits, EndTheVisitWhenToldTo) {
 }
 
 TEST(LivingBits, MayBeClearedWhileTheyAreVisited) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  test::Draw draw(kSeed + 2);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLivingSeed);
+  test::Draw draw(kLivingSeed + 2);
   for (int n = 0; n < 5'000; ++n) {
     std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);

@@ -11,7 +11,7 @@ namespace spinaltap {
 namespace {
 
 /// Density equal to 0.1 g/cm³ at 0 HU, 1 at 900 HU, 2 at 1,900 HU.
-Material plain() {
+Material round_numbers() {
   Material material;
   material.density = {0.1, 0.001};
   return material;
@@ -29,7 +29,7 @@ TEST(Material, NeverGetsEasierToDrillAsItGetsDenser) {
 }
 
 TEST(Material, FollowsItsLaws) {
-  Material material = plain();
+  Material material = round_numbers();
   material.cutting_mpa = 5.0;
   material.cutting_exponent = 2.0;
   material.chisel_mpa = 7.0;

@@ -22,7 +22,7 @@ DrillPath far_path() {
 }
 
 /// A ball of bone; its CT number grows from the centre outwards.
-BoneSampler ball(const Vec3& centre_mm, double radius_mm) {
+BoneSampler bone_ball(const Vec3& centre_mm, double radius_mm) {
   return [=](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
     for (std::size_t i = 0; i < points_mm.size(); ++i) {
       const double r_mm = (points_mm[i] - centre_mm).norm();
@@ -108,7 +108,7 @@ TEST(FillVolume, KeepsWhatLiesInTheBallWithItsNumbers) {
   const DrillPath path = far_path();
   const Vec3 centre_mm = path.entry_mm + 2.0 * path.direction();
   PointVolume volume(path, {.radius_mm = 3.0, .spacing_mm = 0.2});
-  fill_volume(volume, ball(centre_mm, 2.5));
+  fill_volume(volume, bone_ball(centre_mm, 2.5));
   std::size_t alive = 0;
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t i = 0; i < volume.pattern().point_count(); ++i) {
@@ -129,7 +129,7 @@ TEST(FillVolume, KeepsWhatLiesInTheBallWithItsNumbers) {
 
 TEST(FillVolume, GivesTheSameAtAnyNumberOfThreads) {
   const DrillPath path = far_path();
-  const BoneSampler bone = ball(path.entry_mm + 3.0 * path.direction(), 3.3);
+  const BoneSampler bone = bone_ball(path.entry_mm + 3.0 * path.direction(), 3.3);
   PointVolume one(path, {.radius_mm = 3.0, .spacing_mm = 0.2});
   PointVolume two = one;
   {
@@ -160,24 +160,24 @@ TEST(FillVolume, ClampsNumbersThatSixteenBitsCannotHold) {
 
 TEST(FillVolume, KillsPointsWithoutADistanceAndRefusesLivingOnesWithoutANumber) {
   PointVolume volume(straight_path(0.2), {.radius_mm = 0.2, .spacing_mm = 0.1});
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
   const auto fill_with = [&](float distance, float number) {
     fill_volume(volume, [=](std::span<const Vec3>, std::span<float> distance_mm, std::span<float> hu) {
       std::ranges::fill(distance_mm, distance);
       std::ranges::fill(hu, number);
     });
   };
-  fill_with(kNan, kNan);
+  fill_with(kNoNumber, kNoNumber);
   EXPECT_EQ(volume.alive_count(), 0U);
   EXPECT_EQ(volume.hu(0, 0), 0);
-  EXPECT_THROW(fill_with(-1.0F, kNan), Error);
+  EXPECT_THROW(fill_with(-1.0F, kNoNumber), Error);
 }
 
 TEST(FillVolume, StopsWhenItIsCancelled) {
   PointVolume volume(straight_path(1.0), {.radius_mm = 0.2, .spacing_mm = 0.1});
   const Progress progress([](std::string_view, double) {});
   progress.cancel();
-  EXPECT_THROW(fill_volume(volume, ball(Vec3::Zero(), 1.0), progress), Cancelled);
+  EXPECT_THROW(fill_volume(volume, bone_ball(Vec3::Zero(), 1.0), progress), Cancelled);
 }
 
 }  // namespace

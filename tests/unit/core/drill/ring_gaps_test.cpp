@@ -14,7 +14,7 @@ namespace {
 
 using test::Draw;
 
-constexpr std::uint64_t kSeed = 160;
+constexpr std::uint64_t kGapSeed = 160;
 constexpr double kFloatMm = 2e-5;
 
 /// Points of a disc of which some live, and the gap of a ring around a place that is dead.
@@ -59,9 +59,9 @@ struct Disc {
 };
 
 TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kGapSeed);
   const auto& kernels = detail::disc_kernels();
-  Draw draw(kSeed);
+  Draw draw(kGapSeed);
   const DiscPattern pattern(3.0, 0.1);
   const int rings = pattern.ring_count();
   std::size_t passed_over = 0;

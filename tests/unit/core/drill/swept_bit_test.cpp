@@ -13,7 +13,7 @@ namespace {
 using test::Draw;
 using test::Tool;
 
-constexpr std::uint64_t kSeed = 71;
+constexpr std::uint64_t kSweepSeed = 71;
 /// "What is removed lies within 3 nm of what a perfect bit would sweep": and 2 nm for the search of the truth.
 constexpr double kBesideMm = 5e-6;
 
@@ -85,8 +85,8 @@ void expect_swept_as_walked(const BitProfile& bit, double most_way_mm, double mo
 }
 
 TEST(SweptBit, TakesWhatADenseWalkTakesOnAStraightWay) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed);
   for (const Tool& tool : test::five_tools()) {
     SCOPED_TRACE(tool.name);
     expect_swept_as_walked(BitProfile(tool.bit), 5.0, 0.0, 4'000, draw);
@@ -94,8 +94,8 @@ TEST(SweptBit, TakesWhatADenseWalkTakesOnAStraightWay) {
 }
 
 TEST(SweptBit, TakesWhatADenseWalkTakesWhenTurning) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 1);
   for (const Tool& tool : test::five_tools()) {
     SCOPED_TRACE(tool.name);
     expect_swept_as_walked(BitProfile(tool.bit), 2.0, 0.3, 1'500, draw);
@@ -103,8 +103,8 @@ TEST(SweptBit, TakesWhatADenseWalkTakesWhenTurning) {
 }
 
 TEST(SweptBit, IsTheBitItselfWithoutAWay) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 2);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 2);
   for (int n = 0; n < 20'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
     const BitProfile grown = bit.grown(SweptBit::kSkinMm);
@@ -117,8 +117,8 @@ TEST(SweptBit, IsTheBitItselfWithoutAWay) {
 }
 
 TEST(SweptBit, SweepsASlabBetweenTwoHalfCylindersWhenItGoesSideways) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 3);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 3);
   const BitProfile bit({3.0, 20.0, 2.0});
   const BitProfile grown = bit.grown(SweptBit::kSkinMm);
   const Pose from{Vec3(-1.2, 0.3, 10.0), Vec3::UnitZ()};
@@ -152,8 +152,8 @@ TEST(SweptBit, LeavesNoCuspsBesideALongFastWay) {
 }
 
 TEST(SweptBit, SaysHowFarItReachesAlongZ) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 4);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 4);
   for (int n = 0; n < 3'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
     const BitProfile grown = bit.grown(SweptBit::kSkinMm);
@@ -173,8 +173,8 @@ TEST(SweptBit, SaysHowFarItReachesAlongZ) {
 }
 
 TEST(BitMotion, BeginsAndEndsExactlyAtItsPosesAndGoesEvenly) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 5);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 5);
   const BitProfile bit({3.0, 50.0, 5.0});
   for (int n = 0; n < 500; ++n) {
     const Pose from = draw.pose();
@@ -203,8 +203,8 @@ TEST(BitMotion, TakesOnePieceStraightOnAndForAHandsSteps) {
 }
 
 TEST(BitMotion, KeepsChordsWithinHalfASkinOfTheArc) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 6);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 6);
   double most_mm = 0.0;
   for (int n = 0; n < 2'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
@@ -237,8 +237,8 @@ TEST(BitMotion, KeepsChordsWithinHalfASkinOfTheArc) {
 }
 
 TEST(BitMotion, SurvivesOppositeAxes) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  Draw draw(kSeed + 7);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
+  Draw draw(kSweepSeed + 7);
   const BitProfile bit({1.0, 3.0, 1.0});
   const BitProfile grown = bit.grown(SweptBit::kSkinMm);
   for (int n = 0; n < 20; ++n) {

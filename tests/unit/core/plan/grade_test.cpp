@@ -7,16 +7,18 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
 #include "tests/support/planning_bones.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kToleranceMm = 0.02;
-constexpr double kRadiusMm = 3.0;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
-void even_hu(std::span<const Vec3>, std::span<float> hu) { std::fill(hu.begin(), hu.end(), 300.0F); }
+constexpr double kGradeToleranceMm = 0.02;
+constexpr double kScrewRadiusMm = 3.0;
+
+void hu_of_300(std::span<const Vec3>, std::span<float> hu) { std::fill(hu.begin(), hu.end(), 300.0F); }
 
 class GradePath : public ::testing::Test {
  protected:
@@ -29,12 +31,12 @@ class GradePath : public ::testing::Test {
   /// From the block's back straight forward at x and z, to y.
   static DrillPath path(double x_mm, double z_mm = 0.0, double to_y_mm = -12.0) {
     DrillPath path{"", Vec3(x_mm, test::Block::kHalfDepthMm, z_mm), Vec3(x_mm, to_y_mm, z_mm), {}};
-    path.screw = PedicleScrew{"", 2.0 * kRadiusMm, 45.0, 4.0};
+    path.screw = PedicleScrew{"", 2.0 * kScrewRadiusMm, 45.0, 4.0};
     return path;
   }
 
   static PathGrade grade(const DrillPath& path, const GradeOptions& options = {}) {
-    return grade_path(walls(), even_hu, Material(), path, options);
+    return grade_path(walls(), hu_of_300, Material(), path, options);
   }
 };
 
@@ -64,10 +66,10 @@ TEST_F(GradePath, FollowsTheProtrusionThroughAFlatWall) {
                                                     {5.9, Grade::D},  {6.1, Grade::E}};
   for (const double side : {1.0, -1.0}) {
     for (const auto& [breach_mm, expected] : cases) {
-      const PathGrade graded = grade(path(side * (test::Block::kHalfWidthMm - kRadiusMm + breach_mm)));
+      const PathGrade graded = grade(path(side * (test::Block::kHalfWidthMm - kScrewRadiusMm + breach_mm)));
       EXPECT_EQ(graded.grade, expected) << breach_mm;
-      EXPECT_NEAR(graded.breach_mm, std::max(0.0, breach_mm), kToleranceMm);
-      EXPECT_NEAR(graded.outer.clearance_mm, -breach_mm, kToleranceMm);
+      EXPECT_NEAR(graded.breach_mm, std::max(0.0, breach_mm), kGradeToleranceMm);
+      EXPECT_NEAR(graded.outer.clearance_mm, -breach_mm, kGradeToleranceMm);
       EXPECT_EQ(graded.outer.side, PathSide::lateral);
       EXPECT_EQ(graded.is_left, side > 0.0);
       if (breach_mm > 0.0) {
@@ -99,22 +101,22 @@ TEST_F(GradePath, NamesSidesInTheVertebrasOwnFrame) {
   lying.axes.col(0) = -Vec3::UnitZ();
   lying.axes.col(2) = Vec3::UnitX();
   const WallDistance turned(walls().bone(), lying);
-  const PathGrade graded = grade_path(turned, even_hu, Material(), path(26.0));
+  const PathGrade graded = grade_path(turned, hu_of_300, Material(), path(26.0));
   EXPECT_EQ(graded.outer.side, PathSide::cranial);
   EXPECT_EQ(graded.canal.side, PathSide::caudal);
 }
 
 TEST_F(GradePath, KnowsClearanceAndDepthOfTheNearestApproach) {
   const PathGrade graded = grade(path(18.0));
-  EXPECT_NEAR(graded.canal.clearance_mm, 18.0 - 8.0 - kRadiusMm, kToleranceMm);
+  EXPECT_NEAR(graded.canal.clearance_mm, 18.0 - 8.0 - kScrewRadiusMm, kGradeToleranceMm);
   EXPECT_NEAR(graded.canal.depth_mm, 20.0, 1.5);
   EXPECT_EQ(graded.grade, Grade::A);
   EXPECT_EQ(graded.breach_mm, 0.0);
   for (const GradeRow& row : graded.rows) {
     const double y_mm = 20.0 - row.depth_mm;
-    EXPECT_NEAR(row.canal_mm, std::hypot(18.0, y_mm) - 8.0 - row.radius_mm, kToleranceMm);
+    EXPECT_NEAR(row.canal_mm, std::hypot(18.0, y_mm) - 8.0 - row.radius_mm, kGradeToleranceMm);
     const double outer_mm = std::min({12.0, 20.0 - y_mm, y_mm + 20.0});
-    EXPECT_NEAR(row.outer_mm, outer_mm - row.radius_mm, kToleranceMm) << row.depth_mm;
+    EXPECT_NEAR(row.outer_mm, outer_mm - row.radius_mm, kGradeToleranceMm) << row.depth_mm;
   }
   EXPECT_EQ(graded.rows.front().depth_mm, 0.0);
   EXPECT_DOUBLE_EQ(graded.rows.back().depth_mm, 32.0);
@@ -153,9 +155,9 @@ TEST_F(GradePath, CountsTheCanalInTheMouthToo) {
   const WallDistance moved(walls().bone(), far_ahead);
   DrillPath wide = path(18.5);
   wide.screw->diameter_mm = 24.0;
-  const PathGrade graded = grade_path(moved, even_hu, Material(), wide);
+  const PathGrade graded = grade_path(moved, hu_of_300, Material(), wide);
   EXPECT_TRUE(graded.rows[graded.rows.size() / 2].is_entry);
-  EXPECT_NEAR(graded.breach_mm, 1.5, kToleranceMm);
+  EXPECT_NEAR(graded.breach_mm, 1.5, kGradeToleranceMm);
   EXPECT_TRUE(graded.breaches_canal);
   EXPECT_EQ(graded.breach_side, PathSide::medial);
 }
@@ -163,7 +165,7 @@ TEST_F(GradePath, CountsTheCanalInTheMouthToo) {
 TEST_F(GradePath, CountsAndNamesATipThatGoesOutInFront) {
   const PathGrade graded = grade(path(18.0, 0.0, -22.5));
   EXPECT_EQ(graded.grade, Grade::C);
-  EXPECT_NEAR(graded.breach_mm, 2.5, kToleranceMm);
+  EXPECT_NEAR(graded.breach_mm, 2.5, kGradeToleranceMm);
   EXPECT_NEAR(graded.breach_depth_mm, 42.5, 1e-9);
   EXPECT_EQ(graded.breach_side, PathSide::anterior);
   EXPECT_FALSE(graded.breaches_canal);
@@ -176,13 +178,13 @@ TEST_F(GradePath, CountsAPathThroughTheCanal) {
   const PathGrade graded = grade(across);
   EXPECT_EQ(graded.grade, Grade::E);
   EXPECT_TRUE(graded.breaches_canal);
-  EXPECT_LT(graded.canal.clearance_mm, -graded.breach_mm + kToleranceMm);
+  EXPECT_LT(graded.canal.clearance_mm, -graded.breach_mm + kGradeToleranceMm);
 }
 
 TEST_F(GradePath, GradesAPathThatNeverMeetsBoneByHowFarItIs) {
   const PathGrade graded = grade(path(40.0));
   EXPECT_EQ(graded.grade, Grade::E);
-  EXPECT_NEAR(graded.breach_mm, 13.0, kToleranceMm);
+  EXPECT_NEAR(graded.breach_mm, 13.0, kGradeToleranceMm);
   EXPECT_EQ(graded.breach_side, PathSide::lateral);
   EXPECT_TRUE(std::isnan(graded.hu));
   EXPECT_EQ(graded.most_thrust_n, 0.0);
@@ -200,9 +202,9 @@ TEST_F(GradePath, IgnoresWhatStandsOutBehindTheEntry) {
 TEST_F(GradePath, TakesTheBitWhereThePathHasNoScrew) {
   DrillPath drilled = path(25.0);
   drilled.bit.diameter_mm = 2.0;
-  EXPECT_NEAR(grade(drilled).outer.clearance_mm, 5.0 - kRadiusMm, kToleranceMm);
+  EXPECT_NEAR(grade(drilled).outer.clearance_mm, 5.0 - kScrewRadiusMm, kGradeToleranceMm);
   drilled.screw.reset();
-  EXPECT_NEAR(grade(drilled).outer.clearance_mm, 5.0 - 1.0, kToleranceMm);
+  EXPECT_NEAR(grade(drilled).outer.clearance_mm, 5.0 - 1.0, kGradeToleranceMm);
 }
 
 TEST_F(GradePath, TakesTheHoleBehindABurrAsWideAsItsHead) {
@@ -283,7 +285,7 @@ TEST_F(GradePath, FindsNoBreachDeeperThanTheNearestApproachAllows) {
       leaning.target_mm.x() += lean_mm;
       const PathGrade graded = grade(leaning);
       const double nearest_mm = std::min(graded.outer.clearance_mm, graded.canal.clearance_mm);
-      EXPECT_LE(graded.breach_mm, std::max(0.0, -nearest_mm) + kToleranceMm);
+      EXPECT_LE(graded.breach_mm, std::max(0.0, -nearest_mm) + kGradeToleranceMm);
     }
   }
 }
@@ -312,7 +314,7 @@ TEST_F(GradePath, FindsTheSameBreachAsAllPlacesOfTheTool) {
 }
 
 TEST_F(GradePath, RefusesWhatMakesNoSense) {
-  const auto refuses = [](const DrillPath& bad, const GradeOptions& options = {}, const HuSampler& hu = even_hu,
+  const auto refuses = [](const DrillPath& bad, const GradeOptions& options = {}, const HuSampler& hu = hu_of_300,
                           const Material& material = {}) {
     EXPECT_THROW(grade_path(walls(), hu, material, bad, options), Error);
   };
@@ -337,7 +339,7 @@ TEST_F(GradePath, RefusesWhatMakesNoSense) {
   refuses(path(18.0), {}, HuSampler());
   Material material;
   material.cutting_exponent = kNan;
-  refuses(path(18.0), {}, even_hu, material);
+  refuses(path(18.0), {}, hu_of_300, material);
   EXPECT_EQ(grade(path(18.0), {.hu_bands = {}}).hu_band_shares, std::vector<double>{1.0});
 }
 
@@ -348,7 +350,7 @@ TEST(GradePhantom, FindsItsOwnPathsSafeAndTheirPediclesWallsNearest) {
   for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
     DrillPath path{"", pedicle.entry_mm, pedicle.target_mm, {}};
     path.screw = PedicleScrew{"", 6.5, 45.0, 4.0};
-    const PathGrade graded = grade_path(walls, even_hu, Material(), path);
+    const PathGrade graded = grade_path(walls, hu_of_300, Material(), path);
     EXPECT_EQ(graded.grade, Grade::A);
     EXPECT_EQ(graded.is_left, pedicle.isthmus_mm.x() > 0.0);
     // The isthmus is 9 mm wide: 4.5 - 3.25 mm is left on both sides.
@@ -360,7 +362,7 @@ TEST(GradePhantom, FindsItsOwnPathsSafeAndTheirPediclesWallsNearest) {
     const Vec3 inward_mm = -2.0 * (pedicle.isthmus_mm.x() > 0.0 ? 1.0 : -1.0) * Vec3::UnitX();
     path.entry_mm += inward_mm;
     path.target_mm += inward_mm;
-    const PathGrade shifted = grade_path(walls, even_hu, Material(), path);
+    const PathGrade shifted = grade_path(walls, hu_of_300, Material(), path);
     EXPECT_EQ(shifted.grade, Grade::B);
     EXPECT_NEAR(shifted.breach_mm, 0.75, 0.15);
     EXPECT_TRUE(shifted.breaches_canal);

@@ -21,7 +21,7 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 }
 
 /// The larger one of the two pedicles' errors.
-struct Errors {
+struct LandmarkErrors {
   double axis_deg = 0.0, isthmus_mm = 0.0, width_mm = 0.0, height_mm = 0.0;
 
   void add(const PedicleLandmarks& found, const PedicleTruth& truth) {
@@ -32,16 +32,16 @@ struct Errors {
   }
 };
 
-Errors errors_of(const Landmarks& found, const Vertebra& vertebra) {
+LandmarkErrors errors_of(const Landmarks& found, const Vertebra& vertebra) {
   const VertebraTruth truth = vertebra_truth(vertebra);
-  Errors errors;
+  LandmarkErrors errors;
   errors.add(found.left_pedicle, truth.left);
   errors.add(found.right_pedicle, truth.right);
   return errors;
 }
 
 /// What planning promises for phantoms; the method's own errors and those of noise are about half as large.
-void expect_within_promise(const Errors& errors, const std::string& what) {
+void expect_within_promise(const LandmarkErrors& errors, const std::string& what) {
   std::printf("%s: pedicle axis %.2f degrees, isthmus %.3f mm, width %.3f mm, height %.3f mm\n", what.c_str(),
               errors.axis_deg, errors.isthmus_mm, errors.width_mm, errors.height_mm);
   EXPECT_LE(errors.axis_deg, 2.0) << what;
@@ -64,15 +64,16 @@ std::uint64_t phantoms() {
 
 TEST(Landmarks, FindThePediclesOfRandomVertebrae) {
   for (const double noise_mm : {0.0, 0.1}) {
-    Errors worst, sum;
+    LandmarkErrors worst, sum;
     const std::uint64_t seeds = phantoms();
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       const Vertebra vertebra(test::random_anatomy(seed));
       const Landmarks found = find_landmarks(test::shape_of(test::RoughSolid(vertebra, noise_mm, seed)));
-      const Errors errors = errors_of(found, vertebra);
+      const LandmarkErrors errors = errors_of(found, vertebra);
       expect_within_promise(errors, seed_name(seed));
       expect_no_doubts(found);
-      for (const auto member : {&Errors::axis_deg, &Errors::isthmus_mm, &Errors::width_mm, &Errors::height_mm}) {
+      for (const auto member : {&LandmarkErrors::axis_deg, &LandmarkErrors::isthmus_mm, &LandmarkErrors::width_mm,
+                                &LandmarkErrors::height_mm}) {
         worst.*member = std::max(worst.*member, errors.*member);
         sum.*member += errors.*member / static_cast<double>(seeds);
       }

@@ -13,9 +13,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-void even_hu(std::span<const Vec3>, std::span<float> hu) { std::fill(hu.begin(), hu.end(), 200.0F); }
+void hu_of_200(std::span<const Vec3>, std::span<float> hu) { std::fill(hu.begin(), hu.end(), 200.0F); }
 
 std::vector<PedicleScrew> table() {
   std::vector<PedicleScrew> screws;
@@ -41,7 +39,7 @@ class SuggestPaths : public testing::Test {
     return of_bone;
   }
   static const std::vector<Suggestion>& suggested() {
-    static const std::vector<Suggestion> both = suggest_paths(walls(), even_hu, {}, table());
+    static const std::vector<Suggestion> both = suggest_paths(walls(), hu_of_200, {}, table());
     return both;
   }
   static double value_mm(const Vec3& p_mm) {
@@ -117,7 +115,7 @@ TEST_F(SuggestPaths, OfAVertebraThatMirrorsItselfMirrorEachOther) {
 
 TEST_F(SuggestPaths, AreTheSameAtAnyNumberOfThreads) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const std::vector<Suggestion> again = suggest_paths(walls(), even_hu, {}, table());
+  const std::vector<Suggestion> again = suggest_paths(walls(), hu_of_200, {}, table());
   for (std::size_t n = 0; n < 2; ++n) {
     EXPECT_EQ(again[n].best->path.entry_mm, suggested()[n].best->path.entry_mm);
     EXPECT_EQ(again[n].best->path.target_mm, suggested()[n].best->path.target_mm);
@@ -144,7 +142,7 @@ TEST_F(SuggestPaths, GoIntoTheDenserBoneWhereThatIsWorthMost) {
 TEST_F(SuggestPaths, SayWhyThereIsNone) {
   SuggestOptions wide;
   wide.margin_mm = 3.0;
-  const std::vector<Suggestion> none = suggest_paths(walls(), even_hu, {}, table(), wide);
+  const std::vector<Suggestion> none = suggest_paths(walls(), hu_of_200, {}, table(), wide);
   for (const Suggestion& suggestion : none) {
     EXPECT_FALSE(suggestion.best);
     EXPECT_NE(suggestion.refusal.find("3 mm of bone"), std::string::npos) << suggestion.refusal;
@@ -156,7 +154,7 @@ TEST_F(SuggestPaths, RefuseOptionsWithoutSense) {
   const auto refused = [&](const auto& change) {
     SuggestOptions options;
     change(options);
-    EXPECT_THROW(suggest_paths(walls(), even_hu, {}, table(), options), Error);
+    EXPECT_THROW(suggest_paths(walls(), hu_of_200, {}, table(), options), Error);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refused([&](SuggestOptions& options) { options.margin_mm = nan; });
@@ -167,10 +165,10 @@ TEST_F(SuggestPaths, RefuseOptionsWithoutSense) {
   refused([&](SuggestOptions& options) { options.most_turn_deg = 90.0; });
   refused([&](SuggestOptions& options) { options.weights.canal = nan; });
   refused([&](SuggestOptions& options) { options.bit.diameter_mm = nan; });
-  EXPECT_THROW(suggest_paths(walls(), even_hu, {}, {}), Error);
+  EXPECT_THROW(suggest_paths(walls(), hu_of_200, {}, {}), Error);
   std::vector<PedicleScrew> bad = table();
   bad[1].length_mm = nan;
-  EXPECT_THROW(suggest_paths(walls(), even_hu, {}, bad), Error);
+  EXPECT_THROW(suggest_paths(walls(), hu_of_200, {}, bad), Error);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace spinaltap {
 namespace {
 
 // What BoneShape promises: 0.02 mm.
-constexpr double kToleranceMm = 0.02;
+constexpr double kWallToleranceMm = 0.02;
 
 class BlockWalls : public ::testing::Test {
  protected:
@@ -29,8 +29,8 @@ class BlockWalls : public ::testing::Test {
 TEST_F(BlockWalls, AreBothAheadOfAPlaceInBone) {
   const Vec3 p(20.0, 3.0, 1.0);
   const WallDistance::Walls found = walls().walls(p);
-  EXPECT_NEAR(found.outer.distance_mm, 10.0, kToleranceMm);
-  EXPECT_NEAR(found.canal.distance_mm, std::hypot(20.0, 3.0) - 8.0, kToleranceMm);
+  EXPECT_NEAR(found.outer.distance_mm, 10.0, kWallToleranceMm);
+  EXPECT_NEAR(found.canal.distance_mm, std::hypot(20.0, 3.0) - 8.0, kWallToleranceMm);
   EXPECT_NEAR((found.outer.nearest_mm - Vec3(30.0, 3.0, 1.0)).norm(), 0.0, 0.05);
   EXPECT_NEAR((found.outer.normal - Vec3::UnitX()).norm(), 0.0, 1e-3);
   EXPECT_NEAR((found.canal.nearest_mm - 8.0 * Vec3(20.0, 3.0, 0.0).normalized() - Vec3::UnitZ()).norm(), 0.0, 0.2);
@@ -43,20 +43,20 @@ TEST_F(BlockWalls, AreBothAheadOfAPlaceInBone) {
 TEST_F(BlockWalls, OfTheCanalLieBehindAPlaceInItAndTheOuterOnesDoNot) {
   for (const double off_mm : {0.5, 4.0, 7.5, 7.99}) {
     const Vec3 p(off_mm, 0.0, 0.0);
-    EXPECT_NEAR(walls().canal(p).distance_mm, off_mm - 8.0, kToleranceMm) << off_mm;
+    EXPECT_NEAR(walls().canal(p).distance_mm, off_mm - 8.0, kWallToleranceMm) << off_mm;
     EXPECT_GT(walls().outer(p).distance_mm, 10.0) << off_mm;
     EXPECT_TRUE(walls().beyond(p).is_canal);
-    EXPECT_NEAR(walls().beyond(p).distance_mm, 8.0 - off_mm, kToleranceMm) << off_mm;
+    EXPECT_NEAR(walls().beyond(p).distance_mm, 8.0 - off_mm, kWallToleranceMm) << off_mm;
   }
 }
 
 TEST_F(BlockWalls, OnTheOutsideLieBehindAPlaceBeyondThemAndTheCanalDoesNot) {
   for (const double off_mm : {0.01, 0.5, 2.0, 25.0}) {
     const Vec3 p(30.0 + off_mm, 1.0, 2.0);
-    EXPECT_NEAR(walls().outer(p).distance_mm, -off_mm, kToleranceMm) << off_mm;
-    EXPECT_NEAR(walls().canal(p).distance_mm, std::hypot(30.0 + off_mm, 1.0) - 8.0, kToleranceMm) << off_mm;
+    EXPECT_NEAR(walls().outer(p).distance_mm, -off_mm, kWallToleranceMm) << off_mm;
+    EXPECT_NEAR(walls().canal(p).distance_mm, std::hypot(30.0 + off_mm, 1.0) - 8.0, kWallToleranceMm) << off_mm;
     EXPECT_FALSE(walls().beyond(p).is_canal);
-    EXPECT_NEAR(walls().beyond(p).distance_mm, off_mm, kToleranceMm) << off_mm;
+    EXPECT_NEAR(walls().beyond(p).distance_mm, off_mm, kWallToleranceMm) << off_mm;
     EXPECT_LT(walls().walls(p).nearer_mm(), 0.0);
   }
 }
@@ -79,7 +79,7 @@ TEST_F(BlockWalls, OfACanalThatIsNotThereAreEndlesslyFar) {
   std::fill(without.is_canal_wall.begin(), without.is_canal_wall.end(), std::uint8_t{0});
   const WallDistance all_outer(walls().bone(), without);
   EXPECT_EQ(all_outer.canal(Vec3(20.0, 0.0, 0.0)).distance_mm, std::numeric_limits<double>::infinity());
-  EXPECT_NEAR(all_outer.outer(Vec3(7.0, 0.0, 0.0)).distance_mm, -1.0, kToleranceMm);
+  EXPECT_NEAR(all_outer.outer(Vec3(7.0, 0.0, 0.0)).distance_mm, -1.0, kWallToleranceMm);
 }
 
 /// The nearest of some places, and how far it looks at p: 1 where its normal leads there.

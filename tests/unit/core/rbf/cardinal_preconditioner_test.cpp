@@ -7,13 +7,15 @@
 
 #include "core/rbf/polynomial.h"
 #include "tests/unit/core/rbf/dense_solution.h"
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 101;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+using test::kKernels;
+
+constexpr std::uint64_t kCardinalSeed = 101;
 
 CardinalPreconditioner preconditioner(RadialKernel kernel, const std::vector<Vec3>& points_mm, std::size_t neighbours,
                                       double smoothing_mm, const SimdKernels& simd = best_simd_kernels()) {
@@ -43,8 +45,8 @@ Eigen::MatrixXd exact_inverse(RadialKernel kernel, const std::vector<Vec3>& poin
 }
 
 TEST(CardinalPreconditioner, IsTheExactInverseWithAllPointsAsNeighbours) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::random_points(70, kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCardinalSeed);
+  const std::vector<Vec3> points_mm = test::random_points(70, kCardinalSeed);
   for (const RadialKernel kernel : kKernels) {
     for (const double smoothing_mm : {0.0, 0.5}) {
       const Eigen::MatrixXd found = matrix_of(preconditioner(kernel, points_mm, 69, smoothing_mm), 70);
@@ -57,9 +59,10 @@ TEST(CardinalPreconditioner, IsTheExactInverseWithAllPointsAsNeighbours) {
 }
 
 TEST(CardinalPreconditioner, IsSymmetricAndOfOneSign) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCardinalSeed);
   for (const int set : {0, 1}) {
-    const std::vector<Vec3> points_mm = set == 0 ? test::random_points(120, kSeed) : test::clustered_points(120, kSeed);
+    const std::vector<Vec3> points_mm =
+        set == 0 ? test::random_points(120, kCardinalSeed) : test::clustered_points(120, kCardinalSeed);
     for (const RadialKernel kernel : kKernels) {
       const auto terms = static_cast<Eigen::Index>(polynomial_terms(kernel));
       const Eigen::MatrixXd found = matrix_of(preconditioner(kernel, points_mm, 30, 0.0), 120);
@@ -81,11 +84,11 @@ TEST(CardinalPreconditioner, IsSymmetricAndOfOneSign) {
 }
 
 TEST(CardinalPreconditioner, KeepsTheSideConditionsInFloat) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCardinalSeed);
   const std::vector<Vec3> points_mm = test::ball_points(400);
   const CardinalPreconditioner applied = preconditioner(RadialKernel::biharmonic, points_mm, 40, 0.0);
   std::vector<double> out(400);
-  applied.apply(test::random_weights(400, kSeed + 1), out);
+  applied.apply(test::random_weights(400, kCardinalSeed + 1), out);
   double sum = 0.0;
   double size = 0.0;
   Vec3 moment = Vec3::Zero();
@@ -99,7 +102,7 @@ TEST(CardinalPreconditioner, KeepsTheSideConditionsInFloat) {
 }
 
 TEST(CardinalPreconditioner, IsNearlyTheInverseWithFewNeighbours) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCardinalSeed);
   const std::vector<Vec3> points_mm = test::ball_points(300);
   const Eigen::MatrixXd found = matrix_of(preconditioner(RadialKernel::biharmonic, points_mm, 40, 0.0), 300);
   const Eigen::MatrixXd matrix = test::dense_matrix(RadialKernel::biharmonic, points_mm, 0.0, Vec3::Zero(), 10.0);
@@ -117,9 +120,9 @@ TEST(CardinalPreconditioner, IsNearlyTheInverseWithFewNeighbours) {
 }
 
 TEST(CardinalPreconditioner, GivesTheSameBitsAtAnyNumberOfThreadsAndWithAnyInstructionSet) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::clustered_points(1500, kSeed);
-  const std::vector<double> in = test::random_weights(1500, kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kCardinalSeed);
+  const std::vector<Vec3> points_mm = test::clustered_points(1500, kCardinalSeed);
+  const std::vector<double> in = test::random_weights(1500, kCardinalSeed + 1);
   for (const RadialKernel kernel : kKernels) {
     const auto run = [&](std::size_t threads, const SimdKernels& simd) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -8,7 +8,7 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 61;
+constexpr std::uint64_t kFarFieldSeed = 61;
 
 /// The tree, its lists, and a number for each box that has a place among the nodes.
 struct Scene {
@@ -43,8 +43,8 @@ std::vector<Vec3> nodes_of(const Octree& tree, const Octree::Box& box, int order
 }
 
 TEST(FarField, IsTheSumOverAllPairsOfNodes) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const Scene scene(test::random_points(3000, kSeed));
+  SCOPED_TRACE(::testing::Message() << "seed " << kFarFieldSeed);
+  const Scene scene(test::random_points(3000, kFarFieldSeed));
   ASSERT_GT(scene.tree.level_begin().size(), 4U);  // levels 0 to 3 at least
   for (const auto kernel : {RadialKernel::biharmonic, RadialKernel::triharmonic}) {
     for (const double c2 : {0.0, 0.6}) {
@@ -52,7 +52,7 @@ TEST(FarField, IsTheSumOverAllPairsOfNodes) {
         SCOPED_TRACE(::testing::Message() << "power " << (kernel == RadialKernel::biharmonic ? 1 : 3) << ", c2 " << c2
                                           << ", order " << order);
         const std::size_t nodes = LagrangeGrid(order).node_count();
-        const std::vector<double> multipole = test::random_weights(scene.box_count * nodes, kSeed + 1);
+        const std::vector<double> multipole = test::random_weights(scene.box_count * nodes, kFarFieldSeed + 1);
         std::vector<double> local(multipole.size(), 5.0);  // to be added to
         FarField far_field(kernel, c2, order, best_simd_kernels());
         // Level 2 again at the end: the table of one level must not serve another.
@@ -95,7 +95,7 @@ TEST(FarField, IsTheSumOverAllPairsOfNodes) {
 }
 
 TEST(FarField, LeavesBoxesWithoutFarOnesAlone) {
-  const Scene scene(test::random_points(100, kSeed));
+  const Scene scene(test::random_points(100, kFarFieldSeed));
   std::vector<double> local(scene.box_count * 27, 5.0);
   const std::vector<double> multipole(scene.box_count * 27, 1.0);
   FarField far_field(RadialKernel::biharmonic, 0.0, 3, best_simd_kernels());

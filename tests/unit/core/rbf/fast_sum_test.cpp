@@ -5,28 +5,29 @@
 
 #include <algorithm>
 
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {
 namespace {
 
+using test::kKernels;
 using test::plain_sum;
 using test::PlainSum;
 
-constexpr std::uint64_t kSeed = 71;
-constexpr std::size_t kCount = 1500;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+constexpr std::uint64_t kSumSeed = 71;
+constexpr std::size_t kSummed = 1500;
 
-struct Case {
+struct CentreSet {
   const char* name;
   std::vector<Vec3> centres_mm;
 };
 
-std::vector<Case> cases() {
-  return {{"even", test::random_points(kCount, kSeed)},
-          {"surface", test::ball_points(kCount)},
-          {"clusters", test::clustered_points(kCount, kSeed)}};
+std::vector<CentreSet> centre_sets() {
+  return {{"even", test::random_points(kSummed, kSumSeed)},
+          {"surface", test::ball_points(kSummed)},
+          {"clusters", test::clustered_points(kSummed, kSumSeed)}};
 }
 
 /// Places at centres, beside them, all over their cube, on its faces, and outside it, near and far.
@@ -37,14 +38,14 @@ std::vector<Vec3> places(const std::vector<Vec3>& centres_mm) {
   std::vector<Vec3> places_mm;
   for (std::size_t i = 0; i < centres_mm.size(); i += 25) {
     places_mm.push_back(centres_mm[i]);
-    places_mm.push_back(centres_mm[i] + test::random_place(kSeed + 5, i, 0.01 * reach_mm));
+    places_mm.push_back(centres_mm[i] + test::random_place(kSumSeed + 5, i, 0.01 * reach_mm));
   }
   for (std::uint64_t n = 0; n < 100; ++n) {
-    places_mm.emplace_back(bounds.center() + test::random_place(kSeed + 6, n, reach_mm));
-    Vec3 on_face = test::random_place(kSeed + 7, n, 1.1 * reach_mm);
+    places_mm.emplace_back(bounds.center() + test::random_place(kSumSeed + 6, n, reach_mm));
+    Vec3 on_face = test::random_place(kSumSeed + 7, n, 1.1 * reach_mm);
     on_face[static_cast<Eigen::Index>(n % 3)] = n % 2 == 0 ? 1.1 * reach_mm : -1.1 * reach_mm;
     places_mm.emplace_back(bounds.center() + on_face);
-    places_mm.emplace_back(bounds.center() + test::random_place(kSeed + 8, n, 3.0 * reach_mm));
+    places_mm.emplace_back(bounds.center() + test::random_place(kSumSeed + 8, n, 3.0 * reach_mm));
   }
   for (const double times : {10.0, 1e3, 1e6}) places_mm.emplace_back(bounds.center() + Vec3(times * reach_mm, 1, 2));
   return places_mm;
@@ -63,10 +64,10 @@ Found evaluate(const FastSum& sum, const std::vector<Vec3>& places_mm) {
 }
 
 TEST(DirectSums, AreTheFormula) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> centres_mm = test::random_points(301, kSeed);
-  const std::vector<double> weights = test::random_weights(301, kSeed + 1);
-  std::vector<Vec3> places_mm = test::random_points(21, kSeed + 2);  // no multiple of eight
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  const std::vector<Vec3> centres_mm = test::random_points(301, kSumSeed);
+  const std::vector<double> weights = test::random_weights(301, kSumSeed + 1);
+  std::vector<Vec3> places_mm = test::random_points(21, kSumSeed + 2);  // no multiple of eight
   places_mm[3] = centres_mm[100];
   for (const RadialKernel kernel : kKernels) {
     for (const double width_mm : {0.0, 0.5}) {
@@ -87,9 +88,9 @@ TEST(DirectSums, AreTheFormula) {
 }
 
 TEST(FastSum, AgreesWithTheSumTermByTerm) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const Case& one : cases()) {
-    const std::vector<double> weights = test::random_weights(kCount, kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  for (const CentreSet& one : centre_sets()) {
+    const std::vector<double> weights = test::random_weights(kSummed, kSumSeed + 1);
     const std::vector<Vec3> places_mm = places(one.centres_mm);
     for (const RadialKernel kernel : kKernels) {
       for (const double width_mm : {0.0, 0.8}) {
@@ -111,12 +112,12 @@ TEST(FastSum, AgreesWithTheSumTermByTerm) {
 }
 
 /// Root mean square differences from the sum term by term, of its terms' size.
-struct Errors {
+struct SumErrors {
   double value = 0.0;
   double gradient = 0.0;
 };
-Errors errors_of(const Found& found, const std::vector<PlainSum>& sums) {
-  Errors errors;
+SumErrors sum_errors(const Found& found, const std::vector<PlainSum>& sums) {
+  SumErrors errors;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     errors.value += std::pow((found.values[i] - sums[i].value) / sums[i].size, 2) / static_cast<double>(sums.size());
     errors.gradient += ((found.gradients[i] - sums[i].gradient) / sums[i].gradient_size).squaredNorm() /
@@ -126,9 +127,9 @@ Errors errors_of(const Found& found, const std::vector<PlainSum>& sums) {
 }
 
 TEST(FastSum, ComesNearerTheMoreNodesABoxHas) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const Case& one : cases()) {
-    const std::vector<double> weights = test::random_weights(kCount, kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  for (const CentreSet& one : centre_sets()) {
+    const std::vector<double> weights = test::random_weights(kSummed, kSumSeed + 1);
     const std::vector<Vec3> places_mm = places(one.centres_mm);
     for (const RadialKernel kernel : kKernels) {
       SCOPED_TRACE(::testing::Message() << one.name << ", " << (kernel == RadialKernel::biharmonic ? "bi" : "tri")
@@ -136,11 +137,11 @@ TEST(FastSum, ComesNearerTheMoreNodesABoxHas) {
       std::vector<PlainSum> sums;
       sums.reserve(places_mm.size());
       for (const Vec3& p : places_mm) sums.push_back(plain_sum(kernel, 0.0, one.centres_mm, weights, p));
-      Errors last{1.0, 1.0};
+      SumErrors last{1.0, 1.0};
       for (const int order : {4, 6, 8, 10}) {
         FastSum fast(kernel, 0.0, one.centres_mm, {.order = order, .leaf_size = 20});
         fast.set_weights(weights);
-        const Errors errors = errors_of(evaluate(fast, places_mm), sums);
+        const SumErrors errors = sum_errors(evaluate(fast, places_mm), sums);
         // Half a digit a node is a factor of ten for two; gradients, and sets where many terms are summed directly,
         // may gain a little less. Beyond ten nodes rounding shows: even grids blow it up.
         EXPECT_LT(errors.value, last.value / 5.0) << "order " << order;
@@ -152,16 +153,16 @@ TEST(FastSum, ComesNearerTheMoreNodesABoxHas) {
 }
 
 TEST(FastSum, GivesTheSumsAtItsCentresInTheirOrder) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const Case& one : cases()) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  for (const CentreSet& one : centre_sets()) {
     SCOPED_TRACE(one.name);
     FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm, {.order = 8, .leaf_size = 20, .anywhere = false});
-    for (const std::uint64_t seed : {kSeed + 1, kSeed + 2}) {  // nothing of the first weights may stay
-      const std::vector<double> weights = test::random_weights(kCount, seed);
+    for (const std::uint64_t seed : {kSumSeed + 1, kSumSeed + 2}) {  // nothing of the first weights may stay
+      const std::vector<double> weights = test::random_weights(kSummed, seed);
       fast.set_weights(weights);
-      std::vector<double> values(kCount);
+      std::vector<double> values(kSummed);
       fast.at_centres(values);
-      for (std::size_t i = 0; i < kCount; i += 10) {
+      for (std::size_t i = 0; i < kSummed; i += 10) {
         const PlainSum sum = plain_sum(RadialKernel::biharmonic, 0.0, one.centres_mm, weights, one.centres_mm[i]);
         EXPECT_NEAR(values[i], sum.value, 1e-4 * sum.size) << i;  // see AgreesWithTheSumTermByTerm
       }
@@ -170,10 +171,10 @@ TEST(FastSum, GivesTheSumsAtItsCentresInTheirOrder) {
 }
 
 TEST(FastSum, GivesAPlaceTheSameBitsWhateverElseIsAskedFor) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const Case& one : cases()) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  for (const CentreSet& one : centre_sets()) {
     FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm, {.order = 6, .leaf_size = 20});
-    fast.set_weights(test::random_weights(kCount, kSeed + 1));
+    fast.set_weights(test::random_weights(kSummed, kSumSeed + 1));
     std::vector<Vec3> places_mm = places(one.centres_mm);
     const Found together = evaluate(fast, places_mm);
     for (std::size_t i = 0; i < places_mm.size(); ++i) {
@@ -193,15 +194,15 @@ TEST(FastSum, GivesAPlaceTheSameBitsWhateverElseIsAskedFor) {
 }
 
 TEST(FastSum, GivesTheSameBitsAtAnyNumberOfThreadsAndWithAnyInstructionSet) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const Case& one : cases()) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  for (const CentreSet& one : centre_sets()) {
     const std::vector<Vec3> places_mm = places(one.centres_mm);
     const auto all = [&](std::size_t threads, const SimdKernels& simd) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
       FastSum fast(RadialKernel::triharmonic, 0.3, one.centres_mm, {.order = 5, .leaf_size = 20, .simd = &simd});
-      fast.set_weights(test::random_weights(kCount, kSeed + 1));
+      fast.set_weights(test::random_weights(kSummed, kSumSeed + 1));
       Found found = evaluate(fast, places_mm);
-      found.values.resize(places_mm.size() + kCount);
+      found.values.resize(places_mm.size() + kSummed);
       fast.at_centres(std::span(found.values).subspan(places_mm.size()));
       return found;
     };
@@ -214,14 +215,14 @@ TEST(FastSum, GivesTheSameBitsAtAnyNumberOfThreadsAndWithAnyInstructionSet) {
 }
 
 TEST(FastSum, HasTheGradientThatDifferencesOfItsValuesGive) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> centres_mm = test::ball_points(kCount);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  const std::vector<Vec3> centres_mm = test::ball_points(kSummed);
   for (const RadialKernel kernel : kKernels) {
     FastSum fast(kernel, 0.2, centres_mm, {.order = 8, .leaf_size = 20});
-    fast.set_weights(test::random_weights(kCount, kSeed + 1));
+    fast.set_weights(test::random_weights(kSummed, kSumSeed + 1));
     constexpr double kStepMm = 1e-4;
     for (std::uint64_t n = 0; n < 60; ++n) {
-      const Vec3 p = test::random_place(kSeed + 3, n, n < 40 ? 10.0 : 30.0);
+      const Vec3 p = test::random_place(kSumSeed + 3, n, n < 40 ? 10.0 : 30.0);
       const Vec3 gradient = evaluate(fast, {p}).gradients[0];
       Vec3 slope;
       for (int axis = 0; axis < 3; ++axis) {
@@ -229,7 +230,7 @@ TEST(FastSum, HasTheGradientThatDifferencesOfItsValuesGive) {
         const std::vector<double> ends = evaluate(fast, {p - step, p + step}).values;
         slope[axis] = (ends[1] - ends[0]) / (2.0 * kStepMm);
       }
-      const PlainSum sum = plain_sum(kernel, 0.2, centres_mm, test::random_weights(kCount, kSeed + 1), p);
+      const PlainSum sum = plain_sum(kernel, 0.2, centres_mm, test::random_weights(kSummed, kSumSeed + 1), p);
       // Rounding, 1e-13 of the terms over 2e-4 mm; the third derivative, near 1 / (0.2 mm)^2 of a few terms, is less.
       EXPECT_LT((gradient - slope).norm(), 1e-9 * sum.size + 1e-6 * sum.gradient_size) << p.transpose();
     }
@@ -252,8 +253,8 @@ TEST(FastSum, TakesCentresThatAreFewOrTheSame) {
 }
 
 TEST(FastSum, SaysNotANumberOnlyWhereAPlaceIsNone) {
-  FastSum fast(RadialKernel::biharmonic, 0.0, test::random_points(300, kSeed), {.order = 4, .leaf_size = 10});
-  fast.set_weights(test::random_weights(300, kSeed + 1));
+  FastSum fast(RadialKernel::biharmonic, 0.0, test::random_points(300, kSumSeed), {.order = 4, .leaf_size = 10});
+  fast.set_weights(test::random_weights(300, kSumSeed + 1));
   const Found found = evaluate(fast, {Vec3(1, 2, 3), Vec3(1, std::nan(""), 3), Vec3(1, 2, 3)});
   EXPECT_TRUE(std::isnan(found.values[1]));
   EXPECT_TRUE(std::isfinite(found.values[0]));

@@ -12,7 +12,7 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 41;
+constexpr std::uint64_t kFirstCentresSeed = 41;
 
 TEST(FirstCentres, AreAHundredthOfThePointsAnd64AtLeast) {
   for (const auto& [points, expected] : {std::pair{10000, 100}, std::pair{6400, 64}, std::pair{300, 64}, {20, 20}}) {
@@ -25,10 +25,10 @@ TEST(FirstCentres, AreAHundredthOfThePointsAnd64AtLeast) {
 
 TEST(FirstCentres, BeginWithThoseThatDetermineThePolynomial) {
   for (const RadialKernel kernel : {RadialKernel::biharmonic, RadialKernel::triharmonic}) {
-    const std::vector<Vec3> points_mm = test::random_points(2000, kSeed);
+    const std::vector<Vec3> points_mm = test::random_points(2000, kFirstCentresSeed);
     const std::vector<std::uint32_t> determining = determining_points(kernel, points_mm);
     const std::vector<std::uint32_t> centres = first_centres(kernel, points_mm);
-    EXPECT_TRUE(std::equal(determining.begin(), determining.end(), centres.begin())) << "seed " << kSeed;
+    EXPECT_TRUE(std::equal(determining.begin(), determining.end(), centres.begin())) << "seed " << kFirstCentresSeed;
   }
 }
 
@@ -46,7 +46,7 @@ TEST(FirstCentres, ReachAllOfABall) {
 }
 
 TEST(FirstCentres, AreRefusedInAPlane) {
-  std::vector<Vec3> points_mm = test::random_points(100, kSeed);
+  std::vector<Vec3> points_mm = test::random_points(100, kFirstCentresSeed);
   for (Vec3& p : points_mm) p.z() = 1.0;
   EXPECT_THROW(first_centres(RadialKernel::biharmonic, points_mm), Error);
 }

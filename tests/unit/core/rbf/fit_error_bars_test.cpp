@@ -6,30 +6,32 @@
 
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/polynomial.h"
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 151;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
-constexpr double kAccuracyMm = 1e-4;
+using test::kKernels;
+
+constexpr std::uint64_t kErrorBarSeed = 151;
+constexpr double kBarAccuracyMm = 1e-4;
 
 /// A smooth function with noise of at most 0.1 mm, and bars of three widths.
-RbfValues noisy_values(std::size_t count) {
-  RbfValues data{test::random_points(count, kSeed), {}, {}};
+RbfValues values_with_bars(std::size_t count) {
+  RbfValues data{test::random_points(count, kErrorBarSeed), {}, {}};
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3& p = data.points_mm[i];
     data.values_mm.push_back(std::sin(0.3 * p.x()) + 0.1 * p.y() * std::cos(0.25 * p.z()) +
-                             0.1 * (2.0 * random_uniform(kSeed + 1, i) - 1.0));
+                             0.1 * (2.0 * random_uniform(kErrorBarSeed + 1, i) - 1.0));
     data.error_bars_mm.push_back(i % 3 == 0 ? 0.1 : i % 3 == 1 ? 0.15 : 0.3);
   }
   return data;
 }
 
 detail::ReducedFit fit_bars(RadialKernel kernel, const RbfValues& data) {
-  return detail::fit_error_bars(kernel, data.points_mm, data.values_mm, data.error_bars_mm, kAccuracyMm, {});
+  return detail::fit_error_bars(kernel, data.points_mm, data.values_mm, data.error_bars_mm, kBarAccuracyMm, {});
 }
 
 /// w'Aw with the sign that makes it positive: the kernel's norm, squared.
@@ -43,29 +45,29 @@ double norm_of(const RbfModel& model) {
 }
 
 TEST(FitErrorBars, StaysWithinAllOfThem) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const RbfValues data = noisy_values(900);
+  SCOPED_TRACE(::testing::Message() << "seed " << kErrorBarSeed);
+  const RbfValues data = values_with_bars(900);
   for (const RadialKernel kernel : kKernels) {
     const RbfModel model = fit_bars(kernel, data).model;
     EXPECT_LT(model.centres_mm.size(), 900U);
     for (std::size_t i = 0; i < 900; ++i) {
       EXPECT_LE(std::abs(test::plain_value(model, data.points_mm[i]) - data.values_mm[i]),
-                data.error_bars_mm[i] + kAccuracyMm);
+                data.error_bars_mm[i] + kBarAccuracyMm);
     }
   }
 }
 
 TEST(FitErrorBars, BendsLessThanOtherFitsWithinTheBars) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data = noisy_values(900);
+  SCOPED_TRACE(::testing::Message() << "seed " << kErrorBarSeed);
+  RbfValues data = values_with_bars(900);
   data.error_bars_mm.assign(900, 0.2);
   RbfValues plain = data;
   plain.error_bars_mm.clear();
   for (const RadialKernel kernel : kKernels) {
     const double bars = norm_of(fit_bars(kernel, data).model);
-    const double all = norm_of(fit_rbf(plain, {.kernel = kernel, .accuracy_mm = kAccuracyMm}).model);
+    const double all = norm_of(fit_rbf(plain, {.kernel = kernel, .accuracy_mm = kBarAccuracyMm}).model);
     const double reduced =
-        norm_of(fit_rbf(plain, {.kernel = kernel, .accuracy_mm = kAccuracyMm, .reduction_mm = 0.2}).model);
+        norm_of(fit_rbf(plain, {.kernel = kernel, .accuracy_mm = kBarAccuracyMm, .reduction_mm = 0.2}).model);
     // Both others stay within the bars too and meet the determining points, so that none can bend less.
     EXPECT_GT(bars, 0.0);
     EXPECT_LT(bars, reduced);
@@ -74,8 +76,8 @@ TEST(FitErrorBars, BendsLessThanOtherFitsWithinTheBars) {
 }
 
 TEST(FitErrorBars, PullsOutwardsAtTheEndsOfBarsAndNowhereElse) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const RbfValues data = noisy_values(900);
+  SCOPED_TRACE(::testing::Message() << "seed " << kErrorBarSeed);
+  const RbfValues data = values_with_bars(900);
   for (const RadialKernel kernel : kKernels) {
     const detail::ReducedFit fit = fit_bars(kernel, data);
     const std::vector<std::uint32_t> determining = detail::determining_points(kernel, data.points_mm);
@@ -84,7 +86,7 @@ TEST(FitErrorBars, PullsOutwardsAtTheEndsOfBarsAndNowhereElse) {
       const std::uint32_t i = fit.centres[k];
       if (std::find(determining.begin(), determining.end(), i) != determining.end()) continue;
       const double off_mm = test::plain_value(fit.model, data.points_mm[i]) - data.values_mm[i];
-      EXPECT_NEAR(std::abs(off_mm), data.error_bars_mm[i], kAccuracyMm) << "centre " << k;
+      EXPECT_NEAR(std::abs(off_mm), data.error_bars_mm[i], kBarAccuracyMm) << "centre " << k;
       // The norm must fall when the bar is widened: d(norm)/d(value) = 2 w, minus that for the biharmonic kernel.
       const double rise = (kernel == RadialKernel::biharmonic ? -1.0 : 1.0) * fit.model.weights[k];
       EXPECT_LE(rise * off_mm, 0.0) << "centre " << k;
@@ -95,40 +97,40 @@ TEST(FitErrorBars, PullsOutwardsAtTheEndsOfBarsAndNowhereElse) {
 }
 
 TEST(FitErrorBars, InterpolatesWhereABarHasNoWidth) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data = noisy_values(300);
+  SCOPED_TRACE(::testing::Message() << "seed " << kErrorBarSeed);
+  RbfValues data = values_with_bars(300);
   for (std::size_t i = 0; i < 300; i += 5) data.error_bars_mm[i] = 0.0;
-  const RbfFit some = fit_rbf(data, {.accuracy_mm = kAccuracyMm});
+  const RbfFit some = fit_rbf(data, {.accuracy_mm = kBarAccuracyMm});
   for (std::size_t i = 0; i < 300; i += 5) {
-    EXPECT_NEAR(test::plain_value(some.model, data.points_mm[i]), data.values_mm[i], kAccuracyMm);
+    EXPECT_NEAR(test::plain_value(some.model, data.points_mm[i]), data.values_mm[i], kBarAccuracyMm);
   }
   data.error_bars_mm.assign(300, 0.0);
-  const RbfFit all = fit_rbf(data, {.accuracy_mm = kAccuracyMm});
+  const RbfFit all = fit_rbf(data, {.accuracy_mm = kBarAccuracyMm});
   data.error_bars_mm.clear();
-  const RbfFit plain = fit_rbf(data, {.accuracy_mm = kAccuracyMm});
+  const RbfFit plain = fit_rbf(data, {.accuracy_mm = kBarAccuracyMm});
   EXPECT_EQ(all.report.centres, 300U);
   for (std::uint64_t n = 0; n < 50; ++n) {
-    const Vec3 p = test::random_place(kSeed + 2, n);
-    EXPECT_NEAR(test::plain_value(all.model, p), test::plain_value(plain.model, p), 20.0 * kAccuracyMm);
+    const Vec3 p = test::random_place(kErrorBarSeed + 2, n);
+    EXPECT_NEAR(test::plain_value(all.model, p), test::plain_value(plain.model, p), 20.0 * kBarAccuracyMm);
   }
 }
 
 TEST(FitErrorBars, IsThePlaneWhenBarsHoldOne) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data{test::random_points(500, kSeed), {}, std::vector<double>(500, 0.5)};
+  SCOPED_TRACE(::testing::Message() << "seed " << kErrorBarSeed);
+  RbfValues data{test::random_points(500, kErrorBarSeed), {}, std::vector<double>(500, 0.5)};
   for (const Vec3& p : data.points_mm) data.values_mm.push_back(1.0 + 0.3 * p.x() - 0.2 * p.z());
   const detail::ReducedFit fit = fit_bars(RadialKernel::biharmonic, data);
   for (const double weight : fit.model.weights) EXPECT_NEAR(weight, 0.0, 1e-12);
 }
 
 TEST(FitErrorBars, TakesTheNarrowestBarOfPointsThatAreOne) {
-  RbfValues data = noisy_values(100);
+  RbfValues data = values_with_bars(100);
   data.points_mm.push_back(data.points_mm[50]);
   data.values_mm.push_back(data.values_mm[50]);
   data.error_bars_mm.push_back(0.0);
-  const RbfFit fit = fit_rbf(data, {.accuracy_mm = kAccuracyMm});
+  const RbfFit fit = fit_rbf(data, {.accuracy_mm = kBarAccuracyMm});
   EXPECT_EQ(fit.report.merged_points, 1U);
-  EXPECT_NEAR(test::plain_value(fit.model, data.points_mm[50]), data.values_mm[50], kAccuracyMm);
+  EXPECT_NEAR(test::plain_value(fit.model, data.points_mm[50]), data.values_mm[50], kBarAccuracyMm);
 }
 
 }  // namespace

@@ -7,28 +7,30 @@
 
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_field.h"
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 271;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+using test::kKernels;
+
+constexpr std::uint64_t kSmoothingSeed = 271;
 
 /// A smooth function with noise of 0.2 mm at random points.
 RbfValues noisy_values(std::size_t count) {
-  RbfValues data{test::random_points(count, kSeed), {}, {}};
+  RbfValues data{test::random_points(count, kSmoothingSeed), {}, {}};
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3& p = data.points_mm[i];
     data.values_mm.push_back(std::sin(0.3 * p.x()) + 0.2 * p.y() * std::cos(0.25 * p.z()) +
-                             0.2 * random_normal(kSeed + 5, i));
+                             0.2 * random_normal(kSmoothingSeed + 5, i));
   }
   return data;
 }
 
 TEST(FitRbfSmoothing, MissesEachValueBySmoothingTimesItsWeight) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSmoothingSeed);
   const RbfValues data = noisy_values(400);
   for (const RadialKernel kernel : kKernels) {
     const double sign = kernel == RadialKernel::biharmonic ? 1.0 : -1.0;
@@ -44,7 +46,7 @@ TEST(FitRbfSmoothing, MissesEachValueBySmoothingTimesItsWeight) {
 }
 
 TEST(FitRbfSmoothing, MissesTheDataByMoreAndBendsLessTheMoreThereIs) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSmoothingSeed);
   const RbfValues data = noisy_values(300);
   for (const RadialKernel kernel : kKernels) {
     double last_residual = 0.0;
@@ -71,7 +73,7 @@ TEST(FitRbfSmoothing, MissesTheDataByMoreAndBendsLessTheMoreThereIs) {
 }
 
 TEST(FitRbfSmoothing, TendsToTheLinearLeastSquaresFitWithoutEnd) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSmoothingSeed);
   const RbfValues data = noisy_values(100);
   Eigen::MatrixXd linear(100, 4);
   Eigen::VectorXd right(100);
@@ -126,11 +128,11 @@ TEST(LowPass, IsTheConvolutionOfTheFieldWithItsKernel) {
 }
 
 TEST(LowPass, TendsToTheFieldAsItsWidthVanishes) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSmoothingSeed);
   for (const RadialKernel kernel : kKernels) {
     RbfModel model = fit_rbf(noisy_values(200), {.kernel = kernel}).model;
     const RbfField plain(model);
-    const std::vector<Vec3> places_mm = test::random_points(100, kSeed + 1);
+    const std::vector<Vec3> places_mm = test::random_points(100, kSmoothingSeed + 1);
     std::vector<double> expected(100);
     std::vector<double> found(100);
     plain.evaluate(places_mm, expected, {});

@@ -7,6 +7,7 @@
 
 #include "core/rbf/rbf_field.h"
 #include "tests/unit/core/rbf/dense_solution.h"
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 #include "tests/unit/core/rbf/vertebra_points.h"
@@ -14,8 +15,9 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 1729;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+using test::kKernels;
+
+constexpr std::uint64_t kFitSeed = 1729;
 
 /// Something smooth that is not linear.
 double wavy(const Vec3& p) { return std::sin(0.3 * p.x()) + 0.2 * p.y() * std::cos(0.25 * p.z()); }
@@ -36,8 +38,8 @@ double worst_residual(const RbfModel& model, const RbfValues& data) {
 }
 
 TEST(FitRbf, PassesThroughItsDataToTheAccuracyAsked) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const RbfValues data = values_of(test::random_points(1500, kSeed), wavy);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  const RbfValues data = values_of(test::random_points(1500, kFitSeed), wavy);
   for (const RadialKernel kernel : kKernels) {
     for (const double accuracy_mm : {1e-1, 1e-3, 1e-7}) {
       const RbfFit fit = fit_rbf(data, {.kernel = kernel, .accuracy_mm = accuracy_mm});
@@ -83,14 +85,14 @@ TEST(FitRbf, PassesThroughAVertebrasPointsOnPixels) {
 }
 
 TEST(FitRbf, IsWhatADenseSolverFinds) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const RbfValues data = values_of(test::random_points(250, kSeed), wavy);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  const RbfValues data = values_of(test::random_points(250, kFitSeed), wavy);
   for (const RadialKernel kernel : kKernels) {
     for (const double smoothing_mm : {0.0, 1.0}) {
       const RbfFit fit = fit_rbf(data, {.kernel = kernel, .accuracy_mm = 1e-8, .smoothing_mm = smoothing_mm});
       const RbfModel dense = test::dense_solution(kernel, data.points_mm, data.values_mm, smoothing_mm);
       for (std::uint64_t n = 0; n < 100; ++n) {
-        const Vec3 p = test::random_place(kSeed + 1, n, 12.0);
+        const Vec3 p = test::random_place(kFitSeed + 1, n, 12.0);
         // What is 1e-8 at the points may be some tens of that between and beyond them.
         EXPECT_NEAR(test::plain_value(fit.model, p), test::plain_value(dense, p), 1e-6);
       }
@@ -99,7 +101,7 @@ TEST(FitRbf, IsWhatADenseSolverFinds) {
 }
 
 TEST(FitRbf, ReproducesItsPolynomialsEverywhere) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
   const Vec3 slope(0.7, -1.3, 0.4);
   const auto linear = [&](const Vec3& p) { return 2.5 + slope.dot(p); };
   const auto quadratic = [&](const Vec3& p) {
@@ -107,23 +109,23 @@ TEST(FitRbf, ReproducesItsPolynomialsEverywhere) {
   };
   for (const RadialKernel kernel : kKernels) {
     const auto expected = [&](const Vec3& p) { return kernel == RadialKernel::biharmonic ? linear(p) : quadratic(p); };
-    const RbfFit fit = fit_rbf(values_of(test::random_points(200, kSeed), expected), {.kernel = kernel});
+    const RbfFit fit = fit_rbf(values_of(test::random_points(200, kFitSeed), expected), {.kernel = kernel});
     for (std::uint64_t n = 0; n < 100; ++n) {
-      const Vec3 p = test::random_place(kSeed + 1, n, 40.0);             // also far from the data
+      const Vec3 p = test::random_place(kFitSeed + 1, n, 40.0);          // also far from the data
       EXPECT_NEAR(test::plain_value(fit.model, p), expected(p), 1e-10);  // rounding of values near 100
     }
   }
 }
 
 TEST(FitRbf, ComesNearASmoothFunctionBetweenItsData) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const RbfValues data = values_of(test::random_points(1000, kSeed), wavy);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  const RbfValues data = values_of(test::random_points(1000, kFitSeed), wavy);
   double last = 0.1;  // points 2 mm apart against waves of 21 mm; the function spans +-3
   for (const RadialKernel kernel : kKernels) {
     const RbfFit fit = fit_rbf(data, {.kernel = kernel, .accuracy_mm = 1e-4});
     double worst = 0.0;
     for (std::uint64_t n = 0; n < 300; ++n) {
-      const Vec3 p = test::random_place(kSeed + 2, n, 8.0);
+      const Vec3 p = test::random_place(kFitSeed + 2, n, 8.0);
       worst = std::max(worst, std::abs(test::plain_value(fit.model, p) - wavy(p)));
     }
     EXPECT_LT(worst, last);
@@ -132,8 +134,8 @@ TEST(FitRbf, ComesNearASmoothFunctionBetweenItsData) {
 }
 
 TEST(FitRbf, DoesNotCareHowItsDataAreTurnedAndShifted) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const RbfValues data = values_of(test::random_points(300, kSeed), wavy);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  const RbfValues data = values_of(test::random_points(300, kFitSeed), wavy);
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(2, -1, 3).normalized()).toRotationMatrix();
   const Vec3 shift_mm(-300.0, 800.0, 1200.0);
   RbfValues moved = data;
@@ -143,7 +145,7 @@ TEST(FitRbf, DoesNotCareHowItsDataAreTurnedAndShifted) {
     const RbfModel here = fit_rbf(data, options).model;
     const RbfModel there = fit_rbf(moved, options).model;
     for (std::uint64_t n = 0; n < 100; ++n) {
-      const Vec3 p = test::random_place(kSeed + 4, n, 12.0);
+      const Vec3 p = test::random_place(kFitSeed + 4, n, 12.0);
       // Twice the accuracy, times some tens beside the points.
       EXPECT_NEAR(test::plain_value(there, turn * p + shift_mm), test::plain_value(here, p), 1e-6);
     }
@@ -173,8 +175,8 @@ TEST(FitRbf, GivesTheSameBitsAtAnyNumberOfThreadsAndEachTime) {
 }
 
 TEST(FitRbf, TakesPointsThatAreNearlyTheSameAsOneWithTheirMeanValue) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data = values_of(test::random_points(100, kSeed), wavy);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  RbfValues data = values_of(test::random_points(100, kFitSeed), wavy);
   for (const Vec3& beside_mm : {Vec3(0, 0, 0), Vec3(5e-4, 0, 0)}) {
     data.points_mm.emplace_back(data.points_mm[7] + beside_mm);
     data.values_mm.push_back(data.values_mm[7] + 0.3);
@@ -191,8 +193,8 @@ TEST(FitRbf, TakesPointsThatAreNearlyTheSameAsOneWithTheirMeanValue) {
 }
 
 TEST(FitRbf, KeepsNearPointsApartWhenNoneAreToBeMerged) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data = values_of(test::random_points(100, kSeed), wavy);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  RbfValues data = values_of(test::random_points(100, kFitSeed), wavy);
   data.points_mm.emplace_back(data.points_mm[7] + Vec3(5e-4, 0, 0));
   data.values_mm.push_back(data.values_mm[7] + 1e-4);
   const RbfFit fit = fit_rbf(data, {.accuracy_mm = 1e-6, .merge_mm = 0.0});
@@ -201,8 +203,8 @@ TEST(FitRbf, KeepsNearPointsApartWhenNoneAreToBeMerged) {
 }
 
 TEST(FitRbf, TakesThingsOfAnySize) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> unit = test::random_points(400, kSeed, 1.0);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
+  const std::vector<Vec3> unit = test::random_points(400, kFitSeed, 1.0);
   for (const RadialKernel kernel : kKernels) {
     for (const double reach_mm : {1e-3, 1.0, 1e5}) {
       SCOPED_TRACE(::testing::Message() << "reach " << reach_mm << " mm");
@@ -219,10 +221,10 @@ TEST(FitRbf, TakesThingsOfAnySize) {
 }
 
 TEST(FitRbf, ReadsItsValuesWithoutAskingForGradientsAsFine) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
   // More centres than are summed term by term: in a cube of 2e-3 mm gradients are far coarser numbers than values.
   RbfValues data =
-      values_of(test::random_points(2200, kSeed, 1e-3), [](const Vec3& p) { return 1e-3 * wavy(1e4 * p); });
+      values_of(test::random_points(2200, kFitSeed, 1e-3), [](const Vec3& p) { return 1e-3 * wavy(1e4 * p); });
   const RbfFit fit = fit_rbf(data, {.accuracy_mm = 1e-9, .merge_mm = 0.0});
   EXPECT_LE(fit.report.max_residual_mm, 1e-9);
   data.error_bars_mm.assign(2200, 1e-4);
@@ -230,11 +232,11 @@ TEST(FitRbf, ReadsItsValuesWithoutAskingForGradientsAsFine) {
 }
 
 TEST(FitRbf, TakesFarClustersThatAreVeryDense) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);
   // Two heaps of 1 mm, 1,000 m apart, and one of 0.01 mm.
-  std::vector<Vec3> points_mm = test::random_points(100, kSeed, 1.0);
-  for (const Vec3& p : test::random_points(100, kSeed + 1, 1.0)) points_mm.emplace_back(Vec3(1e6, 0, 0) + p);
-  for (const Vec3& p : test::random_points(100, kSeed + 2, 0.01)) points_mm.emplace_back(Vec3(0, 50, 0) + p);
+  std::vector<Vec3> points_mm = test::random_points(100, kFitSeed, 1.0);
+  for (const Vec3& p : test::random_points(100, kFitSeed + 1, 1.0)) points_mm.emplace_back(Vec3(1e6, 0, 0) + p);
+  for (const Vec3& p : test::random_points(100, kFitSeed + 2, 0.01)) points_mm.emplace_back(Vec3(0, 50, 0) + p);
   const RbfValues data = values_of(points_mm, [](const Vec3& p) { return 1.0 + std::sin(0.1 * p.y() + p.z()); });
   const RbfFit fit = fit_rbf(data, {.accuracy_mm = 1e-3, .merge_mm = 0.0});
   EXPECT_LT(worst_residual(fit.model, data), 1e-3);

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 const Vec3 kCentre(30.0, -200.0, 900.0);
 
-SurfacePoints ball(double radius_mm, std::size_t count) {
+SurfacePoints ball_surface(double radius_mm, std::size_t count) {
   SurfacePoints surface;
   for (const Vec3& p : test::ball_points(count, 1.0)) {
     surface.positions_mm.emplace_back(kCentre + radius_mm * p);
@@ -74,9 +74,9 @@ double worst_zero_mm(const RbfField& field, const SurfacePoints& others) {
 }
 
 TEST(FitSurface, FollowsABallBetweenItsPoints) {
-  const SurfaceFit fit = fit_surface(ball(10.0, 1500));
+  const SurfaceFit fit = fit_surface(ball_surface(10.0, 1500));
   // Points 0.9 mm apart: the sagitta between them is 0.01 mm.
-  EXPECT_LT(worst_zero_mm(fit.field, ball(10.0, 151)), 0.02);
+  EXPECT_LT(worst_zero_mm(fit.field, ball_surface(10.0, 151)), 0.02);
   EXPECT_LT(value_at(fit.field, kCentre), -2.0);
   EXPECT_GT(value_at(fit.field, kCentre + Vec3(15, 0, 0)), 2.0);
 }
@@ -113,7 +113,7 @@ TEST(FitSurface, FollowsTheVertebra) {
 TEST(FitSurface, ReportsTheResidualsThatItsFieldHas) {
   constexpr std::uint64_t kSeed = 3;
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  SurfacePoints surface = ball(10.0, 1000);
+  SurfacePoints surface = ball_surface(10.0, 1000);
   for (std::size_t i = 0; i < 1000; ++i) surface.positions_mm[i] += 0.05 * random_normal(kSeed, i) * surface.normals[i];
   const SurfaceFit fit = fit_surface(surface, {.smoothing_mm = 1.0});
   std::vector<double> residual_mm(1000);
@@ -131,14 +131,14 @@ TEST(FitSurface, ReportsTheResidualsThatItsFieldHas) {
 }
 
 TEST(FitSurface, PassesThroughAllPointsWithoutSmoothing) {
-  const SurfaceFit fit = fit_surface(ball(10.0, 800), {.smoothing_mm = 0.0, .accuracy_mm = 1e-3});
+  const SurfaceFit fit = fit_surface(ball_surface(10.0, 800), {.smoothing_mm = 0.0, .accuracy_mm = 1e-3});
   // The report's own sums add their error, 1e-3 mm at most.
   EXPECT_LT(fit.report.max_residual_mm, 2e-3);
 }
 
 TEST(FitSurface, PutsCentresWhereTheSurfaceIsMissedWhenItReduces) {
   // A ball with a bump of 1.5 mm: a few evenly spread centres miss it, those of later rounds lie on it.
-  SurfacePoints surface = ball(10.0, 2500);
+  SurfacePoints surface = ball_surface(10.0, 2500);
   for (std::size_t i = 0; i < surface.normals.size(); ++i) {
     const double angle = std::acos(surface.normals[i].z());
     surface.positions_mm[i] += 1.5 * std::exp(-0.5 * std::pow(angle / 0.12, 2.0)) * surface.normals[i];
@@ -154,7 +154,7 @@ TEST(FitSurface, PutsCentresWhereTheSurfaceIsMissedWhenItReduces) {
 }
 
 TEST(FitSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
-  const SurfacePoints surface = ball(10.0, 900);
+  const SurfacePoints surface = ball_surface(10.0, 900);
   const auto values = [&] {
     std::vector<double> found(900);
     fit_surface(surface).field.evaluate(surface.positions_mm, found, {});
@@ -170,7 +170,7 @@ TEST(FitSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
 }
 
 TEST(FitSurface, TakesPointsGivenTwice) {
-  SurfacePoints surface = ball(10.0, 800);
+  SurfacePoints surface = ball_surface(10.0, 800);
   const SurfacePoints again = surface;
   surface.positions_mm.insert(surface.positions_mm.end(), again.positions_mm.begin(), again.positions_mm.end());
   surface.normals.insert(surface.normals.end(), again.normals.begin(), again.normals.end());
@@ -181,7 +181,7 @@ TEST(FitSurface, TakesPointsGivenTwice) {
 
 TEST(FitSurface, ShortensOffSurfaceDistancesWhereAnotherPartIsNear) {
   // Two balls 0.6 mm apart: off-surface points of 1 mm would lie in the other ball and melt the two together.
-  SurfacePoints surface = ball(5.0, 700);
+  SurfacePoints surface = ball_surface(5.0, 700);
   const SurfacePoints other = surface;
   const Vec3 shift_mm(10.6, 0.0, 0.0);
   for (std::size_t i = 0; i < 700; ++i) {
@@ -196,12 +196,12 @@ TEST(FitSurface, ShortensOffSurfaceDistancesWhereAnotherPartIsNear) {
 
 TEST(FitSurface, RefusesPointsAndOptionsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const SurfacePoints good = ball(10.0, 200);
+  const SurfacePoints good = ball_surface(10.0, 200);
   const auto error = [](const SurfacePoints& surface, const SurfaceFitOptions& options = {}) {
     return error_of([&] { fit_surface(surface, options); });
   };
   EXPECT_EQ(error(good), "");
-  EXPECT_THAT(error(ball(10.0, 19)), HasSubstr("found 19"));
+  EXPECT_THAT(error(ball_surface(10.0, 19)), HasSubstr("found 19"));
   SurfacePoints bad = good;
   bad.normals.pop_back();
   EXPECT_THAT(error(bad), HasSubstr("RBF"));
@@ -225,7 +225,7 @@ TEST(FitSurface, RefusesPointsAndOptionsWithoutSense) {
 
 TEST(FitSurface, ThinsOutDensePointsAndStillPassesTheRest) {
   // 6,000 points on a sphere of 10 mm lie 0.46 mm apart; every second or third is enough for so smooth a surface.
-  const SurfacePoints surface = ball(10.0, 6000);
+  const SurfacePoints surface = ball_surface(10.0, 6000);
   const SurfaceFit all = fit_surface(surface, {.spacing_mm = 0.0});
   const SurfaceFit some = fit_surface(surface, {.spacing_mm = 0.7});
   EXPECT_EQ(all.report.centres, 3 * surface.positions_mm.size());
@@ -237,7 +237,7 @@ TEST(FitSurface, ThinsOutDensePointsAndStillPassesTheRest) {
 TEST(FitSurface, StopsWhenItIsCancelled) {
   const Progress progress([](std::string_view, double) {});
   progress.cancel();
-  EXPECT_THROW(fit_surface(ball(10.0, 200), {}, progress), Cancelled);
+  EXPECT_THROW(fit_surface(ball_surface(10.0, 200), {}, progress), Cancelled);
 }
 
 }  // namespace

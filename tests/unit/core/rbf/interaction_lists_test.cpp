@@ -7,28 +7,28 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 29;
+constexpr std::uint64_t kListSeed = 29;
 
-struct Case {
+struct PointSet {
   const char* name;
   std::vector<Vec3> points_mm;
 };
 
-std::vector<Case> cases() {
-  std::vector<Vec3> mixed = test::random_points(300, kSeed);
-  for (const Vec3& p : test::clustered_points(1200, kSeed)) mixed.push_back(p);
+std::vector<PointSet> listed_sets() {
+  std::vector<Vec3> mixed = test::random_points(300, kListSeed);
+  for (const Vec3& p : test::clustered_points(1200, kListSeed)) mixed.push_back(p);
   for (int i = 0; i < 100; ++i) mixed.emplace_back(1.0, 2.0, 3.0);  // a leaf at the deepest level
-  return {{"even", test::random_points(2500, kSeed)},
+  return {{"even", test::random_points(2500, kListSeed)},
           {"a surface", test::ball_points(2500)},
-          {"clusters", test::clustered_points(2500, kSeed)},
+          {"clusters", test::clustered_points(2500, kListSeed)},
           {"clusters in an even set, and one point many times", mixed},
-          {"few", test::random_points(5, kSeed)}};
+          {"few", test::random_points(5, kListSeed)}};
 }
 
 template <class Check>
 void for_each_case(const Check& check) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const Case& one : cases()) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kListSeed);
+  for (const PointSet& one : listed_sets()) {
     const Octree tree(one.points_mm, 15);
     for (const bool anywhere : {false, true}) {
       for (const std::size_t few : {1U, 8U, 200U}) {
@@ -104,7 +104,7 @@ TEST(InteractionLists, UseExpansionsOnlyWhereBoxesAreApart) {
 }
 
 TEST(InteractionLists, UseEveryKindWhereDensitiesDiffer) {
-  const Octree tree(test::clustered_points(4000, kSeed), 15);
+  const Octree tree(test::clustered_points(4000, kListSeed), 15);
   const InteractionLists lists = make_lists(tree, std::vector<bool>(tree.boxes().size(), true), 8);
   std::size_t far = 0;
   std::size_t near = 0;

@@ -9,7 +9,7 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 53;
+constexpr std::uint64_t kLagrangeSeed = 53;
 
 /// A polynomial of degree order - 1 in each of x, y and z, at most about 1 in the box.
 class Polynomial {
@@ -19,7 +19,8 @@ class Polynomial {
     double sum = 0.0;
     double power = 1.0;
     for (int k = 0; k < order_; ++k, power *= t) {
-      sum += power * random_normal(kSeed + static_cast<std::uint64_t>(axis), static_cast<std::uint64_t>(k)) / order_;
+      sum += power * random_normal(kLagrangeSeed + static_cast<std::uint64_t>(axis), static_cast<std::uint64_t>(k)) /
+             order_;
     }
     return sum;
   }
@@ -44,12 +45,12 @@ Vec3 in_parent(int octant, const Vec3& p) {
 constexpr double kRounding = 1e-11;
 
 TEST(LagrangeGrid, ReproducesPolynomialsAlongALine) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLagrangeSeed);
   for (int order = kMinOrder; order <= kMaxOrder; ++order) {
     const LagrangeGrid grid(order);
     const Polynomial polynomial(order);
     for (std::uint64_t n = 0; n < 50; ++n) {
-      const double t = 2.0 * random_uniform(kSeed, n) - 1.0;
+      const double t = 2.0 * random_uniform(kLagrangeSeed, n) - 1.0;
       std::array<double, kMaxOrder> basis{};
       grid.basis(t, basis.data());
       double sum = 0.0;
@@ -80,15 +81,15 @@ TEST(LagrangeGrid, HasABasisThatIsOneAtItsNodeAndNoughtAtTheOthers) {
 }
 
 TEST(LagrangeGrid, SpreadsASourceSoThatPolynomialsSeeNoDifference) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLagrangeSeed);
   for (int order = kMinOrder; order <= kMaxOrder; ++order) {
     const LagrangeGrid grid(order);
     const Polynomial polynomial(order);
     std::vector<double> nodes(grid.node_count(), 0.0);
     double expected = 0.0;
     for (std::uint64_t n = 0; n < 10; ++n) {
-      const Vec3 place = test::random_place(kSeed, n, 1.0);
-      const double weight = random_normal(kSeed + 5, n);
+      const Vec3 place = test::random_place(kLagrangeSeed, n, 1.0);
+      const double weight = random_normal(kLagrangeSeed + 5, n);
       grid.spread(place, weight, nodes.data());
       expected += weight * polynomial(place);
     }
@@ -99,7 +100,7 @@ TEST(LagrangeGrid, SpreadsASourceSoThatPolynomialsSeeNoDifference) {
 }
 
 TEST(LagrangeGrid, HandsAChildsNodesToItsParentSoThatPolynomialsSeeNoDifference) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLagrangeSeed);
   for (int order = kMinOrder; order <= kMaxOrder; ++order) {
     const LagrangeGrid grid(order);
     const Polynomial polynomial(order);
@@ -107,7 +108,7 @@ TEST(LagrangeGrid, HandsAChildsNodesToItsParentSoThatPolynomialsSeeNoDifference)
     double expected = 0.0;
     for (int octant = 0; octant < 8; ++octant) {
       const std::vector<double> child =
-          test::random_weights(grid.node_count(), kSeed + static_cast<std::uint64_t>(octant));
+          test::random_weights(grid.node_count(), kLagrangeSeed + static_cast<std::uint64_t>(octant));
       grid.child_to_parent(octant, child.data(), parent.data());
       for (std::size_t k = 0; k < child.size(); ++k) {
         expected += child[k] * polynomial(in_parent(octant, node_at(grid, k)));
@@ -121,7 +122,7 @@ TEST(LagrangeGrid, HandsAChildsNodesToItsParentSoThatPolynomialsSeeNoDifference)
 }
 
 TEST(LagrangeGrid, GivesAChildItsParentsPolynomial) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kLagrangeSeed);
   for (int order = kMinOrder; order <= kMaxOrder; ++order) {
     const LagrangeGrid grid(order);
     const Polynomial polynomial(order);

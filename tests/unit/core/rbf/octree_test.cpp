@@ -9,15 +9,15 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 17;
+constexpr std::uint64_t kOctreeSeed = 17;
 
-std::vector<std::vector<Vec3>> point_sets() {
-  return {test::random_points(3000, kSeed), test::ball_points(3000), test::clustered_points(3000, kSeed)};
+std::vector<std::vector<Vec3>> sets_to_sort() {
+  return {test::random_points(3000, kOctreeSeed), test::ball_points(3000), test::clustered_points(3000, kOctreeSeed)};
 }
 
 TEST(Octree, HoldsEveryPointInExactlyOneLeaf) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const std::vector<Vec3>& points_mm : point_sets()) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kOctreeSeed);
+  for (const std::vector<Vec3>& points_mm : sets_to_sort()) {
     for (const std::size_t leaf_size : {1U, 10U, 200U}) {
       const Octree tree(points_mm, leaf_size);
       std::vector<int> met(points_mm.size(), 0);
@@ -39,8 +39,8 @@ TEST(Octree, HoldsEveryPointInExactlyOneLeaf) {
 }
 
 TEST(Octree, DividesBoxesThatHoldTooManyAndNoOthers) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const std::vector<Vec3>& points_mm : point_sets()) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kOctreeSeed);
+  for (const std::vector<Vec3>& points_mm : sets_to_sort()) {
     constexpr std::size_t kLeafSize = 30;
     const Octree tree(points_mm, kLeafSize);
     for (const Octree::Box& box : tree.boxes()) {
@@ -50,7 +50,7 @@ TEST(Octree, DividesBoxesThatHoldTooManyAndNoOthers) {
 }
 
 TEST(Octree, NumbersBoxesLevelByLevelAndChildrenByOctant) {
-  const Octree tree(test::clustered_points(3000, kSeed), 20);
+  const Octree tree(test::clustered_points(3000, kOctreeSeed), 20);
   const auto& boxes = tree.boxes();
   const auto& level_begin = tree.level_begin();
   ASSERT_EQ(level_begin.front(), 0U);
@@ -75,11 +75,11 @@ TEST(Octree, NumbersBoxesLevelByLevelAndChildrenByOctant) {
 }
 
 TEST(Octree, FindsTheLeafOfPlacesWithoutPointsToo) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const Octree tree(test::clustered_points(2000, kSeed), 20);
+  SCOPED_TRACE(::testing::Message() << "seed " << kOctreeSeed);
+  const Octree tree(test::clustered_points(2000, kOctreeSeed), 20);
   for (std::uint64_t n = 0; n < 500; ++n) {
     const Octree::Box& root = tree.boxes().front();
-    const Vec3 p = tree.centre_mm(root) + test::random_place(kSeed + 9, n, tree.half_width_mm(root));
+    const Vec3 p = tree.centre_mm(root) + test::random_place(kOctreeSeed + 9, n, tree.half_width_mm(root));
     ASSERT_TRUE(tree.contains(p));
     const Octree::Box& leaf = tree.boxes()[tree.leaf_at(p)];
     EXPECT_TRUE(leaf.is_leaf());
@@ -118,8 +118,8 @@ TEST(Octree, TakesASinglePoint) {
 }
 
 TEST(Octree, TellsBoxesThatTouch) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const Octree tree(test::clustered_points(500, kSeed), 20);
+  SCOPED_TRACE(::testing::Message() << "seed " << kOctreeSeed);
+  const Octree tree(test::clustered_points(500, kOctreeSeed), 20);
   for (const Octree::Box& a : tree.boxes()) {
     for (const Octree::Box& b : tree.boxes()) {
       const double gap_mm =

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/unit/core/ct/error_of.h"
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap {
@@ -16,8 +17,7 @@ using detail::determining_points;
 using test::error_of;
 using testing::HasSubstr;
 
-constexpr std::uint64_t kSeed = 19;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+constexpr std::uint64_t kPolynomialSeed = 19;
 
 TEST(Polynomial, IsTheSumThatItsCoefficientsSay) {
   const std::vector<double> linear{1.0, 2.0, 3.0, 4.0};
@@ -32,11 +32,11 @@ TEST(Polynomial, IsTheSumThatItsCoefficientsSay) {
 }
 
 TEST(DeterminingPoints, DetermineThePolynomialWell) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const RadialKernel kernel : kKernels) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kPolynomialSeed);
+  for (const RadialKernel kernel : test::kKernels) {
     const auto terms = static_cast<Eigen::Index>(polynomial_terms(kernel));
     for (const double reach_mm : {1e-3, 10.0, 1e5}) {
-      const std::vector<Vec3> points_mm = test::random_points(500, kSeed, reach_mm);
+      const std::vector<Vec3> points_mm = test::random_points(500, kPolynomialSeed, reach_mm);
       const std::vector<std::uint32_t> found = determining_points(kernel, points_mm);
       ASSERT_EQ(std::set<std::uint32_t>(found.begin(), found.end()).size(), polynomial_terms(kernel));
       Eigen::MatrixXd rows(terms, terms);
@@ -52,11 +52,11 @@ TEST(DeterminingPoints, DetermineThePolynomialWell) {
 }
 
 TEST(DeterminingPoints, RefusePointsThatDoNotDetermineIt) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kPolynomialSeed);
   const Vec3 away(500, 600, 700);
   std::vector<Vec3> plane, line, heap, ball, cone;
   for (std::uint64_t n = 0; n < 80; ++n) {
-    const Vec3 p = test::random_place(kSeed, n);
+    const Vec3 p = test::random_place(kPolynomialSeed, n);
     plane.push_back(away + p.x() * Vec3(1, 2, 3).normalized() + p.y() * Vec3(3, 0, -1).normalized());
     line.push_back(away + p.x() * Vec3(1, 2, 3).normalized());
     heap.push_back(away);
@@ -75,7 +75,7 @@ TEST(DeterminingPoints, RefusePointsThatDoNotDetermineIt) {
     EXPECT_THAT(error(RadialKernel::triharmonic, quadric), HasSubstr("on a quadric"));
   }
   EXPECT_THAT(error(RadialKernel::biharmonic, {away, away, away}), HasSubstr("expected 4 points or more"));
-  EXPECT_THAT(error(RadialKernel::triharmonic, test::random_points(9, kSeed)), HasSubstr("found 9"));
+  EXPECT_THAT(error(RadialKernel::triharmonic, test::random_points(9, kPolynomialSeed)), HasSubstr("found 9"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 163;
+constexpr std::uint64_t kFieldSeed = 163;
 
 /// Small weights of both signs that sum to nothing, as those of a fit; 2,000 centres are summed term by term.
 RbfModel model_of(std::size_t count, RadialKernel kernel = RadialKernel::biharmonic) {
@@ -24,7 +24,7 @@ RbfModel model_of(std::size_t count, RadialKernel kernel = RadialKernel::biharmo
   model.kernel = kernel;
   model.centres_mm = test::ball_points(count);
   for (std::size_t i = 0; i < count; ++i) {
-    model.weights.push_back((i % 2 == 0 ? 1.0 : -1.0) * (0.01 + 1e-3 * random_uniform(kSeed, i / 2)));
+    model.weights.push_back((i % 2 == 0 ? 1.0 : -1.0) * (0.01 + 1e-3 * random_uniform(kFieldSeed, i / 2)));
   }
   model.origin_mm = Vec3(1, 2, 3);
   model.polynomial.assign(polynomial_terms(kernel), 0.1);
@@ -62,7 +62,7 @@ TEST(RbfField, MayBeAPolynomialAlone) {
 }
 
 TEST(RbfField, IsWithinItsAccuracyOfTheSumTermByTerm) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFieldSeed);
   for (const RadialKernel kernel : {RadialKernel::biharmonic, RadialKernel::triharmonic}) {
     for (const double width_mm : {0.0, 0.5}) {
       for (const std::size_t count : {2000U, 2400U}) {
@@ -76,9 +76,9 @@ TEST(RbfField, IsWithinItsAccuracyOfTheSumTermByTerm) {
             EXPECT_EQ(field.value_error_mm(), 0.0);
           }
           std::vector<Vec3> places_mm;
-          for (std::uint64_t n = 0; n < 200; ++n) places_mm.push_back(test::random_place(kSeed + 1, n, 12.0));
+          for (std::uint64_t n = 0; n < 200; ++n) places_mm.push_back(test::random_place(kFieldSeed + 1, n, 12.0));
           for (std::size_t i = 0; i < 200; ++i) {
-            places_mm.emplace_back(model.centres_mm[10 * i] + test::random_place(kSeed + 2, i, 0.2));
+            places_mm.emplace_back(model.centres_mm[10 * i] + test::random_place(kFieldSeed + 2, i, 0.2));
           }
           std::vector<double> values(400);
           std::vector<Vec3> gradients(400);
@@ -107,10 +107,10 @@ TEST(RbfField, IsWithinItsAccuracyOfTheSumTermByTerm) {
 }
 
 TEST(RbfField, HasTheGradientThatDifferencesOfItsValuesGive) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFieldSeed);
   const RbfField field(model_of(1000));
   for (std::uint64_t n = 0; n < 100; ++n) {
-    const Vec3 p = test::random_place(kSeed + 3, n, 12.0);
+    const Vec3 p = test::random_place(kFieldSeed + 3, n, 12.0);
     double value = 0.0;
     Vec3 gradient;
     field.evaluate({&p, 1}, {&value, 1}, {&gradient, 1});
@@ -126,9 +126,9 @@ TEST(RbfField, HasTheGradientThatDifferencesOfItsValuesGive) {
 }
 
 TEST(RbfField, GivesTheSameBitsOneByOneTogetherAndAtAnyNumberOfThreads) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kFieldSeed);
   for (const std::size_t count : {603U, 2500U}) {
-    const std::vector<Vec3> points_mm = test::random_points(301, kSeed + 4, 14.0);
+    const std::vector<Vec3> points_mm = test::random_points(301, kFieldSeed + 4, 14.0);
     std::vector<double> one(301), two(301), without(301);
     std::vector<Vec3> gradient_one(301), gradient_two(301);
     {

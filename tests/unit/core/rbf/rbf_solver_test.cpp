@@ -7,14 +7,16 @@
 #include "core/base/error.h"
 #include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/dense_solution.h"
+#include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 113;
-constexpr RadialKernel kKernels[] = {RadialKernel::biharmonic, RadialKernel::triharmonic};
+using test::kKernels;
+
+constexpr std::uint64_t kSolverSeed = 113;
 
 const char* name_of(RadialKernel kernel) { return kernel == RadialKernel::biharmonic ? "biharmonic" : "triharmonic"; }
 
@@ -23,13 +25,13 @@ double norm_of(const std::vector<double>& v) {
 }
 
 TEST(RbfSolver, FindsWhatADenseSolverFinds) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
   for (const RadialKernel kernel : kKernels) {
     for (const double smoothing_mm : {0.0, 0.1, 20.0}) {
       for (const std::size_t count : {polynomial_terms(kernel) + 1, std::size_t{45}, std::size_t{300}}) {
         SCOPED_TRACE(::testing::Message() << name_of(kernel) << ", smoothing " << smoothing_mm << ", " << count);
-        const std::vector<Vec3> points_mm = test::random_points(count, kSeed);
-        const std::vector<double> values_mm = test::random_weights(count, kSeed + 1);
+        const std::vector<Vec3> points_mm = test::random_points(count, kSolverSeed);
+        const std::vector<double> values_mm = test::random_weights(count, kSolverSeed + 1);
         std::vector<double> smoothing;
         if (smoothing_mm > 0.0) smoothing.assign(count, smoothing_mm);
         constexpr double kAccuracyMm = 1e-7;
@@ -41,7 +43,7 @@ TEST(RbfSolver, FindsWhatADenseSolverFinds) {
         // for the residual as for the values, or ten times that.
         EXPECT_LT(norm_of(difference), 1e-5 * norm_of(dense.weights));
         for (std::uint64_t n = 0; n < 50; ++n) {
-          const Vec3 p = test::random_place(kSeed + 2, n);
+          const Vec3 p = test::random_place(kSolverSeed + 2, n);
           EXPECT_NEAR(test::plain_value(found, p), test::plain_value(dense, p), 1e-5);
         }
       }
@@ -50,9 +52,9 @@ TEST(RbfSolver, FindsWhatADenseSolverFinds) {
 }
 
 TEST(RbfSolver, MeetsItsEquationsToTheAccuracyAsked) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<std::vector<Vec3>> sets{test::random_points(1500, kSeed), test::ball_points(1500),
-                                            test::clustered_points(1500, kSeed)};
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
+  const std::vector<std::vector<Vec3>> sets{test::random_points(1500, kSolverSeed), test::ball_points(1500),
+                                            test::clustered_points(1500, kSolverSeed)};
   for (const RadialKernel kernel : kKernels) {
     for (std::size_t set = 0; set < sets.size(); ++set) {
       // A ball is a quadric. Values of a few mm on the smallest cluster, 1e-4 mm wide, are no smooth function.
@@ -63,7 +65,7 @@ TEST(RbfSolver, MeetsItsEquationsToTheAccuracyAsked) {
       for (const Vec3& p : points_mm) values_mm.push_back(std::sin(0.5 * p.x()) + 0.1 * p.y() * p.z());
       for (const double accuracy_mm : {1e-2, 1e-6}) {
         SCOPED_TRACE(::testing::Message() << name_of(kernel) << ", set " << set << ", accuracy " << accuracy_mm);
-        const std::vector<double> smoothing_mm = test::random_weights(points_mm.size(), kSeed + 7);
+        const std::vector<double> smoothing_mm = test::random_weights(points_mm.size(), kSolverSeed + 7);
         std::vector<double> magnitudes_mm;
         magnitudes_mm.reserve(smoothing_mm.size());
         for (const double s : smoothing_mm) magnitudes_mm.push_back(0.1 * std::abs(s));
@@ -92,9 +94,9 @@ TEST(RbfSolver, MeetsItsEquationsToTheAccuracyAsked) {
 }
 
 TEST(RbfSolver, StartsFromWeightsThatAreRightAlready) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::random_points(500, kSeed);
-  const std::vector<double> values_mm = test::random_weights(500, kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
+  const std::vector<Vec3> points_mm = test::random_points(500, kSolverSeed);
+  const std::vector<double> values_mm = test::random_weights(500, kSolverSeed + 1);
   RbfSolver solver(RadialKernel::biharmonic, points_mm);
   const RbfSolution first = solver.solve(values_mm, 1e-6);
   EXPECT_GT(first.iterations, 0);
@@ -105,31 +107,31 @@ TEST(RbfSolver, StartsFromWeightsThatAreRightAlready) {
 }
 
 TEST(RbfSolver, SolvesForOtherValuesAsIfTheyWereTheFirst) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::random_points(400, kSeed);
-  const std::vector<double> values_mm = test::random_weights(400, kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
+  const std::vector<Vec3> points_mm = test::random_points(400, kSolverSeed);
+  const std::vector<double> values_mm = test::random_weights(400, kSolverSeed + 1);
   RbfSolver used(RadialKernel::biharmonic, points_mm);
-  used.solve(test::random_weights(400, kSeed + 2), 1e-2);
+  used.solve(test::random_weights(400, kSolverSeed + 2), 1e-2);
   const RbfModel second = used.solve(values_mm, 1e-6).model;
   const RbfModel first = RbfSolver(RadialKernel::biharmonic, points_mm).solve(values_mm, 1e-6).model;
   for (std::uint64_t n = 0; n < 50; ++n) {
-    const Vec3 p = test::random_place(kSeed + 3, n);
+    const Vec3 p = test::random_place(kSolverSeed + 3, n);
     // Both meet the values to 1e-6; between points the difference is of the same size.
     EXPECT_NEAR(test::plain_value(second, p), test::plain_value(first, p), 1e-5);
   }
 }
 
 TEST(RbfSolver, NeedsNoStepForValuesOfItsPolynomial) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
   for (const RadialKernel kernel : kKernels) {
-    const std::vector<Vec3> points_mm = test::random_points(polynomial_terms(kernel), kSeed);
+    const std::vector<Vec3> points_mm = test::random_points(polynomial_terms(kernel), kSolverSeed);
     std::vector<double> values_mm;
     values_mm.reserve(points_mm.size());
     for (const Vec3& p : points_mm) values_mm.push_back(1.0 + p.x() - 2.0 * p.z());
     const RbfSolution solution = RbfSolver(kernel, points_mm).solve(values_mm, 1e-9);
     EXPECT_EQ(solution.iterations, 0);
     for (std::uint64_t n = 0; n < 20; ++n) {
-      const Vec3 p = test::random_place(kSeed + 1, n);
+      const Vec3 p = test::random_place(kSolverSeed + 1, n);
       // Ten points at random determine a quadric to a few hundred roundings.
       EXPECT_NEAR(test::plain_value(solution.model, p), 1.0 + p.x() - 2.0 * p.z(), 1e-10);
     }
@@ -137,8 +139,8 @@ TEST(RbfSolver, NeedsNoStepForValuesOfItsPolynomial) {
 }
 
 TEST(RbfSolver, GivesTheSameBitsAtAnyNumberOfThreadsAndEachTime) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::clustered_points(1200, kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
+  const std::vector<Vec3> points_mm = test::clustered_points(1200, kSolverSeed);
   std::vector<double> values_mm;
   values_mm.reserve(points_mm.size());
   for (const Vec3& p : points_mm) values_mm.push_back(std::sin(p.x()) + 0.1 * p.y() * p.z());
@@ -154,9 +156,9 @@ TEST(RbfSolver, GivesTheSameBitsAtAnyNumberOfThreadsAndEachTime) {
 }
 
 TEST(RbfSolver, SaysWhatItReachedWhenTheAccuracyIsOutOfReach) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::random_points(100, kSeed);
-  const std::vector<double> values_mm = test::random_weights(100, kSeed + 1);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);
+  const std::vector<Vec3> points_mm = test::random_points(100, kSolverSeed);
+  const std::vector<double> values_mm = test::random_weights(100, kSolverSeed + 1);
   EXPECT_THAT(test::error_of([&] { RbfSolver(RadialKernel::biharmonic, points_mm).solve(values_mm, 1e-25); }),
               testing::HasSubstr("expected to reach 1e-25 mm at all 100 points, reached"));
 }
@@ -164,8 +166,8 @@ TEST(RbfSolver, SaysWhatItReachedWhenTheAccuracyIsOutOfReach) {
 TEST(RbfSolver, StopsWhenItIsCancelled) {
   const Progress progress([](std::string_view, double) {});
   progress.cancel();
-  RbfSolver solver(RadialKernel::biharmonic, test::random_points(100, kSeed));
-  EXPECT_THROW(solver.solve(test::random_weights(100, kSeed), 1e-3, {}, progress), Cancelled);
+  RbfSolver solver(RadialKernel::biharmonic, test::random_points(100, kSolverSeed));
+  EXPECT_THROW(solver.solve(test::random_weights(100, kSolverSeed), 1e-3, {}, progress), Cancelled);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 131;
+constexpr std::uint64_t kReductionSeed = 131;
 
 /// The vertebra with every place once.
 RbfValues vertebra() {
@@ -76,8 +76,8 @@ TEST(ReduceCentres, TakesItsCentresFromThePointsOnceEach) {
 }
 
 TEST(ReduceCentres, TakesTheTriharmonicKernel) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data{test::random_points(800, kSeed), {}, {}};
+  SCOPED_TRACE(::testing::Message() << "seed " << kReductionSeed);
+  RbfValues data{test::random_points(800, kReductionSeed), {}, {}};
   for (const Vec3& p : data.points_mm) data.values_mm.push_back(std::sin(0.3 * p.x()) + 0.2 * std::cos(0.3 * p.z()));
   const detail::ReducedFit fit =
       detail::reduce_centres(RadialKernel::triharmonic, data.points_mm, data.values_mm, 0.02, 0.002, {});
@@ -86,8 +86,8 @@ TEST(ReduceCentres, TakesTheTriharmonicKernel) {
 }
 
 TEST(ReduceCentres, EndsWithAllPointsWhenTheyAreNoise) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  RbfValues data{test::random_points(300, kSeed), test::random_weights(300, kSeed + 1), {}};
+  SCOPED_TRACE(::testing::Message() << "seed " << kReductionSeed);
+  RbfValues data{test::random_points(300, kReductionSeed), test::random_weights(300, kReductionSeed + 1), {}};
   const detail::ReducedFit fit =
       detail::reduce_centres(RadialKernel::biharmonic, data.points_mm, data.values_mm, 1e-3, 1e-4, {});
   EXPECT_GT(fit.centres.size(), 290U);

@@ -18,10 +18,10 @@ using test::plain_sum;
 using test::random_points;
 using test::random_weights;
 
-constexpr std::uint64_t kSeed = 41;
+constexpr std::uint64_t kSimdSeed = 41;
 
 /// Numbers as their bits, so that -0 differs from 0 and NaN equals itself.
-std::vector<std::uint64_t> bits(const std::vector<double>& numbers) {
+std::vector<std::uint64_t> bits_of(const std::vector<double>& numbers) {
   std::vector<std::uint64_t> result;
   result.reserve(numbers.size());
   for (const double number : numbers) result.push_back(std::bit_cast<std::uint64_t>(number));
@@ -39,7 +39,7 @@ template <class Work>
 std::vector<double> same_on_all(const Work& work) {
   std::vector<double> portable = work(simd_kernels().front());
   for (const SimdKernels& simd : simd_kernels()) {
-    EXPECT_EQ(bits(work(simd)), bits(portable)) << "instruction set " << simd.name;
+    EXPECT_EQ(bits_of(work(simd)), bits_of(portable)) << "instruction set " << simd.name;
   }
   return portable;
 }
@@ -50,12 +50,12 @@ TEST(SimdKernels, BeginWithPortableOnes) {
 }
 
 TEST(SimdKernels, SumSourcesAsTheFormulaSays) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   constexpr std::size_t kBegin = 3;
   constexpr std::size_t kEnd = 35;
-  std::vector<Vec3> sources_mm = random_points(37, kSeed);
-  const std::vector<double> weights = random_weights(37, kSeed + 1);
-  std::vector<Vec3> targets_mm = random_points(kLanes, kSeed + 2);
+  std::vector<Vec3> sources_mm = random_points(37, kSimdSeed);
+  const std::vector<double> weights = random_weights(37, kSimdSeed + 1);
+  std::vector<Vec3> targets_mm = random_points(kLanes, kSimdSeed + 2);
   targets_mm[0] = sources_mm[5];  // at sources of the range
   targets_mm[6] = sources_mm[34];
   std::vector<double> x;
@@ -122,12 +122,12 @@ Basis basis_at(int order, int k, double t) {
 }
 
 TEST(SimdKernels, InterpolateAsLagrangeDoes) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   for (int order = kMinOrder; order <= kMaxOrder; ++order) {
     SCOPED_TRACE(::testing::Message() << "order " << order);
     const LagrangeGrid grid(order);
-    const std::vector<double> nodes = random_weights(grid.node_count(), kSeed + 3);
-    std::vector<Vec3> places = random_points(kLanes, kSeed + 4, 1.0);
+    const std::vector<double> nodes = random_weights(grid.node_count(), kSimdSeed + 3);
+    std::vector<Vec3> places = random_points(kLanes, kSimdSeed + 4, 1.0);
     places[0] = Vec3(-1.0, 1.0, grid.node(1));  // at nodes, where products vanish
     double lanes[3 * kLanes];
     for (std::size_t l = 0; l < kLanes; ++l) {
@@ -179,10 +179,10 @@ TEST(SimdKernels, InterpolateAsLagrangeDoes) {
 }
 
 TEST(SimdKernels, MultiplySpectraAsComplexNumbers) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   constexpr std::size_t kChunk = 2 * kLanes;
-  const std::vector<double> table = random_weights(4 * kChunk, kSeed + 5);
-  const std::vector<double> source = random_weights(6 * kChunk, kSeed + 6);
+  const std::vector<double> table = random_weights(4 * kChunk, kSimdSeed + 5);
+  const std::vector<double> source = random_weights(6 * kChunk, kSimdSeed + 6);
   const std::vector<SpectrumPair> all{{0, 5}, {3, 1}, {2, 2}, {3, 0}, {1, 4}, {0, 3}, {2, 5}};
   for (std::size_t count = 0; count <= all.size(); ++count) {
     const std::vector<double> found = same_on_all([&](const SimdKernels& simd) {
@@ -205,7 +205,7 @@ TEST(SimdKernels, MultiplySpectraAsComplexNumbers) {
 }
 
 TEST(SimdKernels, MultiplyComplexMatrices) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   for (const std::size_t rows : {1U, 5U, 13U}) {
     for (const std::size_t inner : {1U, 7U}) {
       for (const std::size_t columns : {8U, 24U}) {
@@ -261,7 +261,7 @@ std::vector<double> local_functions(const SimdKernels& simd, int power, const Lo
 }
 
 TEST(SimdKernels, SolveLocalSystemsAsADenseSolverDoes) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   for (const int power : {1, 3}) {
     const std::size_t terms = power == 1 ? 4 : 10;
     for (const std::size_t count : {terms + 1, std::size_t{20}, std::size_t{41}}) {
@@ -269,7 +269,7 @@ TEST(SimdKernels, SolveLocalSystemsAsADenseSolverDoes) {
         SCOPED_TRACE(::testing::Message() << "power " << power << " count " << count << " smoothing " << smoothing);
         LocalSystems systems{count, {}, std::vector<double>(count * kLanes, smoothing)};
         for (std::size_t k = 0; k < 3 * count * kLanes; ++k) {
-          systems.points.push_back(2.0 * random_uniform(kSeed + 7, k) - 1.0);
+          systems.points.push_back(2.0 * random_uniform(kSimdSeed + 7, k) - 1.0);
         }
         const std::vector<double> found =
             same_on_all([&](const SimdKernels& simd) { return local_functions(simd, power, systems); });
@@ -307,13 +307,13 @@ TEST(SimdKernels, SolveLocalSystemsAsADenseSolverDoes) {
 }
 
 TEST(SimdKernels, TakeLocalPointsInAPlane) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   for (const int power : {1, 3}) {
     LocalSystems systems{41, {}, std::vector<double>(41 * kLanes, 0.0)};
     for (std::size_t i = 0; i < 41; ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
-          systems.points.push_back(axis == 2 ? 0.0 : 2.0 * random_uniform(kSeed + axis, i * kLanes + lane) - 1.0);
+          systems.points.push_back(axis == 2 ? 0.0 : 2.0 * random_uniform(kSimdSeed + axis, i * kLanes + lane) - 1.0);
         }
       }
     }

@@ -9,7 +9,7 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 83;
+constexpr std::uint64_t kSparseSeed = 83;
 
 std::vector<std::uint32_t> found_within(const SparseGrid& grid, const Vec3& p, double radius_mm) {
   std::vector<std::uint32_t> found;
@@ -21,13 +21,13 @@ std::vector<std::uint32_t> found_within(const SparseGrid& grid, const Vec3& p, d
 }
 
 TEST(SparseGrid, VisitsThePointsWithinARadiusOnceEach) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::clustered_points(600, kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSparseSeed);
+  const std::vector<Vec3> points_mm = test::clustered_points(600, kSparseSeed);
   for (const double cell_mm : {0.01, 0.7, 50.0}) {
     SparseGrid grid(points_mm, cell_mm, 10);  // more are added than it has room for
     for (std::uint32_t i = 0; i < 600; i += 2) grid.add(i);
     for (std::uint64_t n = 0; n < 60; ++n) {
-      const Vec3 p = n < 30 ? points_mm[n] : test::random_place(kSeed + 1, n, 15.0);
+      const Vec3 p = n < 30 ? points_mm[n] : test::random_place(kSparseSeed + 1, n, 15.0);
       for (const double radius_mm : {0.0, 0.005, 0.3, 4.0, 100.0}) {
         if (radius_mm > 500.0 * cell_mm) continue;
         std::vector<std::uint32_t> found = found_within(grid, p, radius_mm);
@@ -52,7 +52,7 @@ TEST(SparseGrid, LooksAtItsPointsWhenTheRadiusHoldsMoreCells) {
 }
 
 TEST(SparseGrid, StopsWhenItIsTold) {
-  const std::vector<Vec3> points_mm = test::random_points(50, kSeed);
+  const std::vector<Vec3> points_mm = test::random_points(50, kSparseSeed);
   SparseGrid grid(points_mm, 3.0, 50);
   for (std::uint32_t i = 0; i < 50; ++i) grid.add(i);
   for (const double radius_mm : {5.0, 1e6}) {

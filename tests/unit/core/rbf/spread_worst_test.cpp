@@ -9,11 +9,11 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr std::uint64_t kSeed = 37;
+constexpr std::uint64_t kSpreadSeed = 37;
 
 TEST(SpreadWorst, TakesTheWorstAndNoneNearAWorseOne) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const std::vector<Vec3> points_mm = test::random_points(800, kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSpreadSeed);
+  const std::vector<Vec3> points_mm = test::random_points(800, kSpreadSeed);
   std::vector<std::uint32_t> out(800);
   std::iota(out.rbegin(), out.rend(), 0U);
   constexpr std::size_t kCentres = 400;

@@ -23,7 +23,7 @@ FloatGrid grid_of(const std::array<int, 3>& size, const Vec3& spacing_mm, float 
 }
 
 /// A grid at an angle, away from the origin.
-GridGeometry askew() {
+GridGeometry askew_grid() {
   GridGeometry geometry;
   geometry.size = {7, 6, 5};
   geometry.origin_mm = Vec3(10.0, -20.0, 30.0);
@@ -35,7 +35,7 @@ GridGeometry askew() {
 CtVolume counting_ct() {
   std::vector<std::int16_t> hu(7 * 6 * 5);
   std::iota(hu.begin(), hu.end(), std::int16_t{0});
-  return make_ct_volume(askew(), std::move(hu));
+  return make_ct_volume(askew_grid(), std::move(hu));
 }
 
 TEST(GaussianBlur, KeepsAConstant) {
@@ -107,7 +107,7 @@ TEST(GaussianBlur, RefusesAWidthThatIsNone) {
 
 TEST(MaskBox, HoldsTheMasksVoxelsAndNoMore) {
   BoneMask mask;
-  mask.geometry = askew();
+  mask.geometry = askew_grid();
   mask.inside.assign(mask.geometry.voxel_count(), 0);
   EXPECT_TRUE(mask_box(mask).empty());
   mask.inside[mask.geometry.offset(2, 1, 4)] = 1;

@@ -11,14 +11,15 @@
 #include "core/sim/path_hand.h"
 #include "core/sim/pose_hand.h"
 #include "tests/support/drill_block.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
 
 double even(double depth_mm) { return depth_mm >= 0.0 ? 600.0 : kNan; }
-double slab(double depth_mm) { return depth_mm >= 0.0 && depth_mm <= 8.0 ? 600.0 : kNan; }
+double hard_slab(double depth_mm) { return depth_mm >= 0.0 && depth_mm <= 8.0 ? 600.0 : kNan; }
 
 /// Steps of 10 µs at 1 mm/s.
 void advance(DrillSession& session, const test::DrillBlock& block, double from_mm, double to_mm,
@@ -57,7 +58,7 @@ TEST(DrillSession, RemovesFeelsAndNotesContact) {
 }
 
 TEST(DrillSession, NotesABreakthroughWithTheThrustBefore) {
-  test::DrillBlock block(slab);
+  test::DrillBlock block(hard_slab);
   const auto session = block.session();
   advance(*session, block, -1.0, 15.0);
   const auto events = test::events_of(*session, EventKind::breakthrough);

@@ -11,9 +11,12 @@
 
 #include "core/base/error.h"
 #include "core/sim/drill_workload.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
+
+using test::kNan;
 
 DrillPath paper_path() {
   const Vec3 entry_mm(40.0, 120.0, -300.0);
@@ -167,7 +170,6 @@ TEST(PathMotion, PassesThePathAtItsOffsetWhenTiltedToo) {
 }
 
 TEST(PathMotion, RefusesWhatIsNoMotion) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const DrillPath path = workload_path(3.0);
   const auto at_feed = [](double mm_s) {

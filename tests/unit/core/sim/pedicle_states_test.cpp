@@ -12,7 +12,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kAskedMm = 0.5;
+constexpr double kStateMm = 0.5;
 
 class PedicleStates : public ::testing::Test {
  protected:
@@ -63,14 +63,14 @@ class PedicleStates : public ::testing::Test {
             name, bit.tip_length_mm, found(DrillState::outer_cortical), is.outer_mm, found(DrillState::cancellous),
             is.cortex_end_mm, found(DrillState::transitional), found(DrillState::inner_cortical), is.far_cortex_mm,
             end_mm, is.end_mm);
-        EXPECT_NEAR(found(DrillState::outer_cortical), is.outer_mm, kAskedMm);
-        EXPECT_NEAR(found(DrillState::cancellous), is.cortex_end_mm, kAskedMm);
-        EXPECT_NEAR(found(DrillState::inner_cortical), is.far_cortex_mm, kAskedMm);
-        EXPECT_NEAR(end_mm, is.end_mm, kAskedMm);
+        EXPECT_NEAR(found(DrillState::outer_cortical), is.outer_mm, kStateMm);
+        EXPECT_NEAR(found(DrillState::cancellous), is.cortex_end_mm, kStateMm);
+        EXPECT_NEAR(found(DrillState::inner_cortical), is.far_cortex_mm, kStateMm);
+        EXPECT_NEAR(end_mm, is.end_mm, kStateMm);
         // The way between is told as well: never back to the entry's states, and dense just before the far cortex.
         EXPECT_LT(found(DrillState::transitional), found(DrillState::inner_cortical));
         EXPECT_GT(found(DrillState::transitional), found(DrillState::cancellous));
-        EXPECT_NEAR(run.depth_mm(EventKind::contact).value_or(std::nan("")), is.outer_mm, kAskedMm);
+        EXPECT_NEAR(run.depth_mm(EventKind::contact).value_or(std::nan("")), is.outer_mm, kStateMm);
         EXPECT_EQ(run.cycles.back().state, DrillState::inner_cortical);
       }
     }

@@ -8,14 +8,16 @@
 
 #include "core/base/error.h"
 #include "tests/support/drill_block.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using test::kNan;
+
 constexpr double kTurnsPerS = 1250.0 / 60.0;
 
-double slab(double depth_mm) { return depth_mm >= 0.0 && depth_mm <= 8.0 ? 500.0 : kNan; }
+double soft_slab(double depth_mm) { return depth_mm >= 0.0 && depth_mm <= 8.0 ? 500.0 : kNan; }
 
 /// The feed (mm/s) at which thrust and damping are the push, found apart from the hand.
 double balanced_feed_mm_s(const FeedResistance& bone, double push_n, double damping_n_s_mm) {
@@ -35,14 +37,14 @@ void ask(PushHand& hand, int cycles, const FeedResistance& bone, bool stop = fal
   for (int n = 0; n < cycles; ++n) hand.next(feedback);
 }
 
-DrillPath path() { return test::DrillBlock(slab, 60.0).path; }
+DrillPath slab_path() { return test::DrillBlock(soft_slab, 60.0).path; }
 
 TEST(PushHand, ReachesTheFeedAtWhichThrustAndDampingAreItsPush) {
   const DrillBit bit = twist_drill(3.0, 60.0, 118.0, 0.48);
   for (const double hu : {300.0, 600.0}) {
     const FeedResistance bone = resistance_of_block(bit, {}, hu);
     for (const double push_n : {15.0, 30.0, 60.0}) {
-      PushHand hand(path(), {.push_n = push_n});
+      PushHand hand(slab_path(), {.push_n = push_n});
       ask(hand, 1'000, bone);
       const double expected_mm_s = balanced_feed_mm_s(bone, push_n, 2.0);
       EXPECT_NEAR(hand.feed_mm_s(), expected_mm_s, 1e-6 * expected_mm_s + 1e-9) << hu << " HU, " << push_n << " N";
@@ -75,13 +77,13 @@ TEST(PushHand, DoesSoInASession) {
 TEST(PushHand, StandsWhereTheChiselEdgeHoldsIt) {
   FeedResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 1200.0);
   ASSERT_GT(bone.chisel_n, 20.0);
-  PushHand weak(path(), {.push_n = 0.9 * bone.chisel_n});
+  PushHand weak(slab_path(), {.push_n = 0.9 * bone.chisel_n});
   ask(weak, 500, bone);
   const double stands_mm = weak.depth_mm();
   ask(weak, 2'000, bone);
   EXPECT_EQ(weak.depth_mm(), stands_mm);
   EXPECT_EQ(weak.feed_mm_s(), 0.0);
-  PushHand strong(path(), {.push_n = 1.1 * bone.chisel_n});
+  PushHand strong(slab_path(), {.push_n = 1.1 * bone.chisel_n});
   ask(strong, 2'500, bone);
   EXPECT_GT(strong.feed_mm_s(), 0.0);
 }
@@ -89,7 +91,7 @@ TEST(PushHand, StandsWhereTheChiselEdgeHoldsIt) {
 TEST(PushHand, GivesUpWhereItCannotGoOn) {
   FeedResistance bone;
   bone.chisel_n = 1e3;
-  PushHand hand(path(), {.longest_s = 2.0});
+  PushHand hand(slab_path(), {.longest_s = 2.0});
   ToolFeedback feedback;
   feedback.force.resistance = bone;
   int cycles = 0;
@@ -100,7 +102,7 @@ TEST(PushHand, GivesUpWhereItCannotGoOn) {
 TEST(PushHand, OvershootsTheFurtherTheHarderItPushes) {
   double before_mm = 0.0;
   for (const double push_n : {15.0, 25.0, 40.0, 60.0}) {
-    test::DrillBlock block(slab, 60.0);
+    test::DrillBlock block(soft_slab, 60.0);
     const auto session = block.session();
     PushHand hand(block.path, {.line = {.lead_in_mm = 1.0}, .push_n = push_n});
     run_session(*session, hand);
@@ -122,7 +124,7 @@ TEST(PushHand, OvershootsTheFurtherTheHarderItPushes) {
 TEST(PushHand, StopsAReactionTimeAfterItIsAskedTo) {
   const FeedResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 500.0);
   for (const double reaction_s : {0.0, 0.1, 0.2, 0.5}) {
-    PushHand hand(path(), {.push_n = 20.0, .reaction_s = reaction_s});
+    PushHand hand(slab_path(), {.push_n = 20.0, .reaction_s = reaction_s});
     ask(hand, 1'500, bone);
     const double asked_mm = hand.depth_mm();
     const double feed_mm_s = hand.feed_mm_s();
@@ -136,7 +138,7 @@ TEST(PushHand, StopsAReactionTimeAfterItIsAskedTo) {
 
 TEST(PushHand, ComesAgainTheSame) {
   const auto poses = [](std::uint64_t seed) {
-    test::DrillBlock block(slab, 20.0);
+    test::DrillBlock block(soft_slab, 20.0);
     const auto session = block.session();
     PushHand hand(block.path, {.line = {.lead_in_mm = 0.5}, .push_n = 20.0, .tremor_mm = 0.1, .seed = seed});
     std::vector<Vec3> tips_mm;
@@ -156,7 +158,7 @@ TEST(PushHand, RefusesOptionsWithoutSense) {
         PushOptions{.reaction_s = kNan}, PushOptions{.ramp_s = -1.0}, PushOptions{.approach_mm_s = 0.0},
         PushOptions{.noticed_share = 1.5}, PushOptions{.longest_s = kNan}, PushOptions{.tremor_mm = kNan},
         PushOptions{.line = {.tilt_deg = kNan}}}) {
-    EXPECT_THROW(PushHand(path(), options), Error);
+    EXPECT_THROW(PushHand(slab_path(), options), Error);
   }
 }
 

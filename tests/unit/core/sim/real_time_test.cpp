@@ -23,9 +23,9 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 const Vec3 kEntry(12.0, 80.0, -300.0);
-const Vec3 kAxis = Vec3(-0.2, -0.9, 0.3).normalized();
+const Vec3 kEntryAxis = Vec3(-0.2, -0.9, 0.3).normalized();
 
-DrillPath short_path() { return {"short", kEntry, kEntry + 8.0 * kAxis, {3.0, 30.0, 3.0}}; }
+DrillPath short_path() { return {"short", kEntry, kEntry + 8.0 * kEntryAxis, {3.0, 30.0, 3.0}}; }
 
 /// A cylinder of even bone of 300 HU around a path of 8 mm, and its session.
 struct SmallDrilling {
@@ -50,7 +50,7 @@ class StraightHand final : public ToolSource {
   std::optional<ToolInput> next(const ToolFeedback& feedback) override {
     if (given_ >= poses_ || feedback.stop) return std::nullopt;
     const double depth_mm = std::min(0.01 * static_cast<double>(given_++), 8.0);
-    return ToolInput{.pose = {kEntry + depth_mm * kAxis, kAxis}, .dt_s = 0.001};
+    return ToolInput{.pose = {kEntry + depth_mm * kEntryAxis, kEntryAxis}, .dt_s = 0.001};
   }
   std::size_t count() const override { return poses_; }
   std::size_t given() const { return given_; }
@@ -247,7 +247,7 @@ TEST(RealTime, ThrowsWhatTheHandOrTheObserverThrows) {
    public:
     std::optional<ToolInput> next(const ToolFeedback&) override {
       if (++asked_ > 20) fail("the device is gone");
-      return ToolInput{.pose = {kEntry, kAxis}};
+      return ToolInput{.pose = {kEntry, kEntryAxis}};
     }
 
    private:

@@ -15,6 +15,7 @@
 #include "core/sim/session_record.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {
@@ -76,15 +77,6 @@ bool comes_true(const Condition& is_so) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return false;
-}
-
-std::string error_of(const auto& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(SessionRecord, GivesBackEveryBitOfWhatWasWritten) {
@@ -208,7 +200,7 @@ TEST(RecordWriter, KeepsWhatWasFlushedWhenTheDiskIsFullAndTheSessionGoesOn) {
         writer.add_events({});
         EXPECT_THAT(writer.trouble(), testing::HasSubstr("File too large"));
         EXPECT_THAT(writer.trouble(), testing::HasSubstr(file.string()));
-        why = error_of([&] { writer.close({}); });
+        why = test::error_of([&] { writer.close({}); });
         EXPECT_THAT(why, testing::HasSubstr("File too large"));
         lost = writer.lost();
       } catch (const Error& error) {
@@ -270,22 +262,23 @@ TEST(RecordWriter, RefusesAFileThatIsThereUnlessItMayReplaceIt) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.h5";
   write_whole_file(file, "precious");
-  EXPECT_THAT(error_of([&] { RecordWriter writer(file, {}); }), testing::HasSubstr("there already"));
+  EXPECT_THAT(test::error_of([&] { RecordWriter writer(file, {}); }), testing::HasSubstr("there already"));
   EXPECT_EQ(read_whole_file(file), "precious");
-  EXPECT_THAT(error_of([&] { RecordWriter writer(folder.path(), {}, true); }), testing::HasSubstr("expected a file"));
+  EXPECT_THAT(test::error_of([&] { RecordWriter writer(folder.path(), {}, true); }),
+              testing::HasSubstr("expected a file"));
   { RecordWriter writer(file, {{"session", "new"}}, true); }
   EXPECT_EQ(read_record(file).setup.at("session"), "new");
-  EXPECT_THAT(error_of([&] { RecordWriter writer(folder.path() / "none" / "a.h5", {}); }),
+  EXPECT_THAT(test::error_of([&] { RecordWriter writer(folder.path() / "none" / "a.h5", {}); }),
               testing::HasSubstr("No such file"));
 }
 
 TEST(ReadRecord, RefusesWhatIsNoRecord) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.h5";
-  EXPECT_THAT(error_of([&] { read_record(file); }), testing::HasSubstr(file.string()));
+  EXPECT_THAT(test::error_of([&] { read_record(file); }), testing::HasSubstr(file.string()));
   write_whole_file(file, "plain text");
-  EXPECT_THAT(error_of([&] { read_record(file); }), testing::HasSubstr("expected an HDF5 file"));
-  EXPECT_THAT(error_of([&] { read_record(folder.path()); }), testing::HasSubstr(folder.path().string()));
+  EXPECT_THAT(test::error_of([&] { read_record(file); }), testing::HasSubstr("expected an HDF5 file"));
+  EXPECT_THAT(test::error_of([&] { read_record(folder.path()); }), testing::HasSubstr(folder.path().string()));
 }
 
 TEST(ReadRecord, RefusesAFileCutShortOrDamagedOrReadsWhatItHolds) {

@@ -14,7 +14,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kAskedMm = 0.05;
+constexpr double kStopMm = 0.05;
 
 class SessionWalls : public ::testing::Test {
  protected:
@@ -73,7 +73,7 @@ TEST_F(SessionWalls, NotesABreachIntoTheCanalWithItsDepth) {
   drill(39.0);
   const auto breaches = test::events_of(ran, EventKind::canal_breach);
   ASSERT_EQ(breaches.size(), 1U);
-  EXPECT_NEAR(breaches[0].value, 1.0, kAskedMm);
+  EXPECT_NEAR(breaches[0].value, 1.0, kStopMm);
   // The shoulder, 0.757 mm behind the tip, reaches the canal where its side at x = 7 mm does: at y = sqrt(8² - 7²).
   EXPECT_NEAR(breaches[0].depth_mm, 20.0 - std::sqrt(15.0) + path().bit.tip_length_mm, 0.15);
   EXPECT_NEAR(breaches[0].place_mm.y(), 0.0, 0.5) << "where it is deepest";
@@ -87,9 +87,9 @@ TEST_F(SessionWalls, NotesABreachThroughTheFrontAndOnceMoreAfterAWayBack) {
   drill(41.0);
   const auto breaches = test::events_of(*session_, EventKind::outer_breach);
   ASSERT_EQ(breaches.size(), 2U);
-  EXPECT_NEAR(breaches[0].value, 2.0, kAskedMm);
-  EXPECT_NEAR(breaches[0].depth_mm, 40.0, kAskedMm + 0.02);
-  EXPECT_NEAR(breaches[1].value, 1.0, kAskedMm);
+  EXPECT_NEAR(breaches[0].value, 2.0, kStopMm);
+  EXPECT_NEAR(breaches[0].depth_mm, 40.0, kStopMm + 0.02);
+  EXPECT_NEAR(breaches[1].value, 1.0, kStopMm);
   // Its end is the volume's: no breakthrough can be told there.
   EXPECT_TRUE(test::events_of(*session_, EventKind::breakthrough).empty());
 }
@@ -102,7 +102,7 @@ TEST_F(SessionWalls, StopAtAClearance) {
   const auto stops = test::events_of(ran, EventKind::stop_clearance);
   ASSERT_EQ(stops.size(), 1U);
   EXPECT_LE(stops[0].value, 0.5);
-  EXPECT_GT(stops[0].value, 0.5 - kAskedMm);
+  EXPECT_GT(stops[0].value, 0.5 - kStopMm);
   // x = 7 mm is half a millimetre from the canal at y = sqrt(8.5² - 7²).
   EXPECT_NEAR(stops[0].depth_mm, 20.0 - std::sqrt(8.5 * 8.5 - 49.0) + path().bit.tip_length_mm, 0.15);
   EXPECT_EQ(ran.last().depth_mm, stops[0].depth_mm);
@@ -117,7 +117,7 @@ TEST_F(SessionWalls, StopOnABreach) {
   const auto stops = test::events_of(ran, EventKind::stop_breach);
   ASSERT_EQ(stops.size(), 1U);
   EXPECT_GT(stops[0].value, 0.0);
-  EXPECT_LT(stops[0].value, kAskedMm);
+  EXPECT_LT(stops[0].value, kStopMm);
   EXPECT_EQ(stops[0].cycle, test::events_of(ran, EventKind::canal_breach).at(0).cycle);
   EXPECT_TRUE(ran.is_stopped());
 }

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kNoLimit = 1000.0;
 const DrillBit kDrill{3.0, 50.0, 5.0};
-const Vec3 kAxis = Vec3(0.3, -0.5, 0.8).normalized();
-const Vec3 kStart(10.0, 200.0, -600.0);
+const Vec3 kLineAxis = Vec3(0.3, -0.5, 0.8).normalized();
+const Vec3 kLineStart(10.0, 200.0, -600.0);
 
 std::vector<ToolInput> inputs_of(const std::vector<Pose>& poses) {
   std::vector<ToolInput> inputs(poses.size());
@@ -28,7 +28,7 @@ std::vector<ToolInput> straight(double from_mm, double to_mm, double step_mm) {
   std::vector<ToolInput> inputs;
   const auto count = static_cast<int>(std::lround(std::abs(to_mm - from_mm) / step_mm));
   for (int n = 0; n <= count; ++n) {
-    inputs.push_back({.pose = {kStart + (from_mm + (to_mm - from_mm) * n / count) * kAxis, kAxis}});
+    inputs.push_back({.pose = {kLineStart + (from_mm + (to_mm - from_mm) * n / count) * kLineAxis, kLineAxis}});
   }
   return inputs;
 }
@@ -41,7 +41,7 @@ TEST(StraightWays, OfASteadyHandAreOneFromItsFirstPoseToItsLast) {
     const std::vector<ToolInput> inputs = straight(0.0, 40.0, shape == BitShape::drill ? 0.7 : 0.001);
     const std::vector<BitWay> ways = straight_ways(inputs, bit, kNoLimit);
     ASSERT_EQ(ways.size(), 1U);
-    EXPECT_LT((ways[0].start.tip_mm - kStart).norm(), 1e-9);
+    EXPECT_LT((ways[0].start.tip_mm - kLineStart).norm(), 1e-9);
     EXPECT_LT((ways[0].end.tip_mm - inputs.back().pose.tip_mm).norm(), 1e-9);
   }
 }
@@ -52,26 +52,26 @@ TEST(StraightWays, GoOnTheSameLineAfterTheHandDrewBack) {
   for (const ToolInput& input : straight(5.0, 12.0, 0.01)) inputs.push_back(input);
   const std::vector<BitWay> ways = straight_ways(inputs, kDrill, kNoLimit);
   ASSERT_EQ(ways.size(), 1U);
-  EXPECT_NEAR((ways[0].end.tip_mm - kStart).norm(), 12.0, 1e-9);
+  EXPECT_NEAR((ways[0].end.tip_mm - kLineStart).norm(), 12.0, 1e-9);
 }
 
 TEST(StraightWays, LeaveOutPosesThatTookNothing) {
   std::vector<ToolInput> inputs = straight(0.0, 5.0, 0.01);
-  ToolInput off{.pose = {kStart + 20.0 * kAxis, kAxis}, .spindle_on = false};
+  ToolInput off{.pose = {kLineStart + 20.0 * kLineAxis, kLineAxis}, .spindle_on = false};
   inputs.push_back(off);
-  ToolInput no_number{.pose = {Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), kAxis}};
+  ToolInput no_number{.pose = {Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), kLineAxis}};
   inputs.push_back(no_number);
-  inputs.push_back({.pose = {kStart + 30.0 * kAxis, Vec3::Zero()}});
+  inputs.push_back({.pose = {kLineStart + 30.0 * kLineAxis, Vec3::Zero()}});
   const std::vector<BitWay> ways = straight_ways(inputs, kDrill, kNoLimit);
   ASSERT_EQ(ways.size(), 1U);
-  EXPECT_NEAR((ways[0].end.tip_mm - kStart).norm(), 5.0, 1e-9);
+  EXPECT_NEAR((ways[0].end.tip_mm - kLineStart).norm(), 5.0, 1e-9);
   EXPECT_TRUE(straight_ways({&off, 1}, kDrill, kNoLimit).empty());
 }
 
 TEST(StraightWays, DoNotFollowAJump) {
-  const Vec3 aside = kAxis.unitOrthogonal();
+  const Vec3 aside = kLineAxis.unitOrthogonal();
   std::vector<ToolInput> inputs = straight(0.0, 1.0, 0.01);
-  inputs.push_back({.pose = {kStart + 60.0 * aside, kAxis}});
+  inputs.push_back({.pose = {kLineStart + 60.0 * aside, kLineAxis}});
   EXPECT_EQ(straight_ways(inputs, kDrill, 50.0).size(), 2U);
   // Within the limit the way is cut: one line for each 0.02 mm of it, but for those that rounding puts between two.
   EXPECT_GT(straight_ways(inputs, kDrill, 100.0).size(), 2000U);
@@ -116,8 +116,8 @@ TEST(StraightWays, OfABitThatTurnsTakeWhatItsPosesTake) {
   std::vector<ToolInput> inputs;
   for (int n = 0; n <= 400; ++n) {
     const double angle = 0.1 * n / 400.0;
-    const Vec3 axis = (std::cos(angle) * kAxis + std::sin(angle) * kAxis.unitOrthogonal()).normalized();
-    inputs.push_back({.pose = {kStart + 0.02 * n * kAxis, axis}});
+    const Vec3 axis = (std::cos(angle) * kLineAxis + std::sin(angle) * kLineAxis.unitOrthogonal()).normalized();
+    inputs.push_back({.pose = {kLineStart + 0.02 * n * kLineAxis, axis}});
   }
   EXPECT_LT(difference_mm(inputs, straight_ways(inputs, kDrill, kNoLimit), kDrill), 0.03);
 }

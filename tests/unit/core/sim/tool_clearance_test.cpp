@@ -19,10 +19,10 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kAskedMm = 0.05;
+constexpr double kClearanceMm = 0.05;
 
 /// The tools whose outlines differ: cones slender and blunt, a ball on a neck, a frustum, two tapers.
-std::vector<DrillBit> bits() {
+std::vector<DrillBit> outlines() {
   return {DrillBit{},
           twist_drill(3.0, 60.0, 118.0, 0.48),
           {.diameter_mm = 4.0, .length_mm = 60.0, .shape = BitShape::round_burr, .shank_diameter_mm = 2.0},
@@ -98,7 +98,7 @@ TEST_F(BlockClearance, AgreesWithTheFormulaForEveryToolAndTilt) {
   double worst_mm = 0.0;
   int compared = 0;
   int near = 0;
-  for (const DrillBit& bit : bits()) {
+  for (const DrillBit& bit : outlines()) {
     const BitProfile profile(bit);
     for (const double depth_mm : {16.0, 24.0, 34.0}) {
       for (const double tilt_deg : {0.0, 4.0, 15.0}) {
@@ -111,13 +111,13 @@ TEST_F(BlockClearance, AgreesWithTheFormulaForEveryToolAndTilt) {
           // Far from two walls the lattice cuts the ridge between them, by up to a quarter of its spacing and a bit.
           if (outer > 8.0) {
             EXPECT_GT(found.outer_mm, outer - 0.15) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
-            EXPECT_LT(found.outer_mm, outer + kAskedMm) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
+            EXPECT_LT(found.outer_mm, outer + kClearanceMm) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
           } else {
-            EXPECT_NEAR(found.outer_mm, outer, kAskedMm) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
+            EXPECT_NEAR(found.outer_mm, outer, kClearanceMm) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
             worst_mm = std::max(worst_mm, std::abs(found.outer_mm - outer));
             ++near;
           }
-          EXPECT_NEAR(found.canal_mm, canal, kAskedMm) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
+          EXPECT_NEAR(found.canal_mm, canal, kClearanceMm) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
           worst_mm = std::max(worst_mm, std::abs(found.canal_mm - canal));
           ++compared;
         }
@@ -144,12 +144,12 @@ TEST_F(BlockClearance, IsNegativeByHowFarTheBitIsBeyond) {
   for (const double beyond_mm : {0.1, 0.6, 2.0}) {
     const Pose through{Vec3(15.0, -20.0 - beyond_mm, 1.0), -Vec3::UnitY()};
     const Clearance found = field().of(bit, through);
-    EXPECT_NEAR(found.outer_mm, -beyond_mm, kAskedMm);
+    EXPECT_NEAR(found.outer_mm, -beyond_mm, kClearanceMm);
     EXPECT_NEAR((found.outer_at_mm - through.tip_mm).norm(), 0.0, 0.2) << "the tip is furthest out";
     // A cylinder beside the canal's middle: as far in it as the radius exceeds the way to its wall.
     const Pose aside{Vec3(9.5 - beyond_mm, -15.0, 1.0), -Vec3::UnitY()};
     const Clearance in_canal = field().of(bit, aside);
-    EXPECT_NEAR(in_canal.canal_mm, -beyond_mm, kAskedMm);
+    EXPECT_NEAR(in_canal.canal_mm, -beyond_mm, kClearanceMm);
     EXPECT_NEAR(in_canal.canal_at_mm.y(), 0.0, 1.0) << "where the canal is widest";
   }
 }
@@ -165,7 +165,7 @@ TEST_F(BlockClearance, DoesNotCountWhatTheMouthBreaks) {
   const Pose before{path().entry_mm - forward, forward};
   EXPECT_EQ(field().of(bit, before).canal_mm, std::numeric_limits<double>::infinity());
   const Pose deeper{path().entry_mm + 15.0 * forward, forward};
-  EXPECT_NEAR(field().of(bit, deeper).outer_mm, field().entry_end_mm(), 1.5 + kAskedMm);
+  EXPECT_NEAR(field().of(bit, deeper).outer_mm, field().entry_end_mm(), 1.5 + kClearanceMm);
 }
 
 TEST_F(BlockClearance, TakesAnotherPathsMouth) {
@@ -178,7 +178,7 @@ TEST_F(BlockClearance, TakesAnotherPathsMouth) {
   const BitProfile bit{DrillBit{}};
   const Pose pose{leaning.entry_mm + 20.0 * leaning.direction(), leaning.direction()};
   EXPECT_NEAR(other.of(bit, pose).outer_mm, least_over_outline(bit, pose, leaning, other.entry_end_mm(), outer_mm),
-              kAskedMm);
+              kClearanceMm);
 }
 
 TEST_F(BlockClearance, IsEndlessWhereThereIsNothingToMeasure) {
@@ -247,7 +247,7 @@ TEST(PhantomClearance, AgreesWithBruteForceOverTheTrueSurface) {
               // other, their border is known to a sample's distance only: the nearer of both is right.
               if (true_mm < 0.5 || true_mm > 4.0) continue;
               const bool is_nearer = found_mm <= std::min(found.outer_mm, found.canal_mm);
-              EXPECT_NEAR(found_mm, true_mm, is_nearer ? kAskedMm : 0.3)
+              EXPECT_NEAR(found_mm, true_mm, is_nearer ? kClearanceMm : 0.3)
                   << depth_mm << " mm, " << tilt_deg << " degrees, " << aside_mm << " mm aside, canal " << canal;
               if (is_nearer) worst_mm = std::max(worst_mm, std::abs(found_mm - true_mm));
               compared += is_nearer ? 1 : 0;

@@ -12,7 +12,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kRadiusMm = 9.0;
+constexpr double kBallMm = 9.0;
 
 struct Scan {
   CtVolume ct;
@@ -20,7 +20,7 @@ struct Scan {
 };
 
 /// A ball of 1000 HU around `centre_mm` in water, each voxel blended by its share of bone over a voxel's width.
-Scan ball(const Vec3& centre_mm, const GridGeometry& geometry, double radius_mm = kRadiusMm) {
+Scan scanned_ball(const Vec3& centre_mm, const GridGeometry& geometry, double radius_mm = kBallMm) {
   std::vector<std::int16_t> hu;
   BoneMask mask{geometry, {}};
   const double width_mm = geometry.spacing_mm.maxCoeff();
@@ -55,7 +55,7 @@ void expect_ball(const SurfacePoints& surface, const Vec3& centre_mm) {
   double worst_mm = 0.0, mean_mm = 0.0, squares_mm2 = 0.0, worst_rad = 0.0, squares_rad2 = 0.0;
   for (std::size_t i = 0; i < surface.positions_mm.size(); ++i) {
     const Vec3 out = surface.positions_mm[i] - centre_mm;
-    const double miss_mm = out.norm() - kRadiusMm;
+    const double miss_mm = out.norm() - kBallMm;
     worst_mm = std::max(worst_mm, std::abs(miss_mm));
     mean_mm += miss_mm / count;
     squares_mm2 += miss_mm * miss_mm / count;
@@ -64,42 +64,41 @@ void expect_ball(const SurfacePoints& surface, const Vec3& centre_mm) {
     squares_rad2 += angle_rad * angle_rad / count;
     EXPECT_NEAR(surface.normals[i].norm(), 1.0, 1e-12);
   }
-  constexpr double kDegree = std::numbers::pi / 180.0;
   EXPECT_LT(std::abs(mean_mm), 0.005);  // a hundredth of a voxel
   EXPECT_LT(std::sqrt(squares_mm2), 0.02);
   EXPECT_LT(worst_mm, 0.15);
   EXPECT_LT(std::sqrt(squares_rad2), 4.0 * kDegree);
   EXPECT_LT(worst_rad, 22.0 * kDegree);
   // About one point for each grid line that pierces the ball: three projections of it, twice, over the voxel's faces.
-  const double disc_mm2 = std::numbers::pi * kRadiusMm * kRadiusMm;
+  const double disc_mm2 = std::numbers::pi * kBallMm * kBallMm;
   const double expected = 2.0 * disc_mm2 * (1.0 / 0.16 + 2.0 / 0.2);
   EXPECT_NEAR(static_cast<double>(surface.positions_mm.size()), expected, 0.1 * expected);
 }
 
 TEST(ExtractSurface, LiesWithinASmallFractionOfAVoxelOfABall) {
   const Vec3 centre_mm(100.3, -50.1, 700.2);
-  const Scan scan = ball(centre_mm, grid_around(Vec3(100, -50, 700)));
+  const Scan scan = scanned_ball(centre_mm, grid_around(Vec3(100, -50, 700)));
   expect_ball(extract_surface(scan.ct, scan.mask), centre_mm);
 }
 
 TEST(ExtractSurface, DoesNotCareHowTheCtLies) {
   const Vec3 centre_mm(100.3, -50.1, 700.2);
   const Mat3 turn = Eigen::AngleAxisd(0.6, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
-  const Scan turned = ball(centre_mm, grid_around(Vec3(100, -50, 700), turn));
+  const Scan turned = scanned_ball(centre_mm, grid_around(Vec3(100, -50, 700), turn));
   expect_ball(extract_surface(turned.ct, turned.mask), centre_mm);
   // Slices stacked from the head down: left-handed axes.
   const Mat3 mirrored = Vec3(1, 1, -1).asDiagonal();
-  const Scan stacked = ball(centre_mm, grid_around(Vec3(100, -50, 700), mirrored));
+  const Scan stacked = scanned_ball(centre_mm, grid_around(Vec3(100, -50, 700), mirrored));
   expect_ball(extract_surface(stacked.ct, stacked.mask), centre_mm);
 }
 
 TEST(ExtractSurface, IsBetterWithTheGreyValuesThanWithout) {
   const Vec3 centre_mm(0.3, -0.1, 0.2);
-  const Scan scan = ball(centre_mm, grid_around(Vec3::Zero()));
+  const Scan scan = scanned_ball(centre_mm, grid_around(Vec3::Zero()));
   const auto mean_error_mm = [&](bool refine) {
     const SurfacePoints surface = extract_surface(scan.ct, scan.mask, {.refine_by_hu = refine});
     double sum = 0.0;
-    for (const Vec3& p : surface.positions_mm) sum += std::abs((p - centre_mm).norm() - kRadiusMm);
+    for (const Vec3& p : surface.positions_mm) sum += std::abs((p - centre_mm).norm() - kBallMm);
     return sum / static_cast<double>(surface.positions_mm.size());
   };
   EXPECT_LT(mean_error_mm(true), 0.5 * mean_error_mm(false));
@@ -109,7 +108,7 @@ TEST(ExtractSurface, ClosesBoneThatTheCtsBorderCuts) {
   // The ball's centre lies on the CT's upper face: half a ball.
   const GridGeometry geometry = grid_around(Vec3::Zero());
   const double top_mm = 23.5 * 0.5;
-  const Scan scan = ball(Vec3(0, 0, top_mm), geometry);
+  const Scan scan = scanned_ball(Vec3(0, 0, top_mm), geometry);
   const SurfacePoints surface = extract_surface(scan.ct, scan.mask);
   // Seen from within, there is a point near every direction: also upwards, where the cut is.
   const Vec3 inside(0, 0, top_mm - 3.0);
@@ -132,7 +131,7 @@ TEST(ExtractSurface, ClosesBoneThatTheCtsBorderCuts) {
 }
 
 TEST(ExtractSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
-  const Scan scan = ball(Vec3(0.3, -0.1, 0.2), grid_around(Vec3::Zero()), 0.5 * kRadiusMm);
+  const Scan scan = scanned_ball(Vec3(0.3, -0.1, 0.2), grid_around(Vec3::Zero()), 0.5 * kBallMm);
   SurfacePoints one;
   {
     const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
@@ -146,7 +145,7 @@ TEST(ExtractSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
 
 TEST(ExtractSurface, RefusesMasksAndOptionsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  Scan scan = ball(Vec3::Zero(), grid_around(Vec3::Zero()));
+  Scan scan = scanned_ball(Vec3::Zero(), grid_around(Vec3::Zero()));
   for (const double bad : {nan, -1.0, 1e6})
     EXPECT_THROW(extract_surface(scan.ct, scan.mask, {.smooth_mm = bad}), Error);
   BoneMask other = scan.mask;

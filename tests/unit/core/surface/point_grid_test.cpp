@@ -11,13 +11,14 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::uint64_t kSeed = 99;
+constexpr std::uint64_t kPointGridSeed = 99;
 
 /// Points in a box of 20 x 10 x 2 mm far from the origin; every tenth is given twice.
 std::vector<Vec3> cloud(std::size_t count) {
   std::vector<Vec3> points_mm;
   for (std::uint64_t n = 0; points_mm.size() < count; ++n) {
-    const Vec3 p(random_uniform(kSeed, 3 * n), random_uniform(kSeed, 3 * n + 1), random_uniform(kSeed, 3 * n + 2));
+    const Vec3 p(random_uniform(kPointGridSeed, 3 * n), random_uniform(kPointGridSeed, 3 * n + 1),
+                 random_uniform(kPointGridSeed, 3 * n + 2));
     points_mm.push_back(Vec3(500, -900, 100) + p.cwiseProduct(Vec3(20, 10, 2)));
     if (n % 10 == 0) points_mm.push_back(points_mm.back());
   }
@@ -25,16 +26,16 @@ std::vector<Vec3> cloud(std::size_t count) {
 }
 
 TEST(PointGrid, FindsWhatALookAtEveryPointFinds) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kPointGridSeed);
   const std::vector<Vec3> points_mm = cloud(600);
   for (const double cell_mm : {0.01, 0.7, 5.0, 100.0}) {
     const PointGrid grid(points_mm, cell_mm);
     for (std::uint64_t n = 0; n < 100; ++n) {
       Vec3 p = Vec3(500, -900, 100) - Vec3(2, 2, 2);
       for (int axis = 0; axis < 3; ++axis)
-        p[axis] += 24.0 * random_uniform(kSeed + 1, 3 * n + static_cast<unsigned>(axis));
+        p[axis] += 24.0 * random_uniform(kPointGridSeed + 1, 3 * n + static_cast<unsigned>(axis));
       if (n % 4 == 0) p = points_mm[5 * n];
-      const double radius_mm = 4.0 * random_uniform(kSeed + 2, n);
+      const double radius_mm = 4.0 * random_uniform(kPointGridSeed + 2, n);
       std::vector<std::size_t> found, expected;
       grid.for_each_within(p, radius_mm, [&](std::size_t i) { found.push_back(i); });
       PointGrid::Nearest nearest;
@@ -71,7 +72,7 @@ TEST(PointGrid, RefusesPointsAndCellsThatAreNone) {
 }
 
 TEST(SpreadSubset, KeepsItsSpacingAndCoversEveryPoint) {
-  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kPointGridSeed);
   const std::vector<Vec3> points_mm = cloud(1500);
   const std::vector<Vec3> normals(points_mm.size(), Vec3::UnitX());
   for (const double spacing_mm : {1e-6, 0.3, 1.0, 4.0, 100.0}) {
