@@ -14,17 +14,14 @@
 #include "core/base/staged_output.h"
 #include "mesh/mesh_io.h"
 #include "mesh/mesh_quality.h"
+#include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
-#include "tests/support/made_bone.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
 namespace {
 
 using testing::HasSubstr;
-
-const Vec3 kCentre(10.0, -4.0, 30.0);
-constexpr double kRadiusMm = 6.0;
 
 /// Width and height, pixels; 0 where it is no PNG.
 std::array<int, 2> png_size(const std::filesystem::path& file) {
@@ -40,12 +37,10 @@ class Render : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
-    const Vec3 corner = Vec3::Constant(kRadiusMm + 2.0);
-    write_bone(test::made_bone([](const Vec3& p) { return (p - kCentre).norm() - kRadiusMm; },
-                               {kCentre - corner, kCentre + corner}, 0.25),
-               folder_->path() / "bone.vdb");
+    test::write_bone_ball(folder_->path() / "bone.vdb");
     const Vec3 direction = Vec3(1.0, -2.0, -2.0) / 3.0;
-    write_plan({{"in", kCentre - kRadiusMm * direction, kCentre + 3.0 * direction, DrillBit{2.0, 30.0, 2.0}}},
+    write_plan({{"in", test::kBoneCentre - test::kBoneRadiusMm * direction, test::kBoneCentre + 3.0 * direction,
+                 DrillBit{2.0, 30.0, 2.0}}},
                folder_->path() / "plan.json");
     const test::ProgramRun drilled =
         run("drill bone.vdb plan.json --radius 1.6 --hand tremor --record run.h5 --splats -o out");
@@ -115,7 +110,7 @@ TEST_F(Render, WritesWhatAnotherRendererDraws) {
   const MeshQuality quality = measure_mesh(around);
   EXPECT_EQ(quality.refused_faces, 0U);
   EXPECT_GT(quality.boundary_edges, 20U) << "open where the points are";
-  EXPECT_NEAR(quality.area_mm2, 4.0 * std::numbers::pi * kRadiusMm * kRadiusMm, 12.0);
+  EXPECT_NEAR(quality.area_mm2, 4.0 * std::numbers::pi * test::kBoneRadiusMm * test::kBoneRadiusMm, 12.0);
   const std::string splats = read_whole_file(file("out/splats.ply"));
   EXPECT_EQ(splats.substr(0, 4), "ply\n");
   // A ring around the hole on the surface, and the hole's wall: 9 mm of it, 0.1 mm apart.

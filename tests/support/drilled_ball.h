@@ -17,6 +17,9 @@ namespace spinaltap::test {
 /// Bone to drill: away from the origin, askew to the voxels.
 inline const Ball kDrilledBall{Vec3(3.1, -2.3, 105.7), 9.0};
 
+/// A direction to drill it in, askew too.
+inline const Vec3 kAslant = Vec3(0.4, -0.2, -1.0).normalized();
+
 inline const BoneModel& ball_to_drill() {
   static const BoneModel bone = bake_ball(kDrilledBall, 0.25);
   return bone;

@@ -20,24 +20,23 @@ namespace {
 
 using test::kDrilledBall;
 
-const Vec3 kDown = Vec3(0.4, -0.2, -1.0).normalized();
-const Pose kStart{kDrilledBall.centre_mm - 20.0 * kDown, kDown};
-const Pose kEnd{kDrilledBall.centre_mm + 4.0 * kDown, kDown};
+const Pose kHoleStart{kDrilledBall.centre_mm - 20.0 * test::kAslant, test::kAslant};
+const Pose kHoleEnd{kDrilledBall.centre_mm + 4.0 * test::kAslant, test::kAslant};
 
-const BoneModel& drilled_ball() {
-  static const BoneModel bone = subtract_bit(test::ball_to_drill(), test::paper_drill(), kStart, kEnd);
+const BoneModel& ball_with_hole() {
+  static const BoneModel bone = subtract_bit(test::ball_to_drill(), test::paper_drill(), kHoleStart, kHoleEnd);
   return bone;
 }
 
 /// How far a place is from the surface that the ball has without the drill's cylinder and cone.
 double off_surface_mm(const Vec3& p_mm) {
   return std::abs(
-      std::max(kDrilledBall.distance_mm(p_mm), -bit_distance_mm(BitProfile(test::paper_drill()), kEnd, p_mm)));
+      std::max(kDrilledBall.distance_mm(p_mm), -bit_distance_mm(BitProfile(test::paper_drill()), kHoleEnd, p_mm)));
 }
 
 TEST(Decimate, KeepsTheErrorAndTheRim) {
   constexpr double kMaxErrorMm = 0.05;
-  const TriangleMesh fine = sharp_surface(drilled_ball());
+  const TriangleMesh fine = sharp_surface(ball_with_hole());
   RemeshReport report;
   const TriangleMesh mesh = decimate(fine, kMaxErrorMm, &report);
   EXPECT_TRUE(report.reached);
@@ -55,27 +54,27 @@ TEST(Decimate, KeepsTheErrorAndTheRim) {
   // Where the drill's wall meets the ball.
   const double radius_mm = test::paper_drill().radius_mm();
   const double back_mm = std::sqrt(kDrilledBall.radius_mm * kDrilledBall.radius_mm - radius_mm * radius_mm);
-  const Vec3 u = any_perpendicular(kDown);
+  const Vec3 u = any_perpendicular(test::kAslant);
   std::vector<Vec3> rim_mm;
   for (int n = 0; n < 360; ++n) {
     const double turn = n * std::numbers::pi / 180.0;
-    rim_mm.push_back(kDrilledBall.centre_mm - back_mm * kDown +
-                     radius_mm * (std::cos(turn) * u + std::sin(turn) * kDown.cross(u)));
+    rim_mm.push_back(kDrilledBall.centre_mm - back_mm * test::kAslant +
+                     radius_mm * (std::cos(turn) * u + std::sin(turn) * test::kAslant.cross(u)));
   }
   EXPECT_LT(surface_to_mesh(rim_mm, mesh).mean_mm, 0.03);
 }
 
 TEST(Decimate, IsWhatADrilledBoneIsShownAs) {
   RemeshReport report;
-  const TriangleMesh mesh = display_mesh(drilled_ball(), {}, &report);
+  const TriangleMesh mesh = display_mesh(ball_with_hole(), {}, &report);
   EXPECT_TRUE(report.reached);
-  const TriangleMesh same = decimate(sharp_surface(drilled_ball()), DisplayMeshOptions().max_error_mm);
+  const TriangleMesh same = decimate(sharp_surface(ball_with_hole()), DisplayMeshOptions().max_error_mm);
   EXPECT_EQ(mesh.triangles, same.triangles);
   EXPECT_EQ(mesh.vertices_mm, same.vertices_mm);
 }
 
 TEST(Decimate, GivesFewerTrianglesForALargerError) {
-  const TriangleMesh fine = sharp_surface(drilled_ball());
+  const TriangleMesh fine = sharp_surface(ball_with_hole());
   RemeshReport coarse;
   RemeshReport exact;
   const std::size_t many = decimate(fine, 0.04, &exact).triangles.size();
@@ -86,7 +85,7 @@ TEST(Decimate, GivesFewerTrianglesForALargerError) {
 }
 
 TEST(Decimate, RefusesWhatIsNotClosed) {
-  TriangleMesh open = sharp_surface(drilled_ball());
+  TriangleMesh open = sharp_surface(ball_with_hole());
   EXPECT_THROW(decimate(open, 0.0), Error);
   EXPECT_THROW(decimate(open, std::numeric_limits<double>::quiet_NaN()), Error);
   open.triangles.pop_back();

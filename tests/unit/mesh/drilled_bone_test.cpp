@@ -16,12 +16,10 @@ namespace {
 
 using test::kDrilledBall;
 
-const Vec3 kDown = Vec3(0.4, -0.2, -1.0).normalized();
-
 /// Stands in the middle, its shank out of the ball.
-Pose in_the_middle() { return {kDrilledBall.centre_mm, kDown}; }
+Pose in_the_middle() { return {kDrilledBall.centre_mm, test::kAslant}; }
 
-const BoneModel& drilled_ball() {
+const BoneModel& ball_drilled_once() {
   static const BoneModel bone =
       subtract_bit(test::ball_to_drill(), test::paper_drill(), in_the_middle(), in_the_middle());
   return bone;
@@ -29,18 +27,18 @@ const BoneModel& drilled_ball() {
 
 TEST(DrilledBone, KeepsTheBoneAsItWas) {
   EXPECT_FALSE(is_drilled(test::ball_to_drill()));
-  ASSERT_TRUE(is_drilled(drilled_ball()));
-  EXPECT_EQ(drilled_ball().grids().before, test::ball_to_drill().grids().sdf);
-  EXPECT_FALSE(is_drilled(before_drilling(drilled_ball())));
-  EXPECT_EQ(before_drilling(drilled_ball()).grids().sdf, test::ball_to_drill().grids().sdf);
+  ASSERT_TRUE(is_drilled(ball_drilled_once()));
+  EXPECT_EQ(ball_drilled_once().grids().before, test::ball_to_drill().grids().sdf);
+  EXPECT_FALSE(is_drilled(before_drilling(ball_drilled_once())));
+  EXPECT_EQ(before_drilling(ball_drilled_once()).grids().sdf, test::ball_to_drill().grids().sdf);
   EXPECT_EQ(before_drilling(test::ball_to_drill()).grids().sdf, test::ball_to_drill().grids().sdf);
 }
 
 TEST(DrilledBone, KeepsTheExactDistanceToTheBitWhereThereWasBone) {
-  const openvdb::FloatGrid& hole = *drilled_ball().grids().hole;
+  const openvdb::FloatGrid& hole = *ball_drilled_once().grids().hole;
   const BitProfile bit(test::paper_drill());
   std::size_t count = 0;
-  for (auto voxel = drilled_ball().grids().before->cbeginValueOn(); voxel; ++voxel) {
+  for (auto voxel = ball_drilled_once().grids().before->cbeginValueOn(); voxel; ++voxel) {
     const Vec3 p_mm = detail::from_vdb(hole.indexToWorld(voxel.getCoord()));
     const double band_mm = static_cast<double>(hole.background());
     const double expected_mm = std::clamp(bit_distance_mm(bit, in_the_middle(), p_mm), -band_mm, band_mm);
@@ -51,7 +49,7 @@ TEST(DrilledBone, KeepsTheExactDistanceToTheBitWhereThereWasBone) {
 }
 
 TEST(DrilledBone, IsTheLargerOfBothEverywhere) {
-  const detail::BoneGrids& grids = drilled_ball().grids();
+  const detail::BoneGrids& grids = ball_drilled_once().grids();
   std::size_t differ = 0;
   for (auto voxel = grids.sdf->cbeginValueOn(); voxel; ++voxel) {
     const float before = grids.before->tree().getValue(voxel.getCoord());
@@ -64,7 +62,7 @@ TEST(DrilledBone, IsTheLargerOfBothEverywhere) {
 
 TEST(DrilledBone, KnowsAllItsHoles) {
   const Pose beside{kDrilledBall.centre_mm + Vec3(3.0, 1.0, -2.0), Vec3::UnitX()};
-  const BoneModel twice = subtract_bit(drilled_ball(), test::ball_burr(), beside, beside);
+  const BoneModel twice = subtract_bit(ball_drilled_once(), test::ball_burr(), beside, beside);
   EXPECT_EQ(twice.grids().before, test::ball_to_drill().grids().sdf);
   const BitProfile first(test::paper_drill());
   const BitProfile second(test::ball_burr());
@@ -82,7 +80,7 @@ TEST(DrilledBone, KnowsAllItsHoles) {
 TEST(DrilledBone, IsDrilledOnWhereItWasLeft) {
   RemainingBone fresh(test::ball_to_drill(), {.voxel_mm = 0.25});
   fresh.drill(test::paper_drill(), std::array{in_the_middle()});
-  RemainingBone again(drilled_ball(), {.voxel_mm = 0.25});
+  RemainingBone again(ball_drilled_once(), {.voxel_mm = 0.25});
   EXPECT_EQ(again.holes_to_undo(), 0U);
   // On the grid's own voxels, whose hole is that of the same bit.
   const auto differences = [&] {
@@ -100,23 +98,23 @@ TEST(DrilledBone, IsDrilledOnWhereItWasLeft) {
     return most_mm;
   };
   EXPECT_LT(differences(), 1e-5);
-  const Pose further{kDrilledBall.centre_mm + 3.0 * kDown, kDown};
+  const Pose further{kDrilledBall.centre_mm + 3.0 * test::kAslant, test::kAslant};
   fresh.drill(test::paper_drill(), std::array{in_the_middle(), further});
   again.drill(test::paper_drill(), std::array{in_the_middle(), further});
   EXPECT_LT(differences(), 1e-5);
   // Only what was drilled since can be taken back.
   again.reset();
-  RemainingBone as_it_was(drilled_ball(), {.voxel_mm = 0.25});
+  RemainingBone as_it_was(ball_drilled_once(), {.voxel_mm = 0.25});
   const auto voxel_of = [](const Vec3& p_mm) {
     return std::array{static_cast<int>(std::lround(p_mm.x() / 0.25)), static_cast<int>(std::lround(p_mm.y() / 0.25)),
                       static_cast<int>(std::lround(p_mm.z() / 0.25))};
   };
-  EXPECT_GT(again.value_mm(voxel_of(kDrilledBall.centre_mm - 3.0 * kDown)), 0.0F);
-  EXPECT_LT(again.value_mm(voxel_of(further.tip_mm - 1.0 * kDown)), 0.0F);
+  EXPECT_GT(again.value_mm(voxel_of(kDrilledBall.centre_mm - 3.0 * test::kAslant)), 0.0F);
+  EXPECT_LT(again.value_mm(voxel_of(further.tip_mm - 1.0 * test::kAslant)), 0.0F);
 }
 
 TEST(DrilledBone, HasASharpSurfaceWithoutItsRecord) {
-  const TriangleMesh mesh = sharp_surface(drilled_ball());
+  const TriangleMesh mesh = sharp_surface(ball_drilled_once());
   const MeshQuality quality = measure_mesh(mesh);
   EXPECT_TRUE(quality.closed());
   EXPECT_EQ(quality.euler_number, 2);

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/picture_colours.h"
 #include "vdb/subtract_bit.h"
 
 namespace spinaltap {
@@ -30,14 +31,6 @@ RenderOptions options() {
   return result;
 }
 
-std::array<int, 3> colour_at(const Image& image, int x, int y) {
-  const std::size_t at =
-      3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
-  return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
-}
-
-bool is_white(const std::array<int, 3>& colour) { return colour == std::array<int, 3>{255, 255, 255}; }
-
 /// Where a picture is not white, pixels.
 struct Disc {
   double radius = 0.0;  ///< of a disc of the same area
@@ -49,7 +42,7 @@ struct Disc {
     double count = 0.0;
     for (int row = 0; row < image.height; ++row) {
       for (int column = 0; column < image.width; ++column) {
-        if (is_white(colour_at(image, column, row))) continue;
+        if (test::is_white(test::pixel_colour(image, column, row))) continue;
         ++count;
         x += column + 0.5;
         y += row + 0.5;
@@ -83,13 +76,13 @@ TEST(RenderBone, DrawsASphereAsADiscThatFillsThePicture) {
   EXPECT_GT(disc.top, 0);
   EXPECT_LT(disc.bottom, 239);
   for (const auto& [x, y] : {std::pair{0, 0}, {319, 0}, {0, 239}, {319, 239}}) {
-    EXPECT_TRUE(is_white(colour_at(image, x, y)));
+    EXPECT_TRUE(test::is_white(test::pixel_colour(image, x, y)));
   }
 }
 
 TEST(RenderBone, LightsFromAbove) {
   const Image whole = render_bone(shown_ball(), options());
-  EXPECT_GT(colour_at(whole, 160, 60)[0], colour_at(whole, 160, 190)[0]);
+  EXPECT_GT(test::pixel_colour(whole, 160, 60)[0], test::pixel_colour(whole, 160, 190)[0]);
 }
 
 TEST(RenderBone, IsTheSameAtOneAndTwoThreads) {
@@ -105,7 +98,7 @@ TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
   const BoneModel drilled = subtract_bit(shown_ball(), {6.0, 30.0, 1.0}, start, end);
   const Image image = render_bone(drilled, options());
   const auto redness = [&](int x, int y) {
-    const auto colour = colour_at(image, x, y);
+    const auto colour = test::pixel_colour(image, x, y);
     return static_cast<double>(colour[0]) / std::max(1, colour[1]);
   };
   EXPECT_GT(redness(150, 125), 1.3);

@@ -11,19 +11,18 @@
 namespace spinaltap {
 namespace {
 
-using test::Ball;
+using test::kBall;
 
-const Ball kBall{Vec3(3.1, -2.3, 105.7), 10.0};
-const DrillBit kBit{4.0, 40.0, 2.0};
-constexpr double kLongestJumpMm = 1.0;
+const DrillBit kRecordedBit{4.0, 40.0, 2.0};
+constexpr double kRecordedJumpMm = 1.0;
 
-const BoneModel& ball_bone() {
+const BoneModel& undrilled_ball() {
   static const BoneModel bone = test::bake_ball(kBall, 0.25);
   return bone;
 }
 
 /// Down through the middle at 10 mm/s, 100 cycles a second, from 12 mm above to 4 mm below it.
-SessionRecord straight_record() {
+SessionRecord record_of_a_straight_hole() {
   SessionRecord record;
   for (int n = 0; n <= 160; ++n) {
     RecordedCycle cycle;
@@ -37,7 +36,7 @@ SessionRecord straight_record() {
   return record;
 }
 
-bool is_bone(const BoneModel& bone, double z_mm) {
+bool is_left(const BoneModel& bone, double z_mm) {
   const Vec3 p_mm = kBall.centre_mm + Vec3(0.0, 0.0, z_mm);
   std::uint8_t inside = 0;
   bone.inside({&p_mm, 1}, {&inside, 1});
@@ -47,15 +46,15 @@ bool is_bone(const BoneModel& bone, double z_mm) {
 /// The deepest place on the axis that is drilled, to 0.1 mm.
 double bottom_mm(const BoneModel& bone) {
   double z_mm = 9.5;
-  while (z_mm > -9.5 && !is_bone(bone, z_mm)) z_mm -= 0.05;
+  while (z_mm > -9.5 && !is_left(bone, z_mm)) z_mm -= 0.05;
   return z_mm;
 }
 
 TEST(RecordedHole, IsAsDeepAsTheTipWasAtAnyMoment) {
-  const SessionRecord record = straight_record();
-  RecordedHole hole(ball_bone(), record, kBit, kLongestJumpMm);
+  const SessionRecord record = record_of_a_straight_hole();
+  RecordedHole hole(undrilled_ball(), record, kRecordedBit, kRecordedJumpMm);
   EXPECT_DOUBLE_EQ(hole.end_s(), 1.6);
-  EXPECT_TRUE(is_bone(hole.drilled(), 9.5));
+  EXPECT_TRUE(is_left(hole.drilled(), 9.5));
   // Forward, backward, beyond the end and before the begin.
   for (const double time_s : {0.5, 1.0, 0.7, 1.6, 1.1, 99.0, 0.9}) {
     hole.go_to(time_s + 1e-6);
@@ -65,13 +64,13 @@ TEST(RecordedHole, IsAsDeepAsTheTipWasAtAnyMoment) {
     EXPECT_NEAR(bottom_mm(hole.drilled()), tip_mm, 0.3) << time_s;
   }
   hole.go_to(0.0);
-  EXPECT_TRUE(is_bone(hole.drilled(), 9.5));
+  EXPECT_TRUE(is_left(hole.drilled(), 9.5));
 }
 
 TEST(RecordedHole, IsTheSameForwardAndAfterGoingBack) {
-  const SessionRecord record = straight_record();
-  RecordedHole forward(ball_bone(), record, kBit, kLongestJumpMm);
-  RecordedHole restless(ball_bone(), record, kBit, kLongestJumpMm);
+  const SessionRecord record = record_of_a_straight_hole();
+  RecordedHole forward(undrilled_ball(), record, kRecordedBit, kRecordedJumpMm);
+  RecordedHole restless(undrilled_ball(), record, kRecordedBit, kRecordedJumpMm);
   forward.go_to(1.2);
   for (const double time_s : {1.5, 0.3, 1.2}) restless.go_to(time_s);
   std::size_t differ = 0;
@@ -85,7 +84,7 @@ TEST(RecordedHole, IsTheSameForwardAndAfterGoingBack) {
 
 TEST(RecordedHole, NeedsACycle) {
   const SessionRecord none;
-  EXPECT_THROW(RecordedHole(ball_bone(), none, kBit, kLongestJumpMm), Error);
+  EXPECT_THROW(RecordedHole(undrilled_ball(), none, kRecordedBit, kRecordedJumpMm), Error);
 }
 
 }  // namespace

@@ -16,20 +16,20 @@ namespace {
 
 using test::Ball;
 
-const Ball kBall{Vec3(-31.0, 40.0, 212.0), 8.0};
-constexpr double kSpacingMm = 0.2;
-const DrillBit kBit{3.0, 40.0, 5.0};
+const Ball kFarBall{Vec3(-31.0, 40.0, 212.0), 8.0};
+constexpr double kSplatStepMm = 0.2;
+const DrillBit kSplatBit{3.0, 40.0, 5.0};
 
-DrillPath path() {
+DrillPath radial_path() {
   const Vec3 direction = Vec3(0.36, 0.48, -0.8);
-  return {"p", kBall.centre_mm - kBall.radius_mm * direction, kBall.centre_mm + 3.0 * direction, kBit};
+  return {"p", kFarBall.centre_mm - kFarBall.radius_mm * direction, kFarBall.centre_mm + 3.0 * direction, kSplatBit};
 }
 
 PointVolume ball_volume() {
-  PointVolume volume(path(), {.radius_mm = 3.0, .spacing_mm = kSpacingMm, .lead_in_mm = 1.0});
+  PointVolume volume(radial_path(), {.radius_mm = 3.0, .spacing_mm = kSplatStepMm, .lead_in_mm = 1.0});
   fill_volume(volume, [](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
     for (std::size_t n = 0; n < points_mm.size(); ++n) {
-      distance_mm[n] = static_cast<float>(kBall.distance_mm(points_mm[n]));
+      distance_mm[n] = static_cast<float>(kFarBall.distance_mm(points_mm[n]));
       hu[n] = 400.0F;
     }
   });
@@ -38,12 +38,12 @@ PointVolume ball_volume() {
 
 /// The true distance, not r² - R².
 test::FormulaField distance_field() {
-  return {[](const Vec3& p) { return kBall.distance_mm(p); },
-          [](const Vec3& p) -> Vec3 { return (p - kBall.centre_mm).normalized(); }};
+  return {[](const Vec3& p) { return kFarBall.distance_mm(p); },
+          [](const Vec3& p) -> Vec3 { return (p - kFarBall.centre_mm).normalized(); }};
 }
 
 void drill_to(PointVolume& volume, const Pose& pose) {
-  const auto engine = make_ring_engine(volume, kBit, Material());
+  const auto engine = make_ring_engine(volume, kSplatBit, Material());
   engine->step(pose);
 }
 
@@ -58,12 +58,12 @@ TEST(PointSplats, ShowTheBonesSurfaceFirst) {
     const std::size_t index = n % volume.pattern().point_count();
     const Vec3 p_mm = splat.position_mm.cast<double>();
     ASSERT_LT((p_mm - volume.frame().to_patient(volume.point_in_path_mm(disc, index))).norm(), 2e-5);
-    const double depth_mm = -kBall.distance_mm(p_mm);
-    if (std::abs(depth_mm) < 1e-4 || std::abs(depth_mm - kSpacingMm) < 1e-4) continue;
-    ASSERT_EQ(splat.alpha > 0.0F, depth_mm > 0.0 && depth_mm < kSpacingMm) << depth_mm;
+    const double depth_mm = -kFarBall.distance_mm(p_mm);
+    if (std::abs(depth_mm) < 1e-4 || std::abs(depth_mm - kSplatStepMm) < 1e-4) continue;
+    ASSERT_EQ(splat.alpha > 0.0F, depth_mm > 0.0 && depth_mm < kSplatStepMm) << depth_mm;
     if (splat.alpha == 0.0F) continue;
     ++shown;
-    ASSERT_GT(splat.normal.cast<double>().dot((p_mm - kBall.centre_mm).normalized()), 0.9999);
+    ASSERT_GT(splat.normal.cast<double>().dot((p_mm - kFarBall.centre_mm).normalized()), 0.9999);
     ASSERT_EQ(splat.hu, 400);
   }
   // A cap of 3 mm within a layer of one spacing.
@@ -73,12 +73,12 @@ TEST(PointSplats, ShowTheBonesSurfaceFirst) {
 TEST(PointSplats, LeaveNoGapsInTheSurface) {
   const PointVolume volume = ball_volume();
   const PointSplats splats(volume, distance_field());
-  const DrillPath planned = path();
-  for (const Vec3& p_mm : kBall.surface_points(0.1)) {
+  const DrillPath planned = radial_path();
+  for (const Vec3& p_mm : kFarBall.surface_points(0.1)) {
     const Vec3 p = volume.frame().to_path(p_mm);
     // The points end at 2.8 mm: 15 rings, the centre counted.
     if (p.head<2>().norm() > 2.7 || p.z() > 4.0) continue;
-    const Vec3 normal = (p_mm - kBall.centre_mm).normalized();
+    const Vec3 normal = (p_mm - kFarBall.centre_mm).normalized();
     double nearest_mm = 1e9;  // as seen along the normal
     for (const PointSplat& splat : splats.splats()) {
       const Vec3 off_mm = splat.position_mm.cast<double>() - p_mm;
@@ -92,10 +92,10 @@ TEST(PointSplats, LeaveNoGapsInTheSurface) {
 TEST(PointSplats, BringToLightWhatLiesBesideTheHoleAndHideWhatIsGone) {
   PointVolume volume = ball_volume();
   PointSplats splats(volume, distance_field());
-  const Pose pose{kBall.centre_mm, path().direction()};
+  const Pose pose{kFarBall.centre_mm, radial_path().direction()};
   drill_to(volume, pose);
-  EXPECT_GT(splats.update(volume, kBit, pose), 1000U);
-  const BitProfile bit(kBit);
+  EXPECT_GT(splats.update(volume, kSplatBit, pose), 1000U);
+  const BitProfile bit(kSplatBit);
   std::size_t wall = 0;
   for (std::size_t n = 0; n < volume.point_count(); ++n) {
     const PointSplat& splat = splats.splats()[n];
@@ -107,12 +107,12 @@ TEST(PointSplats, BringToLightWhatLiesBesideTheHoleAndHideWhatIsGone) {
     }
     const Vec3 p_mm = splat.position_mm.cast<double>();
     const double from_bit_mm = bit_distance_mm(bit, pose, p_mm);
-    const bool is_surface = kBall.distance_mm(p_mm) > -kSpacingMm - 1e-4;
+    const bool is_surface = kFarBall.distance_mm(p_mm) > -kSplatStepMm - 1e-4;
     // A neighbour lies within 1.5 spacings in its disc, or in the next disc above or below such a place.
-    if (from_bit_mm < 0.6 * kSpacingMm && p_mm.dot(pose.axis) < (pose.tip_mm - 0.3 * pose.axis).dot(pose.axis)) {
+    if (from_bit_mm < 0.6 * kSplatStepMm && p_mm.dot(pose.axis) < (pose.tip_mm - 0.3 * pose.axis).dot(pose.axis)) {
       ASSERT_EQ(splat.alpha, 1.0F) << from_bit_mm;
     }
-    if (!is_surface && from_bit_mm > 2.0 * kSpacingMm) {
+    if (!is_surface && from_bit_mm > 2.0 * kSplatStepMm) {
       ASSERT_EQ(splat.alpha, 0.0F) << from_bit_mm;
     }
     if (splat.alpha == 0.0F || is_surface) continue;
@@ -126,7 +126,7 @@ TEST(PointSplats, BringToLightWhatLiesBesideTheHoleAndHideWhatIsGone) {
   }
   // 8 mm of a hole of 3 mm, less the cone's half.
   EXPECT_GT(wall, 1000U);
-  EXPECT_EQ(splats.update(volume, kBit, pose), 0U) << "nothing new";
+  EXPECT_EQ(splats.update(volume, kSplatBit, pose), 0U) << "nothing new";
 }
 
 TEST(PointSplats, AreTheSameInOneGoAndInManySteps) {
@@ -134,12 +134,12 @@ TEST(PointSplats, AreTheSameInOneGoAndInManySteps) {
   PointSplats stepwise(volume, distance_field());
   const PointSplats start = stepwise;
   for (double back_mm = 8.0; back_mm >= 0.0; back_mm -= 0.5) {
-    const Pose pose{kBall.centre_mm - back_mm * path().direction(), path().direction()};
+    const Pose pose{kFarBall.centre_mm - back_mm * radial_path().direction(), radial_path().direction()};
     drill_to(volume, pose);
-    stepwise.update(volume, kBit, pose);
+    stepwise.update(volume, kSplatBit, pose);
   }
   PointSplats at_once = start;
-  at_once.update(volume, kBit, {kBall.centre_mm, path().direction()});
+  at_once.update(volume, kSplatBit, {kFarBall.centre_mm, radial_path().direction()});
   for (std::size_t n = 0; n < volume.point_count(); ++n) {
     ASSERT_EQ(stepwise.splats()[n].alpha, at_once.splats()[n].alpha);
   }
@@ -147,8 +147,8 @@ TEST(PointSplats, AreTheSameInOneGoAndInManySteps) {
 
 TEST(PointSplats, RefuseAnotherVolume) {
   PointSplats splats(ball_volume(), distance_field());
-  const PointVolume other(path(), {.radius_mm = 2.0, .spacing_mm = kSpacingMm});
-  EXPECT_THROW(splats.update(other, kBit, {}), Error);
+  const PointVolume other(radial_path(), {.radius_mm = 2.0, .spacing_mm = kSplatStepMm});
+  EXPECT_THROW(splats.update(other, kSplatBit, {}), Error);
 }
 
 TEST(SplatsPly, HoldsWhatIsShown) {
