@@ -119,10 +119,10 @@ SignRows::SignRows(const HoleGrid& grid, std::size_t block) {
       const InsideBits& before = grid.inside(column - 1);
       const InsideBits& own = grid.inside(column);
       const InsideBits& behind = grid.inside(column + 1);
-      for (int x = -1; x < kBlockSide - 1; ++x) {
+      for (int x = -1; x < kSide - 1; ++x) {
         if (neighbour_of(x) != nx) continue;
         const auto layer = static_cast<std::size_t>(x & 7);
-        for (int y = -1; y < kBlockSide - 1; ++y) {
+        for (int y = -1; y < kSide - 1; ++y) {
           if (neighbour_of(y) != ny) continue;
           const auto shift = 8U * static_cast<unsigned>(y & 7);
           const auto byte = [&](const InsideBits& bits) { return static_cast<unsigned>(bits[layer] >> shift & 0xFFU); };
