@@ -42,7 +42,7 @@ Vec3 on_cylinder(const BoneModel& bone, const PathFrame& frame, double radius_mm
     p.head<2>() *= radius_mm / p.head<2>().norm();
     return p;
   };
-  const Vec3 start = to_wall(near);
+  Vec3 start = to_wall(near);
   Vec3 p = start;
   for (int n = 0; n < kMostSteps; ++n) {
     const Vec3 p_mm = frame.to_patient(p);

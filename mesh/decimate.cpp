@@ -76,11 +76,16 @@ class ModCrease : public decimater::ModBaseT<Mesh> {
   }
 
   void initialize() override {
-    for (const auto vertex : Base::mesh().vertices()) Base::mesh().property(is_on_crease_, vertex) = false;
-    for (const auto edge : Base::mesh().edges()) {
+    for (std::size_t n = 0; n < Base::mesh().n_vertices(); ++n) {
+      Base::mesh().property(is_on_crease_, OpenMesh::VertexHandle(static_cast<int>(n))) = false;
+    }
+    for (std::size_t n = 0; n < Base::mesh().n_edges(); ++n) {
+      const OpenMesh::EdgeHandle edge(static_cast<int>(n));
       if (!is_crease(edge)) continue;
-      Base::mesh().property(is_on_crease_, edge.v0()) = true;
-      Base::mesh().property(is_on_crease_, edge.v1()) = true;
+      for (const unsigned side : {0U, 1U}) {
+        const OpenMesh::HalfedgeHandle half = Base::mesh().halfedge_handle(edge, side);
+        Base::mesh().property(is_on_crease_, Base::mesh().to_vertex_handle(half)) = true;
+      }
     }
   }
 
@@ -101,7 +106,7 @@ class ModCrease : public decimater::ModBaseT<Mesh> {
 
   void postprocess_collapse(const CollapseInfo& collapse) override {
     if (moved_.empty()) return;
-    const auto joined = Base::mesh().find_halfedge(before_, collapse.v1);
+    const OpenMesh::HalfedgeHandle joined(Base::mesh().find_halfedge(before_, collapse.v1).idx());
     if (joined.is_valid()) Base::mesh().property(passed_, Base::mesh().edge_handle(joined)) = moved_;
   }
 
@@ -115,12 +120,13 @@ class ModCrease : public decimater::ModBaseT<Mesh> {
   /// stand for; false where it does not go along a crease.
   bool find_crease(const CollapseInfo& collapse) {
     moved_.clear();
-    const auto along = Base::mesh().edge_handle(collapse.v0v1);
+    const OpenMesh::EdgeHandle along = Base::mesh().edge_handle(collapse.v0v1);
     if (!is_crease(along)) return false;
     OpenMesh::EdgeHandle other;
     int creases = 0;
-    for (const auto out : Base::mesh().voh_range(collapse.v0)) {
-      const auto edge = Base::mesh().edge_handle(out);
+    for (const auto& each : Base::mesh().voh_range(collapse.v0)) {
+      const OpenMesh::HalfedgeHandle out(each.idx());
+      const OpenMesh::EdgeHandle edge = Base::mesh().edge_handle(out);
       if (!is_crease(edge)) continue;
       ++creases;
       if (edge == along) continue;

@@ -35,7 +35,7 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
   initialize_openvdb();
   openvdb::GridCPtrVec written;
   const auto add = [&](const char* name, const openvdb::FloatGrid& grid) {
-    const auto copy = grid.deepCopy();
+    auto copy = grid.deepCopy();
     copy->setName(name);
     // Baking rounds to half floats, so this loses nothing; what was drilled since may need more.
     copy->setSaveFloatAsHalf(fits_half_floats(*copy));

@@ -41,7 +41,7 @@ BitSweep::BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Po
 
 Vec3 BitSweep::seen_at(const Vec3& p, const Place& place) const {
   const auto seen = [&](const Moment& moment) -> Vec3 { return moment.rows * (p - moment.tip_mm); };
-  const Vec3 begin = seen(moments_[place.moment]);
+  Vec3 begin = seen(moments_[place.moment]);
   if (place.t == 0.0) return begin;
   return begin + place.t * (seen(moments_[place.moment + 1]) - begin);
 }
