@@ -28,3 +28,21 @@ if(SPINALTAP_TESTS)
     find_package(benchmark REQUIRED)
   endif()
 endif()
+
+# For the planner's window only. VTK comes in parts; those that draw bones in a Qt window.
+if(SPINALTAP_PLANNER)
+  set(required "")
+  if(NOT SPINALTAP_PLANNER STREQUAL AUTO)
+    set(required REQUIRED)
+  endif()
+  find_package(Qt5 5.15 ${required} QUIET COMPONENTS Svg Widgets)
+  find_package(VTK 9.1 ${required} QUIET COMPONENTS CommonCore CommonDataModel CommonTransforms FiltersSources
+               GUISupportQt ImagingCore InteractionStyle RenderingAnnotation RenderingCore RenderingOpenGL2
+               RenderingUI)
+  if(Qt5_FOUND AND VTK_FOUND)
+    set(SPINALTAP_PLANNER ON)
+    set(SPINALTAP_VTK ${VTK_LIBRARIES})
+  else()
+    set(SPINALTAP_PLANNER OFF)
+  endif()
+endif()

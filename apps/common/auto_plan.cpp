@@ -9,7 +9,8 @@
 
 namespace spinaltap {
 
-std::vector<Suggestion> auto_plan(const PlanningBone& bone, const AutoPlanOptions& options, const Progress& progress) {
+std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu, const AutoPlanOptions& options,
+                                  const Progress& progress) {
   SuggestOptions settings =
       read_planning_rules(options.rules.empty() ? data_file("planning/pedicle.json") : options.rules);
   if (!(options.margin_mm >= 0.0)) fail("expected a margin from 0 mm on, found ", options.margin_mm, " mm");
@@ -19,7 +20,7 @@ std::vector<Suggestion> auto_plan(const PlanningBone& bone, const AutoPlanOption
       read_screws(options.screws.empty() ? data_file("screws/pedicle.json") : options.screws);
   const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
   const Material material = read_material(data_file("materials/vertebra.json"), density);
-  return suggest_paths(bone.walls(), bone.hu(), material, screws, settings, progress);
+  return suggest_paths(walls, hu, material, screws, settings, progress);
 }
 
 std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "apps/common/planning_bone.h"
+#include "core/base/progress.h"
 #include "core/plan/suggest.h"
 
 namespace spinaltap {
@@ -16,7 +16,7 @@ struct AutoPlanOptions {
 };
 
 /// suggest_paths() with tables and laws from files.
-std::vector<Suggestion> auto_plan(const PlanningBone& bone, const AutoPlanOptions& options = {},
+std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu, const AutoPlanOptions& options = {},
                                   const Progress& progress = {});
 
 /// The paths among suggestions. Throws Error that says why there is none, where there is none.

@@ -27,6 +27,10 @@ SessionBone::SessionBone(BoneModel model, bool with_walls, const Progress& progr
   walls_.emplace(*shape_, landmarks_);
 }
 
+HuSampler SessionBone::hu() const {
+  return [this](std::span<const Vec3> points_mm, std::span<float> hu) { model_.hu(points_mm, hu, {}); };
+}
+
 BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress,
                            const ScalarField* exact) {
   check_path_meets_bone(setup.path, bone.model());

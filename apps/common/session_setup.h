@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "apps/common/json_file.h"
-#include "apps/common/planning_bone.h"
 #include "core/base/scalar_field.h"
 #include "core/drill/point_volume.h"
+#include "core/plan/grade.h"
+#include "core/plan/landmarks.h"
 #include "core/sim/drill_session.h"
+#include "vdb/bone_model.h"
 #include "vdb/engine_kind.h"
 
 namespace spinaltap {
@@ -55,6 +57,10 @@ class SessionBone {
   const BoneModel& model() const { return model_; }
   /// Null without walls.
   const WallDistance* walls() const { return walls_ ? &*walls_ : nullptr; }
+  /// Null without walls, and where the bone was refused.
+  const Landmarks* landmarks() const { return walls_ && remark_.empty() ? &landmarks_ : nullptr; }
+  /// Of the baked CT numbers; valid as long as this.
+  HuSampler hu() const;
   const std::string& remark() const { return remark_; }
 
  private:

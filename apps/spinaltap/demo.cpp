@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "apps/common/plan_file.h"
+#include "apps/common/planning_bone.h"
 #include "apps/common/surface_error.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
@@ -63,7 +64,8 @@ Json demo(DemoOptions options, const Progress& progress) {
     paths = {*given};
   } else if (paths.empty()) {
     const PlanningBone bone(baked.bone, progress);
-    const std::vector<Suggestion> suggestions = auto_plan(bone, {{}, {}, 0.0, options.path.bit}, progress);
+    const std::vector<Suggestion> suggestions =
+        auto_plan(bone.walls(), bone.hu(), {{}, {}, 0.0, options.path.bit}, progress);
     figures["plan"] = report_suggestions(bone, suggestions);
     paths = paths_of(suggestions);
     write_planning_report("Suggested paths", bone, suggestions, options.folder / "plan.html");

@@ -6,6 +6,7 @@
 #include "apps/common/bone_ct.h"
 #include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
+#include "apps/common/planning_bone.h"
 #include "apps/common/planning_json.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
@@ -180,7 +181,8 @@ void add_plan(CLI::App& program, Command& command) {
     } else if (options->is_auto) {
       options->suggest.bit = options->path.bit;
       const PlanningBone planning(bone, progress);
-      const std::vector<Suggestion> suggestions = auto_plan(planning, options->suggest, progress);
+      const std::vector<Suggestion> suggestions =
+          auto_plan(planning.walls(), planning.hu(), options->suggest, progress);
       figures = report_suggestions(planning, suggestions);
       paths = paths_of(suggestions);
       if (!options->report.empty()) write_planning_report("Suggested paths", planning, suggestions, options->report);

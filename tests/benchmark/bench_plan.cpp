@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "apps/common/auto_plan.h"
+#include "apps/common/planning_bone.h"
 #include "core/phantom/vertebra_truth.h"
 #include "vdb/bake.h"
 #include "vdb/bone_field.h"
@@ -38,7 +39,7 @@ void plan_both_sides(benchmark::State& state) {
   std::size_t ways = 0;
   for (auto _ : state) {
     const PlanningBone planned(model());
-    ways = auto_plan(planned)[0].best.value().ways_looked_at;
+    ways = auto_plan(planned.walls(), planned.hu())[0].best.value().ways_looked_at;
   }
   state.counters["ways_a_side"] = static_cast<double>(ways);
 }
@@ -57,7 +58,7 @@ void make_landmarks(benchmark::State& state) {
 BENCHMARK(make_landmarks)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
 void suggest(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(auto_plan(bone()));
+  for (auto _ : state) benchmark::DoNotOptimize(auto_plan(bone().walls(), bone().hu()));
 }
 BENCHMARK(suggest)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 

@@ -11,6 +11,7 @@
 #include "apps/common/auto_plan.h"
 #include "apps/common/bake_ct.h"
 #include "apps/common/drilling.h"
+#include "apps/common/planning_bone.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
 #include "core/sim/path_hand.h"
@@ -101,7 +102,8 @@ TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   std::printf("furthest vertex from the label's boundary: %.2f mm\n", most_mm);
   EXPECT_LE(most_mm, voxel_mm);
 
-  const std::vector<DrillPath> paths = paths_of(auto_plan(PlanningBone(baked.bone)));
+  const PlanningBone planning(baked.bone);
+  const std::vector<DrillPath> paths = paths_of(auto_plan(planning.walls(), planning.hu()));
   ASSERT_EQ(paths.size(), 2U);
   const DrillPath path = paths.front();
   SessionSetup setup;

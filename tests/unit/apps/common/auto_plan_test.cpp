@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/common/planning_bone.h"
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/support/analytic_bodies.h"
@@ -21,7 +22,7 @@ TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
   EXPECT_TRUE(bone.landmarks().doubts.empty()) << bone.landmarks().doubts.front();
   AutoPlanOptions options;
   options.bit.diameter_mm = 2.7;
-  const std::vector<DrillPath> paths = paths_of(auto_plan(bone, options));
+  const std::vector<DrillPath> paths = paths_of(auto_plan(bone.walls(), bone.hu(), options));
   ASSERT_EQ(paths.size(), 2U);
   for (std::size_t n = 0; n < 2; ++n) {
     const PedicleTruth& pedicle = n == 0 ? truth.left : truth.right;
@@ -36,7 +37,7 @@ TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
     EXPECT_LT(std::abs(off_mm.dot(pedicle.width_axis)), 0.5);
   }
   options.margin_mm = 4.0;
-  EXPECT_THAT([&] { paths_of(auto_plan(bone, options)); },
+  EXPECT_THAT([&] { paths_of(auto_plan(bone.walls(), bone.hu(), options)); },
               ThrowsMessage<Error>(AllOf(HasSubstr("left"), HasSubstr("right"), HasSubstr("4 mm of bone"))));
 }
 

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <QObject>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "core/base/progress.h"
+
+namespace spinaltap {
+
+/// Long work beside the window: one piece at a time, on a thread of its own, with progress and cancel. All signals come
+/// on the thread that owns this.
+class BackgroundJob : public QObject {
+  Q_OBJECT
+ public:
+  explicit BackgroundJob(QObject* parent = nullptr);
+  /// Cancels, and waits.
+  ~BackgroundJob() override;
+
+  /// `work` runs on the other thread and returns what the owner's thread does with its result, at the end, unless it
+  /// was cancelled by then. Throws Error while other work runs.
+  void start(const QString& what, std::function<std::function<void()>(const Progress&)> work);
+  bool is_running() const { return thread_.joinable(); }
+  const QString& what() const { return what_; }
+  /// Asks the work to stop: finished() comes when it has.
+  void cancel();
+
+ Q_SIGNALS:
+  void started(const QString& what);
+  void progressed(const QString& stage, double share);
+  /// `trouble`: what went wrong, in words; empty where all is well or it was cancelled.
+  void finished(bool is_done, const QString& trouble);
+
+ private:
+  void finish(const std::function<void()>& deliver, const QString& trouble, bool was_cancelled);
+
+  QString what_;
+  Progress progress_;
+  std::thread thread_;
+  bool is_cancelled_ = false;
+};
+
+}  // namespace spinaltap

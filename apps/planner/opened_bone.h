@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/common/session_setup.h"
+#include "core/base/progress.h"
+#include "core/ct/ct_volume.h"
+#include "core/drill/drill_path.h"
+#include "vdb/bone_model.h"
+#include "vdb/surface_block.h"
+
+namespace spinaltap {
+
+/// Of the grid that is meshed for 3D: fine enough to look smooth, coarse enough for a processor to draw.
+inline constexpr double kSurfaceVoxelMm = 0.5;
+
+/// A bone that the window shows: all of it is made in the background and then only read, from any thread.
+struct OpenedBone {
+  std::filesystem::path file;         ///< that was opened: a CT or a bone.vdb
+  std::unique_ptr<SessionBone> bone;  ///< grids, and walls with landmarks where they were found
+  CtVolume ct;                        ///< for slices: the CT itself, or what the bone keeps of it
+
+  /// All of the surface, for 3D: as a RemainingBone of kSurfaceVoxelMm has it, which drilling then changes block by
+  /// block.
+  std::vector<std::shared_ptr<const SurfaceBlock>> surface;
+
+  const BoneModel& model() const { return bone->model(); }
+};
+
+/// What files hold, in the order in which a window takes them.
+enum class FileKind { ct, bone, plan };
+/// A folder, a NIfTI or a DICOM file is a CT; .vdb is a bone; .json is a plan or 3D Slicer's markups. Throws Error
+/// where there is no such file.
+FileKind kind_of_file(const std::filesystem::path& path);
+
+/// Opens a baked bone. Throws Error as read_bone() does.
+std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress = {});
+
+/// Reads a CT, bakes its vertebra and keeps the stages of the bake in `cache` (empty: keeps nothing). Throws Error as
+/// read_ct() and bake_ct() do.
+std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const std::filesystem::path& cache,
+                                          const Progress& progress = {});
+
+/// The place of the bone's outer surface that is nearest to a position (patient LPS, mm), to a few µm; the position
+/// itself where it is not a number.
+Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm);
+
+}  // namespace spinaltap
