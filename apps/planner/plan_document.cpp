@@ -79,13 +79,20 @@ void PlanDocument::choose(int index) {
 }
 
 int PlanDocument::add_path(DrillPath path) {
-  check_path(path);
-  path.name = unlike(paths_, path.name);
+  add_paths({std::move(path)}, tr("add path"));
+  return static_cast<int>(paths_.size()) - 1;
+}
+
+void PlanDocument::add_paths(std::vector<DrillPath> added, const QString& what) {
+  if (added.empty()) return;
   std::vector<DrillPath> paths = paths_;
-  paths.push_back(std::move(path));
+  for (DrillPath& path : added) {
+    check_path(path);
+    path.name = unlike(paths, path.name);
+    paths.push_back(std::move(path));
+  }
   const int index = static_cast<int>(paths.size()) - 1;
-  undo_stack_.push(new ReplacePaths(*this, std::move(paths), index, tr("add path"), 0));
-  return index;
+  undo_stack_.push(new ReplacePaths(*this, std::move(paths), index, what, 0));
 }
 
 void PlanDocument::remove_path(int index) {

@@ -100,8 +100,8 @@ void print_suggestion(const Suggestion& suggestion) {
   print_figure(suggestion.side + " grade", std::string(1, letter_of(best.grade.grade)));
   print_figure(suggestion.side + " clearance, outer surface", best.grade.outer.clearance_mm, "mm");
   print_figure(suggestion.side + " clearance, canal", best.grade.canal.clearance_mm, "mm");
-  print_figure(suggestion.side + " convergence", best.convergence_deg, "°", 1);
-  print_figure(suggestion.side + " inclination", best.inclination_deg, "°", 1);
+  print_figure(suggestion.side + " convergence", best.angles.convergence_deg, "°", 1);
+  print_figure(suggestion.side + " inclination", best.angles.inclination_deg, "°", 1);
   const SafeZone& safe = best.safe;
   print_figure(suggestion.side + " may err medially", degrees_and_mm(safe.medial_mm, safe.medial_deg));
   print_figure(suggestion.side + " may err laterally", degrees_and_mm(safe.lateral_mm, safe.lateral_deg));

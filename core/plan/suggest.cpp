@@ -2,7 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <cmath>
 #include <sstream>
 
 #include "core/base/error.h"
@@ -47,9 +46,7 @@ Suggestion suggest_side(const WallDistance& walls, const HuSampler& hu, const Ma
     if (best.grade.grade != Grade::A) continue;
     best.safe = safe_zone(walls, way.path);
     best.score = way.score;
-    const Vec3 direction = walls.landmarks().axes.transpose() * way.path.direction();
-    best.convergence_deg = std::atan2(-side * direction.x(), -direction.y()) / kDegree;
-    best.inclination_deg = std::atan2(direction.z(), std::hypot(direction.x(), direction.y())) / kDegree;
+    best.angles = path_angles(way.path.direction(), walls.landmarks().axes, side > 0.0);
     best.ways_looked_at = search.ways_looked_at();
     suggestion.best = best;
     return suggestion;

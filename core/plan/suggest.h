@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/plan/grade.h"
+#include "core/plan/path_angles.h"
 
 namespace spinaltap {
 
@@ -42,9 +43,8 @@ struct SuggestedPath {
   DrillPath path;  ///< with its screw
   PathGrade grade;
   SafeZone safe;
-  double score = 0.0;            ///< sum of weights times terms
-  double convergence_deg = 0.0;  ///< towards the midsagittal plane, seen from above
-  double inclination_deg = 0.0;  ///< upward, of the vertebra's own transverse plane
+  double score = 0.0;  ///< sum of weights times terms
+  PathAngles angles;   ///< to the vertebra's own planes
   std::size_t ways_looked_at = 0;
 };
 

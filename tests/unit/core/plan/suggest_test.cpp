@@ -71,9 +71,9 @@ TEST_F(SuggestPaths, RunThroughTheIsthmusOfEachSideIntoTheBody) {
     EXPECT_NEAR(best.path.length_mm(), best.path.screw->length_mm, 1e-9);
     EXPECT_LT(std::abs(value_mm(best.path.entry_mm)), 0.01) << "the entry is on the bone's surface";
     EXPECT_LT(vertebra().to_own(best.path.target_mm).y(), 5.0) << "the tip is well in the body";
-    EXPECT_GT(best.convergence_deg, 0.0);
-    EXPECT_LT(best.convergence_deg, 28.0);
-    EXPECT_LT(std::abs(best.inclination_deg), 16.0);
+    EXPECT_GT(best.angles.convergence_deg, 0.0);
+    EXPECT_LT(best.angles.convergence_deg, 28.0);
+    EXPECT_LT(std::abs(best.angles.inclination_deg), 16.0);
   }
 }
 
@@ -110,7 +110,7 @@ TEST_F(SuggestPaths, OfAVertebraThatMirrorsItselfMirrorEachOther) {
   EXPECT_EQ(left.path.screw->diameter_mm, right.path.screw->diameter_mm);
   EXPECT_EQ(left.path.screw->length_mm, right.path.screw->length_mm);
   EXPECT_NEAR(left.score, right.score, 0.1);
-  EXPECT_NEAR(left.convergence_deg, right.convergence_deg, 4.0);
+  EXPECT_NEAR(left.angles.convergence_deg, right.angles.convergence_deg, 4.0);
 }
 
 TEST_F(SuggestPaths, AreTheSameAtAnyNumberOfThreads) {

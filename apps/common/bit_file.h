@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/drill/drill_bit.h"
+
+namespace spinaltap {
+
+/// A bit that people know by a name.
+struct NamedBit {
+  std::string name;
+  DrillBit bit;
+};
+
+/// Reads a list of bits like the shipped bits/pedicle.json, in its order. Throws Error that names the file and the key
+/// at fault.
+std::vector<NamedBit> read_bits(const std::filesystem::path& path);
+
+}  // namespace spinaltap
