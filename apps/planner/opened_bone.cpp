@@ -1,5 +1,6 @@
 #include "apps/planner/opened_bone.h"
 
+#include <algorithm>
 #include <array>
 
 #include "apps/common/bake_ct.h"
@@ -65,6 +66,21 @@ Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm) {
     place -= gradient[0] * (distance_mm[0] / slope);
   }
   return place;
+}
+
+Vec3 entry_behind(const OpenedBone& bone, const Vec3& target_mm) {
+  constexpr double kStepMm = 0.25;
+  const Landmarks* landmarks = bone.bone->landmarks();
+  const Vec3 back = landmarks != nullptr ? landmarks->posterior() : Vec3::UnitY();
+  std::vector<Vec3> points_mm;
+  const double far_mm = bone.model().bounds_mm().diagonal().norm();
+  for (double way_mm = 0.0; way_mm <= far_mm; way_mm += kStepMm) points_mm.push_back(target_mm + way_mm * back);
+  std::vector<float> distance_mm(points_mm.size());
+  bone.model().sample(points_mm, distance_mm, {});
+  const auto last = std::find_if(distance_mm.rbegin(), distance_mm.rend(), [](float d) { return d < 0.0F; });
+  const Vec3 near =
+      last == distance_mm.rend() ? target_mm : points_mm[static_cast<std::size_t>(distance_mm.rend() - last) - 1];
+  return stick_to_surface(bone, near);
 }
 
 }  // namespace spinaltap

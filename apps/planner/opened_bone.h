@@ -49,4 +49,8 @@ std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, con
 /// itself where it is not a number.
 Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm);
 
+/// Where a surgeon would enter for a target: straight back from it, where the bone ends for good. The nearest place of
+/// the surface where there is no bone that way.
+Vec3 entry_behind(const OpenedBone& bone, const Vec3& target_mm);
+
 }  // namespace spinaltap

@@ -29,6 +29,18 @@ TEST(StickToSurface, FindsThePhantomsSurfaceFromNearAndFar) {
   }
 }
 
+TEST(EntryBehind, LiesOnTheBackOfThePhantomStraightBehindTheTarget) {
+  const OpenedBone& bone = *test::phantom_bone();
+  const DrillPath path = test::phantom_paths().front();
+  const Vec3 entry = entry_behind(bone, path.target_mm);
+  double distance_mm = 1.0;
+  Vertebra().evaluate({&entry, 1}, {&distance_mm, 1}, {});
+  EXPECT_NEAR(distance_mm, 0.0, 0.03);
+  EXPECT_GT(entry.y(), path.target_mm.y() + 10.0);
+  const Vec3 beyond = bone.model().bounds_mm().max() + Vec3(5.0, 0.0, 0.0);  // no bone behind: the nearest place
+  EXPECT_LT((entry_behind(bone, beyond) - stick_to_surface(bone, beyond)).norm(), 1e-6);
+}
+
 TEST(PlanDocument, UndoesAndRedoesEveryChange) {
   PlanDocument document;
   document.set_bone(test::phantom_bone());

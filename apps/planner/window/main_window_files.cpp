@@ -117,7 +117,7 @@ void MainWindow::add_path_here() {
   DrillPath path;
   path.name = "path";
   path.target_mm = target_mm;
-  path.entry_mm = stick_to_surface(*document.bone(), target_mm);
+  path.entry_mm = entry_behind(*document.bone(), target_mm);
   if (const DrillPath* chosen = document.chosen_path()) path.bit = chosen->bit;
   document.add_path(path);
 }

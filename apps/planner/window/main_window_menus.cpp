@@ -90,7 +90,7 @@ void MainWindow::make_edit_menu() {
                                 [this] { attempt(tr("Cannot suggest paths"), [this] { planner_.suggest(); }); });
   QAction* add = add_action(edit, tr("&Add path"), QKeySequence(Qt::CTRL | Qt::Key_N), "add",
                             [this] { attempt(tr("Cannot add a path here"), [this] { add_path_here(); }); });
-  add->setToolTip(tr("From the bone's nearest surface to the crosshair"));
+  add->setToolTip(tr("From the back of the bone straight to the crosshair"));
   QAction* remove = add_action(edit, tr("Re&move path"), QKeySequence(Qt::CTRL | Qt::Key_Backspace), "remove", [this] {
     attempt(tr("Cannot remove the path"), [this] { planner_.document().remove_path(planner_.document().chosen()); });
   });

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <QAbstractButton>
+#include <QLabel>
+#include <QMessageBox>
+#include <QSettings>
+#include <QTimer>
+#include <cmath>
+#include <memory>
+
+#include "apps/planner/slices/slice_view.h"
+#include "apps/planner/window/four_panes.h"
+#include "apps/planner/window/main_window.h"
+#include "apps/planner/window/words.h"
+#include "tests/gui/phantom_bone.h"
+#include "tests/gui/x_input.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap::test {
+
+/// The window on a display, with settings of its own, and a mouse and keyboard for it.
+class PlannerWindow : public testing::Test {
+ protected:
+  void SetUp() override {
+    QSettings::setPath(QSettings::NativeFormat, QSettings::UserScope, text_of(folder.path().string()));
+    QSettings().clear();
+    window = std::make_unique<MainWindow>();
+    window->resize(1400, 900);
+    input.show(*window);
+  }
+
+  Planner& planner() { return window->planner(); }
+  PlanDocument& document() { return planner().document(); }
+  SliceView& slice(const char* name) { return dynamic_cast<SliceView&>(*window->panes().pane(name)); }
+  template <class Widget>
+  Widget& child(const char* name) {
+    auto* found = window->findChild<Widget*>(name);
+    if (found == nullptr) throw std::runtime_error(std::string("the window has no ") + name);
+    return *found;
+  }
+
+  /// The phantom and its two paths, as after opening both files.
+  void show_phantom(bool with_paths = true) {
+    document().set_bone(phantom_bone());
+    if (with_paths) document().set_paths(phantom_paths());
+    if (with_paths) planner().view().set_crosshair(document().chosen_path()->entry_mm);
+    let_work(100);
+  }
+  /// Where a place in the patient is in a slice's pane.
+  static QPoint pixel_of(const SliceView& view, const Vec3& p_mm) {
+    const Vec3 pixel = view.frame().to_pixel(p_mm) / view.devicePixelRatioF();
+    return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
+  }
+  static double mm_per_pixel(const SliceView& view) { return view.frame().pixel_mm * view.devicePixelRatioF(); }
+  QString status() { return child<QLabel>("hover").text(); }
+
+  /// Presses a button of the next box that opens, and keeps what it said.
+  void answer_box(QMessageBox::StandardButton button) {
+    box_text.clear();
+    QTimer::singleShot(0, &timer_, [this, button] { answer(button, 0); });
+  }
+
+  TemporaryFolder folder;
+  XInput input;
+  std::unique_ptr<MainWindow> window;
+  QString box_text;
+
+ private:
+  void answer(QMessageBox::StandardButton button, int tries) {
+    auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+    if (box == nullptr) {
+      if (tries < 2000) QTimer::singleShot(5, &timer_, [this, button, tries] { answer(button, tries + 1); });
+      return;
+    }
+    box_text = box->text() + "\n" + box->informativeText();
+    QAbstractButton* found = button == QMessageBox::NoButton ? box->buttons().front() : box->button(button);
+    if (found != nullptr) found->click();
+  }
+
+  QObject timer_;
+};
+
+}  // namespace spinaltap::test

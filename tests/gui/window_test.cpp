@@ -1,0 +1,271 @@
+#include <gmock/gmock.h>
+
+#include <QAction>
+#include <QApplication>
+#include <QComboBox>
+#include <QFile>
+#include <QLabel>
+#include <QLineEdit>
+#include <QTableWidget>
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "apps/common/plan_file.h"
+#include "core/phantom/vertebra_truth.h"
+#include "tests/gui/planner_window.h"
+
+namespace spinaltap::test {
+namespace {
+
+constexpr double kSurfaceMm = 0.03;  ///< of a bone baked at 0.4 mm against the phantom's formula
+
+double phantom_distance_mm(const Vec3& p_mm) {
+  double distance_mm = 0.0;
+  Vertebra().evaluate({&p_mm, 1}, {&distance_mm, 1}, {});
+  return distance_mm;
+}
+
+using PlannerWindowTest = PlannerWindow;
+
+TEST_F(PlannerWindowTest, OpensABoneThroughItsDialog) {
+  input.key("ctrl+o");
+  ASSERT_TRUE(wait_until([] { return QApplication::activeModalWidget() != nullptr; }));
+  input.type(text_of(phantom_file().string()));
+  input.key("Return");
+  ASSERT_TRUE(wait_until([&] { return document().bone() != nullptr; }, 60000));
+  EXPECT_EQ(document().bone()->file, phantom_file());
+  EXPECT_TRUE(document().paths().empty());
+  EXPECT_TRUE(child<QAction>("suggest").isEnabled());
+}
+
+TEST_F(PlannerWindowTest, WheelScrollsAndTheOtherPanesFollow) {
+  show_phantom();
+  SliceView& axial = slice("axial");
+  const Vec3 before = planner().view().crosshair_mm();
+  input.move(axial, axial.rect().center());
+  input.wheel(3);
+  const double step_mm = document().bone()->ct.geometry.spacing_mm.z();
+  EXPECT_NEAR(std::abs(planner().view().crosshair_mm().z() - before.z()), 3.0 * step_mm, 1e-6);
+  // The crosshair of the coronal pane lies on the height that the axial one shows.
+  EXPECT_NEAR(slice("coronal").frame().to_pixel(planner().view().crosshair_mm()).z(), 0.0, 1e-6);
+  input.wheel(-3);
+  EXPECT_NEAR(planner().view().crosshair_mm().z(), before.z(), 1e-6);
+}
+
+TEST_F(PlannerWindowTest, LeftButtonMovesTheCrosshairThereAndSaysTheHuUnderThePointer) {
+  show_phantom();
+  SliceView& sagittal = slice("sagittal");
+  const Vec3 body_mm = phantom_bone()->bone->landmarks()->body.centre_mm;
+  planner().view().set_crosshair(body_mm + Vec3(0.0, 6.0, 4.0));
+  input.click(sagittal, pixel_of(sagittal, body_mm));
+  const Vec3 seen = planner().view().crosshair_mm();
+  EXPECT_NEAR(seen.y(), body_mm.y(), mm_per_pixel(sagittal));
+  EXPECT_NEAR(seen.z(), body_mm.z(), mm_per_pixel(sagittal));
+  EXPECT_THAT(status().toStdString(), testing::HasSubstr(" HU"));
+}
+
+TEST_F(PlannerWindowTest, RightButtonChangesTheWindow) {
+  show_phantom();
+  SliceView& coronal = slice("coronal");
+  const HuWindow before = planner().view().window();
+  const QPoint middle = coronal.rect().center();
+  input.drag(coronal, middle, middle + QPoint(60, 0), MouseButton::right);
+  EXPECT_GT(planner().view().window().width_hu, before.width_hu);
+  EXPECT_NEAR(planner().view().window().level_hu, before.level_hu, 1.0);
+  input.drag(coronal, middle, middle + QPoint(0, 40), MouseButton::right);
+  EXPECT_NE(planner().view().window().level_hu, before.level_hu);
+}
+
+TEST_F(PlannerWindowTest, BothEndsAreDraggedOnASliceEachAsOneStepBack) {
+  show_phantom();
+  SliceView& axial = slice("axial");
+  const DrillPath before = *document().chosen_path();
+  const QPoint target = pixel_of(axial, before.target_mm);
+  input.drag(axial, target, target + QPoint(12, -9));
+  const double pixel_mm = mm_per_pixel(axial);
+  const Vec3 moved = document().chosen_path()->target_mm - before.target_mm;
+  EXPECT_NEAR(moved.x(), 12.0 * pixel_mm, pixel_mm);
+  EXPECT_NEAR(moved.y(), -9.0 * pixel_mm, pixel_mm);
+  EXPECT_NEAR(moved.z(), 0.0, 1e-9);
+
+  const QPoint entry = pixel_of(axial, before.entry_mm);
+  input.drag(axial, entry, entry + QPoint(14, 5));
+  EXPECT_GT((document().chosen_path()->entry_mm - before.entry_mm).norm(), 5.0 * pixel_mm);
+  EXPECT_NEAR(phantom_distance_mm(document().chosen_path()->entry_mm), 0.0, kSurfaceMm);
+
+  EXPECT_EQ(document().undo_stack().count(), 2);
+  EXPECT_TRUE(window->isWindowModified());
+  input.key("ctrl+z");
+  input.key("ctrl+z");
+  EXPECT_EQ(document().chosen_path()->entry_mm, before.entry_mm);
+  EXPECT_EQ(document().chosen_path()->target_mm, before.target_mm);
+  EXPECT_FALSE(window->isWindowModified());
+}
+
+TEST_F(PlannerWindowTest, SuggestsPathsThatAreOfGradeA) {
+  show_phantom(false);
+  input.key("ctrl+g");
+  ASSERT_TRUE(wait_until([&] { return document().paths().size() == 2; }, 60000));
+  EXPECT_EQ(child<QTableWidget>("paths").rowCount(), 2);
+  for (int index = 0; index < 2; ++index) {
+    document().choose(index);
+    let_work(50);
+    EXPECT_EQ(planner().figures().value().graded.grade.grade, Grade::A);
+    EXPECT_THAT(child<QLabel>("grade").text().toStdString(), testing::HasSubstr("A: no breach"));
+  }
+  input.key("ctrl+z");
+  EXPECT_TRUE(document().paths().empty());
+}
+
+TEST_F(PlannerWindowTest, WarnsInWordsWhenAPathBreachesTheCanal) {
+  show_phantom();
+  const Landmarks& landmarks = *phantom_bone()->bone->landmarks();
+  ASSERT_TRUE(document().move_end(0, PathEnd::target, landmarks.origin_mm));
+  let_work(50);
+  EXPECT_THAT(child<QLabel>("warnings").text().toStdString(), testing::HasSubstr("breaches the canal by"));
+}
+
+TEST_F(PlannerWindowTest, NumbersAndToolsAreSetByTheKeyboardAlone) {
+  show_phantom();
+  auto& screw = child<QComboBox>("screw");
+  screw.setFocus(Qt::TabFocusReason);
+  let_work(20);
+  input.key("Down");
+  ASSERT_TRUE(document().chosen_path()->screw.has_value());
+  auto& box = child<QDoubleSpinBox>("targetS");
+  const Vec3 before = document().chosen_path()->target_mm;
+  box.setFocus(Qt::TabFocusReason);
+  let_work(20);
+  input.key("Up");
+  let_work(50);
+  EXPECT_NEAR(document().chosen_path()->target_mm.z(), before.z() + 0.1, 0.006);
+  EXPECT_EQ(document().chosen_path()->target_mm.head<2>(), before.head<2>());
+  input.key("ctrl+z");
+  EXPECT_EQ(document().chosen_path()->target_mm, before);
+}
+
+TEST_F(PlannerWindowTest, SavesAndReopensTheSame) {
+  show_phantom();
+  document().move_end(0, PathEnd::target, document().paths()[0].target_mm + Vec3(0.3, -0.2, 0.7));
+  const std::filesystem::path file = folder.path() / "my plan.json";
+  input.key("ctrl+s");
+  ASSERT_TRUE(wait_until([] { return QApplication::activeModalWidget() != nullptr; }));
+  input.key("ctrl+a");
+  input.type(text_of(file.string()));
+  input.key("Return");
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(file) && !planner().has_unsaved_changes(); }));
+  const std::vector<DrillPath> saved = document().paths();
+
+  document().set_paths({});
+  window->open(file);
+  ASSERT_EQ(document().paths().size(), saved.size());
+  for (std::size_t n = 0; n < saved.size(); ++n) {
+    EXPECT_EQ(document().paths()[n].name, saved[n].name);
+    EXPECT_EQ(document().paths()[n].entry_mm, saved[n].entry_mm);
+    EXPECT_EQ(document().paths()[n].target_mm, saved[n].target_mm);
+  }
+  EXPECT_EQ(planner().plan_file(), file);
+  // And by way of 3D Slicer's markups.
+  const std::filesystem::path markups = folder.path() / "plan.mrk.json";
+  planner().save_plan(markups);
+  window->open(markups);
+  EXPECT_EQ(document().paths().at(1).entry_mm, saved[1].entry_mm);
+}
+
+TEST_F(PlannerWindowTest, DrillsUndoesTheHoleAndSavesTheRecord) {
+  show_phantom();
+  DrillPlayer& player = planner().player();
+  player.start({.hand = "on-path", .feed_mm_s = 5.0, .speed = 0.0});
+  ASSERT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }, 120000));
+  EXPECT_GT(player.removed(), 100000U);
+  const std::filesystem::path record = folder.path() / "drilling.h5";
+  player.save_record(record);
+  EXPECT_GT(std::filesystem::file_size(record), 1000U);
+  ASSERT_TRUE(player.can_undo_hole());
+  player.undo_hole();
+  EXPECT_TRUE(wait_until([&] { return !player.can_undo_hole(); }));
+}
+
+TEST_F(PlannerWindowTest, ForeignPlanIsRefusedInWordsAndNothingIsLost) {
+  show_phantom();
+  const std::filesystem::path file = folder.path() / "foreign.json";
+  std::vector<DrillPath> paths = phantom_paths();
+  for (DrillPath& path : paths) {
+    path.entry_mm += Vec3(500.0, 0.0, 0.0);
+    path.target_mm += Vec3(500.0, 0.0, 0.0);
+  }
+  write_plan(paths, file);
+  answer_box(QMessageBox::Ok);
+  window->open(file);
+  EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("meets this bone"));
+  EXPECT_EQ(document().paths().front().entry_mm, phantom_paths().front().entry_mm);
+}
+
+TEST_F(PlannerWindowTest, BrokenCtIsSaidInWordsAndTheOldBoneStays) {
+  show_phantom();
+  const std::filesystem::path ct = folder.path() / "ct";
+  std::filesystem::create_directory(ct);
+  std::ofstream(ct / "IM0001.dcm") << "no DICOM at all";
+  answer_box(QMessageBox::Ok);
+  window->open(ct);
+  ASSERT_TRUE(wait_until([&] { return !box_text.isEmpty(); }));
+  EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("Opening ct"));
+  EXPECT_EQ(document().bone(), phantom_bone());
+  EXPECT_EQ(document().paths().size(), 2U);
+}
+
+TEST_F(PlannerWindowTest, FullDiskIsSaidInWordsAndThePlanStaysUnsaved) {
+  show_phantom();
+  document().remove_path(1);
+  EXPECT_THROW(planner().save_plan("/dev/full/plan.json"), Error);
+  EXPECT_TRUE(planner().has_unsaved_changes());
+}
+
+TEST_F(PlannerWindowTest, ClosingAsksForWhatIsNotSaved) {
+  show_phantom();
+  document().remove_path(1);
+  let_work(20);
+  answer_box(QMessageBox::Cancel);
+  window->close();
+  EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("not saved"));
+  EXPECT_TRUE(window->isVisible());
+  answer_box(QMessageBox::Discard);
+  window->close();
+  EXPECT_FALSE(window->isVisible());
+}
+
+TEST_F(PlannerWindowTest, ClosingDuringLongWorkAsksAndThenStopsIt) {
+  std::atomic<bool> has_ended = false;
+  planner().job().start("A bake", [&](const Progress& progress) -> std::function<void()> {
+    try {
+      for (;;) {
+        progress.report("baking", 0.5);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+    } catch (const Cancelled&) {
+      has_ended = true;
+      throw;
+    }
+  });
+  answer_box(QMessageBox::NoButton);
+  window->close();
+  EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("A bake is still running"));
+  window.reset();
+  EXPECT_TRUE(has_ended);
+}
+
+TEST_F(PlannerWindowTest, IsReadableOnASmallScreen) {
+  show_phantom();
+  window->resize(1024, 700);
+  let_work(100);
+  EXPECT_LE(window->minimumSizeHint().width(), 1024);
+  EXPECT_LE(window->minimumSizeHint().height(), 700);
+  for (const char* name : {"axial", "coronal", "sagittal", "3d"}) {
+    EXPECT_GE(window->panes().pane(name)->width(), 250) << name;
+  }
+}
+
+}  // namespace
+}  // namespace spinaltap::test

@@ -1,0 +1,172 @@
+#include "tests/gui/x_input.h"
+
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QEventLoop>
+#include <QThread>
+#include <QWidget>
+#include <QWindow>
+#include <stdexcept>
+
+// Last: X11 defines words such as None and Bool.
+#include <X11/XKBlib.h>
+#include <X11/Xlib.h>
+#include <X11/extensions/XTest.h>
+#include <X11/keysym.h>
+
+namespace spinaltap::test {
+
+bool wait_until(const std::function<bool()>& is_so, int longest_ms) {
+  QElapsedTimer clock;
+  clock.start();
+  while (!is_so()) {
+    if (clock.elapsed() > longest_ms) return false;
+    QApplication::processEvents(QEventLoop::AllEvents, 10);
+    QApplication::sendPostedEvents(nullptr, QEvent::DeferredDelete);
+    QThread::msleep(1);
+  }
+  return true;
+}
+
+void let_work(int ms) {
+  QElapsedTimer clock;
+  clock.start();
+  wait_until([&] { return clock.elapsed() >= ms; }, 2 * ms + 100);
+}
+
+struct XInput::State {
+  Display* display = nullptr;
+
+  void sync() {
+    XSync(display, False);
+    let_work(8);
+  }
+  void key(KeySym symbol, bool is_down) {
+    const KeyCode code = XKeysymToKeycode(display, symbol);
+    if (code == 0) throw std::runtime_error("the keyboard has no such key");
+    XTestFakeKeyEvent(display, code, is_down ? True : False, CurrentTime);
+    XSync(display, False);
+  }
+};
+
+XInput::XInput() : state_(new State) {
+  state_->display = XOpenDisplay(nullptr);
+  if (state_->display == nullptr) {
+    delete state_;
+    throw std::runtime_error("no X display: run the tests under xvfb-run");
+  }
+}
+
+XInput::~XInput() {
+  XCloseDisplay(state_->display);
+  delete state_;
+}
+
+void XInput::show(QWidget& window) {
+  window.move(0, 0);
+  window.show();
+  wait_until([&] { return window.windowHandle() != nullptr && window.windowHandle()->isExposed(); });
+  // There is no window manager to give it the keyboard.
+  XSetInputFocus(state_->display, window.winId(), RevertToParent, CurrentTime);
+  window.activateWindow();
+  state_->sync();
+  if (!wait_until([&] { return window.isActiveWindow(); })) throw std::runtime_error("the window got no keyboard");
+}
+
+void XInput::move(QWidget& widget, const QPoint& to) {
+  const QPoint place = widget.mapToGlobal(to) * widget.devicePixelRatioF();
+  const QPoint from = QCursor::pos() * widget.devicePixelRatioF();
+  constexpr int kSteps = 6;
+  for (int step = 1; step <= kSteps; ++step) {
+    const QPoint at = from + (place - from) * step / kSteps;
+    XTestFakeMotionEvent(state_->display, -1, at.x(), at.y(), CurrentTime);
+    state_->sync();
+  }
+}
+
+void XInput::press(MouseButton button) {
+  XTestFakeButtonEvent(state_->display, static_cast<unsigned>(button), True, CurrentTime);
+  state_->sync();
+}
+
+void XInput::release(MouseButton button) {
+  XTestFakeButtonEvent(state_->display, static_cast<unsigned>(button), False, CurrentTime);
+  state_->sync();
+}
+
+void XInput::click(QWidget& widget, const QPoint& at, MouseButton button) {
+  move(widget, at);
+  press(button);
+  release(button);
+  let_work(20);
+}
+
+void XInput::click(QWidget& widget) { click(widget, widget.rect().center()); }
+
+void XInput::double_click(QWidget& widget, const QPoint& at) {
+  move(widget, at);
+  for (int n = 0; n < 2; ++n) {
+    press();
+    release();
+  }
+  let_work(20);
+}
+
+void XInput::drag(QWidget& widget, const QPoint& from, const QPoint& to, MouseButton button) {
+  move(widget, from);
+  press(button);
+  move(widget, to);
+  release(button);
+  let_work(20);
+}
+
+void XInput::wheel(int steps) {
+  const unsigned button = steps > 0 ? Button4 : Button5;
+  for (int n = 0; n < std::abs(steps); ++n) {
+    XTestFakeButtonEvent(state_->display, button, True, CurrentTime);
+    XTestFakeButtonEvent(state_->display, button, False, CurrentTime);
+    state_->sync();
+  }
+}
+
+namespace {
+
+KeySym modifier_symbol(const QString& name) {
+  if (name == "ctrl") return XK_Control_L;
+  if (name == "shift") return XK_Shift_L;
+  return XK_Alt_L;
+}
+
+}  // namespace
+
+void XInput::key(const QString& name) {
+  QStringList parts = name.split('+');
+  const KeySym symbol = XStringToKeysym(parts.takeLast().toLatin1().constData());
+  for (const QString& modifier : parts) state_->key(modifier_symbol(modifier), true);
+  state_->key(symbol, true);
+  state_->key(symbol, false);
+  for (const QString& modifier : parts) state_->key(modifier_symbol(modifier), false);
+  let_work(25);
+}
+
+void XInput::hold(const QString& modifier, const std::function<void()>& work) {
+  state_->key(modifier_symbol(modifier), true);
+  work();
+  state_->key(modifier_symbol(modifier), false);
+  let_work(20);
+}
+
+void XInput::type(const QString& text) {
+  for (const QChar c : text) {
+    const KeySym symbol = c.unicode();  // Latin letters are their own symbols
+    const KeyCode code = XKeysymToKeycode(state_->display, symbol);
+    const bool is_shifted = XkbKeycodeToKeysym(state_->display, code, 0, 0) != symbol;
+    if (is_shifted) state_->key(XK_Shift_L, true);
+    state_->key(symbol, true);
+    state_->key(symbol, false);
+    if (is_shifted) state_->key(XK_Shift_L, false);
+  }
+  let_work(25);
+}
+
+}  // namespace spinaltap::test
