@@ -84,6 +84,12 @@ void XInput::move(QWidget& widget, const QPoint& to) {
   }
 }
 
+void XInput::nudge(QWidget& widget, const QPoint& to) {
+  const QPoint place = widget.mapToGlobal(to) * widget.devicePixelRatioF();
+  XTestFakeMotionEvent(state_->display, -1, place.x(), place.y(), CurrentTime);
+  XSync(state_->display, False);
+}
+
 void XInput::press(MouseButton button) {
   XTestFakeButtonEvent(state_->display, static_cast<unsigned>(button), True, CurrentTime);
   state_->sync();
@@ -125,8 +131,10 @@ void XInput::wheel(int steps) {
   for (int n = 0; n < std::abs(steps); ++n) {
     XTestFakeButtonEvent(state_->display, button, True, CurrentTime);
     XTestFakeButtonEvent(state_->display, button, False, CurrentTime);
-    state_->sync();
+    XSync(state_->display, False);
+    if (std::abs(steps) > 1) let_work(8);
   }
+  if (std::abs(steps) > 1) let_work(20);
 }
 
 namespace {

@@ -28,6 +28,8 @@ class XInput {
   void show(QWidget& window);
   /// Moves the pointer, in steps as a hand does.
   void move(QWidget& widget, const QPoint& to);
+  /// Moves it at one go.
+  void nudge(QWidget& widget, const QPoint& to);
   void press(MouseButton button = MouseButton::left);
   void release(MouseButton button = MouseButton::left);
   void click(QWidget& widget, const QPoint& at, MouseButton button = MouseButton::left);
