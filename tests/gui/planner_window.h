@@ -49,10 +49,7 @@ class PlannerWindow : public testing::Test {
     let_work(100);
   }
   /// Where a place in the patient is in a slice's pane.
-  static QPoint pixel_of(const SliceView& view, const Vec3& p_mm) {
-    const Vec3 pixel = view.frame().to_pixel(p_mm) / view.devicePixelRatioF();
-    return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
-  }
+  static QPoint pixel_of(const SliceView& view, const Vec3& p_mm) { return view.place_of(p_mm).toPoint(); }
   static double mm_per_pixel(const SliceView& view) { return view.frame().pixel_mm * view.devicePixelRatioF(); }
   QString status() { return child<QLabel>("hover").text(); }
 

@@ -13,6 +13,8 @@
 #include <thread>
 
 #include "apps/common/plan_file.h"
+#include "apps/planner/scene/scene_view.h"
+#include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/gui/planner_window.h"
 
@@ -102,6 +104,30 @@ TEST_F(PlannerWindowTest, BothEndsAreDraggedOnASliceEachAsOneStepBack) {
   EXPECT_EQ(document().chosen_path()->entry_mm, before.entry_mm);
   EXPECT_EQ(document().chosen_path()->target_mm, before.target_mm);
   EXPECT_FALSE(window->isWindowModified());
+}
+
+TEST_F(PlannerWindowTest, BothEndsAreDraggedIn3D) {
+  show_phantom();
+  SceneView& scene = window->panes().scene();
+  scene.look_from("behind");
+  let_work(300);
+  const DrillPath before = *document().chosen_path();
+  const QPoint entry = scene.to_pixel(before.entry_mm).toPoint();
+  input.drag(scene, entry, entry + QPoint(0, 18));
+  let_work(200);
+  const Vec3 moved = document().chosen_path()->entry_mm;
+  EXPECT_LT(moved.z(), before.entry_mm.z() - 1.0);  // down, seen from behind
+  EXPECT_NEAR(phantom_distance_mm(moved), 0.0, kSurfaceMm);
+  EXPECT_LT((scene.to_pixel(moved).toPoint() - entry - QPoint(0, 18)).manhattanLength(), 6);
+
+  const QPoint target = scene.to_pixel(before.target_mm).toPoint();
+  input.drag(scene, target, target + QPoint(20, 0));
+  let_work(200);
+  const Vec3 way = document().chosen_path()->target_mm - before.target_mm;
+  EXPECT_LT(std::abs(way.y()), 1e-6);  // in the plane that faces the eye
+  EXPECT_LT((scene.to_pixel(document().chosen_path()->target_mm).toPoint() - target - QPoint(20, 0)).manhattanLength(),
+            3);
+  EXPECT_EQ(document().undo_stack().count(), 2);
 }
 
 TEST_F(PlannerWindowTest, SuggestsPathsThatAreOfGradeA) {

@@ -256,7 +256,7 @@ class ScriptRun {
        {1, 1, "record FILE.h5: of the drilling",
         [this](const Words& w) { planner().player().save_record(file(w[0])); }}},
       {"drill-report",
-       {1, 1, "drill-report FILE.html: on the drilling",
+       {1, 1, "drill-report FOLDER: on the drilling, as the program spinaltap writes it",
         [this](const Words& w) { planner().player().write_report(file(w[0])); }}},
       {"picture",
        {1, 2, "picture FILE.png [PANE]: of the window or axial, coronal, sagittal, 3d, path",

@@ -4,6 +4,7 @@
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
+#include <QFileDialog>
 #include <QLabel>
 #include <QMessageBox>
 #include <QMimeData>
@@ -160,8 +161,9 @@ void MainWindow::connect_player() {
                  [this](const std::filesystem::path& file) { planner_.player().save_record(file); });
   });
   connect(drill_, &DrillPanel::write_report_wanted, this, [this] {
-    ask_and_save(tr("Write the report on the drilling"), "drilling.html", tr("Reports (*.html)"),
-                 [this](const std::filesystem::path& file) { planner_.player().write_report(file); });
+    const QString folder = QFileDialog::getExistingDirectory(this, tr("Folder for the report on the drilling"));
+    if (folder.isEmpty()) return;
+    attempt(tr("Cannot write the report"), [&] { planner_.player().write_report(folder.toStdString()); });
   });
 }
 
