@@ -4,7 +4,6 @@
 #include <QTimer>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <vector>
@@ -27,10 +26,10 @@ struct PlannerOptions {
 std::vector<ScriptLine> lines_of(const PlannerOptions& options) {
   std::vector<ScriptLine> lines;
   for (const std::string& file : options.files) {
-    lines.push_back({0, "open", {std::filesystem::absolute(file).string()}});
+    lines.push_back({0, "open", {file}});
   }
   if (!options.screenshot.empty()) {
-    lines.push_back({0, "picture", {std::filesystem::absolute(options.screenshot).string()}});
+    lines.push_back({0, "picture", {options.screenshot}});
   }
   return lines;
 }
@@ -52,16 +51,15 @@ int run_window(const PlannerOptions& options) {
   window.settle();
   PlannerOptions before = options;
   before.screenshot.clear();
-  run_script(window, lines_of(before), "the command line", {});
+  run_script(window, lines_of(before), "the command line");
   if (!options.script.empty()) {
     std::ifstream file(options.script);
     if (!file) fail("expected a script, found no ", options.script);
-    run_script(window, read_script(file, options.script), options.script,
-               std::filesystem::absolute(options.script).parent_path());
+    run_script(window, read_script(file, options.script), options.script);
   }
   PlannerOptions after;
   after.screenshot = options.screenshot;
-  run_script(window, lines_of(after), "the command line", {});
+  run_script(window, lines_of(after), "the command line");
   return 0;
 }
 

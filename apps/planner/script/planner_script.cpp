@@ -37,7 +37,7 @@ Vec3 place_of_words(const Words& words) {
 class ScriptRun {
  public:
   /// `window` may be null where no command is run.
-  ScriptRun(MainWindow* window, std::filesystem::path folder) : window_(window), folder_(std::move(folder)) {}
+  explicit ScriptRun(MainWindow* window) : window_(window) {}
 
   struct Command {
     std::size_t fewest = 0, most = 0;  ///< words
@@ -60,10 +60,6 @@ class ScriptRun {
  private:
   Planner& planner() { return window_->planner(); }
   PlanDocument& document() { return planner().document(); }
-  std::filesystem::path file(const std::string& name) const {
-    const std::filesystem::path path(name);
-    return path.is_absolute() ? path : folder_ / path;
-  }
 
   const DrillPath& chosen() {
     const DrillPath* path = document().chosen_path();
@@ -154,12 +150,11 @@ class ScriptRun {
   }
 
   MainWindow* window_;
-  std::filesystem::path folder_;
   std::map<std::string, Command> commands_{
       {"open",
        {1, 1, "open FILE: a CT, a bone, or a plan for it",
         [this](const Words& w) {
-          planner().open(file(w[0]));
+          planner().open(w[0]);
           wait_for_job();
         }}},
       {"suggest",
@@ -247,20 +242,17 @@ class ScriptRun {
        {0, 0, "undo-hole: the bone without the last hole", [this](const Words&) { planner().player().undo_hole(); }}},
       {"redo-hole", {0, 0, "redo-hole", [this](const Words&) { planner().player().redo_hole(); }}},
       {"save",
-       {1, 1, "save FILE: the plan; .mrk.json for 3D Slicer",
-        [this](const Words& w) { planner().save_plan(file(w[0])); }}},
-      {"save-bone", {1, 1, "save-bone FILE.vdb", [this](const Words& w) { planner().save_bone(file(w[0])); }}},
-      {"report",
-       {1, 1, "report FILE.html: on the paths", [this](const Words& w) { planner().save_report(file(w[0])); }}},
+       {1, 1, "save FILE: the plan; .mrk.json for 3D Slicer", [this](const Words& w) { planner().save_plan(w[0]); }}},
+      {"save-bone", {1, 1, "save-bone FILE.vdb", [this](const Words& w) { planner().save_bone(w[0]); }}},
+      {"report", {1, 1, "report FILE.html: on the paths", [this](const Words& w) { planner().save_report(w[0]); }}},
       {"record",
-       {1, 1, "record FILE.h5: of the drilling",
-        [this](const Words& w) { planner().player().save_record(file(w[0])); }}},
+       {1, 1, "record FILE.h5: of the drilling", [this](const Words& w) { planner().player().save_record(w[0]); }}},
       {"drill-report",
        {1, 1, "drill-report FOLDER: on the drilling, as the program spinaltap writes it",
-        [this](const Words& w) { planner().player().write_report(file(w[0])); }}},
+        [this](const Words& w) { planner().player().write_report(w[0]); }}},
       {"picture",
        {1, 2, "picture FILE.png [PANE]: of the window or axial, coronal, sagittal, 3d, path",
-        [this](const Words& w) { window_->save_picture(file(w[0]), w.size() > 1 ? text_of(w[1]) : QString()); }}},
+        [this](const Words& w) { window_->save_picture(w[0], w.size() > 1 ? text_of(w[1]) : QString()); }}},
   };
 };
 
@@ -268,13 +260,12 @@ class ScriptRun {
 
 std::string script_help() {
   std::ostringstream help;
-  for (const auto& [name, command] : ScriptRun(nullptr, {}).commands()) help << "  " << command.help << "\n";
+  for (const auto& [name, command] : ScriptRun(nullptr).commands()) help << "  " << command.help << "\n";
   return help.str();
 }
 
-void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const std::string& file,
-                const std::filesystem::path& folder) {
-  ScriptRun run(&window, folder);
+void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const std::string& file) {
+  ScriptRun run(&window);
   for (const ScriptLine& line : lines) {
     try {
       run.run(line);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <istream>
 #include <string>
 #include <vector>
@@ -23,8 +22,7 @@ std::vector<ScriptLine> read_script(std::istream& text, const std::string& file)
 std::string script_help();
 
 /// Does what the script says, as a person at the window would: each line begins when the one before has ended and is
-/// drawn. Relative names of files are taken from `folder`. Throws Error that names file and line.
-void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const std::string& file,
-                const std::filesystem::path& folder);
+/// drawn. Relative names of files are those of the current folder. Throws Error that names file and line.
+void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const std::string& file);
 
 }  // namespace spinaltap
