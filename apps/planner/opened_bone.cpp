@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <utility>
 
 #include "apps/common/bake_ct.h"
 #include "apps/common/bone_ct.h"
@@ -28,6 +30,20 @@ void add_bone(BoneModel model, OpenedBone& opened, const Progress& progress) {
   opened.bone = std::make_unique<SessionBone>(std::move(model), true, progress);
 }
 
+std::shared_ptr<const OpenedBone> baked(const std::filesystem::path& file, CtVolume ct,
+                                        const std::optional<Vec3>& seed_mm, const std::filesystem::path& cache,
+                                        const Progress& progress) {
+  auto opened = std::make_shared<OpenedBone>();
+  opened->file = file;
+  opened->ct = std::move(ct);
+  opened->is_whole_ct = true;
+  BakeCtOptions options;
+  options.segment.seed_mm = seed_mm;
+  options.cache = cache;
+  add_bone(bake_ct(opened->ct, options, progress).bone, *opened, progress);
+  return opened;
+}
+
 }  // namespace
 
 std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress) {
@@ -43,14 +59,12 @@ std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, c
 
 std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const std::filesystem::path& cache,
                                           const Progress& progress) {
-  auto opened = std::make_shared<OpenedBone>();
-  opened->file = path;
-  opened->ct = read_ct(path, {}, progress);
-  BakeCtOptions options;
-  options.cache = cache;
-  BakedCt baked = bake_ct(opened->ct, options, progress);
-  add_bone(std::move(baked.bone), *opened, progress);
-  return opened;
+  return baked(path, read_ct(path, {}, progress), std::nullopt, cache, progress);
+}
+
+std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
+                                                   const std::filesystem::path& cache, const Progress& progress) {
+  return baked(ct.file, ct.ct, seed_mm, cache, progress);
 }
 
 Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm) {

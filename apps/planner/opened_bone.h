@@ -23,6 +23,7 @@ struct OpenedBone {
   std::filesystem::path file;         ///< that was opened: a CT or a bone.vdb
   std::unique_ptr<SessionBone> bone;  ///< grids, and walls with landmarks where they were found
   CtVolume ct;                        ///< for slices: the CT itself, or what the bone keeps of it
+  bool is_whole_ct = false;           ///< the first of these: there may be other vertebrae in it
 
   /// All of the surface, for 3D: as a RemainingBone of kSurfaceVoxelMm has it, which drilling then changes block by
   /// block.
@@ -40,10 +41,14 @@ FileKind kind_of_file(const std::filesystem::path& path);
 /// Opens a baked bone. Throws Error as read_bone() does.
 std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress = {});
 
-/// Reads a CT, bakes its vertebra and keeps the stages of the bake in `cache` (empty: keeps nothing). Throws Error as
-/// read_ct() and bake_ct() do.
+/// Reads a CT and bakes its largest vertebra; keeps the stages of the bake in `cache` (empty: keeps nothing). Throws
+/// Error as read_ct() and bake_ct() do.
 std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const std::filesystem::path& cache,
                                           const Progress& progress = {});
+
+/// Bakes the vertebra of an opened CT whose body holds a place (patient LPS, mm), as open_ct() does.
+std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
+                                                   const std::filesystem::path& cache, const Progress& progress = {});
 
 /// The place of the bone's outer surface that is nearest to a position (patient LPS, mm), to a few µm; the position
 /// itself where it is not a number.

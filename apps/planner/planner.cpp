@@ -57,6 +57,15 @@ void Planner::open(const std::filesystem::path& path) {
   });
 }
 
+void Planner::bake_here() {
+  const std::shared_ptr<const OpenedBone> bone = document_.bone();
+  if (!bone || !bone->is_whole_ct) fail("expected an open CT, found none: a baked bone holds but one vertebra");
+  job_.start(tr("Baking the vertebra here"), [this, bone, seed_mm = view_.crosshair_mm()](const Progress& progress) {
+    std::shared_ptr<const OpenedBone> other = bake_vertebra_at(*bone, seed_mm, bake_cache_folder(), progress);
+    return [this, other = std::move(other)] { show_bone(other); };
+  });
+}
+
 void Planner::show_bone(std::shared_ptr<const OpenedBone> bone) {
   plan_file_.clear();
   document_.set_bone(bone);

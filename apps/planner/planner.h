@@ -32,6 +32,9 @@ class Planner : public QObject {
   /// Opens a CT, a baked bone, or a plan for the bone that is open. CTs and bones take a while: opened() tells when
   /// they are there. Throws Error where the file cannot be; what was open then stays.
   void open(const std::filesystem::path& path);
+  /// Bakes the vertebra of the open CT whose body the crosshair is in, as open() does. Throws Error where no CT is
+  /// open.
+  void bake_here();
   /// Throws Error where it cannot be written. A name that ends in ".mrk.json" makes 3D Slicer's markups: a copy, which
   /// does not become the plan's file.
   void save_plan(const std::filesystem::path& path);

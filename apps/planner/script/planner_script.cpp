@@ -157,6 +157,12 @@ class ScriptRun {
           planner().open(w[0]);
           wait_for_job();
         }}},
+      {"bake",
+       {0, 0, "bake: the vertebra of the open CT that the crosshair is in",
+        [this](const Words&) {
+          planner().bake_here();
+          wait_for_job();
+        }}},
       {"suggest",
        {0, 0, "suggest: paths through both pedicles",
         [this](const Words&) {

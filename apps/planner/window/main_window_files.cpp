@@ -34,6 +34,9 @@ void MainWindow::make_file_menu() {
     keep_folder(name);
     open(name.toStdString());
   });
+  add_action(file, tr("Bake the &vertebra at the crosshair"), QKeySequence(Qt::CTRL | Qt::Key_B), "bakeHere", [this] {
+    if (may_lose_plan()) attempt(tr("Cannot bake here"), [this] { planner_.bake_here(); });
+  });
   recent_ = file->addMenu(tr("&Recent"));
   connect(file, &QMenu::aboutToShow, this, &MainWindow::fill_recent);
   file->addSeparator();

@@ -185,6 +185,7 @@ void MainWindow::update_actions() {
   const bool is_free = !planner_.job().is_running();
   for (const char* name : {"openFolder", "open"}) actions_[name]->setEnabled(is_free);
   for (const char* name : {"saveBone", "add"}) actions_[name]->setEnabled(has_bone);
+  actions_["bakeHere"]->setEnabled(has_bone && document.bone()->is_whole_ct && is_free);
   actions_["suggest"]->setEnabled(has_bone && is_free);
   for (const char* name : {"save", "saveAs", "exportMarkups", "report", "remove", "next", "hole"}) {
     actions_[name]->setEnabled(has_bone && has_path);
