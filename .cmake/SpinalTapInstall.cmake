@@ -4,9 +4,11 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS spinaltap_core spinaltap_vdb spinaltap_mesh EXPORT SpinalTapTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-if(TARGET spinaltap)
-  install(TARGETS spinaltap RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
+foreach(program spinaltap spinaltap-planner)
+  if(TARGET ${program})
+    install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  endif()
+endforeach()
 foreach(folder core vdb mesh)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/spinaltap
           FILES_MATCHING PATTERN "*.h" PATTERN "detail" EXCLUDE)

@@ -3,9 +3,12 @@
 #include <QAction>
 #include <QApplication>
 #include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QDragEnterEvent>
 #include <QFile>
 #include <QLabel>
 #include <QLineEdit>
+#include <QMimeData>
 #include <QTableWidget>
 #include <atomic>
 #include <chrono>
@@ -17,6 +20,7 @@
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/gui/planner_window.h"
+#include "tests/support/full_disk.h"
 
 namespace spinaltap::test {
 namespace {
@@ -242,11 +246,35 @@ TEST_F(PlannerWindowTest, BrokenCtIsSaidInWordsAndTheOldBoneStays) {
   EXPECT_EQ(document().paths().size(), 2U);
 }
 
-TEST_F(PlannerWindowTest, FullDiskIsSaidInWordsAndThePlanStaysUnsaved) {
+TEST_F(PlannerWindowTest, FullDiskIsSaidInWordsAndTheOldPlanStays) {
   show_phantom();
+  const std::filesystem::path file = folder.path() / "plan.json";
+  planner().save_plan(file);
   document().remove_path(1);
-  EXPECT_THROW(planner().save_plan("/dev/full/plan.json"), Error);
+  answer_box(QMessageBox::Ok);
+  {
+    const FullDisk disk(16);
+    input.key("ctrl+s");
+    ASSERT_TRUE(wait_until([&] { return !box_text.isEmpty(); }));
+  }
+  EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("Cannot save the plan"));
+  EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("plan.json"));
   EXPECT_TRUE(planner().has_unsaved_changes());
+  EXPECT_EQ(read_plan(file).size(), 2U);
+}
+
+TEST_F(PlannerWindowTest, TakesAPlanThatIsDroppedOnIt) {
+  show_phantom(false);
+  const std::filesystem::path file = folder.path() / "plan.json";
+  write_plan(phantom_paths(), file);
+  QMimeData data;
+  data.setUrls({QUrl::fromLocalFile(text_of(file.string()))});
+  QDragEnterEvent enter(QPoint(100, 100), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+  QApplication::sendEvent(window.get(), &enter);
+  EXPECT_TRUE(enter.isAccepted());
+  QDropEvent drop(QPointF(100, 100), Qt::CopyAction, &data, Qt::LeftButton, Qt::NoModifier);
+  QApplication::sendEvent(window.get(), &drop);
+  EXPECT_TRUE(wait_until([&] { return document().paths().size() == 2; }));
 }
 
 TEST_F(PlannerWindowTest, ClosingAsksForWhatIsNotSaved) {
