@@ -1,0 +1,115 @@
+#include <gmock/gmock.h>
+
+#include <QImage>
+#include <QProcess>
+#include <fstream>
+#include <sstream>
+
+#include "apps/common/plan_file.h"
+#include "apps/planner/script/planner_script.h"
+#include "core/base/error.h"
+#include "core/sim/session_record.h"
+#include "tests/gui/planner_window.h"
+
+namespace spinaltap::test {
+namespace {
+
+std::vector<ScriptLine> script(const std::string& text) {
+  std::istringstream lines(text);
+  return read_script(lines, "test.txt");
+}
+
+TEST(ReadScript, SplitsWordsAndLeavesRemarksOut) {
+  const std::vector<ScriptLine> lines =
+      script("# a remark\n\nopen \"my bone.vdb\"  # another\r\nscrew \"6.5 x 45 mm\"\n");
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0].number, 3);
+  EXPECT_EQ(lines[0].command, "open");
+  EXPECT_THAT(lines[0].words, testing::ElementsAre("my bone.vdb"));
+  EXPECT_THAT(lines[1].words, testing::ElementsAre("6.5 x 45 mm"));
+}
+
+TEST(ReadScript, NamesTheLineWithoutAClosingQuote) {
+  EXPECT_THAT([] { script("undo\nopen \"bone\n"); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("test.txt, line 2")));
+}
+
+using PlannerScript = PlannerWindow;
+
+TEST_F(PlannerScript, OpensPlansDrillsAndSaves) {
+  const std::string here = folder.path().string() + "/";
+  const DrillPath path = phantom_paths().front();
+  std::ostringstream text;
+  text.precision(17);
+  text << "open \"" << phantom_file().string() << "\"\n"
+       << "add mine " << path.entry_mm.transpose() << " " << path.target_mm.transpose() << "\n"
+       << "bit \"Drill 2.5 mm\"\nscrew \"5 x 40 mm\"\nscrew none\n"
+       << "target " << (path.target_mm + Vec3(0.0, 0.0, 1.0)).transpose() << "\nundo\n"
+       << "view hole\nopacity 0.5\nguide axial on\nwindow 2000 400\npage path\npane 3d\npane all\n"
+       << "drill feed=5 speed=0\nwait\n"
+       << "record " << here << "run.h5\nundo-hole\n"
+       << "save " << here << "plan.json\nsave " << here << "plan.mrk.json\nreport " << here << "plan.html\n"
+       << "picture " << here << "window.png\npicture " << here << "3d.png 3d\npicture " << here << "path.png path\n";
+  run_script(*window, script(text.str()), "test.txt");
+  const std::vector<DrillPath> saved = read_plan(folder.path() / "plan.json");
+  ASSERT_EQ(saved.size(), 1U);
+  EXPECT_EQ(saved[0].name, "mine");
+  EXPECT_EQ(saved[0].entry_mm, path.entry_mm);
+  EXPECT_EQ(saved[0].target_mm, path.target_mm);
+  EXPECT_EQ(saved[0].bit.diameter_mm, 2.5);
+  EXPECT_FALSE(saved[0].screw);
+  const SessionRecord record = read_record(folder.path() / "run.h5");
+  EXPECT_TRUE(record.is_whole);
+  EXPECT_NEAR(record.cycles.back().depth_mm, path.length_mm(), 0.01);
+  const QImage picture(text_of(here + "window.png"));
+  EXPECT_EQ(picture.size(), window->size() * window->devicePixelRatioF());
+  for (const char* name : {"3d.png", "path.png", "plan.html", "plan.mrk.json"}) {
+    EXPECT_GT(std::filesystem::file_size(folder.path() / name), 200U) << name;
+  }
+}
+
+TEST_F(PlannerScript, NamesTheLineThatCannotBeDone) {
+  show_phantom();
+  EXPECT_THAT([&] { run_script(*window, script("undo\nfly away\n"), "test.txt"); },
+              testing::ThrowsMessage<Error>(testing::AllOf(testing::HasSubstr("line 2"), testing::HasSubstr("fly"))));
+  EXPECT_THAT([&] { run_script(*window, script("target 1 2\n"), "test.txt"); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("target X Y Z")));
+  EXPECT_THAT([&] { run_script(*window, script("choose nobody\n"), "test.txt"); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("nobody")));
+  EXPECT_THAT([&] { run_script(*window, script("open nothing.vdb\n"), "test.txt"); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("nothing.vdb")));
+}
+
+/// The program itself, as from a shell.
+QProcess& run_program(QProcess& process, const QStringList& arguments) {
+  process.start(SPINALTAP_PLANNER_PROGRAM, arguments);
+  process.waitForFinished(60000);
+  return process;
+}
+
+TEST(PlannerProgram, SavesAScreenshotAndEnds) {
+  const TemporaryFolder folder;
+  const std::filesystem::path plan = folder.path() / "plan.json", picture = folder.path() / "window.png";
+  write_plan(phantom_paths(), plan);
+  QProcess process;
+  run_program(process,
+              {text_of(phantom_file().string()), text_of(plan.string()), "--screenshot", text_of(picture.string())});
+  EXPECT_EQ(process.exitCode(), 0) << process.readAllStandardError().toStdString();
+  EXPECT_FALSE(QImage(text_of(picture.string())).isNull());
+}
+
+TEST(PlannerProgram, SaysInALineWhatIsWrong) {
+  QProcess process;
+  run_program(process, {"nothing.vdb", "--screenshot", "window.png"});
+  EXPECT_EQ(process.exitCode(), 1);
+  const std::string said = process.readAllStandardError().toStdString();
+  EXPECT_THAT(said, testing::AllOf(testing::StartsWith("spinaltap-planner: "), testing::HasSubstr("nothing.vdb")));
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1);
+  QProcess help;
+  run_program(help, {"--help"});
+  EXPECT_EQ(help.exitCode(), 0);
+  EXPECT_THAT(help.readAllStandardOutput().toStdString(), testing::HasSubstr("drill [hand=NAME]"));
+}
+
+}  // namespace
+}  // namespace spinaltap::test
