@@ -22,7 +22,7 @@ TEST(PathFigures, OfAPathAlongThePediclesAxisAreThePhantoms) {
   EXPECT_EQ(figures.graded.grade.grade, Grade::A);
   EXPECT_TRUE(figures.graded.grade.is_left);
   // The anatomy's own angle between the pedicle's axis and the sagittal plane; landmarks are right to 2 degrees.
-  EXPECT_NEAR(figures.angles.convergence_deg, VertebraAnatomy().left_pedicle.convergence_deg, 2.0);
+  EXPECT_NEAR(figures.angles.convergence_deg, VertebraAnatomy().pedicle.convergence_deg, 2.0);
   EXPECT_TRUE(figures.angles_are_the_vertebras);
   EXPECT_FALSE(warns(figures, WarningLevel::danger, ""));
 }
