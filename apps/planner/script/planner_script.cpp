@@ -271,6 +271,9 @@ std::string script_help() {
 }
 
 void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const std::string& file) {
+  // What goes wrong ends the script: no box waits for a person.
+  QObject::disconnect(&window.planner(), &Planner::trouble, &window, nullptr);
+  QObject::disconnect(&window.planner().player(), &DrillPlayer::failed, &window, nullptr);
   ScriptRun run(&window);
   for (const ScriptLine& line : lines) {
     try {

@@ -77,7 +77,17 @@ MainWindow::MainWindow() {
   update_actions();
 }
 
-MainWindow::~MainWindow() = default;
+MainWindow::~MainWindow() {
+  // What draws goes before what it draws, and nobody listens to threads that end.
+  for (QObject* speaker :
+       {static_cast<QObject*>(&planner_), static_cast<QObject*>(&planner_.player()),
+        static_cast<QObject*>(&planner_.job()), static_cast<QObject*>(&planner_.document()),
+        static_cast<QObject*>(&planner_.view()), static_cast<QObject*>(&planner_.document().undo_stack())}) {
+    speaker->disconnect(this);
+  }
+  delete panes_;
+  delete pages_;
+}
 
 void MainWindow::make_pages() {
   auto* plan = new QWidget;

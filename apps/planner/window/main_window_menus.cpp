@@ -59,7 +59,7 @@ void MainWindow::make_menus() {
            "Left button: crosshair; on an end of a path: move it<br>"
            "Right button: brightness and contrast<br>"
            "Middle button, or Shift and left: move the picture; Ctrl and wheel, + and -: zoom; 0: fit<br>"
-           "Ctrl and arrows: nudge the entry, with Shift the target; with Alt ten times as far<br>"
+           "Ctrl and arrows: nudge the entry; Alt and arrows: the target; with Shift ten times as far<br>"
            "<h3>3D</h3>"
            "Left button: turn; on an end of a path: move it. Middle: move. Wheel: zoom<br>"
            "1 to 6: from behind, front, left, right, above, below; 7: towards the hole; R: all of it<br>"
