@@ -1,6 +1,7 @@
 #include "apps/planner/view_state.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace spinaltap {
 
@@ -11,6 +12,7 @@ void ViewState::set_crosshair(const Vec3& p_mm) {
 }
 
 void ViewState::set_window(const HuWindow& window) {
+  if (!std::isfinite(window.width_hu) || !std::isfinite(window.level_hu)) return;
   window_ = {std::clamp(window.width_hu, 1.0, 10000.0), std::clamp(window.level_hu, -2000.0, 4000.0)};
   Q_EMIT window_changed();
 }

@@ -20,7 +20,7 @@ class ViewState : public QObject {
   void set_crosshair(const Vec3& p_mm);
 
   const HuWindow& window() const { return window_; }
-  /// Widths below 1 HU become 1.
+  /// Widths below 1 HU become 1; what is not a number changes nothing.
   void set_window(const HuWindow& window);
 
   /// Of the bone in 3D: 0 (not drawn) to 1.

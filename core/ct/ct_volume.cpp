@@ -24,7 +24,10 @@ CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> 
 }
 
 double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu) {
-  const Vec3 p_index = ct.geometry.to_index(p_patient);
+  return sample_hu_at_index(ct, ct.geometry.to_index(p_patient), outside_hu);
+}
+
+double sample_hu_at_index(const CtVolume& ct, const Vec3& p_index, double outside_hu) {
   std::array<int, 3> low{};
   Vec3 t;
   for (int axis = 0; axis < 3; ++axis) {

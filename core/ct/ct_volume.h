@@ -30,5 +30,7 @@ CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> 
 
 /// HU at a patient position (mm) by tri-linear interpolation; `outside_hu` beyond the outermost voxel centres.
 double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu = -1024.0);
+/// The same at a place in the grid, as GridGeometry::to_index() has it.
+double sample_hu_at_index(const CtVolume& ct, const Vec3& p_index, double outside_hu = -1024.0);
 
 }  // namespace spinaltap
