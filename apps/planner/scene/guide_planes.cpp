@@ -13,7 +13,7 @@
 #include <vtkTexture.h>
 
 #include <algorithm>
-#include <cstring>
+#include <cstdint>
 #include <optional>
 
 #include "apps/planner/plane_colours.h"
@@ -23,6 +23,8 @@ namespace {
 
 constexpr double kGuideMarginMm = 6.0;  ///< around the bone
 constexpr double kGuidePixelMm = 0.4;
+/// Air, and what the CT does not hold, would hide the scene behind it.
+constexpr HuWindow kTissue{1.0, -300.0};
 
 /// The slice's place through the crosshair, as far as the bone reaches; nothing where it passes the bone by.
 std::optional<SliceFrame> guide_frame(Plane plane, const OpenedBone& bone, const Vec3& crosshair_mm) {
@@ -54,6 +56,7 @@ struct GuidePlanes::Guide {
     slice->SetMapper(slice_mapper);
     slice->SetTexture(texture);
     slice->GetProperty()->LightingOff();
+    slice->ForceOpaqueOn();  // what there is of it
     texture->InterpolateOn();
     texture->EdgeClampOn();
     corners->SetNumberOfPoints(4);
@@ -73,12 +76,13 @@ struct GuidePlanes::Guide {
     }
   }
 
-  void show(const CtSlice& cut) {
+  /// `tissue`: black where the slice is left out.
+  void show(const CtSlice& cut, const CtSlice& tissue) {
     const SliceFrame& place = cut.frame;
     // The picture's edge lies half a pixel outside of its outermost pixels' centres.
     const auto corner = [&](double column, double row) { return place.to_patient({column - 0.5, row - 0.5, 0.0}); };
     std::array<Vec3, 4> around{corner(0, place.height), corner(place.width, place.height), corner(place.width, 0),
-                                     corner(0, 0)};
+                               corner(0, 0)};
     quad->SetOrigin(around[0].data());
     quad->SetPoint1(around[1].data());
     quad->SetPoint2(around[3].data());
@@ -86,12 +90,16 @@ struct GuidePlanes::Guide {
     corners->Modified();
     vtkNew<vtkImageData> image;
     image->SetDimensions(place.width, place.height, 1);
-    image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-    // VTK counts rows from below.
-    const auto row_bytes = 3 * static_cast<std::size_t>(place.width);
+    image->AllocateScalars(VTK_UNSIGNED_CHAR, 2);
+    const std::uint8_t* grey = cut.image.rgb.data();
+    const std::uint8_t* is_there = tissue.image.rgb.data();
     for (int row = 0; row < place.height; ++row) {
-      std::memcpy(image->GetScalarPointer(0, place.height - 1 - row, 0),
-                  cut.image.rgb.data() + static_cast<std::size_t>(row) * row_bytes, row_bytes);
+      // VTK counts rows from below.
+      auto* out = static_cast<std::uint8_t*>(image->GetScalarPointer(0, place.height - 1 - row, 0));
+      for (int column = 0; column < place.width; ++column, grey += 3, is_there += 3) {
+        *out++ = *grey;
+        *out++ = *is_there;
+      }
     }
     texture->SetInputData(image);
   }
@@ -122,7 +130,7 @@ void GuidePlanes::prepare(const std::shared_ptr<const OpenedBone>& bone, const V
     guide.bone = bone;
     guide.crosshair_mm = state.crosshair_mm();
     guide.window = window;
-    guide.show(ct_slice(bone->ct, *place, window));
+    guide.show(ct_slice(bone->ct, *place, window), ct_slice(bone->ct, *place, kTissue));
   }
 }
 

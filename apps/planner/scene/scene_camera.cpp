@@ -24,11 +24,18 @@ void SceneCamera::look_from(const Vec3& from, const Vec3& up) {
   }
 }
 
-void SceneCamera::show(const Vec3& centre_mm, double radius_mm) {
-  focus_mm_ = centre_mm;
-  const double half_height = 0.5 * kViewAngle;
-  const double half_width = std::atan(std::tan(half_height) * width_px_ / height_px_);
-  distance_mm_ = radius_mm / std::sin(std::min(half_height, half_width));
+void SceneCamera::show(const Box3& box_mm) {
+  constexpr double kMargin = 1.06;
+  focus_mm_ = box_mm.center();
+  const double half_height = std::tan(0.5 * kViewAngle);
+  const double half_width = half_height * width_px_ / height_px_;
+  distance_mm_ = 0.0;
+  for (int n = 0; n < 8; ++n) {
+    const Vec3 from_focus_mm = box_mm.corner(static_cast<Box3::CornerType>(n)) - focus_mm_;
+    const double wide_mm =
+        std::max(std::abs(from_focus_mm.dot(right())) / half_width, std::abs(from_focus_mm.dot(up())) / half_height);
+    distance_mm_ = std::max(distance_mm_, kMargin * wide_mm - from_focus_mm.dot(forward()));
+  }
 }
 
 void SceneCamera::orbit(double right, double up) {

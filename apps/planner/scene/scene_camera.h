@@ -15,8 +15,8 @@ class SceneCamera {
   /// Looks from a direction, from the focus to the eye; `up` (patient LPS) decides what is up where that is straight
   /// from the head or the feet.
   void look_from(const Vec3& from, const Vec3& up);
-  /// Puts a ball (patient LPS, mm) into the middle, as large as fits.
-  void show(const Vec3& centre_mm, double radius_mm);
+  /// Puts a box (patient LPS, mm) into the middle, as large as fits.
+  void show(const Box3& box_mm);
   /// Turns about the focus: the scene goes to the right and up for positive angles (rad).
   void orbit(double right, double up);
   /// Moves the scene along with the pointer, in the plane of the focus.

@@ -58,6 +58,18 @@ bool SceneInteraction::eventFilter(QObject* pane, QEvent* event) {
   }
 }
 
+void SceneInteraction::offer_handles(bool are_offered) {
+  offers_handles_ = are_offered;
+  if (are_offered) return;
+  if (drag_ == Drag::handle) drag_ = Drag::none;
+  set_hot(std::nullopt);
+}
+
+std::optional<PathHandle> SceneInteraction::under(const Eigen::Vector2d& pixel) const {
+  if (!offers_handles_) return std::nullopt;
+  return handle_at(document_.paths(), document_.chosen(), camera_, pixel);
+}
+
 void SceneInteraction::press(const QMouseEvent& event) {
   if (drag_ != Drag::none) return;
   const Eigen::Vector2d pixel = pixel_of(event);
@@ -69,7 +81,7 @@ void SceneInteraction::press(const QMouseEvent& event) {
   } else if (button_ == Qt::RightButton) {
     drag_ = Drag::zoom;
   } else if (button_ == Qt::LeftButton) {
-    const auto handle = handle_at(document_.paths(), document_.chosen(), camera_, pixel);
+    const auto handle = under(pixel);
     drag_ = handle ? Drag::handle : Drag::orbit;
     if (handle) take_hold(*handle, pixel);
   }
@@ -79,7 +91,7 @@ void SceneInteraction::move(const QMouseEvent& event) {
   constexpr double kClickPixels = 3.0;
   const Eigen::Vector2d pixel = pixel_of(event);
   if (drag_ == Drag::none) {
-    set_hot(handle_at(document_.paths(), document_.chosen(), camera_, pixel));
+    set_hot(under(pixel));
     return;
   }
   if (is_click_ && (pixel - pressed_).norm() < kClickPixels) return;
@@ -117,7 +129,7 @@ void SceneInteraction::release(const QMouseEvent& event) {
     const int path = path_at(document_.paths(), camera_, pixel);
     if (path >= 0) document_.choose(path);
   }
-  set_hot(handle_at(document_.paths(), document_.chosen(), camera_, pixel));
+  set_hot(under(pixel));
   pane_.setCursor(hot_ ? Qt::OpenHandCursor : Qt::ArrowCursor);
 }
 

@@ -26,6 +26,8 @@ class SceneInteraction : public QObject {
   /// Takes the events of `pane`. All that is given must outlive this.
   SceneInteraction(QWidget& pane, SceneCamera& camera, PlanDocument& document, ViewState& state);
 
+  /// Whether ends of paths can be taken hold of.
+  void offer_handles(bool are_offered);
   /// Under the pointer, or held.
   const std::optional<PathHandle>& hot() const { return hot_; }
 
@@ -41,6 +43,7 @@ class SceneInteraction : public QObject {
  private:
   enum class Drag { none, orbit, pan, zoom, handle };
 
+  std::optional<PathHandle> under(const Eigen::Vector2d& pixel) const;
   void press(const QMouseEvent& event);
   void move(const QMouseEvent& event);
   void release(const QMouseEvent& event);
@@ -58,6 +61,7 @@ class SceneInteraction : public QObject {
   SceneCamera& camera_;
   PlanDocument& document_;
   ViewState& state_;
+  bool offers_handles_ = true;
   std::optional<PathHandle> hot_;
   Drag drag_ = Drag::none;
   Qt::MouseButton button_ = Qt::NoButton;

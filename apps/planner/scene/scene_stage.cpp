@@ -4,6 +4,7 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkLight.h>
 #include <vtkRenderer.h>
 
 #include <algorithm>
@@ -37,6 +38,10 @@ SceneStage::SceneStage(QVTKOpenGLNativeWidget& pane, std::function<void()> prepa
   front_->InteractiveOff();
   for (vtkRenderer* layer : {scene_.Get(), front_.Get()}) {
     layer->AutomaticLightCreationOff();
+    // Where there is no light, VTK gives shaders no normals.
+    vtkNew<vtkLight> lamp;
+    lamp->SetLightTypeToHeadlight();
+    layer->AddLight(lamp);
     window_->AddRenderer(layer);
   }
   marker_ = std::make_unique<OrientationMarker>(*window_);

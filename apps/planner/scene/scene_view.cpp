@@ -73,7 +73,8 @@ struct SceneView::Scene {
     bone.prepare();
     guides.prepare(document.bone(), state, ratio);
     paths.prepare(camera, pane->height(), ratio);
-    handles.prepare(document.paths(), document.chosen(), interaction.hot(), camera);
+    // While a bit drills, they would hide the hole.
+    handles.prepare(bit ? std::vector<DrillPath>() : document.paths(), document.chosen(), interaction.hot(), camera);
     stage.look(camera, reach_mm());
   }
 
@@ -87,6 +88,7 @@ struct SceneView::Scene {
   void open_bone() {
     bone.set_bone(opened() == nullptr ? nullptr : &opened()->model());
     bit.reset();
+    interaction.offer_handles(true);
     pages->setCurrentWidget(opened() == nullptr ? static_cast<QWidget*>(hint) : pane);
     if (opened() != nullptr) bone.set_blocks(opened()->surface);
   }
@@ -134,6 +136,7 @@ void SceneView::reset_surface() {
 
 void SceneView::set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit) {
   scene_->bit = bit;
+  scene_->interaction.offer_handles(!bit.has_value());
   scene_->are_paths_changed = true;
   scene_->draw_soon();
 }
@@ -145,16 +148,14 @@ void SceneView::look_from(const QString& name) {
   const PictureView view = named_view(name.toStdString(), path, scene_->opened()->model());
   scene_->camera.look_from(view.from, view.up);
   if (!is_hole) return show_all();
-  constexpr double kNearMm = 18.0;  // around the entry
-  scene_->camera.show(path->entry_mm, kNearMm);
+  const Vec3 kNear = Vec3::Constant(10.0);  // mm around the entry
+  scene_->camera.show(Box3(path->entry_mm - kNear, path->entry_mm + kNear));
   scene_->draw_soon();
 }
 
 void SceneView::show_all() {
   if (scene_->opened() == nullptr) return;
-  const Box3 bounds_mm = scene_->opened()->model().bounds_mm();
-  constexpr double kShare = 0.95;  // a box's ball is larger than what is in it
-  scene_->camera.show(bounds_mm.center(), 0.5 * kShare * bounds_mm.sizes().norm());
+  scene_->camera.show(scene_->opened()->model().bounds_mm());
   scene_->draw_soon();
 }
 

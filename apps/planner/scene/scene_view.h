@@ -31,7 +31,8 @@ class SceneView : public QWidget {
   void update_surface(std::span<const SurfaceUpdate> updates);
   /// The surface as it was opened (OpenedBone::surface).
   void reset_surface();
-  /// The bit while it drills; nothing: the path's own bit is drawn, its tip at the target.
+  /// The bit while it drills, when paths' ends cannot be moved; nothing: the path's own bit is drawn, its tip at the
+  /// target.
   void set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit);
 
   /// "behind", "front", "left", "right", "above", "below", as named_view() has them, all of the bone in the pane; or
