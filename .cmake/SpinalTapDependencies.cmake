@@ -37,8 +37,8 @@ if(SPINALTAP_PLANNER)
   endif()
   find_package(Qt5 5.15 ${required} QUIET COMPONENTS Svg Widgets)
   find_package(VTK 9.1 ${required} QUIET COMPONENTS CommonCore CommonDataModel CommonTransforms FiltersSources
-               GUISupportQt ImagingCore InteractionStyle RenderingAnnotation RenderingCore RenderingOpenGL2
-               RenderingUI)
+               GUISupportQt ImagingCore InteractionStyle RenderingAnnotation RenderingCore RenderingFreeType
+               RenderingOpenGL2 RenderingUI)
   if(Qt5_FOUND AND VTK_FOUND)
     set(SPINALTAP_PLANNER ON)
     set(SPINALTAP_VTK ${VTK_LIBRARIES})

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include "core/drill/drill_bit.h"
+
+class vtkMatrix4x4;
+class vtkPolyData;
+
+namespace spinaltap {
+
+/// The body that the turning bit fills, with normals; its tip at the origin, its axis along z.
+vtkSmartPointer<vtkPolyData> bit_mesh(const DrillBit& bit);
+
+/// Brings bit_mesh() to a pose (patient LPS, mm).
+vtkSmartPointer<vtkMatrix4x4> matrix_of(const Pose& pose);
+
+}  // namespace spinaltap
