@@ -36,6 +36,8 @@ class DepthLog {
 
   /// `seconds`: what the cycle took; NaN where that was not measured. Allocates nothing within the expected depth.
   void add(const Cycle& cycle, double seconds);
+  /// Those that are whole.
+  const std::vector<DepthRow>& rows() const { return rows_; }
   /// The rows; the last may be shorter.
   std::vector<DepthRow> finish();
 

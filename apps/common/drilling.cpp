@@ -162,7 +162,10 @@ Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSour
   }
   progress.report("cutting the hole", 0.0);
   const std::vector<BitWay> ways = straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm);
-  drilling.drilled = subtract_bit(bone.model(), setup.path.bit, ways);
+  for (const DrilledHole& hole : setup.holes) {
+    drilling.drilled = subtract_bit(drilling.drilled, hole.bit, hole.ways);
+  }
+  drilling.drilled = subtract_bit(drilling.drilled, setup.path.bit, ways);
   drilling.surface = sharp_surface(drilling.drilled);
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));

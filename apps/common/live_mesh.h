@@ -17,22 +17,38 @@ namespace spinaltap {
 /// threads keep their cores.
 class LiveMesh {
  public:
-  /// Meshes the whole bone once.
+  /// Meshes the whole bone once. Nothing is drilled before take_bit().
+  explicit LiveMesh(const BoneModel& bone, const RemainingBoneOptions& options = {.undo_bytes = 0});
   LiveMesh(const BoneModel& bone, const DrillBit& bit, double longest_jump_mm);
   LiveMesh(const LiveMesh&) = delete;
   LiveMesh& operator=(const LiveMesh&) = delete;
 
+  /// What moves from here on, and has come from nowhere.
+  void take_bit(const DrillBit& bit, double longest_jump_mm);
   /// Where the bit has come to, straight from where it was. As a session has it: a bit that does not turn takes
   /// nothing, nor do ways of the tip or the base longer than `longest_jump_mm`; poses that are not finite are passed
   /// over.
-  void update(const ToolInput& input);
-  /// The blocks that the last update changed: what a renderer has to take over.
+  void update(const ToolInput& input) { update({&input, 1}); }
+  /// From each of them to the next.
+  void update(std::span<const ToolInput> inputs);
+
+  /// Holes, as RemainingBone has them.
+  void end_hole() { bone_->end_hole(); }
+  bool undo_hole();
+  bool redo_hole();
+  std::size_t holes_to_undo() const { return bone_->holes_to_undo(); }
+  void reset();
+
+  /// The blocks that the last update, undoing, redoing or reset changed: what a renderer has to take over.
   std::span<const SurfaceUpdate> updates() const { return updates_; }
   const RemainingSurface& surface() const { return *surface_; }
 
  private:
+  void drill(std::vector<Pose>& way);
+  void mesh();
+
   DrillBit bit_;
-  double longest_jump_mm_;
+  double longest_jump_mm_ = 0.0;
   tbb::task_arena one_thread_{1};
   std::optional<RemainingBone> bone_;
   std::optional<RemainingSurface> surface_;

@@ -6,6 +6,7 @@
 #include "apps/common/material_file.h"
 #include "apps/common/plan_file.h"
 #include "apps/common/session_setup.h"
+#include "apps/common/tool_json.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
 
@@ -105,6 +106,33 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
   return options;
 }
 
+Json json_of(const DrilledHole& hole) {
+  Json ways = Json::array();
+  for (const BitWay& way : hole.ways) {
+    ways.push_back(
+        {{"from_mm", to_json(way.start.tip_mm)}, {"to_mm", to_json(way.end.tip_mm)}, {"axis", to_json(way.end.axis)}});
+  }
+  return {{"bit", to_json(hole.bit)}, {"ways", ways}};
+}
+
+const Json& list_of(const JsonObject& object, const char* key, const fs::path& file) {
+  const Json& list = object.at(key);
+  if (!list.is_array()) fail("expected an array for \"", key, "\" in ", file.string(), ", found ", list.dump());
+  return list;
+}
+
+DrilledHole read_hole(const Json& json, const fs::path& file) {
+  const JsonObject object(json, file);
+  DrilledHole hole;
+  hole.bit = read_bit(object.at("bit"), file);
+  for (const Json& part : list_of(object, "ways", file)) {
+    const JsonObject way(part, file);
+    const Vec3 axis = way.vector("axis");
+    hole.ways.push_back({{way.vector("from_mm"), axis}, {way.vector("to_mm"), axis}});
+  }
+  return hole;
+}
+
 }  // namespace
 
 Json to_json(const SessionSetup& setup) {
@@ -112,7 +140,7 @@ Json to_json(const SessionSetup& setup) {
   for (const auto& [name, kind] : engine_kinds()) {
     if (kind == setup.engine) engine = name;
   }
-  return {
+  Json json{
       {"bone_hash", setup.bone_hash},
       {"path", to_json(setup.path)},
       {"material", to_json(setup.material)},
@@ -121,6 +149,8 @@ Json to_json(const SessionSetup& setup) {
       {"engine", engine},
       {"options", json_of(setup.options)},
       {"has_clearances", setup.has_clearances}};
+  for (const DrilledHole& hole : setup.holes) json["holes"].push_back(json_of(hole));
+  return json;
 }
 
 SessionSetup read_session_setup(const Json& json, const std::filesystem::path& file) {
@@ -142,9 +172,13 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   setup.engine = kind->second;
   setup.options = read_options_part(part_of(object, "options", file), file);
   setup.has_clearances = flag(object, "has_clearances", file);
+  if (object.has("holes")) {
+    for (const Json& hole : list_of(object, "holes", file)) setup.holes.push_back(read_hole(hole, file));
+  }
   try {
     check_path(setup.path);
     check_material(setup.material);
+    for (const DrilledHole& hole : setup.holes) check_bit(hole.bit);
   } catch (const Error& error) {
     fail(file.string(), ": ", error.what());
   }

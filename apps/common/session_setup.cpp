@@ -31,6 +31,21 @@ HuSampler SessionBone::hu() const {
   return [this](std::span<const Vec3> points_mm, std::span<float> hu) { model_.hu(points_mm, hu, {}); };
 }
 
+namespace {
+
+void drill_out(PointVolume& volume, const SessionSetup& setup) {
+  for (const DrilledHole& hole : setup.holes) {
+    const std::unique_ptr<DrillEngine> engine = make_engine(setup.engine, volume, hole.bit, setup.material);
+    for (const BitWay& way : hole.ways) {
+      engine->lift();
+      engine->step(way.start);
+      engine->step(way.end);
+    }
+  }
+}
+
+}  // namespace
+
 BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress,
                            const ScalarField* exact) {
   check_path_meets_bone(setup.path, bone.model());
@@ -40,6 +55,7 @@ BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, c
   std::vector<std::unique_ptr<DrillEngine>> engines;
   for (PointVolume& volume : built.volumes) {
     fill_volume(volume, sampler_of(bone.model(), exact), progress);
+    drill_out(volume, setup);
     engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
   }
   if (setup.has_clearances && bone.walls() != nullptr) {

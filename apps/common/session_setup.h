@@ -13,10 +13,17 @@
 #include "core/plan/grade.h"
 #include "core/plan/landmarks.h"
 #include "core/sim/drill_session.h"
+#include "core/sim/straight_ways.h"
 #include "vdb/bone_model.h"
 #include "vdb/engine_kind.h"
 
 namespace spinaltap {
+
+/// A hole that is in the bone before a session begins.
+struct DrilledHole {
+  DrillBit bit;
+  std::vector<BitWay> ways;
+};
 
 /// All that decides what a session does, but the bone itself and the hand's poses. A record holds it as JSON, and
 /// replay runs the session from it.
@@ -31,6 +38,7 @@ struct SessionSetup {
   EngineKind engine = EngineKind::ring;
   SessionOptions options;
   bool has_clearances = true;
+  std::vector<DrilledHole> holes = {};  ///< drilled before: their points are gone when the session begins
 };
 
 Json to_json(const SessionSetup& setup);

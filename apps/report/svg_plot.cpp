@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "apps/report/label_place.h"
-#include "apps/report/plot_curve.h"
 #include "apps/report/plot_ticks.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -102,7 +101,7 @@ class PlotDrawing {
   explicit PlotDrawing(const Plot& plot) : plot_(plot) {
     const Range xs = x_range(plot);
     const Range ys = y_range(plot);
-    x_ticks_ = linear_ticks(xs.low(), xs.high(), 12);
+    x_ticks_ = linear_ticks(xs.low(), xs.high(), plot.width < 480.0 ? 6 : 12);
     y_ticks_ = plot.log_y ? log_ticks(ys.empty() ? 1.0 : ys.low(), ys.empty() ? 10.0 : ys.high())
                           : linear_ticks(ys.low(), ys.high(), plot.height < 240.0 ? 4 : 6);
     // The curve fills the width, though it may not end on a tick.
@@ -111,6 +110,8 @@ class PlotDrawing {
     const double top = kTop + (plot.markers.empty() ? 0.0 : kMarkerRow);
     y_ = {y_ticks_.low, y_ticks_.high, plot.height - kBottom, top, plot.log_y};
   }
+
+  PlotAxes axes() const { return {x_, y_}; }
 
   std::string draw() {
     add_grid();
@@ -241,6 +242,11 @@ class PlotDrawing {
 };
 
 }  // namespace
+
+PlotAxes plot_axes(const Plot& plot) {
+  check_lengths(plot);
+  return PlotDrawing(plot).axes();
+}
 
 std::string svg_plot(const Plot& plot) {
   check_lengths(plot);

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/report/plot_curve.h"
+
 namespace spinaltap {
 
 /// One curve, or a cloud of points. Values that are not finite, and on a log axis those not above 0, break it.
@@ -47,6 +49,14 @@ struct Plot {
   double width = 940.0;  ///< drawing units; the text is 13 units high
   double height = 300.0;
 };
+
+/// From values to drawing units; y runs down.
+struct PlotAxes {
+  AxisScale x;
+  AxisScale y;
+};
+/// Where svg_plot() draws. Throws Error as it does.
+PlotAxes plot_axes(const Plot& plot);
 
 /// The plot as an <svg> element for a place in an HTML page, without external references. Long curves are thinned to
 /// the first, lowest, highest and last point of every half unit, which looks the same. Throws Error where x and y

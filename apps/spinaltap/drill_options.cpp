@@ -51,7 +51,7 @@ void DrillOptions::add_to(CLI::App& app) {
   app.add_option("--lead-in", volume.lead_in_mm, "How far before the entry the drilling starts, mm")
       ->capture_default_str()
       ->type_name("MM");
-  hand.add_straight(app);
+  add_straight_hand(app, hand);
   app.add_option("--log-step", log_step_mm, "Depth for one row of log.csv, mm")->capture_default_str()->type_name("MM");
   app.add_option("--spindle", setup.options.spindle.rpm, "Speed of the spindle, rpm; 0: off, the bit only touches")
       ->capture_default_str()
@@ -59,7 +59,7 @@ void DrillOptions::add_to(CLI::App& app) {
 }
 
 void DrillOptions::add_session_to(CLI::App& app) {
-  hand.add_all(app);
+  add_hand(app, hand);
   StopRules& stop = setup.options.stop;
   app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the hand to stop at this thrust, N; default: never")
       ->type_name("N");

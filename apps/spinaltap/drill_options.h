@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "apps/common/session_setup.h"
-#include "apps/spinaltap/hand_choice.h"
+#include "apps/spinaltap/hand_options.h"
 #include "core/ct/density_law.h"
 #include "core/sim/real_time.h"
 

@@ -2,14 +2,12 @@
 
 #include <exception>
 #include <optional>
-#include <sstream>
 
 #include "apps/common/data_files.h"
 #include "apps/common/density_file.h"
 #include "apps/common/drill_pictures.h"
-#include "apps/common/drilling.h"
+#include "apps/common/drilling_report.h"
 #include "apps/common/material_file.h"
-#include "apps/report/drill_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/drill_figures.h"
 #include "core/base/error.h"
@@ -24,23 +22,13 @@
 namespace spinaltap {
 namespace {
 
-std::string events_csv(const std::vector<SessionEvent>& events) {
-  SessionRecord record;
-  record.events = events;
-  std::ostringstream csv;
-  write_events_csv(record, csv);
-  return csv.str();
-}
-
 /// A record of the session, where one is asked for.
 class Recording {
  public:
   Recording(const DrillOptions& options, const SessionSetup& setup, const HandPlan& hand) {
     if (options.record.empty()) return;
-    std::map<std::string, std::string> words = record_setup(setup);
-    for (const auto& [name, value] : hand.words) words["hand " + name] = value;
-    words["pace"] = options.is_real_time ? "real time" : "as fast as it goes";
-    writer_.emplace(options.record, words);
+    const std::string pace = options.is_real_time ? "real time" : "as fast as it goes";
+    writer_.emplace(options.record, record_words(setup, hand.words, pace));
   }
   RecordWriter* writer() { return writer_ ? &*writer_ : nullptr; }
   /// What goes wrong is kept: a full disk shall not cost the other results.
@@ -90,17 +78,13 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
   recording.close(drilling.events);
 
   progress.report("meshing", 0.0);
-  const TriangleMesh& mesh = drilling.surface;
-  const MeshQuality quality = measure_mesh(mesh);
-  const DrillFigures figures{drilling, session_bone, setup, hand, density, quality, recording.lost()};
+  const MeshQuality quality = measure_mesh(drilling.surface);
+  const DrillFigures figures{drilling, session_bone, setup, hand.words, quality, recording.lost()};
   DrillReportData data = report_data(title, ct, figures);
   data.renders = drill_pictures(bone, drilling.drilled, path, progress);
 
   StagedOutput output;
-  output.write(folder / "log.csv", log_csv(drilling.rows));
-  output.write(folder / "events.csv", events_csv(drilling.events));
-  write_bone(drilling.drilled, output.stage(folder / "drilled.vdb"));
-  write_mesh(mesh, output.stage(folder / "drilled.stl"));
+  stage_drilling(drilling, data, folder, output);
   for (std::size_t n = 0; options.writes_points && n < drilling.volumes.size(); ++n) {
     const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
     write_points(drilling.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
@@ -112,13 +96,12 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
     const double radius_mm = (pattern.ring_count() - 0.5) * pattern.spacing_mm();  // that the points stand for
     write_mesh(cut_out_cylinder(bone, path, radius_mm, setup.volume.lead_in_mm), output.stage(folder / "around.ply"));
   }
-  output.write(folder / "report.html", drill_report(data));
   output.commit();
 
-  print_drilling(figures);
+  print_drilling(figures, density);
   print_figure("report", (folder / "report.html").string());
   recording.rethrow_trouble();
-  return drilling_json(figures);
+  return drilling_json(figures, density);
 }
 
 }  // namespace spinaltap

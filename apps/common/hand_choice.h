@@ -1,7 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -14,7 +12,7 @@
 
 namespace spinaltap {
 
-/// A hand as the command line asks for it, and the rates that go with it.
+/// A hand as somebody asks for it, and the rates that go with it.
 struct HandPlan {
   std::unique_ptr<ToolSource> hand;
   double rate_hz = 1000.0;        ///< poses a second
@@ -23,7 +21,8 @@ struct HandPlan {
   std::map<std::string, std::string> words;
 };
 
-/// The options that say how the bit is moved. What was not given has the default that its hand has.
+/// What says how the bit is moved, by the names of the options of `spinaltap drill`. What was not given has the default
+/// that its hand has.
 struct HandChoice {
   std::string name;  ///< empty: along the path
   std::optional<double> offset_mm;
@@ -36,11 +35,6 @@ struct HandChoice {
   std::optional<double> withdraw_mm_s;
   std::optional<double> push_n;
   std::optional<std::uint64_t> seed;
-
-  /// --step, --offset, --tilt.
-  void add_straight(CLI::App& app);
-  /// The others.
-  void add_all(CLI::App& app);
 
   /// Throws Error where options do not go together.
   void check(bool is_real_time) const;
