@@ -51,6 +51,7 @@ class PlanDocument : public QObject {
 
   /// Undo, redo, and whether the plan is as it was last saved.
   QUndoStack& undo_stack() { return undo_stack_; }
+  const QUndoStack& undo_stack() const { return undo_stack_; }
 
  Q_SIGNALS:
   void bone_changed();

@@ -20,7 +20,7 @@ void keep_folder(const QString& file) { QSettings().setValue("folder", QFileInfo
 
 void MainWindow::make_file_menu() {
   QMenu* file = menuBar()->addMenu(tr("&File"));
-  add_action(file, tr("Open a CT &folder..."), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_O), "openFolder", [this] {
+  add_action(file, tr("Open a CT &folder..."), QKeySequence("Ctrl+Shift+O"), "openFolder", [this] {
     const QString folder = QFileDialog::getExistingDirectory(this, tr("Folder of a CT"), last_folder());
     if (folder.isEmpty()) return;
     keep_folder(folder);
@@ -34,15 +34,14 @@ void MainWindow::make_file_menu() {
     keep_folder(name);
     open(name.toStdString());
   });
-  add_action(file, tr("Bake the &vertebra at the crosshair"), QKeySequence(Qt::CTRL | Qt::Key_B), "bakeHere", [this] {
+  add_action(file, tr("Bake the &vertebra at the crosshair"), QKeySequence("Ctrl+B"), "bakeHere", [this] {
     if (may_lose_plan()) attempt(tr("Cannot bake here"), [this] { planner_.bake_here(); });
   });
   recent_ = file->addMenu(tr("&Recent"));
   connect(file, &QMenu::aboutToShow, this, &MainWindow::fill_recent);
   file->addSeparator();
   add_action(file, tr("&Save the plan"), QKeySequence::Save, "save", [this] { save_plan(); });
-  add_action(file, tr("Save the plan &as..."), QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_S), "saveAs",
-             [this] { save_plan_as(); });
+  add_action(file, tr("Save the plan &as..."), QKeySequence("Ctrl+Shift+S"), "saveAs", [this] { save_plan_as(); });
   add_action(file, tr("Export to 3D S&licer..."), {}, "exportMarkups", [this] {
     ask_and_save(tr("Export the paths as 3D Slicer's markups"), "plan.mrk.json", tr("Markups (*.mrk.json)"),
                  [this](const std::filesystem::path& path) { planner_.save_plan(path); });

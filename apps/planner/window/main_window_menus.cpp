@@ -82,19 +82,19 @@ void MainWindow::make_edit_menu() {
   QAction* undo = stack.createUndoAction(this, tr("&Undo"));
   undo->setShortcut(QKeySequence::Undo);
   QAction* redo = stack.createRedoAction(this, tr("&Redo"));
-  redo->setShortcuts({QKeySequence(Qt::CTRL | Qt::SHIFT | Qt::Key_Z), QKeySequence(Qt::CTRL | Qt::Key_Y)});
+  redo->setShortcuts({QKeySequence("Ctrl+Shift+Z"), QKeySequence("Ctrl+Y")});
   edit->addAction(undo);
   edit->addAction(redo);
   edit->addSeparator();
-  QAction* suggest = add_action(edit, tr("&Suggest paths"), QKeySequence(Qt::CTRL | Qt::Key_G), "suggest",
+  QAction* suggest = add_action(edit, tr("&Suggest paths"), QKeySequence("Ctrl+G"), "suggest",
                                 [this] { attempt(tr("Cannot suggest paths"), [this] { planner_.suggest(); }); });
-  QAction* add = add_action(edit, tr("&Add path"), QKeySequence(Qt::CTRL | Qt::Key_N), "add",
+  QAction* add = add_action(edit, tr("&Add path"), QKeySequence("Ctrl+N"), "add",
                             [this] { attempt(tr("Cannot add a path here"), [this] { add_path_here(); }); });
   add->setToolTip(tr("From the back of the bone straight to the crosshair"));
-  QAction* remove = add_action(edit, tr("Re&move path"), QKeySequence(Qt::CTRL | Qt::Key_Backspace), "remove", [this] {
+  QAction* remove = add_action(edit, tr("Re&move path"), QKeySequence("Ctrl+Backspace"), "remove", [this] {
     attempt(tr("Cannot remove the path"), [this] { planner_.document().remove_path(planner_.document().chosen()); });
   });
-  add_action(edit, tr("&Next path"), QKeySequence(Qt::CTRL | Qt::Key_E), "next", [this] {
+  add_action(edit, tr("&Next path"), QKeySequence("Ctrl+E"), "next", [this] {
     PlanDocument& document = planner_.document();
     if (document.chosen() >= 0) document.choose((document.chosen() + 1) % static_cast<int>(document.paths().size()));
   });
@@ -107,13 +107,13 @@ void MainWindow::make_edit_menu() {
 void MainWindow::make_view_menu() {
   QMenu* view = menuBar()->addMenu(tr("&View"));
   QMenu* window = view->addMenu(tr("&HU window"));
-  int key = Qt::Key_1;
+  int key = 1;
   for (const WindowPreset& preset : kWindowPresets) {
     const QString name = tr("%1 (%2 wide, %3 middle)")
                              .arg(QLatin1String(preset.name))
                              .arg(preset.window.width_hu, 0, 'f', 0)
                              .arg(preset.window.level_hu, 0, 'f', 0);
-    add_action(window, name, QKeySequence(Qt::CTRL | key++), preset.name,
+    add_action(window, name, QKeySequence(QString("Ctrl+%1").arg(key++)), preset.name,
                [this, preset] { planner_.view().set_window(preset.window); });
   }
   QMenu* guides = view->addMenu(tr("&Slices in 3D"));
@@ -141,7 +141,7 @@ void MainWindow::make_view_menu() {
     const QSignalBlocker quiet(opacity);
     opacity->setValue(static_cast<int>(std::lround(100.0 * planner_.view().bone_opacity())));
   });
-  add_action(opacities, tr("&Solid or see-through"), QKeySequence(Qt::CTRL | Qt::Key_T), "seeThrough",
+  add_action(opacities, tr("&Solid or see-through"), QKeySequence("Ctrl+T"), "seeThrough",
              [this] { planner_.view().set_bone_opacity(planner_.view().bone_opacity() < 1.0 ? 1.0 : 0.35); });
   QMenu* from = view->addMenu(tr("3D &from"));
   for (const char* name : {"behind", "front", "left", "right", "above", "below", "hole"}) {
