@@ -7,7 +7,8 @@
 #include <QMouseEvent>
 #include <QWheelEvent>
 #include <algorithm>
-#include <chrono>
+#include <cmath>
+#include <ctime>
 #include <limits>
 
 #include "core/phantom/vertebra.h"
@@ -329,10 +330,11 @@ TEST_F(SliceViewTest, ShowsTheNextSliceInTime) {
   open(SliceKind::axial);
   std::vector<double> times_ms;
   for (int n = 0; n < 20; ++n) {
-    const auto start = std::chrono::steady_clock::now();
+    // Of all threads together: what one core would take, whatever else the computer does.
+    const std::clock_t start = std::clock();
     wheel({300, 200}, n < 10 ? 1 : -1);
     view_->repaint();
-    times_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times_ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
   std::sort(times_ms.begin(), times_ms.end());
   RecordProperty("median_ms", std::to_string(times_ms[10]));
@@ -355,7 +357,7 @@ TEST(SliceView, SaysInWordsWhatItLacks) {
     document.set_bone(test::phantom_bone());
     EXPECT_NE(view.grab().toImage(), empty);
     document.set_bone(nullptr);
-    EXPECT_EQ(view.grab().toImage(), empty);
+    EXPECT_EQ(view.grab().toImage(), empty) << static_cast<int>(kind);
   }
 }
 
