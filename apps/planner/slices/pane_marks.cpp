@@ -20,8 +20,9 @@ Eigen::AlignedBox2d box_of(const QRectF& r) {
   return {Eigen::Vector2d(r.left(), r.top()), Eigen::Vector2d(r.right(), r.bottom())};
 }
 
-void paint_words(QPainter& painter, const QPointF& place, TextAnchor anchor, const QString& text, LabelPlacer& labels) {
-  draw_haloed_text(painter, place, anchor, text, QColor(kTextRgb));
+void paint_words(QPainter& painter, const QPointF& place, TextAnchor anchor, const QString& text, LabelPlacer& labels,
+                 const QColor& colour = QColor(kTextRgb)) {
+  draw_haloed_text(painter, place, anchor, text, colour);
   const QFontMetricsF metrics(painter.font());
   const double width = metrics.horizontalAdvance(text);
   const double left = place.x() - (anchor == TextAnchor::left     ? 0.0
@@ -72,20 +73,24 @@ void paint_crosshair(QPainter& painter, const PaneScene& scene) {
     const Vec3 along = scene.frame.into().cross(standard_plane(plane, Vec3::Zero()).into());
     if (along.norm() < 0.5) continue;
     const QPointF way(along.normalized().dot(scene.frame.right), along.normalized().dot(scene.frame.down));
+    // Upright and level lines are sharpest on whole pixels.
+    painter.setRenderHint(QPainter::Antialiasing, std::min(std::abs(way.x()), std::abs(way.y())) > 1e-6);
     QColor colour = plane_colour(plane);
-    colour.setAlphaF(0.8);
+    colour.setAlphaF(0.85);
     for (const double side : {-1.0, 1.0}) {
       draw_haloed_line(painter, middle + side * kGapPx * way, middle + side * far_px * way, QPen(colour, 1.0));
     }
   }
+  painter.setRenderHint(QPainter::Antialiasing);
 }
 
-void paint_pane_words(QPainter& painter, const PaneScene& scene, const QString& caption, const HuWindow& window,
-                      LabelPlacer& labels) {
+void paint_pane_words(QPainter& painter, const PaneScene& scene, const QString& caption, const QColor& colour,
+                      const HuWindow& window, LabelPlacer& labels) {
   paint_letters(painter, scene, labels);
-  set_text_size(painter, kWordsPt, false);
+  set_text_size(painter, kWordsPt, true);
   const double half = 0.5 * QFontMetricsF(painter.font()).height();
-  paint_words(painter, {kEdgePx, kEdgePx + half}, TextAnchor::left, caption, labels);
+  paint_words(painter, {kEdgePx, kEdgePx + half}, TextAnchor::left, caption, labels, colour);
+  set_text_size(painter, kWordsPt, false);
   const QString words = QString("W %1  L %2 HU").arg(std::lround(window.width_hu)).arg(std::lround(window.level_hu));
   paint_words(painter, {kEdgePx, scene.size().height() - kEdgePx - half}, TextAnchor::left, words, labels);
   paint_scale_bar(painter, scene, labels);
@@ -100,12 +105,12 @@ void paint_pane_edge(QPainter& painter, const QSizeF& size, const QColor& colour
   painter.drawRect(QRectF(0.5 * width, 0.5 * width, size.width() - width, size.height() - width));
 }
 
-void paint_empty_pane(QPainter& painter, const QSizeF& size, const QString& caption, const QString& hint) {
+void paint_empty_pane(QPainter& painter, const QSizeF& size, const QString& caption, const QColor& colour,
+                      const QString& hint) {
   painter.fillRect(QRectF(QPointF(0.0, 0.0), size), QColor(kEmptyRgb));
-  painter.setPen(QColor(0xb0, 0xb8, 0xbe));
-  set_text_size(painter, kWordsPt, false);
+  set_text_size(painter, kWordsPt, true);
   const double half = 0.5 * QFontMetricsF(painter.font()).height();
-  draw_haloed_text(painter, {kEdgePx, kEdgePx + half}, TextAnchor::left, caption, QColor(0xb0, 0xb8, 0xbe));
+  draw_haloed_text(painter, {kEdgePx, kEdgePx + half}, TextAnchor::left, caption, colour);
   set_text_size(painter, 11.0, false);
   painter.setPen(QColor(0xb0, 0xb8, 0xbe));
   const QRectF room(16.0, 32.0, std::max(1.0, size.width() - 32.0), std::max(1.0, size.height() - 64.0));

@@ -24,12 +24,20 @@ struct PaneScene {
   std::optional<std::pair<DrillBit, Pose>> bit;  ///< that drills
 
   QSizeF size() const { return {frame.width / ratio, frame.height / ratio}; }
-  QPointF drawn(const Eigen::Vector2d& pixel) const { return {(pixel.x() + 0.5) / ratio, (pixel.y() + 0.5) / ratio}; }
-  QPointF drawn(const Vec3& p_mm) const { return drawn(Eigen::Vector2d(frame.to_pixel(p_mm).head<2>())); }
+  QPointF drawn(const Vec3& p_mm) const {
+    const Eigen::Vector2d p = in_logical(frame.to_pixel(p_mm).head<2>());
+    return {p.x(), p.y()};
+  }
   QPolygonF drawn(const PixelPolygon& polygon) const {
     QPolygonF points;
-    for (const Eigen::Vector2d& p : polygon) points << drawn(p);
+    for (const Eigen::Vector2d& p : in_logical(polygon)) points << QPointF(p.x(), p.y());
     return points;
+  }
+  /// Device pixels as places for the painter.
+  Eigen::Vector2d in_logical(const Eigen::Vector2d& pixel) const { return (pixel + Eigen::Vector2d(0.5, 0.5)) / ratio; }
+  PixelPolygon in_logical(PixelPolygon polygon) const {
+    for (Eigen::Vector2d& p : polygon) p = in_logical(p);
+    return polygon;
   }
   /// How far a place lies behind the slice (mm; negative: before it).
   double behind_mm(const Vec3& p_mm) const { return frame.to_pixel(p_mm).z() * frame.pixel_mm; }

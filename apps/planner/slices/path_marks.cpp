@@ -26,7 +26,7 @@ bool holds_axis(const PaneScene& scene, const Vec3& a_mm, const Vec3& b_mm) {
 }
 
 void paint_tool(QPainter& painter, const PaneScene& scene, const DrillBit& bit, const Pose& pose, QRgb colour,
-                double strength) {
+                double strength, LabelPlacer& labels) {
   if (!holds_axis(scene, pose.tip_mm, pose.tip_mm - bit.length_mm * pose.axis)) {
     QPen dashed(with_alpha(colour, 0.6 * strength), 1.0, Qt::CustomDashLine);
     dashed.setDashPattern({5.0, 4.0});
@@ -35,6 +35,7 @@ void paint_tool(QPainter& painter, const PaneScene& scene, const DrillBit& bit, 
     for (const PixelPolygon& part : bit_projection(scene.frame, bit, pose)) painter.drawPolygon(scene.drawn(part));
   }
   for (const PixelPolygon& part : bit_section(scene.frame, bit, pose)) {
+    labels.avoid_shape(scene.in_logical(part));
     draw_haloed_polygon(painter, scene.drawn(part), QPen(with_alpha(colour, strength), 1.5),
                         with_alpha(colour, 0.22 * strength));
   }
@@ -100,14 +101,14 @@ void paint_name(QPainter& painter, const PaneScene& scene, int index, LabelPlace
                    is_chosen ? QColor(kPathRgb) : with_alpha(kOtherRgb, 0.85));
 }
 
-void paint_body(QPainter& painter, const PaneScene& scene, int index) {
+void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlacer& labels) {
   const DrillPath& path = scene.paths[static_cast<std::size_t>(index)];
   const bool is_chosen = index == scene.chosen;
   const double strength = is_chosen ? 1.0 : kFaint;
   const Pose at_target{path.target_mm, path.direction()};
-  if (path.screw) paint_tool(painter, scene, path.screw->outline(), at_target, kScrewRgb, strength);
+  if (path.screw) paint_tool(painter, scene, path.screw->outline(), at_target, kScrewRgb, strength, labels);
   if (!(is_chosen && scene.bit)) {
-    paint_tool(painter, scene, path.bit, at_target, is_chosen ? kPathRgb : kOtherRgb, strength);
+    paint_tool(painter, scene, path.bit, at_target, is_chosen ? kPathRgb : kOtherRgb, strength, labels);
   }
   paint_axis(painter, scene, path, is_chosen ? 0.95 : kFaint);
 }
@@ -127,8 +128,8 @@ void paint_paths(QPainter& painter, const PaneScene& scene, LabelPlacer& labels)
     if (i != scene.chosen) order.push_back(i);
   }
   if (scene.chosen >= 0) order.push_back(scene.chosen);
-  for (const int index : order) paint_body(painter, scene, index);
-  if (scene.bit) paint_tool(painter, scene, scene.bit->first, scene.bit->second, kDrillRgb, 1.0);
+  for (const int index : order) paint_body(painter, scene, index, labels);
+  if (scene.bit) paint_tool(painter, scene, scene.bit->first, scene.bit->second, kDrillRgb, 1.0, labels);
   for (const int index : order) {
     const DrillPath& path = scene.paths[static_cast<std::size_t>(index)];
     for (const Vec3& p_mm : {path.entry_mm, path.target_mm}) avoid_handle(scene, p_mm, labels);

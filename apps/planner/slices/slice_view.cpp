@@ -167,7 +167,7 @@ void SliceView::paintEvent(QPaintEvent* /*event*/) {
   const QColor colour = kind_ == SliceKind::down_path ? QColor(kPathRgb) : plane_colour(plane_of_kind(kind_));
   if (!plane()) {
     const QString hint = !has_ct() ? tr("Open a CT or a bone") : tr("Choose or add a path to look down it");
-    paint_empty_pane(painter, size(), caption(), hint);
+    paint_empty_pane(painter, size(), caption(), colour, hint);
   } else {
     const PaneScene scene{frame(),
                           devicePixelRatioF(),
@@ -181,7 +181,7 @@ void SliceView::paintEvent(QPaintEvent* /*event*/) {
     painter.setRenderHint(QPainter::Antialiasing);
     paint_crosshair(painter, scene);
     LabelPlacer labels({Eigen::Vector2d::Zero(), Eigen::Vector2d(width(), height())});
-    paint_pane_words(painter, scene, caption(), state_.window(), labels);
+    paint_pane_words(painter, scene, caption(), colour, state_.window(), labels);
     paint_paths(painter, scene, labels);
   }
   painter.setRenderHint(QPainter::Antialiasing, false);
