@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 #include "apps/planner/plane_colours.h"
 #include "core/phantom/vertebra_truth.h"
@@ -262,7 +263,7 @@ TEST_F(SceneViewTest, ATransparentBoneShowsWhatIsInIt) {
 }
 
 TEST_F(SceneViewTest, DrawsManyChangesInOneFrameAndNothingWithoutAny) {
-  settle();
+  view_.picture();  // of all that has changed so far
   const int before = view_.frames();
   for (int n = 0; n < 20; ++n) {
     state_.set_crosshair(Vec3(n, 0.0, 0.0));
@@ -270,9 +271,10 @@ TEST_F(SceneViewTest, DrawsManyChangesInOneFrameAndNothingWithoutAny) {
   }
   EXPECT_EQ(view_.frames(), before);
   settle();
-  EXPECT_EQ(view_.frames(), before + 1);
+  view_.picture();
+  EXPECT_EQ(view_.frames(), before + 2);  // one at once, a smooth one at rest
   settle();
-  EXPECT_EQ(view_.frames(), before + 1);
+  EXPECT_EQ(view_.frames(), before + 2);
 }
 
 TEST_F(SceneViewTest, SurvivesResizingHidingAndAnotherBone) {
@@ -293,24 +295,26 @@ TEST_F(SceneViewTest, SurvivesResizingHidingAndAnotherBone) {
   EXPECT_TRUE(is_bone(colour_at(vertebra_truth(Vertebra()).left.target_mm)));
 }
 
-TEST_F(SceneViewTest, OrbitsInUnderATenthOfASecondAFrame) {
+TEST_F(SceneViewTest, AnOrbitingFrameTakesUnderATenthOfASecondOfProcessorTime) {
   document_.set_paths(test::phantom_paths());
-  settle();
+  view_.picture();
+  constexpr int kSteps = 20;
   std::vector<double> frames_ms;
   QPointF pixel(60.0, 60.0);
   press(pixel);
-  for (int n = 0; n < 20; ++n) {
+  const std::clock_t begin = std::clock();
+  for (int n = 0; n < kSteps; ++n) {
     pixel += QPointF(15.0, n % 2 == 0 ? 3.0 : -3.0);
     move(pixel);
     frames_ms.push_back(view_.last_frame_ms());
   }
+  const double processor_ms = 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kSteps;
   release(pixel);
   std::sort(frames_ms.begin(), frames_ms.end());
-  const double median_ms = frames_ms[frames_ms.size() / 2];
-  std::printf("an orbiting frame of %d x %d pixels: median %.1f ms, longest %.1f ms\n", kWidth, kHeight, median_ms,
-              frames_ms.back());
-  // What else runs on this computer only makes frames longer.
-  EXPECT_LT(frames_ms.front(), 100.0);
+  std::printf("an orbiting frame of %d x %d pixels: median %.1f ms, longest %.1f ms, %.1f ms of processor time\n",
+              kWidth, kHeight, frames_ms[kSteps / 2], frames_ms.back(), processor_ms);
+  // Of all threads together, so that what else runs on this computer does not count.
+  EXPECT_LT(processor_ms, 100.0);
 }
 
 }  // namespace

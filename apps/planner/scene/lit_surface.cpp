@@ -31,7 +31,7 @@ void light_as_glass(vtkActor& actor) {
   set_light(actor,
             "  float facing = abs(normalVCVSOutput.z);\n"
             "  float edge = 1.0 - facing;\n"
-            "  gl_FragData[0] = vec4(lit, opacity * (0.4 + 1.4 * edge * edge));\n");
+            "  gl_FragData[0] = vec4(min(1.2 * lit, vec3(1.0)), opacity * (0.4 + 1.4 * edge * edge));\n");
 }
 
 }  // namespace spinaltap

@@ -22,6 +22,8 @@ OrientationMarker::OrientationMarker(vtkRenderWindow& window) {
   cube->SetZFaceTextRotation(90.0);
   cube->SetFaceTextScale(0.62);
   cube->GetCubeProperty()->SetColor(0.80, 0.82, 0.84);
+  cube->GetCubeProperty()->SetAmbient(0.5);  // sides seen askew are legible too
+  cube->GetCubeProperty()->SetDiffuse(0.5);
   cube->SetTextEdgesVisibility(0);
   for (vtkProperty* face :
        {cube->GetXPlusFaceProperty(), cube->GetXMinusFaceProperty(), cube->GetYPlusFaceProperty(),

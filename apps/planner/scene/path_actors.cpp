@@ -99,6 +99,11 @@ struct PathActors::PathShape {
     name->GetTextProperty()->SetBold(is_chosen);
   }
 
+  void hide_tools() {
+    bit.actor()->VisibilityOff();
+    screw.actor()->VisibilityOff();
+  }
+
   void prepare(const SceneCamera& camera, double height_px, double pixel_ratio) {
     constexpr double kNamePixels = 14.0;
     const bool is_before_eye = camera.depth_mm(name_mm) > 0.0;
@@ -127,7 +132,7 @@ void PathActors::set_paths(const std::vector<DrillPath>& paths, int chosen,
   for (std::size_t n = 0; n < paths.size(); ++n) {
     const bool is_chosen = static_cast<int>(n) == chosen;
     shapes_[n]->show(paths[n], path_colour(n), is_chosen);
-    if (is_chosen && bit) shapes_[n]->bit.actor()->VisibilityOff();
+    if (is_chosen && bit) shapes_[n]->hide_tools();
   }
   drilling_->actor()->SetVisibility(bit.has_value());
   if (bit) drilling_->show(bit->first, bit->second);

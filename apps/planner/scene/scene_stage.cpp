@@ -73,6 +73,9 @@ void SceneStage::look(const SceneCamera& camera, double reach_mm) {
   marker_->look(camera, pane_.width(), pane_.height());
 }
 
-void SceneStage::render() { window_->Render(); }
+void SceneStage::render(bool is_smooth) {
+  scene_->SetUseFXAA(is_smooth);
+  window_->Render();
+}
 
 }  // namespace spinaltap

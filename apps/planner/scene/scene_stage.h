@@ -30,8 +30,9 @@ class SceneStage {
   vtkRenderer& front() { return *front_; }
   /// `reach_mm`: how far from the focus there is anything.
   void look(const SceneCamera& camera, double reach_mm);
-  /// Draws a frame now; nothing where the pane was never shown.
-  void render();
+  /// Draws a frame now, nothing where the pane was never shown. `is_smooth`: edges without steps, which takes a third
+  /// longer on a processor.
+  void render(bool is_smooth);
   double last_frame_ms() const { return last_frame_ms_; }
   int frames() const { return frames_; }
 

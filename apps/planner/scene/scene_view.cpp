@@ -24,6 +24,7 @@ struct SceneView::Scene {
   QLabel* hint;
   QVTKOpenGLNativeWidget* pane;
   QTimer next_frame;
+  QTimer at_rest;
   SceneCamera camera;
   SceneInteraction interaction;
   SceneStage stage;
@@ -51,16 +52,23 @@ struct SceneView::Scene {
     pages->addWidget(hint);
     pages->addWidget(pane);
     next_frame.setSingleShot(true);
-    QObject::connect(&next_frame, &QTimer::timeout, pane, [this] { draw(); });
+    QObject::connect(&next_frame, &QTimer::timeout, pane, [this] { draw(false); });
+    at_rest.setSingleShot(true);
+    QObject::connect(&at_rest, &QTimer::timeout, pane, [this] { draw(true); });
   }
 
   const OpenedBone* opened() const { return document.bone().get(); }
 
   void draw_soon() { next_frame.start(0); }
 
-  void draw() {
+  /// Quickly while things change, smoothly once they rest.
+  void draw(bool is_smooth) {
+    constexpr int kRestMs = 180;
     next_frame.stop();
-    if (opened() != nullptr) stage.render();
+    at_rest.stop();
+    if (opened() == nullptr) return;
+    stage.render(is_smooth);
+    if (!is_smooth) at_rest.start(kRestMs);
   }
 
   /// Brings what is drawn up to date with plan and view.
@@ -148,7 +156,7 @@ void SceneView::look_from(const QString& name) {
   const PictureView view = named_view(name.toStdString(), path, scene_->opened()->model());
   scene_->camera.look_from(view.from, view.up);
   if (!is_hole) return show_all();
-  const Vec3 kNear = Vec3::Constant(10.0);  // mm around the entry
+  const Vec3 kNear = Vec3::Constant(7.0);  // mm around the entry
   scene_->camera.show(Box3(path->entry_mm - kNear, path->entry_mm + kNear));
   scene_->draw_soon();
 }
@@ -161,7 +169,7 @@ void SceneView::show_all() {
 
 QImage SceneView::picture() {
   if (scene_->opened() == nullptr) return grab().toImage();
-  if (scene_->next_frame.isActive()) scene_->draw();
+  if (scene_->next_frame.isActive() || scene_->at_rest.isActive()) scene_->draw(true);
   return scene_->pane->grabFramebuffer();
 }
 
