@@ -6,15 +6,16 @@
 
 namespace spinaltap {
 
-/// The colour that stands for a plane in all panes: of Okabe and Ito's palette, told apart by the colour-blind too.
+/// By which a plane is known in all panes: red, green and yellow, as in 3D Slicer; bright ones, since CT slices are
+/// dark.
 inline QColor plane_colour(Plane plane) {
   switch (plane) {
     case Plane::kAxial:
-      return QColor(0xD5, 0x5E, 0x00);
+      return {0xf0, 0x64, 0x1e};
     case Plane::kCoronal:
-      return QColor(0x00, 0x9E, 0x73);
+      return {0x00, 0xb8, 0x86};
     case Plane::kSagittal:
-      return QColor(0x00, 0x72, 0xB2);
+      return {0xf0, 0xe4, 0x42};
   }
   return {};
 }

@@ -2,21 +2,14 @@
 
 #include <QColor>
 
-#include "apps/report/slice_frame.h"
-
 namespace spinaltap {
 
 // Okabe & Ito's colours for all kinds of colour vision; bright ones, since CT slices are dark. The same as in reports.
-inline constexpr QRgb kPathRgb = 0xff56b4e9;    ///< bit and axis of the chosen path
-inline constexpr QRgb kOtherRgb = 0xffcfd8dc;   ///< of the other paths
 inline constexpr QRgb kScrewRgb = 0xffcc79a7;   ///< a path's screw
 inline constexpr QRgb kDrillRgb = 0xffe69f00;   ///< the bit while it drills
 inline constexpr QRgb kEntryRgb = 0xfff0e442;   ///< entry's handle
 inline constexpr QRgb kTargetRgb = 0xffff8a3d;  ///< target's handle
 inline constexpr QRgb kTextRgb = 0xfff2f2f2;
 inline constexpr QRgb kEmptyRgb = 0xff15181b;  ///< of a pane without a picture
-
-/// By which a plane's frame and its line in the other panes are known: red, green and yellow, as in 3D Slicer.
-QColor plane_colour(Plane plane);
 
 }  // namespace spinaltap

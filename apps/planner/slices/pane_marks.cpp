@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "apps/planner/plane_colours.h"
 #include "apps/planner/slices/haloed.h"
 #include "apps/planner/slices/pane_colours.h"
 #include "apps/planner/slices/pane_geometry.h"

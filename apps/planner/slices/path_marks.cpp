@@ -5,6 +5,7 @@
 #include <QPainter>
 #include <cmath>
 
+#include "apps/planner/path_colours.h"
 #include "apps/planner/slices/haloed.h"
 #include "apps/planner/slices/pane_colours.h"
 
@@ -98,7 +99,7 @@ void paint_name(QPainter& painter, const PaneScene& scene, int index, LabelPlace
   const QFontMetricsF metrics(painter.font());
   const auto place = labels.place({at.x(), at.y()}, {metrics.horizontalAdvance(text) + 4.0, metrics.height()});
   draw_haloed_text(painter, {place.center().x(), place.center().y()}, TextAnchor::middle, text,
-                   is_chosen ? QColor(kPathRgb) : with_alpha(kOtherRgb, 0.85));
+                   with_alpha(path_colour(static_cast<std::size_t>(index)).rgb(), is_chosen ? 1.0 : 0.85));
 }
 
 void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlacer& labels) {
@@ -108,7 +109,8 @@ void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlace
   const Pose at_target{path.target_mm, path.direction()};
   if (path.screw) paint_tool(painter, scene, path.screw->outline(), at_target, kScrewRgb, strength, labels);
   if (!(is_chosen && scene.bit)) {
-    paint_tool(painter, scene, path.bit, at_target, is_chosen ? kPathRgb : kOtherRgb, strength, labels);
+    paint_tool(painter, scene, path.bit, at_target, path_colour(static_cast<std::size_t>(index)).rgb(), strength,
+               labels);
   }
   paint_axis(painter, scene, path, is_chosen ? 0.95 : kFaint);
 }

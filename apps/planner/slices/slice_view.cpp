@@ -3,8 +3,9 @@
 #include <QPainter>
 #include <array>
 
+#include "apps/planner/path_colours.h"
+#include "apps/planner/plane_colours.h"
 #include "apps/planner/slices/down_path.h"
-#include "apps/planner/slices/pane_colours.h"
 #include "apps/planner/slices/pane_marks.h"
 #include "apps/planner/slices/path_marks.h"
 #include "apps/report/slice_figure.h"
@@ -164,7 +165,9 @@ void SliceView::resizeEvent(QResizeEvent* /*event*/) {
 
 void SliceView::paintEvent(QPaintEvent* /*event*/) {
   QPainter painter(this);
-  const QColor colour = kind_ == SliceKind::down_path ? QColor(kPathRgb) : plane_colour(plane_of_kind(kind_));
+  const QColor colour = kind_ == SliceKind::down_path
+                            ? path_colour(static_cast<std::size_t>(std::max(document_.chosen(), 0)))
+                            : plane_colour(plane_of_kind(kind_));
   if (!plane()) {
     const QString hint = !has_ct() ? tr("Open a CT or a bone") : tr("Choose or add a path to look down it");
     paint_empty_pane(painter, size(), caption(), colour, hint);
