@@ -100,7 +100,7 @@ void MainWindow::make_pages() {
 
   auto* down = new SliceView(SliceKind::down_path, planner_.document(), planner_.view());
   down->setObjectName("path");
-  drill_ = new DrillPanel(planner_.player(), planner_.document());
+  drill_ = new DrillPanel(planner_.document(), planner_.player());
 
   pages_ = new QTabWidget;
   pages_->setObjectName("pages");
