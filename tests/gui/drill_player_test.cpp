@@ -107,7 +107,7 @@ Drilling drilled_in_one_go(const DrillPath& path, const DrillPlan& plan) {
 
 TEST_F(DrillPlayerTest, DrillsToTheTargetWhatDrillBoneDrills) {
   for (const char* hand : {"on-path", "tremor", "push"}) {
-    const DrillPlan plan{.hand = hand, .speed = kAsFastAsItGoes};
+    const DrillPlan plan{.hand = hand, .push_n = 200.0, .speed = kAsFastAsItGoes};
     drill_through(plan);
     const DrillPath path = test::phantom_paths().front();
     const Drilling truth = drilled_in_one_go(path, plan);
@@ -125,7 +125,7 @@ TEST_F(DrillPlayerTest, DrillsToTheTargetWhatDrillBoneDrills) {
 }
 
 TEST_F(DrillPlayerTest, GoesOnAfterAStepBackAsIfNothingHadBeen) {
-  const DrillPlan plan{.hand = "push", .speed = 4.0};
+  const DrillPlan plan{.hand = "push", .push_n = 200.0, .speed = 4.0};
   const Drilling truth = drilled_in_one_go(test::phantom_paths().front(), plan);
   player_->start(plan);
   // Stopped somewhere on its way, wherever that is.
@@ -214,7 +214,7 @@ TEST_F(DrillPlayerTest, FeelsTheHolesThatWereDrilledBefore) {
 }
 
 TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
-  drill_through({.hand = "push", .speed = kAsFastAsItGoes});
+  drill_through({.hand = "push", .push_n = 200.0, .speed = kAsFastAsItGoes});
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "run.h5";
   player_->save_record(file);
