@@ -47,7 +47,7 @@ void drill_out(PointVolume& volume, const SessionSetup& setup) {
 }  // namespace
 
 BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress,
-                           const ScalarField* exact) {
+                           const ScalarField* exact, const ClearanceField* clearances) {
   check_path_meets_bone(setup.path, bone.model());
   BuiltSession built;
   built.volumes = volumes_along(bone.model(), setup.path, setup.volume,
@@ -59,8 +59,8 @@ BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, c
     engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
   }
   if (setup.has_clearances && bone.walls() != nullptr) {
-    progress.report("clearances", 0.0);
-    built.clearances = std::make_unique<ClearanceField>(*bone.walls(), setup.path);
+    built.clearances = clearances != nullptr ? std::make_unique<ClearanceField>(clearances->with_mouth_of(setup.path))
+                                             : std::make_unique<ClearanceField>(*bone.walls(), setup.path, progress);
   }
   built.session = std::make_unique<DrillSession>(setup.path, built.volumes, make_joint_engine(std::move(engines)),
                                                  setup.material, built.clearances.get(), setup.options);

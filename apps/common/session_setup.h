@@ -86,8 +86,9 @@ struct BuiltSession {
   std::unique_ptr<DrillSession> session;
 };
 /// Fills the volumes and makes the session. `bone` must outlive it. `exact` decides which points are bone, in place of
-/// the bone's grid, where it is given. Throws Error where the path misses the bone.
+/// the bone's grid, where it is given. `clearances`: another session's of the same bone and path, which saves working
+/// them out again. Throws Error where the path misses the bone.
 BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress = {},
-                           const ScalarField* exact = nullptr);
+                           const ScalarField* exact = nullptr, const ClearanceField* clearances = nullptr);
 
 }  // namespace spinaltap

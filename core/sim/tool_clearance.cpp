@@ -202,9 +202,9 @@ DrillPath without_screw(const DrillPath& path) { return {path.name, path.entry_m
 }  // namespace
 
 ClearanceField::ClearanceField(const WallDistance& walls, const DrillPath& path, double reach_mm, double behind_mm,
-                               double beyond_mm)
-    : ClearanceField(std::make_shared<const Lattice>(
-                         Lattice{walls, WallLattice(walls, path, kSpacingMm, reach_mm, behind_mm, beyond_mm)}),
+                               double beyond_mm, const Progress& progress)
+    : ClearanceField(std::make_shared<const Lattice>(Lattice{
+                         walls, WallLattice(walls, path, kSpacingMm, reach_mm, behind_mm, beyond_mm, progress)}),
                      path) {}
 
 ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path)

@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/base/progress.h"
 #include "core/drill/bit_profile.h"
 #include "core/drill/drill_path.h"
 #include "core/plan/wall_distance.h"
@@ -24,12 +25,18 @@ struct Clearance {
 class ClearanceField {
  public:
   static constexpr double kSpacingMm = 0.4;
+  static constexpr double kReachMm = 8.0;
+  static constexpr double kBehindMm = 5.0;
+  static constexpr double kBeyondMm = 20.0;
 
   /// Distances within `reach_mm` of the path's line, from `behind_mm` before the entry to `beyond_mm` past the target;
   /// further out a bit has no clearance. `walls` must outlive this; it may be asked from many threads. Throws Error on
   /// bad paths and on ranges over 200 mm.
-  ClearanceField(const WallDistance& walls, const DrillPath& path, double reach_mm = 8.0, double behind_mm = 5.0,
-                 double beyond_mm = 20.0);
+  ClearanceField(const WallDistance& walls, const DrillPath& path, double reach_mm = kReachMm,
+                 double behind_mm = kBehindMm, double beyond_mm = kBeyondMm, const Progress& progress = {});
+  /// The same with those ranges.
+  ClearanceField(const WallDistance& walls, const DrillPath& path, const Progress& progress)
+      : ClearanceField(walls, path, kReachMm, kBehindMm, kBeyondMm, progress) {}
   ~ClearanceField();
   ClearanceField(ClearanceField&&) noexcept;
 

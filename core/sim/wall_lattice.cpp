@@ -25,7 +25,7 @@ Eigen::Array4f node_of(const WallDistance::Walls& walls) {
 }  // namespace
 
 WallLattice::WallLattice(const WallDistance& walls, const DrillPath& path, double spacing_mm, double reach_mm,
-                         double behind_mm, double beyond_mm)
+                         double behind_mm, double beyond_mm, const Progress& progress)
     : per_mm_(1.0 / spacing_mm) {
   constexpr double kLongestMm = 200.0;
   check_path(path);
@@ -43,7 +43,10 @@ WallLattice::WallLattice(const WallDistance& walls, const DrillPath& path, doubl
                 Node(kNoWall, kNoWall, kNoWall, 0.0F));
   // Cells that the cylinder passes need all their nodes.
   const double widest_mm = reach_mm + 1.5 * spacing_mm;
-  tbb::parallel_for(0, count_.x() * count_.y(), [&](int column) {
+  const int columns = count_.x() * count_.y();
+  ProgressCounter counter(progress, "clearances", static_cast<std::size_t>(columns));
+  tbb::parallel_for(0, columns, [&](int column) {
+    counter.add();
     const int i = column / count_.y();
     const Vec3 foot_mm = low_mm_ + spacing_mm * Vec3(i, column - i * count_.y(), 0.0);
     if (std::hypot(foot_mm.x(), foot_mm.y()) > widest_mm) return;

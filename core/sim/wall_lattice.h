@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/drill/drill_path.h"
 #include "core/drill/path_frame.h"
 #include "core/plan/wall_distance.h"
@@ -22,7 +23,7 @@ class WallLattice {
   /// Nodes `spacing_mm` apart within `reach_mm` of the path's line, along it from `behind_mm` before its entry to
   /// `beyond_mm` past its target. Asks `walls` at each of them, from many threads.
   WallLattice(const WallDistance& walls, const DrillPath& path, double spacing_mm, double reach_mm, double behind_mm,
-              double beyond_mm);
+              double beyond_mm, const Progress& progress);
 
   /// Places are path-local: the origin at the path's entry, z along it.
   const PathFrame& frame() const { return frame_; }

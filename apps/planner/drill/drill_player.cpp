@@ -43,12 +43,16 @@ void DrillPlayer::start(const DrillPlan& plan) {
     speed_ = plan.speed;
     std::vector<std::shared_ptr<const PlayedHole>> earlier;
     for (const Hole& hole : drilled_) earlier.push_back(hole.played);
+    // Undone holes too: those who drill a path again mostly undo it first.
+    std::shared_ptr<const PlayedHole> known;
+    if (!earlier.empty()) known = earlier.back();
+    if (!undone_.empty()) known = undone_.back().played;
     prepare(tr("Preparing"),
-            [this, setup, hand, earlier, bone = document_.bone(),
+            [this, setup, hand, earlier, known, bone = document_.bone(),
              mesh = mesh_](const Progress& progress) -> std::function<void()> {
               SessionSetup whole = setup;
               for (const auto& hole : earlier) whole.holes.push_back(hole->drilled());
-              const auto hole = std::make_shared<PlayedHole>(bone, std::move(whole), hand, progress);
+              const auto hole = std::make_shared<PlayedHole>(bone, std::move(whole), hand, known.get(), progress);
               progress.report("meshing", 0.0);
               const auto drilled_mesh =
                   mesh ? mesh
@@ -276,6 +280,10 @@ const DrillPath* DrillPlayer::path() const {
 std::optional<std::pair<DrillBit, Pose>> DrillPlayer::bit() const {
   if (!last_) return std::nullopt;
   return std::pair{path()->bit, last_->input.pose};
+}
+
+double DrillPlayer::spindle_rpm() const {
+  return drilled_.empty() ? 0.0 : drilled_.back().played->setup().options.spindle.rpm;
 }
 
 std::optional<DoneDrilling> DrillPlayer::done() const {

@@ -72,6 +72,7 @@ class DrillPlayer : public QObject {
   /// Its path, as it was at the start; null where there is none.
   const DrillPath* path() const;
   std::optional<std::pair<DrillBit, Pose>> bit() const;
+  double spindle_rpm() const;  ///< 0 where there is none
   /// Of the hand's time.
   double seconds() const { return last_ ? last_->time_s : 0.0; }
   /// How fast cycles have run and how often the surface was brought up to date, in the last half second of drilling; 0

@@ -11,15 +11,23 @@ namespace {
 
 constexpr double kBeyondTargetMm = 20.0;  // hands may go further than the target
 
+/// What one hole has worked out about walls along its path, where another has the same.
+const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
+  const bool is_same = path.entry_mm == other.entry_mm && path.target_mm == other.target_mm;
+  return is_same ? built.clearances.get() : nullptr;
+}
+
 }  // namespace
 
 PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand,
-                       const Progress& progress)
+                       const PlayedHole* other, const Progress& progress)
     : bone_(std::move(bone)),
       setup_(std::move(setup)),
       choice_(std::move(hand)),
       hand_(choice_.plan(setup_.path, setup_.volume.lead_in_mm, setup_.options.spindle, false)),
-      built_(build_session(*bone_->bone, setup_, progress)),
+      built_(
+          build_session(*bone_->bone, setup_, progress, nullptr,
+                        other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),
       log_(DrillingOptions().log_step_mm, setup_.material,
            setup_.volume.lead_in_mm + setup_.path.length_mm() + kBeyondTargetMm) {}
 
@@ -37,7 +45,7 @@ bool PlayedHole::step() {
 }
 
 std::unique_ptr<PlayedHole> PlayedHole::after(std::size_t cycles, const Progress& progress) const {
-  auto hole = std::make_unique<PlayedHole>(bone_, setup_, choice_, progress);
+  auto hole = std::make_unique<PlayedHole>(bone_, setup_, choice_, this, progress);
   ProgressCounter counter(progress, "going back", cycles);
   while (hole->inputs_.size() < cycles && hole->step()) counter.add();
   return hole;

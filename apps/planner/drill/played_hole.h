@@ -26,8 +26,9 @@ struct DoneDrilling {
 /// lock-step whatever the clock does, so that the hole can be had again at any of its cycles. For one thread at a time.
 class PlayedHole {
  public:
-  /// Throws Error where the path misses the bone or what is asked of the hand makes no sense.
-  PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand,
+  /// `other`: a hole of the same bone, which saves work where it has the same path; may be null. Throws Error where the
+  /// path misses the bone or what is asked of the hand makes no sense.
+  PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand, const PlayedHole* other = {},
              const Progress& progress = {});
 
   /// A cycle. False: the hand has ended.

@@ -20,8 +20,8 @@ class PlotView : public QWidget {
   /// What is said while there is nothing to show.
   void set_hint(const QString& hint);
   const Plot& plot() const { return plot_; }
-  /// What the pointer is told at a place along x, in the widget's pixels: "depth 12.0 mm, thrust 14.2 N"; empty beside the
-  /// curves.
+  /// What the pointer is told at a place along x, in the widget's pixels: "depth 12.0 mm, thrust 14.2 N"; empty beside
+  /// the curves.
   QString values_at(double x_pixel) const;
 
   QSize sizeHint() const override { return {360, 190}; }

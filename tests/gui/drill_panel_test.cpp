@@ -1,0 +1,143 @@
+#include "apps/planner/drill/drill_panel.h"
+
+#include <gmock/gmock.h>
+
+#include <QComboBox>
+#include <QCoreApplication>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QListWidget>
+#include <QRegularExpression>
+#include <QToolButton>
+#include <limits>
+#include <stdexcept>
+
+#include "apps/planner/drill/drill_figures_view.h"
+#include "tests/gui/phantom_bone.h"
+
+namespace spinaltap {
+namespace {
+
+class DrillPanelTest : public ::testing::Test {
+ protected:
+  template <class Widget>
+  Widget& find(const char* name) {
+    auto* widget = panel_.findChild<Widget*>(QString::fromLatin1(name));
+    if (widget == nullptr) throw std::runtime_error(std::string("no widget ") + name);
+    return *widget;
+  }
+  QToolButton& button(const char* name) { return find<QToolButton>(name); }
+  std::string text(const char* name) { return find<QLabel>(name).text().toStdString(); }
+  void choose(const char* name, const QVariant& value) {
+    auto& box = find<QComboBox>(name);
+    box.setCurrentIndex(box.findData(value));
+  }
+  bool wait_for(DrillPlayer::State state) {
+    QElapsedTimer clock;
+    clock.start();
+    while (player_.state() != state && clock.elapsed() < 30'000) {
+      QCoreApplication::processEvents(QEventLoop::AllEvents, 10);
+    }
+    return player_.state() == state;
+  }
+
+  PlanDocument document_;
+  DrillPlayer player_{document_};
+  DrillPanel panel_{document_, player_};
+};
+
+TEST_F(DrillPanelTest, OffersOnlyWhatMakesSense) {
+  const auto enabled = [&] {
+    std::string names;
+    for (const char* name : {"drill_start", "drill_go_on", "drill_back", "drill_undo_hole", "drill_redo_hole",
+                             "drill_save_record", "drill_write_report"}) {
+      if (button(name).isEnabled()) names += std::string(names.empty() ? "" : " ") + (name + 6);
+    }
+    return names;
+  };
+  EXPECT_EQ(enabled(), "");
+  document_.set_bone(test::phantom_bone());
+  EXPECT_EQ(enabled(), "");
+  document_.set_paths(test::phantom_paths());
+  EXPECT_EQ(enabled(), "start");
+  choose("drill_speed", 4.0);
+  button("drill_start").click();
+  EXPECT_EQ(enabled(), "go_on");
+  EXPECT_EQ(button("drill_go_on").text(), "Stop");
+  ASSERT_TRUE(wait_for(DrillPlayer::State::drilling));
+  EXPECT_EQ(button("drill_go_on").text(), "Stop");
+  while (player_.seconds() < 1.0) QCoreApplication::processEvents(QEventLoop::AllEvents, 10);
+  EXPECT_EQ(enabled(), "go_on back");
+  button("drill_go_on").click();
+  EXPECT_EQ(enabled(), "start go_on back undo_hole save_record write_report");
+  EXPECT_EQ(button("drill_go_on").text(), "Go on");
+  EXPECT_EQ(button("drill_go_on").shortcut(), QKeySequence("F6"));
+  choose("drill_speed", 0.0);
+  button("drill_go_on").click();
+  ASSERT_TRUE(wait_for(DrillPlayer::State::stopped));
+  EXPECT_EQ(enabled(), "start back undo_hole save_record write_report");
+  button("drill_undo_hole").click();
+  EXPECT_EQ(enabled(), "start redo_hole");
+}
+
+TEST_F(DrillPanelTest, TellsTheFiguresInWords) {
+  document_.set_bone(test::phantom_bone());
+  document_.set_paths(test::phantom_paths());
+  EXPECT_EQ(text("drill_state"), "Ready");
+  EXPECT_EQ(text("drill_depth"), "–");
+  choose("drill_speed", 0.0);
+  button("drill_start").click();
+  ASSERT_TRUE(wait_for(DrillPlayer::State::stopped));
+  EXPECT_EQ(text("drill_state").substr(0, 7), "Ended: ");
+  const double length_mm = test::phantom_paths().front().length_mm();
+  EXPECT_NEAR(QString::fromStdString(text("drill_depth")).remove(" mm").toDouble(), length_mm, 0.01);
+  EXPECT_EQ(text("drill_feed"), "1.00 mm/s");
+  EXPECT_EQ(static_cast<std::size_t>(find<QListWidget>("drill_events").count()), player_.events().size());
+  EXPECT_GT(player_.events().size(), 1U);
+}
+
+TEST_F(DrillPanelTest, ShowsWhyADrillingFailed) {
+  document_.set_bone(test::phantom_bone());
+  DrillPath path = test::phantom_paths().front();
+  path.entry_mm.x() += 200.0;
+  path.target_mm.x() += 200.0;
+  document_.set_paths({path});
+  button("drill_start").click();
+  ASSERT_TRUE(wait_for(DrillPlayer::State::idle));
+  EXPECT_FALSE(find<QLabel>("drill_trouble").isHidden());
+  EXPECT_THAT(text("drill_trouble"), ::testing::HasSubstr("bone"));
+}
+
+TEST_F(DrillPanelTest, GivesThePlanThatWasChosen) {
+  choose("drill_hand", "push");
+  choose("drill_speed", 0.25);
+  const DrillPlan plan = panel_.plan();
+  EXPECT_EQ(plan.hand, "push");
+  EXPECT_EQ(plan.push_n, 40.0);
+  EXPECT_EQ(plan.speed, 0.25);
+  EXPECT_FALSE(find<QWidget>("drill_feed_wanted").isEnabled());
+  EXPECT_TRUE(find<QWidget>("drill_push").isEnabled());
+}
+
+TEST_F(DrillPanelTest, HasAShortcutATipAndAPlaceInTheTabOrderForEachButton) {
+  const auto buttons = panel_.findChildren<QToolButton*>(QRegularExpression("^drill_"));
+  EXPECT_EQ(buttons.size(), 7);
+  QStringList keys;
+  for (const QToolButton* one : buttons) {
+    EXPECT_FALSE(one->shortcut().isEmpty()) << one->objectName().toStdString();
+    EXPECT_FALSE(one->toolTip().isEmpty());
+    EXPECT_TRUE((one->focusPolicy() & Qt::TabFocus) != 0);
+    keys << one->shortcut().toString();
+  }
+  EXPECT_EQ(keys.removeDuplicates(), 0);
+}
+
+TEST(ClearanceWords, WarnBelowAMillimetreAndBeyondTheWall) {
+  EXPECT_EQ(clearance_words(2.314), "2.31 mm");
+  EXPECT_EQ(clearance_words(0.62), "0.62 mm, near");
+  EXPECT_EQ(clearance_words(-0.4), "beyond by 0.40 mm");
+  EXPECT_EQ(clearance_words(std::numeric_limits<double>::infinity()), "far");
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,325 @@
+#include "apps/planner/drill/drill_player.h"
+
+#include <gmock/gmock.h>
+
+#include <QCoreApplication>
+#include <QElapsedTimer>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "apps/common/drilling.h"
+#include "apps/common/replay.h"
+#include "core/sim/session_record.h"
+#include "tests/gui/phantom_bone.h"
+#include "tests/support/temporary_folder.h"
+#include "vdb/remaining_surface.h"
+
+namespace spinaltap {
+namespace {
+
+using State = DrillPlayer::State;
+using ::testing::HasSubstr;
+
+constexpr double kAsFastAsItGoes = 0.0;
+
+/// A player of the phantom's left path, which keeps what it is told.
+class DrillPlayerTest : public ::testing::Test {
+ protected:
+  DrillPlayerTest() {
+    document_.set_bone(test::phantom_bone());
+    document_.set_paths(test::phantom_paths());
+    make_player();
+  }
+
+  void make_player() {
+    player_ = std::make_unique<DrillPlayer>(document_);
+    QObject::connect(player_.get(), &DrillPlayer::failed, player_.get(),
+                     [this](const QString& why) { trouble_ = why.toStdString(); });
+    QObject::connect(player_.get(), &DrillPlayer::progressed, player_.get(), [this] { ++told_; });
+    QObject::connect(player_.get(), &DrillPlayer::surface_changed, player_.get(),
+                     [this](const std::vector<SurfaceUpdate>& updates) {
+                       for (const SurfaceUpdate& update : updates) blocks_[update.block] = update.surface;
+                     });
+    blocks_.clear();
+    for (const auto& block : test::phantom_bone()->surface) blocks_[block->block] = block;
+  }
+
+  /// Until a condition holds; false after half a minute.
+  template <class Condition>
+  static bool wait_until(const Condition& condition) {
+    QElapsedTimer clock;
+    clock.start();
+    while (!condition()) {
+      if (clock.elapsed() > 30'000) return false;
+      QCoreApplication::processEvents(QEventLoop::AllEvents, 10);
+    }
+    return true;
+  }
+  bool wait_for(State state) {
+    return wait_until([&] { return player_->state() == state; });
+  }
+  void drill_through(const DrillPlan& plan) {
+    player_->start(plan);
+    ASSERT_EQ(player_->state(), State::preparing) << trouble_;
+    ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
+  }
+
+  /// The blocks that show surface, by what they hold.
+  std::map<std::array<int, 3>, SurfaceBlock> surface() const {
+    std::map<std::array<int, 3>, SurfaceBlock> blocks;
+    for (const auto& [place, block] : blocks_) {
+      if (block) blocks.emplace(place, *block);
+    }
+    return blocks;
+  }
+
+  PlanDocument document_;
+  std::unique_ptr<DrillPlayer> player_;
+  std::string trouble_;
+  int told_ = 0;
+  std::map<std::array<int, 3>, std::shared_ptr<const SurfaceBlock>> blocks_;
+};
+
+void expect_same_rows(const std::vector<DepthRow>& a, const std::vector<DepthRow>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    EXPECT_EQ(a[n].depth_mm, b[n].depth_mm) << n;
+    EXPECT_EQ(a[n].cycles, b[n].cycles) << n;
+    EXPECT_EQ(a[n].removed, b[n].removed) << n;
+    EXPECT_TRUE(same(a[n].hu, b[n].hu)) << n;
+    EXPECT_EQ(a[n].thrust_n, b[n].thrust_n) << n;
+    EXPECT_EQ(a[n].torque_n_mm, b[n].torque_n_mm) << n;
+    EXPECT_EQ(a[n].lateral_n, b[n].lateral_n) << n;
+    EXPECT_EQ(a[n].state, b[n].state) << n;
+    EXPECT_EQ(a[n].outer_mm, b[n].outer_mm) << n;
+    EXPECT_EQ(a[n].canal_mm, b[n].canal_mm) << n;
+  }
+}
+
+Drilling drilled_in_one_go(const DrillPath& path, const DrillPlan& plan) {
+  const SessionSetup setup = session_setup(path, plan);
+  const HandPlan hand = hand_choice(plan).plan(path, setup.volume.lead_in_mm, setup.options.spindle, false);
+  return drill_bone(*test::phantom_bone()->bone, setup, *hand.hand);
+}
+
+TEST_F(DrillPlayerTest, DrillsToTheTargetWhatDrillBoneDrills) {
+  for (const char* hand : {"on-path", "tremor", "push"}) {
+    const DrillPlan plan{.hand = hand, .push_n = 200.0, .speed = kAsFastAsItGoes};
+    drill_through(plan);
+    const DrillPath path = test::phantom_paths().front();
+    const Drilling truth = drilled_in_one_go(path, plan);
+    EXPECT_GT(truth.removed, 10'000U);
+    EXPECT_EQ(player_->removed(), truth.removed) << hand;
+    expect_same_rows(player_->rows(), truth.rows);
+    EXPECT_EQ(player_->events().size(), truth.events.size());
+    EXPECT_NEAR(player_->last()->depth_mm, path.length_mm(), 0.2) << hand;  // the hand that pushes overshoots a little
+    EXPECT_TRUE(player_->is_over());
+    EXPECT_FALSE(player_->can_go_on());
+    EXPECT_GT(player_->cycles_per_s(), 1000.0);
+    player_->undo_hole();
+    EXPECT_EQ(trouble_, "");
+  }
+}
+
+TEST_F(DrillPlayerTest, GoesOnAfterAStepBackAsIfNothingHadBeen) {
+  const DrillPlan plan{.hand = "push", .push_n = 200.0, .speed = 4.0};
+  const Drilling truth = drilled_in_one_go(test::phantom_paths().front(), plan);
+  player_->start(plan);
+  // Stopped somewhere on its way, wherever that is.
+  ASSERT_TRUE(wait_until([&] { return player_->seconds() > 2.0; })) << trouble_;
+  player_->stop();
+  ASSERT_EQ(player_->state(), State::stopped);
+  const double stopped_s = player_->seconds();
+  const std::size_t removed = player_->removed();
+  player_->step_back(1.0);
+  ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
+  EXPECT_NEAR(player_->seconds(), stopped_s - 1.0, 1e-9);
+  EXPECT_LE(player_->removed(), removed);
+  player_->set_speed(kAsFastAsItGoes);
+  player_->go_on();
+  ASSERT_TRUE(wait_for(State::stopped));
+  EXPECT_EQ(player_->removed(), truth.removed);
+  expect_same_rows(player_->rows(), truth.rows);
+  EXPECT_EQ(trouble_, "");
+}
+
+TEST_F(DrillPlayerTest, StepBackBringsBackTheSurfaceOfThatMoment) {
+  const DrillPlan plan{.hand = "tremor", .feed_mm_s = 4.0, .speed = 4.0};
+  player_->start(plan);
+  ASSERT_TRUE(wait_until([&] { return player_->seconds() > 3.0; })) << trouble_;
+  player_->stop();
+  player_->step_back(1.0);
+  ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
+  // A mesh of its own, drilled with the inputs until then.
+  const std::vector<ToolInput> inputs = player_->done()->inputs;
+  RemainingBone bone(test::phantom_bone()->model(), {.voxel_mm = kSurfaceVoxelMm});
+  RemainingSurface truth(bone);
+  std::vector<Pose> poses;
+  for (const ToolInput& input : inputs) poses.push_back(input.pose);
+  bone.drill(player_->path()->bit, poses);
+  truth.update();
+  std::map<std::array<int, 3>, SurfaceBlock> blocks;
+  for (const auto& block : truth.blocks()) blocks.emplace(block->block, *block);
+  EXPECT_EQ(surface(), blocks);
+}
+
+TEST_F(DrillPlayerTest, UndoBringsBackTheOpenedSurfaceAndRedoTheHole) {
+  const auto opened = surface();
+  drill_through({.speed = kAsFastAsItGoes});
+  const auto one_hole = surface();
+  EXPECT_NE(one_hole, opened);
+  const std::size_t removed = player_->removed();
+  document_.choose(1);
+  drill_through({.hand = "tremor", .speed = kAsFastAsItGoes});
+  const auto two_holes = surface();
+  EXPECT_NE(two_holes, one_hole);
+  player_->undo_hole();
+  EXPECT_EQ(surface(), one_hole);
+  EXPECT_EQ(player_->removed(), removed);  // of the hole that is the last now
+  EXPECT_EQ(player_->path()->name, "left");
+  player_->undo_hole();
+  EXPECT_EQ(surface(), opened);
+  EXPECT_EQ(player_->state(), State::idle);
+  EXPECT_FALSE(player_->can_undo_hole());
+  player_->redo_hole();
+  EXPECT_EQ(surface(), one_hole);
+  player_->redo_hole();
+  EXPECT_EQ(surface(), two_holes);
+  EXPECT_FALSE(player_->can_redo_hole());
+  player_->reset();
+  EXPECT_EQ(surface(), opened);
+}
+
+TEST_F(DrillPlayerTest, FeelsTheHolesThatWereDrilledBefore) {
+  drill_through({.feed_mm_s = 2.0, .speed = kAsFastAsItGoes});
+  const std::size_t removed = player_->removed();
+  // The same path a little further: only what lies beyond is left to drill.
+  DrillPath longer = test::phantom_paths().front();
+  longer.target_mm += 2.0 * longer.direction();
+  document_.change_path(0, longer, "longer");
+  drill_through({.feed_mm_s = 2.0, .speed = kAsFastAsItGoes});
+  EXPECT_GT(player_->removed(), 0U);
+  EXPECT_LT(player_->removed(), removed / 5);
+  // A record of it holds the earlier hole.
+  const test::TemporaryFolder folder;
+  player_->save_record(folder.path() / "second.h5");
+  const SessionRecord record = read_record(folder.path() / "second.h5");
+  const SessionSetup setup = recorded_setup(record.setup, "second.h5");
+  ASSERT_EQ(setup.holes.size(), 1U);
+  BuiltSession built = build_session(*test::phantom_bone()->bone, setup);
+  EXPECT_TRUE(replay_record(*built.session, record).is_same());
+}
+
+TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
+  drill_through({.hand = "push", .push_n = 200.0, .speed = kAsFastAsItGoes});
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "run.h5";
+  player_->save_record(file);
+  const SessionRecord record = read_record(file);
+  EXPECT_TRUE(record.is_whole);
+  EXPECT_EQ(record.cycles.size(), player_->done()->inputs.size());
+  EXPECT_EQ(record.events.size(), player_->events().size());
+  EXPECT_EQ(record.setup.at("hand kind"), "push");
+  const SessionSetup setup = recorded_setup(record.setup, file);
+  EXPECT_EQ(setup.bone_hash, hash_of(test::phantom_bone()->model()));
+  BuiltSession built = build_session(*test::phantom_bone()->bone, setup);
+  const Replay replay = replay_record(*built.session, record);
+  EXPECT_TRUE(replay.is_same()) << replay.difference << replay.gap;
+  EXPECT_EQ(recorded(*player_->last()), record.cycles.back());
+}
+
+TEST_F(DrillPlayerTest, WritesTheFilesOfADrilling) {
+  drill_through({.feed_mm_s = 5.0, .speed = kAsFastAsItGoes});
+  const test::TemporaryFolder folder;
+  player_->write_report(folder.path() / "drilled");
+  for (const char* name : {"report.html", "drilled.vdb", "drilled.stl", "log.csv", "events.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "drilled" / name)) << name;
+  }
+}
+
+TEST_F(DrillPlayerTest, StopsAtABreachWhereAskedTo) {
+  // Straight to the middle of the canal, which lies between the pedicles.
+  std::vector<DrillPath> paths = test::phantom_paths();
+  paths[0].target_mm = 0.5 * (paths[0].target_mm + paths[1].entry_mm);
+  document_.set_paths(paths);
+  drill_through({.stops_on_breach = true, .speed = kAsFastAsItGoes});
+  const auto& events = player_->events();
+  EXPECT_TRUE(std::any_of(events.begin(), events.end(),
+                          [](const SessionEvent& event) { return event.kind == EventKind::stop_breach; }));
+  EXPECT_LT(player_->last()->depth_mm, paths[0].length_mm() - 1.0);
+  EXPECT_FALSE(player_->can_go_on());
+}
+
+TEST_F(DrillPlayerTest, IsDestroyedQuicklyWhileItPreparesAndWhileItDrills) {
+  const auto destroy = [&](const char* when) {
+    QElapsedTimer clock;
+    clock.start();
+    player_.reset();
+    std::printf("destroyed while %s: %lld ms\n", when, static_cast<long long>(clock.elapsed()));
+    EXPECT_LT(clock.elapsed(), 500) << when;
+  };
+  player_->start({});
+  destroy("preparing");
+  for (const double speed : {1.0, kAsFastAsItGoes}) {
+    make_player();
+    player_->start({.hand = "tremor", .speed = speed});
+    ASSERT_TRUE(wait_for(State::drilling));
+    destroy("drilling");
+  }
+}
+
+TEST_F(DrillPlayerTest, SaysThatAPathMissesTheBone) {
+  DrillPath path = test::phantom_paths().front();
+  path.entry_mm += Vec3(200.0, 0.0, 0.0);
+  path.target_mm += Vec3(200.0, 0.0, 0.0);
+  document_.set_paths({path});
+  player_->start({});
+  ASSERT_TRUE(wait_until([&] { return !trouble_.empty(); }));
+  EXPECT_THAT(trouble_, HasSubstr("left"));
+  EXPECT_THAT(trouble_, HasSubstr("bone"));
+  EXPECT_EQ(player_->state(), State::idle);
+  document_.set_paths({});
+  trouble_.clear();
+  player_->start({});
+  EXPECT_THAT(trouble_, HasSubstr("path"));
+}
+
+TEST_F(DrillPlayerTest, KeepsThePathItBeganWith) {
+  player_->start({.speed = 1.0});
+  ASSERT_TRUE(wait_for(State::drilling));
+  const DrillPath path = *player_->path();
+  document_.remove_path(0);
+  EXPECT_EQ(player_->path()->target_mm, path.target_mm);
+  document_.set_bone(test::phantom_bone());  // opened again: begins anew
+  EXPECT_EQ(player_->state(), State::idle);
+  EXPECT_EQ(player_->path(), nullptr);
+}
+
+TEST_F(DrillPlayerTest, GoesByTheClock) {
+  player_->start({.feed_mm_s = 4.0, .speed = 1.0});
+  ASSERT_TRUE(wait_for(State::drilling)) << trouble_;
+  told_ = 0;
+  QElapsedTimer clock;
+  clock.start();
+  EXPECT_TRUE(wait_until([&] { return clock.elapsed() >= 3000; }));
+  const double clock_s = 1e-3 * static_cast<double>(clock.elapsed());
+  // Behind where the computer was busy with other things, never ahead.
+  EXPECT_LT(player_->seconds(), clock_s + 0.1);
+  EXPECT_GT(player_->seconds(), 0.5 * clock_s);
+  EXPECT_LE(told_, 31 * clock_s + 1);
+  std::printf("speed 1: %.2f s in %.2f s, %.0f cycles/s, %.1f surface updates/s, told %.1f times/s\n",
+              player_->seconds(), clock_s, player_->cycles_per_s(), player_->surface_updates_per_s(), told_ / clock_s);
+  player_->stop();
+  const double stopped_s = player_->seconds();
+  const auto bit = player_->bit();
+  ASSERT_TRUE(bit);
+  ASSERT_TRUE(wait_until([&] { return clock.elapsed() > 3300; }));
+  EXPECT_EQ(player_->seconds(), stopped_s);
+  EXPECT_EQ(player_->bit()->second.tip_mm, bit->second.tip_mm);
+}
+
+}  // namespace
+}  // namespace spinaltap
