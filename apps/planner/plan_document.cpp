@@ -80,7 +80,7 @@ void PlanDocument::choose(int index) {
 
 int PlanDocument::add_path(DrillPath path) {
   add_paths({std::move(path)}, tr("add path"));
-  return static_cast<int>(paths_.size()) - 1;
+  return chosen_;
 }
 
 void PlanDocument::add_paths(std::vector<DrillPath> added, const QString& what) {
@@ -91,8 +91,7 @@ void PlanDocument::add_paths(std::vector<DrillPath> added, const QString& what) 
     path.name = unlike(paths, path.name);
     paths.push_back(std::move(path));
   }
-  const int index = static_cast<int>(paths.size()) - 1;
-  undo_stack_.push(new ReplacePaths(*this, std::move(paths), index, what, 0));
+  undo_stack_.push(new ReplacePaths(*this, std::move(paths), static_cast<int>(paths_.size()), what, 0));
 }
 
 void PlanDocument::remove_path(int index) {

@@ -38,7 +38,7 @@ class PlanDocument : public QObject {
   /// Changes, each one step back. All throw Error where the path would be bad (check_path()); then nothing changed.
   /// Returns the new path's index and chooses it; the name is made unlike the others'.
   int add_path(DrillPath path);
-  /// Several as one step back; nothing happens without any.
+  /// Several as one step back, the first of which is chosen; nothing happens without any.
   void add_paths(std::vector<DrillPath> paths, const QString& what);
   void remove_path(int index);
   /// `what`: for the menu, such as "move entry". Changes with the same `drag` other than 0 become one step back.

@@ -21,6 +21,9 @@ constexpr double kLeft = 76.0;
 constexpr double kRight = 18.0;
 constexpr double kTop = 34.0;
 constexpr double kMarkerRow = 18.0;
+constexpr double kTitleSize = 15.0;
+constexpr double kLegendRow = 18.0;
+constexpr double kLegendGap = 14.0;  ///< between two names
 constexpr double kBottom = 50.0;
 
 void check_lengths(const Plot& plot) {
@@ -107,7 +110,8 @@ class PlotDrawing {
     // The curve fills the width, though it may not end on a tick.
     const bool fills = xs.high() > xs.low();
     x_ = {fills ? xs.low() : x_ticks_.low, fills ? xs.high() : x_ticks_.high, kLeft, plot.width - kRight, false};
-    const double top = kTop + (plot.markers.empty() ? 0.0 : kMarkerRow);
+    lay_out_legend();
+    const double top = kTop + (plot.markers.empty() ? 0.0 : kMarkerRow) + legend_rows_ * kLegendRow;
     y_ = {y_ticks_.low, y_ticks_.high, plot.height - kBottom, top, plot.log_y};
   }
 
@@ -208,32 +212,53 @@ class PlotDrawing {
     if (!drew_) svg_ += label(x_middle, y_middle, "middle", "no data", "fill=\"#5b6670\" font-style=\"italic\"");
   }
 
-  /// On the title's line, from the right.
-  void add_legend() {
-    struct Entry {
-      std::string_view name;
-      std::string_view colour;
-      bool area;
-    };
-    std::vector<Entry> entries;
-    for (std::size_t i = 0; i < plot_.series.size(); ++i) entries.push_back({plot_.series[i].name, colour(i), false});
-    for (std::size_t i = 0; i < plot_.bands.size(); ++i) entries.push_back({plot_.bands[i].name, colour(i), true});
-    std::erase_if(entries, [](const Entry& entry) { return entry.name.empty(); });
-    if (entries.size() < 2) return;
-    double right = x_.to;
-    for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
-      const std::string paint(entry->colour);
-      const double left = right - text_width(entry->name, kFontSize) - 30.0;
-      svg_ += entry->area
-                  ? line(left, 13.5, left + 22.0, 13.5, "stroke=\"" + paint + "\" stroke-width=\"10\" opacity=\"0.3\"")
-                  : line(left, 13.5, left + 22.0, 13.5, "stroke=\"" + paint + "\" stroke-width=\"2.5\"");
-      svg_ += label(left + 28.0, 18.0, "start", entry->name);
-      right = left - 14.0;
+  /// On the title's line, ending on the right; where that is too short, on lines of its own below it.
+  void lay_out_legend() {
+    for (std::size_t i = 0; i < plot_.series.size(); ++i) legend_.push_back({plot_.series[i].name, colour(i), false});
+    for (std::size_t i = 0; i < plot_.bands.size(); ++i) legend_.push_back({plot_.bands[i].name, colour(i), true});
+    std::erase_if(legend_, [](const LegendEntry& entry) { return entry.name.empty(); });
+    if (legend_.size() < 2) legend_.clear();
+    double length = -kLegendGap;
+    for (const LegendEntry& entry : legend_) length += entry.width() + kLegendGap;
+    const double begin = x_.to - length;
+    const double title_end = plot_.title.empty() ? x_.from : x_.from + text_width(plot_.title, kTitleSize) + kLegendGap;
+    const bool fits = begin >= title_end;
+    double x = fits ? begin : x_.to;  // full: the first begins a line
+    for (LegendEntry& entry : legend_) {
+      if (!fits && x + entry.width() > x_.to) {
+        x = x_.from;
+        ++legend_rows_;
+      }
+      entry.x = x;
+      entry.y = 18.0 + legend_rows_ * kLegendRow;
+      x += entry.width() + kLegendGap;
     }
   }
 
+  void add_legend() {
+    for (const LegendEntry& entry : legend_) {
+      const std::string paint(entry.colour);
+      const double y = entry.y - 4.5;
+      svg_ += entry.area
+                  ? line(entry.x, y, entry.x + 22.0, y, "stroke=\"" + paint + "\" stroke-width=\"10\" opacity=\"0.3\"")
+                  : line(entry.x, y, entry.x + 22.0, y, "stroke=\"" + paint + "\" stroke-width=\"2.5\"");
+      svg_ += label(entry.x + 28.0, entry.y, "start", entry.name);
+    }
+  }
+
+  struct LegendEntry {
+    std::string_view name;
+    std::string_view colour;
+    bool area = false;
+    double x = 0.0;
+    double y = 0.0;
+    double width() const { return text_width(name, kFontSize) + 30.0; }
+  };
+
   const Plot& plot_;
   bool drew_ = false;  ///< any curve or band
+  std::vector<LegendEntry> legend_;
+  int legend_rows_ = 0;  ///< of its own
   AxisTicks x_ticks_;
   AxisTicks y_ticks_;
   AxisScale x_;

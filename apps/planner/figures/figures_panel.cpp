@@ -104,6 +104,7 @@ void FiguresPanel::show_figures(const PathFigures* figures, const std::vector<do
       walls_->setText(walls_text(grade, hu_bands));
       plots_ = {clearance_plot(figures->graded), hu_plot(figures->graded), bands_plot(figures->graded, hu_bands),
                 predicted_thrust_plot(figures->graded)};
+      for (Plot& plot : plots_) plot.title.clear();  // the choice says it
     } else {
       grade_->setText(tr("<b>Not graded</b>"));
       walls_->clear();

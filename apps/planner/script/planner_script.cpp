@@ -266,7 +266,8 @@ class ScriptRun {
 
 std::string script_help() {
   std::ostringstream help;
-  for (const auto& [name, command] : ScriptRun(nullptr).commands()) help << "  " << command.help << "\n";
+  const ScriptRun none(nullptr);
+  for (const auto& [name, command] : none.commands()) help << "  " << command.help << "\n";
   return help.str();
 }
 

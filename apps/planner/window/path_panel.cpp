@@ -252,8 +252,7 @@ void PathPanel::take_screw(int index) {
   const DrillPath* chosen = document_.chosen_path();
   if (chosen == nullptr) return;
   DrillPath path = *chosen;
-  path.screw.reset();
-  if (index > 0) path.screw = screws_[static_cast<std::size_t>(index - 1)];
+  path.screw = index > 0 ? std::optional(screws_[static_cast<std::size_t>(index - 1)]) : std::nullopt;
   document_.change_path(document_.chosen(), path, tr("change screw"));
 }
 
