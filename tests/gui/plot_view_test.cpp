@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include <QElapsedTimer>
 #include <QImage>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 #include "core/base/error.h"
 
@@ -92,14 +92,13 @@ TEST(PlotView, PaintsLongCurvesOftenEnough) {
     y.push_back(20.0 + 5.0 * std::sin(0.37 * n) + 10.0 * std::sin(0.002 * n));
   }
   PlotView view;
-  QElapsedTimer clock;
-  clock.start();
+  const std::clock_t begin = std::clock();  // of the processor: others may use the computer, too
   constexpr int kTimes = 30;
   for (int n = 0; n < kTimes; ++n) {
     view.set_plot(thrust_plot(x, y));
     picture_of(view);
   }
-  const double ms = static_cast<double>(clock.elapsed()) / kTimes;
+  const double ms = 1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kTimes;
   std::printf("a plot of 4,000 values: %.1f ms\n", ms);
   EXPECT_LT(ms, 66.0);  // 15 a second
 }

@@ -2,6 +2,7 @@
 
 #include <QGridLayout>
 #include <QLabel>
+#include <QPalette>
 #include <cmath>
 
 #include "apps/planner/drill/drill_player.h"
@@ -57,12 +58,15 @@ DrillFiguresView::DrillFiguresView(QWidget* parent) : QWidget(parent) {
   state_ = add("drill_state", tr("State"), 0, 0);
   grid->addWidget(state_, 0, 1, 1, 3);
   depth_ = add("drill_depth", tr("Depth"), 1, 0);
-  removed_ = add("drill_removed", tr("Removed"), 1, 2);
+  feed_ = add("drill_feed", tr("Feed"), 1, 2);
   thrust_ = add("drill_thrust", tr("Thrust"), 2, 0);
   torque_ = add("drill_torque", tr("Torque"), 2, 2);
-  feed_ = add("drill_feed", tr("Feed"), 3, 0);
-  cycles_ = add("drill_cycles", tr("Cycles"), 3, 2);
-  frames_ = add("drill_frames", tr("Frames"), 4, 2);
+  cycles_ = add("drill_cycles", tr("Cycles"), 3, 0);
+  cycles_->setToolTip(tr("Cycles of the session in a second: 1,000 in real time"));
+  frames_ = add("drill_frames", tr("Frames"), 3, 2);
+  frames_->setToolTip(tr("How often the surface in 3D was brought up to date in a second"));
+  removed_ = add("drill_removed", tr("Removed"), 4, 0);
+  grid->addWidget(removed_, 4, 1, 1, 3);
   outer_ = add("drill_outer", tr("To outer surface"), 5, 0);
   grid->addWidget(outer_, 5, 1, 1, 3);
   canal_ = add("drill_canal", tr("To canal"), 6, 0);
@@ -74,7 +78,11 @@ DrillFiguresView::DrillFiguresView(QWidget* parent) : QWidget(parent) {
 QLabel* DrillFiguresView::add(const char* name, const QString& label, int row, int column) {
   auto* grid = static_cast<QGridLayout*>(layout());
   auto* title = new QLabel(label, this);
-  title->setEnabled(false);
+  QPalette colours = title->palette();
+  QColor quiet = colours.color(QPalette::WindowText);
+  quiet.setAlphaF(0.65);
+  colours.setColor(QPalette::WindowText, quiet);
+  title->setPalette(colours);
   auto* value = new QLabel(this);
   value->setObjectName(QString::fromLatin1(name));
   value->setAccessibleName(label);
