@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -59,6 +60,33 @@ TEST(LiveMesh, TakesNothingWithTheSpindleOffOnJumpsAndAtPosesThatAreNone) {
   EXPECT_FALSE(live.updates().empty());
   live.update(at(3.0));
   EXPECT_TRUE(live.updates().empty());
+}
+
+TEST(LiveMesh, UndoesAndRedoesWholeHoles) {
+  LiveMesh live(ball_to_drill());
+  EXPECT_FALSE(live.undo_hole());
+  LiveMesh keeping(ball_to_drill(), {.voxel_mm = 0.4});
+  const double whole_mm3 = quality(keeping).volume_mm3;
+  keeping.take_bit(short_bit(), kLongestJumpMm);
+  const std::array<ToolInput, 3> way{at(-2.0), at(0.0), at(2.0)};
+  keeping.update(way);
+  keeping.end_hole();
+  const double one_hole_mm3 = quality(keeping).volume_mm3;
+  EXPECT_LT(one_hole_mm3, whole_mm3 - 10.0);
+  keeping.take_bit(short_bit(), kLongestJumpMm);
+  keeping.update(at(0.0, 3.0));
+  EXPECT_EQ(keeping.holes_to_undo(), 2U);
+  const double two_holes_mm3 = quality(keeping).volume_mm3;
+  EXPECT_TRUE(keeping.undo_hole());
+  EXPECT_FALSE(keeping.updates().empty());
+  EXPECT_EQ(quality(keeping).volume_mm3, one_hole_mm3);
+  EXPECT_TRUE(keeping.undo_hole());
+  EXPECT_EQ(quality(keeping).volume_mm3, whole_mm3);
+  EXPECT_TRUE(keeping.redo_hole());
+  EXPECT_TRUE(keeping.redo_hole());
+  EXPECT_EQ(quality(keeping).volume_mm3, two_holes_mm3);
+  keeping.reset();
+  EXPECT_EQ(quality(keeping).volume_mm3, whole_mm3);
 }
 
 }  // namespace

@@ -40,6 +40,9 @@ SessionSetup odd_setup() {
   setup.options.states = {0.11, 0.66, 0.44, 0.12};
   setup.options.longest_jump_mm = 49.0;
   setup.has_clearances = false;
+  const Vec3 axis = Vec3(1.0, 2.0, -3.0).normalized();
+  setup.holes = {
+      {DrillBit{2.3, 39.0, 1.0 / 3.0}, {{{Vec3(0.1, 0.2, 1.0 / 7.0), axis}, {Vec3(9.1, 1e-17, 3.0), axis}}}}};
   return setup;
 }
 
@@ -47,6 +50,12 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   const SessionSetup setup = odd_setup();
   const SessionSetup back = recorded_setup(record_setup(setup), "run.h5");
   EXPECT_EQ(back.bone_hash, setup.bone_hash);
+  ASSERT_EQ(back.holes.size(), 1U);
+  EXPECT_EQ(back.holes[0].bit.tip_length_mm, 1.0 / 3.0);
+  ASSERT_EQ(back.holes[0].ways.size(), 1U);
+  EXPECT_EQ(back.holes[0].ways[0].start.tip_mm, setup.holes[0].ways[0].start.tip_mm);
+  EXPECT_EQ(back.holes[0].ways[0].end.tip_mm, setup.holes[0].ways[0].end.tip_mm);
+  EXPECT_EQ(back.holes[0].ways[0].start.axis, setup.holes[0].ways[0].end.axis);
   EXPECT_EQ(back.path.name, setup.path.name);
   EXPECT_EQ(back.path.entry_mm, setup.path.entry_mm);
   EXPECT_EQ(back.path.target_mm, setup.path.target_mm);

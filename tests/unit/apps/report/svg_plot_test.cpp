@@ -123,5 +123,22 @@ TEST(SvgPlot, RefusesCurvesOfUnequalLength) {
   EXPECT_THROW(svg_plot(plot), Error);
 }
 
+TEST(SvgPlot, DrawsWhereItsAxesSay) {
+  Plot plot;
+  plot.series = {{"", {0.0, 10.0}, {0.0, 100.0}}};
+  const PlotAxes axes = plot_axes(plot);
+  EXPECT_EQ(curve_data(svg_plot(plot)), path_data({{axes.x(0.0), axes.y(0.0)}, {axes.x(10.0), axes.y(100.0)}}));
+  plot.series[0].y.pop_back();
+  EXPECT_THROW(plot_axes(plot), Error);
+}
+
+TEST(SvgPlot, LabelsANarrowAxisLessOften) {
+  Plot plot;
+  plot.series = {{"", {0.0, 11.0}, {0.0, 1.0}}};
+  const std::size_t wide = times_in(svg_plot(plot), "text-anchor=\"middle\"");
+  plot.width = 360.0;
+  EXPECT_LT(times_in(svg_plot(plot), "text-anchor=\"middle\""), wide);
+}
+
 }  // namespace
 }  // namespace spinaltap
