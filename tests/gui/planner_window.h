@@ -9,7 +9,9 @@
 #include <QSettings>
 #include <QTimer>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "apps/planner/slices/slice_view.h"
 #include "apps/planner/window/four_panes.h"
@@ -54,10 +56,27 @@ class PlannerWindow : public testing::Test {
   static double mm_per_pixel(const SliceView& view) { return view.frame().pixel_mm * view.devicePixelRatioF(); }
   QString status() { return child<QLabel>("hover").text(); }
 
-  /// Presses a button of the next box that opens, and keeps what it said.
+  /// Does something in the next dialog that opens; it holds up whoever opened it.
+  void in_the_next_dialog(std::function<void()> work, int tries = 2000) {
+    QTimer::singleShot(5, &timer_, [this, work = std::move(work), tries] {
+      const QWidget* dialog = QApplication::activeModalWidget();
+      if (dialog != nullptr && dialog->isActiveWindow()) {
+        work();
+      } else if (tries > 0) {
+        in_the_next_dialog(work, tries - 1);
+      }
+    });
+  }
+  /// Presses a button of the next box that opens, its first where none is named, and keeps what it said.
   void answer_box(QMessageBox::StandardButton button) {
     box_text.clear();
-    QTimer::singleShot(0, &timer_, [this, button] { answer(button, 0); });
+    in_the_next_dialog([this, button] {
+      auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+      if (box == nullptr) return;
+      box_text = box->text() + "\n" + box->informativeText();
+      QAbstractButton* pressed = button == QMessageBox::NoButton ? box->buttons().front() : box->button(button);
+      if (pressed != nullptr) pressed->click();
+    });
   }
 
   TemporaryFolder folder;
@@ -66,17 +85,6 @@ class PlannerWindow : public testing::Test {
   QString box_text;
 
  private:
-  void answer(QMessageBox::StandardButton button, int tries) {
-    auto* box = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
-    if (box == nullptr) {
-      if (tries < 2000) QTimer::singleShot(5, &timer_, [this, button, tries] { answer(button, tries + 1); });
-      return;
-    }
-    box_text = box->text() + "\n" + box->informativeText();
-    QAbstractButton* found = button == QMessageBox::NoButton ? box->buttons().front() : box->button(button);
-    if (found != nullptr) found->click();
-  }
-
   QObject timer_;
 };
 

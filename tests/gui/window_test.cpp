@@ -36,10 +36,11 @@ double phantom_distance_mm(const Vec3& p_mm) {
 using PlannerWindowTest = PlannerWindow;
 
 TEST_F(PlannerWindowTest, OpensABoneThroughItsDialog) {
+  in_the_next_dialog([&] {
+    input.type(text_of(phantom_file().string()));
+    input.key("Return");
+  });
   input.key("ctrl+o");
-  ASSERT_TRUE(wait_until([] { return QApplication::activeModalWidget() != nullptr; }));
-  input.type(text_of(phantom_file().string()));
-  input.key("Return");
   ASSERT_TRUE(wait_until([&] { return document().bone() != nullptr; }, 60000));
   EXPECT_EQ(document().bone()->file, phantom_file());
   EXPECT_TRUE(document().paths().empty());
@@ -180,11 +181,12 @@ TEST_F(PlannerWindowTest, SavesAndReopensTheSame) {
   show_phantom();
   document().move_end(0, PathEnd::target, document().paths()[0].target_mm + Vec3(0.3, -0.2, 0.7));
   const std::filesystem::path file = folder.path() / "my plan.json";
+  in_the_next_dialog([&] {
+    input.key("ctrl+a");
+    input.type(text_of(file.string()));
+    input.key("Return");
+  });
   input.key("ctrl+s");
-  ASSERT_TRUE(wait_until([] { return QApplication::activeModalWidget() != nullptr; }));
-  input.key("ctrl+a");
-  input.type(text_of(file.string()));
-  input.key("Return");
   ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(file) && !planner().has_unsaved_changes(); }));
   const std::vector<DrillPath> saved = document().paths();
 

@@ -280,6 +280,7 @@ void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const 
     try {
       run.run(line);
     } catch (const std::exception& error) {
+      if (line.number == 0) throw;  // of the command line: it has no lines
       fail(file, ", line ", line.number, ": ", error.what());
     }
   }

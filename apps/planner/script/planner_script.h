@@ -10,7 +10,7 @@ class MainWindow;
 
 /// A line of a script: a command and its words.
 struct ScriptLine {
-  int number = 0;  ///< in the file, from 1
+  int number = 0;  ///< in the file, from 1; 0: of the command line
   std::string command;
   std::vector<std::string> words;
 };
