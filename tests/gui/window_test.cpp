@@ -172,7 +172,7 @@ TEST_F(PlannerWindowTest, NumbersAndToolsAreSetByTheKeyboardAlone) {
   input.key("Up");
   let_work(50);
   EXPECT_NEAR(document().chosen_path()->target_mm.z(), before.z() + 0.1, 0.006);
-  EXPECT_EQ(document().chosen_path()->target_mm.head<2>(), before.head<2>());
+  EXPECT_EQ(document().chosen_path()->target_mm.head<2>(), before.head<2>());  // to the last bit
   input.key("ctrl+z");
   EXPECT_EQ(document().chosen_path()->target_mm, before);
 }

@@ -6,11 +6,14 @@
 #include <QFormLayout>
 #include <QHBoxLayout>
 #include <QHeaderView>
+#include <QKeyEvent>
 #include <QLabel>
+#include <QLineEdit>
 #include <QSignalBlocker>
 #include <QTableWidget>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <cmath>
 
 #include "apps/common/data_files.h"
 #include "apps/common/screw_file.h"
@@ -32,8 +35,30 @@ QDoubleSpinBox* mm_box(const char* name, double low, double high, double step, i
   box->setKeyboardTracking(false);  // a number counts when it is whole
   box->setButtonSymbols(QAbstractSpinBox::NoButtons);
   box->setAlignment(Qt::AlignRight);
+  new PlanUndoInBox(*box);  // the box's child
   return box;
 }
+
+/// Undo and redo are the plan's, not those of the text in a box.
+class PlanUndoInBox final : public QObject {
+ public:
+  explicit PlanUndoInBox(QAbstractSpinBox& box) : QObject(&box) {
+    box.installEventFilter(this);
+    for (QLineEdit* text : box.findChildren<QLineEdit*>()) text->installEventFilter(this);
+  }
+
+ protected:
+  bool eventFilter(QObject* object, QEvent* event) override {
+    if (event->type() == QEvent::ShortcutOverride) {
+      const auto& key = dynamic_cast<const QKeyEvent&>(*event);
+      if (key.matches(QKeySequence::Undo) || key.matches(QKeySequence::Redo)) {
+        event->ignore();
+        return true;
+      }
+    }
+    return QObject::eventFilter(object, event);
+  }
+};
 
 bool same_bit(const DrillBit& a, const DrillBit& b) {
   return a.diameter_mm == b.diameter_mm && a.length_mm == b.length_mm && a.tip_length_mm == b.tip_length_mm &&
@@ -259,17 +284,21 @@ void PathPanel::take_screw(int index) {
 void PathPanel::take_ends() {
   const DrillPath* chosen = document_.chosen_path();
   if (is_filling_ || chosen == nullptr) return;
-  const auto place = [&](int end) {
-    return Vec3(ends_[end][0]->value(), ends_[end][1]->value(), ends_[end][2]->value());
+  // Boxes show two decimals: a coordinate that they show unchanged keeps all of its own.
+  const auto place = [&](int end, const Vec3& own) {
+    Vec3 taken = own;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double shown = ends_[end][axis]->value();
+      if (std::abs(shown - own[axis]) > 0.0051) taken[axis] = shown;
+    }
+    return taken;
   };
-  // Boxes show two decimals: an end that they show unchanged keeps all of its own.
-  const auto differs = [](const Vec3& shown, const Vec3& own) { return (shown - own).cwiseAbs().maxCoeff() > 0.0051; };
   const int index = document_.chosen();
-  const Vec3 entry_mm = place(0), target_mm = place(1);
+  const Vec3 entry_mm = place(0, chosen->entry_mm), target_mm = place(1, chosen->target_mm);
   bool is_taken = true;
-  if (differs(entry_mm, chosen->entry_mm)) {
+  if (entry_mm != chosen->entry_mm) {
     is_taken = document_.move_end(index, PathEnd::entry, entry_mm);
-  } else if (differs(target_mm, chosen->target_mm)) {
+  } else if (target_mm != chosen->target_mm) {
     is_taken = document_.move_end(index, PathEnd::target, target_mm);
   }
   if (!is_taken) fill_form();
