@@ -26,19 +26,6 @@ namespace {
 
 constexpr double kMostMm = 9999.0;  ///< of a coordinate
 
-QDoubleSpinBox* mm_box(const char* name, double low, double high, double step, int decimals) {
-  auto* box = new QDoubleSpinBox;
-  box->setObjectName(QString::fromLatin1(name));
-  box->setRange(low, high);
-  box->setSingleStep(step);
-  box->setDecimals(decimals);
-  box->setKeyboardTracking(false);  // a number counts when it is whole
-  box->setButtonSymbols(QAbstractSpinBox::NoButtons);
-  box->setAlignment(Qt::AlignRight);
-  new PlanUndoInBox(*box);  // the box's child
-  return box;
-}
-
 /// Undo and redo are the plan's, not those of the text in a box.
 class PlanUndoInBox final : public QObject {
  public:
@@ -59,6 +46,19 @@ class PlanUndoInBox final : public QObject {
     return QObject::eventFilter(object, event);
   }
 };
+
+QDoubleSpinBox* mm_box(const char* name, double low, double high, double step, int decimals) {
+  auto* box = new QDoubleSpinBox;
+  box->setObjectName(QString::fromLatin1(name));
+  box->setRange(low, high);
+  box->setSingleStep(step);
+  box->setDecimals(decimals);
+  box->setKeyboardTracking(false);  // a number counts when it is whole
+  box->setButtonSymbols(QAbstractSpinBox::NoButtons);
+  box->setAlignment(Qt::AlignRight);
+  new PlanUndoInBox(*box);  // the box's child
+  return box;
+}
 
 bool same_bit(const DrillBit& a, const DrillBit& b) {
   return a.diameter_mm == b.diameter_mm && a.length_mm == b.length_mm && a.tip_length_mm == b.tip_length_mm &&
