@@ -16,7 +16,7 @@ using Sampler = openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::t
 
 /// By central differences. Within the hole, where these reach over the middle, as in a tip, they come out too small:
 /// there by differences towards the nearest wall.
-Vec3 slope(Sampler& sampler, const Vec3d& p_mm, float distance_mm, double step_mm) {
+Vec3 slope(const Sampler& sampler, const Vec3d& p_mm, float distance_mm, double step_mm) {
   constexpr double kTooSmall = 0.97;
   Vec3 central;
   Vec3 outward;
@@ -39,7 +39,8 @@ Vec3 slope(Sampler& sampler, const Vec3d& p_mm, float distance_mm, double step_m
 std::shared_ptr<HoleBlock> sample_block(const FloatGrid& hole, const BlockLattice& lattice, std::size_t block,
                                         float band_mm) {
   constexpr int kSide = BlockLattice::kSide;
-  Sampler sampler(hole.getConstAccessor(), hole.transform());
+  const FloatGrid::ConstAccessor accessor = hole.getConstAccessor();  // the sampler only points to it
+  const Sampler sampler(accessor, hole.transform());
   const double step_mm = hole.voxelSize()[0];
   const Vec3 corner_mm = lattice.corner_mm(lattice.block(block));
   auto sampled = std::make_shared<HoleBlock>();

@@ -34,7 +34,7 @@ double off_surface_mm(const Vec3& p_mm) {
       std::max(kDrilledBall.distance_mm(p_mm), -bit_distance_mm(BitProfile(test::paper_drill()), kHoleEnd, p_mm)));
 }
 
-TEST(Decimate, KeepsTheErrorAndTheRim) {
+TEST(DecimateDrilledBall, KeepsTheErrorAndTheRim) {
   constexpr double kMaxErrorMm = 0.05;
   const TriangleMesh fine = sharp_surface(ball_with_hole());
   RemeshReport report;
@@ -64,7 +64,7 @@ TEST(Decimate, KeepsTheErrorAndTheRim) {
   EXPECT_LT(surface_to_mesh(rim_mm, mesh).mean_mm, 0.03);
 }
 
-TEST(Decimate, IsWhatADrilledBoneIsShownAs) {
+TEST(DecimateDrilledBall, IsWhatADrilledBoneIsShownAs) {
   RemeshReport report;
   const TriangleMesh mesh = display_mesh(ball_with_hole(), {}, &report);
   EXPECT_TRUE(report.reached);
@@ -73,7 +73,7 @@ TEST(Decimate, IsWhatADrilledBoneIsShownAs) {
   EXPECT_EQ(mesh.vertices_mm, same.vertices_mm);
 }
 
-TEST(Decimate, GivesFewerTrianglesForALargerError) {
+TEST(DecimateDrilledBall, GivesFewerTrianglesForALargerError) {
   const TriangleMesh fine = sharp_surface(ball_with_hole());
   RemeshReport coarse;
   RemeshReport exact;
@@ -84,8 +84,26 @@ TEST(Decimate, GivesFewerTrianglesForALargerError) {
   EXPECT_LT(2 * few, many);
 }
 
+TEST(Decimate, KeepsATorusWithinTheError) {
+  constexpr double kRingMm = 10.0, kTubeMm = 4.0, kMaxErrorMm = 0.1;
+  const TriangleMesh fine = test::torus_mesh(kRingMm, kTubeMm, 72, 36);
+  RemeshReport report;
+  const TriangleMesh mesh = decimate(fine, kMaxErrorMm, &report);
+  EXPECT_TRUE(report.reached);
+  EXPECT_LT(2 * mesh.triangles.size(), fine.triangles.size());
+  const MeshQuality quality = measure_mesh(mesh);
+  EXPECT_TRUE(quality.closed());
+  EXPECT_EQ(quality.euler_number, 0);
+  // Vertices of the fine mesh lie on the torus; its chords are up to 0.02 mm within.
+  for (const Eigen::Vector3f& vertex : mesh.vertices_mm) {
+    const Vec3 p = vertex.cast<double>();
+    const double off_mm = std::hypot(std::hypot(p.x(), p.y()) - kRingMm, p.z()) - kTubeMm;
+    ASSERT_LT(std::abs(off_mm), kMaxErrorMm + 0.02);
+  }
+}
+
 TEST(Decimate, RefusesWhatIsNotClosed) {
-  TriangleMesh open = sharp_surface(ball_with_hole());
+  TriangleMesh open = test::torus_mesh(10.0, 4.0, 24, 12);
   EXPECT_THROW(decimate(open, 0.0), Error);
   EXPECT_THROW(decimate(open, std::numeric_limits<double>::quiet_NaN()), Error);
   open.triangles.pop_back();
