@@ -25,17 +25,24 @@ double area(const LabelPlacer::Rectangle& rectangle) { return rectangle.isEmpty(
 
 }  // namespace
 
+void LabelPlacer::avoid_shape(const PixelPolygon& convex) {
+  Rectangle box;
+  for (const Eigen::Vector2d& corner : convex) box.extend(corner);
+  shapes_.push_back({convex, box});
+}
+
 double LabelPlacer::cost(const Rectangle& rectangle) const {
   double covered = 4.0 * (area(rectangle) - area(rectangle.intersection(picture_)));
   for (const Rectangle& other : taken_) covered += 2.0 * area(rectangle.intersection(other));
   constexpr int kColumns = 13;
   constexpr int kRows = 5;
-  for (const PixelPolygon& shape : shapes_) {
+  for (const Shape& shape : shapes_) {
+    if (!shape.box.intersects(rectangle)) continue;
     int inside = 0;
     for (int i = 0; i < kColumns * kRows; ++i) {
       const int row = i / kColumns;
       const Eigen::Vector2d share((i % kColumns) / (kColumns - 1.0), row / (kRows - 1.0));
-      inside += holds(shape, rectangle.min() + share.cwiseProduct(rectangle.sizes())) ? 1 : 0;
+      inside += holds(shape.outline, rectangle.min() + share.cwiseProduct(rectangle.sizes())) ? 1 : 0;
     }
     covered += area(rectangle) * inside / (kColumns * kRows);
   }
@@ -47,6 +54,7 @@ LabelPlacer::Rectangle LabelPlacer::place(const Eigen::Vector2d& anchor, const E
   Rectangle best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (const double distance : {14.0, 24.0, 36.0, 52.0, 72.0}) {
+    if (best_cost <= distance) break;  // further out none is better
     for (int i = 0; i < kDirections; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / kDirections;
       const Eigen::Vector2d way(std::cos(angle), std::sin(angle));

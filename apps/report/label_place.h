@@ -17,7 +17,7 @@ class LabelPlacer {
 
   /// Labels shall not lie on this.
   void avoid(const Rectangle& rectangle) { taken_.push_back(rectangle); }
-  void avoid_shape(const PixelPolygon& convex) { shapes_.push_back(convex); }
+  void avoid_shape(const PixelPolygon& convex);
 
   /// The rectangle of a label of `size` near `anchor`, and avoids it from now on. The same calls give the same places.
   Rectangle place(const Eigen::Vector2d& anchor, const Eigen::Vector2d& size);
@@ -27,7 +27,11 @@ class LabelPlacer {
 
   Rectangle picture_;
   std::vector<Rectangle> taken_;
-  std::vector<PixelPolygon> shapes_;
+  struct Shape {
+    PixelPolygon outline;
+    Rectangle box;
+  };
+  std::vector<Shape> shapes_;
 };
 
 /// Width of a line of sans-serif text, estimated (no font is at hand): em times `font_size`.
