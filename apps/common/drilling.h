@@ -48,7 +48,7 @@ struct Drilling {
   std::optional<RealTimeReport> real_time;
   BoneModel drilled;               ///< the bone without the hole
   std::vector<PointSplat> splats;  ///< of all volumes, where asked for
-  TriangleMesh surface;            ///< the same, closed and outward, sharp at the hole's rim
+  TriangleMesh surface;            ///< of `drilled`: closed and outward, sharp at the hole's rim
   std::vector<DepthRow> rows;
 
   explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}
