@@ -29,7 +29,7 @@ if(SPINALTAP_TESTS)
   endif()
 endif()
 
-# For the planner's window only. VTK comes in parts; those that draw bones in a Qt window.
+# For the planner's window only. VTK comes in parts; those that draw bones.
 if(SPINALTAP_PLANNER)
   set(required "")
   if(NOT SPINALTAP_PLANNER STREQUAL AUTO)
@@ -37,8 +37,7 @@ if(SPINALTAP_PLANNER)
   endif()
   find_package(Qt5 5.15 ${required} QUIET COMPONENTS Svg Widgets)
   find_package(VTK 9.1 ${required} QUIET COMPONENTS CommonCore CommonDataModel CommonTransforms FiltersSources
-               GUISupportQt ImagingCore InteractionStyle RenderingAnnotation RenderingCore RenderingFreeType
-               RenderingOpenGL2 RenderingUI)
+               ImagingCore RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2)
   if(Qt5_FOUND AND VTK_FOUND)
     set(SPINALTAP_PLANNER ON)
     set(SPINALTAP_VTK ${VTK_LIBRARIES})

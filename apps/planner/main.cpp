@@ -3,12 +3,12 @@
 #include <QApplication>
 #include <QTimer>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <vector>
 
-#include "apps/planner/scene/scene_view.h"
 #include "apps/planner/script/planner_script.h"
 #include "apps/planner/window/main_window.h"
 #include "core/base/error.h"
@@ -86,7 +86,10 @@ int run_planner(int argc, char** argv) {
     std::fprintf(stderr, "spinaltap-planner: %s (try --help)\n", error.what());
     return 2;
   }
-  SceneView::prepare_application();
+  if (const char* display = std::getenv("DISPLAY"); display == nullptr || *display == '\0') {
+    fail("expected a screen for the window, found none: DISPLAY is not set; without one: xvfb-run -a ",
+         "-s \"-screen 0 1400x900x24\" spinaltap-planner ...");
+  }
   QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
   QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
   const QApplication application(argc, argv);

@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -18,17 +17,18 @@ CtSlice ct_slice(const CtVolume& ct, const SliceFrame& frame, const HuWindow& wi
   slice.image.rgb.resize(3 * width * static_cast<std::size_t>(frame.height));
   const double black_hu = window.level_hu - 0.5 * window.width_hu;
   const double outside_hu = black_hu;
-  // As GridGeometry::to_index() works it out, but for the inverse, which is the same for all pixels.
+  // From pixel to pixel, as GridGeometry::to_index() has it.
   const GridGeometry& grid = ct.geometry;
-  const Mat3 to_grid = grid.directions.inverse();
+  const Mat3 to_grid = grid.spacing_mm.cwiseInverse().asDiagonal() * grid.directions.inverse();
+  const Vec3 along_row = frame.pixel_mm * (to_grid * frame.right);
+  const double grey_per_hu = 255.0 / window.width_hu;
   tbb::parallel_for(0, frame.height, [&](int row) {
     std::uint8_t* out = slice.image.rgb.data() + 3 * width * static_cast<std::size_t>(row);
+    const Vec3 begin = grid.to_index(frame.to_patient(Vec3(0.0, row, 0.0)));
     for (int column = 0; column < frame.width; ++column, out += 3) {
-      const Vec3 p_patient = frame.to_patient(Vec3(column, row, 0.0));
-      const Vec3 p_index = (to_grid * (p_patient - grid.origin_mm)).cwiseQuotient(grid.spacing_mm);
-      const double hu = sample_hu_at_index(ct, p_index, outside_hu);
-      const double grey = std::clamp(255.0 * (hu - black_hu) / window.width_hu, 0.0, 255.0);
-      std::fill_n(out, 3, static_cast<std::uint8_t>(std::lround(grey)));
+      const double hu = sample_hu_at_index(ct, begin + column * along_row, outside_hu);
+      const double grey = std::clamp(grey_per_hu * (hu - black_hu), 0.0, 255.0);
+      std::fill_n(out, 3, static_cast<std::uint8_t>(grey + 0.5));
     }
   });
   return slice;

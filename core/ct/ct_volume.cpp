@@ -28,21 +28,28 @@ double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu) {
 }
 
 double sample_hu_at_index(const CtVolume& ct, const Vec3& p_index, double outside_hu) {
-  std::array<int, 3> low{};
+  std::size_t first = 0;
+  std::array<std::size_t, 3> next{};  // to the other corner; where there is but one, to itself
   Vec3 t;
+  std::size_t stride = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    const int last = ct.geometry.size[static_cast<std::size_t>(axis)] - 1;
+    const auto n = static_cast<std::size_t>(axis);
+    const int last = ct.geometry.size[n] - 1;
     if (!(p_index[axis] >= 0.0 && p_index[axis] <= last)) return outside_hu;
     const int cell = std::min(static_cast<int>(p_index[axis]), std::max(last - 1, 0));
-    low[static_cast<std::size_t>(axis)] = cell;
     t[axis] = p_index[axis] - cell;
+    first += stride * static_cast<std::size_t>(cell);
+    next[n] = last > 0 ? stride : 0;
+    stride *= static_cast<std::size_t>(last + 1);
   }
-  const auto corner = [&](int di, int dj, int dk) -> double {
-    return ct.at(std::min(low[0] + di, ct.geometry.size[0] - 1), std::min(low[1] + dj, ct.geometry.size[1] - 1),
-                 std::min(low[2] + dk, ct.geometry.size[2] - 1));
+  const std::int16_t* corner = ct.hu.data() + first;
+  const auto row = [&](const std::int16_t* at) { return at[0] + t.x() * (at[next[0]] - at[0]); };
+  const auto face = [&](const std::int16_t* at) {
+    const double near = row(at);
+    return near + t.y() * (row(at + next[1]) - near);
   };
-  const auto row = [&](int dj, int dk) { return std::lerp(corner(0, dj, dk), corner(1, dj, dk), t.x()); };
-  return std::lerp(std::lerp(row(0, 0), row(1, 0), t.y()), std::lerp(row(0, 1), row(1, 1), t.y()), t.z());
+  const double near = face(corner);
+  return near + t.z() * (face(corner + next[2]) - near);
 }
 
 }  // namespace spinaltap

@@ -1,11 +1,10 @@
 #include "apps/planner/scene/scene_stage.h"
 
-#include <QVTKOpenGLNativeWidget.h>
-#include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
-#include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkLight.h>
+#include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,20 +13,9 @@
 #include "apps/planner/scene/orientation_marker.h"
 
 namespace spinaltap {
-namespace {
 
-void observe(vtkObject& object, unsigned long event, const std::function<void()>& action) {
-  vtkNew<vtkCallbackCommand> command;
-  command->SetClientData(new std::function<void()>(action));
-  command->SetClientDataDeleteCallback([](void* data) { delete static_cast<std::function<void()>*>(data); });
-  command->SetCallback(
-      [](vtkObject*, unsigned long, void* data, void*) { (*static_cast<std::function<void()>*>(data))(); });
-  object.AddObserver(event, command);
-}
-
-}  // namespace
-
-SceneStage::SceneStage(QVTKOpenGLNativeWidget& pane, std::function<void()> prepare) : pane_(pane) {
+SceneStage::SceneStage() {
+  window_->SetOffScreenRendering(1);
   window_->SetMultiSamples(0);
   window_->SetNumberOfLayers(2);
   scene_->SetGradientBackground(true);
@@ -46,23 +34,13 @@ SceneStage::SceneStage(QVTKOpenGLNativeWidget& pane, std::function<void()> prepa
   }
   marker_ = std::make_unique<OrientationMarker>(*window_);
   scene_->GetActiveCamera()->SetViewAngle(SceneCamera::kViewAngle / kDegree);
-  observe(*window_, vtkCommand::StartEvent, [this, prepare = std::move(prepare)] {
-    frame_began_ = std::chrono::steady_clock::now();
-    prepare();
-  });
-  observe(*window_, vtkCommand::EndEvent, [this] {
-    // Only then has a processor, or a graphics card, really drawn it.
-    window_->WaitForCompletion();
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - frame_began_;
-    last_frame_ms_ = took.count();
-    ++frames_;
-  });
-  pane_.setRenderWindow(window_);
 }
 
-SceneStage::~SceneStage() { pane_.setRenderWindow(static_cast<vtkGenericOpenGLRenderWindow*>(nullptr)); }
+SceneStage::~SceneStage() {
+  if (is_drawing()) finish();
+}
 
-void SceneStage::look(const SceneCamera& camera, double reach_mm) {
+void SceneStage::look(const SceneCamera& camera, double reach_mm, const QSize& size_px) {
   vtkCamera& eye = *scene_->GetActiveCamera();
   eye.SetPosition(Vec3(camera.eye_mm()).data());
   eye.SetFocalPoint(Vec3(camera.focus_mm()).data());
@@ -70,12 +48,41 @@ void SceneStage::look(const SceneCamera& camera, double reach_mm) {
   // Near what is looked at from inside the scene, without giving away the depth buffer's precision.
   const double far_mm = camera.distance_mm() + reach_mm;
   eye.SetClippingRange(std::max(camera.distance_mm() - reach_mm, 2e-3 * far_mm), far_mm);
-  marker_->look(camera, pane_.width(), pane_.height());
+  marker_->look(camera, size_px.width(), size_px.height());
 }
 
-void SceneStage::render(bool is_smooth) {
+void SceneStage::begin(const QSize& device_px, bool is_smooth, std::function<void()> on_done) {
   scene_->SetUseFXAA(is_smooth);
+  // Actors that were removed made it current here.
+  if (window_->IsCurrent()) window_->ReleaseCurrent();
+  frame_ = std::async(std::launch::async, [this, device_px, on_done = std::move(on_done)] {
+    Frame frame = draw(device_px);
+    on_done();
+    return frame;
+  });
+}
+
+QImage SceneStage::finish() {
+  Frame frame = frame_.get();
+  last_frame_ms_ = frame.ms;
+  ++frames_;
+  return std::move(frame.picture);
+}
+
+SceneStage::Frame SceneStage::draw(const QSize& device_px) {
+  const auto began = std::chrono::steady_clock::now();
+  window_->SetSize(device_px.width(), device_px.height());
   window_->Render();
+  vtkNew<vtkUnsignedCharArray> pixels;
+  window_->GetRGBACharPixelData(0, 0, device_px.width() - 1, device_px.height() - 1, 0, pixels);
+  window_->ReleaseCurrent();
+  // VTK counts rows from below.
+  QImage picture = QImage(pixels->GetPointer(0), device_px.width(), device_px.height(), 4 * device_px.width(),
+                          QImage::Format_RGBX8888)
+                       .mirrored()
+                       .convertToFormat(QImage::Format_RGB32);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+  return {std::move(picture), took.count()};
 }
 
 }  // namespace spinaltap

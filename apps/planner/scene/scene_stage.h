@@ -1,15 +1,15 @@
 #pragma once
 
-#include <vtkNew.h>
-
-#include <chrono>
+#include <QImage>
+#include <QSize>
 #include <functional>
+#include <future>
 #include <memory>
+#include <vtkNew.h>
 
 #include "apps/planner/scene/scene_camera.h"
 
-class QVTKOpenGLNativeWidget;
-class vtkGenericOpenGLRenderWindow;
+class vtkRenderWindow;
 class vtkRenderer;
 
 namespace spinaltap {
@@ -17,34 +17,43 @@ namespace spinaltap {
 class OrientationMarker;
 
 /// What frames are drawn on: a layer for the scene, one before it that shows through everything, and the marker in the
-/// corner.
+/// corner. Nothing of it is on the screen: frames come as pictures, drawn on a thread of their own, so that nothing else
+/// waits for them. While a frame is drawn, nothing that is drawn may be changed.
 class SceneStage {
  public:
-  /// `prepare` brings everything up to date; called at the start of each frame, whoever asked for it.
-  SceneStage(QVTKOpenGLNativeWidget& pane, std::function<void()> prepare);
+  SceneStage();
   ~SceneStage();
   SceneStage(const SceneStage&) = delete;
   SceneStage& operator=(const SceneStage&) = delete;
 
   vtkRenderer& scene() { return *scene_; }
   vtkRenderer& front() { return *front_; }
-  /// `reach_mm`: how far from the focus there is anything.
-  void look(const SceneCamera& camera, double reach_mm);
-  /// Draws a frame now, nothing where the pane was never shown. `is_smooth`: edges without steps, which takes a third
-  /// longer on a processor.
-  void render(bool is_smooth);
+  /// `reach_mm`: how far from the focus there is anything; `size_px`: of the pane, as the camera counts.
+  void look(const SceneCamera& camera, double reach_mm, const QSize& size_px);
+  /// Begins a frame of so many device pixels; none may be begun yet. `is_smooth`: edges without steps, which takes a
+  /// third longer on a processor. `on_done` is called on the other thread.
+  void begin(const QSize& device_px, bool is_smooth, std::function<void()> on_done);
+  bool is_drawing() const { return frame_.valid(); }
+  /// The frame that was begun, waited for.
+  QImage finish();
   double last_frame_ms() const { return last_frame_ms_; }
   int frames() const { return frames_; }
 
  private:
-  QVTKOpenGLNativeWidget& pane_;
-  vtkNew<vtkGenericOpenGLRenderWindow> window_;
+  struct Frame {
+    QImage picture;
+    double ms = 0.0;
+  };
+
+  Frame draw(const QSize& device_px);
+
+  vtkNew<vtkRenderWindow> window_;
   vtkNew<vtkRenderer> scene_;
   vtkNew<vtkRenderer> front_;
   std::unique_ptr<OrientationMarker> marker_;
-  std::chrono::steady_clock::time_point frame_began_;
   double last_frame_ms_ = 0.0;
   int frames_ = 0;
+  std::future<Frame> frame_;
 };
 
 }  // namespace spinaltap

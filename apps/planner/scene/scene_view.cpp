@@ -1,9 +1,7 @@
 #include "apps/planner/scene/scene_view.h"
 
-#include <QVTKOpenGLNativeWidget.h>
 #include <QLabel>
 #include <QStackedLayout>
-#include <QSurfaceFormat>
 #include <QTimer>
 
 #include "apps/common/picture_view.h"
@@ -13,6 +11,7 @@
 #include "apps/planner/scene/path_handles.h"
 #include "apps/planner/scene/scene_camera.h"
 #include "apps/planner/scene/scene_interaction.h"
+#include "apps/planner/scene/scene_pane.h"
 #include "apps/planner/scene/scene_stage.h"
 
 namespace spinaltap {
@@ -22,7 +21,7 @@ struct SceneView::Scene {
   ViewState& state;
   QStackedLayout* pages;
   QLabel* hint;
-  QVTKOpenGLNativeWidget* pane;
+  ScenePane* pane;
   QTimer next_frame;
   QTimer at_rest;
   SceneCamera camera;
@@ -34,15 +33,18 @@ struct SceneView::Scene {
   GuidePlanes guides;
   std::optional<std::pair<DrillBit, Pose>> bit;
   bool are_paths_changed = true;
+  std::vector<SurfaceUpdate> updates;  ///< since the last frame
+  bool is_stale = true;                ///< what the pane shows, or will once its frame is drawn
+  bool is_awaited = false;             ///< another frame, once this one is drawn
+  int begun = 0;                       ///< frames
 
   Scene(SceneView& view, PlanDocument& plan, ViewState& view_state)
       : document(plan),
         state(view_state),
         pages(new QStackedLayout(&view)),
         hint(new QLabel(tr("Open a CT or a bone to see it here"), &view)),
-        pane(new QVTKOpenGLNativeWidget(&view)),
+        pane(new ScenePane(&view)),
         interaction(*pane, camera, document, state),
-        stage(*pane, [this] { prepare(); }),
         bone(stage.scene()),
         paths(stage.scene(), stage.front()),
         handles(stage.front()),
@@ -59,31 +61,60 @@ struct SceneView::Scene {
 
   const OpenedBone* opened() const { return document.bone().get(); }
 
-  void draw_soon() { next_frame.start(0); }
+  ~Scene() {
+    if (stage.is_drawing()) stage.finish();
+  }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
 
-  /// Quickly while things change, smoothly once they rest.
+  void draw_soon() {
+    is_stale = true;
+    if (pane->isVisible()) next_frame.start(0);
+  }
+
+  /// Quickly while things change, smoothly once they rest. While a frame is drawn, once that is done.
   void draw(bool is_smooth) {
-    constexpr int kRestMs = 180;
     next_frame.stop();
     at_rest.stop();
-    if (opened() == nullptr) return;
-    stage.render(is_smooth);
-    if (!is_smooth) at_rest.start(kRestMs);
+    const QSize device_px = pane->size() * pane->devicePixelRatioF();
+    if (opened() == nullptr || device_px.isEmpty()) return;
+    is_awaited = stage.is_drawing();
+    if (is_awaited) return;
+    prepare();
+    is_stale = !is_smooth;
+    stage.begin(device_px, is_smooth, [this, frame = ++begun] {
+      QMetaObject::invokeMethod(
+          pane, [this, frame] { if (frame == begun) take_frame(); }, Qt::QueuedConnection);
+    });
+  }
+
+  /// Shows the frame that is drawn, if any, and waits for it where it must.
+  void take_frame() {
+    constexpr int kRestMs = 180;
+    if (!stage.is_drawing()) return;
+    pane->show_frame(stage.finish());
+    if (is_awaited) {
+      draw_soon();
+    } else if (is_stale) {
+      at_rest.start(kRestMs);
+    }
+    is_awaited = false;
   }
 
   /// Brings what is drawn up to date with plan and view.
   void prepare() {
-    if (opened() == nullptr) return;
     const double ratio = pane->devicePixelRatioF();
     if (are_paths_changed) paths.set_paths(document.paths(), document.chosen(), bit);
     are_paths_changed = false;
+    bone.update(updates);
+    updates.clear();
     bone.set_opacity(state.bone_opacity());
     bone.prepare();
     guides.prepare(document.bone(), state, ratio);
     paths.prepare(camera, pane->height(), ratio);
     // While a bit drills, they would hide the hole.
     handles.prepare(bit ? std::vector<DrillPath>() : document.paths(), document.chosen(), interaction.hot(), camera);
-    stage.look(camera, reach_mm());
+    stage.look(camera, reach_mm(), pane->size());
   }
 
   /// From the focus to all that may be drawn.
@@ -94,6 +125,8 @@ struct SceneView::Scene {
   }
 
   void open_bone() {
+    take_frame();
+    updates.clear();
     bone.set_bone(opened() == nullptr ? nullptr : &opened()->model());
     bit.reset();
     interaction.offer_handles(true);
@@ -130,15 +163,16 @@ SceneView::SceneView(PlanDocument& document, ViewState& state, QWidget* parent)
 
 SceneView::~SceneView() = default;
 
-void SceneView::prepare_application() { QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat()); }
-
 void SceneView::update_surface(std::span<const SurfaceUpdate> updates) {
-  scene_->bone.update(updates);
+  scene_->updates.insert(scene_->updates.end(), updates.begin(), updates.end());
   scene_->draw_soon();
 }
 
 void SceneView::reset_surface() {
-  if (scene_->opened() != nullptr) scene_->bone.set_blocks(scene_->opened()->surface);
+  if (scene_->opened() == nullptr) return;
+  scene_->take_frame();
+  scene_->updates.clear();
+  scene_->bone.set_blocks(scene_->opened()->surface);
   scene_->draw_soon();
 }
 
@@ -169,8 +203,10 @@ void SceneView::show_all() {
 
 QImage SceneView::picture() {
   if (scene_->opened() == nullptr) return grab().toImage();
-  if (scene_->next_frame.isActive() || scene_->at_rest.isActive()) scene_->draw(true);
-  return scene_->pane->grabFramebuffer();
+  scene_->take_frame();
+  if (scene_->is_stale) scene_->draw(true);
+  scene_->take_frame();
+  return scene_->pane->frame();
 }
 
 QPointF SceneView::to_pixel(const Vec3& p_mm) const {

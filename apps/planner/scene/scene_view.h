@@ -24,9 +24,6 @@ class SceneView : public QWidget {
   SceneView(PlanDocument& document, ViewState& state, QWidget* parent = nullptr);
   ~SceneView() override;
 
-  /// What must be set before QApplication is made: the default surface format.
-  static void prepare_application();
-
   /// Blocks of the bone's surface that drilling changed (null surface: none left there).
   void update_surface(std::span<const SurfaceUpdate> updates);
   /// The surface as it was opened (OpenedBone::surface).
