@@ -7,6 +7,7 @@
 #include "apps/common/auto_plan.h"
 #include "apps/common/bone_path.h"
 #include "apps/common/plan_file.h"
+#include "apps/planner/drill/drill_output.h"
 #include "apps/planner/window/words.h"
 #include "apps/report/grade_report.h"
 #include "core/base/error.h"
@@ -133,6 +134,28 @@ void Planner::save_report(const std::filesystem::path& path) {
   output.write(path, grade_report(data));
   output.commit();
   Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+}
+
+void Planner::save_record(const std::filesystem::path& path) {
+  write_drilling(tr("Saving the record"), path, [path](const DoneDrilling& drilling, const Progress& progress) {
+    write_record(drilling, path, progress);
+  });
+}
+
+void Planner::write_drill_report(const std::filesystem::path& folder) {
+  write_drilling(tr("Writing the report"), folder, [folder](const DoneDrilling& drilling, const Progress& progress) {
+    write_report(drilling, folder, progress);
+  });
+}
+
+void Planner::write_drilling(const QString& what, const std::filesystem::path& path,
+                             const std::function<void(const DoneDrilling&, const Progress&)>& write) {
+  std::optional<DoneDrilling> drilling = player_.done();
+  if (!drilling) fail("expected a drilling that stands still: drill a path, or stop the drilling first");
+  job_.start(what, [this, path, write, drilling = *std::move(drilling)](const Progress& progress) {
+    write(drilling, progress);
+    return [this, path] { Q_EMIT said(tr("Saved %1").arg(text_of(path.string()))); };
+  });
 }
 
 void Planner::suggest() {

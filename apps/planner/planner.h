@@ -3,6 +3,7 @@
 #include <QObject>
 #include <QString>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "apps/planner/background_job.h"
@@ -42,6 +43,10 @@ class Planner : public QObject {
   void save_bone(const std::filesystem::path& path);
   /// The report on all paths of the plan, as `spinaltap grade` writes it.
   void save_report(const std::filesystem::path& path);
+  /// The record and the report of the drilling that stands, written while the window goes on (drill_output.h). Throw
+  /// Error where there is none.
+  void save_record(const std::filesystem::path& path);
+  void write_drill_report(const std::filesystem::path& folder);
   /// Adds what suggest_paths() finds, as one step back; in the background. Throws Error without a bone with landmarks.
   void suggest();
 
@@ -55,6 +60,8 @@ class Planner : public QObject {
   void trouble(const QString& what, const QString& why);
 
  private:
+  void write_drilling(const QString& what, const std::filesystem::path& path,
+                      const std::function<void(const DoneDrilling&, const Progress&)>& write);
   void show_bone(std::shared_ptr<const OpenedBone> bone);
   void open_plan(const std::filesystem::path& file);
 

@@ -71,13 +71,25 @@ TEST_F(DrillPanelTest, OffersOnlyWhatMakesSense) {
   button("drill_go_on").click();
   EXPECT_EQ(enabled(), "start go_on back undo_hole save_record write_report");
   EXPECT_EQ(button("drill_go_on").text(), "Go on");
-  EXPECT_EQ(button("drill_go_on").shortcut(), QKeySequence("F6"));
+  EXPECT_EQ(button("drill_go_on").shortcut(), QKeySequence("F7"));
   choose("drill_speed", 0.0);
   button("drill_go_on").click();
   ASSERT_TRUE(wait_for(DrillPlayer::State::stopped));
   EXPECT_EQ(enabled(), "start back undo_hole save_record write_report");
   button("drill_undo_hole").click();
   EXPECT_EQ(enabled(), "start redo_hole");
+}
+
+TEST_F(DrillPanelTest, ShowsWhatIsDrilledWhoeverAskedForIt) {
+  document_.set_bone(test::phantom_bone());
+  document_.set_paths(test::phantom_paths());
+  player_.start({.hand = "tremor", .feed_mm_s = 3.0, .stops_on_breach = true, .speed = 4.0});
+  EXPECT_EQ(panel_.plan().hand, "tremor");
+  EXPECT_EQ(panel_.plan().feed_mm_s, 3.0);
+  EXPECT_TRUE(panel_.plan().stops_on_breach);
+  EXPECT_EQ(panel_.plan().speed, 4.0);
+  EXPECT_EQ(player_.plan().speed, 4.0);
+  player_.stop();
 }
 
 TEST_F(DrillPanelTest, TellsTheFiguresInWords) {

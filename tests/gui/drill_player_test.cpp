@@ -11,6 +11,7 @@
 
 #include "apps/common/drilling.h"
 #include "apps/common/replay.h"
+#include "apps/planner/drill/drill_output.h"
 #include "core/sim/session_record.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/support/temporary_folder.h"
@@ -219,7 +220,7 @@ TEST_F(DrillPlayerTest, FeelsTheHolesThatWereDrilledBefore) {
   EXPECT_LT(player_->removed(), removed / 5);
   // A record of it holds the earlier hole.
   const test::TemporaryFolder folder;
-  player_->save_record(folder.path() / "second.h5");
+  write_record(*player_->done(), folder.path() / "second.h5");
   const SessionRecord record = read_record(folder.path() / "second.h5");
   const SessionSetup setup = recorded_setup(record.setup, "second.h5");
   ASSERT_EQ(setup.holes.size(), 1U);
@@ -231,7 +232,7 @@ TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
   drill_through({.hand = "push", .push_n = 200.0, .speed = kAsFastAsItGoes});
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "run.h5";
-  player_->save_record(file);
+  write_record(*player_->done(), file);
   const SessionRecord record = read_record(file);
   EXPECT_TRUE(record.is_whole);
   EXPECT_EQ(record.cycles.size(), player_->done()->inputs.size());
@@ -248,7 +249,7 @@ TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
 TEST_F(DrillPlayerTest, WritesTheFilesOfADrilling) {
   drill_through({.feed_mm_s = 5.0, .speed = kAsFastAsItGoes});
   const test::TemporaryFolder folder;
-  player_->write_report(folder.path() / "drilled");
+  write_report(*player_->done(), folder.path() / "drilled");
   for (const char* name : {"report.html", "drilled.vdb", "drilled.stl", "log.csv", "events.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "drilled" / name)) << name;
   }

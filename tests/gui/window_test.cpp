@@ -8,11 +8,14 @@
 #include <QFile>
 #include <QLabel>
 #include <QLineEdit>
+#include <QMenuBar>
 #include <QMimeData>
+#include <QTabWidget>
 #include <QTableWidget>
 #include <atomic>
 #include <chrono>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include "apps/common/plan_file.h"
@@ -45,6 +48,28 @@ TEST_F(PlannerWindowTest, OpensABoneThroughItsDialog) {
   EXPECT_EQ(document().bone()->file, phantom_file());
   EXPECT_TRUE(document().paths().empty());
   EXPECT_TRUE(child<QAction>("suggest").isEnabled());
+}
+
+TEST_F(PlannerWindowTest, EveryKeyMeansOneThing) {
+  std::map<QString, QStringList> meanings;  // of keys, whichever page is shown
+  const auto add = [&](const QKeySequence& keys, const QString& what) {
+    if (!keys.isEmpty()) meanings[keys.toString()] += what;
+  };
+  for (const QAction* action : window->findChildren<QAction*>()) {
+    for (const QKeySequence& keys : action->shortcuts()) add(keys, action->text());
+  }
+  for (const QAction* menu : window->menuBar()->actions()) add(QKeySequence::mnemonic(menu->text()), menu->text());
+  for (const QAbstractButton* button : window->findChildren<QAbstractButton*>())
+    add(button->shortcut(), button->text());
+  for (const QLabel* label : window->findChildren<QLabel*>()) {
+    if (label->buddy() != nullptr) add(QKeySequence::mnemonic(label->text()), label->text());
+  }
+  const auto& pages = child<QTabWidget>("pages");
+  for (int n = 0; n < pages.count(); ++n) add(QKeySequence::mnemonic(pages.tabText(n)), pages.tabText(n));
+  EXPECT_GT(meanings.size(), 40U);
+  for (const auto& [keys, what] : meanings) {
+    EXPECT_EQ(what.size(), 1) << keys.toStdString() << ": " << what.join(", ").toStdString();
+  }
 }
 
 TEST_F(PlannerWindowTest, WheelScrollsAndTheOtherPanesFollow) {
@@ -213,7 +238,8 @@ TEST_F(PlannerWindowTest, DrillsUndoesTheHoleAndSavesTheRecord) {
   ASSERT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }, 120000));
   EXPECT_GT(player.removed(), 100000U);
   const std::filesystem::path record = folder.path() / "drilling.h5";
-  player.save_record(record);
+  planner().save_record(record);
+  ASSERT_TRUE(wait_until([&] { return !planner().job().is_running(); }, 60000));
   EXPECT_GT(std::filesystem::file_size(record), 1000U);
   ASSERT_TRUE(player.can_undo_hole());
   player.undo_hole();

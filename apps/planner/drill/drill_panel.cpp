@@ -102,6 +102,7 @@ DrillPanel::DrillPanel(PlanDocument& document, DrillPlayer& player, QWidget* par
   column->addWidget(events_, 1);
 
   connect(curve_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &DrillPanel::show_plot);
+  connect(&player_, &DrillPlayer::started, this, &DrillPanel::show_plan);
   connect(&player_, &DrillPlayer::state_changed, this, &DrillPanel::show_progress);
   connect(&player_, &DrillPlayer::progressed, this, &DrillPanel::show_progress);
   connect(&player_, &DrillPlayer::failed, this, [this](const QString& why) {
@@ -146,9 +147,9 @@ QWidget* DrillPanel::make_choices() {
   auto* form = new QFormLayout(choices);
   form->setContentsMargins(0, 0, 0, 0);
   form->setVerticalSpacing(4);
-  form->addRow(tr("&Hand"), hand_);
-  form->addRow(tr("&Feed"), feed_);
-  form->addRow(tr("&Push"), push_);
+  form->addRow(tr("Ha&nd"), hand_);
+  form->addRow(tr("Fee&d"), feed_);
+  form->addRow(tr("P&ush"), push_);
   form->addRow(tr("&Speed"), speed_);
   form->addRow(QString(), stops_);
   return choices;
@@ -167,12 +168,12 @@ QToolButton* DrillPanel::make_button(const char* name, const QString& text, cons
 }
 
 QWidget* DrillPanel::make_buttons() {
-  drill_ = make_button("drill_start", tr("Drill"), tr("Drill a new hole along the chosen path"), tr("F5"));
-  go_on_ = make_button("drill_go_on", tr("Stop"), tr("Stop where the drill is, or go on from there"), tr("F6"));
-  back_ = make_button("drill_back", tr("Back 1 s"), tr("Bone and drill as they were a second ago"), tr("F7"));
-  undo_ = make_button("drill_undo_hole", tr("Undo hole"), tr("Put the bone of the last hole back"), tr("F8"));
+  drill_ = make_button("drill_start", tr("Drill"), tr("Drill a new hole along the chosen path"), tr("F6"));
+  go_on_ = make_button("drill_go_on", tr("Stop"), tr("Stop where the drill is, or go on from there"), tr("F7"));
+  back_ = make_button("drill_back", tr("Back 1 s"), tr("Bone and drill as they were a second ago"), tr("F8"));
+  undo_ = make_button("drill_undo_hole", tr("Undo hole"), tr("Put the bone of the last hole back"), tr("F9"));
   redo_ = make_button("drill_redo_hole", tr("Redo hole"), tr("Take the bone of the undone hole away again"),
-                      tr("Shift+F8"));
+                      tr("Shift+F9"));
   record_ = make_button("drill_save_record", tr("Save record…"),
                         tr("Save every cycle of the hole, for `spinaltap replay`"), tr("Ctrl+Alt+S"));
   report_ = make_button("drill_write_report", tr("Write report…"),
@@ -217,6 +218,16 @@ DrillPlan DrillPanel::plan() const {
   plan.stops_on_breach = stops_->isChecked();
   plan.speed = speed_->currentData().toDouble();
   return plan;
+}
+
+/// What is drilled, whoever asked for it.
+void DrillPanel::show_plan() {
+  const DrillPlan plan = player_.plan();
+  hand_->setCurrentIndex(hand_->findData(QString::fromStdString(plan.hand)));
+  feed_->setValue(plan.feed_mm_s);
+  push_->setValue(plan.push_n);
+  stops_->setChecked(plan.stops_on_breach);
+  if (const int speed = speed_->findData(plan.speed); speed >= 0) speed_->setCurrentIndex(speed);
 }
 
 void DrillPanel::enable() {

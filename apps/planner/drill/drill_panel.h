@@ -34,6 +34,7 @@ class DrillPanel : public QWidget {
 
  private:
   QWidget* make_choices();
+  void show_plan();
   QWidget* make_buttons();
   QToolButton* make_button(const char* name, const QString& text, const QString& tip, const QKeySequence& key);
   void enable();

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "apps/common/live_mesh.h"
-#include "apps/planner/drill/drill_output.h"
 #include "apps/planner/drill/drill_threads.h"
 #include "core/base/error.h"
 
@@ -40,7 +39,8 @@ void DrillPlayer::start(const DrillPlan& plan) {
     if (path == nullptr) fail("expected a path to drill: add or choose one first");
     const SessionSetup setup = session_setup(*path, plan);
     const HandChoice hand = hand_choice(plan);
-    speed_ = plan.speed;
+    plan_ = plan;
+    Q_EMIT started();
     std::vector<std::shared_ptr<const PlayedHole>> earlier;
     for (const Hole& hole : drilled_) earlier.push_back(hole.played);
     // Undone holes too: those who drill a path again mostly undo it first.
@@ -125,7 +125,7 @@ void DrillPlayer::rewind_mesh() {
 }
 
 void DrillPlayer::set_speed(double speed) {
-  speed_ = speed;
+  plan_.speed = speed;
   if (threads_) threads_->set_speed(speed);
 }
 
@@ -206,7 +206,7 @@ void DrillPlayer::drill_on() {
   rows_ = hole.rows();
   rates_ = {std::chrono::steady_clock::now(), hole.inputs().size(), 0};
   cycles_per_s_ = surface_updates_per_s_ = 0.0;
-  threads_ = std::make_unique<DrillThreads>(hole, *mesh_, speed_, [this, run = ++run_] {
+  threads_ = std::make_unique<DrillThreads>(hole, *mesh_, plan_.speed, [this, run = ++run_] {
     QMetaObject::invokeMethod(
         this,
         [this, run] {
@@ -289,17 +289,6 @@ double DrillPlayer::spindle_rpm() const {
 std::optional<DoneDrilling> DrillPlayer::done() const {
   if (state_ != State::stopped || !last_) return std::nullopt;
   return drilled_.back().played->done();
-}
-
-DoneDrilling DrillPlayer::done_or_fail() const {
-  std::optional<DoneDrilling> drilling = done();
-  if (!drilling) fail("expected a drilling that stands still: drill a path, or stop the drilling first");
-  return *std::move(drilling);
-}
-
-void DrillPlayer::save_record(const std::filesystem::path& path) const { write_record(done_or_fail(), path); }
-void DrillPlayer::write_report(const std::filesystem::path& folder) const {
-  spinaltap::write_report(done_or_fail(), folder);
 }
 
 void DrillPlayer::set_state(State state) {

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -43,6 +42,8 @@ class DrillPlayer : public QObject {
   ~DrillPlayer() override;
 
   State state() const { return state_; }
+  /// What start() was last asked for.
+  const DrillPlan& plan() const { return plan_; }
   /// A new hole, along the path as it now is. What makes no sense is told by failed().
   void start(const DrillPlan& plan);
   /// At once; the bit stays where it is. What is being prepared is given up.
@@ -85,11 +86,9 @@ class DrillPlayer : public QObject {
   /// The hole with all that it takes to write it from any thread (drill_output.h); nothing while it is drilled and
   /// where there is none.
   std::optional<DoneDrilling> done() const;
-  /// At once, which takes seconds. Throw Error where there is no hole that stands, and as drill_output.h has it.
-  void save_record(const std::filesystem::path& path) const;
-  void write_report(const std::filesystem::path& folder) const;
 
  Q_SIGNALS:
+  void started();  ///< with plan()
   void state_changed();
   /// What there is to show has changed: at most 30 times a second.
   void progressed();
@@ -123,11 +122,10 @@ class DrillPlayer : public QObject {
   bool is_busy() const { return state_ == State::preparing || state_ == State::drilling; }
   void set_state(State state);
   void guard(const std::function<void()>& work);
-  DoneDrilling done_or_fail() const;
 
   PlanDocument& document_;
   State state_ = State::idle;
-  double speed_ = 1.0;
+  DrillPlan plan_;
   std::shared_ptr<const OpenedBone> bone_;  ///< that the mesh is of
   std::shared_ptr<LiveMesh> mesh_;          ///< null before the first hole
   std::vector<Hole> drilled_, undone_;

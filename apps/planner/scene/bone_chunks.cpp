@@ -138,6 +138,7 @@ BoneChunks::~BoneChunks() = default;
 void BoneChunks::set_bone(const BoneModel* bone) {
   for (const auto& [place, chunk] : chunks_) renderer_.RemoveActor(chunk->actor);
   chunks_.clear();
+  drawn_opacity_ = -1.0;
   bone_.reset();
   if (bone != nullptr) bone_ = before_drilling(*bone);
 }
@@ -168,7 +169,7 @@ void BoneChunks::update(std::span<const SurfaceUpdate> updates) {
 
 void BoneChunks::set_opacity(double opacity) { opacity_ = opacity; }
 
-void BoneChunks::prepare() {
+bool BoneChunks::prepare() {
   std::vector<Chunk*> changed;
   for (const auto& [place, chunk] : chunks_) {
     if (chunk->is_changed) changed.push_back(chunk.get());
@@ -178,10 +179,13 @@ void BoneChunks::prepare() {
     chunk->make_mesh();
     chunk->is_changed = false;
   }
+  if (changed.empty() && opacity_ == drawn_opacity_) return false;
+  drawn_opacity_ = opacity_;
   for (const auto& [place, chunk] : chunks_) {
     chunk->actor->SetVisibility(opacity_ > 0.0 && !chunk->blocks.empty());
     chunk->set_opacity(opacity_);
   }
+  return true;
 }
 
 }  // namespace spinaltap

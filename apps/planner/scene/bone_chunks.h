@@ -31,8 +31,10 @@ class BoneChunks {
   void update(std::span<const SurfaceUpdate> updates);
   void set_opacity(double opacity);
 
-  /// Makes what changed ready to be drawn.
-  void prepare();
+  bool is_glass() const { return opacity_ < 1.0; }
+
+  /// Makes what changed ready to be drawn. False: nothing did.
+  bool prepare();
 
  private:
   struct Chunk;
@@ -40,6 +42,7 @@ class BoneChunks {
   vtkRenderer& renderer_;
   std::optional<BoneModel> bone_;  ///< before it was drilled
   double opacity_ = 1.0;
+  double drawn_opacity_ = -1.0;  ///< before the first
   std::map<std::array<int, 3>, std::unique_ptr<Chunk>> chunks_;
 };
 

@@ -45,7 +45,7 @@ struct SceneView::Scene {
         hint(new QLabel(tr("Open a CT or a bone to see it here"), &view)),
         pane(new ScenePane(&view)),
         interaction(*pane, camera, document, state),
-        bone(stage.scene()),
+        bone(stage.bone()),
         paths(stage.scene(), stage.front()),
         handles(stage.front()),
         guides(stage.scene()) {
@@ -109,7 +109,7 @@ struct SceneView::Scene {
     bone.update(updates);
     updates.clear();
     bone.set_opacity(state.bone_opacity());
-    bone.prepare();
+    if (bone.prepare()) stage.change_bone(bone.is_glass());
     guides.prepare(document.bone(), state, ratio);
     paths.prepare(camera, pane->height(), ratio);
     // While a bit drills, they would hide the hole.

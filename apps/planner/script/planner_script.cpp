@@ -252,10 +252,17 @@ class ScriptRun {
       {"save-bone", {1, 1, "save-bone FILE.vdb", [this](const Words& w) { planner().save_bone(w[0]); }}},
       {"report", {1, 1, "report FILE.html: on the paths", [this](const Words& w) { planner().save_report(w[0]); }}},
       {"record",
-       {1, 1, "record FILE.h5: of the drilling", [this](const Words& w) { planner().player().save_record(w[0]); }}},
+       {1, 1, "record FILE.h5: of the drilling",
+        [this](const Words& w) {
+          planner().save_record(w[0]);
+          wait_for_job();
+        }}},
       {"drill-report",
        {1, 1, "drill-report FOLDER: on the drilling, as the program spinaltap writes it",
-        [this](const Words& w) { planner().player().write_report(w[0]); }}},
+        [this](const Words& w) {
+          planner().write_drill_report(w[0]);
+          wait_for_job();
+        }}},
       {"picture",
        {1, 2, "picture FILE.png [PANE]: of the window or axial, coronal, sagittal, 3d, path",
         [this](const Words& w) { window_->save_picture(w[0], w.size() > 1 ? text_of(w[1]) : QString()); }}},

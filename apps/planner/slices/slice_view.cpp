@@ -1,7 +1,6 @@
 #include "apps/planner/slices/slice_view.h"
 
 #include <QPainter>
-#include <array>
 
 #include "apps/planner/path_colours.h"
 #include "apps/planner/plane_colours.h"
@@ -47,8 +46,6 @@ bool is_drawable(const DrillBit& bit, const Pose& pose) {
 
 SliceView::SliceView(SliceKind kind, PlanDocument& document, ViewState& state, QWidget* parent)
     : QWidget(parent), kind_(kind), document_(document), state_(state) {
-  constexpr std::array<const char*, 4> kNames{"slice_axial", "slice_coronal", "slice_sagittal", "slice_down_path"};
-  setObjectName(kNames[static_cast<std::size_t>(kind)]);
   setAccessibleName(kind == SliceKind::down_path ? name_of_kind(kind) : tr("%1 slice").arg(name_of_kind(kind)));
   setFocusPolicy(Qt::StrongFocus);
   setMouseTracking(true);

@@ -168,12 +168,12 @@ void MainWindow::connect_player() {
   connect(&player, &DrillPlayer::failed, this, [this](const QString& why) { tell(tr("Drilling"), why); });
   connect(drill_, &DrillPanel::save_record_wanted, this, [this] {
     ask_and_save(tr("Save the record"), "drilling.h5", tr("Records (*.h5)"),
-                 [this](const std::filesystem::path& file) { planner_.player().save_record(file); });
+                 [this](const std::filesystem::path& file) { planner_.save_record(file); });
   });
   connect(drill_, &DrillPanel::write_report_wanted, this, [this] {
     const QString folder = QFileDialog::getExistingDirectory(this, tr("Folder for the report on the drilling"));
     if (folder.isEmpty()) return;
-    attempt(tr("Cannot write the report"), [&] { planner_.player().write_report(folder.toStdString()); });
+    attempt(tr("Cannot write the report"), [&] { planner_.write_drill_report(folder.toStdString()); });
   });
 }
 

@@ -48,7 +48,7 @@ void MainWindow::make_menus() {
   make_edit_menu();
   make_view_menu();
   QMenu* help = menuBar()->addMenu(tr("&Help"));
-  add_action(help, tr("&Mouse and keys"), QKeySequence::HelpContents, "help", [this] {
+  add_action(help, tr("&Mouse and keys"), QKeySequence("F12"), "help", [this] {
     QMessageBox box(this);
     box.setObjectName("keys");
     box.setWindowTitle(tr("Mouse and keys"));
@@ -64,6 +64,8 @@ void MainWindow::make_menus() {
            "Left button: turn; on an end of a path: move it. Middle: move. Wheel: zoom<br>"
            "1 to 6: from behind, front, left, right, above, below; 7: towards the hole; R: all of it<br>"
            "Double click: crosshair there<br>"
+           "<h3>The page Drill</h3>"
+           "F6: drill; F7: stop, go on; F8: back 1 s; F9, Shift+F9: undo, redo the hole<br>"
            "<h3>Everywhere</h3>"
            "Tab: next pane. F1 to F4: one pane alone; F5: all four. Escape: put back what is being moved"));
     box.exec();

@@ -118,7 +118,7 @@ PathPanel::PathPanel(PlanDocument& document, QWidget* parent)
   for (const PedicleScrew& screw : screws_) screw_->addItem(text_of(screw.name));
   form->addRow(tr("Scre&w"), screw_);
   const char* const names[2][3] = {{"entryL", "entryP", "entryS"}, {"targetL", "targetP", "targetS"}};
-  const QString labels[2] = {tr("&Entry, L P S"), tr("&Target, L P S")};
+  const QString labels[2] = {tr("Entr&y, L P S"), tr("&Target, L P S")};
   for (int end = 0; end < 2; ++end) {
     auto* row = new QHBoxLayout;
     for (int axis = 0; axis < 3; ++axis) {
