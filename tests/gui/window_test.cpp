@@ -231,6 +231,19 @@ TEST_F(PlannerWindowTest, SavesAndReopensTheSame) {
   EXPECT_EQ(document().paths().at(1).entry_mm, saved[1].entry_mm);
 }
 
+TEST_F(PlannerWindowTest, APictureOfTheWindowShows3DAsItNowIs) {
+  show_phantom();
+  SceneView& scene = window->panes().scene();
+  const std::filesystem::path file = folder.path() / "window.png";
+  for (const char* view : {"left", "hole"}) {
+    scene.look_from(view);
+    planner().view().set_bone_opacity(0.4);
+    window->save_picture(file, {});
+    const QRect place(scene.mapTo(window.get(), QPoint(0, 0)), scene.size());
+    EXPECT_EQ(QImage(text_of(file.string())).convertToFormat(QImage::Format_RGB32).copy(place), scene.picture());
+  }
+}
+
 TEST_F(PlannerWindowTest, DrillsUndoesTheHoleAndSavesTheRecord) {
   show_phantom();
   DrillPlayer& player = planner().player();

@@ -63,8 +63,8 @@ SceneStage::~SceneStage() {
   kept_bone_.release(opengl(*window_));
 }
 
-/// The farther layer has the background, the nearer one keeps its depths and ends with smooth edges. Glass must be drawn
-/// over what shines through it.
+/// The farther layer has the background, the nearer one keeps its depths and ends with smooth edges. Glass must be
+/// drawn over what shines through it.
 void SceneStage::set_layers() {
   vtkRenderer& far = is_glass_ ? *scene_ : *bone_;
   vtkRenderer& near = is_glass_ ? *bone_ : *scene_;

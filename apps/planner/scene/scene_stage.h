@@ -1,11 +1,11 @@
 #pragma once
 
+#include <vtkNew.h>
 #include <QImage>
 #include <QSize>
 #include <functional>
 #include <future>
 #include <memory>
-#include <vtkNew.h>
 
 #include "apps/planner/scene/kept_layer.h"
 #include "apps/planner/scene/scene_camera.h"
@@ -19,8 +19,9 @@ namespace spinaltap {
 class OrientationMarker;
 
 /// What frames are drawn on: layers for the bone, for what stands in and around it, and for what shows through
-/// everything, and the marker in the corner. A bone that is not glass is drawn only where it or the eye changed. Nothing of it is on the screen: frames come as pictures, drawn on a thread of their own, so that nothing else
-/// waits for them. While a frame is drawn, nothing that is drawn may be changed.
+/// everything, and the marker in the corner. A bone that is not glass is drawn only where it or the eye changed.
+/// Nothing of it is on the screen: frames come as pictures, drawn on a thread of their own, so that nothing else waits
+/// for them. While a frame is drawn, nothing that is drawn may be changed.
 class SceneStage {
  public:
   SceneStage();

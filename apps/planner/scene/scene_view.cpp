@@ -84,7 +84,11 @@ struct SceneView::Scene {
     is_stale = !is_smooth;
     stage.begin(device_px, is_smooth, [this, frame = ++begun] {
       QMetaObject::invokeMethod(
-          pane, [this, frame] { if (frame == begun) take_frame(); }, Qt::QueuedConnection);
+          pane,
+          [this, frame] {
+            if (frame == begun) take_frame();
+          },
+          Qt::QueuedConnection);
     });
   }
 

@@ -55,6 +55,8 @@ MainWindow::MainWindow() {
   make_status_bar();
   connect_player();
 
+  figures_due_.setSingleShot(true);
+  connect(&figures_due_, &QTimer::timeout, this, &MainWindow::show_figures);
   PlanDocument& document = planner_.document();
   connect(&document, &PlanDocument::bone_changed, this, &MainWindow::update_figures);
   connect(&document, &PlanDocument::paths_changed, this, &MainWindow::update_figures);
@@ -73,8 +75,7 @@ MainWindow::MainWindow() {
   restoreGeometry(settings.value("geometry").toByteArray());
   planner_.view().set_bone_opacity(settings.value("boneOpacity", 1.0).toDouble());
   update_title();
-  update_figures();
-  update_actions();
+  show_figures();
 }
 
 MainWindow::~MainWindow() {
@@ -207,6 +208,7 @@ void MainWindow::show_page(const QString& name) {
 
 void MainWindow::settle() {
   // Drawing is put off twice at most: figures, then what they change.
+  if (figures_due_.isActive()) show_figures();
   for (int round = 0; round < 3; ++round) {
     QApplication::processEvents();
     QApplication::sendPostedEvents();
@@ -214,16 +216,18 @@ void MainWindow::settle() {
 }
 
 void MainWindow::update_figures() {
-  if (figures_are_due_) return;
-  figures_are_due_ = true;
-  QTimer::singleShot(0, this, [this] {
-    figures_are_due_ = false;
-    const std::optional<PathFigures> figures = planner_.figures();
-    const PathFigures* shown = figures ? &*figures : nullptr;
-    paths_->show_figures(shown);
-    figures_->show_figures(shown, planner_.grader().hu_bands());
-    update_actions();
-  });
+  // The panes first: they are what a hand that drags looks at.
+  constexpr int kAfterPanesMs = 30;
+  if (!figures_due_.isActive()) figures_due_.start(kAfterPanesMs);
+}
+
+void MainWindow::show_figures() {
+  figures_due_.stop();
+  const std::optional<PathFigures> figures = planner_.figures();
+  const PathFigures* shown = figures ? &*figures : nullptr;
+  paths_->show_figures(shown);
+  figures_->show_figures(shown, planner_.grader().hu_bands());
+  update_actions();
 }
 
 void MainWindow::update_title() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <QMainWindow>
+#include <QTimer>
 #include <filesystem>
 #include <map>
 
@@ -68,6 +69,7 @@ class MainWindow : public QMainWindow {
                     const std::function<void(const std::filesystem::path&)>& save);
   void add_path_here();
   void update_figures();
+  void show_figures();
   void update_actions();
   void update_title();
   void update_hover();
@@ -86,7 +88,7 @@ class MainWindow : public QMainWindow {
   QProgressBar* progress_ = nullptr;
   QToolButton* cancel_ = nullptr;
   std::map<QString, QAction*> actions_;
-  bool figures_are_due_ = false;
+  QTimer figures_due_;
 };
 
 }  // namespace spinaltap

@@ -98,6 +98,7 @@ bool MainWindow::save_plan_as() {
 void MainWindow::save_picture(const std::filesystem::path& file, const QString& pane) {
   QImage picture;
   if (pane.isEmpty()) {
+    panes_->scene().picture();  // shows what it now has to
     picture = grab().toImage();
   } else if (pane == "3d") {
     picture = panes_->scene().picture();

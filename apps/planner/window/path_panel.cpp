@@ -118,11 +118,13 @@ PathPanel::PathPanel(PlanDocument& document, QWidget* parent)
   for (const PedicleScrew& screw : screws_) screw_->addItem(text_of(screw.name));
   form->addRow(tr("Scre&w"), screw_);
   const char* const names[2][3] = {{"entryL", "entryP", "entryS"}, {"targetL", "targetP", "targetS"}};
-  const QString labels[2] = {tr("Entr&y, L P S"), tr("&Target, L P S")};
+  const QString labels[2] = {tr("Entr&y"), tr("&Target")};
+  const char* const letters[3] = {"L ", "P ", "S "};
   for (int end = 0; end < 2; ++end) {
     auto* row = new QHBoxLayout;
     for (int axis = 0; axis < 3; ++axis) {
       ends_[end][axis] = mm_box(names[end][axis], -kMostMm, kMostMm, 0.1, 2);
+      ends_[end][axis]->setPrefix(QLatin1String(letters[axis]));
       ends_[end][axis]->setToolTip(tr("mm; to the patient's left, back (posterior), head (superior)"));
       row->addWidget(ends_[end][axis]);
       connect(ends_[end][axis], qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] { take_ends(); });
