@@ -91,7 +91,7 @@ struct PathActors::PathShape {
       actor->GetProperty()->SetColor(colour.redF(), colour.greenF(), colour.blueF());
     }
     axis_in_bone->GetProperty()->SetOpacity(is_chosen ? 0.6 : 0.35);
-    name->SetInput(path.name.c_str());
+    name->SetInput((" " + path.name + " ").c_str());  // VTK cuts the last letter short
     name->SetVisibility(!path.name.empty());
     const QColor letters = is_chosen ? own_colour.lighter(115) : faint_colour(own_colour).lighter(125);
     name->GetTextProperty()->SetColor(letters.redF(), letters.greenF(), letters.blueF());
