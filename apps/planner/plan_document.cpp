@@ -40,7 +40,7 @@ class ReplacePaths final : public QUndoCommand {
 namespace {
 
 std::string unlike(const std::vector<DrillPath>& paths, const std::string& name) {
-  const std::string stem = name.empty() ? "path" : name;
+  std::string stem = name.empty() ? "path" : name;
   const auto is_taken = [&](const std::string& tried) {
     return std::any_of(paths.begin(), paths.end(), [&](const DrillPath& path) { return path.name == tried; });
   };

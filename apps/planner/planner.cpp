@@ -67,7 +67,7 @@ void Planner::bake_here() {
   });
 }
 
-void Planner::show_bone(std::shared_ptr<const OpenedBone> bone) {
+void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
   plan_file_.clear();
   document_.set_bone(bone);
   view_.set_crosshair(bone->model().bounds_mm().center());

@@ -62,7 +62,7 @@ class Planner : public QObject {
  private:
   void write_drilling(const QString& what, const std::filesystem::path& path,
                       const std::function<void(const DoneDrilling&, const Progress&)>& write);
-  void show_bone(std::shared_ptr<const OpenedBone> bone);
+  void show_bone(const std::shared_ptr<const OpenedBone>& bone);
   void open_plan(const std::filesystem::path& file);
 
   PathGrader grader_;

@@ -29,7 +29,7 @@ QString told_state(const DrillPlayer& player) {
   }
   if (!player.last()) return {};
   const std::string name(name_of(player.last()->state));
-  const QString where =
+  QString where =
       DrillFiguresView::tr("%1, at %2 s").arg(QString::fromStdString(name)).arg(player.seconds(), 0, 'f', 1);
   if (player.state() == DrillPlayer::State::drilling) return where;
   return (player.is_over() ? DrillFiguresView::tr("Ended: %1") : DrillFiguresView::tr("Stopped: %1")).arg(where);

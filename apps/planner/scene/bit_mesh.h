@@ -4,8 +4,7 @@
 
 #include "core/drill/drill_bit.h"
 
-class vtkMatrix4x4;
-class vtkPolyData;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 

@@ -11,7 +11,7 @@
 #include "vdb/bone_model.h"
 #include "vdb/surface_block.h"
 
-class vtkRenderer;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 

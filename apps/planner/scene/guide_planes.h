@@ -4,9 +4,8 @@
 #include <memory>
 
 #include "apps/planner/opened_bone.h"
+#include "apps/planner/scene/vtk_names.h"
 #include "apps/planner/view_state.h"
-
-class vtkRenderer;
 
 namespace spinaltap {
 

@@ -2,8 +2,7 @@
 
 #include <vtkNew.h>
 
-class vtkOpenGLFramebufferObject;
-class vtkOpenGLRenderWindow;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 

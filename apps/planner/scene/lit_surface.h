@@ -1,6 +1,6 @@
 #pragma once
 
-class vtkActor;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 

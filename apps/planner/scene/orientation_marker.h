@@ -3,9 +3,7 @@
 #include <vtkNew.h>
 
 #include "apps/planner/scene/scene_camera.h"
-
-class vtkRenderer;
-class vtkRenderWindow;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 

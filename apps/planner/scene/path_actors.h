@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "apps/planner/scene/scene_camera.h"
+#include "apps/planner/scene/vtk_names.h"
 #include "core/drill/drill_path.h"
-
-class vtkRenderer;
 
 namespace spinaltap {
 

@@ -6,8 +6,7 @@
 
 #include "apps/planner/scene/scene_camera.h"
 #include "apps/planner/scene/scene_pick.h"
-
-class vtkRenderer;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 

@@ -9,10 +9,7 @@
 
 #include "apps/planner/scene/kept_layer.h"
 #include "apps/planner/scene/scene_camera.h"
-
-class vtkCamera;
-class vtkRenderWindow;
-class vtkRenderer;
+#include "apps/planner/scene/vtk_names.h"
 
 namespace spinaltap {
 
