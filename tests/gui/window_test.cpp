@@ -22,6 +22,7 @@
 #include "apps/planner/scene/scene_view.h"
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
+#include "core/sim/session_record.h"
 #include "tests/gui/planner_window.h"
 #include "tests/support/full_disk.h"
 
@@ -246,17 +247,49 @@ TEST_F(PlannerWindowTest, APictureOfTheWindowShows3DAsItNowIs) {
 
 TEST_F(PlannerWindowTest, DrillsUndoesTheHoleAndSavesTheRecord) {
   show_phantom();
-  DrillPlayer& player = planner().player();
-  player.start({.hand = "on-path", .feed_mm_s = 5.0, .speed = 0.0});
+  const DrillPlayer& player = planner().player();
+  input.key("alt+r");  // the page
+  input.key("alt+s");  // the speed
+  input.key("End");    // as fast as it goes
+  EXPECT_EQ(child<QComboBox>("drill_speed").currentData().toDouble(), 0.0);
+  input.key("F6");
   ASSERT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }, 120000));
-  EXPECT_GT(player.removed(), 100000U);
+  const std::size_t removed = player.removed();
+  EXPECT_GT(removed, 100000U);
   const std::filesystem::path record = folder.path() / "drilling.h5";
-  planner().save_record(record);
-  ASSERT_TRUE(wait_until([&] { return !planner().job().is_running(); }, 60000));
-  EXPECT_GT(std::filesystem::file_size(record), 1000U);
-  ASSERT_TRUE(player.can_undo_hole());
-  player.undo_hole();
-  EXPECT_TRUE(wait_until([&] { return !player.can_undo_hole(); }));
+  in_the_next_dialog([&] {
+    input.key("ctrl+a");
+    input.type(text_of(record.string()));
+    input.key("Return");
+  });
+  input.click(child<QAbstractButton>("drill_save_record"));
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(record) && !planner().job().is_running(); }, 60000));
+  EXPECT_EQ(read_record(record).cycles.size(), player.done()->inputs.size());
+  input.click(child<QAbstractButton>("drill_undo_hole"));
+  EXPECT_EQ(player.removed(), 0U);
+  EXPECT_FALSE(player.can_undo_hole());
+  input.key("shift+F9");
+  EXPECT_EQ(player.removed(), removed);
+  EXPECT_TRUE(player.can_undo_hole());
+}
+
+TEST_F(PlannerWindowTest, StopsStepsBackAndGoesOnByKeys) {
+  show_phantom();
+  const DrillPlayer& player = planner().player();
+  input.key("alt+r");
+  input.key("F6");
+  ASSERT_TRUE(wait_until([&] { return player.seconds() > 1.5; }, 120000));
+  input.key("F7");
+  ASSERT_EQ(player.state(), DrillPlayer::State::stopped);
+  const double stopped_s = player.seconds();
+  input.key("F8");
+  ASSERT_TRUE(
+      wait_until([&] { return player.state() == DrillPlayer::State::stopped && player.seconds() < stopped_s; }));
+  EXPECT_NEAR(player.seconds(), stopped_s - 1.0, 0.01);
+  input.key("F7");
+  EXPECT_TRUE(wait_until([&] { return player.seconds() > stopped_s; }));
+  input.key("F7");
+  EXPECT_EQ(player.state(), DrillPlayer::State::stopped);
 }
 
 TEST_F(PlannerWindowTest, ForeignPlanIsRefusedInWordsAndNothingIsLost) {
