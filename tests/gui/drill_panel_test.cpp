@@ -1,4 +1,4 @@
-#include "apps/planner/drill/drill_panel.h"
+#include "apps/spinaltap-planner/drill/drill_panel.h"
 
 #include <gmock/gmock.h>
 
@@ -12,7 +12,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "apps/planner/drill/drill_figures_view.h"
+#include "apps/spinaltap-planner/drill/drill_figures_view.h"
 #include "tests/gui/phantom_bone.h"
 
 namespace spinaltap {

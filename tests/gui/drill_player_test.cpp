@@ -1,4 +1,4 @@
-#include "apps/planner/drill/drill_player.h"
+#include "apps/spinaltap-planner/drill/drill_player.h"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 
 #include "apps/common/drilling.h"
 #include "apps/common/replay.h"
-#include "apps/planner/drill/drill_output.h"
+#include "apps/spinaltap-planner/drill/drill_output.h"
 #include "core/sim/session_record.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/support/temporary_folder.h"

@@ -1,8 +1,8 @@
-#include "apps/planner/opened_bone.h"
+#include "apps/spinaltap-planner/opened_bone.h"
 
 #include <gmock/gmock.h>
 
-#include "apps/planner/plan_document.h"
+#include "apps/spinaltap-planner/plan_document.h"
 #include "tests/gui/phantom_bone.h"
 
 namespace spinaltap {

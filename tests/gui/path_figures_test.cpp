@@ -1,4 +1,4 @@
-#include "apps/planner/figures/path_figures.h"
+#include "apps/spinaltap-planner/figures/path_figures.h"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "apps/planner/opened_bone.h"
+#include "apps/spinaltap-planner/opened_bone.h"
 #include "core/phantom/vertebra.h"
 
 namespace spinaltap::test {

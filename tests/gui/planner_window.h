@@ -13,10 +13,10 @@
 #include <memory>
 #include <utility>
 
-#include "apps/planner/slices/slice_view.h"
-#include "apps/planner/window/four_panes.h"
-#include "apps/planner/window/main_window.h"
-#include "apps/planner/window/words.h"
+#include "apps/spinaltap-planner/slices/slice_view.h"
+#include "apps/spinaltap-planner/window/four_panes.h"
+#include "apps/spinaltap-planner/window/main_window.h"
+#include "apps/spinaltap-planner/window/words.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/gui/x_input.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "apps/planner/plots/plot_view.h"
+#include "apps/spinaltap-planner/plots/plot_view.h"
 
 #include <gmock/gmock.h>
 

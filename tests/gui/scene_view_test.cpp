@@ -1,4 +1,4 @@
-#include "apps/planner/scene/scene_view.h"
+#include "apps/spinaltap-planner/scene/scene_view.h"
 
 #include <gmock/gmock.h>
 
@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <ctime>
 
-#include "apps/planner/plane_colours.h"
+#include "apps/spinaltap-planner/plane_colours.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/gui/phantom_bone.h"
 #include "vdb/remaining_surface.h"

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "apps/common/plan_file.h"
-#include "apps/planner/script/planner_script.h"
+#include "apps/spinaltap-planner/script/planner_script.h"
 #include "core/base/error.h"
 #include "core/sim/session_record.h"
 #include "tests/gui/planner_window.h"

@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "apps/planner/slices/down_path.h"
-#include "apps/planner/slices/pane_geometry.h"
-#include "apps/planner/slices/path_hits.h"
+#include "apps/spinaltap-planner/slices/down_path.h"
+#include "apps/spinaltap-planner/slices/pane_geometry.h"
+#include "apps/spinaltap-planner/slices/path_hits.h"
 
 namespace spinaltap {
 namespace {

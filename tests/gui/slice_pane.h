@@ -9,7 +9,7 @@
 #include <QWheelEvent>
 #include <memory>
 
-#include "apps/planner/slices/slice_view.h"
+#include "apps/spinaltap-planner/slices/slice_view.h"
 #include "tests/gui/phantom_bone.h"
 
 namespace spinaltap {

@@ -1,4 +1,4 @@
-#include "apps/planner/slices/slice_view.h"
+#include "apps/spinaltap-planner/slices/slice_view.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // for a moment.
 #include <cstdio>
 
-#include "apps/planner/scene/scene_view.h"
+#include "apps/spinaltap-planner/scene/scene_view.h"
 #include "tests/gui/frame_watch.h"
 #include "tests/gui/planner_window.h"
 

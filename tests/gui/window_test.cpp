@@ -19,7 +19,7 @@
 #include <thread>
 
 #include "apps/common/plan_file.h"
-#include "apps/planner/scene/scene_view.h"
+#include "apps/spinaltap-planner/scene/scene_view.h"
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
 #include "core/sim/session_record.h"

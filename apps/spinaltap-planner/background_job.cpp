@@ -1,0 +1,68 @@
+#include "apps/spinaltap-planner/background_job.h"
+
+#include <QMetaObject>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+
+BackgroundJob::BackgroundJob(QObject* parent) : QObject(parent) {}
+
+BackgroundJob::~BackgroundJob() {
+  cancel();
+  if (thread_.joinable()) thread_.join();
+}
+
+void BackgroundJob::start(const QString& what, std::function<std::function<void()>(const Progress&)> work) {
+  if (is_running()) fail("expected no other work while ", what_.toStdString(), " runs");
+  what_ = what;
+  is_cancelled_ = false;
+  progress_ = Progress([this](std::string_view stage, double share) {
+    const QString name = QString::fromUtf8(stage.data(), static_cast<int>(stage.size()));
+    QMetaObject::invokeMethod(
+        this, [this, name, share] { Q_EMIT progressed(name, share); }, Qt::QueuedConnection);
+  });
+  thread_ = std::thread([this, work = std::move(work), progress = progress_] {
+    std::function<void()> deliver;
+    QString trouble;
+    bool was_cancelled = false;
+    try {
+      deliver = work(progress);
+    } catch (const Cancelled&) {
+      was_cancelled = true;
+    } catch (const std::bad_alloc&) {
+      trouble = tr("not enough memory");
+    } catch (const std::exception& error) {
+      trouble = QString::fromUtf8(error.what());
+    }
+    QMetaObject::invokeMethod(
+        this, [this, deliver, trouble, was_cancelled] { finish(deliver, trouble, was_cancelled); },
+        Qt::QueuedConnection);
+  });
+  Q_EMIT started(what_);
+}
+
+void BackgroundJob::cancel() {
+  if (!is_running()) return;
+  is_cancelled_ = true;
+  progress_.cancel();
+}
+
+void BackgroundJob::finish(const std::function<void()>& deliver, const QString& trouble, bool was_cancelled) {
+  thread_.join();
+  QString told = trouble;
+  const bool is_done = !was_cancelled && !is_cancelled_ && trouble.isEmpty();
+  if (is_done && deliver) {
+    try {
+      deliver();
+    } catch (const std::exception& error) {
+      told = QString::fromUtf8(error.what());
+    }
+  }
+  Q_EMIT finished(is_done && told.isEmpty(), told);
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,117 @@
+#include "apps/spinaltap-planner/drill/drill_figures_view.h"
+
+#include <QGridLayout>
+#include <QLabel>
+#include <QPalette>
+#include <cmath>
+
+#include "apps/report/text.h"
+#include "apps/spinaltap-planner/drill/drill_player.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kNearMm = 1.0;
+
+QString with_digits(double value, int digits, const char* unit) {
+  return QString::fromStdString(readable_number(value, digits)) + QString::fromUtf8(unit);
+}
+
+QString told_state(const DrillPlayer& player) {
+  switch (player.state()) {
+    case DrillPlayer::State::idle:
+      return DrillFiguresView::tr("Ready");
+    case DrillPlayer::State::preparing:
+      return DrillFiguresView::tr("Preparing…");
+    case DrillPlayer::State::drilling:
+    case DrillPlayer::State::stopped:
+      break;
+  }
+  if (!player.last()) return {};
+  const std::string name(name_of(player.last()->state));
+  QString where =
+      DrillFiguresView::tr("%1, at %2 s").arg(QString::fromStdString(name)).arg(player.seconds(), 0, 'f', 1);
+  if (player.state() == DrillPlayer::State::drilling) return where;
+  return (player.is_over() ? DrillFiguresView::tr("Ended: %1") : DrillFiguresView::tr("Stopped: %1")).arg(where);
+}
+
+void show_clearance(QLabel* label, double clearance_mm) {
+  label->setText(clearance_words(clearance_mm));
+  const char* colour = clearance_mm < 0.0 ? "#b3261e" : clearance_mm < kNearMm ? "#8a5300" : "";
+  label->setStyleSheet(*colour == '\0' ? QString() : QStringLiteral("font-weight: 600; color: %1").arg(colour));
+}
+
+}  // namespace
+
+QString clearance_words(double clearance_mm) {
+  if (!std::isfinite(clearance_mm)) return DrillFiguresView::tr("far");
+  if (clearance_mm < 0.0) return DrillFiguresView::tr("beyond by %1").arg(with_digits(-clearance_mm, 2, " mm"));
+  const QString text = with_digits(clearance_mm, 2, " mm");
+  return clearance_mm < kNearMm ? DrillFiguresView::tr("%1, near").arg(text) : text;
+}
+
+DrillFiguresView::DrillFiguresView(QWidget* parent) : QWidget(parent) {
+  auto* grid = new QGridLayout(this);
+  grid->setContentsMargins(0, 0, 0, 0);
+  grid->setHorizontalSpacing(10);
+  grid->setVerticalSpacing(3);
+  state_ = add("drill_state", tr("State"), 0, 0);
+  grid->addWidget(state_, 0, 1, 1, 3);
+  depth_ = add("drill_depth", tr("Depth"), 1, 0);
+  feed_ = add("drill_feed", tr("Feed"), 1, 2);
+  thrust_ = add("drill_thrust", tr("Thrust"), 2, 0);
+  torque_ = add("drill_torque", tr("Torque"), 2, 2);
+  cycles_ = add("drill_cycles", tr("Cycles"), 3, 0);
+  cycles_->setToolTip(tr("Cycles of the session in a second: 1,000 in real time"));
+  frames_ = add("drill_frames", tr("Frames"), 3, 2);
+  frames_->setToolTip(tr("How often the surface in 3D was brought up to date in a second"));
+  removed_ = add("drill_removed", tr("Removed"), 4, 0);
+  grid->addWidget(removed_, 4, 1, 1, 3);
+  outer_ = add("drill_outer", tr("To outer surface"), 5, 0);
+  grid->addWidget(outer_, 5, 1, 1, 3);
+  canal_ = add("drill_canal", tr("To canal"), 6, 0);
+  grid->addWidget(canal_, 6, 1, 1, 3);
+  grid->setColumnStretch(1, 1);
+  grid->setColumnStretch(3, 1);
+}
+
+QLabel* DrillFiguresView::add(const char* name, const QString& label, int row, int column) {
+  auto* grid = static_cast<QGridLayout*>(layout());
+  auto* title = new QLabel(label, this);
+  QPalette colours = title->palette();
+  QColor quiet = colours.color(QPalette::WindowText);
+  quiet.setAlphaF(0.65);
+  colours.setColor(QPalette::WindowText, quiet);
+  title->setPalette(colours);
+  auto* value = new QLabel(this);
+  value->setObjectName(QString::fromLatin1(name));
+  value->setAccessibleName(label);
+  value->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  grid->addWidget(title, row, column);
+  grid->addWidget(value, row, column + 1);
+  return value;
+}
+
+void DrillFiguresView::show_figures(const DrillPlayer& player) {
+  state_->setText(told_state(player));
+  const std::optional<Cycle>& cycle = player.last();
+  for (QLabel* label : {depth_, thrust_, torque_, feed_, removed_, outer_, canal_, cycles_, frames_}) {
+    if (!cycle) label->setText(QStringLiteral("–"));
+  }
+  if (!cycle) {
+    for (QLabel* label : {outer_, canal_}) label->setStyleSheet({});
+    return;
+  }
+  const double rpm = player.spindle_rpm();
+  depth_->setText(with_digits(cycle->depth_mm, 2, " mm"));
+  thrust_->setText(with_digits(cycle->force.thrust_n, 1, " N"));
+  torque_->setText(with_digits(cycle->force.torque_n_mm, 0, " N·mm"));
+  feed_->setText(with_digits(cycle->force.feed_mm_per_turn * rpm / 60.0, 2, " mm/s"));
+  removed_->setText(with_digits(static_cast<double>(player.removed()), 0, " points"));
+  cycles_->setText(with_digits(player.cycles_per_s(), 0, " /s"));
+  frames_->setText(with_digits(player.surface_updates_per_s(), 0, " /s"));
+  show_clearance(outer_, cycle->clearance.outer_mm);
+  show_clearance(canal_, cycle->clearance.canal_mm);
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,43 @@
+#include "apps/spinaltap-planner/drill/drill_output.h"
+
+#include "apps/common/drill_pictures.h"
+#include "apps/common/drilling_report.h"
+#include "core/sim/pose_hand.h"
+#include "core/sim/session_record.h"
+
+namespace spinaltap {
+
+void write_record(const DoneDrilling& drilling, const std::filesystem::path& path, const Progress& progress) {
+  SessionSetup setup = drilling.setup;
+  setup.bone_hash = hash_of(drilling.bone->model());
+  BuiltSession built = build_session(*drilling.bone->bone, setup, progress);
+  DrillSession& session = *built.session;
+  PoseHand hand(drilling.inputs, false);
+  RecordWriter record(path, record_words(setup, drilling.hand_words, "planner"), true);
+  const auto observe = [&](const Cycle& cycle) {
+    record.add_waiting(cycle);
+    record.add_events(session.events());
+  };
+  run_session(session, hand, observe, progress);
+  record.close(session.events());
+}
+
+void write_report(const DoneDrilling& drilling, const std::filesystem::path& folder, const Progress& progress) {
+  const DrillPath& path = drilling.setup.path;
+  PoseHand hand(drilling.inputs, false);
+  const Drilling again = drill_bone(*drilling.bone->bone, drilling.setup, hand, {}, progress);
+  progress.report("meshing", 0.0);
+  const MeshQuality quality = measure_mesh(again.surface);
+  DrillReportData data = report_data("Drilling " + path.name, &drilling.bone->ct,
+                                     {again, *drilling.bone->bone, drilling.setup, drilling.hand_words, quality});
+  data.renders = drill_pictures(drilling.bone->model(), again.drilled, path, progress);
+  data.notes.emplace_back("Drilled in the planner. Rates are those of the same cycles run again as fast as they go.");
+  if (!drilling.setup.holes.empty()) {
+    data.notes.push_back("Holes that were in the bone before: " + std::to_string(drilling.setup.holes.size()) + ".");
+  }
+  StagedOutput output;
+  stage_drilling(again, data, folder, output);
+  output.commit();
+}
+
+}  // namespace spinaltap

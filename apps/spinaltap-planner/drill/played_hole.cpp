@@ -1,0 +1,66 @@
+#include "apps/spinaltap-planner/drill/played_hole.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "apps/common/drilling.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kBeyondTargetMm = 20.0;  // hands may go further than the target
+
+/// What one hole has worked out about walls along its path, where another has the same.
+const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
+  const bool is_same = path.entry_mm == other.entry_mm && path.target_mm == other.target_mm;
+  return is_same ? built.clearances.get() : nullptr;
+}
+
+}  // namespace
+
+PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand,
+                       const PlayedHole* other, const Progress& progress)
+    : bone_(std::move(bone)),
+      setup_(std::move(setup)),
+      choice_(std::move(hand)),
+      hand_(choice_.plan(setup_.path, setup_.volume.lead_in_mm, setup_.options.spindle, false)),
+      built_(
+          build_session(*bone_->bone, setup_, progress, nullptr,
+                        other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),
+      log_(DrillingOptions().log_step_mm, setup_.material,
+           setup_.volume.lead_in_mm + setup_.path.length_mm() + kBeyondTargetMm) {}
+
+bool PlayedHole::step() {
+  const std::optional<ToolInput> input = hand_.hand->next(built_.session->feedback());
+  if (!input) {
+    is_over_ = true;
+    return false;
+  }
+  const Cycle& cycle = built_.session->step(*input);
+  inputs_.push_back(*input);
+  removed_ += cycle.step.removed;
+  log_.add(cycle, std::numeric_limits<double>::quiet_NaN());  // a clock would make other rows of the same cycles
+  return true;
+}
+
+std::unique_ptr<PlayedHole> PlayedHole::after(std::size_t cycles, const Progress& progress) const {
+  auto hole = std::make_unique<PlayedHole>(bone_, setup_, choice_, this, progress);
+  ProgressCounter counter(progress, "going back", cycles);
+  while (hole->inputs_.size() < cycles && hole->step()) counter.add();
+  return hole;
+}
+
+std::size_t PlayedHole::cycles_before(double seconds) const {
+  std::size_t cycles = inputs_.size();
+  double past_s = 0.0;
+  while (cycles > 1 && past_s < seconds - 0.5 * inputs_[cycles - 1].dt_s) past_s += inputs_[--cycles].dt_s;
+  return std::max<std::size_t>(cycles, 1);
+}
+
+DrilledHole PlayedHole::drilled() const {
+  const DrillBit& bit = setup_.path.bit;
+  return {bit, straight_ways(inputs_, bit, setup_.options.longest_jump_mm)};
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/common/depth_log.h"
+#include "apps/common/hand_choice.h"
+#include "apps/common/session_setup.h"
+#include "apps/spinaltap-planner/opened_bone.h"
+#include "core/base/progress.h"
+
+namespace spinaltap {
+
+/// All that it takes to drill a hole again, bit for bit; to be read from any thread.
+struct DoneDrilling {
+  std::shared_ptr<const OpenedBone> bone;
+  SessionSetup setup;
+  std::map<std::string, std::string> hand_words;  ///< HandPlan::words
+  std::vector<ToolInput> inputs;
+};
+
+/// A hole while it is drilled: a session, the hand that drills it and what has come of it. Hand and session go in
+/// lock-step whatever the clock does, so that the hole can be had again at any of its cycles. For one thread at a time.
+class PlayedHole {
+ public:
+  /// `other`: a hole of the same bone, which saves work where it has the same path; may be null. Throws Error where the
+  /// path misses the bone or what is asked of the hand makes no sense.
+  PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand, const PlayedHole* other = {},
+             const Progress& progress = {});
+
+  /// A cycle. False: the hand has ended.
+  bool step();
+  /// The same hole when it had only its first cycles; at least one.
+  std::unique_ptr<PlayedHole> after(std::size_t cycles, const Progress& progress = {}) const;
+  /// How many cycles there were so many seconds of the hand's time ago; at least one.
+  std::size_t cycles_before(double seconds) const;
+
+  bool is_over() const { return is_over_; }
+  double rate_hz() const { return hand_.rate_hz; }
+  const SessionSetup& setup() const { return setup_; }
+  /// One for each cycle.
+  const std::vector<ToolInput>& inputs() const { return inputs_; }
+  const Cycle& last() const { return built_.session->last(); }
+  std::span<const SessionEvent> events() const { return built_.session->events(); }
+  std::size_t removed() const { return removed_; }
+  /// The rows that are whole.
+  const std::vector<DepthRow>& rows() const { return log_.rows(); }
+  /// With the one that is not.
+  std::vector<DepthRow> all_rows() const { return DepthLog(log_).finish(); }
+  DrilledHole drilled() const;
+  DoneDrilling done() const { return {bone_, setup_, hand_.words, inputs_}; }
+
+ private:
+  std::shared_ptr<const OpenedBone> bone_;
+  SessionSetup setup_;
+  HandChoice choice_;
+  HandPlan hand_;
+  BuiltSession built_;
+  DepthLog log_;
+  std::vector<ToolInput> inputs_;
+  std::size_t removed_ = 0;
+  bool is_over_ = false;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,85 @@
+#include "apps/spinaltap-planner/figures/path_figures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/common/bone_path.h"
+#include "apps/common/data_files.h"
+#include "apps/common/density_file.h"
+#include "apps/common/material_file.h"
+#include "apps/common/planning_rules_file.h"
+#include "apps/report/text.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+std::string mm_text(double value_mm) { return readable_number(value_mm, 1) + " mm"; }
+
+void add_breach(const std::string& wall, const Approach& approach, double margin_mm,
+                std::vector<PathWarning>& warnings) {
+  const std::string where = std::string(name_of(approach.side)) + ", " + mm_text(approach.depth_mm) + " deep";
+  if (approach.clearance_mm < 0.0) {
+    warnings.push_back(
+        {WarningLevel::danger, "breaches " + wall + " by " + mm_text(-approach.clearance_mm) + " (" + where + ")"});
+  } else if (approach.clearance_mm < margin_mm) {
+    warnings.push_back({WarningLevel::caution, "only " + mm_text(approach.clearance_mm) + " to " + wall + " (" + where +
+                                                   "); the rule is " + mm_text(margin_mm)});
+  }
+}
+
+/// How far a place is from the bone's surface, mm, either side.
+double off_surface_mm(const OpenedBone& bone, const Vec3& p_mm) { return (stick_to_surface(bone, p_mm) - p_mm).norm(); }
+
+}  // namespace
+
+PathGrader::PathGrader() {
+  const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
+  material_ = read_material(data_file("materials/vertebra.json"), density);
+  const SuggestOptions rules = read_planning_rules(data_file("planning/pedicle.json"));
+  options_ = rules.grade;
+  margin_mm_ = rules.margin_mm;
+  widest_share_ = rules.widest_share;
+}
+
+PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) const {
+  PathFigures figures;
+  figures.graded.path = path;
+  const Landmarks* landmarks = bone.bone->landmarks();
+  figures.angles_are_the_vertebras = landmarks != nullptr;
+  try {
+    check_path_meets_bone(path, bone.model());
+    figures.graded.grade = grade_path(*bone.bone->walls(), bone.bone->hu(), material_, path, options_);
+    figures.is_graded = true;
+  } catch (const Error& error) {
+    figures.warnings.push_back({WarningLevel::danger, error.what()});
+  }
+  const PathGrade& grade = figures.graded.grade;
+  const bool is_left = figures.is_graded ? grade.is_left : path.entry_mm.x() > bone.model().bounds_mm().center().x();
+  figures.angles = path_angles(path.direction(), landmarks != nullptr ? landmarks->axes : Mat3::Identity(), is_left);
+  if (!figures.is_graded) return figures;
+
+  std::vector<PathWarning>& warnings = figures.warnings;
+  add_breach("the canal", grade.canal, margin_mm_, warnings);
+  add_breach("the outer surface", grade.outer, margin_mm_, warnings);
+  if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
+    warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
+  }
+  if (landmarks == nullptr) {
+    warnings.push_back({WarningLevel::caution, "no canal is known here: " + bone.bone->remark()});
+  } else {
+    const double width_mm = (is_left ? landmarks->left_pedicle : landmarks->right_pedicle).width_mm;
+    const double tool_mm = path.screw ? path.screw->diameter_mm : path.bit.diameter_mm;
+    if (tool_mm > widest_share_ * width_mm) {
+      warnings.push_back({WarningLevel::caution, "fills " + readable_number(100.0 * tool_mm / width_mm, 0) +
+                                                     " % of the pedicle's width of " + mm_text(width_mm)});
+    }
+    for (const std::string& doubt : landmarks->doubts) warnings.push_back({WarningLevel::note, doubt});
+  }
+  std::stable_sort(warnings.begin(), warnings.end(),
+                   [](const PathWarning& a, const PathWarning& b) { return a.level > b.level; });
+  return figures;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,100 @@
+#include "apps/spinaltap-planner/opened_bone.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "apps/common/bake_ct.h"
+#include "apps/common/bone_ct.h"
+#include "core/base/error.h"
+#include "core/ct/read_ct.h"
+#include "vdb/remaining_surface.h"
+
+namespace spinaltap {
+
+FileKind kind_of_file(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) fail("expected a CT, a bone or a plan, found no ", path.string());
+  if (std::filesystem::is_directory(path)) return FileKind::ct;
+  if (path.extension() == ".vdb") return FileKind::bone;
+  if (path.extension() == ".json") return FileKind::plan;
+  return FileKind::ct;
+}
+
+namespace {
+
+void add_bone(BoneModel model, OpenedBone& opened, const Progress& progress) {
+  progress.report("meshing", 0.0);
+  RemainingBone remaining(model, {.voxel_mm = kSurfaceVoxelMm});
+  opened.surface = RemainingSurface(remaining).blocks();
+  opened.bone = std::make_unique<SessionBone>(std::move(model), true, progress);
+}
+
+std::shared_ptr<const OpenedBone> baked(const std::filesystem::path& file, CtVolume ct,
+                                        const std::optional<Vec3>& seed_mm, const std::filesystem::path& cache,
+                                        const Progress& progress) {
+  auto opened = std::make_shared<OpenedBone>();
+  opened->file = file;
+  opened->ct = std::move(ct);
+  opened->is_whole_ct = true;
+  BakeCtOptions options;
+  options.segment.seed_mm = seed_mm;
+  options.cache = cache;
+  add_bone(bake_ct(opened->ct, options, progress).bone, *opened, progress);
+  return opened;
+}
+
+}  // namespace
+
+std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress) {
+  auto opened = std::make_shared<OpenedBone>();
+  opened->file = file;
+  progress.report("reading", 0.0);
+  BoneModel model = read_bone(file);
+  progress.report("reading", 0.5);
+  opened->ct = ct_of_bone(model);
+  add_bone(std::move(model), *opened, progress);
+  return opened;
+}
+
+std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const std::filesystem::path& cache,
+                                          const Progress& progress) {
+  return baked(path, read_ct(path, {}, progress), std::nullopt, cache, progress);
+}
+
+std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
+                                                   const std::filesystem::path& cache, const Progress& progress) {
+  return baked(ct.file, ct.ct, seed_mm, cache, progress);
+}
+
+Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm) {
+  if (!p_mm.allFinite()) return p_mm;
+  // The samples bring it to about 0.2 mm of the surface, within the distance grid's band; Newton's steps do the rest.
+  Vec3 place = bone.bone->walls()->outer(p_mm).nearest_mm;
+  for (int step = 0; step < 4; ++step) {
+    std::array<float, 1> distance_mm{};
+    std::array<Vec3, 1> gradient{};
+    bone.model().distance(std::array{place}, distance_mm, gradient);
+    const double slope = gradient[0].squaredNorm();
+    if (!(slope > 1e-6)) break;
+    place -= gradient[0] * (distance_mm[0] / slope);
+  }
+  return place;
+}
+
+Vec3 entry_behind(const OpenedBone& bone, const Vec3& target_mm) {
+  constexpr double kStepMm = 0.25;
+  const Landmarks* landmarks = bone.bone->landmarks();
+  const Vec3 back = landmarks != nullptr ? landmarks->posterior() : Vec3::UnitY();
+  std::vector<Vec3> points_mm;
+  const double far_mm = bone.model().bounds_mm().diagonal().norm();
+  for (double way_mm = 0.0; way_mm <= far_mm; way_mm += kStepMm) points_mm.push_back(target_mm + way_mm * back);
+  std::vector<float> distance_mm(points_mm.size());
+  bone.model().sample(points_mm, distance_mm, {});
+  const auto last = std::find_if(distance_mm.rbegin(), distance_mm.rend(), [](float d) { return d < 0.0F; });
+  const Vec3 near =
+      last == distance_mm.rend() ? target_mm : points_mm[static_cast<std::size_t>(distance_mm.rend() - last) - 1];
+  return stick_to_surface(bone, near);
+}
+
+}  // namespace spinaltap

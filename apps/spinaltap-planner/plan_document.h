@@ -1,0 +1,72 @@
+#pragma once
+
+#include <QObject>
+#include <QUndoStack>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/spinaltap-planner/opened_bone.h"
+#include "core/drill/drill_path.h"
+
+namespace spinaltap {
+
+/// Which end of a path.
+enum class PathEnd { entry, target };
+
+/// The plan that is being made: a bone and paths through it, each change of which can be undone. The window, its panes
+/// and scripts change it only through here; they draw anew at its signals.
+class PlanDocument : public QObject {
+  Q_OBJECT
+ public:
+  explicit PlanDocument(QObject* parent = nullptr);
+
+  /// Null: nothing is open.
+  const std::shared_ptr<const OpenedBone>& bone() const { return bone_; }
+  /// Another bone: an empty plan, nothing to undo. With `paths`, those of a plan that goes with it.
+  void set_bone(std::shared_ptr<const OpenedBone> bone);
+  /// Another plan for this bone, as read from a file: nothing to undo. Throws Error where a path is bad.
+  void set_paths(std::vector<DrillPath> paths);
+
+  const std::vector<DrillPath>& paths() const { return paths_; }
+  /// Index of the path that the panels are about; -1 where there is none.
+  int chosen() const { return chosen_; }
+  const DrillPath* chosen_path() const;
+  void choose(int index);
+
+  /// Changes, each one step back. All throw Error where the path would be bad (check_path()); then nothing changed.
+  /// Returns the new path's index and chooses it; the name is made unlike the others'.
+  int add_path(DrillPath path);
+  /// Several as one step back, the first of which is chosen; nothing happens without any.
+  void add_paths(std::vector<DrillPath> paths, const QString& what);
+  void remove_path(int index);
+  /// `what`: for the menu, such as "move entry". Changes with the same `drag` other than 0 become one step back.
+  void change_path(int index, const DrillPath& path, const QString& what, std::uint64_t drag = 0);
+  /// Puts an end of a path to a place; the entry goes to the nearest place of the bone's surface. False where the place
+  /// makes no path (the ends too near); then nothing changed.
+  bool move_end(int index, PathEnd end, const Vec3& p_mm, std::uint64_t drag = 0);
+  /// A number for one drag: never the same twice.
+  std::uint64_t new_drag() { return ++last_drag_; }
+
+  /// Undo, redo, and whether the plan is as it was last saved.
+  QUndoStack& undo_stack() { return undo_stack_; }
+  const QUndoStack& undo_stack() const { return undo_stack_; }
+
+ Q_SIGNALS:
+  void bone_changed();
+  void paths_changed();   ///< any of them: places, names, tools, how many
+  void chosen_changed();  ///< another path, or none
+
+ private:
+  friend class ReplacePaths;
+  void take_paths(std::vector<DrillPath> paths, int chosen);
+
+  std::shared_ptr<const OpenedBone> bone_;
+  std::vector<DrillPath> paths_;
+  int chosen_ = -1;
+  QUndoStack undo_stack_;
+  std::uint64_t last_drag_ = 0;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,190 @@
+#include "apps/spinaltap-planner/planner.h"
+
+#include <QStandardPaths>
+#include <algorithm>
+#include <utility>
+
+#include "apps/common/auto_plan.h"
+#include "apps/common/bone_path.h"
+#include "apps/common/plan_file.h"
+#include "apps/report/grade_report.h"
+#include "apps/spinaltap-planner/drill/drill_output.h"
+#include "apps/spinaltap-planner/window/words.h"
+#include "core/base/error.h"
+#include "core/base/staged_output.h"
+
+namespace spinaltap {
+namespace {
+
+std::filesystem::path bake_cache_folder() {
+  return QStandardPaths::writableLocation(QStandardPaths::CacheLocation).toStdString() + "/bakes";
+}
+
+bool meets(const DrillPath& path, const BoneModel& bone) {
+  try {
+    check_path_meets_bone(path, bone);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+QString name_of_file(const std::filesystem::path& path) { return text_of(path.filename().string()); }
+
+}  // namespace
+
+Planner::Planner(QObject* parent) : QObject(parent), player_(document_) {
+  connect(&job_, &BackgroundJob::finished, this, [this](bool, const QString& why) {
+    if (!why.isEmpty()) Q_EMIT trouble(job_.what(), why);
+  });
+}
+
+std::optional<PathFigures> Planner::figures() const {
+  const DrillPath* path = document_.chosen_path();
+  if (!document_.bone() || path == nullptr) return std::nullopt;
+  return grader_.figures(*document_.bone(), *path);
+}
+
+void Planner::open(const std::filesystem::path& path) {
+  const FileKind kind = kind_of_file(path);
+  if (kind == FileKind::plan) {
+    open_plan(path);
+    return;
+  }
+  job_.start(tr("Opening %1").arg(name_of_file(path)), [this, path, kind](const Progress& progress) {
+    std::shared_ptr<const OpenedBone> bone =
+        kind == FileKind::bone ? open_bone(path, progress) : open_ct(path, bake_cache_folder(), progress);
+    return [this, bone = std::move(bone)] { show_bone(bone); };
+  });
+}
+
+void Planner::bake_here() {
+  const std::shared_ptr<const OpenedBone> bone = document_.bone();
+  if (!bone || !bone->is_whole_ct) fail("expected an open CT, found none: a baked bone holds but one vertebra");
+  job_.start(tr("Baking the vertebra here"), [this, bone, seed_mm = view_.crosshair_mm()](const Progress& progress) {
+    std::shared_ptr<const OpenedBone> other = bake_vertebra_at(*bone, seed_mm, bake_cache_folder(), progress);
+    return [this, other = std::move(other)] { show_bone(other); };
+  });
+}
+
+void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
+  plan_file_.clear();
+  document_.set_bone(bone);
+  view_.set_crosshair(bone->model().bounds_mm().center());
+  const QString file = text_of(bone->file.string());
+  const std::string& remark = bone->bone->remark();
+  Q_EMIT said(remark.empty() ? tr("Opened %1").arg(file) : tr("Opened %1; %2").arg(file, text_of(remark)));
+  Q_EMIT opened(file);
+}
+
+void Planner::open_plan(const std::filesystem::path& file) {
+  std::vector<DrillPath> paths = read_plan(file);
+  if (!document_.bone()) {
+    fail("expected a bone for the plan ", file.string(), ", found none: open the CT or the bone it is for first");
+  }
+  const auto met = std::count_if(paths.begin(), paths.end(),
+                                 [&](const DrillPath& path) { return meets(path, document_.bone()->model()); });
+  if (met == 0) {
+    fail("none of the ", paths.size(), " paths of ", file.string(),
+         " meets this bone: the plan is for another one, or in another frame");
+  }
+  document_.set_paths(std::move(paths));
+  const bool is_ours = !file.string().ends_with(".mrk.json");
+  plan_file_ = is_ours ? file : std::filesystem::path();
+  view_.set_crosshair(document_.chosen_path()->entry_mm);
+  const auto beside = static_cast<std::ptrdiff_t>(document_.paths().size()) - met;
+  Q_EMIT said(beside == 0 ? tr("Opened %1").arg(name_of_file(file))
+                          : tr("Opened %1; %2 of its paths do not meet this bone").arg(name_of_file(file)).arg(beside));
+  Q_EMIT opened(text_of(file.string()));
+}
+
+void Planner::save_plan(const std::filesystem::path& path) {
+  if (document_.paths().empty()) fail("expected a path to save, found none: add one, or let paths be suggested");
+  write_plan(document_.paths(), path);
+  if (!path.string().ends_with(".mrk.json")) {
+    plan_file_ = path;
+    document_.undo_stack().setClean();
+  }
+  Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+}
+
+void Planner::save_bone(const std::filesystem::path& path) {
+  if (!document_.bone()) fail("expected a bone to save, found none");
+  StagedOutput output;
+  write_bone(document_.bone()->model(), output.stage(path));
+  output.commit();
+  Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+}
+
+void Planner::save_report(const std::filesystem::path& path) {
+  if (!document_.bone() || document_.paths().empty()) fail("expected a bone with a path for a report, found none");
+  const OpenedBone& bone = *document_.bone();
+  GradeReportData data;
+  data.title = "Planned paths";
+  for (const DrillPath& one : document_.paths()) {
+    const PathFigures figures = grader_.figures(bone, one);
+    if (!figures.is_graded) fail(figures.warnings.front().text);
+    data.paths.push_back(figures.graded);
+  }
+  data.hu_bands = grader_.hu_bands();
+  data.landmarks = bone.bone->landmarks();
+  data.ct = &bone.ct;
+  data.bone_bounds_mm = bone.model().bounds_mm();
+  StagedOutput output;
+  output.write(path, grade_report(data));
+  output.commit();
+  Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+}
+
+void Planner::save_record(const std::filesystem::path& path) {
+  write_drilling(tr("Saving the record"), path, [path](const DoneDrilling& drilling, const Progress& progress) {
+    write_record(drilling, path, progress);
+  });
+}
+
+void Planner::write_drill_report(const std::filesystem::path& folder) {
+  write_drilling(tr("Writing the report"), folder, [folder](const DoneDrilling& drilling, const Progress& progress) {
+    write_report(drilling, folder, progress);
+  });
+}
+
+void Planner::write_drilling(const QString& what, const std::filesystem::path& path,
+                             const std::function<void(const DoneDrilling&, const Progress&)>& write) {
+  std::optional<DoneDrilling> drilling = player_.done();
+  if (!drilling) fail("expected a drilling that stands still: drill a path, or stop the drilling first");
+  job_.start(what, [this, path, write, drilling = *std::move(drilling)](const Progress& progress) {
+    write(drilling, progress);
+    return [this, path] { Q_EMIT said(tr("Saved %1").arg(text_of(path.string()))); };
+  });
+}
+
+void Planner::suggest() {
+  if (!document_.bone()) fail("expected a bone to suggest paths for, found none");
+  if (document_.bone()->bone->landmarks() == nullptr) {
+    fail("cannot suggest paths: ", document_.bone()->bone->remark());
+  }
+  job_.start(tr("Suggesting paths"), [this, bone = document_.bone()](const Progress& progress) {
+    const std::vector<Suggestion> suggestions = auto_plan(*bone->bone->walls(), bone->bone->hu(), {}, progress);
+    return [this, bone, suggestions] {
+      if (document_.bone() != bone) return;  // another one was opened meanwhile
+      QStringList refusals;
+      std::vector<DrillPath> paths;
+      for (const Suggestion& suggestion : suggestions) {
+        if (suggestion.best) {
+          paths.push_back(suggestion.best->path);
+        } else {
+          refusals += text_of(suggestion.refusal);
+        }
+      }
+      document_.add_paths(std::move(paths), tr("suggest paths"));
+      if (const DrillPath* path = document_.chosen_path()) view_.set_crosshair(path->entry_mm);
+      if (refusals.isEmpty()) {
+        Q_EMIT said(tr("Suggested %1 paths").arg(suggestions.size()));
+      } else {
+        Q_EMIT trouble(tr("Suggesting paths"), refusals.join("\n"));
+      }
+    };
+  });
+}
+
+}  // namespace spinaltap

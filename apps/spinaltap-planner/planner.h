@@ -1,0 +1,76 @@
+#pragma once
+
+#include <QObject>
+#include <QString>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "apps/spinaltap-planner/background_job.h"
+#include "apps/spinaltap-planner/drill/drill_player.h"
+#include "apps/spinaltap-planner/figures/path_figures.h"
+#include "apps/spinaltap-planner/plan_document.h"
+#include "apps/spinaltap-planner/view_state.h"
+
+namespace spinaltap {
+
+/// All of the program but its window: the plan, what the panes show, the drilling, files and long work. A window and
+/// scripts do the same through it.
+class Planner : public QObject {
+  Q_OBJECT
+ public:
+  /// Throws Error where a shipped file is missing or damaged.
+  explicit Planner(QObject* parent = nullptr);
+
+  PlanDocument& document() { return document_; }
+  ViewState& view() { return view_; }
+  DrillPlayer& player() { return player_; }
+  BackgroundJob& job() { return job_; }
+  const PathGrader& grader() const { return grader_; }
+  /// Of the chosen path; nothing without a bone or a path.
+  std::optional<PathFigures> figures() const;
+
+  /// Opens a CT, a baked bone, or a plan for the bone that is open. CTs and bones take a while: opened() tells when
+  /// they are there. Throws Error where the file cannot be; what was open then stays.
+  void open(const std::filesystem::path& path);
+  /// Bakes the vertebra of the open CT whose body the crosshair is in, as open() does. Throws Error where no CT is
+  /// open.
+  void bake_here();
+  /// Throws Error where it cannot be written. A name that ends in ".mrk.json" makes 3D Slicer's markups: a copy, which
+  /// does not become the plan's file.
+  void save_plan(const std::filesystem::path& path);
+  /// The baked bone, so that it need not be baked again.
+  void save_bone(const std::filesystem::path& path);
+  /// The report on all paths of the plan, as `spinaltap grade` writes it.
+  void save_report(const std::filesystem::path& path);
+  /// The record and the report of the drilling that stands, written while the window goes on (drill_output.h). Throw
+  /// Error where there is none.
+  void save_record(const std::filesystem::path& path);
+  void write_drill_report(const std::filesystem::path& folder);
+  /// Adds what suggest_paths() finds, as one step back; in the background. Throws Error without a bone with landmarks.
+  void suggest();
+
+  /// The file that the plan was read from or saved to; empty: none yet.
+  const std::filesystem::path& plan_file() const { return plan_file_; }
+  bool has_unsaved_changes() const { return !document_.undo_stack().isClean(); }
+
+ Q_SIGNALS:
+  void opened(const QString& file);  ///< is there, and the panes show it
+  void said(const QString& what);    ///< for the status bar
+  void trouble(const QString& what, const QString& why);
+
+ private:
+  void write_drilling(const QString& what, const std::filesystem::path& path,
+                      const std::function<void(const DoneDrilling&, const Progress&)>& write);
+  void show_bone(const std::shared_ptr<const OpenedBone>& bone);
+  void open_plan(const std::filesystem::path& file);
+
+  PathGrader grader_;
+  PlanDocument document_;
+  ViewState view_;
+  DrillPlayer player_;
+  BackgroundJob job_;  ///< last: it ends before what it works for
+  std::filesystem::path plan_file_;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "apps/spinaltap-planner/plan_document.h"
+#include "apps/spinaltap-planner/scene/scene_camera.h"
+
+namespace spinaltap {
+
+/// An end of a path that can be taken hold of.
+struct PathHandle {
+  int path = 0;
+  PathEnd end = PathEnd::entry;
+
+  bool operator==(const PathHandle&) const = default;
+};
+
+inline constexpr double kHandlePixels = 7.0;  ///< radius of a handle, whatever the distance
+
+Vec3 place_of(const DrillPath& path, PathEnd end);
+
+/// The handle under a pixel: the nearest, where two are as near that of the chosen path.
+std::optional<PathHandle> handle_at(const std::vector<DrillPath>& paths, int chosen, const SceneCamera& camera,
+                                    const Eigen::Vector2d& pixel);
+
+/// The path whose bit is under a pixel, also inside the bone; -1: none.
+int path_at(const std::vector<DrillPath>& paths, const SceneCamera& camera, const Eigen::Vector2d& pixel);
+
+}  // namespace spinaltap
