@@ -1,110 +1,143 @@
 // What the window must keep to on two cores that draw by software, at 1400 x 900. Medians: a machine may be called away
-// for a moment.
+// for a moment. A host that gives a virtual machine's processors to others for longer is not what is tested: a round
+// that misses its limit fails only where the machine had its processors to itself, and is repeated elsewhere.
+#include <algorithm>
 #include <cstdio>
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "tests/gui/frame_watch.h"
 #include "tests/gui/planner_window.h"
+#include "tests/gui/stolen_time.h"
 
 namespace spinaltap::test {
 namespace {
 
 constexpr double kMostFrameMs = 50.0;
-
-double ninth_tenth(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[9 * values.size() / 10];
-}
-
 constexpr double kMostOpeningS = 3.0;
 constexpr double kLeastFramesPerS = 15.0;
 
 using PlannerSpeed = PlannerWindow;
 
-TEST_F(PlannerSpeed, OpensTheBakedPhantom) {
-  const std::filesystem::path file = phantom_file();
-  std::vector<double> seconds;
-  for (int run = 0; run < 3; ++run) {
-    QElapsedTimer clock;
-    clock.start();
-    planner().open(file);
-    ASSERT_TRUE(wait_until([&] { return !planner().job().is_running(); }, 60000));
-    window->settle();
-    seconds.push_back(1e-3 * static_cast<double>(clock.elapsed()));
+/// Until a round keeps to its limit.
+void expect_in_a_round(const std::function<bool()>& keeps_to_its_limit) {
+  constexpr int kMostRounds = 8;
+  constexpr double kLittle = 0.05;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const StolenTime stolen;
+    if (keeps_to_its_limit()) return;
+    const double share = stolen.share();
+    std::printf("over the limit, while the host kept %.0f %% of the processors\n", 100.0 * share);
+    if (share < kLittle) {
+      ADD_FAILURE() << "over the limit, and the processors were this machine's";
+      return;
+    }
+    let_work(3000);
   }
-  std::printf("opened in %.2f s\n", median(seconds));
-  EXPECT_LT(median(seconds), kMostOpeningS);
+  GTEST_SKIP() << "the host kept the processors in all of " << kMostRounds << " rounds";
 }
 
-TEST_F(PlannerSpeed, ScrollsSlicesAndDragsEnds) {
+/// Of frames, with their place in words.
+bool are_quick(const char* what, std::vector<double> frames_ms) {
+  std::sort(frames_ms.begin(), frames_ms.end());
+  const double median_ms = median(frames_ms);
+  std::printf("%s: %.1f ms to the next frame, nine of ten within %.1f ms\n", what, median_ms,
+              frames_ms[9 * frames_ms.size() / 10]);
+  return median_ms < kMostFrameMs;
+}
+
+TEST_F(PlannerSpeed, OpensTheBakedPhantom) {
+  const std::filesystem::path file = phantom_file();
+  expect_in_a_round([&] {
+    std::vector<double> seconds;
+    for (int run = 0; run < 3; ++run) {
+      QElapsedTimer clock;
+      clock.start();
+      planner().open(file);
+      EXPECT_TRUE(wait_until([&] { return !planner().job().is_running(); }, 60000));
+      window->settle();
+      seconds.push_back(1e-3 * static_cast<double>(clock.elapsed()));
+    }
+    std::printf("opened in %.2f s\n", median(seconds));
+    return median(seconds) < kMostOpeningS;
+  });
+}
+
+TEST_F(PlannerSpeed, ScrollsSlices) {
   show_phantom();
   for (const char* name : {"axial", "coronal", "sagittal"}) {
     SliceView& view = slice(name);
     input.move(view, view.rect().center());
     FrameWatch watch(view);
-    std::vector<double> ms;
-    for (int n = 0; n < 30; ++n) ms.push_back(watch.ms_to_next_frame([&] { input.wheel(n < 15 ? 1 : -1); }));
-    std::printf("%s: %.1f ms from the wheel to the next frame, nine of ten within %.1f ms\n", name, median(ms),
-                ninth_tenth(ms));
-    EXPECT_LT(median(ms), kMostFrameMs) << name;
+    expect_in_a_round([&] {
+      std::vector<double> ms;
+      for (int n = 0; n < 30; ++n) ms.push_back(watch.ms_to_next_frame([&] { input.wheel(n < 15 ? 1 : -1); }));
+      return are_quick(name, ms);
+    });
   }
+}
+
+TEST_F(PlannerSpeed, DragsEndsOnASlice) {
+  show_phantom();
   SliceView& axial = slice("axial");
-  const QPoint target = pixel_of(axial, document().chosen_path()->target_mm);
-  const QPoint entry = pixel_of(axial, document().chosen_path()->entry_mm);
-  for (const QPoint& end : {target, entry}) {
-    input.move(axial, end);
-    input.press();
-    FrameWatch watch(axial);
-    std::vector<double> ms;
-    for (int n = 1; n <= 30; ++n)
-      ms.push_back(watch.ms_to_next_frame([&] { input.nudge(axial, end + QPoint(n / 2, n)); }));
-    input.release();
-    std::printf("%.1f ms from a move of the mouse to the next frame, nine of ten within %.1f ms\n", median(ms),
-                ninth_tenth(ms));
-    EXPECT_LT(median(ms), kMostFrameMs);
+  for (const Vec3& end_mm : {document().chosen_path()->target_mm, document().chosen_path()->entry_mm}) {
+    const QPoint end = pixel_of(axial, end_mm);
+    expect_in_a_round([&] {
+      input.move(axial, end);
+      input.press();
+      FrameWatch watch(axial);
+      std::vector<double> ms;
+      for (int n = 1; n <= 30; ++n)
+        ms.push_back(watch.ms_to_next_frame([&] { input.nudge(axial, end + QPoint(n / 2, n)); }));
+      input.release();
+      document().undo_stack().undo();
+      return are_quick("dragged on a slice", ms);
+    });
   }
 }
 
 TEST_F(PlannerSpeed, DragsEndsIn3D) {
   show_phantom();
   SceneView& scene = window->panes().scene();
-  for (const Vec3& end_mm : {document().chosen_path()->entry_mm, document().chosen_path()->target_mm}) {
+  for (const Vec3& end_mm : {document().chosen_path()->target_mm, document().chosen_path()->entry_mm}) {
     const QPoint end = scene.to_pixel(end_mm).toPoint();
-    input.move(scene, end);
-    input.press();
-    FrameWatch watch(scene);
-    std::vector<double> ms;
-    for (int n = 1; n <= 20; ++n) {
-      let_work(80);  // until the frame before has been drawn
-      ms.push_back(watch.ms_to_next_frame([&] { input.nudge(scene, end + QPoint(n / 2, n)); }));
-    }
-    input.release();
-    std::printf("3D: %.1f ms from a move of the mouse to the next frame, nine of ten within %.1f ms\n", median(ms),
-                ninth_tenth(ms));
-    EXPECT_LT(median(ms), kMostFrameMs);
-    EXPECT_TRUE(document().undo_stack().canUndo());
-    document().undo_stack().undo();
+    expect_in_a_round([&] {
+      input.move(scene, end);
+      input.press();
+      FrameWatch watch(scene);
+      std::vector<double> ms;
+      for (int n = 1; n <= 20; ++n) {
+        let_work(80);  // until the frame before has been drawn
+        ms.push_back(watch.ms_to_next_frame([&] { input.nudge(scene, end + QPoint(n / 2, n)); }));
+      }
+      input.release();
+      EXPECT_TRUE(document().undo_stack().canUndo());
+      document().undo_stack().undo();
+      return are_quick("dragged in 3D", ms);
+    });
   }
 }
 
 TEST_F(PlannerSpeed, DrillingShowsFrames) {
   show_phantom();
   DrillPlayer& player = planner().player();
-  player.start({.hand = "tremor", .feed_mm_s = 2.0, .speed = 1.0});
-  ASSERT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::drilling; }, 60000));
-  let_work(2000);  // into the bone
-  FrameWatch scene(window->panes().scene());
-  FrameWatch axial(slice("axial"));
-  QElapsedTimer clock;
-  clock.start();
-  let_work(5000);
-  const double seconds = 1e-3 * static_cast<double>(clock.elapsed());
-  std::printf("drilling: %.1f frames a second in 3D, %.1f on a slice\n", scene.frames() / seconds,
-              axial.frames() / seconds);
-  EXPECT_GE(scene.frames() / seconds, kLeastFramesPerS);
-  EXPECT_EQ(player.state(), DrillPlayer::State::drilling);
-  player.stop();
-  EXPECT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }));
+  expect_in_a_round([&] {
+    player.start({.hand = "tremor", .feed_mm_s = 2.0, .speed = 1.0});
+    EXPECT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::drilling; }, 60000));
+    let_work(2000);  // into the bone
+    FrameWatch scene(window->panes().scene());
+    FrameWatch axial(slice("axial"));
+    QElapsedTimer clock;
+    clock.start();
+    let_work(5000);
+    const double seconds = 1e-3 * static_cast<double>(clock.elapsed());
+    std::printf("drilling: %.1f frames a second in 3D, %.1f on a slice\n", scene.frames() / seconds,
+                axial.frames() / seconds);
+    EXPECT_EQ(player.state(), DrillPlayer::State::drilling);
+    player.stop();
+    EXPECT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }));
+    player.undo_hole();
+    return scene.frames() / seconds >= kLeastFramesPerS;
+  });
 }
 
 }  // namespace

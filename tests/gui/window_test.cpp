@@ -266,11 +266,9 @@ TEST_F(PlannerWindowTest, DrillsUndoesTheHoleAndSavesTheRecord) {
   ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(record) && !planner().job().is_running(); }, 60000));
   EXPECT_EQ(read_record(record).cycles.size(), player.done()->inputs.size());
   input.click(child<QAbstractButton>("drill_undo_hole"));
-  EXPECT_EQ(player.removed(), 0U);
-  EXPECT_FALSE(player.can_undo_hole());
+  EXPECT_TRUE(wait_until([&] { return player.removed() == 0 && !player.can_undo_hole(); }));
   input.key("shift+F9");
-  EXPECT_EQ(player.removed(), removed);
-  EXPECT_TRUE(player.can_undo_hole());
+  EXPECT_TRUE(wait_until([&] { return player.removed() == removed && player.can_undo_hole(); }));
 }
 
 TEST_F(PlannerWindowTest, StopsStepsBackAndGoesOnByKeys) {
@@ -280,7 +278,7 @@ TEST_F(PlannerWindowTest, StopsStepsBackAndGoesOnByKeys) {
   input.key("F6");
   ASSERT_TRUE(wait_until([&] { return player.seconds() > 1.5; }, 120000));
   input.key("F7");
-  ASSERT_EQ(player.state(), DrillPlayer::State::stopped);
+  ASSERT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }));
   const double stopped_s = player.seconds();
   input.key("F8");
   ASSERT_TRUE(
@@ -289,7 +287,7 @@ TEST_F(PlannerWindowTest, StopsStepsBackAndGoesOnByKeys) {
   input.key("F7");
   EXPECT_TRUE(wait_until([&] { return player.seconds() > stopped_s; }));
   input.key("F7");
-  EXPECT_EQ(player.state(), DrillPlayer::State::stopped);
+  EXPECT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }));
 }
 
 TEST_F(PlannerWindowTest, ForeignPlanIsRefusedInWordsAndNothingIsLost) {
