@@ -27,8 +27,9 @@ CtSlice ct_slice(const CtVolume& ct, const SliceFrame& frame, const HuWindow& wi
     const Vec3 begin = grid.to_index(frame.to_patient(Vec3(0.0, row, 0.0)));
     for (int column = 0; column < frame.width; ++column, out += 3) {
       const double hu = sample_hu_at_index(ct, begin + column * along_row, outside_hu);
-      const double grey = std::clamp(grey_per_hu * (hu - black_hu), 0.0, 255.0);
-      std::fill_n(out, 3, static_cast<std::uint8_t>(grey + 0.5));
+      // The half makes of cutting off rounding.
+      const double grey = 0.5 + std::clamp(grey_per_hu * (hu - black_hu), 0.0, 255.0);
+      std::fill_n(out, 3, static_cast<std::uint8_t>(grey));
     }
   });
   return slice;
