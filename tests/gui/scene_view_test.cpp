@@ -13,6 +13,7 @@
 #include "apps/spinaltap-planner/plane_colours.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/gui/phantom_bone.h"
+#include "tests/gui/x_input.h"
 #include "vdb/remaining_surface.h"
 
 namespace spinaltap {
@@ -293,6 +294,18 @@ TEST_F(SceneViewTest, DrawsManyChangesInOneFrameAndNothingWithoutAny) {
   EXPECT_EQ(view_.frames(), before + 2);  // one at once, a smooth one at rest
   settle();
   EXPECT_EQ(view_.frames(), before + 2);
+}
+
+TEST_F(SceneViewTest, AFrameIsSmoothAtRestButNotWhileAButtonIsHeld) {
+  view_.picture();
+  press(QPointF(60.0, 60.0));
+  const int before = view_.frames();
+  move(QPointF(80.0, 60.0));
+  test::let_work(500);
+  EXPECT_EQ(view_.frames(), before + 1);
+  release(QPointF(80.0, 60.0));
+  test::let_work(500);
+  EXPECT_EQ(view_.frames(), before + 3);  // one at once, a smooth one at rest
 }
 
 TEST_F(SceneViewTest, SurvivesResizingHidingAndAnotherBone) {

@@ -1,6 +1,7 @@
-// What the window must keep to on two cores that draw by software, at 1400 x 900. Medians: a machine may be called away
-// for a moment. A host that gives a virtual machine's processors to others for longer is not what is tested: a round
-// that misses its limit fails only where the machine had its processors to itself, and is repeated elsewhere.
+// What the window must keep to on two cores that draw by software, at 1400 x 900. Nine frames of ten: a machine may be
+// called away for a moment. A host that gives a virtual machine's processors to others for longer is not what is
+// tested: a round that misses its limit fails only where the machine had its processors to itself, and is repeated
+// elsewhere.
 #include <algorithm>
 #include <cstdio>
 
@@ -39,10 +40,9 @@ void expect_in_a_round(const std::function<bool()>& keeps_to_its_limit) {
 /// Of frames, with their place in words.
 bool are_quick(const char* what, std::vector<double> frames_ms) {
   std::sort(frames_ms.begin(), frames_ms.end());
-  const double median_ms = median(frames_ms);
-  std::printf("%s: %.1f ms to the next frame, nine of ten within %.1f ms\n", what, median_ms,
-              frames_ms[9 * frames_ms.size() / 10]);
-  return median_ms < kMostFrameMs;
+  const double most_ms = frames_ms[9 * frames_ms.size() / 10];
+  std::printf("%s: %.1f ms to the next frame, nine of ten within %.1f ms\n", what, median(frames_ms), most_ms);
+  return most_ms < kMostFrameMs;
 }
 
 TEST_F(PlannerSpeed, OpensTheBakedPhantom) {
@@ -105,9 +105,10 @@ TEST_F(PlannerSpeed, DragsEndsIn3D) {
       input.press();
       FrameWatch watch(scene);
       std::vector<double> ms;
-      for (int n = 1; n <= 20; ++n) {
+      constexpr int kNoClick = 5;  // pixels from where the button was pressed: what is less may be a click
+      for (int n = 0; n < 20; ++n) {
         let_work(80);  // until the frame before has been drawn
-        ms.push_back(watch.ms_to_next_frame([&] { input.nudge(scene, end + QPoint(n / 2, n)); }));
+        ms.push_back(watch.ms_to_next_frame([&] { input.nudge(scene, end + QPoint(n / 2, kNoClick + n)); }));
       }
       input.release();
       EXPECT_TRUE(document().undo_stack().canUndo());

@@ -61,7 +61,7 @@ bool SceneInteraction::eventFilter(QObject* pane, QEvent* event) {
 void SceneInteraction::offer_handles(bool are_offered) {
   offers_handles_ = are_offered;
   if (are_offered) return;
-  if (drag_ == Drag::handle) drag_ = Drag::none;
+  if (drag_ == Drag::handle) end_drag();
   set_hot(std::nullopt);
 }
 
@@ -122,7 +122,7 @@ void SceneInteraction::move(const QMouseEvent& event) {
 void SceneInteraction::release(const QMouseEvent& event) {
   if (event.button() != button_ || drag_ == Drag::none) return;
   const bool was_left_click = is_click_ && button_ == Qt::LeftButton && drag_ == Drag::orbit;
-  drag_ = Drag::none;
+  end_drag();
   button_ = Qt::NoButton;
   const Eigen::Vector2d pixel = pixel_of(event);
   if (was_left_click) {
@@ -215,10 +215,16 @@ void SceneInteraction::drag_handle(const Eigen::Vector2d& pixel) {
 }
 
 void SceneInteraction::put_back() {
-  drag_ = Drag::none;
+  end_drag();
   pane_.setCursor(Qt::ArrowCursor);
   if (held_.has_moved) document_.undo_stack().undo();
   set_hot(std::nullopt);
+}
+
+void SceneInteraction::end_drag() {
+  if (drag_ == Drag::none) return;
+  drag_ = Drag::none;
+  Q_EMIT drag_ended();
 }
 
 void SceneInteraction::set_hot(const std::optional<PathHandle>& hot) {
@@ -230,7 +236,7 @@ void SceneInteraction::set_hot(const std::optional<PathHandle>& hot) {
 
 void SceneInteraction::forget_gone_paths() {
   if (!hot_ || hot_->path < static_cast<int>(document_.paths().size())) return;
-  drag_ = Drag::none;
+  end_drag();
   set_hot(std::nullopt);
 }
 

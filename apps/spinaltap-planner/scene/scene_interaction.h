@@ -30,10 +30,13 @@ class SceneInteraction : public QObject {
   void offer_handles(bool are_offered);
   /// Under the pointer, or held.
   const std::optional<PathHandle>& hot() const { return hot_; }
+  /// Whether a button is held that turns, moves or zooms.
+  bool is_dragging() const { return drag_ != Drag::none; }
 
  Q_SIGNALS:
   void camera_changed();
   void hot_changed();
+  void drag_ended();
   /// A view as SceneView::look_from() has them; empty: all of the bone from where the eye is.
   void view_asked(const QString& name);
 
@@ -54,6 +57,7 @@ class SceneInteraction : public QObject {
   void take_hold(const PathHandle& handle, const Eigen::Vector2d& pixel);
   void drag_handle(const Eigen::Vector2d& pixel);
   void put_back();
+  void end_drag();
   void set_hot(const std::optional<PathHandle>& hot);
   void forget_gone_paths();
 

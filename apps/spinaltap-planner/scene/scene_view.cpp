@@ -56,7 +56,10 @@ struct SceneView::Scene {
     next_frame.setSingleShot(true);
     QObject::connect(&next_frame, &QTimer::timeout, pane, [this] { draw(false); });
     at_rest.setSingleShot(true);
-    QObject::connect(&at_rest, &QTimer::timeout, pane, [this] { draw(true); });
+    QObject::connect(&at_rest, &QTimer::timeout, pane, [this] {
+      // A smooth frame takes so long that a drag's next one would be late.
+      if (!interaction.is_dragging()) draw(true);
+    });
   }
 
   const OpenedBone* opened() const { return document.bone().get(); }
@@ -99,7 +102,7 @@ struct SceneView::Scene {
     pane->show_frame(stage.finish());
     if (is_awaited) {
       draw_soon();
-    } else if (is_stale) {
+    } else if (is_stale && !interaction.is_dragging()) {
       at_rest.start(kRestMs);
     }
     is_awaited = false;
@@ -159,6 +162,7 @@ SceneView::SceneView(PlanDocument& document, ViewState& state, QWidget* parent)
   connect(&state, &ViewState::scene_changed, this, draw_soon);
   connect(&scene.interaction, &SceneInteraction::camera_changed, this, draw_soon);
   connect(&scene.interaction, &SceneInteraction::hot_changed, this, draw_soon);
+  connect(&scene.interaction, &SceneInteraction::drag_ended, this, draw_soon);
   connect(&scene.interaction, &SceneInteraction::view_asked, this,
           [this](const QString& name) { name.isEmpty() ? show_all() : look_from(name); });
   scene.open_bone();
