@@ -272,7 +272,8 @@ void MainWindow::closeEvent(QCloseEvent* event) {
     QMessageBox box(QMessageBox::Question, tr("SpinalTap planner"),
                     tr("%1 is still running.").arg(planner_.job().what()), QMessageBox::NoButton, this);
     box.setObjectName("running");
-    box.setInformativeText(tr("Stages that are finished are kept, so that it goes on from there next time."));
+    box.setInformativeText(
+        tr("No file is left half written, and a bake goes on next time from the stages that are finished."));
     QPushButton* stop = box.addButton(tr("Stop it and close"), QMessageBox::DestructiveRole);
     box.addButton(tr("Keep the window open"), QMessageBox::RejectRole);
     box.exec();
