@@ -105,7 +105,10 @@ void PlanDocument::remove_path(int index) {
 void PlanDocument::change_path(int index, const DrillPath& path, const QString& what, std::uint64_t drag) {
   check_path(path);
   std::vector<DrillPath> paths = paths_;
-  paths.at(static_cast<std::size_t>(index)) = path;
+  DrillPath& changed = paths.at(static_cast<std::size_t>(index));
+  const std::string name = path.name == changed.name ? path.name : unlike(paths, path.name);
+  changed = path;
+  changed.name = name;
   undo_stack_.push(new ReplacePaths(*this, std::move(paths), chosen_, what, drag));
 }
 

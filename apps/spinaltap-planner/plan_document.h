@@ -41,7 +41,8 @@ class PlanDocument : public QObject {
   /// Several as one step back, the first of which is chosen; nothing happens without any.
   void add_paths(std::vector<DrillPath> paths, const QString& what);
   void remove_path(int index);
-  /// `what`: for the menu, such as "move entry". Changes with the same `drag` other than 0 become one step back.
+  /// A new name is made unlike the others'. `what`: for the menu, such as "move entry". Changes with the same `drag`
+  /// other than 0 become one step back.
   void change_path(int index, const DrillPath& path, const QString& what, std::uint64_t drag = 0);
   /// Puts an end of a path to a place; the entry goes to the nearest place of the bone's surface. False where the place
   /// makes no path (the ends too near); then nothing changed.

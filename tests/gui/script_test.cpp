@@ -77,6 +77,12 @@ TEST_F(PlannerScript, NamesTheLineThatCannotBeDone) {
               testing::ThrowsMessage<Error>(testing::HasSubstr("target X Y Z")));
   EXPECT_THAT([&] { run_script(*window, script("choose nobody\n"), "test.txt"); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("nobody")));
+  for (const char* senseless :
+       {"size 1e12 900", "size nan 900", "pause -1", "pause 1e300", "opacity nan", "opacity 2"}) {
+    EXPECT_THAT([&] { run_script(*window, script(senseless), "test.txt"); },
+                testing::ThrowsMessage<Error>(testing::HasSubstr("expected a number")))
+        << senseless;
+  }
   EXPECT_THAT([&] { run_script(*window, script("open nothing.vdb\n"), "test.txt"); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("nothing.vdb")));
 }

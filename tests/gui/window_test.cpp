@@ -203,6 +203,18 @@ TEST_F(PlannerWindowTest, NumbersAndToolsAreSetByTheKeyboardAlone) {
   EXPECT_EQ(document().chosen_path()->target_mm, before);
 }
 
+TEST_F(PlannerWindowTest, APathIsRenamedByTypingAndNeverLikeAnother) {
+  show_phantom();
+  const std::string other = document().paths()[1].name;
+  child<QTableWidget>("paths").setFocus(Qt::TabFocusReason);
+  let_work(20);
+  input.type(text_of(other));
+  input.key("Return");
+  EXPECT_TRUE(wait_until([&] { return document().paths()[0].name == other + " 2"; }));
+  input.key("ctrl+z");
+  EXPECT_TRUE(wait_until([&] { return document().paths()[0].name == phantom_paths()[0].name; }));
+}
+
 TEST_F(PlannerWindowTest, SavesAndReopensTheSame) {
   show_phantom();
   document().move_end(0, PathEnd::target, document().paths()[0].target_mm + Vec3(0.3, -0.2, 0.7));

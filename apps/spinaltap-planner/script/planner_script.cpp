@@ -3,6 +3,7 @@
 #include <QEventLoop>
 #include <QTimer>
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <optional>
@@ -25,8 +26,14 @@ using Words = std::vector<std::string>;
 
 double number_of(const std::string& word) {
   const std::optional<double> value = parse_number(word);
-  if (!value) fail("expected a number, found \"", word, "\"");
+  if (!value || !std::isfinite(*value)) fail("expected a number, found \"", word, "\"");
   return *value;
+}
+
+double number_within(const std::string& word, double least, double most) {
+  const double value = number_of(word);
+  if (value < least || value > most) fail("expected a number from ", least, " to ", most, ", found ", word);
+  return value;
 }
 
 Vec3 place_of_words(const Words& words) {
@@ -200,7 +207,7 @@ class ScriptRun {
         }}},
       {"opacity",
        {1, 1, "opacity 0..1: of the bone in 3D",
-        [this](const Words& w) { planner().view().set_bone_opacity(number_of(w[0])); }}},
+        [this](const Words& w) { planner().view().set_bone_opacity(number_within(w[0], 0.0, 1.0)); }}},
       {"guide",
        {2, 2, "guide axial|coronal|sagittal on|off: the slice in 3D", [this](const Words& w) { show_guide(w); }}},
       {"view",
@@ -218,7 +225,9 @@ class ScriptRun {
       {"size",
        {2, 2, "size WIDTH HEIGHT: of the window, pixels",
         [this](const Words& w) {
-          window_->resize(static_cast<int>(number_of(w[0])), static_cast<int>(number_of(w[1])));
+          constexpr double kMost = 10000.0;
+          window_->resize(static_cast<int>(number_within(w[0], 1.0, kMost)),
+                          static_cast<int>(number_within(w[1], 1.0, kMost)));
         }}},
       {"drill",
        {0, 4, "drill [hand=NAME] [feed=MM_S] [push=N] [speed=X]: the chosen path; goes on beside the script",
@@ -226,8 +235,9 @@ class ScriptRun {
       {"pause",
        {1, 1, "pause SECONDS: lets time go by",
         [this](const Words& w) {
+          constexpr double kDayS = 86400.0;
           QEventLoop loop;
-          QTimer::singleShot(static_cast<int>(1000.0 * number_of(w[0])), &loop, &QEventLoop::quit);
+          QTimer::singleShot(static_cast<int>(1000.0 * number_within(w[0], 0.0, kDayS)), &loop, &QEventLoop::quit);
           loop.exec();
         }}},
       {"wait", {0, 0, "wait: until the drilling has ended", [this](const Words&) { wait_for_drilling(); }}},

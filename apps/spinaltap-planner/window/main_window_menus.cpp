@@ -64,6 +64,8 @@ void MainWindow::make_menus() {
            "Left button: turn; on an end of a path: move it. Middle: move. Wheel: zoom<br>"
            "1 to 6: from behind, front, left, right, above, below; 7: towards the hole; R: all of it<br>"
            "Double click: crosshair there<br>"
+           "<h3>The page Plan</h3>"
+           "In the list of paths: a new name, typed<br>"
            "<h3>The page Drill</h3>"
            "F6: drill; F7: stop, go on; F8: back 1 s; F9, Shift+F9: undo, redo the hole<br>"
            "<h3>Everywhere</h3>"

@@ -91,7 +91,8 @@ PathPanel::PathPanel(PlanDocument& document, QWidget* parent)
   list_->setSelectionBehavior(QAbstractItemView::SelectRows);
   list_->setSelectionMode(QAbstractItemView::SingleSelection);
   list_->setTabKeyNavigation(false);
-  list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
+  list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::AnyKeyPressed);
+  list_->setToolTip(tr("Type a new name for the chosen path, or double click its name"));
   list_->setFixedHeight(116);
   layout->addWidget(list_);
 
