@@ -27,6 +27,11 @@ void ViewState::show_guide(Plane plane, bool is_shown) {
   Q_EMIT scene_changed();
 }
 
+void ViewState::show_tools(bool are_shown) {
+  shows_tools_ = are_shown;
+  Q_EMIT scene_changed();
+}
+
 void ViewState::set_hovered(const std::optional<Vec3>& p_mm) {
   hovered_mm_ = p_mm;
   Q_EMIT hovered_changed();

@@ -31,6 +31,10 @@ class ViewState : public QObject {
   bool shows_guide(Plane plane) const { return shows_guide_[static_cast<std::size_t>(plane)]; }
   void show_guide(Plane plane, bool is_shown);
 
+  /// Whether bits and screws are shown in 3D: they fill the holes.
+  bool shows_tools() const { return shows_tools_; }
+  void show_tools(bool are_shown);
+
   /// What lies under the pointer, patient LPS, mm; nothing where it is on no slice.
   const std::optional<Vec3>& hovered_mm() const { return hovered_mm_; }
   void set_hovered(const std::optional<Vec3>& p_mm);
@@ -38,7 +42,7 @@ class ViewState : public QObject {
  Q_SIGNALS:
   void crosshair_changed();
   void window_changed();
-  void scene_changed();  ///< opacity or guide planes
+  void scene_changed();  ///< opacity, guide planes or tools
   void hovered_changed();
 
  private:
@@ -46,6 +50,7 @@ class ViewState : public QObject {
   HuWindow window_;
   double bone_opacity_ = 1.0;
   std::array<bool, 3> shows_guide_{false, false, false};
+  bool shows_tools_ = true;
   std::optional<Vec3> hovered_mm_;
 };
 

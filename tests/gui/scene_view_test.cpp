@@ -146,7 +146,8 @@ TEST_F(SceneViewTest, ShowsTheWallOfADrilledHoleAndTheBoneAgainAfterAReset) {
     return most;
   };
   EXPECT_GT(reddest(drilled), 40);
-  view_.reset_surface();
+  remaining.reset();
+  view_.update_surface(surface.update());
   EXPECT_LT(reddest(view_.picture()), 30);
 }
 
@@ -261,6 +262,24 @@ TEST_F(SceneViewTest, ATransparentBoneShowsWhatIsInIt) {
   state_.set_bone_opacity(0.0);
   settle();
   EXPECT_FALSE(is_bone(colour_at(test::phantom_bone()->model().bounds_mm().center() - 15.0 * Vec3::UnitY())));
+}
+
+TEST_F(SceneViewTest, ToolsCanBeHiddenSoThatAHoleIsSeenInto) {
+  document_.set_paths(test::phantom_paths());
+  view_.look_from("behind");
+  const DrillPath& path = document_.paths()[0];
+  // The shaft, before the bone and beside the axis.
+  const Vec3 shaft = path.entry_mm - 3.0 * path.direction() + 0.9 * Vec3::UnitZ();
+  const auto blueness = [&](const QColor& colour) { return colour.blue() - colour.red(); };
+  EXPECT_GT(blueness(colour_at(shaft)), 40);
+  state_.show_tools(false);
+  settle();
+  EXPECT_LT(blueness(colour_at(shaft)), 40);
+  view_.set_bit(std::pair{path.bit, Pose{path.target_mm, path.direction()}});
+  const QImage hidden = view_.picture();
+  state_.show_tools(true);
+  settle();
+  EXPECT_NE(view_.picture(), hidden);
 }
 
 TEST_F(SceneViewTest, FramesThatBeginWithTheBoneAsItWasAreThoseThatDrawItAnew) {

@@ -46,7 +46,7 @@ TEST_F(PlannerScript, OpensPlansDrillsAndSaves) {
        << "add mine " << path.entry_mm.transpose() << " " << path.target_mm.transpose() << "\n"
        << "bit \"Drill 2.5 mm\"\nscrew \"5 x 40 mm\"\nscrew none\n"
        << "target " << (path.target_mm + Vec3(0.0, 0.0, 1.0)).transpose() << "\nundo\n"
-       << "view hole\nopacity 0.5\nguide axial on\nwindow 2000 400\npage path\npane 3d\npane all\n"
+       << "view hole\nopacity 0.5\nguide axial on\ntools off\ntools on\nwindow 2000 400\npage path\npane 3d\npane all\n"
        << "drill feed=5 speed=0\nwait\n"
        << "record " << here << "run.h5\nundo-hole\n"
        << "save " << here << "plan.json\nsave " << here << "plan.mrk.json\nreport " << here << "plan.html\n"

@@ -144,15 +144,8 @@ void BoneChunks::set_bone(const BoneModel* bone) {
 }
 
 void BoneChunks::set_blocks(std::span<const std::shared_ptr<const SurfaceBlock>> blocks) {
-  std::map<std::array<int, 3>, std::shared_ptr<const SurfaceBlock>> wanted;
-  for (const auto& block : blocks) wanted[block->block] = block;
   std::vector<SurfaceUpdate> updates;
-  for (const auto& [place, chunk] : chunks_) {
-    for (const auto& [block, surface] : chunk->blocks) {
-      if (!wanted.contains(block)) updates.push_back({block, nullptr});
-    }
-  }
-  for (const auto& [block, surface] : wanted) updates.push_back({block, surface});
+  for (const auto& block : blocks) updates.push_back({block->block, block});
   update(updates);
 }
 

@@ -126,16 +126,16 @@ PathActors::PathActors(vtkRenderer& scene, vtkRenderer& front)
 PathActors::~PathActors() { scene_.RemoveActor(drilling_->actor()); }
 
 void PathActors::set_paths(const std::vector<DrillPath>& paths, int chosen,
-                           const std::optional<std::pair<DrillBit, Pose>>& bit) {
+                           const std::optional<std::pair<DrillBit, Pose>>& bit, bool shows_tools) {
   while (shapes_.size() > paths.size()) shapes_.pop_back();
   while (shapes_.size() < paths.size()) shapes_.push_back(std::make_unique<PathShape>(scene_, front_));
   for (std::size_t n = 0; n < paths.size(); ++n) {
     const bool is_chosen = static_cast<int>(n) == chosen;
     shapes_[n]->show(paths[n], path_colour(n), is_chosen);
-    if (is_chosen && bit) shapes_[n]->hide_tools();
+    if (!shows_tools || (is_chosen && bit)) shapes_[n]->hide_tools();
   }
-  drilling_->actor()->SetVisibility(bit.has_value());
   if (bit) drilling_->show(bit->first, bit->second);
+  drilling_->actor()->SetVisibility(shows_tools && bit.has_value());
 }
 
 void PathActors::prepare(const SceneCamera& camera, double height_px, double pixel_ratio) {

@@ -23,8 +23,9 @@ class PathActors {
   PathActors(const PathActors&) = delete;
   PathActors& operator=(const PathActors&) = delete;
 
-  /// `bit` is drawn in place of the chosen path's own bit and screw.
-  void set_paths(const std::vector<DrillPath>& paths, int chosen, const std::optional<std::pair<DrillBit, Pose>>& bit);
+  /// `bit` is drawn in place of the chosen path's own bit and screw; with `shows_tools` false none of any path is.
+  void set_paths(const std::vector<DrillPath>& paths, int chosen, const std::optional<std::pair<DrillBit, Pose>>& bit,
+                 bool shows_tools);
   /// Puts names where they now belong.
   void prepare(const SceneCamera& camera, double height_px, double pixel_ratio);
 

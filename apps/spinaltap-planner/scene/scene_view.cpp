@@ -111,7 +111,7 @@ struct SceneView::Scene {
   /// Brings what is drawn up to date with plan and view.
   void prepare() {
     const double ratio = pane->devicePixelRatioF();
-    if (are_paths_changed) paths.set_paths(document.paths(), document.chosen(), bit);
+    if (are_paths_changed) paths.set_paths(document.paths(), document.chosen(), bit, state.shows_tools());
     are_paths_changed = false;
     bone.update(updates);
     updates.clear();
@@ -159,7 +159,7 @@ SceneView::SceneView(PlanDocument& document, ViewState& state, QWidget* parent)
   connect(&document, &PlanDocument::chosen_changed, this, draw_paths_soon);
   connect(&state, &ViewState::crosshair_changed, this, draw_soon);
   connect(&state, &ViewState::window_changed, this, draw_soon);
-  connect(&state, &ViewState::scene_changed, this, draw_soon);
+  connect(&state, &ViewState::scene_changed, this, draw_paths_soon);
   connect(&scene.interaction, &SceneInteraction::camera_changed, this, draw_soon);
   connect(&scene.interaction, &SceneInteraction::hot_changed, this, draw_soon);
   connect(&scene.interaction, &SceneInteraction::drag_ended, this, draw_soon);
@@ -173,14 +173,6 @@ SceneView::~SceneView() = default;
 
 void SceneView::update_surface(std::span<const SurfaceUpdate> updates) {
   scene_->updates.insert(scene_->updates.end(), updates.begin(), updates.end());
-  scene_->draw_soon();
-}
-
-void SceneView::reset_surface() {
-  if (scene_->opened() == nullptr) return;
-  scene_->take_frame();
-  scene_->updates.clear();
-  scene_->bone.set_blocks(scene_->opened()->surface);
   scene_->draw_soon();
 }
 

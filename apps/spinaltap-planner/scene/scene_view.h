@@ -26,8 +26,6 @@ class SceneView : public QWidget {
 
   /// Blocks of the bone's surface that drilling changed (null surface: none left there).
   void update_surface(std::span<const SurfaceUpdate> updates);
-  /// The surface as it was opened (OpenedBone::surface).
-  void reset_surface();
   /// The bit while it drills, when paths' ends cannot be moved; nothing: the path's own bit is drawn, its tip at the
   /// target.
   void set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit);

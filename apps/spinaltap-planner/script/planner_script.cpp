@@ -36,6 +36,11 @@ double number_within(const std::string& word, double least, double most) {
   return value;
 }
 
+bool is_on(const std::string& word) {
+  if (word != "on" && word != "off") fail("expected on or off, found \"", word, "\"");
+  return word == "on";
+}
+
 Vec3 place_of_words(const Words& words) {
   return {number_of(words.at(0)), number_of(words.at(1)), number_of(words.at(2))};
 }
@@ -150,10 +155,8 @@ class ScriptRun {
     const std::map<std::string, Plane> planes{
         {"axial", Plane::kAxial}, {"coronal", Plane::kCoronal}, {"sagittal", Plane::kSagittal}};
     const auto plane = planes.find(words[0]);
-    if (plane == planes.end() || (words[1] != "on" && words[1] != "off")) {
-      fail("expected \"guide axial|coronal|sagittal on|off\"");
-    }
-    planner().view().show_guide(plane->second, words[1] == "on");
+    if (plane == planes.end()) fail("expected \"guide axial|coronal|sagittal on|off\"");
+    planner().view().show_guide(plane->second, is_on(words[1]));
   }
 
   MainWindow* window_;
@@ -210,6 +213,9 @@ class ScriptRun {
         [this](const Words& w) { planner().view().set_bone_opacity(number_within(w[0], 0.0, 1.0)); }}},
       {"guide",
        {2, 2, "guide axial|coronal|sagittal on|off: the slice in 3D", [this](const Words& w) { show_guide(w); }}},
+      {"tools",
+       {1, 1, "tools on|off: bits and screws in 3D; they fill the holes",
+        [this](const Words& w) { planner().view().show_tools(is_on(w[0])); }}},
       {"view",
        {1, 1, "view behind|front|left|right|above|below|hole",
         [this](const Words& w) { window_->panes().scene().look_from(text_of(w[0])); }}},

@@ -21,10 +21,14 @@ QPen halo_of(const QPen& pen) {
 }  // namespace
 
 void draw_haloed_line(QPainter& painter, const QPointF& from, const QPointF& to, const QPen& pen) {
+  draw_haloed_lines(painter, {QLineF(from, to)}, pen);
+}
+
+void draw_haloed_lines(QPainter& painter, const QVector<QLineF>& lines, const QPen& pen) {
   painter.setPen(halo_of(pen));
-  painter.drawLine(from, to);
+  painter.drawLines(lines);
   painter.setPen(pen);
-  painter.drawLine(from, to);
+  painter.drawLines(lines);
 }
 
 void draw_haloed_polygon(QPainter& painter, const QPolygonF& polygon, const QPen& pen, const QColor& fill) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/report/bit_outline.h"
+#include "apps/spinaltap-planner/slices/hole_walls.h"
 #include "apps/spinaltap-planner/slices/path_hits.h"
 
 namespace spinaltap {
@@ -22,6 +23,7 @@ struct PaneScene {
   int chosen = -1;
   std::optional<PathHit> hot;                    ///< under the pointer or in the hand
   std::optional<std::pair<DrillBit, Pose>> bit;  ///< that drills
+  const HoleWalls& walls;
 
   QSizeF size() const { return {frame.width / ratio, frame.height / ratio}; }
   QPointF drawn(const Vec3& p_mm) const {

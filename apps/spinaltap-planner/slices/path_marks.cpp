@@ -115,6 +115,15 @@ void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlace
   paint_axis(painter, scene, path, is_chosen ? 0.95 : kFaint);
 }
 
+void paint_walls(QPainter& painter, const PaneScene& scene) {
+  QVector<QLineF> lines;
+  for (const auto& [from, to] : scene.walls.section(scene.frame)) {
+    const Eigen::Vector2d a = scene.in_logical(from), b = scene.in_logical(to);
+    lines << QLineF(a.x(), a.y(), b.x(), b.y());
+  }
+  draw_haloed_lines(painter, lines, QPen(QColor(kHoleRgb), 1.5));
+}
+
 void avoid_handle(const PaneScene& scene, const Vec3& p_mm, LabelPlacer& labels) {
   constexpr double kAroundPx = 10.0;
   const QPointF at = scene.drawn(p_mm);
@@ -132,6 +141,7 @@ void paint_paths(QPainter& painter, const PaneScene& scene, LabelPlacer& labels)
   if (scene.chosen >= 0) order.push_back(scene.chosen);
   for (const int index : order) paint_body(painter, scene, index, labels);
   if (scene.bit) paint_tool(painter, scene, scene.bit->first, scene.bit->second, kDrillRgb, 1.0, labels);
+  paint_walls(painter, scene);
   for (const int index : order) {
     const DrillPath& path = scene.paths[static_cast<std::size_t>(index)];
     for (const Vec3& p_mm : {path.entry_mm, path.target_mm}) avoid_handle(scene, p_mm, labels);

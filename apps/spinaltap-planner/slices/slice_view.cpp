@@ -59,6 +59,7 @@ SliceView::SliceView(SliceKind kind, PlanDocument& document, ViewState& state, Q
          "Up, Down: slices; +, -, 0: zoom. Ctrl and arrows move the entry by 0.1 mm, Alt and arrows the target; with "
          "Shift 1 mm. Escape gives up a drag."));
   connect(&document, &PlanDocument::bone_changed, this, [this] {
+    walls_.reset(document_.bone() ? document_.bone()->surface : decltype(OpenedBone::surface)());
     let_go();
     fit();
     follow_crosshair();
@@ -74,6 +75,11 @@ SliceView::~SliceView() = default;
 
 void SliceView::set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit) {
   bit_ = bit && is_drawable(bit->first, bit->second) ? bit : std::nullopt;
+  update();
+}
+
+void SliceView::update_surface(std::span<const SurfaceUpdate> updates) {
+  walls_.update(updates);
   update();
 }
 
@@ -175,7 +181,8 @@ void SliceView::paintEvent(QPaintEvent* /*event*/) {
                           document_.paths(),
                           document_.chosen(),
                           grip_.end ? std::optional(grip_.end->hit()) : hot_,
-                          bit_};
+                          bit_,
+                          walls_};
     const QImage& image = image_.of(document_.bone(), scene.frame, state_.window());
     painter.drawImage(QRectF(QPointF(0.0, 0.0), scene.size()), image);
     painter.setRenderHint(QPainter::Antialiasing);

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "apps/spinaltap-planner/plan_document.h"
 #include "apps/spinaltap-planner/slices/end_drag.h"
+#include "apps/spinaltap-planner/slices/hole_walls.h"
 #include "apps/spinaltap-planner/slices/pane_geometry.h"
 #include "apps/spinaltap-planner/slices/slice_image.h"
 #include "apps/spinaltap-planner/view_state.h"
@@ -37,6 +39,9 @@ class SliceView : public QWidget {
   /// The bit while it drills; nothing: the path's own bit is drawn, its tip at the target. One that is no bit, or lies
   /// nowhere, is not drawn.
   void set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit);
+
+  /// Blocks of the bone's surface that drilling changed (null surface: none left there); their drilled walls are drawn.
+  void update_surface(std::span<const SurfaceUpdate> updates);
 
   /// Where the pane's device pixels lie in the patient.
   SliceFrame frame() const;
@@ -105,6 +110,7 @@ class SliceView : public QWidget {
   PlanDocument& document_;
   ViewState& state_;
   std::optional<std::pair<DrillBit, Pose>> bit_;
+  HoleWalls walls_;
   PaneView view_;
   bool is_fitted_ = true;  ///< and stays so when the pane's size changes
   double depth_mm_ = 0.0;  ///< down the path

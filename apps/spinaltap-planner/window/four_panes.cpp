@@ -59,4 +59,9 @@ void FourPanes::set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit) {
   scene_->set_bit(bit);
 }
 
+void FourPanes::update_surface(std::span<const SurfaceUpdate> updates) {
+  for (SliceView* slice : slices_) slice->update_surface(updates);
+  scene_->update_surface(updates);
+}
+
 }  // namespace spinaltap

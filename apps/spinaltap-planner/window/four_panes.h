@@ -3,10 +3,12 @@
 #include <QWidget>
 #include <array>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "apps/spinaltap-planner/plan_document.h"
 #include "apps/spinaltap-planner/view_state.h"
+#include "vdb/surface_block.h"
 
 class QSplitter;
 
@@ -27,6 +29,8 @@ class FourPanes : public QWidget {
   /// One pane alone; an empty name: all four.
   void show_only(const QString& name);
   void set_bit(const std::optional<std::pair<DrillBit, Pose>>& bit);
+  /// Blocks of the bone's surface that drilling changed.
+  void update_surface(std::span<const SurfaceUpdate> updates);
 
  private:
   std::array<SliceView*, 3> slices_{};

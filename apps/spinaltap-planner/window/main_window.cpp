@@ -99,14 +99,14 @@ void MainWindow::make_pages() {
   figures_ = new FiguresPanel;
   layout->addWidget(figures_, 1);
 
-  auto* down = new SliceView(SliceKind::down_path, planner_.document(), planner_.view());
-  down->setObjectName("path");
+  down_path_ = new SliceView(SliceKind::down_path, planner_.document(), planner_.view());
+  down_path_->setObjectName("path");
   drill_ = new DrillPanel(planner_.document(), planner_.player());
 
   pages_ = new QTabWidget;
   pages_->setObjectName("pages");
   pages_->addTab(scrolled(plan), tr("&Plan"));
-  pages_->addTab(down, tr("Down the p&ath"));
+  pages_->addTab(down_path_, tr("Down the p&ath"));
   pages_->addTab(scrolled(drill_), tr("D&rill"));
   auto* dock = new QDockWidget(tr("Paths and drilling"));
   dock->setObjectName("dock");
@@ -162,10 +162,16 @@ void MainWindow::make_status_bar() {
 
 void MainWindow::connect_player() {
   DrillPlayer& player = planner_.player();
-  connect(&player, &DrillPlayer::surface_changed, this,
-          [this](const std::vector<SurfaceUpdate>& updates) { panes_->scene().update_surface(updates); });
-  connect(&player, &DrillPlayer::progressed, this, [this] { panes_->set_bit(planner_.player().bit()); });
-  connect(&player, &DrillPlayer::state_changed, this, [this] { panes_->set_bit(planner_.player().bit()); });
+  connect(&player, &DrillPlayer::surface_changed, this, [this](const std::vector<SurfaceUpdate>& updates) {
+    panes_->update_surface(updates);
+    down_path_->update_surface(updates);
+  });
+  const auto show_bit = [this] {
+    panes_->set_bit(planner_.player().bit());
+    down_path_->set_bit(planner_.player().bit());
+  };
+  connect(&player, &DrillPlayer::progressed, this, show_bit);
+  connect(&player, &DrillPlayer::state_changed, this, show_bit);
   connect(&player, &DrillPlayer::failed, this, [this](const QString& why) { tell(tr("Drilling"), why); });
   connect(drill_, &DrillPanel::save_record_wanted, this, [this] {
     ask_and_save(tr("Save the record"), "drilling.h5", tr("Records (*.h5)"),

@@ -20,6 +20,7 @@ class DrillPanel;
 class FiguresPanel;
 class FourPanes;
 class PathPanel;
+class SliceView;
 
 /// The planner's window: four panes, the paths and their figures, drilling. Guards what is not saved.
 class MainWindow : public QMainWindow {
@@ -78,6 +79,7 @@ class MainWindow : public QMainWindow {
 
   Planner planner_;
   FourPanes* panes_ = nullptr;
+  SliceView* down_path_ = nullptr;
   QTabWidget* pages_ = nullptr;
   PathPanel* paths_ = nullptr;
   FiguresPanel* figures_ = nullptr;

@@ -3,6 +3,7 @@
 #include <QSettings>
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
+#include "apps/spinaltap-planner/slices/slice_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/main_window.h"
 #include "apps/spinaltap-planner/window/words.h"
@@ -103,7 +104,7 @@ void MainWindow::save_picture(const std::filesystem::path& file, const QString& 
   } else if (pane == "3d") {
     picture = panes_->scene().picture();
   } else {
-    QWidget* widget = pane == "path" ? findChild<QWidget*>("path") : panes_->pane(pane);
+    QWidget* widget = pane == "path" ? down_path_ : panes_->pane(pane);
     if (widget == nullptr)
       fail("expected the pane axial, coronal, sagittal, 3d or path, found \"", pane.toStdString(), "\"");
     picture = widget->grab().toImage();

@@ -63,7 +63,7 @@ void MainWindow::make_menus() {
            "<h3>3D</h3>"
            "Left button: turn; on an end of a path: move it. Middle: move. Wheel: zoom<br>"
            "1 to 6: from behind, front, left, right, above, below; 7: towards the hole; R: all of it<br>"
-           "Double click: crosshair there<br>"
+           "Double click: crosshair there. Ctrl+T: bone see-through; Ctrl+H: without bits and screws<br>"
            "<h3>The page Plan</h3>"
            "In the list of paths: a new name, typed<br>"
            "<h3>The page Drill</h3>"
@@ -131,6 +131,14 @@ void MainWindow::make_view_menu() {
     connect(&planner_.view(), &ViewState::scene_changed, action,
             [this, action, plane = plane] { action->setChecked(planner_.view().shows_guide(plane)); });
   }
+  QAction* tools = view->addAction(tr("Bits and scre&ws in 3D"));
+  tools->setCheckable(true);
+  tools->setChecked(true);
+  tools->setObjectName("tools");
+  tools->setShortcut(QKeySequence("Ctrl+H"));
+  connect(tools, &QAction::toggled, this, [this](bool on) { planner_.view().show_tools(on); });
+  connect(&planner_.view(), &ViewState::scene_changed, tools,
+          [this, tools] { tools->setChecked(planner_.view().shows_tools()); });
   auto* opacity = new QSlider(Qt::Horizontal);
   opacity->setObjectName("opacity");
   opacity->setRange(0, 100);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "apps/report/slice_frame.h"
+#include "vdb/surface_block.h"
+
+namespace spinaltap {
+
+/// The walls of the holes that were drilled, for slices to cut.
+class HoleWalls {
+ public:
+  /// Of all of a bone's surface: a bone may have been opened with holes.
+  void reset(std::span<const std::shared_ptr<const SurfaceBlock>> surface);
+  /// Blocks of the bone's surface that drilling, or its undoing, changed.
+  void update(std::span<const SurfaceUpdate> updates);
+  /// Where a slice's plane cuts them: ends of straight pieces, in its pixels.
+  std::vector<std::array<Eigen::Vector2d, 2>> section(const SliceFrame& frame) const;
+
+ private:
+  std::map<std::array<int, 3>, std::shared_ptr<const SurfaceBlock>> blocks_;  ///< those that hold any
+};
+
+}  // namespace spinaltap
