@@ -26,7 +26,7 @@ namespace {
 void add_bone(BoneModel model, OpenedBone& opened, const Progress& progress) {
   progress.report("meshing", 0.0);
   RemainingBone remaining(model, {.voxel_mm = kSurfaceVoxelMm});
-  opened.surface = RemainingSurface(remaining).blocks();
+  for (const auto& block : RemainingSurface(remaining).blocks()) opened.surface.push_back({block->block, block});
   opened.bone = std::make_unique<SessionBone>(std::move(model), true, progress);
 }
 

@@ -25,9 +25,9 @@ struct OpenedBone {
   CtVolume ct;                        ///< for slices: the CT itself, or what the bone keeps of it
   bool is_whole_ct = false;           ///< the first of these: there may be other vertebrae in it
 
-  /// All of the surface, for 3D: as a RemainingBone of kSurfaceVoxelMm has it, which drilling then changes block by
-  /// block.
-  std::vector<std::shared_ptr<const SurfaceBlock>> surface;
+  /// All of the surface, for those who have none of it yet: as a RemainingBone of kSurfaceVoxelMm has it, which
+  /// drilling then changes block by block.
+  std::vector<SurfaceUpdate> surface;
 
   const BoneModel& model() const { return bone->model(); }
 };

@@ -102,13 +102,12 @@ void PlanDocument::remove_path(int index) {
   undo_stack_.push(new ReplacePaths(*this, std::move(paths), chosen, tr("remove path"), 0));
 }
 
-void PlanDocument::change_path(int index, const DrillPath& path, const QString& what, std::uint64_t drag) {
+void PlanDocument::change_path(int index, DrillPath path, const QString& what, std::uint64_t drag) {
   check_path(path);
   std::vector<DrillPath> paths = paths_;
   DrillPath& changed = paths.at(static_cast<std::size_t>(index));
-  const std::string name = path.name == changed.name ? path.name : unlike(paths, path.name);
-  changed = path;
-  changed.name = name;
+  if (path.name != changed.name) path.name = unlike(paths, path.name);
+  changed = std::move(path);
   undo_stack_.push(new ReplacePaths(*this, std::move(paths), chosen_, what, drag));
 }
 

@@ -43,7 +43,7 @@ class PlanDocument : public QObject {
   void remove_path(int index);
   /// A new name is made unlike the others'. `what`: for the menu, such as "move entry". Changes with the same `drag`
   /// other than 0 become one step back.
-  void change_path(int index, const DrillPath& path, const QString& what, std::uint64_t drag = 0);
+  void change_path(int index, DrillPath path, const QString& what, std::uint64_t drag = 0);
   /// Puts an end of a path to a place; the entry goes to the nearest place of the bone's surface. False where the place
   /// makes no path (the ends too near); then nothing changed.
   bool move_end(int index, PathEnd end, const Vec3& p_mm, std::uint64_t drag = 0);

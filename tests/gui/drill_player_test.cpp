@@ -44,7 +44,7 @@ class DrillPlayerTest : public ::testing::Test {
                        for (const SurfaceUpdate& update : updates) blocks_[update.block] = update.surface;
                      });
     blocks_.clear();
-    for (const auto& block : test::phantom_bone()->surface) blocks_[block->block] = block;
+    for (const SurfaceUpdate& update : test::phantom_bone()->surface) blocks_[update.block] = update.surface;
   }
 
   /// Until a condition holds; false after half a minute.

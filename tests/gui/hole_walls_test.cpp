@@ -1,30 +1,19 @@
 #include "apps/spinaltap-planner/slices/hole_walls.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
 
+#include "tests/gui/drilled_phantom.h"
 #include "tests/gui/slice_pane.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/remaining_surface.h"
 
 namespace spinaltap {
 namespace {
 
-/// The phantom, and a hole along its left path from before the entry to the target.
-struct DrilledPhantom {
-  DrillPath path = test::phantom_paths().front();
-  RemainingBone remaining{test::phantom_bone()->model(), {.voxel_mm = kSurfaceVoxelMm}};
-  RemainingSurface surface{remaining};
-
-  std::vector<SurfaceUpdate> drill() {
-    const Vec3 axis = path.direction();
-    remaining.drill(path.bit, std::array{Pose{path.entry_mm - 8.0 * axis, axis}, Pose{path.target_mm, axis}});
-    return surface.update();
-  }
-};
+using test::DrilledPhantom;
 
 /// The plane across a path, its origin on the axis.
 SliceFrame across(const DrillPath& path, double depth_mm) {
@@ -64,7 +53,7 @@ TEST(HoleWalls, EndWithTheHoleAndGoWithItsUndoing) {
   EXPECT_TRUE(walls.section(across(phantom.path, phantom.path.length_mm() + 1.0)).empty());
   EXPECT_TRUE(walls.section(across(phantom.path, -5.0)).empty());  // before the bone
   HoleWalls opened;
-  opened.reset(phantom.surface.blocks());
+  for (const auto& block : phantom.surface.blocks()) opened.update(std::array{SurfaceUpdate{block->block, block}});
   EXPECT_EQ(opened.section(across(phantom.path, 25.0)).size(), walls.section(across(phantom.path, 25.0)).size());
   phantom.remaining.undo();
   walls.update(phantom.surface.update());

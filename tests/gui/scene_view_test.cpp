@@ -12,9 +12,8 @@
 
 #include "apps/spinaltap-planner/plane_colours.h"
 #include "core/phantom/vertebra_truth.h"
-#include "tests/gui/phantom_bone.h"
+#include "tests/gui/drilled_phantom.h"
 #include "tests/gui/x_input.h"
-#include "vdb/remaining_surface.h"
 
 namespace spinaltap {
 namespace {
@@ -121,14 +120,10 @@ TEST_F(SceneViewTest, LooksFromBehindWithThePatientsLeftOnTheLeftAndTheHeadUp) {
 }
 
 TEST_F(SceneViewTest, ShowsTheWallOfADrilledHoleAndTheBoneAgainAfterAReset) {
-  const DrillPath path = test::phantom_paths().front();
+  test::DrilledPhantom phantom;
+  const DrillPath& path = phantom.path;
   document_.set_paths({path});
-  RemainingBone remaining(test::phantom_bone()->model(), {.voxel_mm = kSurfaceVoxelMm});
-  RemainingSurface surface(remaining);
-  const std::array<Pose, 2> way{Pose{path.entry_mm - 8.0 * path.direction(), path.direction()},
-                                Pose{path.target_mm, path.direction()}};
-  remaining.drill(path.bit, way);
-  view_.update_surface(surface.update());
+  view_.update_surface(phantom.drill());
   // Away from the bone, so that it hides nothing.
   view_.set_bit(std::pair{path.bit, Pose{path.entry_mm + Vec3(0.0, 0.0, 80.0), path.direction()}});
   view_.look_from("hole");
@@ -146,8 +141,8 @@ TEST_F(SceneViewTest, ShowsTheWallOfADrilledHoleAndTheBoneAgainAfterAReset) {
     return most;
   };
   EXPECT_GT(reddest(drilled), 40);
-  remaining.reset();
-  view_.update_surface(surface.update());
+  phantom.remaining.reset();
+  view_.update_surface(phantom.surface.update());
   EXPECT_LT(reddest(view_.picture()), 30);
 }
 

@@ -143,12 +143,6 @@ void BoneChunks::set_bone(const BoneModel* bone) {
   if (bone != nullptr) bone_ = before_drilling(*bone);
 }
 
-void BoneChunks::set_blocks(std::span<const std::shared_ptr<const SurfaceBlock>> blocks) {
-  std::vector<SurfaceUpdate> updates;
-  for (const auto& block : blocks) updates.push_back({block->block, block});
-  update(updates);
-}
-
 void BoneChunks::update(std::span<const SurfaceUpdate> updates) {
   for (const SurfaceUpdate& changed : updates) {
     std::unique_ptr<Chunk>& chunk = chunks_[chunk_of(changed.block)];

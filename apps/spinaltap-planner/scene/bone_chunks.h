@@ -26,8 +26,6 @@ class BoneChunks {
 
   /// Another bone, without any surface yet; null: none.
   void set_bone(const BoneModel* bone);
-  /// All of the new bone's surface.
-  void set_blocks(std::span<const std::shared_ptr<const SurfaceBlock>> blocks);
   void update(std::span<const SurfaceUpdate> updates);
   void set_opacity(double opacity);
 

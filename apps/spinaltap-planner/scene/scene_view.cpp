@@ -102,7 +102,7 @@ struct SceneView::Scene {
     pane->show_frame(stage.finish());
     if (is_awaited) {
       draw_soon();
-    } else if (is_stale && !interaction.is_dragging()) {
+    } else if (is_stale) {
       at_rest.start(kRestMs);
     }
     is_awaited = false;
@@ -138,7 +138,7 @@ struct SceneView::Scene {
     bit.reset();
     interaction.offer_handles(true);
     pages->setCurrentWidget(opened() == nullptr ? static_cast<QWidget*>(hint) : pane);
-    if (opened() != nullptr) bone.set_blocks(opened()->surface);
+    if (opened() != nullptr) bone.update(opened()->surface);
   }
 };
 

@@ -4,6 +4,7 @@
 #include <QPainter>
 #include <QPainterPath>
 #include <QPixmapCache>
+#include <array>
 #include <cmath>
 
 namespace spinaltap {
@@ -21,14 +22,15 @@ QPen halo_of(const QPen& pen) {
 }  // namespace
 
 void draw_haloed_line(QPainter& painter, const QPointF& from, const QPointF& to, const QPen& pen) {
-  draw_haloed_lines(painter, {QLineF(from, to)}, pen);
+  draw_haloed_lines(painter, std::array{QLineF(from, to)}, pen);
 }
 
-void draw_haloed_lines(QPainter& painter, const QVector<QLineF>& lines, const QPen& pen) {
+void draw_haloed_lines(QPainter& painter, std::span<const QLineF> lines, const QPen& pen) {
+  const int count = static_cast<int>(lines.size());
   painter.setPen(halo_of(pen));
-  painter.drawLines(lines);
+  painter.drawLines(lines.data(), count);
   painter.setPen(pen);
-  painter.drawLines(lines);
+  painter.drawLines(lines.data(), count);
 }
 
 void draw_haloed_polygon(QPainter& painter, const QPolygonF& polygon, const QPen& pen, const QColor& fill) {

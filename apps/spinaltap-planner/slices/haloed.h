@@ -7,7 +7,7 @@
 #include <QPointF>
 #include <QPolygonF>
 #include <QString>
-#include <QVector>
+#include <span>
 
 class QPainter;
 
@@ -15,7 +15,7 @@ namespace spinaltap {
 
 /// Drawing that stays legible on black and on light grey: each over a wider dark copy of itself.
 void draw_haloed_line(QPainter& painter, const QPointF& from, const QPointF& to, const QPen& pen);
-void draw_haloed_lines(QPainter& painter, const QVector<QLineF>& lines, const QPen& pen);
+void draw_haloed_lines(QPainter& painter, std::span<const QLineF> lines, const QPen& pen);
 void draw_haloed_polygon(QPainter& painter, const QPolygonF& polygon, const QPen& pen, const QColor& fill);
 
 /// Where a line of text stands around its place.

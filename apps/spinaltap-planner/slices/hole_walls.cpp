@@ -2,11 +2,6 @@
 
 namespace spinaltap {
 
-void HoleWalls::reset(std::span<const std::shared_ptr<const SurfaceBlock>> surface) {
-  blocks_.clear();
-  for (const auto& block : surface) update(std::array{SurfaceUpdate{block->block, block}});
-}
-
 void HoleWalls::update(std::span<const SurfaceUpdate> updates) {
   for (const SurfaceUpdate& changed : updates) {
     if (changed.surface != nullptr && changed.surface->wall_begin < changed.surface->triangles.size()) {

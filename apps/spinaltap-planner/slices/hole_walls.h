@@ -14,9 +14,9 @@ namespace spinaltap {
 /// The walls of the holes that were drilled, for slices to cut.
 class HoleWalls {
  public:
-  /// Of all of a bone's surface: a bone may have been opened with holes.
-  void reset(std::span<const std::shared_ptr<const SurfaceBlock>> surface);
-  /// Blocks of the bone's surface that drilling, or its undoing, changed.
+  void clear() { blocks_.clear(); }
+  /// Blocks of the bone's surface: all of it at first, as it may have been opened with holes, then what drilling or its
+  /// undoing changed.
   void update(std::span<const SurfaceUpdate> updates);
   /// Where a slice's plane cuts them: ends of straight pieces, in its pixels.
   std::vector<std::array<Eigen::Vector2d, 2>> section(const SliceFrame& frame) const;

@@ -116,10 +116,10 @@ void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlace
 }
 
 void paint_walls(QPainter& painter, const PaneScene& scene) {
-  QVector<QLineF> lines;
+  std::vector<QLineF> lines;
   for (const auto& [from, to] : scene.walls.section(scene.frame)) {
     const Eigen::Vector2d a = scene.in_logical(from), b = scene.in_logical(to);
-    lines << QLineF(a.x(), a.y(), b.x(), b.y());
+    lines.emplace_back(a.x(), a.y(), b.x(), b.y());
   }
   draw_haloed_lines(painter, lines, QPen(QColor(kHoleRgb), 1.5));
 }

@@ -59,7 +59,8 @@ SliceView::SliceView(SliceKind kind, PlanDocument& document, ViewState& state, Q
          "Up, Down: slices; +, -, 0: zoom. Ctrl and arrows move the entry by 0.1 mm, Alt and arrows the target; with "
          "Shift 1 mm. Escape gives up a drag."));
   connect(&document, &PlanDocument::bone_changed, this, [this] {
-    walls_.reset(document_.bone() ? document_.bone()->surface : decltype(OpenedBone::surface)());
+    walls_.clear();
+    if (document_.bone()) walls_.update(document_.bone()->surface);
     let_go();
     fit();
     follow_crosshair();

@@ -58,6 +58,10 @@ class MainWindow : public QMainWindow {
   void connect_player();
   QAction* add_action(QMenu* menu, const QString& text, const QKeySequence& keys, const char* name,
                       std::function<void()> work);
+  /// For what is on or off in 3D: follows the view as well as it changes it.
+  void add_toggle(QMenu* menu, const QString& text, const QKeySequence& keys, const QString& name,
+                  const std::function<bool(const ViewState&)>& is_on,
+                  const std::function<void(ViewState&, bool)>& turn);
 
   /// Runs what may throw; shows what went wrong in a box.
   void attempt(const QString& what, const std::function<void()>& work);

@@ -43,6 +43,19 @@ QAction* MainWindow::add_action(QMenu* menu, const QString& text, const QKeySequ
   return action;
 }
 
+void MainWindow::add_toggle(QMenu* menu, const QString& text, const QKeySequence& keys, const QString& name,
+                            const std::function<bool(const ViewState&)>& is_on,
+                            const std::function<void(ViewState&, bool)>& turn) {
+  QAction* action = menu->addAction(text);
+  action->setShortcut(keys);
+  action->setObjectName(name);
+  action->setCheckable(true);
+  ViewState& state = planner_.view();
+  action->setChecked(is_on(state));
+  connect(action, &QAction::toggled, this, [&state, turn](bool on) { turn(state, on); });
+  connect(&state, &ViewState::scene_changed, action, [action, &state, is_on] { action->setChecked(is_on(state)); });
+}
+
 void MainWindow::make_menus() {
   make_file_menu();
   make_edit_menu();
@@ -124,21 +137,13 @@ void MainWindow::make_view_menu() {
   const std::array<std::pair<Plane, QString>, 3> planes{
       {{Plane::kAxial, tr("&Axial")}, {Plane::kCoronal, tr("&Coronal")}, {Plane::kSagittal, tr("&Sagittal")}}};
   for (const auto& [plane, name] : planes) {
-    QAction* action = guides->addAction(name);
-    action->setCheckable(true);
-    action->setObjectName("guide" + QString(name).remove('&'));
-    connect(action, &QAction::toggled, this, [this, plane = plane](bool on) { planner_.view().show_guide(plane, on); });
-    connect(&planner_.view(), &ViewState::scene_changed, action,
-            [this, action, plane = plane] { action->setChecked(planner_.view().shows_guide(plane)); });
+    add_toggle(
+        guides, name, {}, "guide" + QString(name).remove('&'),
+        [plane = plane](const ViewState& state) { return state.shows_guide(plane); },
+        [plane = plane](ViewState& state, bool on) { state.show_guide(plane, on); });
   }
-  QAction* tools = view->addAction(tr("Bits and scre&ws in 3D"));
-  tools->setCheckable(true);
-  tools->setChecked(true);
-  tools->setObjectName("tools");
-  tools->setShortcut(QKeySequence("Ctrl+H"));
-  connect(tools, &QAction::toggled, this, [this](bool on) { planner_.view().show_tools(on); });
-  connect(&planner_.view(), &ViewState::scene_changed, tools,
-          [this, tools] { tools->setChecked(planner_.view().shows_tools()); });
+  add_toggle(view, tr("Bits and scre&ws in 3D"), QKeySequence("Ctrl+H"), "tools", &ViewState::shows_tools,
+             &ViewState::show_tools);
   auto* opacity = new QSlider(Qt::Horizontal);
   opacity->setObjectName("opacity");
   opacity->setRange(0, 100);

@@ -75,6 +75,7 @@ TEST(LatestValue, ReaderBesideAWriterSeesWholeValuesThatOnlyRiseAndAtLastTheLast
   EXPECT_EQ(torn, 0U);
   EXPECT_EQ(back, 0U);
   EXPECT_EQ(last, written);
+  EXPECT_GT(fresh, 10U);  // the reader ran beside the writer, not after it
 }
 
 }  // namespace
