@@ -17,35 +17,46 @@ struct BodyCylinder {
   Vec3 turn_rad = Vec3::Zero();           ///< about x, then y, then z of the patient
   double fit = 0.0;                       ///< share of a full wall that its surface has on average, up to 1
 
-  /// Whether there is wall enough on it, and it is larger than the search allows at least: what is found around a point
-  /// in soft tissue or in an arch is as small as can be, with walls on few sides.
-  bool is_body() const;
   /// What a search makes as large as it can. Of two surfaces with as much wall the larger is the whole body, the
   /// smaller a part of it. Height does not count: it would be had from the discs.
   double worth() const;
   /// Columns: the body's own left, back and up in patient LPS.
   Mat3 axes() const;
+  /// Turns the cylinder so that axes() are these: unit, at right angles, right-handed.
+  void set_axes(const Mat3& axes);
   /// Below 1 inside the cylinder, above outside: how much larger it would have to be to reach the point.
   double scale_to(const Vec3& p_patient) const;
 };
 
-/// How much of a wall's outer edge lies at a point with an outward normal, -1 to 1: the fall of the
-/// CT number from just inside to just outside, and only where soft tissue lies outside.
-double wall_edge(const FloatGrid& hu, const Vec3& p_patient, const Vec3& outward, const WallLevels& levels);
+/// Looks for walls in a CT that was smoothed. Keeps a reference to it.
+class WallProbe {
+ public:
+  WallProbe(const FloatGrid& hu, const WallLevels& levels)
+      : hu_(hu), levels_(levels), to_index_(hu.geometry.index_to_patient_matrix().inverse()) {}
 
-/// The CT around a point (patient LPS), binned to about 0.8 mm and smoothed as fit_body_cylinder() likes it.
-FloatGrid smooth_around(const CtVolume& ct, const Vec3& p_mm);
+  /// How much of a wall's outer edge lies at a point with an outward normal, -1 to 1: the fall of the CT number from just
+  /// inside to just outside, and only where soft tissue lies outside.
+  double edge(const Vec3& p_patient, const Vec3& outward) const;
+  /// The CT number, tri-linear; beyond the CT, the border's.
+  double hu(const Vec3& p_patient) const { return sample_clamped(hu_, to_index_ * (p_patient - hu_.geometry.origin_mm)); }
+  const GridGeometry& geometry() const { return hu_.geometry; }
 
-/// The cylinder around `seed_mm` (patient LPS) with the most wall on its surface, found by a pattern search from many
-/// starts. All of its surface speaks at once, so that a wall as thin as the noise is found. Half sizes from 10 x 7.5 x
-/// 6.5 mm (the smallest adults' T1) to 32 x 24 x 17.5 mm (the largest L5). `hu` should be smoothed.
-/// Its own back is within 20 degrees of the patient's, turned by `facing_rad` about z.
-BodyCylinder fit_body_cylinder(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels,
-                               double facing_rad = 0.0);
+ private:
+  const FloatGrid& hu_;
+  WallLevels levels_;
+  Mat3 to_index_;
+};
 
-/// The turn about z (rad: 0 or a multiple of a quarter turn) to what is really the body's back, where the arch is: the
-/// side with most bone behind it. Other than 0 only where that is twice as much as at the patient's back, as in scans
-/// of models that do not lie in the patient's frame.
-double facing_of_arch_rad(const FloatGrid& hu, const BodyCylinder& body, double bone_hu);
+/// How far refine_body_cylinder() may go from where it starts.
+struct RefineLimits {
+  double shift_mm = 4.0;      ///< of the middle, across
+  double end_shift_mm = 2.5;  ///< of each end; 0 where there is no endplate to be found
+  double size_share = 0.3;    ///< of half the width and depth
+  double turn_rad = 0.3;      ///< about each axis
+};
+
+/// The cylinder near `start` with the most wall on its surface, found by a pattern search. All of its surface speaks at
+/// once, so that a wall as thin as the noise is found.
+BodyCylinder refine_body_cylinder(const WallProbe& probe, const BodyCylinder& start, const RefineLimits& limits = {});
 
 }  // namespace spinaltap

@@ -49,27 +49,44 @@ bool on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_
   return false;
 }
 
-WalkerVoxel marker_at(const Place& place, double depth_mm, const BodyCylinder& body, bool is_rib, bool is_on_border,
-                      bool is_dense) {
-  constexpr double kDeepMm = 1.7;         // away from the wall, whose place is unsure
-  constexpr double kDiscMm = 0.3;         // on the endplate: what noise and blur make of it
-  constexpr double kNextBodyMm = 3.5;     // thinner discs are rare
-  constexpr double kInFront = 1.3;        // osteophytes reach no further
-  constexpr double kMostUpMm = 20.0;      // superior articular processes rise less over the endplate,
-  constexpr double kMostDownMm = 50.0;    // spinous processes of the middle thoracic spine hang down less;
+constexpr double kDeepMm = 1.7;  // away from the wall, whose place is unsure
+
+struct AtVoxel {
+  double depth_mm, depth_in_others_mm;
+  bool is_rib, is_on_border, is_dense;
+};
+
+/// Whether a voxel is so far above or below that it cannot be the vertebra's.
+bool is_too_far(const Place& place, const BodyCylinder& body, bool is_on_border) {
+  constexpr double kMostUpMm = 22.0;      // superior articular processes rise less over the endplate,
+  constexpr double kMostDownMm = 55.0;    // spinous processes of the middle thoracic spine hang down less;
   constexpr double kBorderUpMm = 12.0;    // on the CT's border neighbours are cut from their bodies,
-  constexpr double kBorderDownMm = 20.0;  // and more likely met than the vertebra's own tips
+  constexpr double kBorderDownMm = 20.0;  // and more likely met than the vertebra's own tips,
+  constexpr double kMiddleMm = 7.0;       // but for the spinous process, which reaches down in the middle;
+  constexpr double kMiddleUpMm = 2.0;     // there what is above is the upper neighbour's
   const bool above = place.p_body_mm.z() > 0.0;
+  const bool spinous = std::abs(place.p_body_mm.x()) < kMiddleMm && place.p_body_mm.y() > body.half_mm.y();
+  const double border_mm = above ? (spinous ? kMiddleUpMm : kBorderUpMm) : (spinous ? kMostDownMm : kBorderDownMm);
+  return place.beyond_mm > (is_on_border ? border_mm : above ? kMostUpMm : kMostDownMm);
+}
+
+WalkerVoxel marker_at(const Place& place, const BodyCylinder& body, const AtVoxel& at) {
+  constexpr double kDiscMm = 0.3;      // on the endplate: what noise and blur make of it
+  constexpr double kNextBodyMm = 3.5;  // thinner discs are rare, where no body was found on that side
+  constexpr double kInFront = 1.3;     // osteophytes reach no further
   const double end_share = std::abs(place.p_body_mm.z()) / body.half_mm.z();
-  if (depth_mm > kDeepMm && place.across < 0.9 && end_share < 0.9) return WalkerVoxel::kWanted;
-  if (is_rib || (place.p_body_mm.y() < 0.0 && place.across > kInFront)) return WalkerVoxel::kOther;
+  if (at.depth_in_others_mm > at.depth_mm) {
+    if (at.depth_in_others_mm > kDeepMm) return WalkerVoxel::kOther;
+    if (at.depth_in_others_mm > 0.0) return WalkerVoxel::kFree;
+  }
+  if (at.depth_mm > kDeepMm && place.across < 0.9 && end_share < 0.9) return WalkerVoxel::kWanted;
+  if (at.is_rib || (place.p_body_mm.y() < 0.0 && place.across > kInFront)) return WalkerVoxel::kOther;
   if (place.across < 1.0 && place.beyond_mm > kNextBodyMm) return WalkerVoxel::kOther;
   const bool on_endplate =
       (place.across < 1.0 && end_share > 0.6) ||
       (place.across < kInFront && place.beyond_mm > -1.0 && place.p_body_mm.y() < 0.8 * body.half_mm.y());
-  if (on_endplate && depth_mm < -kDiscMm && !is_dense) return WalkerVoxel::kOutside;
-  const double most_mm = is_on_border ? (above ? kBorderUpMm : kBorderDownMm) : (above ? kMostUpMm : kMostDownMm);
-  return place.beyond_mm > most_mm ? WalkerVoxel::kOther : WalkerVoxel::kFree;
+  if (on_endplate && at.depth_mm < -kDiscMm && !at.is_dense) return WalkerVoxel::kOutside;
+  return is_too_far(place, body, at.is_on_border) ? WalkerVoxel::kOther : WalkerVoxel::kFree;
 }
 
 }  // namespace
@@ -100,17 +117,18 @@ std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask,
   return side;
 }
 
-std::vector<WalkerVoxel> place_markers(std::span<const std::uint8_t> bone, std::span<const std::uint8_t> ribs,
-                                       std::span<const float> depth_mm, const FloatGrid& hu, double dense_hu,
-                                       const BodyCylinder& body, const GridGeometry& ct_geometry) {
-  const GridGeometry& geometry = hu.geometry;
-  std::vector<WalkerVoxel> markers(bone.size(), WalkerVoxel::kOutside);
+std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow& row) {
+  const GridGeometry& geometry = input.hu.geometry;
+  const BodyCylinder& body = row.body().cylinder;
+  std::vector<WalkerVoxel> markers(input.bone.size(), WalkerVoxel::kOutside);
   const PlaceFinder place_of(body);
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
-    if (bone[voxel] == 0) return;
-    markers[voxel] =
-        marker_at(place_of(p_mm), static_cast<double>(depth_mm[voxel]), body, ribs[voxel] != 0,
-                  on_border(ct_geometry, p_mm, geometry.spacing_mm), static_cast<double>(hu.values[voxel]) >= dense_hu);
+    if (input.bone[voxel] == 0) return;
+    markers[voxel] = marker_at(
+        place_of(p_mm), body,
+        {static_cast<double>(input.depth_mm[voxel]), static_cast<double>(input.depth_in_others_mm[voxel]),
+         input.ribs[voxel] != 0, on_border(input.ct_geometry, p_mm, geometry.spacing_mm),
+         static_cast<double>(input.hu.values[voxel]) >= input.dense_hu});
   });
   return markers;
 }

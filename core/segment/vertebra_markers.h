@@ -17,13 +17,26 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
 std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask, const BodyCylinder& body,
                                              const GridGeometry& geometry, double from_mm);
 
+/// One vertebra to be parted from its neighbours: `own` of `bodies`, which lie in a row from below upward.
+struct BodyInRow {
+  std::span<const VertebralBody> bodies;
+  std::size_t own = 0;
+
+  const VertebralBody& body() const { return bodies[own]; }
+};
+
 /// What is known of each bone voxel before the walk, from anatomy:
-/// wanted is the inside of the body; other are `ribs`, bone in the column of bodies above and below, bone in front of
-/// the column, bone further up or down than processes reach, and bone on the CT's border that is nearly so far.
-/// Outside (no bone) is what lies on an endplate and is not as dense as `dense_hu`, for that is disc. All the rest is
-/// free.
-std::vector<WalkerVoxel> place_markers(std::span<const std::uint8_t> bone, std::span<const std::uint8_t> ribs,
-                                       std::span<const float> depth_mm, const FloatGrid& hu, double dense_hu,
-                                       const BodyCylinder& body, const GridGeometry& ct_geometry);
+/// wanted is the inside of the body; other are the insides of the other bodies, `ribs`, bone in the column of bodies above
+/// and below, bone in front of the column, bone further up or down than processes reach, and bone on the CT's border that
+/// is nearly so far. Outside (no bone) is what lies on an endplate and is not as dense as `dense_hu`, for that is disc.
+/// All the rest is free. `depth_mm`: in the own body, `depth_in_others_mm`: in the nearest of the others.
+struct MarkerInput {
+  std::span<const std::uint8_t> bone, ribs;
+  std::span<const float> depth_mm, depth_in_others_mm;
+  const FloatGrid& hu;
+  double dense_hu = 0.0;
+  const GridGeometry& ct_geometry;
+};
+std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow& row);
 
 }  // namespace spinaltap

@@ -26,16 +26,33 @@ Exit leave(const BodyCylinder& cylinder, const Vec3& direction) {
   return {1.0 / std::max(across, up), (axes * normal.cwiseQuotient(cylinder.half_mm)).normalized()};
 }
 
+/// The cylinder between a span's ends.
+BodyCylinder cylinder_of(const BodySpan& span) {
+  const Vec3 up = (span.lower.up + span.upper.up).normalized();
+  const Vec3 left = span.middle.axes.col(0);
+  Mat3 axes;
+  axes.col(2) = up;
+  axes.col(0) = (left - left.dot(up) * up).normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  BodyCylinder cylinder;
+  cylinder.set_axes(axes);
+  cylinder.centre_mm = 0.5 * (span.lower.centre_mm + span.upper.centre_mm);
+  cylinder.half_mm = Vec3(span.middle.half_width_mm, span.middle.half_depth_mm,
+                          0.5 * (span.upper.centre_mm - span.lower.centre_mm).dot(up));
+  return cylinder;
+}
+
+RefineLimits limits_of(const BodySpan& span) {
+  RefineLimits limits;
+  if (span.lower.is_cut || span.upper.is_cut) limits.end_shift_mm = 0.0;
+  return limits;
+}
+
 }  // namespace
 
-VertebralBody find_vertebral_body(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels) {
-  BodyCylinder cylinder = fit_body_cylinder(hu, seed_mm, levels);
-  const double facing_rad = facing_of_arch_rad(hu, cylinder, levels.bone_hu);
-  if (facing_rad != 0.0) {
-    const BodyCylinder turned = fit_body_cylinder(hu, seed_mm, levels, facing_rad);
-    // A body that fits as well as before: otherwise there was no arch, only other bone at the side.
-    if (turned.fit > 0.9 * cylinder.fit) cylinder = turned;
-  }
+VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span, const WallLevels& levels) {
+  const WallProbe probe(smooth, levels);
+  BodyCylinder cylinder = refine_body_cylinder(probe, cylinder_of(span), limits_of(span));
   StarSurface surface(cylinder.centre_mm, kDirections);
   std::vector<Exit> exits;
   for (const Vec3& direction : surface.directions()) exits.push_back(leave(cylinder, direction));
@@ -53,7 +70,7 @@ VertebralBody find_vertebral_body(const FloatGrid& hu, const Vec3& seed_mm, cons
     // Without a wall the cylinder's own place is as good as any.
     constexpr double kAwayFromCylinder = 0.2;
     const double away = static_cast<double>(step - kHalfSteps) / kHalfSteps;
-    return kAwayFromCylinder * away * away - wall_edge(hu, p_mm, exits[at].outward, levels);
+    return kAwayFromCylinder * away * away - probe.edge(p_mm, exits[at].outward);
   };
   const std::vector<int> steps = choose_steps(surface, cost);
   for (std::size_t i = 0; i < steps.size(); ++i) {

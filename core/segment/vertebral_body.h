@@ -1,7 +1,6 @@
 #pragma once
 
-#include "core/segment/body_cylinder.h"
-#include "core/segment/float_grid.h"
+#include "core/segment/body_chain.h"
 #include "core/segment/star_surface.h"
 
 namespace spinaltap {
@@ -12,9 +11,9 @@ struct VertebralBody {
   StarSurface surface;
 };
 
-/// The vertebral body around `seed_mm` (patient LPS), in a CT that was smoothed. First a cylinder; then, along each of
-/// many rays from its middle, the outer edge of the wall near it. Neighbouring rays pull each other along (see
+/// The body of a span of the column, in a CT that was smoothed. First the cylinder near it with the most wall; then, along
+/// each of many rays from its middle, the outer edge of the wall near it. Neighbouring rays pull each other along (see
 /// choose_steps()), so that the wall is found where it is as thin as the noise, and marrow may be as dark as the discs.
-VertebralBody find_vertebral_body(const FloatGrid& hu, const Vec3& seed_mm, const WallLevels& levels);
+VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span, const WallLevels& levels);
 
 }  // namespace spinaltap

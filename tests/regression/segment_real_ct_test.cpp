@@ -9,8 +9,8 @@
 #include "core/segment/float_grid.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/test_data.h"
-#include "vdb/connected_parts.h"
-#include "vdb/segment_vertebra.h"
+#include "core/segment/connected_parts.h"
+#include "core/segment/segment_vertebra.h"
 
 namespace spinaltap {
 namespace {

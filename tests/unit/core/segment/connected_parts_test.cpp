@@ -1,4 +1,4 @@
-#include "vdb/connected_parts.h"
+#include "core/segment/connected_parts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vdb/detail/refine_mask.h"
+#include "core/segment/refine_mask.h"
 
 #include <tbb/parallel_for.h>
 
@@ -6,9 +6,9 @@
 
 #include "core/segment/distance_transform.h"
 #include "core/segment/vertebra_markers.h"
-#include "vdb/connected_parts.h"
+#include "core/segment/connected_parts.h"
 
-namespace spinaltap::detail {
+namespace spinaltap {
 namespace {
 
 using Mask = std::vector<std::uint8_t>;
@@ -28,9 +28,8 @@ VoxelBox fine_box(const BinnedVertebra& binned) {
 
 }  // namespace
 
-BoneMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const BoneLevels& levels) {
-  BoneMask result{ct.geometry, Mask(ct.geometry.voxel_count(), 0)};
-  if (mask_box({binned.geometry, binned.mine}).empty()) return result;
+RefinedMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const BoneLevels& levels) {
+  if (mask_box({binned.geometry, binned.mine}).empty()) return {};
   const VoxelBox box = fine_box(binned);
   Mask other(binned.mine.size());
   Mask not_mine(binned.mine.size());
@@ -67,15 +66,7 @@ BoneMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const Bon
     }
   });
   if (is_fine) inside = fill_hollows(parts_that_touch(inside, deep, hu.geometry), hu.geometry, 0.0);
-  for (int k = 0; k < hu.geometry.size[2]; ++k) {
-    for (int j = 0; j < hu.geometry.size[1]; ++j) {
-      const std::size_t from = hu.geometry.offset(0, j, k);
-      const std::size_t to = ct.geometry.offset(box.low[0], box.low[1] + j, box.low[2] + k);
-      std::copy_n(inside.begin() + static_cast<std::ptrdiff_t>(from), hu.geometry.size[0],
-                  result.inside.begin() + static_cast<std::ptrdiff_t>(to));
-    }
-  }
-  return result;
+  return {box, std::move(inside)};
 }
 
-}  // namespace spinaltap::detail
+}  // namespace spinaltap

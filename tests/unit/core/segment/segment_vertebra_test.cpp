@@ -1,4 +1,4 @@
-#include "vdb/segment_vertebra.h"
+#include "core/segment/segment_vertebra.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include "core/segment/bone_levels.h"
 #include "core/segment/float_grid.h"
 
-namespace spinaltap::detail {
+namespace spinaltap {
 
 /// A vertebra on the binned grid it was cut out on.
 struct BinnedVertebra {
@@ -28,8 +28,14 @@ inline float least_share_of_peak(float peak_hu) {
   return kShare * (peak_hu < kMostPeakHu ? peak_hu : kMostPeakHu);
 }
 
+/// Voxels of a box of the CT: 1 in the vertebra, 0 elsewhere, i fastest.
+struct RefinedMask {
+  VoxelBox box;  ///< empty where there is nothing of it
+  std::vector<std::uint8_t> inside;
+};
+
 /// The vertebra on the CT's grid. Where that is finer, the binned vertebra decides only which bone a voxel belongs to;
 /// whether it is bone its own CT number decides.
-BoneMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const BoneLevels& levels);
+RefinedMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const BoneLevels& levels);
 
-}  // namespace spinaltap::detail
+}  // namespace spinaltap

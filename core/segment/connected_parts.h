@@ -9,7 +9,7 @@
 namespace spinaltap {
 
 /// The face-connected parts of the voxels where `inside` is not 0 that hold a voxel where `touched` is not 0: 1 in
-/// those parts, 0 elsewhere. Throws Error when the sizes differ. OpenVDB finds the parts.
+/// those parts, 0 elsewhere. Throws Error when the sizes differ.
 std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside, std::span<const std::uint8_t> touched,
                                            const GridGeometry& geometry);
 

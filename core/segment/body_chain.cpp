@@ -1,0 +1,281 @@
+#include "core/segment/body_chain.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kStepMm = 0.5;  // between places of endplates
+constexpr double kLeastHeightMm = 9.0;
+constexpr double kMostHeightMm = 40.0;
+constexpr double kLeastGapMm = 0.5;
+constexpr double kMostGapMm = 17.0;
+
+/// Tilts of an endplate against the column's section, in order of growing size so that the least of equals is taken.
+struct Tilt {
+  double pitch_rad, roll_rad;  ///< about the column's left and back
+};
+
+std::vector<Tilt> tilts() {
+  std::vector<Tilt> all;
+  for (const double pitch : {0.0, -6.0, 6.0, -12.0, 12.0, -18.0, 18.0, -25.0, 25.0}) {
+    for (const double roll : {0.0, -6.0, 6.0, -12.0, 12.0, -18.0, 18.0}) {
+      all.push_back({pitch * kDegree, roll * kDegree});
+    }
+  }
+  return all;
+}
+
+/// Points of the unit disc that an endplate is judged by: its middle, where it is without rim and osteophytes.
+std::vector<Eigen::Vector2d> disc_points() {
+  constexpr int kCount = 44;
+  constexpr double kShare = 0.72;
+  std::vector<Eigen::Vector2d> points;
+  for (int n = 0; n < kCount; ++n) {
+    const double r = kShare * std::sqrt((n + 0.5) / kCount);
+    const double turn = 2.0 * std::numbers::pi * n / std::numbers::phi;
+    points.emplace_back(r * std::cos(turn), r * std::sin(turn));
+  }
+  return points;
+}
+
+/// What is known at each place along the column.
+struct Profile {
+  std::vector<float> rise, fall;                     ///< of the best tilt: going up into bone, and out of it
+  std::vector<std::uint16_t> rise_tilt, fall_tilt;
+  std::vector<float> level;                          ///< mean CT number across, untilted
+  std::vector<float> wall;                           ///< at the sides
+  std::vector<float> half_depth_mm;
+  std::vector<std::uint8_t> in_ct;                   ///< whether the section's middle lies within the CT
+};
+
+Vec3 tilted_up(const ColumnSection& section, const Tilt& tilt) {
+  return section.axes * Vec3(std::tan(tilt.roll_rad), std::tan(tilt.pitch_rad), 1.0).normalized();
+}
+
+Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels) {
+  const std::vector<Tilt> kinds = tilts();
+  const std::vector<Eigen::Vector2d> disc = disc_points();
+  const auto count = static_cast<std::size_t>(column.length_mm() / kStepMm) + 1;
+  Profile profile;
+  profile.rise.assign(count, 0.0F);
+  profile.fall.assign(count, 0.0F);
+  profile.rise_tilt.assign(count, 0);
+  profile.fall_tilt.assign(count, 0);
+  profile.level.assign(count, 0.0F);
+  profile.wall.assign(count, 0.0F);
+  profile.half_depth_mm.assign(count, 0.0F);
+  profile.in_ct.assign(count, 0);
+  // Means across the column for each place and tilt; an edge is the difference of two that are 2 kArm apart.
+  std::vector<float> means(count * kinds.size());
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+    const ColumnSection section = column.at(kStepMm * static_cast<double>(n));
+    profile.half_depth_mm[n] = static_cast<float>(section.half_depth_mm);
+    profile.wall[n] = static_cast<float>(section.wall);
+    const Eigen::Array3i nearest = probe.geometry().to_index(section.centre_mm).array().round().cast<int>();
+    profile.in_ct[n] = probe.geometry().contains(nearest.x(), nearest.y(), nearest.z()) ? 1 : 0;
+    for (std::size_t t = 0; t < kinds.size(); ++t) {
+      const double roll = std::tan(kinds[t].roll_rad);
+      const double pitch = std::tan(kinds[t].pitch_rad);
+      double sum = 0.0;
+      for (const Eigen::Vector2d& p : disc) {
+        const double x = p.x() * section.half_width_mm;
+        const double y = p.y() * section.half_depth_mm;
+        const Vec3 at = section.centre_mm + section.axes * Vec3(x, y, -roll * x - pitch * y);
+        sum += std::clamp(probe.hu(at), -100.0, 600.0);
+      }
+      means[n * kinds.size() + t] = static_cast<float>(sum / static_cast<double>(disc.size()));
+    }
+    profile.level[n] = means[n * kinds.size()];
+  });
+  constexpr std::size_t kArm = 2;  // 1 mm: across an endplate's outer edge, and no further than the middle of a thin disc
+  for (std::size_t n = kArm; n + kArm < count; ++n) {
+    for (std::size_t t = 0; t < kinds.size(); ++t) {
+      const float below = means[(n - kArm) * kinds.size() + t];
+      const float above = means[(n + kArm) * kinds.size() + t];
+      const float change = (above - below) / static_cast<float>(levels.full_drop_hu);
+      if (change > profile.rise[n]) {
+        profile.rise[n] = change;
+        profile.rise_tilt[n] = static_cast<std::uint16_t>(t);
+      }
+      if (-change > profile.fall[n]) {
+        profile.fall[n] = -change;
+        profile.fall_tilt[n] = static_cast<std::uint16_t>(t);
+      }
+    }
+    profile.rise[n] = std::min(profile.rise[n], 1.0F);
+    profile.fall[n] = std::min(profile.fall[n], 1.0F);
+  }
+  return profile;
+}
+
+/// Sums up to each place, for means over ranges.
+std::vector<double> sums_of(const std::vector<float>& values) {
+  std::vector<double> sums{0.0};
+  for (const float value : values) sums.push_back(sums.back() + static_cast<double>(value));
+  return sums;
+}
+
+class ChainSearch {
+ public:
+  ChainSearch(const Profile& profile, const WallLevels& levels)
+      : profile_(profile), levels_(levels), count_(static_cast<int>(profile.rise.size())),
+        wall_sums_(sums_of(profile.wall)), level_sums_(sums_of(profile.level)) {}
+
+  struct Body {
+    int lower, upper;  ///< places of its ends
+    bool lower_cut, upper_cut;
+    double gain;
+  };
+
+  std::vector<Body> best_chain() const;
+
+ private:
+  static constexpr int kLeastHeight = static_cast<int>(kLeastHeightMm / kStepMm);
+  static constexpr int kMostHeight = static_cast<int>(kMostHeightMm / kStepMm);
+  static constexpr int kHeights = kMostHeight - kLeastHeight + 1;
+  static constexpr int kLeastGap = static_cast<int>(kLeastGapMm / kStepMm);
+  static constexpr int kMostGap = static_cast<int>(kMostGapMm / kStepMm);
+
+  double mean(const std::vector<double>& sums, int low, int high) const {
+    return (sums[static_cast<std::size_t>(high)] - sums[static_cast<std::size_t>(low)]) / std::max(1, high - low);
+  }
+
+  /// What speaks for a body between two places, ends not counted.
+  double body_gain(int lower, int upper, bool is_whole) const {
+    const double height_mm = kStepMm * (upper - lower);
+    const double depth_mm = 2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
+    // A body's height over its depth: 0.65 in the lowest lumbar ones to 0.95 in the neck.
+    const double off = std::log(height_mm / (0.82 * depth_mm)) / 0.22;
+    const double size_cost = is_whole || off > 0.0 ? 0.5 * off * off : 0.0;
+    constexpr int kRim = 4;  // 2 mm: rims may bridge
+    const double wall = mean(wall_sums_, lower + kRim, std::max(lower + kRim + 1, upper - kRim));
+    return 2.0 * std::clamp(wall - 0.15, -0.4, 0.4) - size_cost;
+  }
+
+  /// What speaks for a gap between two places.
+  double gap_gain(int lower, int upper) const {
+    const double height_mm = kStepMm * (upper - lower);
+    const double depth_mm = 2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
+    // A disc's height over the body's depth: 0.1 in the upper thoracic spine to 0.35 in the lowest lumbar one.
+    const double off = std::max(0.0, height_mm / depth_mm - 0.3) / 0.12;
+    const double wall = mean(wall_sums_, lower, upper);
+    const double level = mean(level_sums_, lower, upper);
+    // Soft inside: discs are darker than any endplate and than most marrow.
+    const double soft = std::clamp((levels_.bone_hu + 60.0 - level) / 150.0, -1.0, 0.5);
+    return 0.6 * soft - 0.8 * std::clamp(wall - 0.15, -0.4, 0.4) - 0.5 * off * off;
+  }
+
+  double height_change_cost(int height, int other) const {
+    const double off = std::log(static_cast<double>(height) / other) / 0.16;
+    return 0.5 * std::min(off * off, 9.0);
+  }
+
+  const Profile& profile_;
+  const WallLevels& levels_;
+  int count_;
+  std::vector<double> wall_sums_, level_sums_;
+};
+
+/// What an end costs that is not there, against a clear endplate's 1.
+constexpr double kCutEnd = 0.0;
+/// What each body must bring at least.
+constexpr double kLeastGain = 0.9;
+
+std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
+  // State: a body that ends with its upper endplate at a place, of a height. Its gain is the best of all rows up to it.
+  const auto states = static_cast<std::size_t>(count_) * kHeights;
+  const auto state = [](int upper, int height) {
+    return static_cast<std::size_t>(upper) * kHeights + static_cast<std::size_t>(height - kLeastHeight);
+  };
+  constexpr double kNever = -1e9;
+  std::vector<double> gain(states, kNever);
+  std::vector<double> own(states, kNever);
+  std::vector<int> from(states, -1);  // the state before; -1: the first body
+  const double cut_mm = 1.5;          // ends so near to the column's are cut
+  const int cut_below = static_cast<int>(cut_mm / kStepMm);
+  const int cut_above = count_ - 1 - cut_below;
+  const int last_upper = count_ - 1;
+  for (int upper = 0; upper <= last_upper; ++upper) {
+    const bool upper_cut = upper == last_upper;
+    const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
+    if (!upper_cut && (fall < 0.15 || upper > cut_above)) continue;
+    // Heights are independent of each other: each looks at all bodies before.
+    tbb::parallel_for(kLeastHeight, kMostHeight + 1, [&](int height) {
+      const int lower = upper - height;
+      const bool lower_cut = lower <= 0;
+      if (lower < 0) return;
+      const double rise = lower_cut ? kCutEnd : static_cast<double>(profile_.rise[static_cast<std::size_t>(lower)]);
+      if (!lower_cut && (rise < 0.15 || lower < cut_below)) return;
+      const std::size_t here = state(upper, height);
+      own[here] = rise + fall + body_gain(lower, upper, !lower_cut && !upper_cut) - kLeastGain;
+      double best = 0.0;
+      for (int gap = kLeastGap; !lower_cut && gap <= kMostGap && lower - gap >= 0; ++gap) {
+        const int below = lower - gap;
+        const double gap_here = gap_gain(below, lower);
+        for (int other = kLeastHeight; other <= kMostHeight; ++other) {
+          const double before = gain[state(below, other)];
+          if (before <= 0.0) continue;
+          const bool partial = upper_cut || below - other <= 0;
+          const double total = before + gap_here - (partial ? 0.0 : height_change_cost(height, other));
+          if (total <= best) continue;
+          best = total;
+          from[here] = static_cast<int>(state(below, other));
+        }
+      }
+      gain[here] = own[here] + best;
+    });
+  }
+  std::vector<Body> chain;
+  const auto best = std::max_element(gain.begin(), gain.end());
+  if (best == gain.end() || *best <= 0.0) return chain;
+  for (auto at = static_cast<int>(best - gain.begin()); at >= 0; at = from[static_cast<std::size_t>(at)]) {
+    const int upper = at / kHeights;
+    const int height = at % kHeights + kLeastHeight;
+    chain.push_back({upper - height, upper, upper - height <= 0, upper == last_upper, own[static_cast<std::size_t>(at)]});
+  }
+  std::reverse(chain.begin(), chain.end());
+  return chain;
+}
+
+}  // namespace
+
+std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& column, const WallLevels& levels) {
+  if (column.sections.size() < 2) fail("chain of bodies: expected a column of at least two sections");
+  const WallProbe probe(hu, levels);
+  const Profile profile = make_profile(probe, column, levels);
+  const std::vector<Tilt> kinds = tilts();
+  std::vector<BodySpan> chain;
+  for (const ChainSearch::Body& body : ChainSearch(profile, levels).best_chain()) {
+    const auto end = [&](int place, bool is_cut, const std::vector<float>& edges,
+                         const std::vector<std::uint16_t>& edge_tilts) {
+      BodyEnd found;
+      found.s_mm = kStepMm * place;
+      const ColumnSection section = column.at(found.s_mm);
+      found.centre_mm = section.centre_mm;
+      found.is_cut = is_cut;
+      const auto n = static_cast<std::size_t>(place);
+      found.up = is_cut ? Vec3(section.axes.col(2)) : tilted_up(section, kinds[edge_tilts[n]]);
+      found.edge = is_cut ? 0.0 : static_cast<double>(edges[n]);
+      return found;
+    };
+    BodySpan span;
+    span.lower = end(body.lower, body.lower_cut, profile.rise, profile.rise_tilt);
+    span.upper = end(body.upper, body.upper_cut, profile.fall, profile.fall_tilt);
+    span.middle = column.at(0.5 * (span.lower.s_mm + span.upper.s_mm));
+    span.gain = body.gain;
+    chain.push_back(span);
+  }
+  return chain;
+}
+
+}  // namespace spinaltap

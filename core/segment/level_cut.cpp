@@ -1,0 +1,179 @@
+#include "core/segment/level_cut.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/segment/binned_ct.h"
+#include "core/segment/connected_parts.h"
+#include "core/segment/distance_transform.h"
+#include "core/segment/grey_closing.h"
+#include "core/segment/refine_mask.h"
+
+namespace spinaltap {
+namespace {
+
+using Mask = std::vector<std::uint8_t>;
+
+constexpr double kStepMm = 0.8;
+
+/// Ribs, transverse and spinous processes and the bodies above and below, in the body's own frame.
+VoxelBox box_around(const BodyCylinder& body, const GridGeometry& ct, const std::array<int, 3>& bins) {
+  const Mat3 axes = body.axes();
+  Box3 box_mm;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 own((corner & 1) != 0 ? 62.0 : -62.0, (corner & 2) != 0 ? body.half_mm.y() + 75.0 : -body.half_mm.y() - 16.0,
+                   (corner & 4) != 0 ? body.half_mm.z() + 24.0 : -body.half_mm.z() - 52.0);
+    box_mm.extend(body.centre_mm + axes * own);
+  }
+  // Tilted bodies have a large box; nothing of the vertebra lies in its far corners.
+  const Box3 reach(body.centre_mm - Vec3(75.0, 60.0, 75.0), body.centre_mm + Vec3(75.0, 100.0, 55.0));
+  VoxelBox box = voxels_of(box_mm.intersection(reach), ct);
+  for (std::size_t axis = 0; axis < 3; ++axis) box.low[axis] -= box.low[axis] % bins[axis];
+  return box;
+}
+
+Mask at_least(const FloatGrid& hu, double threshold_hu) {
+  Mask mask(hu.values.size());
+  std::transform(hu.values.begin(), hu.values.end(), mask.begin(),
+                 [&](float value) { return static_cast<std::uint8_t>(static_cast<double>(value) >= threshold_hu); });
+  return mask;
+}
+
+/// Bone by threshold with hysteresis, the insides of bodies whatever their CT numbers, and what they enclose.
+Mask find_bone(const FloatGrid& smooth, const BoneLevels& levels, const std::vector<float>& depth_mm,
+               const std::vector<float>& depth_in_others_mm) {
+  Mask bone = parts_that_touch(at_least(smooth, levels.low_hu), at_least(smooth, levels.sure_hu), smooth.geometry);
+  for (std::size_t v = 0; v < bone.size(); ++v) {
+    if (depth_mm[v] > kSureDepthMm || depth_in_others_mm[v] > kSureDepthMm) bone[v] = 1;
+  }
+  return fill_hollows(bone, smooth.geometry, std::max(1.0, smooth.geometry.spacing_mm.maxCoeff()));
+}
+
+/// How well each voxel conducts: 1 within the body; elsewhere little in a dark gap between two bright walls.
+std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>& closed,
+                                   const std::vector<float>& depth_mm) {
+  // The power makes a joint space, at most nine tenths as bright as the cortex beside it, a barrier, even where it is
+  // wider than the pedicle, the only other way from the arch to a body.
+  constexpr double kPower = 30.0;
+  constexpr double kLeast = 1e-3;
+  constexpr double kLeastHu = 50.0;
+  std::vector<float> conductivity(hu.values.size());
+  tbb::parallel_for(std::size_t{0}, conductivity.size(), [&](std::size_t v) {
+    const double ratio =
+        std::clamp(static_cast<double>(hu.values[v]) / std::max<double>(closed[v], kLeastHu), 0.0, 1.0);
+    conductivity[v] = depth_mm[v] > 0.0F ? 1.0F : static_cast<float>(std::max(kLeast, std::pow(ratio, kPower)));
+  });
+  return conductivity;
+}
+
+/// Ribs: bone that goes on from where transverse processes may end to where they certainly have.
+Mask find_ribs(const Mask& bone, const BodyCylinder& body, const GridGeometry& geometry) {
+  constexpr double kFromMm = 38.0;    // thoracic transverse processes, which meet ribs, end before
+  constexpr double kBeyondMm = 55.0;  // and so do the longest lumbar ones
+  return parts_that_touch(voxels_to_the_side(bone, body, geometry, kFromMm),
+                          voxels_to_the_side(bone, body, geometry, kBeyondMm), geometry);
+}
+
+/// Depth in the nearest of the other bodies.
+std::vector<float> depth_in_others(const BodyInRow& row, const GridGeometry& geometry) {
+  std::vector<float> depth_mm;
+  for (std::size_t n = 0; n < row.bodies.size(); ++n) {
+    constexpr double kReachMm = 130.0;  // further than the box
+    if (n == row.own) continue;
+    if ((row.bodies[n].cylinder.centre_mm - row.body().cylinder.centre_mm).norm() > kReachMm) continue;
+    const std::vector<float> here = depth_in_body_mm(row.bodies[n], geometry);
+    if (depth_mm.empty()) depth_mm = here;
+    std::transform(depth_mm.begin(), depth_mm.end(), here.begin(), depth_mm.begin(),
+                   [](float a, float b) { return std::max(a, b); });
+  }
+  constexpr float kNowhere = -1000.0F;
+  if (depth_mm.empty()) depth_mm.assign(geometry.voxel_count(), kNowhere);
+  return depth_mm;
+}
+
+/// Takes off the outermost voxels that the blur of dense bone, not bone itself, lifts over the threshold.
+void trim_rim(Mask& mine, const LevelCut& cut) {
+  Mask soft(cut.bone.size());
+  std::transform(cut.bone.begin(), cut.bone.end(), soft.begin(), [](std::uint8_t b) { return std::uint8_t{b == 0}; });
+  const std::vector<float> to_soft = squared_distance_to(soft, cut.geometry());
+  const double reach_mm = 1.01 * cut.geometry().spacing_mm.maxCoeff();
+  for (std::size_t v = 0; v < mine.size(); ++v) {
+    const bool on_rim = static_cast<double>(to_soft[v]) <= reach_mm * reach_mm;
+    if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.smooth.values[v] < least_share_of_peak(cut.peak_hu[v])) {
+      mine[v] = 0;
+    }
+  }
+}
+
+}  // namespace
+
+LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row, const Progress& progress) {
+  LevelCut cut;
+  cut.bins = bins_for(ct.geometry, kStepMm);
+  cut.box = box_around(row.body().cylinder, ct.geometry, cut.bins);
+  const FloatGrid hu = bin_hu(ct, cut.box, cut.bins);
+  cut.smooth = blurred_as_asked(hu, levels, ct);
+  cut.depth_mm = depth_in_body_mm(row.body(), hu.geometry);
+  const std::vector<float> others_mm = depth_in_others(row, hu.geometry);
+  cut.bone = find_bone(cut.smooth, levels, cut.depth_mm, others_mm);
+  cut.ribs = find_ribs(cut.bone, row.body().cylinder, hu.geometry);
+  cut.markers = place_markers({.bone = cut.bone,
+                               .ribs = cut.ribs,
+                               .depth_mm = cut.depth_mm,
+                               .depth_in_others_mm = others_mm,
+                               .hu = cut.smooth,
+                               .dense_hu = 0.5 * (levels.low_hu + levels.sure_hu),
+                               .ct_geometry = ct.geometry},
+                              row);
+  constexpr double kGapReachMm = 1.6;  // joint spaces are up to 3 mm wide
+  GreyClosing closing = close_gaps(hu, kGapReachMm);
+  cut.probability =
+      walk_randomly(cut.markers, conductivity_of(hu, closing.closed, cut.depth_mm), hu.geometry, progress);
+  cut.peak_hu = std::move(closing.peak);
+  return cut;
+}
+
+double cut_area_mm2(const LevelCut& cut, const Mask& mine) {
+  const GridGeometry& geometry = cut.geometry();
+  const auto is_bone = [&](std::size_t voxel) { return cut.markers[voxel] != WalkerVoxel::kOutside; };
+  const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
+  double area_mm2 = 0.0;
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        const std::array<int, 3> index{i, j, k};
+        const std::size_t here = geometry.offset(i, j, k);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (index[axis] + 1 >= geometry.size[axis]) continue;
+          const std::size_t next = here + stride[axis];
+          const bool is_cut = (mine[here] != 0 && mine[next] == 0 && is_bone(next)) ||
+                              (mine[next] != 0 && mine[here] == 0 && is_bone(here));
+          if (is_cut) area_mm2 += geometry.spacing_mm.prod() / geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
+        }
+      }
+    }
+  }
+  return area_mm2;
+}
+
+FinishedLevel finish_level(const LevelCut& cut, Mask mine, const CtVolume& ct, const BoneLevels& levels) {
+  Mask core(cut.markers.size());
+  std::transform(cut.markers.begin(), cut.markers.end(), core.begin(),
+                 [](WalkerVoxel marker) { return std::uint8_t{marker == WalkerVoxel::kWanted}; });
+  trim_rim(mine, cut);
+  constexpr double kPitMm = 1.5;
+  mine = fill_hollows(mine, cut.geometry(), kPitMm);
+  FinishedLevel finished;
+  const std::size_t parts = part_sizes(mine, cut.geometry()).size();
+  finished.parts_dropped = parts > 0 ? parts - 1 : 0;
+  mine = parts_that_touch(mine, core, cut.geometry());
+  RefinedMask refined = refine_mask({mine, cut.bone, cut.depth_mm, cut.peak_hu, cut.geometry(), cut.box, cut.bins}, ct,
+                                    levels);
+  finished.inside = std::move(refined.inside);
+  finished.box = refined.box;
+  return finished;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+
+#include "core/base/progress.h"
+#include "core/segment/bone_levels.h"
+#include "core/segment/vertebra_markers.h"
+
+namespace spinaltap {
+
+/// The part of a CT in which one vertebra is parted from its neighbours, in steps of about 0.8 mm, and what the walker
+/// found there. Boxes of all levels of a CT lie on one lattice of blocks, so that their voxels can be compared.
+struct LevelCut {
+  VoxelBox box;  ///< of the CT; begins at a multiple of `bins`
+  std::array<int, 3> bins{1, 1, 1};
+  FloatGrid smooth;                  ///< CT numbers, blurred as the noise asks for
+  std::vector<float> peak_hu;        ///< the greatest within 1.6 mm
+  std::vector<float> depth_mm;       ///< in the vertebra's body
+  std::vector<std::uint8_t> bone;    ///< all bone, neighbours included
+  std::vector<std::uint8_t> ribs;    ///< what goes on sideways beyond any process
+  std::vector<WalkerVoxel> markers;  ///< what was known before the walk
+  std::vector<float> probability;    ///< that a walker from here meets the vertebra's body first
+
+  const GridGeometry& geometry() const { return smooth.geometry; }
+};
+
+/// Parts one vertebra from its neighbours: bone is what lies over a threshold, with hysteresis, what it encloses, and the
+/// insides of the bodies; a random walker shares it out (see random_walker.h, vertebra_markers.h).
+LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row, const Progress& progress = {});
+
+/// The vertebra on the CT's grid, from the voxels that are its own: the rim that is only blur is taken off, pits are filled,
+/// pieces that hang on nothing are dropped, and each voxel's own CT number decides where the CT is finer than the work.
+/// Empty where nothing is left.
+struct FinishedLevel {
+  std::vector<std::uint8_t> inside;  ///< within `box` of the CT
+  VoxelBox box;
+  std::size_t parts_dropped = 0;
+};
+FinishedLevel finish_level(const LevelCut& cut, std::vector<std::uint8_t> mine, const CtVolume& ct,
+                           const BoneLevels& levels);
+
+/// Area of the faces between the vertebra and other bone, mm².
+double cut_area_mm2(const LevelCut& cut, const std::vector<std::uint8_t>& mine);
+
+}  // namespace spinaltap

@@ -1,0 +1,299 @@
+#include "core/segment/spinal_canal.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/segment/binned_ct.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kStepMm = SpinalCanal::kStepMm;
+
+/// The CT in blocks of about kStepMm, axes along the patient's.
+struct Blocks {
+  GridGeometry geometry;
+  std::vector<float> mean, brightest;
+};
+
+Box3 box_of(const GridGeometry& geometry) {
+  Box3 box;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto end = [&](std::size_t axis) { return (corner >> axis) & 1 ? geometry.size[axis] - 0.5 : -0.5; };
+    box.extend(geometry.to_patient(Vec3(end(0), end(1), end(2))));
+  }
+  return box;
+}
+
+/// Each voxel of the CT, in steps of about 1 mm and blurred as its noise asks for, goes to the block that it lies in.
+Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
+  const VoxelBox whole{{0, 0, 0}, {ct.geometry.size[0] - 1, ct.geometry.size[1] - 1, ct.geometry.size[2] - 1}};
+  const FloatGrid fine = blurred_as_asked(bin_hu(ct, whole, bins_for(ct.geometry, 1.0)), levels, ct);
+  const Box3 box = box_of(fine.geometry);
+  Blocks blocks;
+  blocks.geometry.spacing_mm = Vec3::Constant(kStepMm);
+  blocks.geometry.origin_mm = box.min() + Vec3::Constant(0.5 * kStepMm);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length_mm = box.sizes()[static_cast<Eigen::Index>(axis)];
+    blocks.geometry.size[axis] = std::max(1, static_cast<int>(std::floor(length_mm / kStepMm)));
+  }
+  const GridGeometry& geometry = blocks.geometry;
+  constexpr float kNothing = std::numeric_limits<float>::lowest();
+  blocks.brightest.assign(geometry.voxel_count(), kNothing);
+  std::vector<float> sum(geometry.voxel_count(), 0.0F);
+  std::vector<int> count(geometry.voxel_count(), 0);
+  const Mat3 step = fine.geometry.index_to_patient_matrix() / kStepMm;
+  const Vec3 first = geometry.to_index(fine.geometry.origin_mm);
+  // One thread: blocks are shared by slices of a CT of any orientation, and sums must not depend on an order.
+  std::size_t voxel = 0;
+  for (int k = 0; k < fine.geometry.size[2]; ++k) {
+    for (int j = 0; j < fine.geometry.size[1]; ++j) {
+      Vec3 at = first + step.col(1) * j + step.col(2) * k + Vec3::Constant(0.5);
+      for (int i = 0; i < fine.geometry.size[0]; ++i, ++voxel, at += step.col(0)) {
+        const int x = static_cast<int>(std::floor(at.x()));
+        const int y = static_cast<int>(std::floor(at.y()));
+        const int z = static_cast<int>(std::floor(at.z()));
+        if (!geometry.contains(x, y, z)) continue;
+        const std::size_t block = geometry.offset(x, y, z);
+        const float value = fine.values[voxel];
+        blocks.brightest[block] = std::max(blocks.brightest[block], value);
+        sum[block] += value;
+        ++count[block];
+      }
+    }
+  }
+  blocks.mean.resize(sum.size());
+  constexpr float kAirHu = -1000.0F;
+  for (std::size_t b = 0; b < sum.size(); ++b) {
+    blocks.mean[b] = count[b] > 0 ? sum[b] / static_cast<float>(count[b]) : kAirHu;
+  }
+  return blocks;
+}
+
+struct Direction {
+  double x, y;  ///< unit, to the left and to the back
+};
+
+constexpr int kDirections = 16;
+
+std::array<Direction, kDirections> directions_around() {
+  std::array<Direction, kDirections> directions{};
+  for (int n = 0; n < kDirections; ++n) {
+    const double turn = 2.0 * std::numbers::pi * n / kDirections;
+    directions[static_cast<std::size_t>(n)] = {std::sin(turn), -std::cos(turn)};  // the first one to the front
+  }
+  return directions;
+}
+
+class CanalScore {
+ public:
+  CanalScore(const Blocks& blocks, double bone_hu) : blocks_(blocks), bone_hu_(static_cast<float>(bone_hu)) {}
+
+  /// How much a block looks like the canal with a body in front: 0, or up to about 2.
+  double operator()(int i, int j, int k) const {
+    const float here = blocks_.mean[blocks_.geometry.offset(i, j, k)];
+    // Fat and contrast are in canals too, and beside a thin wall the block holds some bone.
+    if (here < -60.0F || here > 220.0F) return 0.0;
+    double seen = 0.0;
+    double near = 0.0;
+    int front = 0;
+    for (int n = 0; n < kDirections; ++n) {
+      const Direction& d = directions_[static_cast<std::size_t>(n)];
+      const int hit = first_bone(i, j, k, d);
+      if (hit == 0) continue;
+      seen += 1.0;
+      if (hit <= kNear) near += 1.0;
+      if (n == 0) front = hit;
+    }
+    if (seen < kLeastSeen) return 0.0;
+    return seen / kDirections + 0.25 * near / kDirections + 0.75 * body_in_front(i, j, k, front);
+  }
+
+ private:
+  static constexpr int kReach = 8;  // blocks: 20 mm
+  static constexpr int kNear = 5;   // 12.5 mm
+  static constexpr double kLeastSeen = 7.0;
+
+  float brightest(int i, int j, int k) const {
+    return blocks_.geometry.contains(i, j, k) ? blocks_.brightest[blocks_.geometry.offset(i, j, k)]
+                                              : std::numeric_limits<float>::lowest();
+  }
+
+  /// Blocks to the first bone along a direction, at least 1; 0 when there is none within reach.
+  int first_bone(int i, int j, int k, const Direction& d) const {
+    for (int r = 1; r <= kReach; ++r) {
+      const int x = i + static_cast<int>(std::lround(d.x * r));
+      const int y = j + static_cast<int>(std::lround(d.y * r));
+      if (brightest(x, y, k) >= bone_hu_) return r;
+    }
+    return 0;
+  }
+
+  /// 0 to 1: how dense it is for a body's depth in front of the canal's front wall, over a body's width, and whether soft
+  /// tissue follows.
+  double body_in_front(int i, int j, int k, int front) const {
+    constexpr int kDepth = 8;  // 20 mm
+    constexpr int kHalfWidth = 3;
+    const int wall = front > 0 && front <= kNear ? front : 3;
+    double sum = 0.0;
+    int count = 0;
+    for (int y = j - wall; y > j - wall - kDepth; --y) {
+      for (int x = i - kHalfWidth; x <= i + kHalfWidth; ++x) {
+        ++count;
+        if (!blocks_.geometry.contains(x, y, k)) continue;
+        // Cortex and metal count as bone and no more, lung no less than fat.
+        const double hu = static_cast<double>(blocks_.mean[blocks_.geometry.offset(x, y, k)]);
+        sum += std::clamp((hu - 40.0) / 160.0, -0.6, 1.2);
+      }
+    }
+    return std::clamp(sum / count, 0.0, 1.0);
+  }
+
+  const Blocks& blocks_;
+  float bone_hu_;
+  const std::array<Direction, kDirections> directions_ = directions_around();
+};
+
+/// Mean over a block's neighbours in its slice and those above and below: single lucky places do not make a canal.
+std::vector<float> smoothed(const std::vector<float>& score, const GridGeometry& geometry) {
+  FloatGrid grid{geometry, score};
+  return gaussian_blur(grid, kStepMm).values;
+}
+
+constexpr int kMostShift = 3;  // blocks from slice to slice
+/// What a slice must score for a chain to gain by it.
+constexpr double kLeastScore = 0.8;
+constexpr double kShiftCost = 0.06;
+
+/// The best chain's gain up to each block, coming from slice k - direction, and where it comes from.
+struct Chains {
+  std::vector<float> gain;
+  std::vector<std::int8_t> from_x, from_y;  ///< shift to the block before; kStart where the chain begins
+  static constexpr std::int8_t kStart = 100;
+};
+
+Chains best_chains(const std::vector<float>& score, const GridGeometry& geometry, int direction) {
+  Chains chains;
+  chains.gain.resize(score.size());
+  chains.from_x.assign(score.size(), Chains::kStart);
+  chains.from_y.assign(score.size(), Chains::kStart);
+  const int first = direction > 0 ? 0 : geometry.size[2] - 1;
+  for (int n = 0, k = first; n < geometry.size[2]; ++n, k += direction) {
+    tbb::parallel_for(0, geometry.size[1], [&](int j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        const std::size_t here = geometry.offset(i, j, k);
+        const double own = static_cast<double>(score[here]) - kLeastScore;
+        double best = 0.0;
+        for (int dy = -kMostShift; n > 0 && dy <= kMostShift; ++dy) {
+          for (int dx = -kMostShift; dx <= kMostShift; ++dx) {
+            if (!geometry.contains(i + dx, j + dy, k - direction)) continue;
+            const double cost = kShiftCost * (dx * dx + dy * dy);
+            const double gain =
+                static_cast<double>(chains.gain[geometry.offset(i + dx, j + dy, k - direction)]) - cost;
+            if (gain <= best) continue;
+            best = gain;
+            chains.from_x[here] = static_cast<std::int8_t>(dx);
+            chains.from_y[here] = static_cast<std::int8_t>(dy);
+          }
+        }
+        chains.gain[here] = static_cast<float>(best + own);
+      }
+    });
+  }
+  return chains;
+}
+
+using Index = std::array<int, 3>;
+
+/// The blocks of the chain from a block on, that one first.
+std::vector<Index> follow(const Chains& chains, const GridGeometry& geometry, Index at, int direction) {
+  std::vector<Index> way{at};
+  for (;;) {
+    const std::size_t here = geometry.offset(at[0], at[1], at[2]);
+    if (chains.from_x[here] == Chains::kStart) return way;
+    at = {at[0] + chains.from_x[here], at[1] + chains.from_y[here], at[2] - direction};
+    way.push_back(at);
+  }
+}
+
+/// Whether a canal at a place may be that of a body which holds `near_mm`.
+bool may_be_behind(const Vec3& p_mm, const Vec3& near_mm) {
+  const Vec3 way = p_mm - near_mm;
+  return std::abs(way.z()) < 2.0 * kStepMm && way.y() > 4.0 && way.y() < 50.0 && std::abs(way.x()) < 22.0;
+}
+
+/// Averages over `reach` points on each side, fewer at the ends: no kinks of whole blocks.
+std::vector<Vec3> evened(const std::vector<Vec3>& points, int reach) {
+  std::vector<Vec3> even(points.size());
+  const int last = static_cast<int>(points.size()) - 1;
+  for (int n = 0; n <= last; ++n) {
+    const int here = std::min({reach, n, last - n});
+    Vec3 sum = Vec3::Zero();
+    for (int m = n - here; m <= n + here; ++m) sum += points[static_cast<std::size_t>(m)];
+    even[static_cast<std::size_t>(n)] = sum / (2.0 * here + 1.0);
+  }
+  return even;
+}
+
+}  // namespace
+
+SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, const std::optional<Vec3>& near_mm,
+                              const Progress& progress) {
+  progress.report("finding the spinal canal", 0.0);
+  const Blocks blocks = blocks_of(ct, levels);
+  const GridGeometry& geometry = blocks.geometry;
+  progress.report("finding the spinal canal", 0.3);
+  std::vector<float> score(geometry.voxel_count(), 0.0F);
+  const CanalScore score_at(blocks, levels.low_hu);
+  tbb::parallel_for(0, geometry.size[2], [&](int k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        score[geometry.offset(i, j, k)] = static_cast<float>(score_at(i, j, k));
+      }
+    }
+  });
+  score = smoothed(score, geometry);
+  progress.report("finding the spinal canal", 0.6);
+  const Chains up = best_chains(score, geometry, 1);
+  const Chains down = best_chains(score, geometry, -1);
+  double best = 0.0;
+  Index middle{-1, -1, -1};
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        if (near_mm && !may_be_behind(geometry.to_patient(Vec3(i, j, k)), *near_mm)) continue;
+        const std::size_t here = geometry.offset(i, j, k);
+        // The block itself counts in both.
+        const double whole = static_cast<double>(up.gain[here]) + static_cast<double>(down.gain[here]) -
+                             (static_cast<double>(score[here]) - kLeastScore);
+        if (whole <= best) continue;
+        best = whole;
+        middle = {i, j, k};
+      }
+    }
+  }
+  SpinalCanal canal;
+  if (middle[0] < 0) return canal;
+  std::vector<Index> chain = follow(up, geometry, middle, 1);
+  std::reverse(chain.begin(), chain.end());
+  const std::vector<Index> upper = follow(down, geometry, middle, -1);
+  chain.insert(chain.end(), upper.begin() + 1, upper.end());
+  constexpr std::size_t kLeastBlocks = 4;
+  if (chain.size() < kLeastBlocks) return canal;
+  for (const Index& at : chain) {
+    canal.points_mm.push_back(geometry.to_patient(Vec3(at[0], at[1], at[2])));
+    canal.support.push_back(static_cast<double>(score[geometry.offset(at[0], at[1], at[2])]));
+  }
+  constexpr int kEvenBlocks = 3;
+  canal.points_mm = evened(canal.points_mm, kEvenBlocks);
+  progress.report("finding the spinal canal", 1.0);
+  return canal;
+}
+
+}  // namespace spinaltap
