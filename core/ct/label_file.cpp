@@ -1,84 +1,74 @@
 #include "core/ct/label_file.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
-#include <cstring>
+#include <sstream>
 
 #include "core/base/error.h"
 
 namespace spinaltap::detail {
-namespace {
 
-template <class Number>
-void find_in(std::span<const char> bytes, double slope, double intercept, int label, LabelVoxels& voxels) {
-  const std::size_t count = bytes.size() / sizeof(Number);
-  std::vector<double> values(count);
-  for (std::size_t n = 0; n < count; ++n) {
-    Number number;
-    std::memcpy(&number, bytes.data() + n * sizeof number, sizeof number);
-    values[n] = static_cast<double>(number) * slope + intercept;
-  }
-  find_label(values, label, voxels);
+namespace fs = std::filesystem;
+
+std::size_t LabelFile::voxel_count() const {
+  return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
 }
 
-}  // namespace
-
-std::size_t bytes_of(Stored stored) {
-  switch (stored) {
-    case Stored::kInt8:
-    case Stored::kUint8:
-      return 1;
-    case Stored::kInt16:
-    case Stored::kUint16:
-      return 2;
-    case Stored::kInt32:
-    case Stored::kUint32:
-    case Stored::kFloat32:
-      return 4;
-    default:
-      return 8;
+LabelFile read_label_file(const fs::path& file, const std::function<void(const LabelFile&)>& begin,
+                          const TakeLabels& take) {
+  std::error_code error;
+  if (!fs::exists(file, error)) fail("no such file: ", file.string());
+  if (!fs::is_regular_file(file, error)) fail("expected a label map, found something else: ", file.string());
+  const std::string name = file.filename().string();
+  if (name.ends_with(".nrrd")) return read_nrrd_labels(file, begin, take);
+  if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) {
+    fail("expected a label map as NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .seg.nrrd), found ", file.string());
   }
+  return read_nifti_labels(file, begin, take);
 }
 
-void find_label(Stored stored, std::span<const char> bytes, double slope, double intercept, int label,
-                LabelVoxels& voxels) {
-  switch (stored) {
-    case Stored::kInt8:
-      return find_in<std::int8_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kUint8:
-      return find_in<std::uint8_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kInt16:
-      return find_in<std::int16_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kUint16:
-      return find_in<std::uint16_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kInt32:
-      return find_in<std::int32_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kUint32:
-      return find_in<std::uint32_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kInt64:
-      return find_in<std::int64_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kUint64:
-      return find_in<std::uint64_t>(bytes, slope, intercept, label, voxels);
-    case Stored::kFloat32:
-      return find_in<float>(bytes, slope, intercept, label, voxels);
-    case Stored::kFloat64:
-      return find_in<double>(bytes, slope, intercept, label, voxels);
-  }
+void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
+                      const std::function<void(std::size_t, std::size_t)>& visit) {
+  GridGeometry of_file;  // for its offsets
+  of_file.size = file.size;
+  const Mat3 to_file = file.index_to_patient.inverse();
+  const Mat3 step = to_file * grid.index_to_patient_matrix();
+  const Vec3 start = to_file * (grid.origin_mm - file.origin_mm);
+  tbb::parallel_for(0, grid.size[2], [&](int k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        const Vec3 p_file = start + step * Vec3(i, j, k);
+        const Eigen::Array3d nearest = (p_file.array() + 0.5).floor();
+        const auto inside_axis = [&](int axis) {
+          return nearest[axis] >= 0.0 && nearest[axis] < file.size[static_cast<std::size_t>(axis)];
+        };
+        if (!inside_axis(0) || !inside_axis(1) || !inside_axis(2)) continue;
+        visit(grid.offset(i, j, k),
+              of_file.offset(static_cast<int>(nearest[0]), static_cast<int>(nearest[1]), static_cast<int>(nearest[2])));
+      }
+    }
+  });
 }
 
-void find_label(std::span<const double> values, int label, LabelVoxels& voxels) {
-  long long last = 0;
-  for (const double value : values) {
-    const bool is_label = std::abs(value) < 1e15;  // false also for what is not a number
-    const long long found = is_label ? std::llround(value) : 0;
-    if (found != last && found != 0) voxels.present.insert(found);
-    last = found;
-    voxels.has_label.push_back(is_label && found == label ? 1 : 0);
+std::string list_for_people(const std::set<long long>& labels) {
+  constexpr int kMost = 40;
+  if (labels.empty()) return "none";
+  std::ostringstream text;
+  int count = 0;
+  for (const long long label : labels) {
+    if (++count > kMost) {
+      text << ", ... (" << labels.size() << " in all)";
+      break;
+    }
+    text << (count > 1 ? ", " : "") << label;
   }
+  return text.str();
 }
 
-void check_transform(const LabelVoxels& voxels, const std::string& what) {
-  const double volume_mm3 = std::abs(voxels.index_to_patient.determinant());
-  if (!voxels.index_to_patient.allFinite() || !voxels.origin_mm.allFinite() || !(volume_mm3 > 1e-12)) {
+void check_transform(const LabelFile& labels, const std::string& what) {
+  const double volume_mm3 = std::abs(labels.index_to_patient.determinant());
+  if (!labels.index_to_patient.allFinite() || !labels.origin_mm.allFinite() || !(volume_mm3 > 1e-12)) {
     fail("expected a transform that gives voxels a volume, found one that does not in ", what);
   }
 }

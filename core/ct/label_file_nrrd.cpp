@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -19,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Header {
-  std::map<std::string, std::string> fields;  ///< "sizes" to "3 2 2"; key/value pairs are left out
+  std::map<std::string, std::string> fields;  ///< "sizes" to "3 2 2"
+  std::map<std::string, std::string> pairs;   ///< "Segment0_Name" to "T11": the format's key/value pairs
   std::size_t data_begins = 0;
 };
 
@@ -43,8 +45,11 @@ Header read_header(const std::string& content, const std::string& what) {
       return header;
     }
     const std::size_t colon = line.find(": ");
-    if (line.front() != '#' && colon != std::string::npos && line.find(":=") > colon) {
+    const std::size_t equals = line.find(":=");
+    if (line.front() != '#' && colon < equals) {
       header.fields[line.substr(0, colon)] = without_blanks(line.substr(colon + 2));
+    } else if (line.front() != '#' && equals != std::string::npos) {
+      header.pairs[line.substr(0, equals)] = without_blanks(line.substr(equals + 2));
     }
     begin = end;
   }
@@ -55,6 +60,68 @@ const std::string& field(const Header& header, const std::string& name, const st
   const auto found = header.fields.find(name);
   if (found == header.fields.end()) fail("expected an NRRD field \"", name, "\", found none in ", what);
   return found->second;
+}
+
+/// How numbers are stored.
+enum class Stored { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64 };
+
+std::size_t bytes_of(Stored stored) {
+  switch (stored) {
+    case Stored::kInt8:
+    case Stored::kUint8:
+      return 1;
+    case Stored::kInt16:
+    case Stored::kUint16:
+      return 2;
+    case Stored::kInt32:
+    case Stored::kUint32:
+    case Stored::kFloat32:
+      return 4;
+    default:
+      return 8;
+  }
+}
+
+template <class Number>
+void take_numbers(std::string_view bytes, const TakeLabels& take) {
+  constexpr std::size_t kChunk = 65536;
+  std::vector<double> values;
+  for (std::size_t left = bytes.size() / sizeof(Number), done = 0; left > 0; left -= values.size()) {
+    values.resize(std::min(kChunk, left));
+    for (double& value : values) {
+      Number number;
+      std::memcpy(&number, bytes.data() + done, sizeof number);
+      done += sizeof number;
+      value = static_cast<double>(number);
+    }
+    take(values);
+  }
+}
+
+/// `bytes` in this machine's order.
+void take_stored(Stored stored, std::string_view bytes, const TakeLabels& take) {
+  switch (stored) {
+    case Stored::kInt8:
+      return take_numbers<std::int8_t>(bytes, take);
+    case Stored::kUint8:
+      return take_numbers<std::uint8_t>(bytes, take);
+    case Stored::kInt16:
+      return take_numbers<std::int16_t>(bytes, take);
+    case Stored::kUint16:
+      return take_numbers<std::uint16_t>(bytes, take);
+    case Stored::kInt32:
+      return take_numbers<std::int32_t>(bytes, take);
+    case Stored::kUint32:
+      return take_numbers<std::uint32_t>(bytes, take);
+    case Stored::kInt64:
+      return take_numbers<std::int64_t>(bytes, take);
+    case Stored::kUint64:
+      return take_numbers<std::uint64_t>(bytes, take);
+    case Stored::kFloat32:
+      return take_numbers<float>(bytes, take);
+    case Stored::kFloat64:
+      return take_numbers<double>(bytes, take);
+  }
 }
 
 Stored stored_as(const std::string& type, const std::string& what) {
@@ -160,7 +227,7 @@ std::vector<std::string> vectors_of(const std::string& text) {
   return words_of(spaced);
 }
 
-void set_transform(const Header& header, const std::string& what, LabelVoxels& voxels) {
+void set_transform(const Header& header, const std::string& what, LabelFile& labels) {
   static const std::map<std::string, Vec3> kToLps{{"left-posterior-superior", {1, 1, 1}},   {"LPS", {1, 1, 1}},
                                                   {"right-anterior-superior", {-1, -1, 1}}, {"RAS", {-1, -1, 1}},
                                                   {"left-anterior-superior", {1, -1, 1}},   {"LAS", {1, -1, 1}}};
@@ -174,14 +241,14 @@ void set_transform(const Header& header, const std::string& what, LabelVoxels& v
     const std::optional<Vec3> direction = vector_of(word, what);
     if (!direction) continue;
     if (axis == 3) fail("expected three NRRD space directions, found more in ", what);
-    voxels.index_to_patient.col(axis++) = direction->cwiseProduct(to_lps->second);
+    labels.index_to_patient.col(axis++) = direction->cwiseProduct(to_lps->second);
   }
   if (axis != 3) fail("expected three NRRD space directions, found ", axis, " in ", what);
   const std::vector<std::string> origin = vectors_of(field(header, "space origin", what));
   const std::optional<Vec3> origin_mm = origin.size() == 1 ? vector_of(origin.front(), what) : std::nullopt;
   if (!origin_mm) fail("expected one NRRD space origin, found \"", field(header, "space origin", what), "\" in ", what);
-  voxels.origin_mm = origin_mm->cwiseProduct(to_lps->second);
-  check_transform(voxels, what);
+  labels.origin_mm = origin_mm->cwiseProduct(to_lps->second);
+  check_transform(labels, what);
 }
 
 /// The voxels' bytes, in this machine's order.
@@ -220,20 +287,42 @@ std::string voxel_bytes(const Header& header, const std::string& content, std::s
   return bytes;
 }
 
+/// 3D Slicer's segments: each has its number in a key of its own, "Segment3_LabelValue". In one layer no two segments
+/// can have one value.
+std::map<long long, std::string> segment_names(const Header& header, const std::string& what) {
+  constexpr std::string_view kPrefix = "Segment";
+  constexpr std::string_view kValue = "_LabelValue";
+  std::map<long long, std::string> names;
+  for (const auto& [key, text] : header.pairs) {
+    if (!key.starts_with(kPrefix) || !key.ends_with(kValue)) continue;
+    long long value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      fail("expected a number as ", key, ", found \"", text, "\" in ", what);
+    }
+    const auto name = header.pairs.find(key.substr(0, key.size() - kValue.size()) + "_Name");
+    const auto [at, is_new] = names.emplace(value, name == header.pairs.end() ? "" : name->second);
+    if (!is_new) fail("expected one segment a label, found two of label ", value, " in ", what);
+  }
+  return names;
+}
+
 }  // namespace
 
-LabelVoxels load_nrrd_label(const fs::path& file, int label) {
+LabelFile read_nrrd_labels(const fs::path& file, const std::function<void(const LabelFile&)>& begin,
+                           const TakeLabels& take) {
   const std::string what = file.string();
   const std::string content = read_whole_file(file);
   const Header header = read_header(content, what);
-  LabelVoxels voxels;
-  voxels.size = sizes_of(header, what);
-  set_transform(header, what, voxels);
+  LabelFile labels;
+  labels.size = sizes_of(header, what);
+  set_transform(header, what, labels);
   const Stored stored = stored_as(field(header, "type", what), what);
-  GridGeometry grid;
-  grid.size = voxels.size;
-  find_label(stored, voxel_bytes(header, content, grid.voxel_count(), stored, what), 1.0, 0.0, label, voxels);
-  return voxels;
+  const std::string bytes = voxel_bytes(header, content, labels.voxel_count(), stored, what);
+  if (begin) begin(labels);
+  take_stored(stored, bytes, take);
+  labels.names = segment_names(header, what);
+  return labels;
 }
 
 }  // namespace spinaltap::detail

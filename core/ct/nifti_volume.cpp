@@ -19,6 +19,8 @@ using NiftiImage = std::unique_ptr<nifti_image, void (*)(nifti_image*)>;
 using GzFile = std::unique_ptr<gzFile_s, int (*)(gzFile)>;
 
 constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 30;
+constexpr std::size_t kHeader1 = 348;  ///< bytes of a NIfTI-1 header
+constexpr std::size_t kHeader2 = 540;  ///< and of a NIfTI-2 header
 
 [[noreturn]] void fail_not_nifti(const fs::path& file) {
   fail("expected a NIfTI file, found one that is not or is broken: ", file.string());
@@ -44,8 +46,6 @@ Number number_at(const std::vector<char>& bytes, std::size_t at, bool swapped) {
 
 /// What the library takes for granted, so that it can be given any file: marks, sizes, and where the voxels begin.
 void check_header(const fs::path& file) {
-  constexpr std::size_t kHeader1 = 348;
-  constexpr std::size_t kHeader2 = 540;
   std::vector<char> bytes(kHeader2, '\0');
   const int found = ::gzread(open_bytes(file).get(), bytes.data(), static_cast<unsigned>(bytes.size()));
   if (found < static_cast<int>(kHeader1)) fail_not_nifti(file);
@@ -235,6 +235,27 @@ void NiftiVolume::read_values(const std::function<void(std::span<const double>)>
     }
     take(values);
   }
+}
+
+// Extensions: nifti1.h, "EXTENDED HEADER STRUCTURE". Four bytes behind the header, of which the first says whether
+// there are any; then for each its size, sizes included, its code, and its content.
+std::vector<std::string> NiftiVolume::read_extensions() const {
+  const auto end = static_cast<std::size_t>(std::max<std::int64_t>(values_at_, 0));
+  std::vector<char> bytes(end, '\0');
+  const int found = ::gzread(open_bytes(file_).get(), bytes.data(), static_cast<unsigned>(bytes.size()));
+  if (end < kHeader1 + 4 || found != static_cast<int>(end)) return {};
+  const bool is_second = number_at<std::int32_t>(bytes, 0, is_swapped_) == static_cast<std::int32_t>(kHeader2);
+  std::size_t at = (is_second ? kHeader2 : kHeader1) + 4;
+  if (at > end || bytes[at - 4] == 0) return {};
+  constexpr std::size_t kHead = 8;
+  std::vector<std::string> extensions;
+  while (at + kHead <= end) {
+    const auto size = number_at<std::int32_t>(bytes, at, is_swapped_);
+    if (size < static_cast<std::int32_t>(kHead) || static_cast<std::size_t>(size) > end - at) break;
+    extensions.emplace_back(bytes.data() + at + kHead, static_cast<std::size_t>(size) - kHead);
+    at += static_cast<std::size_t>(size);
+  }
+  return extensions;
 }
 
 }  // namespace spinaltap

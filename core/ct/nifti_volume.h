@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "core/base/geometry.h"
 
@@ -28,6 +30,10 @@ class NiftiVolume {
   /// Calls `take` with the values from first to last, some at a time, scaled by scl_slope and scl_inter; not a number
   /// where the file has none. Throws Error where the file ends early.
   void read_values(const std::function<void(std::span<const double>)>& take) const;
+
+  /// What stands between the header and the values: the bytes of each extension, whatever its code. None where the
+  /// file says that there are none, or their sizes make no sense.
+  std::vector<std::string> read_extensions() const;
 
  private:
   std::filesystem::path file_;

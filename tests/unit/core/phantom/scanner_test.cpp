@@ -12,9 +12,9 @@ namespace spinaltap {
 namespace {
 
 /// A ball of one material.
-class Ball : public Solid {
+class EvenBall : public Solid {
  public:
-  Ball(const Vec3& centre, double radius, double hu) : centre_(centre), radius_(radius), hu_(hu) {}
+  EvenBall(const Vec3& centre, double radius, double hu) : centre_(centre), radius_(radius), hu_(hu) {}
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3>) const override {
     for (std::size_t n = 0; n < points_mm.size(); ++n) values_mm[n] = (points_mm[n] - centre_).norm() - radius_;
   }
@@ -46,7 +46,7 @@ ScanOptions small_scan() {
 TEST(Scanner, GivesTheExactNumberInsideAHomogeneousBallAndOutside) {
   ScanOptions options = small_scan();
   options.noise_hu = 0.0;
-  const CtVolume ct = scan(Ball(Vec3(3.0, -2.0, 7.0), 10.0, 800.0), options);
+  const CtVolume ct = scan(EvenBall(Vec3(3.0, -2.0, 7.0), 10.0, 800.0), options);
   EXPECT_EQ(ct.at(48, 48, 30), 800);
   EXPECT_EQ(ct.at(40, 52, 35), 800);
   EXPECT_EQ(ct.at(1, 1, 1), 40);
@@ -56,7 +56,7 @@ TEST(Scanner, PutsTheHalfValueAtTheTrueRadius) {
   ScanOptions options = small_scan();
   options.noise_hu = 0.0;
   const Vec3 centre(3.0, -2.0, 7.0);
-  const CtVolume ct = scan(Ball(centre, 10.0, 1040.0), options);
+  const CtVolume ct = scan(EvenBall(centre, 10.0, 1040.0), options);
   for (const Vec3& direction :
        {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0.6, -0.8, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
     double inside = 5.0, outside = 14.0;
@@ -69,7 +69,7 @@ TEST(Scanner, PutsTheHalfValueAtTheTrueRadius) {
 }
 
 TEST(Scanner, PlacesSlicesAtMultiplesOfTheStepAroundTheMiddleOfTheBounds) {
-  const CtVolume ct = scan(Ball(Vec3(3.0, -2.0, 7.0), 4.0, 800.0), small_scan());
+  const CtVolume ct = scan(EvenBall(Vec3(3.0, -2.0, 7.0), 4.0, 800.0), small_scan());
   EXPECT_EQ(ct.geometry.spacing_mm, Vec3(0.352, 0.352, 0.5));
   EXPECT_NEAR(ct.geometry.origin_mm.z(), 7.0 - 0.5 * 59 * 0.5, 5e-4);
   EXPECT_NEAR(ct.geometry.origin_mm.x(), 3.0 - 0.5 * 95 * 0.352, 5e-4);
@@ -120,7 +120,7 @@ TEST(Scanner, BlursAnEdgeByTheGaussianAskedFor) {
 TEST(Scanner, MakesNoiseOfTheDeviationAskedForEverywhere) {
   ScanOptions options = small_scan();
   options.slices = 40;
-  const CtVolume ct = scan(Ball(Vec3::Zero(), 1.0, 40.0), options);
+  const CtVolume ct = scan(EvenBall(Vec3::Zero(), 1.0, 40.0), options);
   double sum = 0.0, squares = 0.0, edge = 0.0;
   int edge_count = 0;
   for (int k = 0; k < 40; ++k) {
@@ -160,16 +160,16 @@ TEST(Scanner, GivesTheSameVoxelsAtAnyNumberOfThreadsAndOthersForAnotherSeed) {
 TEST(Scanner, StopsWhenItIsCancelled) {
   Progress progress([&](std::string_view, double) {});
   progress.cancel();
-  EXPECT_THROW(scan(Ball(Vec3::Zero(), 5.0, 100.0), small_scan(), progress), Cancelled);
+  EXPECT_THROW(scan(EvenBall(Vec3::Zero(), 5.0, 100.0), small_scan(), progress), Cancelled);
 }
 
 TEST(Scanner, RefusesOptionsWithoutSense) {
   ScanOptions options = small_scan();
   options.pixel_mm = std::nan("");
-  EXPECT_THROW(scan(Ball(Vec3::Zero(), 5.0, 100.0), options), Error);
+  EXPECT_THROW(scan(EvenBall(Vec3::Zero(), 5.0, 100.0), options), Error);
   options = small_scan();
   options.samples_per_pixel = 0;
-  EXPECT_THROW(scan(Ball(Vec3::Zero(), 5.0, 100.0), options), Error);
+  EXPECT_THROW(scan(EvenBall(Vec3::Zero(), 5.0, 100.0), options), Error);
 }
 
 }  // namespace
