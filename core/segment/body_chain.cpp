@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kStepMm = 0.5;  // between places of endplates
 constexpr double kLeastHeightMm = 9.0;
+constexpr double kLeastCutMm = 2.5;  // of a body that the CT cuts
 constexpr double kMostHeightMm = 40.0;
 constexpr double kLeastGapMm = 0.5;
 constexpr double kMostGapMm = 17.0;
@@ -50,12 +51,12 @@ std::vector<Eigen::Vector2d> disc_points() {
 
 /// What is known at each place along the column.
 struct Profile {
-  std::vector<float> rise, fall;                     ///< of the best tilt: going up into bone, and out of it
+  std::vector<float> rise, fall;  ///< of the best tilt: going up into bone, and out of it
   std::vector<std::uint16_t> rise_tilt, fall_tilt;
-  std::vector<float> level;                          ///< mean CT number across, untilted
-  std::vector<float> wall;                           ///< at the sides
+  std::vector<float> level;  ///< mean CT number across, untilted
+  std::vector<float> wall;   ///< at the sides
   std::vector<float> half_depth_mm;
-  std::vector<std::uint8_t> in_ct;                   ///< whether the section's middle lies within the CT
+  int first = 0, last = -1;  ///< the places whose middle lies within the CT
 };
 
 Vec3 tilted_up(const ColumnSection& section, const Tilt& tilt) {
@@ -74,7 +75,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   profile.level.assign(count, 0.0F);
   profile.wall.assign(count, 0.0F);
   profile.half_depth_mm.assign(count, 0.0F);
-  profile.in_ct.assign(count, 0);
+  std::vector<std::uint8_t> in_ct(count, 0);
   // Means across the column for each place and tilt; an edge is the difference of two that are 2 kArm apart.
   std::vector<float> means(count * kinds.size());
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
@@ -82,7 +83,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
     profile.half_depth_mm[n] = static_cast<float>(section.half_depth_mm);
     profile.wall[n] = static_cast<float>(section.wall);
     const Eigen::Array3i nearest = probe.geometry().to_index(section.centre_mm).array().round().cast<int>();
-    profile.in_ct[n] = probe.geometry().contains(nearest.x(), nearest.y(), nearest.z()) ? 1 : 0;
+    in_ct[n] = probe.geometry().contains(nearest.x(), nearest.y(), nearest.z()) ? 1 : 0;
     for (std::size_t t = 0; t < kinds.size(); ++t) {
       const double roll = std::tan(kinds[t].roll_rad);
       const double pitch = std::tan(kinds[t].pitch_rad);
@@ -97,7 +98,12 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
     }
     profile.level[n] = means[n * kinds.size()];
   });
-  constexpr std::size_t kArm = 2;  // 1 mm: across an endplate's outer edge, and no further than the middle of a thin disc
+  const auto first = std::find(in_ct.begin(), in_ct.end(), 1);
+  const auto last = std::find(in_ct.rbegin(), in_ct.rend(), 1);
+  profile.first = static_cast<int>(first - in_ct.begin());
+  profile.last = static_cast<int>(in_ct.rend() - last) - 1;
+  constexpr std::size_t kArm =
+      2;  // 1 mm: across an endplate's outer edge, and no further than the middle of a thin disc
   for (std::size_t n = kArm; n + kArm < count; ++n) {
     for (std::size_t t = 0; t < kinds.size(); ++t) {
       const float below = means[(n - kArm) * kinds.size() + t];
@@ -128,8 +134,11 @@ std::vector<double> sums_of(const std::vector<float>& values) {
 class ChainSearch {
  public:
   ChainSearch(const Profile& profile, const WallLevels& levels)
-      : profile_(profile), levels_(levels), count_(static_cast<int>(profile.rise.size())),
-        wall_sums_(sums_of(profile.wall)), level_sums_(sums_of(profile.level)) {}
+      : profile_(profile),
+        levels_(levels),
+        count_(static_cast<int>(profile.rise.size())),
+        wall_sums_(sums_of(profile.wall)),
+        level_sums_(sums_of(profile.level)) {}
 
   struct Body {
     int lower, upper;  ///< places of its ends
@@ -140,7 +149,8 @@ class ChainSearch {
   std::vector<Body> best_chain() const;
 
  private:
-  static constexpr int kLeastHeight = static_cast<int>(kLeastHeightMm / kStepMm);
+  static constexpr int kLeastWhole = static_cast<int>(kLeastHeightMm / kStepMm);
+  static constexpr int kLeastHeight = static_cast<int>(kLeastCutMm / kStepMm);
   static constexpr int kMostHeight = static_cast<int>(kMostHeightMm / kStepMm);
   static constexpr int kHeights = kMostHeight - kLeastHeight + 1;
   static constexpr int kLeastGap = static_cast<int>(kLeastGapMm / kStepMm);
@@ -153,7 +163,8 @@ class ChainSearch {
   /// What speaks for a body between two places, ends not counted.
   double body_gain(int lower, int upper, bool is_whole) const {
     const double height_mm = kStepMm * (upper - lower);
-    const double depth_mm = 2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
+    const double depth_mm =
+        2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A body's height over its depth: 0.65 in the lowest lumbar ones to 0.95 in the neck.
     const double off = std::log(height_mm / (0.82 * depth_mm)) / 0.22;
     const double size_cost = is_whole || off > 0.0 ? 0.5 * off * off : 0.0;
@@ -165,7 +176,8 @@ class ChainSearch {
   /// What speaks for a gap between two places.
   double gap_gain(int lower, int upper) const {
     const double height_mm = kStepMm * (upper - lower);
-    const double depth_mm = 2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
+    const double depth_mm =
+        2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A disc's height over the body's depth: 0.1 in the upper thoracic spine to 0.35 in the lowest lumbar one.
     const double off = std::max(0.0, height_mm / depth_mm - 0.3) / 0.12;
     const double wall = mean(wall_sums_, lower, upper);
@@ -190,6 +202,7 @@ class ChainSearch {
 constexpr double kCutEnd = 0.0;
 /// What each body must bring at least.
 constexpr double kLeastGain = 0.9;
+constexpr double kLeastCutGain = 0.4;  // of one that the CT cuts, which has one end only
 
 std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   // State: a body that ends with its upper endplate at a place, of a height. Its gain is the best of all rows up to it.
@@ -202,30 +215,33 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   std::vector<double> own(states, kNever);
   std::vector<int> from(states, -1);  // the state before; -1: the first body
   const double cut_mm = 1.5;          // ends so near to the column's are cut
-  const int cut_below = static_cast<int>(cut_mm / kStepMm);
-  const int cut_above = count_ - 1 - cut_below;
-  const int last_upper = count_ - 1;
-  for (int upper = 0; upper <= last_upper; ++upper) {
+  const int first_lower = profile_.first;
+  const int last_upper = profile_.last;
+  const int cut_below = first_lower + static_cast<int>(cut_mm / kStepMm);
+  const int cut_above = last_upper - static_cast<int>(cut_mm / kStepMm);
+  for (int upper = first_lower; upper <= last_upper; ++upper) {
     const bool upper_cut = upper == last_upper;
     const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
     if (!upper_cut && (fall < 0.15 || upper > cut_above)) continue;
     // Heights are independent of each other: each looks at all bodies before.
     tbb::parallel_for(kLeastHeight, kMostHeight + 1, [&](int height) {
       const int lower = upper - height;
-      const bool lower_cut = lower <= 0;
-      if (lower < 0) return;
+      const bool lower_cut = lower <= first_lower;
+      if (lower < first_lower) return;
       const double rise = lower_cut ? kCutEnd : static_cast<double>(profile_.rise[static_cast<std::size_t>(lower)]);
       if (!lower_cut && (rise < 0.15 || lower < cut_below)) return;
+      if (!lower_cut && !upper_cut && height < kLeastWhole) return;
       const std::size_t here = state(upper, height);
-      own[here] = rise + fall + body_gain(lower, upper, !lower_cut && !upper_cut) - kLeastGain;
+      const bool is_whole = !lower_cut && !upper_cut;
+      own[here] = rise + fall + body_gain(lower, upper, is_whole) - (is_whole ? kLeastGain : kLeastCutGain);
       double best = 0.0;
-      for (int gap = kLeastGap; !lower_cut && gap <= kMostGap && lower - gap >= 0; ++gap) {
+      for (int gap = kLeastGap; !lower_cut && gap <= kMostGap && lower - gap >= first_lower; ++gap) {
         const int below = lower - gap;
         const double gap_here = gap_gain(below, lower);
         for (int other = kLeastHeight; other <= kMostHeight; ++other) {
           const double before = gain[state(below, other)];
           if (before <= 0.0) continue;
-          const bool partial = upper_cut || below - other <= 0;
+          const bool partial = upper_cut || lower_cut || below - other <= first_lower;
           const double total = before + gap_here - (partial ? 0.0 : height_change_cost(height, other));
           if (total <= best) continue;
           best = total;
@@ -241,10 +257,31 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   for (auto at = static_cast<int>(best - gain.begin()); at >= 0; at = from[static_cast<std::size_t>(at)]) {
     const int upper = at / kHeights;
     const int height = at % kHeights + kLeastHeight;
-    chain.push_back({upper - height, upper, upper - height <= 0, upper == last_upper, own[static_cast<std::size_t>(at)]});
+    chain.push_back(
+        {upper - height, upper, upper - height <= first_lower, upper == last_upper, own[static_cast<std::size_t>(at)]});
   }
   std::reverse(chain.begin(), chain.end());
   return chain;
+}
+
+/// Moves the cut end of a body to where it would be if the body were as high as the nearest whole one.
+void complete(BodySpan& span, const std::vector<BodySpan>& chain) {
+  const auto is_whole = [](const BodySpan& other) { return !other.lower.is_cut && !other.upper.is_cut; };
+  constexpr double kHeightOverDepth = 0.85;
+  double height_mm = kHeightOverDepth * 2.0 * span.middle.half_depth_mm;
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (const BodySpan& other : chain) {
+    const double away_mm = std::abs(other.lower.s_mm - span.lower.s_mm);
+    if (!is_whole(other) || away_mm >= nearest_mm) continue;
+    nearest_mm = away_mm;
+    height_mm = other.height_mm();
+  }
+  const double missing_mm = height_mm - span.height_mm();
+  if (missing_mm <= 0.0) return;
+  BodyEnd& end = span.lower.is_cut ? span.lower : span.upper;
+  const double sign = span.lower.is_cut ? -1.0 : 1.0;
+  end.centre_mm += sign * missing_mm * end.up;
+  end.s_mm += sign * missing_mm;
 }
 
 }  // namespace
@@ -274,6 +311,10 @@ std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& co
     span.middle = column.at(0.5 * (span.lower.s_mm + span.upper.s_mm));
     span.gain = body.gain;
     chain.push_back(span);
+  }
+  const std::vector<BodySpan> as_found = chain;
+  for (BodySpan& span : chain) {
+    if (span.lower.is_cut != span.upper.is_cut) complete(span, as_found);
   }
   return chain;
 }

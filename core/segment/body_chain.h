@@ -12,7 +12,9 @@ struct BodyEnd {
   Vec3 centre_mm = Vec3::Zero();  ///< on the plane, patient LPS
   Vec3 up = Vec3::UnitZ();        ///< unit, the plane's normal, upward for both ends
   double edge = 0.0;              ///< how much of an endplate is there, 0 to 1; 0 where is_cut
-  bool is_cut = false;            ///< no endplate: the CT, or what is known of the column, ends here
+  /// No endplate: the CT, or what is known of the column, ends before it. Its place is a guess from the next body's
+  /// height.
+  bool is_cut = false;
 };
 
 /// A body between its endplates.
@@ -25,11 +27,11 @@ struct BodySpan {
 };
 
 /// All bodies of a column from below upward, found together: a row of bodies and gaps along the column for which most
-/// speaks. An endplate is a fall of the CT number from the body outward, in the mean over a disc across the column that may
-/// be tilted by 25 degrees. Bodies have walls at their sides, gaps have none, and are darker than the endplates beside
-/// them. Heights go with the column's depth (Panjabi 1991, 1992; Gilad & Nissan 1986) and change little from one body to the
-/// next. The best row is found exactly by dynamic programming over all places of all endplates (a hidden semi-Markov
-/// model, Rabiner 1989), 0.5 mm apart. `hu` is as scanned, or blurred as its noise asks for.
+/// speaks. An endplate is a fall of the CT number from the body outward, in the mean over a disc across the column that
+/// may be tilted by 25 degrees. Bodies have walls at their sides, gaps have none, and are darker than the endplates
+/// beside them. Heights go with the column's depth (Panjabi 1991, 1992; Gilad & Nissan 1986) and change little from one
+/// body to the next. The best row is found exactly by dynamic programming over all places of all endplates (a hidden
+/// semi-Markov model, Rabiner 1989), 0.5 mm apart. `hu` is as scanned, or blurred as its noise asks for.
 std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& column, const WallLevels& levels);
 
 }  // namespace spinaltap

@@ -29,6 +29,9 @@ struct UnitSurface {
     for (int level = 0; level < kUp; ++level) {
       for (int i = 0; i < kAround; ++i) {
         const double turn = 2.0 * std::numbers::pi * (i + 0.5 * (level % 2)) / kAround;
+        // Beside the canal there are pedicles and the heads of ribs.
+        const double from_back = std::abs(std::remainder(turn - 0.5 * std::numbers::pi, 2.0 * std::numbers::pi));
+        if (from_back > 25.0 * kDegree && from_back < 70.0 * kDegree) continue;
         points.emplace_back(std::cos(turn), std::sin(turn), 0.8 * (2.0 * (level + 0.5) / kUp - 1.0));
         normals.emplace_back(std::cos(turn), std::sin(turn), 0.0);
       }
@@ -36,7 +39,7 @@ struct UnitSurface {
   }
 };
 
-/// The mean wall edge at every `stride`-th point of the surface.
+/// The mean wall edge on the surface.
 double fit_of(const WallProbe& probe, const BodyCylinder& cylinder) {
   static const UnitSurface unit;
   const Mat3 axes = cylinder.axes();
@@ -82,7 +85,7 @@ bool allowed(const BodyCylinder& cylinder, const BodyCylinder& start, const Refi
   return std::hypot(shift.x(), shift.y()) <= limits.shift_mm &&
          std::abs(shift.z()) + std::abs(taller) <= limits.end_shift_mm + 1e-9 &&
          (share.abs() <= limits.size_share).all() &&
-         ((cylinder.turn_rad - start.turn_rad).array().abs() <= limits.turn_rad).all();
+         ((cylinder.turn_rad - start.turn_rad).array().abs() <= limits.turn_rad.array()).all();
 }
 
 }  // namespace
@@ -97,11 +100,6 @@ void BodyCylinder::set_axes(const Mat3& axes) {
   // axes = Rz Ry Rx
   turn_rad = Vec3(std::atan2(axes(2, 1), axes(2, 2)), std::asin(std::clamp(-axes(2, 0), -1.0, 1.0)),
                   std::atan2(axes(1, 0), axes(0, 0)));
-}
-
-double BodyCylinder::worth() const {
-  constexpr double kSizePower = 0.2;
-  return fit * std::pow(half_mm.x() * half_mm.y(), kSizePower);
 }
 
 double BodyCylinder::scale_to(const Vec3& p_patient) const {
@@ -132,16 +130,16 @@ BodyCylinder refine_body_cylinder(const WallProbe& probe, const BodyCylinder& st
   for (double step_mm = 1.5; step_mm >= 0.25; step_mm *= 0.5) {
     constexpr int kMostRounds = 12;
     for (int round = 0; round < kMostRounds; ++round) {
-      const double before = best.worth();
+      const double before = best.fit;
       for (int move = 0; move < kMoves; ++move) {
         for (const double sign : {-1.0, 1.0}) {
           BodyCylinder other = moved(best, move, sign * step_mm);
           if (!allowed(other, start, limits)) continue;
           other.fit = fit_of(probe, other);
-          if (other.worth() > best.worth()) best = other;
+          if (other.fit > best.fit) best = other;
         }
       }
-      if (!(best.worth() > before)) break;
+      if (!(best.fit > before)) break;
     }
   }
   return best;

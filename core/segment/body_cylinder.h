@@ -17,9 +17,6 @@ struct BodyCylinder {
   Vec3 turn_rad = Vec3::Zero();           ///< about x, then y, then z of the patient
   double fit = 0.0;                       ///< share of a full wall that its surface has on average, up to 1
 
-  /// What a search makes as large as it can. Of two surfaces with as much wall the larger is the whole body, the
-  /// smaller a part of it. Height does not count: it would be had from the discs.
-  double worth() const;
   /// Columns: the body's own left, back and up in patient LPS.
   Mat3 axes() const;
   /// Turns the cylinder so that axes() are these: unit, at right angles, right-handed.
@@ -34,11 +31,13 @@ class WallProbe {
   WallProbe(const FloatGrid& hu, const WallLevels& levels)
       : hu_(hu), levels_(levels), to_index_(hu.geometry.index_to_patient_matrix().inverse()) {}
 
-  /// How much of a wall's outer edge lies at a point with an outward normal, -1 to 1: the fall of the CT number from just
-  /// inside to just outside, and only where soft tissue lies outside.
+  /// How much of a wall's outer edge lies at a point with an outward normal, -1 to 1: the fall of the CT number from
+  /// just inside to just outside, and only where soft tissue lies outside.
   double edge(const Vec3& p_patient, const Vec3& outward) const;
   /// The CT number, tri-linear; beyond the CT, the border's.
-  double hu(const Vec3& p_patient) const { return sample_clamped(hu_, to_index_ * (p_patient - hu_.geometry.origin_mm)); }
+  double hu(const Vec3& p_patient) const {
+    return sample_clamped(hu_, to_index_ * (p_patient - hu_.geometry.origin_mm));
+  }
   const GridGeometry& geometry() const { return hu_.geometry; }
 
  private:
@@ -49,10 +48,11 @@ class WallProbe {
 
 /// How far refine_body_cylinder() may go from where it starts.
 struct RefineLimits {
-  double shift_mm = 4.0;      ///< of the middle, across
+  double shift_mm = 3.0;      ///< of the middle, across
   double end_shift_mm = 2.5;  ///< of each end; 0 where there is no endplate to be found
-  double size_share = 0.3;    ///< of half the width and depth
-  double turn_rad = 0.3;      ///< about each axis
+  double size_share = 0.2;    ///< of half the width and depth
+  /// About the patient's x, y and z. A round body does not show how it is turned about z.
+  Vec3 turn_rad = Vec3(0.3, 0.3, 0.05);
 };
 
 /// The cylinder near `start` with the most wall on its surface, found by a pattern search. All of its surface speaks at

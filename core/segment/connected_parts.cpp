@@ -130,7 +130,8 @@ std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside,
 std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
   const Parts parts(inside, geometry);
   std::vector<std::size_t> voxels(parts.run_count(), 0);
-  parts.for_runs([&](const Run& run, std::size_t) { voxels[run.root] += static_cast<std::size_t>(run.end - run.begin); });
+  parts.for_runs(
+      [&](const Run& run, std::size_t) { voxels[run.root] += static_cast<std::size_t>(run.end - run.begin); });
   std::erase(voxels, std::size_t{0});
   std::sort(voxels.begin(), voxels.end(), std::greater<>());
   return voxels;

@@ -23,7 +23,8 @@ VoxelBox box_around(const BodyCylinder& body, const GridGeometry& ct, const std:
   const Mat3 axes = body.axes();
   Box3 box_mm;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 own((corner & 1) != 0 ? 62.0 : -62.0, (corner & 2) != 0 ? body.half_mm.y() + 75.0 : -body.half_mm.y() - 16.0,
+    const Vec3 own((corner & 1) != 0 ? 62.0 : -62.0,
+                   (corner & 2) != 0 ? body.half_mm.y() + 75.0 : -body.half_mm.y() - 16.0,
                    (corner & 4) != 0 ? body.half_mm.z() + 24.0 : -body.half_mm.z() - 52.0);
     box_mm.extend(body.centre_mm + axes * own);
   }
@@ -68,12 +69,24 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
   return conductivity;
 }
 
-/// Ribs: bone that goes on from where transverse processes may end to where they certainly have.
-Mask find_ribs(const Mask& bone, const BodyCylinder& body, const GridGeometry& geometry) {
+/// Ribs: bone that goes on from where transverse processes may end to where they certainly have, or to the CT's border;
+/// and from there inward, in front of the transverse process, up to the body's wall.
+Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::vector<float>& depth_in_others_mm,
+               const BodyCylinder& body, const GridGeometry& geometry, const GridGeometry& ct) {
   constexpr double kFromMm = 38.0;    // thoracic transverse processes, which meet ribs, end before
   constexpr double kBeyondMm = 55.0;  // and so do the longest lumbar ones
-  return parts_that_touch(voxels_to_the_side(bone, body, geometry, kFromMm),
-                          voxels_to_the_side(bone, body, geometry, kBeyondMm), geometry);
+  const Mask side = voxels_to_the_side(bone, body, geometry, kFromMm);
+  Mask goes_on = voxels_to_the_side(bone, body, geometry, kBeyondMm);
+  const Mask border = voxels_on_border(geometry, ct);
+  for (std::size_t v = 0; v < border.size(); ++v) goes_on[v] |= border[v] & side[v];
+  const Mask ribs = parts_that_touch(side, goes_on, geometry);
+  Mask corridor = voxels_of_rib_necks(bone, body, geometry, kFromMm);
+  constexpr float kBesideMm = -2.0F;
+  for (std::size_t v = 0; v < corridor.size(); ++v) {
+    if (std::max(depth_mm[v], depth_in_others_mm[v]) > kBesideMm) corridor[v] = 0;
+    corridor[v] |= ribs[v];
+  }
+  return parts_that_touch(corridor, ribs, geometry);
 }
 
 /// Depth in the nearest of the other bodies.
@@ -118,7 +131,7 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
   cut.depth_mm = depth_in_body_mm(row.body(), hu.geometry);
   const std::vector<float> others_mm = depth_in_others(row, hu.geometry);
   cut.bone = find_bone(cut.smooth, levels, cut.depth_mm, others_mm);
-  cut.ribs = find_ribs(cut.bone, row.body().cylinder, hu.geometry);
+  cut.ribs = find_ribs(cut.bone, cut.depth_mm, others_mm, row.body().cylinder, hu.geometry, ct.geometry);
   cut.markers = place_markers({.bone = cut.bone,
                                .ribs = cut.ribs,
                                .depth_mm = cut.depth_mm,
@@ -169,8 +182,8 @@ FinishedLevel finish_level(const LevelCut& cut, Mask mine, const CtVolume& ct, c
   const std::size_t parts = part_sizes(mine, cut.geometry()).size();
   finished.parts_dropped = parts > 0 ? parts - 1 : 0;
   mine = parts_that_touch(mine, core, cut.geometry());
-  RefinedMask refined = refine_mask({mine, cut.bone, cut.depth_mm, cut.peak_hu, cut.geometry(), cut.box, cut.bins}, ct,
-                                    levels);
+  RefinedMask refined =
+      refine_mask({mine, cut.bone, cut.depth_mm, cut.peak_hu, cut.geometry(), cut.box, cut.bins}, ct, levels);
   finished.inside = std::move(refined.inside);
   finished.box = refined.box;
   return finished;

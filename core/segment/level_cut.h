@@ -24,13 +24,13 @@ struct LevelCut {
   const GridGeometry& geometry() const { return smooth.geometry; }
 };
 
-/// Parts one vertebra from its neighbours: bone is what lies over a threshold, with hysteresis, what it encloses, and the
-/// insides of the bodies; a random walker shares it out (see random_walker.h, vertebra_markers.h).
+/// Parts one vertebra from its neighbours: bone is what lies over a threshold, with hysteresis, what it encloses, and
+/// the insides of the bodies; a random walker shares it out (see random_walker.h, vertebra_markers.h).
 LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row, const Progress& progress = {});
 
-/// The vertebra on the CT's grid, from the voxels that are its own: the rim that is only blur is taken off, pits are filled,
-/// pieces that hang on nothing are dropped, and each voxel's own CT number decides where the CT is finer than the work.
-/// Empty where nothing is left.
+/// The vertebra on the CT's grid, from the voxels that are its own: the rim that is only blur is taken off, pits are
+/// filled, pieces that hang on nothing are dropped, and each voxel's own CT number decides where the CT is finer than
+/// the work. Empty where nothing is left.
 struct FinishedLevel {
   std::vector<std::uint8_t> inside;  ///< within `box` of the CT
   VoxelBox box;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "core/segment/connected_parts.h"
 #include "core/segment/distance_transform.h"
 #include "core/segment/vertebra_markers.h"
-#include "core/segment/connected_parts.h"
 
 namespace spinaltap {
 namespace {

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "core/base/error.h"
 #include "core/segment/binned_ct.h"
@@ -32,15 +33,13 @@ void for_shared(const LevelCut& a, const LevelCut& b, const Visit& visit) {
   }
 }
 
-/// The voxels that are likelier `own`'s than any neighbour's or no vertebra's at all.
-Mask own_voxels(const std::vector<LevelCut>& cuts, std::size_t own) {
-  const LevelCut& cut = cuts[own];
+/// The voxels that are likelier `cut`'s than a neighbour's or no vertebra's at all.
+Mask own_voxels(const LevelCut& cut, const std::vector<const LevelCut*>& neighbours) {
   std::vector<float> most(cut.probability.size(), 0.0F);  // of the neighbours
-  std::vector<float> sum(cut.probability);                // of all vertebrae
-  for (std::size_t other = 0; other < cuts.size(); ++other) {
-    if (other == own) continue;
-    for_shared(cut, cuts[other], [&](std::size_t here, std::size_t there) {
-      const float p = cuts[other].probability[there];
+  std::vector<float> sum(cut.probability);                // of all
+  for (const LevelCut* other : neighbours) {
+    for_shared(cut, *other, [&](std::size_t here, std::size_t there) {
+      const float p = other->probability[there];
       most[here] = std::max(most[here], p);
       sum[here] += p;
     });
@@ -51,6 +50,22 @@ Mask own_voxels(const std::vector<LevelCut>& cuts, std::size_t own) {
     mine[v] = p > most[v] && p > 1.0F - sum[v] && p > 0.0F ? 1 : 0;
   }
   return mine;
+}
+
+SegmentedLevel finished(const CtVolume& ct, const SpineBodies& spine, std::size_t index, const LevelCut& cut,
+                        const std::vector<const LevelCut*>& neighbours) {
+  SegmentedLevel level;
+  Mask mine = own_voxels(cut, neighbours);
+  level.index = index;
+  level.body = spine.bodies[index].cylinder;
+  level.cut_below = spine.chain[index].lower.is_cut;
+  level.cut_above = spine.chain[index].upper.is_cut;
+  level.cut_area_mm2 = cut_area_mm2(cut, mine);
+  FinishedLevel done = finish_level(cut, std::move(mine), ct, spine.levels);
+  level.box = done.box;
+  level.inside = std::move(done.inside);
+  level.parts_dropped = done.parts_dropped;
+  return level;
 }
 
 }  // namespace
@@ -83,30 +98,28 @@ std::vector<SegmentedLevel> segment_levels(const CtVolume& ct, const SpineBodies
   if (first > last || last >= spine.bodies.size()) {
     fail("segmentation: expected levels of a row of ", spine.bodies.size(), ", found ", first, " to ", last);
   }
-  // Neighbours are cut too, for what is theirs.
+  // Direct neighbours are cut too, for what is theirs.
   const std::size_t low = first > 0 ? first - 1 : 0;
   const std::size_t high = std::min(last + 1, spine.bodies.size() - 1);
-  std::vector<LevelCut> cuts(high - low + 1);
-  ProgressCounter counter(progress, "parting the vertebrae", cuts.size());
-  tbb::parallel_for(std::size_t{0}, cuts.size(), [&](std::size_t n) {
-    cuts[n] = cut_level(ct, spine.levels, {spine.bodies, low + n});
-    counter.add();
-  });
+  std::vector<std::unique_ptr<LevelCut>> cuts(spine.bodies.size());
   std::vector<SegmentedLevel> found(last - first + 1);
-  for (std::size_t n = 0; n < found.size(); ++n) {
-    const std::size_t index = first + n;
-    const LevelCut& cut = cuts[index - low];
-    SegmentedLevel& level = found[n];
-    const Mask mine = own_voxels(cuts, index - low);
-    level.index = index;
-    level.body = spine.bodies[index].cylinder;
-    level.cut_below = spine.chain[index].lower.is_cut;
-    level.cut_above = spine.chain[index].upper.is_cut;
-    level.cut_area_mm2 = cut_area_mm2(cut, mine);
-    FinishedLevel finished = finish_level(cut, mine, ct, spine.levels);
-    level.box = finished.box;
-    level.inside = std::move(finished.inside);
-    level.parts_dropped = finished.parts_dropped;
+  ProgressCounter counter(progress, "parting the vertebrae", high - low + 1);
+  // Two at a time: a cut takes a hundred megabytes, and is not needed longer than its neighbours.
+  constexpr std::size_t kAtOnce = 2;
+  std::size_t next = first;
+  for (std::size_t begin = low; begin <= high; begin += kAtOnce) {
+    const std::size_t end = std::min(begin + kAtOnce, high + 1);
+    tbb::parallel_for(begin, end, [&](std::size_t n) {
+      cuts[n] = std::make_unique<LevelCut>(cut_level(ct, spine.levels, {spine.bodies, spine.canal, n}));
+      counter.add();
+    });
+    for (; next <= last && (next + 1 < end || end == high + 1); ++next) {
+      std::vector<const LevelCut*> neighbours;
+      if (next > low) neighbours.push_back(cuts[next - 1].get());
+      if (next < high) neighbours.push_back(cuts[next + 1].get());
+      found[next - first] = finished(ct, spine, next, *cuts[next], neighbours);
+      if (next > low) cuts[next - 1].reset();
+    }
   }
   return found;
 }

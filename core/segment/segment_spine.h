@@ -18,16 +18,16 @@ struct SpineBodies {
   std::vector<VertebralBody> bodies;  ///< one for each of the chain
 };
 
-/// Finds the bodies of all vertebrae in a CT, with `near_mm` (a point in one of them, patient LPS) those of the spine that
-/// it lies in. Empty lists where there is no spine. `threshold_hu`: bone is at least this dense; by default chosen from the
-/// CT (choose_bone_levels()).
+/// Finds the bodies of all vertebrae in a CT, with `near_mm` (a point in one of them, patient LPS) those of the spine
+/// that it lies in. Empty lists where there is no spine. `threshold_hu`: bone is at least this dense; by default chosen
+/// from the CT (choose_bone_levels()).
 SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu = std::nullopt,
                               const std::optional<Vec3>& near_mm = std::nullopt, const Progress& progress = {});
 
 /// A vertebra out of a CT.
 struct SegmentedLevel {
-  std::size_t index = 0;  ///< in the chain of bodies, from below
-  VoxelBox box;           ///< of the CT
+  std::size_t index = 0;             ///< in the chain of bodies, from below
+  VoxelBox box;                      ///< of the CT
   std::vector<std::uint8_t> inside;  ///< voxels of the box, i fastest
   BodyCylinder body;
   double cut_area_mm2 = 0.0;

@@ -95,6 +95,18 @@ class CanalScore {
  public:
   CanalScore(const Blocks& blocks, double bone_hu) : blocks_(blocks), bone_hu_(static_cast<float>(bone_hu)) {}
 
+  /// How far the middle between opposite walls lies from a block, in blocks, to the left and to the back; nothing where
+  /// one of the walls is not seen.
+  std::array<std::optional<double>, 2> off_middle(int i, int j, int k) const {
+    const auto between = [&](std::size_t a, std::size_t b) -> std::optional<double> {
+      const int low = first_bone(i, j, k, directions_[a]);
+      const int high = first_bone(i, j, k, directions_[b]);
+      if (low == 0 || high == 0) return std::nullopt;
+      return 0.5 * (high - low);
+    };
+    return {between(kRight, kLeft), between(kFront, kBack)};
+  }
+
   /// How much a block looks like the canal with a body in front: 0, or up to about 2.
   double operator()(int i, int j, int k) const {
     const float here = blocks_.mean[blocks_.geometry.offset(i, j, k)];
@@ -116,6 +128,9 @@ class CanalScore {
   }
 
  private:
+  // Of the directions, which begin at the front and go round by the left.
+  static constexpr std::size_t kFront = 0, kLeft = kDirections / 4, kBack = kDirections / 2,
+                               kRight = 3 * kDirections / 4;
   static constexpr int kReach = 8;  // blocks: 20 mm
   static constexpr int kNear = 5;   // 12.5 mm
   static constexpr double kLeastSeen = 7.0;
@@ -135,8 +150,8 @@ class CanalScore {
     return 0;
   }
 
-  /// 0 to 1: how dense it is for a body's depth in front of the canal's front wall, over a body's width, and whether soft
-  /// tissue follows.
+  /// 0 to 1: how dense it is for a body's depth in front of the canal's front wall, over a body's width, and whether
+  /// soft tissue follows.
   double body_in_front(int i, int j, int k, int front) const {
     constexpr int kDepth = 8;  // 20 mm
     constexpr int kHalfWidth = 3;
@@ -194,8 +209,7 @@ Chains best_chains(const std::vector<float>& score, const GridGeometry& geometry
           for (int dx = -kMostShift; dx <= kMostShift; ++dx) {
             if (!geometry.contains(i + dx, j + dy, k - direction)) continue;
             const double cost = kShiftCost * (dx * dx + dy * dy);
-            const double gain =
-                static_cast<double>(chains.gain[geometry.offset(i + dx, j + dy, k - direction)]) - cost;
+            const double gain = static_cast<double>(chains.gain[geometry.offset(i + dx, j + dy, k - direction)]) - cost;
             if (gain <= best) continue;
             best = gain;
             chains.from_x[here] = static_cast<std::int8_t>(dx);
@@ -226,6 +240,33 @@ std::vector<Index> follow(const Chains& chains, const GridGeometry& geometry, In
 bool may_be_behind(const Vec3& p_mm, const Vec3& near_mm) {
   const Vec3 way = p_mm - near_mm;
   return std::abs(way.z()) < 2.0 * kStepMm && way.y() > 4.0 && way.y() < 50.0 && std::abs(way.x()) < 22.0;
+}
+
+/// The chain's places moved to the middle between the canal's walls: by what the median of nearby slices says, for in
+/// some there is no wall at the sides, and behind there is none between laminae.
+std::vector<Vec3> centred(const std::vector<Index>& chain, const CanalScore& score_at) {
+  constexpr int kReach = 5;
+  std::vector<std::array<std::optional<double>, 2>> off;
+  for (const Index& at : chain) off.push_back(score_at.off_middle(at[0], at[1], at[2]));
+  std::vector<Vec3> places;
+  const int last = static_cast<int>(chain.size()) - 1;
+  for (int n = 0; n <= last; ++n) {
+    const Index& here = chain[static_cast<std::size_t>(n)];
+    Vec3 place(here[0], here[1], here[2]);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      std::vector<double> middles;
+      for (int m = std::max(0, n - kReach); m <= std::min(last, n + kReach); ++m) {
+        const std::optional<double>& one = off[static_cast<std::size_t>(m)][axis];
+        if (one) middles.push_back(*one);
+      }
+      if (middles.empty()) continue;
+      const auto middle = middles.begin() + static_cast<std::ptrdiff_t>(middles.size() / 2);
+      std::nth_element(middles.begin(), middle, middles.end());
+      place[static_cast<Eigen::Index>(axis)] += *middle;
+    }
+    places.push_back(place);
+  }
+  return places;
 }
 
 /// Averages over `reach` points on each side, fewer at the ends: no kinks of whole blocks.
@@ -286,8 +327,8 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
   chain.insert(chain.end(), upper.begin() + 1, upper.end());
   constexpr std::size_t kLeastBlocks = 4;
   if (chain.size() < kLeastBlocks) return canal;
+  for (const Vec3& place : centred(chain, score_at)) canal.points_mm.push_back(geometry.to_patient(place));
   for (const Index& at : chain) {
-    canal.points_mm.push_back(geometry.to_patient(Vec3(at[0], at[1], at[2])));
     canal.support.push_back(static_cast<double>(score[geometry.offset(at[0], at[1], at[2])]));
   }
   constexpr int kEvenBlocks = 3;

@@ -26,25 +26,36 @@ Vec3 point_along(const std::vector<Vec3>& points, double at) {
   return points[low] + (clamped - static_cast<double>(low)) * (points[low + 1] - points[low]);
 }
 
+/// The curve with a straight piece at each end: bodies reach further than their part of the canal.
+std::vector<Vec3> prolonged(const std::vector<Vec3>& points) {
+  constexpr double kMoreMm = 26.0;
+  constexpr std::size_t kReach = 5;  // points that give the direction
+  const std::size_t back = std::min(kReach, points.size() - 1);
+  const Vec3 down = (points.front() - points[back]).normalized();
+  const Vec3 up = (points.back() - points[points.size() - 1 - back]).normalized();
+  std::vector<Vec3> longer{points.front() + kMoreMm * down};
+  longer.insert(longer.end(), points.begin(), points.end());
+  longer.push_back(points.back() + kMoreMm * up);
+  return longer;
+}
+
 /// The canal each SpineColumn::kStepMm of its length, with its direction over the length of a body.
 std::vector<CanalPoint> even_points(const SpinalCanal& canal) {
+  const std::vector<Vec3> points = prolonged(canal.points_mm);
   std::vector<double> length{0.0};
-  for (std::size_t n = 1; n < canal.points_mm.size(); ++n) {
-    length.push_back(length.back() + (canal.points_mm[n] - canal.points_mm[n - 1]).norm());
-  }
+  for (std::size_t n = 1; n < points.size(); ++n) length.push_back(length.back() + (points[n] - points[n - 1]).norm());
   const auto place = [&](double s_mm) {
     const auto above = std::upper_bound(length.begin() + 1, length.end() - 1, s_mm);
     const auto n = static_cast<std::size_t>(above - length.begin()) - 1;
     const double t = (s_mm - length[n]) / (length[n + 1] - length[n]);
-    return point_along(canal.points_mm, static_cast<double>(n) + std::clamp(t, 0.0, 1.0));
+    return point_along(points, static_cast<double>(n) + std::clamp(t, 0.0, 1.0));
   };
   constexpr double kReachMm = 14.0;
   std::vector<CanalPoint> even;
   for (double s = 0.0; s <= length.back(); s += SpineColumn::kStepMm) {
     CanalPoint point;
     point.p_mm = place(s);
-    const Vec3 up =
-        (place(std::min(s + kReachMm, length.back())) - place(std::max(s - kReachMm, 0.0))).normalized();
+    const Vec3 up = (place(std::min(s + kReachMm, length.back())) - place(std::max(s - kReachMm, 0.0))).normalized();
     const Vec3 left = (Vec3::UnitX() - Vec3::UnitX().dot(up) * up).normalized();
     point.axes.col(0) = left;
     point.axes.col(1) = up.cross(left);
@@ -92,8 +103,8 @@ double wall_of(const WallProbe& probe, const ColumnSection& section) {
   for (int n = 0; n < kPoints; ++n) {
     const double turn = kReach * (2.0 * n / (kPoints - 1) - 1.0);
     const Vec3 unit(std::sin(turn), -std::cos(turn), 0.0);
-    const Vec3 p = section.centre_mm + section.axes * Vec3(unit.x() * section.half_width_mm,
-                                                           unit.y() * section.half_depth_mm, 0.0);
+    const Vec3 p = section.centre_mm +
+                   section.axes * Vec3(unit.x() * section.half_width_mm, unit.y() * section.half_depth_mm, 0.0);
     const Vec3 outward =
         (section.axes * Vec3(unit.x() / section.half_width_mm, unit.y() / section.half_depth_mm, 0.0)).normalized();
     sum += probe.edge(p, outward);
@@ -213,15 +224,15 @@ SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, 
     ColumnSection& section = column.sections[static_cast<std::size_t>(n)];
     section.centre_mm.setZero();
     section.half_width_mm = section.half_depth_mm = 0.0;
-    Vec3 back = Vec3::Zero();
     for (int m = n - reach; m <= n + reach; ++m) {
       const ColumnSection& other = rough[static_cast<std::size_t>(m)];
       section.centre_mm += other.centre_mm / (2.0 * reach + 1.0);
       section.half_width_mm += other.half_width_mm / (2.0 * reach + 1.0);
       section.half_depth_mm += other.half_depth_mm / (2.0 * reach + 1.0);
-      back += other.axes.col(1);
     }
+    // The canal lies behind the body's middle, in a scoliotic spine too.
     const Vec3 up = section.axes.col(2);
+    const Vec3 back = along[static_cast<std::size_t>(n)].p_mm - section.centre_mm;
     section.axes.col(1) = (back - back.dot(up) * up).normalized();
     section.axes.col(0) = section.axes.col(1).cross(up);
   }

@@ -18,7 +18,9 @@ struct ColumnSection {
 
 /// The column of vertebral bodies from below upward.
 struct SpineColumn {
-  std::vector<ColumnSection> sections;  ///< one each kStepMm along the canal, the lowest first
+  /// One each kStepMm along the canal, the lowest first, and some beyond its ends; the outermost may lie outside the
+  /// CT.
+  std::vector<ColumnSection> sections;
   static constexpr double kStepMm = 2.0;
 
   double length_mm() const { return sections.empty() ? 0.0 : kStepMm * static_cast<double>(sections.size() - 1); }
@@ -29,9 +31,9 @@ struct SpineColumn {
 /// The CT around a canal that holds all of the bodies in front of it, binned to about 0.8 mm.
 FloatGrid hu_around_canal(const CtVolume& ct, const SpinalCanal& canal);
 
-/// Finds the ellipses in front of the canal that have the most wall: of many sizes, distances and turns about the canal at
-/// each height the best row is chosen by dynamic programming, in which size and place change little from one to the next.
-/// Where discs have no wall the bodies above and below say how wide the column is. `smooth` should be blurred as
+/// Finds the ellipses in front of the canal that have the most wall: of many sizes, distances and turns about the canal
+/// at each height the best row is chosen by dynamic programming, in which size and place change little from one to the
+/// next. Where discs have no wall the bodies above and below say how wide the column is. `smooth` should be blurred as
 /// fit_body_cylinder() likes it.
 SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, const WallLevels& levels);
 

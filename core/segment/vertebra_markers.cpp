@@ -2,7 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace spinaltap {
 namespace {
@@ -39,7 +41,7 @@ class PlaceFinder {
   Mat3 to_body_;
 };
 
-bool on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_mm) {
+bool is_on_border(const GridGeometry& ct, const Vec3& p_patient, const Vec3& voxel_mm) {
   const Vec3 p = ct.to_index(p_patient);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
@@ -107,6 +109,31 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
   return depth_mm;
 }
 
+std::vector<std::uint8_t> voxels_of_rib_necks(std::span<const std::uint8_t> mask, const BodyCylinder& body,
+                                              const GridGeometry& geometry, double to_mm) {
+  constexpr double kBesideMm = 2.5;
+  constexpr double kBehindMm = 3.0;  // from the body's back, at the body's side; further out by the slope of rib necks
+  constexpr double kSlope = 0.75;
+  std::vector<std::uint8_t> necks(mask.size(), 0);
+  const PlaceFinder place_of(body);
+  for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
+    if (mask[voxel] == 0) return;
+    const Vec3 p = place_of(p_mm).p_body_mm;
+    const double beside_mm = std::abs(p.x()) - body.half_mm.x();
+    necks[voxel] = beside_mm > kBesideMm && std::abs(p.x()) <= to_mm && p.y() > -0.5 * body.half_mm.y() &&
+                   p.y() < body.half_mm.y() + kBehindMm + kSlope * beside_mm;
+  });
+  return necks;
+}
+
+std::vector<std::uint8_t> voxels_on_border(const GridGeometry& geometry, const GridGeometry& ct) {
+  std::vector<std::uint8_t> border(geometry.voxel_count(), 0);
+  for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
+    border[voxel] = is_on_border(ct, p_mm, geometry.spacing_mm) ? 1 : 0;
+  });
+  return border;
+}
+
 std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask, const BodyCylinder& body,
                                              const GridGeometry& geometry, double from_mm) {
   std::vector<std::uint8_t> side(mask.size(), 0);
@@ -117,6 +144,67 @@ std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask,
   return side;
 }
 
+namespace {
+
+/// Where the canal crosses the plane at a height above the body's middle; nothing where it does not.
+std::optional<Vec3> canal_at(const SpinalCanal& canal, const BodyCylinder& body, double height_mm) {
+  const Vec3 up = body.axes().col(2);
+  const auto above = [&](const Vec3& p) { return (p - body.centre_mm).dot(up) - height_mm; };
+  constexpr double kFarthestMm = 60.0;  // a curved canal may cross the plane again elsewhere
+  for (std::size_t n = 0; n + 1 < canal.points_mm.size(); ++n) {
+    const Vec3& a = canal.points_mm[n];
+    const Vec3& b = canal.points_mm[n + 1];
+    if (above(a) > 0.0 || above(b) <= 0.0 || (a - body.centre_mm).norm() > kFarthestMm) continue;
+    return Vec3(a + above(a) / (above(a) - above(b)) * (b - a));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const GridGeometry& geometry,
+                                       const BodyCylinder& body, const SpinalCanal& canal) {
+  // From the middle of the body downward: higher, the upper neighbour's laminae overlap; lower, they end.
+  constexpr double kFrom = -0.6;  // of half the body's height
+  constexpr double kTo = 0.1;
+  constexpr double kStepMm = 0.8;
+  constexpr double kReach = 55.0 * kDegree;  // to either side of straight back: further there are foramina and ribs
+  constexpr double kTurn = 3.0 * kDegree;
+  constexpr double kLeastMm = 3.0;
+  constexpr double kMostMm = 18.0;
+  constexpr double kRayStepMm = 0.4;
+  constexpr int kSolid = 4;  // bone for this many steps is a wall, less is noise
+  constexpr int kDeep = 6;
+  const Mat3 axes = body.axes();
+  const Mat3 to_index = geometry.index_to_patient_matrix().inverse();
+  std::vector<std::size_t> voxels;
+  for (double z = kFrom * body.half_mm.z(); z <= kTo * body.half_mm.z(); z += kStepMm) {
+    const std::optional<Vec3> centre = canal_at(canal, body, z);
+    if (!centre) continue;
+    for (double turn = -kReach; turn <= kReach; turn += kTurn) {
+      const Vec3 direction = axes * Vec3(std::sin(turn), std::cos(turn), 0.0);
+      std::vector<std::size_t> met;
+      for (double r = kLeastMm; r <= kMostMm + kDeep * kRayStepMm; r += kRayStepMm) {
+        const Vec3 p = to_index * (*centre + r * direction - geometry.origin_mm);
+        const Eigen::Array3i at = p.array().round().cast<int>();
+        if (!geometry.contains(at.x(), at.y(), at.z())) break;
+        const std::size_t voxel = geometry.offset(at.x(), at.y(), at.z());
+        if (bone[voxel] == 0) {
+          if (static_cast<int>(met.size()) >= kSolid || r > kMostMm) break;
+          met.clear();
+          continue;
+        }
+        met.push_back(voxel);
+        if (static_cast<int>(met.size()) == kDeep) break;
+      }
+      if (static_cast<int>(met.size()) >= kSolid) voxels.insert(voxels.end(), met.begin() + 1, met.end());
+    }
+  }
+  std::sort(voxels.begin(), voxels.end());
+  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
+  return voxels;
+}
+
 std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow& row) {
   const GridGeometry& geometry = input.hu.geometry;
   const BodyCylinder& body = row.body().cylinder;
@@ -124,12 +212,20 @@ std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow
   const PlaceFinder place_of(body);
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
     if (input.bone[voxel] == 0) return;
-    markers[voxel] = marker_at(
-        place_of(p_mm), body,
-        {static_cast<double>(input.depth_mm[voxel]), static_cast<double>(input.depth_in_others_mm[voxel]),
-         input.ribs[voxel] != 0, on_border(input.ct_geometry, p_mm, geometry.spacing_mm),
-         static_cast<double>(input.hu.values[voxel]) >= input.dense_hu});
+    markers[voxel] =
+        marker_at(place_of(p_mm), body,
+                  {static_cast<double>(input.depth_mm[voxel]), static_cast<double>(input.depth_in_others_mm[voxel]),
+                   input.ribs[voxel] != 0, is_on_border(input.ct_geometry, p_mm, geometry.spacing_mm),
+                   static_cast<double>(input.hu.values[voxel]) >= input.dense_hu});
   });
+  for (std::size_t n = 0; n < row.bodies.size(); ++n) {
+    constexpr double kReachMm = 130.0;  // further than the grid
+    if ((row.bodies[n].cylinder.centre_mm - body.centre_mm).norm() > kReachMm) continue;
+    for (const std::size_t voxel : lamina_voxels(input.bone, geometry, row.bodies[n].cylinder, row.canal)) {
+      if (markers[voxel] == WalkerVoxel::kFree)
+        markers[voxel] = n == row.own ? WalkerVoxel::kWanted : WalkerVoxel::kOther;
+    }
+  }
   return markers;
 }
 

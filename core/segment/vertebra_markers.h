@@ -17,19 +17,29 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
 std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask, const BodyCylinder& body,
                                              const GridGeometry& geometry, double from_mm);
 
-/// One vertebra to be parted from its neighbours: `own` of `bodies`, which lie in a row from below upward.
+/// The voxels of a mask where only the heads and necks of ribs can be: beside the body, in front of the transverse
+/// processes, nearer to the middle plane than `to_mm`.
+std::vector<std::uint8_t> voxels_of_rib_necks(std::span<const std::uint8_t> mask, const BodyCylinder& body,
+                                              const GridGeometry& geometry, double to_mm);
+
+/// The voxels of a part of a CT that lie on the CT's border.
+std::vector<std::uint8_t> voxels_on_border(const GridGeometry& geometry, const GridGeometry& ct);
+
+/// One vertebra to be parted from its neighbours: `own` of `bodies`, which lie in a row from below upward in front of
+/// `canal`.
 struct BodyInRow {
   std::span<const VertebralBody> bodies;
+  const SpinalCanal& canal;
   std::size_t own = 0;
 
   const VertebralBody& body() const { return bodies[own]; }
 };
 
 /// What is known of each bone voxel before the walk, from anatomy:
-/// wanted is the inside of the body; other are the insides of the other bodies, `ribs`, bone in the column of bodies above
-/// and below, bone in front of the column, bone further up or down than processes reach, and bone on the CT's border that
-/// is nearly so far. Outside (no bone) is what lies on an endplate and is not as dense as `dense_hu`, for that is disc.
-/// All the rest is free. `depth_mm`: in the own body, `depth_in_others_mm`: in the nearest of the others.
+/// wanted is the inside of the body; other are the insides of the other bodies, `ribs`, bone in the column of bodies
+/// above and below, bone in front of the column, bone further up or down than processes reach, and bone on the CT's
+/// border that is nearly so far. Outside (no bone) is what lies on an endplate and is not as dense as `dense_hu`, for
+/// that is disc. All the rest is free. `depth_mm`: in the own body, `depth_in_others_mm`: in the nearest of the others.
 struct MarkerInput {
   std::span<const std::uint8_t> bone, ribs;
   std::span<const float> depth_mm, depth_in_others_mm;
@@ -38,5 +48,10 @@ struct MarkerInput {
   const GridGeometry& ct_geometry;
 };
 std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow& row);
+
+/// The voxels of the laminae: bone that rays from the canal backward meet first, at a height where it can only be this
+/// vertebra's. Empty where there is none within 18 mm, as after a laminectomy.
+std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const GridGeometry& geometry,
+                                       const BodyCylinder& body, const SpinalCanal& canal);
 
 }  // namespace spinaltap

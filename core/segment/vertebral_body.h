@@ -11,9 +11,10 @@ struct VertebralBody {
   StarSurface surface;
 };
 
-/// The body of a span of the column, in a CT that was smoothed. First the cylinder near it with the most wall; then, along
-/// each of many rays from its middle, the outer edge of the wall near it. Neighbouring rays pull each other along (see
-/// choose_steps()), so that the wall is found where it is as thin as the noise, and marrow may be as dark as the discs.
+/// The body of a span of the column, in a CT that was smoothed. First the cylinder near it with the most wall; then,
+/// along each of many rays from its middle, the outer edge of the wall near it. Neighbouring rays pull each other along
+/// (see choose_steps()), so that the wall is found where it is as thin as the noise, and marrow may be as dark as the
+/// discs.
 VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span, const WallLevels& levels);
 
 }  // namespace spinaltap
