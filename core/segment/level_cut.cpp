@@ -81,7 +81,7 @@ Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::
   for (std::size_t v = 0; v < border.size(); ++v) goes_on[v] |= border[v] & side[v];
   const Mask ribs = parts_that_touch(side, goes_on, geometry);
   Mask corridor = voxels_of_rib_necks(bone, body, geometry, kFromMm);
-  constexpr float kBesideMm = -2.0F;
+  constexpr float kBesideMm = -4.0F;
   for (std::size_t v = 0; v < corridor.size(); ++v) {
     if (std::max(depth_mm[v], depth_in_others_mm[v]) > kBesideMm) corridor[v] = 0;
     corridor[v] |= ribs[v];

@@ -111,7 +111,7 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
 
 std::vector<std::uint8_t> voxels_of_rib_necks(std::span<const std::uint8_t> mask, const BodyCylinder& body,
                                               const GridGeometry& geometry, double to_mm) {
-  constexpr double kBesideMm = 2.5;
+  constexpr double kBesideMm = 5.0;
   constexpr double kBehindMm = 3.0;  // from the body's back, at the body's side; further out by the slope of rib necks
   constexpr double kSlope = 0.75;
   std::vector<std::uint8_t> necks(mask.size(), 0);
