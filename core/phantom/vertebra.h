@@ -7,7 +7,7 @@
 
 namespace spinaltap {
 
-/// An L3 vertebra in closed form, placed in the patient frame: analytic parts joined by smooth minima, with a cortical
+/// A vertebra (an L3 by default) in closed form, placed in the patient frame: analytic parts joined by smooth minima, with a cortical
 /// shell and a textured trabecular core. One piece with one hole, the vertebral canal.
 class Vertebra : public Solid {
  public:

@@ -94,6 +94,8 @@ void check_anatomy(const VertebraAnatomy& anatomy) {
   in_range("body.superior_hollow_mm", body.superior_hollow_mm, 0.0, 0.25 * body.height_mm);
   in_range("body.inferior_hollow_mm", body.inferior_hollow_mm, 0.0, 0.25 * body.height_mm);
   in_range("body.rim_mm", body.rim_mm, 0.0, 0.25 * body.depth_mm);
+  in_range("body.wedge_deg", body.wedge_deg, -30.0, 30.0);
+  in_range("body.side_wedge_deg", body.side_wedge_deg, -30.0, 30.0);
 
   check_pedicle("pedicle", anatomy.pedicle);
   if (anatomy.right_pedicle) check_pedicle("right_pedicle", *anatomy.right_pedicle);
