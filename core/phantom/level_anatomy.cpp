@@ -112,12 +112,11 @@ void make_superior(VertebraAnatomy& anatomy, const LevelMeasures& m, const Plan&
   const double inward = std::clamp(m.facet_inward_deg / 45.0, 0.0, 1.0);  // 1 where the facet is hollow
   anatomy.facet = {std::lerp(300.0, 15.0, inward), std::lerp(0.3, 1.6, inward)};
   const double root_mm = std::lerp(4.8, 8.4, inward), tip_mm = std::lerp(4.4, 7.4, inward);
-  const Vec3 tip =
-      facet.centre_mm - (0.5 * tip_mm - anatomy.facet.hollow_mm) * facet.normal + std::lerp(1.5, 0.5, inward) * Vec3::UnitZ();
+  const Vec3 tip = facet.centre_mm - (0.5 * tip_mm - anatomy.facet.hollow_mm) * facet.normal +
+                   std::lerp(1.5, 0.5, inward) * Vec3::UnitZ();
   const Vec3 root(std::lerp(facet.centre_mm.x(), plan.isthmus_mm.x() + 1.8, inward),
                   plan.arch_y_mm + std::lerp(-0.6, 1.2, inward), plan.isthmus_mm.z() + 0.5);
-  anatomy.superior_articular = {root,   tip,   facet.normal, root_mm, tip_mm, std::lerp(2.2, 1.5, inward),
-                                2.2};
+  anatomy.superior_articular = {root, tip, facet.normal, root_mm, tip_mm, std::lerp(2.2, 1.5, inward), 2.2};
   anatomy.mammillary = {facet.centre_mm + std::lerp(0.0, 1.0, inward) * Vec3(4.0, 0.4, -3.3) +
                             std::lerp(1.0, 0.0, inward) * Vec3(2.0, -2.5, -6.0),
                         std::lerp(1.5, 3.0, inward), 2.5};
@@ -176,8 +175,8 @@ void aim_inferior_processes(VertebraAnatomy& anatomy, const FacetPlace& facet, d
   const Vec3 behind = (0.5 * tip_mm - overlap_mm) * facet.normal;
   Vec3 tip = facet.centre_mm + behind - std::lerp(1.0, 0.5, inward) * Vec3::UnitZ();
   tip.z() = std::min(tip.z(), root.z() - 2.0);
-  anatomy.inferior_articular = {root,   tip, -facet.normal, root_mm, tip_mm, std::lerp(2.0, 1.6, inward),
-                                std::lerp(3.0, 4.5, inward)};
+  anatomy.inferior_articular = {
+      root, tip, -facet.normal, root_mm, tip_mm, std::lerp(2.0, 1.6, inward), std::lerp(3.0, 4.5, inward)};
 }
 
 LevelMeasures scaled(const LevelMeasures& measures, double by) {

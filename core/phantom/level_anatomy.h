@@ -12,7 +12,8 @@ struct FacetPlace {
 };
 
 /// A whole vertebra by a level's measures, unplaced. The parts that no measure gives are drawn in proportion. The
-/// inferior articular processes end at the facets of a level alike below; aim_inferior_processes() sends them elsewhere.
+/// inferior articular processes end at the facets of a level alike below; aim_inferior_processes() sends them
+/// elsewhere.
 VertebraAnatomy level_anatomy(const LevelMeasures& measures);
 
 /// Where level_anatomy() has the superior facet.

@@ -8,9 +8,9 @@
 
 namespace spinaltap {
 
-/// What a vertebra looks like; the defaults are those of an L3. Lengths in mm, angles in degrees, CT numbers in HU. Positions are given for the left
-/// side (+x) in the vertebra's own frame: x to the left, y posterior, z superior, origin in the middle of the body. The
-/// right side mirrors the left, but for its pedicle where right_pedicle is given.
+/// What a vertebra looks like; the defaults are those of an L3. Lengths in mm, angles in degrees, CT numbers in HU.
+/// Positions are given for the left side (+x) in the vertebra's own frame: x to the left, y posterior, z superior,
+/// origin in the middle of the body. The right side mirrors the left, but for its pedicle where right_pedicle is given.
 struct VertebraAnatomy {
   struct Body {
     double width_mm = 44.0;           ///< across, at the rims
