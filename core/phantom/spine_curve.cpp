@@ -125,18 +125,6 @@ void stack(const PlacedLevel& above, PlacedLevel& below, double disc_mm) {
 
 }  // namespace
 
-Mat3 rotation_from_degrees(const Vec3& degrees) {
-  const auto turn = [&](int axis) {
-    return Eigen::AngleAxisd(degrees[axis] * kDegree, Vec3::Unit(axis)).toRotationMatrix();
-  };
-  return turn(2) * turn(1) * turn(0);
-}
-
-Vec3 rotation_in_degrees(const Mat3& r) {
-  return Vec3(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)), std::atan2(r(1, 0), r(0, 0))) /
-         kDegree;
-}
-
 double disc_height_mm(const PlacedLevel& above, const PlacedLevel& below) {
   return (endplate_centre(above, -1.0) - endplate_centre(below, 1.0)).norm();
 }

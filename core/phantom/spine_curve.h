@@ -4,6 +4,7 @@
 
 #include "core/phantom/level_measures.h"
 #include "core/phantom/spine_options.h"
+#include "core/phantom/vertebra_anatomy.h"
 
 namespace spinaltap {
 
@@ -23,9 +24,5 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options);
 
 /// Height of a disc between two levels in its middle, mm.
 double disc_height_mm(const PlacedLevel& above, const PlacedLevel& below);
-
-/// Turns about x, then y, then z of the patient that a rotation is made of, degrees.
-Vec3 rotation_in_degrees(const Mat3& rotation);
-Mat3 rotation_from_degrees(const Vec3& degrees);
 
 }  // namespace spinaltap

@@ -13,13 +13,6 @@ namespace {
 using shapes::Point;
 using shapes::smooth_step;
 
-Mat3 rotation_from_degrees(const Vec3& degrees) {
-  const auto turn = [&](int axis) {
-    return Eigen::AngleAxisd(shapes::radians(degrees[axis]), Vec3::Unit(axis)).toRotationMatrix();
-  };
-  return turn(2) * turn(1) * turn(0);
-}
-
 const VertebraAnatomy::Pedicle& right_pedicle(const VertebraAnatomy& anatomy) {
   return anatomy.right_pedicle ? *anatomy.right_pedicle : anatomy.pedicle;
 }

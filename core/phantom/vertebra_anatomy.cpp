@@ -1,9 +1,11 @@
 #include "core/phantom/vertebra_anatomy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/phantom/vertebra_parts.h"
 
 namespace spinaltap {
 namespace {
@@ -81,6 +83,18 @@ void check_bone(const VertebraAnatomy::Cortex& cortex, const VertebraAnatomy::Ca
 }
 
 }  // namespace
+
+Mat3 rotation_from_degrees(const Vec3& degrees) {
+  const auto turn = [&](int axis) {
+    return Eigen::AngleAxisd(shapes::radians(degrees[axis]), Vec3::Unit(axis)).toRotationMatrix();
+  };
+  return turn(2) * turn(1) * turn(0);
+}
+
+Vec3 rotation_in_degrees(const Mat3& r) {
+  return Vec3(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)), std::atan2(r(1, 0), r(0, 0))) /
+         kDegree;
+}
 
 void check_anatomy(const VertebraAnatomy& anatomy) {
   const VertebraAnatomy::Body& body = anatomy.body;
