@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/phantom/level_anatomy.h"
+#include "core/phantom/vertebra_truth.h"
 
 namespace spinaltap {
 namespace {
@@ -40,8 +41,8 @@ LevelMeasures sacrum_measures() {
   return m;
 }
 
-LevelMeasures varied(LevelMeasures m, Level level, const SpineOptions& options) {
-  Chances chances(options.seed, level);
+LevelMeasures varied(LevelMeasures m, Level level, const SpineOptions& options, std::uint64_t draw) {
+  Chances chances(options.seed + 7919 * draw, level);
   const double share = options.variation;
   const auto vary = [&](double& value, double by) { value *= 1.0 + share * by * chances.next(); };
   vary(m.body_width_mm, 0.06);
@@ -64,6 +65,20 @@ LevelMeasures varied(LevelMeasures m, Level level, const SpineOptions& options) 
   m.facet_inward_deg += share * 5.0 * chances.next();
   vary(m.disc_below_mm, 0.25);
   return m;
+}
+
+/// The first of a row of random variations whose pedicles are exact and lead into the body, at the size asked for.
+LevelMeasures sound_variation(const LevelMeasures& m, Level level, const SpineOptions& options) {
+  constexpr std::uint64_t kMaxDraws = 40;
+  for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
+    const LevelMeasures drawn = varied(m, level, options, draw);
+    try {
+      (void)vertebra_truth(Vertebra(level_anatomy(scaled(drawn, options.scale))));
+      return drawn;
+    } catch (const Error&) {  // a fillet reaches an isthmus
+    }
+  }
+  fail("spine phantom: no variation of ", level_name(level), " with exact pedicles found; make variation smaller");
 }
 
 /// How far down the curve a level lies: 0 at its upper end vertebra, 1 at its lower one.
@@ -142,7 +157,7 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
     const bool sacrum = placed.level == Level::kSacrum;
     placed.measures.wedge_deg *= is_thoracic(placed.level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0;
     const double flexion = flexion_deg(placed.measures, placed.level, options);
-    if (options.variation > 0.0 && !sacrum) placed.measures = varied(placed.measures, placed.level, options);
+    if (options.variation > 0.0 && !sacrum) placed.measures = sound_variation(placed.measures, placed.level, options);
     placed.measures = scaled(placed.measures, options.scale);
     const double place = place_in_curve(placed.level, options);
     const double step = 0.5 / std::max<double>(1.0, static_cast<double>(levels.size()) - 1.0);
@@ -157,8 +172,7 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
     for (int axis = 0; axis < 3; ++axis) degrees[axis] += options.variation * (axis == 2 ? 3.0 : 1.5) * chances.next();
     placed.rotation = patient * rotation_from_degrees(degrees);
   }
-  for (std::size_t n = 1; n < levels.size(); ++n)
-    stack(levels[n - 1], levels[n], own_disc_mm(levels[n - 1], options) * 1.0);
+  for (std::size_t n = 1; n < levels.size(); ++n) stack(levels[n - 1], levels[n], own_disc_mm(levels[n - 1], options));
   const Vec3 shift = options.position_mm - levels[(levels.size() - 1) / 2].position_mm;
   for (PlacedLevel& placed : levels) placed.position_mm += shift;
   return levels;

@@ -31,7 +31,7 @@ void check_spine_options(const SpineOptions& options) {
     fail("spine phantom: first must lie above last, found ", level_name(options.first), " and ",
          level_name(options.last));
   }
-  check_range("scale", options.scale, 0.6, 1.4);
+  check_range("scale", options.scale, 0.8, 1.25);
   if (options.cervical_disc_mm) check_range("cervical_disc_mm", *options.cervical_disc_mm, 0.3, 20.0);
   if (options.thoracic_disc_mm) check_range("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
   if (options.lumbar_disc_mm) check_range("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
