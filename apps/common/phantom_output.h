@@ -6,6 +6,7 @@
 #include "core/base/progress.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/solid.h"
+#include "core/phantom/spine.h"
 #include "core/phantom/vertebra_truth.h"
 
 namespace spinaltap {
@@ -20,5 +21,11 @@ struct PhantomOptions {
 /// each).
 void write_phantom(const Solid& solid, const std::optional<VertebraTruth>& truth, const PhantomOptions& options,
                    const std::filesystem::path& folder, const Progress& progress = {});
+
+/// Scans a spine and writes, whole or not at all, a folder with ct/ (DICOM), truth_labels.nii.gz (which voxel belongs
+/// to which level, on the CT's grid) and truth.json (how it was scanned; for a spine made from SpineOptions each
+/// level's pedicles, body, endplates and tips, and the discs). `soft_tissue`: around the spine, made from SpineOptions.
+void write_spine_phantom(const Spine& spine, bool soft_tissue, const ScanOptions& scan,
+                         const std::filesystem::path& folder, const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -4,6 +4,7 @@
 #include "apps/common/phantom_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/phantom_options.h"
+#include "core/base/error.h"
 #include "mesh/mesh_io.h"
 #include "vdb/mesh_solid.h"
 
@@ -14,7 +15,8 @@ void PhantomCommandOptions::add_to(CLI::App& app) {
   CLI::Option* anatomy_option =
       app.add_option("--anatomy", anatomy, "Measures of the vertebra; default: the shipped phantom/l3.json")
           ->type_name("FILE");
-  app.add_option("--mesh", mesh, "Scan this closed surface (STL, PLY, OBJ; mm) and not a vertebra")
+  app.add_option("--mesh", meshes,
+                 "Scan this closed surface (STL, PLY, OBJ; mm) and not a vertebra; several as LEVEL=FILE")
       ->excludes(anatomy_option)
       ->type_name("FILE");
   app.add_option("--seed", scan.seed, "Seed of the noise")->capture_default_str()->type_name("N");
@@ -38,8 +40,18 @@ void PhantomCommandOptions::add_to(CLI::App& app) {
       ->check(CLI::IsMember({"tissue", "air"}));
 }
 
+std::vector<std::string> PhantomCommandOptions::named_meshes() const {
+  const auto is_named = [](const std::string& entry) {
+    const std::size_t sign = entry.find('=');
+    return sign != std::string::npos && level_from_name(entry.substr(0, sign)).has_value();
+  };
+  if (meshes.size() == 1 && !is_named(meshes.front())) return {};
+  return meshes;
+}
+
 Phantom PhantomCommandOptions::make() const {
-  if (!mesh.empty()) return {make_mesh_solid(read_mesh(mesh)), std::nullopt};
+  if (meshes.size() > 1) fail("expected one mesh, found ", meshes.size());
+  if (!meshes.empty()) return {make_mesh_solid(read_mesh(meshes.front())), std::nullopt};
   auto vertebra = std::make_unique<Vertebra>(read_anatomy(anatomy.empty() ? data_file("phantom/l3.json") : anatomy));
   const VertebraTruth truth = vertebra_truth(*vertebra);
   return {std::move(vertebra), truth};
@@ -58,16 +70,36 @@ void add_phantom(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path folder;
     PhantomCommandOptions phantom;
+    SpineCommandOptions spine;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(program, command, "phantom",
-                              "Make a virtual CT of an L3 vertebra, or of any closed mesh, with the truth beside it",
-                              "Example: spinaltap phantom l3/ --noise 20 --seed 7\n"
-                              "Writes l3/ct/*.dcm, l3/truth.vdb, l3/truth.json and l3/plan.json.");
+  CLI::App* app =
+      add_command(program, command, "phantom",
+                  "Make a virtual CT of an L3 vertebra, a spine, or closed meshes, with the truth beside it",
+                  "Examples: spinaltap phantom l3/ --noise 20 --seed 7\n"
+                  "          spinaltap phantom spine/ --spine T6-L5 --pixel 0.7 --slice-step 1 --soft-tissue\n"
+                  "Writes l3/ct/*.dcm, l3/truth.vdb, l3/truth.json and l3/plan.json; of a spine ct/*.dcm,\n"
+                  "truth.json and truth_labels.nii.gz.");
   app->add_option("folder", options->folder, "Folder to make")->required()->type_name("FOLDER");
   options->phantom.add_to(*app);
+  options->spine.add_to(*app);
+  const CLI::Option* slices = app->get_option("--slices");
 
-  command.run = [options](const Progress& progress) -> Json {
+  command.run = [options, slices](const Progress& progress) -> Json {
+    options->spine.meshes = options->phantom.named_meshes();
+    if (options->spine.asked_for()) {
+      const std::unique_ptr<Spine> spine = options->spine.make();
+      ScanOptions scan = options->phantom.output_options().scan;
+      if (slices->count() == 0) {
+        scan.slices = static_cast<int>(spine->bounds_mm().sizes().z() / scan.slice_step_mm) + 1;
+      }
+      if (!options->spine.centre_mm.empty()) scan.centre_mm = Vec3(options->spine.centre_mm.data());
+      write_spine_phantom(*spine, options->spine.soft_tissue, scan, options->folder, progress);
+      print_figure("seed", static_cast<double>(scan.seed), "", 0);
+      print_figure("bodies", static_cast<double>(spine->part_count()), "", 0);
+      print_figure("written", options->folder.string());
+      return read_json(options->folder / "truth.json");
+    }
     const Phantom phantom = options->phantom.make();
     write_phantom(*phantom.solid, phantom.truth, options->phantom.output_options(), options->folder, progress);
     Json figures = read_json(options->folder / "truth.json");

@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "apps/common/phantom_output.h"
+#include "core/phantom/spine.h"
 
 namespace spinaltap {
 
@@ -16,15 +19,36 @@ struct Phantom {
   std::optional<VertebraTruth> truth;  ///< of a vertebra
 };
 
+/// The options of a phantom of several levels.
+struct SpineCommandOptions {
+  std::string levels;                    ///< "T6-L5"; empty: no spine
+  std::optional<std::uint64_t> random;   ///< seed of a random patient
+  std::optional<double> disc_mm;         ///< of all discs
+  std::vector<std::string> metal, pits;  ///< names of levels
+  std::vector<std::string> meshes;       ///< "L1=FILE"
+  std::optional<double> stack_mm;        ///< gap between meshes that are put above each other
+  std::vector<double> centre_mm;         ///< of the field of view; empty: the middle of the spine
+  bool soft_tissue = false;
+  SpineOptions spine;
+
+  void add_to(CLI::App& app);
+  bool asked_for() const { return !levels.empty() || random || !meshes.empty(); }
+  /// The spine, or the named meshes. Throws Error on names that are no levels.
+  std::unique_ptr<Spine> make() const;
+};
+
 /// The options of commands that make a phantom.
 struct PhantomCommandOptions {
-  std::filesystem::path anatomy;  ///< empty: the shipped L3
-  std::filesystem::path mesh;     ///< empty: a vertebra by its anatomy
+  std::filesystem::path anatomy;    ///< empty: the shipped L3
+  std::vector<std::string> meshes;  ///< FILE, or LEVEL=FILE for each of several; empty: a vertebra by its anatomy
   std::string surroundings = "tissue";
   PhantomOptions phantom;
 
   void add_to(CLI::App& app);
+  /// Throws Error where several meshes are given, which only commands with SpineCommandOptions take.
   Phantom make() const;
+  /// The meshes that are given under the names of levels.
+  std::vector<std::string> named_meshes() const;
   /// `phantom`, with the surroundings' CT number.
   PhantomOptions output_options() const;
 };

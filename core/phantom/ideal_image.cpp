@@ -8,8 +8,9 @@
 
 namespace spinaltap {
 
-IdealImage::IdealImage(const Solid& solid, const GridGeometry& geometry, const ScanOptions& options)
-    : solid_(solid), options_(options) {
+IdealImage::IdealImage(const Solid& solid, const GridGeometry& geometry, const ScanOptions& options,
+                       const Surroundings* surroundings)
+    : solid_(solid), options_(options), surroundings_(surroundings) {
   const double samples = options.samples_per_pixel;
   step_mm_ =
       Vec3(options.pixel_mm / samples, options.pixel_mm / samples, options.slice_step_mm / options.samples_per_step);
@@ -99,7 +100,8 @@ void IdealImage::fill(const Block& block) {
         const double covered = std::clamp(0.5 - distances[n] / cell_mm_, 0.0, 1.0);
         if (covered <= 0.0) continue;
         const double own = solid_.hu(points[n], distances[n], cell_mm_);
-        out[n] = static_cast<float>(covered * (own - options_.surroundings_hu));
+        const double around = surroundings_ == nullptr ? options_.surroundings_hu : surroundings_->hu(points[n]);
+        out[n] = static_cast<float>(covered * (own - around));
       }
     }
   }

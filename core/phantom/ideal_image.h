@@ -13,7 +13,9 @@ namespace spinaltap {
 class IdealImage {
  public:
   /// `geometry`: of the scan. Keeps references.
-  IdealImage(const Solid& solid, const GridGeometry& geometry, const ScanOptions& options);
+  /// `surroundings`: null for the even ones of `options`.
+  IdealImage(const Solid& solid, const GridGeometry& geometry, const ScanOptions& options,
+             const Surroundings* surroundings = nullptr);
 
   /// Makes planes begin ... end - 1 available, keeping what was held of them. Plane 0 is that of slice 0.
   void hold(int begin, int end);
@@ -38,6 +40,7 @@ class IdealImage {
 
   const Solid& solid_;
   const ScanOptions& options_;
+  const Surroundings* surroundings_;
   Vec3 origin_mm_, step_mm_;  ///< of the lattice; sample (0, 0, 0) is the corner sample of the scan
   double cell_mm_;            ///< side of a cube of a lattice cell's volume
   std::array<int, 2> first_{}, size_{};

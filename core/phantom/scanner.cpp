@@ -29,6 +29,7 @@ void check_options(const ScanOptions& options) {
   not_negative("blur_mm", options.blur_mm, 10.0);
   not_negative("noise_hu", options.noise_hu, 1000.0);
   positive("surroundings_hu plus 1025", options.surroundings_hu + 1025.0, 4096.0);
+  if (options.centre_mm && !options.centre_mm->allFinite()) fail("scan: centre_mm must be finite");
   positive("samples_per_pixel", options.samples_per_pixel, 16);
   positive("samples_per_step", options.samples_per_step, 32);
 }
@@ -38,7 +39,8 @@ GridGeometry field_of_view(const Solid& solid, const ScanOptions& options) {
   geometry.size = {options.columns, options.rows, options.slices};
   geometry.spacing_mm = Vec3(options.pixel_mm, options.pixel_mm, options.slice_step_mm);
   const Vec3 last(options.columns - 1, options.rows - 1, options.slices - 1);
-  const Vec3 corner = solid.bounds_mm().center() - 0.5 * last.cwiseProduct(geometry.spacing_mm);
+  const Vec3 corner =
+      options.centre_mm.value_or(solid.bounds_mm().center()) - 0.5 * last.cwiseProduct(geometry.spacing_mm);
   // Whole micrometres, which the decimal text of a DICOM file holds exactly.
   geometry.origin_mm = (corner * 1e3).array().round() * 1e-3;
   return geometry;
@@ -141,17 +143,22 @@ class SliceMaker {
   std::vector<float> profile_, blur_;
 };
 
-}  // namespace
-
-CtVolume scan(const Solid& solid, const ScanOptions& options, const Progress& progress) {
+/// `surroundings`: null for even ones.
+CtVolume scan_in(const Solid& solid, const Surroundings* surroundings, const ScanOptions& options,
+                 const Progress& progress) {
   check_options(options);
   const GridGeometry geometry = field_of_view(solid, options);
   check_geometry(geometry, "scan");
   std::vector<std::int16_t> hu(geometry.voxel_count());
-  IdealImage ideal(solid, geometry, options);
+  IdealImage ideal(solid, geometry, options, surroundings);
   const SliceMaker maker(ideal, options);
   const ScanNoise noise(options);
   ProgressCounter done(progress, "scan", static_cast<std::size_t>(options.slices));
+  const auto around_at = [&](std::size_t at, int slice) {
+    const auto columns = static_cast<std::size_t>(options.columns);
+    const Vec3 index(static_cast<double>(at % columns), static_cast<double>(at / columns), slice);
+    return surroundings->hu(geometry.to_patient(index));
+  };
   constexpr int kSlab = 8;  // slices at a time: what of the fine lattice is held
   for (int begin = 0; begin < options.slices; begin += kSlab) {
     const int end = std::min(begin + kSlab, options.slices);
@@ -162,13 +169,40 @@ CtVolume scan(const Solid& solid, const ScanOptions& options, const Progress& pr
       const std::vector<float> grain = noise.slice(slice);
       std::int16_t* out = &hu[geometry.offset(0, 0, slice)];
       for (std::size_t at = 0; at < signal.size(); ++at) {
-        const double value = options.surroundings_hu + static_cast<double>(signal[at]) + static_cast<double>(grain[at]);
+        const double around_hu = surroundings == nullptr ? options.surroundings_hu : around_at(at, slice);
+        const double value = around_hu + static_cast<double>(signal[at]) + static_cast<double>(grain[at]);
         out[at] = static_cast<std::int16_t>(std::lround(std::clamp(value, -1024.0, 32767.0)));
       }
       done.add();
     });
   }
   return make_ct_volume(geometry, std::move(hu));
+}
+
+}  // namespace
+
+CtVolume scan(const Solid& solid, const ScanOptions& options, const Progress& progress) {
+  return scan_in(solid, nullptr, options, progress);
+}
+
+CtVolume scan(const Solid& solid, const Surroundings& surroundings, const ScanOptions& options,
+              const Progress& progress) {
+  return scan_in(solid, &surroundings, options, progress);
+}
+
+ScanOptions scan_of_box(const Box3& box_mm, const ScanOptions& options) {
+  if (box_mm.isEmpty() || !(options.pixel_mm > 0.0) || !(options.slice_step_mm > 0.0)) {
+    fail("scan: a box and steps above 0 expected");
+  }
+  const auto count = [](double length_mm, double step_mm) {
+    return static_cast<int>(std::min(std::ceil(length_mm / step_mm), 1e6)) + 1;
+  };
+  ScanOptions fitted = options;
+  fitted.columns = count(box_mm.sizes().x(), options.pixel_mm);
+  fitted.rows = count(box_mm.sizes().y(), options.pixel_mm);
+  fitted.slices = count(box_mm.sizes().z(), options.slice_step_mm);
+  fitted.centre_mm = box_mm.center();
+  return fitted;
 }
 
 }  // namespace spinaltap

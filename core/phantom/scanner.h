@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/phantom/solid.h"
+#include "core/phantom/surroundings.h"
 
 namespace spinaltap {
 
@@ -22,7 +24,13 @@ struct ScanOptions {
   double surroundings_hu = 40.0;  ///< soft tissue; -1000 is air
   int samples_per_pixel = 2;      ///< of the ideal image, along each side of a pixel
   int samples_per_step = 2;       ///< of the ideal image, along z, in each slice step
+  /// Middle of the field of view, patient LPS, mm; nothing: that of the solid's bounds.
+  std::optional<Vec3> centre_mm{};
 };
+
+/// `options` with as many columns, rows and slices as a box (patient LPS, mm) needs, and its middle. What the box cuts
+/// off is not scanned.
+ScanOptions scan_of_box(const Box3& box_mm, const ScanOptions& options);
 
 /// Images `solid`, with the field of view centred on its bounds and axes along the patient's.
 ///
@@ -30,5 +38,9 @@ struct ScanOptions {
 /// how much of a cell lies inside. It is averaged over the slice profile and blurred; then noise is added. The same
 /// seed gives the same voxels at any number of threads. Throws Error on options without sense, Cancelled on cancel.
 CtVolume scan(const Solid& solid, const ScanOptions& options = {}, const Progress& progress = {});
+
+/// As above, but the solid lies in `surroundings` and not in an even surroundings_hu. They are sampled once a voxel.
+CtVolume scan(const Solid& solid, const Surroundings& surroundings, const ScanOptions& options = {},
+              const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/phantom/near_distance.h"
 #include "core/phantom/texture.h"
 #include "core/phantom/vertebra_shape.h"
 
@@ -11,46 +12,6 @@ namespace {
 
 using shapes::Point;
 using shapes::smooth_step;
-
-/// Values up to a band's start are made distances; from its end they are the shape's own. Inside the bone the band is
-/// narrower, as thin processes have their middle there.
-struct Band {
-  double start, end;
-};
-constexpr Band kOutsideBand{0.5, 1.6}, kInsideBand{0.35, 1.05};
-
-/// Distances are lessened by this share a mm, which takes back what Newton's method overshoots.
-constexpr double kCaution = 0.04;
-
-/// No part is flatter than kSteep at the surface. Below kFlat, where parts face each other, no distance is worked out.
-constexpr double kFlat = 0.2, kSteep = 0.4;
-
-Mat3 rotation_from_degrees(const Vec3& degrees) {
-  const auto turn = [&](int axis) {
-    return Eigen::AngleAxisd(shapes::radians(degrees[axis]), Vec3::Unit(axis)).toRotationMatrix();
-  };
-  return turn(2) * turn(1) * turn(0);
-}
-
-Dual value_and_slope(const shapes::VertebraShape& shape, const Vec3& p) {
-  return shape(Point<Dual>{{p.x(), 1.0, 0.0, 0.0}, {p.y(), 0.0, 1.0, 0.0}, {p.z(), 0.0, 0.0, 1.0}});
-}
-
-/// A plane that touches the shape's surface, to first order, below a point: unit normal and the point's height above.
-struct Tangent {
-  Vec3 normal;
-  double height;
-  double slope;  ///< of the shape at the foot point, mm per mm
-};
-
-Tangent tangent_at(const shapes::VertebraShape& shape, const Vec3& foot, const Vec3& p) {
-  const Dual f = value_and_slope(shape, foot);
-  const Vec3 gradient(f.dx, f.dy, f.dz);
-  const double slope = gradient.norm();
-  const double divisor = std::max(slope, 0.5 * kFlat);
-  const Vec3 normal = gradient / divisor;
-  return {normal, (p - foot).dot(normal) + f.v / divisor, slope};
-}
 
 const VertebraAnatomy::Pedicle& right_pedicle(const VertebraAnatomy& anatomy) {
   return anatomy.right_pedicle ? *anatomy.right_pedicle : anatomy.pedicle;
@@ -91,23 +52,7 @@ Vertebra::Vertebra(const VertebraAnatomy& anatomy) : anatomy_(anatomy) {
 
 Vertebra::~Vertebra() = default;
 
-/// The shape's value f lies between 0 and the distance D, as it grows by at most 1 mm per mm. Near the surface D comes
-/// from the tangent plane at the foot point, found by two steps of Newton's method; further away D fades into f, which
-/// keeps the bound, as it only lessens the growth.
-double Vertebra::value_mm(const Vec3& p) const {
-  const double f = inside_->shape(Point<double>{p.x(), p.y(), p.z()});
-  const Band& band = f < 0.0 ? kInsideBand : kOutsideBand;
-  double weight = 1.0 - smooth_step(band.start, band.end, std::fabs(f));
-  if (weight <= 0.0) return f;
-  const Tangent first = tangent_at(inside_->shape, p, p);
-  weight *= smooth_step(kFlat, kSteep, first.slope);
-  if (weight <= 0.0) return f;
-  const Tangent second = tangent_at(inside_->shape, p - first.height * first.normal, p);
-  constexpr double kMostGrowth = 1.0 / kSteep;
-  const double cautious = second.height / (1.0 + kCaution * std::fabs(second.height));
-  const double distance = std::clamp(cautious, std::min(f, kMostGrowth * f), std::max(f, kMostGrowth * f));
-  return f + weight * (distance - f);
-}
+double Vertebra::value_mm(const Vec3& p) const { return shapes::near_distance_mm(inside_->shape, p); }
 
 void Vertebra::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const {
   constexpr double kStep = 1e-5;

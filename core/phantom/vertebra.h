@@ -7,8 +7,8 @@
 
 namespace spinaltap {
 
-/// An L3 vertebra in closed form, placed in the patient frame: analytic parts joined by smooth minima, with a cortical
-/// shell and a textured trabecular core. One piece with one hole, the vertebral canal.
+/// A vertebra (an L3 by default) in closed form, placed in the patient frame: analytic parts joined by smooth minima,
+/// with a cortical shell and a textured trabecular core. One piece with one hole, the vertebral canal.
 class Vertebra : public Solid {
  public:
   /// Throws Error when check_anatomy() does, or when a fillet or the canal reaches the isthmus of the pedicle, so that

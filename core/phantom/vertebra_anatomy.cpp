@@ -1,9 +1,11 @@
 #include "core/phantom/vertebra_anatomy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/phantom/vertebra_parts.h"
 
 namespace spinaltap {
 namespace {
@@ -82,6 +84,18 @@ void check_bone(const VertebraAnatomy::Cortex& cortex, const VertebraAnatomy::Ca
 
 }  // namespace
 
+Mat3 rotation_from_degrees(const Vec3& degrees) {
+  const auto turn = [&](int axis) {
+    return Eigen::AngleAxisd(shapes::radians(degrees[axis]), Vec3::Unit(axis)).toRotationMatrix();
+  };
+  return turn(2) * turn(1) * turn(0);
+}
+
+Vec3 rotation_in_degrees(const Mat3& r) {
+  return Vec3(std::atan2(r(2, 1), r(2, 2)), std::asin(std::clamp(-r(2, 0), -1.0, 1.0)), std::atan2(r(1, 0), r(0, 0))) /
+         kDegree;
+}
+
 void check_anatomy(const VertebraAnatomy& anatomy) {
   const VertebraAnatomy::Body& body = anatomy.body;
   in_range("body.width_mm", body.width_mm, 15.0, 90.0);
@@ -94,6 +108,8 @@ void check_anatomy(const VertebraAnatomy& anatomy) {
   in_range("body.superior_hollow_mm", body.superior_hollow_mm, 0.0, 0.25 * body.height_mm);
   in_range("body.inferior_hollow_mm", body.inferior_hollow_mm, 0.0, 0.25 * body.height_mm);
   in_range("body.rim_mm", body.rim_mm, 0.0, 0.25 * body.depth_mm);
+  in_range("body.wedge_deg", body.wedge_deg, -30.0, 30.0);
+  in_range("body.side_wedge_deg", body.side_wedge_deg, -30.0, 30.0);
 
   check_pedicle("pedicle", anatomy.pedicle);
   if (anatomy.right_pedicle) check_pedicle("right_pedicle", *anatomy.right_pedicle);

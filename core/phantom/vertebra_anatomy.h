@@ -8,9 +8,9 @@
 
 namespace spinaltap {
 
-/// What an L3 vertebra looks like. Lengths in mm, angles in degrees, CT numbers in HU. Positions are given for the left
-/// side (+x) in the vertebra's own frame: x to the left, y posterior, z superior, origin in the middle of the body. The
-/// right side mirrors the left, but for its pedicle where right_pedicle is given.
+/// What a vertebra looks like; the defaults are those of an L3. Lengths in mm, angles in degrees, CT numbers in HU.
+/// Positions are given for the left side (+x) in the vertebra's own frame: x to the left, y posterior, z superior,
+/// origin in the middle of the body. The right side mirrors the left, but for its pedicle where right_pedicle is given.
 struct VertebraAnatomy {
   struct Body {
     double width_mm = 44.0;           ///< across, at the rims
@@ -23,6 +23,8 @@ struct VertebraAnatomy {
     double inferior_hollow_mm = 2.8;  ///< depth of the lower endplate's middle above its rim
     double rim_mm = 2.5;              ///< width of the level rim around an endplate
     double edge_mm = 2.6;             ///< rounding of the edge between wall and endplate
+    double wedge_deg = 0.0;           ///< between the endplates, seen from the side; above 0: lower in front
+    double side_wedge_deg = 0.0;      ///< between the endplates, seen from the front; above 0: lower on the left
   } body;
 
   struct Pedicle {
@@ -118,6 +120,10 @@ struct VertebraAnatomy {
     Vec3 rotation_deg = Vec3::Zero();  ///< about x, then y, then z of the patient
   } placement;
 };
+
+/// The rotation that Placement::rotation_deg stands for, and the turns that a rotation is made of.
+Mat3 rotation_from_degrees(const Vec3& degrees);
+Vec3 rotation_in_degrees(const Mat3& rotation);
 
 /// Refuses values that are not finite, out of any reason, or contradict each other; names the value in the Error.
 void check_anatomy(const VertebraAnatomy& anatomy);

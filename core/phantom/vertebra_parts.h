@@ -43,7 +43,12 @@ class BodyShape {
     wall_scale_ = 1.0 / std::sqrt(norm2 + waist_slope * waist_slope);
     const double hollow = std::max(body.superior_hollow_mm, body.inferior_hollow_mm);
     const double hollow_slope = hollow * kBumpSlope / rim_radius_;
-    end_scale_ = 1.0 / std::sqrt(1.0 + hollow_slope * hollow_slope * norm2);
+    // Each endplate has half of either wedge.
+    slope_y_ = std::tan(0.5 * radians(body.wedge_deg));
+    slope_x_ = -std::tan(0.5 * radians(body.side_wedge_deg));
+    const double tilt = std::hypot(slope_x_, slope_y_);
+    const double both = hollow_slope * hollow_slope * norm2 + tilt * (2.0 * hollow_slope * std::sqrt(norm2) + tilt);
+    end_scale_ = 1.0 / std::sqrt(1.0 + both);
   }
 
   template <class T>
@@ -56,14 +61,17 @@ class BodyShape {
     const T wall_radius = half_depth_ - body_.waist_mm * bump(p.z * p.z * (1.0 / (rim_z_ * rim_z_)));
     const T wall = (root(r2) - wall_radius) * wall_scale_;
     const T hollow = bump(r2 * (1.0 / (rim_radius_ * rim_radius_)));
-    const T top = p.z - half_height_ + hollow * body_.superior_hollow_mm;
-    const T bottom = -p.z - half_height_ + hollow * body_.inferior_hollow_mm;
+    const T tilt = p.x * slope_x_ + p.y * slope_y_;
+    const T top = p.z - half_height_ + hollow * body_.superior_hollow_mm - tilt;
+    const T bottom = -p.z - half_height_ + hollow * body_.inferior_hollow_mm - tilt;
     const T end = (value_of(top) > value_of(bottom) ? top : bottom) * end_scale_;
     return smooth_max(wall, end, body_.edge_mm);
   }
 
   Box3 bounds() const {
-    const Vec3 half(0.5 * body_.width_mm, half_depth_ + body_.kidney_mm, half_height_);
+    const double half_width = 0.5 * body_.width_mm, half_y = half_depth_ + body_.kidney_mm;
+    const double rise = std::fabs(slope_x_) * half_width + std::fabs(slope_y_) * half_y;
+    const Vec3 half(half_width, half_y, half_height_ + rise);
     return Box3(-half, half);
   }
 
@@ -72,7 +80,7 @@ class BodyShape {
 
   VertebraAnatomy::Body body_;
   double flatness_ = 1.0, half_depth_ = 1.0, half_height_ = 1.0, rim_z_ = 1.0, rim_radius_ = 1.0;
-  double wall_scale_ = 1.0, end_scale_ = 1.0;
+  double wall_scale_ = 1.0, end_scale_ = 1.0, slope_x_ = 0.0, slope_y_ = 0.0;
 };
 
 /// A pedicle: an elliptic section of one aspect ratio, narrowest at the isthmus and flaring to both ends.

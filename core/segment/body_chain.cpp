@@ -14,7 +14,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kStepMm = 0.5;  // between places of endplates
+constexpr double kPlaceStepMm = 0.5;  // between places of endplates
 constexpr double kLeastHeightMm = 9.0;
 constexpr double kLeastCutMm = 2.5;  // of a body that the CT cuts
 constexpr double kMostHeightMm = 40.0;
@@ -66,7 +66,7 @@ Vec3 tilted_up(const ColumnSection& section, const Tilt& tilt) {
 Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels) {
   const std::vector<Tilt> kinds = tilts();
   const std::vector<Eigen::Vector2d> disc = disc_points();
-  const auto count = static_cast<std::size_t>(column.length_mm() / kStepMm) + 1;
+  const auto count = static_cast<std::size_t>(column.length_mm() / kPlaceStepMm) + 1;
   Profile profile;
   profile.rise.assign(count, 0.0F);
   profile.fall.assign(count, 0.0F);
@@ -79,7 +79,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   // Means across the column for each place and tilt; an edge is the difference of two that are 2 kArm apart.
   std::vector<float> means(count * kinds.size());
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
-    const ColumnSection section = column.at(kStepMm * static_cast<double>(n));
+    const ColumnSection section = column.at(kPlaceStepMm * static_cast<double>(n));
     profile.half_depth_mm[n] = static_cast<float>(section.half_depth_mm);
     profile.wall[n] = static_cast<float>(section.wall);
     const Eigen::Array3i nearest = probe.geometry().to_index(section.centre_mm).array().round().cast<int>();
@@ -149,12 +149,12 @@ class ChainSearch {
   std::vector<Body> best_chain() const;
 
  private:
-  static constexpr int kLeastWhole = static_cast<int>(kLeastHeightMm / kStepMm);
-  static constexpr int kLeastHeight = static_cast<int>(kLeastCutMm / kStepMm);
-  static constexpr int kMostHeight = static_cast<int>(kMostHeightMm / kStepMm);
+  static constexpr int kLeastWhole = static_cast<int>(kLeastHeightMm / kPlaceStepMm);
+  static constexpr int kLeastHeight = static_cast<int>(kLeastCutMm / kPlaceStepMm);
+  static constexpr int kMostHeight = static_cast<int>(kMostHeightMm / kPlaceStepMm);
   static constexpr int kHeights = kMostHeight - kLeastHeight + 1;
-  static constexpr int kLeastGap = static_cast<int>(kLeastGapMm / kStepMm);
-  static constexpr int kMostGap = static_cast<int>(kMostGapMm / kStepMm);
+  static constexpr int kLeastGap = static_cast<int>(kLeastGapMm / kPlaceStepMm);
+  static constexpr int kMostGap = static_cast<int>(kMostGapMm / kPlaceStepMm);
 
   double mean(const std::vector<double>& sums, int low, int high) const {
     return (sums[static_cast<std::size_t>(high)] - sums[static_cast<std::size_t>(low)]) / std::max(1, high - low);
@@ -162,7 +162,7 @@ class ChainSearch {
 
   /// What speaks for a body between two places, ends not counted.
   double body_gain(int lower, int upper, bool is_whole) const {
-    const double height_mm = kStepMm * (upper - lower);
+    const double height_mm = kPlaceStepMm * (upper - lower);
     const double depth_mm =
         2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A body's height over its depth: 0.65 in the lowest lumbar ones to 0.95 in the neck.
@@ -175,7 +175,7 @@ class ChainSearch {
 
   /// What speaks for a gap between two places.
   double gap_gain(int lower, int upper) const {
-    const double height_mm = kStepMm * (upper - lower);
+    const double height_mm = kPlaceStepMm * (upper - lower);
     const double depth_mm =
         2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A disc's height over the body's depth: 0.1 in the upper thoracic spine to 0.35 in the lowest lumbar one.
@@ -217,8 +217,8 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   const double cut_mm = 1.5;          // ends so near to the column's are cut
   const int first_lower = profile_.first;
   const int last_upper = profile_.last;
-  const int cut_below = first_lower + static_cast<int>(cut_mm / kStepMm);
-  const int cut_above = last_upper - static_cast<int>(cut_mm / kStepMm);
+  const int cut_below = first_lower + static_cast<int>(cut_mm / kPlaceStepMm);
+  const int cut_above = last_upper - static_cast<int>(cut_mm / kPlaceStepMm);
   for (int upper = first_lower; upper <= last_upper; ++upper) {
     const bool upper_cut = upper == last_upper;
     const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
@@ -296,7 +296,7 @@ std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& co
     const auto end = [&](int place, bool is_cut, const std::vector<float>& edges,
                          const std::vector<std::uint16_t>& edge_tilts) {
       BodyEnd found;
-      found.s_mm = kStepMm * place;
+      found.s_mm = kPlaceStepMm * place;
       const ColumnSection section = column.at(found.s_mm);
       found.centre_mm = section.centre_mm;
       found.is_cut = is_cut;

@@ -14,9 +14,9 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kStepMm = SpinalCanal::kStepMm;
+constexpr double kBlockMm = SpinalCanal::kStepMm;
 
-/// The CT in blocks of about kStepMm, axes along the patient's.
+/// The CT in blocks of about kBlockMm, axes along the patient's.
 struct Blocks {
   GridGeometry geometry;
   std::vector<float> mean, brightest;
@@ -37,18 +37,18 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
   const FloatGrid fine = blurred_as_asked(bin_hu(ct, whole, bins_for(ct.geometry, 1.0)), levels, ct);
   const Box3 box = box_of(fine.geometry);
   Blocks blocks;
-  blocks.geometry.spacing_mm = Vec3::Constant(kStepMm);
-  blocks.geometry.origin_mm = box.min() + Vec3::Constant(0.5 * kStepMm);
+  blocks.geometry.spacing_mm = Vec3::Constant(kBlockMm);
+  blocks.geometry.origin_mm = box.min() + Vec3::Constant(0.5 * kBlockMm);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double length_mm = box.sizes()[static_cast<Eigen::Index>(axis)];
-    blocks.geometry.size[axis] = std::max(1, static_cast<int>(std::floor(length_mm / kStepMm)));
+    blocks.geometry.size[axis] = std::max(1, static_cast<int>(std::floor(length_mm / kBlockMm)));
   }
   const GridGeometry& geometry = blocks.geometry;
   constexpr float kNothing = std::numeric_limits<float>::lowest();
   blocks.brightest.assign(geometry.voxel_count(), kNothing);
   std::vector<float> sum(geometry.voxel_count(), 0.0F);
   std::vector<int> count(geometry.voxel_count(), 0);
-  const Mat3 step = fine.geometry.index_to_patient_matrix() / kStepMm;
+  const Mat3 step = fine.geometry.index_to_patient_matrix() / kBlockMm;
   const Vec3 first = geometry.to_index(fine.geometry.origin_mm);
   // One thread: blocks are shared by slices of a CT of any orientation, and sums must not depend on an order.
   std::size_t voxel = 0;
@@ -80,12 +80,12 @@ struct Direction {
   double x, y;  ///< unit, to the left and to the back
 };
 
-constexpr int kDirections = 16;
+constexpr int kRayDirections = 16;
 
-std::array<Direction, kDirections> directions_around() {
-  std::array<Direction, kDirections> directions{};
-  for (int n = 0; n < kDirections; ++n) {
-    const double turn = 2.0 * std::numbers::pi * n / kDirections;
+std::array<Direction, kRayDirections> directions_around() {
+  std::array<Direction, kRayDirections> directions{};
+  for (int n = 0; n < kRayDirections; ++n) {
+    const double turn = 2.0 * std::numbers::pi * n / kRayDirections;
     directions[static_cast<std::size_t>(n)] = {std::sin(turn), -std::cos(turn)};  // the first one to the front
   }
   return directions;
@@ -115,7 +115,7 @@ class CanalScore {
     double seen = 0.0;
     double near = 0.0;
     int front = 0;
-    for (int n = 0; n < kDirections; ++n) {
+    for (int n = 0; n < kRayDirections; ++n) {
       const Direction& d = directions_[static_cast<std::size_t>(n)];
       const int hit = first_bone(i, j, k, d);
       if (hit == 0) continue;
@@ -124,7 +124,7 @@ class CanalScore {
       if (n == 0) front = hit;
     }
     if (seen < kLeastSeen) return 0.0;
-    return seen / kDirections + 0.25 * near / kDirections + 0.75 * body_in_front(i, j, k, front);
+    return seen / kRayDirections + 0.25 * near / kRayDirections + 0.75 * body_in_front(i, j, k, front);
   }
 
  private:
@@ -172,13 +172,13 @@ class CanalScore {
 
   const Blocks& blocks_;
   float bone_hu_;
-  const std::array<Direction, kDirections> directions_ = directions_around();
+  const std::array<Direction, kRayDirections> directions_ = directions_around();
 };
 
 /// Mean over a block's neighbours in its slice and those above and below: single lucky places do not make a canal.
 std::vector<float> smoothed(const std::vector<float>& score, const GridGeometry& geometry) {
   FloatGrid grid{geometry, score};
-  return gaussian_blur(grid, kStepMm).values;
+  return gaussian_blur(grid, kBlockMm).values;
 }
 
 constexpr int kMostShift = 3;  // blocks from slice to slice
@@ -239,7 +239,7 @@ std::vector<Index> follow(const Chains& chains, const GridGeometry& geometry, In
 /// Whether a canal at a place may be that of a body which holds `near_mm`.
 bool may_be_behind(const Vec3& p_mm, const Vec3& near_mm) {
   const Vec3 way = p_mm - near_mm;
-  return std::abs(way.z()) < 2.0 * kStepMm && way.y() > 4.0 && way.y() < 50.0 && std::abs(way.x()) < 22.0;
+  return std::abs(way.z()) < 2.0 * kBlockMm && way.y() > 4.0 && way.y() < 50.0 && std::abs(way.x()) < 22.0;
 }
 
 /// The chain's places moved to the middle between the canal's walls: by what the median of nearby slices says, for in

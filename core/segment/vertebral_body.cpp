@@ -6,8 +6,8 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kDirections = 2000;
-constexpr double kStepMm = 0.5;
+constexpr int kSurfaceDirections = 2000;
+constexpr double kSearchStepMm = 0.5;
 constexpr double kReachMm = 6.0;  // how far the surface may lie from the cylinder
 constexpr double kStiffnessPerMm = 0.08;
 
@@ -53,16 +53,16 @@ RefineLimits limits_of(const BodySpan& span) {
 VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span, const WallLevels& levels) {
   const WallProbe probe(smooth, levels);
   BodyCylinder cylinder = refine_body_cylinder(probe, cylinder_of(span), limits_of(span));
-  StarSurface surface(cylinder.centre_mm, kDirections);
+  StarSurface surface(cylinder.centre_mm, kSurfaceDirections);
   std::vector<Exit> exits;
   for (const Vec3& direction : surface.directions()) exits.push_back(leave(cylinder, direction));
-  constexpr int kHalfSteps = static_cast<int>(kReachMm / kStepMm);
+  constexpr int kHalfSteps = static_cast<int>(kReachMm / kSearchStepMm);
   const auto radius_mm = [&](int direction, int step) {
-    return std::max(exits[static_cast<std::size_t>(direction)].radius_mm + (step - kHalfSteps) * kStepMm, kStepMm);
+    return std::max(exits[static_cast<std::size_t>(direction)].radius_mm + (step - kHalfSteps) * kSearchStepMm, kSearchStepMm);
   };
   StarCost cost;
   cost.step_count = 2 * kHalfSteps + 1;
-  cost.stiffness = kStiffnessPerMm * kStepMm;
+  cost.stiffness = kStiffnessPerMm * kSearchStepMm;
   cost.most_difference = kHalfSteps;
   cost.cost = [&](int direction, int step) {
     const auto at = static_cast<std::size_t>(direction);

@@ -1,0 +1,98 @@
+#include "core/phantom/spine_options.h"
+
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/phantom/level_measures.h"
+
+namespace spinaltap {
+namespace {
+
+void check_range(const char* name, double value, double low, double high) {
+  if (!(value >= low && value <= high)) {
+    fail("spine phantom: ", name, " must lie in [", low, ", ", high, "], found ", value);
+  }
+}
+
+void among_the_levels(const char* name, Level level, const SpineOptions& options) {
+  if (level_rank(level) < level_rank(options.first) || level_rank(level) > level_rank(options.last)) {
+    fail("spine phantom: ", name, " must lie from ", level_name(options.first), " to ", level_name(options.last),
+         ", found ", level_name(level));
+  }
+}
+
+}  // namespace
+
+void check_spine_options(const SpineOptions& options) {
+  (void)level_measures(options.first);
+  (void)level_measures(options.last);
+  if (level_rank(options.first) > level_rank(options.last)) {
+    fail("spine phantom: first must lie above last, found ", level_name(options.first), " and ",
+         level_name(options.last));
+  }
+  check_range("scale", options.scale, 0.8, 1.25);
+  if (options.cervical_disc_mm) check_range("cervical_disc_mm", *options.cervical_disc_mm, 0.3, 20.0);
+  if (options.thoracic_disc_mm) check_range("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
+  if (options.lumbar_disc_mm) check_range("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
+  check_range("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
+  check_range("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
+  check_range("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
+  check_range("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
+  check_range("scoliosis_turn", options.scoliosis_turn, 0.0, 0.6);
+  if (options.scoliosis_first) among_the_levels("scoliosis_first", *options.scoliosis_first, options);
+  if (options.scoliosis_last) among_the_levels("scoliosis_last", *options.scoliosis_last, options);
+  check_range("rib_gap_mm", options.rib_gap_mm, 0.0, 4.0);
+  check_range("rib12_mm", options.rib12_mm, 20.0, 200.0);
+  if (options.sacrum && options.last != Level::kL5) {
+    fail("spine phantom: a sacrum needs L5 as the last level, found ", level_name(options.last));
+  }
+  check_range("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
+  check_range("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
+  check_range("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
+  for (const Level level : options.schmorl_nodes) among_the_levels("schmorl_nodes", level, options);
+  for (const Level level : options.screws) among_the_levels("screws", level, options);
+  check_range("screw_diameter_mm", options.screw_diameter_mm, 2.0, 10.0);
+  check_range("variation", options.variation, 0.0, 1.5);
+  for (int axis = 0; axis < 3; ++axis) {
+    check_range("tilt_deg", options.tilt_deg[axis], -60.0, 60.0);
+    check_range("position_mm", options.position_mm[axis], -1e5, 1e5);
+  }
+}
+
+SpineOptions random_spine_options(std::uint64_t seed, const SpineOptions& range) {
+  SpineOptions options = range;
+  const std::uint64_t stream = mix_bits(seed);
+  std::uint64_t count = 0;
+  const auto within = [&](double low, double high) { return low + (high - low) * random_uniform(stream, count++); };
+  const auto chance = [&](double share) { return within(0.0, 1.0) < share; };
+  options.seed = stream;
+  options.variation = 1.0;
+  options.scale = within(0.85, 1.1);
+  options.facet_gap_mm = within(0.5, 1.8);
+  options.kyphosis_deg = within(20.0, 55.0);
+  options.lordosis_deg = within(30.0, 65.0);
+  const double cobb = within(-30.0, 30.0), few = within(-6.0, 6.0);
+  options.scoliosis_deg = chance(0.4) ? cobb : few;
+  const double narrow = within(0.4, 0.8);
+  if (chance(0.25)) {  // worn discs
+    options.thoracic_disc_mm = 4.0 * narrow;
+    options.lumbar_disc_mm = 8.0 * narrow;
+  }
+  options.rib_gap_mm = within(0.5, 1.5);
+  options.rib12_mm = within(30.0, 120.0);
+  const double spur = within(2.0, 4.5), gap = within(0.0, 3.0);
+  if (chance(0.4)) {
+    options.osteophyte_mm = spur;
+    options.osteophyte_gap_mm = gap;
+  }
+  options.osteoporosis = chance(0.3);
+  for (Level level = options.first;; level = level_below(level)) {
+    if (chance(0.1)) options.schmorl_nodes.push_back(level);
+    if (level == options.last) break;
+  }
+  for (int axis = 0; axis < 3; ++axis) options.tilt_deg[axis] = within(-10.0, 10.0);
+  return options;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,115 @@
+#include "core/phantom/surroundings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/phantom/shapes.h"
+#include "core/phantom/spine_truth.h"
+#include "core/phantom/texture.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kSoftMm = 0.8;  ///< over which one tissue goes over into the next
+
+/// 1 where a signed distance is well below 0, 0 where it is well above.
+double inside(double distance_mm, double soft_mm = kSoftMm) {
+  return 1.0 - shapes::smooth_step(-soft_mm, soft_mm, distance_mm);
+}
+
+/// Roughly the distance from an ellipse with these half axes.
+double ellipse_mm(double x, double y, double half_x, double half_y) {
+  return (std::hypot(x / half_x, y / half_y) - 1.0) * std::min(half_x, half_y);
+}
+
+}  // namespace
+
+SoftTissue::SoftTissue(const Spine& spine, const SoftTissueOptions& options) : options_(options) {
+  if (spine.placed().empty()) fail("soft tissue: a spine made from SpineOptions expected, found other bodies");
+  for (const PlacedLevel& placed : spine.placed()) {
+    const LevelMeasures& m = placed.measures;
+    const double half_depth = 0.5 * m.body_depth_mm;
+    const bool thoracic = level_rank(placed.level) <= level_rank(Level::kT12);
+    const double low = placed.level == Level::kT12 ? 0.25 : placed.level == Level{18} ? 0.7 : 1.0;
+    stations_.push_back({placed.position_mm, placed.rotation, 0.5 * m.body_width_mm, half_depth, 0.5 * m.canal_width_mm,
+                         0.5 * m.canal_depth_mm, half_depth + 0.5 * m.canal_depth_mm,
+                         half_depth + m.canal_depth_mm + m.spinous_length_mm * std::cos(m.spinous_drop_deg * kDegree),
+                         thoracic ? low : 0.0});
+  }
+  for (const DiscTruth& disc : spine_truth(spine).discs) {
+    // Frame: the disc's normal up, backward as far as that leaves it.
+    const Vec3 back = (Vec3::UnitY() - disc.normal.y() * disc.normal).normalized();
+    Mat3 rotation;
+    rotation << back.cross(disc.normal), back, disc.normal;
+    discs_.push_back({disc.centre_mm, rotation, 0.5 * disc.width_mm, 0.5 * disc.depth_mm, 0.5 * disc.height_mm});
+  }
+}
+
+/// Between the stations above and below; their rotations are those of the nearer one.
+SoftTissue::Station SoftTissue::at_height(double z_mm) const {
+  if (z_mm >= stations_.front().centre_mm.z()) return stations_.front();
+  for (std::size_t n = 1; n < stations_.size(); ++n) {
+    const Station& a = stations_[n - 1];
+    const Station& b = stations_[n];
+    if (z_mm < b.centre_mm.z()) continue;
+    const double t = (a.centre_mm.z() - z_mm) / (a.centre_mm.z() - b.centre_mm.z());
+    const auto mix = [&](double x, double y) { return std::lerp(x, y, t); };
+    return {(1.0 - t) * a.centre_mm + t * b.centre_mm,
+            t < 0.5 ? a.rotation : b.rotation,
+            mix(a.half_width_mm, b.half_width_mm),
+            mix(a.half_depth_mm, b.half_depth_mm),
+            mix(a.canal_half_width_mm, b.canal_half_width_mm),
+            mix(a.canal_half_depth_mm, b.canal_half_depth_mm),
+            mix(a.canal_y_mm, b.canal_y_mm),
+            mix(a.back_mm, b.back_mm),
+            mix(a.lung, b.lung)};
+  }
+  return stations_.back();
+}
+
+double SoftTissue::hu(const Vec3& p) const {
+  constexpr double kAirHu = -1000.0;
+  const Station here = at_height(p.z());
+  // Sidewise and backward from the column's middle at this height.
+  const double x = p.x() - here.centre_mm.x(), y = p.y() - here.centre_mm.y();
+  const double side = std::fabs(x);
+  // Muscle, with patches of fat.
+  static const Vec3 kGrain(9.0, 9.0, 14.0);
+  const Texture patches(kGrain, options_.seed);
+  double hu = std::lerp(options_.muscle_hu, options_.fat_hu, 0.8 * shapes::smooth_step(0.9, 1.5, patches.at(p)));
+  // Fat in front of the column, between the organs.
+  const double in_front = inside(y + here.half_depth_mm + 4.0, 4.0) * (1.0 - here.lung);
+  hu = std::lerp(hu, options_.fat_hu, 0.75 * in_front);
+  // Lungs: beside and in front of the bodies, the mediastinum between them.
+  if (here.lung > 0.0) {
+    const double mediastinum = 24.0 + 0.35 * std::max(0.0, -y - here.half_depth_mm);
+    const double lung = std::max({mediastinum - side, ellipse_mm(side - 50.0, y + 45.0, 62.0, 85.0), y - 26.0});
+    hu = std::lerp(hu, options_.lung_hu, inside(lung, 1.5) * here.lung);
+  }
+  // Fat under the skin, the skin, air behind it.
+  const double depth = here.back_mm + options_.skin_mm - y - 0.0025 * side * side;
+  hu = std::lerp(hu, options_.fat_hu, inside(depth - 0.6 * options_.skin_mm, 2.0));
+  hu = std::lerp(hu, 30.0, inside(depth - 2.0));
+  hu = std::lerp(hu, kAirHu, inside(depth));
+  // The aorta, to the left in front.
+  constexpr double kAortaMm = 11.5;
+  const double aorta = std::hypot(x - 11.0, y + here.half_depth_mm + kAortaMm + 1.5) - kAortaMm;
+  hu = std::lerp(hu, options_.aorta_hu, inside(aorta));
+  // Muscle next to the bodies in front of the ribs: ligaments and vessels rather than lung.
+  const double cuff = ellipse_mm(x, y, here.half_width_mm + 3.0, here.half_depth_mm + 3.0);
+  if (aorta > 0.0) hu = std::lerp(hu, 50.0, inside(cuff));
+  for (const Disc& disc : discs_) {
+    if (std::fabs(p.z() - disc.centre_mm.z()) > 40.0) continue;
+    const Vec3 q = disc.rotation.transpose() * (p - disc.centre_mm);
+    // Endplates are hollow, so a disc is thicker in its middle than between the rims; bone lies over the rest.
+    const double wall = ellipse_mm(q.x(), q.y(), disc.half_width_mm + 0.5, disc.half_depth_mm + 0.5);
+    const double height = std::fabs(q.z()) - disc.half_height_mm - 4.0;
+    hu = std::lerp(hu, options_.disc_hu, inside(std::max(wall, height)));
+  }
+  const double canal = ellipse_mm(x, y - here.canal_y_mm, here.canal_half_width_mm, here.canal_half_depth_mm);
+  return std::lerp(hu, options_.canal_hu, inside(canal));
+}
+
+}  // namespace spinaltap

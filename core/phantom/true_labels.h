@@ -1,0 +1,15 @@
+#pragma once
+
+#include "core/ct/label_volume.h"
+#include "core/phantom/spine.h"
+
+namespace spinaltap {
+
+/// The true label map of a grid: each voxel has the label of the body that holds its centre, 0 where none does. Levels
+/// have VerSe's numbers and names, all ribs are kRibLabel, "rib". The same at any number of threads.
+LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry);
+
+/// The voxels whose centres lie in one body.
+BoneMask true_mask(const Spine& spine, std::size_t part, const GridGeometry& geometry);
+
+}  // namespace spinaltap

@@ -1,0 +1,413 @@
+#include "core/phantom/spine.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/phantom/scanner.h"
+#include "core/phantom/spine_truth.h"
+#include "core/phantom/true_labels.h"
+
+namespace spinaltap {
+namespace {
+
+Level named(const char* name) { return level_from_name(name).value(); }
+
+double spine_value(const Spine& spine, const Vec3& p) {
+  double value = 0.0;
+  spine.evaluate({&p, 1}, {&value, 1}, {});
+  return value;
+}
+
+Vec3 place_in(const Box3& box, std::uint64_t seed, std::uint64_t n) {
+  return box.min() + box.sizes().cwiseProduct(Vec3(random_uniform(seed, 3 * n), random_uniform(seed, 3 * n + 1),
+                                                   random_uniform(seed, 3 * n + 2)));
+}
+
+/// Pieces of a part, and the Euler number of the union of cubes around its samples (Serra 1982).
+struct Topology {
+  int pieces = 0;
+  long euler = 0;
+};
+
+Topology topology_of(const Spine& spine, std::size_t part, double step) {
+  const Box3 box = spine.part(part).solid->bounds_mm();
+  const Eigen::Vector3i size = (box.sizes() / step).array().ceil().cast<int>().matrix() + Eigen::Vector3i::Constant(3);
+  const auto at = [&](int i, int j, int k) { return static_cast<std::size_t>((k * size.y() + j) * size.x() + i); };
+  std::vector<char> inside(static_cast<std::size_t>(size.prod()), 0);
+  for (int k = 0; k < size.z(); ++k)
+    for (int j = 0; j < size.y(); ++j)
+      for (int i = 0; i < size.x(); ++i)
+        inside[at(i, j, k)] = spine.part_value_mm(part, box.min() + step * Vec3(i - 1.0, j - 1.0, k - 1.0)) < 0.0;
+  Topology found;
+  const auto any = [&](int i, int j, int k, int di, int dj, int dk) {
+    for (int c = 0; c <= dk; ++c)
+      for (int b = 0; b <= dj; ++b)
+        for (int a = 0; a <= di; ++a)
+          if (inside[at(i - a, j - b, k - c)] != 0) return 1L;
+    return 0L;
+  };
+  for (int k = 1; k < size.z(); ++k)
+    for (int j = 1; j < size.y(); ++j)
+      for (int i = 1; i < size.x(); ++i)
+        found.euler += any(i, j, k, 1, 1, 1) - any(i, j, k, 0, 1, 1) - any(i, j, k, 1, 0, 1) - any(i, j, k, 1, 1, 0) +
+                       any(i, j, k, 1, 0, 0) + any(i, j, k, 0, 1, 0) + any(i, j, k, 0, 0, 1) - any(i, j, k, 0, 0, 0);
+  const std::array<std::ptrdiff_t, 6> ways{1, -1, size.x(), -size.x(), size.x() * size.y(), -size.x() * size.y()};
+  for (std::size_t start = 0; start < inside.size(); ++start) {
+    if (inside[start] == 0) continue;
+    ++found.pieces;
+    std::vector<std::size_t> open{start};
+    inside[start] = 0;
+    while (!open.empty()) {
+      const std::size_t cell = open.back();
+      open.pop_back();
+      for (const std::ptrdiff_t way : ways) {  // a layer of outside is all around
+        const std::size_t next = cell + static_cast<std::size_t>(way);
+        if (inside[next] == 0) continue;
+        inside[next] = 0;
+        open.push_back(next);
+      }
+    }
+  }
+  return found;
+}
+
+/// Least sum of two parts' values at places between them, which bounds their distance from below and comes near it.
+double sampled_gap_mm(const Spine& spine, std::size_t a, std::size_t b, int count) {
+  Box3 box = spine.part(a).solid->bounds_mm();
+  const Box3 other = spine.part(b).solid->bounds_mm();
+  box = box.intersection(Box3(other.min() - Vec3::Constant(3.0), other.max() + Vec3::Constant(3.0)));
+  double least = 1e9;
+  if (box.isEmpty()) return least;
+  for (int n = 0; n < count; ++n) {
+    const Vec3 p = place_in(box, 91, static_cast<std::uint64_t>(n));
+    const double first = spine.part_value_mm(a, p), second = spine.part_value_mm(b, p);
+    EXPECT_FALSE(first < 0.0 && second < 0.0) << "parts " << a << " and " << b << " overlap at " << p.transpose();
+    if (first > 0.0 && second > 0.0) least = std::min(least, first + second);
+  }
+  return least;
+}
+
+SpineOptions whole_spine() {
+  SpineOptions options;
+  options.first = Level::kT1;
+  options.sacrum = true;
+  return options;
+}
+
+TEST(Spine, HasEachLevelInOnePieceWithOneHole) {
+  SpineOptions options = whole_spine();
+  options.ribs = false;
+  const Spine spine(options);
+  for (std::size_t n = 0; n + 1 < spine.part_count(); ++n) {
+    const Topology topology = topology_of(spine, n, 0.75);
+    EXPECT_EQ(topology.pieces, 1) << level_name(spine.placed()[n].level);
+    EXPECT_EQ(topology.euler, 0) << level_name(spine.placed()[n].level);
+  }
+}
+
+TEST(Spine, HasEachPedicleExactlyAsWideAndHighAsItsLevelsMeasures) {
+  const Spine spine(whole_spine());
+  const SpineTruth truth = spine_truth(spine);
+  ASSERT_EQ(truth.levels.size(), 17U);
+  for (std::size_t n = 0; n < truth.levels.size(); ++n) {
+    const LevelMeasures& m = level_measures(truth.levels[n].level);
+    for (const PedicleTruth& side : {truth.levels[n].pedicles.left, truth.levels[n].pedicles.right}) {
+      EXPECT_EQ(side.width_mm, m.pedicle_width_mm);
+      for (const auto& [axis, size_mm] :
+           {std::pair(side.width_axis, side.width_mm), {side.height_axis, side.height_mm}}) {
+        for (const double sign : {1.0, -1.0}) {
+          EXPECT_NEAR(spine.part_value_mm(n, side.isthmus_mm + 0.5 * sign * size_mm * axis), 0.0, 1e-6)
+              << level_name(truth.levels[n].level);
+        }
+      }
+    }
+  }
+}
+
+TEST(Spine, HasLumbarPediclesAmidThePublishedSeries) {
+  // Least and greatest means of 13 series of transverse pedicle width, 1987 to 2025 (Makino's endosteal one left out).
+  const std::array<std::array<double, 2>, 5> published{
+      {{5.76, 10.3}, {6.34, 10.3}, {8.1, 13.0}, {9.3, 16.3}, {11.8, 21.6}}};
+  for (int n = 0; n < 5; ++n) {
+    const auto level = static_cast<Level>(static_cast<int>(Level::kL1) + n);
+    const auto& range = published[static_cast<std::size_t>(n)];
+    EXPECT_GT(level_measures(level).pedicle_width_mm, range[0]) << level_name(level);
+    EXPECT_LT(level_measures(level).pedicle_width_mm, range[1]) << level_name(level);
+  }
+}
+
+TEST(Spine, KeepsNeighboursApartByTheGapAskedFor) {
+  for (const double gap_mm : {0.5, 1.5}) {
+    SpineOptions options;
+    options.first = named("T10");
+    options.facet_gap_mm = gap_mm;
+    options.ribs = false;
+    const Spine spine(options);
+    for (std::size_t n = 0; n + 1 < spine.part_count(); ++n) {
+      const double found = sampled_gap_mm(spine, n, n + 1, 60000);
+      EXPECT_GE(found, gap_mm - 0.02) << "below " << level_name(spine.placed()[n].level);
+      EXPECT_LE(found, gap_mm + 0.4) << "the facets below " << level_name(spine.placed()[n].level) << " do not meet";
+    }
+  }
+}
+
+TEST(Spine, KeepsRibsOffTheVertebraeButNearTheirBodiesAndTransverseProcesses) {
+  SpineOptions options;
+  options.first = named("T6");
+  options.last = named("T9");  // T6 to T9
+  options.rib_gap_mm = 0.7;
+  const Spine spine(options);
+  const SpineTruth truth = spine_truth(spine);
+  for (std::size_t rib = 4; rib < spine.part_count(); ++rib) {
+    ASSERT_EQ(spine.part(rib).label, kRibLabel);
+    for (std::size_t n = 0; n < 4; ++n) EXPECT_GE(sampled_gap_mm(spine, rib, n, 20000), 0.68);
+    const LevelTruth& own = truth.levels[(rib - 4) / 2];
+    const Vec3 tip_mm = rib % 2 == 0 ? own.left_transverse_tip_mm : own.right_transverse_tip_mm;
+    EXPECT_LT(spine.part_value_mm(rib, tip_mm), 4.0);
+    // Out to 60 mm from the midline.
+    const Box3 box = spine.part(rib).solid->bounds_mm();
+    EXPECT_GT(std::max(std::fabs(box.min().x()), std::fabs(box.max().x())), 60.0);
+  }
+}
+
+TEST(Spine, HasTheTwelfthRibsOfTheLengthAskedFor) {
+  for (const double length_mm : {30.0, 120.0}) {
+    SpineOptions options;
+    options.first = options.last = Level::kT12;
+    options.rib12_mm = length_mm;
+    const Spine spine(options);
+    ASSERT_EQ(spine.part_count(), 3U);
+    // Along a gentle curve the ends lie a little nearer than the length; round ends add half the width.
+    const double reach = spine.part(1).solid->bounds_mm().diagonal().norm();
+    EXPECT_GT(reach, 0.85 * length_mm);
+    EXPECT_LT(reach, length_mm + 22.0);
+  }
+}
+
+TEST(Spine, BendsByTheCobbAngleAskedFor) {
+  for (const double angle_deg : {-25.0, 0.0, 40.0}) {
+    SpineOptions options = whole_spine();
+    options.ribs = false;
+    options.scoliosis_deg = angle_deg;
+    const SpineTruth truth = spine_truth(Spine(options));
+    // Endplates tilt forward as well, which the view from the front shows by up to a degree and a half.
+    EXPECT_NEAR(cobb_deg(truth.levels.front(), truth.levels.back()), angle_deg, 0.05 * std::fabs(angle_deg) + 0.01);
+    // Above 0: the middle stands to the right, which is -x.
+    const double middle = truth.levels[8].body_centre_mm.x();
+    const double ends = 0.5 * (truth.levels.front().body_centre_mm.x() + truth.levels.back().body_centre_mm.x());
+    if (angle_deg > 0.0) {
+      EXPECT_LT(middle, ends - 5.0);
+    }
+    if (angle_deg < 0.0) {
+      EXPECT_GT(middle, ends + 5.0);
+    }
+  }
+}
+
+TEST(Spine, HasTheDiscsAskedFor) {
+  SpineOptions options;
+  options.first = Level::kL1;
+  options.lordosis_deg = 0.0;
+  options.lumbar_disc_mm = 6.0;
+  for (const DiscTruth& disc : spine_truth(Spine(options)).discs) EXPECT_NEAR(disc.height_mm, 6.0, 0.3);
+}
+
+TEST(Spine, HangsItsThoracicSpinousProcessesOverTheNextLevel) {
+  const SpineTruth truth = spine_truth(Spine(whole_spine()));
+  for (const LevelTruth& level : truth.levels) {
+    const Vec3 up = (level.superior_normal + level.inferior_normal).normalized();
+    const double drop = up.dot(level.body_centre_mm - level.spinous_tip_mm);
+    const int number = static_cast<int>(level.level);
+    if (number >= 12 && number <= 16) {
+      EXPECT_GT(drop, 25.0) << level_name(level.level);
+    }
+    if (number >= 20) {
+      EXPECT_LT(drop, 25.0) << level_name(level.level);
+    }
+  }
+}
+
+TEST(Spine, GivesTheSameForTheSameSeedAndAnotherForAnother) {
+  SpineOptions range;
+  range.first = named("T10");
+  const Spine a(random_spine_options(5, range)), b(random_spine_options(5, range)), c(random_spine_options(6, range));
+  int differ = 0;
+  for (std::uint64_t n = 0; n < 500; ++n) {
+    const Vec3 p = place_in(a.bounds_mm(), 7, n);
+    ASSERT_EQ(spine_value(a, p), spine_value(b, p));
+    if (spine_value(a, p) != spine_value(c, p)) ++differ;
+  }
+  EXPECT_GT(differ, 400);
+}
+
+TEST(Spine, MakesRandomPatientsWithExactPedicles) {
+  SpineOptions range;
+  range.first = Level::kT1;
+  // The constructor refuses a spine whose isthmuses are not exact.
+  for (std::uint64_t seed = 0; seed < 20; ++seed) EXPECT_NO_THROW(Spine(random_spine_options(seed, range))) << seed;
+}
+
+TEST(Spine, ChangesByAtMostOneMillimetrePerMillimetre) {
+  SpineOptions options;
+  options.first = named("T10");
+  options.osteophyte_mm = 4.0;
+  options.osteophyte_gap_mm = 0.0;
+  const Spine spine(options);
+  Box3 box = spine.bounds_mm();
+  for (std::uint64_t n = 0; n < 20000; ++n) {
+    const Vec3 p = place_in(box, 11, 2 * n);
+    const Vec3 direction = (place_in(box, 11, 2 * n + 1) - p).normalized();
+    const double step = 0.5 * std::pow(100.0, random_uniform(12, n));
+    ASSERT_LE(std::fabs(spine_value(spine, p) - spine_value(spine, p + step * direction)), step * (1.0 + 1e-6))
+        << p.transpose();
+  }
+}
+
+TEST(Spine, BridgesADiscWithSpursThatLeaveNoGap) {
+  SpineOptions options;
+  options.first = named("L2");
+  options.last = named("L3");
+  options.osteophyte_mm = 5.0;
+  options.osteophyte_share = 1.0;
+  options.ribs = false;
+  const auto bone_in_disc = [](const SpineOptions& given) {
+    const Spine spine(given);
+    const DiscTruth disc = spine_truth(spine).discs.front();
+    int count = 0;
+    for (int step = 0; step < 360; ++step) {
+      const double angle = step * kDegree;
+      const Vec3 side(0.5 * disc.width_mm * std::cos(angle), 0.5 * disc.depth_mm * std::sin(angle), 0.0);
+      if (spine_value(spine, disc.centre_mm + side - side.dot(disc.normal) * disc.normal) < 0.05) ++count;
+    }
+    return count;
+  };
+  options.osteophyte_gap_mm = 0.0;
+  EXPECT_GT(bone_in_disc(options), 30);
+  options.osteophyte_gap_mm = 3.0;
+  EXPECT_EQ(bone_in_disc(options), 0);
+}
+
+TEST(Spine, HasMetalInThePediclesOfLevelsWithScrews) {
+  SpineOptions options;
+  options.first = options.last = named("L3");
+  options.screws = {named("L3")};
+  const Spine spine(options);
+  const PedicleTruth pedicle = spine_truth(spine).levels.front().pedicles.left;
+  EXPECT_GE(spine.hu(pedicle.isthmus_mm, spine_value(spine, pedicle.isthmus_mm), 0.3), 3000.0);
+  EXPECT_EQ(spine.label_at(pedicle.isthmus_mm), static_cast<std::uint8_t>(named("L3")));
+}
+
+TEST(Spine, RefusesOptionsWithoutSense) {
+  const auto refusal = [](const SpineOptions& options) -> std::string {
+    try {
+      const Spine spine(options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  SpineOptions options;
+  options.first = Level::kL5;
+  options.last = Level::kT1;
+  EXPECT_NE(refusal(options).find("first must lie above last"), std::string::npos) << refusal(options);
+  options = {};
+  options.last = named("L3");
+  options.sacrum = true;
+  EXPECT_NE(refusal(options).find("a sacrum needs L5"), std::string::npos) << refusal(options);
+  options = {};
+  options.facet_gap_mm = std::nan("");
+  EXPECT_NE(refusal(options).find("facet_gap_mm"), std::string::npos) << refusal(options);
+}
+
+TEST(TrueLabels, AreThoseOfTheBodyThatHoldsEachVoxel) {
+  SpineOptions options;
+  options.first = named("T11");
+  options.last = Level::kL1;
+  const Spine spine(options);
+  // A coarse grid, turned, that cuts the ends.
+  GridGeometry geometry;
+  geometry.size = {40, 36, 30};
+  geometry.spacing_mm = Vec3(2.5, 2.5, 3.0);
+  geometry.directions = rotation_from_degrees(Vec3(5.0, -8.0, 12.0));
+  geometry.origin_mm = spine.bounds_mm().center() - geometry.directions * Vec3(48.0, 40.0, 43.0);
+  const LabelVolume volume = true_labels(spine, geometry);
+  std::size_t inside = 0;
+  for (int k = 0; k < 30; ++k)
+    for (int j = 0; j < 36; ++j)
+      for (int i = 0; i < 40; ++i) {
+        const Vec3 p = geometry.to_patient(Vec3(i, j, k));
+        int expected = 0;
+        for (std::size_t n = 0; n < spine.part_count(); ++n) {
+          if (spine.part_value_mm(n, p) < 0.0) expected = spine.part(n).label;
+        }
+        ASSERT_EQ(volume.labels[geometry.offset(i, j, k)], expected) << p.transpose();
+        inside += expected != 0 ? 1U : 0U;
+      }
+  EXPECT_GT(inside, 1000U);
+  EXPECT_EQ(volume.names.at(19).name, "T12");
+  EXPECT_EQ(volume.names.at(kRibLabel).name, "rib");
+  const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(true_labels(spine, geometry).labels, volume.labels);
+}
+
+TEST(StackedSpine, PutsBodiesAboveEachOtherWithTheGapAskedFor) {
+  std::vector<SpinePart> parts;
+  for (int n = 0; n < 2; ++n) {
+    SpinePart part;
+    part.label = static_cast<std::uint8_t>(22 + n);
+    part.solid = std::make_shared<const Vertebra>();
+    parts.push_back(std::move(part));
+  }
+  const Spine spine = stacked_spine(std::move(parts), 1.0);
+  const double found = sampled_gap_mm(spine, 0, 1, 100000);
+  // Surfaces are seen at points 1.5 mm apart.
+  EXPECT_GT(found, 0.6);
+  EXPECT_LT(found, 1.6);
+  EXPECT_GT(spine.part(0).solid->bounds_mm().center().z(), spine.part(1).solid->bounds_mm().center().z() + 20.0);
+}
+
+TEST(SoftTissue, LiesAroundTheSpineWithTheNumbersOfEachTissue) {
+  SpineOptions options;
+  options.first = named("T7");
+  options.last = named("L3");
+  options.ribs = false;
+  const Spine spine(options);
+  const SoftTissue tissue(spine);
+  const SpineTruth truth = spine_truth(spine);
+  for (const DiscTruth& disc : truth.discs) EXPECT_NEAR(tissue.hu(disc.centre_mm), 90.0, 1.0);
+  // Beside T8, well to the side and in front.
+  EXPECT_LT(tissue.hu(truth.levels[1].body_centre_mm + Vec3(55.0, -30.0, 0.0)), -800.0);
+  EXPECT_GT(tissue.hu(truth.levels.back().body_centre_mm + Vec3(50.0, 0.0, 0.0)), -150.0);
+  // Left in front.
+  const double front = 0.5 * level_measures(named("T8")).body_depth_mm;
+  EXPECT_NEAR(tissue.hu(truth.levels[1].body_centre_mm + Vec3(11.0, -front - 13.0, 0.0)), 220.0, 1.0);
+}
+
+TEST(SoftTissue, TakesThePlaceOfEvenSurroundingsInAScan) {
+  SpineOptions options;
+  options.first = options.last = named("L3");
+  options.ribs = false;
+  const Spine spine(options);
+  const SoftTissue tissue(spine);
+  const ScanOptions scanning = scan_of_box(
+      Box3(Vec3(-50.0, -60.0, -6.0), Vec3(50.0, 60.0, 6.0)),
+      {.pixel_mm = 1.0, .slice_step_mm = 2.0, .noise_hu = 0.0, .samples_per_pixel = 1, .samples_per_step = 1});
+  const CtVolume ct = scan(spine, tissue, scanning), even = scan(spine, scanning);
+  ASSERT_EQ(ct.geometry.size[0], 101);
+  // In the aorta, and in the body as without.
+  const Vec3 aorta(11.0, -0.5 * level_measures(named("L3")).body_depth_mm - 13.0, 0.0);
+  EXPECT_NEAR(sample_hu(ct, aorta), 220.0, 3.0);
+  EXPECT_NEAR(sample_hu(even, aorta), 40.0, 1.0);
+  EXPECT_NEAR(sample_hu(ct, Vec3(0.0, 0.0, 0.0)), sample_hu(even, Vec3(0.0, 0.0, 0.0)), 1.0);
+}
+
+}  // namespace
+}  // namespace spinaltap
