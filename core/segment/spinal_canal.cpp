@@ -110,8 +110,8 @@ class CanalScore {
   /// How much a block looks like the canal with a body in front: 0, or up to about 2.
   double operator()(int i, int j, int k) const {
     const float here = blocks_.mean[blocks_.geometry.offset(i, j, k)];
-    // Fat and contrast are in canals too, and beside a thin wall the block holds some bone.
-    if (here < -60.0F || here > 220.0F) return 0.0;
+    // Fat is in canals too; marrow, where it is denser, is none.
+    if (here < -60.0F || here > 120.0F) return 0.0;
     double seen = 0.0;
     double near = 0.0;
     int front = 0;
@@ -123,17 +123,15 @@ class CanalScore {
       if (hit <= kNear) near += 1.0;
       if (n == 0) front = hit;
     }
-    if (seen < kLeastSeen) return 0.0;
     return seen / kRayDirections + 0.25 * near / kRayDirections + 0.75 * body_in_front(i, j, k, front);
   }
 
  private:
   // Of the directions, which begin at the front and go round by the left.
-  static constexpr std::size_t kFront = 0, kLeft = kDirections / 4, kBack = kDirections / 2,
-                               kRight = 3 * kDirections / 4;
+  static constexpr std::size_t kFront = 0, kLeft = kRayDirections / 4, kBack = kRayDirections / 2,
+                               kRight = 3 * kRayDirections / 4;
   static constexpr int kReach = 8;  // blocks: 20 mm
   static constexpr int kNear = 5;   // 12.5 mm
-  static constexpr double kLeastSeen = 7.0;
 
   float brightest(int i, int j, int k) const {
     return blocks_.geometry.contains(i, j, k) ? blocks_.brightest[blocks_.geometry.offset(i, j, k)]
@@ -184,7 +182,7 @@ std::vector<float> smoothed(const std::vector<float>& score, const GridGeometry&
 constexpr int kMostShift = 3;  // blocks from slice to slice
 /// What a slice must score for a chain to gain by it.
 constexpr double kLeastScore = 0.8;
-constexpr double kShiftCost = 0.06;
+constexpr double kShiftCost = 0.15;
 
 /// The best chain's gain up to each block, coming from slice k - direction, and where it comes from.
 struct Chains {
