@@ -51,10 +51,15 @@ std::shared_ptr<const Vertebra> make_vertebra(const SpineOptions& options, const
   anatomy.cancellous.texture_seed = mix_bits(options.seed) + static_cast<std::uint64_t>(level.level);
   anatomy.placement.position_mm = level.position_mm;
   anatomy.placement.rotation_deg = rotation_in_degrees(level.rotation);
-  try {
-    return std::make_shared<const Vertebra>(anatomy);
-  } catch (const Error& error) {
-    fail("spine phantom: ", level_name(level.level), ": ", error.what());
+  // Where the joint below lies high, the inferior process's fillet may reach the pedicle: it is made smaller.
+  constexpr int kMaxTries = 6;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return std::make_shared<const Vertebra>(anatomy);
+    } catch (const Error& error) {
+      if (attempt == kMaxTries) fail("spine phantom: ", level_name(level.level), ": ", error.what());
+      anatomy.inferior_articular.blend_mm *= 0.8;
+    }
   }
 }
 
