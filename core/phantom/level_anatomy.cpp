@@ -72,7 +72,8 @@ VertebraAnatomy::Process make_transverse(const LevelMeasures& m, const Plan& pla
   const double wide = std::lerp(1.25, 2.1, plan.lumbar);
   const Vec3 root(plan.isthmus_mm.x() + 2.0, plan.arch_y_mm - 0.2, plan.isthmus_mm.z() + m.transverse_rise_mm);
   // Its round end is as long as half its width.
-  const double tip_x = std::max(0.5 * (m.transverse_span_mm - wide * tip_mm), root.x() + 4.0);
+  const double end_mm = 0.5 * wide * tip_mm * std::cos(m.transverse_back_deg * kDegree);
+  const double tip_x = std::max(0.5 * m.transverse_span_mm - end_mm, root.x() + 4.0);
   const double run = tip_x - root.x();
   const Vec3 tip(tip_x, root.y() + run * std::tan(m.transverse_back_deg * kDegree),
                  root.z() + std::lerp(0.06, 0.1, plan.lumbar) * run);
