@@ -8,7 +8,7 @@
 #include "core/rbf/fit_surface.h"
 #include "core/surface/surface_points.h"
 #include "vdb/bake.h"
-#include "core/segment/segment_vertebra.h"
+#include "core/segment/segment_spine.h"
 
 namespace spinaltap {
 

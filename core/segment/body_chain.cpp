@@ -55,7 +55,7 @@ struct Profile {
   std::vector<std::uint16_t> rise_tilt, fall_tilt;
   std::vector<float> level;  ///< mean CT number across, untilted
   std::vector<float> wall;   ///< at the sides
-  std::vector<float> half_depth_mm;
+  std::vector<float> half_size_mm;
   int first = 0, last = -1;  ///< the places whose middle lies within the CT
 };
 
@@ -74,13 +74,13 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   profile.fall_tilt.assign(count, 0);
   profile.level.assign(count, 0.0F);
   profile.wall.assign(count, 0.0F);
-  profile.half_depth_mm.assign(count, 0.0F);
+  profile.half_size_mm.assign(count, 0.0F);
   std::vector<std::uint8_t> in_ct(count, 0);
   // Means across the column for each place and tilt; an edge is the difference of two that are 2 kArm apart.
   std::vector<float> means(count * kinds.size());
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
     const ColumnSection section = column.at(kPlaceStepMm * static_cast<double>(n));
-    profile.half_depth_mm[n] = static_cast<float>(section.half_depth_mm);
+    profile.half_size_mm[n] = static_cast<float>(std::sqrt(section.half_depth_mm * section.half_width_mm));
     profile.wall[n] = static_cast<float>(section.wall);
     const Eigen::Array3i nearest = probe.geometry().to_index(section.centre_mm).array().round().cast<int>();
     in_ct[n] = probe.geometry().contains(nearest.x(), nearest.y(), nearest.z()) ? 1 : 0;
@@ -163,10 +163,10 @@ class ChainSearch {
   /// What speaks for a body between two places, ends not counted.
   double body_gain(int lower, int upper, bool is_whole) const {
     const double height_mm = kPlaceStepMm * (upper - lower);
-    const double depth_mm =
-        2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
-    // A body's height over its depth: 0.65 in the lowest lumbar ones to 0.95 in the neck.
-    const double off = std::log(height_mm / (0.82 * depth_mm)) / 0.22;
+    const double size_mm =
+        2.0 * static_cast<double>(profile_.half_size_mm[static_cast<std::size_t>((lower + upper) / 2)]);
+    // A body's height over its size across, the root of width times depth: 0.65 to 0.85 from the neck to L5.
+    const double off = std::log(height_mm / (0.74 * size_mm)) / 0.2;
     const double size_cost = is_whole || off > 0.0 ? 0.5 * off * off : 0.0;
     constexpr int kRim = 4;  // 2 mm: rims may bridge
     const double wall = mean(wall_sums_, lower + kRim, std::max(lower + kRim + 1, upper - kRim));
@@ -176,10 +176,10 @@ class ChainSearch {
   /// What speaks for a gap between two places.
   double gap_gain(int lower, int upper) const {
     const double height_mm = kPlaceStepMm * (upper - lower);
-    const double depth_mm =
-        2.0 * static_cast<double>(profile_.half_depth_mm[static_cast<std::size_t>((lower + upper) / 2)]);
-    // A disc's height over the body's depth: 0.1 in the upper thoracic spine to 0.35 in the lowest lumbar one.
-    const double off = std::max(0.0, height_mm / depth_mm - 0.3) / 0.12;
+    const double size_mm =
+        2.0 * static_cast<double>(profile_.half_size_mm[static_cast<std::size_t>((lower + upper) / 2)]);
+    // A disc's height over that size: 0.1 in the upper thoracic spine to 0.3 in the lowest lumbar one.
+    const double off = std::max(0.0, height_mm / size_mm - 0.26) / 0.12;
     const double wall = mean(wall_sums_, lower, upper);
     const double level = mean(level_sums_, lower, upper);
     // Soft inside: discs are darker than any endplate and than most marrow.
@@ -217,16 +217,17 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   const double cut_mm = 1.5;          // ends so near to the column's are cut
   const int first_lower = profile_.first;
   const int last_upper = profile_.last;
+  // Only the CT's border cuts; where the column ends within the CT, bodies have ends there too.
   const int cut_below = first_lower + static_cast<int>(cut_mm / kPlaceStepMm);
   const int cut_above = last_upper - static_cast<int>(cut_mm / kPlaceStepMm);
   for (int upper = first_lower; upper <= last_upper; ++upper) {
-    const bool upper_cut = upper == last_upper;
+    const bool upper_cut = upper == last_upper && last_upper + 1 < count_;
     const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
     if (!upper_cut && (fall < 0.15 || upper > cut_above)) continue;
     // Heights are independent of each other: each looks at all bodies before.
     tbb::parallel_for(kLeastHeight, kMostHeight + 1, [&](int height) {
       const int lower = upper - height;
-      const bool lower_cut = lower <= first_lower;
+      const bool lower_cut = lower <= first_lower && first_lower > 0;
       if (lower < first_lower) return;
       const double rise = lower_cut ? kCutEnd : static_cast<double>(profile_.rise[static_cast<std::size_t>(lower)]);
       if (!lower_cut && (rise < 0.15 || lower < cut_below)) return;
@@ -241,7 +242,7 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
         for (int other = kLeastHeight; other <= kMostHeight; ++other) {
           const double before = gain[state(below, other)];
           if (before <= 0.0) continue;
-          const bool partial = upper_cut || lower_cut || below - other <= first_lower;
+          const bool partial = upper_cut || lower_cut || (below - other <= first_lower && first_lower > 0);
           const double total = before + gap_here - (partial ? 0.0 : height_change_cost(height, other));
           if (total <= best) continue;
           best = total;
@@ -257,8 +258,8 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   for (auto at = static_cast<int>(best - gain.begin()); at >= 0; at = from[static_cast<std::size_t>(at)]) {
     const int upper = at / kHeights;
     const int height = at % kHeights + kLeastHeight;
-    chain.push_back(
-        {upper - height, upper, upper - height <= first_lower, upper == last_upper, own[static_cast<std::size_t>(at)]});
+    chain.push_back({upper - height, upper, upper - height <= first_lower && first_lower > 0,
+                     upper == last_upper && last_upper + 1 < count_, own[static_cast<std::size_t>(at)]});
   }
   std::reverse(chain.begin(), chain.end());
   return chain;

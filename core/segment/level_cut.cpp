@@ -78,13 +78,14 @@ Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::
   const Mask side = voxels_to_the_side(bone, body, geometry, kFromMm);
   Mask goes_on = voxels_to_the_side(bone, body, geometry, kBeyondMm);
   const Mask border = voxels_on_border(geometry, ct);
-  for (std::size_t v = 0; v < border.size(); ++v) goes_on[v] |= border[v] & side[v];
+  for (std::size_t v = 0; v < border.size(); ++v)
+    if (border[v] != 0 && side[v] != 0) goes_on[v] = 1;
   const Mask ribs = parts_that_touch(side, goes_on, geometry);
   Mask corridor = voxels_of_rib_necks(bone, body, geometry, kFromMm);
   constexpr float kBesideMm = -4.0F;
   for (std::size_t v = 0; v < corridor.size(); ++v) {
     if (std::max(depth_mm[v], depth_in_others_mm[v]) > kBesideMm) corridor[v] = 0;
-    corridor[v] |= ribs[v];
+    if (ribs[v] != 0) corridor[v] = 1;
   }
   return parts_that_touch(corridor, ribs, geometry);
 }
@@ -106,6 +107,27 @@ std::vector<float> depth_in_others(const BodyInRow& row, const GridGeometry& geo
   return depth_mm;
 }
 
+/// What a user said, in the blocks of the cut; it holds for bone only.
+void apply(const std::vector<MarkedVoxels>& marks, std::size_t own, const GridGeometry& ct, LevelCut& cut) {
+  const auto columns = static_cast<std::size_t>(ct.size[0]);
+  const auto rows = static_cast<std::size_t>(ct.size[1]);
+  for (const MarkedVoxels& marked : marks) {
+    for (const std::size_t offset : marked.offsets) {
+      const std::array<int, 3> voxel{static_cast<int>(offset % columns), static_cast<int>(offset / columns % rows),
+                                     static_cast<int>(offset / columns / rows)};
+      std::array<int, 3> block{};
+      bool is_within = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        is_within = is_within && voxel[axis] >= cut.box.low[axis] && voxel[axis] <= cut.box.high[axis];
+        block[axis] = (voxel[axis] - cut.box.low[axis]) / cut.bins[axis];
+      }
+      if (!is_within) continue;
+      const std::size_t at = cut.geometry().offset(block[0], block[1], block[2]);
+      if (cut.bone[at] != 0) cut.markers[at] = marked.body == own ? WalkerVoxel::kWanted : WalkerVoxel::kOther;
+    }
+  }
+}
+
 /// Takes off the outermost voxels that the blur of dense bone, not bone itself, lifts over the threshold.
 void trim_rim(Mask& mine, const LevelCut& cut) {
   Mask soft(cut.bone.size());
@@ -122,7 +144,8 @@ void trim_rim(Mask& mine, const LevelCut& cut) {
 
 }  // namespace
 
-LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row, const Progress& progress) {
+LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row,
+                   const std::vector<MarkedVoxels>& marks) {
   LevelCut cut;
   cut.bins = bins_for(ct.geometry, kStepMm);
   cut.box = box_around(row.body().cylinder, ct.geometry, cut.bins);
@@ -140,11 +163,13 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
                                .dense_hu = 0.5 * (levels.low_hu + levels.sure_hu),
                                .ct_geometry = ct.geometry},
                               row);
+  apply(marks, row.own, ct.geometry, cut);
   constexpr double kGapReachMm = 1.6;  // joint spaces are up to 3 mm wide
-  GreyClosing closing = close_gaps(hu, kGapReachMm);
-  cut.probability =
-      walk_randomly(cut.markers, conductivity_of(hu, closing.closed, cut.depth_mm), hu.geometry, progress);
-  cut.peak_hu = std::move(closing.peak);
+  const GreyClosing closing = close_gaps(hu, kGapReachMm);
+  cut.conductivity = conductivity_of(hu, closing.closed, cut.depth_mm);
+  cut.probability = walk_randomly(cut.markers, cut.conductivity, hu.geometry);
+  // Of the blurred CT: the brightest of many noisy voxels says more about noise than about bone.
+  cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(cut.smooth, kGapReachMm).peak : closing.peak;
   return cut;
 }
 
@@ -184,6 +209,7 @@ FinishedLevel finish_level(const LevelCut& cut, Mask mine, const CtVolume& ct, c
   mine = parts_that_touch(mine, core, cut.geometry());
   RefinedMask refined =
       refine_mask({mine, cut.bone, cut.depth_mm, cut.peak_hu, cut.geometry(), cut.box, cut.bins}, ct, levels);
+  finished.blocks = std::move(mine);
   finished.inside = std::move(refined.inside);
   finished.box = refined.box;
   return finished;

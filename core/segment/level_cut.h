@@ -1,8 +1,8 @@
 #pragma once
 
-#include <memory>
+#include <optional>
+#include <vector>
 
-#include "core/base/progress.h"
 #include "core/segment/bone_levels.h"
 #include "core/segment/vertebra_markers.h"
 
@@ -19,19 +19,29 @@ struct LevelCut {
   std::vector<std::uint8_t> bone;    ///< all bone, neighbours included
   std::vector<std::uint8_t> ribs;    ///< what goes on sideways beyond any process
   std::vector<WalkerVoxel> markers;  ///< what was known before the walk
+  std::vector<float> conductivity;   ///< of the walker's steps, 0 to 1: little in gaps between bones
   std::vector<float> probability;    ///< that a walker from here meets the vertebra's body first
 
   const GridGeometry& geometry() const { return smooth.geometry; }
 };
 
+/// Voxels of a CT that a user gave to one body of a row, or to none of them.
+struct MarkedVoxels {
+  std::optional<std::size_t> body;   ///< index in the row; nothing: no vertebra's
+  std::vector<std::size_t> offsets;  ///< in the CT's grid
+};
+
 /// Parts one vertebra from its neighbours: bone is what lies over a threshold, with hysteresis, what it encloses, and
-/// the insides of the bodies; a random walker shares it out (see random_walker.h, vertebra_markers.h).
-LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row, const Progress& progress = {});
+/// the insides of the bodies; a random walker shares it out (see random_walker.h, vertebra_markers.h). `marks` overrule
+/// what anatomy says.
+LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row,
+                   const std::vector<MarkedVoxels>& marks = {});
 
 /// The vertebra on the CT's grid, from the voxels that are its own: the rim that is only blur is taken off, pits are
 /// filled, pieces that hang on nothing are dropped, and each voxel's own CT number decides where the CT is finer than
 /// the work. Empty where nothing is left.
 struct FinishedLevel {
+  std::vector<std::uint8_t> blocks;  ///< the cut's voxels that are the vertebra's
   std::vector<std::uint8_t> inside;  ///< within `box` of the CT
   VoxelBox box;
   std::size_t parts_dropped = 0;

@@ -23,7 +23,7 @@ struct BinnedVertebra {
 /// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. A third, not half:
 /// soft tissue beside it is not 0, and thin plates do not reach their full CT number.
 inline float least_share_of_peak(float peak_hu) {
-  constexpr float kShare = 0.35F;
+  constexpr float kShare = 0.50F;
   constexpr float kMostPeakHu = 1200.0F;  // metal is no measure
   return kShare * (peak_hu < kMostPeakHu ? peak_hu : kMostPeakHu);
 }

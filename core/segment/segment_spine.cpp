@@ -1,127 +1,296 @@
 #include "core/segment/segment_spine.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <memory>
+#include <cmath>
+#include <limits>
+#include <sstream>
 
 #include "core/base/error.h"
-#include "core/segment/binned_ct.h"
+#include "core/segment/cut_levels.h"
 
 namespace spinaltap {
 namespace {
 
-using Mask = std::vector<std::uint8_t>;
+std::string in_words(const Vec3& p_mm) {
+  std::ostringstream text;
+  text << '(' << p_mm.x() << ", " << p_mm.y() << ", " << p_mm.z() << ") mm";
+  return text.str();
+}
 
-/// Calls `visit(voxel of a, voxel of b)` for the blocks that two cuts share.
-template <class Visit>
-void for_shared(const LevelCut& a, const LevelCut& b, const Visit& visit) {
-  std::array<int, 3> low{};
-  std::array<int, 3> high{};
-  std::array<int, 3> shift{};
+/// Refuses a point outside the CT or in air. `what` begins the message.
+void check_point(const CtVolume& ct, const std::string& what, const Vec3& p_mm) {
+  if (!p_mm.allFinite()) fail(what, ": expected a position in mm, found one that is not a number");
+  const GridGeometry& geometry = ct.geometry;
+  const Vec3 p = geometry.to_index(p_mm);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    shift[axis] = (a.box.low[axis] - b.box.low[axis]) / a.bins[axis];  // from a's blocks to b's
-    low[axis] = std::max(0, -shift[axis]);
-    high[axis] = std::min(a.geometry().size[axis], b.geometry().size[axis] - shift[axis]);
+    const double at = p[static_cast<Eigen::Index>(axis)];
+    if (at >= -0.5 && at <= geometry.size[axis] - 0.5) continue;
+    Box3 reach(geometry.origin_mm, geometry.origin_mm);
+    const Vec3 last(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1);
+    for (int corner = 0; corner < 8; ++corner) {
+      reach.extend(geometry.to_patient(last.cwiseProduct(Vec3(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1))));
+    }
+    fail(what, ": expected a point in the CT, from ", in_words(reach.min()), " to ", in_words(reach.max()), ", found ",
+         in_words(p_mm));
   }
-  for (int k = low[2]; k < high[2]; ++k) {
-    for (int j = low[1]; j < high[1]; ++j) {
-      for (int i = low[0]; i < high[0]; ++i) {
-        visit(a.geometry().offset(i, j, k), b.geometry().offset(i + shift[0], j + shift[1], k + shift[2]));
+  constexpr double kAirHu = -300.0;
+  const double hu = sample_hu(ct, p_mm, 0.0);
+  if (hu < kAirHu) {
+    fail(what, ": expected a point in a vertebral body, found air (", std::lround(hu), " HU) at ", in_words(p_mm));
+  }
+}
+
+/// The body that a point lies in. Throws Error, which says where the nearest one is.
+std::size_t body_of(const SpineBodies& spine, const std::string& what, const Vec3& p_mm) {
+  if (const auto found = body_at(spine, p_mm)) return *found;
+  const VertebralBody* nearest = nullptr;
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (const VertebralBody& body : spine.bodies) {
+    const double away_mm = -body.surface.depth_mm(p_mm);
+    if (away_mm >= least_mm) continue;
+    least_mm = away_mm;
+    nearest = &body;
+  }
+  if (nearest == nullptr) fail(what, ": expected a point in a vertebral body, found no spine around ", in_words(p_mm));
+  fail(what, ": expected a point in a vertebral body, found no body's wall around ", in_words(p_mm),
+       "; the nearest body begins ", std::lround(least_mm), " mm away, its middle is ",
+       in_words((10.0 * nearest->cylinder.centre_mm).array().round().matrix() / 10.0));
+}
+
+/// The bodies of the CT; where they do not hold the seed, those of the spine nearest to it.
+SpineBodies bodies_for(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  if (options.seed_mm) check_point(ct, "seed", *options.seed_mm);
+  for (const LevelPoint& name : options.names) check_point(ct, level_name(name.level), name.p_mm);
+  // Without the seed first: where it finds the same bodies, the seed's place changes nothing.
+  SpineBodies spine = find_spine_bodies(ct, options.threshold_hu, std::nullopt, progress);
+  const bool has_seed = options.seed_mm || !options.names.empty();
+  const Vec3 seed_mm = options.seed_mm ? *options.seed_mm : has_seed ? options.names.front().p_mm : Vec3::Zero();
+  if (has_seed && !body_at(spine, seed_mm)) {
+    spine = find_spine_bodies(ct, options.threshold_hu, seed_mm, progress);
+  }
+  if (spine.bodies.empty()) {
+    if (has_seed) body_of(spine, "seed", seed_mm);
+    fail("found no spine in the CT: no canal with vertebral bodies in front; give a point in a body");
+  }
+  return spine;
+}
+
+/// Names of the bodies of a chain, from below.
+struct Names {
+  std::vector<Level> levels;
+  NameSource source = NameSource::counted;
+};
+
+/// Counts up and down from one body with a known level.
+std::vector<Level> counted_from(const SpineBodies& spine, std::size_t index, Level level) {
+  std::vector<Level> levels(spine.bodies.size(), Level::kNone);
+  levels[index] = level;
+  for (std::size_t n = index + 1; n < levels.size(); ++n) levels[n] = level_above(levels[n - 1]);
+  for (std::size_t n = index; n-- > 0;) levels[n] = level_below(levels[n + 1]);
+  return levels;
+}
+
+Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given) {
+  Names names;
+  names.levels.assign(spine.bodies.size(), Level::kNone);
+  for (std::size_t n = 0; n < given.size(); ++n) {
+    const std::size_t index = body_of(spine, level_name(given[n].level), given[n].p_mm);
+    const std::vector<Level> counted = counted_from(spine, index, given[n].level);
+    if (n == 0) names.levels = counted;
+    if (counted == names.levels) continue;
+    fail(level_name(given[n].level), ": expected a point that agrees with ", level_name(given[0].level),
+         "; counted from there it lies in ", level_name(names.levels[index]));
+  }
+  names.source = NameSource::given;
+  return names;
+}
+
+/// From the sacrum, or from the last of the levels with ribs where one without follows.
+Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& has_ribs) {
+  Names names;
+  names.levels.assign(spine.bodies.size(), Level::kNone);
+  if (spine.has_sacrum) {
+    names.levels = counted_from(spine, 0, Level::kSacrum);
+    names.source = NameSource::hint;
+    return names;
+  }
+  for (std::size_t n = 1; n < has_ribs.size(); ++n) {
+    if (has_ribs[n] == 0 || has_ribs[n - 1] != 0) continue;
+    names.levels = counted_from(spine, n, Level::kT12);
+    names.source = NameSource::hint;
+  }
+  return names;
+}
+
+/// The user's corrections as voxels of the CT.
+std::vector<MarkedVoxels> marks_of(const CtVolume& ct, const std::vector<Correction>& corrections,
+                                   const std::vector<Level>& levels) {
+  constexpr double kReachMm = 1.6;  // around the point: a marker of one voxel is lost in a coarser step
+  std::vector<MarkedVoxels> marks;
+  for (const Correction& correction : corrections) {
+    const std::string what = correction.level == Level::kNone ? "exclude" : "include " + level_name(correction.level);
+    check_point(ct, what, correction.p_mm);
+    MarkedVoxels marked;
+    if (correction.level != Level::kNone) {
+      const auto found = std::find(levels.begin(), levels.end(), correction.level);
+      if (found == levels.end()) fail(what, ": that level was not found in the CT, or has another name");
+      marked.body = static_cast<std::size_t>(found - levels.begin());
+    }
+    const Vec3 p = ct.geometry.to_index(correction.p_mm);
+    const Vec3 reach = (Vec3::Constant(kReachMm).cwiseQuotient(ct.geometry.spacing_mm)).cwiseMax(0.5);
+    const auto low = (p - reach).array().ceil().cast<int>();
+    const auto high = (p + reach).array().floor().cast<int>();
+    for (int k = low.z(); k <= high.z(); ++k) {
+      for (int j = low.y(); j <= high.y(); ++j) {
+        for (int i = low.x(); i <= high.x(); ++i) {
+          if (ct.geometry.contains(i, j, k)) marked.offsets.push_back(ct.geometry.offset(i, j, k));
+        }
       }
+    }
+    marks.push_back(std::move(marked));
+  }
+  return marks;
+}
+
+/// Calls `visit(offset in the CT, voxel of the box)` for the voxels of a box.
+template <class Visit>
+void for_box(const GridGeometry& ct, const VoxelBox& box, const Visit& visit) {
+  std::size_t voxel = 0;
+  for (int k = box.low[2]; k <= box.high[2]; ++k) {
+    for (int j = box.low[1]; j <= box.high[1]; ++j) {
+      for (int i = box.low[0]; i <= box.high[0]; ++i) visit(ct.offset(i, j, k), voxel++);
     }
   }
 }
 
-/// The voxels that are likelier `cut`'s than a neighbour's or no vertebra's at all.
-Mask own_voxels(const LevelCut& cut, const std::vector<const LevelCut*>& neighbours) {
-  std::vector<float> most(cut.probability.size(), 0.0F);  // of the neighbours
-  std::vector<float> sum(cut.probability);                // of all
-  for (const LevelCut* other : neighbours) {
-    for_shared(cut, *other, [&](std::size_t here, std::size_t there) {
-      const float p = other->probability[there];
-      most[here] = std::max(most[here], p);
-      sum[here] += p;
-    });
+LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVertebra& cut) {
+  LevelReport report;
+  const BodyInRow row{spine.bodies, spine.canal, cut.index};
+  const BodyCylinder& body = row.body().cylinder;
+  report.body_centre_mm = body.centre_mm;
+  report.body_size_mm = 2.0 * body.half_mm;
+  report.body_axes = body.axes();
+  report.body_fit = body.fit;
+  report.cut_area_mm2 = cut.cut_area_mm2;
+  report.parts_dropped = cut.parts_dropped;
+  const auto voxels = std::count(cut.inside.begin(), cut.inside.end(), std::uint8_t{1});
+  report.volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
+  report.is_cut = spine.chain[cut.index].lower.is_cut || spine.chain[cut.index].upper.is_cut;
+  const std::array<int, 3>& size = ct.geometry.size;
+  std::size_t at = 0;
+  for (int k = cut.box.low[2]; k <= cut.box.high[2]; ++k) {
+    for (int j = cut.box.low[1]; j <= cut.box.high[1]; ++j) {
+      for (int i = cut.box.low[0]; i <= cut.box.high[0]; ++i, ++at) {
+        const bool on_border = i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
+        if (on_border && cut.inside[at] != 0) report.reaches_border = true;
+      }
+    }
   }
-  Mask mine(most.size());
-  for (std::size_t v = 0; v < mine.size(); ++v) {
-    const float p = cut.probability[v];
-    mine[v] = p > most[v] && p > 1.0F - sum[v] && p > 0.0F ? 1 : 0;
-  }
-  return mine;
+  report.figures = cut.figures;
+  report.warnings = check_level(cut.figures, spine.chain, row);
+  report.doubt = total_doubt(report.warnings);
+  return report;
 }
 
-SegmentedLevel finished(const CtVolume& ct, const SpineBodies& spine, std::size_t index, const LevelCut& cut,
-                        const std::vector<const LevelCut*>& neighbours) {
-  SegmentedLevel level;
-  Mask mine = own_voxels(cut, neighbours);
-  level.index = index;
-  level.body = spine.bodies[index].cylinder;
-  level.cut_below = spine.chain[index].lower.is_cut;
-  level.cut_above = spine.chain[index].upper.is_cut;
-  level.cut_area_mm2 = cut_area_mm2(cut, mine);
-  FinishedLevel done = finish_level(cut, std::move(mine), ct, spine.levels);
-  level.box = done.box;
-  level.inside = std::move(done.inside);
-  level.parts_dropped = done.parts_dropped;
-  return level;
+void set_name(LevelReport& report, Level level, NameSource source, std::size_t from_above) {
+  report.level = level;
+  report.name_source = level == Level::kNone ? NameSource::counted : source;
+  report.name = level == Level::kNone ? "V" + std::to_string(from_above + 1) : level_name(level);
+  report.label = level == Level::kNone ? kFirstUnnamedLabel + static_cast<int>(from_above) : static_cast<int>(level);
+}
+
+BoneReport bone_of(const BoneLevels& levels) {
+  return {.threshold_hu = levels.low_hu, .sure_threshold_hu = levels.sure_hu, .noise_hu = levels.noise_hu};
 }
 
 }  // namespace
 
-SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu,
-                              const std::optional<Vec3>& near_mm, const Progress& progress) {
-  SpineBodies spine;
-  spine.levels = choose_bone_levels(ct, threshold_hu);
-  spine.canal = find_spinal_canal(ct, spine.levels, near_mm, progress);
-  if (spine.canal.points_mm.empty()) return spine;
-  progress.report("finding the vertebral bodies", 0.0);
-  const FloatGrid hu = hu_around_canal(ct, spine.canal);
-  constexpr double kBlurMm = 0.9;
-  const FloatGrid smooth = gaussian_blur(hu, kBlurMm);
-  const WallLevels walls{spine.levels.low_hu};
-  const SpineColumn column = fit_spine_column(smooth, spine.canal, walls);
-  progress.report("finding the vertebral bodies", 0.4);
-  spine.chain = find_body_chain(blurred_as_asked(hu, spine.levels, ct), column, walls);
-  progress.report("finding the vertebral bodies", 0.6);
-  std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
-  tbb::parallel_for(std::size_t{0}, bodies.size(),
-                    [&](std::size_t n) { bodies[n] = find_vertebral_body(smooth, spine.chain[n], walls); });
-  for (std::optional<VertebralBody>& body : bodies) spine.bodies.push_back(std::move(*body));
-  progress.report("finding the vertebral bodies", 1.0);
-  return spine;
+SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  const SpineBodies spine = bodies_for(ct, options, progress);
+  Names names = given_names(spine, options.names);
+  if (!options.corrections.empty() && options.names.empty() && !spine.has_sacrum) {
+    const bool any_level = std::any_of(options.corrections.begin(), options.corrections.end(),
+                                       [](const Correction& c) { return c.level != Level::kNone; });
+    if (any_level) fail("corrections of levels: expected a point that names one of them, found none");
+  }
+  if (options.names.empty() && spine.has_sacrum) names = hinted_names(spine, {});
+  SpineSegmentation result;
+  result.bone = bone_of(spine.levels);
+  result.labels.geometry = ct.geometry;
+  result.labels.labels.assign(ct.geometry.voxel_count(), 0);
+  std::vector<std::uint8_t> has_ribs(spine.bodies.size(), 0);
+  // Labels are indices from below, plus one, until all names are known.
+  cut_levels(
+      ct, spine, 0, spine.bodies.size() - 1, marks_of(ct, options.corrections, names.levels),
+      [&](CutVertebra&& cut) {
+        for_box(ct.geometry, cut.ribs_box, [&](std::size_t to, std::size_t from) {
+          if (cut.ribs[from] != 0 && result.labels.labels[to] == 0) result.labels.labels[to] = kRibsLabel;
+        });
+        for_box(ct.geometry, cut.box, [&](std::size_t to, std::size_t from) {
+          if (cut.inside[from] != 0)
+            result.labels.labels[to] = static_cast<std::uint8_t>(kFirstUnnamedLabel + cut.index);
+        });
+        constexpr double kLeastRibMm3 = 60.0;
+        has_ribs[cut.index] = std::min(cut.left_rib_mm3, cut.right_rib_mm3) > kLeastRibMm3 ? 1 : 0;
+        result.levels.push_back(report_of(ct, spine, cut));
+      },
+      progress);
+  if (options.names.empty() && !spine.has_sacrum) names = hinted_names(spine, has_ribs);
+  const std::size_t count = result.levels.size();
+  std::array<std::uint8_t, 256> renamed{};
+  renamed[kRibsLabel] = kRibsLabel;
+  for (std::size_t n = 0; n < count; ++n) {
+    set_name(result.levels[n], names.levels[n], names.source, count - 1 - n);
+    renamed[kFirstUnnamedLabel + n] = static_cast<std::uint8_t>(result.levels[n].label);
+    result.labels.names[result.levels[n].label] = {result.levels[n].name, names.levels[n]};
+  }
+  bool any_rib = false;
+  for (std::uint8_t& label : result.labels.labels) {
+    label = renamed[label];
+    any_rib = any_rib || label == kRibsLabel;
+  }
+  if (any_rib) result.labels.names[kRibsLabel] = {"ribs", Level::kNone};
+  std::reverse(result.levels.begin(), result.levels.end());
+  std::erase_if(result.levels, [](const LevelReport& level) { return level.level == Level::kSacrum; });
+  return result;
 }
 
-std::vector<SegmentedLevel> segment_levels(const CtVolume& ct, const SpineBodies& spine, std::size_t first,
-                                           std::size_t last, const Progress& progress) {
-  if (first > last || last >= spine.bodies.size()) {
-    fail("segmentation: expected levels of a row of ", spine.bodies.size(), ", found ", first, " to ", last);
-  }
-  // Direct neighbours are cut too, for what is theirs.
-  const std::size_t low = first > 0 ? first - 1 : 0;
-  const std::size_t high = std::min(last + 1, spine.bodies.size() - 1);
-  std::vector<std::unique_ptr<LevelCut>> cuts(spine.bodies.size());
-  std::vector<SegmentedLevel> found(last - first + 1);
-  ProgressCounter counter(progress, "parting the vertebrae", high - low + 1);
-  // Two at a time: a cut takes a hundred megabytes, and is not needed longer than its neighbours.
-  constexpr std::size_t kAtOnce = 2;
-  std::size_t next = first;
-  for (std::size_t begin = low; begin <= high; begin += kAtOnce) {
-    const std::size_t end = std::min(begin + kAtOnce, high + 1);
-    tbb::parallel_for(begin, end, [&](std::size_t n) {
-      cuts[n] = std::make_unique<LevelCut>(cut_level(ct, spine.levels, {spine.bodies, spine.canal, n}));
-      counter.add();
-    });
-    for (; next <= last && (next + 1 < end || end == high + 1); ++next) {
-      std::vector<const LevelCut*> neighbours;
-      if (next > low) neighbours.push_back(cuts[next - 1].get());
-      if (next < high) neighbours.push_back(cuts[next + 1].get());
-      found[next - first] = finished(ct, spine, next, *cuts[next], neighbours);
-      if (next > low) cuts[next - 1].reset();
+Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  const SpineBodies spine = bodies_for(ct, options, progress);
+  const std::size_t lowest = spine.has_sacrum ? 1 : 0;
+  std::size_t index = lowest;
+  if (options.seed_mm) {
+    index = body_of(spine, "seed", *options.seed_mm);
+  } else if (options.names.size() == 1) {
+    index = body_of(spine, level_name(options.names[0].level), options.names[0].p_mm);
+  } else {
+    // The largest of those that are whole, of all where none is.
+    const auto size = [&](std::size_t n) {
+      const bool is_whole = !spine.chain[n].lower.is_cut && !spine.chain[n].upper.is_cut;
+      return std::pair(is_whole, spine.bodies[n].cylinder.half_mm.prod());
+    };
+    for (std::size_t n = lowest + 1; n < spine.bodies.size(); ++n) {
+      if (size(n) > size(index)) index = n;
     }
   }
-  return found;
+  if (spine.has_sacrum && index == 0) fail("seed: expected a point in a vertebra, found the sacrum");
+  Names names = given_names(spine, options.names);
+  if (options.names.empty() && spine.has_sacrum) names = hinted_names(spine, {});
+  Segmentation result;
+  result.bone = bone_of(spine.levels);
+  result.mask = {ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
+  cut_levels(
+      ct, spine, index, index, marks_of(ct, options.corrections, names.levels),
+      [&](CutVertebra&& cut) {
+        for_box(ct.geometry, cut.box,
+                [&](std::size_t to, std::size_t from) { result.mask.inside[to] = cut.inside[from]; });
+        result.report = report_of(ct, spine, cut);
+      },
+      progress);
+  if (mask_box(result.mask).empty()) fail("found no bone around ", in_words(result.report.body_centre_mm));
+  set_name(result.report, names.levels[index], names.source, spine.bodies.size() - 1 - index);
+  result.seed_mm = options.seed_mm ? *options.seed_mm : result.report.body_centre_mm;
+  return result;
 }
 
 }  // namespace spinaltap

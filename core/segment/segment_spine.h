@@ -4,41 +4,96 @@
 #include <string>
 #include <vector>
 
-#include "core/base/progress.h"
-#include "core/ct/level.h"
-#include "core/segment/level_cut.h"
+#include "core/ct/label_volume.h"
+#include "core/segment/level_doubts.h"
+#include "core/segment/spine_bodies.h"
 
 namespace spinaltap {
 
-/// The bodies of a CT's spine and what was learned on the way.
-struct SpineBodies {
-  BoneLevels levels;
-  SpinalCanal canal;
-  std::vector<BodySpan> chain;        ///< from below upward
-  std::vector<VertebralBody> bodies;  ///< one for each of the chain
+/// A user's word for one vertebra: a point in its body, patient LPS, mm.
+struct LevelPoint {
+  Level level = Level::kNone;
+  Vec3 p_mm = Vec3::Zero();
 };
 
-/// Finds the bodies of all vertebrae in a CT, with `near_mm` (a point in one of them, patient LPS) those of the spine
-/// that it lies in. Empty lists where there is no spine. `threshold_hu`: bone is at least this dense; by default chosen
-/// from the CT (choose_bone_levels()).
-SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu = std::nullopt,
-                              const std::optional<Vec3>& near_mm = std::nullopt, const Progress& progress = {});
-
-/// A vertebra out of a CT.
-struct SegmentedLevel {
-  std::size_t index = 0;             ///< in the chain of bodies, from below
-  VoxelBox box;                      ///< of the CT
-  std::vector<std::uint8_t> inside;  ///< voxels of the box, i fastest
-  BodyCylinder body;
-  double cut_area_mm2 = 0.0;
-  std::size_t parts_dropped = 0;
-  bool cut_above = false;  ///< the body goes on beyond the CT
-  bool cut_below = false;
+/// A user's correction: the bone at a point (patient LPS, mm) belongs to a level, or to none of the vertebrae.
+struct Correction {
+  Level level = Level::kNone;  ///< kNone: it is no vertebra's
+  Vec3 p_mm = Vec3::Zero();
 };
 
-/// Parts the vertebrae of the bodies with indices first ... last (from below) from each other, from ribs and from all
-/// other bone. Each voxel goes to the body that a random walker from there is likeliest to meet first, or to none.
-std::vector<SegmentedLevel> segment_levels(const CtVolume& ct, const SpineBodies& spine, std::size_t first,
-                                           std::size_t last, const Progress& progress = {});
+struct SegmentOptions {
+  /// A point anywhere in the body of the wanted vertebra, patient LPS, mm. segment_vertebra() takes the largest whole
+  /// one by default; segment_spine() takes the column that it lies in.
+  std::optional<Vec3> seed_mm = std::nullopt;
+  /// Bone is at least this dense, HU; by default chosen from the CT (see choose_bone_levels()).
+  std::optional<double> threshold_hu = std::nullopt;
+  /// What is known of names: the others are counted from these.
+  std::vector<LevelPoint> names = {};
+  std::vector<Correction> corrections = {};
+};
+
+/// Where a level's name is from.
+enum class NameSource {
+  given,    ///< the user's word for this vertebra or another one, counted on from there
+  hint,     ///< guessed from the last ribs or the sacrum: patients with 11 or 13 pairs of ribs are misnamed
+  counted,  ///< no name is known: "V1" is the uppermost
+};
+
+/// What is known of one vertebra of a CT.
+struct LevelReport {
+  int label = 0;     ///< in the label map
+  std::string name;  ///< "T11", or "V3" without any word or hint
+  Level level = Level::kNone;
+  NameSource name_source = NameSource::counted;
+  Vec3 body_centre_mm = Vec3::Zero();
+  Vec3 body_size_mm = Vec3::Zero();  ///< width, depth and height of the cylinder nearest to the body
+  Mat3 body_axes = Mat3::Identity();
+  double body_fit = 0.0;          ///< share of a full wall that the body's surface has, up to 1
+  double cut_area_mm2 = 0.0;      ///< area where the vertebra was cut from other bones
+  std::size_t parts_dropped = 0;  ///< pieces that hang on nothing
+  double volume_mm3 = 0.0;
+  bool is_cut = false;          ///< the body goes on beyond the CT
+  bool reaches_border = false;  ///< the vertebra reaches the CT's border, so part of it may be missing
+  LevelFigures figures;
+  std::vector<LevelWarning> warnings;
+  double doubt = 0.0;  ///< 0 to 1, see total_doubt()
+
+  bool is_doubtful() const { return doubt >= kDoubtful; }
+};
+
+/// What is known of the CT.
+struct BoneReport {
+  double threshold_hu = 0.0;       ///< bone is over this where it hangs together with ...
+  double sure_threshold_hu = 0.0;  ///< ... voxels over this
+  double noise_hu = 0.0;           ///< standard deviation in soft tissue
+};
+
+/// Numbers in the label maps of segment_spine() that are no vertebrae's.
+inline constexpr int kRibsLabel = 50;
+inline constexpr int kFirstUnnamedLabel = 101;
+
+struct SpineSegmentation {
+  LabelVolume labels;               ///< on the CT's grid: vertebrae, sacrum, ribs
+  std::vector<LevelReport> levels;  ///< vertebrae from the head down
+  BoneReport bone;
+};
+
+/// All vertebrae of a CT, each parted from its neighbours, ribs and all other bone; see docs/segmentation.md. The same
+/// CT gives the same map at any number of threads. Throws Error where there is no spine, and on points that lie in no
+/// body.
+SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& options = {}, const Progress& progress = {});
+
+/// One vertebra of a CT.
+struct Segmentation {
+  BoneMask mask;  ///< on the CT's grid
+  LevelReport report;
+  BoneReport bone;
+  Vec3 seed_mm = Vec3::Zero();  ///< given, or the body's middle
+};
+
+/// One vertebra: what segment_spine() makes of it, in less time. Throws Error when the seed is outside the CT or in no
+/// vertebral body, or there is no spine.
+Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

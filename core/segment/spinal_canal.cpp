@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/segment/binned_ct.h"
+#include "core/segment/grey_closing.h"
 
 namespace spinaltap {
 namespace {
@@ -20,6 +21,7 @@ constexpr double kBlockMm = SpinalCanal::kStepMm;
 struct Blocks {
   GridGeometry geometry;
   std::vector<float> mean, brightest;
+  std::vector<std::uint8_t> is_bone;  ///< holds a voxel over the low level, and is near to one over the sure level
 };
 
 Box3 box_of(const GridGeometry& geometry) {
@@ -73,6 +75,14 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
   for (std::size_t b = 0; b < sum.size(); ++b) {
     blocks.mean[b] = count[b] > 0 ? sum[b] / static_cast<float>(count[b]) : kAirHu;
   }
+  // Vessels with contrast are over the low level too, and nowhere near the sure one.
+  constexpr double kNearSureMm = 2.0 * kBlockMm;
+  std::vector<float> near_sure = close_gaps({geometry, blocks.brightest}, kNearSureMm).peak;
+  blocks.is_bone.resize(near_sure.size());
+  for (std::size_t b = 0; b < near_sure.size(); ++b) {
+    blocks.is_bone[b] =
+        blocks.brightest[b] >= static_cast<float>(levels.low_hu) && near_sure[b] >= static_cast<float>(levels.sure_hu);
+  }
   return blocks;
 }
 
@@ -93,7 +103,7 @@ std::array<Direction, kRayDirections> directions_around() {
 
 class CanalScore {
  public:
-  CanalScore(const Blocks& blocks, double bone_hu) : blocks_(blocks), bone_hu_(static_cast<float>(bone_hu)) {}
+  explicit CanalScore(const Blocks& blocks) : blocks_(blocks) {}
 
   /// How far the middle between opposite walls lies from a block, in blocks, to the left and to the back; nothing where
   /// one of the walls is not seen.
@@ -112,18 +122,19 @@ class CanalScore {
     const float here = blocks_.mean[blocks_.geometry.offset(i, j, k)];
     // Fat is in canals too; marrow, where it is denser, is none.
     if (here < -60.0F || here > 120.0F) return 0.0;
+    std::array<int, kRayDirections> hits{};
+    for (std::size_t n = 0; n < hits.size(); ++n) hits[n] = first_bone(i, j, k, directions_[n]);
     double seen = 0.0;
-    double near = 0.0;
-    int front = 0;
-    for (int n = 0; n < kRayDirections; ++n) {
-      const Direction& d = directions_[static_cast<std::size_t>(n)];
-      const int hit = first_bone(i, j, k, d);
-      if (hit == 0) continue;
-      seen += 1.0;
-      if (hit <= kNear) near += 1.0;
-      if (n == 0) front = hit;
+    double across = 0.0;  // pairs of opposite walls, as near as a canal's and not as a body's
+    constexpr std::size_t kHalf = kRayDirections / 2;
+    for (std::size_t n = 0; n < kHalf; ++n) {
+      const int a = hits[n];
+      const int b = hits[n + kHalf];
+      seen += (a > 0 ? 1.0 : 0.0) + (b > 0 ? 1.0 : 0.0);
+      if (a > 0 && b > 0 && a <= kNear && b <= kNear) across += 1.0;
     }
-    return seen / kRayDirections + 0.25 * near / kRayDirections + 0.75 * body_in_front(i, j, k, front);
+    return 0.5 * seen / kRayDirections + 0.75 * across / static_cast<double>(kHalf) +
+           0.75 * body_in_front(i, j, k, hits[kFront]);
   }
 
  private:
@@ -133,9 +144,8 @@ class CanalScore {
   static constexpr int kReach = 8;  // blocks: 20 mm
   static constexpr int kNear = 5;   // 12.5 mm
 
-  float brightest(int i, int j, int k) const {
-    return blocks_.geometry.contains(i, j, k) ? blocks_.brightest[blocks_.geometry.offset(i, j, k)]
-                                              : std::numeric_limits<float>::lowest();
+  bool is_bone(int i, int j, int k) const {
+    return blocks_.geometry.contains(i, j, k) && blocks_.is_bone[blocks_.geometry.offset(i, j, k)] != 0;
   }
 
   /// Blocks to the first bone along a direction, at least 1; 0 when there is none within reach.
@@ -143,17 +153,23 @@ class CanalScore {
     for (int r = 1; r <= kReach; ++r) {
       const int x = i + static_cast<int>(std::lround(d.x * r));
       const int y = j + static_cast<int>(std::lround(d.y * r));
-      if (brightest(x, y, k) >= bone_hu_) return r;
+      if (is_bone(x, y, k)) return r;
     }
     return 0;
   }
 
-  /// 0 to 1: how dense it is for a body's depth in front of the canal's front wall, over a body's width, and whether
-  /// soft tissue follows.
+  /// 0 to 1: how dense it is for a body's depth in front of the canal's front wall, over a body's width. A vessel with
+  /// contrast is as dense, but has no wall in front.
   double body_in_front(int i, int j, int k, int front) const {
     constexpr int kDepth = 8;  // 20 mm
     constexpr int kHalfWidth = 3;
+    constexpr int kLeastWall = 4, kMostWall = 18;  // of the body's front wall from its back wall: 10 to 45 mm
     const int wall = front > 0 && front <= kNear ? front : 3;
+    bool has_front_wall = false;
+    for (int y = j - wall - kLeastWall; y >= j - wall - kMostWall && !has_front_wall; --y) {
+      for (int x = i - 1; x <= i + 1; ++x) has_front_wall = has_front_wall || is_bone(x, y, k);
+    }
+    if (!has_front_wall) return 0.0;
     double sum = 0.0;
     int count = 0;
     for (int y = j - wall; y > j - wall - kDepth; --y) {
@@ -169,7 +185,6 @@ class CanalScore {
   }
 
   const Blocks& blocks_;
-  float bone_hu_;
   const std::array<Direction, kRayDirections> directions_ = directions_around();
 };
 
@@ -289,7 +304,7 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
   const GridGeometry& geometry = blocks.geometry;
   progress.report("finding the spinal canal", 0.3);
   std::vector<float> score(geometry.voxel_count(), 0.0F);
-  const CanalScore score_at(blocks, levels.low_hu);
+  const CanalScore score_at(blocks);
   tbb::parallel_for(0, geometry.size[2], [&](int k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {

@@ -26,17 +26,35 @@ Vec3 point_along(const std::vector<Vec3>& points, double at) {
   return points[low] + (clamped - static_cast<double>(low)) * (points[low + 1] - points[low]);
 }
 
-/// The curve with a straight piece at each end: bodies reach further than their part of the canal.
-std::vector<Vec3> prolonged(const std::vector<Vec3>& points) {
+/// Adds points beyond the end of a curve that bend on as its last part does: bodies reach further than their part of
+/// the canal.
+void prolong(std::vector<Vec3>& points) {
   constexpr double kMoreMm = 26.0;
-  constexpr std::size_t kReach = 5;  // points that give the direction
-  const std::size_t back = std::min(kReach, points.size() - 1);
-  const Vec3 down = (points.front() - points[back]).normalized();
-  const Vec3 up = (points.back() - points[points.size() - 1 - back]).normalized();
-  std::vector<Vec3> longer{points.front() + kMoreMm * down};
-  longer.insert(longer.end(), points.begin(), points.end());
-  longer.push_back(points.back() + kMoreMm * up);
-  return longer;
+  constexpr int kPieces = 6;
+  constexpr double kMostBend = 25.0 * kDegree;  // over kMoreMm
+  constexpr std::size_t kReach = 5;             // points that give a direction
+  const std::size_t last = points.size() - 1;
+  const std::size_t reach = std::min(kReach, last);
+  Vec3 along = (points[last] - points[last - reach]).normalized();
+  Eigen::AngleAxisd bend(0.0, Vec3::UnitX());
+  if (last >= 4 * kReach) {
+    // The bend over 25 mm, between pieces whose middles lie that far apart.
+    const Vec3 before = (points[last - 2 * kReach] - points[last - 3 * kReach]).normalized();
+    const double turn = std::min(std::atan2(before.cross(along).norm(), before.dot(along)), kMostBend);
+    if (turn > 1e-6) bend = Eigen::AngleAxisd(turn / kPieces, before.cross(along).normalized());
+  }
+  for (int n = 0; n < kPieces; ++n) {
+    along = bend * along;
+    points.push_back(points.back() + kMoreMm / kPieces * along);
+  }
+}
+
+std::vector<Vec3> prolonged(std::vector<Vec3> points) {
+  prolong(points);
+  std::reverse(points.begin(), points.end());
+  prolong(points);
+  std::reverse(points.begin(), points.end());
+  return points;
 }
 
 /// The canal each SpineColumn::kStepMm of its length, with its direction over the length of a body.

@@ -58,7 +58,8 @@ VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span,
   for (const Vec3& direction : surface.directions()) exits.push_back(leave(cylinder, direction));
   constexpr int kHalfSteps = static_cast<int>(kReachMm / kSearchStepMm);
   const auto radius_mm = [&](int direction, int step) {
-    return std::max(exits[static_cast<std::size_t>(direction)].radius_mm + (step - kHalfSteps) * kSearchStepMm, kSearchStepMm);
+    return std::max(exits[static_cast<std::size_t>(direction)].radius_mm + (step - kHalfSteps) * kSearchStepMm,
+                    kSearchStepMm);
   };
   StarCost cost;
   cost.step_count = 2 * kHalfSteps + 1;

@@ -10,7 +10,7 @@
 #include "tests/support/mask_overlap.h"
 #include "tests/support/test_data.h"
 #include "core/segment/connected_parts.h"
-#include "core/segment/segment_vertebra.h"
+#include "core/segment/segment_spine.h"
 
 namespace spinaltap {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/support/point_error.h"
 #include "tests/support/test_data.h"
 #include "vdb/mesh_solid.h"
-#include "core/segment/segment_vertebra.h"
+#include "core/segment/segment_spine.h"
 
 namespace spinaltap {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/segment/segment_vertebra.h"
+#include "core/segment/segment_spine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

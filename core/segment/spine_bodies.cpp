@@ -1,0 +1,78 @@
+#include "core/segment/spine_bodies.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace spinaltap {
+namespace {
+
+/// Whether a body has bone at both sides as far out as only the sacrum has, level with its middle.
+bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
+  constexpr double kLeastShare = 0.55;
+  double bone[2] = {0.0, 0.0};
+  double count = 0.0;
+  for (double beside = 5.0; beside <= 17.0; beside += 1.5) {
+    for (double y = -0.2; y <= 0.81; y += 0.2) {
+      for (double z = -0.5; z <= 0.51; z += 0.25) {
+        count += 1.0;
+        for (const int side : {0, 1}) {
+          const double x = (side == 0 ? 1.0 : -1.0) * (body.half_mm.x() + beside);
+          const Vec3 p = body.centre_mm + body.axes() * Vec3(x, y * body.half_mm.y(), z * body.half_mm.z());
+          // The inside of the ala is darker than its wall, and lighter than muscle.
+          if (probe.hu(p) > 0.55 * bone_hu + 20.0) bone[side] += 1.0;
+        }
+      }
+    }
+  }
+  return std::min(bone[0], bone[1]) > kLeastShare * count;
+}
+
+}  // namespace
+
+SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu,
+                              const std::optional<Vec3>& near_mm, const Progress& progress) {
+  SpineBodies spine;
+  spine.levels = choose_bone_levels(ct, threshold_hu);
+  spine.canal = find_spinal_canal(ct, spine.levels, near_mm, progress);
+  if (spine.canal.points_mm.empty()) return spine;
+  progress.report("finding the vertebral bodies", 0.0);
+  const FloatGrid hu = hu_around_canal(ct, spine.canal);
+  constexpr double kBlurMm = 0.9;
+  const FloatGrid smooth = gaussian_blur(hu, kBlurMm);
+  const WallLevels walls{spine.levels.low_hu};
+  const SpineColumn column = fit_spine_column(smooth, spine.canal, walls);
+  progress.report("finding the vertebral bodies", 0.4);
+  spine.chain = find_body_chain(blurred_as_asked(hu, spine.levels, ct), column, walls);
+  progress.report("finding the vertebral bodies", 0.6);
+  std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
+  tbb::parallel_for(std::size_t{0}, bodies.size(),
+                    [&](std::size_t n) { bodies[n] = find_vertebral_body(smooth, spine.chain[n], walls); });
+  // What lies below the sacrum's first body is sacrum too.
+  const WallProbe probe(smooth, walls);
+  std::size_t lowest = 0;
+  for (std::size_t n = 0; n < bodies.size(); ++n) {
+    if (!has_alae(probe, bodies[n]->cylinder, walls.bone_hu)) continue;
+    lowest = n;
+    spine.has_sacrum = true;
+  }
+  spine.chain.erase(spine.chain.begin(), spine.chain.begin() + static_cast<std::ptrdiff_t>(lowest));
+  for (std::size_t n = lowest; n < bodies.size(); ++n) spine.bodies.push_back(std::move(*bodies[n]));
+  progress.report("finding the vertebral bodies", 1.0);
+  return spine;
+}
+
+std::optional<std::size_t> body_at(const SpineBodies& spine, const Vec3& p_mm) {
+  constexpr double kOutsideMm = 2.0;  // the surface's own error, and a point on the wall
+  std::optional<std::size_t> best;
+  double depth_mm = -kOutsideMm;
+  for (std::size_t n = 0; n < spine.bodies.size(); ++n) {
+    const double here_mm = spine.bodies[n].surface.depth_mm(p_mm);
+    if (here_mm <= depth_mm) continue;
+    depth_mm = here_mm;
+    best = n;
+  }
+  return best;
+}
+
+}  // namespace spinaltap
