@@ -50,7 +50,7 @@ Json info_of_level(const SpineBone& one) {
   json["warnings"] = one.notes.warnings;
   json["doubt"] = one.notes.doubt;
   for (const std::string& warning : one.notes.warnings) print_figure("warning", warning);
-  if (one.notes.doubt > 0.0) print_figure("doubt", one.notes.doubt);
+  if (one.notes.doubt > 0.0) print_figure("doubt", one.notes.doubt, "");
   if (!one.notes.landmarks.empty()) {
     const Json landmarks = Json::parse(one.notes.landmarks, nullptr, false);
     if (landmarks.is_discarded()) fail("expected JSON as the landmarks of ", level_name(one.level));
