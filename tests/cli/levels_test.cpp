@@ -22,6 +22,7 @@ class Levels : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
     const test::LabelledBalls balls;
+    std::filesystem::create_directory(in("ct"));
     write_dicom(balls.ct, in("ct"));
     write_whole_file(in("map.seg.nrrd"), encode_label_volume(balls.labels, "map.seg.nrrd"));
     LabelVolume unnamed = balls.labels;
