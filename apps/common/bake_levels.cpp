@@ -68,15 +68,20 @@ BakedLevels bake_levels(const CtVolume& ct, const LabelVolume& labels, const Bak
     if (options.is_strict) fail(level_name(level), ": ", reason);
     result.skipped.push_back({level, reason});
   };
-  for (std::size_t n = 0; n < levels.size(); ++n) {
-    const Level level = levels[n];
+  // Before the work: it may be for nothing.
+  std::vector<Level> whole;
+  for (const Level level : levels) {
+    if (reaches_border(mask_of(labels, level))) {
+      skip(level, "cut by the CT's border");
+    } else {
+      whole.push_back(level);
+    }
+  }
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    const Level level = whole[n];
     const int label = *label_of(labels, level);
     const MaskStage mask{mask_of(labels, label), "label " + std::to_string(label), level};
-    if (reaches_border(mask.mask)) {
-      skip(level, "cut by the CT's border");
-      continue;
-    }
-    const Progress of_level = progress_of_level(progress, level, n + 1, levels.size());
+    const Progress of_level = progress_of_level(progress, level, n + 1, whole.size());
     LevelNotes notes;
     if (const auto found = options.doubts.find(level); found != options.doubts.end()) {
       notes.warnings = found->second.warnings;
@@ -92,6 +97,8 @@ BakedLevels bake_levels(const CtVolume& ct, const LabelVolume& labels, const Bak
       skip(level, error.what());
     }
   }
+  std::sort(result.skipped.begin(), result.skipped.end(),
+            [](const SkippedLevel& a, const SkippedLevel& b) { return level_rank(a.level) < level_rank(b.level); });
   if (result.levels.empty()) fail("expected a level that can be baked, found none: ", list_of(result.skipped));
   return result;
 }

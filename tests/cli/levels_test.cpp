@@ -54,8 +54,8 @@ TEST_F(Levels, BakesAllThatTheCtHoldsWholeAndTellsWhatItLeftOut) {
 }
 
 TEST_F(Levels, BakesIntoAFolderAndAloneTheSameBones) {
-  ASSERT_EQ(run("bake ct --labels map.seg.nrrd --all --voxel 0.5 -o bones").exit_code, 0);
-  ASSERT_EQ(run("bake ct --labels map.seg.nrrd --label T12 --voxel 0.5 -o t12.vdb").exit_code, 0);
+  ASSERT_EQ(run("bake ct --labels map.seg.nrrd --all --voxel 0.5 --cache cache -o bones").exit_code, 0);
+  ASSERT_EQ(run("bake ct --labels map.seg.nrrd --label T12 --voxel 0.5 --cache cache -o t12.vdb").exit_code, 0);
   const BoneModel of_spine = read_bone(in("spine.vdb"), Level::kT12);
   EXPECT_EQ(bone_hash(read_bone(in("t12.vdb"))), bone_hash(of_spine));
   EXPECT_EQ(bone_hash(read_bone(in("bones/T12.vdb"))), bone_hash(of_spine));
@@ -73,9 +73,9 @@ TEST_F(Levels, WritesNothingWhereItMustNotLeaveOneOut) {
 
 TEST_F(Levels, TakesTheConventionThatIsSaid) {
   // Numbers that grow downwards are VerSe's; TotalSegmentator counts the other way, and can be insisted on.
-  EXPECT_EQ(run("bake ct --labels map.nrrd --label T12 --voxel 0.5 -o v.vdb").exit_code, 0);
+  EXPECT_EQ(run("bake ct --labels map.nrrd --label T12 --voxel 0.5 --cache cache -o v.vdb").exit_code, 0);
   const test::ProgramRun other =
-      run("bake ct --labels map.nrrd --label L4 --convention totalsegmentator_v1 --voxel 0.5 -o o.vdb");
+      run("bake ct --labels map.nrrd --label L4 --convention totalsegmentator_v1 --voxel 0.5 --cache cache -o o.vdb");
   EXPECT_EQ(other.exit_code, 0) << other.errors;
   EXPECT_EQ(bone_hash(read_bone(in("o.vdb"), Level{23})), bone_hash(read_bone(in("v.vdb"), Level::kT12)));
   EXPECT_THAT(run("bake ct --labels map.nrrd --all --convention names -o n.vdb").errors, HasSubstr("names vertebrae"));

@@ -69,8 +69,8 @@ TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
   EXPECT_THAT(baked.levels[1].notes.warnings, ElementsAre("looks odd"));
   EXPECT_EQ(baked.levels[1].notes.doubt, 0.5);
   ASSERT_FALSE(stages.empty());
-  EXPECT_THAT(stages.front(), HasSubstr("T11 (1 of 3), "));
-  EXPECT_THAT(stages.back(), HasSubstr("T12 (2 of 3), "));
+  EXPECT_THAT(stages.front(), HasSubstr("T11 (1 of 2), "));
+  EXPECT_THAT(stages.back(), HasSubstr("T12 (2 of 2), "));
 }
 
 TEST(BakeLevels, GivesEachBoneAsIfBakedAloneAlsoOutOfTheFile) {
