@@ -23,9 +23,8 @@ struct BakeCommandOptions {
   }
 };
 
-Json bake_one(const BakeCommandOptions& options, const Progress& progress) {
+Json bake_one(const BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
   // Before the work: a place that cannot be written to is said at once.
-  StagedOutput output;
   const std::filesystem::path staged = output.stage(options.output_or_default());
   const CtVolume ct = options.ct.read(progress);
   const BakedCt baked = options.ct.make_bone(ct, progress);
@@ -34,9 +33,8 @@ Json bake_one(const BakeCommandOptions& options, const Progress& progress) {
   return report_baked(ct, baked);
 }
 
-Json bake_all(const BakeCommandOptions& options, const Progress& progress) {
+Json bake_all(const BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
   const std::filesystem::path target = options.output_or_default();
-  StagedOutput output;
   // Named twice where it is a file: this tells at once that it cannot be written to.
   if (target.extension() == ".vdb") StagedOutput().stage(target);
   const CtVolume ct = options.ct.read(progress);
@@ -73,8 +71,9 @@ Json bake(BakeCommandOptions options, const Progress& progress) {
   const auto remove_cache = [&] {
     if (!keep_cache) BakeCache(options.ct.bake.cache).remove();
   };
+  StagedOutput output;  // outlives the cache, which may lie in a folder that it made
   try {
-    Json figures = options.is_all ? bake_all(options, progress) : bake_one(options, progress);
+    Json figures = options.is_all ? bake_all(options, output, progress) : bake_one(options, output, progress);
     remove_cache();
     print_figure("written", options.output_or_default().string());
     return figures;
