@@ -4,17 +4,27 @@
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/initialize.h"
+#include "vdb/spine_file.h"
 
 namespace spinaltap {
 namespace {
 
-/// Whether a file of half floats gives every value back.
-bool fits_half_floats(const openvdb::FloatGrid& grid) {
-  const auto fits = [](float value) { return detail::rounded_to_half(value) == value; };
-  for (auto value = grid.cbeginValueAll(); value; ++value) {
-    if (!fits(*value)) return false;
+/// The one level of a file of several bones, where it has one only.
+Level only_level(const std::vector<Level>& levels, const std::filesystem::path& path) {
+  if (levels.size() == 1) return levels.front();
+  fail("expected one bone, or a choice of one of its levels, found several in ", path.string(), ": ",
+       level_names(levels));
+}
+
+void check_level(const BoneModel& bone, Level wanted, const std::filesystem::path& path) {
+  if (wanted == Level::kNone) return;
+  const auto recorded = bone.facts().find("level");
+  if (recorded == bone.facts().end()) {
+    fail("expected ", level_name(wanted), ", found a bone whose level is not known: ", path.string());
   }
-  return fits(grid.background());
+  if (recorded->second != level_name(wanted)) {
+    fail("expected ", level_name(wanted), ", found ", detail::printable(recorded->second), ": ", path.string());
+  }
 }
 
 std::string hash_of(const BoneModel& bone) {
@@ -38,7 +48,7 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
     auto copy = grid.deepCopy();
     copy->setName(name);
     // Baking rounds to half floats, so this loses nothing; what was drilled since may need more.
-    copy->setSaveFloatAsHalf(fits_half_floats(*copy));
+    copy->setSaveFloatAsHalf(detail::fits_half_floats(*copy));
     written.push_back(copy);
     return copy;
   };
@@ -62,7 +72,11 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
   }
 }
 
-BoneModel read_bone(const std::filesystem::path& path) {
+BoneModel read_bone(const std::filesystem::path& path, Level level) {
+  const std::vector<Level> levels = levels_in(path);
+  if (!levels.empty()) {
+    return read_spine_level(path, level == Level::kNone ? only_level(levels, path) : level).bone;
+  }
   const openvdb::GridPtrVecPtr found = detail::read_vdb(path);
   const auto grid = [&](const char* name) {
     const auto at = openvdb::findGridByName(*found, name);
@@ -94,15 +108,16 @@ BoneModel read_bone(const std::filesystem::path& path) {
   if ((grids->before == nullptr) != (grids->hole == nullptr)) {
     fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
   }
-  const std::string prefix = detail::kFactPrefix;
-  for (auto meta = grids->sdf->beginMeta(); meta != grids->sdf->endMeta(); ++meta) {
-    if (meta->first.rfind(prefix, 0) == 0) grids->facts[meta->first.substr(prefix.size())] = meta->second->str();
-  }
-  try {
-    return BoneModel(grids);
-  } catch (const Error& error) {
-    fail("cannot read ", path.string(), ": ", error.what());
-  }
+  grids->facts = detail::facts_of(*grids->sdf);
+  const BoneModel bone = [&] {
+    try {
+      return BoneModel(grids);
+    } catch (const Error& error) {
+      fail("cannot read ", path.string(), ": ", error.what());
+    }
+  }();
+  check_level(bone, level, path);
+  return bone;
 }
 
 }  // namespace spinaltap

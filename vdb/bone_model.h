@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/geometry.h"
+#include "core/ct/level.h"
 
 namespace spinaltap {
 
@@ -88,8 +89,10 @@ BoneModel before_drilling(const BoneModel& bone);
 /// a staged (temporary) name. The same model gives the same bytes. Throws Error when the disk is full.
 void write_bone(const BoneModel& bone, const std::filesystem::path& path);
 
-/// Reads what write_bone wrote. Throws Error on a missing or damaged file, on one without `sdf` or `hu`, and on one
-/// with only one of `before` and `hole`.
-BoneModel read_bone(const std::filesystem::path& path);
+/// Reads what write_bone wrote, or a bone of what write_spine wrote (spine_file.h). A `level` other than kNone chooses
+/// the bone of several, and must be that of a file with one, as its fact "level" has it; without it a file of several
+/// must hold one only. Throws Error on a missing or damaged file, on one without `sdf` or `hu`, on one with only one of
+/// `before` and `hole`, and where the level is not that, not there, or not chosen (the message lists those there are).
+BoneModel read_bone(const std::filesystem::path& path, Level level = Level::kNone);
 
 }  // namespace spinaltap

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/ct/ct_volume.h"
+#include "core/ct/level.h"
 #include "core/rbf/fit_surface.h"
 
 namespace spinaltap {
@@ -13,6 +14,7 @@ namespace spinaltap {
 struct MaskStage {
   BoneMask mask;
   std::string method;
+  Level level = Level::kNone;  ///< where it is known; a cache does not keep it
 };
 
 /// A folder of finished stages, so that a bake that was stopped goes on where it was, and one with other options for

@@ -4,18 +4,44 @@
 #include <map>
 #include <sstream>
 
-#include "apps/common/bake_cache.h"
+#include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/version.h"
 #include "core/ct/label_map.h"
 
 namespace spinaltap {
 
+namespace {
+
+/// All that the map says of its labels; nothing where it does not say it clearly, which one number does not need.
+std::optional<LabelVolume> labels_if_clear(const LabelChoice& choice, const GridGeometry& geometry) {
+  try {
+    return read_label_volume(choice.file, geometry, choice.convention);
+  } catch (const Error&) {
+    if (choice.convention != LabelConvention::automatic) throw;
+    return std::nullopt;
+  }
+}
+
+ChosenBone chosen_label(const LabelChoice& choice, const GridGeometry& geometry) {
+  if (choice.level != Level::kNone) {
+    const LabelVolume volume = read_label_volume(choice.file, geometry, choice.convention);
+    BoneMask mask = mask_of(volume, choice.level);
+    return {std::move(mask), std::nullopt, choice.level, *label_of(volume, choice.level)};
+  }
+  const std::optional<LabelVolume> volume = labels_if_clear(choice, geometry);
+  const Level level =
+      volume && volume->names.contains(choice.label) ? volume->names.at(choice.label).level : Level::kNone;
+  return {read_label_map(choice.file, choice.label, geometry), std::nullopt, level, choice.label};
+}
+
+}  // namespace
+
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress) {
-  if (labels) return {read_label_map(labels->file, labels->label, ct.geometry), std::nullopt};
+  if (labels) return chosen_label(*labels, ct.geometry);
   Segmentation segmentation = segment_vertebra(ct, options, progress);
-  return {std::move(segmentation.mask), segmentation.report};
+  return {std::move(segmentation.mask), segmentation.report, Level::kNone, 0};
 }
 
 namespace {
@@ -65,8 +91,9 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
     }
   }
   ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
-  MaskStage stage{std::move(chosen.mask), chosen.report ? text("threshold ", chosen.report->threshold_hu, " HU")
-                                                        : text("label ", options.labels->label)};
+  MaskStage stage{std::move(chosen.mask),
+                  chosen.report ? text("threshold ", chosen.report->threshold_hu, " HU") : text("label ", chosen.label),
+                  chosen.level};
   if (!options.labels) cache.keep_mask(key, stage);
   return stage;
 }
@@ -91,7 +118,7 @@ SurfaceFit make_fit(const CtVolume& ct, const BoneMask& mask, const SurfacePoint
 std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOptions& options, const MaskStage& mask,
                                             const SurfaceFitReport& fit) {
   const GridGeometry& geometry = ct.geometry;
-  return {
+  std::map<std::string, std::string> facts{
       {"version", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
@@ -114,15 +141,15 @@ std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOpti
       {"rbf_max_residual_mm", text(fit.max_residual_mm)},
       {"hu_margin_mm", text(options.bake.hu_margin_mm)},
   };
+  if (mask.level != Level::kNone) facts["level"] = level_name(mask.level);
+  return facts;
 }
 
 }  // namespace
 
-BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
+BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options, const Progress& progress) {
   const BakeCache cache(options.cache);
-  bool mask_from_cache = false;
   bool fit_from_cache = false;
-  const MaskStage mask = make_mask(ct, options, cache, mask_from_cache, progress);
   const SurfacePoints surface = extract_surface(ct, mask.mask, options.surface, progress);
   const SurfaceFit fit = make_fit(ct, mask.mask, surface, options, cache, fit_from_cache, progress);
   BakeReport report;
@@ -130,7 +157,15 @@ BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress
                                    facts_of(ct, options, mask, fit.report), &report, progress);
   const auto mask_voxels =
       static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
-  return {bone, mask_voxels, fit.report, report, mask_from_cache, fit_from_cache};
+  return {bone, mask_voxels, fit.report, report, false, fit_from_cache};
+}
+
+BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
+  bool mask_from_cache = false;
+  const MaskStage mask = make_mask(ct, options, BakeCache(options.cache), mask_from_cache, progress);
+  BakedCt baked = bake_mask(ct, mask, options, progress);
+  baked.mask_from_cache = mask_from_cache;
+  return baked;
 }
 
 }  // namespace spinaltap

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <optional>
 
+#include "apps/common/bake_cache.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
+#include "core/ct/label_volume.h"
 #include "core/rbf/fit_surface.h"
 #include "core/surface/surface_points.h"
 #include "vdb/bake.h"
@@ -12,10 +14,12 @@
 
 namespace spinaltap {
 
-/// A voxel label map that says which bone is meant.
+/// A voxel label map that says which bone is meant: by its number, or by its level.
 struct LabelChoice {
   std::filesystem::path file;  ///< NIfTI or NRRD
   int label = 1;
+  Level level = Level::kNone;  ///< other than kNone: in place of the number
+  LabelConvention convention = LabelConvention::automatic;
 };
 
 struct BakeCtOptions {
@@ -40,11 +44,17 @@ struct BakedCt {
 struct ChosenBone {
   BoneMask mask;
   std::optional<SegmentReport> report;  ///< without a label map
+  Level level = Level::kNone;           ///< kNone: not known
+  int label = 0;                        ///< of the map
 };
 
 /// The bone that a label map marks, or the vertebra that segment_vertebra() finds.
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress = {});
+
+/// The rest of the chain, from a mask on. The facts record how the mask came about and its level.
+BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options,
+                  const Progress& progress = {});
 
 /// The chain from a CT to a baked bone: mask, surface points, radial basis function, grids. Masks and functions that
 /// the cache has are taken from there; the result is the same.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "apps/common/data_files.h"
 #include "apps/common/density_file.h"
@@ -99,12 +100,20 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
     fail("expected a ", kSpecFormat, " of version ", kSpecVersion, " in ", file.string());
   }
   check_keys(json,
-             {"format", "version", "name", "bone", "plan", "path", "material", "density", "volume", "spindle_rpm",
-              "stop", "hand", "design"},
+             {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume",
+              "spindle_rpm", "stop", "hand", "design"},
              file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
   spec.bone_file = beside(file, object.text("bone"));
+  if (object.has("level")) {
+    const std::optional<Level> level = level_from_name(object.text("level"));
+    if (!level) {
+      fail("expected a vertebra such as \"L3\" for \"level\" in ", file.string(), ", found \"", object.text("level"),
+           "\"");
+    }
+    spec.level = *level;
+  }
   spec.path = read_path_of(object, file);
   spec.material = read_material_of(object, file);
   if (object.has("volume")) read_volume(object.at("volume"), file, spec);

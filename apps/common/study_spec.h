@@ -4,6 +4,7 @@
 #include <string>
 
 #include "apps/common/study_json.h"
+#include "core/ct/level.h"
 #include "core/drill/drill_path.h"
 #include "core/drill/material.h"
 #include "core/drill/point_volume.h"
@@ -15,6 +16,7 @@ namespace spinaltap {
 struct StudySpec {
   std::string name;
   std::filesystem::path bone_file;
+  Level level = Level::kNone;  ///< which bone of a file of several
   DrillPath path;
   Material material;
   /// Of the cylinder around the planned path that every run drills in; a radius of 0: as wide as the runs need.

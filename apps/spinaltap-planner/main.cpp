@@ -7,26 +7,30 @@
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <vector>
 
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "apps/spinaltap-planner/window/main_window.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "core/ct/level.h"
 
 namespace spinaltap {
 namespace {
 
 struct PlannerOptions {
   std::vector<std::string> files;
-  std::string script, screenshot;
+  std::string level, script, screenshot;
 };
 
 /// What was asked for on the command line, as the lines of a script.
 std::vector<ScriptLine> lines_of(const PlannerOptions& options) {
   std::vector<ScriptLine> lines;
   for (const std::string& file : options.files) {
-    lines.push_back({0, "open", {file}});
+    std::vector<std::string> words{file};
+    if (!options.level.empty()) words.push_back(options.level);
+    lines.push_back({0, "open", words});
   }
   if (!options.screenshot.empty()) {
     lines.push_back({0, "picture", {options.screenshot}});
@@ -36,13 +40,15 @@ std::vector<ScriptLine> lines_of(const PlannerOptions& options) {
 
 /// With a script or a screenshot: does that and ends. Else the window is the person's.
 int run_window(const PlannerOptions& options) {
+  const std::optional<Level> level = options.level.empty() ? Level::kNone : level_from_name(options.level);
+  if (!level) fail("expected a vertebra such as L3, found \"", options.level, "\"");
   MainWindow window;
   window.show();
   if (options.script.empty() && options.screenshot.empty()) {
     // Boxes want a running event loop.
     QTimer::singleShot(0, &window, [&] {
       for (const std::string& file : options.files) {
-        window.open(file);
+        window.open(file, *level);
         while (window.planner().job().is_running()) QApplication::processEvents(QEventLoop::WaitForMoreEvents);
       }
     });
@@ -72,6 +78,7 @@ int run_planner(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap-planner ") + version());
   program.add_option("files", options.files, "A CT (folder or file) or a bone.vdb, and a plan for it")
       ->type_name("FILE");
+  program.add_option("--level", options.level, "Which vertebra of a spine.vdb, such as L3")->type_name("LEVEL");
   program.add_option("--script", options.script, "Do what this file says, then end")->type_name("FILE");
   program.add_option("--screenshot", options.screenshot, "Open the files, run the script, save the window as PNG, end")
       ->type_name("FILE.png");

@@ -46,11 +46,11 @@ std::shared_ptr<const OpenedBone> baked(const std::filesystem::path& file, CtVol
 
 }  // namespace
 
-std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress) {
+std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress, Level level) {
   auto opened = std::make_shared<OpenedBone>();
   opened->file = file;
   progress.report("reading", 0.0);
-  BoneModel model = read_bone(file);
+  BoneModel model = read_bone(file, level);
   progress.report("reading", 0.5);
   opened->ct = ct_of_bone(model);
   add_bone(std::move(model), *opened, progress);

@@ -38,8 +38,9 @@ enum class FileKind { ct, bone, plan };
 /// where there is no such file.
 FileKind kind_of_file(const std::filesystem::path& path);
 
-/// Opens a baked bone. Throws Error as read_bone() does.
-std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress = {});
+/// Opens a baked bone; `level` says which of several. Throws Error as read_bone() does.
+std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress = {},
+                                            Level level = Level::kNone);
 
 /// Reads a CT and bakes its largest vertebra; keeps the stages of the bake in `cache` (empty: keeps nothing). Throws
 /// Error as read_ct() and bake_ct() do.

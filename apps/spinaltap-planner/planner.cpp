@@ -45,15 +45,15 @@ std::optional<PathFigures> Planner::figures() const {
   return grader_.figures(*document_.bone(), *path);
 }
 
-void Planner::open(const std::filesystem::path& path) {
+void Planner::open(const std::filesystem::path& path, Level level) {
   const FileKind kind = kind_of_file(path);
   if (kind == FileKind::plan) {
     open_plan(path);
     return;
   }
-  job_.start(tr("Opening %1").arg(name_of_file(path)), [this, path, kind](const Progress& progress) {
+  job_.start(tr("Opening %1").arg(name_of_file(path)), [this, path, kind, level](const Progress& progress) {
     std::shared_ptr<const OpenedBone> bone =
-        kind == FileKind::bone ? open_bone(path, progress) : open_ct(path, bake_cache_folder(), progress);
+        kind == FileKind::bone ? open_bone(path, progress, level) : open_ct(path, bake_cache_folder(), progress);
     return [this, bone = std::move(bone)] { show_bone(bone); };
   });
 }

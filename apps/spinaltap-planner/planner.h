@@ -32,7 +32,8 @@ class Planner : public QObject {
 
   /// Opens a CT, a baked bone, or a plan for the bone that is open. CTs and bones take a while: opened() tells when
   /// they are there. Throws Error where the file cannot be; what was open then stays.
-  void open(const std::filesystem::path& path);
+  /// `level` says which bone of a spine.vdb is meant; a file with one needs none.
+  void open(const std::filesystem::path& path, Level level = Level::kNone);
   /// Bakes the vertebra of the open CT whose body the crosshair is in, as open() does. Throws Error where no CT is
   /// open.
   void bake_here();

@@ -1,26 +1,107 @@
 #include <memory>
 
 #include "apps/common/bake_cache.h"
+#include "apps/common/bake_levels.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 
 namespace spinaltap {
+namespace {
+
+struct BakeCommandOptions {
+  CtOptions ct;
+  std::filesystem::path output;
+  std::filesystem::path cache;
+  bool is_all = false;
+  bool is_strict = false;
+
+  std::filesystem::path output_or_default() const {
+    if (!output.empty()) return output;
+    return is_all ? "spine.vdb" : "bone.vdb";
+  }
+};
+
+Json bake_one(const BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
+  // Before the work: a place that cannot be written to is said at once.
+  const std::filesystem::path staged = output.stage(options.output_or_default());
+  const CtVolume ct = options.ct.read(progress);
+  const BakedCt baked = options.ct.make_bone(ct, progress);
+  write_bone(baked.bone, staged);
+  output.commit();
+  return report_baked(ct, baked);
+}
+
+Json bake_all(const BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
+  const std::filesystem::path target = options.output_or_default();
+  // Named twice where it is a file: this tells at once that it cannot be written to.
+  if (target.extension() == ".vdb") StagedOutput().stage(target);
+  const CtVolume ct = options.ct.read(progress);
+  const LabelVolume labels = read_label_volume(options.ct.labels, ct.geometry, options.ct.convention);
+  const BakedLevels baked =
+      bake_levels(ct, labels, {.bake = options.ct.bake, .doubts = {}, .is_strict = options.is_strict}, progress);
+  write_levels(baked, target, output);
+  output.commit();
+  Json figures{{"ct_hash", ct.source_hash}, {"levels", Json::array()}, {"skipped", Json::array()}};
+  for (const BakedLevel& one : baked.levels) {
+    print_figure(level_name(one.level), "");
+    Json level = report_baked(ct, one.baked);
+    level["level"] = level_name(one.level);
+    level["warnings"] = one.notes.warnings;
+    level["doubt"] = one.notes.doubt;
+    if (!one.notes.landmarks.empty()) level["landmarks"] = Json::parse(one.notes.landmarks);
+    if (!one.notes.no_landmarks.empty()) level["no_landmarks"] = one.notes.no_landmarks;
+    for (const std::string& warning : one.notes.warnings) print_figure("warning", warning);
+    if (!one.notes.no_landmarks.empty()) print_figure("no landmarks", one.notes.no_landmarks);
+    figures["levels"].push_back(level);
+  }
+  for (const SkippedLevel& one : baked.skipped) {
+    print_figure(level_name(one.level), "left out: " + one.reason);
+    figures["skipped"].push_back({{"level", level_name(one.level)}, {"reason", one.reason}});
+  }
+  return figures;
+}
+
+Json bake(BakeCommandOptions options, const Progress& progress) {
+  if (options.is_all && options.ct.labels.empty()) fail("expected a label map whose vertebrae are to be baked all");
+  const bool keep_cache = !options.cache.empty();
+  options.ct.bake.cache =
+      keep_cache ? options.cache : std::filesystem::path(options.output_or_default().string() + ".cache");
+  const auto remove_cache = [&] {
+    if (!keep_cache) BakeCache(options.ct.bake.cache).remove();
+  };
+  StagedOutput output;  // outlives the cache, which may lie in a folder that it made
+  try {
+    Json figures = options.is_all ? bake_all(options, output, progress) : bake_one(options, output, progress);
+    remove_cache();
+    print_figure("written", options.output_or_default().string());
+    return figures;
+  } catch (const Cancelled&) {
+    throw;  // the next run goes on from what is finished
+  } catch (...) {
+    remove_cache();
+    throw;
+  }
+}
+
+}  // namespace
 
 void add_bake(CLI::App& program, Command& command) {
-  struct Options {
-    CtOptions ct;
-    std::filesystem::path output = "bone.vdb";
-    std::filesystem::path cache;
-  };
-  const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(program, command, "bake", "Make bone.vdb (distance and CT numbers) from a CT",
-                              "Example: spinaltap bake ct/ --labels vertebrae.nii.gz --label 22 -o bone.vdb");
+  const auto options = std::make_shared<BakeCommandOptions>();
+  CLI::App* app = add_command(
+      program, command, "bake", "Make bone.vdb (distance and CT numbers) from a CT, or spine.vdb of several bones",
+      "Examples: spinaltap bake ct/ --labels vertebrae.nii.gz --label L3 -o bone.vdb\n"
+      "          spinaltap bake ct/ --labels vertebrae.nii.gz --all -o spine.vdb\n"
+      "With --all, vertebrae that the CT's border cuts and those that cannot be baked are told and left\n"
+      "out; the exit code is 1 where none is left. docs/label-maps.md tells how vertebrae get their names.");
   app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
       ->required()
       ->type_name("PATH");
-  app->add_option("-o,--output", options->output, "The .vdb file to write")->capture_default_str()->type_name("FILE");
+  app->add_option("-o,--output", options->output,
+                  "The .vdb file to write; default: bone.vdb, or spine.vdb with --all, where another name than of a\n"
+                  ".vdb is a folder for a file a vertebra")
+      ->type_name("FILE");
   app->add_option(
          "--cache", options->cache,
          "Folder to keep finished stages in, for bakes with other options; default: OUTPUT.cache, from which a "
@@ -28,32 +109,11 @@ void add_bake(CLI::App& program, Command& command) {
       ->type_name("FOLDER");
   options->ct.add_reading(*app);
   options->ct.add_baking(*app);
-
-  command.run = [options](const Progress& progress) {
-    // Before the work: a place that cannot be written to is said at once.
-    StagedOutput output;
-    const std::filesystem::path staged = output.stage(options->output);
-    const CtVolume ct = options->ct.read(progress);
-    const bool keep_cache = !options->cache.empty();
-    options->ct.bake.cache = keep_cache ? options->cache : std::filesystem::path(options->output.string() + ".cache");
-    const auto remove_cache = [&] {
-      if (!keep_cache) BakeCache(options->ct.bake.cache).remove();
-    };
-    try {
-      const BakedCt baked = options->ct.make_bone(ct, progress);
-      write_bone(baked.bone, staged);
-      output.commit();
-      remove_cache();
-      Json figures = report_baked(ct, baked);
-      print_figure("written", options->output.string());
-      return figures;
-    } catch (const Cancelled&) {
-      throw;  // the next run goes on from what is finished
-    } catch (...) {
-      remove_cache();
-      throw;
-    }
-  };
+  CLI::Option* all = app->add_flag("--all", options->is_all, "Bake each vertebra of the label map");
+  all->needs("--labels")->excludes("--label")->excludes("--crop-margin");
+  app->add_flag("--strict", options->is_strict, "With --all: write nothing where a vertebra would be left out")
+      ->needs(all);
+  command.run = [options](const Progress& progress) { return bake(*options, progress); };
 }
 
 }  // namespace spinaltap

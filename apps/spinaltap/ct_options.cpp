@@ -1,9 +1,11 @@
 #include "apps/spinaltap/ct_options.h"
 
+#include <charconv>
+#include <map>
+
 #include "apps/spinaltap/command.h"
 #include "core/base/error.h"
 #include "core/ct/crop.h"
-#include "core/ct/label_map.h"
 
 namespace spinaltap {
 
@@ -25,7 +27,21 @@ void CtOptions::add_choosing(CLI::App& app) {
       app.add_option("--labels", labels,
                      "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
           ->type_name("FILE");
-  app.add_option("--label", label, "Which label is the bone")->needs(labels_option)->type_name("N");
+  app.add_option("--label", label, "Which label is the bone: its number in the map, or a vertebra such as L3")
+      ->capture_default_str()
+      ->needs(labels_option)
+      ->type_name("N|LEVEL");
+  app.add_option("--convention", convention,
+                 "What the map's numbers mean: automatic (default), names, verse, totalsegmentator, "
+                 "totalsegmentator_v1; docs/label-maps.md")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LabelConvention>{{"automatic", LabelConvention::automatic},
+                                                 {"names", LabelConvention::names},
+                                                 {"verse", LabelConvention::verse},
+                                                 {"totalsegmentator", LabelConvention::totalsegmentator},
+                                                 {"totalsegmentator_v1", LabelConvention::totalsegmentator_v1}}))
+      ->needs(labels_option)
+      ->type_name("NAME");
   app.add_option("--crop-margin", crop_margin_mm, "Take only the label's box and this much around it, mm")
       ->needs(labels_option)
       ->check(CLI::NonNegativeNumber)
@@ -66,7 +82,7 @@ CtVolume CtOptions::read(const Progress& progress) const {
     ct = crop(ct, block_in_box(ct.geometry, Box3(corner(0), corner(3))));
   }
   if (crop_margin_mm >= 0.0) {
-    ct = crop(ct, block_around(read_label_map(labels, label, ct.geometry), crop_margin_mm));
+    ct = crop(ct, block_around(choose_bone(ct, label_choice(), {}).mask, crop_margin_mm));
   }
   return ct;
 }
@@ -76,9 +92,20 @@ std::optional<Vec3> CtOptions::given_seed() const {
   return Vec3(seed_mm[0], seed_mm[1], seed_mm[2]);
 }
 
+LabelChoice CtOptions::label_choice() const {
+  LabelChoice choice{labels, 0, Level::kNone, convention};
+  const char* const end = label.data() + label.size();
+  const auto [stop, error] = std::from_chars(label.data(), end, choice.label);
+  if (error == std::errc{} && stop == end) return choice;
+  const std::optional<Level> level = level_from_name(label);
+  if (!level) fail("expected a label's number, or a vertebra such as L3, found \"", label, "\"");
+  choice.level = *level;
+  return choice;
+}
+
 BakeCtOptions CtOptions::complete() const {
   BakeCtOptions options = bake;
-  if (!labels.empty()) options.labels = LabelChoice{labels, label};
+  if (!labels.empty()) options.labels = label_choice();
   options.segment.seed_mm = given_seed();
   return options;
 }

@@ -6,12 +6,14 @@
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/drill_run.h"
+#include "apps/spinaltap/level_option.h"
 
 namespace spinaltap {
 
 void add_drill(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
+    Level level = Level::kNone;
     std::filesystem::path plan;
     std::string path_name;
     std::filesystem::path folder = "drilled";
@@ -25,7 +27,8 @@ void add_drill(CLI::App& program, Command& command) {
                   "Examples: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/\n"
                   "          spinaltap drill bone.vdb plan.json --hand push --push 40 --stop-on-breach\n"
                   "          spinaltap drill bone.vdb plan.json --hand tremor --real-time --record run.h5");
-  app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
+  app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
+  add_level(*app, options->level);
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
@@ -38,7 +41,7 @@ void add_drill(CLI::App& program, Command& command) {
     options->drill.check();  // before anything is read
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
-    const BoneModel bone = read_bone(options->bone);
+    const BoneModel bone = read_bone(options->bone, options->level);
     std::optional<CtVolume> ct;
     if (!options->ct.folder.empty()) ct = options->ct.read(progress);
     return run_drill("Drilling " + path.name, ct ? &*ct : nullptr, bone, path, options->drill, options->folder,

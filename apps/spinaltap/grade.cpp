@@ -11,6 +11,7 @@
 #include "apps/common/planning_bone.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/level_option.h"
 #include "core/base/staged_output.h"
 
 namespace spinaltap {
@@ -18,6 +19,7 @@ namespace {
 
 struct GradeCommandOptions {
   std::filesystem::path bone, plan, density, material;
+  Level level = Level::kNone;
   std::string path_name;
   double screw_diameter_mm = std::nan("");
   double screw_length_mm = std::nan("");
@@ -46,7 +48,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress) {
       read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   const Material material =
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
-  const PlanningBone bone(read_bone(options.bone), progress);
+  const PlanningBone bone(read_bone(options.bone, options.level), progress);
   std::vector<GradedPath> graded;
   graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
@@ -80,7 +82,8 @@ void add_grade(CLI::App& program, Command& command) {
                               "report.html, grade.json and grade.csv",
                               "Example: spinaltap grade bone.vdb plan.json --screw-diameter 6.5 --screw-length 45 "
                               "-o graded/");
-  app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
+  app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
+  add_level(*app, options->level);
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: all")->type_name("NAME");
   CLI::Option* diameter =

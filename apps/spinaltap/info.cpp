@@ -8,11 +8,13 @@
 #include "apps/report/slice_frame.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/level_option.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
 #include "core/segment/bone_levels.h"
 #include "core/sim/session_record.h"
+#include "vdb/spine_file.h"
 
 namespace spinaltap {
 namespace {
@@ -23,8 +25,7 @@ std::string triple(const Vec3& v, const char* unit) {
   return text.str();
 }
 
-Json info_of_bone(const std::filesystem::path& file) {
-  const BoneModel bone = read_bone(file);
+Json info_of_bone(const BoneModel& bone) {
   const Box3 bounds_mm = bone.bounds_mm();
   print_figure("grid voxels", static_cast<double>(bone.active_voxels()), "", 0);
   print_figure("voxel", bone.voxel_mm(), "mm", 3);
@@ -40,6 +41,37 @@ Json info_of_bone(const std::filesystem::path& file) {
           {"low_mm", to_json(bounds_mm.min())},
           {"high_mm", to_json(bounds_mm.max())},
           {"facts", facts}};
+}
+
+Json info_of_level(const SpineBone& one) {
+  print_figure("level", level_name(one.level));
+  Json json = info_of_bone(one.bone);
+  json["level"] = level_name(one.level);
+  json["warnings"] = one.notes.warnings;
+  json["doubt"] = one.notes.doubt;
+  for (const std::string& warning : one.notes.warnings) print_figure("warning", warning);
+  if (one.notes.doubt > 0.0) print_figure("doubt", one.notes.doubt, "");
+  if (!one.notes.landmarks.empty()) {
+    const Json landmarks = Json::parse(one.notes.landmarks, nullptr, false);
+    if (landmarks.is_discarded()) fail("expected JSON as the landmarks of ", level_name(one.level));
+    json["landmarks"] = landmarks;
+  }
+  if (!one.notes.no_landmarks.empty()) {
+    print_figure("no landmarks", one.notes.no_landmarks);
+    json["no_landmarks"] = one.notes.no_landmarks;
+  }
+  return json;
+}
+
+/// A bone.vdb, or one level of a spine.vdb, or all of them, one at a time.
+Json info_of_vdb(const std::filesystem::path& file, Level level) {
+  const std::vector<Level> levels = levels_in(file);
+  if (levels.empty()) return info_of_bone(read_bone(file, level));
+  if (level != Level::kNone) return info_of_level(read_spine_level(file, level));
+  Json list = Json::array();
+  print_figure("levels", level_names(levels));
+  for (const Level each : levels) list.push_back(info_of_level(read_spine_level(file, each)));
+  return {{"levels", list}};
 }
 
 Json info_of_record(const std::filesystem::path& file) {
@@ -149,14 +181,17 @@ void write_contact_sheet(const CtVolume& ct, const std::filesystem::path& file) 
 void add_info(CLI::App& program, Command& command) {
   struct Options {
     CtOptions ct;
+    Level level = Level::kNone;
     std::filesystem::path contact_sheet;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* app = add_command(program, command, "info", "Show what a CT, a bone.vdb or a recorded drilling holds",
                               "Example: spinaltap info ct/ --contact-sheet ct.png --json ct.json");
-  app->add_option("path", options->ct.folder, "Folder with DICOM files, a NIfTI file, a bone.vdb, or a record (.h5)")
+  app->add_option("path", options->ct.folder,
+                  "Folder with DICOM files, a NIfTI file, a bone.vdb or spine.vdb, or a record (.h5)")
       ->required()
       ->type_name("PATH");
+  add_level(*app, options->level);
   app->add_option("--contact-sheet", options->contact_sheet,
                   "Write up to 20 slices of the CT, evenly chosen, as one PNG picture at a bone window")
       ->type_name("FILE");
@@ -166,7 +201,7 @@ void add_info(CLI::App& program, Command& command) {
     const std::filesystem::path& path = options->ct.folder;
     if (path.extension() == ".vdb") {
       if (!options->contact_sheet.empty()) fail("expected a CT for a contact sheet, found ", path.string());
-      return info_of_bone(path);
+      return info_of_vdb(path, options->level);
     }
     if (path.extension() == ".h5" || path.extension() == ".hdf5") {
       if (!options->contact_sheet.empty()) fail("expected a CT for a contact sheet, found ", path.string());

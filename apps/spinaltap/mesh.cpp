@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/level_option.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "core/base/staged_output.h"
 #include "mesh/display_mesh.h"
@@ -58,13 +59,15 @@ void report_remeshing(const RemeshReport& remeshed, Json& figures) {
 void add_mesh(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
+    Level level = Level::kNone;
     std::filesystem::path output = "bone.stl";
     DisplayMeshOptions surface;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* app = add_command(program, command, "mesh", "Write the surface of a bone.vdb as STL, PLY or OBJ (mm, LPS)",
                               "Example: spinaltap mesh bone.vdb -o bone.stl --max-error 0.05");
-  app->add_option("bone", options->bone, "bone.vdb or drilled.vdb")->required()->type_name("FILE");
+  app->add_option("bone", options->bone, "bone.vdb, spine.vdb or drilled.vdb")->required()->type_name("FILE");
+  add_level(*app, options->level);
   app->add_option("-o,--output", options->output, "The mesh to write: .stl, .ply or .obj")
       ->capture_default_str()
       ->type_name("FILE");
@@ -73,7 +76,7 @@ void add_mesh(CLI::App& program, Command& command) {
       ->check(CLI::PositiveNumber);
 
   command.run = [options](const Progress& progress) {
-    const BoneModel bone = read_bone(options->bone);
+    const BoneModel bone = read_bone(options->bone, options->level);
     RemeshReport remeshed;
     const TriangleMesh mesh = display_mesh(bone, options->surface, &remeshed, progress);
     StagedOutput output;

@@ -10,6 +10,7 @@
 #include "apps/common/planning_json.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/level_option.h"
 #include "apps/spinaltap/path_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -145,6 +146,7 @@ void write_planning_report(const std::string& title, const PlanningBone& bone,
 void add_plan(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
+    Level level = Level::kNone;
     std::filesystem::path output = "plan.json";
     std::string name = "path";
     PathOptions path;
@@ -159,7 +161,8 @@ void add_plan(CLI::App& program, Command& command) {
                   "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
                   "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
                   "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
-  app->add_option("bone", options->bone, "bone.vdb")->required()->type_name("FILE");
+  app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
+  add_level(*app, options->level);
   app->add_option("-o,--output", options->output, "The plan to write")->capture_default_str()->type_name("FILE");
   app->add_option("--name", options->name, "Name of the given path")->capture_default_str();
   app->add_flag("--auto", options->is_auto, "Find the pedicles and suggest a path and a screw through each")
@@ -173,7 +176,7 @@ void add_plan(CLI::App& program, Command& command) {
 
   command.run = [options](const Progress& progress) {
     Json figures = Json::object();
-    const BoneModel bone = read_bone(options->bone);
+    const BoneModel bone = read_bone(options->bone, options->level);
     std::vector<DrillPath> paths;
     if (const std::optional<DrillPath> path = options->path.given_path(options->name)) {
       check_path_meets_bone(*path, bone);

@@ -12,6 +12,7 @@
 #include "apps/common/session_setup.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/level_option.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "vdb/render.h"
@@ -21,6 +22,7 @@ namespace {
 
 struct Options {
   std::filesystem::path bone, output = "bone.png", plan, record, frames;
+  Level level = Level::kNone;
   std::string path, view, cut, size = "900x700";
   std::optional<double> at_s;
   std::optional<double> close_up_mm;
@@ -132,7 +134,7 @@ Json write_picture(const Options& options, const Painter& painter, const BoneMod
 }
 
 Json render(const Options& options, const Progress& progress) {
-  const BoneModel bone = read_bone(options.bone);
+  const BoneModel bone = read_bone(options.bone, options.level);
   const BoneModel before = before_drilling(bone);
   std::optional<Recorded> recorded;
   if (!options.record.empty()) recorded.emplace(options.record, bone);
@@ -157,9 +159,11 @@ void add_render(CLI::App& program, Command& command) {
       "         spinaltap render bone.vdb --record run.h5 --at 12.5 --view hole -o moment.png\n"
       "         spinaltap render bone.vdb --record run.h5 --cut upright --frames film --fps 25\n"
       "Walls of holes and cuts are coloured by CT number, marrow red to cortex white. No display is needed.");
-  app->add_option("bone", options->bone, "bone.vdb or drilled.vdb; with --record the bone before it was drilled")
+  app->add_option("bone", options->bone,
+                  "bone.vdb, spine.vdb or drilled.vdb; with --record the bone before it was drilled")
       ->required()
       ->type_name("BONE");
+  add_level(*app, options->level);
   app->add_option("-o,--output", options->output, "The picture to write")->capture_default_str()->type_name("FILE");
   CLI::Option* plan = app->add_option("--plan", options->plan, "Draw the paths of this plan")->type_name("FILE");
   app->add_option("--path", options->path, "Of these, only the one of this name")->needs(plan)->type_name("NAME");

@@ -4,6 +4,7 @@
 #include "apps/common/replay.h"
 #include "apps/common/session_setup.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/level_option.h"
 #include "core/base/error.h"
 
 namespace spinaltap {
@@ -11,11 +12,12 @@ namespace {
 
 struct ReplayOptions {
   std::filesystem::path record, bone;
+  Level level = Level::kNone;
   std::optional<EngineKind> engine;
 };
 
 BoneModel bone_of(const SessionSetup& setup, const ReplayOptions& options) {
-  BoneModel bone = read_bone(options.bone);
+  BoneModel bone = read_bone(options.bone, options.level);
   const std::string hash = hash_of(bone);
   if (hash != setup.bone_hash) {
     fail("expected the bone that was drilled in ", options.record.string(), ", of hash ", setup.bone_hash, "; found ",
@@ -60,7 +62,8 @@ void add_replay(CLI::App& program, Command& command) {
                               "every number comes out the same, 1 where one differs or cycles are missing, 2 where\n"
                               "the record cannot be run.");
   app->add_option("record", options->record, "A record of drill --record")->required()->type_name("RECORD");
-  app->add_option("bone", options->bone, "The bone.vdb that was drilled")->required()->type_name("BONE");
+  app->add_option("bone", options->bone, "The bone.vdb or spine.vdb that was drilled")->required()->type_name("BONE");
+  add_level(*app, options->level);
   app->add_option("--engine", options->engine,
                   "Drilling engine: ring, leaf, arc, reference (default: that of the record); same result")
       ->transform(CLI::CheckedTransformer(engine_kinds()))

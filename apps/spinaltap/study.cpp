@@ -55,7 +55,7 @@ Json study(const StudyCommandOptions& options, const Progress& progress) {
   StudySpec spec = read_study_spec(options.spec);
   const StudyRuns runs(spec.design);
   spec.volume.radius_mm = study_radius_mm(spec, runs);
-  const SessionBone bone(read_bone(spec.bone_file), true, progress);
+  const SessionBone bone(read_bone(spec.bone_file, spec.level), true, progress);
   const StudyIdentity identity = study_identity(spec, runs, hash_of(bone.model()));
   open_study_folder(options.folder, identity);
 

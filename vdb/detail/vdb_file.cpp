@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/base/error.h"
+#include "vdb/detail/bone_grids.h"
 #include "vdb/initialize.h"
 
 namespace spinaltap::detail {
@@ -62,12 +63,30 @@ openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path) {
   }
 }
 
-void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const std::string& content_hash) {
+void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const std::string& content_hash,
+               const openvdb::MetaMap& metadata) {
   initialize_openvdb();
   openvdb::io::File file(path.string());
-  file.write(grids);
+  file.write(grids, metadata);
   file.close();
   replace_random_tag(path, content_hash);
+}
+
+bool fits_half_floats(const openvdb::FloatGrid& grid) {
+  const auto fits = [](float value) { return rounded_to_half(value) == value; };
+  for (auto value = grid.cbeginValueAll(); value; ++value) {
+    if (!fits(*value)) return false;
+  }
+  return fits(grid.background());
+}
+
+std::map<std::string, std::string> facts_of(const openvdb::FloatGrid& sdf) {
+  const std::string prefix = kFactPrefix;
+  std::map<std::string, std::string> facts;
+  for (auto meta = sdf.beginMeta(); meta != sdf.endMeta(); ++meta) {
+    if (meta->first.rfind(prefix, 0) == 0) facts[meta->first.substr(prefix.size())] = meta->second->str();
+  }
+  return facts;
 }
 
 }  // namespace spinaltap::detail

@@ -162,9 +162,11 @@ class ScriptRun {
   MainWindow* window_;
   std::map<std::string, Command> commands_{
       {"open",
-       {1, 1, "open FILE: a CT, a bone, or a plan for it",
+       {1, 2, "open FILE [LEVEL]: a CT, a bone (which of several: L3), or a plan for it",
         [this](const Words& w) {
-          planner().open(w[0]);
+          const std::optional<Level> level = w.size() > 1 ? level_from_name(w[1]) : Level::kNone;
+          if (!level) fail("expected a vertebra such as L3, found \"", w[1], "\"");
+          planner().open(w[0], *level);
           wait_for_job();
         }}},
       {"bake",

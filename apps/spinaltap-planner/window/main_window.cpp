@@ -5,6 +5,7 @@
 #include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QFileDialog>
+#include <QInputDialog>
 #include <QLabel>
 #include <QMessageBox>
 #include <QMimeData>
@@ -27,6 +28,7 @@
 #include "apps/spinaltap-planner/window/path_panel.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
+#include "vdb/spine_file.h"
 
 namespace spinaltap {
 namespace {
@@ -200,9 +202,25 @@ void MainWindow::tell(const QString& what, const QString& why) {
   box.exec();
 }
 
-void MainWindow::open(const std::filesystem::path& path) {
+std::optional<Level> MainWindow::ask_level(const std::filesystem::path& path) {
+  const std::vector<Level> levels = levels_in(path);
+  if (levels.size() < 2) return Level::kNone;
+  QStringList names;
+  for (const Level level : levels) names += text_of(level_name(level));
+  bool is_chosen = false;
+  const QString name = QInputDialog::getItem(this, tr("SpinalTap planner"), tr("Which vertebra of this file?"), names,
+                                             0, false, &is_chosen);
+  if (!is_chosen) return std::nullopt;
+  return levels[static_cast<std::size_t>(names.indexOf(name))];
+}
+
+void MainWindow::open(const std::filesystem::path& path, Level level) {
   if (!may_lose_plan()) return;
-  attempt(tr("Cannot open %1").arg(text_of(path.string())), [&] { planner_.open(path); });
+  attempt(tr("Cannot open %1").arg(text_of(path.string())), [&] {
+    const bool asks = level == Level::kNone && kind_of_file(path) == FileKind::bone;
+    const std::optional<Level> chosen = asks ? ask_level(path) : level;
+    if (chosen) planner_.open(path, *chosen);
+  });
 }
 
 void MainWindow::show_page(const QString& name) {

@@ -4,6 +4,7 @@
 #include <QTimer>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "apps/spinaltap-planner/planner.h"
 
@@ -33,8 +34,9 @@ class MainWindow : public QMainWindow {
   Planner& planner() { return planner_; }
   FourPanes& panes() { return *panes_; }
 
-  /// As Planner::open(), but asks first where a plan would be lost, and shows what is wrong in a box.
-  void open(const std::filesystem::path& path);
+  /// As Planner::open(), but asks first where a plan would be lost, and which bone of several is meant where `level`
+  /// does not say it, and shows what is wrong in a box.
+  void open(const std::filesystem::path& path, Level level = Level::kNone);
   /// A picture of the window, or of one of its panes: "axial", "coronal", "sagittal", "3d", "path". Throws Error on
   /// other names, and where the file cannot be written.
   void save_picture(const std::filesystem::path& file, const QString& pane = {});
@@ -49,6 +51,8 @@ class MainWindow : public QMainWindow {
   void dropEvent(QDropEvent* event) override;
 
  private:
+  /// Which bone of a file of several; nothing where the person does not want any.
+  std::optional<Level> ask_level(const std::filesystem::path& path);
   void make_pages();
   void make_menus();
   void make_file_menu();

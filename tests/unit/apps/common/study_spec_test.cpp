@@ -22,7 +22,7 @@ using testing::ThrowsMessage;
 Json whole_spec() {
   return Json::parse(R"({
     "format": "spinaltap-study", "version": 1, "name": "All keys",
-    "bone": "bones/bone.vdb", "plan": "plan.json", "path": "right",
+    "bone": "bones/bone.vdb", "level": "L3", "plan": "plan.json", "path": "right",
     "volume": {"radius_mm": 5, "spacing_mm": 0.2, "lead_in_mm": 2, "lead_out_mm": 4},
     "spindle_rpm": 1000,
     "stop": {"thrust_n": 40, "clearance_mm": 1, "on_breach": true},
@@ -68,6 +68,7 @@ class StudySpecFile : public ::testing::Test {
 TEST_F(StudySpecFile, IsReadWithEveryKey) {
   const StudySpec spec = read_study_spec(write(whole_spec()));
   EXPECT_EQ(spec.name, "All keys");
+  EXPECT_EQ(level_name(spec.level), "L3");
   EXPECT_EQ(spec.bone_file, folder_.path() / "bones/bone.vdb");
   EXPECT_EQ(spec.path.name, "right");
   EXPECT_EQ(spec.path.entry_mm.x(), -1.0);
@@ -135,6 +136,7 @@ TEST_F(StudySpecFile, IsRefusedWithTheKeyAtFaultNamed) {
   refuses([](Json& j) { j["format"] = "plan"; }, "spinaltap-study");
   refuses([](Json& j) { j["version"] = 2; }, "version 1");
   refuses([](Json& j) { j["spindel_rpm"] = 2; }, "spindel_rpm");
+  refuses([](Json& j) { j["level"] = "L9"; }, "a vertebra such as");
   for (const char* key : {"format", "version", "bone", "plan", "hand", "design"}) {
     refuses([key](Json& j) { j.erase(key); }, key);
   }
