@@ -17,8 +17,7 @@
 namespace spinaltap {
 namespace {
 
-/// From half of this on the axes are sure: lumbar vertebrae of the phantom's kind and six real ones drop by 0.22 to
-/// 0.30.
+/// From half of this on the axes are sure: ten real lumbar vertebrae drop by 0.22 to 0.31.
 constexpr double kSureDrop = 0.2;
 constexpr double kSure = 0.5;
 

@@ -25,9 +25,10 @@ struct VertebraExtents {
   double max_shortest_mm = 0.0;
 };
 
-/// Bounds for adults, a good fifth wider than the smallest and largest of the figures published (Panjabi 1991 and 1992:
-/// spans of the transverse processes 45 to 60 mm in C3 to C7, 47 to 75 mm in the thorax, 71 to 92 mm in the lumbar
-/// spine; Rocha 2007: atlas 65 to 90 mm), because a vertebra may lie at a slant in its box. kNone: of any vertebra.
+/// Bounds for adults, set widely: only to tell a unit from another, not a small vertebra from a large one, and a
+/// vertebra may lie at a slant in its box. Ten real lumbar ones are 72 to 98 mm at the longest and 46 to 62 at the
+/// shortest; the other regions' bounds are estimates. kNone: of any vertebra of the neck, the thorax or the lumbar
+/// spine.
 VertebraExtents vertebra_extents(Level level);
 
 /// Throws Error where the mesh has not the size of a vertebra in mm, with its sizes, what was expected, and the unit in
