@@ -41,7 +41,9 @@ ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& lab
                        const Progress& progress) {
   if (labels) return chosen_label(*labels, ct.geometry);
   Segmentation segmentation = segment_vertebra(ct, options, progress);
-  return {std::move(segmentation.mask), segmentation.report, Level::kNone, 0};
+  ChosenBone chosen{std::move(segmentation.mask), std::nullopt, segmentation.report.level, 0};
+  chosen.found = std::move(segmentation);
+  return chosen;
 }
 
 namespace {
@@ -92,7 +94,7 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
   }
   ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
   MaskStage stage{std::move(chosen.mask),
-                  chosen.report ? text("threshold ", chosen.report->threshold_hu, " HU") : text("label ", chosen.label),
+                  chosen.found ? text("threshold ", chosen.found->bone.threshold_hu, " HU") : text("label ", chosen.label),
                   chosen.level};
   if (!options.labels) cache.keep_mask(key, stage);
   return stage;

@@ -8,9 +8,9 @@
 #include "core/ct/ct_volume.h"
 #include "core/ct/label_volume.h"
 #include "core/rbf/fit_surface.h"
+#include "core/segment/segment_spine.h"
 #include "core/surface/surface_points.h"
 #include "vdb/bake.h"
-#include "core/segment/segment_spine.h"
 
 namespace spinaltap {
 
@@ -43,7 +43,7 @@ struct BakedCt {
 /// Which voxels are the wanted bone, and how they were found.
 struct ChosenBone {
   BoneMask mask;
-  std::optional<SegmentReport> report;  ///< without a label map
+  std::optional<Segmentation> found;  ///< without a label map; its mask is moved out
   Level level = Level::kNone;           ///< kNone: not known
   int label = 0;                        ///< of the map
 };

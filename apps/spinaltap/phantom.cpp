@@ -5,7 +5,6 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/error.h"
-#include "mesh/mesh_io.h"
 #include "vdb/mesh_solid.h"
 
 namespace spinaltap {
@@ -15,10 +14,10 @@ void PhantomCommandOptions::add_to(CLI::App& app) {
   CLI::Option* anatomy_option =
       app.add_option("--anatomy", anatomy, "Measures of the vertebra; default: the shipped phantom/l3.json")
           ->type_name("FILE");
-  app.add_option("--mesh", meshes,
-                 "Scan this closed surface (STL, PLY, OBJ; mm) and not a vertebra; several as LEVEL=FILE")
+  app.add_option("--mesh", meshes, "Scan this closed surface (STL, PLY, OBJ) and not a vertebra; several as LEVEL=FILE")
       ->excludes(anatomy_option)
       ->type_name("FILE");
+  mesh_frame.add_to(app);
   app.add_option("--seed", scan.seed, "Seed of the noise")->capture_default_str()->type_name("N");
   app.add_option("--noise", scan.noise_hu, "Standard deviation of the noise, HU")
       ->capture_default_str()
@@ -51,7 +50,7 @@ std::vector<std::string> PhantomCommandOptions::named_meshes() const {
 
 Phantom PhantomCommandOptions::make() const {
   if (meshes.size() > 1) fail("expected one mesh, found ", meshes.size());
-  if (!meshes.empty()) return {make_mesh_solid(read_mesh(meshes.front())), std::nullopt};
+  if (!meshes.empty()) return {make_mesh_solid(mesh_frame.read(meshes.front())), std::nullopt};
   auto vertebra = std::make_unique<Vertebra>(read_anatomy(anatomy.empty() ? data_file("phantom/l3.json") : anatomy));
   const VertebraTruth truth = vertebra_truth(*vertebra);
   return {std::move(vertebra), truth};
@@ -87,6 +86,7 @@ void add_phantom(CLI::App& program, Command& command) {
 
   command.run = [options, slices](const Progress& progress) -> Json {
     options->spine.meshes = options->phantom.named_meshes();
+    options->spine.mesh_frame = options->phantom.mesh_frame;
     if (options->spine.asked_for()) {
       const std::unique_ptr<Spine> spine = options->spine.make();
       ScanOptions scan = options->phantom.output_options().scan;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/common/phantom_output.h"
+#include "apps/spinaltap/mesh_options.h"
 #include "core/phantom/spine.h"
 
 namespace spinaltap {
@@ -26,6 +27,7 @@ struct SpineCommandOptions {
   std::optional<double> disc_mm;         ///< of all discs
   std::vector<std::string> metal, pits;  ///< names of levels
   std::vector<std::string> meshes;       ///< "L1=FILE"
+  MeshCommandOptions mesh_frame;         ///< of all of them
   std::optional<double> stack_mm;        ///< gap between meshes that are put above each other
   std::vector<double> centre_mm;         ///< of the field of view; empty: the middle of the spine
   bool soft_tissue = false;
@@ -41,6 +43,7 @@ struct SpineCommandOptions {
 struct PhantomCommandOptions {
   std::filesystem::path anatomy;    ///< empty: the shipped L3
   std::vector<std::string> meshes;  ///< FILE, or LEVEL=FILE for each of several; empty: a vertebra by its anatomy
+  MeshCommandOptions mesh_frame;    ///< of all of them
   std::string surroundings = "tissue";
   PhantomOptions phantom;
 

@@ -2,7 +2,6 @@
 
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/error.h"
-#include "mesh/mesh_io.h"
 #include "vdb/mesh_solid.h"
 
 namespace spinaltap {
@@ -14,7 +13,8 @@ Level level_named(const std::string& name) {
   return *level;
 }
 
-std::unique_ptr<Spine> spine_of_meshes(const std::vector<std::string>& meshes, std::optional<double> stack_mm) {
+std::unique_ptr<Spine> spine_of_meshes(const std::vector<std::string>& meshes, const MeshCommandOptions& frame,
+                                       std::optional<double> stack_mm) {
   std::vector<SpinePart> parts;
   for (const std::string& entry : meshes) {
     const std::size_t sign = entry.find('=');
@@ -23,7 +23,7 @@ std::unique_ptr<Spine> spine_of_meshes(const std::vector<std::string>& meshes, s
     part.label = static_cast<std::uint8_t>(level_named(entry.substr(0, sign)));
     const auto twice = [&](const SpinePart& other) { return other.label == part.label; };
     if (std::any_of(parts.begin(), parts.end(), twice)) fail("level ", entry.substr(0, sign), " is given twice");
-    part.solid = make_mesh_solid(read_mesh(entry.substr(sign + 1)));
+    part.solid = make_mesh_solid(frame.read(entry.substr(sign + 1), static_cast<Level>(part.label)));
     parts.push_back(std::move(part));
   }
   const auto higher = [](const SpinePart& a, const SpinePart& b) {
@@ -75,7 +75,7 @@ void SpineCommandOptions::add_to(CLI::App& app) {
 }
 
 std::unique_ptr<Spine> SpineCommandOptions::make() const {
-  if (!meshes.empty()) return spine_of_meshes(meshes, stack_mm);
+  if (!meshes.empty()) return spine_of_meshes(meshes, mesh_frame, stack_mm);
   SpineOptions options = spine;
   if (!levels.empty()) {
     const std::size_t dash = levels.find('-');

@@ -75,14 +75,18 @@ void refuse_tall_body(const Landmarks::Body& body) {
        " mm deep: two that touch or have grown together");
 }
 
-/// The body of a vertebra is the thickest part by far: a ring of even thickness has none.
+/// The body of a vertebra is the thickest part by far: a ring of even thickness has none. A pedicle is as thick as its
+/// section is at its narrowest: those of L5 may be almost as wide as the body is high.
 void refuse_thin_body(const Landmarks& found) {
   constexpr double kLeastOverPedicle = 1.3;
   const double body_mm = std::min({found.body.width_mm, found.body.depth_mm, found.body.height_mm});
-  const double pedicle_mm = std::max(found.left_pedicle.width_mm, found.right_pedicle.width_mm);
+  const auto thickness_mm = [](const PedicleLandmarks& pedicle) {
+    return std::min(pedicle.width_mm, pedicle.height_mm);
+  };
+  const double pedicle_mm = std::max(thickness_mm(found.left_pedicle), thickness_mm(found.right_pedicle));
   if (body_mm >= kLeastOverPedicle * pedicle_mm) return;
   fail("landmarks: no vertebral body: the thickest part of the bone is only ", body_mm,
-       " mm thick, where a pedicle is ", pedicle_mm, " mm wide; expected a whole vertebra");
+       " mm thick, where a pedicle is ", pedicle_mm, " mm thick; expected a whole vertebra");
 }
 
 PedicleLandmarks pedicle_or_error(const BoneShape& bone, const PedicleRegion& region, double side) {
