@@ -93,7 +93,7 @@ struct Candidate {
 std::vector<Candidate> candidates() {
   std::vector<Candidate> all;
   for (const double turn_deg : {-24.0, -12.0, 0.0, 12.0, 24.0}) {
-    for (const double wall_mm : {5.0, 8.0, 11.0}) {
+    for (const double wall_mm : {5.0, 8.0, 11.0, 14.0}) {
       for (const double half_width_mm : {7.5, 9.0, 11.0, 13.0, 15.5, 18.5, 22.0, 26.0}) {
         for (const double proportion : {1.0, 1.2, 1.4, 1.65}) {
           all.push_back({turn_deg * kDegree, wall_mm, half_width_mm, half_width_mm / proportion});
@@ -197,12 +197,11 @@ SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, 
   constexpr int kReach = 4;  // 8 mm to each side: never a disc alone
   walls = averaged_along(walls, kinds.size(), kReach);
 
-  // Of two ellipses with as much wall the larger is the whole body.
+  // Of two ellipses with as much wall the wider is the whole body.
   constexpr double kSizePower = 0.2;
   const auto worth = [&](std::size_t n, std::size_t c) {
     const Candidate& kind = kinds[c];
-    return static_cast<double>(walls[n * kinds.size() + c]) *
-           std::pow(kind.half_width_mm * kind.half_depth_mm / 250.0, kSizePower);
+    return static_cast<double>(walls[n * kinds.size() + c]) * std::pow(kind.half_width_mm / 16.0, kSizePower);
   };
   std::vector<double> change(kinds.size() * kinds.size());
   for (std::size_t a = 0; a < kinds.size(); ++a) {
