@@ -113,21 +113,30 @@ ColumnSection section_of(const CanalPoint& canal, const Candidate& candidate) {
   return section;
 }
 
-/// Mean wall on the front and sides of an ellipse; the back has pedicles, canal and the heads of ribs.
+/// Directions around an ellipse in which a body has a wall, as (left, back): the front and the sides, and straight
+/// back, towards the canal. Between them lie pedicles and the heads of ribs.
+std::vector<Eigen::Vector2d> walled_directions() {
+  std::vector<Eigen::Vector2d> directions;
+  const auto add = [&](double from_front_deg) {
+    directions.emplace_back(std::sin(from_front_deg * kDegree), -std::cos(from_front_deg * kDegree));
+  };
+  for (double turn = -110.0; turn <= 110.0; turn += 10.0) add(turn);
+  for (double turn = 158.0; turn <= 202.1; turn += 5.5) add(turn);
+  return directions;
+}
+
+/// Mean wall on an ellipse where a body has one.
 double wall_of(const WallProbe& probe, const ColumnSection& section) {
-  constexpr int kPoints = 23;
-  constexpr double kReach = 115.0 * kDegree;  // to either side of the front
+  static const std::vector<Eigen::Vector2d> directions = walled_directions();
   double sum = 0.0;
-  for (int n = 0; n < kPoints; ++n) {
-    const double turn = kReach * (2.0 * n / (kPoints - 1) - 1.0);
-    const Vec3 unit(std::sin(turn), -std::cos(turn), 0.0);
+  for (const Eigen::Vector2d& unit : directions) {
     const Vec3 p = section.centre_mm +
                    section.axes * Vec3(unit.x() * section.half_width_mm, unit.y() * section.half_depth_mm, 0.0);
     const Vec3 outward =
         (section.axes * Vec3(unit.x() / section.half_width_mm, unit.y() / section.half_depth_mm, 0.0)).normalized();
     sum += probe.edge(p, outward);
   }
-  return sum / kPoints;
+  return sum / static_cast<double>(directions.size());
 }
 
 /// What it costs to go from one ellipse to another a step further along.
