@@ -145,7 +145,7 @@ double change_cost(const Candidate& a, const Candidate& b) {
   const double depth = std::log(a.half_depth_mm / b.half_depth_mm);
   const double turn = (a.turn_rad - b.turn_rad) / (12.0 * kDegree);
   const double wall = (a.wall_mm - b.wall_mm) / 3.0;
-  return 2.0 * (width * width + depth * depth) + 0.06 * turn * turn + 0.06 * wall * wall;
+  return 8.0 * width * width + 4.0 * depth * depth + 0.06 * turn * turn + 0.06 * wall * wall;
 }
 
 /// The mean of each value and its neighbours within `reach` along the column, for every candidate.
