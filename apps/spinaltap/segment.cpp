@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "apps/report/mask_picture.h"
+#include "apps/report/levels_picture.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
@@ -92,7 +92,10 @@ Json segment(const SegmentCommandOptions& options, const Progress& progress) {
   StagedOutput output;
   output.write(options.output, encode_label_map(bone.mask, options.label, options.output));
   if (!options.picture.empty()) {
-    const Image picture = mask_picture(ct, bone.mask, point_to_show(bone.mask, bone.report));
+    const LabelVolume map{bone.mask.geometry, bone.mask.inside, {{1, {"vertebra", Level::kNone}}}};
+    LevelsPicture what{.levels = {{1, point_to_show(bone.mask, bone.report), false, {}}}};
+    if (bone.report) what.seed_mm = bone.report->seed_mm;
+    const Image picture = levels_picture(ct, map, what);
     output.write(options.picture, encode_png(picture));
   }
   output.commit();
