@@ -74,8 +74,22 @@ Vec3 middle_of(const LabelVolume& map, int label) {
   return map.geometry.to_patient(sum / count);
 }
 
-PictureLevel picture_level(const LevelReport& report, int label) {
-  return {label, report.body_centre_mm, report.is_doubtful(), doubts_of(report).warnings};
+/// The middle of a body may lie beyond the CT: slices go through the nearest voxels of the vertebra then.
+Vec3 in_box_of(const LabelVolume& map, int label, const Vec3& p_mm) {
+  Box3 box;
+  std::size_t at = 0;
+  for (int k = 0; k < map.geometry.size[2]; ++k) {
+    for (int j = 0; j < map.geometry.size[1]; ++j) {
+      for (int i = 0; i < map.geometry.size[0]; ++i) {
+        if (map.labels[at++] == label) box.extend(Vec3(i, j, k));
+      }
+    }
+  }
+  return map.geometry.to_patient(map.geometry.to_index(p_mm).cwiseMax(box.min()).cwiseMin(box.max()));
+}
+
+PictureLevel picture_level(const LevelReport& report, const LabelVolume& map, int label) {
+  return {label, in_box_of(map, label, report.body_centre_mm), report.is_doubtful(), doubts_of(report).warnings};
 }
 
 void write_picture(const CtVolume& ct, const LabelVolume& map, const LevelsPicture& what,
@@ -122,7 +136,8 @@ Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, Stage
   const std::string name = bone.found ? bone.found->report.name : level_name(bone.level);
   const LabelVolume map{bone.mask.geometry, bone.mask.inside, {{1, {name.empty() ? "bone" : name, bone.level}}}};
   LevelsPicture what;
-  what.levels = {bone.found ? picture_level(bone.found->report, 1) : PictureLevel{1, middle_of(map, 1), false, {}}};
+  what.levels = {bone.found ? picture_level(bone.found->report, map, 1)
+                            : PictureLevel{1, middle_of(map, 1), false, {}}};
   what.seed_mm = bone.found ? std::optional(bone.found->seed_mm) : std::nullopt;
   write_picture(ct, map, what, options, output);
   output.commit();
@@ -186,7 +201,7 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
   LevelsPicture what;
   what.seed_mm = options.ct.finding.given_seed();
   for (const LevelReport& level : found.levels) {
-    if (level.volume_mm3 > 0.0) what.levels.push_back(picture_level(level, level.label));
+    if (level.volume_mm3 > 0.0) what.levels.push_back(picture_level(level, found.labels, level.label));
   }
   write_picture(ct, found.labels, what, options, output);
   output.commit();
