@@ -1,3 +1,4 @@
+#include <cmath>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -55,7 +56,8 @@ MarkedLevels find_levels(const CtVolume& ct, const FindingOptions& finding, cons
   for (const LevelReport& level : found.levels) {
     if (level.level == Level::kNone) {
       std::ostringstream text;
-      text << level.name << " at " << level.body_centre_mm.array().round().matrix().transpose() << " mm";
+      const Vec3& p = level.body_centre_mm;
+      text << level.name << " at " << std::lround(p.x()) << ',' << std::lround(p.y()) << ',' << std::lround(p.z());
       unnamed += (unnamed.empty() ? "" : ", ") + text.str();
       continue;
     }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <functional>
 #include <string>
 
 #include "apps/common/strokes.h"
@@ -83,8 +84,7 @@ void FindingOptions::add_to(CLI::App& app, CLI::Option* labels) {
       ->excludes(labels)
       ->type_name("HU");
   app.add_flag("--accept-doubtful", accepts_doubtful,
-               "Exit with 0 also where a vertebra is doubtful; without it the exit code is then 1, with all written")
-      ->excludes(labels);
+               "Exit with 0 also where a vertebra is doubtful; without it the exit code is then 1, with all written");
 }
 
 std::optional<Vec3> FindingOptions::given_seed() const {
