@@ -142,16 +142,16 @@ TEST(LevelDoubts, AddsSmallDoubtsUp) {
 }
 
 /// Part of a CT with the middle body of BodyColumn, two pedicles of 9 x 14 mm and a closed arch around the canal; on a
-/// grid of 1 mm.
+/// grid of 1 mm whose voxels lie `from_mm` beside the canal's middle along y.
 struct DrawnLevel {
   LevelCut cut;
   std::vector<std::uint8_t> mine;
 
-  explicit DrawnLevel(const BodyCylinder& body) {
+  explicit DrawnLevel(const BodyCylinder& body, double from_mm = 0.5) {
     GridGeometry& geometry = cut.smooth.geometry;
-    geometry.size = {101, 101, 61};
-    geometry.origin_mm = body.centre_mm + Vec3(-50.0, -30.0, -30.0);
-    cut.box.high = {100, 100, 60};
+    geometry.size = {101, 102, 61};
+    geometry.origin_mm = body.centre_mm + Vec3(-50.0, -30.0 - from_mm, -30.0);
+    cut.box.high = {100, 101, 60};
     const std::size_t count = geometry.voxel_count();
     cut.smooth.values.assign(count, 60.0F);
     cut.peak_hu.assign(count, 60.0F);
@@ -214,6 +214,15 @@ TEST(MeasureLevel, MeasuresAFigureOfKnownSize) {
   EXPECT_THAT(check_level(figures, column.chain, column.row()), IsEmpty());
 }
 
+TEST(MeasureLevel, MeasuresPediclesWhereverTheGridBegins) {
+  const BodyColumn column;
+  for (const double from_mm : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    const DrawnLevel level(column.bodies[1].cylinder, from_mm);
+    const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
+    EXPECT_NEAR(figures.left_pedicle_mm2, 9.0 * 13.0, 20.0) << "voxels from " << from_mm << " mm";
+  }
+}
+
 TEST(MeasureLevel, MissesAPedicleThatIsCutThrough) {
   const BodyColumn column;
   DrawnLevel level(column.bodies[1].cylinder);
@@ -245,8 +254,8 @@ TEST(MeasureLevel, CountsMetalAndALumpOfCement) {
     }
   }
   const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
-  EXPECT_NEAR(figures.cement_mm3, 11.0 * 11.0 * 11.0, 1e-6);
-  EXPECT_NEAR(figures.metal_mm3, 5.0 * 11.0 * 5.0, 1e-6);
+  EXPECT_NEAR(figures.cement_mm3, 11.0 * 10.0 * 11.0, 1e-6);
+  EXPECT_NEAR(figures.metal_mm3, 5.0 * 10.0 * 5.0, 1e-6);
   const std::string texts = texts_of(check_level(figures, column.chain, column.row()));
   EXPECT_THAT(texts, HasSubstr("metal"));
   EXPECT_THAT(texts, HasSubstr("cement"));
@@ -262,7 +271,7 @@ TEST(MeasureLevel, AddsUpTheBoneThatACutGoesThrough) {
       for (int i = 0; i < geometry.size[0]; ++i) {
         const Vec3 p = geometry.to_patient(Vec3(i, j, k)) - column.bodies[1].cylinder.centre_mm;
         const std::size_t voxel = geometry.offset(i, j, k);
-        if (p.y() < 68.5 || std::abs(p.x()) > 2.5 || std::abs(p.z()) > 6.5) continue;
+        if (p.y() < 69.0 || std::abs(p.x()) > 2.5 || std::abs(p.z()) > 6.5) continue;
         level.cut.bone[voxel] = 1;
         level.cut.markers[voxel] = WalkerVoxel::kOther;
         level.cut.conductivity[voxel] = 0.25F;
