@@ -101,8 +101,8 @@ void tally_levels(const CtVolume& ct, const SpineTruth& truth, const std::string
     const std::string what = kind + ", " + level_name(level.level);
     const LevelReport* const report = report_at(found, level.body_centre_mm);
     // A body that is not found any more is told by what is beside it.
-    const bool told =
-        report != nullptr ? report->is_doubtful() : test::is_told({.level = level.level}, level.body_centre_mm, found);
+    const test::LevelScore missing;
+    const bool told = report != nullptr ? report->is_doubtful() : test::is_told(missing, level.body_centre_mm, found);
     tally.add(what, told, report == nullptr ? "not found" : test::texts_of(*report));
   }
 }
