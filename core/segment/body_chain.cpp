@@ -20,6 +20,9 @@ constexpr double kLeastCutMm = 2.5;  // of a body that the CT cuts
 constexpr double kMostHeightMm = 40.0;
 constexpr double kLeastGapMm = 0.5;
 constexpr double kMostGapMm = 17.0;
+// In noise the best of many tilts is better than it should be, and steep ones are rare.
+constexpr double kLargeTilt = 25.0 * kDegree;
+constexpr double kTiltCost = 0.12;
 
 /// Tilts of an endplate against the column's section, in order of growing size so that the least of equals is taken.
 struct Tilt {
@@ -28,7 +31,7 @@ struct Tilt {
 
 std::vector<Tilt> tilts() {
   std::vector<Tilt> all;
-  for (const double pitch : {0.0, -6.0, 6.0, -12.0, 12.0, -18.0, 18.0, -25.0, 25.0}) {
+  for (const double pitch : {0.0, -6.0, 6.0, -12.0, 12.0, -18.0, 18.0, -25.0, 25.0, -33.0, 33.0}) {
     for (const double roll : {0.0, -6.0, 6.0, -12.0, 12.0, -18.0, 18.0}) {
       all.push_back({pitch * kDegree, roll * kDegree});
     }
@@ -108,18 +111,20 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
     for (std::size_t t = 0; t < kinds.size(); ++t) {
       const float below = means[(n - kArm) * kinds.size() + t];
       const float above = means[(n + kArm) * kinds.size() + t];
-      const float change = (above - below) / static_cast<float>(levels.full_drop_hu);
-      if (change > profile.rise[n]) {
-        profile.rise[n] = change;
+      const double size = std::hypot(kinds[t].pitch_rad, kinds[t].roll_rad) / kLargeTilt;
+      const double cost = kTiltCost * size * size;
+      const double change = (static_cast<double>(above) - static_cast<double>(below)) / levels.full_drop_hu;
+      const auto rise = static_cast<float>(std::min(change, 1.0) - cost);
+      const auto fall = static_cast<float>(std::min(-change, 1.0) - cost);
+      if (rise > profile.rise[n]) {
+        profile.rise[n] = rise;
         profile.rise_tilt[n] = static_cast<std::uint16_t>(t);
       }
-      if (-change > profile.fall[n]) {
-        profile.fall[n] = -change;
+      if (fall > profile.fall[n]) {
+        profile.fall[n] = fall;
         profile.fall_tilt[n] = static_cast<std::uint16_t>(t);
       }
     }
-    profile.rise[n] = std::min(profile.rise[n], 1.0F);
-    profile.fall[n] = std::min(profile.fall[n], 1.0F);
   }
   return profile;
 }
@@ -166,7 +171,7 @@ class ChainSearch {
     const double size_mm =
         2.0 * static_cast<double>(profile_.half_size_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A body's height over its size across, the root of width times depth: 0.65 to 0.85 from the neck to L5.
-    const double off = std::log(height_mm / (0.74 * size_mm)) / 0.2;
+    const double off = std::log(height_mm / (0.74 * size_mm)) / 0.28;
     const double size_cost = is_whole || off > 0.0 ? 0.5 * off * off : 0.0;
     constexpr int kRim = 4;  // 2 mm: rims may bridge
     const double wall = mean(wall_sums_, lower + kRim, std::max(lower + kRim + 1, upper - kRim));

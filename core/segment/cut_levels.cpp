@@ -53,9 +53,9 @@ Mask own_voxels(const LevelCut& cut, const std::vector<const LevelCut*>& neighbo
   return mine;
 }
 
-/// Ribs: bone that hangs together with what is surely a rib, and is no vertebra's.
-void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const GridGeometry& ct, const BodyCylinder& body,
-                  CutVertebra& level) {
+/// Ribs: bone that hangs together with what is one for `sure`, and is no vertebra's.
+void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const Mask& sure, const GridGeometry& ct,
+                  const BodyCylinder& body, CutVertebra& level) {
   Mask rest(cut.bone.size());
   for (std::size_t v = 0; v < rest.size(); ++v) {
     rest[v] = cut.bone[v] != 0 && vertebrae[v] == 0 && cut.markers[v] != WalkerVoxel::kOutside ? 1 : 0;
@@ -76,7 +76,7 @@ void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const GridGeometry
   for_rest([&](std::size_t voxel, const Vec3& p) {
     if (std::abs(p.x()) < body.half_mm.x()) rest[voxel] = 0;
   });
-  const Mask ribs = parts_that_touch(rest, cut.ribs, cut.geometry());
+  const Mask ribs = parts_that_touch(rest, sure, cut.geometry());
   level.ribs_box = cut.box;
   const std::array<int, 3>& bins = cut.bins;
   level.ribs.reserve(crop_geometry(ct, cut.box).voxel_count());
@@ -104,7 +104,17 @@ CutVertebra finished(const CtVolume& ct, const SpineBodies& spine, std::size_t i
                      const std::vector<const LevelCut*>& neighbours) {
   CutVertebra level;
   const BodyInRow row{spine.bodies, spine.canal, index};
-  const Mask mine = own_voxels(cut, neighbours);
+  Mask mine = own_voxels(cut, neighbours);
+  Mask ribs = cut.ribs;
+  double sharpness = 1.0;
+  for (const double side : {1.0, -1.0}) {
+    const SideBone bone = find_side_bone(cut, mine, row.body().cylinder, side);
+    if (bone.voxels.empty()) sharpness = std::min(sharpness, bone.sharpness);
+    for (const std::size_t voxel : bone.voxels) {
+      mine[voxel] = 0;
+      ribs[voxel] = 1;
+    }
+  }
   level.index = index;
   level.cut_area_mm2 = cut_area_mm2(cut, mine);
   Mask vertebrae(mine);
@@ -113,9 +123,10 @@ CutVertebra finished(const CtVolume& ct, const SpineBodies& spine, std::size_t i
       if (other->probability[there] > 0.5F) vertebrae[here] = 1;
     });
   }
-  find_ribs_of(cut, vertebrae, ct.geometry, row.body().cylinder, level);
+  find_ribs_of(cut, vertebrae, ribs, ct.geometry, row.body().cylinder, level);
   FinishedLevel done = finish_level(cut, mine, ct, spine.levels);
   level.figures = measure_level(cut, done.blocks, mine, row);
+  level.figures.side_sharpness = sharpness;
   level.box = done.box;
   level.inside = std::move(done.inside);
   level.parts_dropped = done.parts_dropped;

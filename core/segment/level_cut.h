@@ -37,6 +37,18 @@ struct MarkedVoxels {
 LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row,
                    const std::vector<MarkedVoxels>& marks = {});
 
+/// A bone at a vertebra's side that a joint parts from it: a rib too short to be known by its length.
+struct SideBone {
+  std::vector<std::size_t> voxels;  ///< of the cut; empty where there is no joint
+  double sharpness = 1.0;           ///< share of the piece over which a walker's chances turn: small at a joint
+};
+
+/// Looks at what the vertebra (`mine`) has at its left (1) or right (-1) side beyond its body. A walker between its
+/// outermost end and the vertebra's own markers changes his mind in a joint's gap where there is one, and all along a
+/// transverse process.
+SideBone find_side_bone(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
+                        double side);
+
 /// The vertebra on the CT's grid, from the voxels that are its own: the rim that is only blur is taken off, pits are
 /// filled, pieces that hang on nothing are dropped, and each voxel's own CT number decides where the CT is finer than
 /// the work. Empty where nothing is left.

@@ -172,6 +172,18 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
                  words("the gap to the ", side, " neighbour is ", gap_mm, " mm high: a body may be missing there"),
                  Vec3(0.5 * (upper.lower.centre_mm + lower.upper.centre_mm)));
   }
+  // Beyond the outermost bodies.
+  for (const bool is_top : {false, true}) {
+    if (row.own != (is_top ? chain.size() - 1 : 0)) continue;
+    const BodyEnd& end = is_top ? span.upper : span.lower;
+    if (end.is_cut || row.canal.points_mm.empty()) continue;
+    const Vec3& last = is_top ? row.canal.points_mm.back() : row.canal.points_mm.front();
+    const double beyond = (last - end.centre_mm).dot(end.up) * (is_top ? 1.0 : -1.0) / (2.0 * body.half_mm.z());
+    warnings.add(0.6 * ramp(beyond, 0.6, 1.0),
+                 words("the canal goes on for ", beyond, " of a body's height ", is_top ? "above" : "below",
+                       ": a vertebra may be missing there"),
+                 last);
+  }
   const double height_over_depth = body.half_mm.z() / body.half_mm.y();
   if (!is_cut) {
     warnings.add(0.8 * ramp(height_over_depth, 1.15, 1.5),

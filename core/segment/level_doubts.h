@@ -25,10 +25,11 @@ struct LevelFigures {
   double behind_canal_mm = 0.0;  ///< how far it reaches behind the canal's middle
   double left_reach_mm = 0.0;    ///< how far it reaches to the left of that plane
   double right_reach_mm = 0.0;
-  double bridge_mm2 = 0.0;    ///< of the cut to other bone, what goes through bone and not through a gap
-  double unsure_share = 0.0;  ///< of its bone, where the walker hardly preferred it
-  double metal_mm3 = 0.0;     ///< voxels over 2,500 HU in it or on it
-  double cement_mm3 = 0.0;    ///< dense lump in the body's inside
+  double bridge_mm2 = 0.0;      ///< of the cut to other bone, what goes through bone and not through a gap
+  double unsure_share = 0.0;    ///< of its bone, where the walker hardly preferred it
+  double side_sharpness = 1.0;  ///< the least of both sides', see SideBone; small where a rib may have stayed on
+  double metal_mm3 = 0.0;       ///< voxels over 2,500 HU in it or on it
+  double cement_mm3 = 0.0;      ///< dense lump in the body's inside
 };
 
 /// `mine`: the blocks of the finished vertebra; `shared_out`: those that the walker gave it, before rims were taken

@@ -93,7 +93,7 @@ struct Candidate {
 std::vector<Candidate> candidates() {
   std::vector<Candidate> all;
   for (const double turn_deg : {-24.0, -12.0, 0.0, 12.0, 24.0}) {
-    for (const double wall_mm : {5.0, 8.0, 11.0}) {
+    for (const double wall_mm : {5.0, 8.0, 11.0, 14.0}) {
       for (const double half_width_mm : {7.5, 9.0, 11.0, 13.0, 15.5, 18.5, 22.0, 26.0}) {
         for (const double proportion : {1.0, 1.2, 1.4, 1.65}) {
           all.push_back({turn_deg * kDegree, wall_mm, half_width_mm, half_width_mm / proportion});
@@ -113,21 +113,30 @@ ColumnSection section_of(const CanalPoint& canal, const Candidate& candidate) {
   return section;
 }
 
-/// Mean wall on the front and sides of an ellipse; the back has pedicles, canal and the heads of ribs.
+/// Directions around an ellipse in which a body has a wall, as (left, back): the front and the sides, and straight
+/// back, towards the canal. Between them lie pedicles and the heads of ribs.
+std::vector<Eigen::Vector2d> walled_directions() {
+  std::vector<Eigen::Vector2d> directions;
+  const auto add = [&](double from_front_deg) {
+    directions.emplace_back(std::sin(from_front_deg * kDegree), -std::cos(from_front_deg * kDegree));
+  };
+  for (double turn = -110.0; turn <= 110.0; turn += 10.0) add(turn);
+  for (double turn = 158.0; turn <= 202.1; turn += 5.5) add(turn);
+  return directions;
+}
+
+/// Mean wall on an ellipse where a body has one.
 double wall_of(const WallProbe& probe, const ColumnSection& section) {
-  constexpr int kPoints = 23;
-  constexpr double kReach = 115.0 * kDegree;  // to either side of the front
+  static const std::vector<Eigen::Vector2d> directions = walled_directions();
   double sum = 0.0;
-  for (int n = 0; n < kPoints; ++n) {
-    const double turn = kReach * (2.0 * n / (kPoints - 1) - 1.0);
-    const Vec3 unit(std::sin(turn), -std::cos(turn), 0.0);
+  for (const Eigen::Vector2d& unit : directions) {
     const Vec3 p = section.centre_mm +
                    section.axes * Vec3(unit.x() * section.half_width_mm, unit.y() * section.half_depth_mm, 0.0);
     const Vec3 outward =
         (section.axes * Vec3(unit.x() / section.half_width_mm, unit.y() / section.half_depth_mm, 0.0)).normalized();
     sum += probe.edge(p, outward);
   }
-  return sum / kPoints;
+  return sum / static_cast<double>(directions.size());
 }
 
 /// What it costs to go from one ellipse to another a step further along.
@@ -136,7 +145,7 @@ double change_cost(const Candidate& a, const Candidate& b) {
   const double depth = std::log(a.half_depth_mm / b.half_depth_mm);
   const double turn = (a.turn_rad - b.turn_rad) / (12.0 * kDegree);
   const double wall = (a.wall_mm - b.wall_mm) / 3.0;
-  return 2.0 * (width * width + depth * depth) + 0.06 * turn * turn + 0.06 * wall * wall;
+  return 8.0 * width * width + 4.0 * depth * depth + 0.06 * turn * turn + 0.06 * wall * wall;
 }
 
 /// The mean of each value and its neighbours within `reach` along the column, for every candidate.
@@ -197,12 +206,11 @@ SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, 
   constexpr int kReach = 4;  // 8 mm to each side: never a disc alone
   walls = averaged_along(walls, kinds.size(), kReach);
 
-  // Of two ellipses with as much wall the larger is the whole body.
+  // Of two ellipses with as much wall the wider is the whole body.
   constexpr double kSizePower = 0.2;
   const auto worth = [&](std::size_t n, std::size_t c) {
     const Candidate& kind = kinds[c];
-    return static_cast<double>(walls[n * kinds.size() + c]) *
-           std::pow(kind.half_width_mm * kind.half_depth_mm / 250.0, kSizePower);
+    return static_cast<double>(walls[n * kinds.size() + c]) * std::pow(kind.half_width_mm / 16.0, kSizePower);
   };
   std::vector<double> change(kinds.size() * kinds.size());
   for (std::size_t a = 0; a < kinds.size(); ++a) {

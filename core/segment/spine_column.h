@@ -13,7 +13,7 @@ struct ColumnSection {
   Mat3 axes = Mat3::Identity();   ///< columns: the column's own left, back and up
   double half_width_mm = 0.0;
   double half_depth_mm = 0.0;
-  double wall = 0.0;  ///< share of a full wall on the ellipse's front and sides, as wall_edge() has it
+  double wall = 0.0;  ///< share of a full wall on the ellipse but for its back corners, as WallProbe::edge() has it
 };
 
 /// The column of vertebral bodies from below upward.
