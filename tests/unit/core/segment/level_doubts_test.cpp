@@ -135,6 +135,17 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"metal", [](BodyColumn& c) { c.figures.metal_mm3 = 400.0; }, "metal", true},
         Spoilt{"cement", [](BodyColumn& c) { c.figures.cement_mm3 = 2000.0; }, "as of cement", true}));
 
+TEST(LevelDoubts, TellWhereTheCanalGoesOnBeyondTheOutermostBodies) {
+  BodyColumn column;
+  for (double z = 97.5; z <= 125.0; z += SpinalCanal::kStepMm) {
+    column.canal.points_mm.push_back(Vec3(0.0, 24.0, z));
+    column.canal.support.push_back(1.5);
+  }
+  EXPECT_THAT(texts_of(column.warnings(2)), HasSubstr("a vertebra may be missing"));
+  EXPECT_EQ(texts_of(column.warnings(1)), "");
+  EXPECT_EQ(texts_of(column.warnings(0)), "");
+}
+
 TEST(LevelDoubts, AddsSmallDoubtsUp) {
   EXPECT_EQ(total_doubt({}), 0.0);
   EXPECT_NEAR(total_doubt({{"a", 0.3}, {"b", 0.3}}), 1.0 - 0.7 * 0.7, 1e-12);
