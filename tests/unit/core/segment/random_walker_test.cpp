@@ -7,7 +7,7 @@
 namespace spinaltap {
 namespace {
 
-using Voxels = std::vector<WalkerVoxel>;
+using WalkerVoxels = std::vector<WalkerVoxel>;
 constexpr WalkerVoxel kOutside = WalkerVoxel::kOutside;
 constexpr WalkerVoxel kFree = WalkerVoxel::kFree;
 constexpr WalkerVoxel kWanted = WalkerVoxel::kWanted;
@@ -20,7 +20,7 @@ GridGeometry line_of(int voxels) {
 }
 
 TEST(RandomWalker, FallsEvenlyAlongAnEvenLine) {
-  Voxels line(11, kFree);
+  WalkerVoxels line(11, kFree);
   line.front() = kWanted;
   line.back() = kOther;
   const std::vector<float> p = walk_randomly(line, std::vector<float>(11, 0.3F), line_of(11));
@@ -30,7 +30,7 @@ TEST(RandomWalker, FallsEvenlyAlongAnEvenLine) {
 
 TEST(RandomWalker, FallsOverABarrierAsOverResistorsInARow) {
   // Steps resist by 1 over the smaller conductivity: 1, 1, 10, 10, 1, 1 of 24 in all.
-  const Voxels line{kWanted, kFree, kFree, kFree, kFree, kFree, kOther};
+  const WalkerVoxels line{kWanted, kFree, kFree, kFree, kFree, kFree, kOther};
   const std::vector<float> p = walk_randomly(line, std::vector<float>{1, 1, 1, 0.1F, 1, 1, 1}, line_of(7));
   EXPECT_NEAR(p[2], 22.0 / 24.0, 1e-4);
   EXPECT_NEAR(p[3], 12.0 / 24.0, 1e-4);
@@ -42,12 +42,12 @@ TEST(RandomWalker, WeighsFacesByAreaOverDistance) {
   GridGeometry geometry;
   geometry.size = {3, 3, 1};
   geometry.spacing_mm = Vec3(1.0, 2.0, 1.0);
-  const Voxels cross{kOutside, kOther, kOutside, kWanted, kFree, kWanted, kOutside, kOther, kOutside};
+  const WalkerVoxels cross{kOutside, kOther, kOutside, kWanted, kFree, kWanted, kOutside, kOther, kOutside};
   EXPECT_NEAR(walk_randomly(cross, std::vector<float>(9, 1.0F), geometry)[4], 0.8, 1e-4);
 }
 
 TEST(RandomWalker, GivesNothingWhereNoMarkerCanBeReached) {
-  const Voxels line{kWanted, kFree, kOutside, kFree, kFree};
+  const WalkerVoxels line{kWanted, kFree, kOutside, kFree, kFree};
   const std::vector<float> p = walk_randomly(line, std::vector<float>(5, 1.0F), line_of(5));
   EXPECT_NEAR(p[1], 1.0, 1e-4);
   EXPECT_EQ(p[2], 0.0F);
@@ -55,13 +55,13 @@ TEST(RandomWalker, GivesNothingWhereNoMarkerCanBeReached) {
 }
 
 TEST(RandomWalker, KeepsMarkersThatLeaveNothingFree) {
-  EXPECT_EQ(walk_randomly(Voxels{kWanted, kOther}, std::vector<float>(2, 1.0F), line_of(2)),
+  EXPECT_EQ(walk_randomly(WalkerVoxels{kWanted, kOther}, std::vector<float>(2, 1.0F), line_of(2)),
             (std::vector<float>{1.0F, 0.0F}));
 }
 
 TEST(RandomWalker, RefusesListsOfAnotherSize) {
-  EXPECT_THROW(walk_randomly(Voxels(3, kFree), std::vector<float>(3, 1.0F), line_of(4)), Error);
-  EXPECT_THROW(walk_randomly(Voxels(4, kFree), std::vector<float>(3, 1.0F), line_of(4)), Error);
+  EXPECT_THROW(walk_randomly(WalkerVoxels(3, kFree), std::vector<float>(3, 1.0F), line_of(4)), Error);
+  EXPECT_THROW(walk_randomly(WalkerVoxels(4, kFree), std::vector<float>(3, 1.0F), line_of(4)), Error);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "core/base/random.h"
 #include "core/phantom/scanner.h"
 #include "tests/support/mask_overlap.h"
+#include "tests/support/random_vertebra.h"
 #include "tests/support/stacked_vertebrae.h"
 
 namespace spinaltap {
@@ -125,6 +126,24 @@ TEST(SegmentVertebra, FindsAVertebraWithoutASeed) {
   }
   EXPECT_GE(test::dice(found.mask, truth), 0.95);
   EXPECT_EQ(found.report.cut_area_mm2, 0.0);  // it stands alone
+}
+
+// An old vertebra: the body's wall, 0.25 to 0.4 mm, is thinner than a voxel, its cancellous bone as dark as soft
+// tissue, and the arch behind it, with thicker walls, is nearly as large as a small body.
+TEST(SegmentVertebra, FindsTheBodyWhereItsWallIsThinnerThanTheArchs) {
+  for (const std::uint64_t seed : {29U, 37U}) {
+    const Vertebra vertebra(test::random_anatomy(seed));
+    ScanOptions options;
+    options.seed = seed;
+    options.pixel_mm = 0.7;  // coarser than the scanner's usual
+    options.slice_step_mm = 1.0;
+    const Vec3 size_mm = vertebra.bounds_mm().sizes() + Vec3(16.0, 16.0, 8.0);
+    options.columns = static_cast<int>(size_mm.x() / options.pixel_mm);
+    options.rows = static_cast<int>(size_mm.y() / options.pixel_mm);
+    options.slices = static_cast<int>(size_mm.z() / options.slice_step_mm);
+    const Segmentation found = segment_vertebra(scan(vertebra, options));
+    EXPECT_LE(vertebra.to_own(found.report.body_centre_mm).norm(), 5.0) << "seed " << seed;
+  }
 }
 
 TEST(SegmentVertebra, RefusesASeedInAir) {
