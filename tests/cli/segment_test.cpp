@@ -36,7 +36,7 @@ class Segment : public testing::Test {
 
   /// The level of the voxel that a point lies in.
   static Level level_at(const LabelVolume& map, const Vec3& p_mm) {
-    const auto p = map.geometry.to_index(p_mm).array().round().cast<int>();
+    const Eigen::Vector3i p = map.geometry.to_index(p_mm).array().round().cast<int>();
     const auto found = map.names.find(map.labels[map.geometry.offset(p.x(), p.y(), p.z())]);
     return found == map.names.end() ? Level::kNone : found->second.level;
   }
