@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/base/staged_output.h"
 #include "core/ct/dicom_write.h"
+#include "core/ct/label_map.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -23,7 +25,7 @@ using ::testing::IsEmpty;
 namespace fs = std::filesystem;
 
 constexpr int kCtSide = 32;
-constexpr const char* kBakeCt = "bake ct --voxel 0.5";
+constexpr const char* kBakeCt = "bake ct --labels ball.nrrd --voxel 0.5";
 
 /// A ball of bone (radius 10 mm, 600 HU) in soft tissue, around (16, 16, 16) mm.
 CtVolume ball_ct(double spacing_mm = 1.0) {
@@ -40,6 +42,14 @@ CtVolume ball_ct(double spacing_mm = 1.0) {
     }
   }
   return make_ct_volume(geometry, std::move(hu));
+}
+
+/// A label map of the ball, which is no vertebra that could be found.
+std::string ball_map() {
+  const CtVolume ct = ball_ct();
+  BoneMask mask{ct.geometry, std::vector<std::uint8_t>(ct.hu.size())};
+  for (std::size_t v = 0; v < mask.inside.size(); ++v) mask.inside[v] = ct.hu[v] >= 320 ? 1 : 0;
+  return encode_label_map(mask, 1, "ball.nrrd");
 }
 
 /// A label map over the ball's CT in which every voxel is 5.
@@ -69,6 +79,7 @@ class Errors : public ::testing::Test {
     made_ = new test::TemporaryFolder;
     fs::create_directory(made_->path() / "ct");
     write_dicom(ball_ct(), made_->path() / "ct");
+    write_whole_file(made_->path() / "ball.nrrd", ball_map());
     const ProgramRun run = run_program(std::string(kBakeCt) + " -o bone.vdb", made_->path());
     ASSERT_EQ(run.exit_code, 0) << run.errors;
   }
@@ -76,6 +87,7 @@ class Errors : public ::testing::Test {
 
   void SetUp() override {
     fs::copy(made_->path() / "ct", folder_.path() / "ct");
+    fs::copy(made_->path() / "ball.nrrd", folder_.path());
     fs::create_directory(folder_.path() / "work");
   }
 
@@ -96,7 +108,7 @@ class Errors : public ::testing::Test {
   /// Puts the baked ball into the test's folder.
   void take_bone() { fs::copy(made_->path() / "bone.vdb", folder_.path()); }
 
-  static const test::TemporaryFolder* made_;  ///< a CT in ct/, and bone.vdb
+  static const test::TemporaryFolder* made_;  ///< a CT in ct/, ball.nrrd, and bone.vdb
   test::TemporaryFolder folder_;
 };
 
@@ -164,7 +176,7 @@ TEST_F(Errors, ListsTheLabelsOfAMapWithoutTheOneAskedFor) {
 TEST_F(Errors, SaysWhatIsWrongWithASeed) {
   EXPECT_THAT(refused("segment ../ct --seed 16,16,400 -o out/map.nii.gz"), HasSubstr("expected a point in the CT"));
   EXPECT_THAT(refused("bake ../ct --seed 16,16,400 -o out/bone.vdb"), HasSubstr("expected a point in the CT"));
-  EXPECT_THAT(refused("segment ../ct --seed 1,2,3 -o out/map.nii.gz"), HasSubstr("mm from (1, 2, 3) mm"));
+  EXPECT_THAT(refused("segment ../ct --seed 1,2,3 -o out/map.nii.gz"), HasSubstr("around (1, 2, 3) mm"));
   EXPECT_THAT(refused("segment ../ct --seed 1,2 -o out/map.nii.gz"), HasSubstr("--help"));
 }
 
@@ -224,7 +236,8 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   // A limit on the size of a file makes writes fail as a full disk does.
   const std::string small = "ulimit -f 8;";
-  EXPECT_THAT(refused("bake ../ct --voxel 0.5 -o out/bone.vdb", small), HasSubstr("cannot write"));
+  EXPECT_THAT(refused("bake ../ct --labels ../ball.nrrd --voxel 0.5 -o out/bone.vdb", small),
+              HasSubstr("cannot write"));
   EXPECT_THAT(refused("mesh ../bone.vdb -o out/bone.stl", small), HasSubstr("cannot write"));
   EXPECT_THAT(refused("drill ../bone.vdb ../plan.json --step 0.05 -o out", small), HasSubstr("cannot write"));
   EXPECT_THAT(refused("phantom out --slices 3 --slice-step 5", small), HasSubstr("cannot write"));

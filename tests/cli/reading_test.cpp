@@ -89,7 +89,9 @@ TEST_F(Reading, TakesANiftiFileWhereverACtIsWanted) {
   }
   write_whole_file(folder_.path() / "ct.nii.gz", test::gzipped(nifti.bytes()));
   EXPECT_EQ(figures_of("info ct.nii.gz").at("ct").at("highest_hu"), 600);
-  const Json baked = figures_of("bake ct.nii.gz --voxel 0.5 -o bone.vdb");
+  for (double& value : nifti.values) value = value > 320.0 ? 1.0 : 0.0;
+  write_whole_file(folder_.path() / "ball.nii.gz", test::gzipped(nifti.bytes()));
+  const Json baked = figures_of("bake ct.nii.gz --labels ball.nii.gz --voxel 0.5 -o bone.vdb");
   // The grid reaches 1.5 mm beyond the surface.
   EXPECT_NEAR(baked.at("size_mm").at(0).get<double>(), 18.0 + 3.0, 0.6);
 }
