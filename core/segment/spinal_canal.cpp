@@ -120,8 +120,8 @@ class CanalScore {
   /// How much a block looks like the canal with a body in front: 0, or up to about 2.
   double operator()(int i, int j, int k) const {
     const float here = blocks_.mean[blocks_.geometry.offset(i, j, k)];
-    // Fat is in canals too; marrow, where it is denser, is none.
-    if (here < -60.0F || here > 120.0F) return 0.0;
+    // Fat is in canals too, and air in those of dry bones; marrow, where it is denser, is none.
+    if (here > 120.0F) return 0.0;
     std::array<int, kRayDirections> hits{};
     for (std::size_t n = 0; n < hits.size(); ++n) hits[n] = first_bone(i, j, k, directions_[n]);
     double seen = 0.0;
