@@ -48,8 +48,16 @@ fs::path BakeCache::file(const char* stage, const std::string& key, const char* 
 std::optional<MaskStage> BakeCache::find_mask(const std::string& key, const GridGeometry& geometry) const {
   if (folder_.empty()) return std::nullopt;
   return if_whole([&] {
-    const std::string method = read_json(file("mask", key, ".json")).at("method").get<std::string>();
-    return MaskStage{read_label_map(file("mask", key, ".nrrd"), 1, geometry), method};
+    const Json json = read_json(file("mask", key, ".json"));
+    MaskStage stage;
+    stage.method = json.at("method").get<std::string>();
+    stage.level = level_from_name(json.at("level").get<std::string>()).value_or(Level::kNone);
+    if (const Json& doubts = json.at("doubts"); !doubts.is_null()) {
+      stage.doubts =
+          LevelDoubts{doubts.at("warnings").get<std::vector<std::string>>(), doubts.at("doubt").get<double>()};
+    }
+    stage.mask = read_label_map(file("mask", key, ".nrrd"), 1, geometry);
+    return stage;
   });
 }
 
@@ -58,7 +66,9 @@ void BakeCache::keep_mask(const std::string& key, const MaskStage& stage) const 
   StagedOutput output;
   const fs::path map = file("mask", key, ".nrrd");
   output.write(map, encode_label_map(stage.mask, 1, map));
-  output.write(file("mask", key, ".json"), Json{{"method", stage.method}}.dump(2) + "\n");
+  Json json{{"method", stage.method}, {"level", level_name(stage.level)}, {"doubts", nullptr}};
+  if (stage.doubts) json["doubts"] = {{"warnings", stage.doubts->warnings}, {"doubt", stage.doubts->doubt}};
+  output.write(file("mask", key, ".json"), json.dump(2) + "\n");
   output.commit();
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/common/level_doubts.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/level.h"
 #include "core/rbf/fit_surface.h"
@@ -14,7 +15,8 @@ namespace spinaltap {
 struct MaskStage {
   BoneMask mask;
   std::string method;
-  Level level = Level::kNone;  ///< where it is known; a cache does not keep it
+  Level level = Level::kNone;           ///< where it is known
+  std::optional<LevelDoubts> doubts{};  ///< where the mask was found; nothing for a label map
 };
 
 /// A folder of finished stages, so that a bake that was stopped goes on where it was, and one with other options for

@@ -30,9 +30,10 @@ ChosenBone chosen_label(const LabelChoice& choice, const GridGeometry& geometry)
     return {std::move(mask), std::nullopt, choice.level, *label_of(volume, choice.level)};
   }
   const std::optional<LabelVolume> volume = labels_if_clear(choice, geometry);
-  const Level level =
-      volume && volume->names.contains(choice.label) ? volume->names.at(choice.label).level : Level::kNone;
-  return {read_label_map(choice.file, choice.label, geometry), std::nullopt, level, choice.label};
+  int label = choice.label;
+  if (label == 0) label = volume && volume->names.size() == 1 ? volume->names.begin()->first : 1;
+  const Level level = volume && volume->names.contains(label) ? volume->names.at(label).level : Level::kNone;
+  return {read_label_map(choice.file, label, geometry), std::nullopt, level, label};
 }
 
 }  // namespace
@@ -83,9 +84,17 @@ class StageKey {
   Fnv1a hash_;
 };
 
+std::string mask_key(const CtVolume& ct, const SegmentOptions& options) {
+  StageKey key(ct);
+  key.add(options.seed_mm, options.threshold_hu, options.names.size());
+  for (const LevelPoint& name : options.names) key.add(level_name(name.level), std::optional(name.p_mm));
+  for (const Correction& one : options.corrections) key.add(level_name(one.level), std::optional(one.p_mm));
+  return key.hex();
+}
+
 MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const BakeCache& cache, bool& from_cache,
                     const Progress& progress) {
-  const std::string key = StageKey(ct).add(options.segment.seed_mm, options.segment.threshold_hu).hex();
+  const std::string key = mask_key(ct, options.segment);
   if (!options.labels) {
     if (std::optional<MaskStage> kept = cache.find_mask(key, ct.geometry)) {
       from_cache = true;
@@ -93,9 +102,11 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
     }
   }
   ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
-  MaskStage stage{std::move(chosen.mask),
-                  chosen.found ? text("threshold ", chosen.found->bone.threshold_hu, " HU") : text("label ", chosen.label),
-                  chosen.level};
+  MaskStage stage{
+      std::move(chosen.mask),
+      chosen.found ? text("threshold ", chosen.found->bone.threshold_hu, " HU") : text("label ", chosen.label),
+      chosen.level, std::nullopt};
+  if (chosen.found) stage.doubts = doubts_of(chosen.found->report);
   if (!options.labels) cache.keep_mask(key, stage);
   return stage;
 }
@@ -144,6 +155,7 @@ std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOpti
       {"hu_margin_mm", text(options.bake.hu_margin_mm)},
   };
   if (mask.level != Level::kNone) facts["level"] = level_name(mask.level);
+  if (mask.doubts) add_doubts(*mask.doubts, facts);
   return facts;
 }
 
@@ -159,7 +171,7 @@ BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions
                                    facts_of(ct, options, mask, fit.report), &report, progress);
   const auto mask_voxels =
       static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
-  return {bone, mask_voxels, fit.report, report, false, fit_from_cache};
+  return {bone, mask_voxels, fit.report, report, mask.level, mask.doubts, false, fit_from_cache};
 }
 
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {

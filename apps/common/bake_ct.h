@@ -17,7 +17,7 @@ namespace spinaltap {
 /// A voxel label map that says which bone is meant: by its number, or by its level.
 struct LabelChoice {
   std::filesystem::path file;  ///< NIfTI or NRRD
-  int label = 1;
+  int label = 1;               ///< 0: the only one, or 1 where there are several
   Level level = Level::kNone;  ///< other than kNone: in place of the number
   LabelConvention convention = LabelConvention::automatic;
 };
@@ -36,6 +36,8 @@ struct BakedCt {
   std::size_t mask_voxels = 0;
   SurfaceFitReport fit;
   BakeReport bake;
+  Level level = Level::kNone;           ///< where it is known
+  std::optional<LevelDoubts> doubts{};  ///< without a label map
   bool mask_from_cache = false;
   bool fit_from_cache = false;
 };
@@ -44,15 +46,15 @@ struct BakedCt {
 struct ChosenBone {
   BoneMask mask;
   std::optional<Segmentation> found;  ///< without a label map; its mask is moved out
-  Level level = Level::kNone;           ///< kNone: not known
-  int label = 0;                        ///< of the map
+  Level level = Level::kNone;         ///< kNone: not known
+  int label = 0;                      ///< of the map
 };
 
 /// The bone that a label map marks, or the vertebra that segment_vertebra() finds.
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress = {});
 
-/// The rest of the chain, from a mask on. The facts record how the mask came about and its level.
+/// The rest of the chain, from a mask on. The facts record how the mask came about, its level, warnings and doubt.
 BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options,
                   const Progress& progress = {});
 

@@ -80,10 +80,11 @@ BakedLevels bake_levels(const CtVolume& ct, const LabelVolume& labels, const Bak
   for (std::size_t n = 0; n < whole.size(); ++n) {
     const Level level = whole[n];
     const int label = *label_of(labels, level);
-    const MaskStage mask{mask_of(labels, label), "label " + std::to_string(label), level};
+    MaskStage mask{mask_of(labels, label), "label " + std::to_string(label), level, std::nullopt};
     const Progress of_level = progress_of_level(progress, level, n + 1, whole.size());
     LevelNotes notes;
     if (const auto found = options.doubts.find(level); found != options.doubts.end()) {
+      mask.doubts = found->second;
       notes.warnings = found->second.warnings;
       notes.doubt = found->second.doubt;
     }

@@ -12,15 +12,9 @@
 
 namespace spinaltap {
 
-/// What whoever marked the bones thinks of a level.
-struct LevelDoubts {
-  std::vector<std::string> warnings;
-  double doubt = 0.0;  ///< 0: none, to 1: likely wrong
-};
-
 struct BakeLevelsOptions {
   BakeCtOptions bake;                   ///< but for `labels` and `segment`
-  std::map<Level, LevelDoubts> doubts;  ///< go into the bones' notes
+  std::map<Level, LevelDoubts> doubts;  ///< go into the bones' notes and facts
   bool finds_landmarks = true;          ///< into the notes too; seconds a level
   bool is_strict = false;               ///< throw where a level cannot be baked, instead of leaving it out
 };

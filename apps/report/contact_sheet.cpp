@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/report/pixel_text.h"
+#include "apps/report/slice_marks.h"
 #include "core/base/error.h"
 
 namespace spinaltap {
@@ -78,42 +79,6 @@ Image slice_picture(const CtVolume& ct, int k, const Layout& layout, const HuWin
   return mean;
 }
 
-/// Letters at the four borders: towards which side of the patient the picture goes there.
-void draw_letters(Image& sheet, const GridGeometry& geometry, const Layout& layout, int x, int y) {
-  const Vec3 right = geometry.directions.col(0);
-  const Vec3 down = geometry.directions.col(1);
-  const int height = kTextHeight * kScale;
-  const auto at = [&](const Vec3& direction, double across, double along) {
-    const std::string letters = orientation_letters(direction);
-    const int width = pixel_text_width(letters, kScale);
-    draw_text(sheet, x + 4 + static_cast<int>(std::lround(across * (layout.width - width - 8))),
-              y + 4 + static_cast<int>(std::lround(along * (layout.height - height - 8))), letters, kScale, kAmber);
-  };
-  at(-right, 0.0, 0.5);
-  at(right, 1.0, 0.5);
-  at(-down, 0.5, 0.0);
-  at(down, 0.5, 1.0);
-}
-
-/// A bar of 1, 2 or 5 times a power of ten, about a quarter of the slice.
-void draw_bar(Image& sheet, const Layout& layout, int x, int y) {
-  const double wanted_mm = 0.25 * layout.width * layout.pixel_mm;
-  double bar_mm = std::pow(10.0, std::floor(std::log10(wanted_mm)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * bar_mm <= wanted_mm) {
-      bar_mm *= factor;
-      break;
-    }
-  }
-  const int width = static_cast<int>(std::lround(bar_mm / layout.pixel_mm));
-  char text[32];
-  std::snprintf(text, sizeof text, "%g mm", bar_mm);
-  const int bottom = y + layout.height - 6;
-  fill_rectangle(sheet, x + 5, bottom - 4, width + 2, 5, {0, 0, 0});
-  fill_rectangle(sheet, x + 6, bottom - 3, width, 3, kWhite);
-  draw_text(sheet, x + 6, bottom - 8 - kTextHeight, text, 1, kWhite);
-}
-
 }  // namespace
 
 std::vector<int> contact_sheet_slices(int slices, int most) {
@@ -150,8 +115,9 @@ Image contact_sheet(const CtVolume& ct, const ContactSheetOptions& options) {
                   orientation_letters(ct.geometry.directions.col(2)).c_str(), along_mm);
     const int scale = pixel_text_width(text, kScale) <= layout.width ? kScale : 1;
     draw_text(sheet, x, y - kLabelHeight + 4, text, scale, kWhite);
-    draw_letters(sheet, ct.geometry, layout, x, y);
-    draw_bar(sheet, layout, x, y);
+    const PictureArea area{x, y, layout.width, layout.height};
+    draw_side_letters(sheet, area, ct.geometry.directions.col(0), ct.geometry.directions.col(1), kScale, kAmber);
+    draw_scale_bar(sheet, area, layout.pixel_mm);
   }
   return sheet;
 }

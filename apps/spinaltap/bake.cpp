@@ -1,9 +1,13 @@
+#include <cmath>
+#include <map>
 #include <memory>
+#include <sstream>
 
 #include "apps/common/bake_cache.h"
 #include "apps/common/bake_levels.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 
@@ -16,6 +20,7 @@ struct BakeCommandOptions {
   std::filesystem::path cache;
   bool is_all = false;
   bool is_strict = false;
+  int exit_code = 0;
 
   std::filesystem::path output_or_default() const {
     if (!output.empty()) return output;
@@ -23,36 +28,79 @@ struct BakeCommandOptions {
   }
 };
 
-Json bake_one(const BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
+Json bake_one(BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
   // Before the work: a place that cannot be written to is said at once.
   const std::filesystem::path staged = output.stage(options.output_or_default());
   const CtVolume ct = options.ct.read(progress);
   const BakedCt baked = options.ct.make_bone(ct, progress);
   write_bone(baked.bone, staged);
   output.commit();
-  return report_baked(ct, baked);
+  Json figures = report_baked(ct, baked);
+  if (baked.doubts) {
+    options.exit_code = say_doubtful(level_name(baked.level), *baked.doubts, options.ct.finding.accepts_doubtful);
+  }
+  return figures;
 }
 
-Json bake_all(const BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
+/// The vertebrae to bake, and what is known of them.
+struct MarkedLevels {
+  LabelVolume labels;
+  std::map<Level, LevelDoubts> doubts;
+};
+
+MarkedLevels find_levels(const CtVolume& ct, const FindingOptions& finding, const Progress& progress) {
+  SpineSegmentation found = segment_spine(ct, finding.complete(ct), progress);
+  MarkedLevels marked{std::move(found.labels), {}};
+  marked.labels.names.clear();
+  std::string unnamed;
+  for (const LevelReport& level : found.levels) {
+    if (level.level == Level::kNone) {
+      std::ostringstream text;
+      const Vec3& p = level.body_centre_mm;
+      text << level.name << " at " << std::lround(p.x()) << ',' << std::lround(p.y()) << ',' << std::lround(p.z());
+      unnamed += (unnamed.empty() ? "" : ", ") + text.str();
+      continue;
+    }
+    marked.labels.names[level.label] = {level.name, level.level};
+    marked.doubts[level.level] = doubts_of(level);
+  }
+  if (marked.doubts.empty()) {
+    fail(
+        "expected names of the vertebrae to bake, found none; name one by a point in its body, such as --level "
+        "T11=X,Y,Z; there are: ",
+        unnamed);
+  }
+  if (!unnamed.empty()) print_figure("left out, without a name", unnamed);
+  print_figure("names", words_of(found.levels.front().name_source, finding.segment.names));
+  return marked;
+}
+
+Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress& progress) {
   const std::filesystem::path target = options.output_or_default();
   // Named twice where it is a file: this tells at once that it cannot be written to.
   if (target.extension() == ".vdb") StagedOutput().stage(target);
   const CtVolume ct = options.ct.read(progress);
-  const LabelVolume labels = read_label_volume(options.ct.labels, ct.geometry, options.ct.convention);
-  const BakedLevels baked =
-      bake_levels(ct, labels, {.bake = options.ct.bake, .doubts = {}, .is_strict = options.is_strict}, progress);
+  const MarkedLevels marked =
+      options.ct.labels.empty()
+          ? find_levels(ct, options.ct.finding, progress)
+          : MarkedLevels{read_label_volume(options.ct.labels, ct.geometry, options.ct.convention), {}};
+  const BakedLevels baked = bake_levels(
+      ct, marked.labels, {.bake = options.ct.bake, .doubts = marked.doubts, .is_strict = options.is_strict}, progress);
   write_levels(baked, target, output);
   output.commit();
+  std::vector<std::string> doubtful;
   Json figures{{"ct_hash", ct.source_hash}, {"levels", Json::array()}, {"skipped", Json::array()}};
   for (const BakedLevel& one : baked.levels) {
-    print_figure(level_name(one.level), "");
     Json level = report_baked(ct, one.baked);
     level["level"] = level_name(one.level);
     level["warnings"] = one.notes.warnings;
     level["doubt"] = one.notes.doubt;
     if (!one.notes.landmarks.empty()) level["landmarks"] = Json::parse(one.notes.landmarks);
     if (!one.notes.no_landmarks.empty()) level["no_landmarks"] = one.notes.no_landmarks;
-    for (const std::string& warning : one.notes.warnings) print_figure("warning", warning);
+    // The first ones are those of the mask, which are printed.
+    const std::size_t printed = one.baked.doubts ? one.baked.doubts->warnings.size() : 0;
+    for (std::size_t n = printed; n < one.notes.warnings.size(); ++n) print_figure("warning", one.notes.warnings[n]);
+    if (one.baked.doubts && one.baked.doubts->is_doubtful()) doubtful.push_back(level_name(one.level));
     if (!one.notes.no_landmarks.empty()) print_figure("no landmarks", one.notes.no_landmarks);
     figures["levels"].push_back(level);
   }
@@ -60,11 +108,11 @@ Json bake_all(const BakeCommandOptions& options, StagedOutput& output, const Pro
     print_figure(level_name(one.level), "left out: " + one.reason);
     figures["skipped"].push_back({{"level", level_name(one.level)}, {"reason", one.reason}});
   }
+  options.exit_code = say_doubtful(doubtful, options.ct.finding.accepts_doubtful);
   return figures;
 }
 
-Json bake(BakeCommandOptions options, const Progress& progress) {
-  if (options.is_all && options.ct.labels.empty()) fail("expected a label map whose vertebrae are to be baked all");
+Json bake(BakeCommandOptions options, const Progress& progress, int& exit_code) {
   const bool keep_cache = !options.cache.empty();
   options.ct.bake.cache =
       keep_cache ? options.cache : std::filesystem::path(options.output_or_default().string() + ".cache");
@@ -75,6 +123,7 @@ Json bake(BakeCommandOptions options, const Progress& progress) {
   try {
     Json figures = options.is_all ? bake_all(options, output, progress) : bake_one(options, output, progress);
     remove_cache();
+    exit_code = options.exit_code;
     print_figure("written", options.output_or_default().string());
     return figures;
   } catch (const Cancelled&) {
@@ -91,10 +140,14 @@ void add_bake(CLI::App& program, Command& command) {
   const auto options = std::make_shared<BakeCommandOptions>();
   CLI::App* app = add_command(
       program, command, "bake", "Make bone.vdb (distance and CT numbers) from a CT, or spine.vdb of several bones",
-      "Examples: spinaltap bake ct/ --labels vertebrae.nii.gz --label L3 -o bone.vdb\n"
+      "Examples: spinaltap bake ct/ --seed -9,222,-638 -o bone.vdb\n"
+      "          spinaltap bake ct/ --all --level T11=-9,222,-638 -o spine.vdb\n"
+      "          spinaltap bake ct/ --labels vertebrae.nii.gz --label L3 -o bone.vdb\n"
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --all -o spine.vdb\n"
       "With --all, vertebrae that the CT's border cuts and those that cannot be baked are told and left\n"
-      "out; the exit code is 1 where none is left. docs/label-maps.md tells how vertebrae get their names.");
+      "out; the exit code is 1 where none is left, and where one is doubtful (docs/segmentation.md), with all written, "
+      "unless\n"
+      "--accept-doubtful. docs/label-maps.md tells how vertebrae get their names.");
   app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
       ->required()
       ->type_name("PATH");
@@ -109,11 +162,12 @@ void add_bake(CLI::App& program, Command& command) {
       ->type_name("FOLDER");
   options->ct.add_reading(*app);
   options->ct.add_baking(*app);
-  CLI::Option* all = app->add_flag("--all", options->is_all, "Bake each vertebra of the label map");
-  all->needs("--labels")->excludes("--label")->excludes("--crop-margin");
+  CLI::Option* all =
+      app->add_flag("--all", options->is_all, "Bake each vertebra of the label map, or of the CT without one");
+  all->excludes("--label")->excludes("--crop-margin");
   app->add_flag("--strict", options->is_strict, "With --all: write nothing where a vertebra would be left out")
       ->needs(all);
-  command.run = [options](const Progress& progress) { return bake(*options, progress); };
+  command.run = [options, &command](const Progress& progress) { return bake(*options, progress, command.exit_code); };
 }
 
 }  // namespace spinaltap

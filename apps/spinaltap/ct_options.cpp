@@ -4,6 +4,7 @@
 #include <map>
 
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/ct/crop.h"
 
@@ -27,35 +28,17 @@ void CtOptions::add_choosing(CLI::App& app) {
       app.add_option("--labels", labels,
                      "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
           ->type_name("FILE");
-  app.add_option("--label", label, "Which label is the bone: its number in the map, or a vertebra such as L3")
-      ->capture_default_str()
+  app.add_option(
+         "--label", label,
+         "Which label is the bone: its number in the map, or a vertebra such as L3; default: the only one, or 1")
       ->needs(labels_option)
       ->type_name("N|LEVEL");
-  app.add_option("--convention", convention,
-                 "What the map's numbers mean: automatic (default), names, verse, totalsegmentator, "
-                 "totalsegmentator_v1; docs/label-maps.md")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, LabelConvention>{{"automatic", LabelConvention::automatic},
-                                                 {"names", LabelConvention::names},
-                                                 {"verse", LabelConvention::verse},
-                                                 {"totalsegmentator", LabelConvention::totalsegmentator},
-                                                 {"totalsegmentator_v1", LabelConvention::totalsegmentator_v1}}))
-      ->needs(labels_option)
-      ->type_name("NAME");
+  add_convention(app, convention, labels_option);
   app.add_option("--crop-margin", crop_margin_mm, "Take only the label's box and this much around it, mm")
       ->needs(labels_option)
       ->check(CLI::NonNegativeNumber)
       ->type_name("MM");
-  app.add_option("--seed", seed_mm, "A point in the body of the wanted vertebra, mm; default: in the largest body")
-      ->excludes(labels_option)
-      ->expected(3)
-      ->delimiter(',')
-      ->type_name("X,Y,Z");
-  app.add_option("--threshold", bake.segment.threshold_hu,
-                 "Bone is at least this dense, HU; default: 150, less in a "
-                 "noisy CT")
-      ->excludes(labels_option)
-      ->type_name("HU");
+  finding.add_to(app, labels_option);
 }
 
 void CtOptions::add_baking(CLI::App& app) {
@@ -87,13 +70,9 @@ CtVolume CtOptions::read(const Progress& progress) const {
   return ct;
 }
 
-std::optional<Vec3> CtOptions::given_seed() const {
-  if (seed_mm.empty()) return std::nullopt;
-  return Vec3(seed_mm[0], seed_mm[1], seed_mm[2]);
-}
-
 LabelChoice CtOptions::label_choice() const {
   LabelChoice choice{labels, 0, Level::kNone, convention};
+  if (label.empty()) return choice;
   const char* const end = label.data() + label.size();
   const auto [stop, error] = std::from_chars(label.data(), end, choice.label);
   if (error == std::errc{} && stop == end) return choice;
@@ -103,24 +82,39 @@ LabelChoice CtOptions::label_choice() const {
   return choice;
 }
 
-BakeCtOptions CtOptions::complete() const {
+BakeCtOptions CtOptions::complete(const CtVolume& ct) const {
   BakeCtOptions options = bake;
   if (!labels.empty()) options.labels = label_choice();
-  options.segment.seed_mm = given_seed();
+  options.segment = finding.complete(ct);
   return options;
 }
 
 ChosenBone CtOptions::choose(const CtVolume& ct, const Progress& progress) const {
-  const BakeCtOptions options = complete();
+  const BakeCtOptions options = complete(ct);
   return choose_bone(ct, options.labels, options.segment, progress);
 }
 
 BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const {
-  return bake_ct(ct, complete(), progress);
+  return bake_ct(ct, complete(ct), progress);
+}
+
+void add_convention(CLI::App& app, LabelConvention& convention, CLI::Option* labels) {
+  app.add_option("--convention", convention,
+                 "What the map's numbers mean: automatic (default), names, verse, totalsegmentator, "
+                 "totalsegmentator_v1; docs/label-maps.md")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LabelConvention>{{"automatic", LabelConvention::automatic},
+                                                 {"names", LabelConvention::names},
+                                                 {"verse", LabelConvention::verse},
+                                                 {"totalsegmentator", LabelConvention::totalsegmentator},
+                                                 {"totalsegmentator_v1", LabelConvention::totalsegmentator_v1}}))
+      ->needs(labels)
+      ->type_name("NAME");
 }
 
 Json report_baked(const CtVolume& ct, const BakedCt& baked) {
   const Vec3 size_mm = baked.bone.bounds_mm().sizes();
+  if (baked.level != Level::kNone) print_figure("vertebra", level_name(baked.level));
   print_figure("CT voxels", static_cast<double>(ct.geometry.voxel_count()), "", 0);
   print_figure("bone voxels", static_cast<double>(baked.mask_voxels), "", 0);
   print_figure("surface points", static_cast<double>(baked.fit.points), "", 0);
@@ -132,21 +126,28 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
   print_figure("bone, across", size_mm.x(), "mm", 1);
   print_figure("bone, front to back", size_mm.y(), "mm", 1);
   print_figure("bone, top to bottom", size_mm.z(), "mm", 1);
-  return {{"ct_voxels", ct.geometry.voxel_count()},
-          {"ct_hash", ct.source_hash},
-          {"mask_from_cache", baked.mask_from_cache},
-          {"fit_from_cache", baked.fit_from_cache},
-          {"bone_voxels", baked.mask_voxels},
-          {"surface_points", baked.fit.points},
-          {"off_surface_points", baked.fit.off_surface_points},
-          {"rbf_centres", baked.fit.centres},
-          {"mean_residual_mm", baked.fit.mean_residual_mm},
-          {"p99_residual_mm", baked.fit.p99_residual_mm},
-          {"max_residual_mm", baked.fit.max_residual_mm},
-          {"evaluations", baked.bake.evaluations},
-          {"active_voxels", baked.bone.active_voxels()},
-          {"dropped_pieces", baked.bake.dropped_pieces},
-          {"size_mm", to_json(size_mm)}};
+  Json figures{{"ct_voxels", ct.geometry.voxel_count()},
+               {"ct_hash", ct.source_hash},
+               {"mask_from_cache", baked.mask_from_cache},
+               {"fit_from_cache", baked.fit_from_cache},
+               {"bone_voxels", baked.mask_voxels},
+               {"surface_points", baked.fit.points},
+               {"off_surface_points", baked.fit.off_surface_points},
+               {"rbf_centres", baked.fit.centres},
+               {"mean_residual_mm", baked.fit.mean_residual_mm},
+               {"p99_residual_mm", baked.fit.p99_residual_mm},
+               {"max_residual_mm", baked.fit.max_residual_mm},
+               {"evaluations", baked.bake.evaluations},
+               {"active_voxels", baked.bone.active_voxels()},
+               {"dropped_pieces", baked.bake.dropped_pieces},
+               {"size_mm", to_json(size_mm)}};
+  if (baked.level != Level::kNone) figures["level"] = level_name(baked.level);
+  if (baked.doubts) {
+    print_doubts(*baked.doubts);
+    figures["warnings"] = baked.doubts->warnings;
+    figures["doubt"] = baked.doubts->doubt;
+  }
+  return figures;
 }
 
 }  // namespace spinaltap

@@ -8,6 +8,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_run.h"
+#include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/phantom_options.h"
@@ -28,7 +29,7 @@ struct DemoOptions {
 
 void heading(const char* text) { std::printf("%s\n", text); }
 
-Json demo(DemoOptions options, const Progress& progress) {
+Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   Json figures = Json::object();
   std::optional<Phantom> phantom;
   std::vector<DrillPath> paths;
@@ -76,6 +77,9 @@ Json demo(DemoOptions options, const Progress& progress) {
   heading("Drilling");
   const std::string title = phantom ? "Drilling the phantom" : "Drilling " + options.ct.folder.filename().string();
   figures["drill"] = run_drill(title, &ct, baked.bone, paths.front(), options.drill, options.folder, progress);
+  if (baked.doubts) {
+    exit_code = say_doubtful(level_name(baked.level), *baked.doubts, options.ct.finding.accepts_doubtful);
+  }
   return figures;
 }
 
@@ -95,7 +99,7 @@ void add_demo(CLI::App& program, Command& command) {
   options->path.add_to(*app);
   options->drill.add_to(*app);
 
-  command.run = [options](const Progress& progress) { return demo(*options, progress); };
+  command.run = [options, &command](const Progress& progress) { return demo(*options, progress, command.exit_code); };
 }
 
 }  // namespace spinaltap

@@ -9,6 +9,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
@@ -25,7 +26,8 @@ std::string triple(const Vec3& v, const char* unit) {
   return text.str();
 }
 
-Json info_of_bone(const BoneModel& bone) {
+/// But for warnings and doubt.
+Json info_of_grids(const BoneModel& bone) {
   const Box3 bounds_mm = bone.bounds_mm();
   print_figure("grid voxels", static_cast<double>(bone.active_voxels()), "", 0);
   print_figure("voxel", bone.voxel_mm(), "mm", 3);
@@ -33,7 +35,7 @@ Json info_of_bone(const BoneModel& bone) {
   print_figure("to", triple(bounds_mm.max(), "mm"));
   Json facts = Json::object();
   for (const auto& [key, value] : bone.facts()) {
-    print_figure(key, value);
+    if (key != "warnings" && key != "doubt") print_figure(key, value);
     facts[key] = value;
   }
   return {{"active_voxels", bone.active_voxels()},
@@ -43,14 +45,23 @@ Json info_of_bone(const BoneModel& bone) {
           {"facts", facts}};
 }
 
+Json info_of_bone(const BoneModel& bone) {
+  Json json = info_of_grids(bone);
+  if (const std::optional<LevelDoubts> doubts = doubts_in(bone.facts())) {
+    print_doubts(*doubts);
+    json["warnings"] = doubts->warnings;
+    json["doubt"] = doubts->doubt;
+  }
+  return json;
+}
+
 Json info_of_level(const SpineBone& one) {
   print_figure("level", level_name(one.level));
-  Json json = info_of_bone(one.bone);
+  Json json = info_of_grids(one.bone);
   json["level"] = level_name(one.level);
   json["warnings"] = one.notes.warnings;
   json["doubt"] = one.notes.doubt;
-  for (const std::string& warning : one.notes.warnings) print_figure("warning", warning);
-  if (one.notes.doubt > 0.0) print_figure("doubt", one.notes.doubt, "");
+  print_doubts({one.notes.warnings, one.notes.doubt});
   if (!one.notes.landmarks.empty()) {
     const Json landmarks = Json::parse(one.notes.landmarks, nullptr, false);
     if (landmarks.is_discarded()) fail("expected JSON as the landmarks of ", level_name(one.level));

@@ -3,6 +3,7 @@
 #include "apps/common/point_methods.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/base/staged_output.h"
 #include "core/surface/point_file.h"
 
@@ -36,7 +37,7 @@ void add_points(CLI::App& program, Command& command) {
   options->ct.add_reading(*app);
   options->ct.add_choosing(*app);
 
-  command.run = [options](const Progress& progress) {
+  command.run = [options, &command](const Progress& progress) {
     const CtVolume ct = options->ct.read(progress);
     const ChosenBone bone = options->ct.choose(ct, progress);
     const SurfaceSamples samples = sample_surface(ct, bone.mask, options->sample, progress);
@@ -49,11 +50,19 @@ void add_points(CLI::App& program, Command& command) {
     print_figure("pixels without a direction, dropped", static_cast<double>(samples.dropped), "", 0);
     print_figure("no room off the surface", static_cast<double>(samples.without_off), "", 0);
     print_figure("written", options->output.string());
-    return Json{{"surface_points", samples.surface_count},
-                {"off_surface_points", off_surface},
-                {"dropped", samples.dropped},
-                {"without_off_surface_point", samples.without_off},
-                {"ct_hash", ct.source_hash}};
+    Json figures{{"surface_points", samples.surface_count},
+                 {"off_surface_points", off_surface},
+                 {"dropped", samples.dropped},
+                 {"without_off_surface_point", samples.without_off},
+                 {"ct_hash", ct.source_hash}};
+    if (bone.found) {
+      const LevelDoubts doubts = doubts_of(bone.found->report);
+      print_doubts(doubts);
+      figures["warnings"] = doubts.warnings;
+      figures["doubt"] = doubts.doubt;
+      command.exit_code = say_doubtful(bone.found->report.name, doubts, options->ct.finding.accepts_doubtful);
+    }
+    return figures;
   };
 }
 

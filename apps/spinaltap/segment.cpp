@@ -1,10 +1,14 @@
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <span>
 
-#include "apps/report/mask_picture.h"
+#include "apps/report/levels_picture.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/level_output.h"
+#include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
 
@@ -13,100 +17,212 @@ namespace {
 
 struct SegmentCommandOptions {
   CtOptions ct;
-  std::optional<double> threshold_hu;
   int from_label = 1;
-  int label = 1;
-  std::filesystem::path output = "vertebra.seg.nrrd";
+  int label = 0;  ///< 0: the level's number, or 1
+  bool is_all = false;
+  std::filesystem::path output;
   std::filesystem::path picture;
+
+  std::filesystem::path output_or_default() const {
+    if (!output.empty()) return output;
+    return is_all ? "spine.seg.nrrd" : "vertebra.seg.nrrd";
+  }
 };
 
 void add_options(CLI::App& app, SegmentCommandOptions& options) {
-  app.add_option("ct", options.ct.folder, "Folder with a DICOM CT series")->required()->type_name("FOLDER");
-  app.add_option("-o,--output", options.output, "The label map to write: .nii.gz, .nii, .nrrd or .seg.nrrd")
-      ->capture_default_str()
+  app.add_option("ct", options.ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
+      ->required()
+      ->type_name("PATH");
+  app.add_option("-o,--output", options.output,
+                 "The label map to write: .nii.gz, .nii, .nrrd or .seg.nrrd; default: vertebra.seg.nrrd, or "
+                 "spine.seg.nrrd with --all")
       ->type_name("FILE");
+  CLI::Option* all = app.add_flag("--all", options.is_all, "All vertebrae, with the sacrum and ribs that were seen");
   options.ct.add_reading(app);
   CLI::Option* labels =
       app.add_option("--labels", options.ct.labels, "Take the bone from this label map instead, NIfTI or NRRD")
           ->type_name("FILE");
-  app.add_option("--from", options.from_label, "Which label of that map is the bone")->needs(labels)->type_name("N");
-  app.add_option("--seed", options.ct.seed_mm, "A point in the body of the vertebra, mm; default: in the largest body")
-      ->excludes(labels)
-      ->expected(3)
-      ->delimiter(',')
-      ->type_name("X,Y,Z");
-  app.add_option("--threshold", options.threshold_hu, "Bone is at least this dense, HU; default: from the CT's noise")
-      ->excludes(labels)
-      ->type_name("HU");
-  app.add_option("--label", options.label, "The value that the vertebra gets in the map")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 32767))
+  app.add_option("--from", options.from_label, "Which label of that map is the bone")
+      ->needs(labels)
+      ->excludes(all)
       ->type_name("N");
-  app.add_option("--picture", options.picture, "Write slices through the seed with the outline, as PNG")
+  add_convention(app, options.ct.convention, labels);
+  options.ct.finding.add_to(app, labels);
+  app.add_option("--label", options.label,
+                 "The value that the vertebra gets in the map; default: 1 to 24 for C1 to L5, 28 for T13, or 1")
+      ->check(CLI::Range(1, 32767))
+      ->excludes(all)
+      ->type_name("N");
+  app.add_option("--picture", options.picture, "Write slices with the outlines and the warnings, as PNG")
       ->type_name("FILE");
 }
 
-Json report_found(const SegmentReport& report) {
-  print_figure("bone, at least", report.threshold_hu, "HU", 0);
-  print_figure("noise in soft tissue, about", report.noise_hu, "HU", 0);
-  print_figure("cut from other bone over", report.cut_area_mm2, "mm2", 0);
-  print_figure("parts dropped", static_cast<double>(report.parts_dropped), "", 0);
-  if (report.reaches_border) print_figure("note", "it reaches the CT's border: part of it may be missing");
-  return {{"seed_mm", to_json(report.seed_mm)},
-          {"threshold_hu", report.threshold_hu},
-          {"sure_threshold_hu", report.sure_threshold_hu},
-          {"noise_hu", report.noise_hu},
-          {"body_centre_mm", to_json(report.body_centre_mm)},
-          {"body_size_mm", to_json(report.body_size_mm)},
-          {"body_fit", report.body_fit},
-          {"cut_area_mm2", report.cut_area_mm2},
-          {"parts_dropped", report.parts_dropped},
-          {"reaches_border", report.reaches_border}};
-}
-
-/// A point in the mask to show slices through: the seed, or the voxel nearest to the mask's centre.
-Vec3 point_to_show(const BoneMask& mask, const std::optional<SegmentReport>& report) {
-  if (report) return report->seed_mm;
+/// The mean of a label's voxels, patient LPS, mm.
+Vec3 middle_of(const LabelVolume& map, int label) {
   Vec3 sum = Vec3::Zero();
   double count = 0.0;
-  for (int k = 0; k < mask.geometry.size[2]; ++k) {
-    for (int j = 0; j < mask.geometry.size[1]; ++j) {
-      for (int i = 0; i < mask.geometry.size[0]; ++i) {
-        if (!mask.at(i, j, k)) continue;
+  std::size_t at = 0;
+  for (int k = 0; k < map.geometry.size[2]; ++k) {
+    for (int j = 0; j < map.geometry.size[1]; ++j) {
+      for (int i = 0; i < map.geometry.size[0]; ++i) {
+        if (map.labels[at++] != label) continue;
         sum += Vec3(i, j, k);
         count += 1.0;
       }
     }
   }
-  return mask.geometry.to_patient(sum / count);
+  return map.geometry.to_patient(sum / count);
 }
 
-Json segment(const SegmentCommandOptions& options, const Progress& progress) {
-  // A bad name is said before the work is done.
-  encode_label_map({{{1, 1, 1}}, {0}}, options.label, options.output);
-  const CtVolume ct = options.ct.read(progress);
-  std::optional<LabelChoice> labels;
-  if (!options.ct.labels.empty()) labels = LabelChoice{options.ct.labels, options.from_label};
-  const ChosenBone bone =
-      choose_bone(ct, labels, {.seed_mm = options.ct.given_seed(), .threshold_hu = options.threshold_hu}, progress);
-  StagedOutput output;
-  output.write(options.output, encode_label_map(bone.mask, options.label, options.output));
-  if (!options.picture.empty()) {
-    const Image picture = mask_picture(ct, bone.mask, point_to_show(bone.mask, bone.report));
-    output.write(options.picture, encode_png(picture));
+/// The middle of a body may lie beyond the CT: slices go through the nearest voxels of the vertebra then.
+Vec3 in_box_of(const LabelVolume& map, int label, const Vec3& p_mm) {
+  Box3 box;
+  std::size_t at = 0;
+  for (int k = 0; k < map.geometry.size[2]; ++k) {
+    for (int j = 0; j < map.geometry.size[1]; ++j) {
+      for (int i = 0; i < map.geometry.size[0]; ++i) {
+        if (map.labels[at++] == label) box.extend(Vec3(i, j, k));
+      }
+    }
   }
+  return map.geometry.to_patient(map.geometry.to_index(p_mm).cwiseMax(box.min()).cwiseMin(box.max()));
+}
+
+PictureLevel picture_level(const LevelReport& report, const LabelVolume& map, int label) {
+  return {label, in_box_of(map, label, report.body_centre_mm), report.is_doubtful(), doubts_of(report).warnings};
+}
+
+void write_picture(const CtVolume& ct, const LabelVolume& map, const LevelsPicture& what,
+                   const SegmentCommandOptions& options, StagedOutput& output) {
+  if (!options.picture.empty()) output.write(options.picture, encode_png(levels_picture(ct, map, what)));
+}
+
+/// Prints what was found, and gives it as JSON.
+Json report_found(std::span<const LevelReport> levels, const BoneReport& bone, const SegmentCommandOptions& options,
+                  int& exit_code) {
+  print_figure("bone, at least", bone.threshold_hu, "HU", 0);
+  print_figure("noise in soft tissue, about", bone.noise_hu, "HU", 0);
+  print_figure("names", words_of(levels.front().name_source, options.ct.finding.segment.names));
+  print_levels(levels);
+  std::vector<std::string> doubtful;
+  for (const LevelReport& level : levels) {
+    if (level.is_doubtful()) doubtful.push_back(level.name);
+  }
+  exit_code = say_doubtful(doubtful, options.ct.finding.accepts_doubtful);
+  if (!doubtful.empty() && options.picture.empty()) print_figure("look at it", "add --picture doubt.png");
+  return {
+      {"threshold_hu", bone.threshold_hu}, {"sure_threshold_hu", bone.sure_threshold_hu}, {"noise_hu", bone.noise_hu}};
+}
+
+/// A map of one bone. It carries the level's name where there is one and a byte holds the label.
+std::string encode_one(const BoneMask& mask, int label, Level level, const std::filesystem::path& name) {
+  if (level == Level::kNone || label > 255) return encode_label_map(mask, label, name);
+  LabelVolume map{mask.geometry, mask.inside, {{label, {level_name(level), level}}}};
+  for (std::uint8_t& voxel : map.labels) voxel = static_cast<std::uint8_t>(voxel != 0 ? label : 0);
+  return encode_label_volume(map, name);
+}
+
+Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
+                 const Progress& progress, int& exit_code) {
+  std::optional<LabelChoice> labels;
+  if (!options.ct.labels.empty()) {
+    labels = LabelChoice{options.ct.labels, options.from_label, Level::kNone, options.ct.convention};
+  }
+  const ChosenBone bone = choose_bone(ct, labels, options.ct.finding.complete(ct), progress);
+  const int number = bone.level == Level::kNone ? 1 : static_cast<int>(bone.level);
+  const int label = options.label != 0 ? options.label : number;
+  output.write(options.output_or_default(), encode_one(bone.mask, label, bone.level, options.output_or_default()));
+
+  const std::string name = bone.found ? bone.found->report.name : level_name(bone.level);
+  const LabelVolume map{bone.mask.geometry, bone.mask.inside, {{1, {name.empty() ? "bone" : name, bone.level}}}};
+  LevelsPicture what;
+  what.levels = {bone.found ? picture_level(bone.found->report, map, 1)
+                            : PictureLevel{1, middle_of(map, 1), false, {}}};
+  what.seed_mm = bone.found ? std::optional(bone.found->seed_mm) : std::nullopt;
+  write_picture(ct, map, what, options, output);
   output.commit();
 
+  Json figures = Json::object();
+  if (bone.found) {
+    LevelReport report = bone.found->report;
+    report.label = label;
+    figures = report_found(std::span(&report, 1), bone.found->bone, options, exit_code);
+    figures.update(to_json(report));
+    figures["seed_mm"] = to_json(bone.found->seed_mm);
+  }
   const auto voxels = std::count(bone.mask.inside.begin(), bone.mask.inside.end(), std::uint8_t{1});
   const double volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
-  Json figures = bone.report ? report_found(*bone.report) : Json::object();
-  figures["ct_hash"] = ct.source_hash;
-  figures["voxels"] = voxels;
-  figures["volume_mm3"] = volume_mm3;
-  figures["label"] = options.label;
   print_figure("voxels", static_cast<double>(voxels), "", 0);
   print_figure("volume", volume_mm3, "mm3", 0);
-  print_figure("written", options.output.string());
+  figures["voxels"] = voxels;
+  figures["volume_mm3"] = volume_mm3;
+  figures["label"] = label;
+  return figures;
+}
+
+/// The vertebrae of a map, with VerSe's numbers and names.
+LabelVolume renumbered(const LabelVolume& map) {
+  LabelVolume result{map.geometry, map.labels, {}};
+  std::array<std::uint8_t, 256> numbers{};
+  for (const auto& [label, name] : map.names) {
+    if (name.level == Level::kNone) continue;
+    const int number = static_cast<int>(name.level);
+    numbers[static_cast<std::size_t>(label)] = static_cast<std::uint8_t>(number);
+    result.names[number] = {level_name(name.level), name.level};
+  }
+  if (result.names.empty()) fail("expected vertebrae in the label map, found no label that is known to be one");
+  for (std::uint8_t& label : result.labels) label = numbers[label];
+  return result;
+}
+
+Json copy_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output) {
+  const LabelVolume map = renumbered(read_label_volume(options.ct.labels, ct.geometry, options.ct.convention));
+  output.write(options.output_or_default(), encode_label_volume(map, options.output_or_default()));
+  LevelsPicture what;
+  Json levels = Json::array();
+  for (const Level level : levels_of(map)) {
+    const int label = static_cast<int>(level);
+    const auto voxels = std::count(map.labels.begin(), map.labels.end(), static_cast<std::uint8_t>(label));
+    const double volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
+    what.levels.push_back({label, middle_of(map, label), false, {}});
+    print_figure(level_name(level), volume_mm3, "mm3", 0);
+    levels.push_back({{"label", label}, {"level", level_name(level)}, {"volume_mm3", volume_mm3}});
+  }
+  write_picture(ct, map, what, options, output);
+  output.commit();
+  return {{"levels", levels}};
+}
+
+Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
+                 const Progress& progress, int& exit_code) {
+  const SpineSegmentation found = segment_spine(ct, options.ct.finding.complete(ct), progress);
+  if (found.levels.empty()) fail("expected vertebrae in the CT, found none above the sacrum");
+  output.write(options.output_or_default(), encode_label_volume(found.labels, options.output_or_default()));
+  LevelsPicture what;
+  what.seed_mm = options.ct.finding.given_seed();
+  for (const LevelReport& level : found.levels) {
+    if (level.volume_mm3 > 0.0) what.levels.push_back(picture_level(level, found.labels, level.label));
+  }
+  write_picture(ct, found.labels, what, options, output);
+  output.commit();
+  Json figures = report_found(found.levels, found.bone, options, exit_code);
+  figures["levels"] = Json::array();
+  for (const LevelReport& level : found.levels) figures["levels"].push_back(to_json(level));
+  return figures;
+}
+
+Json segment(const SegmentCommandOptions& options, const Progress& progress, int& exit_code) {
+  // A bad name is said before the work is done.
+  encode_label_map({{{1, 1, 1}}, {0}}, 1, options.output_or_default());
+  const CtVolume ct = options.ct.read(progress);
+  StagedOutput output;
+  int code = 0;
+  Json figures = !options.is_all             ? segment_one(ct, options, output, progress, code)
+                 : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
+                                             : copy_all(ct, options, output);
+  figures["ct_hash"] = ct.source_hash;
+  print_figure("written", options.output_or_default().string());
+  exit_code = code;
   return figures;
 }
 
@@ -114,12 +230,20 @@ Json segment(const SegmentCommandOptions& options, const Progress& progress) {
 
 void add_segment(CLI::App& program, Command& command) {
   const auto options = std::make_shared<SegmentCommandOptions>();
-  CLI::App* app =
-      add_command(program, command, "segment", "Cut one vertebra out of a CT and write it as a label map",
-                  "Example: spinaltap segment ct/ --seed -9,222,-638 -o t11.seg.nrrd --picture t11.png\n"
-                  "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb");
+  CLI::App* app = add_command(
+      program, command, "segment", "Cut one vertebra out of a CT, or all of them, and write a label map",
+      "Examples: spinaltap segment ct/ --seed -9,222,-638 -o t11.seg.nrrd --picture t11.png\n"
+      "          spinaltap segment ct/ --all --level T11=-9,222,-638 -o spine.seg.nrrd --picture spine.png\n"
+      "          spinaltap segment ct/ --all --level T11=-9,222,-638 --include T11=-9,260,-650 --exclude 30,250,-640\n"
+      "Points are patient LPS, mm (x to the left, y to the back, z to the head). Without --level, names are a\n"
+      "hint from the sacrum or the last ribs, or V1, V2, ... from the top. A seed takes its vertebra, with --all\n"
+      "its column. The exit code is 1 where a vertebra is doubtful, with all written, unless --accept-doubtful.\n"
+      "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb\n"
+      "Or paint strokes there, in segments named T11, T12 and exclude, and add --strokes strokes.seg.nrrd.");
   add_options(*app, *options);
-  command.run = [options](const Progress& progress) { return segment(*options, progress); };
+  command.run = [options, &command](const Progress& progress) {
+    return segment(*options, progress, command.exit_code);
+  };
 }
 
 }  // namespace spinaltap

@@ -168,6 +168,7 @@ std::string convention_name(LabelConvention convention) {
     case LabelConvention::automatic:
       return "automatic";
     case LabelConvention::names:
+    case LabelConvention::any_names:
       return "names";
     case LabelConvention::verse:
       return "VerSe";

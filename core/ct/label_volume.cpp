@@ -108,11 +108,12 @@ std::map<int, LabelName> names_automatically(const LabelsOfFile& read, const fs:
 std::map<int, LabelName> names_of(const LabelsOfFile& read, LabelConvention convention, const fs::path& file) {
   if (convention == LabelConvention::automatic) return names_automatically(read, file);
   const std::set<int> present = numbers_of(heights_mm(read));
-  if (convention != LabelConvention::names) {
+  if (convention != LabelConvention::names && convention != LabelConvention::any_names) {
     return detail::levels_by_numbers(convention, present, read.head.names);
   }
   std::map<int, LabelName> names = detail::levels_by_names(present, read.head.names);
-  if (!has_level(names)) fail("expected a label map that names vertebrae, found no such name in ", file.string());
+  if (convention == LabelConvention::names && !has_level(names))
+    fail("expected a label map that names vertebrae, found no such name in ", file.string());
   return names;
 }
 

@@ -16,6 +16,7 @@ namespace spinaltap {
 enum class LabelConvention {
   automatic,            ///< the file's own names, else numbers where only one convention can be meant
   names,                ///< the names that the file gives its labels
+  any_names,            ///< those too, also where none of them is a vertebra's: never the numbers
   verse,                ///< VerSe and SPINEPS: 8 is T1, 20 is L1, 26 the sacrum, 28 T13
   totalsegmentator,     ///< task `total` of TotalSegmentator 2: 50 is C1, 27 is L5, 25 the sacrum
   totalsegmentator_v1,  ///< TotalSegmentator 1: 41 is C1, 18 is L5

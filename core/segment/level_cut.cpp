@@ -70,7 +70,7 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
 }
 
 /// Ribs: bone that goes on from where transverse processes may end to where they certainly have, or to the CT's border;
-/// and from there inward, in front of the transverse process, up to the body's wall.
+/// and what of the same bones lies beside the body.
 Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::vector<float>& depth_in_others_mm,
                const BodyCylinder& body, const GridGeometry& geometry, const GridGeometry& ct) {
   constexpr double kFromMm = 38.0;    // thoracic transverse processes, which meet ribs, end before
@@ -78,16 +78,19 @@ Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::
   const Mask side = voxels_to_the_side(bone, body, geometry, kFromMm);
   Mask goes_on = voxels_to_the_side(bone, body, geometry, kBeyondMm);
   const Mask border = voxels_on_border(geometry, ct);
-  for (std::size_t v = 0; v < border.size(); ++v)
+  for (std::size_t v = 0; v < border.size(); ++v) {
     if (border[v] != 0 && side[v] != 0) goes_on[v] = 1;
-  const Mask ribs = parts_that_touch(side, goes_on, geometry);
-  Mask corridor = voxels_of_rib_necks(bone, body, geometry, kFromMm);
-  constexpr float kBesideMm = -4.0F;
-  for (std::size_t v = 0; v < corridor.size(); ++v) {
-    if (std::max(depth_mm[v], depth_in_others_mm[v]) > kBesideMm) corridor[v] = 0;
-    if (ribs[v] != 0) corridor[v] = 1;
   }
-  return parts_that_touch(corridor, ribs, geometry);
+  Mask ribs = parts_that_touch(side, goes_on, geometry);
+  constexpr double kBesideMm = 4.0;
+  const Mask beside = voxels_to_the_side(bone, body, geometry, body.half_mm.x() + kBesideMm);
+  const Mask reached = parts_that_touch(beside, ribs, geometry);
+  const Mask heads = voxels_of_rib_heads(reached, body, geometry);
+  for (std::size_t v = 0; v < heads.size(); ++v) {
+    const double depth = static_cast<double>(std::max(depth_mm[v], depth_in_others_mm[v]));
+    if (heads[v] != 0 && depth < -kBesideMm) ribs[v] = 1;
+  }
+  return ribs;
 }
 
 /// Depth in the nearest of the other bodies.

@@ -109,21 +109,20 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
   return depth_mm;
 }
 
-std::vector<std::uint8_t> voxels_of_rib_necks(std::span<const std::uint8_t> mask, const BodyCylinder& body,
-                                              const GridGeometry& geometry, double to_mm) {
-  constexpr double kBesideMm = 5.0;
-  constexpr double kBehindMm = 3.0;  // from the body's back, at the body's side; further out by the slope of rib necks
-  constexpr double kSlope = 0.75;
-  std::vector<std::uint8_t> necks(mask.size(), 0);
+std::vector<std::uint8_t> voxels_of_rib_heads(std::span<const std::uint8_t> mask, const BodyCylinder& body,
+                                              const GridGeometry& geometry) {
+  constexpr double kFromMm = 5.0, kToMm = 13.0;  // from the body's side
+  constexpr double kBehindMm = 2.0;              // from the body's back: transverse processes begin further back
+  std::vector<std::uint8_t> heads(mask.size(), 0);
   const PlaceFinder place_of(body);
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
     if (mask[voxel] == 0) return;
     const Vec3 p = place_of(p_mm).p_body_mm;
     const double beside_mm = std::abs(p.x()) - body.half_mm.x();
-    necks[voxel] = beside_mm > kBesideMm && std::abs(p.x()) <= to_mm && p.y() > -0.5 * body.half_mm.y() &&
-                   p.y() < body.half_mm.y() + kBehindMm + kSlope * beside_mm;
+    heads[voxel] = beside_mm > kFromMm && beside_mm < kToMm && p.y() > -0.5 * body.half_mm.y() &&
+                   p.y() < body.half_mm.y() + kBehindMm;
   });
-  return necks;
+  return heads;
 }
 
 std::vector<std::uint8_t> voxels_on_border(const GridGeometry& geometry, const GridGeometry& ct) {

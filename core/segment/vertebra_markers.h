@@ -17,10 +17,10 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
 std::vector<std::uint8_t> voxels_to_the_side(std::span<const std::uint8_t> mask, const BodyCylinder& body,
                                              const GridGeometry& geometry, double from_mm);
 
-/// The voxels of a mask where only the heads and necks of ribs can be: beside the body, in front of the transverse
-/// processes, nearer to the middle plane than `to_mm`.
-std::vector<std::uint8_t> voxels_of_rib_necks(std::span<const std::uint8_t> mask, const BodyCylinder& body,
-                                              const GridGeometry& geometry, double to_mm);
+/// The voxels of a mask where only the heads and necks of ribs can be: beside the body, in front of where transverse
+/// processes begin.
+std::vector<std::uint8_t> voxels_of_rib_heads(std::span<const std::uint8_t> mask, const BodyCylinder& body,
+                                              const GridGeometry& geometry);
 
 /// The voxels of a part of a CT that lie on the CT's border.
 std::vector<std::uint8_t> voxels_on_border(const GridGeometry& geometry, const GridGeometry& ct);

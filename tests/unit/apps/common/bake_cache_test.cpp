@@ -49,6 +49,20 @@ TEST(BakeCache, GivesBackAMaskVoxelForVoxel) {
   EXPECT_FALSE(cache.find_mask("b", mask.geometry).has_value());
 }
 
+TEST(BakeCache, KeepsWhatIsKnownOfAMask) {
+  const test::TemporaryFolder folder;
+  const BakeCache cache(folder.path());
+  const LevelDoubts doubts{{"the left pedicle is thin", "metal"}, 0.625};
+  cache.keep_mask("a", {made_mask(), "found", Level::kT12, doubts});
+  const std::optional<MaskStage> found = cache.find_mask("a", made_mask().geometry);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->level, Level::kT12);
+  EXPECT_EQ(found->doubts, doubts);
+  cache.keep_mask("b", {made_mask(), "label 3"});
+  EXPECT_EQ(cache.find_mask("b", made_mask().geometry)->level, Level::kNone);
+  EXPECT_FALSE(cache.find_mask("b", made_mask().geometry)->doubts.has_value());
+}
+
 TEST(BakeCache, GivesBackAFitBitForBit) {
   const test::TemporaryFolder folder;
   const BakeCache cache(folder.path() / "cache");

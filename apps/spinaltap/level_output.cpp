@@ -1,0 +1,125 @@
+#include "apps/spinaltap/level_output.h"
+
+#include <cstdio>
+#include <sstream>
+
+#include "apps/report/text.h"
+#include "apps/report/text_table.h"
+#include "apps/spinaltap/command.h"
+
+namespace spinaltap {
+namespace {
+
+std::string number(double value, int digits) { return readable_number(value, digits); }
+
+Json to_json(const LevelFigures& figures) {
+  return {{"left_share", figures.left_share},
+          {"left_pedicle_mm2", figures.left_pedicle_mm2},
+          {"right_pedicle_mm2", figures.right_pedicle_mm2},
+          {"canal_closed", figures.canal_closed},
+          {"behind_canal_mm", figures.behind_canal_mm},
+          {"left_reach_mm", figures.left_reach_mm},
+          {"right_reach_mm", figures.right_reach_mm},
+          {"bridge_mm2", figures.bridge_mm2},
+          {"unsure_share", figures.unsure_share},
+          {"metal_mm3", figures.metal_mm3},
+          {"cement_mm3", figures.cement_mm3}};
+}
+
+const char* name_of(NameSource source) {
+  if (source == NameSource::given) return "given";
+  return source == NameSource::hint ? "hint" : "counted";
+}
+
+}  // namespace
+
+std::string words_of(NameSource source, std::span<const LevelPoint> given) {
+  if (source == NameSource::hint) return "a hint from the sacrum or the last ribs: check it";
+  if (source == NameSource::counted) return "counted from the top";
+  std::ostringstream text;
+  text << "counted from ";
+  for (std::size_t n = 0; n < given.size(); ++n) {
+    const Vec3& p = given[n].p_mm;
+    text << (n == 0 ? "" : " and ") << level_name(given[n].level) << '=' << p.x() << ',' << p.y() << ',' << p.z();
+  }
+  return text.str();
+}
+
+void print_levels(std::span<const LevelReport> levels) {
+  TextTable table({{"vertebra", "", false},
+                   {"label", ""},
+                   {"x", "mm"},
+                   {"y", "mm"},
+                   {"z", "mm"},
+                   {"wide", "mm"},
+                   {"deep", "mm"},
+                   {"high", "mm"},
+                   {"volume", "cm3"},
+                   {"doubt", ""},
+                   {"", "", false}});
+  for (const LevelReport& level : levels) {
+    const Vec3& at = level.body_centre_mm;
+    const Vec3& size = level.body_size_mm;
+    std::string note = level.is_doubtful() ? "doubtful" : "";
+    if (level.is_cut || level.reaches_border) note += std::string(note.empty() ? "" : ", ") + "cut by the CT's border";
+    table.add_row({level.name, std::to_string(level.label), number(at.x(), 1), number(at.y(), 1), number(at.z(), 1),
+                   number(size.x(), 1), number(size.y(), 1), number(size.z(), 1), number(level.volume_mm3 / 1000.0, 2),
+                   number(level.doubt, 2), note});
+  }
+  std::printf("  Middle (patient LPS) and size of the bodies:\n%s", table.aligned().c_str());
+  for (const LevelReport& level : levels) {
+    for (const LevelWarning& warning : level.warnings) {
+      std::printf("  %s: %s (%.2f)\n", level.name.c_str(), warning.text.c_str(), warning.doubt);
+    }
+  }
+}
+
+void print_doubts(const LevelDoubts& doubts) {
+  for (const std::string& warning : doubts.warnings) print_figure("warning", warning);
+  if (doubts.doubt > 0.0) print_figure("doubt, 0 to 1", doubts.doubt, "");
+}
+
+Json to_json(const LevelReport& level) {
+  Json axes = Json::array();
+  for (int axis = 0; axis < 3; ++axis) axes.push_back(to_json(Vec3(level.body_axes.col(axis))));
+  Json warnings = Json::array();
+  for (const LevelWarning& warning : level.warnings) {
+    Json one{{"text", warning.text}, {"doubt", warning.doubt}, {"where_mm", nullptr}};
+    if (warning.where_mm) one["where_mm"] = to_json(*warning.where_mm);
+    warnings.push_back(one);
+  }
+  Json json{{"label", level.label}, {"name", level.name}, {"level", nullptr}};
+  if (level.level != Level::kNone) json["level"] = level_name(level.level);
+  json.update({{"name_source", name_of(level.name_source)},
+               {"body_centre_mm", to_json(level.body_centre_mm)},
+               {"body_size_mm", to_json(level.body_size_mm)},
+               {"body_axes", axes},
+               {"body_fit", level.body_fit},
+               {"cut_area_mm2", level.cut_area_mm2},
+               {"parts_dropped", level.parts_dropped},
+               {"volume_mm3", level.volume_mm3},
+               {"is_cut", level.is_cut},
+               {"reaches_border", level.reaches_border},
+               {"figures", to_json(level.figures)},
+               {"warnings", warnings},
+               {"doubt", level.doubt},
+               {"is_doubtful", level.is_doubtful()}});
+  return json;
+}
+
+int say_doubtful(std::span<const std::string> names, bool accepts_doubtful) {
+  if (names.empty()) return 0;
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  print_figure("doubtful", list + (accepts_doubtful ? ": accepted"
+                                                    : ": written, but the exit code is 1; once you have looked at it, "
+                                                      "--accept-doubtful"));
+  return accepts_doubtful ? 0 : 1;
+}
+
+int say_doubtful(const std::string& name, const LevelDoubts& doubts, bool accepts_doubtful) {
+  const std::vector<std::string> names{name.empty() ? "the vertebra" : name};
+  return say_doubtful(doubts.is_doubtful() ? std::span(names) : std::span<const std::string>(), accepts_doubtful);
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/common/json_file.h"
+#include "apps/common/level_doubts.h"
+
+namespace spinaltap {
+
+/// How vertebrae came by their names, in words.
+std::string words_of(NameSource source, std::span<const LevelPoint> given);
+
+/// One line a vertebra: where its body is, its size, volume and doubt. Below, their warnings.
+void print_levels(std::span<const LevelReport> levels);
+
+/// Prints warnings and doubt.
+void print_doubts(const LevelDoubts& doubts);
+
+/// All that is known of a vertebra.
+Json to_json(const LevelReport& level);
+
+/// Says which vertebrae are doubtful, and what it means; nothing where none is. Gives the exit code.
+int say_doubtful(std::span<const std::string> names, bool accepts_doubtful);
+
+/// As above, for one bone: `name` may be empty.
+int say_doubtful(const std::string& name, const LevelDoubts& doubts, bool accepts_doubtful);
+
+}  // namespace spinaltap
