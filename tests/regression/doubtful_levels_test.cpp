@@ -157,7 +157,7 @@ TEST(DoubtfulLevels, AreToldWhateverSpoilsThem) {
       spine, "bridged joints", any, tally);
   tally_levels(
       bridged(ct, spine, 4.0, 0.0, [&](std::size_t a, std::size_t b) { return is_vertebra(a) != is_vertebra(b); }),
-      truth, "ribs left on", [](Level level) { return level_rank(level) <= level_rank(Level::kT12); }, tally);
+      spine, "rib left on", [](Level level) { return level_rank(level) <= level_rank(Level::kT12); }, tally);
 
   for (const bool is_left : {true, false}) {
     CtVolume cut = ct;

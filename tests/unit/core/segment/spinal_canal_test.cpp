@@ -61,18 +61,5 @@ TEST(SpinalCanalOfAScan, FollowsAScoliosisOf30Degrees) {
   expect_true_canal(find_spinal_canal(ct, choose_bone_levels(ct)), spine);
 }
 
-TEST(SpinalCanalOfAScan, IsNotFoundInABlockOfBone) {
-  GridGeometry geometry;
-  geometry.size = {60, 60, 60};
-  std::vector<std::int16_t> hu(geometry.voxel_count(), 40);
-  for (std::size_t v = 0; v < hu.size(); ++v) {
-    const auto i = static_cast<int>(v % 60);
-    const auto j = static_cast<int>(v / 60 % 60);
-    if (std::abs(i - 30) < 12 && std::abs(j - 30) < 12) hu[v] = 600;
-  }
-  const CtVolume ct = make_ct_volume(geometry, std::move(hu));
-  EXPECT_TRUE(find_spinal_canal(ct, choose_bone_levels(ct)).points_mm.empty());
-}
-
 }  // namespace
 }  // namespace spinaltap
