@@ -117,14 +117,17 @@ CutVertebra finished(const CtVolume& ct, const SpineBodies& spine, std::size_t i
   }
   level.index = index;
   level.cut_area_mm2 = cut_area_mm2(cut, mine);
-  Mask vertebrae(mine);
+  Mask others(mine.size(), 0);
   for (const LevelCut* other : neighbours) {
     for_shared(cut, *other, [&](std::size_t here, std::size_t there) {
-      if (other->probability[there] > 0.5F) vertebrae[here] = 1;
+      if (mine[here] == 0 && other->probability[there] > cut.probability[here]) others[here] = 1;
     });
   }
+  Mask vertebrae(mine);
+  for (std::size_t v = 0; v < vertebrae.size(); ++v)
+    if (others[v] != 0) vertebrae[v] = 1;
   find_ribs_of(cut, vertebrae, ribs, ct.geometry, row.body().cylinder, level);
-  FinishedLevel done = finish_level(cut, mine, ct, spine.levels);
+  FinishedLevel done = finish_level(cut, mine, others, ct, spine.levels);
   level.figures = measure_level(cut, done.blocks, mine, row);
   level.figures.side_sharpness = sharpness;
   level.box = done.box;

@@ -126,7 +126,9 @@ void apply(const std::vector<MarkedVoxels>& marks, std::size_t own, const GridGe
       }
       if (!is_within) continue;
       const std::size_t at = cut.geometry().offset(block[0], block[1], block[2]);
-      if (cut.bone[at] != 0) cut.markers[at] = marked.body == own ? WalkerVoxel::kWanted : WalkerVoxel::kOther;
+      if (cut.bone[at] == 0) continue;
+      cut.markers[at] = marked.body == own ? WalkerVoxel::kWanted : WalkerVoxel::kOther;
+      if (marked.body != own) cut.given_away.push_back(at);
     }
   }
 }
@@ -247,13 +249,18 @@ double cut_area_mm2(const LevelCut& cut, const Mask& mine) {
   return area_mm2;
 }
 
-FinishedLevel finish_level(const LevelCut& cut, Mask mine, const CtVolume& ct, const BoneLevels& levels) {
+FinishedLevel finish_level(const LevelCut& cut, Mask mine, const Mask& others, const CtVolume& ct,
+                           const BoneLevels& levels) {
   Mask core(cut.markers.size());
   std::transform(cut.markers.begin(), cut.markers.end(), core.begin(),
                  [](WalkerVoxel marker) { return std::uint8_t{marker == WalkerVoxel::kWanted}; });
   trim_rim(mine, cut);
   constexpr double kPitMm = 1.5;
   mine = fill_hollows(mine, cut.geometry(), kPitMm);
+  for (std::size_t v = 0; v < mine.size(); ++v) {
+    if (others[v] != 0) mine[v] = 0;
+  }
+  for (const std::size_t voxel : cut.given_away) mine[voxel] = 0;
   FinishedLevel finished;
   const std::size_t parts = part_sizes(mine, cut.geometry()).size();
   finished.parts_dropped = parts > 0 ? parts - 1 : 0;

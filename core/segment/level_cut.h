@@ -13,14 +13,15 @@ namespace spinaltap {
 struct LevelCut {
   VoxelBox box;  ///< of the CT; begins at a multiple of `bins`
   std::array<int, 3> bins{1, 1, 1};
-  FloatGrid smooth;                  ///< CT numbers, blurred as the noise asks for
-  std::vector<float> peak_hu;        ///< the greatest within 1.6 mm
-  std::vector<float> depth_mm;       ///< in the vertebra's body
-  std::vector<std::uint8_t> bone;    ///< all bone, neighbours included
-  std::vector<std::uint8_t> ribs;    ///< what goes on sideways beyond any process
-  std::vector<WalkerVoxel> markers;  ///< what was known before the walk
-  std::vector<float> conductivity;   ///< of the walker's steps, 0 to 1: little in gaps between bones
-  std::vector<float> probability;    ///< that a walker from here meets the vertebra's body first
+  FloatGrid smooth;                     ///< CT numbers, blurred as the noise asks for
+  std::vector<float> peak_hu;           ///< the greatest within 1.6 mm
+  std::vector<float> depth_mm;          ///< in the vertebra's body
+  std::vector<std::uint8_t> bone;       ///< all bone, neighbours included
+  std::vector<std::uint8_t> ribs;       ///< what goes on sideways beyond any process
+  std::vector<WalkerVoxel> markers;     ///< what was known before the walk
+  std::vector<std::size_t> given_away;  ///< bone that a user gave to others
+  std::vector<float> conductivity;      ///< of the walker's steps, 0 to 1: little in gaps between bones
+  std::vector<float> probability;       ///< that a walker from here meets the vertebra's body first
 
   const GridGeometry& geometry() const { return smooth.geometry; }
 };
@@ -58,8 +59,8 @@ struct FinishedLevel {
   VoxelBox box;
   std::size_t parts_dropped = 0;
 };
-FinishedLevel finish_level(const LevelCut& cut, std::vector<std::uint8_t> mine, const CtVolume& ct,
-                           const BoneLevels& levels);
+FinishedLevel finish_level(const LevelCut& cut, std::vector<std::uint8_t> mine, const std::vector<std::uint8_t>& others,
+                           const CtVolume& ct, const BoneLevels& levels);
 
 /// Area of the faces between the vertebra and other bone, mm².
 double cut_area_mm2(const LevelCut& cut, const std::vector<std::uint8_t>& mine);

@@ -19,7 +19,7 @@ inline constexpr double kDoubtful = 0.5;
 /// What is measured of a vertebra to judge it. Areas and volumes of sound ones: docs/segmentation.md.
 struct LevelFigures {
   double left_share = 0.5;        ///< of the volume, to the left of the plane through body and canal
-  double left_pedicle_mm2 = 0.0;  ///< section of bone beside the canal's middle
+  double left_pedicle_mm2 = 0.0;  ///< section of bone between body and arch, where it is thinnest
   double right_pedicle_mm2 = 0.0;
   double canal_closed = 0.0;     ///< share of the directions around the canal in which the vertebra lies
   double behind_canal_mm = 0.0;  ///< how far it reaches behind the canal's middle

@@ -125,7 +125,7 @@ Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& ha
 /// The user's corrections as voxels of the CT.
 std::vector<MarkedVoxels> marks_of(const CtVolume& ct, const std::vector<Correction>& corrections,
                                    const std::vector<Level>& levels) {
-  constexpr double kReachMm = 1.6;  // around the point: a marker of one voxel is lost in a coarser step
+  constexpr double kReachMm = 3.5;  // around the point: a smaller marker has little to say in a walk through a bone
   std::vector<MarkedVoxels> marks;
   for (const Correction& correction : corrections) {
     const std::string what = correction.level == Level::kNone ? "exclude" : "include " + level_name(correction.level);
@@ -143,6 +143,9 @@ std::vector<MarkedVoxels> marks_of(const CtVolume& ct, const std::vector<Correct
     for (int k = low.z(); k <= high.z(); ++k) {
       for (int j = low.y(); j <= high.y(); ++j) {
         for (int i = low.x(); i <= high.x(); ++i) {
+          const Vec3 away_mm = (Vec3(i, j, k) - p).cwiseProduct(ct.geometry.spacing_mm);
+          if (away_mm.norm() > kReachMm && away_mm.cwiseAbs().maxCoeff() > 0.5 * ct.geometry.spacing_mm.maxCoeff())
+            continue;
           if (ct.geometry.contains(i, j, k)) marked.offsets.push_back(ct.geometry.offset(i, j, k));
         }
       }
