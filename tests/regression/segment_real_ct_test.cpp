@@ -6,11 +6,11 @@
 
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
+#include "core/segment/connected_parts.h"
 #include "core/segment/float_grid.h"
+#include "core/segment/segment_spine.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/test_data.h"
-#include "core/segment/connected_parts.h"
-#include "core/segment/segment_spine.h"
 
 namespace spinaltap {
 namespace {
