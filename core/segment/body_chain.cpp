@@ -59,11 +59,6 @@ struct Profile {
   std::vector<float> level;  ///< mean CT number across, untilted
   std::vector<float> wall;   ///< at the sides
   std::vector<float> half_size_mm;
-  /// The greater edge at a place, whichever its sign.
-  float steepest(int place) const {
-    const auto n = static_cast<std::size_t>(place);
-    return std::max(rise[n], fall[n]);
-  }
   int first = 0, last = -1;  ///< the places whose middle lies within the CT
 };
 
@@ -180,13 +175,8 @@ class ChainSearch {
     const double size_cost = is_whole || off > 0.0 ? 0.5 * off * off : 0.0;
     constexpr int kRim = 4;  // 2 mm: rims may bridge
     const double wall = mean(wall_sums_, lower + kRim, std::max(lower + kRim + 1, upper - kRim));
-    // No endplate lies within a body.
     constexpr int kEnd = 8;    // 4 mm: wedged and hollow ends
     constexpr int kPlain = 2;  // 1 mm
-    constexpr double kClear = 0.5;
-    double inner = 0.0;
-    for (int n = lower + kEnd; n <= upper - kEnd; ++n)
-      inner = std::max(inner, static_cast<double>(profile_.steepest(n)));
     // What is beyond an end is no denser than what is within: else the edge is an endplate's inner face.
     const double within = mean(level_sums_, lower + kEnd, std::max(lower + kEnd + 1, upper - kEnd));
     double inverted = 0.0;
@@ -195,7 +185,7 @@ class ChainSearch {
       const auto level = static_cast<double>(profile_.level[static_cast<std::size_t>(beyond)]);
       inverted += std::clamp((level - within - 80.0) / 80.0, 0.0, 1.0);
     }
-    return 2.0 * std::clamp(wall - 0.15, -0.4, 0.4) - size_cost - inverted - 2.0 * std::max(0.0, inner - kClear);
+    return 2.0 * std::clamp(wall - 0.15, -0.4, 0.4) - size_cost - inverted;
   }
 
   /// What speaks for a gap between two places.

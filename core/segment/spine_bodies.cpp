@@ -9,11 +9,11 @@ namespace {
 
 /// Whether a body has bone at both sides as far out as only the sacrum has, level with its middle.
 bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
-  constexpr double kLeastShare = 0.55;
+  constexpr double kLeastShare = 0.5;
   double bone[2] = {0.0, 0.0};
   double count = 0.0;
   for (double beside = 5.0; beside <= 17.0; beside += 1.5) {
-    for (double y = -0.2; y <= 0.81; y += 0.2) {
+    for (double y = 0.2; y <= 1.81; y += 0.2) {
       for (double z = -0.5; z <= 0.51; z += 0.25) {
         count += 1.0;
         for (const int side : {0, 1}) {
