@@ -11,13 +11,13 @@
 #include "core/ct/read_ct.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra.h"
+#include "core/segment/segment_spine.h"
 #include "core/surface/surface_samples.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/point_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "vdb/mesh_solid.h"
-#include "core/segment/segment_spine.h"
 
 namespace spinaltap {
 namespace {
