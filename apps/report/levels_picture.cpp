@@ -142,6 +142,7 @@ Image levels_picture(const CtVolume& ct, const LabelVolume& labels, const Levels
   for (const PictureLevel& level : slices.levels()) {
     const auto stack = [&](const std::vector<Plane>& planes, double pixel_mm) {
       std::vector<LevelSlice> shown;
+      shown.reserve(planes.size());
       for (const Plane plane : planes) shown.push_back(slices.level_slice(plane, level, pixel_mm));
       return stack_of(shown, slices.title(level), slices.colour(level));
     };

@@ -31,7 +31,7 @@ struct UnitSurface {
         const double turn = 2.0 * std::numbers::pi * (i + 0.5 * (level % 2)) / kAround;
         // Beside the canal there are pedicles and the heads of ribs.
         const double from_back = std::abs(std::remainder(turn - 0.5 * std::numbers::pi, 2.0 * std::numbers::pi));
-        if (from_back > 25.0 * kDegree && from_back < 70.0 * kDegree) continue;
+        if (from_back > 25.0 * kDegree && from_back < 90.0 * kDegree) continue;
         points.emplace_back(std::cos(turn), std::sin(turn), 0.8 * (2.0 * (level + 0.5) / kUp - 1.0));
         normals.emplace_back(std::cos(turn), std::sin(turn), 0.0);
       }

@@ -105,7 +105,7 @@ Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given
   return names;
 }
 
-/// From the sacrum, or from the last of the levels with ribs where one without follows.
+/// From the sacrum, or from the last of the levels with ribs where some without follow.
 Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& has_ribs) {
   Names names;
   names.levels.assign(spine.bodies.size(), Level::kNone);
@@ -114,11 +114,15 @@ Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& ha
     names.source = NameSource::hint;
     return names;
   }
-  for (std::size_t n = 1; n < has_ribs.size(); ++n) {
-    if (has_ribs[n] == 0 || has_ribs[n - 1] != 0) continue;
-    names.levels = counted_from(spine, n, Level::kT12);
-    names.source = NameSource::hint;
+  // One level of doubtful ribs between others would name all wrongly: ribs on three levels in a row, and none below.
+  constexpr std::ptrdiff_t kLeastInRow = 3;
+  const auto lowest = std::find(has_ribs.begin(), has_ribs.end(), 1);
+  if (lowest == has_ribs.begin() || has_ribs.end() - lowest < kLeastInRow ||
+      std::count(lowest, has_ribs.end(), 1) != has_ribs.end() - lowest) {
+    return names;
   }
+  names.levels = counted_from(spine, static_cast<std::size_t>(lowest - has_ribs.begin()), Level::kT12);
+  names.source = NameSource::hint;
   return names;
 }
 

@@ -120,7 +120,7 @@ std::vector<Eigen::Vector2d> walled_directions() {
   const auto add = [&](double from_front_deg) {
     directions.emplace_back(std::sin(from_front_deg * kDegree), -std::cos(from_front_deg * kDegree));
   };
-  for (double turn = -110.0; turn <= 110.0; turn += 10.0) add(turn);
+  for (double turn = -90.0; turn <= 90.0; turn += 9.0) add(turn);
   for (double turn = 158.0; turn <= 202.1; turn += 5.5) add(turn);
   return directions;
 }
