@@ -156,7 +156,8 @@ CtVolume scan_in(const Solid& solid, const Surroundings* surroundings, const Sca
   ProgressCounter done(progress, "scan", static_cast<std::size_t>(options.slices));
   const auto around_at = [&](std::size_t at, int slice) {
     const auto columns = static_cast<std::size_t>(options.columns);
-    const Vec3 index(static_cast<double>(at % columns), static_cast<double>(at / columns), slice);
+    const std::size_t row = at / columns;
+    const Vec3 index(static_cast<double>(at % columns), static_cast<double>(row), slice);
     return surroundings->hu(geometry.to_patient(index));
   };
   constexpr int kSlab = 8;  // slices at a time: what of the fine lattice is held

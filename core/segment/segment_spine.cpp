@@ -114,8 +114,9 @@ Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& ha
     names.source = NameSource::hint;
     return names;
   }
-  // One level of doubtful ribs between others would name all wrongly: ribs on three levels in a row, and none below.
-  constexpr std::ptrdiff_t kLeastInRow = 3;
+  // One level of doubtful ribs between others would name all wrongly: ribs on two levels in a row and more, and none
+  // below.
+  constexpr std::ptrdiff_t kLeastInRow = 2;
   const auto lowest = std::find(has_ribs.begin(), has_ribs.end(), 1);
   if (lowest == has_ribs.begin() || has_ribs.end() - lowest < kLeastInRow ||
       std::count(lowest, has_ribs.end(), 1) != has_ribs.end() - lowest) {

@@ -260,6 +260,7 @@ bool may_be_behind(const Vec3& p_mm, const Vec3& near_mm) {
 std::vector<Vec3> centred(const std::vector<Index>& chain, const CanalScore& score_at) {
   constexpr int kReach = 5;
   std::vector<std::array<std::optional<double>, 2>> off;
+  off.reserve(chain.size());
   for (const Index& at : chain) off.push_back(score_at.off_middle(at[0], at[1], at[2]));
   std::vector<Vec3> places;
   const int last = static_cast<int>(chain.size()) - 1;
