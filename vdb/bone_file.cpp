@@ -109,7 +109,7 @@ BoneModel read_bone(const std::filesystem::path& path, Level level) {
     fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
   }
   grids->facts = detail::facts_of(*grids->sdf);
-  const BoneModel bone = [&] {
+  BoneModel bone = [&] {
     try {
       return BoneModel(grids);
     } catch (const Error& error) {

@@ -61,7 +61,7 @@ void check_bones(std::span<const SpineBone> bones) {
 
 /// All CT numbers. Where bones share voxels, these are the same CT's.
 FloatGrid::Ptr shared_hu(const std::vector<const SpineBone*>& bones) {
-  const FloatGrid::Ptr hu = bones.front()->bone.grids().hu->deepCopy();
+  FloatGrid::Ptr hu = bones.front()->bone.grids().hu->deepCopy();
   for (const SpineBone* one : bones) openvdb::tools::compReplace(hu->tree(), one->bone.grids().hu->tree());
   for (const SpineBone* one : bones) {
     const auto shared = hu->getConstAccessor();
@@ -78,7 +78,7 @@ FloatGrid::Ptr shared_hu(const std::vector<const SpineBone*>& bones) {
 
 /// A copy that shares the voxels, with metadata of its own.
 FloatGrid::Ptr named_sdf(const SpineBone& one) {
-  const auto copy = std::const_pointer_cast<FloatGrid>(one.bone.grids().sdf)->copy();
+  auto copy = std::const_pointer_cast<FloatGrid>(one.bone.grids().sdf)->copy();
   copy->clearMetadata();
   copy->setName(sdf_name(one.level));
   copy->setGridClass(openvdb::GRID_LEVEL_SET);
@@ -146,7 +146,7 @@ FloatGrid::Ptr own_hu(detail::NamedGrids& file, Level level, const fs::path& pat
     }
     value.setValue(number.getValue(value.getCoord()));
   }
-  const auto grid = FloatGrid::create(tree);
+  auto grid = FloatGrid::create(tree);
   grid->setTransform(shared->transform().copy());
   grid->setName("hu");
   return grid;
@@ -249,6 +249,7 @@ std::vector<SpineBone> read_spine(const fs::path& path) {
   const std::vector<Level> levels = levels_of(file, path);
   if (levels.empty()) fail("expected a file of several bones, found another .vdb: ", path.string());
   std::vector<SpineBone> bones;
+  bones.reserve(levels.size());
   for (const Level level : levels) bones.push_back(read_level(file, level, path));
   return bones;
 }

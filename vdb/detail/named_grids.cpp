@@ -49,7 +49,7 @@ typename GridType::Ptr NamedGrids::read(const std::string& name, const openvdb::
     fail("expected the grid ", name, " of another kind in ", path_.string(), ", found ", printable(place.gridType()));
   }
   try {
-    const auto grid = GridType::create();
+    auto grid = GridType::create();
     grid->setName(name);
     grid->setSaveFloatAsHalf(place.saveFloatAsHalf());
     place.seekToGrid(bytes_);
