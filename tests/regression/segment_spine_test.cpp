@@ -92,7 +92,7 @@ TEST(SegmentSpine, PartsTheLevelsOfAnOsteoporoticSpine) {
 
 TEST(SegmentSpine, GivesTheSameFromAnySeedInABody) {
   constexpr std::uint64_t kSeed = 3;
-  const std::uint64_t seeds = spines_asked() ? 100 : 20;
+  const std::uint64_t seeds = spines_asked() ? 100 : 5;
   SpineOptions options;
   options.first = Level{17};
   options.last = Level::kL1;
