@@ -101,6 +101,9 @@ LevelFigures measure_level(const LevelCut& cut, const std::vector<std::uint8_t>&
   constexpr double kLeastSideMm = 4.0;
   constexpr std::size_t kSlabs = 9;
   std::array<std::array<double, kSlabs>, 2> sections{};
+  // Voxels count with the share of their depth that lies in a slab.
+  const double voxel_depth_mm = body.axes().col(1).cwiseAbs().dot(cut.geometry().spacing_mm);
+  const double most = std::min(1.0, kSlabMm / voxel_depth_mm);
   constexpr double kMetalHu = 2500.0;
   constexpr double kCementHu = 900.0;
   std::array<bool, kDirections> seen{};
@@ -122,7 +125,8 @@ LevelFigures measure_level(const LevelCut& cut, const std::vector<std::uint8_t>&
         std::abs(p.z()) < 1.1 * body.half_mm.z()) {
       for (std::size_t n = 0; n < kSlabs; ++n) {
         const double y = std::lerp(body.half_mm.y(), canal.y() + 2.0, static_cast<double>(n) / (kSlabs - 1));
-        if (std::abs(p.y() - y) < 0.5 * kSlabMm) sections[side > 0.0 ? 0 : 1][n] += voxel_mm3 / kSlabMm;
+        const double covered = std::clamp((0.5 * kSlabMm - std::abs(p.y() - y)) / voxel_depth_mm + 0.5, 0.0, most);
+        sections[side > 0.0 ? 0 : 1][n] += covered * voxel_mm3 / kSlabMm;
       }
     }
     const double x = p.x() - canal.x();

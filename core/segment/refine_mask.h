@@ -20,10 +20,11 @@ struct BinnedVertebra {
   const std::array<int, 3>& bins;
 };
 
-/// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. A third, not half:
-/// soft tissue beside it is not 0, and thin plates do not reach their full CT number.
+/// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Somewhat under the
+/// half that a wide edge would have, since thin plates do not reach their full CT number; the share is the one that
+/// gives meshes of real vertebrae their volume back.
 inline float least_share_of_peak(float peak_hu) {
-  constexpr float kShare = 0.50F;
+  constexpr float kShare = 0.45F;
   constexpr float kMostPeakHu = 1200.0F;  // metal is no measure
   return kShare * (peak_hu < kMostPeakHu ? peak_hu : kMostPeakHu);
 }
