@@ -13,6 +13,10 @@ namespace {
 std::string number(double value, int digits) { return readable_number(value, digits); }
 
 Json to_json(const LevelFigures& figures) {
+  Json bridges;
+  constexpr std::array<const char*, kContacts> kNames{"ends",        "upper_left", "upper_right", "lower_left",
+                                                      "lower_right", "left_rib",   "right_rib"};
+  for (std::size_t n = 0; n < kContacts; ++n) bridges[kNames[n]] = figures.bridges[n].mm2;
   return {{"left_share", figures.left_share},
           {"left_pedicle_mm2", figures.left_pedicle_mm2},
           {"right_pedicle_mm2", figures.right_pedicle_mm2},
@@ -20,7 +24,8 @@ Json to_json(const LevelFigures& figures) {
           {"behind_canal_mm", figures.behind_canal_mm},
           {"left_reach_mm", figures.left_reach_mm},
           {"right_reach_mm", figures.right_reach_mm},
-          {"bridge_mm2", figures.bridge_mm2},
+          {"bridges_mm2", bridges},
+          {"lopsided_mm3", figures.lopsided_mm3},
           {"unsure_share", figures.unsure_share},
           {"metal_mm3", figures.metal_mm3},
           {"cement_mm3", figures.cement_mm3}};

@@ -25,6 +25,22 @@ struct BodyCylinder {
   double scale_to(const Vec3& p_patient) const;
 };
 
+/// Calls `visit(voxel, place)` for the voxels where `mask` is not 0, one after the other, with their places in the
+/// frame of a body: to the left, back and up from its middle, mm.
+template <class Visit>
+void for_voxels_by_body(std::span<const std::uint8_t> mask, const GridGeometry& geometry, const BodyCylinder& body,
+                        const Visit& visit) {
+  const Mat3 to_body = body.axes().transpose();
+  std::size_t voxel = 0;
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i, ++voxel) {
+        if (mask[voxel] != 0) visit(voxel, Vec3(to_body * (geometry.to_patient(Vec3(i, j, k)) - body.centre_mm)));
+      }
+    }
+  }
+}
+
 /// Looks for walls in a CT that was smoothed. Keeps a reference to it.
 class WallProbe {
  public:

@@ -137,6 +137,20 @@ std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const 
   return voxels;
 }
 
+std::vector<std::uint8_t> largest_part(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
+  const Parts parts(inside, geometry);
+  std::vector<std::size_t> voxels(parts.run_count(), 0);
+  parts.for_runs(
+      [&](const Run& run, std::size_t) { voxels[run.root] += static_cast<std::size_t>(run.end - run.begin); });
+  const auto largest = static_cast<std::size_t>(std::max_element(voxels.begin(), voxels.end()) - voxels.begin());
+  std::vector<std::uint8_t> result(inside.size(), 0);
+  parts.for_runs([&](const Run& run, std::size_t first) {
+    if (run.root != largest) return;
+    std::fill_n(result.begin() + static_cast<std::ptrdiff_t>(first), run.end - run.begin, std::uint8_t{1});
+  });
+  return result;
+}
+
 std::vector<std::uint8_t> fill_hollows(std::span<const std::uint8_t> inside, const GridGeometry& geometry,
                                        double seal_mm) {
   if (!(seal_mm >= 0.0 && seal_mm <= 50.0)) fail("fill: expected gaps of 0 to 50 mm to seal, found ", seal_mm, " mm");

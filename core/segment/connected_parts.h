@@ -16,6 +16,10 @@ std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside,
 /// The number of voxels where `inside` is not 0, of each face-connected part; largest first.
 std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry);
 
+/// Of the face-connected parts of the voxels where `inside` is not 0 the largest, the first of several: 1 in it, 0
+/// elsewhere. All 0 where `inside` is.
+std::vector<std::uint8_t> largest_part(std::span<const std::uint8_t> inside, const GridGeometry& geometry);
+
 /// `inside` and all that a ball of radius `seal_mm` cannot reach from the grid's border without touching it: hollows
 /// are filled, also those behind holes narrower than the ball.
 std::vector<std::uint8_t> fill_hollows(std::span<const std::uint8_t> inside, const GridGeometry& geometry,

@@ -61,19 +61,7 @@ void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const Mask& sure, 
     rest[v] = cut.bone[v] != 0 && vertebrae[v] == 0 && cut.markers[v] != WalkerVoxel::kOutside ? 1 : 0;
   }
   // Spurs and discs between the bodies are nobody's; ribs end beside the column.
-  const Mat3 to_body = body.axes().transpose();
-  const auto for_rest = [&](const auto& visit) {
-    for (int k = 0; k < cut.geometry().size[2]; ++k) {
-      for (int j = 0; j < cut.geometry().size[1]; ++j) {
-        for (int i = 0; i < cut.geometry().size[0]; ++i) {
-          const std::size_t voxel = cut.geometry().offset(i, j, k);
-          if (rest[voxel] != 0)
-            visit(voxel, Vec3(to_body * (cut.geometry().to_patient(Vec3(i, j, k)) - body.centre_mm)));
-        }
-      }
-    }
-  };
-  for_rest([&](std::size_t voxel, const Vec3& p) {
+  for_voxels_by_body(rest, cut.geometry(), body, [&](std::size_t voxel, const Vec3& p) {
     if (std::abs(p.x()) < body.half_mm.x()) rest[voxel] = 0;
   });
   const Mask ribs = parts_that_touch(rest, sure, cut.geometry());
@@ -91,9 +79,8 @@ void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const Mask& sure, 
   // Between the transverse process and where the ribs of the level above have long gone sideways.
   constexpr double kNearMm = 32.0;
   const double voxel_mm3 = cut.geometry().spacing_mm.prod();
-  for_rest([&](std::size_t voxel, const Vec3& p) {
-    if (ribs[voxel] == 0 || std::abs(p.x()) > kNearMm || std::abs(p.z()) > 1.3 * body.half_mm.z() ||
-        p.y() < -0.3 * body.half_mm.y()) {
+  for_voxels_by_body(ribs, cut.geometry(), body, [&](std::size_t, const Vec3& p) {
+    if (std::abs(p.x()) > kNearMm || std::abs(p.z()) > 1.3 * body.half_mm.z() || p.y() < -0.3 * body.half_mm.y()) {
       return;
     }
     (p.x() > 0.0 ? level.left_rib_mm3 : level.right_rib_mm3) += voxel_mm3;
@@ -128,7 +115,7 @@ CutVertebra finished(const CtVolume& ct, const SpineBodies& spine, std::size_t i
     if (others[v] != 0) vertebrae[v] = 1;
   find_ribs_of(cut, vertebrae, ribs, ct.geometry, row.body().cylinder, level);
   FinishedLevel done = finish_level(cut, mine, others, ct, spine.levels);
-  level.figures = measure_level(cut, done.blocks, mine, row);
+  level.figures = measure_level(cut, {.finished = done.blocks, .given = mine, .others = others}, row);
   level.figures.side_sharpness = sharpness;
   level.box = done.box;
   level.inside = std::move(done.inside);

@@ -170,11 +170,11 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
                               row);
   apply(marks, row.own, ct.geometry, cut);
   constexpr double kGapReachMm = 1.6;  // joint spaces are up to 3 mm wide
-  const GreyClosing closing = close_gaps(hu, kGapReachMm);
+  GreyClosing closing = close_gaps(hu, kGapReachMm);
   cut.conductivity = conductivity_of(hu, closing.closed, cut.depth_mm);
   cut.probability = walk_randomly(cut.markers, cut.conductivity, hu.geometry);
   // Of the blurred CT: the brightest of many noisy voxels says more about noise than about bone.
-  cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(cut.smooth, kGapReachMm).peak : closing.peak;
+  cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(cut.smooth, kGapReachMm).peak : std::move(closing.peak);
   return cut;
 }
 
@@ -183,18 +183,9 @@ SideBone find_side_bone(const LevelCut& cut, const Mask& mine, const BodyCylinde
   constexpr double kLeastReachMm = 14.0;
   constexpr double kEndMm = 5.0;
   const GridGeometry& geometry = cut.geometry();
-  const Mat3 to_body = body.axes().transpose();
   const auto for_mine = [&](const auto& visit) {
-    std::size_t voxel = 0;
-    for (int k = 0; k < geometry.size[2]; ++k) {
-      for (int j = 0; j < geometry.size[1]; ++j) {
-        for (int i = 0; i < geometry.size[0]; ++i, ++voxel) {
-          if (mine[voxel] == 0) continue;
-          const Vec3 p = to_body * (geometry.to_patient(Vec3(i, j, k)) - body.centre_mm);
-          visit(voxel, side * p.x() - body.half_mm.x());
-        }
-      }
-    }
+    for_voxels_by_body(mine, geometry, body,
+                       [&](std::size_t voxel, const Vec3& p) { visit(voxel, side * p.x() - body.half_mm.x()); });
   };
   double reach_mm = 0.0;
   for_mine([&](std::size_t, double beside_mm) { reach_mm = std::max(reach_mm, beside_mm); });

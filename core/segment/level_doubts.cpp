@@ -7,25 +7,10 @@
 #include <sstream>
 
 #include "core/segment/connected_parts.h"
+#include "core/segment/distance_transform.h"
 
 namespace spinaltap {
 namespace {
-
-/// A vertebra's voxels in the frame of its body: to the left, back and up from its middle, mm.
-template <class Visit>
-void for_own(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body, const Visit& visit) {
-  const GridGeometry& geometry = cut.geometry();
-  const Mat3 to_body = body.axes().transpose();
-  std::size_t voxel = 0;
-  for (int k = 0; k < geometry.size[2]; ++k) {
-    for (int j = 0; j < geometry.size[1]; ++j) {
-      for (int i = 0; i < geometry.size[0]; ++i, ++voxel) {
-        if (mine[voxel] == 0) continue;
-        visit(voxel, Vec3(to_body * (geometry.to_patient(Vec3(i, j, k)) - body.centre_mm)));
-      }
-    }
-  }
-}
 
 /// The mean place of the canal beside the body, in the body's frame; nothing where no canal was found.
 std::optional<Vec3> canal_beside(const SpinalCanal& canal, const BodyCylinder& body) {
@@ -42,11 +27,24 @@ std::optional<Vec3> canal_beside(const SpinalCanal& canal, const BodyCylinder& b
   return Vec3(sum / count);
 }
 
-/// Sum over the faces between the vertebra and other bone of their area times how well bone goes on through them.
-double bridge_mm2(const LevelCut& cut, const std::vector<std::uint8_t>& mine) {
+/// Where a place in a body's frame lies among the contacts with other bone.
+Contact contact_at(const Vec3& p, bool is_vertebra, const BodyCylinder& body) {
+  constexpr double kBesideMm = 3.0;
+  constexpr double kBehindMm = 4.0;
+  if (std::abs(p.x()) < body.half_mm.x() + kBesideMm && p.y() < body.half_mm.y() + kBehindMm) return Contact::ends;
+  const bool is_left = p.x() > 0.0;
+  if (!is_vertebra) return is_left ? Contact::left_rib : Contact::right_rib;
+  if (p.z() > 0.0) return is_left ? Contact::upper_left : Contact::upper_right;
+  return is_left ? Contact::lower_left : Contact::lower_right;
+}
+
+/// Sums over the faces between the vertebra and other bone of their area times how well bone goes on through them.
+std::array<Bridge, kContacts> find_bridges(const LevelCut& cut, const CutMasks& masks, const BodyCylinder& body) {
   const GridGeometry& geometry = cut.geometry();
+  const std::vector<std::uint8_t>& mine = masks.given;
   const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
-  double area_mm2 = 0.0;
+  const Mat3 to_body = body.axes().transpose();
+  std::array<Bridge, kContacts> bridges{};
   for (int k = 0; k + 1 < geometry.size[2]; ++k) {
     for (int j = 0; j + 1 < geometry.size[1]; ++j) {
       for (int i = 0; i + 1 < geometry.size[0]; ++i) {
@@ -57,12 +55,77 @@ double bridge_mm2(const LevelCut& cut, const std::vector<std::uint8_t>& mine) {
           const std::size_t other = mine[here] != 0 ? next : here;
           if (cut.markers[other] == WalkerVoxel::kOutside) continue;
           const double through = static_cast<double>(std::min(cut.conductivity[here], cut.conductivity[next]));
-          area_mm2 += through * geometry.spacing_mm.prod() / geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
+          const double mm2 =
+              through * geometry.spacing_mm.prod() / geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
+          const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
+          const Contact contact = contact_at(to_body * (p_mm - body.centre_mm), masks.others[other] != 0, body);
+          Bridge& bridge = bridges[static_cast<std::size_t>(contact)];
+          bridge.mm2 += mm2;
+          bridge.where_mm += mm2 * p_mm;
         }
       }
     }
   }
-  return area_mm2;
+  for (Bridge& bridge : bridges) {
+    if (bridge.mm2 > 0.0) bridge.where_mm /= bridge.mm2;
+  }
+  return bridges;
+}
+
+/// How far a place in a body's frame lies to the left of the plane through the body's middle and the canal.
+double side_of(const Vec3& p, const Vec3& canal) {
+  return p.x() - canal.x() * std::clamp(p.y() / canal.y(), -0.5, 1.5);
+}
+
+/// The largest piece of the arch that the plane through body and canal mirrors to where the vertebra is not.
+void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
+                   const Vec3& canal, LevelFigures& figures) {
+  constexpr double kFarMm = 4.0;  // vertebrae are hardly more alike
+  // Spinous processes lean to one side.
+  constexpr double kSpinousMm = 14.0;
+  const GridGeometry& geometry = cut.geometry();
+  const Mat3 axes = body.axes();
+  const std::vector<float> to_mine = squared_distance_to(mine, geometry);
+  std::vector<std::uint8_t> alone(mine.size(), 0);
+  for_voxels_by_body(mine, geometry, body, [&](std::size_t voxel, const Vec3& p) {
+    const double side = side_of(p, canal);
+    if (p.y() < body.half_mm.y() || (p.y() > canal.y() + kSpinousMm && std::abs(side) < kSpinousMm)) return;
+    const Vec3 mirrored = geometry.to_index(body.centre_mm + axes * (p - Vec3(2.0 * side, 0.0, 0.0)));
+    const Eigen::Vector3i at = mirrored.array().round().cast<int>();
+    // What the box does not hold is no vertebra's.
+    const bool is_near =
+        geometry.contains(at.x(), at.y(), at.z()) && to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
+    if (!is_near) alone[voxel] = 1;
+  });
+  Vec3 sum_mm = Vec3::Zero();
+  double count = 0.0;
+  for_voxels_by_body(largest_part(alone, geometry), geometry, body, [&](std::size_t, const Vec3& p) {
+    sum_mm += body.centre_mm + axes * p;
+    count += 1.0;
+  });
+  if (count == 0.0) return;
+  figures.lopsided_mm3 = count * geometry.spacing_mm.prod();
+  figures.lopsided_at_mm = sum_mm / count;
+}
+
+const char* name_of(Contact contact) {
+  switch (contact) {
+    case Contact::ends:
+      return "the bone above, below and beside its body";
+    case Contact::upper_left:
+      return "the vertebra above, in the left joint";
+    case Contact::upper_right:
+      return "the vertebra above, in the right joint";
+    case Contact::lower_left:
+      return "the vertebra below, in the left joint";
+    case Contact::lower_right:
+      return "the vertebra below, in the right joint";
+    case Contact::left_rib:
+      return "the left rib";
+    case Contact::right_rib:
+      return "the right rib";
+  }
+  return "";
 }
 
 template <class... Parts>
@@ -90,8 +153,8 @@ class Warnings {
 
 }  // namespace
 
-LevelFigures measure_level(const LevelCut& cut, const std::vector<std::uint8_t>& mine,
-                           const std::vector<std::uint8_t>& shared_out, const BodyInRow& row) {
+LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const BodyInRow& row) {
+  const std::vector<std::uint8_t>& mine = masks.finished;
   const BodyCylinder& body = row.body().cylinder;
   const double voxel_mm3 = cut.geometry().spacing_mm.prod();
   LevelFigures figures;
@@ -111,9 +174,8 @@ LevelFigures measure_level(const LevelCut& cut, const std::vector<std::uint8_t>&
   double all = 0.0;
   double unsure = 0.0;
   std::vector<std::uint8_t> dense(mine.size(), 0);
-  for_own(cut, mine, body, [&](std::size_t voxel, const Vec3& p) {
-    // The plane goes through the body's middle and the canal.
-    const double side = p.x() - canal.x() * std::clamp(p.y() / canal.y(), -0.5, 1.5);
+  for_voxels_by_body(mine, cut.geometry(), body, [&](std::size_t voxel, const Vec3& p) {
+    const double side = side_of(p, canal);
     all += 1.0;
     if (side > 0.0) left += 1.0;
     if (cut.depth_mm[voxel] <= 0.0F && cut.probability[voxel] < 0.65F) unsure += 1.0;
@@ -148,7 +210,8 @@ LevelFigures measure_level(const LevelCut& cut, const std::vector<std::uint8_t>&
   figures.canal_closed = static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kDirections;
   const std::vector<std::size_t> lumps = part_sizes(dense, cut.geometry());
   if (!lumps.empty()) figures.cement_mm3 = static_cast<double>(lumps.front()) * voxel_mm3;
-  figures.bridge_mm2 = bridge_mm2(cut, shared_out);
+  figures.bridges = find_bridges(cut, masks, body);
+  find_lopsided(cut, mine, body, canal, figures);
   return figures;
 }
 
@@ -228,9 +291,20 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
   warnings.add(0.7 * ramp(reach_mm, 7.0, 14.0),
                words("it reaches ", figures.left_reach_mm, " mm to the left and ", figures.right_reach_mm,
                      " mm to the right: a rib may have stayed on, or a process be cut off"));
+  for (std::size_t n = 0; n < kContacts; ++n) {
+    const auto& [mm2, where_mm] = figures.bridges[n];
+    const auto contact = static_cast<Contact>(n);
+    const bool is_ends = contact == Contact::ends;
+    warnings.add(
+        is_ends ? 0.7 * ramp(mm2, 90.0, 200.0) : 0.4 * ramp(mm2, 8.0, 25.0),
+        words("no gap shows over ", mm2, " mm2 between it and ", name_of(contact), ": the cut there is a guess"),
+        where_mm);
+  }
   warnings.add(
-      0.7 * ramp(figures.bridge_mm2, 110.0, 220.0),
-      words("cut through ", figures.bridge_mm2, " mm2 of bone where it meets other bones: no gap shows there"));
+      0.7 * ramp(figures.lopsided_mm3, 250.0, 600.0),
+      words("a piece of ", figures.lopsided_mm3,
+            " mm3 has no like on the other side: a process may be missing there, or a rib have stayed on here"),
+      figures.lopsided_at_mm);
   warnings.add(0.6 * ramp(figures.unsure_share, 0.18, 0.35),
                words("of ", 100.0 * figures.unsure_share, " % of it, it is unsure whose they are"));
   warnings.add(figures.metal_mm3 > 30.0 ? 0.6 : 0.0,

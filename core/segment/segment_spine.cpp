@@ -105,8 +105,18 @@ Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given
   return names;
 }
 
-/// From the sacrum, or from the last of the levels with ribs where some without follow.
-Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& has_ribs) {
+/// Where ribs stand at a level. Beside a scoliotic body one of a pair may not be found, and a broken transverse process
+/// may look like one.
+enum class Ribs { none, one_side, both };
+
+Ribs ribs_of(const CutVertebra& cut) {
+  constexpr double kLeastMm3 = 60.0;
+  const int sides = (cut.left_rib_mm3 > kLeastMm3 ? 1 : 0) + (cut.right_rib_mm3 > kLeastMm3 ? 1 : 0);
+  return sides == 0 ? Ribs::none : sides == 1 ? Ribs::one_side : Ribs::both;
+}
+
+/// From the sacrum, or from the last of the levels with ribs where some without follow. `ribs`: of each level.
+Names hinted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs) {
   Names names;
   names.levels.assign(spine.bodies.size(), Level::kNone);
   if (spine.has_sacrum) {
@@ -114,15 +124,12 @@ Names hinted_names(const SpineBodies& spine, const std::vector<std::uint8_t>& ha
     names.source = NameSource::hint;
     return names;
   }
-  // One level of doubtful ribs between others would name all wrongly: ribs on two levels in a row and more, and none
-  // below.
-  constexpr std::ptrdiff_t kLeastInRow = 2;
-  const auto lowest = std::find(has_ribs.begin(), has_ribs.end(), 1);
-  if (lowest == has_ribs.begin() || has_ribs.end() - lowest < kLeastInRow ||
-      std::count(lowest, has_ribs.end(), 1) != has_ribs.end() - lowest) {
-    return names;
-  }
-  names.levels = counted_from(spine, static_cast<std::size_t>(lowest - has_ribs.begin()), Level::kT12);
+  // A wrong guess names all wrongly: a pair of ribs, ribs on the next level up too, and none below.
+  const auto lowest = std::find_if(ribs.begin(), ribs.end(), [](Ribs r) { return r != Ribs::none; });
+  const bool is_clear =
+      lowest != ribs.begin() && ribs.end() - lowest >= 2 && *lowest == Ribs::both && *std::next(lowest) != Ribs::none;
+  if (!is_clear) return names;
+  names.levels = counted_from(spine, static_cast<std::size_t>(lowest - ribs.begin()), Level::kT12);
   names.source = NameSource::hint;
   return names;
 }
@@ -226,7 +233,7 @@ SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& option
   result.bone = bone_of(spine.levels);
   result.labels.geometry = ct.geometry;
   result.labels.labels.assign(ct.geometry.voxel_count(), 0);
-  std::vector<std::uint8_t> has_ribs(spine.bodies.size(), 0);
+  std::vector<Ribs> ribs(spine.bodies.size(), Ribs::none);
   // Labels are indices from below, plus one, until all names are known.
   cut_levels(
       ct, spine, 0, spine.bodies.size() - 1, marks_of(ct, options.corrections, names.levels),
@@ -238,12 +245,11 @@ SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& option
           if (cut.inside[from] != 0)
             result.labels.labels[to] = static_cast<std::uint8_t>(kFirstUnnamedLabel + cut.index);
         });
-        constexpr double kLeastRibMm3 = 60.0;
-        has_ribs[cut.index] = std::min(cut.left_rib_mm3, cut.right_rib_mm3) > kLeastRibMm3 ? 1 : 0;
+        ribs[cut.index] = ribs_of(cut);
         result.levels.push_back(report_of(ct, spine, cut));
       },
       progress);
-  if (options.names.empty() && !spine.has_sacrum) names = hinted_names(spine, has_ribs);
+  if (options.names.empty() && !spine.has_sacrum) names = hinted_names(spine, ribs);
   const std::size_t count = result.levels.size();
   std::array<std::uint8_t, 256> renamed{};
   renamed[kRibsLabel] = kRibsLabel;

@@ -1,5 +1,5 @@
-// All levels of phantom spines: sound ones, bent and worn ones, random ones. Small ones by default; SPINALTAP_SPINES=20
-// takes whole spines in fine scans, and twenty random ones.
+// All levels of phantom spines: sound ones, bent and worn ones, random ones. Small ones by default;
+// SPINALTAP_SPINES=200 takes T6 to L5 in fine scans, and two hundred random pieces of spines.
 
 #include <gtest/gtest.h>
 
@@ -114,15 +114,16 @@ TEST(SegmentSpine, GivesTheSameFromAnySeedInABody) {
 TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
   constexpr std::uint64_t kFirstSeed = 101;
   const auto spines = static_cast<std::uint64_t>(spines_asked().value_or(2));
-  std::size_t levels = 0, wrong = 0, untold = 0, sound = 0, warned = 0, extra = 0, misnamed = 0, hinted = 0;
+  std::size_t levels = 0, wrong = 0, untold = 0, sound = 0, doubtful = 0, warned = 0;
+  std::size_t extra = 0, misnamed = 0, hinted = 0;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + spines; ++seed) {
+    // Six levels of T6 to L5.
     SpineOptions range;
-    if (!spines_asked()) {
-      range.first = Level{16};
-      range.last = Level{21};
-    }
+    range.first = static_cast<Level>(static_cast<int>(range.first) + static_cast<int>((seed * 5) % 7));
+    range.last = static_cast<Level>(static_cast<int>(range.first) + 5);
     const Spine spine(random_spine_options(seed, range));
     ScanOptions scan_options = clinical_scan(1.0);
+    scan_options.samples_per_pixel = scan_options.samples_per_step = 1;  // two hundred spines take a while
     scan_options.seed = seed;
     const SpineSegmentation found = segment_spine(test::scan_spine(spine, scan_options));
     const test::SpineScore score = test::score_of(found, spine);
@@ -138,7 +139,8 @@ TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
       }
       if (!level.is_wrong()) {
         ++sound;
-        warned += found.levels[*level.found].is_doubtful() ? 1U : 0U;
+        doubtful += found.levels[*level.found].is_doubtful() ? 1U : 0U;
+        warned += found.levels[*level.found].warnings.empty() ? 0U : 1U;
         continue;
       }
       ++wrong;
@@ -148,11 +150,11 @@ TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
     }
   }
   std::printf(
-      "%zu levels: %zu wrong, %zu of them without doubt, %zu too many; of %zu sound ones %zu are doubtful; "
-      "of %zu that were named %zu wrongly\n",
-      levels, wrong, untold, extra, sound, warned, hinted, misnamed);
+      "%zu levels: %zu wrong, %zu of them without doubt, %zu too many; of %zu sound ones %zu are doubtful, %zu have a "
+      "word of warning; of %zu that were named %zu wrongly\n",
+      levels, wrong, untold, extra, sound, doubtful, warned, hinted, misnamed);
   EXPECT_LE(static_cast<double>(wrong + extra), 0.01 * static_cast<double>(levels));
-  EXPECT_LE(static_cast<double>(warned), 0.05 * static_cast<double>(sound));
+  EXPECT_LE(static_cast<double>(doubtful), 0.05 * static_cast<double>(sound));
 }
 
 }  // namespace

@@ -121,7 +121,7 @@ inline void print(const SpineScore& score, const SpineSegmentation& found, const
         "%.2f%s%s\n",
         what.c_str(), level_name(level.level).c_str(), report.name.c_str(), level.dice, level.surface_mm,
         level.centre_mm, level.tip_mm, 100.0 * level.neighbour_share, report.doubt, level.is_wrong() ? " WRONG" : "",
-        report.is_doubtful() ? (" " + texts_of(report)).c_str() : "");
+        report.warnings.empty() ? "" : (" " + texts_of(report)).c_str());
   }
   if (score.extra > 0) std::printf("%s: %zu levels too many\n", what.c_str(), score.extra);
 }

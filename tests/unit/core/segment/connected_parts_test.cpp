@@ -84,7 +84,14 @@ TEST(ConnectedParts, JoinsThroughFacesOnly) {
   EXPECT_EQ(part_sizes(Voxels{1, 0, 0, 1}, geometry_of(2, 2, 1)), (std::vector<std::size_t>{1, 1}));
 }
 
+TEST(ConnectedParts, GivesTheLargestAndOfEqualOnesTheFirst) {
+  const GridGeometry geometry = geometry_of(8, 1, 1);
+  EXPECT_EQ(largest_part(Voxels{1, 0, 1, 1, 0, 1, 1, 0}, geometry), (Voxels{0, 0, 1, 1, 0, 0, 0, 0}));
+  EXPECT_EQ(largest_part(Voxels(8, 0), geometry), Voxels(8, 0));
+}
+
 TEST(ConnectedParts, RefusesMasksOfAnotherSize) {
+  EXPECT_THROW(largest_part(Voxels(7, 1), geometry_of(2, 2, 2)), Error);
   EXPECT_THROW(parts_that_touch(Voxels(8, 1), Voxels(7, 1), geometry_of(2, 2, 2)), Error);
   EXPECT_THROW(part_sizes(Voxels(7, 1), geometry_of(2, 2, 2)), Error);
 }

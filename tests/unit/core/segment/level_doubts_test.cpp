@@ -45,7 +45,7 @@ struct BodyColumn {
     figures.canal_closed = 1.0;
     figures.behind_canal_mm = 45.0;
     figures.left_reach_mm = figures.right_reach_mm = 42.0;
-    figures.bridge_mm2 = 30.0;
+    figures.bridges[0].mm2 = 30.0;
     figures.unsure_share = 0.04;
   }
 
@@ -72,6 +72,10 @@ TEST(LevelDoubts, SaysNothingWhereNeighboursDifferAsThoseOfOneSpineDo) {
   column.figures.left_share = 0.53;
   column.figures.left_reach_mm = 46.0;
   EXPECT_EQ(texts_of(column.warnings()), "");
+}
+
+void bridge(BodyColumn& column, Contact contact) {
+  column.figures.bridges[static_cast<std::size_t>(contact)].mm2 = 30.0;
 }
 
 struct Spoilt {
@@ -130,7 +134,20 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"little to the left", [](BodyColumn& c) { c.figures.left_share = 0.38; }, "lie to the left", true},
         Spoilt{"a rib left on", [](BodyColumn& c) { c.figures.right_reach_mm = 58.0; }, "a rib may have stayed on",
                true},
-        Spoilt{"a bridged joint", [](BodyColumn& c) { c.figures.bridge_mm2 = 230.0; }, "no gap shows there", true},
+        Spoilt{"bridged ends", [](BodyColumn& c) { c.figures.bridges[0].mm2 = 230.0; }, "no gap shows over 230", true},
+        Spoilt{"a bridged joint", [](BodyColumn& c) { bridge(c, Contact::upper_left); }, "above, in the left joint",
+               false},
+        Spoilt{"another", [](BodyColumn& c) { bridge(c, Contact::upper_right); }, "above, in the right joint", false},
+        Spoilt{"a third", [](BodyColumn& c) { bridge(c, Contact::lower_left); }, "below, in the left joint", false},
+        Spoilt{"a fourth", [](BodyColumn& c) { bridge(c, Contact::lower_right); }, "below, in the right joint", false},
+        Spoilt{"a fused rib", [](BodyColumn& c) { bridge(c, Contact::left_rib); }, "the left rib", false},
+        Spoilt{"another rib", [](BodyColumn& c) { bridge(c, Contact::right_rib); }, "the right rib", false},
+        Spoilt{"two bridged joints",
+               [](BodyColumn& c) {
+                 bridge(c, Contact::upper_left);
+                 bridge(c, Contact::upper_right);
+               },
+               "in the right joint", true},
         Spoilt{"whose is it", [](BodyColumn& c) { c.figures.unsure_share = 0.4; }, "unsure whose", true},
         Spoilt{"metal", [](BodyColumn& c) { c.figures.metal_mm3 = 400.0; }, "metal", true},
         Spoilt{"cement", [](BodyColumn& c) { c.figures.cement_mm3 = 2000.0; }, "as of cement", true}));
@@ -157,6 +174,9 @@ TEST(LevelDoubts, AddsSmallDoubtsUp) {
 struct DrawnLevel {
   LevelCut cut;
   std::vector<std::uint8_t> mine;
+  std::vector<std::uint8_t> others;
+
+  CutMasks masks() const { return {.finished = mine, .given = mine, .others = others}; }
 
   explicit DrawnLevel(const BodyCylinder& body, double from_mm = 0.5) {
     GridGeometry& geometry = cut.smooth.geometry;
@@ -173,6 +193,7 @@ struct DrawnLevel {
     cut.conductivity.assign(count, 1.0F);
     cut.probability.assign(count, 0.0F);
     mine.assign(count, 0);
+    others.assign(count, 0);
     draw(body, [](const Vec3& p) { return std::hypot(p.x() / 21.0, p.y() / 16.0) < 1.0 && std::abs(p.z()) < 13.0; });
     for (const double side : {-1.0, 1.0}) {
       draw(body, [side](const Vec3& p) {
@@ -210,7 +231,7 @@ struct DrawnLevel {
 TEST(MeasureLevel, MeasuresAFigureOfKnownSize) {
   const BodyColumn column;
   const DrawnLevel level(column.bodies[1].cylinder);
-  const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
+  const LevelFigures figures = measure_level(level.cut, level.masks(), column.row());
   EXPECT_NEAR(figures.left_pedicle_mm2, 9.0 * 13.0, 20.0);  // voxels of 1 mm, 13 of them less than 7 mm from the middle
   EXPECT_NEAR(figures.right_pedicle_mm2, figures.left_pedicle_mm2, 1e-9);
   EXPECT_NEAR(figures.left_share, 0.5, 0.02);  // the middle column of voxels is neither's
@@ -218,7 +239,8 @@ TEST(MeasureLevel, MeasuresAFigureOfKnownSize) {
   EXPECT_NEAR(figures.behind_canal_mm, 44.0, 1.0);
   EXPECT_NEAR(figures.left_reach_mm, 21.0, 1.0);
   EXPECT_NEAR(figures.right_reach_mm, 21.0, 1.0);
-  EXPECT_EQ(figures.bridge_mm2, 0.0);
+  for (const Bridge& bridge : figures.bridges) EXPECT_EQ(bridge.mm2, 0.0);
+  EXPECT_EQ(figures.lopsided_mm3, 0.0);
   EXPECT_EQ(figures.unsure_share, 0.0);
   EXPECT_EQ(figures.metal_mm3, 0.0);
   EXPECT_EQ(figures.cement_mm3, 0.0);
@@ -229,7 +251,7 @@ TEST(MeasureLevel, MeasuresPediclesWhereverTheGridBegins) {
   const BodyColumn column;
   for (const double from_mm : {0.1, 0.3, 0.5, 0.7, 0.9}) {
     const DrawnLevel level(column.bodies[1].cylinder, from_mm);
-    const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
+    const LevelFigures figures = measure_level(level.cut, level.masks(), column.row());
     EXPECT_NEAR(figures.left_pedicle_mm2, 9.0 * 13.0, 20.0) << "voxels from " << from_mm << " mm";
   }
 }
@@ -239,7 +261,7 @@ TEST(MeasureLevel, MissesAPedicleThatIsCutThrough) {
   DrawnLevel level(column.bodies[1].cylinder);
   level.draw(
       column.bodies[1].cylinder, [](const Vec3& p) { return p.x() > 8.0 && std::abs(p.y() - 24.0) < 5.5; }, false);
-  const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
+  const LevelFigures figures = measure_level(level.cut, level.masks(), column.row());
   EXPECT_EQ(figures.left_pedicle_mm2, 0.0);
   EXPECT_GT(figures.right_pedicle_mm2, 90.0);
   EXPECT_LT(figures.canal_closed, 1.0);
@@ -264,7 +286,7 @@ TEST(MeasureLevel, CountsMetalAndALumpOfCement) {
       }
     }
   }
-  const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
+  const LevelFigures figures = measure_level(level.cut, level.masks(), column.row());
   EXPECT_NEAR(figures.cement_mm3, 11.0 * 10.0 * 11.0, 1e-6);
   EXPECT_NEAR(figures.metal_mm3, 5.0 * 10.0 * 5.0, 1e-6);
   const std::string texts = texts_of(check_level(figures, column.chain, column.row()));
@@ -289,8 +311,33 @@ TEST(MeasureLevel, AddsUpTheBoneThatACutGoesThrough) {
       }
     }
   }
-  const LevelFigures figures = measure_level(level.cut, level.mine, level.mine, column.row());
-  EXPECT_NEAR(figures.bridge_mm2, 0.25 * 5.0 * 13.0, 1e-6);
+  const auto mm2 = [&](Contact contact) {
+    return measure_level(level.cut, level.masks(), column.row()).bridges[static_cast<std::size_t>(contact)].mm2;
+  };
+  // Two of its five columns of voxels lie to the left of the middle, six of its thirteen layers above it.
+  EXPECT_NEAR(mm2(Contact::left_rib), 0.25 * 2.0 * 13.0, 1e-6);
+  EXPECT_NEAR(mm2(Contact::right_rib), 0.25 * 3.0 * 13.0, 1e-6);
+  EXPECT_EQ(mm2(Contact::upper_left), 0.0);
+  level.others.assign(level.others.size(), 1);
+  EXPECT_NEAR(mm2(Contact::upper_left), 0.25 * 2.0 * 6.0, 1e-6);
+  EXPECT_NEAR(mm2(Contact::upper_right), 0.25 * 3.0 * 6.0, 1e-6);
+  EXPECT_NEAR(mm2(Contact::lower_left), 0.25 * 2.0 * 7.0, 1e-6);
+  EXPECT_NEAR(mm2(Contact::lower_right), 0.25 * 3.0 * 7.0, 1e-6);
+  EXPECT_EQ(mm2(Contact::left_rib), 0.0);
+  EXPECT_EQ(mm2(Contact::ends), 0.0);
+}
+
+TEST(MeasureLevel, FindsThePieceThatOneSideLacks) {
+  const BodyColumn column;
+  const BodyCylinder& body = column.bodies[1].cylinder;
+  DrawnLevel level(body);
+  // A superior articular process, on the left only.
+  level.draw(body, [](const Vec3& p) {
+    return std::abs(p.x() - 14.0) < 4.5 && std::abs(p.y() - 30.0) < 4.5 && p.z() > 7.0 && p.z() < 22.0;
+  });
+  const LevelFigures figures = measure_level(level.cut, level.masks(), column.row());
+  EXPECT_NEAR(figures.lopsided_mm3, 9.0 * 9.0 * 11.5, 100.0);  // all but what is nearer than 4 mm to the right pedicle
+  EXPECT_LT((figures.lopsided_at_mm - (body.centre_mm + Vec3(14.0, 30.0, 16.0))).norm(), 1.5);
 }
 
 }  // namespace
