@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace spinaltap {
 namespace {
@@ -28,6 +29,29 @@ bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) 
   return std::min(bone[0], bone[1]) > kLeastShare * count;
 }
 
+/// Whole bodies with clear endplates and as much wall as most.
+std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, const std::vector<BodySpan>& chain) {
+  std::vector<double> fits;
+  for (const BodyCylinder& body : bodies) fits.push_back(body.fit);
+  std::sort(fits.begin(), fits.end());
+  constexpr double kLeastShare = 0.75;
+  constexpr double kLeastEdge = 0.4;
+  std::vector<BodyCylinder> sure;
+  for (std::size_t n = 0; n < bodies.size(); ++n) {
+    const BodySpan& span = chain[n];
+    if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < kLeastEdge) continue;
+    if (bodies[n].fit >= kLeastShare * fits[fits.size() / 2]) sure.push_back(bodies[n]);
+  }
+  return sure;
+}
+
+/// How far a column goes on beyond the outermost of the sure bodies, at either end.
+double most_beyond_mm(const SpineColumn& column, const std::vector<BodyCylinder>& sure) {
+  const double below_mm = (sure.front().centre_mm - column.sections.front().centre_mm).norm();
+  const double above_mm = (sure.back().centre_mm - column.sections.back().centre_mm).norm();
+  return std::max({below_mm, above_mm, 45.0});
+}
+
 }  // namespace
 
 SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu,
@@ -41,15 +65,25 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
   constexpr double kBlurMm = 0.9;
   const FloatGrid smooth = gaussian_blur(hu, kBlurMm);
   const WallLevels walls{spine.levels.low_hu};
-  const SpineColumn column = fit_spine_column(smooth, spine.canal, walls);
+  const WallProbe probe(smooth, walls);
+  const SpineColumn first = fit_spine_column(smooth, spine.canal, walls);
   progress.report("finding the vertebral bodies", 0.4);
-  spine.chain = find_body_chain(blurred_as_asked(hu, spine.levels, ct), column, walls);
+  const FloatGrid as_asked = blurred_as_asked(hu, spine.levels, ct);
+  spine.chain = find_body_chain(as_asked, first, walls);
   progress.report("finding the vertebral bodies", 0.6);
+  std::vector<BodyCylinder> cylinders = find_body_cylinders(probe, spine.chain);
+  // Once more, along the column through the bodies that are sure: where the canal ends, its curve says little.
+  const std::vector<BodyCylinder> sure = sure_bodies(cylinders, spine.chain);
+  if (sure.size() >= 2) {
+    const double beyond_mm = most_beyond_mm(first, sure);
+    spine.chain = find_body_chain(as_asked, column_through(sure, beyond_mm, probe), walls);
+    cylinders = find_body_cylinders(probe, spine.chain);
+  }
+  progress.report("finding the vertebral bodies", 0.9);
   std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
   tbb::parallel_for(std::size_t{0}, bodies.size(),
-                    [&](std::size_t n) { bodies[n] = find_vertebral_body(smooth, spine.chain[n], walls); });
+                    [&](std::size_t n) { bodies[n] = find_vertebral_body(probe, cylinders[n]); });
   // What lies below the sacrum's first body is sacrum too.
-  const WallProbe probe(smooth, walls);
   std::size_t lowest = 0;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     if (!has_alae(probe, bodies[n]->cylinder, walls.bone_hu)) continue;

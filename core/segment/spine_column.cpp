@@ -265,4 +265,61 @@ SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, 
   return column;
 }
 
+SpineColumn column_through(const std::vector<BodyCylinder>& bodies, double beyond_mm, const WallProbe& probe) {
+  if (bodies.size() < 2) fail("column of bodies: expected two bodies and more, found ", bodies.size());
+  std::vector<ColumnSection> dense;
+  const auto add = [&](const Vec3& p_mm, const Mat3& axes, const Vec3& half_mm) {
+    dense.push_back({.centre_mm = p_mm, .axes = axes, .half_width_mm = half_mm.x(), .half_depth_mm = half_mm.y()});
+  };
+  constexpr double kStepMm = 0.5;
+  // Beyond the ends the column goes on along an arc.
+  const auto prolong_from = [&](const BodyCylinder& last, const BodyCylinder& before, double sign) {
+    constexpr double kMostBendPerMm = kDegree;
+    const Vec3 along = sign * last.axes().col(2);
+    const Vec3 from = sign * before.axes().col(2);
+    const double turn_per_mm = std::min(std::atan2(from.cross(along).norm(), from.dot(along)) /
+                                            std::max(1.0, (last.centre_mm - before.centre_mm).norm()),
+                                        kMostBendPerMm);
+    const Vec3 about = turn_per_mm > 1e-6 ? Vec3(from.cross(along).normalized()) : Vec3::UnitX();
+    const Eigen::AngleAxisd bend(kStepMm * turn_per_mm, about);
+    Vec3 p_mm = last.centre_mm;
+    Mat3 axes = last.axes();
+    for (double s_mm = kStepMm; s_mm <= beyond_mm; s_mm += kStepMm) {
+      axes = bend * axes;
+      p_mm += kStepMm * sign * axes.col(2);
+      add(p_mm, axes, last.half_mm);
+    }
+  };
+  prolong_from(bodies[0], bodies[1], -1.0);
+  std::reverse(dense.begin(), dense.end());
+  for (std::size_t n = 0; n + 1 < bodies.size(); ++n) {
+    // Cubic Hermite curve from middle to middle.
+    const BodyCylinder& a = bodies[n];
+    const BodyCylinder& b = bodies[n + 1];
+    const double length_mm = (b.centre_mm - a.centre_mm).norm();
+    const auto steps = std::max(1, static_cast<int>(std::ceil(length_mm / kStepMm)));
+    const Eigen::Quaterniond from(a.axes());
+    for (int i = 0; i < steps; ++i) {
+      const double t = static_cast<double>(i) / steps;
+      const double u = 1.0 - t;
+      const Vec3 p_mm = u * u * (1.0 + 2.0 * t) * a.centre_mm + t * t * (3.0 - 2.0 * t) * b.centre_mm +
+                        length_mm * (t * u * u * a.axes().col(2) - t * t * u * b.axes().col(2));
+      add(p_mm, from.slerp(t, Eigen::Quaterniond(b.axes())).toRotationMatrix(), u * a.half_mm + t * b.half_mm);
+    }
+  }
+  add(bodies.back().centre_mm, bodies.back().axes(), bodies.back().half_mm);
+  prolong_from(bodies.back(), bodies[bodies.size() - 2], 1.0);
+  // Even steps of the curve's own length.
+  SpineColumn column;
+  double passed_mm = SpineColumn::kStepMm;
+  for (std::size_t n = 0; n < dense.size(); ++n) {
+    if (n > 0) passed_mm += (dense[n].centre_mm - dense[n - 1].centre_mm).norm();
+    if (passed_mm < SpineColumn::kStepMm - 0.5 * kStepMm) continue;
+    passed_mm = 0.0;
+    column.sections.push_back(dense[n]);
+    column.sections.back().wall = wall_of(probe, dense[n]);
+  }
+  return column;
+}
+
 }  // namespace spinaltap

@@ -37,4 +37,9 @@ FloatGrid hu_around_canal(const CtVolume& ct, const SpinalCanal& canal);
 /// fit_body_cylinder() likes it.
 SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, const WallLevels& levels);
 
+/// The column through bodies that are known, from below upward: a curve through their middles along their axes, as wide
+/// between them as they are, and `beyond_mm` further at either end, bent as between the last two. Throws Error for
+/// fewer than two bodies.
+SpineColumn column_through(const std::vector<BodyCylinder>& bodies, double beyond_mm, const WallProbe& probe);
+
 }  // namespace spinaltap

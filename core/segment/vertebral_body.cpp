@@ -1,5 +1,7 @@
 #include "core/segment/vertebral_body.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -48,11 +50,38 @@ RefineLimits limits_of(const BodySpan& span) {
   return limits;
 }
 
+/// Where the search for a body begins that lies on its span as another body does on its own, and is as large.
+BodyCylinder start_like(const BodyCylinder& other, const BodySpan& other_span, const BodySpan& span) {
+  const BodyCylinder other_start = cylinder_of(other_span);
+  const Vec3 off = other_start.axes().transpose() * (other.centre_mm - other_start.centre_mm);
+  BodyCylinder start = cylinder_of(span);
+  start.centre_mm += start.axes() * Vec3(off.x(), off.y(), 0.0);
+  start.half_mm.head<2>() = other.half_mm.head<2>();
+  return start;
+}
+
 }  // namespace
 
-VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span, const WallLevels& levels) {
-  const WallProbe probe(smooth, levels);
-  BodyCylinder cylinder = refine_body_cylinder(probe, cylinder_of(span), limits_of(span));
+std::vector<BodyCylinder> find_body_cylinders(const WallProbe& probe, const std::vector<BodySpan>& chain) {
+  std::vector<BodyCylinder> bodies(chain.size());
+  tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t n) {
+    bodies[n] = refine_body_cylinder(probe, cylinder_of(chain[n]), limits_of(chain[n]));
+  });
+  if (bodies.empty()) return bodies;
+  const auto best = std::max_element(bodies.begin(), bodies.end(),
+                                     [](const BodyCylinder& a, const BodyCylinder& b) { return a.fit < b.fit; });
+  const auto try_like = [&](std::size_t n, std::size_t other) {
+    const BodyCylinder start = start_like(bodies[other], chain[other], chain[n]);
+    const BodyCylinder found = refine_body_cylinder(probe, start, limits_of(chain[n]));
+    if (found.fit > bodies[n].fit) bodies[n] = found;
+  };
+  const auto first = static_cast<std::size_t>(best - bodies.begin());
+  for (std::size_t n = first + 1; n < bodies.size(); ++n) try_like(n, n - 1);
+  for (std::size_t n = first; n-- > 0;) try_like(n, n + 1);
+  return bodies;
+}
+
+VertebralBody find_vertebral_body(const WallProbe& probe, const BodyCylinder& cylinder) {
   StarSurface surface(cylinder.centre_mm, kSurfaceDirections);
   std::vector<Exit> exits;
   for (const Vec3& direction : surface.directions()) exits.push_back(leave(cylinder, direction));

@@ -11,10 +11,13 @@ struct VertebralBody {
   StarSurface surface;
 };
 
-/// The body of a span of the column, in a CT that was smoothed. First the cylinder near it with the most wall; then,
-/// along each of many rays from its middle, the outer edge of the wall near it. Neighbouring rays pull each other along
-/// (see choose_steps()), so that the wall is found where it is as thin as the noise, and marrow may be as dark as the
-/// discs.
-VertebralBody find_vertebral_body(const FloatGrid& smooth, const BodySpan& span, const WallLevels& levels);
+/// The cylinders of all bodies of a chain: of each, the one near its span with the most wall. Where a rib's head or a
+/// spur leads one astray, the size and the place that its neighbour has are tried too, from the best body up and down.
+std::vector<BodyCylinder> find_body_cylinders(const WallProbe& probe, const std::vector<BodySpan>& chain);
+
+/// A body's true surface: along each of many rays from the middle of the cylinder that lies nearest, the outer edge of
+/// the wall near it. Neighbouring rays pull each other along (see choose_steps()), so that the wall is found where it
+/// is as thin as the noise, and marrow may be as dark as the discs.
+VertebralBody find_vertebral_body(const WallProbe& probe, const BodyCylinder& cylinder);
 
 }  // namespace spinaltap

@@ -135,7 +135,7 @@ void tally_straddled(const CtVolume& ct, const SpineBodies& right, std::size_t n
   BodySpan& span = spine.chain[n];
   span.lower = middle_end(right.chain[n], -1.0);
   span.upper = middle_end(right.chain[n + 1], 1.0);
-  spine.bodies[n] = find_vertebral_body(smooth, span, walls);
+  spine.bodies[n] = find_vertebral_body(probe, find_body_cylinders(probe, {span}).front());
   // The next one is gone.
   spine.chain.erase(spine.chain.begin() + static_cast<std::ptrdiff_t>(n) + 1);
   spine.bodies.erase(spine.bodies.begin() + static_cast<std::ptrdiff_t>(n) + 1);

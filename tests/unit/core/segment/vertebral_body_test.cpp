@@ -100,7 +100,9 @@ TEST(FindVertebralBody, FollowsTheWallOnAllSides) {
   span.middle.axes = truth.axes();
   span.middle.half_width_mm = truth.half_mm.x() - 1.0;
   span.middle.half_depth_mm = truth.half_mm.y() + 1.0;
-  const VertebralBody found = find_vertebral_body(body_ct(truth, 40.0, kSeed), span, {115.0});
+  const FloatGrid hu = body_ct(truth, 40.0, kSeed);
+  const WallProbe probe(hu, {115.0});
+  const VertebralBody found = find_vertebral_body(probe, find_body_cylinders(probe, {span}).front());
   int far = 0;
   for (std::size_t i = 0; i < found.surface.directions().size(); ++i) {
     const Vec3 p_mm = found.surface.centre_mm() + found.surface.radii_mm()[i] * found.surface.directions()[i];
