@@ -296,9 +296,23 @@ std::vector<Vec3> evened(const std::vector<Vec3>& points, int reach) {
   return even;
 }
 
+/// No canal goes where another one was found.
+void take_out(const SpinalCanal& canal, const GridGeometry& geometry, std::vector<float>& score) {
+  constexpr double kNearMm = 12.0;
+  const int reach = static_cast<int>(std::ceil(kNearMm / kBlockMm));
+  for (const Vec3& p_mm : canal.points_mm) {
+    const Eigen::Array3i at = geometry.to_index(p_mm).array().round().cast<int>();
+    for (int j = at.y() - reach; j <= at.y() + reach; ++j) {
+      for (int i = at.x() - reach; i <= at.x() + reach; ++i) {
+        if (geometry.contains(i, j, at.z())) score[geometry.offset(i, j, at.z())] = 0.0F;
+      }
+    }
+  }
+}
+
 }  // namespace
 
-SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, const std::optional<Vec3>& near_mm,
+SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, const CanalSearch& search,
                               const Progress& progress) {
   progress.report("finding the spinal canal", 0.0);
   const Blocks blocks = blocks_of(ct, levels);
@@ -314,6 +328,7 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
     }
   });
   score = smoothed(score, geometry);
+  for (const SpinalCanal& other : search.but_not) take_out(other, geometry, score);
   progress.report("finding the spinal canal", 0.6);
   const Chains up = best_chains(score, geometry, 1);
   const Chains down = best_chains(score, geometry, -1);
@@ -322,7 +337,7 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
   for (int k = 0; k < geometry.size[2]; ++k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
-        if (near_mm && !may_be_behind(geometry.to_patient(Vec3(i, j, k)), *near_mm)) continue;
+        if (search.near_mm && !may_be_behind(geometry.to_patient(Vec3(i, j, k)), *search.near_mm)) continue;
         const std::size_t here = geometry.offset(i, j, k);
         // The block itself counts in both.
         const double whole = static_cast<double>(up.gain[here]) + static_cast<double>(down.gain[here]) -

@@ -15,15 +15,20 @@ struct SpinalCanal {
   static constexpr double kStepMm = 2.5;
 };
 
-/// Finds the canal of a CT that lies in the patient's frame, by itself or, with `near_mm` (a point in a vertebral
-/// body), the one behind that point.
+/// Which of the canals of a CT is looked for.
+struct CanalSearch {
+  std::optional<Vec3> near_mm = std::nullopt;  ///< behind this point in a vertebral body, patient LPS, mm
+  std::vector<SpinalCanal> but_not = {};       ///< what looked like canals, and had no bodies
+};
+
+/// Finds the canal of a CT that lies in the patient's frame.
 ///
 /// In steps of 2.5 mm, each soft voxel looks along 16 directions across the patient for bone (in the brightest voxel of
 /// the block), and forward through it for a body's depth of bone. A canal is what sees bone on most sides, near, with a
 /// body in front. The best chain of such places from slice to slice, which shifts by at most 45 degrees, is found by
 /// dynamic programming, after Yao (2006, "Automated spinal column extraction and partitioning"); it begins and ends
 /// where it is best to. Empty where no chain is longer than 10 mm.
-SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels,
-                              const std::optional<Vec3>& near_mm = std::nullopt, const Progress& progress = {});
+SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, const CanalSearch& search = {},
+                              const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -52,23 +52,20 @@ double most_beyond_mm(const SpineColumn& column, const std::vector<BodyCylinder>
   return std::max({below_mm, above_mm, 45.0});
 }
 
-}  // namespace
-
-SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu,
-                              const std::optional<Vec3>& near_mm, const Progress& progress) {
+/// The bodies in front of a canal.
+SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCanal canal, const Progress& progress) {
   SpineBodies spine;
-  spine.levels = choose_bone_levels(ct, threshold_hu);
-  spine.canal = find_spinal_canal(ct, spine.levels, near_mm, progress);
-  if (spine.canal.points_mm.empty()) return spine;
+  spine.levels = levels;
+  spine.canal = std::move(canal);
   progress.report("finding the vertebral bodies", 0.0);
   const FloatGrid hu = hu_around_canal(ct, spine.canal);
   constexpr double kBlurMm = 0.9;
   const FloatGrid smooth = gaussian_blur(hu, kBlurMm);
-  const WallLevels walls{spine.levels.low_hu};
+  const WallLevels walls{levels.low_hu};
   const WallProbe probe(smooth, walls);
   const SpineColumn first = fit_spine_column(smooth, spine.canal, walls);
   progress.report("finding the vertebral bodies", 0.4);
-  const FloatGrid as_asked = blurred_as_asked(hu, spine.levels, ct);
+  const FloatGrid as_asked = blurred_as_asked(hu, levels, ct);
   spine.chain = find_body_chain(as_asked, first, walls);
   progress.report("finding the vertebral bodies", 0.6);
   std::vector<BodyCylinder> cylinders = find_body_cylinders(probe, spine.chain);
@@ -92,8 +89,45 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
   }
   spine.chain.erase(spine.chain.begin(), spine.chain.begin() + static_cast<std::ptrdiff_t>(lowest));
   for (std::size_t n = lowest; n < bodies.size(); ++n) spine.bodies.push_back(std::move(*bodies[n]));
-  progress.report("finding the vertebral bodies", 1.0);
   return spine;
+}
+
+double height_of_sure_bodies_mm(const SpineBodies& spine) {
+  std::vector<BodyCylinder> cylinders;
+  for (const VertebralBody& body : spine.bodies) cylinders.push_back(body.cylinder);
+  double sum_mm = 0.0;
+  for (const BodyCylinder& body : sure_bodies(cylinders, spine.chain)) sum_mm += 2.0 * body.half_mm.z();
+  return sum_mm;
+}
+
+}  // namespace
+
+SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshold_hu,
+                              const std::optional<Vec3>& near_mm, const Progress& progress) {
+  const BoneLevels levels = choose_bone_levels(ct, threshold_hu);
+  CanalSearch search{.near_mm = near_mm};
+  SpineBodies best;
+  best.levels = levels;
+  double best_mm = 0.0;
+  // A body whose marrow is as dark as a canal's contents, with a bright vessel in front, looks like a canal too.
+  constexpr int kMostTries = 3;
+  for (int n = 0; n < kMostTries; ++n) {
+    SpinalCanal canal = find_spinal_canal(ct, levels, search, progress);
+    if (canal.points_mm.empty()) break;
+    const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
+    SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);
+    const double sure_mm = height_of_sure_bodies_mm(spine);
+    if (n == 0 || sure_mm > best_mm) {
+      best_mm = sure_mm;
+      best = spine;
+    }
+    // Discs are a quarter of a spine, and of ends some are unsure.
+    constexpr double kLeastShare = 0.4;
+    if (sure_mm >= kLeastShare * canal_mm) break;
+    search.but_not.push_back(std::move(spine.canal));
+  }
+  progress.report("finding the vertebral bodies", 1.0);
+  return best;
 }
 
 std::optional<std::size_t> body_at(const SpineBodies& spine, const Vec3& p_mm) {

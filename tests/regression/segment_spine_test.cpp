@@ -110,7 +110,7 @@ TEST(SegmentSpine, GivesTheSameFromAnySeedInABody) {
   std::printf("%zu of %llu seeds give another mask\n", others, static_cast<unsigned long long>(seeds));
 }
 
-// Seeds below 101 were used while the method was made.
+// Seeds below 301 were used while the method was made.
 TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
   constexpr std::uint64_t kFirstSeed = 1;
   const auto spines = static_cast<std::uint64_t>(spines_asked().value_or(10));

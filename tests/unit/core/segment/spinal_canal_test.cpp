@@ -47,8 +47,8 @@ TEST(SpinalCanalOfAScan, LiesInTheTrueOneBehindABrightAorta) {
   const CtVolume ct = test::scan_spine(spine);
   const BoneLevels levels = choose_bone_levels(ct);
   expect_true_canal(find_spinal_canal(ct, levels), spine);
-  expect_true_canal(find_spinal_canal(ct, levels, test::vertebra_of(spine, Level::kL1).to_patient(Vec3::Zero())),
-                    spine);
+  expect_true_canal(
+      find_spinal_canal(ct, levels, {.near_mm = test::vertebra_of(spine, Level::kL1).to_patient(Vec3::Zero())}), spine);
 }
 
 TEST(SpinalCanalOfAScan, FollowsAScoliosisOf30Degrees) {
