@@ -29,6 +29,57 @@ bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) 
   return std::min(bone[0], bone[1]) > kLeastShare * count;
 }
 
+/// Mean edge over the middle of a plane across a body.
+double endplate_of(const WallProbe& probe, const BodyEnd& end, const ColumnSection& middle, double outward) {
+  constexpr int kPlaces = 7;
+  constexpr double kShare = 0.7;
+  double sum = 0.0;
+  double count = 0.0;
+  for (int i = -kPlaces; i <= kPlaces; ++i) {
+    for (int j = -kPlaces; j <= kPlaces; ++j) {
+      const Eigen::Vector2d unit = kShare / kPlaces * Eigen::Vector2d(i, j);
+      if (unit.norm() > kShare) continue;
+      const Vec3 across(unit.x() * middle.half_width_mm, unit.y() * middle.half_depth_mm, 0.0);
+      sum += probe.edge(end.centre_mm + middle.axes * across, outward * end.up);
+      count += 1.0;
+    }
+  }
+  return sum / count;
+}
+
+/// The sacrum's first body below the lowest vertebra: it leans back, has an upper endplate and alae, and goes on below
+/// without an end. Nothing where it is not there.
+std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& lowest, double bone_hu) {
+  constexpr double kLeastEdge = 0.4;
+  const double height_mm = 1.6 * lowest.half_mm.z();
+  std::optional<BodySpan> best;
+  for (double lean_deg = 0.0; lean_deg <= 60.0; lean_deg += 7.5) {
+    const Mat3 axes = lowest.axes() * Eigen::AngleAxisd(lean_deg * kDegree, Vec3::UnitX()).toRotationMatrix();
+    for (double gap_mm = 2.0; gap_mm <= 20.0; gap_mm += 0.5) {
+      // The disc is a wedge: its middle lies on the mean of both directions.
+      const Vec3 down = -(lowest.axes().col(2) + axes.col(2)).normalized();
+      BodySpan span;
+      span.upper.centre_mm = lowest.centre_mm - lowest.half_mm.z() * lowest.axes().col(2) + gap_mm * down;
+      span.upper.up = span.lower.up = axes.col(2);
+      span.upper.s_mm = height_mm;
+      span.lower.centre_mm = span.upper.centre_mm - height_mm * axes.col(2);
+      span.lower.is_cut = true;
+      span.middle.centre_mm = 0.5 * (span.upper.centre_mm + span.lower.centre_mm);
+      span.middle.axes = axes;
+      span.middle.half_width_mm = lowest.half_mm.x();
+      span.middle.half_depth_mm = 0.9 * lowest.half_mm.y();
+      span.upper.edge = endplate_of(probe, span.upper, span.middle, 1.0);
+      if (span.upper.edge < std::max(kLeastEdge, best ? best->upper.edge : 0.0)) continue;
+      BodyCylinder body;
+      body.centre_mm = span.middle.centre_mm;
+      body.half_mm = Vec3(span.middle.half_width_mm, span.middle.half_depth_mm, 0.5 * height_mm);
+      body.set_axes(axes);
+      if (has_alae(probe, body, bone_hu)) best = span;
+    }
+  }
+  return best;
+}
+
 /// Whole bodies with clear endplates and as much wall as most.
 std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, const std::vector<BodySpan>& chain) {
   std::vector<double> fits;
@@ -89,6 +140,13 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   }
   spine.chain.erase(spine.chain.begin(), spine.chain.begin() + static_cast<std::ptrdiff_t>(lowest));
   for (std::size_t n = lowest; n < bodies.size(); ++n) spine.bodies.push_back(std::move(*bodies[n]));
+  if (spine.has_sacrum || spine.chain.empty() || spine.chain.front().lower.is_cut) return spine;
+  if (const auto sacrum = find_sacrum(probe, spine.bodies.front().cylinder, walls.bone_hu)) {
+    spine.has_sacrum = true;
+    spine.bodies.insert(spine.bodies.begin(),
+                        find_vertebral_body(probe, find_body_cylinders(probe, {*sacrum}).front()));
+    spine.chain.insert(spine.chain.begin(), *sacrum);
+  }
   return spine;
 }
 

@@ -85,8 +85,6 @@ TEST_F(SpineLevels, AreCountedFromTheGivenOne) {
   for (const LevelReport& level : found_->levels) {
     EXPECT_EQ(level.name_source, NameSource::given);
     EXPECT_EQ(level.label, static_cast<int>(level.level));
-    // Not reached: T11, the uppermost, is 3.1 mm off, and its Dice 0.89.
-    if (level.level == kT11) continue;
     EXPECT_LE((level.body_centre_mm - middle_of(level.level)).norm(), 2.5)
         << level.name << " off in its own frame by "
         << test::vertebra_of(*spine_, level.level).to_own(level.body_centre_mm).transpose() << " mm";
@@ -100,8 +98,7 @@ TEST_F(SpineLevels, CoverTheTruth) {
   const LabelVolume truth = true_labels(*spine_, ct_->geometry);
   for (const LevelReport& level : found_->levels) {
     const BoneMask mask = mask_of(found_->labels, level.level);
-    EXPECT_GE(test::dice(mask, mask_of(truth, level.level)), level.level == kT11 ? 0.88 : 0.9)
-        << level.name;  // voxels of 1 x 1 x 1.5 mm
+    EXPECT_GE(test::dice(mask, mask_of(truth, level.level)), 0.9) << level.name;  // voxels of 1 x 1 x 1.5 mm
     const double voxels_mm3 = static_cast<double>(test::voxel_count(mask)) * ct_->geometry.spacing_mm.prod();
     EXPECT_NEAR(level.volume_mm3, voxels_mm3, 1e-6 * voxels_mm3);
   }
@@ -216,8 +213,7 @@ TEST(SpineLevelsAlone, AreNumberedFromTheHeadWhereNothingTellsTheirNames) {
   }
 }
 
-// Not reached: in this field of view, 25 mm beside the bodies, the sacrum is not in the chain.
-TEST(SpineLevelsAlone, DISABLED_AreCountedFromTheSacrum) {
+TEST(SpineLevelsAlone, AreCountedFromTheSacrum) {
   SpineOptions options;
   options.first = Level{22};
   options.last = Level::kL5;
