@@ -136,13 +136,15 @@ void cut_levels(const CtVolume& ct, const SpineBodies& spine, std::size_t first,
   const std::size_t high = std::min(last + 1, spine.bodies.size() - 1);
   std::vector<std::unique_ptr<LevelCut>> cuts(spine.bodies.size());
   ProgressCounter counter(progress, "parting the vertebrae", high - low + 1);
-  // Two at a time: a cut takes a hundred megabytes, and is not needed longer than its neighbours.
-  constexpr std::size_t kAtOnce = 2;
+  // A cut takes a hundred megabytes until its level is done, and little until its neighbours are: two at a time, and
+  // only one for a single level, which should need no more memory than it must.
+  const std::size_t at_once = first == last ? 1 : 2;
   std::size_t next = first;
-  for (std::size_t begin = low; begin <= high; begin += kAtOnce) {
-    const std::size_t end = std::min(begin + kAtOnce, high + 1);
+  for (std::size_t begin = low; begin <= high; begin += at_once) {
+    const std::size_t end = std::min(begin + at_once, high + 1);
     tbb::parallel_for(begin, end, [&](std::size_t n) {
       cuts[n] = std::make_unique<LevelCut>(cut_level(ct, spine.levels, {spine.bodies, spine.canal, n}, marks));
+      if (n < first || n > last) cuts[n]->keep_probability_only();
       counter.add();
     });
     for (; next <= last && (next + 1 < end || end == high + 1); ++next) {
@@ -150,6 +152,7 @@ void cut_levels(const CtVolume& ct, const SpineBodies& spine, std::size_t first,
       if (next > low) neighbours.push_back(cuts[next - 1].get());
       if (next < high) neighbours.push_back(cuts[next + 1].get());
       visit(finished(ct, spine, next, *cuts[next], neighbours));
+      cuts[next]->keep_probability_only();
       if (next > low) cuts[next - 1].reset();
     }
   }

@@ -149,32 +149,47 @@ void trim_rim(Mask& mine, const LevelCut& cut) {
 
 }  // namespace
 
+void LevelCut::keep_probability_only() {
+  smooth.values = {};
+  peak_hu = depth_mm = conductivity = {};
+  bone = ribs = {};
+  markers = {};
+  given_away = {};
+}
+
 LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row,
                    const std::vector<MarkedVoxels>& marks) {
   LevelCut cut;
   cut.bins = bins_for(ct.geometry, kStepMm);
   cut.box = box_around(row.body().cylinder, ct.geometry, cut.bins);
-  const FloatGrid hu = bin_hu(ct, cut.box, cut.bins);
+  FloatGrid hu = bin_hu(ct, cut.box, cut.bins);
   cut.smooth = blurred_as_asked(hu, levels, ct);
-  cut.depth_mm = depth_in_body_mm(row.body(), hu.geometry);
-  const std::vector<float> others_mm = depth_in_others(row, hu.geometry);
-  cut.bone = find_bone(cut.smooth, levels, cut.depth_mm, others_mm);
-  cut.ribs = find_ribs(cut.bone, cut.depth_mm, others_mm, row.body().cylinder, hu.geometry, ct.geometry);
-  cut.markers = place_markers({.bone = cut.bone,
-                               .ribs = cut.ribs,
-                               .depth_mm = cut.depth_mm,
-                               .depth_in_others_mm = others_mm,
-                               .hu = cut.smooth,
-                               .dense_hu = 0.5 * (levels.low_hu + levels.sure_hu),
-                               .ct_geometry = ct.geometry},
-                              row);
+  const GridGeometry& geometry = cut.geometry();
+  cut.depth_mm = depth_in_body_mm(row.body(), geometry);
+  {
+    const std::vector<float> others_mm = depth_in_others(row, geometry);
+    cut.bone = find_bone(cut.smooth, levels, cut.depth_mm, others_mm);
+    cut.ribs = find_ribs(cut.bone, cut.depth_mm, others_mm, row.body().cylinder, geometry, ct.geometry);
+    cut.markers = place_markers({.bone = cut.bone,
+                                 .ribs = cut.ribs,
+                                 .depth_mm = cut.depth_mm,
+                                 .depth_in_others_mm = others_mm,
+                                 .hu = cut.smooth,
+                                 .dense_hu = 0.5 * (levels.low_hu + levels.sure_hu),
+                                 .ct_geometry = ct.geometry},
+                                row);
+  }
   apply(marks, row.own, ct.geometry, cut);
   constexpr double kGapReachMm = 1.6;  // joint spaces are up to 3 mm wide
-  GreyClosing closing = close_gaps(hu, kGapReachMm);
-  cut.conductivity = conductivity_of(hu, closing.closed, cut.depth_mm);
-  cut.probability = walk_randomly(cut.markers, cut.conductivity, hu.geometry);
-  // Of the blurred CT: the brightest of many noisy voxels says more about noise than about bone.
-  cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(cut.smooth, kGapReachMm).peak : std::move(closing.peak);
+  {
+    GreyClosing closing = close_gaps(hu, kGapReachMm);
+    cut.conductivity = conductivity_of(hu, closing.closed, cut.depth_mm);
+    hu.values = {};
+    closing.closed = {};
+    // Of the blurred CT: the brightest of many noisy voxels says more about noise than about bone.
+    cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(cut.smooth, kGapReachMm).peak : std::move(closing.peak);
+  }
+  cut.probability = walk_randomly(cut.markers, cut.conductivity, geometry);
   return cut;
 }
 

@@ -24,6 +24,8 @@ struct LevelCut {
   std::vector<float> probability;       ///< that a walker from here meets the vertebra's body first
 
   const GridGeometry& geometry() const { return smooth.geometry; }
+  /// Frees all that its neighbours do not ask for.
+  void keep_probability_only();
 };
 
 /// Voxels of a CT that a user gave to one body of a row, or to none of them.

@@ -269,8 +269,8 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
                  words("the body is only ", height_over_depth, " times as high as deep, expected 0.5 and more"),
                  body.centre_mm);
   }
-  constexpr double kClearFit = 0.3;
-  warnings.add(0.7 * ramp(-body.fit, -kClearFit, -0.15),
+  constexpr double kClearFit = 0.33;
+  warnings.add(0.7 * ramp(-body.fit, -kClearFit, -0.23),
                words("the body's wall is faint: ", body.fit, " of a clear one, expected ", kClearFit, " and more"),
                body.centre_mm);
   // What is beyond the CT cannot be missed here.

@@ -292,15 +292,14 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   if (options.names.empty() && spine.has_sacrum) names = hinted_names(spine, {});
   Segmentation result;
   result.bone = bone_of(spine.levels);
-  result.mask = {ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
+  CutVertebra vertebra;
   cut_levels(
       ct, spine, index, index, marks_of(ct, options.corrections, names.levels),
-      [&](CutVertebra&& cut) {
-        for_box(ct.geometry, cut.box,
-                [&](std::size_t to, std::size_t from) { result.mask.inside[to] = cut.inside[from]; });
-        result.report = report_of(ct, spine, cut);
-      },
-      progress);
+      [&](CutVertebra&& cut) { vertebra = std::move(cut); }, progress);
+  result.report = report_of(ct, spine, vertebra);
+  result.mask = {ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
+  for_box(ct.geometry, vertebra.box,
+          [&](std::size_t to, std::size_t from) { result.mask.inside[to] = vertebra.inside[from]; });
   if (mask_box(result.mask).empty()) fail("found no bone around ", in_words(result.report.body_centre_mm));
   set_name(result.report, names.levels[index], names.source, spine.bodies.size() - 1 - index);
   result.seed_mm = options.seed_mm ? *options.seed_mm : result.report.body_centre_mm;
