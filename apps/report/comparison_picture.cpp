@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "apps/common/point_methods.h"
+#include "core/surface/point_methods.h"
 #include "apps/report/pixel_text.h"
 #include "core/base/error.h"
 #include "vdb/render.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/common/surface_comparison.h"
+#include "mesh/surface_comparison.h"
 #include "core/base/image.h"
 #include "core/base/progress.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/grade_output.h"
+#include "apps/report/grade_output.h"
 #include "apps/report/svg_plot.h"
 
 namespace spinaltap {

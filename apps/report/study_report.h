@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/study_summary.h"
+#include "core/study/study_summary.h"
 #include "apps/report/html_report.h"
 
 namespace spinaltap {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "apps/common/bake_ct.h"
-#include "apps/common/bone_ct.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/bone_ct.h"
 #include "core/base/error.h"
 #include "core/ct/read_ct.h"
 #include "vdb/remaining_surface.h"

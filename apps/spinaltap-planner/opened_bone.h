@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/session_setup.h"
+#include "vdb/sim/build_session.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/drill/drill_path.h"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "apps/common/auto_plan.h"
-#include "apps/common/bone_path.h"
-#include "apps/common/plan_file.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bone_path.h"
+#include "core/files/plan_file.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap-planner/drill/drill_output.h"
 #include "apps/spinaltap-planner/window/words.h"

@@ -3,8 +3,8 @@
 #include <memory>
 #include <sstream>
 
-#include "apps/common/bake_cache.h"
-#include "apps/common/bake_levels.h"
+#include "core/files/bake_cache.h"
+#include "vdb/sim/bake_levels.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_output.h"

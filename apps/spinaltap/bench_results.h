@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/sim/drill_workload.h"
 #include "core/sim/measure_engine.h"
 

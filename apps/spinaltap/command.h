@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/base/progress.h"
 
 namespace spinaltap {

@@ -3,10 +3,10 @@
 #include <memory>
 #include <sstream>
 
-#include "apps/common/bake_ct.h"
-#include "apps/common/phantom_output.h"
-#include "apps/common/point_methods.h"
-#include "apps/common/surface_comparison.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/phantom_output.h"
+#include "core/surface/point_methods.h"
+#include "mesh/surface_comparison.h"
 #include "apps/report/comparison_picture.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/bake_ct.h"
-#include "apps/common/json_file.h"
+#include "vdb/sim/bake_ct.h"
+#include "core/files/json_file.h"
 #include "apps/spinaltap/finding_options.h"
 #include "core/ct/read_ct.h"
 

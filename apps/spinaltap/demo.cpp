@@ -2,9 +2,9 @@
 #include <memory>
 #include <optional>
 
-#include "apps/common/plan_file.h"
-#include "apps/common/planning_bone.h"
-#include "apps/common/surface_error.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/planning_bone.h"
+#include "mesh/surface_error.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_run.h"

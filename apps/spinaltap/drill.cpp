@@ -1,7 +1,7 @@
 #include <memory>
 #include <optional>
 
-#include "apps/common/plan_file.h"
+#include "core/files/plan_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_options.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "apps/common/drilling_report.h"
-#include "apps/common/json_file.h"
+#include "apps/report/drilling_report.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 

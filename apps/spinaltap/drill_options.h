@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "apps/common/session_setup.h"
+#include "vdb/sim/build_session.h"
 #include "apps/spinaltap/hand_options.h"
 #include "core/ct/density_law.h"
 #include "core/sim/real_time.h"

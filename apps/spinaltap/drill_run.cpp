@@ -3,11 +3,11 @@
 #include <exception>
 #include <optional>
 
-#include "apps/common/data_files.h"
-#include "apps/common/density_file.h"
-#include "apps/common/drill_pictures.h"
-#include "apps/common/drilling_report.h"
-#include "apps/common/material_file.h"
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "apps/report/drill_pictures.h"
+#include "apps/report/drilling_report.h"
+#include "core/files/material_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/drill_figures.h"
 #include "core/base/error.h"

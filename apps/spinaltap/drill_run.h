@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "apps/spinaltap/drill_options.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"

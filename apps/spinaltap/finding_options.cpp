@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "apps/common/strokes.h"
+#include "core/files/strokes.h"
 
 namespace spinaltap {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "apps/common/level_doubts.h"
+#include "core/segment/doubt_facts.h"
 
 namespace spinaltap {
 

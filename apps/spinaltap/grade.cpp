@@ -2,13 +2,13 @@
 #include <cstdio>
 #include <memory>
 
-#include "apps/common/bone_ct.h"
-#include "apps/common/data_files.h"
-#include "apps/common/density_file.h"
-#include "apps/common/grade_output.h"
-#include "apps/common/material_file.h"
-#include "apps/common/plan_file.h"
-#include "apps/common/planning_bone.h"
+#include "vdb/sim/bone_ct.h"
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "apps/report/grade_output.h"
+#include "core/files/material_file.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/planning_bone.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"

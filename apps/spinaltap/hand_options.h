@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "apps/common/hand_choice.h"
+#include "apps/report/hand_choice.h"
 
 namespace spinaltap {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/json_file.h"
-#include "apps/common/level_doubts.h"
+#include "core/files/json_file.h"
+#include "core/segment/doubt_facts.h"
 
 namespace spinaltap {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <thread>
 
-#include "apps/common/terminal_progress.h"
+#include "apps/spinaltap/terminal_progress.h"
 #include "apps/spinaltap/command.h"
 #include "core/base/error.h"
 #include "core/base/version.h"

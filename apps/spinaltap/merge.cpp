@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "apps/common/study_results.h"
+#include "apps/report/study_results.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/base/error.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "mesh/mesh_quality.h"
 
 namespace spinaltap {

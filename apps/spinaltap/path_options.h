@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/auto_plan.h"
-#include "apps/common/json_file.h"
+#include "vdb/sim/auto_plan.h"
+#include "core/files/json_file.h"
 #include "core/drill/drill_path.h"
 
 namespace spinaltap {

@@ -1,7 +1,7 @@
 #include <memory>
 
-#include "apps/common/data_files.h"
-#include "apps/common/phantom_file.h"
+#include "core/files/data_files.h"
+#include "core/files/phantom_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/error.h"

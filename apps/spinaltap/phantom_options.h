@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/phantom_output.h"
+#include "vdb/sim/phantom_output.h"
 #include "apps/spinaltap/mesh_options.h"
 #include "core/phantom/spine.h"
 

@@ -2,12 +2,12 @@
 #include <optional>
 #include <sstream>
 
-#include "apps/common/bit_shapes.h"
-#include "apps/common/bone_ct.h"
-#include "apps/common/bone_path.h"
-#include "apps/common/plan_file.h"
-#include "apps/common/planning_bone.h"
-#include "apps/common/planning_json.h"
+#include "core/files/bit_shapes.h"
+#include "vdb/sim/bone_ct.h"
+#include "vdb/sim/bone_path.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/planning_bone.h"
+#include "core/files/planning_json.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"

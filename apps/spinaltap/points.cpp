@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "apps/common/point_methods.h"
+#include "core/surface/point_methods.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_output.h"

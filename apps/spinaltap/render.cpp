@@ -6,10 +6,10 @@
 #include <optional>
 #include <sstream>
 
-#include "apps/common/picture_view.h"
-#include "apps/common/plan_file.h"
-#include "apps/common/recorded_hole.h"
-#include "apps/common/session_setup.h"
+#include "apps/report/picture_view.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/recorded_hole.h"
+#include "vdb/sim/build_session.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"

@@ -1,8 +1,8 @@
 #include <chrono>
 #include <memory>
 
-#include "apps/common/replay.h"
-#include "apps/common/session_setup.h"
+#include "vdb/sim/replay.h"
+#include "vdb/sim/build_session.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"
 #include "core/base/error.h"

@@ -3,9 +3,9 @@
 #include <optional>
 #include <utility>
 
-#include "apps/common/study_inputs.h"
-#include "apps/common/study_results.h"
-#include "apps/common/study_run.h"
+#include "apps/report/study_inputs.h"
+#include "apps/report/study_results.h"
+#include "vdb/sim/study_run.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/base/error.h"

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "apps/common/study_summary.h"
+#include "core/study/study_summary.h"
 
 namespace spinaltap {
 

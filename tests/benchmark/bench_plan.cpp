@@ -7,8 +7,8 @@
 
 #include <memory>
 
-#include "apps/common/auto_plan.h"
-#include "apps/common/planning_bone.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/planning_bone.h"
 #include "core/phantom/vertebra_truth.h"
 #include "vdb/bake.h"
 #include "vdb/bone_field.h"

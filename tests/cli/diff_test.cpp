@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/base/staged_output.h"
 #include "core/drill/drill_bit.h"
 #include "tests/cli/program.h"

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <numbers>
 
-#include "apps/common/json_file.h"
-#include "apps/common/plan_file.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "core/base/random.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_file.h"

@@ -11,8 +11,8 @@
 #include <random>
 #include <thread>
 
-#include "apps/common/json_file.h"
-#include "apps/common/plan_file.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "core/base/error.h"
 #include "core/sim/session_record.h"
 #include "tests/cli/program.h"

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/common/json_file.h"
-#include "apps/common/plan_file.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <functional>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/base/gzip.h"
 #include "core/rbf/field_volume.h"
 #include "core/rbf/rbf_file.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/base/staged_output.h"
 #include "tests/cli/program.h"
 #include "tests/support/hand_made_dicom.h"

@@ -5,8 +5,8 @@
 
 #include <sstream>
 
-#include "apps/common/json_file.h"
-#include "apps/common/plan_file.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "core/base/staged_output.h"
 #include "core/sim/session_record.h"
 #include "tests/cli/bone_ball.h"

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <set>
 
-#include "apps/common/json_file.h"
-#include "apps/common/plan_file.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "core/base/staged_output.h"
 #include "mesh/mesh_io.h"
 #include "mesh/mesh_quality.h"

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"

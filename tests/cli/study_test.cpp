@@ -18,11 +18,11 @@
 #include <sstream>
 #include <thread>
 
-#include "apps/common/json_file.h"
-#include "apps/common/plan_file.h"
-#include "apps/common/planning_bone.h"
-#include "apps/common/study_row.h"
-#include "apps/common/study_task.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/planning_bone.h"
+#include "core/study/study_row.h"
+#include "core/study/study_task.h"
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
 #include "core/drill/bit_profile.h"

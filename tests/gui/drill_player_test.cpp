@@ -9,8 +9,8 @@
 #include <cstdio>
 #include <map>
 
-#include "apps/common/drilling.h"
-#include "apps/common/replay.h"
+#include "vdb/sim/drilling.h"
+#include "vdb/sim/replay.h"
 #include "apps/spinaltap-planner/drill/drill_output.h"
 #include "core/sim/session_record.h"
 #include "tests/gui/phantom_bone.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/common/plan_file.h"
+#include "core/files/plan_file.h"
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "core/base/error.h"
 #include "core/sim/session_record.h"

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <thread>
 
-#include "apps/common/plan_file.h"
+#include "core/files/plan_file.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "core/base/error.h"
 #include "tests/gui/planner_window.h"

@@ -38,7 +38,7 @@ set(broken
     vdb/x.h [[#include <openvdb/Grid.h>]]
     vdb/x.cpp [[#include <gdcmReader.h>]]
     mesh/x.h [[#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>]]
-    mesh/x.cpp [[#include "apps/common/plan_file.h"]]
+    mesh/x.cpp [[#include "core/files/plan_file.h"]]
     mesh/x.cpp [[#include "vdb/detail/grids.h"]]
     apps/spinaltap/x.cpp [[#include <QWidget>]]
     apps/common/x.cpp [[#include <gtest/gtest.h>]]

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "apps/common/bake_ct.h"
+#include "vdb/sim/bake_ct.h"
 #include "core/ct/dicom_read.h"
 #include "core/plan/landmarks.h"
 #include "tests/support/mesh_of_real_vertebra.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "apps/common/bake_ct.h"
+#include "vdb/sim/bake_ct.h"
 #include "core/phantom/scanner.h"
 #include "tests/support/pedicle_drilling.h"
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/common/bake_ct.h"
-#include "apps/common/phantom_output.h"
-#include "apps/common/surface_error.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/phantom_output.h"
+#include "mesh/surface_error.h"
 #include "core/ct/dicom_read.h"
 #include "core/phantom/vertebra_truth.h"
 #include "mesh/display_mesh.h"

@@ -11,9 +11,9 @@
 #include <numbers>
 #include <string>
 
-#include "apps/common/auto_plan.h"
-#include "apps/common/bake_ct.h"
-#include "apps/common/planning_bone.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/planning_bone.h"
 #include "core/drill/bit_profile.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra_truth.h"

@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "apps/common/auto_plan.h"
-#include "apps/common/bake_ct.h"
-#include "apps/common/drilling.h"
-#include "apps/common/planning_bone.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/drilling.h"
+#include "vdb/sim/planning_bone.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
 #include "core/sim/path_hand.h"

@@ -1,7 +1,7 @@
 #include "apps/spinaltap-planner/drill/drill_output.h"
 
-#include "apps/common/drill_pictures.h"
-#include "apps/common/drilling_report.h"
+#include "apps/report/drill_pictures.h"
+#include "apps/report/drilling_report.h"
 #include "core/sim/pose_hand.h"
 #include "core/sim/session_record.h"
 

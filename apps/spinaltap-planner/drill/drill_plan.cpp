@@ -1,8 +1,8 @@
 #include "apps/spinaltap-planner/drill/drill_plan.h"
 
-#include "apps/common/data_files.h"
-#include "apps/common/density_file.h"
-#include "apps/common/material_file.h"
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
 #include "apps/report/text.h"
 
 namespace spinaltap {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "apps/common/hand_choice.h"
-#include "apps/common/session_setup.h"
+#include "apps/report/hand_choice.h"
+#include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "apps/common/live_mesh.h"
+#include "mesh/live_mesh.h"
 #include "apps/spinaltap-planner/drill/drill_threads.h"
 #include "core/base/error.h"
 

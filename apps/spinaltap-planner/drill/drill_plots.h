@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "apps/common/depth_log.h"
+#include "core/sim/depth_log.h"
 #include "apps/report/svg_plot.h"
 #include "core/sim/session_event.h"
 

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "apps/common/live_mesh.h"
+#include "mesh/live_mesh.h"
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "vdb/surface_feed.h"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "apps/common/drilling.h"
+#include "vdb/sim/drilling.h"
 
 namespace spinaltap {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/depth_log.h"
-#include "apps/common/hand_choice.h"
-#include "apps/common/session_setup.h"
+#include "core/sim/depth_log.h"
+#include "apps/report/hand_choice.h"
+#include "vdb/sim/build_session.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/base/progress.h"
 

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "apps/common/bone_path.h"
-#include "apps/common/data_files.h"
-#include "apps/common/density_file.h"
-#include "apps/common/material_file.h"
-#include "apps/common/planning_rules_file.h"
+#include "vdb/sim/bone_path.h"
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
+#include "core/files/planning_rules_file.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/grade_output.h"
+#include "apps/report/grade_output.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/drill/material.h"
 #include "core/plan/path_angles.h"

@@ -4,7 +4,7 @@
 #include <QStackedLayout>
 #include <QTimer>
 
-#include "apps/common/picture_view.h"
+#include "apps/report/picture_view.h"
 #include "apps/spinaltap-planner/scene/bone_chunks.h"
 #include "apps/spinaltap-planner/scene/guide_planes.h"
 #include "apps/spinaltap-planner/scene/path_actors.h"

@@ -9,9 +9,9 @@
 #include <optional>
 #include <sstream>
 
-#include "apps/common/bit_file.h"
-#include "apps/common/data_files.h"
-#include "apps/common/screw_file.h"
+#include "core/files/bit_file.h"
+#include "core/files/data_files.h"
+#include "core/files/screw_file.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/main_window.h"

@@ -15,8 +15,8 @@
 #include <QVBoxLayout>
 #include <cmath>
 
-#include "apps/common/data_files.h"
-#include "apps/common/screw_file.h"
+#include "core/files/data_files.h"
+#include "core/files/screw_file.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"

@@ -3,7 +3,7 @@
 #include <QWidget>
 #include <vector>
 
-#include "apps/common/bit_file.h"
+#include "core/files/bit_file.h"
 #include "apps/spinaltap-planner/plan_document.h"
 
 class QAction;

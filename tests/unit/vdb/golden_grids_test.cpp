@@ -11,7 +11,7 @@
 #include <functional>
 #include <numbers>
 
-#include "apps/common/json_file.h"
+#include "core/files/json_file.h"
 #include "core/phantom/vertebra.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/detail/bone_grids.h"

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "apps/common/grade_output.h"
+#include "apps/report/grade_output.h"
 #include "core/base/error.h"
 #include "tests/unit/apps/report/times_in.h"
 

@@ -1,0 +1,121 @@
+#include "apps/report/drilling_report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+#include "mesh/mesh_io.h"
+
+namespace spinaltap {
+namespace {
+
+std::string fixed(double value, int digits) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+/// Mean cycles per second over a part of the rows, from their times; 0 where none was measured.
+double rate(const std::vector<DepthRow>& rows, std::size_t begin, std::size_t end) {
+  double cycles = 0.0;
+  double seconds = 0.0;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!(rows[i].cycles_per_s > 0.0)) continue;
+    cycles += static_cast<double>(rows[i].cycles);
+    seconds += static_cast<double>(rows[i].cycles) / rows[i].cycles_per_s;
+  }
+  return seconds > 0.0 ? cycles / seconds : 0.0;
+}
+
+std::string events_csv(const std::vector<SessionEvent>& events) {
+  SessionRecord record;
+  record.events = events;
+  std::ostringstream csv;
+  write_events_csv(record, csv);
+  return csv.str();
+}
+
+}  // namespace
+
+DrillRates drill_rates(const std::vector<DepthRow>& rows) {
+  if (rows.empty()) return {};
+  const std::size_t count = rows.size();
+  const std::size_t tenth = std::max<std::size_t>(1, count / 10);
+  const std::size_t middle = (count - tenth) / 2;
+  return {rate(rows, 0, tenth), rate(rows, middle, middle + tenth), rate(rows, count - tenth, count)};
+}
+
+DrillReportData report_data(const std::string& title, const CtVolume* ct, const DrillFigures& figures) {
+  const Drilling& drilling = figures.drilling;
+  DrillReportData data;
+  data.title = title;
+  data.ct = ct;
+  data.path = figures.setup.path;
+  data.bone_bounds_mm = figures.bone.model().bounds_mm();
+  for (const DepthRow& row : drilling.rows) {
+    data.depth_mm.push_back(row.depth_mm);
+    data.density_hu.push_back(row.hu);
+    data.density_g_per_cm3.push_back(row.density_g_cm3);
+    data.thrust_N.push_back(row.thrust_n);
+    data.torque_N_mm.push_back(row.torque_n_mm);
+    data.lateral_N.push_back(row.lateral_n);
+    data.outer_clearance_mm.push_back(row.outer_mm);
+    data.canal_clearance_mm.push_back(row.canal_mm);
+    if (!drilling.real_time) data.cycles_per_s.push_back(row.cycles_per_s);
+    data.removed_points.push_back(static_cast<double>(row.removed));
+  }
+  data.events = drilling.events;
+  data.events_lost = drilling.events_lost;
+  data.real_time = drilling.real_time;
+  const auto count = [](std::size_t value) { return std::to_string(value); };
+  for (const auto& [name, value] : figures.hand_words) data.figures.push_back({"Hand, " + name, value, ""});
+  data.figures.insert(data.figures.end(), {{"Spindle", fixed(figures.setup.options.spindle.rpm, 0), "rpm"},
+                                           {"Discs", count(static_cast<std::size_t>(drilling.discs)), ""},
+                                           {"Points per disc", count(drilling.points_per_disc), ""},
+                                           {"Points in the cylinder", count(drilling.points), ""},
+                                           {"Points in bone", count(drilling.points_in_bone), ""},
+                                           {"Points removed", count(drilling.removed), ""},
+                                           {"Cycles", count(drilling.cycles), ""},
+                                           {"Drilled for", fixed(drilling.session_s, 2), "s"}});
+  if (!drilling.real_time) {
+    const DrillRates rates = drill_rates(drilling.rows);
+    data.figures.insert(data.figures.end(), {{"Time of all cycles", fixed(drilling.seconds, 2), "s"},
+                                             {"Rate, first tenth of the path", fixed(rates.first_tenth, 0), "cycles/s"},
+                                             {"Rate, middle tenth", fixed(rates.middle_tenth, 0), "cycles/s"},
+                                             {"Rate, last tenth", fixed(rates.last_tenth, 0), "cycles/s"}});
+  }
+  data.figures.insert(data.figures.end(),
+                      {{"Greatest thrust", fixed(drilling.most_thrust_n, 2), "N"},
+                       {"Greatest torque", fixed(drilling.most_torque_n_mm, 1), "N·mm"},
+                       {"First bone at depth", fixed(drilling.entry_depth_mm, 2), "mm"},
+                       {"Drilled mesh, triangles", count(figures.mesh.triangles), ""},
+                       {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
+                       {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
+                       {"Drilled mesh, volume", fixed(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
+  if (!figures.bone.remark().empty())
+    data.notes.push_back("No canal and no sides were found: " + figures.bone.remark());
+  if (figures.cycles_not_recorded > 0) {
+    data.notes.push_back("The record lacks " + count(figures.cycles_not_recorded) + " cycles.");
+  }
+  return data;
+}
+
+void stage_drilling(const Drilling& drilling, const DrillReportData& data, const std::filesystem::path& folder,
+                    StagedOutput& output) {
+  output.write(folder / "log.csv", log_csv(drilling.rows));
+  output.write(folder / "events.csv", events_csv(drilling.events));
+  write_bone(drilling.drilled, output.stage(folder / "drilled.vdb"));
+  write_mesh(drilling.surface, output.stage(folder / "drilled.stl"));
+  output.write(folder / "report.html", drill_report(data));
+}
+
+std::map<std::string, std::string> record_words(const SessionSetup& setup,
+                                                const std::map<std::string, std::string>& hand_words,
+                                                const std::string& pace) {
+  std::map<std::string, std::string> words = record_setup(setup);
+  for (const auto& [name, value] : hand_words) words["hand " + name] = value;
+  words["pace"] = pace;
+  return words;
+}
+
+}  // namespace spinaltap

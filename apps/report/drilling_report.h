@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "vdb/sim/drilling.h"
+#include "apps/report/drill_report.h"
+#include "core/base/staged_output.h"
+#include "core/ct/ct_volume.h"
+#include "core/ct/density_law.h"
+#include "mesh/mesh_quality.h"
+
+namespace spinaltap {
+
+/// All that drilling came to, for those who print and write it.
+struct DrillFigures {
+  const Drilling& drilling;
+  const SessionBone& bone;
+  const SessionSetup& setup;
+  const std::map<std::string, std::string>& hand_words;  ///< HandPlan::words
+  const MeshQuality& mesh;
+  std::uint64_t cycles_not_recorded = 0;
+};
+
+/// Mean cycles per second along the way; 0 where none was measured.
+struct DrillRates {
+  double first_tenth = 0.0;
+  double middle_tenth = 0.0;
+  double last_tenth = 0.0;
+};
+DrillRates drill_rates(const std::vector<DepthRow>& rows);
+
+/// For the report, but for its pictures; `ct` may be null.
+DrillReportData report_data(const std::string& title, const CtVolume* ct, const DrillFigures& figures);
+
+/// Writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv into a folder, to be committed by the caller.
+void stage_drilling(const Drilling& drilling, const DrillReportData& data, const std::filesystem::path& folder,
+                    StagedOutput& output);
+
+/// What a record says of the session, the hand (HandPlan::words) and the pace.
+std::map<std::string, std::string> record_words(const SessionSetup& setup,
+                                                const std::map<std::string, std::string>& hand_words,
+                                                const std::string& pace);
+
+}  // namespace spinaltap

@@ -1,0 +1,165 @@
+#include "apps/report/grade_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "apps/report/text.h"
+#include "apps/report/text_table.h"
+
+namespace spinaltap {
+namespace {
+
+std::string shortest(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+/// A field of a CSV file: in quotes where it needs them.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+Json json_of(const Approach& approach) {
+  if (!std::isfinite(approach.clearance_mm)) return nullptr;
+  return {{"clearance_mm", approach.clearance_mm}, {"depth_mm", approach.depth_mm}, {"side", name_of(approach.side)}};
+}
+
+std::vector<std::string> cells_of(const Approach& approach) {
+  if (!std::isfinite(approach.clearance_mm)) return {"none", "", ""};
+  return {readable_number(approach.clearance_mm, 2), readable_number(approach.depth_mm, 1), name_of(approach.side)};
+}
+
+}  // namespace
+
+std::string tool_of(const DrillPath& path) {
+  if (!path.screw) return "bit of " + shortest(path.bit.diameter_mm) + " mm";
+  return "screw " + shortest(path.screw->diameter_mm) + " x " + shortest(path.screw->length_mm) + " mm";
+}
+
+std::string breach_of(const PathGrade& grade) {
+  if (!(grade.breach_mm > 0.0)) return "";
+  return std::string(grade.breaches_canal ? "canal, " : "outer surface, ") + name_of(grade.breach_side);
+}
+
+std::vector<std::string> band_names(const std::vector<double>& hu_bands) {
+  if (hu_bands.empty()) return {"all HU"};
+  std::vector<std::string> names{"below " + shortest(hu_bands.front()) + " HU"};
+  for (std::size_t n = 1; n < hu_bands.size(); ++n) {
+    names.push_back(shortest(hu_bands[n - 1]) + " to " + shortest(hu_bands[n]) + " HU");
+  }
+  names.push_back(shortest(hu_bands.back()) + " HU and above");
+  return names;
+}
+
+Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool with_rows) {
+  const PathGrade& grade = graded.grade;
+  Json json{{"name", graded.path.name},
+            {"tool", tool_of(graded.path)},
+            {"entry_mm", to_json(graded.path.entry_mm)},
+            {"target_mm", to_json(graded.path.target_mm)},
+            {"pedicle", grade.is_left ? "left" : "right"},
+            {"grade", std::string(1, letter_of(grade.grade))},
+            {"breach_mm", grade.breach_mm}};
+  if (grade.breach_mm > 0.0) {
+    json["breach"] = {{"into", grade.breaches_canal ? "canal" : "outer surface"},
+                      {"depth_mm", grade.breach_depth_mm},
+                      {"side", name_of(grade.breach_side)}};
+  } else {
+    json["breach"] = nullptr;
+  }
+  json["outer"] = json_of(grade.outer);
+  json["canal"] = json_of(grade.canal);
+  json["entry_end_mm"] = grade.entry_end_mm;
+  json["mean_hu"] = number_or_null(grade.hu);
+  json["hu_bands"] = Json::array();
+  const std::vector<std::string> names = band_names(hu_bands);
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    json["hu_bands"].push_back({{"band", names[n]}, {"share", grade.hu_band_shares.at(n)}});
+  }
+  json["most_thrust_N"] = grade.most_thrust_n;
+  if (!with_rows) return json;
+  json["rows"] = Json::array();
+  for (const GradeRow& row : grade.rows) {
+    json["rows"].push_back({{"depth_mm", row.depth_mm},
+                            {"radius_mm", row.radius_mm},
+                            {"outer_mm", number_or_null(row.outer_mm)},
+                            {"outer_side", name_of(row.outer_side)},
+                            {"canal_mm", number_or_null(row.canal_mm)},
+                            {"canal_side", name_of(row.canal_side)},
+                            {"is_entry", row.is_entry},
+                            {"hu", number_or_null(row.hu)},
+                            {"hu_band_shares", row.hu_band_shares},
+                            {"thrust_N", row.thrust_n}});
+  }
+  return json;
+}
+
+std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
+  std::ostringstream csv;
+  csv.precision(7);
+  csv << "path,depth_mm,radius_mm,outer_mm,outer_side,canal_mm,canal_side,is_entry,hu,thrust_N";
+  for (std::string name : band_names(hu_bands)) {
+    std::replace(name.begin(), name.end(), ' ', '_');
+    csv << ",share_" << name;
+  }
+  csv << '\n';
+  const auto field = [&](double value) {
+    if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
+    csv << ',';
+  };
+  for (const GradedPath& graded : paths) {
+    for (const GradeRow& row : graded.grade.rows) {
+      csv << csv_field(graded.path.name) << ',';
+      field(row.depth_mm);
+      field(row.radius_mm);
+      field(row.outer_mm);
+      csv << name_of(row.outer_side) << ',';
+      field(row.canal_mm);
+      csv << name_of(row.canal_side) << ',' << (row.is_entry ? 1 : 0) << ',';
+      field(row.hu);
+      csv << row.thrust_n;
+      for (const double share : row.hu_band_shares) csv << ',' << share;
+      csv << '\n';
+    }
+  }
+  return csv.str();
+}
+
+std::string grades_table(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
+  TextTable walls({{"path", "", false},
+                   {"tool", "", false},
+                   {"grade", "", false},
+                   {"breach", "mm"},
+                   {"into", "", false},
+                   {"outer", "mm"},
+                   {"at depth", "mm"},
+                   {"side", "", false},
+                   {"canal", "mm"},
+                   {"at depth", "mm"},
+                   {"side", "", false}});
+  std::vector<TextTable::Column> columns{{"path", "", false}, {"mean", "HU"}};
+  for (const std::string& name : band_names(hu_bands)) columns.push_back({name, "%"});
+  columns.push_back({"most thrust", "N"});
+  TextTable bone(columns);
+  for (const GradedPath& graded : paths) {
+    const PathGrade& grade = graded.grade;
+    std::vector<std::string> cells{graded.path.name, tool_of(graded.path), std::string(1, letter_of(grade.grade)),
+                                   readable_number(grade.breach_mm, 2), breach_of(grade)};
+    for (const Approach& approach : {grade.outer, grade.canal}) {
+      for (const std::string& cell : cells_of(approach)) cells.push_back(cell);
+    }
+    walls.add_row(cells);
+    cells = {graded.path.name, readable_number(grade.hu, 0)};
+    for (const double share : grade.hu_band_shares) cells.push_back(readable_number(100.0 * share, 1));
+    cells.push_back(readable_number(grade.most_thrust_n, 1));
+    bone.add_row(cells);
+  }
+  return walls.aligned() + "\n" + bone.aligned();
+}
+
+}  // namespace spinaltap

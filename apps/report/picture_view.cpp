@@ -1,0 +1,90 @@
+#include "apps/report/picture_view.h"
+
+#include <cmath>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/base/number_text.h"
+
+namespace spinaltap {
+namespace {
+
+/// 1 where the path enters on the patient's left of the bone's middle, -1 on the right.
+double side_of(const DrillPath& path, const BoneModel& bone) {
+  return path.entry_mm.x() >= bone.bounds_mm().center().x() ? 1.0 : -1.0;
+}
+
+std::optional<Vec3> direction_of(const std::string& text) {
+  std::istringstream parts(text);
+  std::string part;
+  Vec3 direction = Vec3::Zero();
+  Eigen::Index count = 0;
+  for (; std::getline(parts, part, ','); ++count) {
+    const std::optional<double> value = parse_number(part);
+    if (!value || count == 3) return std::nullopt;
+    direction[count] = *value;
+  }
+  if (count != 3 || !direction.allFinite() || !(direction.norm() > 0.0)) return std::nullopt;
+  return direction.normalized();
+}
+
+const DrillPath& path_for(const DrillPath* path, const char* what) {
+  if (path == nullptr) fail(what, " needs a path: give a plan (--plan) or a record (--record)");
+  return *path;
+}
+
+}  // namespace
+
+PictureView view_of_hole(const DrillPath& path, const BoneModel& bone) {
+  return {-path.direction() + side_of(path, bone) * 0.45 * Vec3::UnitX() + 0.25 * Vec3::UnitZ(), Vec3::UnitZ()};
+}
+
+CutPlane cut_along_path(const DrillPath& path) {
+  const Vec3 along = path.direction();
+  const Vec3 upward = Vec3::UnitZ() - Vec3::UnitZ().dot(along) * along;
+  // Straight down a path from head to foot there is no such plane: any that holds it will do.
+  return {path.entry_mm, upward.norm() > 1e-6 ? Vec3(-upward.normalized()) : Vec3(Vec3::UnitX())};
+}
+
+CutPlane upright_cut(const DrillPath& path, const BoneModel& bone) {
+  Vec3 normal = path.direction().cross(cut_along_path(path).normal).normalized();
+  if (normal.x() * side_of(path, bone) < 0.0) normal = -normal;
+  return {path.entry_mm, normal};
+}
+
+PictureView view_onto(const CutPlane& cut) {
+  constexpr double kUpright = 0.7;  // more upright views have the patient's front up
+  const bool is_from_below = std::abs(cut.normal.z()) > kUpright;
+  return {cut.normal, is_from_below ? Vec3(-Vec3::UnitY()) : Vec3(Vec3::UnitZ())};
+}
+
+PictureView named_view(const std::string& name, const DrillPath* path, const BoneModel& bone) {
+  static const std::map<std::string, PictureView> views{
+      {"behind", {Vec3::UnitY(), Vec3::UnitZ()}}, {"front", {-Vec3::UnitY(), Vec3::UnitZ()}},
+      {"left", {Vec3::UnitX(), Vec3::UnitZ()}},   {"right", {-Vec3::UnitX(), Vec3::UnitZ()}},
+      {"above", {Vec3::UnitZ(), -Vec3::UnitY()}}, {"below", {-Vec3::UnitZ(), -Vec3::UnitY()}},
+  };
+  if (name == "hole") return view_of_hole(path_for(path, "the view \"hole\""), bone);
+  if (const auto found = views.find(name); found != views.end()) return found->second;
+  const std::optional<Vec3> direction = direction_of(name);
+  if (!direction) {
+    fail("view: expected behind, front, left, right, above, below, hole or a direction x,y,z; found \"", name, "\"");
+  }
+  const bool is_upright = std::abs(direction->z()) < 0.99;
+  return {*direction, is_upright ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitY())};
+}
+
+CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone) {
+  const Vec3 middle_mm =
+      path != nullptr ? Vec3(0.5 * (path->entry_mm + path->target_mm)) : Vec3(bone.bounds_mm().center());
+  if (name == "axial") return {middle_mm, -Vec3::UnitZ()};
+  if (name == "sagittal") return {middle_mm, Vec3::UnitX()};
+  if (name == "coronal") return {middle_mm, Vec3::UnitY()};
+  if (name == "path") return cut_along_path(path_for(path, "the cut \"path\""));
+  if (name == "upright") return upright_cut(path_for(path, "the cut \"upright\""), bone);
+  fail("cut: expected axial, sagittal, coronal, path or upright; found \"", name, "\"");
+}
+
+}  // namespace spinaltap

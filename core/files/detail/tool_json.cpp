@@ -1,0 +1,47 @@
+#include "core/files/detail/tool_json.h"
+
+#include "core/files/bit_shapes.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+
+Json to_json(const DrillBit& bit) {
+  Json json{{"diameter_mm", bit.diameter_mm}, {"length_mm", bit.length_mm}, {"tip_length_mm", bit.tip_length_mm}};
+  // A plain drill stays what programs that know no other shape can read.
+  if (bit.shape != BitShape::drill) json["shape"] = name_of(bit.shape);
+  if (bit.tip_diameter_mm != 0.0) json["tip_diameter_mm"] = bit.tip_diameter_mm;
+  if (bit.shank_diameter_mm != 0.0) json["shank_diameter_mm"] = bit.shank_diameter_mm;
+  return json;
+}
+
+Json to_json(const PedicleScrew& screw) {
+  return {{"name", screw.name},
+          {"diameter_mm", screw.diameter_mm},
+          {"length_mm", screw.length_mm},
+          {"tip_length_mm", screw.tip_length_mm}};
+}
+
+DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  DrillBit bit{object.number("diameter_mm"), object.number("length_mm"), object.number("tip_length_mm")};
+  if (object.has("shape")) {
+    const std::string name = object.text("shape");
+    const auto shape = bit_shapes().find(name);
+    if (shape == bit_shapes().end()) {
+      fail("expected the bit's shape to be drill, round-burr, conical-burr or tapered-screw in ", file.string(),
+           ", found \"", name, "\"");
+    }
+    bit.shape = shape->second;
+  }
+  if (object.has("tip_diameter_mm")) bit.tip_diameter_mm = object.number("tip_diameter_mm");
+  if (object.has("shank_diameter_mm")) bit.shank_diameter_mm = object.number("shank_diameter_mm");
+  return bit;
+}
+
+PedicleScrew read_screw(const Json& json, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  return {object.text("name"), object.number("diameter_mm"), object.number("length_mm"),
+          object.number("tip_length_mm")};
+}
+
+}  // namespace spinaltap

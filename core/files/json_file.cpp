@@ -1,0 +1,75 @@
+#include "core/files/json_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/staged_output.h"
+
+namespace spinaltap {
+
+Json read_json(const std::filesystem::path& path) {
+  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  const std::string text = read_whole_file(path, kMostBytes);
+  try {
+    return Json::parse(text);
+  } catch (const nlohmann::json::exception& error) {
+    fail("cannot read ", path.string(), " as JSON: ", error.what());
+  }
+}
+
+void write_json(const Json& json, const std::filesystem::path& path) {
+  StagedOutput output;
+  output.write(path, json.dump(2) + "\n");
+  output.commit();
+}
+
+JsonObject::JsonObject(const Json& json, std::filesystem::path file) : json_(json), file_(std::move(file)) {
+  if (!json.is_object()) fail("expected a JSON object in ", file_.string(), ", found ", json.type_name());
+}
+
+const Json& JsonObject::at(const char* key) const {
+  if (!json_.contains(key)) fail("expected \"", key, "\" in ", file_.string(), ", found none");
+  return json_.at(key);
+}
+
+double JsonObject::number(const char* key) const {
+  const Json& value = at(key);
+  if (!value.is_number() || !std::isfinite(value.get<double>())) {
+    fail("expected a number for \"", key, "\" in ", file_.string(), ", found ", value.dump());
+  }
+  return value.get<double>();
+}
+
+double JsonObject::number_or(const char* key, double fallback) const { return has(key) ? number(key) : fallback; }
+
+std::string JsonObject::text(const char* key) const {
+  const Json& value = at(key);
+  if (!value.is_string()) fail("expected text for \"", key, "\" in ", file_.string(), ", found ", value.dump());
+  return value.get<std::string>();
+}
+
+Vec3 JsonObject::vector(const char* key) const {
+  const Json& value = at(key);
+  const auto finite = [](const Json& item) { return item.is_number() && std::isfinite(item.get<double>()); };
+  if (!value.is_array() || value.size() != 3 || !std::all_of(value.begin(), value.end(), finite)) {
+    fail("expected three numbers for \"", key, "\" in ", file_.string(), ", found ", value.dump());
+  }
+  return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& file,
+                std::string_view what) {
+  const JsonObject object(json, file);  // refuses what has no keys
+  for (const auto& item : json.items()) {
+    if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
+      fail("expected ", what, " in ", file.string(), ", found \"", item.key(), "\", which is none");
+    }
+  }
+}
+
+Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace spinaltap

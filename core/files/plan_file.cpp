@@ -1,0 +1,83 @@
+#include "core/files/plan_file.h"
+
+#include "core/files/detail/markups_file.h"
+#include "core/files/detail/tool_json.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr const char* kPlanFormat = "spinaltap-plan";
+constexpr int kPlanVersion = 1;
+
+std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::path& file) {
+  const JsonObject plan(json, file);
+  if (plan.text("format") != kPlanFormat || plan.number("version") != kPlanVersion || plan.text("frame") != "LPS" ||
+      plan.text("unit") != "mm") {
+    fail("expected a ", kPlanFormat, " of version ", kPlanVersion, " in the frame LPS and the unit mm in ",
+         file.string());
+  }
+  const Json& list = plan.at("paths");
+  if (!list.is_array() || list.empty()) fail("expected one path or more in ", file.string(), ", found none");
+  std::vector<DrillPath> paths;
+  paths.reserve(list.size());
+  for (const Json& item : list) paths.push_back(read_path(item, file));
+  return paths;
+}
+
+}  // namespace
+
+Json to_json(const DrillPath& path) {
+  Json json{{"name", path.name},
+            {"entry", to_json(path.entry_mm)},
+            {"target", to_json(path.target_mm)},
+            {"bit", to_json(path.bit)}};
+  if (path.screw) json["screw"] = to_json(*path.screw);
+  return json;
+}
+
+DrillPath read_path(const Json& json, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  DrillPath path;
+  path.name = object.text("name");
+  path.entry_mm = object.vector("entry");
+  path.target_mm = object.vector("target");
+  path.bit = read_bit(object.at("bit"), file);
+  if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
+  return path;
+}
+
+void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
+  if (path.string().ends_with(".mrk.json")) {
+    write_json(markups_of(paths), path);
+    return;
+  }
+  Json plan{
+      {"format", kPlanFormat}, {"version", kPlanVersion}, {"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}};
+  for (const DrillPath& drill_path : paths) plan["paths"].push_back(to_json(drill_path));
+  write_json(plan, path);
+}
+
+std::vector<DrillPath> read_plan(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  std::vector<DrillPath> paths = is_markups(json) ? paths_of_markups(json, path) : paths_of_plan(json, path);
+  for (const DrillPath& drill_path : paths) {
+    try {
+      check_path(drill_path);
+    } catch (const Error& error) {
+      fail(path.string(), ": path \"", drill_path.name, "\": ", error.what());
+    }
+  }
+  return paths;
+}
+
+const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::string& name) {
+  std::string names;
+  for (const DrillPath& path : paths) {
+    if (name.empty() || path.name == name) return path;
+    names += names.empty() ? path.name : ", " + path.name;
+  }
+  fail("expected the name of a path in the plan, found \"", name, "\"; it has: ", names);
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/files/json_file.h"
+#include "core/drill/drill_path.h"
+
+namespace spinaltap {
+
+/// A path as plan files list it.
+Json to_json(const DrillPath& path);
+/// Reads what to_json() made. Throws Error that names the file and the key at fault; does not check the path.
+DrillPath read_path(const Json& json, const std::filesystem::path& file);
+
+/// Writes planned paths as JSON: patient LPS, mm; see docs/plan-file.md. A name that ends in ".mrk.json" makes them
+/// 3D Slicer's markups.
+void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path);
+
+/// Reads what write_plan wrote, or lines from 3D Slicer's markups. Throws Error that names the file and the key at
+/// fault.
+std::vector<DrillPath> read_plan(const std::filesystem::path& path);
+
+/// The path called `name`, or the first when `name` is empty. Throws Error that lists the names.
+const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::string& name);
+
+}  // namespace spinaltap

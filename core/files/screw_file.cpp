@@ -1,0 +1,46 @@
+#include "core/files/screw_file.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "core/files/json_file.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+std::vector<double> rising_numbers(const JsonObject& object, const char* key, const std::filesystem::path& path) {
+  const Json& list = object.at(key);
+  std::vector<double> numbers;
+  for (const Json& item : list.is_array() ? list : Json::array()) {
+    if (item.is_number()) numbers.push_back(item.get<double>());
+  }
+  if (numbers.empty() || numbers.size() != list.size()) {
+    fail("expected one number or more for \"", key, "\" in ", path.string(), ", found ", list.dump());
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<PedicleScrew> read_screws(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  const JsonObject object(json, path);
+  std::vector<PedicleScrew> screws;
+  for (const double diameter_mm : rising_numbers(object, "diameters_mm", path)) {
+    for (const double length_mm : rising_numbers(object, "lengths_mm", path)) {
+      std::ostringstream name;
+      name << diameter_mm << " x " << length_mm << " mm";
+      screws.push_back({name.str(), diameter_mm, length_mm, object.number("tip_length_mm")});
+      try {
+        check_screw(screws.back());
+      } catch (const Error& error) {
+        fail(path.string(), ": ", error.what());
+      }
+    }
+  }
+  return screws;
+}
+
+}  // namespace spinaltap

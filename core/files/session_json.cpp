@@ -1,0 +1,206 @@
+// The JSON of session_setup.h. Numbers are written so that they come back to the last bit.
+
+#include <cmath>
+#include <limits>
+
+#include "core/files/material_file.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/build_session.h"
+#include "core/files/detail/tool_json.h"
+#include "core/base/error.h"
+#include "core/base/version.h"
+
+namespace spinaltap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSession = "session";
+
+JsonObject part_of(const JsonObject& object, const char* key, const fs::path& file) {
+  const Json& part = object.at(key);
+  if (!part.is_object()) fail("expected a JSON object for \"", key, "\" in ", file.string(), ", found ", part.dump());
+  return {part, file};
+}
+
+bool flag(const JsonObject& object, const char* key, const fs::path& file) {
+  const Json& value = object.at(key);
+  if (!value.is_boolean()) {
+    fail("expected true or false for \"", key, "\" in ", file.string(), ", found ", value.dump());
+  }
+  return value.get<bool>();
+}
+
+std::uint64_t whole_number(const JsonObject& object, const char* key, const fs::path& file) {
+  const Json& value = object.at(key);
+  if (!value.is_number_unsigned()) {
+    fail("expected a whole number of 0 or more for \"", key, "\" in ", file.string(), ", found ", value.dump());
+  }
+  return value.get<std::uint64_t>();
+}
+
+/// JSON has no infinity: a limit that is one is left out.
+void add_limit(Json& json, const char* key, double value) {
+  if (!std::isinf(value)) json[key] = value;
+}
+
+double limit(const JsonObject& object, const char* key, double without) {
+  return object.has(key) && !object.at(key).is_null() ? object.number(key) : without;
+}
+
+Json json_of(const PointVolumeOptions& volume) {
+  return {{"radius_mm", volume.radius_mm},
+          {"spacing_mm", volume.spacing_mm},
+          {"lead_in_mm", volume.lead_in_mm},
+          {"hu_bits", volume.hu_bits == HuBits::eight ? 8U : 16U},
+          {"subdivision", volume.subdivision == DiscSubdivision::rings ? "rings" : "hexagons"},
+          {"jitter", volume.jitter},
+          {"jitter_seed", volume.jitter_seed}};
+}
+
+PointVolumeOptions read_volume_part(const JsonObject& object, const fs::path& file) {
+  PointVolumeOptions volume;
+  volume.radius_mm = object.number("radius_mm");
+  volume.spacing_mm = object.number("spacing_mm");
+  volume.lead_in_mm = object.number("lead_in_mm");
+  const std::uint64_t bits = whole_number(object, "hu_bits", file);
+  if (bits != 8 && bits != 16) fail("expected 8 or 16 for \"hu_bits\" in ", file.string(), ", found ", bits);
+  volume.hu_bits = bits == 8 ? HuBits::eight : HuBits::sixteen;
+  const std::string subdivision = object.text("subdivision");
+  if (subdivision != "rings" && subdivision != "hexagons") {
+    fail("expected rings or hexagons for \"subdivision\" in ", file.string(), ", found \"", subdivision, "\"");
+  }
+  volume.subdivision = subdivision == "rings" ? DiscSubdivision::rings : DiscSubdivision::hexagons;
+  volume.jitter = object.number("jitter");
+  volume.jitter_seed = whole_number(object, "jitter_seed", file);
+  return volume;
+}
+
+Json json_of(const SessionOptions& options) {
+  Json stop{{"on_breach", options.stop.on_breach}};
+  add_limit(stop, "thrust_n", options.stop.thrust_n);
+  add_limit(stop, "clearance_mm", options.stop.clearance_mm);
+  return {{"spindle", {{"rpm", options.spindle.rpm}, {"is_clockwise", options.spindle.is_clockwise}}},
+          {"stop", stop},
+          {"states",
+           {{"contact_g_cm3", options.states.contact_g_cm3},
+            {"cortical_g_cm3", options.states.cortical_g_cm3},
+            {"rising_g_cm3", options.states.rising_g_cm3},
+            {"hold_mm", options.states.hold_mm}}},
+          {"longest_jump_mm", options.longest_jump_mm}};
+}
+
+SessionOptions read_options_part(const JsonObject& object, const fs::path& file) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  SessionOptions options;
+  const JsonObject spindle = part_of(object, "spindle", file);
+  options.spindle = {spindle.number("rpm"), flag(spindle, "is_clockwise", file)};
+  const JsonObject stop = part_of(object, "stop", file);
+  options.stop.thrust_n = limit(stop, "thrust_n", kInfinite);
+  options.stop.clearance_mm = limit(stop, "clearance_mm", -kInfinite);
+  options.stop.on_breach = flag(stop, "on_breach", file);
+  const JsonObject states = part_of(object, "states", file);
+  options.states = {states.number("contact_g_cm3"), states.number("cortical_g_cm3"), states.number("rising_g_cm3"),
+                    states.number("hold_mm")};
+  options.longest_jump_mm = object.number("longest_jump_mm");
+  return options;
+}
+
+Json json_of(const DrilledHole& hole) {
+  Json ways = Json::array();
+  for (const BitWay& way : hole.ways) {
+    ways.push_back(
+        {{"from_mm", to_json(way.start.tip_mm)}, {"to_mm", to_json(way.end.tip_mm)}, {"axis", to_json(way.end.axis)}});
+  }
+  return {{"bit", to_json(hole.bit)}, {"ways", ways}};
+}
+
+const Json& list_of(const JsonObject& object, const char* key, const fs::path& file) {
+  const Json& list = object.at(key);
+  if (!list.is_array()) fail("expected an array for \"", key, "\" in ", file.string(), ", found ", list.dump());
+  return list;
+}
+
+DrilledHole read_hole(const Json& json, const fs::path& file) {
+  const JsonObject object(json, file);
+  DrilledHole hole;
+  hole.bit = read_bit(object.at("bit"), file);
+  for (const Json& part : list_of(object, "ways", file)) {
+    const JsonObject way(part, file);
+    const Vec3 axis = way.vector("axis");
+    hole.ways.push_back({{way.vector("from_mm"), axis}, {way.vector("to_mm"), axis}});
+  }
+  return hole;
+}
+
+}  // namespace
+
+Json to_json(const SessionSetup& setup) {
+  std::string engine;
+  for (const auto& [name, kind] : engine_kinds()) {
+    if (kind == setup.engine) engine = name;
+  }
+  Json json{
+      {"bone_hash", setup.bone_hash},
+      {"path", to_json(setup.path)},
+      {"material", to_json(setup.material)},
+      {"volume", json_of(setup.volume)},
+      {"fine", {{"spacing_mm", setup.fine_spacing_mm}, {"near_mm", setup.fine_near_mm}, {"tip_mm", setup.fine_tip_mm}}},
+      {"engine", engine},
+      {"options", json_of(setup.options)},
+      {"has_clearances", setup.has_clearances}};
+  for (const DrilledHole& hole : setup.holes) json["holes"].push_back(json_of(hole));
+  return json;
+}
+
+SessionSetup read_session_setup(const Json& json, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  SessionSetup setup;
+  setup.bone_hash = object.text("bone_hash");
+  setup.path = read_path(object.at("path"), file);
+  setup.material = material_of(object.at("material"), file);
+  setup.volume = read_volume_part(part_of(object, "volume", file), file);
+  const JsonObject fine = part_of(object, "fine", file);
+  setup.fine_spacing_mm = fine.number("spacing_mm");
+  setup.fine_near_mm = fine.number("near_mm");
+  setup.fine_tip_mm = fine.number("tip_mm");
+  const std::string engine = object.text("engine");
+  const auto kind = engine_kinds().find(engine);
+  if (kind == engine_kinds().end()) {
+    fail("expected the name of a drilling engine for \"engine\" in ", file.string(), ", found \"", engine, "\"");
+  }
+  setup.engine = kind->second;
+  setup.options = read_options_part(part_of(object, "options", file), file);
+  setup.has_clearances = flag(object, "has_clearances", file);
+  if (object.has("holes")) {
+    for (const Json& hole : list_of(object, "holes", file)) setup.holes.push_back(read_hole(hole, file));
+  }
+  try {
+    check_path(setup.path);
+    check_material(setup.material);
+    for (const DrilledHole& hole : setup.holes) check_bit(hole.bit);
+  } catch (const Error& error) {
+    fail(file.string(), ": ", error.what());
+  }
+  return setup;
+}
+
+std::map<std::string, std::string> record_setup(const SessionSetup& setup) {
+  return {{kSession, to_json(setup).dump()}, {"version", version()}};
+}
+
+SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, const std::filesystem::path& file) {
+  const auto session = setup.find(kSession);
+  if (session == setup.end()) {
+    fail("expected a record of the program's own in ", file.string(), ", found none of its setup");
+  }
+  Json json;
+  try {
+    json = Json::parse(session->second);
+  } catch (const nlohmann::json::exception& error) {
+    fail("cannot read the setup in ", file.string(), " as JSON: ", error.what());
+  }
+  return read_session_setup(json, file);
+}
+
+}  // namespace spinaltap

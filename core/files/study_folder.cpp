@@ -1,0 +1,154 @@
+#include "core/files/study_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <string_view>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/hash.h"
+#include "core/base/staged_output.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr const char* kFolderFormat = "spinaltap-study-folder";
+constexpr int kFolderVersion = 1;
+constexpr const char* kStudyFile = "study.json";
+constexpr std::string_view kPartHead = "# runs of the study ";
+
+std::string hash_of(std::string_view text) {
+  Fnv1a hash;
+  const std::uint64_t size = text.size();  // the last word is filled up: length tells "a" from "a\0"
+  hash.add(&size, sizeof size);
+  hash.add(text.data(), text.size());
+  return hash.hex();
+}
+
+std::string head_of(const StudyIdentity& identity) { return std::string(kPartHead) + identity.hash() + "\n"; }
+
+/// The row in a line of a part file, where its check is right.
+bool read_line(std::string_view line, std::string_view& row) {
+  const std::size_t comma = line.rfind(',');
+  if (comma == std::string_view::npos) return false;
+  row = line.substr(0, comma);
+  return line.substr(comma + 1) == hash_of(row);
+}
+
+void check_head(std::string_view text, const StudyIdentity& identity, const std::filesystem::path& file) {
+  if (text.starts_with(head_of(identity))) return;
+  fail("expected runs of the study ", identity.hash(), " in ", file.string(), ", found ",
+       text.starts_with(kPartHead) ? "those of another: take another folder, or the specification that it was made with"
+                                   : "something else");
+}
+
+bool is_part(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  return name.starts_with("part-") && name.ends_with(".csv");
+}
+
+}  // namespace
+
+std::string StudyIdentity::hash() const { return hash_of(study.dump()); }
+
+void open_study_folder(const std::filesystem::path& folder, const StudyIdentity& identity) {
+  const std::filesystem::path file = folder / kStudyFile;
+  if (std::filesystem::exists(file)) {
+    const StudyIdentity known = read_study_identity(folder);
+    if (known.study == identity.study) return;
+    for (const auto& item : identity.study.items()) {
+      if (known.study.contains(item.key()) && known.study[item.key()] == item.value()) continue;
+      fail("expected the same study as in ", folder.string(), ", found another \"", item.key(),
+           "\": take another folder, or the specification that this one was made with");
+    }
+    fail("expected the same study as in ", folder.string(), ", found another: take another folder");
+  }
+  write_json({{"format", kFolderFormat},
+              {"version", kFolderVersion},
+              {"hash", identity.hash()},
+              {"runs", identity.runs},
+              {"study", identity.study}},
+             file);
+}
+
+StudyIdentity read_study_identity(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / kStudyFile;
+  if (!std::filesystem::exists(file))
+    fail("expected a folder of a study, with ", kStudyFile, ", found ", folder.string());
+  const Json json = read_json(file);
+  const JsonObject object(json, file);
+  if (object.text("format") != kFolderFormat || object.number("version") != kFolderVersion) {
+    fail("expected a ", kFolderFormat, " of version ", kFolderVersion, " in ", file.string());
+  }
+  StudyIdentity identity{object.at("study"), static_cast<std::size_t>(object.number("runs"))};
+  if (identity.hash() != object.text("hash")) fail("expected ", file.string(), " as it was written, found it changed");
+  return identity;
+}
+
+void read_study_parts(const std::filesystem::path& folder, const StudyIdentity& identity, StudyRows& rows) {
+  std::vector<std::filesystem::path> parts;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.is_regular_file() && is_part(entry.path())) parts.push_back(entry.path());
+  }
+  std::sort(parts.begin(), parts.end());
+  for (const std::filesystem::path& part : parts) {
+    const std::string text = read_whole_file(part);
+    // Killed before its first line was whole: nothing is in it yet.
+    if (text.find('\n') == std::string::npos) continue;
+    check_head(text, identity, part);
+    std::string_view left = std::string_view(text).substr(text.find('\n') + 1);
+    for (std::size_t end = left.find('\n'); end != std::string_view::npos; end = left.find('\n')) {
+      std::string_view row;
+      if (read_line(left.substr(0, end), row)) {
+        const std::size_t run = read_study_csv(row).run();
+        if (run >= identity.runs) fail("expected runs below ", identity.runs, " in ", part.string(), ", found ", run);
+        const auto [known, is_new] = rows.emplace(run, row);
+        if (!is_new && known->second != row) fail("run ", run, " came out differently in ", part.string());
+      }
+      left.remove_prefix(end + 1);
+    }
+  }
+}
+
+StudyPart::StudyPart(const std::filesystem::path& folder, const std::string& name, const StudyIdentity& identity)
+    : path_(folder / name) {
+  file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (file_ < 0) fail("cannot open ", path_.string(), " to write");
+  try {
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      fail("another process works on ", path_.string(), ": wait for it, or take another shard");
+    }
+    const std::string text = read_whole_file(path_);
+    const std::size_t last_line = text.rfind('\n');
+    const std::size_t whole = last_line == std::string::npos ? 0 : last_line + 1;
+    if (whole > 0) check_head(text, identity, path_);
+    if (whole < text.size() && ::ftruncate(file_, static_cast<off_t>(whole)) != 0) {
+      fail("cannot take the last row, which was cut short, off ", path_.string());
+    }
+    if (whole == 0) write(head_of(identity));
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
+StudyPart::~StudyPart() { ::close(file_); }
+
+void StudyPart::append(const std::string& row) { write(row + "," + hash_of(row) + "\n"); }
+
+void StudyPart::write(const std::string& text) {
+  // One call a row: a kill comes before or after it, and other programs never read half of one.
+  ssize_t written = 0;
+  do {
+    written = ::write(file_, text.data(), text.size());
+  } while (written < 0 && errno == EINTR);
+  if (written != static_cast<ssize_t>(text.size())) {
+    fail("cannot write ", path_.string(), ": the disk may be full; finished runs are kept");
+  }
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/files/json_file.h"
+#include "core/study/study_row.h"
+
+namespace spinaltap {
+
+/// What a study is, down to the last number that its results depend on; two studies with the same are one.
+struct StudyIdentity {
+  Json study;  ///< all inputs, with the bone's fingerprint and the program's version
+  std::size_t runs = 0;
+
+  std::string hash() const;
+};
+
+/// Rows of finished runs by number, as text: study_csv(). Text, since it is what must come out the same.
+using StudyRows = std::map<std::size_t, std::string>;
+
+/// Makes the folder, or finds it, and writes study.json where there is none. Throws Error where it holds another study.
+void open_study_folder(const std::filesystem::path& folder, const StudyIdentity& identity);
+/// Reads study.json. Throws Error where there is none.
+StudyIdentity read_study_identity(const std::filesystem::path& folder);
+
+/// Adds all whole rows of the folder's part files to `rows`. A row that was cut short or damaged is passed over: its
+/// run is run again. Throws Error on parts of another study, and on two rows of one run that differ.
+void read_study_parts(const std::filesystem::path& folder, const StudyIdentity& identity, StudyRows& rows);
+
+/// Appends finished runs to a part file, each whole and with a check, so that a kill at any moment costs no finished
+/// run.
+class StudyPart {
+ public:
+  /// `name`: of the file. Takes off a last row that was cut short. Throws Error where the file is another study's, and
+  /// where another process writes to it.
+  StudyPart(const std::filesystem::path& folder, const std::string& name, const StudyIdentity& identity);
+  ~StudyPart();
+  StudyPart(const StudyPart&) = delete;
+  StudyPart& operator=(const StudyPart&) = delete;
+
+  /// One thread at a time. Throws Error when the disk is full; rows before stay.
+  void append(const std::string& row);
+
+ private:
+  void write(const std::string& text);
+
+  std::filesystem::path path_;
+  int file_ = -1;
+};
+
+}  // namespace spinaltap

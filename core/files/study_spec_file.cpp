@@ -1,0 +1,144 @@
+#include "core/files/study_spec_file.h"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
+#include "core/files/plan_file.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr std::string_view kSpecFormat = "spinaltap-study";
+constexpr int kSpecVersion = 1;
+
+std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
+  return (file.parent_path() / name).lexically_normal();
+}
+
+/// "path" is a path as plan files list it, or the name of one in "plan".
+DrillPath read_path_of(const JsonObject& object, const std::filesystem::path& file) {
+  if (object.has("path") && object.at("path").is_object()) {
+    if (object.has("plan"))
+      fail("expected either \"plan\" or a \"path\" of its own in ", file.string(), ", found both");
+    DrillPath path = read_path(object.at("path"), file);
+    try {
+      check_path(path);
+    } catch (const Error& error) {
+      fail(file.string(), ": \"path\": ", error.what());
+    }
+    return path;
+  }
+  const std::vector<DrillPath> paths = read_plan(beside(file, object.text("plan")));
+  return choose_path(paths, object.has("path") ? object.text("path") : "");
+}
+
+Material read_material_of(const JsonObject& object, const std::filesystem::path& file) {
+  const DensityCalibration density = read_density_law(object.has("density") ? beside(file, object.text("density"))
+                                                                            : data_file("densities/vertebra.json"));
+  return read_material(
+      object.has("material") ? beside(file, object.text("material")) : data_file("materials/vertebra.json"),
+      density.law);
+}
+
+void read_volume(const Json& json, const std::filesystem::path& file, StudySpec& spec) {
+  check_keys(json, {"radius_mm", "spacing_mm", "lead_in_mm", "lead_out_mm"}, file, "a key of \"volume\"");
+  const JsonObject object(json, file);
+  PointVolumeOptions& volume = spec.volume;
+  for (const auto& [key, value] : {std::pair{"radius_mm", &volume.radius_mm}, {"spacing_mm", &volume.spacing_mm}}) {
+    if (!object.has(key)) continue;
+    *value = object.number(key);
+    if (!(*value > 0.0)) fail("expected a number above 0 for \"", key, "\" in ", file.string(), ", found ", *value);
+  }
+  for (const auto& [key, value] : {std::pair{"lead_in_mm", &volume.lead_in_mm}, {"lead_out_mm", &spec.lead_out_mm}}) {
+    *value = object.number_or(key, *value);
+    if (!(*value >= 0.0) || !(*value <= 100.0)) {
+      fail("expected 0 to 100 for \"", key, "\" in ", file.string(), ", found ", *value);
+    }
+  }
+}
+
+StopRules read_stop(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"thrust_n", "clearance_mm", "on_breach"}, file, "a key of \"stop\"");
+  const JsonObject object(json, file);
+  StopRules stop;
+  stop.thrust_n = object.number_or("thrust_n", stop.thrust_n);
+  if (!(stop.thrust_n > 0.0)) {
+    fail("expected a number above 0 for \"thrust_n\" in ", file.string(), ", found ", stop.thrust_n);
+  }
+  stop.clearance_mm = object.number_or("clearance_mm", stop.clearance_mm);
+  if (object.has("on_breach")) {
+    const Json& flag = object.at("on_breach");
+    if (!flag.is_boolean()) {
+      fail("expected true or false for \"on_breach\" in ", file.string(), ", found ", flag.dump());
+    }
+    stop.on_breach = flag.get<bool>();
+  }
+  return stop;
+}
+
+/// A factor that the hand does not know would change nothing without a word.
+void check_factors(const StudySpec& spec, const std::filesystem::path& file) {
+  for (const FactorLaw& law : spec.design.laws) {
+    if (std::isnan(base_values(spec).at(static_cast<std::size_t>(law.factor)))) {
+      fail("expected no factor \"", name_of(law.factor), "\" in ", file.string(), ": the hand is one that ",
+           spec.hand.kind == StudyHand::Kind::feed ? "feeds" : "pushes");
+    }
+  }
+}
+
+}  // namespace
+
+StudySpec read_study_spec(const std::filesystem::path& file) {
+  const Json json = read_json(file);
+  const JsonObject object(json, file);
+  if (object.text("format") != kSpecFormat || object.number("version") != kSpecVersion) {
+    fail("expected a ", kSpecFormat, " of version ", kSpecVersion, " in ", file.string());
+  }
+  check_keys(json,
+             {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume",
+              "spindle_rpm", "stop", "hand", "design"},
+             file, kStudyKey);
+  StudySpec spec;
+  spec.name = object.has("name") ? object.text("name") : file.stem().string();
+  spec.bone_file = beside(file, object.text("bone"));
+  if (object.has("level")) {
+    const std::optional<Level> level = level_from_name(object.text("level"));
+    if (!level) {
+      fail("expected a vertebra such as \"L3\" for \"level\" in ", file.string(), ", found \"", object.text("level"),
+           "\"");
+    }
+    spec.level = *level;
+  }
+  spec.path = read_path_of(object, file);
+  spec.material = read_material_of(object, file);
+  if (object.has("volume")) read_volume(object.at("volume"), file, spec);
+  spec.options.spindle.rpm = object.number_or("spindle_rpm", spec.options.spindle.rpm);
+  if (!(spec.options.spindle.rpm > 0.0)) {
+    fail("expected a number above 0 for \"spindle_rpm\" in ", file.string(), ", found ", spec.options.spindle.rpm);
+  }
+  if (object.has("stop")) spec.options.stop = read_stop(object.at("stop"), file);
+  spec.hand = read_study_hand(object.at("hand"), file);
+  spec.design = read_study_design(object.at("design"), file);
+  check_factors(spec, file);
+  return spec;
+}
+
+FactorValues base_values(const StudySpec& spec) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const bool pushes = spec.hand.kind == StudyHand::Kind::push;
+  FactorValues values{};
+  const auto set = [&](StudyFactor factor, double value) { values.at(static_cast<std::size_t>(factor)) = value; };
+  set(StudyFactor::bit_diameter_mm, spec.path.bit.diameter_mm);
+  set(StudyFactor::push_n, pushes ? spec.hand.push_n : kNone);
+  set(StudyFactor::feed_mm_s, pushes ? kNone : spec.hand.feed_mm_s);
+  set(StudyFactor::tremor_mm, spec.hand.tremor_mm);
+  set(StudyFactor::density_scale, 1.0);
+  return values;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/study/study_design.h"
+
+namespace spinaltap {
+
+/// Columns of a study's table, in its order; docs/studies.md says what they mean. The factors come first, as
+/// StudyFactor has them.
+enum class StudyColumn : std::uint8_t {
+  run = kStudyFactors,
+  seed,               ///< of the tremor
+  contact,            ///< 1: the bit removed bone
+  breach,             ///< 1: the bit went beyond a wall
+  breach_outer_mm,    ///< how far at most beyond the outer surface, its mouth not counted; 0: not at all
+  breach_canal_mm,    ///< into the canal
+  least_outer_mm,     ///< least clearance; infinite where the bone has no such wall
+  least_canal_mm,     ///< likewise
+  grade,              ///< Gertzbein-Robbins, by the deeper breach: 0 (A) to 4 (E)
+  most_thrust_n,      ///< of cutting
+  most_torque_n_mm,   ///< of cutting
+  overshoot_mm,       ///< way after a stop or a breakthrough until the hand stood still
+  depth_mm,           ///< deepest place of the tip, along the planned path
+  time_s,             ///< of drilling, not of computing
+  outer_cortical_mm,  ///< depth at which the state first began; not a number where it never did
+  cancellous_mm,      ///< likewise
+  transitional_mm,    ///< likewise
+  inner_cortical_mm,  ///< likewise
+  breakthrough_mm,    ///< depth at which the tip left the bone; not a number where it never did
+  stop_mm,            ///< depth at which a rule asked to stop; not a number where none did
+  removed_points,     ///< of the volume
+  removed_mm3,        ///< of bone
+  left_volume_mm,     ///< how far at most the bit cut beyond the points' cylinder; 0: not at all
+  events_lost         ///< that found no room
+};
+constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::events_lost) + 1;
+
+std::string_view name_of(StudyColumn column);
+
+/// One run: a number for each column, not a number where there is none.
+class StudyRow {
+ public:
+  double& operator[](StudyColumn column) { return cells_[static_cast<std::size_t>(column)]; }
+  double operator[](StudyColumn column) const { return cells_[static_cast<std::size_t>(column)]; }
+  double& operator[](StudyFactor factor) { return cells_[static_cast<std::size_t>(factor)]; }
+  double operator[](StudyFactor factor) const { return cells_[static_cast<std::size_t>(factor)]; }
+
+  std::size_t run() const { return static_cast<std::size_t>((*this)[StudyColumn::run]); }
+
+ private:
+  std::array<double, kStudyColumns> cells_{};
+};
+
+/// The names of the columns, comma by comma, without an end of line. The number of the run comes first.
+std::string study_csv_head();
+/// A row: the shortest digits that give each number back exactly, empty where there is none, grades as letters. The
+/// same row gives the same text.
+std::string study_csv(const StudyRow& row);
+/// Reads what study_csv() made. Throws Error that names the column at fault.
+StudyRow read_study_csv(std::string_view text);
+
+}  // namespace spinaltap

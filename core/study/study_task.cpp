@@ -1,0 +1,118 @@
+#include "core/study/study_task.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+double of(const FactorValues& values, StudyFactor factor) { return values.at(static_cast<std::size_t>(factor)); }
+
+double in_rad(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+/// The planned line as the run's errors make it: shifted across, and leaning about the shifted entry.
+DrillPath with_errors(const DrillPath& planned, const AcrossPath& sides, const FactorValues& values) {
+  constexpr double kMostDeg = 60.0;
+  for (const StudyFactor factor : {StudyFactor::angle_left_deg, StudyFactor::angle_head_deg}) {
+    if (!(std::abs(of(values, factor)) <= kMostDeg)) {
+      fail(name_of(factor), ": expected an angle within ", kMostDeg, " degrees, found ", of(values, factor));
+    }
+  }
+  const Vec3 direction = (planned.direction() + std::tan(in_rad(of(values, StudyFactor::angle_left_deg))) * sides.left +
+                          std::tan(in_rad(of(values, StudyFactor::angle_head_deg))) * sides.head)
+                             .normalized();
+  DrillPath path = planned;
+  path.entry_mm += of(values, StudyFactor::entry_left_mm) * sides.left;
+  path.entry_mm += of(values, StudyFactor::entry_head_mm) * sides.head;
+  path.target_mm = path.entry_mm + planned.length_mm() * direction;
+  return path;
+}
+
+/// A drill of another width with the same point: the tip's length and the chisel edge go along.
+DrillBit of_diameter(DrillBit bit, double diameter_mm) {
+  const double share = diameter_mm / bit.diameter_mm;
+  bit.diameter_mm = diameter_mm;
+  bit.tip_length_mm *= share;
+  bit.tip_diameter_mm *= share;
+  return bit;
+}
+
+double checked_positive(const FactorValues& values, StudyFactor factor) {
+  const double value = of(values, factor);
+  if (!(value > 0.0) || !std::isfinite(value)) fail(name_of(factor), ": expected a number above 0, found ", value);
+  return value;
+}
+
+StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorValues& values) {
+  StudyTask task;
+  task.values = values;
+  task.path = with_errors(spec.path, sides, values);
+  task.path.bit = of_diameter(spec.path.bit, checked_positive(values, StudyFactor::bit_diameter_mm));
+  check_path(task.path);
+  task.hand = spec.hand;
+  if (spec.hand.kind == StudyHand::Kind::push) {
+    task.hand.push_n = checked_positive(values, StudyFactor::push_n);
+  } else {
+    task.hand.feed_mm_s = checked_positive(values, StudyFactor::feed_mm_s);
+  }
+  task.hand.tremor_mm = of(values, StudyFactor::tremor_mm);
+  if (!(task.hand.tremor_mm >= 0.0)) {
+    fail(name_of(StudyFactor::tremor_mm), ": expected a number of 0 or more, found ", task.hand.tremor_mm);
+  }
+  const double scale = checked_positive(values, StudyFactor::density_scale);
+  task.material = spec.material;
+  task.material.density.at_0_hu *= scale;
+  task.material.density.per_hu *= scale;
+  check_material(task.material);
+  return task;
+}
+
+}  // namespace
+
+AcrossPath across(const DrillPath& path) {
+  const Vec3 direction = path.direction();
+  const auto part_across = [&](const Vec3& side) { return Vec3(side - side.dot(direction) * direction); };
+  constexpr double kAlong = 0.1;  // shorter: a path within 6 degrees of the body's length
+  Vec3 head = part_across(Vec3::UnitZ());
+  if (!(head.norm() > kAlong)) head = part_across(Vec3::UnitY());
+  head.normalize();
+  Vec3 left = head.cross(direction);
+  if (left.x() < 0.0) left = -left;
+  return {left, head};
+}
+
+StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n) {
+  try {
+    StudyTask task = task_of(spec, across(spec.path), runs.values(n, base_values(spec)));
+    task.seed = runs.seed_of(n);
+    return task;
+  } catch (const Error& error) {
+    fail("run ", n, " of the study: ", error.what());
+  }
+}
+
+double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, double beyond_mm) {
+  constexpr double kSpareMm = 0.2;
+  const Vec3 axis = spec.path.direction();
+  double radius_mm = 0.0;
+  for (std::size_t n = 0; n < runs.count(); ++n) {
+    const StudyTask task = study_task(spec, runs, n);
+    const Vec3 direction = task.path.direction();
+    const double cosine = direction.dot(axis);
+    // The line's distance from the path is greatest at one of the cylinder's ends.
+    double line_mm = 0.0;
+    for (const double depth_mm : {-spec.volume.lead_in_mm, spec.path.length_mm() + beyond_mm}) {
+      const Vec3 way = task.path.entry_mm + depth_mm / cosine * direction - spec.path.entry_mm;
+      line_mm = std::max(line_mm, (way - way.dot(axis) * axis).norm());
+    }
+    // A leaning bit's section is an ellipse; a tremor's five sinusoids on two axes come to at most √5 √2 of it.
+    radius_mm =
+        std::max(radius_mm, line_mm + task.path.bit.radius_mm() / cosine + std::sqrt(10.0) * task.hand.tremor_mm);
+  }
+  return radius_mm + kSpareMm;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,78 @@
+#include "core/study/study_work.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <mutex>
+
+namespace spinaltap {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double cpu_seconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// "runs: 18.2 a second, 32 s left"
+std::string stage_of(double seconds, std::size_t done, std::size_t all) {
+  const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
+  char text[96];
+  std::snprintf(text, sizeof text, "runs: %.3g a second, %.0f s left", rate, static_cast<double>(all - done) / rate);
+  return text;
+}
+
+}  // namespace
+
+StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<StudyRunner()>& make_runner,
+                        const std::function<void(const StudyRow&)>& finished, const Progress& progress) {
+  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const std::size_t threads = std::clamp<std::size_t>(runs.size(), 1, std::max<std::size_t>(allowed, 1));
+  StudyWork work{.threads = static_cast<int>(threads)};
+  const Clock::time_point start = Clock::now();
+  const double cpu_start = cpu_seconds();
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> has_failed{false};
+  std::mutex mutex;  // of `finished` and `work`
+  const auto work_on = [&] {
+    const StudyRunner runner = make_runner();
+    for (std::size_t n = next++; n < runs.size() && !has_failed; n = next++) {
+      const StudyRow row = runner(runs[n]);
+      const std::lock_guard lock(mutex);
+      if (has_failed) return;
+      finished(row);
+      ++work.runs;
+      progress.report(stage_of(seconds_since(start), work.runs, runs.size()),
+                      static_cast<double>(work.runs) / static_cast<double>(runs.size()));
+    }
+  };
+  const auto work_alone = [&](std::size_t) {
+    // An arena of one thread: what a run itself would share out stays here, and nobody else's run is taken up while it
+    // waits.
+    tbb::task_arena alone(1);
+    try {
+      alone.execute(work_on);
+    } catch (...) {
+      has_failed = true;
+      throw;
+    }
+  };
+  // As many as are allowed, even where that is more than there are cores.
+  tbb::task_arena all(static_cast<int>(threads));
+  all.execute([&] { tbb::parallel_for(std::size_t{0}, threads, work_alone, tbb::simple_partitioner()); });
+  work.seconds = seconds_since(start);
+  work.cpu_seconds = cpu_seconds() - cpu_start;
+  return work;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,76 @@
+#include "mesh/surface_comparison.h"
+
+#include "mesh/surface_error.h"
+#include "core/base/error.h"
+#include "core/rbf/fit_rbf.h"
+#include "core/rbf/fit_surface.h"
+#include "core/rbf/rbf_field.h"
+#include "mesh/mesh_quality.h"
+#include "mesh/roughness.h"
+#include "vdb/bake.h"
+#include "vdb/isosurface.h"
+
+namespace spinaltap {
+namespace {
+
+SurfaceFigures figures_of(const BoneModel& bone, const Solid& truth) {
+  const TriangleMesh mesh = bone_surface(bone);
+  const MeshQuality quality = measure_mesh(mesh);
+  const SurfaceError error = surface_error(mesh, truth);
+  SurfaceFigures figures;
+  figures.roughness_deg = roughness_deg(mesh);
+  figures.volume_mm3 = quality.volume_mm3;
+  figures.mean_mm = error.mean_mm;
+  figures.p99_mm = error.p99_mm;
+  figures.max_mm = error.max_mm;
+  figures.pieces = quality.pieces;
+  figures.euler_number = quality.euler_number;
+  return figures;
+}
+
+/// The function that a method's points give. Contours go the way that `bake` goes, the paper's methods as the paper
+/// did: through all points.
+RbfField fit(const SurfaceSamples& samples, PointMethod method, double smoothing_mm, const Progress& progress) {
+  if (method != PointMethod::contours) {
+    return RbfField(
+        fit_rbf({samples.positions_mm, samples.values_mm, {}}, {.smoothing_mm = smoothing_mm}, progress).model);
+  }
+  const auto count = static_cast<std::ptrdiff_t>(samples.surface_count);
+  const SurfacePoints surface{{samples.positions_mm.begin(), samples.positions_mm.begin() + count},
+                              {samples.normals.begin(), samples.normals.begin() + count}};
+  return fit_surface(surface, {.smoothing_mm = smoothing_mm}, progress).field;
+}
+
+}  // namespace
+
+Comparison compare_surfaces(const Solid& truth, const CtVolume& ct, const BoneMask& mask,
+                            const ComparisonOptions& options, const Progress& progress) {
+  const BakeOptions bake{.voxel_mm = options.voxel_mm};
+  constexpr double kTissueHu = 40.0;
+  Comparison comparison{bake_solid(truth, bake, kTissueHu, progress), {}, {}};
+  comparison.truth_figures = figures_of(comparison.truth, truth);
+  const double true_mm3 = comparison.truth_figures.volume_mm3;
+  for (const PointMethod method : options.methods) {
+    const SurfaceSamples samples = sample_surface(ct, mask, {.method = method}, progress);
+    const std::span<const Vec3> seeds_mm(samples.positions_mm.data(), samples.surface_count);
+    for (const double smoothing_mm : options.smoothings_mm) {
+      const RbfField field = fit(samples, method, smoothing_mm, progress);
+      ComparedSurface surface{method, smoothing_mm, field.centre_count(), {}, {}};
+      try {
+        BakeReport report;
+        surface.bone = bake_bone(field, seeds_mm, ct, bake, {}, &report, progress);
+        surface.figures = figures_of(*surface.bone, truth);
+        surface.figures.pieces += report.dropped_pieces;
+        surface.figures.volume_change = surface.figures.volume_mm3 / true_mm3 - 1.0;
+      } catch (const Cancelled&) {
+        throw;
+      } catch (const Error&) {
+        // So smooth that nothing of a surface is left: a result, too.
+      }
+      comparison.surfaces.push_back(std::move(surface));
+    }
+  }
+  return comparison;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,86 @@
+#include "core/files/material_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "core/files/json_file.h"
+#include "core/base/error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+const std::filesystem::path kShipped = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/materials/vertebra.json";
+
+/// Every key, and the member that it is for.
+const std::map<std::string, double Material::*> kMembers{{"cutting_mpa", &Material::cutting_mpa},
+                                                         {"cutting_exponent", &Material::cutting_exponent},
+                                                         {"reference_feed_mm", &Material::reference_feed_mm},
+                                                         {"feed_exponent", &Material::feed_exponent},
+                                                         {"lip_thrust_share", &Material::lip_thrust_share},
+                                                         {"chisel_mpa", &Material::chisel_mpa},
+                                                         {"chisel_exponent", &Material::chisel_exponent},
+                                                         {"chisel_share", &Material::chisel_share},
+                                                         {"contact_n_mm", &Material::contact_n_mm},
+                                                         {"contact_exponent", &Material::contact_exponent}};
+
+TEST(MaterialFile, ShipsTheDefaults) {
+  const Material shipped = read_material(kShipped, {});
+  for (const auto& [key, member] : kMembers) EXPECT_EQ(shipped.*member, Material().*member) << key;
+}
+
+TEST(MaterialFile, ReadsEachKeyIntoItsOwnMember) {
+  const test::TemporaryFolder folder;
+  Json json;
+  double value = 0.01;
+  for (const auto& [key, member] : kMembers) json[key] = value += 0.01;
+  std::ofstream(folder.path() / "m.json") << json.dump();
+  const Material material = read_material(folder.path() / "m.json", {0.1, 0.002});
+  EXPECT_EQ(material.density.at_0_hu, 0.1);
+  EXPECT_EQ(material.density.per_hu, 0.002);
+  value = 0.01;
+  for (const auto& [key, member] : kMembers) EXPECT_EQ(material.*member, value += 0.01) << key;
+}
+
+TEST(MaterialFile, IsRefusedWithFileAndKeyNamed) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "m.json";
+  for (const auto& [key, member] : kMembers) {
+    // Missing, of the wrong type, and without sense.
+    for (const Json& value : {Json(), Json("1"), Json(-1e6)}) {
+      Json json = read_json(kShipped);
+      if (value.is_null()) {
+        json.erase(key);
+      } else {
+        json[key] = value;
+      }
+      std::ofstream(path, std::ios::trunc) << json.dump();
+      EXPECT_THAT([&] { read_material(path, {}); }, ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(key))))
+          << key << ": " << value;
+    }
+  }
+  EXPECT_THAT([&] { read_material(folder.path() / "none.json", {}); }, ThrowsMessage<Error>(HasSubstr("no such file")));
+}
+
+TEST(MaterialFile, IsRefusedWhereItHoldsWhatIsReadElsewhereOrNoLonger) {
+  const test::TemporaryFolder folder;
+  for (const char* key :
+       {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3", "pressure_at_1_g_cm3_mpa", "pressure_exponent"}) {
+    Json json = read_json(kShipped);
+    json[key] = 0.002;
+    std::ofstream(folder.path() / "m.json", std::ios::trunc) << json.dump();
+    EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(key))));
+  }
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,163 @@
+#include "core/files/plan_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/files/json_file.h"
+#include "core/base/error.h"
+#include "tests/support/full_disk.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// Two paths whose numbers need all digits of a double.
+std::vector<DrillPath> two_paths() {
+  return {{"left", Vec3(1.0 / 3.0, -2e-7, 812.3), Vec3(10.0, -30.1, 800.0), {3.0, 50.0, 5.0}},
+          {"right \"R\" °", Vec3(-1.5, 0.1, 812.0), Vec3(-10.0, -30.0, 800.0), {2.5, 40.0, 0.1}}};
+}
+
+class PlanFile : public testing::Test {
+ protected:
+  std::filesystem::path path() const { return folder_.path() / "plan.json"; }
+  std::filesystem::path folder() const { return folder_.path(); }
+
+  /// Writes a good plan, changed by `change`, and reads it.
+  template <class Change>
+  std::vector<DrillPath> read_changed(const Change& change) {
+    write_plan(two_paths(), path());
+    Json json = read_json(path());
+    change(json);
+    std::ofstream(path()) << json.dump();
+    return read_plan(path());
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(PlanFile, GivesBackEveryPathToTheLastBit) {
+  write_plan(two_paths(), path());
+  const std::vector<DrillPath> back = read_plan(path());
+  ASSERT_EQ(back.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const DrillPath expected = two_paths()[i];
+    EXPECT_EQ(back[i].name, expected.name);
+    EXPECT_EQ(back[i].entry_mm, expected.entry_mm);
+    EXPECT_EQ(back[i].target_mm, expected.target_mm);
+    EXPECT_EQ(back[i].bit.diameter_mm, expected.bit.diameter_mm);
+    EXPECT_EQ(back[i].bit.length_mm, expected.bit.length_mm);
+    EXPECT_EQ(back[i].bit.tip_length_mm, expected.bit.tip_length_mm);
+  }
+}
+
+TEST_F(PlanFile, KeepsEveryShapeOfBit) {
+  for (const BitShape shape :
+       {BitShape::drill, BitShape::round_burr, BitShape::conical_burr, BitShape::tapered_screw}) {
+    std::vector<DrillPath> paths = two_paths();
+    paths[1].bit = {4.0, 40.0, 6.0, shape, 1.5, 0.7};
+    write_plan(paths, path());
+    const DrillBit bit = read_plan(path())[1].bit;
+    EXPECT_EQ(bit.shape, shape);
+    EXPECT_EQ(bit.tip_diameter_mm, 1.5);
+    EXPECT_EQ(bit.shank_diameter_mm, 0.7);
+  }
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["bit"]["shape"] = "spoon"; }); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("spoon"), HasSubstr("round-burr"))));
+}
+
+TEST_F(PlanFile, SaysItsFrameAndUnit) {
+  write_plan(two_paths(), path());
+  const Json json = read_json(path());
+  EXPECT_EQ(json.at("frame"), "LPS");
+  EXPECT_EQ(json.at("unit"), "mm");
+}
+
+TEST_F(PlanFile, IsRefusedInAnotherFormatVersionFrameOrUnit) {
+  const auto refused = [&](const char* key, const Json& value) {
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json[key] = value; }); },
+                ThrowsMessage<Error>(HasSubstr("plan.json")))
+        << key;
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json.erase(key); }); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(key))))
+        << key;
+  };
+  refused("format", "other");
+  refused("version", 2);
+  refused("frame", "RAS");
+  refused("unit", "cm");
+}
+
+TEST_F(PlanFile, IsRefusedWithoutPaths) {
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"] = Json::array(); }); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("one path or more"), HasSubstr("plan.json"))));
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"] = 3; }); },
+              ThrowsMessage<Error>(HasSubstr("plan.json")));
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][1] = "left"; }); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("object"), HasSubstr("plan.json"))));
+}
+
+TEST_F(PlanFile, IsRefusedWithTheKeyAtFaultNamed) {
+  const auto names = [](const char* key) {
+    return ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(key)));
+  };
+  for (const char* key : {"name", "entry", "target", "bit"}) {
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][1].erase(key); }); }, names(key));
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][1][key] = 7; }); }, names("plan.json"));
+  }
+  for (const char* key : {"diameter_mm", "length_mm", "tip_length_mm"}) {
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["bit"].erase(key); }); }, names(key));
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["bit"][key] = "3"; }); }, names(key));
+  }
+  EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry"] = {1.0, 2.0}; }); }, names("entry"));
+  EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry"][1] = nullptr; }); }, names("entry"));
+}
+
+TEST_F(PlanFile, IsRefusedWithPathsThatCannotBeDrilledAndSaysWhich) {
+  const auto names = [](const char* what) {
+    return ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("left"), HasSubstr(what)));
+  };
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["bit"]["diameter_mm"] = -3.0; }); },
+              names("diameter"));
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["target"] = json["paths"][0]["entry"]; }); },
+              names("path"));
+}
+
+TEST_F(PlanFile, IsRefusedWhenItIsNoJson) {
+  std::ofstream(path()) << "{\"format\": ";
+  EXPECT_THAT([&] { read_plan(path()); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("JSON"))));
+  std::ofstream(path(), std::ios::trunc) << "[1, 2]";
+  EXPECT_THAT([&] { read_plan(path()); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("object"))));
+  EXPECT_THAT([&] { read_plan(folder() / "none.json"); }, ThrowsMessage<Error>(HasSubstr("no such file")));
+}
+
+TEST_F(PlanFile, LeavesTheOldOneOnAFullDisk) {
+  write_plan({two_paths()[0]}, path());
+  {
+    const test::FullDisk full(16);
+    EXPECT_THAT([&] { write_plan(two_paths(), path()); }, ThrowsMessage<Error>(HasSubstr("cannot write")));
+  }
+  EXPECT_EQ(read_plan(path()).size(), 1U);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder()), {}), 1);
+}
+
+TEST(ChoosePath, TakesTheNamedOneOrTheFirst) {
+  const std::vector<DrillPath> paths = two_paths();
+  EXPECT_EQ(&choose_path(paths, ""), &paths[0]);
+  EXPECT_EQ(&choose_path(paths, "left"), &paths[0]);
+  EXPECT_EQ(&choose_path(paths, paths[1].name), &paths[1]);
+}
+
+TEST(ChoosePath, ListsTheNamesThereAre) {
+  EXPECT_THAT([] { choose_path(two_paths(), "middle"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("\"middle\""), HasSubstr("left, right"))));
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,138 @@
+#include "vdb/sim/build_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// No number is a default, and none is short in decimal.
+SessionSetup odd_setup() {
+  SessionSetup setup;
+  setup.bone_hash = "0123456789abcdef";
+  setup.path = {"left", Vec3(0.1, 1.0 / 3.0, -2e-17), Vec3(10.0, 20.0, 30.0 / 7.0), DrillBit{3.1, 41.0, 4.0 / 3.0}};
+  setup.path.bit.tip_diameter_mm = 0.7;
+  setup.path.screw = PedicleScrew{"a \"screw\"", 6.1, 44.0, 3.9};
+  setup.material.density = {0.04 / 3.0, 0.0011};
+  setup.material.cutting_mpa = 100.0 / 3.0;
+  setup.material.contact_n_mm = 123.4;
+  setup.volume = {.radius_mm = 2.9,
+                  .spacing_mm = 0.07,
+                  .lead_in_mm = 1.3,
+                  .hu_bits = HuBits::eight,
+                  .subdivision = DiscSubdivision::hexagons,
+                  .jitter = 0.3,
+                  .jitter_seed = 0xfedcba9876543211ULL};
+  setup.fine_spacing_mm = 0.033;
+  setup.fine_near_mm = 1.1;
+  setup.fine_tip_mm = 2.2;
+  setup.engine = EngineKind::leaf;
+  setup.options.spindle = {1111.1, false};
+  setup.options.stop = {55.5, 0.1, true};
+  setup.options.states = {0.11, 0.66, 0.44, 0.12};
+  setup.options.longest_jump_mm = 49.0;
+  setup.has_clearances = false;
+  const Vec3 axis = Vec3(1.0, 2.0, -3.0).normalized();
+  setup.holes = {
+      {DrillBit{2.3, 39.0, 1.0 / 3.0}, {{{Vec3(0.1, 0.2, 1.0 / 7.0), axis}, {Vec3(9.1, 1e-17, 3.0), axis}}}}};
+  return setup;
+}
+
+TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
+  const SessionSetup setup = odd_setup();
+  const SessionSetup back = recorded_setup(record_setup(setup), "run.h5");
+  EXPECT_EQ(back.bone_hash, setup.bone_hash);
+  ASSERT_EQ(back.holes.size(), 1U);
+  EXPECT_EQ(back.holes[0].bit.tip_length_mm, 1.0 / 3.0);
+  ASSERT_EQ(back.holes[0].ways.size(), 1U);
+  EXPECT_EQ(back.holes[0].ways[0].start.tip_mm, setup.holes[0].ways[0].start.tip_mm);
+  EXPECT_EQ(back.holes[0].ways[0].end.tip_mm, setup.holes[0].ways[0].end.tip_mm);
+  EXPECT_EQ(back.holes[0].ways[0].start.axis, setup.holes[0].ways[0].end.axis);
+  EXPECT_EQ(back.path.name, setup.path.name);
+  EXPECT_EQ(back.path.entry_mm, setup.path.entry_mm);
+  EXPECT_EQ(back.path.target_mm, setup.path.target_mm);
+  EXPECT_EQ(back.path.bit.diameter_mm, 3.1);
+  EXPECT_EQ(back.path.bit.tip_length_mm, 4.0 / 3.0);
+  EXPECT_EQ(back.path.bit.tip_diameter_mm, 0.7);
+  ASSERT_TRUE(back.path.screw);
+  EXPECT_EQ(back.path.screw->name, "a \"screw\"");
+  EXPECT_EQ(back.material.density.at_0_hu, 0.04 / 3.0);
+  EXPECT_EQ(back.material.cutting_mpa, 100.0 / 3.0);
+  EXPECT_EQ(back.material.contact_n_mm, 123.4);
+  EXPECT_EQ(back.volume.radius_mm, 2.9);
+  EXPECT_EQ(back.volume.spacing_mm, 0.07);
+  EXPECT_EQ(back.volume.lead_in_mm, 1.3);
+  EXPECT_EQ(back.volume.hu_bits, HuBits::eight);
+  EXPECT_EQ(back.volume.subdivision, DiscSubdivision::hexagons);
+  EXPECT_EQ(back.volume.jitter, 0.3);
+  EXPECT_EQ(back.volume.jitter_seed, 0xfedcba9876543211ULL);
+  EXPECT_EQ(back.fine_spacing_mm, 0.033);
+  EXPECT_EQ(back.fine_near_mm, 1.1);
+  EXPECT_EQ(back.fine_tip_mm, 2.2);
+  EXPECT_EQ(back.engine, EngineKind::leaf);
+  EXPECT_EQ(back.options.spindle.rpm, 1111.1);
+  EXPECT_FALSE(back.options.spindle.is_clockwise);
+  EXPECT_EQ(back.options.stop.thrust_n, 55.5);
+  EXPECT_EQ(back.options.stop.clearance_mm, 0.1);
+  EXPECT_TRUE(back.options.stop.on_breach);
+  EXPECT_EQ(back.options.states.contact_g_cm3, 0.11);
+  EXPECT_EQ(back.options.states.hold_mm, 0.12);
+  EXPECT_EQ(back.options.longest_jump_mm, 49.0);
+  EXPECT_FALSE(back.has_clearances);
+  // What there is beside: every key at once.
+  EXPECT_EQ(to_json(back), to_json(setup));
+}
+
+TEST(SessionSetup, LeavesOutStopRulesThatNeverStop) {
+  SessionSetup setup = odd_setup();
+  setup.options.stop = {};
+  Json json = to_json(setup);
+  EXPECT_EQ(json["options"]["stop"].size(), 1U);
+  SessionSetup back = read_session_setup(json, "run.h5");
+  EXPECT_EQ(back.options.stop.thrust_n, kInfinite);
+  EXPECT_EQ(back.options.stop.clearance_mm, -kInfinite);
+  json["options"]["stop"]["thrust_n"] = nullptr;
+  back = read_session_setup(json, "run.h5");
+  EXPECT_EQ(back.options.stop.thrust_n, kInfinite);
+}
+
+TEST(SessionSetup, NamesFileAndKeyOfWhatIsWrong) {
+  const auto error_of = [](const auto& change) -> std::string {
+    Json json = to_json(odd_setup());
+    change(json);
+    try {
+      read_session_setup(json, "run.h5");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto expect = [&](const std::string& part, const auto& change) {
+    const std::string error = error_of(change);
+    EXPECT_THAT(error, HasSubstr(part));
+    EXPECT_THAT(error, HasSubstr("run.h5"));
+  };
+  EXPECT_EQ(error_of([](Json&) {}), "");
+  expect("bone_hash", [](Json& json) { json.erase("bone_hash"); });
+  expect("engine", [](Json& json) { json["engine"] = "steam"; });
+  expect("jitter_seed", [](Json& json) { json["volume"]["jitter_seed"] = -1; });
+  expect("hu_bits", [](Json& json) { json["volume"]["hu_bits"] = 9U; });
+  expect("subdivision", [](Json& json) { json["volume"]["subdivision"] = "squares"; });
+  expect("cutting_mpa", [](Json& json) { json["material"]["cutting_mpa"] = "hard"; });
+  expect("states", [](Json& json) { json["options"]["states"] = 1; });
+  expect("on_breach", [](Json& json) { json["options"]["stop"]["on_breach"] = 1; });
+  expect("path", [](Json& json) { json["path"]["target"] = json["path"]["entry"]; });
+  EXPECT_THROW(recorded_setup({}, "run.h5"), Error);
+  EXPECT_THROW(recorded_setup({{"session", "{"}}, "run.h5"), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap

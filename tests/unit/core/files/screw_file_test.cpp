@@ -1,0 +1,56 @@
+#include "core/files/screw_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/files/data_files.h"
+#include "core/base/error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(ScrewFile, ShippedHasTheSizesOfTheLumbarSpine) {
+  const std::vector<PedicleScrew> screws = read_screws(data_file("screws/pedicle.json"));
+  ASSERT_FALSE(screws.empty());
+  for (std::size_t n = 0; n < screws.size(); ++n) {
+    EXPECT_GE(screws[n].diameter_mm, 3.5);
+    EXPECT_LE(screws[n].diameter_mm, 10.0);
+    EXPECT_GE(screws[n].length_mm, 20.0);
+    EXPECT_LE(screws[n].length_mm, 65.0);
+    if (n == 0) continue;
+    const PedicleScrew& last = screws[n - 1];
+    EXPECT_TRUE(last.diameter_mm < screws[n].diameter_mm ||
+                (last.diameter_mm == screws[n].diameter_mm && last.length_mm < screws[n].length_mm));
+  }
+  const auto usual = std::find_if(screws.begin(), screws.end(), [](const PedicleScrew& screw) {
+    return screw.diameter_mm == 6.5 && screw.length_mm == 45.0;
+  });
+  ASSERT_NE(usual, screws.end());
+  EXPECT_EQ(usual->name, "6.5 x 45 mm");
+}
+
+TEST(ScrewFile, IsRefusedWithTheKeyAtFaultNamed) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "screws.json";
+  const auto refuses = [&](const char* text, const char* word) {
+    std::ofstream(path, std::ios::trunc) << text;
+    EXPECT_THAT([&] { read_screws(path); }, ThrowsMessage<Error>(AllOf(HasSubstr("screws.json"), HasSubstr(word))));
+  };
+  refuses(R"({"lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
+  refuses(R"({"diameters_mm": [], "lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
+  refuses(R"({"diameters_mm": [5, "six"], "lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
+  refuses(R"({"diameters_mm": [5], "lengths_mm": 40, "tip_length_mm": 4})", "lengths_mm");
+  refuses(R"({"diameters_mm": [5], "lengths_mm": [40]})", "tip_length_mm");
+  refuses(R"({"diameters_mm": [-5], "lengths_mm": [40], "tip_length_mm": 4})", "diameter");
+  refuses(R"({"diameters_mm": [5], "lengths_mm": [3], "tip_length_mm": 4})", "tip");
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,129 @@
+#include "core/study/study_summary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/random.h"
+#include "tests/support/nan.h"
+
+namespace spinaltap {
+namespace {
+
+using test::kNan;
+
+/// 60 runs at two diameters with entry errors of -2.95, -2.85, ... mm: beyond 2 mm to the left the canal is breached,
+/// by what is beyond; thrust is 10 N times the diameter; only wide bits overshoot.
+std::vector<StudyRow> counted_rows() {
+  std::vector<StudyRow> rows;
+  for (std::size_t n = 0; n < 60; ++n) {
+    StudyRow row;
+    const double left_mm = -2.95 + 0.1 * static_cast<double>(n);
+    const double diameter_mm = n % 2 == 0 ? 3.0 : 4.0;
+    const double breach_mm = std::max(0.0, left_mm - 2.0);
+    row[StudyColumn::run] = static_cast<double>(n);
+    row[StudyFactor::entry_left_mm] = left_mm;
+    row[StudyFactor::bit_diameter_mm] = diameter_mm;
+    row[StudyColumn::contact] = 1.0;
+    row[StudyColumn::breach] = breach_mm > 0.0 ? 1.0 : 0.0;
+    row[StudyColumn::breach_canal_mm] = breach_mm;
+    row[StudyColumn::grade] = breach_mm > 0.0 ? 1.0 : 0.0;
+    row[StudyColumn::most_thrust_n] = 10.0 * diameter_mm;
+    row[StudyColumn::overshoot_mm] = diameter_mm > 3.5 ? 1.0 : kNan;
+    row[StudyColumn::least_outer_mm] = std::numeric_limits<double>::infinity();
+    row[StudyColumn::breakthrough_mm] = n < 15 ? 40.0 : kNan;
+    row[StudyColumn::stop_mm] = kNan;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+const StudyDesign kOffsetDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::uniform, {}, -3.0, 3.0},
+                                 {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}},
+                                 {StudyFactor::density_scale, FactorLaw::Kind::levels, {1.0}}},
+                                30};
+
+TEST(StudySummary, CountsWhatCameAbout) {
+  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
+  EXPECT_EQ(summary.runs, 60U);
+  EXPECT_EQ(summary.breach.count, 10U);
+  EXPECT_EQ(summary.canal.count, 10U);
+  EXPECT_EQ(summary.outer.count, 0U);
+  EXPECT_EQ(summary.grades[0].count, 50U);
+  EXPECT_EQ(summary.grades[1].count, 10U);
+  EXPECT_EQ(summary.grades[4].count, 0U);
+  EXPECT_EQ(summary.contact.count, 60U);
+  EXPECT_EQ(summary.breakthrough.count, 15U);
+  EXPECT_EQ(summary.stopped.count, 0U);
+  EXPECT_EQ(summary.left_volume.count, 0U);
+  EXPECT_DOUBLE_EQ(summary.breach.probability(), 1.0 / 6.0);
+  EXPECT_EQ(summary.breach.interval.low, wilson_interval(10, 60).low);
+  EXPECT_EQ(summary.breach.interval.high, wilson_interval(10, 60).high);
+}
+
+TEST(StudySummary, TellsHowValuesAreSpreadOfTheRunsThatHaveOne) {
+  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
+  for (const StudySpread& spread : summary.spreads) {
+    if (spread.column == StudyColumn::most_thrust_n) {
+      EXPECT_EQ(spread.runs, 60U);
+      EXPECT_NEAR(spread.mean, 35.0, 1e-12);
+      EXPECT_EQ(spread.quantiles.front(), 30.0);
+      EXPECT_EQ(spread.quantiles.back(), 40.0);
+    } else if (spread.column == StudyColumn::overshoot_mm) {
+      EXPECT_EQ(spread.runs, 30U);
+      EXPECT_NEAR(spread.mean, 1.0, 1e-12);
+    } else if (spread.column == StudyColumn::least_outer_mm) {
+      EXPECT_EQ(spread.runs, 0U);
+      EXPECT_TRUE(std::isnan(spread.mean));
+      EXPECT_TRUE(std::isnan(spread.quantiles[3]));
+    }
+  }
+}
+
+TEST(StudySummary, PartsTheRunsByEachFactorThatDiffers) {
+  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
+  ASSERT_EQ(summary.factors.size(), 2U);
+  const auto& by_entry = summary.factors[0];
+  EXPECT_EQ(by_entry.factor, StudyFactor::entry_left_mm);
+  std::size_t runs = 0, breaches = 0;
+  for (const StudyBin& bin : by_entry.bins) {
+    runs += bin.breach.runs;
+    breaches += bin.breach.count;
+    EXPECT_EQ(bin.breach.runs, 6U);
+    EXPECT_GE(bin.middle, bin.low);
+    EXPECT_LE(bin.middle, bin.high);
+    // Ten bins of six runs: breaches are in the runs beyond 2 mm only.
+    if (bin.high < 2.0) {
+      EXPECT_EQ(bin.breach.count, 0U) << bin.high;
+    }
+    if (bin.low > 2.0) {
+      EXPECT_EQ(bin.canal.count, 6U) << bin.low;
+    }
+  }
+  EXPECT_EQ(runs, 60U);
+  EXPECT_EQ(breaches, 10U);
+  const auto& by_diameter = summary.factors[1];
+  ASSERT_EQ(by_diameter.bins.size(), 2U);
+  EXPECT_EQ(by_diameter.bins[0].middle, 3.0);
+  EXPECT_EQ(by_diameter.bins[1].middle, 4.0);
+  for (const StudyBin& bin : by_diameter.bins) {
+    EXPECT_EQ(bin.breach.runs, 30U);
+    EXPECT_EQ(bin.breach.count, 5U);
+  }
+}
+
+TEST(StudySummary, JsonHoldsWhatWasFound) {
+  const Json json = to_json(summarise_study(counted_rows(), kOffsetDesign));
+  EXPECT_EQ(json["breach"]["count"], 10);
+  EXPECT_EQ(json["canal_breach"]["runs"], 60);
+  EXPECT_EQ(json["grades"]["B"]["count"], 10);
+  EXPECT_EQ(json["distributions"]["most_thrust_n"]["p50"], 35.0);
+  EXPECT_EQ(json["breach_by_factor"]["entry_left_mm"].size(), 10U);
+  EXPECT_EQ(json["interval"], "Wilson, 95 %");
+  // What there is not is null, as JSON has no other word for it.
+  EXPECT_NE(json.dump().find("\"mean\":null"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace spinaltap

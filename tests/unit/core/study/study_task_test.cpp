@@ -1,0 +1,117 @@
+#include "core/study/study_task.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+using Kind = FactorLaw::Kind;
+
+/// A path to the front, as through a pedicle.
+StudySpec spec_of(std::vector<FactorLaw> laws) {
+  StudySpec spec;
+  spec.path = {"left", Vec3(20, 30, 5), Vec3(20, -10, 5), {3.0, 60.0, 2.0, BitShape::drill, 0.5}};
+  spec.design.laws = std::move(laws);
+  return spec;
+}
+
+StudyTask only_task(const StudySpec& spec) { return study_task(spec, StudyRuns(spec.design), 0); }
+
+TEST(StudyTask, IsThePlannedPathWithoutErrors) {
+  const StudySpec spec = spec_of({});
+  const StudyTask task = only_task(spec);
+  EXPECT_EQ(task.path.entry_mm, spec.path.entry_mm);
+  EXPECT_LT((task.path.target_mm - spec.path.target_mm).norm(), 1e-12);
+  EXPECT_EQ(task.path.bit.diameter_mm, 3.0);
+  EXPECT_EQ(task.material.density.per_hu, spec.material.density.per_hu);
+}
+
+TEST(StudyTask, SidesAreThePatientsLeftAndHead) {
+  for (const Vec3& direction : {Vec3(0, -1, 0), Vec3(0, 1, 0), Vec3(-0.4, -1, 0.3), Vec3(0.5, -0.2, 1.0)}) {
+    DrillPath path = spec_of({}).path;
+    path.target_mm = path.entry_mm + 40.0 * direction.normalized();
+    const AcrossPath sides = across(path);
+    EXPECT_GT(sides.left.x(), 0.0);
+    EXPECT_GT(sides.head.z(), 0.0);
+    EXPECT_NEAR(sides.left.norm(), 1.0, 1e-12);
+    EXPECT_NEAR(sides.head.norm(), 1.0, 1e-12);
+    EXPECT_NEAR(sides.left.dot(path.direction()), 0.0, 1e-12);
+    EXPECT_NEAR(sides.head.dot(path.direction()), 0.0, 1e-12);
+    EXPECT_NEAR(sides.left.dot(sides.head), 0.0, 1e-12);
+  }
+  DrillPath down = spec_of({}).path;
+  down.target_mm = down.entry_mm - Vec3(0, 0, 30);
+  EXPECT_GT(across(down).head.y(), 0.9);
+}
+
+TEST(StudyTask, ShiftsTheEntryAndLeansAboutIt) {
+  const StudyTask task = only_task(spec_of({{StudyFactor::entry_left_mm, Kind::levels, {1.5}},
+                                            {StudyFactor::entry_head_mm, Kind::levels, {-0.5}},
+                                            {StudyFactor::angle_head_deg, Kind::levels, {4.0}}}));
+  EXPECT_LT((task.path.entry_mm - Vec3(21.5, 30.0, 4.5)).norm(), 1e-12);
+  EXPECT_NEAR(task.path.length_mm(), 40.0, 1e-12);
+  const Vec3 direction = task.path.direction();
+  EXPECT_NEAR(std::asin(direction.z()) * 180.0 / std::numbers::pi, 4.0, 1e-9);
+  EXPECT_NEAR(direction.x(), 0.0, 1e-12);
+  const Vec3 to_left = only_task(spec_of({{StudyFactor::angle_left_deg, Kind::levels, {10.0}}})).path.direction();
+  EXPECT_NEAR(std::asin(to_left.x()) * 180.0 / std::numbers::pi, 10.0, 1e-9);
+}
+
+TEST(StudyTask, AWiderDrillKeepsItsPointAngle) {
+  const StudyTask task = only_task(spec_of({{StudyFactor::bit_diameter_mm, Kind::levels, {4.5}}}));
+  EXPECT_EQ(task.path.bit.diameter_mm, 4.5);
+  EXPECT_NEAR(task.path.bit.tip_length_mm / task.path.bit.diameter_mm, 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(task.path.bit.tip_diameter_mm, 0.75, 1e-12);
+  EXPECT_EQ(task.path.bit.length_mm, 60.0);
+}
+
+TEST(StudyTask, ScalesTheDensityBeforeTheLaw) {
+  const StudySpec spec = spec_of({{StudyFactor::density_scale, Kind::levels, {0.6}}});
+  const StudyTask task = only_task(spec);
+  for (const double hu : {0.0, 300.0, 1500.0}) {
+    EXPECT_NEAR(task.material.density.density_g_cm3(hu), 0.6 * spec.material.density.density_g_cm3(hu), 1e-12);
+    // The law is a power of the density.
+    EXPECT_NEAR(task.material.cutting_pressure_mpa(hu) / spec.material.cutting_pressure_mpa(hu),
+                std::pow(0.6, spec.material.cutting_exponent), 1e-9);
+  }
+}
+
+TEST(StudyTask, CylinderHoldsTheWidestRunAndNoMore) {
+  StudySpec spec = spec_of({{StudyFactor::entry_left_mm, Kind::levels, {-2.0, 1.0}},
+                            {StudyFactor::bit_diameter_mm, Kind::levels, {3.0, 4.0}}});
+  spec.volume.lead_in_mm = 3.0;
+  EXPECT_NEAR(radius_of_all_runs_mm(spec, StudyRuns(spec.design), 5.0), 2.0 + 2.0 + 0.2, 1e-9);
+  // 5 degrees about the entry, over 40 mm and 5 mm more; the section of the leaning bit is an ellipse.
+  spec = spec_of({{StudyFactor::angle_left_deg, Kind::levels, {5.0}}});
+  const double lean = 5.0 * std::numbers::pi / 180.0;
+  EXPECT_NEAR(radius_of_all_runs_mm(spec, StudyRuns(spec.design), 5.0),
+              45.0 * std::tan(lean) + 1.5 / std::cos(lean) + 0.2, 1e-9);
+}
+
+TEST(StudyTask, NamesTheRunAndTheFactorThatMakeNoSense) {
+  const auto refuses = [](StudyFactor factor, double level, StudyHand::Kind kind = StudyHand::Kind::feed) {
+    StudySpec spec = spec_of({{factor, Kind::levels, {1.0, level}}});
+    spec.hand.kind = kind;
+    EXPECT_THAT([&] { radius_of_all_runs_mm(spec, StudyRuns(spec.design), 0.0); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("run 1 "), HasSubstr(std::string(name_of(factor))))));
+  };
+  refuses(StudyFactor::angle_left_deg, 80.0);
+  refuses(StudyFactor::angle_head_deg, -80.0);
+  refuses(StudyFactor::bit_diameter_mm, 0.0);
+  refuses(StudyFactor::feed_mm_s, -1.0);
+  refuses(StudyFactor::push_n, 0.0, StudyHand::Kind::push);
+  refuses(StudyFactor::tremor_mm, -0.1);
+  refuses(StudyFactor::density_scale, 0.0);
+}
+
+}  // namespace
+}  // namespace spinaltap

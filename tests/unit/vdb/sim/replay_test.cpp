@@ -1,0 +1,115 @@
+// Replays of a session in a block of bone, and of records that somebody has changed.
+
+#include "vdb/sim/replay.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/drill/drill_path.h"
+#include "core/drill/point_volume.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::HasSubstr;
+
+/// A session in a cylinder of even bone, every point alive.
+struct Block {
+  DrillPath path{"block", Vec3(3.0, -4.0, 5.0), Vec3(6.0, 0.0, 5.0), DrillBit{2.0, 20.0, 2.0}};
+  std::vector<PointVolume> volumes;
+  std::unique_ptr<DrillSession> session;
+
+  Block() {
+    volumes.emplace_back(path, PointVolumeOptions{.radius_mm = 1.5, .spacing_mm = 0.2});
+    for (int disc = 0; disc < volumes[0].disc_count(); ++disc) {
+      for (std::size_t n = 0; n < volumes[0].pattern().point_count(); ++n) volumes[0].set_hu(disc, n, 400.0);
+    }
+    auto engine = make_ring_engine(volumes[0], path.bit, Material());
+    session = std::make_unique<DrillSession>(path, volumes, std::move(engine), Material(), nullptr);
+  }
+};
+
+/// 400 cycles along the path with a pose that is none among them, which leaves an event.
+SessionRecord recorded_block() {
+  Block block;
+  SessionRecord record;
+  for (int n = 0; n < 400; ++n) {
+    ToolInput input;
+    input.pose = {block.path.entry_mm + 0.01 * n * block.path.direction(), block.path.direction()};
+    if (n == 123) input.pose.tip_mm.x() = std::nan("");
+    record.cycles.push_back(recorded(block.session->step(input)));
+  }
+  record.events.assign(block.session->events().begin(), block.session->events().end());
+  record.is_whole = true;
+  return record;
+}
+
+Replay replayed(const SessionRecord& record) {
+  Block block;
+  return replay_record(*block.session, record);
+}
+
+TEST(Replay, FindsEveryBitTheSameInAnUnchangedRecord) {
+  const SessionRecord record = recorded_block();
+  ASSERT_GE(record.events.size(), 2U) << "contact, refused pose";
+  const Replay replay = replayed(record);
+  EXPECT_TRUE(replay.is_same()) << replay.difference << replay.gap;
+  EXPECT_EQ(replay.cycles, 400U);
+  EXPECT_EQ(replay.events, record.events.size());
+  EXPECT_GT(record.cycles[300].thrust_n, 0.0);
+}
+
+TEST(Replay, NamesTheFirstCycleAndQuantityThatDiffer) {
+  SessionRecord record = recorded_block();
+  double& thrust_n = record.cycles[200].thrust_n;
+  thrust_n = std::nextafter(thrust_n, 1e9);
+  record.cycles[300].depth_mm += 1.0;
+  const Replay replay = replayed(record);
+  EXPECT_FALSE(replay.is_same());
+  EXPECT_THAT(replay.difference, HasSubstr("cycle 200: thrust_n "));
+  EXPECT_EQ(replay.cycles, 200U);
+}
+
+TEST(Replay, FindsInputsThatSomebodyChanged) {
+  SessionRecord record = recorded_block();
+  record.cycles[200].tip_mm.x() += 1e-3;
+  EXPECT_FALSE(replayed(record).is_same());
+}
+
+TEST(Replay, ComparesRecordsCutShortAsFarAsTheyGo) {
+  const SessionRecord whole = recorded_block();
+  SessionRecord record = whole;
+  record.is_whole = false;
+  record.cycles.resize(60);
+  // Of an event under way the last value was not yet known, and one is of a cycle that is not in the record.
+  record.events.front().value += 7.0;
+  const Replay replay = replayed(record);
+  EXPECT_TRUE(replay.is_same()) << replay.difference;
+  EXPECT_EQ(replay.cycles, 60U);
+  record.cycles.clear();
+  EXPECT_TRUE(replayed(record).is_same());
+}
+
+TEST(Replay, ComparesEventsToo) {
+  SessionRecord record = recorded_block();
+  record.events.back().cycle += 1;
+  EXPECT_THAT(replayed(record).difference, HasSubstr("event "));
+  record = recorded_block();
+  record.events.pop_back();
+  EXPECT_THAT(replayed(record).difference, HasSubstr("events: "));
+}
+
+TEST(Replay, GoesAsFarAsTheFirstGap) {
+  SessionRecord record = recorded_block();
+  record.cycles.erase(record.cycles.begin() + 50, record.cycles.begin() + 53);
+  const Replay replay = replayed(record);
+  EXPECT_FALSE(replay.is_same());
+  EXPECT_EQ(replay.difference, "");
+  EXPECT_THAT(replay.gap, HasSubstr("from 50 to 53"));
+  EXPECT_EQ(replay.cycles, 50U);
+}
+
+}  // namespace
+}  // namespace spinaltap

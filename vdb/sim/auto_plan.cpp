@@ -1,0 +1,40 @@
+#include "vdb/sim/auto_plan.h"
+
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
+#include "core/files/planning_rules_file.h"
+#include "core/files/screw_file.h"
+#include "core/base/error.h"
+
+namespace spinaltap {
+
+std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu, const AutoPlanOptions& options,
+                                  const Progress& progress) {
+  SuggestOptions settings =
+      read_planning_rules(options.rules.empty() ? data_file("planning/pedicle.json") : options.rules);
+  if (!(options.margin_mm >= 0.0)) fail("expected a margin from 0 mm on, found ", options.margin_mm, " mm");
+  if (options.margin_mm > 0.0) settings.margin_mm = options.margin_mm;
+  settings.bit = options.bit;
+  const std::vector<PedicleScrew> screws =
+      read_screws(options.screws.empty() ? data_file("screws/pedicle.json") : options.screws);
+  const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
+  const Material material = read_material(data_file("materials/vertebra.json"), density);
+  return suggest_paths(walls, hu, material, screws, settings, progress);
+}
+
+std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions) {
+  std::vector<DrillPath> paths;
+  std::string refusals;
+  for (const Suggestion& suggestion : suggestions) {
+    if (suggestion.best) {
+      paths.push_back(suggestion.best->path);
+    } else {
+      refusals += (refusals.empty() ? "" : "; ") + suggestion.refusal;
+    }
+  }
+  if (paths.empty()) fail("no path to suggest: ", refusals);
+  return paths;
+}
+
+}  // namespace spinaltap

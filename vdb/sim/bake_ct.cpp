@@ -1,0 +1,185 @@
+#include "vdb/sim/bake_ct.h"
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/base/hash.h"
+#include "core/base/version.h"
+#include "core/ct/label_map.h"
+
+namespace spinaltap {
+
+namespace {
+
+/// All that the map says of its labels; nothing where it does not say it clearly, which one number does not need.
+std::optional<LabelVolume> labels_if_clear(const LabelChoice& choice, const GridGeometry& geometry) {
+  try {
+    return read_label_volume(choice.file, geometry, choice.convention);
+  } catch (const Error&) {
+    if (choice.convention != LabelConvention::automatic) throw;
+    return std::nullopt;
+  }
+}
+
+ChosenBone chosen_label(const LabelChoice& choice, const GridGeometry& geometry) {
+  if (choice.level != Level::kNone) {
+    const LabelVolume volume = read_label_volume(choice.file, geometry, choice.convention);
+    BoneMask mask = mask_of(volume, choice.level);
+    return {std::move(mask), std::nullopt, choice.level, *label_of(volume, choice.level)};
+  }
+  const std::optional<LabelVolume> volume = labels_if_clear(choice, geometry);
+  int label = choice.label;
+  if (label == 0) label = volume && volume->names.size() == 1 ? volume->names.begin()->first : 1;
+  const Level level = volume && volume->names.contains(label) ? volume->names.at(label).level : Level::kNone;
+  return {read_label_map(choice.file, label, geometry), std::nullopt, level, label};
+}
+
+}  // namespace
+
+ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
+                       const Progress& progress) {
+  if (labels) return chosen_label(*labels, ct.geometry);
+  Segmentation segmentation = segment_vertebra(ct, options, progress);
+  ChosenBone chosen{std::move(segmentation.mask), std::nullopt, segmentation.report.level, 0};
+  chosen.found = std::move(segmentation);
+  return chosen;
+}
+
+namespace {
+
+template <class... Parts>
+std::string text(const Parts&... parts) {
+  std::ostringstream out;
+  (out << ... << parts);
+  return out.str();
+}
+
+/// Names a stage's result by all that it depends on. Numbers count by all their digits.
+class StageKey {
+ public:
+  explicit StageKey(const CtVolume& ct) { add(std::string(version()), ct.source_hash); }
+
+  template <class... Parts>
+  StageKey& add(const Parts&... parts) {
+    (add_one(parts), ...);
+    return *this;
+  }
+  std::string hex() const { return hash_.hex(); }
+
+ private:
+  void add_one(const std::string& part) {
+    add_one(part.size());
+    hash_.add(part.data(), part.size());
+  }
+  template <class Number>
+  void add_one(Number number) {
+    static_assert(std::is_arithmetic_v<Number>);
+    hash_.add(&number, sizeof number);
+  }
+  void add_one(const std::optional<double>& number) { number ? add(true, *number) : add(false); }
+  void add_one(const std::optional<Vec3>& place) { place ? add(true, place->x(), place->y(), place->z()) : add(false); }
+
+  Fnv1a hash_;
+};
+
+std::string mask_key(const CtVolume& ct, const SegmentOptions& options) {
+  StageKey key(ct);
+  key.add(options.seed_mm, options.threshold_hu, options.names.size());
+  for (const LevelPoint& name : options.names) key.add(level_name(name.level), std::optional(name.p_mm));
+  for (const Correction& one : options.corrections) key.add(level_name(one.level), std::optional(one.p_mm));
+  return key.hex();
+}
+
+MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const BakeCache& cache, bool& from_cache,
+                    const Progress& progress) {
+  const std::string key = mask_key(ct, options.segment);
+  if (!options.labels) {
+    if (std::optional<MaskStage> kept = cache.find_mask(key, ct.geometry)) {
+      from_cache = true;
+      return *std::move(kept);
+    }
+  }
+  ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
+  MaskStage stage{
+      std::move(chosen.mask),
+      chosen.found ? text("threshold ", chosen.found->bone.threshold_hu, " HU") : text("label ", chosen.label),
+      chosen.level, std::nullopt};
+  if (chosen.found) stage.doubts = doubts_of(chosen.found->report);
+  if (!options.labels) cache.keep_mask(key, stage);
+  return stage;
+}
+
+SurfaceFit make_fit(const CtVolume& ct, const BoneMask& mask, const SurfacePoints& surface,
+                    const BakeCtOptions& options, const BakeCache& cache, bool& from_cache, const Progress& progress) {
+  StageKey key(ct);
+  Fnv1a mask_hash;
+  mask_hash.add(mask.inside.data(), mask.inside.size());
+  key.add(mask_hash.value(), options.surface.smooth_mm, options.surface.refine_by_hu);
+  key.add(options.rbf.spacing_mm, options.rbf.off_surface_mm, options.rbf.smoothing_mm, options.rbf.accuracy_mm,
+          options.rbf.reduction_mm);
+  if (std::optional<SurfaceFit> kept = cache.find_fit(key.hex())) {
+    from_cache = true;
+    return *std::move(kept);
+  }
+  SurfaceFit fit = fit_surface(surface, options.rbf, progress);
+  cache.keep_fit(key.hex(), fit);
+  return fit;
+}
+
+std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOptions& options, const MaskStage& mask,
+                                            const SurfaceFitReport& fit) {
+  const GridGeometry& geometry = ct.geometry;
+  std::map<std::string, std::string> facts{
+      {"version", version()},
+      {"method", "edges in the CT, biharmonic radial basis function"},
+      {"source_hash", ct.source_hash},
+      {"ct_size", text(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
+      {"ct_spacing_mm", text(geometry.spacing_mm.transpose())},
+      {"ct_origin_mm", text(geometry.origin_mm.transpose())},
+      {"ct_directions", text(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
+                             geometry.directions.col(2).transpose())},
+      {"mask", mask.method},
+      {"surface_points", text(fit.points)},
+      {"off_surface_points", text(fit.off_surface_points)},
+      {"rbf_centres", text(fit.centres)},
+      {"point_spacing_mm", text(options.rbf.spacing_mm)},
+      {"off_surface_mm", text(options.rbf.off_surface_mm)},
+      {"smoothing_mm", text(options.rbf.smoothing_mm)},
+      {"rbf_accuracy_mm", text(options.rbf.accuracy_mm)},
+      {"rbf_reduction_mm", text(options.rbf.reduction_mm)},
+      {"rbf_mean_residual_mm", text(fit.mean_residual_mm)},
+      {"rbf_p99_residual_mm", text(fit.p99_residual_mm)},
+      {"rbf_max_residual_mm", text(fit.max_residual_mm)},
+      {"hu_margin_mm", text(options.bake.hu_margin_mm)},
+  };
+  if (mask.level != Level::kNone) facts["level"] = level_name(mask.level);
+  if (mask.doubts) add_doubts(*mask.doubts, facts);
+  return facts;
+}
+
+}  // namespace
+
+BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options, const Progress& progress) {
+  const BakeCache cache(options.cache);
+  bool fit_from_cache = false;
+  const SurfacePoints surface = extract_surface(ct, mask.mask, options.surface, progress);
+  const SurfaceFit fit = make_fit(ct, mask.mask, surface, options, cache, fit_from_cache, progress);
+  BakeReport report;
+  const BoneModel bone = bake_bone(fit.field, surface.positions_mm, ct, options.bake,
+                                   facts_of(ct, options, mask, fit.report), &report, progress);
+  const auto mask_voxels =
+      static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
+  return {bone, mask_voxels, fit.report, report, mask.level, mask.doubts, false, fit_from_cache};
+}
+
+BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
+  bool mask_from_cache = false;
+  const MaskStage mask = make_mask(ct, options, BakeCache(options.cache), mask_from_cache, progress);
+  BakedCt baked = bake_mask(ct, mask, options, progress);
+  baked.mask_from_cache = mask_from_cache;
+  return baked;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "core/files/bake_cache.h"
+#include "core/base/progress.h"
+#include "core/ct/ct_volume.h"
+#include "core/ct/label_volume.h"
+#include "core/rbf/fit_surface.h"
+#include "core/segment/segment_spine.h"
+#include "core/surface/surface_points.h"
+#include "vdb/bake.h"
+
+namespace spinaltap {
+
+/// A voxel label map that says which bone is meant: by its number, or by its level.
+struct LabelChoice {
+  std::filesystem::path file;  ///< NIfTI or NRRD
+  int label = 1;               ///< 0: the only one, or 1 where there are several
+  Level level = Level::kNone;  ///< other than kNone: in place of the number
+  LabelConvention convention = LabelConvention::automatic;
+};
+
+struct BakeCtOptions {
+  std::optional<LabelChoice> labels;  ///< without it: what segment_vertebra() finds
+  SegmentOptions segment;
+  SurfaceOptions surface;
+  SurfaceFitOptions rbf;
+  BakeOptions bake;
+  std::filesystem::path cache;  ///< folder of finished stages (bake_cache.h); empty: none
+};
+
+struct BakedCt {
+  BoneModel bone;
+  std::size_t mask_voxels = 0;
+  SurfaceFitReport fit;
+  BakeReport bake;
+  Level level = Level::kNone;           ///< where it is known
+  std::optional<LevelDoubts> doubts{};  ///< without a label map
+  bool mask_from_cache = false;
+  bool fit_from_cache = false;
+};
+
+/// Which voxels are the wanted bone, and how they were found.
+struct ChosenBone {
+  BoneMask mask;
+  std::optional<Segmentation> found;  ///< without a label map; its mask is moved out
+  Level level = Level::kNone;         ///< kNone: not known
+  int label = 0;                      ///< of the map
+};
+
+/// The bone that a label map marks, or the vertebra that segment_vertebra() finds.
+ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
+                       const Progress& progress = {});
+
+/// The rest of the chain, from a mask on. The facts record how the mask came about, its level, warnings and doubt.
+BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options,
+                  const Progress& progress = {});
+
+/// The chain from a CT to a baked bone: mask, surface points, radial basis function, grids. Masks and functions that
+/// the cache has are taken from there; the result is the same.
+BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options = {}, const Progress& progress = {});
+
+}  // namespace spinaltap

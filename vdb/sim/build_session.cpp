@@ -1,0 +1,70 @@
+#include "vdb/sim/build_session.h"
+
+#include "vdb/sim/bone_path.h"
+#include "vdb/sim/bone_volumes.h"
+#include "core/base/error.h"
+#include "core/drill/volume_segments.h"
+#include "vdb/bone_field.h"
+#include "vdb/bone_hash.h"
+
+namespace spinaltap {
+
+std::string hash_of(const BoneModel& bone) { return bone_hash(bone); }
+
+SessionBone::SessionBone(BoneModel model, bool with_walls, const Progress& progress) : model_(std::move(model)) {
+  if (!with_walls) return;
+  shape_ =
+      std::make_unique<BoneShape>(std::make_shared<BoneField>(model_), model_.bounds_mm(), model_.voxel_mm(), progress);
+  try {
+    landmarks_ = find_landmarks(*shape_, progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    remark_ = error.what();
+    landmarks_ = {};
+    landmarks_.is_canal_wall.assign(shape_->points_mm().size(), 0);
+  }
+  walls_.emplace(*shape_, landmarks_);
+}
+
+HuSampler SessionBone::hu() const {
+  return [this](std::span<const Vec3> points_mm, std::span<float> hu) { model_.hu(points_mm, hu, {}); };
+}
+
+namespace {
+
+void drill_out(PointVolume& volume, const SessionSetup& setup) {
+  for (const DrilledHole& hole : setup.holes) {
+    const std::unique_ptr<DrillEngine> engine = make_engine(setup.engine, volume, hole.bit, setup.material);
+    for (const BitWay& way : hole.ways) {
+      engine->lift();
+      engine->step(way.start);
+      engine->step(way.end);
+    }
+  }
+}
+
+}  // namespace
+
+BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress,
+                           const ScalarField* exact, const ClearanceField* clearances) {
+  check_path_meets_bone(setup.path, bone.model());
+  BuiltSession built;
+  built.volumes = volumes_along(bone.model(), setup.path, setup.volume,
+                                {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
+  std::vector<std::unique_ptr<DrillEngine>> engines;
+  for (PointVolume& volume : built.volumes) {
+    fill_volume(volume, sampler_of(bone.model(), exact), progress);
+    drill_out(volume, setup);
+    engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
+  }
+  if (setup.has_clearances && bone.walls() != nullptr) {
+    built.clearances = clearances != nullptr ? std::make_unique<ClearanceField>(clearances->with_mouth_of(setup.path))
+                                             : std::make_unique<ClearanceField>(*bone.walls(), setup.path, progress);
+  }
+  built.session = std::make_unique<DrillSession>(setup.path, built.volumes, make_joint_engine(std::move(engines)),
+                                                 setup.material, built.clearances.get(), setup.options);
+  return built;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,178 @@
+#include "vdb/sim/drilling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "mesh/live_mesh.h"
+#include "core/sim/straight_ways.h"
+#include "core/sim/timing.h"
+#include "mesh/remaining_mesh.h"
+#include "vdb/bone_field.h"
+#include "vdb/subtract_bit.h"
+
+namespace spinaltap {
+namespace {
+
+/// What was done, kept in memory that is there from the start: the collision thread must not wait for more.
+class InputLog {
+ public:
+  explicit InputLog(std::size_t expected) : inputs_(expected) {}
+
+  void add(const ToolInput& input) {
+    if (used_ < inputs_.size()) {
+      inputs_[used_] = input;
+    } else {
+      inputs_.push_back(input);
+    }
+    ++used_;
+  }
+  std::span<const ToolInput> inputs() const { return {inputs_.data(), used_}; }
+
+ private:
+  std::vector<ToolInput> inputs_;
+  std::size_t used_ = 0;
+};
+
+std::size_t expected_inputs(const ToolSource& hand, const std::optional<RealTimeOptions>& real_time) {
+  constexpr std::size_t kMost = 4'000'000;  // 256 MB; what comes then is allocated when it comes
+  std::size_t expected = hand.count() > 0 ? hand.count() + 1 : kMost;
+  if (real_time) {
+    const double cycles = real_time->longest_s * real_time->rate_hz + 2.0;
+    expected = static_cast<std::size_t>(std::min(static_cast<double>(expected), cycles));
+  } else if (hand.count() == 0) {
+    expected = 0;
+  }
+  return std::min(expected, kMost);
+}
+
+void count_points(const BuiltSession& built, Drilling& drilling) {
+  std::size_t bytes = built.session->engine().memory_bytes();
+  for (const PointVolume& volume : built.volumes) {
+    drilling.points += volume.point_count();
+    drilling.points_in_bone += volume.alive_count();
+    drilling.discs += volume.disc_count();
+    bytes += volume.memory_bytes();
+  }
+  drilling.points_per_disc = built.volumes.front().pattern().point_count();
+  drilling.bytes_per_point = static_cast<double>(bytes) / static_cast<double>(drilling.points);
+}
+
+/// The pose that got furthest along the path.
+Pose deepest_pose(std::span<const ToolInput> inputs, const DrillPath& path) {
+  const auto depth_mm = [&](const ToolInput& input) {
+    return (input.pose.tip_mm - path.entry_mm).dot(path.direction());
+  };
+  const auto deepest = std::max_element(
+      inputs.begin(), inputs.end(), [&](const ToolInput& a, const ToolInput& b) { return depth_mm(a) < depth_mm(b); });
+  return deepest == inputs.end() ? Pose{path.target_mm, path.direction()} : deepest->pose;
+}
+
+/// Watches a session's cycles, on the thread that runs them.
+class Watch {
+ public:
+  Watch(const DrillSession& session, const DrillingOptions& options, DepthLog& log, InputLog& inputs,
+        Drilling& drilling)
+      : session_(session), options_(options), log_(log), inputs_(inputs), drilling_(drilling) {}
+
+  void observe(const Cycle& cycle) {
+    const bool is_paced = options_.real_time.has_value();
+    const double seconds =
+        is_paced ? std::numeric_limits<double>::quiet_NaN() : 1e-9 * static_cast<double>(wall_ns() - before_ns_);
+    log_.add(cycle, seconds);
+    ToolInput input = cycle.input;
+    input.spindle_on = input.spindle_on && session_.options().spindle.rpm > 0.0;
+    inputs_.add(input);
+    drilling_.removed += cycle.step.removed;
+    if (is_first_) {
+      is_first_ = false;
+    } else {
+      ++drilling_.cycles;
+      drilling_.seconds += seconds;
+    }
+    drilling_.session_s = cycle.time_s;
+    drilling_.deepest_mm = std::fmax(drilling_.deepest_mm, cycle.depth_mm);
+    drilling_.least_outer_mm = std::fmin(drilling_.least_outer_mm, cycle.clearance.outer_mm);
+    drilling_.least_canal_mm = std::fmin(drilling_.least_canal_mm, cycle.clearance.canal_mm);
+    if (cycle.step.removed > 0 && std::isnan(drilling_.entry_depth_mm)) drilling_.entry_depth_mm = cycle.depth_mm;
+    if (options_.record != nullptr) record(cycle, is_paced);
+    before_ns_ = is_paced ? 0 : wall_ns();
+  }
+
+ private:
+  void record(const Cycle& cycle, bool is_paced) {
+    if (is_paced) {
+      options_.record->add(cycle);  // where it is lost, the record counts it
+    } else {
+      options_.record->add_waiting(cycle);
+    }
+    options_.record->add_events(session_.events());
+  }
+
+  const DrillSession& session_;
+  const DrillingOptions& options_;
+  DepthLog& log_;
+  InputLog& inputs_;
+  Drilling& drilling_;
+  bool is_first_ = true;
+  std::int64_t before_ns_ = wall_ns();
+};
+
+}  // namespace
+
+Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
+                    const DrillingOptions& options, const Progress& progress) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kBeyondMm = 20.0;  // hands may go further than the target
+  DepthLog log(options.log_step_mm, setup.material, setup.volume.lead_in_mm + setup.path.length_mm() + kBeyondMm);
+  BuiltSession built = build_session(bone, setup, progress, options.exact);
+  DrillSession& session = *built.session;
+  Drilling drilling(bone.model());
+  count_points(built, drilling);
+  drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();
+  drilling.deepest_mm = -kInfinity;
+  drilling.least_outer_mm = kInfinity;
+  drilling.least_canal_mm = kInfinity;
+
+  std::vector<PointSplats> splats;
+  if (options.makes_splats) {
+    for (const PointVolume& volume : built.volumes) splats.emplace_back(volume, BoneField(bone.model()));
+  }
+  InputLog inputs(expected_inputs(hand, options.real_time));
+  Watch watch(session, options, log, inputs, drilling);
+  const CycleObserver observe = [&](const Cycle& cycle) { watch.observe(cycle); };
+  if (options.real_time) {
+    LiveMesh live(bone.model(), setup.path.bit, setup.options.longest_jump_mm);
+    drilling.real_time = run_real_time(
+        session, hand, *options.real_time, observe, [&](const Cycle& cycle) { live.update(cycle.input); }, {},
+        progress);
+  } else {
+    run_session(session, hand, observe, progress);
+  }
+
+  drilling.is_stopped = session.is_stopped();
+  drilling.events.assign(session.events().begin(), session.events().end());
+  drilling.events_lost = session.events_lost();
+  drilling.rows = log.finish();
+  for (const DepthRow& row : drilling.rows) {
+    drilling.most_thrust_n = std::max(drilling.most_thrust_n, row.thrust_n);
+    drilling.most_torque_n_mm = std::max(drilling.most_torque_n_mm, row.torque_n_mm);
+  }
+  progress.report("cutting the hole", 0.0);
+  const std::vector<BitWay> ways = straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm);
+  for (const DrilledHole& hole : setup.holes) {
+    drilling.drilled = subtract_bit(drilling.drilled, hole.bit, hole.ways);
+  }
+  drilling.drilled = subtract_bit(drilling.drilled, setup.path.bit, ways);
+  drilling.surface = sharp_surface(drilling.drilled);
+  for (std::size_t n = 0; n < splats.size(); ++n) {
+    splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
+    drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());
+  }
+  drilling.volumes = std::move(built.volumes);  // the points stay where the session knows them
+  return drilling;
+}
+
+}  // namespace spinaltap

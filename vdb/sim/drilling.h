@@ -1,0 +1,62 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/sim/depth_log.h"
+#include "vdb/sim/build_session.h"
+#include "core/base/progress.h"
+#include "core/base/scalar_field.h"
+#include "core/base/triangle_mesh.h"
+#include "core/drill/point_splats.h"
+#include "core/sim/drill_session.h"
+#include "core/sim/real_time.h"
+#include "core/sim/session_record.h"
+#include "vdb/bone_model.h"
+
+namespace spinaltap {
+
+struct DrillingOptions {
+  const ScalarField* exact = nullptr;          ///< decides which points are bone, in place of the bone's grid
+  double log_step_mm = 0.1;                    ///< depth that one row of the log stands for
+  std::optional<RealTimeOptions> real_time{};  ///< paced by the clock; without: as fast as it goes
+  bool makes_splats = false;                   ///< of the points, for a picture
+  RecordWriter* record = nullptr;              ///< gets every cycle and the events; closed by the caller
+};
+
+struct Drilling {
+  std::vector<PointVolume> volumes;  ///< after drilling, end to end along the path
+  std::size_t points = 0;            ///< of the whole cylinder
+  std::size_t points_in_bone = 0;    ///< alive before drilling
+  std::size_t removed = 0;
+  int discs = 0;
+  std::size_t points_per_disc = 0;  ///< of the first volume
+  double bytes_per_point = 0.0;     ///< of the volumes and the engine
+  std::size_t cycles = 0;           ///< after the first, which puts the bit
+  double session_s = 0.0;           ///< the hand's time
+  double seconds = 0.0;             ///< of all cycles but the first, where they were not paced; else NaN
+  double entry_depth_mm = 0.0;      ///< where the first point was cut, beyond the planned entry; NaN: nowhere
+  double deepest_mm = 0.0;          ///< of the tip beyond the entry
+  double most_thrust_n = 0.0;       ///< of a row, as is the torque
+  double most_torque_n_mm = 0.0;
+  double least_outer_mm = 0.0;  ///< least clearances; infinite where there is no wall near
+  double least_canal_mm = 0.0;
+  bool is_stopped = false;  ///< a rule asked to
+  std::vector<SessionEvent> events;
+  std::size_t events_lost = 0;
+  std::optional<RealTimeReport> real_time;
+  BoneModel drilled;               ///< the bone without the hole
+  std::vector<PointSplat> splats;  ///< of all volumes, where asked for
+  TriangleMesh surface;            ///< of `drilled`: closed and outward, sharp at the hole's rim
+  std::vector<DepthRow> rows;
+
+  explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}
+};
+
+/// Fills a point volume along the path, lets a hand drill it, and cuts the hole of all its poses out of the distance
+/// grid and of the surface. Throws Error when the path misses the bone.
+Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
+                    const DrillingOptions& options = {}, const Progress& progress = {});
+
+}  // namespace spinaltap

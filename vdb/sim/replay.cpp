@@ -1,0 +1,80 @@
+#include "vdb/sim/replay.h"
+
+#include <algorithm>
+#include <sstream>
+
+namespace spinaltap {
+namespace {
+
+std::string said(const SessionEvent& event) {
+  std::ostringstream text;
+  text.precision(17);
+  text << name_of(event.kind) << " at cycle " << event.cycle << ", " << event.time_s << " s, depth " << event.depth_mm
+       << " mm, place " << event.place_mm.x() << ' ' << event.place_mm.y() << ' ' << event.place_mm.z() << " mm, value "
+       << event.value;
+  return text.str();
+}
+
+/// `is_final`: the session had ended when the event was written.
+bool same_event(const SessionEvent& recorded, const SessionEvent& now, bool is_final) {
+  const bool same_begin = recorded.kind == now.kind && recorded.cycle == now.cycle;
+  return is_final ? same_begin && said(recorded) == said(now) : same_begin;
+}
+
+/// The events of the cycles that were compared, in order.
+void compare_events(const SessionRecord& record, std::span<const SessionEvent> now, std::uint64_t end_cycle,
+                    Replay& replay) {
+  std::vector<SessionEvent> recorded = record.events;
+  std::erase_if(recorded, [&](const SessionEvent& event) {
+    return event.kind == EventKind::record_lost || event.cycle >= end_cycle;
+  });
+  if (record.is_whole && recorded.size() != now.size()) {
+    replay.difference =
+        "events: " + std::to_string(recorded.size()) + " recorded, " + std::to_string(now.size()) + " now";
+  }
+  for (std::size_t n = 0; n < recorded.size() && replay.difference.empty(); ++n) {
+    if (n >= now.size()) {
+      replay.difference = "event " + std::to_string(n) + ": " + said(recorded[n]) + " recorded, none now";
+    } else if (!same_event(recorded[n], now[n], record.is_whole)) {
+      replay.difference =
+          "event " + std::to_string(n) + ": " + said(recorded[n]) + " recorded, " + said(now[n]) + " now";
+    } else {
+      ++replay.events;
+    }
+  }
+}
+
+}  // namespace
+
+ToolInput input_of(const RecordedCycle& row) {
+  ToolInput input;
+  input.pose = {row.tip_mm, row.axis};
+  input.spindle_on = row.spindle_on != 0;
+  input.dt_s = row.dt_s;
+  return input;
+}
+
+Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress) {
+  Replay replay;
+  ProgressCounter counter(progress, "replaying", record.cycles.size());
+  std::uint64_t next = record.cycles.empty() ? 0 : record.cycles.front().cycle;
+  for (const RecordedCycle& row : record.cycles) {
+    if (row.cycle != next) {
+      replay.gap = "cycles from " + std::to_string(next) + " to " + std::to_string(row.cycle) +
+                   " are not in the record; those before were compared";
+      break;
+    }
+    const std::string difference = spinaltap::difference(row, recorded(session.step(input_of(row))));
+    if (!difference.empty()) {
+      replay.difference = "cycle " + std::to_string(row.cycle) + ": " + difference;
+      return replay;
+    }
+    ++next;
+    ++replay.cycles;
+    counter.add();
+  }
+  if (replay.gap.empty()) compare_events(record, session.events(), next, replay);
+  return replay;
+}
+
+}  // namespace spinaltap

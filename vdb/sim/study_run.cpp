@@ -1,0 +1,202 @@
+#include "vdb/sim/study_run.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "vdb/sim/bone_path.h"
+#include "vdb/sim/bone_volumes.h"
+#include "core/study/study_hand.h"
+#include "core/base/error.h"
+#include "core/plan/grade.h"
+#include "vdb/engine_kind.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
+
+/// The planned path with room past its target, for what holds its points.
+DrillPath with_lead_out(DrillPath path, double lead_out_mm) {
+  path.target_mm += lead_out_mm * path.direction();
+  return path;
+}
+
+/// Points that died, and the bone that they stand for.
+struct Removed {
+  std::size_t points = 0;
+  double mm3 = 0.0;
+};
+
+/// Counts by ring first: the sum's order is then the same whatever died when.
+Removed removed_from(const PointVolume& before, const PointVolume& after) {
+  const DiscPattern& pattern = before.pattern();
+  std::vector<std::size_t> by_index(pattern.point_count(), 0);
+  for (int disc = 0; disc < before.disc_count(); ++disc) {
+    const auto was = before.alive_words(disc);
+    const auto is = after.alive_words(disc);
+    for (std::size_t word = 0; word < was.size(); ++word) {
+      for (std::uint64_t died = was[word] & ~is[word]; died != 0; died &= died - 1) {
+        ++by_index[64 * word + static_cast<std::size_t>(std::countr_zero(died))];
+      }
+    }
+  }
+  Removed removed;
+  for (int ring = 0; ring < pattern.ring_count(); ++ring) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < DiscPattern::ring_size(ring); ++i) count += by_index[DiscPattern::ring_start(ring) + i];
+    removed.points += count;
+    removed.mm3 += static_cast<double>(count) * pattern.point_volume_mm3(ring);
+  }
+  return removed;
+}
+
+/// What a table keeps of a run's cycles.
+struct Extremes {
+  double least_outer_mm = std::numeric_limits<double>::infinity();
+  double least_canal_mm = std::numeric_limits<double>::infinity();
+  double most_thrust_n = 0.0;
+  double most_torque_n_mm = 0.0;
+  double deepest_mm = -std::numeric_limits<double>::infinity();
+
+  void add(const Cycle& cycle) {
+    least_outer_mm = std::min(least_outer_mm, cycle.clearance.outer_mm);
+    least_canal_mm = std::min(least_canal_mm, cycle.clearance.canal_mm);
+    most_thrust_n = std::max(most_thrust_n, cycle.force.thrust_n);
+    most_torque_n_mm = std::max(most_torque_n_mm, cycle.force.torque_n_mm);
+    deepest_mm = std::max(deepest_mm, cycle.depth_mm);
+  }
+};
+
+/// The first of each kind; of overshoots and ways out of the volume the greatest.
+void add_events(std::span<const SessionEvent> events, StudyRow& row) {
+  const auto first = [&](StudyColumn column, double depth_mm) {
+    if (std::isnan(row[column])) row[column] = depth_mm;
+  };
+  for (const SessionEvent& event : events) {
+    switch (event.kind) {
+      case EventKind::contact:
+        row[StudyColumn::contact] = 1.0;
+        break;
+      case EventKind::state:
+        switch (static_cast<DrillState>(std::lround(event.value))) {
+          case DrillState::initial:
+            break;
+          case DrillState::outer_cortical:
+            first(StudyColumn::outer_cortical_mm, event.depth_mm);
+            break;
+          case DrillState::cancellous:
+            first(StudyColumn::cancellous_mm, event.depth_mm);
+            break;
+          case DrillState::transitional:
+            first(StudyColumn::transitional_mm, event.depth_mm);
+            break;
+          case DrillState::inner_cortical:
+            first(StudyColumn::inner_cortical_mm, event.depth_mm);
+            break;
+        }
+        break;
+      case EventKind::breakthrough:
+        first(StudyColumn::breakthrough_mm, event.depth_mm);
+        break;
+      case EventKind::stop_thrust:
+      case EventKind::stop_clearance:
+      case EventKind::stop_breach:
+        first(StudyColumn::stop_mm, event.depth_mm);
+        break;
+      case EventKind::overshoot:
+        row[StudyColumn::overshoot_mm] = std::fmax(row[StudyColumn::overshoot_mm], event.value);
+        break;
+      case EventKind::left_volume:
+        row[StudyColumn::left_volume_mm] = std::max(row[StudyColumn::left_volume_mm], event.value);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+StudyRow empty_row(std::size_t n, const StudyTask& task) {
+  StudyRow row;
+  for (std::size_t factor = 0; factor < kStudyFactors; ++factor) {
+    row[static_cast<StudyFactor>(factor)] = task.values[factor];
+  }
+  row[StudyColumn::run] = static_cast<double>(n);
+  row[StudyColumn::seed] = static_cast<double>(task.seed);
+  for (const StudyColumn column :
+       {StudyColumn::overshoot_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
+        StudyColumn::transitional_mm, StudyColumn::inner_cortical_mm, StudyColumn::breakthrough_mm,
+        StudyColumn::stop_mm}) {
+    row[column] = kNoFigure;
+  }
+  return row;
+}
+
+}  // namespace
+
+double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
+  constexpr double kMostMm = 15.0;
+  const double needed_mm = radius_of_all_runs_mm(spec, runs, spec.lead_out_mm);
+  if (spec.volume.radius_mm > 0.0) return spec.volume.radius_mm;
+  if (needed_mm > kMostMm) {
+    fail("the errors of the study take bits ", needed_mm, " mm off the planned path: expected at most ", kMostMm,
+         " mm, or a \"radius_mm\" of \"volume\" that says how much of that is to be drilled");
+  }
+  return needed_mm;
+}
+
+StudyBench::StudyBench(const SessionBone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
+    : spec_(spec), runs_(runs), volume_(with_lead_out(spec.path, spec.lead_out_mm), spec.volume) {
+  check_path_meets_bone(spec.path, bone.model());
+  fill_volume(volume_, sampler_of(bone.model()), progress);
+  if (bone.walls() == nullptr) return;
+  progress.report("clearances", 0.0);
+  // Where bits may be, and a little more.
+  constexpr double kSpareMm = 2.0;
+  clearances_ = std::make_unique<const ClearanceField>(*bone.walls(), spec.path,
+                                                       radius_of_all_runs_mm(spec, runs, spec.lead_out_mm) + kSpareMm,
+                                                       spec.volume.lead_in_mm + kSpareMm, spec.lead_out_mm + kSpareMm);
+}
+
+StudyRunner StudyBench::make_runner() const {
+  return [this, volume = volume_](std::size_t n) mutable { return run(n, volume); };
+}
+
+StudyRow StudyBench::run(std::size_t n, PointVolume& volume) const {
+  const StudyTask task = study_task(spec_, runs_, n);
+  volume = volume_;
+  DrillPath planned = spec_.path;
+  planned.bit = task.path.bit;
+  // Where the bit really goes in is its own mouth, which it is meant to break.
+  std::optional<ClearanceField> clearances;
+  if (clearances_) clearances.emplace(clearances_->with_mouth_of(task.path));
+  DrillSession session(planned, {&volume, 1}, make_engine(EngineKind::ring, volume, task.path.bit, task.material),
+                       task.material, clearances ? &*clearances : nullptr, spec_.options);
+  const std::unique_ptr<ToolSource> hand = make_study_hand(task, spec_.volume.lead_in_mm, spec_.options.spindle);
+  Extremes extremes;
+  run_session(session, *hand, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
+
+  StudyRow row = empty_row(n, task);
+  add_events(session.events(), row);
+  const double outer_mm = std::max(0.0, -extremes.least_outer_mm);
+  const double canal_mm = std::max(0.0, -extremes.least_canal_mm);
+  row[StudyColumn::breach] = std::max(outer_mm, canal_mm) > 0.0 ? 1.0 : 0.0;
+  row[StudyColumn::breach_outer_mm] = outer_mm;
+  row[StudyColumn::breach_canal_mm] = canal_mm;
+  row[StudyColumn::least_outer_mm] = extremes.least_outer_mm;
+  row[StudyColumn::least_canal_mm] = extremes.least_canal_mm;
+  row[StudyColumn::grade] = static_cast<double>(gertzbein_robbins(std::max(outer_mm, canal_mm)));
+  row[StudyColumn::most_thrust_n] = extremes.most_thrust_n;
+  row[StudyColumn::most_torque_n_mm] = extremes.most_torque_n_mm;
+  row[StudyColumn::depth_mm] = extremes.deepest_mm;
+  row[StudyColumn::time_s] = session.last().time_s;
+  const Removed removed = removed_from(volume_, volume);
+  row[StudyColumn::removed_points] = static_cast<double>(removed.points);
+  row[StudyColumn::removed_mm3] = removed.mm3;
+  row[StudyColumn::events_lost] = static_cast<double>(session.events_lost());
+  return row;
+}
+
+}  // namespace spinaltap

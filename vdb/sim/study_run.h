@@ -1,0 +1,37 @@
+#pragma once
+
+#include <memory>
+
+#include "vdb/sim/build_session.h"
+#include "core/study/study_row.h"
+#include "core/study/study_task.h"
+#include "core/study/study_work.h"
+
+namespace spinaltap {
+
+/// What all runs of a study share: the filled points along the planned path, of which each run drills a copy, and the
+/// distances to the bone's walls around it.
+class StudyBench {
+ public:
+  /// `bone`, `spec` and `runs` must outlive this. Throws Error where the planned path misses the bone.
+  StudyBench(const SessionBone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress = {});
+
+  /// For one thread: drills runs, one after the other, in a volume of its own.
+  StudyRunner make_runner() const;
+
+  const PointVolume& volume() const { return volume_; }
+
+ private:
+  StudyRow run(std::size_t n, PointVolume& volume) const;
+
+  const StudySpec& spec_;
+  const StudyRuns& runs_;
+  PointVolume volume_;
+  std::unique_ptr<const ClearanceField> clearances_;  ///< null where the bone has no walls
+};
+
+/// The cylinder's radius: the one given, or that which holds every run. Looks at every run and throws Error on one that
+/// makes no sense, and on a radius above 15 mm that was not asked for.
+double study_radius_mm(const StudySpec& spec, const StudyRuns& runs);
+
+}  // namespace spinaltap
