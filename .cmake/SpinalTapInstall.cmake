@@ -11,7 +11,7 @@ foreach(program spinaltap spinaltap-planner)
 endforeach()
 foreach(folder core vdb mesh)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/spinaltap
-          FILES_MATCHING PATTERN "*.h" PATTERN "detail" EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "detail" EXCLUDE PATTERN "*json*.h" EXCLUDE)  # those name nlohmann's types
 endforeach()
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/spinaltap)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

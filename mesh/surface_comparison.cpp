@@ -1,12 +1,12 @@
 #include "mesh/surface_comparison.h"
 
-#include "mesh/surface_error.h"
 #include "core/base/error.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/fit_surface.h"
 #include "core/rbf/rbf_field.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/roughness.h"
+#include "mesh/surface_error.h"
 #include "vdb/bake.h"
 #include "vdb/isosurface.h"
 

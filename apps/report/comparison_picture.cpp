@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <string>
 
-#include "core/surface/point_methods.h"
 #include "apps/report/pixel_text.h"
 #include "core/base/error.h"
+#include "core/surface/point_methods.h"
 #include "vdb/render.h"
 
 namespace spinaltap {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "mesh/surface_comparison.h"
 #include "core/base/image.h"
 #include "core/base/progress.h"
+#include "mesh/surface_comparison.h"
 
 namespace spinaltap {
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "core/files/recorded_setup.h"
 #include "mesh/mesh_io.h"
 
 namespace spinaltap {
@@ -100,12 +101,12 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   return data;
 }
 
-void stage_drilling(const Drilling& drilling, const DrillReportData& data, const std::filesystem::path& folder,
-                    StagedOutput& output) {
+void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const DrillReportData& data,
+                    const std::filesystem::path& folder, StagedOutput& output) {
   output.write(folder / "log.csv", log_csv(drilling.rows));
   output.write(folder / "events.csv", events_csv(drilling.events));
   write_bone(drilling.drilled, output.stage(folder / "drilled.vdb"));
-  write_mesh(drilling.surface, output.stage(folder / "drilled.stl"));
+  write_mesh(surface, output.stage(folder / "drilled.stl"));
   output.write(folder / "report.html", drill_report(data));
 }
 

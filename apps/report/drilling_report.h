@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "vdb/sim/drilling.h"
 #include "apps/report/drill_report.h"
 #include "core/base/staged_output.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/density_law.h"
 #include "mesh/mesh_quality.h"
+#include "vdb/sim/drilling.h"
 
 namespace spinaltap {
 
@@ -37,8 +37,9 @@ DrillRates drill_rates(const std::vector<DepthRow>& rows);
 DrillReportData report_data(const std::string& title, const CtVolume* ct, const DrillFigures& figures);
 
 /// Writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv into a folder, to be committed by the caller.
-void stage_drilling(const Drilling& drilling, const DrillReportData& data, const std::filesystem::path& folder,
-                    StagedOutput& output);
+/// `surface`: of the drilled bone.
+void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const DrillReportData& data,
+                    const std::filesystem::path& folder, StagedOutput& output);
 
 /// What a record says of the session, the hand (HandPlan::words) and the pace.
 std::map<std::string, std::string> record_words(const SessionSetup& setup,

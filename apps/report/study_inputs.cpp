@@ -2,11 +2,9 @@
 
 #include <cmath>
 
-#include "vdb/sim/build_session.h"
 #include "apps/report/study_plots.h"
 #include "apps/report/text.h"
 #include "core/base/number_text.h"
-#include "core/base/version.h"
 
 namespace spinaltap {
 namespace {
@@ -36,27 +34,11 @@ ReportRow row_of(const FactorLaw& law) {
 
 }  // namespace
 
-StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const std::string& bone_hash) {
-  SessionSetup setup;
-  setup.bone_hash = bone_hash;
-  setup.path = spec.path;
-  setup.material = spec.material;
-  setup.volume = spec.volume;
-  setup.options = spec.options;
-  return {{{"program", version()},
-           {"name", spec.name},
-           {"session", to_json(setup)},
-           {"lead_out_mm", spec.lead_out_mm},
-           {"hand", to_json(spec.hand)},
-           {"design", to_json(spec.design)}},
-          runs.count()};
-}
-
 StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::path& file) {
-  const JsonObject study(identity.study, file);
-  const SessionSetup setup = read_session_setup(study.at("session"), file);
-  const StudyHand hand = read_study_hand(study.at("hand"), file);
-  StudyInputs inputs{study.text("name"), read_study_design(study.at("design"), file), {}};
+  const IdentifiedStudy study = study_of(identity, file);
+  const SessionSetup& setup = study.setup;
+  const StudyHand& hand = study.hand;
+  StudyInputs inputs{study.name, study.design, {}};
   const auto add = [&](const std::string& name, const std::string& value, const std::string& unit) {
     inputs.rows.push_back({name, value, unit});
   };

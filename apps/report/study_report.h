@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/study/study_summary.h"
 #include "apps/report/html_report.h"
+#include "core/study/study_summary.h"
 
 namespace spinaltap {
 

@@ -1,5 +1,6 @@
 #include "apps/report/study_results.h"
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -7,6 +8,7 @@
 #include "apps/report/study_report.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/study_summary_json.h"
 
 namespace spinaltap {
 

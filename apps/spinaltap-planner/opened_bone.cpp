@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
-#include "vdb/sim/bake_ct.h"
-#include "vdb/sim/bone_ct.h"
 #include "core/base/error.h"
 #include "core/ct/read_ct.h"
 #include "vdb/remaining_surface.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/bone_ct.h"
 
 namespace spinaltap {
 

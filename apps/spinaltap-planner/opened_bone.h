@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "vdb/sim/build_session.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/drill/drill_path.h"
 #include "vdb/bone_model.h"
+#include "vdb/sim/build_session.h"
 #include "vdb/surface_block.h"
 
 namespace spinaltap {

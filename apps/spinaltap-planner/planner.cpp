@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "vdb/sim/auto_plan.h"
-#include "vdb/sim/bone_path.h"
-#include "core/files/plan_file.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap-planner/drill/drill_output.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
 namespace {

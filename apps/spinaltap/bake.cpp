@@ -3,13 +3,13 @@
 #include <memory>
 #include <sstream>
 
-#include "core/files/bake_cache.h"
-#include "vdb/sim/bake_levels.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/bake_cache.h"
+#include "vdb/sim/bake_levels.h"
 
 namespace spinaltap {
 namespace {

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
-#include "vdb/engine_kind.h"
+#include "vdb/make_engine.h"
 
 namespace spinaltap {
 namespace {

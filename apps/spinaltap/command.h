@@ -4,10 +4,11 @@
 
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/files/json_file.h"
 #include "core/base/progress.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 

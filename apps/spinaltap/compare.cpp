@@ -3,16 +3,16 @@
 #include <memory>
 #include <sstream>
 
-#include "vdb/sim/bake_ct.h"
-#include "vdb/sim/phantom_output.h"
-#include "core/surface/point_methods.h"
-#include "mesh/surface_comparison.h"
 #include "apps/report/comparison_picture.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/staged_output.h"
 #include "core/phantom/scanner.h"
+#include "core/surface/point_methods.h"
+#include "mesh/surface_comparison.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/phantom_output.h"
 
 namespace spinaltap {
 namespace {

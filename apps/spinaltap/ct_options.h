@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "vdb/sim/bake_ct.h"
-#include "core/files/json_file.h"
 #include "apps/spinaltap/finding_options.h"
 #include "core/ct/read_ct.h"
+#include "core/files/json_file.h"
+#include "vdb/sim/bake_ct.h"
 
 namespace spinaltap {
 

@@ -2,9 +2,6 @@
 #include <memory>
 #include <optional>
 
-#include "core/files/plan_file.h"
-#include "vdb/sim/planning_bone.h"
-#include "mesh/surface_error.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_run.h"
@@ -13,8 +10,11 @@
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/staged_output.h"
+#include "core/files/plan_file.h"
 #include "mesh/mesh_io.h"
+#include "mesh/surface_error.h"
 #include "vdb/isosurface.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

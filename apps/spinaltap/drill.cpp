@@ -1,12 +1,12 @@
 #include <memory>
 #include <optional>
 
-#include "core/files/plan_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/drill_run.h"
 #include "apps/spinaltap/level_option.h"
+#include "core/files/plan_file.h"
 
 namespace spinaltap {
 

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "vdb/engine_kind.h"
+#include "core/drill/engine_kind.h"
 
 namespace spinaltap {
 

@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "vdb/sim/build_session.h"
 #include "apps/spinaltap/hand_options.h"
 #include "core/ct/density_law.h"
 #include "core/sim/real_time.h"
+#include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 

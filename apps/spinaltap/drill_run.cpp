@@ -3,20 +3,22 @@
 #include <exception>
 #include <optional>
 
-#include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "apps/report/drill_pictures.h"
 #include "apps/report/drilling_report.h"
-#include "core/files/material_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/drill_figures.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_file.h"
 #include "core/sim/session_record.h"
 #include "mesh/cut_out.h"
+#include "mesh/live_mesh.h"
 #include "mesh/mesh_io.h"
+#include "mesh/remaining_mesh.h"
 #include "vdb/points_file.h"
 
 namespace spinaltap {
@@ -74,17 +76,24 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
                       .real_time = options.real_time(hand),
                       .makes_splats = options.writes_splats,
                       .record = recording.writer()};
+  // Beside the drilling, as a simulator shows it; where the clock does not count, nobody looks.
+  std::optional<LiveMesh> live;
+  if (how.real_time) {
+    live.emplace(bone, path.bit, setup.options.longest_jump_mm);
+    how.display = [&live](const Cycle& cycle) { live->update(cycle.input); };
+  }
   const Drilling drilling = drill_bone(session_bone, setup, *hand.hand, how, progress);
+  const TriangleMesh surface = sharp_surface(drilling.drilled);
   recording.close(drilling.events);
 
   progress.report("meshing", 0.0);
-  const MeshQuality quality = measure_mesh(drilling.surface);
+  const MeshQuality quality = measure_mesh(surface);
   const DrillFigures figures{drilling, session_bone, setup, hand.words, quality, recording.lost()};
   DrillReportData data = report_data(title, ct, figures);
   data.renders = drill_pictures(bone, drilling.drilled, path, progress);
 
   StagedOutput output;
-  stage_drilling(drilling, data, folder, output);
+  stage_drilling(drilling, surface, data, folder, output);
   for (std::size_t n = 0; options.writes_points && n < drilling.volumes.size(); ++n) {
     const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
     write_points(drilling.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),

@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <string>
 
-#include "core/files/json_file.h"
 #include "apps/spinaltap/drill_options.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
+#include "core/files/json_file.h"
 #include "vdb/bone_model.h"
 
 namespace spinaltap {

@@ -2,17 +2,17 @@
 #include <cstdio>
 #include <memory>
 
-#include "vdb/sim/bone_ct.h"
-#include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "apps/report/grade_output.h"
-#include "core/files/material_file.h"
-#include "core/files/plan_file.h"
-#include "vdb/sim/planning_bone.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"
 #include "core/base/staged_output.h"
+#include "core/files/data_files.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
+#include "core/files/plan_file.h"
+#include "vdb/sim/bone_ct.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

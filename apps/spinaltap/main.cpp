@@ -6,8 +6,8 @@
 #include <memory>
 #include <thread>
 
-#include "apps/spinaltap/terminal_progress.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/terminal_progress.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
 

@@ -4,6 +4,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/base/error.h"
+#include "core/files/study_summary_json.h"
 
 namespace spinaltap {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "vdb/sim/auto_plan.h"
-#include "core/files/json_file.h"
 #include "core/drill/drill_path.h"
+#include "core/files/json_file.h"
+#include "vdb/sim/auto_plan.h"
 
 namespace spinaltap {
 

@@ -1,10 +1,10 @@
 #include <memory>
 
-#include "core/files/data_files.h"
-#include "core/files/phantom_file.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/error.h"
+#include "core/files/data_files.h"
+#include "core/files/phantom_file.h"
 #include "vdb/mesh_solid.h"
 
 namespace spinaltap {

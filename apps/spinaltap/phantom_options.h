@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "vdb/sim/phantom_output.h"
 #include "apps/spinaltap/mesh_options.h"
 #include "core/phantom/spine.h"
+#include "vdb/sim/phantom_output.h"
 
 namespace spinaltap {
 

@@ -2,18 +2,18 @@
 #include <optional>
 #include <sstream>
 
-#include "core/files/bit_shapes.h"
-#include "vdb/sim/bone_ct.h"
-#include "vdb/sim/bone_path.h"
-#include "core/files/plan_file.h"
-#include "vdb/sim/planning_bone.h"
-#include "core/files/planning_json.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"
 #include "apps/spinaltap/path_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/bit_shapes.h"
+#include "core/files/plan_file.h"
+#include "core/files/planning_json.h"
+#include "vdb/sim/bone_ct.h"
+#include "vdb/sim/bone_path.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 

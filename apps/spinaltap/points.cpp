@@ -1,11 +1,11 @@
 #include <memory>
 
-#include "core/surface/point_methods.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/staged_output.h"
 #include "core/surface/point_file.h"
+#include "core/surface/point_methods.h"
 
 namespace spinaltap {
 

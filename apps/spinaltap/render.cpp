@@ -7,15 +7,16 @@
 #include <sstream>
 
 #include "apps/report/picture_view.h"
-#include "core/files/plan_file.h"
-#include "vdb/sim/recorded_hole.h"
-#include "vdb/sim/build_session.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/plan_file.h"
+#include "core/files/recorded_setup.h"
 #include "vdb/render.h"
+#include "vdb/sim/build_session.h"
+#include "vdb/sim/recorded_hole.h"
 
 namespace spinaltap {
 namespace {

@@ -1,11 +1,12 @@
 #include <chrono>
 #include <memory>
 
-#include "vdb/sim/replay.h"
-#include "vdb/sim/build_session.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"
 #include "core/base/error.h"
+#include "core/files/recorded_setup.h"
+#include "vdb/sim/build_session.h"
+#include "vdb/sim/replay.h"
 
 namespace spinaltap {
 namespace {

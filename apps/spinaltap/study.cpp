@@ -5,11 +5,12 @@
 
 #include "apps/report/study_inputs.h"
 #include "apps/report/study_results.h"
-#include "vdb/sim/study_run.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/base/error.h"
+#include "core/files/study_summary_json.h"
 #include "vdb/bone_model.h"
+#include "vdb/sim/study_run.h"
 
 namespace spinaltap {
 namespace {

@@ -1,11 +1,12 @@
 #include "core/files/bake_cache.h"
 
+#include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
+#include "core/files/json_file.h"
 #include "core/rbf/rbf_file.h"
 
 namespace spinaltap {

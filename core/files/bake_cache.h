@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "core/segment/doubt_facts.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/level.h"
 #include "core/rbf/fit_surface.h"
+#include "core/segment/doubt_facts.h"
 
 namespace spinaltap {
 

@@ -1,7 +1,9 @@
 #include "core/files/bit_file.h"
 
-#include "core/files/detail/tool_json.h"
+#include <nlohmann/json.hpp>
+
 #include "core/base/error.h"
+#include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
 

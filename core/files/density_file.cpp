@@ -1,10 +1,11 @@
 #include "core/files/density_file.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/base/error.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -27,6 +28,8 @@ void write_json(const Json& json, const std::filesystem::path& path) {
 JsonObject::JsonObject(const Json& json, std::filesystem::path file) : json_(json), file_(std::move(file)) {
   if (!json.is_object()) fail("expected a JSON object in ", file_.string(), ", found ", json.type_name());
 }
+
+bool JsonObject::has(const char* key) const { return json_.contains(key); }
 
 const Json& JsonObject::at(const char* key) const {
   if (!json_.contains(key)) fail("expected \"", key, "\" in ", file_.string(), ", found none");

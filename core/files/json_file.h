@@ -2,14 +2,16 @@
 
 #include <filesystem>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <string_view>
 
 #include "core/base/geometry.h"
 
 namespace spinaltap {
 
-/// Keys keep the order in which they were written.
+/// Keys keep the order in which they were written. Only its name is known here: who looks into one includes nlohmann's
+/// json.hpp. Headers that name it are for files of this room and for programs, and are not installed.
 using Json = nlohmann::ordered_json;
 
 /// Parses a JSON file. Throws Error with the file and the place of the mistake.
@@ -29,7 +31,7 @@ class JsonObject {
   std::string text(const char* key) const;
   /// An array of three numbers.
   Vec3 vector(const char* key) const;
-  bool has(const char* key) const { return json_.contains(key); }
+  bool has(const char* key) const;
   const Json& at(const char* key) const;
 
  private:

@@ -1,10 +1,12 @@
 #include "core/files/material_file.h"
 
 #include <array>
+#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/files/density_file.h"
 #include "core/base/error.h"
+#include "core/files/density_file.h"
+#include "core/files/detail/material_json.h"
 
 namespace spinaltap {
 namespace {

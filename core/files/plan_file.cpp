@@ -1,8 +1,10 @@
 #include "core/files/plan_file.h"
 
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
 #include "core/files/detail/markups_file.h"
 #include "core/files/detail/tool_json.h"
-#include "core/base/error.h"
 
 namespace spinaltap {
 namespace {
@@ -26,26 +28,6 @@ std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::pa
 }
 
 }  // namespace
-
-Json to_json(const DrillPath& path) {
-  Json json{{"name", path.name},
-            {"entry", to_json(path.entry_mm)},
-            {"target", to_json(path.target_mm)},
-            {"bit", to_json(path.bit)}};
-  if (path.screw) json["screw"] = to_json(*path.screw);
-  return json;
-}
-
-DrillPath read_path(const Json& json, const std::filesystem::path& file) {
-  const JsonObject object(json, file);
-  DrillPath path;
-  path.name = object.text("name");
-  path.entry_mm = object.vector("entry");
-  path.target_mm = object.vector("target");
-  path.bit = read_bit(object.at("bit"), file);
-  if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
-  return path;
-}
 
 void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
   if (path.string().ends_with(".mrk.json")) {

@@ -4,15 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/drill/drill_path.h"
 
 namespace spinaltap {
-
-/// A path as plan files list it.
-Json to_json(const DrillPath& path);
-/// Reads what to_json() made. Throws Error that names the file and the key at fault; does not check the path.
-DrillPath read_path(const Json& json, const std::filesystem::path& file);
 
 /// Writes planned paths as JSON: patient LPS, mm; see docs/plan-file.md. A name that ends in ".mrk.json" makes them
 /// 3D Slicer's markups.

@@ -1,6 +1,9 @@
 #include "core/files/planning_json.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/files/detail/tool_json.h"
+#include "core/files/landmarks_text.h"
 
 namespace spinaltap {
 namespace {
@@ -43,6 +46,8 @@ Json to_json(const Landmarks& landmarks) {
           {"right_pedicle", json_of(landmarks.right_pedicle)},
           {"doubts", landmarks.doubts}};
 }
+
+std::string landmarks_text(const Landmarks& landmarks) { return to_json(landmarks).dump(); }
 
 Json to_json(const Suggestion& suggestion) {
   if (!suggestion.best) return {{"side", suggestion.side}, {"refusal", suggestion.refusal}};

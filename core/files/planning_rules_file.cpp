@@ -1,5 +1,7 @@
 #include "core/files/planning_rules_file.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/files/json_file.h"
 
 namespace spinaltap {

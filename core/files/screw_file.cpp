@@ -1,10 +1,11 @@
 #include "core/files/screw_file.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/files/json_file.h"
 #include "core/base/error.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 namespace {

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/staged_output.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 namespace {
@@ -53,15 +55,17 @@ bool is_part(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string StudyIdentity::hash() const { return hash_of(study.dump()); }
+std::string StudyIdentity::hash() const { return hash_of(study); }
 
 void open_study_folder(const std::filesystem::path& folder, const StudyIdentity& identity) {
   const std::filesystem::path file = folder / kStudyFile;
   if (std::filesystem::exists(file)) {
     const StudyIdentity known = read_study_identity(folder);
     if (known.study == identity.study) return;
-    for (const auto& item : identity.study.items()) {
-      if (known.study.contains(item.key()) && known.study[item.key()] == item.value()) continue;
+    const Json known_study = Json::parse(known.study);
+    const Json study = Json::parse(identity.study);
+    for (const auto& item : study.items()) {
+      if (known_study.contains(item.key()) && known_study[item.key()] == item.value()) continue;
       fail("expected the same study as in ", folder.string(), ", found another \"", item.key(),
            "\": take another folder, or the specification that this one was made with");
     }
@@ -71,7 +75,7 @@ void open_study_folder(const std::filesystem::path& folder, const StudyIdentity&
               {"version", kFolderVersion},
               {"hash", identity.hash()},
               {"runs", identity.runs},
-              {"study", identity.study}},
+              {"study", Json::parse(identity.study)}},
              file);
 }
 
@@ -84,7 +88,7 @@ StudyIdentity read_study_identity(const std::filesystem::path& folder) {
   if (object.text("format") != kFolderFormat || object.number("version") != kFolderVersion) {
     fail("expected a ", kFolderFormat, " of version ", kFolderVersion, " in ", file.string());
   }
-  StudyIdentity identity{object.at("study"), static_cast<std::size_t>(object.number("runs"))};
+  StudyIdentity identity{object.at("study").dump(), static_cast<std::size_t>(object.number("runs"))};
   if (identity.hash() != object.text("hash")) fail("expected ", file.string(), " as it was written, found it changed");
   return identity;
 }

@@ -6,14 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/study/study_row.h"
 
 namespace spinaltap {
 
 /// What a study is, down to the last number that its results depend on; two studies with the same are one.
 struct StudyIdentity {
-  Json study;  ///< all inputs, with the bone's fingerprint and the program's version
+  std::string study;  ///< all inputs, with the bone's fingerprint and the program's version: JSON on one line
   std::size_t runs = 0;
 
   std::string hash() const;

@@ -1,14 +1,16 @@
 #include "core/files/study_spec_file.h"
 
 #include <cmath>
-#include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/base/error.h"
 #include "core/files/data_files.h"
 #include "core/files/density_file.h"
+#include "core/files/detail/study_json.h"
+#include "core/files/detail/tool_json.h"
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
-#include "core/base/error.h"
 
 namespace spinaltap {
 namespace {
@@ -126,19 +128,6 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   spec.design = read_study_design(object.at("design"), file);
   check_factors(spec, file);
   return spec;
-}
-
-FactorValues base_values(const StudySpec& spec) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const bool pushes = spec.hand.kind == StudyHand::Kind::push;
-  FactorValues values{};
-  const auto set = [&](StudyFactor factor, double value) { values.at(static_cast<std::size_t>(factor)) = value; };
-  set(StudyFactor::bit_diameter_mm, spec.path.bit.diameter_mm);
-  set(StudyFactor::push_n, pushes ? spec.hand.push_n : kNone);
-  set(StudyFactor::feed_mm_s, pushes ? kNone : spec.hand.feed_mm_s);
-  set(StudyFactor::tremor_mm, spec.hand.tremor_mm);
-  set(StudyFactor::density_scale, 1.0);
-  return values;
 }
 
 }  // namespace spinaltap

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "core/study/study_task.h"
 #include "core/sim/tool_source.h"
+#include "core/study/study_task.h"
 
 namespace spinaltap {
 

@@ -3,10 +3,9 @@
 #include <array>
 #include <vector>
 
-#include "core/files/json_file.h"
-#include "core/files/detail/study_json.h"
-#include "core/study/study_row.h"
 #include "core/base/statistics.h"
+#include "core/study/study_design.h"
+#include "core/study/study_row.h"
 
 namespace spinaltap {
 
@@ -55,7 +54,5 @@ struct StudySummary {
 
 /// What a study's runs come to. Rows in the order of their numbers: the same rows give the same numbers, bit for bit.
 StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesign& design);
-
-Json to_json(const StudySummary& summary);
 
 }  // namespace spinaltap

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/files/study_spec_file.h"
+#include "core/study/study_spec.h"
 
 namespace spinaltap {
 

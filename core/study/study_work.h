@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "core/study/study_row.h"
 #include "core/base/progress.h"
+#include "core/study/study_row.h"
 
 namespace spinaltap {
 

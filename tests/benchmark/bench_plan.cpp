@@ -7,11 +7,11 @@
 
 #include <memory>
 
-#include "vdb/sim/auto_plan.h"
-#include "vdb/sim/planning_bone.h"
 #include "core/phantom/vertebra_truth.h"
 #include "vdb/bake.h"
 #include "vdb/bone_field.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

@@ -4,9 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-#include "core/files/json_file.h"
 #include "core/base/staged_output.h"
+#include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
-#include "core/files/json_file.h"
 #include "core/base/staged_output.h"
 #include "core/drill/drill_bit.h"
+#include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"

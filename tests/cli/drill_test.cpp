@@ -6,11 +6,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/base/random.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/base/random.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_file.h"
 #include "tests/cli/bone_ball.h"

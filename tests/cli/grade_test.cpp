@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
 #include "core/phantom/vertebra_truth.h"

@@ -8,12 +8,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
+#include "core/base/error.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/base/error.h"
 #include "core/sim/session_record.h"
 #include "tests/cli/program.h"
 #include "tests/support/made_bone.h"

@@ -1,9 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/files/json_file.h"
+#include <nlohmann/json.hpp>
+
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_write.h"
+#include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/labelled_balls.h"
 #include "tests/support/temporary_folder.h"

@@ -3,9 +3,10 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 
-#include "core/files/json_file.h"
 #include "core/base/gzip.h"
+#include "core/files/json_file.h"
 #include "core/rbf/field_volume.h"
 #include "core/rbf/rbf_file.h"
 #include "core/surface/point_file.h"

@@ -5,9 +5,10 @@
 #include <png.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
-#include "core/files/json_file.h"
 #include "core/base/staged_output.h"
+#include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/hand_made_dicom.h"
 #include "tests/support/made_nifti.h"

@@ -3,11 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/base/staged_output.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/base/staged_output.h"
 #include "core/sim/session_record.h"
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"

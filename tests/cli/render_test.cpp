@@ -6,12 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 
+#include "core/base/staged_output.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/base/staged_output.h"
 #include "mesh/mesh_io.h"
 #include "mesh/mesh_quality.h"
 #include "tests/cli/bone_ball.h"

@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/files/json_file.h"
+#include <nlohmann/json.hpp>
+
 #include "core/base/staged_output.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"
+#include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 

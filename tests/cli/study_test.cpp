@@ -14,22 +14,23 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 #include <thread>
 
-#include "core/files/json_file.h"
-#include "core/files/plan_file.h"
-#include "vdb/sim/planning_bone.h"
-#include "core/study/study_row.h"
-#include "core/study/study_task.h"
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
 #include "core/drill/bit_profile.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "core/phantom/vertebra_truth.h"
+#include "core/study/study_row.h"
+#include "core/study/study_task.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

@@ -9,13 +9,14 @@
 #include <cstdio>
 #include <map>
 
-#include "vdb/sim/drilling.h"
-#include "vdb/sim/replay.h"
 #include "apps/spinaltap-planner/drill/drill_output.h"
+#include "core/files/recorded_setup.h"
 #include "core/sim/session_record.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/remaining_surface.h"
+#include "vdb/sim/drilling.h"
+#include "vdb/sim/replay.h"
 
 namespace spinaltap {
 namespace {

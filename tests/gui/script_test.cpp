@@ -6,9 +6,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/files/plan_file.h"
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "core/base/error.h"
+#include "core/files/plan_file.h"
 #include "core/sim/session_record.h"
 #include "tests/gui/planner_window.h"
 

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <thread>
 
-#include "core/files/plan_file.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "core/base/error.h"
+#include "core/files/plan_file.h"
 #include "tests/gui/planner_window.h"
 #include "tests/support/full_disk.h"
 

@@ -14,8 +14,12 @@ function(fresh_tree)
   file(WRITE ${WORK_DIR}/build-debug/other.cpp "#include <QWidget>\n")
   file(WRITE ${WORK_DIR}/core/ct/read.cpp "#include <gdcmReader.h>\n#include <Eigen/Core>\n")
   file(WRITE ${WORK_DIR}/core/ct/read.h "// #include \"vdb/bake.h\"\n#include \"core/base/error.h\"\n")
+  file(WRITE ${WORK_DIR}/core/files/json_file.h "#include <nlohmann/json_fwd.hpp>\n")
+  file(WRITE ${WORK_DIR}/core/files/detail/tool_json.h "#include \"core/files/json_file.h\"\n")
+  file(WRITE ${WORK_DIR}/core/files/plan.cpp "#include <nlohmann/json.hpp>\n#include \"core/files/detail/tool_json.h\"\n")
   file(WRITE ${WORK_DIR}/vdb/detail/grids.h "#include <openvdb/openvdb.h>\n")
   file(WRITE ${WORK_DIR}/vdb/bake.cpp "#include \"vdb/detail/grids.h\"\n")
+  file(WRITE ${WORK_DIR}/vdb/sim/replay.cpp "#include \"vdb/bake.h\"\n#include \"core/files/plan.h\"\n")
   file(WRITE ${WORK_DIR}/mesh/io.cpp "#include <OpenMesh/Core/IO/MeshIO.hh>\n#include \"vdb/bake.h\"\n")
   file(WRITE ${WORK_DIR}/apps/spinaltap/main.cpp "#include <CLI/CLI.hpp>\n#include \"mesh/io.h\"\n")
 endfunction()
@@ -38,10 +42,24 @@ set(broken
     vdb/x.h [[#include <openvdb/Grid.h>]]
     vdb/x.cpp [[#include <gdcmReader.h>]]
     mesh/x.h [[#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>]]
-    mesh/x.cpp [[#include "core/files/plan_file.h"]]
+    mesh/x.cpp [[#include "apps/report/text.h"]]
+    core/ct/x.cpp [[#include "core/segment/seed.h"]]
+    core/study/x.h [[#include "core/files/plan.h"]]
+    core/surface/x.cpp [[#include "core/base/detail/hdf5_parts.h"]]
+    core/other/x.cpp [[int x]]
+    core/files/x.h [[#include <nlohmann/json.hpp>]]
+    core/files/x.h [[#include <nlohmann/json_fwd.hpp>]]
+    core/files/x.h [[#include "core/files/json_file.h"]]
+    vdb/x.cpp [[#include "vdb/sim/replay.h"]]
+    vdb/sim/x.cpp [[#include "vdb/detail/grids.h"]]
+    vdb/sim/x.cpp [[#include "mesh/io.h"]]
+    vdb/sim/x.cpp [[#include <nlohmann/json.hpp>]]
+    vdb/sim/x.h [[#include "core/files/json_file.h"]]
+    apps/report/x.h [[#include "apps/spinaltap/command.h"]]
+    apps/spinaltap-planner/x.cpp [[#include "apps/spinaltap/command.h"]]
     mesh/x.cpp [[#include "vdb/detail/grids.h"]]
     apps/spinaltap/x.cpp [[#include <QWidget>]]
-    apps/common/x.cpp [[#include <gtest/gtest.h>]]
+    apps/report/x.cpp [[#include <gtest/gtest.h>]]
     src/x.cpp [[int x]]
     notes.txt [[notes]])
 while(broken)

@@ -32,6 +32,13 @@ file(GLOB_RECURSE private_headers ${prefix}/include/*/detail/*.h)
 if(private_headers)
   message(FATAL_ERROR "private headers were installed: ${private_headers}")
 endif()
+file(GLOB_RECURSE headers ${prefix}/include/*.h)
+foreach(header IN LISTS headers)
+  file(STRINGS ${header} json REGEX "nlohmann")
+  if(json)
+    message(FATAL_ERROR "installed, though it needs a library that users need not have: ${header}")
+  endif()
+endforeach()
 
 # The installed package may not lean on the source or build tree.
 file(GLOB_RECURSE package_files ${prefix}/*.cmake)

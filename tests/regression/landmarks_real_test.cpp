@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "vdb/sim/bake_ct.h"
 #include "core/ct/dicom_read.h"
 #include "core/plan/landmarks.h"
 #include "tests/support/mesh_of_real_vertebra.h"
@@ -14,6 +13,7 @@
 #include "vdb/bake.h"
 #include "vdb/bone_field.h"
 #include "vdb/mesh_solid.h"
+#include "vdb/sim/bake_ct.h"
 
 namespace spinaltap {
 namespace {

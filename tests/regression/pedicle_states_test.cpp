@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "vdb/sim/bake_ct.h"
 #include "core/phantom/scanner.h"
 #include "tests/support/pedicle_drilling.h"
+#include "vdb/sim/bake_ct.h"
 
 namespace spinaltap {
 namespace {

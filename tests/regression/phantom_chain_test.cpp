@@ -6,20 +6,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vdb/sim/bake_ct.h"
-#include "vdb/sim/phantom_output.h"
-#include "mesh/surface_error.h"
 #include "core/ct/dicom_read.h"
 #include "core/phantom/vertebra_truth.h"
 #include "mesh/display_mesh.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/roughness.h"
+#include "mesh/surface_error.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/surface_distance.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "vdb/isosurface.h"
 #include "vdb/mesh_solid.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/phantom_output.h"
 
 namespace spinaltap {
 namespace {

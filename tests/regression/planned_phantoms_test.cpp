@@ -11,13 +11,13 @@
 #include <numbers>
 #include <string>
 
-#include "vdb/sim/auto_plan.h"
-#include "vdb/sim/bake_ct.h"
-#include "vdb/sim/planning_bone.h"
 #include "core/drill/bit_profile.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/support/random_vertebra.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

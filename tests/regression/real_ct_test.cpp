@@ -8,10 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "vdb/sim/auto_plan.h"
-#include "vdb/sim/bake_ct.h"
-#include "vdb/sim/drilling.h"
-#include "vdb/sim/planning_bone.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
 #include "core/sim/path_hand.h"
@@ -19,6 +15,10 @@
 #include "mesh/mesh_quality.h"
 #include "tests/support/test_data.h"
 #include "vdb/isosurface.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bake_ct.h"
+#include "vdb/sim/drilling.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

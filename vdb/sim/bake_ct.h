@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "core/files/bake_cache.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/label_volume.h"
+#include "core/files/bake_cache.h"
 #include "core/rbf/fit_surface.h"
 #include "core/segment/segment_spine.h"
 #include "core/surface/surface_points.h"

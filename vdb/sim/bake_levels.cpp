@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/files/planning_json.h"
 #include "core/base/error.h"
+#include "core/files/landmarks_text.h"
 #include "core/plan/landmarks.h"
 #include "vdb/bone_field.h"
 
@@ -23,7 +23,7 @@ void add_landmarks(const BoneModel& bone, const Progress& progress, LevelNotes& 
   try {
     const BoneShape shape(std::make_shared<BoneField>(bone), bone.bounds_mm(), bone.voxel_mm(), progress);
     const Landmarks landmarks = find_landmarks(shape, progress);
-    notes.landmarks = to_json(landmarks).dump();
+    notes.landmarks = landmarks_text(landmarks);
     notes.warnings.insert(notes.warnings.end(), landmarks.doubts.begin(), landmarks.doubts.end());
   } catch (const Cancelled&) {
     throw;

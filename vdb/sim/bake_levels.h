@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "vdb/sim/bake_ct.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_volume.h"
+#include "vdb/sim/bake_ct.h"
 #include "vdb/spine_file.h"
 
 namespace spinaltap {

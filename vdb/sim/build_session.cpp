@@ -1,11 +1,12 @@
 #include "vdb/sim/build_session.h"
 
-#include "vdb/sim/bone_path.h"
-#include "vdb/sim/bone_volumes.h"
 #include "core/base/error.h"
 #include "core/drill/volume_segments.h"
 #include "vdb/bone_field.h"
 #include "vdb/bone_hash.h"
+#include "vdb/make_engine.h"
+#include "vdb/sim/bone_path.h"
+#include "vdb/sim/bone_volumes.h"
 
 namespace spinaltap {
 

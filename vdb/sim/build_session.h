@@ -1,55 +1,18 @@
 #pragma once
 
-#include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/base/scalar_field.h"
-#include "core/drill/point_volume.h"
 #include "core/plan/grade.h"
 #include "core/plan/landmarks.h"
 #include "core/sim/drill_session.h"
-#include "core/sim/straight_ways.h"
+#include "core/sim/session_setup.h"
 #include "vdb/bone_model.h"
-#include "vdb/engine_kind.h"
 
 namespace spinaltap {
-
-/// A hole that is in the bone before a session begins.
-struct DrilledHole {
-  DrillBit bit;
-  std::vector<BitWay> ways;
-};
-
-/// All that decides what a session does, but the bone itself and the hand's poses. A record holds it as JSON, and
-/// replay runs the session from it.
-struct SessionSetup {
-  std::string bone_hash;  ///< of its grids: hash_of()
-  DrillPath path;
-  Material material;
-  PointVolumeOptions volume{.radius_mm = 3.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};
-  double fine_spacing_mm = 0.0;  ///< as DrillingOptions has them
-  double fine_near_mm = 1.0;
-  double fine_tip_mm = 0.0;
-  EngineKind engine = EngineKind::ring;
-  SessionOptions options;
-  bool has_clearances = true;
-  std::vector<DrilledHole> holes = {};  ///< drilled before: their points are gone when the session begins
-};
-
-Json to_json(const SessionSetup& setup);
-/// Throws Error that names the file and the key at fault.
-SessionSetup read_session_setup(const Json& json, const std::filesystem::path& file);
-
-/// What a record's setup holds of it: "session", this as JSON, and "version", the program's. Whoever makes the hand
-/// adds what it was made from.
-std::map<std::string, std::string> record_setup(const SessionSetup& setup);
-/// Reads it back. Throws Error where there is none, or a key of it is at fault.
-SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, const std::filesystem::path& file);
 
 /// A fingerprint of a bone's two grids: the same however the file was written.
 std::string hash_of(const BoneModel& bone);

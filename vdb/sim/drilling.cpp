@@ -6,10 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "mesh/live_mesh.h"
 #include "core/sim/straight_ways.h"
 #include "core/sim/timing.h"
-#include "mesh/remaining_mesh.h"
 #include "vdb/bone_field.h"
 #include "vdb/subtract_bit.h"
 
@@ -144,10 +142,7 @@ Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSour
   Watch watch(session, options, log, inputs, drilling);
   const CycleObserver observe = [&](const Cycle& cycle) { watch.observe(cycle); };
   if (options.real_time) {
-    LiveMesh live(bone.model(), setup.path.bit, setup.options.longest_jump_mm);
-    drilling.real_time = run_real_time(
-        session, hand, *options.real_time, observe, [&](const Cycle& cycle) { live.update(cycle.input); }, {},
-        progress);
+    drilling.real_time = run_real_time(session, hand, *options.real_time, observe, options.display, {}, progress);
   } else {
     run_session(session, hand, observe, progress);
   }
@@ -166,7 +161,6 @@ Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSour
     drilling.drilled = subtract_bit(drilling.drilled, hole.bit, hole.ways);
   }
   drilling.drilled = subtract_bit(drilling.drilled, setup.path.bit, ways);
-  drilling.surface = sharp_surface(drilling.drilled);
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());

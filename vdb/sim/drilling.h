@@ -4,16 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "core/sim/depth_log.h"
-#include "vdb/sim/build_session.h"
 #include "core/base/progress.h"
 #include "core/base/scalar_field.h"
-#include "core/base/triangle_mesh.h"
 #include "core/drill/point_splats.h"
+#include "core/sim/depth_log.h"
 #include "core/sim/drill_session.h"
 #include "core/sim/real_time.h"
 #include "core/sim/session_record.h"
 #include "vdb/bone_model.h"
+#include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 
@@ -21,6 +20,7 @@ struct DrillingOptions {
   const ScalarField* exact = nullptr;          ///< decides which points are bone, in place of the bone's grid
   double log_step_mm = 0.1;                    ///< depth that one row of the log stands for
   std::optional<RealTimeOptions> real_time{};  ///< paced by the clock; without: as fast as it goes
+  DisplayTask display{};                       ///< what is shown beside, in real time; none: nothing
   bool makes_splats = false;                   ///< of the points, for a picture
   RecordWriter* record = nullptr;              ///< gets every cycle and the events; closed by the caller
 };
@@ -48,14 +48,13 @@ struct Drilling {
   std::optional<RealTimeReport> real_time;
   BoneModel drilled;               ///< the bone without the hole
   std::vector<PointSplat> splats;  ///< of all volumes, where asked for
-  TriangleMesh surface;            ///< of `drilled`: closed and outward, sharp at the hole's rim
   std::vector<DepthRow> rows;
 
   explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}
 };
 
 /// Fills a point volume along the path, lets a hand drill it, and cuts the hole of all its poses out of the distance
-/// grid and of the surface. Throws Error when the path misses the bone.
+/// grid. Throws Error when the path misses the bone.
 Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
                     const DrillingOptions& options = {}, const Progress& progress = {});
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "vdb/sim/replay.h"
 #include "core/base/error.h"
 #include "core/sim/straight_ways.h"
+#include "vdb/sim/replay.h"
 #include "vdb/subtract_bit.h"
 
 namespace spinaltap {

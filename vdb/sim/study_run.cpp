@@ -6,12 +6,12 @@
 #include <limits>
 #include <optional>
 
-#include "vdb/sim/bone_path.h"
-#include "vdb/sim/bone_volumes.h"
-#include "core/study/study_hand.h"
 #include "core/base/error.h"
 #include "core/plan/grade.h"
-#include "vdb/engine_kind.h"
+#include "core/study/study_hand.h"
+#include "vdb/make_engine.h"
+#include "vdb/sim/bone_path.h"
+#include "vdb/sim/bone_volumes.h"
 
 namespace spinaltap {
 namespace {

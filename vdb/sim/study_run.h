@@ -2,10 +2,10 @@
 
 #include <memory>
 
-#include "vdb/sim/build_session.h"
 #include "core/study/study_row.h"
 #include "core/study/study_task.h"
 #include "core/study/study_work.h"
+#include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 

@@ -4,6 +4,7 @@
 #include "apps/report/drilling_report.h"
 #include "core/sim/pose_hand.h"
 #include "core/sim/session_record.h"
+#include "mesh/remaining_mesh.h"
 
 namespace spinaltap {
 
@@ -27,7 +28,8 @@ void write_report(const DoneDrilling& drilling, const std::filesystem::path& fol
   PoseHand hand(drilling.inputs, false);
   const Drilling again = drill_bone(*drilling.bone->bone, drilling.setup, hand, {}, progress);
   progress.report("meshing", 0.0);
-  const MeshQuality quality = measure_mesh(again.surface);
+  const TriangleMesh surface = sharp_surface(again.drilled);
+  const MeshQuality quality = measure_mesh(surface);
   DrillReportData data = report_data("Drilling " + path.name, &drilling.bone->ct,
                                      {again, *drilling.bone->bone, drilling.setup, drilling.hand_words, quality});
   data.renders = drill_pictures(drilling.bone->model(), again.drilled, path, progress);
@@ -36,7 +38,7 @@ void write_report(const DoneDrilling& drilling, const std::filesystem::path& fol
     data.notes.push_back("Holes that were in the bone before: " + std::to_string(drilling.setup.holes.size()) + ".");
   }
   StagedOutput output;
-  stage_drilling(again, data, folder, output);
+  stage_drilling(again, surface, data, folder, output);
   output.commit();
 }
 

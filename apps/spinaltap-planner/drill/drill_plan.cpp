@@ -1,9 +1,9 @@
 #include "apps/spinaltap-planner/drill/drill_plan.h"
 
+#include "apps/report/text.h"
 #include "core/files/data_files.h"
 #include "core/files/density_file.h"
 #include "core/files/material_file.h"
-#include "apps/report/text.h"
 
 namespace spinaltap {
 

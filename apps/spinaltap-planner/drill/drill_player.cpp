@@ -4,9 +4,9 @@
 #include <exception>
 #include <utility>
 
-#include "mesh/live_mesh.h"
 #include "apps/spinaltap-planner/drill/drill_threads.h"
 #include "core/base/error.h"
+#include "mesh/live_mesh.h"
 
 namespace spinaltap {
 namespace {

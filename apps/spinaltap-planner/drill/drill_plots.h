@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "core/sim/depth_log.h"
 #include "apps/report/svg_plot.h"
+#include "core/sim/depth_log.h"
 #include "core/sim/session_event.h"
 
 namespace spinaltap {

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "mesh/live_mesh.h"
 #include "apps/spinaltap-planner/drill/played_hole.h"
+#include "mesh/live_mesh.h"
 #include "vdb/surface_feed.h"
 
 namespace spinaltap {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "core/sim/depth_log.h"
 #include "apps/report/hand_choice.h"
-#include "vdb/sim/build_session.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/base/progress.h"
+#include "core/sim/depth_log.h"
+#include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 

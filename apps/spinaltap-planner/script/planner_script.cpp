@@ -9,15 +9,15 @@
 #include <optional>
 #include <sstream>
 
-#include "core/files/bit_file.h"
-#include "core/files/data_files.h"
-#include "core/files/screw_file.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/main_window.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/files/bit_file.h"
+#include "core/files/data_files.h"
+#include "core/files/screw_file.h"
 
 namespace spinaltap {
 namespace {

@@ -15,11 +15,11 @@
 #include <QVBoxLayout>
 #include <cmath>
 
-#include "core/files/data_files.h"
-#include "core/files/screw_file.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
+#include "core/files/data_files.h"
+#include "core/files/screw_file.h"
 
 namespace spinaltap {
 namespace {

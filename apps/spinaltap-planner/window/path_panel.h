@@ -3,8 +3,8 @@
 #include <QWidget>
 #include <vector>
 
-#include "core/files/bit_file.h"
 #include "apps/spinaltap-planner/plan_document.h"
+#include "core/files/bit_file.h"
 
 class QAction;
 class QComboBox;

@@ -2,10 +2,11 @@
 
 #include <array>
 #include <cctype>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/files/detail/tool_json.h"
 #include "core/base/error.h"
+#include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
 namespace {

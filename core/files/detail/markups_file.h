@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/drill/drill_path.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 

@@ -1,6 +1,7 @@
 #include "core/files/detail/study_json.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/base/error.h"

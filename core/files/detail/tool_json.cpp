@@ -1,7 +1,9 @@
 #include "core/files/detail/tool_json.h"
 
-#include "core/files/bit_shapes.h"
+#include <nlohmann/json.hpp>
+
 #include "core/base/error.h"
+#include "core/files/bit_shapes.h"
 
 namespace spinaltap {
 
@@ -42,6 +44,26 @@ PedicleScrew read_screw(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
   return {object.text("name"), object.number("diameter_mm"), object.number("length_mm"),
           object.number("tip_length_mm")};
+}
+
+Json to_json(const DrillPath& path) {
+  Json json{{"name", path.name},
+            {"entry", to_json(path.entry_mm)},
+            {"target", to_json(path.target_mm)},
+            {"bit", to_json(path.bit)}};
+  if (path.screw) json["screw"] = to_json(*path.screw);
+  return json;
+}
+
+DrillPath read_path(const Json& json, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  DrillPath path;
+  path.name = object.text("name");
+  path.entry_mm = object.vector("entry");
+  path.target_mm = object.vector("target");
+  path.bit = read_bit(object.at("bit"), file);
+  if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
+  return path;
 }
 
 }  // namespace spinaltap

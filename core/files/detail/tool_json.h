@@ -1,16 +1,18 @@
 #pragma once
 
-#include "core/files/json_file.h"
 #include "core/drill/drill_path.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 
-/// A bit and a screw as plan files hold them; docs/plan-file.md.
+/// A bit, a screw and a path as plan files hold them; docs/plan-file.md.
 Json to_json(const DrillBit& bit);
 Json to_json(const PedicleScrew& screw);
+Json to_json(const DrillPath& path);
 
-/// Read what to_json() made. Throw Error that names the file and the key at fault.
+/// Read what to_json() made. Throw Error that names the file and the key at fault; do not check the path.
 DrillBit read_bit(const Json& json, const std::filesystem::path& file);
 PedicleScrew read_screw(const Json& json, const std::filesystem::path& file);
+DrillPath read_path(const Json& json, const std::filesystem::path& file);
 
 }  // namespace spinaltap

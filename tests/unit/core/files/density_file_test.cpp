@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "core/files/json_file.h"
 #include "core/base/error.h"
+#include "core/files/json_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {

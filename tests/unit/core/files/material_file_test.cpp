@@ -5,10 +5,11 @@
 
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/files/json_file.h"
 #include "core/base/error.h"
+#include "core/files/json_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {

@@ -4,9 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
-#include "core/files/json_file.h"
 #include "core/base/error.h"
+#include "core/files/json_file.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 

@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
+#include "core/base/error.h"
 #include "core/files/data_files.h"
 #include "core/files/json_file.h"
-#include "core/base/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {

@@ -1,11 +1,13 @@
-#include "vdb/sim/build_session.h"
+#include "core/files/recorded_setup.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/files/detail/session_json.h"
 
 namespace spinaltap {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "core/files/data_files.h"
 #include "core/base/error.h"
+#include "core/files/data_files.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {

@@ -38,7 +38,7 @@ StudyRow full_row(std::size_t run) {
   return row;
 }
 
-const StudyIdentity kStudy{{{"name", "one"}, {"seed", 7}}, 100};
+const StudyIdentity kStudy{R"({"name":"one","seed":7})", 100};
 
 TEST(StudyRow, ComesBackFromTextBitForBit) {
   for (std::size_t run = 0; run < 50; ++run) {
@@ -135,7 +135,7 @@ TEST_F(StudyFolder, PassesOverARowThatWasDamaged) {
 
 TEST_F(StudyFolder, RefusesAnotherStudyAndSaysWhatDiffers) {
   StudyIdentity other = kStudy;
-  other.study["seed"] = 8;
+  other.study = R"({"name":"one","seed":8})";
   EXPECT_THAT([&] { open_study_folder(path_, other); }, ThrowsMessage<Error>(HasSubstr("\"seed\"")));
   open_study_folder(path_, kStudy);
   append(0, 2);

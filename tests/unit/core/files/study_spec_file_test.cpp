@@ -5,10 +5,13 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
-#include "core/files/data_files.h"
-#include "core/files/plan_file.h"
 #include "core/base/error.h"
+#include "core/files/data_files.h"
+#include "core/files/detail/study_json.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {

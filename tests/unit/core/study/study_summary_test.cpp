@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "core/base/random.h"
+#include "core/files/study_summary_json.h"
 #include "tests/support/nan.h"
 
 namespace spinaltap {

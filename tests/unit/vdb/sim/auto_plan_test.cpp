@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "vdb/sim/planning_bone.h"
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/support/analytic_bodies.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {

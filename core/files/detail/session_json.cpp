@@ -1,21 +1,17 @@
-// The JSON of session_setup.h. Numbers are written so that they come back to the last bit.
+#include "core/files/detail/session_json.h"
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
-#include "core/files/material_file.h"
-#include "core/files/plan_file.h"
-#include "vdb/sim/build_session.h"
-#include "core/files/detail/tool_json.h"
 #include "core/base/error.h"
-#include "core/base/version.h"
+#include "core/files/detail/material_json.h"
+#include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kSession = "session";
 
 JsonObject part_of(const JsonObject& object, const char* key, const fs::path& file) {
   const Json& part = object.at(key);
@@ -183,24 +179,6 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
     fail(file.string(), ": ", error.what());
   }
   return setup;
-}
-
-std::map<std::string, std::string> record_setup(const SessionSetup& setup) {
-  return {{kSession, to_json(setup).dump()}, {"version", version()}};
-}
-
-SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, const std::filesystem::path& file) {
-  const auto session = setup.find(kSession);
-  if (session == setup.end()) {
-    fail("expected a record of the program's own in ", file.string(), ", found none of its setup");
-  }
-  Json json;
-  try {
-    json = Json::parse(session->second);
-  } catch (const nlohmann::json::exception& error) {
-    fail("cannot read the setup in ", file.string(), " as JSON: ", error.what());
-  }
-  return read_session_setup(json, file);
 }
 
 }  // namespace spinaltap

@@ -1,17 +1,9 @@
-#include "vdb/engine_kind.h"
+#include "vdb/make_engine.h"
 
 #include "core/base/error.h"
 #include "vdb/leaf_engine.h"
 
 namespace spinaltap {
-
-const std::map<std::string, EngineKind>& engine_kinds() {
-  static const std::map<std::string, EngineKind> kinds{{"reference", EngineKind::reference},
-                                                       {"arc", EngineKind::arc},
-                                                       {"ring", EngineKind::ring},
-                                                       {"leaf", EngineKind::leaf}};
-  return kinds;
-}
 
 std::unique_ptr<DrillEngine> make_engine(EngineKind kind, PointVolume& volume, const DrillBit& bit,
                                          const Material& material) {

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/drill/material.h"
+#include "core/files/json_file.h"
+
+namespace spinaltap {
+
+/// All of a law, the density's with it: as records hold it.
+Json to_json(const Material& material);
+/// Reads what to_json() made. Throws Error that names the file and the key at fault; does not check the law.
+Material material_of(const Json& json, const std::filesystem::path& file);
+
+}  // namespace spinaltap

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/files/json_file.h"
+#include "core/sim/session_setup.h"
+
+namespace spinaltap {
+
+/// Numbers are written so that they come back to the last bit.
+Json to_json(const SessionSetup& setup);
+/// Throws Error that names the file and the key at fault.
+SessionSetup read_session_setup(const Json& json, const std::filesystem::path& file);
+
+}  // namespace spinaltap

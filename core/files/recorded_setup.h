@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "core/sim/session_setup.h"
+
+namespace spinaltap {
+
+/// What a record's setup holds of it: "session", this as JSON, and "version", the program's. Whoever makes the hand
+/// adds what it was made from.
+std::map<std::string, std::string> record_setup(const SessionSetup& setup);
+/// Reads it back. Throws Error where there is none, or a key of it is at fault.
+SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, const std::filesystem::path& file);
+
+}  // namespace spinaltap

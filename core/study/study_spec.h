@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/ct/level.h"
+#include "core/drill/drill_path.h"
+#include "core/drill/material.h"
+#include "core/drill/point_volume.h"
+#include "core/sim/drill_session.h"
+#include "core/study/study_design.h"
+
+namespace spinaltap {
+
+/// Who holds the bit in a study.
+struct StudyHand {
+  enum class Kind : std::uint8_t {
+    feed,  ///< goes on evenly, whatever the bone
+    push   ///< pushes with a force: how fast it goes follows from the bone, and it plunges at a breakthrough
+  };
+  Kind kind = Kind::feed;
+  double feed_mm_s = 1.0;
+  double step_mm = 0.01;  ///< of a hand that feeds: advance a cycle
+  double push_n = 20.0;
+  double rate_hz = 1000.0;     ///< of a hand that pushes: cycles a second
+  double reaction_s = 0.2;     ///< as PushOptions has them, and the next
+  double noticed_share = 0.2;  ///< of the push
+  double tremor_mm = 0.0;      ///< as Tremor has it
+};
+
+/// What a study is: SPEC.json, read and checked. docs/studies.md has its keys.
+struct StudySpec {
+  std::string name;
+  std::filesystem::path bone_file;
+  Level level = Level::kNone;  ///< which bone of a file of several
+  DrillPath path;
+  Material material;
+  /// Of the cylinder around the planned path that every run drills in; a radius of 0: as wide as the runs need.
+  PointVolumeOptions volume{.radius_mm = 0.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};
+  double lead_out_mm = 5.0;  ///< how far past the target the cylinder goes
+  SessionOptions options;
+  StudyHand hand;
+  StudyDesign design;
+};
+
+/// What factors are where they do not differ.
+FactorValues base_values(const StudySpec& spec);
+
+}  // namespace spinaltap
