@@ -10,6 +10,7 @@
 #include "core/drill/drill_path.h"
 #include "core/files/json_file.h"
 #include "vdb/sim/auto_plan.h"
+#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 

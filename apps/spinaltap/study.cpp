@@ -8,6 +8,8 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/base/error.h"
+#include "core/files/study_identity.h"
+#include "core/files/study_spec_file.h"
 #include "core/files/study_summary_json.h"
 #include "vdb/bone_model.h"
 #include "vdb/sim/study_run.h"
