@@ -40,7 +40,7 @@ DrillPath diameter_path() {
 }
 
 constexpr double kFeedMmS = 1.0;
-constexpr double kStepMm = 0.02;
+constexpr double kAdvanceMm = 0.02;
 
 /// The ball is no vertebra: no landmarks are looked for.
 const SessionBone& session_bone() {
@@ -55,7 +55,7 @@ SessionSetup setup_of(const DrillPath& path) {
   return setup;
 }
 
-PathMotionOptions motion_of(const SessionSetup& setup, double step_mm = kStepMm) {
+PathMotionOptions motion_of(const SessionSetup& setup, double step_mm = kAdvanceMm) {
   return {.line = {.lead_in_mm = setup.volume.lead_in_mm},
           .rate_hz = kFeedMmS / step_mm,
           .feed = {.steps = {{0.0, kFeedMmS}}}};
