@@ -66,6 +66,7 @@ TEST_P(LandmarksOfRealMeshes, AreThoseOfTheMesh) {
   const Landmarks found = landmarks_through_a_ct(mesh);
   std::printf("%s\n", real.name);
   test::expect_landmarks_of(mesh, found);
+  test::expect_usual(found);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LandmarksOfRealMeshes, testing::Range(std::size_t{0}, test::real_meshes().size()),
