@@ -96,6 +96,14 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
   return sure;
 }
 
+/// A body, and its like where the next one up may be.
+std::vector<BodyCylinder> with_one_above(const BodyCylinder& body) {
+  constexpr double kStepOverHeight = 1.25;  // disc included
+  BodyCylinder above = body;
+  above.centre_mm += kStepOverHeight * 2.0 * body.half_mm.z() * body.axes().col(2);
+  return {body, above};
+}
+
 /// How far a column goes on beyond the outermost of the sure bodies, at either end.
 double most_beyond_mm(const SpineColumn& column, const std::vector<BodyCylinder>& sure) {
   const double below_mm = (sure.front().centre_mm - column.sections.front().centre_mm).norm();
@@ -122,10 +130,15 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   std::vector<BodyCylinder> cylinders = find_body_cylinders(probe, spine.chain);
   // Once more, along the column through the bodies that are sure: where the canal ends, its curve says little.
   const std::vector<BodyCylinder> sure = sure_bodies(cylinders, spine.chain);
-  if (sure.size() >= 2) {
+  if (!sure.empty()) {
     const double beyond_mm = most_beyond_mm(first, sure);
-    spine.chain = find_body_chain(as_asked, column_through(sure, beyond_mm, probe), walls);
-    cylinders = find_body_cylinders(probe, spine.chain);
+    // A single body says nothing of how the column bends: straight on, and only for bodies that the canal missed.
+    const SpineColumn second = column_through(sure.size() >= 2 ? sure : with_one_above(sure.front()), beyond_mm, probe);
+    std::vector<BodySpan> again = find_body_chain(as_asked, second, walls);
+    if (sure.size() >= 2 || again.size() > spine.chain.size()) {
+      spine.chain = std::move(again);
+      cylinders = find_body_cylinders(probe, spine.chain);
+    }
   }
   progress.report("finding the vertebral bodies", 0.9);
   std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
@@ -175,7 +188,9 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
     const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
     SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);
     const double sure_mm = height_of_sure_bodies_mm(spine);
-    if (n == 0 || sure_mm > best_mm) {
+    // What sees the same bodies from further away may find them a little higher.
+    constexpr double kClearlyMore = 1.3;
+    if (n == 0 || sure_mm > kClearlyMore * best_mm) {
       best_mm = sure_mm;
       best = spine;
     }
