@@ -83,6 +83,7 @@ std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& 
 /// Whole bodies with clear endplates and as much wall as most.
 std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, const std::vector<BodySpan>& chain) {
   std::vector<double> fits;
+  fits.reserve(bodies.size());
   for (const BodyCylinder& body : bodies) fits.push_back(body.fit);
   std::sort(fits.begin(), fits.end());
   constexpr double kLeastShare = 0.75;
@@ -142,8 +143,10 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   }
   progress.report("finding the vertebral bodies", 0.9);
   std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
-  tbb::parallel_for(std::size_t{0}, bodies.size(),
-                    [&](std::size_t n) { bodies[n] = find_vertebral_body(probe, cylinders[n]); });
+  tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t n) {
+    bodies[n] = find_vertebral_body(probe, cylinders[n]);
+    bodies[n]->is_cut = spine.chain[n].lower.is_cut || spine.chain[n].upper.is_cut;
+  });
   // What lies below the sacrum's first body is sacrum too.
   std::size_t lowest = 0;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
@@ -165,6 +168,7 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
 
 double height_of_sure_bodies_mm(const SpineBodies& spine) {
   std::vector<BodyCylinder> cylinders;
+  cylinders.reserve(spine.bodies.size());
   for (const VertebralBody& body : spine.bodies) cylinders.push_back(body.cylinder);
   double sum_mm = 0.0;
   for (const BodyCylinder& body : sure_bodies(cylinders, spine.chain)) sum_mm += 2.0 * body.half_mm.z();
