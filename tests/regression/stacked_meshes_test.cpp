@@ -1,6 +1,6 @@
 // Real lumbar vertebrae from a CT to landmarks by our own segmentation: each scanned alone, and stacked. Everything is
-// compared with the meshes that were scanned. SPINALTAP_SPINES=1 takes all meshes, and larger stacks too. See tests/support/test_data.h
-// for where they lie.
+// compared with the meshes that were scanned. SPINALTAP_SPINES=1 takes all meshes, and larger stacks too. See
+// tests/support/test_data.h for where they lie.
 
 #include <gtest/gtest.h>
 
