@@ -194,14 +194,14 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
     const double sure_mm = height_of_sure_bodies_mm(spine);
     // What sees the same bodies from further away may find them a little higher.
     constexpr double kClearlyMore = 1.3;
+    search.but_not.push_back(spine.canal);
     if (n == 0 || sure_mm > kClearlyMore * best_mm) {
       best_mm = sure_mm;
-      best = spine;
+      best = std::move(spine);
     }
     // Discs are a quarter of a spine, and of ends some are unsure.
     constexpr double kLeastShare = 0.4;
     if (sure_mm >= kLeastShare * canal_mm) break;
-    search.but_not.push_back(std::move(spine.canal));
   }
   progress.report("finding the vertebral bodies", 1.0);
   return best;
