@@ -91,7 +91,9 @@ void add_phantom(CLI::App& program, Command& command) {
       const std::unique_ptr<Spine> spine = options->spine.make();
       ScanOptions scan = options->phantom.output_options().scan;
       if (slices->count() == 0) {
-        scan.slices = static_cast<int>(spine->bounds_mm().sizes().z() / scan.slice_step_mm) + 1;
+        // Meshes end at their bone: without a margin the CT would cut them.
+        const double beyond_mm = options->spine.meshes.empty() ? 0.0 : 30.0;
+        scan.slices = static_cast<int>((spine->bounds_mm().sizes().z() + beyond_mm) / scan.slice_step_mm) + 1;
       }
       if (!options->spine.centre_mm.empty()) scan.centre_mm = Vec3(options->spine.centre_mm.data());
       write_spine_phantom(*spine, options->spine.soft_tissue, scan, options->folder, progress);

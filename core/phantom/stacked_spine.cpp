@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/phantom/spine.h"
 #include "core/phantom/surface_seeds.h"
+#include "core/surface/point_grid.h"
 
 namespace spinaltap {
 namespace {
@@ -30,43 +31,68 @@ class MovedSolid final : public Solid {
   Vec3 by_mm_;
 };
 
-/// The least value that a body has at points moved by `by_mm`.
-double least_value_mm(const Solid& body, const std::vector<Vec3>& points, const Vec3& by_mm) {
-  const Box3 box = body.bounds_mm();
-  double least = 1e9;
-  for (const Vec3& point : points) {
-    const Vec3 p = point + by_mm;
-    const double way = box.exteriorDistance(p);
-    if (way >= least) continue;
+/// Points on a body's surface, as far as its value is a distance; each place of it has one within kSeedMm.
+std::vector<Vec3> surface_of(const Solid& body) {
+  constexpr double kSeedMm = 1.5;
+  std::vector<Vec3> surface;
+  for (const Vec3& p : surface_seeds(body, kSeedMm)) {
+    Vec3 gradient;
     double value = 0.0;
-    body.evaluate({&p, 1}, {&value, 1}, {});
-    least = std::min(least, way > 0.0 ? std::max(value, way) : value);
+    body.evaluate({&p, 1}, {&value, 1}, {&gradient, 1});
+    surface.push_back(p - value * gradient / std::max(gradient.squaredNorm(), 0.25));
   }
-  return least;
+  return surface;
 }
+
+/// How near points come to a body.
+class Nearness {
+ public:
+  /// Distances of `reach_mm` and more are all the same. `surface`: points on the body's; must outlive this.
+  Nearness(const Solid& body, const std::vector<Vec3>& surface, double reach_mm)
+      : body_(body), surface_(surface, std::max(reach_mm, 1.0)), reach_mm_(reach_mm) {}
+
+  /// The least distance of points moved by `by_mm`, below 0 inside.
+  double least_mm(const std::vector<Vec3>& points, const Vec3& by_mm) const {
+    const Box3 box = body_.bounds_mm();
+    double least_mm = reach_mm_;
+    for (const Vec3& point : points) {
+      const Vec3 p = point + by_mm;
+      const double way_mm = box.exteriorDistance(p);
+      if (way_mm < least_mm)
+        least_mm = std::min(least_mm, way_mm > 0.0 ? std::max(way_mm, distance_mm(p)) : distance_mm(p));
+    }
+    return least_mm;
+  }
+
+ private:
+  double distance_mm(const Vec3& p) const {
+    constexpr double kPromisedMm = 2.0;  // further off a solid's value need not be a distance
+    double value = 0.0;
+    body_.evaluate({&p, 1}, {&value, 1}, {});
+    if (value < kPromisedMm) return value;
+    return std::max(kPromisedMm, surface_.nearest_within(p, reach_mm_).distance_mm);
+  }
+
+  const Solid& body_;
+  PointGrid surface_;
+  double reach_mm_;
+};
 
 }  // namespace
 
 Spine stacked_spine(std::vector<SpinePart> parts, double gap_mm) {
-  constexpr double kSeedMm = 1.5;   // between points that stand for a surface; each lies within 0.87 of it
   constexpr double kStepMm = 0.25;  // of the way down
   if (!(gap_mm >= 0.0 && gap_mm <= 50.0)) fail("spine phantom: a gap of 0 to 50 mm expected, found ", gap_mm);
   for (std::size_t n = 1; n < parts.size(); ++n) {
     const Solid& above = *parts[n - 1].solid;
-    std::vector<Vec3> surface;
-    for (Vec3 p : surface_seeds(*parts[n].solid, kSeedMm)) {
-      // Onto the surface, as far as the value is a distance.
-      Vec3 gradient;
-      double value = 0.0;
-      parts[n].solid->evaluate({&p, 1}, {&value, 1}, {&gradient, 1});
-      surface.push_back(p - value * gradient / std::max(gradient.squaredNorm(), 0.25));
-    }
+    const std::vector<Vec3> above_surface = surface_of(above), surface = surface_of(*parts[n].solid);
+    const Nearness nearness(above, above_surface, gap_mm + 1.0);
     const Box3 upper = above.bounds_mm(), lower = parts[n].solid->bounds_mm();
     Vec3 by(upper.center().x() - lower.center().x(), upper.min().y() - lower.min().y(), 0.0);
     // From far below, up until it is as near as it may be.
     double z = upper.min().z() - lower.max().z() - gap_mm;
     const double highest = upper.max().z() - lower.min().z();
-    const auto near_mm = [&](double at) { return least_value_mm(above, surface, by + at * Vec3::UnitZ()); };
+    const auto near_mm = [&](double at) { return nearness.least_mm(surface, by + at * Vec3::UnitZ()); };
     while (near_mm(z + kStepMm) >= gap_mm) {
       z += kStepMm;
       if (z > highest) fail("spine phantom: ", level_name(static_cast<Level>(parts[n].label)), " finds no place below");

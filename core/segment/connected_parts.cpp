@@ -37,6 +37,12 @@ class Parts {
   }
 
   std::size_t run_count() const { return runs_.size(); }
+  /// The voxels of each part, at the index of its root; 0 at all others.
+  std::vector<std::size_t> voxels_by_root() const {
+    std::vector<std::size_t> voxels(runs_.size(), 0);
+    for (const Run& run : runs_) voxels[run.root] += static_cast<std::size_t>(run.end - run.begin);
+    return voxels;
+  }
   const Run& run(std::size_t n) const { return runs_[n]; }
 
   /// Calls `visit(run, offset of its first voxel)` for all runs in the order of memory.
@@ -128,10 +134,7 @@ std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside,
 }
 
 std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
-  const Parts parts(inside, geometry);
-  std::vector<std::size_t> voxels(parts.run_count(), 0);
-  parts.for_runs(
-      [&](const Run& run, std::size_t) { voxels[run.root] += static_cast<std::size_t>(run.end - run.begin); });
+  std::vector<std::size_t> voxels = Parts(inside, geometry).voxels_by_root();
   std::erase(voxels, std::size_t{0});
   std::sort(voxels.begin(), voxels.end(), std::greater<>());
   return voxels;
@@ -139,9 +142,7 @@ std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const 
 
 std::vector<std::uint8_t> largest_part(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
   const Parts parts(inside, geometry);
-  std::vector<std::size_t> voxels(parts.run_count(), 0);
-  parts.for_runs(
-      [&](const Run& run, std::size_t) { voxels[run.root] += static_cast<std::size_t>(run.end - run.begin); });
+  const std::vector<std::size_t> voxels = parts.voxels_by_root();
   const auto largest = static_cast<std::size_t>(std::max_element(voxels.begin(), voxels.end()) - voxels.begin());
   std::vector<std::uint8_t> result(inside.size(), 0);
   parts.for_runs([&](const Run& run, std::size_t first) {

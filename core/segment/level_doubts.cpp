@@ -301,7 +301,7 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
         where_mm);
   }
   warnings.add(
-      0.7 * ramp(figures.lopsided_mm3, 250.0, 600.0),
+      0.7 * ramp(figures.lopsided_mm3, 300.0, 1000.0),
       words("a piece of ", figures.lopsided_mm3,
             " mm3 has no like on the other side: a process may be missing there, or a rib have stayed on here"),
       figures.lopsided_at_mm);

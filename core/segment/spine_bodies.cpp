@@ -83,6 +83,7 @@ std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& 
 /// Whole bodies with clear endplates and as much wall as most.
 std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, const std::vector<BodySpan>& chain) {
   std::vector<double> fits;
+  fits.reserve(bodies.size());
   for (const BodyCylinder& body : bodies) fits.push_back(body.fit);
   std::sort(fits.begin(), fits.end());
   constexpr double kLeastShare = 0.75;
@@ -94,6 +95,14 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
     if (bodies[n].fit >= kLeastShare * fits[fits.size() / 2]) sure.push_back(bodies[n]);
   }
   return sure;
+}
+
+/// A body, and its like where the next one up may be.
+std::vector<BodyCylinder> with_one_above(const BodyCylinder& body) {
+  constexpr double kStepOverHeight = 1.25;  // disc included
+  BodyCylinder above = body;
+  above.centre_mm += kStepOverHeight * 2.0 * body.half_mm.z() * body.axes().col(2);
+  return {body, above};
 }
 
 /// How far a column goes on beyond the outermost of the sure bodies, at either end.
@@ -122,15 +131,22 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   std::vector<BodyCylinder> cylinders = find_body_cylinders(probe, spine.chain);
   // Once more, along the column through the bodies that are sure: where the canal ends, its curve says little.
   const std::vector<BodyCylinder> sure = sure_bodies(cylinders, spine.chain);
-  if (sure.size() >= 2) {
+  if (!sure.empty()) {
     const double beyond_mm = most_beyond_mm(first, sure);
-    spine.chain = find_body_chain(as_asked, column_through(sure, beyond_mm, probe), walls);
-    cylinders = find_body_cylinders(probe, spine.chain);
+    // A single body says nothing of how the column bends: straight on, and only for bodies that the canal missed.
+    const SpineColumn second = column_through(sure.size() >= 2 ? sure : with_one_above(sure.front()), beyond_mm, probe);
+    std::vector<BodySpan> again = find_body_chain(as_asked, second, walls);
+    if (sure.size() >= 2 || again.size() > spine.chain.size()) {
+      spine.chain = std::move(again);
+      cylinders = find_body_cylinders(probe, spine.chain);
+    }
   }
   progress.report("finding the vertebral bodies", 0.9);
   std::vector<std::optional<VertebralBody>> bodies(spine.chain.size());
-  tbb::parallel_for(std::size_t{0}, bodies.size(),
-                    [&](std::size_t n) { bodies[n] = find_vertebral_body(probe, cylinders[n]); });
+  tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t n) {
+    bodies[n] = find_vertebral_body(probe, cylinders[n]);
+    bodies[n]->is_cut = spine.chain[n].lower.is_cut || spine.chain[n].upper.is_cut;
+  });
   // What lies below the sacrum's first body is sacrum too.
   std::size_t lowest = 0;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
@@ -152,6 +168,7 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
 
 double height_of_sure_bodies_mm(const SpineBodies& spine) {
   std::vector<BodyCylinder> cylinders;
+  cylinders.reserve(spine.bodies.size());
   for (const VertebralBody& body : spine.bodies) cylinders.push_back(body.cylinder);
   double sum_mm = 0.0;
   for (const BodyCylinder& body : sure_bodies(cylinders, spine.chain)) sum_mm += 2.0 * body.half_mm.z();
@@ -175,14 +192,16 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
     const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
     SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);
     const double sure_mm = height_of_sure_bodies_mm(spine);
-    if (n == 0 || sure_mm > best_mm) {
+    // What sees the same bodies from further away may find them a little higher.
+    constexpr double kClearlyMore = 1.3;
+    search.but_not.push_back(spine.canal);
+    if (n == 0 || sure_mm > kClearlyMore * best_mm) {
       best_mm = sure_mm;
-      best = spine;
+      best = std::move(spine);
     }
     // Discs are a quarter of a spine, and of ends some are unsure.
     constexpr double kLeastShare = 0.4;
     if (sure_mm >= kLeastShare * canal_mm) break;
-    search.but_not.push_back(std::move(spine.canal));
   }
   progress.report("finding the vertebral bodies", 1.0);
   return best;

@@ -33,8 +33,8 @@ FloatGrid hu_around_canal(const CtVolume& ct, const SpinalCanal& canal);
 
 /// Finds the ellipses in front of the canal that have the most wall: of many sizes, distances and turns about the canal
 /// at each height the best row is chosen by dynamic programming, in which size and place change little from one to the
-/// next. Where discs have no wall the bodies above and below say how wide the column is. `smooth` should be blurred as
-/// fit_body_cylinder() likes it.
+/// next. Where discs have no wall the bodies above and below say how wide the column is. `smooth` should be blurred by
+/// about a millimetre.
 SpineColumn fit_spine_column(const FloatGrid& smooth, const SpinalCanal& canal, const WallLevels& levels);
 
 /// The column through bodies that are known, from below upward: a curve through their middles along their axes, as wide

@@ -162,9 +162,11 @@ std::optional<Vec3> canal_at(const SpinalCanal& canal, const BodyCylinder& body,
 }  // namespace
 
 std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const GridGeometry& geometry,
-                                       const BodyCylinder& body, const SpinalCanal& canal) {
-  // From the middle of the body downward: higher, the upper neighbour's laminae overlap; lower, they end.
-  constexpr double kFrom = -0.6;  // of half the body's height
+                                       const VertebralBody& vertebra, const SpinalCanal& canal) {
+  const BodyCylinder& body = vertebra.cylinder;
+  // From the middle of the body downward: higher, the upper neighbour's laminae overlap; lower, they end. Where a cut
+  // body's middle is a guess, less is sure.
+  const double from = vertebra.is_cut ? -0.4 : -0.6;  // of half the body's height
   constexpr double kTo = 0.1;
   constexpr double kStepMm = 0.8;
   constexpr double kReach = 55.0 * kDegree;  // to either side of straight back: further there are foramina and ribs
@@ -177,7 +179,7 @@ std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const
   const Mat3 axes = body.axes();
   const Mat3 to_index = geometry.index_to_patient_matrix().inverse();
   std::vector<std::size_t> voxels;
-  for (double z = kFrom * body.half_mm.z(); z <= kTo * body.half_mm.z(); z += kStepMm) {
+  for (double z = from * body.half_mm.z(); z <= kTo * body.half_mm.z(); z += kStepMm) {
     const std::optional<Vec3> centre = canal_at(canal, body, z);
     if (!centre) continue;
     for (double turn = -kReach; turn <= kReach; turn += kTurn) {
@@ -220,7 +222,7 @@ std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow
   for (std::size_t n = 0; n < row.bodies.size(); ++n) {
     constexpr double kReachMm = 130.0;  // further than the grid
     if ((row.bodies[n].cylinder.centre_mm - body.centre_mm).norm() > kReachMm) continue;
-    for (const std::size_t voxel : lamina_voxels(input.bone, geometry, row.bodies[n].cylinder, row.canal)) {
+    for (const std::size_t voxel : lamina_voxels(input.bone, geometry, row.bodies[n], row.canal)) {
       if (markers[voxel] == WalkerVoxel::kFree)
         markers[voxel] = n == row.own ? WalkerVoxel::kWanted : WalkerVoxel::kOther;
     }

@@ -52,6 +52,6 @@ std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow
 /// The voxels of the laminae: bone that rays from the canal backward meet first, at a height where it can only be this
 /// vertebra's. Empty where there is none within 18 mm, as after a laminectomy.
 std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const GridGeometry& geometry,
-                                       const BodyCylinder& body, const SpinalCanal& canal);
+                                       const VertebralBody& vertebra, const SpinalCanal& canal);
 
 }  // namespace spinaltap

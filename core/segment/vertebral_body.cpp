@@ -60,19 +60,34 @@ BodyCylinder start_like(const BodyCylinder& other, const BodySpan& other_span, c
   return start;
 }
 
+/// The search from the start itself. From further forward and back too, for where the column's course is off; but
+/// there other walls are near, and only what fits clearly better counts.
+BodyCylinder refine_from_several(const WallProbe& probe, const BodyCylinder& start, const RefineLimits& limits) {
+  constexpr double kAsideMm = 4.0;
+  constexpr double kClearlyBetter = 1.3;
+  BodyCylinder best = refine_body_cylinder(probe, start, limits);
+  for (const double backward_mm : {-kAsideMm, kAsideMm}) {
+    BodyCylinder other = start;
+    other.centre_mm += backward_mm * start.axes().col(1);
+    other = refine_body_cylinder(probe, other, limits);
+    if (other.fit > kClearlyBetter * best.fit) best = other;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<BodyCylinder> find_body_cylinders(const WallProbe& probe, const std::vector<BodySpan>& chain) {
   std::vector<BodyCylinder> bodies(chain.size());
   tbb::parallel_for(std::size_t{0}, bodies.size(), [&](std::size_t n) {
-    bodies[n] = refine_body_cylinder(probe, cylinder_of(chain[n]), limits_of(chain[n]));
+    bodies[n] = refine_from_several(probe, cylinder_of(chain[n]), limits_of(chain[n]));
   });
   if (bodies.empty()) return bodies;
   const auto best = std::max_element(bodies.begin(), bodies.end(),
                                      [](const BodyCylinder& a, const BodyCylinder& b) { return a.fit < b.fit; });
   const auto try_like = [&](std::size_t n, std::size_t other) {
     const BodyCylinder start = start_like(bodies[other], chain[other], chain[n]);
-    const BodyCylinder found = refine_body_cylinder(probe, start, limits_of(chain[n]));
+    const BodyCylinder found = refine_from_several(probe, start, limits_of(chain[n]));
     if (found.fit > bodies[n].fit) bodies[n] = found;
   };
   const auto first = static_cast<std::size_t>(best - bodies.begin());

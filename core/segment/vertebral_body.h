@@ -9,6 +9,7 @@ namespace spinaltap {
 struct VertebralBody {
   BodyCylinder cylinder;
   StarSurface surface;
+  bool is_cut = false;  ///< by the CT's border: one end is a guess
 };
 
 /// The cylinders of all bodies of a chain: of each, the one near its span with the most wall. Where a rib's head or a

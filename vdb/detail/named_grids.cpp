@@ -1,7 +1,5 @@
 #include "vdb/detail/named_grids.h"
 
-#include <openvdb/io/io.h>
-
 #include "core/base/error.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/initialize.h"
@@ -18,8 +16,8 @@ NamedGrids::NamedGrids(const std::filesystem::path& path) : path_(path) {
   try {
     bytes_.exceptions(std::ios::failbit | std::ios::badbit);
     bytes_.open(path, std::ios::binary);
-    openvdb::io::StreamMetadata::Ptr stream_metadata(new openvdb::io::StreamMetadata);
-    openvdb::io::setStreamMetadataPtr(bytes_, stream_metadata, /*transfer=*/false);
+    stream_metadata_.reset(new openvdb::io::StreamMetadata);
+    openvdb::io::setStreamMetadataPtr(bytes_, stream_metadata_, /*transfer=*/false);
     readHeader(bytes_);
     setFormatVersion(bytes_);
     setLibraryVersion(bytes_);

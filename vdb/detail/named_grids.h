@@ -2,6 +2,7 @@
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
 
 #include <filesystem>
@@ -35,6 +36,7 @@ class NamedGrids : private openvdb::io::Archive {
   typename GridType::Ptr read(const std::string& name, const openvdb::CoordBBox* box);
 
   std::filesystem::path path_;
+  openvdb::io::StreamMetadata::Ptr stream_metadata_;  // the stream keeps the address of this very pointer
   std::ifstream bytes_;
   openvdb::MetaMap metadata_;
   std::map<std::string, openvdb::io::GridDescriptor> places_;

@@ -404,5 +404,36 @@ TEST(StackedSpine, PutsBodiesAboveEachOtherWithTheGapAskedFor) {
   EXPECT_GT(spine.part(0).solid->bounds_mm().center().z(), spine.part(1).solid->bounds_mm().center().z() + 20.0);
 }
 
+/// A ball that, as a mesh's grid does, knows distances of up to 2.5 mm only.
+class NearBall final : public Solid {
+ public:
+  void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
+                std::span<Vec3> gradients) const override {
+    for (std::size_t n = 0; n < points_mm.size(); ++n) {
+      values_mm[n] = std::clamp(points_mm[n].norm() - kRadiusMm, -2.5, 2.5);
+      if (!gradients.empty()) gradients[n] = points_mm[n].normalized();
+    }
+  }
+  // Wider than the ball: the gap is not that of bounds.
+  Box3 bounds_mm() const override { return {Vec3::Constant(-kRadiusMm - 6.0), Vec3::Constant(kRadiusMm + 6.0)}; }
+  double hu(const Vec3&, double, double) const override { return 300.0; }
+
+  static constexpr double kRadiusMm = 12.0;
+};
+
+TEST(StackedSpine, KeepsAGapThatIsWiderThanTheReachOfTheBodiesDistances) {
+  for (const double gap_mm : {1.0, 4.0, 8.0}) {
+    std::vector<SpinePart> parts(2);
+    for (std::uint8_t n = 0; n < 2; ++n) {
+      parts[n].label = static_cast<std::uint8_t>(22 + n);
+      parts[n].solid = std::make_shared<const NearBall>();
+    }
+    const Spine spine = stacked_spine(std::move(parts), gap_mm);
+    const Vec3 step_mm = spine.part(0).solid->bounds_mm().center() - spine.part(1).solid->bounds_mm().center();
+    // Surfaces are seen at points 1.5 mm apart.
+    EXPECT_NEAR(step_mm.norm(), 2.0 * NearBall::kRadiusMm + gap_mm, 0.3) << gap_mm << " mm asked for";
+  }
+}
+
 }  // namespace
 }  // namespace spinaltap
