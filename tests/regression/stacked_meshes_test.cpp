@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/common/bake_levels.h"
 #include "core/base/error.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/spine.h"
@@ -23,6 +22,7 @@
 #include "tests/support/real_meshes.h"
 #include "vdb/bone_field.h"
 #include "vdb/mesh_solid.h"
+#include "vdb/sim/bake_levels.h"
 
 namespace spinaltap {
 namespace {
