@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/drill/path_frame.h"
+#include "core/tool/path_frame.h"
 #include "mesh/remaining_mesh.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/remaining/remaining_bone.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap {
 namespace {

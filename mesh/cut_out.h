@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/base/triangle_mesh.h"
-#include "core/drill/drill_path.h"
-#include "vdb/bone_model.h"
+#include "core/tool/drill_path.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

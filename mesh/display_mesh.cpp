@@ -2,8 +2,8 @@
 
 #include "mesh/decimate.h"
 #include "mesh/remaining_mesh.h"
-#include "vdb/bone_field.h"
-#include "vdb/isosurface.h"
+#include "vdb/grid/bone_field.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 

@@ -3,7 +3,7 @@
 #include "core/base/progress.h"
 #include "core/base/triangle_mesh.h"
 #include "mesh/remesh.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

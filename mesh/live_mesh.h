@@ -6,9 +6,9 @@
 
 #include <tbb/task_arena.h>
 
-#include "core/sim/tool_source.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/remaining_surface.h"
+#include "core/session/operator/tool_source.h"
+#include "vdb/remaining/remaining_bone.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap {
 

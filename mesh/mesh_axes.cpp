@@ -12,7 +12,7 @@
 #include "core/plan/canal_search.h"
 #include "core/plan/first_of_each_cell.h"
 #include "mesh/mesh_units.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/remaining/remaining_bone.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "core/base/triangle_mesh.h"
-#include "vdb/bone_model.h"
-#include "vdb/surface_block.h"
+#include "vdb/grid/bone_model.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/surface/point_grid.h"
+#include "core/base/point_grid.h"
 #include "mesh/detail/area_normals.h"
 
 namespace spinaltap {

@@ -7,8 +7,8 @@
 #include "mesh/mesh_quality.h"
 #include "mesh/roughness.h"
 #include "mesh/surface_error.h"
-#include "vdb/bake.h"
-#include "vdb/isosurface.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/base/progress.h"
 #include "core/phantom/solid.h"
 #include "core/surface/surface_samples.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/drill/bit_profile.h"
+#include "core/tool/bit_profile.h"
 
 namespace spinaltap {
 namespace {

@@ -9,7 +9,7 @@
 #include "apps/report/pixel_text.h"
 #include "core/base/error.h"
 #include "core/surface/point_methods.h"
-#include "vdb/render.h"
+#include "vdb/picture/render.h"
 
 namespace spinaltap {
 namespace {

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "apps/report/picture_view.h"
-#include "vdb/render.h"
+#include "vdb/picture/render.h"
 
 namespace spinaltap {
 

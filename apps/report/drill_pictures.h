@@ -4,8 +4,8 @@
 
 #include "apps/report/html_report.h"
 #include "core/base/progress.h"
-#include "core/drill/drill_path.h"
-#include "vdb/bone_model.h"
+#include "core/tool/drill_path.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

@@ -7,9 +7,9 @@
 
 #include "apps/report/html_report.h"
 #include "core/ct/ct_volume.h"
-#include "core/drill/drill_path.h"
-#include "core/sim/real_time.h"
-#include "core/sim/session_event.h"
+#include "core/session/real_time/real_time.h"
+#include "core/session/session_event.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -8,10 +8,10 @@
 #include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/sim/path_hand.h"
-#include "core/sim/pose_csv.h"
-#include "core/sim/pose_hand.h"
-#include "core/sim/push_hand.h"
+#include "core/session/operator/path_hand.h"
+#include "core/session/operator/pose_csv.h"
+#include "core/session/operator/pose_hand.h"
+#include "core/session/operator/push_hand.h"
 
 namespace spinaltap {
 namespace {

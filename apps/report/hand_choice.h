@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "core/drill/drill_path.h"
-#include "core/sim/path_motion.h"
-#include "core/sim/tool_source.h"
+#include "core/session/operator/path_motion.h"
+#include "core/session/operator/tool_source.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 
 #include "apps/report/html_report.h"
 #include "core/ct/ct_volume.h"
-#include "core/drill/drill_path.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "core/drill/drill_path.h"
-#include "vdb/bone_model.h"
-#include "vdb/render.h"
+#include "core/tool/drill_path.h"
+#include "vdb/grid/bone_model.h"
+#include "vdb/picture/render.h"
 
 namespace spinaltap {
 

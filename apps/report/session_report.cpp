@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "apps/report/text.h"
-#include "core/sim/drill_state.h"
+#include "core/session/drill_state.h"
 
 namespace spinaltap {
 namespace {

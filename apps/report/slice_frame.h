@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/base/geometry.h"
-#include "core/drill/drill_path.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

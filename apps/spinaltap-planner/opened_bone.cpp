@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/ct/read_ct.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/remaining/remaining_surface.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/bone_ct.h"
 

@@ -8,10 +8,10 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
-#include "core/drill/drill_path.h"
-#include "vdb/bone_model.h"
+#include "core/tool/drill_path.h"
+#include "vdb/grid/bone_model.h"
+#include "vdb/remaining/surface_block.h"
 #include "vdb/sim/build_session.h"
-#include "vdb/surface_block.h"
 
 namespace spinaltap {
 

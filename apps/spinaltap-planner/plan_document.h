@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/spinaltap-planner/opened_bone.h"
-#include "core/drill/drill_path.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

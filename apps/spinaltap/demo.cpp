@@ -13,7 +13,7 @@
 #include "core/files/plan_file.h"
 #include "mesh/mesh_io.h"
 #include "mesh/surface_error.h"
-#include "vdb/isosurface.h"
+#include "vdb/grid/isosurface.h"
 #include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {

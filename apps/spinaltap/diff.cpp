@@ -1,4 +1,4 @@
-#include "vdb/diff_grids.h"
+#include "vdb/grid/diff_grids.h"
 
 #include <cmath>
 #include <memory>

@@ -8,7 +8,7 @@
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/mesh_figures.h"
-#include "core/drill/neighbour_distances.h"
+#include "core/points/neighbour_distances.h"
 
 namespace spinaltap {
 namespace {

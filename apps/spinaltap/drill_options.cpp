@@ -3,7 +3,7 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "core/drill/engine_kind.h"
+#include "core/engine/engine_kind.h"
 
 namespace spinaltap {
 

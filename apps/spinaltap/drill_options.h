@@ -7,7 +7,7 @@
 
 #include "apps/spinaltap/hand_options.h"
 #include "core/ct/density_law.h"
-#include "core/sim/real_time.h"
+#include "core/session/real_time/real_time.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {

@@ -14,12 +14,12 @@
 #include "core/files/material_file.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_file.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 #include "mesh/cut_out.h"
 #include "mesh/live_mesh.h"
 #include "mesh/mesh_io.h"
 #include "mesh/remaining_mesh.h"
-#include "vdb/points_file.h"
+#include "vdb/engine/points_file.h"
 
 namespace spinaltap {
 namespace {

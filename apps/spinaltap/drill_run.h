@@ -7,7 +7,7 @@
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/files/json_file.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include "apps/spinaltap/command.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 
 namespace spinaltap {
 namespace {

@@ -14,8 +14,8 @@
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_read.h"
 #include "core/segment/bone_levels.h"
-#include "core/sim/session_record.h"
-#include "vdb/spine_file.h"
+#include "core/session/record/session_record.h"
+#include "vdb/grid/spine_file.h"
 
 namespace spinaltap {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/drill/drill_path.h"
 #include "core/files/json_file.h"
+#include "core/tool/drill_path.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/planning_bone.h"
 

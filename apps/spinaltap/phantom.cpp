@@ -5,7 +5,7 @@
 #include "core/base/error.h"
 #include "core/files/data_files.h"
 #include "core/files/phantom_file.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 

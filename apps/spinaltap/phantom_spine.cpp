@@ -2,7 +2,7 @@
 
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/error.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {

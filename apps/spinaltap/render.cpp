@@ -14,7 +14,7 @@
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "core/files/recorded_setup.h"
-#include "vdb/render.h"
+#include "vdb/picture/render.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/recorded_hole.h"
 

@@ -11,7 +11,7 @@
 #include "core/files/study_identity.h"
 #include "core/files/study_spec_file.h"
 #include "core/files/study_summary_json.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/sim/study_run.h"
 
 namespace spinaltap {

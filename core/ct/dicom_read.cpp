@@ -4,10 +4,10 @@
 #include <sstream>
 
 #include "core/base/error.h"
-#include "core/ct/dicom_parallel.h"
-#include "core/ct/dicom_scan.h"
-#include "core/ct/dicom_slice.h"
-#include "core/ct/dicom_stack.h"
+#include "core/ct/detail/dicom_parallel.h"
+#include "core/ct/detail/dicom_scan.h"
+#include "core/ct/detail/dicom_slice.h"
+#include "core/ct/detail/dicom_stack.h"
 
 namespace spinaltap {
 namespace {

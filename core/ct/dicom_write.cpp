@@ -10,10 +10,10 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "core/ct/dicom_decimal.h"
-#include "core/ct/dicom_library.h"
-#include "core/ct/dicom_parallel.h"
-#include "core/ct/dicom_uid.h"
+#include "core/ct/detail/dicom_decimal.h"
+#include "core/ct/detail/dicom_library.h"
+#include "core/ct/detail/dicom_parallel.h"
+#include "core/ct/detail/dicom_uid.h"
 
 namespace spinaltap {
 namespace {

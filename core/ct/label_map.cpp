@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/ct/label_file.h"
+#include "core/ct/detail/label_file.h"
 
 namespace spinaltap {
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "core/ct/label_file.h"
-#include "core/ct/label_names.h"
+#include "core/ct/detail/label_file.h"
+#include "core/ct/detail/label_names.h"
 
 namespace spinaltap {
 namespace {

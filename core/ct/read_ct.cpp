@@ -1,8 +1,8 @@
 #include "core/ct/read_ct.h"
 
 #include "core/base/error.h"
+#include "core/ct/detail/nifti_read.h"
 #include "core/ct/dicom_read.h"
-#include "core/ct/nifti_read.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/drill/drill_bit.h"
+#include "core/tool/drill_bit.h"
 
 namespace spinaltap {
 

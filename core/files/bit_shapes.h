@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "core/drill/drill_bit.h"
+#include "core/tool/drill_bit.h"
 
 namespace spinaltap {
 

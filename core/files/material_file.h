@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/drill/material.h"
+#include "core/points/material.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/drill/drill_path.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

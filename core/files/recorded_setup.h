@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "core/sim/session_setup.h"
+#include "core/session/session_setup.h"
 
 namespace spinaltap {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/drill/pedicle_screw.h"
+#include "core/tool/pedicle_screw.h"
 
 namespace spinaltap {
 

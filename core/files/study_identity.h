@@ -4,7 +4,7 @@
 #include <string>
 
 #include "core/files/study_folder.h"
-#include "core/sim/session_setup.h"
+#include "core/session/session_setup.h"
 #include "core/study/study_spec.h"
 
 namespace spinaltap {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/phantom/shapes.h"
+#include "core/phantom/detail/shapes.h"
 
 namespace spinaltap {
 

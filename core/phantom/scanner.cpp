@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/phantom/ideal_image.h"
-#include "core/phantom/scan_noise.h"
+#include "core/phantom/detail/ideal_image.h"
+#include "core/phantom/detail/scan_noise.h"
 
 namespace spinaltap {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/phantom/make_spine.h"
-#include "core/phantom/shapes.h"
+#include "core/phantom/detail/make_spine.h"
+#include "core/phantom/detail/shapes.h"
 
 namespace spinaltap {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/phantom/level_anatomy.h"
+#include "core/phantom/detail/level_anatomy.h"
 #include "core/phantom/vertebra_truth.h"
 
 namespace spinaltap {

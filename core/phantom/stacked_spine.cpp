@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/point_grid.h"
 #include "core/phantom/spine.h"
 #include "core/phantom/surface_seeds.h"
-#include "core/surface/point_grid.h"
 
 namespace spinaltap {
 namespace {

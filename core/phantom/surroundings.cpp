@@ -5,9 +5,9 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/phantom/shapes.h"
+#include "core/phantom/detail/shapes.h"
+#include "core/phantom/detail/texture.h"
 #include "core/phantom/spine_truth.h"
-#include "core/phantom/texture.h"
 
 namespace spinaltap {
 namespace {

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/phantom/near_distance.h"
-#include "core/phantom/texture.h"
-#include "core/phantom/vertebra_shape.h"
+#include "core/phantom/detail/near_distance.h"
+#include "core/phantom/detail/texture.h"
+#include "core/phantom/detail/vertebra_shape.h"
 
 namespace spinaltap {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/phantom/vertebra_parts.h"
+#include "core/phantom/detail/vertebra_parts.h"
 
 namespace spinaltap {
 namespace {

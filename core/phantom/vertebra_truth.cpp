@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/phantom/vertebra_parts.h"
+#include "core/phantom/detail/vertebra_parts.h"
 
 namespace spinaltap {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/plan/lattice_ray.h"
+#include "core/plan/detail/lattice_ray.h"
 
 namespace spinaltap {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/plan/lattice_depths.h"
+#include "core/plan/detail/lattice_depths.h"
 
 namespace spinaltap {
 namespace {

@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/plan/find_breach.h"
-#include "core/plan/graded_tool.h"
-#include "core/plan/inside_bone.h"
-#include "core/plan/tool_sections.h"
+#include "core/plan/detail/find_breach.h"
+#include "core/plan/detail/graded_tool.h"
+#include "core/plan/detail/inside_bone.h"
+#include "core/plan/detail/tool_sections.h"
 
 namespace spinaltap {
 namespace {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "core/drill/drill_forces.h"
-#include "core/drill/drill_path.h"
-#include "core/drill/material.h"
+#include "core/force/drill_forces.h"
 #include "core/plan/path_side.h"
 #include "core/plan/wall_distance.h"
+#include "core/points/material.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

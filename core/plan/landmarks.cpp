@@ -6,11 +6,11 @@
 #include "core/base/error.h"
 #include "core/plan/body_landmarks.h"
 #include "core/plan/canal_search.h"
-#include "core/plan/canal_wall.h"
-#include "core/plan/landmark_doubts.h"
-#include "core/plan/pedicle_search.h"
-#include "core/plan/symmetry_plane.h"
-#include "core/plan/whole_bone.h"
+#include "core/plan/detail/canal_wall.h"
+#include "core/plan/detail/landmark_doubts.h"
+#include "core/plan/detail/pedicle_search.h"
+#include "core/plan/detail/symmetry_plane.h"
+#include "core/plan/detail/whole_bone.h"
 
 namespace spinaltap {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/drill/drill_path.h"
 #include "core/plan/landmarks.h"
 #include "core/plan/wall_distance.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/plan/lattice_ray.h"
+#include "core/plan/detail/lattice_ray.h"
 
 namespace spinaltap {
 namespace {

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
-#include "core/plan/way_search.h"
+#include "core/plan/detail/way_search.h"
 
 namespace spinaltap {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/rbf/detail/rbf_solver.h"
 #include "core/rbf/fit_error_bars.h"
 #include "core/rbf/merge_points.h"
 #include "core/rbf/rbf_field.h"
-#include "core/rbf/rbf_solver.h"
 #include "core/rbf/reduce_centres.h"
 
 namespace spinaltap {

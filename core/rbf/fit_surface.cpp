@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "core/base/error.h"
+#include "core/base/point_grid.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/surface/off_surface.h"
-#include "core/surface/point_grid.h"
 
 namespace spinaltap {
 

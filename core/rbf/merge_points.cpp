@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/rbf/sparse_grid.h"
+#include "core/rbf/detail/sparse_grid.h"
 
 namespace spinaltap::detail {
 

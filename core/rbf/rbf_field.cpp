@@ -7,8 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/rbf/fast_sum.h"
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/fast_sum.h"
+#include "core/rbf/detail/polynomial.h"
 
 namespace spinaltap {
 namespace {

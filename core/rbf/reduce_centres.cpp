@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "core/rbf/first_centres.h"
+#include "core/rbf/detail/first_centres.h"
+#include "core/rbf/detail/rbf_solver.h"
+#include "core/rbf/detail/spread_worst.h"
 #include "core/rbf/rbf_field.h"
-#include "core/rbf/rbf_solver.h"
-#include "core/rbf/spread_worst.h"
 
 namespace spinaltap::detail {
 

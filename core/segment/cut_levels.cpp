@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "core/base/error.h"
-#include "core/segment/binned_ct.h"
-#include "core/segment/connected_parts.h"
+#include "core/segment/detail/binned_ct.h"
+#include "core/segment/detail/connected_parts.h"
 
 namespace spinaltap {
 namespace {

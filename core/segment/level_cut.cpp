@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/segment/binned_ct.h"
-#include "core/segment/connected_parts.h"
+#include "core/segment/detail/binned_ct.h"
+#include "core/segment/detail/connected_parts.h"
+#include "core/segment/detail/grey_closing.h"
+#include "core/segment/detail/refine_mask.h"
 #include "core/segment/distance_transform.h"
-#include "core/segment/grey_closing.h"
-#include "core/segment/refine_mask.h"
 
 namespace spinaltap {
 namespace {

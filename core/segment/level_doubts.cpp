@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "core/segment/connected_parts.h"
+#include "core/segment/detail/connected_parts.h"
 #include "core/segment/distance_transform.h"
 
 namespace spinaltap {

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/segment/binned_ct.h"
-#include "core/segment/grey_closing.h"
+#include "core/segment/detail/binned_ct.h"
+#include "core/segment/detail/grey_closing.h"
 
 namespace spinaltap {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/segment/binned_ct.h"
+#include "core/segment/detail/binned_ct.h"
 
 namespace spinaltap {
 namespace {

@@ -1,7 +1,7 @@
 #include "core/study/study_hand.h"
 
-#include "core/sim/path_hand.h"
-#include "core/sim/push_hand.h"
+#include "core/session/operator/path_hand.h"
+#include "core/session/operator/push_hand.h"
 
 namespace spinaltap {
 

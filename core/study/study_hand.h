@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "core/sim/tool_source.h"
+#include "core/session/operator/tool_source.h"
 #include "core/study/study_task.h"
 
 namespace spinaltap {

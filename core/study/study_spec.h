@@ -4,11 +4,11 @@
 #include <string>
 
 #include "core/ct/level.h"
-#include "core/drill/drill_path.h"
-#include "core/drill/material.h"
-#include "core/drill/point_volume.h"
-#include "core/sim/drill_session.h"
+#include "core/points/material.h"
+#include "core/points/point_volume.h"
+#include "core/session/drill_session.h"
 #include "core/study/study_design.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/point_grid.h"
 #include "core/segment/float_grid.h"
-#include "core/surface/edge_model.h"
-#include "core/surface/local_normals.h"
-#include "core/surface/point_grid.h"
+#include "core/surface/detail/edge_model.h"
+#include "core/surface/detail/local_normals.h"
 #include "core/surface/surface_points.h"
 
 namespace spinaltap {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/surface/point_grid.h"
+#include "core/base/point_grid.h"
 
 namespace spinaltap {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/base/error.h"
-#include "core/surface/local_normals.h"
+#include "core/surface/detail/local_normals.h"
 #include "core/surface/off_surface.h"
 #include "core/surface/pixel_points.h"
 

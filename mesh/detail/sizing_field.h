@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/point_grid.h"
 #include "core/base/triangle_mesh.h"
-#include "core/surface/point_grid.h"
 
 namespace spinaltap::detail {
 

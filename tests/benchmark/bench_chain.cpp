@@ -5,12 +5,12 @@
 
 #include <cmath>
 
-#include "core/drill/point_volume.h"
 #include "core/phantom/vertebra_truth.h"
+#include "core/points/point_volume.h"
 #include "core/rbf/fit_surface.h"
 #include "tests/support/surface_distance.h"
-#include "vdb/bake.h"
-#include "vdb/isosurface.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {

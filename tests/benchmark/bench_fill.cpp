@@ -6,12 +6,12 @@
 
 #include <optional>
 
-#include "core/drill/point_volume.h"
 #include "core/phantom/vertebra_truth.h"
+#include "core/points/point_volume.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_field.h"
 #include "tests/support/vertebra_values.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap {
 namespace {

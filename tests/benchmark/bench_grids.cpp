@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/phantom/vertebra.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/bone_samplers.h"
 

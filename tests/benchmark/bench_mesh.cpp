@@ -5,8 +5,8 @@
 #include "core/phantom/vertebra.h"
 #include "mesh/display_mesh.h"
 #include "mesh/self_intersections.h"
-#include "vdb/bake.h"
-#include "vdb/isosurface.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {

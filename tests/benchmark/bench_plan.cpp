@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "core/phantom/vertebra_truth.h"
-#include "vdb/bake.h"
-#include "vdb/bone_field.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/bone_field.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/planning_bone.h"
 

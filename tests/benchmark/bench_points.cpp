@@ -17,7 +17,7 @@
 #include "tests/support/point_error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {

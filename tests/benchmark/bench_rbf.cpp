@@ -12,7 +12,7 @@
 #include <string>
 
 #include "core/base/random.h"
-#include "core/rbf/fast_sum.h"
+#include "core/rbf/detail/fast_sum.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/value_file.h"

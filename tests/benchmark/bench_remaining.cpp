@@ -8,12 +8,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/drill/path_frame.h"
+#include "apps/spinaltap/bench/drill_workload.h"
 #include "core/phantom/vertebra.h"
-#include "core/sim/drill_workload.h"
-#include "core/sim/timing.h"
-#include "vdb/bake.h"
-#include "vdb/remaining_surface.h"
+#include "core/session/real_time/timing.h"
+#include "core/tool/path_frame.h"
+#include "vdb/bake/bake.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap {
 namespace {

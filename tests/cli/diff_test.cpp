@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/staged_output.h"
-#include "core/drill/drill_bit.h"
 #include "core/files/json_file.h"
+#include "core/tool/drill_bit.h"
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/subtract_bit.h"
+#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {

@@ -17,7 +17,7 @@
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/points_file.h"
+#include "vdb/engine/points_file.h"
 
 namespace spinaltap {
 namespace {

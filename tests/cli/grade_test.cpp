@@ -8,7 +8,7 @@
 #include "core/phantom/vertebra_truth.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap {
 namespace {

@@ -15,7 +15,7 @@
 #include "core/base/error.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 #include "tests/cli/program.h"
 #include "tests/support/made_bone.h"
 #include "tests/support/temporary_folder.h"

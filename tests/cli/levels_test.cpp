@@ -9,8 +9,8 @@
 #include "tests/cli/program.h"
 #include "tests/support/labelled_balls.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/bone_hash.h"
-#include "vdb/spine_file.h"
+#include "vdb/grid/bone_hash.h"
+#include "vdb/grid/spine_file.h"
 
 namespace spinaltap {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/diff_grids.h"
+#include "vdb/grid/diff_grids.h"
 
 namespace spinaltap {
 namespace {

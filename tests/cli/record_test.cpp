@@ -9,7 +9,7 @@
 #include "core/base/staged_output.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"

@@ -21,15 +21,15 @@
 
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
-#include "core/drill/bit_profile.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
 #include "core/phantom/vertebra_truth.h"
 #include "core/study/study_row.h"
 #include "core/study/study_task.h"
+#include "core/tool/bit_profile.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 #include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {

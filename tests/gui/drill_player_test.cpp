@@ -11,10 +11,10 @@
 
 #include "apps/spinaltap-planner/drill/drill_output.h"
 #include "core/files/recorded_setup.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/remaining/remaining_surface.h"
 #include "vdb/sim/drilling.h"
 #include "vdb/sim/replay.h"
 

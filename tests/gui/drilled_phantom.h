@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "tests/gui/phantom_bone.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/remaining/remaining_bone.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap::test {
 

@@ -9,7 +9,7 @@
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "core/base/error.h"
 #include "core/files/plan_file.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 #include "tests/gui/planner_window.h"
 
 namespace spinaltap::test {

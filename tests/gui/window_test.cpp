@@ -11,7 +11,7 @@
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "core/phantom/vertebra_truth.h"
-#include "core/sim/session_record.h"
+#include "core/session/record/session_record.h"
 #include "tests/gui/planner_window.h"
 
 namespace spinaltap::test {

@@ -13,14 +13,15 @@ function(fresh_tree)
   file(WRITE ${WORK_DIR}/.hidden/file "good\n")
   file(WRITE ${WORK_DIR}/build-debug/other.cpp "#include <QWidget>\n")
   file(WRITE ${WORK_DIR}/core/ct/read.cpp "#include <gdcmReader.h>\n#include <Eigen/Core>\n")
-  file(WRITE ${WORK_DIR}/core/ct/read.h "// #include \"vdb/bake.h\"\n#include \"core/base/error.h\"\n")
+  file(WRITE ${WORK_DIR}/core/ct/read.h "// #include \"vdb/bake/bake.h\"\n#include \"core/base/error.h\"\n")
   file(WRITE ${WORK_DIR}/core/files/json_file.h "#include <nlohmann/json_fwd.hpp>\n")
   file(WRITE ${WORK_DIR}/core/files/detail/tool_json.h "#include \"core/files/json_file.h\"\n")
   file(WRITE ${WORK_DIR}/core/files/plan.cpp "#include <nlohmann/json.hpp>\n#include \"core/files/detail/tool_json.h\"\n")
   file(WRITE ${WORK_DIR}/vdb/detail/grids.h "#include <openvdb/openvdb.h>\n")
-  file(WRITE ${WORK_DIR}/vdb/bake.cpp "#include \"vdb/detail/grids.h\"\n")
-  file(WRITE ${WORK_DIR}/vdb/sim/replay.cpp "#include \"vdb/bake.h\"\n#include \"core/files/plan.h\"\n")
-  file(WRITE ${WORK_DIR}/mesh/io.cpp "#include <OpenMesh/Core/IO/MeshIO.hh>\n#include \"vdb/bake.h\"\n")
+  file(WRITE ${WORK_DIR}/vdb/bake/bake.cpp "#include \"vdb/detail/grids.h\"\n#include \"vdb/bake/detail/one.h\"\n")
+  file(WRITE ${WORK_DIR}/core/session/operator/hand.cpp "#include \"core/session/operator/hand.h\"\n")
+  file(WRITE ${WORK_DIR}/vdb/sim/replay.cpp "#include \"vdb/bake/bake.h\"\n#include \"core/files/plan.h\"\n")
+  file(WRITE ${WORK_DIR}/mesh/io.cpp "#include <OpenMesh/Core/IO/MeshIO.hh>\n#include \"vdb/bake/bake.h\"\n")
   file(WRITE ${WORK_DIR}/apps/spinaltap/main.cpp "#include <CLI/CLI.hpp>\n#include \"mesh/io.h\"\n")
 endfunction()
 
@@ -32,7 +33,7 @@ endif()
 
 # file, line
 set(broken
-    core/ct/x.cpp [[#include "vdb/bake.h"]]
+    core/ct/x.cpp [[#include "vdb/bake/bake.h"]]
     core/ct/x.h [[#  include "mesh/io.h"]]
     core/ct/x.cpp [[#include <openvdb/openvdb.h>]]
     core/ct/x.cpp [[#include <nlohmann/json.hpp>]]
@@ -51,6 +52,10 @@ set(broken
     core/files/x.h [[#include <nlohmann/json_fwd.hpp>]]
     core/files/x.h [[#include "core/files/json_file.h"]]
     vdb/x.cpp [[#include "vdb/sim/replay.h"]]
+    vdb/grid/x.cpp [[#include "vdb/bake/bake.h"]]
+    vdb/remaining/x.cpp [[#include "vdb/bake/detail/one_piece.h"]]
+    vdb/other/x.cpp [[int x]]
+    core/session/operator/x.cpp [[#include "core/session/drill_session.h"]]
     vdb/sim/x.cpp [[#include "vdb/detail/grids.h"]]
     vdb/sim/x.cpp [[#include "mesh/io.h"]]
     vdb/sim/x.cpp [[#include <nlohmann/json.hpp>]]

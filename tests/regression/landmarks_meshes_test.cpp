@@ -11,9 +11,9 @@
 #include "core/surface/surface_points.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
-#include "vdb/bake.h"
-#include "vdb/bone_field.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/bone_field.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {

@@ -10,9 +10,9 @@
 #include "core/plan/landmarks.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
-#include "vdb/bake.h"
-#include "vdb/bone_field.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/bone_field.h"
+#include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_ct.h"
 
 namespace spinaltap {

@@ -16,8 +16,8 @@
 #include "tests/support/surface_distance.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
-#include "vdb/isosurface.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/grid/isosurface.h"
+#include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/phantom_output.h"
 

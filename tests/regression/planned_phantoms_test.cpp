@@ -11,9 +11,9 @@
 #include <numbers>
 #include <string>
 
-#include "core/drill/bit_profile.h"
 #include "core/phantom/scanner.h"
 #include "core/phantom/vertebra_truth.h"
+#include "core/tool/bit_profile.h"
 #include "tests/support/random_vertebra.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"

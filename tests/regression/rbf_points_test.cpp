@@ -8,9 +8,9 @@
 #include <cstdio>
 
 #include "core/base/random.h"
-#include "core/rbf/fast_sum.h"
+#include "core/rbf/detail/fast_sum.h"
+#include "core/rbf/detail/polynomial.h"
 #include "core/rbf/fit_rbf.h"
-#include "core/rbf/polynomial.h"
 #include "core/rbf/value_file.h"
 #include "tests/support/test_data.h"
 

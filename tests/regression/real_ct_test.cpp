@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/point_grid.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
-#include "core/sim/path_hand.h"
-#include "core/surface/point_grid.h"
+#include "core/session/operator/path_hand.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/test_data.h"
-#include "vdb/isosurface.h"
+#include "vdb/grid/isosurface.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/drilling.h"

@@ -9,9 +9,9 @@
 #include "mesh/self_intersections.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
-#include "vdb/bake.h"
-#include "vdb/isosurface.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/isosurface.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
-#include "core/segment/connected_parts.h"
+#include "core/segment/detail/connected_parts.h"
 #include "core/segment/float_grid.h"
 #include "core/segment/segment_spine.h"
 #include "tests/support/mask_overlap.h"

@@ -12,7 +12,7 @@
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/point_error.h"
 #include "tests/support/test_data.h"
-#include "vdb/mesh_solid.h"
+#include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {

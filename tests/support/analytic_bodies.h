@@ -8,7 +8,7 @@
 
 #include "core/base/scalar_field.h"
 #include "core/ct/ct_volume.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap::test {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/sim/drill_session.h"
+#include "core/session/drill_session.h"
 
 namespace spinaltap::test {
 

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/drill/drill_bit.h"
+#include "core/tool/drill_bit.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap::test {
 

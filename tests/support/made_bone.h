@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "core/base/geometry.h"
-#include "vdb/bone_model.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap::test {
 

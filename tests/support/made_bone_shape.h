@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/phantom/texture.h"
+#include "core/phantom/detail/texture.h"
 #include "core/plan/bone_shape.h"
 #include "tests/support/gridded_field.h"
 

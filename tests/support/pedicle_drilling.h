@@ -6,8 +6,8 @@
 
 #include "core/phantom/vertebra.h"
 #include "core/phantom/vertebra_truth.h"
-#include "core/sim/drill_session.h"
-#include "core/sim/path_hand.h"
+#include "core/session/drill_session.h"
+#include "core/session/operator/path_hand.h"
 
 namespace spinaltap::test {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/point_grid.h"
 #include "core/base/scalar_field.h"
-#include "core/surface/point_grid.h"
 
 namespace spinaltap::test {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/phantom/surface_seeds.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap::test {
 

@@ -1,8 +1,8 @@
 #include "vdb/detail/named_grids.h"
 
 #include "core/base/error.h"
+#include "vdb/detail/initialize.h"
 #include "vdb/detail/vdb_file.h"
-#include "vdb/initialize.h"
 
 namespace spinaltap::detail {
 

@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/initialize.h"
+#include "vdb/detail/initialize.h"
 
 namespace spinaltap::detail {
 namespace {

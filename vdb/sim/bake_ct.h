@@ -10,7 +10,7 @@
 #include "core/rbf/fit_surface.h"
 #include "core/segment/segment_spine.h"
 #include "core/surface/surface_points.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap {
 

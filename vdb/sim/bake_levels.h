@@ -7,8 +7,8 @@
 
 #include "core/base/staged_output.h"
 #include "core/ct/label_volume.h"
+#include "vdb/grid/spine_file.h"
 #include "vdb/sim/bake_ct.h"
-#include "vdb/spine_file.h"
 
 namespace spinaltap {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/ct/ct_volume.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/drill/drill_path.h"
-#include "vdb/bone_model.h"
+#include "core/tool/drill_path.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

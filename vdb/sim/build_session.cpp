@@ -1,12 +1,12 @@
 #include "vdb/sim/build_session.h"
 
 #include "core/base/error.h"
-#include "core/drill/volume_segments.h"
-#include "vdb/bone_field.h"
-#include "vdb/bone_hash.h"
-#include "vdb/make_engine.h"
+#include "core/engine/volume_segments.h"
+#include "vdb/engine/make_engine.h"
+#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_hash.h"
 #include "vdb/sim/bone_path.h"
-#include "vdb/sim/bone_volumes.h"
+#include "vdb/sim/detail/bone_volumes.h"
 
 namespace spinaltap {
 

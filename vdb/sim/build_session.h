@@ -8,9 +8,9 @@
 #include "core/base/scalar_field.h"
 #include "core/plan/grade.h"
 #include "core/plan/landmarks.h"
-#include "core/sim/drill_session.h"
-#include "core/sim/session_setup.h"
-#include "vdb/bone_model.h"
+#include "core/session/drill_session.h"
+#include "core/session/session_setup.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

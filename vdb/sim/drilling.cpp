@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "core/sim/straight_ways.h"
-#include "core/sim/timing.h"
-#include "vdb/bone_field.h"
-#include "vdb/subtract_bit.h"
+#include "core/session/operator/straight_ways.h"
+#include "core/session/real_time/timing.h"
+#include "vdb/grid/bone_field.h"
+#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {

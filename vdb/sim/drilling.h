@@ -6,12 +6,12 @@
 
 #include "core/base/progress.h"
 #include "core/base/scalar_field.h"
-#include "core/drill/point_splats.h"
-#include "core/sim/depth_log.h"
-#include "core/sim/drill_session.h"
-#include "core/sim/real_time.h"
-#include "core/sim/session_record.h"
-#include "vdb/bone_model.h"
+#include "core/points/point_splats.h"
+#include "core/session/depth_log.h"
+#include "core/session/drill_session.h"
+#include "core/session/real_time/real_time.h"
+#include "core/session/record/session_record.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {

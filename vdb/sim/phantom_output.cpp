@@ -7,7 +7,7 @@
 #include "core/files/truth_file.h"
 #include "core/phantom/spine_truth.h"
 #include "core/phantom/true_labels.h"
-#include "vdb/bake.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap {
 namespace {

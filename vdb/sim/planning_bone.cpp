@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "vdb/bone_field.h"
+#include "vdb/grid/bone_field.h"
 
 namespace spinaltap {
 

@@ -4,7 +4,7 @@
 #include "core/plan/grade.h"
 #include "core/plan/landmarks.h"
 #include "core/plan/wall_distance.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/sim/straight_ways.h"
+#include "core/session/operator/straight_ways.h"
+#include "vdb/remaining/subtract_bit.h"
 #include "vdb/sim/replay.h"
-#include "vdb/subtract_bit.h"
 
 namespace spinaltap {
 

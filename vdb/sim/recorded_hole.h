@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/sim/session_record.h"
-#include "vdb/bone_model.h"
+#include "core/session/record/session_record.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

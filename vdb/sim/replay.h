@@ -4,8 +4,8 @@
 #include <string>
 
 #include "core/base/progress.h"
-#include "core/sim/drill_session.h"
-#include "core/sim/session_record.h"
+#include "core/session/drill_session.h"
+#include "core/session/record/session_record.h"
 
 namespace spinaltap {
 

@@ -9,9 +9,9 @@
 #include "core/base/error.h"
 #include "core/plan/grade.h"
 #include "core/study/study_hand.h"
-#include "vdb/make_engine.h"
+#include "vdb/engine/make_engine.h"
 #include "vdb/sim/bone_path.h"
-#include "vdb/sim/bone_volumes.h"
+#include "vdb/sim/detail/bone_volumes.h"
 
 namespace spinaltap {
 namespace {

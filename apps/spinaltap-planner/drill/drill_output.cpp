@@ -2,8 +2,8 @@
 
 #include "apps/report/drill_pictures.h"
 #include "apps/report/drilling_report.h"
-#include "core/sim/pose_hand.h"
-#include "core/sim/session_record.h"
+#include "core/session/operator/pose_hand.h"
+#include "core/session/record/session_record.h"
 #include "mesh/remaining_mesh.h"
 
 namespace spinaltap {

@@ -15,7 +15,7 @@
 #include "apps/spinaltap-planner/drill/drill_plan.h"
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "apps/spinaltap-planner/plan_document.h"
-#include "vdb/surface_feed.h"
+#include "vdb/remaining/surface_feed.h"
 
 namespace spinaltap {
 

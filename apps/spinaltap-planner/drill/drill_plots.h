@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "apps/report/svg_plot.h"
-#include "core/sim/depth_log.h"
-#include "core/sim/session_event.h"
+#include "core/session/depth_log.h"
+#include "core/session/session_event.h"
 
 namespace spinaltap {
 

@@ -6,8 +6,8 @@
 #include <exception>
 #include <utility>
 
-#include "core/sim/pacer.h"
-#include "core/sim/timing.h"
+#include "core/session/real_time/pacer.h"
+#include "core/session/real_time/timing.h"
 
 namespace spinaltap {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "mesh/live_mesh.h"
-#include "vdb/surface_feed.h"
+#include "vdb/remaining/surface_feed.h"
 
 namespace spinaltap {
 

@@ -9,7 +9,7 @@
 #include "apps/report/hand_choice.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/base/progress.h"
-#include "core/sim/depth_log.h"
+#include "core/session/depth_log.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {

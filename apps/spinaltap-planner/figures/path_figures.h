@@ -5,8 +5,8 @@
 
 #include "apps/report/grade_output.h"
 #include "apps/spinaltap-planner/opened_bone.h"
-#include "core/drill/material.h"
 #include "core/plan/path_angles.h"
+#include "core/points/material.h"
 
 namespace spinaltap {
 

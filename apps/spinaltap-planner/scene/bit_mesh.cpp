@@ -13,8 +13,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/drill/bit_profile.h"
-#include "core/drill/path_frame.h"
+#include "core/tool/bit_profile.h"
+#include "core/tool/path_frame.h"
 
 namespace spinaltap {
 namespace {

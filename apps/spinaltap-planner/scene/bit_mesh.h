@@ -2,7 +2,7 @@
 
 #include <vtkSmartPointer.h>
 
-#include "core/drill/drill_bit.h"
+#include "core/tool/drill_bit.h"
 
 #include "apps/spinaltap-planner/scene/vtk_names.h"
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "vdb/bone_model.h"
-#include "vdb/surface_block.h"
+#include "vdb/grid/bone_model.h"
+#include "vdb/remaining/surface_block.h"
 
 #include "apps/spinaltap-planner/scene/vtk_names.h"
 

@@ -7,7 +7,7 @@
 
 #include "apps/spinaltap-planner/scene/scene_camera.h"
 #include "apps/spinaltap-planner/scene/vtk_names.h"
-#include "core/drill/drill_path.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -11,8 +11,8 @@
 
 #include "apps/spinaltap-planner/plan_document.h"
 #include "apps/spinaltap-planner/view_state.h"
-#include "core/drill/drill_bit.h"
-#include "vdb/surface_block.h"
+#include "core/tool/drill_bit.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 

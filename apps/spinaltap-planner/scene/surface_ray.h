@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/base/geometry.h"
-#include "vdb/bone_model.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 

@@ -6,7 +6,7 @@
 
 #include <QColor>
 
-#include "core/drill/drill_bit.h"
+#include "core/tool/drill_bit.h"
 
 namespace spinaltap {
 

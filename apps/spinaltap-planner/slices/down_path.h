@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/spinaltap-planner/slices/pane_geometry.h"
-#include "core/drill/drill_path.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/report/slice_frame.h"
-#include "vdb/surface_block.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 

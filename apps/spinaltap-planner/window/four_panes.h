@@ -8,7 +8,7 @@
 
 #include "apps/spinaltap-planner/plan_document.h"
 #include "apps/spinaltap-planner/view_state.h"
-#include "vdb/surface_block.h"
+#include "vdb/remaining/surface_block.h"
 
 class QSplitter;
 

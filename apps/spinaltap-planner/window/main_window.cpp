@@ -28,7 +28,7 @@
 #include "apps/spinaltap-planner/window/path_panel.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
-#include "vdb/spine_file.h"
+#include "vdb/grid/spine_file.h"
 
 namespace spinaltap {
 namespace {

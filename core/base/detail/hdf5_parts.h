@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/detail/hdf5_driver.h"
 #include "core/base/error.h"
-#include "core/base/hdf5_driver.h"
 #include "core/base/hdf5_file.h"
 
 // What files and tables of HDF5 share.

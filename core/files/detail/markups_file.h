@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/drill/drill_path.h"
 #include "core/files/json_file.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/drill/material.h"
 #include "core/files/json_file.h"
+#include "core/points/material.h"
 
 namespace spinaltap {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/files/json_file.h"
-#include "core/sim/session_setup.h"
+#include "core/session/session_setup.h"
 
 namespace spinaltap {
 

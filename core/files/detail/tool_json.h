@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/drill/drill_path.h"
 #include "core/files/json_file.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

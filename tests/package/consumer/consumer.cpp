@@ -6,8 +6,8 @@
 #include "core/base/version.h"
 #include "core/phantom/vertebra.h"
 #include "mesh/mesh_quality.h"
-#include "vdb/bake.h"
-#include "vdb/isosurface.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/isosurface.h"
 
 int main() {
   const spinaltap::Vertebra vertebra;

@@ -7,13 +7,13 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/drill/bit_profile.h"
+#include "core/tool/bit_profile.h"
 #include "mesh/display_mesh.h"
 #include "mesh/remaining_mesh.h"
 #include "mesh/self_intersections.h"
 #include "tests/support/drilled_ball.h"
 #include "tests/support/mesh_shapes.h"
-#include "vdb/subtract_bit.h"
+#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {

@@ -5,11 +5,11 @@
 #include <array>
 #include <cmath>
 
-#include "core/drill/bit_profile.h"
+#include "core/tool/bit_profile.h"
 #include "tests/support/drilled_ball.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/remaining_bone.h"
-#include "vdb/subtract_bit.h"
+#include "vdb/remaining/remaining_bone.h"
+#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {

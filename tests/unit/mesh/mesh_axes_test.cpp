@@ -14,8 +14,8 @@
 #include "tests/support/filed_mesh.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/random_vertebra.h"
-#include "vdb/bake.h"
-#include "vdb/isosurface.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "core/drill/drill_engine.h"
-#include "core/drill/swept_bit.h"
-#include "core/sim/path_motion.h"
+#include "core/engine/drill_engine.h"
+#include "core/session/operator/path_motion.h"
+#include "core/tool/swept_bit.h"
 #include "tests/support/drilled_ball.h"
 
 namespace spinaltap {

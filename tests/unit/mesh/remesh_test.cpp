@@ -14,7 +14,7 @@
 #include "mesh/self_intersections.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/mesh_shapes.h"
-#include "vdb/isosurface.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {

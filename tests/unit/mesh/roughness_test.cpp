@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/mesh_shapes.h"
-#include "vdb/isosurface.h"
+#include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/ct/dicom_decimal.h"
+#include "core/ct/detail/dicom_decimal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/ct/dicom_frames.h"
+#include "core/ct/detail/dicom_frames.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/ct/dicom_rle.h"
+#include "core/ct/detail/dicom_rle.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "core/ct/dicom_slice.h"
+#include "core/ct/detail/dicom_slice.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/ct/dicom_codestream.h"
+#include "core/ct/detail/dicom_codestream.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/core/ct/error_of.h"
 

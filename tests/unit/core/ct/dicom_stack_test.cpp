@@ -1,4 +1,4 @@
-#include "core/ct/dicom_stack.h"
+#include "core/ct/detail/dicom_stack.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,8 +9,8 @@
 
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
+#include "core/ct/detail/dicom_uid.h"
 #include "core/ct/dicom_read.h"
-#include "core/ct/dicom_uid.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/core/ct/error_of.h"
 

@@ -1,4 +1,4 @@
-#include "core/ct/jpeg_stream.h"
+#include "core/ct/detail/jpeg_stream.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/ct/nifti_read.h"
+#include "core/ct/detail/nifti_read.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/ct/slice_stack.h"
+#include "core/ct/detail/slice_stack.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

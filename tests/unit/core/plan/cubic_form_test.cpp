@@ -1,4 +1,4 @@
-#include "core/plan/cubic_form.h"
+#include "core/plan/detail/cubic_form.h"
 
 #include <gtest/gtest.h>
 

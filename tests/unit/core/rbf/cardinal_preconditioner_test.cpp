@@ -1,11 +1,11 @@
-#include "core/rbf/cardinal_preconditioner.h"
+#include "core/rbf/detail/cardinal_preconditioner.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <Eigen/Dense>
 
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/polynomial.h"
 #include "tests/unit/core/rbf/dense_solution.h"
 #include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/point_sets.h"

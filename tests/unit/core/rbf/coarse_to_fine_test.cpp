@@ -1,4 +1,4 @@
-#include "core/rbf/coarse_to_fine.h"
+#include "core/rbf/detail/coarse_to_fine.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/polynomial.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/polynomial.h"
 #include "core/rbf/rbf_model.h"
 
 namespace spinaltap::test {

@@ -1,8 +1,8 @@
-#include "core/rbf/far_field.h"
+#include "core/rbf/detail/far_field.h"
 
 #include <gtest/gtest.h>
 
-#include "core/rbf/lagrange_grid.h"
+#include "core/rbf/detail/lagrange_grid.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {

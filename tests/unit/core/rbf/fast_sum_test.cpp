@@ -1,4 +1,4 @@
-#include "core/rbf/fast_sum.h"
+#include "core/rbf/detail/fast_sum.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

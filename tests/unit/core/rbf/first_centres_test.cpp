@@ -1,4 +1,4 @@
-#include "core/rbf/first_centres.h"
+#include "core/rbf/detail/first_centres.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/polynomial.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {

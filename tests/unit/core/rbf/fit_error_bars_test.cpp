@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "core/rbf/detail/polynomial.h"
 #include "core/rbf/fit_rbf.h"
-#include "core/rbf/polynomial.h"
 #include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"

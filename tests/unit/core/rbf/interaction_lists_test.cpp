@@ -1,4 +1,4 @@
-#include "core/rbf/interaction_lists.h"
+#include "core/rbf/detail/interaction_lists.h"
 
 #include <gtest/gtest.h>
 

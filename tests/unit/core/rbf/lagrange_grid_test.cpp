@@ -1,4 +1,4 @@
-#include "core/rbf/lagrange_grid.h"
+#include "core/rbf/detail/lagrange_grid.h"
 
 #include <gtest/gtest.h>
 

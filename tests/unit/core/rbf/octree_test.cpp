@@ -1,4 +1,4 @@
-#include "core/rbf/octree.h"
+#include "core/rbf/detail/octree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/polynomial.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

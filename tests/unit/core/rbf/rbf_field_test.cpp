@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/rbf/fast_sum.h"
-#include "core/rbf/polynomial.h"
+#include "core/rbf/detail/fast_sum.h"
+#include "core/rbf/detail/polynomial.h"
 #include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"

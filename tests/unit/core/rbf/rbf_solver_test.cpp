@@ -1,4 +1,4 @@
-#include "core/rbf/rbf_solver.h"
+#include "core/rbf/detail/rbf_solver.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/rbf/simd_kernels.h"
+#include "core/rbf/detail/simd_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <bit>
 #include <complex>
 
-#include "core/rbf/lagrange_grid.h"
+#include "core/rbf/detail/lagrange_grid.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 

@@ -1,4 +1,4 @@
-#include "core/rbf/sparse_grid.h"
+#include "core/rbf/detail/sparse_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/rbf/spread_worst.h"
+#include "core/rbf/detail/spread_worst.h"
 
 #include <gtest/gtest.h>
 

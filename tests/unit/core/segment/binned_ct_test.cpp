@@ -1,4 +1,4 @@
-#include "core/segment/binned_ct.h"
+#include "core/segment/detail/binned_ct.h"
 
 #include <gtest/gtest.h>
 

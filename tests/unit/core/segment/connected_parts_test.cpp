@@ -1,4 +1,4 @@
-#include "core/segment/connected_parts.h"
+#include "core/segment/detail/connected_parts.h"
 
 #include <gtest/gtest.h>
 

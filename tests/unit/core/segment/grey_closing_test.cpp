@@ -1,4 +1,4 @@
-#include "core/segment/grey_closing.h"
+#include "core/segment/detail/grey_closing.h"
 
 #include <gtest/gtest.h>
 

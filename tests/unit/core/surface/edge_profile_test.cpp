@@ -1,4 +1,4 @@
-#include "core/surface/edge_profile.h"
+#include "core/surface/detail/edge_profile.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "core/surface/edge_model.h"
+#include "core/surface/detail/edge_model.h"
 
 namespace spinaltap {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/surface/local_normals.h"
+#include "core/surface/detail/local_normals.h"
 
 #include <gtest/gtest.h>
 

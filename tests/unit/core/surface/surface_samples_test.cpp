@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/point_grid.h"
 #include "core/surface/pixel_points.h"
-#include "core/surface/point_grid.h"
 
 namespace spinaltap {
 namespace {

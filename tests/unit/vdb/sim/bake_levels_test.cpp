@@ -9,7 +9,7 @@
 #include "tests/support/labelled_balls.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
-#include "vdb/bone_hash.h"
+#include "vdb/grid/bone_hash.h"
 
 namespace spinaltap {
 namespace {

@@ -7,14 +7,14 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/sim/path_hand.h"
+#include "core/session/operator/path_hand.h"
 #include "mesh/live_mesh.h"
 #include "mesh/mesh_distance.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
-#include "vdb/isosurface.h"
-#include "vdb/remaining_surface.h"
+#include "vdb/grid/isosurface.h"
+#include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap {
 namespace {

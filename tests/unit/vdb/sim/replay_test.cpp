@@ -7,8 +7,8 @@
 
 #include <cmath>
 
-#include "core/drill/drill_path.h"
-#include "core/drill/point_volume.h"
+#include "core/points/point_volume.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 namespace {

@@ -1,0 +1,267 @@
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include "apps/spinaltap/bench/bench_results.h"
+#include "apps/spinaltap/command.h"
+#include "core/base/error.h"
+#include "core/base/staged_output.h"
+#include "core/base/version.h"
+
+namespace spinaltap {
+namespace {
+
+struct BenchOptions {
+  std::vector<std::string> engines;
+  std::vector<std::string> motions;
+  std::vector<double> diameters_mm{3.0, 3.06};
+  std::vector<double> spacings_mm;  ///< empty: 0.1, and 0.025 for long steps
+  std::vector<int> threads{1, 2};
+  int hu_bits = 8;
+  std::size_t window = 200;
+  std::uint64_t seed = 1;
+  bool is_markdown = false;
+  std::filesystem::path json_file;
+  std::filesystem::path plot_file;
+};
+
+const std::vector<StepWorkload>& step_workloads() {
+  static const std::vector<StepWorkload> steps{burr_step(), sideways_step()};
+  return steps;
+}
+
+/// "burr" of "burr 1 mm", as --motion has it.
+std::string first_word(std::string_view name) { return std::string(name.substr(0, name.find(' '))); }
+
+std::vector<std::string> all_engines() {
+  std::vector<std::string> names;
+  for (const BenchEngine& engine : bench_engines()) names.push_back(engine.name);
+  return names;
+}
+
+std::vector<std::string> all_motions() {
+  std::vector<std::string> names;
+  for (const WorkloadMotion motion : workload_motions()) names.emplace_back(name_of(motion));
+  for (const StepWorkload& step : step_workloads()) names.push_back(first_word(step.name));
+  return names;
+}
+
+bool has(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// "Intel(R) Xeon(R) Processor, 2 cores, load 1.2".
+std::string machine() {
+  std::string model = "unknown processor";
+  std::ifstream cpus("/proc/cpuinfo");
+  for (std::string line; std::getline(cpus, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string::npos) model = line.substr(colon + 2);
+    break;
+  }
+  std::string load = "unknown";
+  std::ifstream("/proc/loadavg") >> load;
+  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores, load before the run " + load;
+}
+
+class Bench {
+ public:
+  Bench(const BenchOptions& options, const Progress& progress) : options_(options), progress_(progress) {}
+
+  BenchResults run() {
+    const std::vector<double> path_spacings_mm =
+        options_.spacings_mm.empty() ? std::vector<double>{0.1} : options_.spacings_mm;
+    const std::vector<double> step_spacings_mm =
+        options_.spacings_mm.empty() ? std::vector<double>{0.025} : options_.spacings_mm;
+    for (const double spacing_mm : path_spacings_mm) {
+      for (const WorkloadMotion motion : workload_motions()) {
+        if (has(options_.motions, name_of(motion))) run_motion(spacing_mm, motion);
+      }
+    }
+    for (const double spacing_mm : step_spacings_mm) {
+      for (const StepWorkload& step : step_workloads()) {
+        if (has(options_.motions, first_word(step.name))) run_step(spacing_mm, step);
+      }
+    }
+    return std::move(results_);
+  }
+
+ private:
+  PointVolume& volume_of(double spacing_mm) {
+    if (!volume_ || volume_->pattern().spacing_mm() != spacing_mm) {
+      volume_.reset();
+      progress_.report("making points", 0.0);
+      volume_.emplace(workload_volume(spacing_mm, options_.hu_bits == 8 ? HuBits::eight : HuBits::sixteen));
+    }
+    return *volume_;
+  }
+
+  void run_motion(double spacing_mm, WorkloadMotion motion) {
+    PointVolume& volume = volume_of(spacing_mm);
+    const std::vector<Pose> poses = workload_poses(motion, options_.seed);
+    for (const double diameter_mm : options_.diameters_mm) {
+      const std::size_t first = results_.runs.size();
+      for (const BenchEngine& engine : bench_engines()) {
+        if (!has(options_.engines, engine.name)) continue;
+        const EngineRun run{engine.make, workload_path(diameter_mm).bit, poses};
+        for (const int threads : options_.threads) {
+          const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads));
+          std::ostringstream stage;
+          stage << engine.name << ", " << name_of(motion) << ", " << diameter_mm << " mm";
+          BenchResult result{engine.name,          motion, diameter_mm, spacing_mm, engine.uses_threads ? threads : 1,
+                             volume.point_count(), {}};
+          const WindowOptions windows{.cycles = options_.window, .finer_curve = !options_.plot_file.empty()};
+          result.measured = engine.runs_whole_path
+                                ? measure_whole_path(run, volume, costs_, progress_, stage.str())
+                                : measure_windows(run, volume, costs_, windows, progress_, stage.str());
+          check_same_points(result, first);
+          results_.runs.push_back(std::move(result));
+          if (!engine.uses_threads) break;
+        }
+      }
+    }
+  }
+
+  /// Whole paths of one workload, from results_.runs[first] on, must leave the same points alive.
+  void check_same_points(const BenchResult& result, std::size_t first) const {
+    if (!result.measured.is_whole_path) return;
+    for (std::size_t n = first; n < results_.runs.size(); ++n) {
+      const BenchResult& other = results_.runs[n];
+      if (!other.measured.is_whole_path || other.measured.alive_hash == result.measured.alive_hash) continue;
+      fail("bench: expected the same points alive after ", name_of(result.motion), " with a bit of ",
+           result.diameter_mm, " mm, found that ", result.engine, " (", result.threads, " threads) and ", other.engine,
+           " (", other.threads, " threads) differ");
+    }
+  }
+
+  /// Numbers of threads take turns, so that what else the machine does falls on all of them.
+  void run_step(double spacing_mm, const StepWorkload& step) {
+    constexpr std::size_t kRepeats = 5;
+    PointVolume& volume = volume_of(spacing_mm);
+    const std::array<Pose, 2> poses{step.from, step.to};
+    const std::size_t first = results_.steps.size();
+    for (const BenchEngine& engine : bench_engines()) {
+      // The others take seconds a step and never share it out.
+      if (!engine.uses_threads || !has(options_.engines, engine.name)) continue;
+      const std::size_t own = results_.steps.size();
+      for (const int threads : options_.threads) {
+        results_.steps.push_back({engine.name, std::string(step.name), spacing_mm, threads, {}});
+      }
+      const std::string stage = engine.name + ", " + std::string(step.name);
+      ProgressCounter counter(progress_, stage, kRepeats * options_.threads.size());
+      for (std::size_t repeat = 0; repeat < kRepeats; ++repeat) {
+        for (std::size_t n = own; n < results_.steps.size(); ++n) {
+          BenchStepResult& result = results_.steps[n];
+          const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(result.threads));
+          result.repeats.push_back(measure_step({engine.make, step.bit, poses}, volume));
+          if (result.repeats.back().alive_hash != results_.steps[first].repeats.front().alive_hash) {
+            fail("bench: expected the same points alive after ", step.name, ", found that ", engine.name, " with ",
+                 result.threads, " threads differs");
+          }
+          counter.add();
+        }
+      }
+    }
+  }
+
+  const BenchOptions& options_;
+  const Progress& progress_;
+  const ClockCosts costs_ = measure_clock_costs();
+  std::optional<PointVolume> volume_;
+  BenchResults results_;
+};
+
+Json run_bench(const BenchOptions& options, const Progress& progress) {
+  // Files that cannot be written are refused before the work.
+  StagedOutput output;
+  std::filesystem::path staged_json;
+  std::filesystem::path staged_plot;
+  if (!options.json_file.empty()) staged_json = output.stage(options.json_file);
+  if (!options.plot_file.empty()) staged_plot = output.stage(options.plot_file);
+
+  const std::string where = machine();
+  const BenchResults results = Bench(options, progress).run();
+  std::printf("%s; spinaltap %s; seed %llu\n\n%s", where.c_str(), version(),
+              static_cast<unsigned long long>(options.seed), bench_tables(results, options.is_markdown).c_str());
+  Json figures{{"machine", where},
+               {"version", version()},
+               {"seed", options.seed},
+               {"hu_bits", options.hu_bits},
+               {"window_cycles", options.window}};
+  figures.update(to_json(results));
+  if (!staged_json.empty()) write_whole_file(staged_json, figures.dump(2) + "\n");
+  if (!staged_plot.empty()) write_whole_file(staged_plot, bench_page(results, where));
+  output.commit();
+  return figures;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& program, Command& command) {
+  const auto options = std::make_shared<BenchOptions>();
+  options->engines = all_engines();
+  options->motions = all_motions();
+  CLI::App* bench = program.add_subcommand("bench", "Measure on this machine");
+  bench->require_subcommand(1);
+  CLI::App* app = add_command(
+      *bench, command, "drill", "Measure the drilling engines on the paper's workload",
+      "Example: spinaltap bench drill --motion hand,on-path --diameter 3.06 -o bench.json --plot bench.html\n"
+      "The cylinder has a radius of 3 mm and a length of 37.8 mm: 986,958 points at 0.1 mm, 64,775,592 at 0.025 mm\n"
+      "(75 MB). Rates are cycles per second of CPU time; times are microseconds. `reference` and `arc` are slow: they\n"
+      "are timed in windows of --window cycles. With the defaults it takes some minutes.");
+  // This command has lists of threads, and writes its JSON together with the plot.
+  app->remove_option(app->get_option("--threads"));
+  app->remove_option(app->get_option("--json"));
+  app->add_option("-o,--json", options->json_file, "Write the figures to this file as JSON")->type_name("FILE");
+  app->add_option("--plot", options->plot_file, "Write the paper's figures 20 and 21, drawn anew, to this HTML file")
+      ->type_name("FILE");
+  app->add_option("--engine", options->engines, "Engines to measure")
+      ->delimiter(',')
+      ->check(CLI::IsMember(all_engines()))
+      ->capture_default_str()
+      ->type_name("NAME,...");
+  app->add_option("--motion", options->motions, "Motions along the path, and long steps (burr, sideways)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(all_motions()))
+      ->capture_default_str()
+      ->type_name("NAME,...");
+  app->add_option("--diameter", options->diameters_mm, "Diameters of the bit, mm")
+      ->delimiter(',')
+      ->check(CLI::Range(0.1, 6.0))
+      ->capture_default_str()
+      ->type_name("MM,...");
+  app->add_option("--spacing", options->spacings_mm,
+                  "Distances between points, mm; default: 0.1, and 0.025 for long steps")
+      ->delimiter(',')
+      ->check(CLI::Range(0.02, 1.0))
+      ->type_name("MM,...");
+  app->add_option("--threads", options->threads, "Numbers of threads, for engines that share out work")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str()
+      ->type_name("N,...");
+  app->add_option("--hu-bits", options->hu_bits, "Bits of a point's CT number: 8 or 16")
+      ->check(CLI::IsMember({8, 16}))
+      ->capture_default_str()
+      ->type_name("N");
+  app->add_option("--window", options->window, "Cycles of a window, for slow engines")
+      ->check(CLI::Range(1, 1800))
+      ->capture_default_str()
+      ->type_name("N");
+  app->add_option("--seed", options->seed, "Of the hand's tremor")->capture_default_str()->type_name("N");
+  app->add_flag("--markdown", options->is_markdown, "Print the tables as Markdown");
+
+  command.run = [options](const Progress& progress) { return run_bench(*options, progress); };
+}
+
+}  // namespace spinaltap

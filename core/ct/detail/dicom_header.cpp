@@ -1,0 +1,173 @@
+#include "core/ct/detail/dicom_header.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/ct/detail/dicom_frames.h"
+#include "core/ct/detail/dicom_values.h"
+
+namespace spinaltap {
+namespace {
+
+/// CT Image Storage, Enhanced CT, Legacy Converted Enhanced CT.
+bool is_ct_class(const std::string& uid) {
+  const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
+  return uid == ct || uid == ct + ".1" || uid == ct + ".2";
+}
+
+/// What a file says, while it is read.
+struct Reading {
+  DicomElementWalker walker;
+  DicomHeader header;
+  DicomFrameGroups groups;
+  DicomPixelData pixels;
+
+  bool take(const DicomElement& element);
+  void take_pixels(const DicomElement& element);
+  std::string text(const DicomElement& element) { return dicom_text(walker.value(element)); }
+  std::vector<double> decimals(const DicomElement& element) { return dicom_decimals(walker.value(element)); }
+  std::uint32_t number(const DicomElement& element) {
+    return dicom_unsigned(walker.value(element), walker.is_big_endian());
+  }
+  /// As number(), small enough for an int.
+  int small(const DicomElement& element) {
+    return static_cast<int>(std::min<std::uint32_t>(number(element), std::numeric_limits<int>::max()));
+  }
+};
+
+void Reading::take_pixels(const DicomElement& element) {
+  header.encapsulated = element.undefined_length;
+  header.big_endian = walker.is_big_endian();
+  header.swapped_bytes = header.big_endian && !element.is_bytes;
+  if (walker.is_deflated()) header.deflated_at = walker.data_set_offset();
+  if (header.encapsulated) {
+    pixels.encapsulated = walker.fragments();
+  } else {
+    pixels.plain = {element.offset, element.length};
+  }
+}
+
+/// Takes what the element says; false for the pixels, after which nothing of interest comes.
+bool Reading::take(const DicomElement& element) {
+  switch (element.tag) {
+    case 0x00020002:
+      header.sop_class = text(element);
+      return true;
+    case 0x00020010:
+      header.transfer_syntax = text(element);
+      walker.set_transfer_syntax(header.transfer_syntax);
+      return true;
+    case 0x00080016:
+      if (std::string uid = text(element); !uid.empty()) header.sop_class = std::move(uid);
+      return true;
+    case 0x00080060:
+      header.modality = text(element);
+      return true;
+    case 0x0020000e:
+      header.series_uid = text(element);
+      return true;
+    case 0x00200032:
+      header.position_mm = decimals(element);
+      return true;
+    case 0x00200037:
+      header.orientation = decimals(element);
+      return true;
+    case 0x00280002:
+      header.samples = small(element);
+      return true;
+    case 0x00280004:
+      header.photometric = text(element);
+      return true;
+    case 0x00280008:
+      groups.frame_count = decimals(element);
+      return true;
+    case 0x00280010:
+      header.rows = small(element);
+      return true;
+    case 0x00280011:
+      header.columns = small(element);
+      return true;
+    case 0x00280030:
+      header.pixel_spacing_mm = decimals(element);
+      return true;
+    case 0x00280100:
+      header.bits_allocated = small(element);
+      return true;
+    case 0x00280101:
+      header.bits_stored = small(element);
+      return true;
+    case 0x00280102:
+      header.high_bit = small(element);
+      return true;
+    case 0x00280103:
+      header.is_signed = number(element) != 0;
+      return true;
+    case 0x00280120:
+      if (element.length > 0)
+        header.padding = number(element);
+      else
+        walker.skip(element);
+      return true;
+    case 0x00280121:
+      if (element.length > 0)
+        header.padding_limit = number(element);
+      else
+        walker.skip(element);
+      return true;
+    case 0x00281052:
+      header.rescale_intercept = decimals(element);
+      return true;
+    case 0x00281053:
+      header.rescale_slope = decimals(element);
+      return true;
+    case 0x52009229:
+      groups.shared = read_functional_groups(walker, element);
+      return true;
+    case 0x52009230:
+      groups.per_frame = read_functional_groups(walker, element);
+      return true;
+    case 0x7fe00010:
+      take_pixels(element);
+      return false;
+    default:
+      walker.skip(element);
+      return true;
+  }
+}
+
+std::string with_frame(const std::string& name, const DicomHeader& header) {
+  return header.frames > 1 ? name + ", frame " + std::to_string(header.frame + 1) : name;
+}
+
+}  // namespace
+
+std::string name_of(const DicomHeader& header) { return with_frame(header.file.filename().string(), header); }
+std::string path_of(const DicomHeader& header) { return with_frame(header.file.string(), header); }
+
+std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file) {
+  Reading reading;
+  if (!reading.walker.open(file)) return {};
+  DicomHeader& header = reading.header;
+  header.file = file;
+  const auto may_be_ct = [&] {
+    return is_ct_class(header.sop_class) || header.modality == "CT" ||
+           (header.sop_class.empty() && header.modality.empty());
+  };
+  try {
+    for (DicomElement element; reading.walker.next(element) && reading.take(element);) {
+    }
+    const bool is_image = header.rows >= 0 && header.columns >= 0;
+    if (is_image) return split_into_frames(header, reading.groups, reading.pixels);
+  } catch (const Error&) {
+    if (may_be_ct()) throw;
+    return {};
+  }
+  // Other objects of modality CT have no pixels: structured reports, raw data.
+  if (is_ct_class(header.sop_class) || (header.sop_class.empty() && may_be_ct())) {
+    fail("expected Rows and Columns of a CT slice, found none (file cut short?) in ", file.string());
+  }
+  return {};
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,99 @@
+#include "core/engine/detail/nearest_point.h"
+
+namespace spinaltap::detail {
+namespace {
+
+/// Beyond all that is drilled: 10 m.
+constexpr double kFarMm = 1e4;
+
+}  // namespace
+
+NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : approach_(approach) {
+  const AxisLine& line = approach.line;
+  x_mm_ = line.x_mm + z_mm * line.x_slope;
+  y_mm_ = line.y_mm + z_mm * line.y_slope;
+  back_mm_ = line.back_mm + z_mm * line.back_slope;
+  size_mm_ = approach.radius_mm;
+  squeeze_ = approach.along;
+  surely_free_mm_ = approach.reach_mm;
+  if (approach.is_tight) {
+    const double cone_mm = approach.offset_mm + approach.slope * back_mm_;
+    ellipse_ = &approach.cylinder;
+    if (cone_mm < approach.radius_mm) {
+      ellipse_ = &approach.cone;
+      surely_free_mm_ = (approach.reach_mm + approach.slope * approach.bit.back_mm()) * ellipse_->growth();
+      size_mm_ = ellipse_->gain * cone_mm;
+      x_mm_ -= ellipse_->shift_x * cone_mm;
+      y_mm_ -= ellipse_->shift_y * cone_mm;
+    }
+    squeeze_ = ellipse_->squeeze;
+    surely_free_mm_ = std::min(surely_free_mm_, most_passed_mm());
+  } else {
+    // Of other bits, what is further along the axis than a certificate is long does not matter to this disc.
+    const auto [first_mm, last_mm] = backs_mm();
+    const double widest_mm = approach.bit.profile().widest_mm(first_mm - kLongestMm, last_mm + kLongestMm);
+    size_mm_ = widest_mm < 0.0 ? -kFarMm : widest_mm;
+  }
+  off_axis_mm_ = std::sqrt(x_mm_ * x_mm_ + y_mm_ * y_mm_);
+  not_quite_per_squeeze_ = (1.0 - 1e-7) / squeeze_;
+  touched_mm_ = (size_mm_ + surely_free_mm_) / squeeze_;
+  improve(kLongestMm);
+}
+
+bool NearestPoint::removes(const Vec3& p, double z_mm) noexcept {
+  const Approach& a = approach_;
+  const Vec3 from_tip = p - a.bit.to().tip_mm;
+  const double back_mm = -from_tip.dot(a.axis);
+  const double off_axis_squared = std::max(0.0, from_tip.squaredNorm() - back_mm * back_mm);
+  const BitProfile& profile = a.bit.profile();
+  if (profile.contains(back_mm, off_axis_squared)) return true;
+  double from_bound_mm = 0.0;
+  if (ellipse_ != nullptr) {
+    // A point out of the disc's plane lies in another, where the middle is elsewhere and the cone of another size.
+    const double out_mm = p.z() - z_mm;
+    double x = p.x() - x_mm_ - out_mm * a.line.x_slope;
+    double y = p.y() - y_mm_ - out_mm * a.line.y_slope;
+    double size_mm = size_mm_;
+    if (ellipse_ == &a.cone && out_mm != 0.0) {
+      const double wider_mm = a.slope * out_mm * a.line.back_slope;
+      x += ellipse_->shift_x * wider_mm;
+      y += ellipse_->shift_y * wider_mm;
+      size_mm += ellipse_->gain * wider_mm;
+    }
+    from_bound_mm = ellipse_->off_centre(x, y, a.axis) - size_mm;
+    if (from_bound_mm <= surely_free_mm_ && a.bit.contains(p)) return true;
+  } else {
+    if (a.bit.contains(p)) return true;
+    const double off_axis_mm = std::sqrt(off_axis_squared);
+    if (off_axis_mm - size_mm_ >= best_mm_) return false;
+    from_bound_mm = profile.distance_mm(back_mm, off_axis_mm);
+  }
+  improve(from_bound_mm);
+  return false;
+}
+
+std::pair<double, double> NearestPoint::backs_mm() const noexcept {
+  const Approach& a = approach_;
+  const double spread_mm = (a.sine * (a.radius_mm + kLongestMm + a.reach_mm) + a.reach_mm) / a.along;
+  return {back_mm_ - spread_mm - a.bit.forth_mm(), back_mm_ + spread_mm + a.bit.back_mm()};
+}
+
+double NearestPoint::most_passed_mm() const noexcept {
+  const Approach& a = approach_;
+  const SweptBit& bit = a.bit;
+  const double across_mm = bit.across_mm();
+  const auto [first_mm, last_mm] = backs_mm();
+  const double neck_mm = (a.radius_mm - a.offset_mm) / a.slope;
+  double least_radius_mm = a.radius_mm;
+  if (ellipse_ == &a.cylinder) {
+    if (!(first_mm > neck_mm && last_mm < bit.profile().length_mm())) return HUGE_VAL;
+  } else {
+    if (!(first_mm > 0.0 && last_mm < neck_mm)) return HUGE_VAL;
+    least_radius_mm = a.offset_mm + a.slope * first_mm;
+  }
+  if (!(least_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
+  const double bend_mm = across_mm * across_mm / (2.0 * (least_radius_mm - across_mm));
+  return (bend_mm + kSpareMm) * ellipse_->growth();
+}
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,115 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/engine/detail/disc_certificates.h"
+#include "core/engine/detail/disc_ellipse.h"
+#include "core/tool/swept_bit.h"
+
+namespace spinaltap::detail {
+
+/// No certificate is longer: to look for a nearest point further out costs more than to look again.
+constexpr double kLongestMm = 0.5;
+/// Rounding and SweptBit's skin, with room.
+constexpr double kSpareMm = 1e-5;
+/// What certificates are shorter by than the gap: skin, float, and the walk's shortened reach.
+constexpr double kMarginMm = 5e-6;
+
+/// What a bit at the end of its way is to all discs.
+struct Approach {
+  const SweptBit& bit;
+  Vec3 axis;
+  double along;  ///< |cosine| of the tilt
+  double sine;
+  double radius_mm, slope, offset_mm;  ///< of the bounding cylinder and cone
+  double reach_mm;                     ///< across the axis, by the way alone
+  DiscEllipse cylinder, cone;
+  bool is_tight;  ///< cylinder and cone are the bit, and both meet discs in ellipses
+  AxisLine line;
+
+  Approach(const SweptBit& swept, double out_of_plane_mm)
+      : bit(swept),
+        axis(swept.to().axis),
+        along(std::abs(axis.z())),
+        sine(std::sqrt(axis.x() * axis.x() + axis.y() * axis.y())),
+        radius_mm(swept.profile().radius_mm()),
+        slope(swept.profile().cone_slope()),
+        offset_mm(swept.profile().cone_offset_mm()),
+        reach_mm(swept.across_mm() + out_of_plane_mm + kSpareMm),
+        cylinder(axis, 0.0),
+        cone(axis, slope),
+        is_tight(swept.profile().is_cone_and_cylinder() && cylinder.is_ellipse() && cone.is_ellipse()) {
+    const Vec3& tip_mm = swept.to().tip_mm;
+    line.x_slope = axis.x() / axis.z();
+    line.y_slope = axis.y() / axis.z();
+    line.x_mm = tip_mm.x() - tip_mm.z() * line.x_slope;
+    line.y_mm = tip_mm.y() - tip_mm.z() * line.y_slope;
+    line.back_mm = tip_mm.z() / axis.z();
+    line.back_slope = -1.0 / axis.z();
+  }
+};
+
+/// A bound of the bit in one disc, and the nearest living point to it so far.
+class NearestPoint {
+ public:
+  /// Of the disc at z along the path.
+  NearestPoint(const Approach& approach, double z_mm) noexcept;
+
+  /// The bound's middle in the disc's plane.
+  double x_mm() const { return x_mm_; }
+  double y_mm() const { return y_mm_; }
+  double off_axis_mm() const { return off_axis_mm_; }
+  double turns() const { return std::atan2(y_mm_, x_mm_) / (2.0 * std::numbers::pi); }
+  /// Points further from the middle are not reached by the step.
+  double touched_mm() const { return touched_mm_; }
+  /// Points further from the middle are neither reached nor nearer to the bound than the nearest so far.
+  double reach_mm() const { return reach_mm_; }
+
+  /// There is, or may be, a living point at this distance from the middle, and none nearer among those it speaks for.
+  void add_distance(double middle_mm) { improve(squeeze_ * middle_mm - size_mm_); }
+
+  /// Whether the step removes p; where not, it may be the nearest.
+  bool removes(const Vec3& p, double z_mm) noexcept;
+
+  double free_mm() const { return best_mm_ - kMarginMm - (ellipse_ == &approach_.cylinder ? 0.0 : kSpareMm); }
+  double back_share() const {
+    if (ellipse_ == nullptr) return 1.0;
+    return ellipse_ == &approach_.cone ? approach_.slope * ellipse_->growth() : 0.0;
+  }
+
+ private:
+  /// How far back from the tip all points of the disc in the bit's reach lie, all the way.
+  std::pair<double, double> backs_mm() const noexcept;
+
+  /// How far from the bound a point may lie that lived at the step's start and was passed on the way; infinite where
+  /// that is not known.
+  ///
+  /// Where only the cone, or only the cylinder, is met all the way, the distance f to it along the chord is convex,
+  /// with f'' of at most across² / radius. At the step's start f was above 0, or the point were dead. To be below 0 on
+  /// the way it must fall first, so at the end it is at most f'' / 2: nanometres for a hand's micrometres.
+  double most_passed_mm() const noexcept;
+
+  void improve(double distance_mm) {
+    if (!(distance_mm < best_mm_)) return;
+    best_mm_ = distance_mm;
+    // Points as near as the best, but for rounding, are not looked at: often a whole ring lies equally far.
+    reach_mm_ = std::max(touched_mm_, (best_mm_ + size_mm_) * not_quite_per_squeeze_);
+  }
+
+  const Approach& approach_;
+  const DiscEllipse* ellipse_ = nullptr;  ///< of the bound that says most here; none for a bit that is neither
+  double x_mm_, y_mm_, back_mm_;
+  double off_axis_mm_;
+  double size_mm_;  ///< of the bound, from its middle
+  double squeeze_;  ///< distances from the bound grow at least by this with those from the middle
+  double not_quite_per_squeeze_;
+  double surely_free_mm_;  ///< points further than this from the bound survive
+  double touched_mm_;
+  double best_mm_ = HUGE_VAL;  ///< from the bound
+  double reach_mm_ = 0.0;
+};
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/engine/drill_engine.h"
+#include "core/tool/swept_bit.h"
+
+namespace spinaltap {
+
+/// Sums over removed points. Whole numbers: neither order nor threads change them.
+struct Removal {
+  std::size_t removed = 0;
+  std::size_t tested = 0;
+  std::int64_t hu = 0;
+  std::int64_t parts = 0;                ///< of volume, see PointParts
+  std::int64_t pressure = 0;             ///< parts times units of PressureTable
+  std::array<std::int64_t, 3> moment{};  ///< those times whole places, path-local
+
+  void add(const Removal& other) {
+    removed += other.removed;
+    tested += other.tested;
+    hu += other.hu;
+    parts += other.parts;
+    pressure += other.pressure;
+    for (std::size_t n = 0; n < 3; ++n) moment[n] += other.moment[n];
+  }
+};
+
+/// What points stand for, in whole parts: the volumes of a disc's centre and of any other point are as 3 to 4 on rings
+/// (see DiscPattern), and the same on hexagons.
+struct PointParts {
+  explicit PointParts(const DiscPattern& pattern);
+  std::array<std::int64_t, 2> parts;  ///< of a centre, of another point
+  double part_mm3;
+};
+
+/// Where points are, path-local, in whole places: so fine, and so coarse that no step's moment overflows.
+struct PointPlaces {
+  PointPlaces(const PointVolume& volume, const PressureTable& pressure);
+  std::int64_t nearest(double mm) const noexcept;
+
+  double per_mm;
+  std::vector<std::array<std::int32_t, 2>> of_points;  ///< of a disc, x and y
+  std::vector<std::int32_t> of_discs;                  ///< z
+};
+
+/// What all engines on one PointVolume share: poses, pieces of the way, and what removing comes to.
+class VolumeEngine : public DrillEngine {
+ public:
+  /// Throws Error on a bad bit or material.
+  VolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material);
+
+  StepResult step(const Pose& pose) noexcept final;
+  void lift() noexcept final { is_placed_ = false; }
+  std::size_t memory_bytes() const override;
+
+ protected:
+  /// Removes every living point that the bit passes (path-local coordinates).
+  virtual void remove(const SweptBit& bit, Removal& removal) noexcept = 0;
+
+  void kill(int disc, std::size_t index, Removal& removal) noexcept {
+    volume_.set_alive(disc, index, false);
+    account(disc, index, removal);
+  }
+  /// Counts a point that has been marked dead already.
+  void account(int disc, std::size_t index, Removal& removal) const noexcept {
+    const std::int16_t hu = volume_.hu(disc, index);
+    const std::int64_t parts = parts_.parts[index == 0 ? 0 : 1];
+    const std::int64_t pressure = parts * pressure_.units(hu);
+    ++removal.removed;
+    removal.hu += hu;
+    removal.parts += parts;
+    removal.pressure += pressure;
+    if (volume_.out_of_plane_mm() > 0.0) return account_moved(disc, index, pressure, removal);
+    const std::array<std::int32_t, 2>& across = places_.of_points[index];
+    removal.moment[0] += pressure * across[0];
+    removal.moment[1] += pressure * across[1];
+    removal.moment[2] += pressure * places_.of_discs[static_cast<std::size_t>(disc)];
+  }
+  /// First and last disc that the bit may reach; the last before the first where there is none.
+  std::pair<int, int> discs_within(const SweptBit& bit) const noexcept;
+
+  PointVolume& volume_;
+
+ private:
+  /// The moment of a point that is not where its indices say: a jittered one.
+  void account_moved(int disc, std::size_t index, std::int64_t pressure, Removal& removal) const noexcept;
+  StepResult result_of(const Removal& removal, const Vec3& tip_path_mm) const noexcept;
+
+  BitProfile profile_;
+  BitProfile grown_;
+  PressureTable pressure_;
+  PointParts parts_;
+  PointPlaces places_;
+  Pose pose_;  ///< path-local
+  bool is_placed_ = false;
+};
+
+}  // namespace spinaltap

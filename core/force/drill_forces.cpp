@@ -1,0 +1,282 @@
+// Forces from the energy of what was cut; docs/forces.md derives them.
+//
+// Energy is shared out between two ways of the tip: along the bit's axis into fresh bone, and across it. What the
+// section times the fresh advance holds goes to the first, the rest to the second. A hand's tremor, which goes across
+// faster than the feed, thus neither thins nor swells the thrust.
+
+#include "core/force/drill_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/force/detail/bit_shell.h"
+#include "core/force/detail/lattice_section.h"
+#include "core/force/detail/tip_bone.h"
+#include "core/force/detail/way_average.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kWholeTurn = 2.0 * std::numbers::pi;
+/// Of the tip's speed. Short of what a hand feels as delay, longer than a device's noise from pose to pose.
+constexpr double kSpeedFilterS = 0.005;
+/// The shortest boxes of averaging, mm.
+constexpr double kLeastBoxMm = 0.2;
+/// Below this feed per turn the chisel edge does not press with all of its force: a bit at rest presses with none.
+constexpr double kChiselFeedMm = 1e-3;
+/// A bit that went back feels nothing until it is so near its deepest place again.
+constexpr double kFreshMm = 0.02;
+
+double chisel_radius_mm(const DrillBit& bit, const Material& material) {
+  const bool has_edge = bit.shape == BitShape::drill && bit.tip_diameter_mm > 0.0;
+  return has_edge ? 0.5 * bit.tip_diameter_mm : 0.5 * material.chisel_share * bit.diameter_mm;
+}
+
+double section_mm2(const DrillBit& bit) { return std::numbers::pi * bit.radius_mm() * bit.radius_mm(); }
+
+/// The energy of a feed over that of the reference feed, times the feed, mm.
+double feed_times_factor_mm(double feed_mm, double reference_mm, double exponent) {
+  return feed_mm > 0.0 ? feed_mm * std::pow(feed_mm / reference_mm, -exponent) : 0.0;
+}
+
+double chisel_share_of(double feed_mm) { return std::clamp(feed_mm / kChiselFeedMm, 0.0, 1.0); }
+
+/// A way along an axis, less what only makes up for an earlier retreat.
+class FreshAdvance {
+ public:
+  void reset() noexcept { *this = FreshAdvance(); }
+  /// How much of an advance goes into fresh bone. `removed_mm` of advance would have cut what this step did.
+  double take(double advance_mm, const Vec3& tip_mm, const Vec3& axis, double radius_mm, double removed_mm) noexcept {
+    if (retreat_mm_ > 0.0) {
+      // Aside by more than the hole's radius there is another place to drill; and bone that is cut is fresh.
+      const Vec3 from_mm = tip_mm - left_mm_;
+      if ((from_mm - from_mm.dot(axis) * axis).norm() > radius_mm) retreat_mm_ = 0.0;
+      retreat_mm_ = std::max(0.0, retreat_mm_ - removed_mm);
+    }
+    if (advance_mm <= 0.0) {
+      if (retreat_mm_ == 0.0) left_mm_ = tip_mm;
+      retreat_mm_ -= advance_mm;
+      return 0.0;
+    }
+    const double fresh_mm = std::max(0.0, advance_mm - retreat_mm_);
+    retreat_mm_ = std::max(0.0, retreat_mm_ - advance_mm);
+    return fresh_mm;
+  }
+  double retreat_mm() const { return retreat_mm_; }
+
+ private:
+  double retreat_mm_ = 0.0;
+  Vec3 left_mm_ = Vec3::Zero();
+};
+
+/// What the section of points that a bit cuts lacks to the bit's own, where it stays at one place across the discs.
+class SectionRepair {
+ public:
+  void reset() noexcept { *this = SectionRepair(); }
+  double factor(const BonePoints& bone, const Pose& pose, double back_mm, double radius_mm, double way_mm) noexcept {
+    const std::size_t volume = bone.volume_at(pose.tip_mm.z() - back_mm * pose.axis.z());
+    const PointVolume& points = bone.volume(volume);
+    const double spacing_mm = points.pattern().spacing_mm();
+    const Eigen::Vector2d place_mm = pose.tip_mm.head<2>();
+    still_mm_ += way_mm;
+    if (is_placed_ && !((place_mm - anchor_mm_).norm() <= kStill * spacing_mm)) {
+      still_mm_ = 0.0;
+      is_placed_ = false;
+    }
+    if (!is_placed_) {
+      is_placed_ = true;
+      anchor_mm_ = place_mm;
+    }
+    // Where it moves, or where points are jittered, sections differ from disc to disc and average out.
+    if (still_mm_ < spacing_mm || points.out_of_plane_mm() > 0.0) return 1.0;
+    if (volume != volume_ || !((place_mm - counted_mm_).norm() <= kSameMm)) {
+      counted_mm_ = place_mm;
+      volume_ = volume;
+      factor_ =
+          section_over_points(points.pattern(), radius_mm, place_mm.norm(), std::atan2(place_mm.y(), place_mm.x()));
+    }
+    return factor_;
+  }
+
+ private:
+  static constexpr double kStill = 0.02;   ///< spacings
+  static constexpr double kSameMm = 1e-9;  ///< poses in patient coordinates round by 1e-13
+
+  bool is_placed_ = false;
+  double still_mm_ = 1e9;  ///< way since the anchor was left
+  Eigen::Vector2d anchor_mm_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d counted_mm_ = Eigen::Vector2d::Constant(1e9);
+  std::size_t volume_ = 0;
+  double factor_ = 1.0;
+};
+
+}  // namespace
+
+double FeedResistance::thrust_n(double feed_mm_per_turn) const noexcept {
+  return lips_n / reference_feed_mm * feed_times_factor_mm(feed_mm_per_turn, reference_feed_mm, feed_exponent) +
+         chisel_n * chisel_share_of(feed_mm_per_turn);
+}
+
+double FeedResistance::torque_n_mm(double feed_mm_per_turn) const noexcept {
+  return lips_n_mm / reference_feed_mm * feed_times_factor_mm(feed_mm_per_turn, reference_feed_mm, feed_exponent);
+}
+
+FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, double energy_n, double chisel_mpa) {
+  const double edge_mm = chisel_radius_mm(bit, material);
+  FeedResistance resistance;
+  resistance.reference_feed_mm = material.reference_feed_mm;
+  resistance.feed_exponent = material.feed_exponent;
+  resistance.lips_n_mm = energy_n * material.reference_feed_mm / kWholeTurn;
+  resistance.lips_n = material.lip_thrust_share * 2.0 * resistance.lips_n_mm / bit.radius_mm();
+  resistance.chisel_n = chisel_mpa * std::numbers::pi * edge_mm * edge_mm;
+  return resistance;
+}
+
+FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu) {
+  check_bit(bit);
+  check_material(material);
+  return resistance_of_cut(bit, material, material.cutting_pressure_mpa(hu) * section_mm2(bit),
+                           material.chisel_pressure_mpa(hu));
+}
+
+struct DrillForces::State {
+  State(std::span<const PointVolume> volumes, const DrillBit& drill_bit, const Material& drilled)
+      : bit(drill_bit),
+        material(drilled),
+        bone(volumes, drilled),
+        tip(bone, chisel_radius_mm(drill_bit, drilled)),
+        shell(bone, drill_bit),
+        boxes(std::max(1.0, std::ceil(kLeastBoxMm / bone.widest_spacing_mm() - 1e-9))),
+        axial(boxes * bone.widest_spacing_mm(), bins_of(boxes)),
+        across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {}
+
+  /// So few that a cycle is short, so many that a disc's points, which count as spread over a bin, come out even.
+  static int bins_of(double boxes) { return std::max(48, 8 * static_cast<int>(boxes)); }
+
+  void reset() noexcept {
+    axial.reset();
+    across.reset();
+    fresh.reset();
+    repair.reset();
+    budget_mm3 = 0.0;
+    velocity_mm_s.setZero();
+    is_placed = false;
+  }
+
+  void take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis, const Vec3& move_mm) noexcept;
+  void cut(const Pose& path_pose, const Vec3& axis, const Spindle& spindle, DrillForce& force) noexcept;
+
+  DrillBit bit;
+  Material material;
+  BonePoints bone;
+  TipBone tip;
+  BitShell shell;
+  double boxes;  ///< spacings in a box
+  WayAverage axial, across;
+  FreshAdvance fresh;
+  SectionRepair repair;
+  double budget_mm3 = 0.0;  ///< what the fresh advance may still cut
+  Vec3 velocity_mm_s = Vec3::Zero();
+  Vec3 tip_mm = Vec3::Zero();  ///< patient LPS
+  bool is_placed = false;
+};
+
+void DrillForces::State::take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis,
+                                   const Vec3& move_mm) noexcept {
+  const double area_mm2 = section_mm2(bit);
+  const double advance_mm = move_mm.dot(axis);
+  const double across_mm = (move_mm - advance_mm * axis).norm();
+  const double back_mm = bit.shape == BitShape::round_burr ? 0.5 * bit.radius_mm() : 0.5 * bit.tip_length_mm;
+  const double factor = repair.factor(bone, path_pose, back_mm, bit.radius_mm(), move_mm.norm());
+  const double removed_mm3 = factor * result.removed_mm3;
+  const double fresh_mm = fresh.take(advance_mm, tip_mm, axis, bit.radius_mm(), removed_mm3 / area_mm2);
+
+  // Discs die in bursts: up to two of them may be cut ahead of the advance that they stand for.
+  const double most_mm3 = 2.0 * bone.widest_spacing_mm() * area_mm2;
+  budget_mm3 = std::min(budget_mm3 + fresh_mm * area_mm2, most_mm3 + fresh_mm * area_mm2);
+  const double axial_mm3 = std::min(removed_mm3, budget_mm3);
+  budget_mm3 = std::min(budget_mm3 - axial_mm3, most_mm3);
+  const double axial_share = removed_mm3 > 0.0 ? axial_mm3 / removed_mm3 : 0.0;
+
+  WayAverage::Sums sums;
+  sums << factor * result.work_n_mm, factor * result.moment_n_mm2;
+  axial.add(fresh_mm, axial_share * sums);
+  across.add(across_mm, (1.0 - axial_share) * sums);
+}
+
+void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spindle& spindle,
+                             DrillForce& force) noexcept {
+  const double radius_mm = bit.radius_mm();
+  const double turns_per_s = spindle.rpm / 60.0;
+  const double advance_mm_s = velocity_mm_s.dot(axis);
+  const double advance_mm = std::max(0.0, advance_mm_s) / turns_per_s;
+  const double across_mm = (velocity_mm_s - advance_mm_s * axis).norm() / turns_per_s;
+  const double fresh_share = std::clamp(1.0 - fresh.retreat_mm() / kFreshMm, 0.0, 1.0);
+  const WayAverage::Sums along = fresh_share * axial.per_mm();
+  const WayAverage::Sums aside = across.per_mm();
+  const TipBone::Mean ahead = tip.ahead_of(path_pose);
+
+  force.tip_density_g_cm3 = ahead.density_g_cm3;
+  force.feed_mm_per_turn = velocity_mm_s.norm() / turns_per_s;
+  // A sharp tip that went back a little still has bone beside it: that is not pressed either.
+  force.resistance = resistance_of_cut(bit, material, along[0], fresh_share * ahead.chisel_mpa);
+  force.thrust_n = force.resistance.thrust_n(advance_mm);
+  const double reference_mm = material.reference_feed_mm;
+  const double along_mm = feed_times_factor_mm(advance_mm, reference_mm, material.feed_exponent);
+  const double aside_mm = feed_times_factor_mm(across_mm, reference_mm, material.feed_exponent);
+  force.torque_n_mm = (along[0] * along_mm + aside[0] * aside_mm) / kWholeTurn;
+
+  // The force along the cut, from the moment of the energy: exact where the lips cut evenly from the axis to the rim,
+  // and where they cut with the rim alone.
+  const double rim_mm2 = radius_mm * radius_mm;
+  const Vec3 moment = (3.0 * along_mm * along.tail<3>() + aside_mm * aside.tail<3>()) / (kWholeTurn * rim_mm2);
+  const Vec3 side_n = moment - moment.dot(axis) * axis;
+  const Vec3 with_turn_n = spindle.is_clockwise ? axis.cross(side_n) : side_n.cross(axis);
+  force.lateral_n = -with_turn_n - material.lip_thrust_share * side_n;
+}
+
+DrillForces::DrillForces(std::span<const PointVolume> volumes, const DrillBit& bit, const Material& material)
+    : state_(std::make_unique<State>(volumes, bit, material)) {}
+DrillForces::~DrillForces() = default;
+DrillForces::DrillForces(DrillForces&&) noexcept = default;
+
+void DrillForces::reset() noexcept { state_->reset(); }
+
+DrillForce DrillForces::update(const StepResult& result, const Pose& pose, double dt_s,
+                               const Spindle& spindle) noexcept {
+  State& state = *state_;
+  DrillForce force;
+  const double axis_length = pose.axis.norm();
+  if (!pose.tip_mm.allFinite() || !(std::abs(axis_length - 1.0) < 1e-6) || !(dt_s > 0.0) || !std::isfinite(dt_s)) {
+    return force;
+  }
+  const Vec3 axis = pose.axis / axis_length;
+  const Pose path_pose = state.bone.frame().to_path(Pose{pose.tip_mm, axis});
+  const Vec3 move_mm = state.is_placed ? Vec3(pose.tip_mm - state.tip_mm) : Vec3::Zero();
+  // What dies where the bit is first put was not cut on any way.
+  const bool was_placed = state.is_placed;
+  state.is_placed = true;
+  state.tip_mm = pose.tip_mm;
+  state.velocity_mm_s += dt_s / (kSpeedFilterS + dt_s) * (move_mm / dt_s - state.velocity_mm_s);
+
+  if (!(spindle.rpm > 0.0) || !std::isfinite(spindle.rpm)) {
+    // What was cut before says nothing of where the bit goes meanwhile.
+    state.axial.reset();
+    state.across.reset();
+    state.fresh.reset();
+    state.budget_mm3 = 0.0;
+    force.tip_density_g_cm3 = state.tip.ahead_of(path_pose).density_g_cm3;
+    const Vec3 contact_n = state.shell.contact_n(path_pose);
+    force.contact_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), contact_n}).axis;
+    force.force_n = force.contact_n;
+    return force;
+  }
+  if (was_placed) state.take_step(result, path_pose, axis, move_mm);
+  state.cut(path_pose, axis, spindle, force);
+  force.force_n = force.lateral_n - force.thrust_n * axis;
+  return force;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,214 @@
+#include "core/phantom/detail/make_spine.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/phantom/detail/level_anatomy.h"
+#include "core/phantom/detail/rib.h"
+#include "core/phantom/detail/sacrum.h"
+#include "core/phantom/detail/shape_solid.h"
+#include "core/phantom/vertebra_truth.h"
+
+namespace spinaltap {
+namespace {
+
+Vec3 mirrored(const Vec3& v) { return {-v.x(), v.y(), v.z()}; }
+
+/// The superior facet of the level below, in the frame of the one above: the mean of the left one and the right one's
+/// mirror image.
+FacetPlace facet_from_above(const PlacedLevel& above, const PlacedLevel& below) {
+  const FacetPlace facet = superior_facet(below.measures);
+  const Mat3 turn = above.rotation.transpose() * below.rotation;
+  const Vec3 shift = above.rotation.transpose() * (below.position_mm - above.position_mm);
+  const Vec3 left = turn * facet.centre_mm + shift;
+  const Vec3 right = mirrored(turn * mirrored(facet.centre_mm) + shift);
+  const Vec3 normal = turn * facet.normal + mirrored(turn * mirrored(facet.normal));
+  return {0.5 * (left + right), normal.normalized()};
+}
+
+void weaken(VertebraAnatomy& anatomy) {
+  anatomy.cortex = {1100.0, 0.4, 0.3, 0.5, 0.5};
+  anatomy.cancellous.body_hu = 45.0;
+  anatomy.cancellous.pedicle_hu = 90.0;
+  anatomy.cancellous.posterior_hu = 130.0;
+  anatomy.cancellous.texture_hu = 45.0;
+}
+
+std::shared_ptr<const Vertebra> make_vertebra(const SpineOptions& options, const std::vector<PlacedLevel>& placed,
+                                              std::size_t n) {
+  // How deep the inferior process would reach into the gap: enough for the cut to shape the whole facet.
+  constexpr double kShaped = 0.8;
+  const PlacedLevel& level = placed[n];
+  VertebraAnatomy anatomy = level_anatomy(level.measures);
+  if (n + 1 < placed.size()) {
+    aim_inferior_processes(anatomy, facet_from_above(level, placed[n + 1]), kShaped - options.facet_gap_mm);
+  }
+  anatomy.body.side_wedge_deg = level.side_wedge_deg;
+  if (options.osteoporosis) weaken(anatomy);
+  anatomy.cancellous.texture_seed = mix_bits(options.seed) + static_cast<std::uint64_t>(level.level);
+  anatomy.placement.position_mm = level.position_mm;
+  anatomy.placement.rotation_deg = rotation_in_degrees(level.rotation);
+  // Where the joint below lies high, the inferior process's fillet may reach the pedicle: it is made smaller.
+  constexpr int kMaxTries = 6;
+  for (int attempt = 1;; ++attempt) {
+    try {
+      return std::make_shared<const Vertebra>(anatomy);
+    } catch (const Error& error) {
+      if (attempt == kMaxTries) fail("spine phantom: ", level_name(level.level), ": ", error.what());
+      anatomy.inferior_articular.blend_mm *= 0.8;
+    }
+  }
+}
+
+std::vector<Pit> make_pits(const SpineOptions& options, const PlacedLevel& level) {
+  if (std::find(options.schmorl_nodes.begin(), options.schmorl_nodes.end(), level.level) == options.schmorl_nodes.end())
+    return {};
+  const LevelMeasures& m = level.measures;
+  const double side = 2.0 * random_uniform(options.seed, 5000 + static_cast<std::uint64_t>(level.level)) - 1.0;
+  const Vec3 own(0.15 * side * m.body_width_mm, 0.1 * m.body_depth_mm, 0.5 * m.body_height_mm);
+  return {{level.rotation * own + level.position_mm, 0.24 * m.body_height_mm}};
+}
+
+std::vector<ScrewRod> make_screws(const SpineOptions& options, const PlacedLevel& level, const Vertebra& vertebra) {
+  if (std::find(options.screws.begin(), options.screws.end(), level.level) == options.screws.end()) return {};
+  constexpr double kHeadMm = 9.0;  // outside the bone
+  constexpr double kWallMm = 0.5;  // of the pedicle left on each side of a screw
+  constexpr double kThinnestMm = 3.5;
+  const VertebraTruth truth = vertebra_truth(vertebra);
+  std::vector<ScrewRod> screws;
+  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+    const double diameter =
+        std::min(options.screw_diameter_mm, std::max(kThinnestMm, pedicle.width_mm - 2.0 * kWallMm));
+    screws.push_back({pedicle.entry_mm - kHeadMm * pedicle.axis, pedicle.target_mm, 0.5 * diameter});
+  }
+  return screws;
+}
+
+/// Rims that may have spurs: where they stand, seen from the middle of the body, degrees to the left of its front.
+constexpr std::array<double, 6> kSpurAngles{-80.0, -50.0, -20.0, 15.0, 45.0, 78.0};
+
+/// Spurs of one endplate; `side`: 1 for the upper one. Those that face each other across a disc have the same chance.
+std::vector<Spur> make_spurs(const SpineOptions& options, const std::vector<PlacedLevel>& placed, std::size_t n,
+                             double side) {
+  const PlacedLevel& level = placed[n];
+  if (!(options.osteophyte_mm > 0.0) || level.level == Level::kSacrum) return {};
+  const LevelMeasures& m = level.measures;
+  const std::size_t disc = side > 0.0 ? n : n + 1;  // counted from above the uppermost level
+  const bool faces = disc > 0 && disc < placed.size();
+  const Vec3 up = level.rotation.col(2);
+  std::vector<Spur> spurs;
+  for (std::size_t k = 0; k < kSpurAngles.size(); ++k) {
+    const std::uint64_t index = 7000 + 16 * disc + k;
+    if (!(random_uniform(options.seed, index) < options.osteophyte_share)) continue;
+    const double angle = kSpurAngles[k] * kDegree;
+    const double radius = options.osteophyte_mm * (0.7 + 0.3 * random_uniform(options.seed + 3, index));
+    const double share = 1.0 - 0.3 * radius / (0.5 * m.body_depth_mm);
+    const Vec3 rim(0.5 * share * m.body_width_mm * std::sin(angle), -0.5 * share * m.body_depth_mm * std::cos(angle),
+                   side * (0.5 * m.body_height_mm - 0.6 * radius));
+    Spur spur;
+    spur.radius_mm = radius;
+    spur.root_mm = level.rotation * rim + level.position_mm;
+    if (faces) {
+      const PlacedLevel& upper = placed[disc - 1];
+      const PlacedLevel& lower = placed[disc];
+      const Vec3 normal = (upper.rotation.col(2) + lower.rotation.col(2)).normalized();
+      const Vec3 top = upper.position_mm - 0.5 * upper.measures.body_height_mm * upper.rotation.col(2);
+      const Vec3 bottom = lower.position_mm + 0.5 * lower.measures.body_height_mm * lower.rotation.col(2);
+      spur.plane_normal = side * normal;
+      spur.plane_offset_mm = spur.plane_normal.dot(0.5 * (top + bottom)) - 0.5 * options.osteophyte_gap_mm;
+      spur.tip_mm = spur.root_mm + (0.6 * radius + 0.5 * (top - bottom).norm()) * side * normal;
+    } else {
+      spur.plane_normal = side * up;
+      spur.tip_mm = spur.root_mm + 0.8 * radius * side * up;
+      spur.plane_offset_mm = spur.plane_normal.dot(spur.tip_mm) + radius;
+    }
+    spurs.push_back(spur);
+  }
+  return spurs;
+}
+
+/// Length of a rib along its axis that is made, mm: enough to pass 60 mm from the midline.
+double rib_length_mm(int number, const SpineOptions& options) {
+  if (number == 12) return options.rib12_mm;
+  if (number == 11) return 150.0 * options.scale;
+  return (number == 1 ? 100.0 : 165.0) * options.scale;
+}
+
+void add_ribs(const SpineOptions& options, const std::vector<PlacedLevel>& placed, std::vector<SpinePart>& parts) {
+  constexpr ShellBone kHealthy{0.9, 1000.0, 160.0}, kWeak{0.5, 900.0, 60.0};
+  const std::size_t levels = placed.size();
+  for (std::size_t n = 0; n < levels; ++n) {
+    const int number = static_cast<int>(placed[n].level) - static_cast<int>(Level::kT1) + 1;
+    if (number < 1 || number > 12) continue;
+    const double disc_mm = n > 0 ? disc_height_mm(placed[n - 1], placed[n])
+                                 : level_measures(placed[n].level).disc_below_mm * options.scale;
+    const std::vector<Vec3> axis =
+        rib_axis(number, placed[n].measures, parts[n].vertebra->anatomy(), disc_mm, rib_length_mm(number, options));
+    const shapes::RibShape shape(axis, number, options.scale);
+    for (const double side : {1.0, -1.0}) {
+      SpinePart rib;
+      rib.label = kRibLabel;
+      rib.solid = std::make_shared<const ShapeSolid<shapes::RibShape>>(shape, placed[n].rotation, placed[n].position_mm,
+                                                                       side, options.osteoporosis ? kWeak : kHealthy);
+      for (std::size_t other = n > 0 ? n - 1 : 0; other <= std::min(n + 1, levels - 1); ++other) {
+        rib.cuts.push_back({other, options.rib_gap_mm});
+      }
+      parts.push_back(std::move(rib));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<SpinePart> make_parts(const SpineOptions& options, const std::vector<PlacedLevel>& placed) {
+  std::vector<SpinePart> parts;
+  for (std::size_t n = 0; n < placed.size(); ++n) {
+    SpinePart part;
+    part.label = static_cast<std::uint8_t>(placed[n].level);
+    if (placed[n].level == Level::kSacrum) {
+      part.solid = std::make_shared<const ShapeSolid<shapes::SacrumShape>>(
+          shapes::SacrumShape(placed[n].measures), placed[n].rotation, placed[n].position_mm, 1.0,
+          options.osteoporosis ? ShellBone{0.5, 900.0, 40.0} : ShellBone{1.0, 1000.0, 140.0});
+    } else {
+      part.vertebra = make_vertebra(options, placed, n);
+      std::vector<Pit> pits = make_pits(options, placed[n]);
+      std::vector<ScrewRod> screws = make_screws(options, placed[n], *part.vertebra);
+      if (pits.empty() && screws.empty()) {
+        part.solid = part.vertebra;
+      } else {
+        part.solid = std::make_shared<const LevelBody>(part.vertebra, std::move(pits), std::move(screws));
+      }
+      // Long spinous processes pass the next level and may near the one after it.
+      for (const std::size_t below : {n + 1, n + 2}) {
+        if (below < placed.size()) part.cuts.push_back({below, options.facet_gap_mm});
+      }
+      for (const double side : {1.0, -1.0}) {
+        for (Spur& spur : make_spurs(options, placed, n, side)) part.spurs.push_back(spur);
+      }
+    }
+    parts.push_back(std::move(part));
+  }
+  if (options.ribs) add_ribs(options, placed, parts);
+  return parts;
+}
+
+void check_isthmuses(const Vertebra& vertebra, const std::function<double(const Vec3&)>& value_mm) {
+  const VertebraTruth truth = vertebra_truth(vertebra);
+  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+    for (int step = 0; step < 90; ++step) {
+      const double angle = 4.0 * step * kDegree;
+      const Vec3 p = pedicle.isthmus_mm + 0.5 * pedicle.width_mm * std::cos(angle) * pedicle.width_axis +
+                     0.5 * pedicle.height_mm * std::sin(angle) * pedicle.height_axis;
+      const double value = value_mm(p);
+      if (!(std::fabs(value) < 1e-6)) {
+        fail("spine phantom: a pedicle's isthmus must be clear of the neighbours, but ", std::fabs(value),
+             " mm are taken from it; make the discs higher or facet_gap_mm smaller");
+      }
+    }
+  }
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,152 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/geometry.h"
+#include "core/phantom/detail/dual.h"
+
+/// Implicit shapes, negative inside, that change by at most 1 mm per mm. They need not be distances: Vertebra makes
+/// distances of them near its surface. T is double or Dual; lengths in mm.
+namespace spinaltap::shapes {
+
+template <class T>
+struct Point {
+  T x, y, z;
+};
+
+template <class T>
+T dot(const Vec3& a, const Point<T>& p) {
+  return p.x * a.x() + p.y * a.y() + p.z * a.z();
+}
+
+template <class T>
+Point<T> minus(const Point<T>& p, const Vec3& q) {
+  return {p.x - q.x(), p.y - q.y(), p.z - q.z()};
+}
+
+/// Polynomial smooth minimum (Quilez 2013). It is the plain minimum where a and b differ by `reach` or more, at most
+/// reach/4 below it elsewhere, and its gradient lies between those of a and b, so that it keeps the 1 mm per mm bound.
+template <class T>
+T smooth_min(const T& a, const T& b, double reach) {
+  const double difference = value_of(a) - value_of(b);
+  if (difference >= reach) return b;
+  if (difference <= -reach) return a;
+  const T overlap = reach - magnitude(a - b);
+  return (difference < 0.0 ? a : b) - overlap * overlap * (0.25 / reach);
+}
+
+template <class T>
+T smooth_max(const T& a, const T& b, double reach) {
+  const double difference = value_of(a) - value_of(b);
+  if (difference >= reach) return a;
+  if (difference <= -reach) return b;
+  const T overlap = reach - magnitude(a - b);
+  return (difference > 0.0 ? a : b) + overlap * overlap * (0.25 / reach);
+}
+
+/// |a| without its crease: rounded within about `width` of 0.
+template <class T>
+T soft_magnitude(const T& a, double width) {
+  return root(a * a + width * width);
+}
+
+/// 0 at and below `low`, 1 at and above `high`, with level ends.
+inline double smooth_step(double low, double high, double a) {
+  const double t = std::clamp((a - low) / (high - low), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// Two unit vectors that, with `axis` (unit), make a right-angled frame; the first one is as near to `hint` as can be.
+struct Frame {
+  Vec3 thin, wide, axis;
+};
+
+inline Frame make_frame(const Vec3& axis, const Vec3& hint) {
+  const Vec3 unit = axis.normalized();
+  const Vec3 thin = (hint - hint.dot(unit) * unit).normalized();
+  return {thin, unit.cross(thin), unit};
+}
+
+/// A bar between two points with an elliptic section that tapers, and round ends as long as half its width.
+class FlatBar {
+ public:
+  FlatBar() = default;
+  /// `hint` is the direction in which the bar is thin; `width_over_thickness` is at least 1.
+  FlatBar(const Vec3& start, const Vec3& end, const Vec3& hint, double start_thickness, double end_thickness,
+          double width_over_thickness)
+      : frame_(make_frame(end - start, hint)),
+        start_(start),
+        length_((end - start).norm()),
+        start_radius_(0.5 * start_thickness),
+        slope_(0.5 * (end_thickness - start_thickness) / length_),
+        flatness_(1.0 / width_over_thickness),
+        scale_(1.0 / std::sqrt(1.0 + slope_ * slope_)) {}
+
+  template <class T>
+  T operator()(const Point<T>& p) const {
+    const Point<T> q = minus(p, start_);
+    const T u = dot(frame_.thin, q);
+    const T v = dot(frame_.wide, q) * flatness_;
+    const T along = dot(frame_.axis, q);
+    const T end = beyond(along, 0.0, length_);
+    const T cap = end * flatness_;
+    return (root(u * u + v * v + cap * cap) - (start_radius_ + slope_ * (along - end))) * scale_;
+  }
+
+  Box3 bounds() const {
+    Box3 box;
+    for (const double along : {0.0, length_}) {
+      const double radius = start_radius_ + slope_ * along;
+      const Vec3 half =
+          radius * (frame_.thin.array().square() +
+                    (frame_.wide.array().square() + frame_.axis.array().square()) / (flatness_ * flatness_))
+                       .sqrt()
+                       .matrix();
+      const Vec3 centre = start_ + along * frame_.axis;
+      box.extend(centre - half).extend(centre + half);
+    }
+    return box;
+  }
+
+ private:
+  Frame frame_;
+  Vec3 start_ = Vec3::Zero();
+  double length_ = 1.0, start_radius_ = 1.0, slope_ = 0.0, flatness_ = 1.0, scale_ = 1.0;
+};
+
+/// A box with round edges; the distance is exact.
+class RoundPlate {
+ public:
+  RoundPlate() = default;
+  RoundPlate(const Vec3& centre, const Frame& frame, const Vec3& half_size, double edge_radius)
+      : centre_(centre), frame_(frame), inner_(half_size.array() - edge_radius), radius_(edge_radius) {}
+
+  template <class T>
+  T operator()(const Point<T>& p) const {
+    const Point<T> q = minus(p, centre_);
+    const T a = magnitude(dot(frame_.thin, q)) - inner_.x();
+    const T b = magnitude(dot(frame_.wide, q)) - inner_.y();
+    const T c = magnitude(dot(frame_.axis, q)) - inner_.z();
+    const double av = value_of(a), bv = value_of(b), cv = value_of(c);
+    if (av <= 0.0 && bv <= 0.0 && cv <= 0.0) return (av >= bv && av >= cv ? a : bv >= cv ? b : c) - radius_;
+    const T ap = av > 0.0 ? a : a * 0.0;
+    const T bp = bv > 0.0 ? b : b * 0.0;
+    const T cp = cv > 0.0 ? c : c * 0.0;
+    return root(ap * ap + bp * bp + cp * cp) - radius_;
+  }
+
+  Box3 bounds() const {
+    const Vec3 half = (frame_.thin * inner_.x()).cwiseAbs() + (frame_.wide * inner_.y()).cwiseAbs() +
+                      (frame_.axis * inner_.z()).cwiseAbs() + Vec3::Constant(radius_);
+    return Box3(centre_ - half, centre_ + half);
+  }
+
+ private:
+  Vec3 centre_ = Vec3::Zero();
+  Frame frame_{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  Vec3 inner_ = Vec3::Ones();
+  double radius_ = 0.0;
+};
+
+}  // namespace spinaltap::shapes

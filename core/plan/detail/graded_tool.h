@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/tool/bit_profile.h"
+#include "core/tool/drill_path.h"
+
+namespace spinaltap {
+
+/// The body that is graded: what a path's screw, or its bit where it has none, fills on its way from the entry until
+/// its tip is at the target. Depths are along the path, from the entry.
+class GradedTool {
+ public:
+  /// Throws Error as check_path() does.
+  explicit GradedTool(const DrillPath& path);
+
+  const Vec3& direction() const { return direction_; }
+  double length_mm() const { return length_mm_; }
+  Vec3 axis_mm(double depth_mm) const { return entry_mm_ + depth_mm * direction_; }
+  const Vec3& target_mm() const { return target_mm_; }
+
+  /// The hole's radius there; 0 beyond the tip.
+  double radius_mm(double depth_mm) const;
+  double widest_mm() const { return profile_.radius_mm(); }
+
+ private:
+  BitProfile profile_;
+  Vec3 entry_mm_, target_mm_, direction_;
+  double length_mm_;
+};
+
+}  // namespace spinaltap

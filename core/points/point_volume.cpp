@@ -1,0 +1,131 @@
+#include "core/points/point_volume.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+
+namespace spinaltap {
+
+PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& options)
+    : pattern_(options.radius_mm, options.spacing_mm, options.subdivision),
+      lead_in_mm_(options.lead_in_mm),
+      jitter_seed_(options.jitter_seed) {
+  constexpr double kMaxPoints = 0x1.0p32;
+  check_path(path);
+  if (!(options.lead_in_mm >= 0.0) || !(options.lead_in_mm <= 100.0)) {
+    fail("point volume: expected a lead-in of 0 to 100 mm, found ", options.lead_in_mm, " mm");
+  }
+  if (!(options.jitter >= 0.0) || !(options.jitter <= 0.5)) {
+    fail("point volume: expected a jitter of 0 to 0.5 of the spacing, found ", options.jitter);
+  }
+  jitter_mm_ = options.jitter * options.spacing_mm;
+  frame_ = PathFrame(path.entry_mm - options.lead_in_mm * path.direction(), path.direction());
+  const double discs = std::max(1.0, std::round((options.lead_in_mm + path.length_mm()) / options.spacing_mm));
+  if (!(discs * static_cast<double>(pattern_.point_count()) <= kMaxPoints)) {
+    fail("point volume: expected at most ", kMaxPoints, " points, found ", discs, " discs of ", pattern_.point_count());
+  }
+  disc_count_ = static_cast<int>(discs);
+  const std::size_t per_disc = pattern_.point_count();
+  words_per_disc_ = (per_disc + 63) / 64;
+  alive_.assign(static_cast<std::size_t>(disc_count_) * words_per_disc_, ~std::uint64_t{0});
+  if (per_disc % 64 != 0) {
+    const std::uint64_t last = (std::uint64_t{1} << (per_disc % 64)) - 1;
+    for (int disc = 0; disc < disc_count_; ++disc) alive_words(disc).back() = last;
+  }
+  if (options.hu_bits == HuBits::sixteen) {
+    hu16_.assign(point_count(), 0);
+  } else {
+    hu8_.assign(point_count(), -kLowestHu / kHuStep);
+  }
+}
+
+std::size_t PointVolume::alive_count() const {
+  std::size_t count = 0;
+  for (const std::uint64_t word : alive_) count += static_cast<std::size_t>(std::popcount(word));
+  return count;
+}
+
+std::size_t PointVolume::memory_bytes() const {
+  return sizeof(*this) + alive_.size() * sizeof(alive_[0]) + hu16_.size() * sizeof(std::int16_t) + hu8_.size() +
+         pattern_.point_count() * sizeof(Eigen::Vector2d);
+}
+
+void PointVolume::set_hu(int disc, std::size_t index, double hu) {
+  const std::size_t n = static_cast<std::size_t>(disc) * pattern_.point_count() + index;
+  if (hu8_.empty()) {
+    hu16_[n] = static_cast<std::int16_t>(std::lround(std::clamp(hu, -32768.0, 32767.0)));
+  } else {
+    hu8_[n] = static_cast<std::uint8_t>(std::lround(std::clamp((hu - kLowestHu) / kHuStep, 0.0, 255.0)));
+  }
+}
+
+namespace {
+
+/// Every engine asks at its making. std::minmax_element compares number by number; compilers turn this into vectors.
+template <class Number>
+std::pair<Number, Number> range_of(const std::vector<Number>& numbers) {
+  Number lowest = numbers.front();
+  Number highest = numbers.front();
+  for (const Number number : numbers) {
+    lowest = std::min(lowest, number);
+    highest = std::max(highest, number);
+  }
+  return {lowest, highest};
+}
+
+}  // namespace
+
+std::pair<std::int16_t, std::int16_t> PointVolume::hu_range() const {
+  if (hu8_.empty()) return range_of(hu16_);
+  const auto [lowest, highest] = range_of(hu8_);
+  return {static_cast<std::int16_t>(kLowestHu + kHuStep * lowest),
+          static_cast<std::int16_t>(kLowestHu + kHuStep * highest)};
+}
+
+Vec3 PointVolume::jitter(int disc, std::size_t index) const {
+  const auto n = static_cast<std::uint64_t>(disc) * pattern_.point_count() + index;
+  const std::uint64_t random = mix_bits(mix_bits(jitter_seed_) ^ n);
+  constexpr std::uint64_t kMask = (1 << 21) - 1;
+  const auto share = [&](int shift) { return static_cast<double>(random >> shift & kMask) / (0.5 * kMask) - 1.0; };
+  return jitter_mm_ * Vec3(share(0), share(21), share(42));
+}
+
+void fill_volume(PointVolume& volume, const BoneSampler& bone, const Progress& progress) {
+  // Fields sort the points they are given: the more at once, the better.
+  constexpr std::size_t kBatch = 1 << 14;
+  const std::size_t per_disc = volume.pattern().point_count();
+  const auto discs = static_cast<std::size_t>(volume.disc_count());
+  const std::size_t batch = std::clamp<std::size_t>(kBatch / per_disc, 1, discs);
+  const std::size_t batches = (discs + batch - 1) / batch;
+  ProgressCounter counter(progress, "filling the point volume", batches);
+  tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t n) {
+    const std::size_t first = n * batch;
+    const std::size_t last = std::min(first + batch, discs);
+    const std::size_t points = (last - first) * per_disc;
+    std::vector<Vec3> points_mm(points);
+    std::vector<float> distance_mm(points);
+    std::vector<float> hu(points);
+    for (std::size_t k = 0; k < points; ++k) {
+      const auto disc = static_cast<int>(first + k / per_disc);
+      points_mm[k] = volume.frame().to_patient(volume.point_in_path_mm(disc, k % per_disc));
+    }
+    bone(points_mm, distance_mm, hu);
+    for (std::size_t k = 0; k < points; ++k) {
+      const auto disc = static_cast<int>(first + k / per_disc);
+      const bool is_inside = distance_mm[k] < 0.0F;
+      volume.set_alive(disc, k % per_disc, is_inside);
+      if (is_inside && std::isnan(hu[k])) {
+        fail("point volume: the CT number of a point inside the bone is not a number");
+      }
+      volume.set_hu(disc, k % per_disc, std::isnan(hu[k]) ? 0.0 : static_cast<double>(hu[k]));
+    }
+    counter.add();
+  });
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/points/disc_pattern.h"
+#include "core/tool/drill_path.h"
+#include "core/tool/path_frame.h"
+
+namespace spinaltap {
+
+/// How exactly a point's CT number is stored.
+enum class HuBits {
+  eight,   ///< steps of 16 HU from -1024 to 3056
+  sixteen  ///< whole HU
+};
+
+struct PointVolumeOptions {
+  double radius_mm = 3.0;   ///< of the cylinder; somewhat larger than the bit's
+  double spacing_mm = 0.1;  ///< between discs, rings and, nearly, neighbours on a ring
+  /// How far before the entry the cylinder starts, so that bone beside a slanting entry is in it.
+  double lead_in_mm = 0.0;
+  HuBits hu_bits = HuBits::sixteen;
+  DiscSubdivision subdivision = DiscSubdivision::rings;
+  /// Points are moved at random by up to this share of the spacing along each axis, at most 0.5 (the paper's section
+  /// 6.4, against aliasing).
+  double jitter = 0.0;
+  std::uint64_t jitter_seed = 1;
+};
+
+/// The cylinder of discs of rings of points that a bit decimates (the paper's section 6). A point's position follows
+/// from its indices; what is stored of it is one bit, whether it is alive, and its CT number.
+class PointVolume {
+ public:
+  /// A cylinder along the path, every point alive and of 0 HU. Discs: (lead-in + path length) / spacing, rounded.
+  /// Throws Error on absurd sizes (over 2^32 points).
+  PointVolume(const DrillPath& path, const PointVolumeOptions& options);
+
+  const PathFrame& frame() const { return frame_; }
+  const DiscPattern& pattern() const { return pattern_; }
+  int disc_count() const { return disc_count_; }
+  std::size_t point_count() const { return static_cast<std::size_t>(disc_count_) * pattern_.point_count(); }
+  std::size_t alive_count() const;
+  double lead_in_mm() const { return lead_in_mm_; }
+  /// Of all that is stored for the points.
+  std::size_t memory_bytes() const;
+
+  /// Distance of a disc from the volume's start along the path, mm.
+  double disc_depth_mm(int disc) const { return disc * pattern_.spacing_mm(); }
+  /// Position in path-local coordinates, mm.
+  Vec3 point_in_path_mm(int disc, std::size_t index) const {
+    const Eigen::Vector2d& p = pattern_.point_mm(index);
+    const Vec3 nominal(p.x(), p.y(), disc_depth_mm(disc));
+    return jitter_mm_ > 0.0 ? Vec3(nominal + jitter(disc, index)) : nominal;
+  }
+  /// How far points of a ring lie, at most, from even steps around its circle in the disc's plane, mm.
+  double deviation_mm(int ring) const { return pattern_.deviation_mm(ring) + 1.7321 * jitter_mm_; }
+  /// How far points lie, at most, out of their disc's plane, mm.
+  double out_of_plane_mm() const { return jitter_mm_; }
+
+  bool is_alive(int disc, std::size_t index) const { return (word(disc, index) >> (index % 64) & 1) != 0; }
+  void set_alive(int disc, std::size_t index, bool alive) {
+    const std::uint64_t bit = std::uint64_t{1} << (index % 64);
+    std::uint64_t& word = alive_[word_index(disc, index)];
+    word = alive ? word | bit : word & ~bit;
+  }
+  /// A disc's points, 64 to a word, the lowest bit first; bits beyond the last point are 0.
+  std::span<const std::uint64_t> alive_words(int disc) const {
+    return {alive_.data() + word_index(disc, 0), words_per_disc_};
+  }
+  std::span<std::uint64_t> alive_words(int disc) { return {alive_.data() + word_index(disc, 0), words_per_disc_}; }
+  /// All discs' words.
+  std::span<const std::uint64_t> alive_words() const { return alive_; }
+
+  /// Of a point, as stored.
+  std::int16_t hu(int disc, std::size_t index) const {
+    const std::size_t n = static_cast<std::size_t>(disc) * pattern_.point_count() + index;
+    return hu8_.empty() ? hu16_[n] : static_cast<std::int16_t>(kLowestHu + kHuStep * hu8_[n]);
+  }
+  /// Stores the nearest number that there is. Engines take the range of the numbers when they are made: fill first.
+  void set_hu(int disc, std::size_t index, double hu);
+  /// Lowest and highest CT number of all points, as stored.
+  std::pair<std::int16_t, std::int16_t> hu_range() const;
+
+ private:
+  static constexpr int kLowestHu = -1024;
+  static constexpr int kHuStep = 16;
+
+  std::size_t word_index(int disc, std::size_t index) const {
+    return static_cast<std::size_t>(disc) * words_per_disc_ + index / 64;
+  }
+  std::uint64_t word(int disc, std::size_t index) const { return alive_[word_index(disc, index)]; }
+  Vec3 jitter(int disc, std::size_t index) const;
+
+  PathFrame frame_;
+  DiscPattern pattern_;
+  int disc_count_ = 0;
+  double lead_in_mm_ = 0.0;
+  double jitter_mm_ = 0.0;
+  std::uint64_t jitter_seed_ = 1;
+  std::size_t words_per_disc_ = 0;
+  std::vector<std::uint64_t> alive_;
+  std::vector<std::int16_t> hu16_;  ///< empty where eight bits do
+  std::vector<std::uint8_t> hu8_;
+};
+
+/// What fills a volume: for patient positions (mm), the signed distance to the bone's surface (mm, negative inside) and
+/// the CT number (HU). Called from many threads at once.
+using BoneSampler =
+    std::function<void(std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu)>;
+
+/// Kills every point outside the bone and gives the others their CT number (the paper's section 6.3). Points whose
+/// distance is not a number die. Throws Error when the CT number of a point inside is not a number.
+void fill_volume(PointVolume& volume, const BoneSampler& bone, const Progress& progress = {});
+
+}  // namespace spinaltap

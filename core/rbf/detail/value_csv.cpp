@@ -1,0 +1,107 @@
+#include <algorithm>
+
+#include "core/base/csv_fields.h"
+#include "core/rbf/detail/value_formats.h"
+
+namespace spinaltap::detail {
+namespace {
+
+/// Which of kValueColumns stands in each of a file's columns.
+struct Columns {
+  std::vector<std::size_t> role;
+  bool has_error_bars = false;
+};
+
+class CsvReader {
+ public:
+  CsvReader(FileReader& file, ValueRows& rows) : file_(file), rows_(rows) {}
+
+  void read() {
+    std::string_view line;
+    if (!next_line(line)) return;
+    line = without_byte_order_mark(line);
+    std::string_view first;
+    CsvFields(line).next(first);
+    const bool has_header = !parse_number(first);
+    const Columns columns = has_header ? named_columns(line) : ordered_columns(line);
+    if (!has_header) add(line, columns);
+    while (next_line(line)) add(line, columns);
+  }
+
+ private:
+  std::string place() const { return file_.name() + ", line " + std::to_string(line_number_); }
+
+  /// The next line that is not empty.
+  bool next_line(std::string_view& line) {
+    while (file_.line(line)) {
+      ++line_number_;
+      if (!trimmed(line).empty()) return true;
+    }
+    return false;
+  }
+
+  Columns named_columns(std::string_view header) const {
+    Columns columns;
+    std::array<bool, kValueColumns.size()> found{};
+    CsvFields fields(header);
+    for (std::string_view field; fields.next(field);) {
+      const std::string name = csv_column_name(field);
+      const auto* match = std::find(kValueColumns.begin(), kValueColumns.begin() + rows_.taken(), name);
+      const auto role = static_cast<std::size_t>(match - kValueColumns.begin());
+      columns.role.push_back(role < rows_.taken() ? role : kNoColumn);
+      if (role >= rows_.taken()) continue;
+      if (found[role]) fail("expected one column ", name, ", found two in ", place());
+      found[role] = true;
+    }
+    for (std::size_t role = 0; role < rows_.needed(); ++role) {
+      if (!found[role]) {
+        fail("expected numbers or a header with the columns ", needed_columns(rows_), ", found ", in_quotes(header),
+             " in ", place());
+      }
+    }
+    columns.has_error_bars = found[kErrorBar];
+    return columns;
+  }
+
+  Columns ordered_columns(std::string_view line) const {
+    std::size_t count = 0;
+    CsvFields fields(line);
+    for (std::string_view field; fields.next(field);) ++count;
+    const std::size_t most = rows_.needed() == 3 ? count : kValueColumns.size();
+    if (count < rows_.needed() || count > most) {
+      fail("expected ", rows_.needed() == 3 ? "at least 3" : "4 or 5", " numbers with commas between them (",
+           needed_columns(rows_), "), or a header, found ", in_quotes(line), " in ", place());
+    }
+    Columns columns;
+    for (std::size_t c = 0; c < count; ++c) columns.role.push_back(c < rows_.taken() ? c : kNoColumn);
+    columns.has_error_bars = std::min(count, rows_.taken()) > kErrorBar;
+    return columns;
+  }
+
+  void add(std::string_view line, const Columns& columns) {
+    ValueRow row{};
+    CsvFields fields(line);
+    std::size_t count = 0;
+    for (std::string_view field; fields.next(field); ++count) {
+      const std::size_t role = count < columns.role.size() ? columns.role[count] : kNoColumn;
+      if (role == kNoColumn) continue;
+      const std::optional<double> number = parse_number(field);
+      if (!number) fail("expected a number as ", kValueColumns[role], ", found ", in_quotes(field), " in ", place());
+      row[role] = *number;
+    }
+    if (count != columns.role.size()) {
+      fail("expected ", columns.role.size(), " columns, found ", count, " in ", place());
+    }
+    rows_.add(row, columns.has_error_bars, [this] { return place(); });
+  }
+
+  FileReader& file_;
+  ValueRows& rows_;
+  std::size_t line_number_ = 0;
+};
+
+}  // namespace
+
+void read_csv_rows(FileReader& file, ValueRows& rows) { CsvReader(file, rows).read(); }
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,179 @@
+#include "core/session/detail/session_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace spinaltap {
+
+void WatchedExcess::update(double value, double limit, double slack, const SessionEvent& event,
+                           EventLog& log) noexcept {
+  if (!is_over_ && value > limit) {
+    is_over_ = true;
+    index_ = log.add(event);
+  } else if (is_over_ && value <= limit - slack) {
+    is_over_ = false;
+  }
+  if (is_over_) log.raise(index_, value, event.place_mm);
+}
+
+void WatchedOvershoot::start(const SessionEvent& from) noexcept {
+  if (is_on_) return;
+  is_on_ = true;
+  from_ = from;
+  most_mm_ = 0.0;
+  still_s_ = 0.0;
+  index_ = EventLog::kNotKept;
+}
+
+void WatchedOvershoot::update(const SessionEvent& event, double dt_s, EventLog& log) noexcept {
+  constexpr double kStillS = 0.2;     // longer than a tremor's period
+  constexpr double kLeastMm = 0.001;  // no one stops within less
+  if (!is_on_) return;
+  const double way_mm = event.depth_mm - from_.depth_mm;
+  if (way_mm > most_mm_ + 1e-6) {
+    most_mm_ = way_mm;
+    still_s_ = 0.0;
+    if (index_ == EventLog::kNotKept && way_mm >= kLeastMm) {
+      from_.kind = EventKind::overshoot;
+      from_.value = way_mm;
+      index_ = log.add(from_);
+    }
+    log.raise(index_, way_mm, event.place_mm);
+    return;
+  }
+  still_s_ += dt_s;
+  if (still_s_ >= kStillS) is_on_ = false;
+}
+
+void RecentMost::add(double depth_mm, double value) noexcept {
+  if (!(depth_mm - begin_mm_ < kStretchMm)) {
+    before_ = now_;
+    now_ = 0.0;
+    begin_mm_ = depth_mm;
+  }
+  now_ = std::max(now_, value);
+}
+
+SessionWatch::SessionWatch(const DrillPath& path, const VolumeExtent& extent, const SessionOptions& options,
+                           bool has_clearances)
+    : bit_(path.bit),
+      direction_(path.direction()),
+      extent_(extent),
+      options_(options),
+      has_clearances_(has_clearances),
+      deepest_mm_(-std::numeric_limits<double>::infinity()) {}
+
+SessionEvent SessionWatch::event_of(const Cycle& cycle, EventKind kind, const Vec3& place_mm, double value) {
+  return {kind, cycle.index, cycle.time_s, cycle.depth_mm, place_mm, value};
+}
+
+void SessionWatch::refuse(const Cycle& cycle, EventLog& log) noexcept {
+  if (refused_in_a_row_++ == 0) {
+    // Where the tip is not known, no place is better than a wrong one.
+    refused_index_ = log.add(event_of(cycle, EventKind::refused_pose, Vec3::Zero(), 1.0));
+  }
+  log.raise(refused_index_, static_cast<double>(refused_in_a_row_), Vec3::Zero());
+}
+
+void SessionWatch::jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept {
+  log.add(event_of(cycle, EventKind::jump, pose.tip_mm, way_mm));
+  is_in_air_ = false;
+  tip_is_in_bone_ = false;
+  thrust_n_.reset();
+}
+
+void SessionWatch::update(const Cycle& cycle, const Pose& pose, double state_begin_mm, bool is_cutting,
+                          EventLog& log) noexcept {
+  refused_in_a_row_ = 0;
+  if (!has_contact_ && cycle.step.removed > 0) {
+    has_contact_ = true;
+    contact_own_mm_ = extent_.to_own(pose.tip_mm).z();
+    log.add(event_of(cycle, EventKind::contact, pose.tip_mm, 0.0));
+  }
+  if (cycle.state != state_) {
+    state_ = cycle.state;
+    SessionEvent event = event_of(cycle, EventKind::state, pose.tip_mm, static_cast<double>(state_));
+    event.place_mm -= (cycle.depth_mm - state_begin_mm) * direction_;
+    event.depth_mm = state_begin_mm;
+    log.add(event);
+  }
+  if (has_clearances_) watch_breaches(cycle, log);
+  if (is_cutting) watch_breakthrough(cycle, pose, log);
+  watch_volume(cycle, pose, log);
+  watch_stops(cycle, pose, log);
+  const SessionEvent now = event_of(cycle, EventKind::overshoot, pose.tip_mm, 0.0);
+  after_stop_.update(now, cycle.input.dt_s, log);
+  after_breakthrough_.update(now, cycle.input.dt_s, log);
+  deepest_mm_ = std::max(deepest_mm_, cycle.depth_mm);
+}
+
+void SessionWatch::watch_breaches(const Cycle& cycle, EventLog& log) noexcept {
+  constexpr double kBackMm = 0.05;  // how exact clearances are
+  if (!has_contact_) return;        // a bit held beside the bone breaches nothing
+  const Clearance& is = cycle.clearance;
+  outer_.update(-is.outer_mm, 0.0, kBackMm, event_of(cycle, EventKind::outer_breach, is.outer_at_mm, -is.outer_mm),
+                log);
+  canal_.update(-is.canal_mm, 0.0, kBackMm, event_of(cycle, EventKind::canal_breach, is.canal_at_mm, -is.canal_mm),
+                log);
+}
+
+void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
+  // Where the volume ends there is no bone to be seen, which does not mean that there is none.
+  if (!has_contact_ || !(extent_.past_end_mm(pose.tip_mm) < -extent_.spacing_mm())) return;
+  if (cycle.force.tip_density_g_cm3 > 0.0) {
+    tip_is_in_bone_ = true;
+    is_in_air_ = false;
+    thrust_n_.add(cycle.depth_mm, cycle.force.thrust_n);
+    return;
+  }
+  // On the way back there is no bone ahead either, but the hole.
+  if (!(cycle.depth_mm > deepest_mm_) || !(tip_is_in_bone_ || is_in_air_)) return;
+  if (!is_in_air_) {
+    is_in_air_ = true;
+    tip_is_in_bone_ = false;
+    air_since_mm_ = cycle.depth_mm;
+  }
+  // Marrow may be as light as nothing; a tip that has come through is beyond a wall as well.
+  if (has_clearances_ && !outer_.is_over() && !canal_.is_over()) return;
+  if (cycle.depth_mm - air_since_mm_ < options_.states.hold_mm - 1e-9) return;
+  is_in_air_ = false;
+  // The last cycles' thrust fades with the chisel edge in the hole's floor: what the hand felt was that before.
+  SessionEvent event = event_of(cycle, EventKind::breakthrough, pose.tip_mm, thrust_n_.value());
+  event.place_mm -= (cycle.depth_mm - air_since_mm_) * direction_;
+  event.depth_mm = air_since_mm_;
+  log.add(event);
+  after_breakthrough_.start(event);
+}
+
+void SessionWatch::watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
+  if (!has_contact_) return;
+  double beyond_mm = extent_.beyond_side_mm(bit_, pose, contact_own_mm_);
+  // Through the far side of the bone, the cylinder's end is not missed.
+  if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, extent_.past_end_mm(pose.tip_mm));
+  volume_.update(beyond_mm, extent_.spacing_mm(), extent_.spacing_mm(),
+                 event_of(cycle, EventKind::left_volume, pose.tip_mm, beyond_mm), log);
+}
+
+void SessionWatch::stop(const Cycle& cycle, const Pose& pose, EventKind kind, double value, EventLog& log) noexcept {
+  bool& has_noted = has_noted_[static_cast<std::size_t>(kind) - static_cast<std::size_t>(EventKind::stop_thrust)];
+  if (has_noted) return;
+  has_noted = true;
+  is_stopped_ = true;
+  const SessionEvent event = event_of(cycle, kind, pose.tip_mm, value);
+  log.add(event);
+  after_stop_.start(event);
+}
+
+void SessionWatch::watch_stops(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
+  const StopRules& rules = options_.stop;
+  const Clearance& is = cycle.clearance;
+  if (cycle.force.thrust_n >= rules.thrust_n) stop(cycle, pose, EventKind::stop_thrust, cycle.force.thrust_n, log);
+  const double nearer_mm = std::min(is.outer_mm, is.canal_mm);
+  if (nearer_mm <= rules.clearance_mm) stop(cycle, pose, EventKind::stop_clearance, nearer_mm, log);
+  if (rules.on_breach && (outer_.is_over() || canal_.is_over())) {
+    stop(cycle, pose, EventKind::stop_breach, -nearer_mm, log);
+  }
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "core/session/detail/event_log.h"
+#include "core/session/detail/volume_extent.h"
+#include "core/session/drill_session.h"
+
+namespace spinaltap {
+
+/// Follows a value that is over a limit for a while: one event from when it goes over until it is back, which keeps the
+/// largest value.
+class WatchedExcess {
+ public:
+  /// Over at `value` above `limit`; back at or below `limit - slack`, so that a trembling hand brings one event and not
+  /// hundreds. `event` is what is noted at the begin.
+  void update(double value, double limit, double slack, const SessionEvent& event, EventLog& log) noexcept;
+  bool is_over() const { return is_over_; }
+
+ private:
+  bool is_over_ = false;
+  std::size_t index_ = EventLog::kNotKept;
+};
+
+/// How far the tip still goes after something that should have made the hand stop.
+class WatchedOvershoot {
+ public:
+  /// Begins to count at the tip's depth `from`.
+  void start(const SessionEvent& from) noexcept;
+  /// After a cycle. `event`: of now. It has stood still when it has not gone deeper for a while.
+  void update(const SessionEvent& event, double dt_s, EventLog& log) noexcept;
+
+ private:
+  bool is_on_ = false;
+  SessionEvent from_;
+  double most_mm_ = 0.0;
+  double still_s_ = 0.0;
+  std::size_t index_ = EventLog::kNotKept;
+};
+
+/// The largest of a value over the last half to whole millimetre of depth.
+class RecentMost {
+ public:
+  void add(double depth_mm, double value) noexcept;
+  void reset() noexcept { *this = RecentMost(); }
+  double value() const { return before_ > now_ ? before_ : now_; }
+
+ private:
+  static constexpr double kStretchMm = 0.5;
+  double begin_mm_ = 0.0;  ///< of the stretch under way
+  double now_ = 0.0;
+  double before_ = 0.0;
+};
+
+/// Makes events of what cycles did, and tells when to stop. Allocates nothing.
+class SessionWatch {
+ public:
+  SessionWatch(const DrillPath& path, const VolumeExtent& extent, const SessionOptions& options, bool has_clearances);
+
+  /// After a cycle that moved the bit to `pose`. `state_begin_mm`: where the cycle's state began. `is_cutting`: the
+  /// spindle was on.
+  void update(const Cycle& cycle, const Pose& pose, double state_begin_mm, bool is_cutting, EventLog& log) noexcept;
+  /// After a cycle whose pose made no sense. A row of them is one event.
+  void refuse(const Cycle& cycle, EventLog& log) noexcept;
+  /// Before the update of a cycle whose way is not cut.
+  void jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept;
+
+  bool is_stopped() const { return is_stopped_; }
+  /// Bone has been cut.
+  bool has_contact() const { return has_contact_; }
+
+ private:
+  static SessionEvent event_of(const Cycle& cycle, EventKind kind, const Vec3& place_mm, double value);
+  void watch_breaches(const Cycle& cycle, EventLog& log) noexcept;
+  void watch_breakthrough(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
+  void watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
+  void watch_stops(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
+  void stop(const Cycle& cycle, const Pose& pose, EventKind kind, double value, EventLog& log) noexcept;
+
+  BitProfile bit_;
+  Vec3 direction_;
+  VolumeExtent extent_;
+  SessionOptions options_;
+  bool has_clearances_;
+
+  bool has_contact_ = false;
+  double contact_own_mm_ = 0.0;  ///< depth of the first contact along the volumes' cylinder
+  DrillState state_ = DrillState::initial;
+  WatchedExcess outer_, canal_, volume_;
+  WatchedOvershoot after_stop_, after_breakthrough_;
+
+  double deepest_mm_;
+  bool tip_is_in_bone_ = false;
+  bool is_in_air_ = false;  ///< and has been in bone before
+  double air_since_mm_ = 0.0;
+  RecentMost thrust_n_;  ///< while the tip was in bone
+
+  bool is_stopped_ = false;
+  bool has_noted_[3] = {false, false, false};  ///< stop events: thrust, clearance, breach
+  std::uint64_t refused_in_a_row_ = 0;
+  std::size_t refused_index_ = EventLog::kNotKept;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,88 @@
+#include "core/session/detail/wall_lattice.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+/// Stands for no wall and for nodes out of reach; what it is mixed into is no distance any more.
+constexpr float kNoWall = 1e12F;
+constexpr float kFarthestMm = 1e6F;
+
+Eigen::Array4f node_of(const WallDistance::Walls& walls) {
+  const auto kept = [](double distance_mm) {
+    return distance_mm < static_cast<double>(kFarthestMm) ? static_cast<float>(distance_mm) : kNoWall;
+  };
+  return {kept(walls.nearer_mm()), kept(std::abs(walls.outer.distance_mm)), kept(std::abs(walls.canal.distance_mm)),
+          0.0F};
+}
+
+}  // namespace
+
+WallLattice::WallLattice(const WallDistance& walls, const DrillPath& path, double spacing_mm, double reach_mm,
+                         double behind_mm, double beyond_mm, const Progress& progress)
+    : per_mm_(1.0 / spacing_mm) {
+  constexpr double kLongestMm = 200.0;
+  check_path(path);
+  for (const double range_mm : {reach_mm, behind_mm, beyond_mm}) {
+    if (!(range_mm >= 0.0 && range_mm <= kLongestMm)) {
+      fail("clearances: expected ranges around the path from 0 to ", kLongestMm, " mm, found ", range_mm, " mm");
+    }
+  }
+  frame_ = PathFrame(path.entry_mm, path.direction());
+  low_mm_ = Vec3(-reach_mm, -reach_mm, -behind_mm);
+  const Vec3 high_mm(reach_mm, reach_mm, path.length_mm() + beyond_mm);
+  count_ = ((high_mm - low_mm_) * per_mm_).array().ceil().cast<int>() + 1;
+  nodes_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
+                    static_cast<std::size_t>(count_.z()),
+                Node(kNoWall, kNoWall, kNoWall, 0.0F));
+  // Cells that the cylinder passes need all their nodes.
+  const double widest_mm = reach_mm + 1.5 * spacing_mm;
+  const int columns = count_.x() * count_.y();
+  ProgressCounter counter(progress, "clearances", static_cast<std::size_t>(columns));
+  tbb::parallel_for(0, columns, [&](int column) {
+    counter.add();
+    const int i = column / count_.y();
+    const Vec3 foot_mm = low_mm_ + spacing_mm * Vec3(i, column - i * count_.y(), 0.0);
+    if (std::hypot(foot_mm.x(), foot_mm.y()) > widest_mm) return;
+    for (int k = 0; k < count_.z(); ++k) {
+      const Vec3 p_path = foot_mm + spacing_mm * k * Vec3::UnitZ();
+      nodes_[static_cast<std::size_t>(column) * static_cast<std::size_t>(count_.z()) + static_cast<std::size_t>(k)] =
+          node_of(walls.walls(frame_.to_patient(p_path)));
+    }
+  });
+}
+
+double WallLattice::distance_mm(const Vec3& p_path, WallKind wall) const noexcept {
+  constexpr double kNoDistance = std::numeric_limits<double>::infinity();
+  const Eigen::Array3d at = (p_path - low_mm_).array() * per_mm_;
+  // Also what is not a number has no distance.
+  if (!((at >= 0.0) && (at < (count_ - 1).cast<double>())).all()) return kNoDistance;
+  const Eigen::Array3i cell = at.cast<int>();
+  const Eigen::Array3f share = (at - cell.cast<double>()).cast<float>();
+  const auto across = static_cast<std::size_t>(count_.z());
+  const Node* const c00 =
+      nodes_.data() +
+      (static_cast<std::size_t>(cell.x()) * static_cast<std::size_t>(count_.y()) + static_cast<std::size_t>(cell.y())) *
+          across +
+      static_cast<std::size_t>(cell.z());
+  const Node* const c01 = c00 + across;
+  const Node* const c10 = c00 + across * static_cast<std::size_t>(count_.y());
+  const Node* const c11 = c10 + across;
+  const auto along_z = [&](const Node* node) -> Node { return node[0] + share.z() * (node[1] - node[0]); };
+  const Node low = along_z(c00) + share.y() * (along_z(c01) - along_z(c00));
+  const Node high = along_z(c10) + share.y() * (along_z(c11) - along_z(c10));
+  const Node value = low + share.x() * (high - low);
+  // The nearer wall is the bone's surface; the other one is ahead, wherever the place is.
+  const bool is_canal_nearer = value[2] < value[1];
+  const bool is_nearer = is_canal_nearer == (wall == WallKind::canal);
+  const float distance_mm = is_nearer ? value[0] : value[wall == WallKind::canal ? 2 : 1];
+  return distance_mm < kFarthestMm ? static_cast<double>(distance_mm) : kNoDistance;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,194 @@
+#include "core/session/drill_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/session/detail/session_watch.h"
+
+namespace spinaltap {
+namespace {
+
+/// A sum that is rounded once, however many terms it has (Neumaier 1974): a session's clock does not drift.
+class ExactSum {
+ public:
+  void add(double term) noexcept {
+    const double sum = sum_ + term;
+    rest_ += std::abs(sum_) >= std::abs(term) ? (sum_ - sum) + term : (term - sum) + sum_;
+    sum_ = sum;
+  }
+  double value() const noexcept { return sum_ + rest_; }
+
+ private:
+  double sum_ = 0.0;
+  double rest_ = 0.0;
+};
+
+/// The input's pose with a unit axis, where it makes sense.
+std::optional<Pose> sound_pose(const ToolInput& input, const Vec3& near_mm) noexcept {
+  constexpr double kFarthestMm = 1e4;      // as far as engines go
+  constexpr double kUnitTolerance = 0.01;  // devices give floats
+  const Pose& pose = input.pose;
+  const double length = pose.axis.norm();
+  const bool is_near = (pose.tip_mm - near_mm).cwiseAbs().maxCoeff() < kFarthestMm && pose.tip_mm.allFinite();
+  if (!is_near || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
+  // A unit axis stays what it is, to the last bit.
+  return std::abs(length - 1.0) < 1e-9 ? pose : Pose{pose.tip_mm, pose.axis / length};
+}
+
+bool is_sound_time(double dt_s) noexcept {
+  constexpr double kLongestS = 3600.0;
+  return dt_s > 0.0 && dt_s < kLongestS;
+}
+
+/// Refuses what would drill nothing.
+void check_volumes(const DrillPath& path, std::span<const PointVolume> volumes) {
+  const VolumeExtent extent(volumes);
+  std::size_t alive = 0;
+  for (const PointVolume& volume : volumes) alive += volume.alive_count();
+  if (alive == 0) {
+    fail("path \"", path.name, "\": expected bone around it, found none: it misses the bone, or all is drilled away");
+  }
+  for (const Vec3& end_mm : {path.entry_mm, path.target_mm}) {
+    const Vec3 own = extent.to_own(end_mm);
+    const double aside_mm = std::hypot(own.x(), own.y());
+    if (!(aside_mm <= extent.radius_mm()) || !(own.z() <= extent.length_mm() + extent.spacing_mm())) {
+      fail("path \"", path.name, "\": expected it within the point volume, a cylinder of ", extent.length_mm(),
+           " mm and a radius of ", extent.radius_mm(), " mm, found an end ", aside_mm, " mm off its axis at ", own.z(),
+           " mm along it");
+    }
+  }
+}
+
+}  // namespace
+
+void check_session_options(const SessionOptions& options) {
+  constexpr double kFastestRpm = 1e6;
+  check_state_rules(options.states);
+  if (!(options.spindle.rpm >= 0.0 && options.spindle.rpm <= kFastestRpm)) {
+    fail("session: expected a spindle of 0 to ", kFastestRpm, " turns a minute, found ", options.spindle.rpm);
+  }
+  if (!(options.stop.thrust_n > 0.0)) {
+    fail("session: expected a thrust above 0 N to stop at, found ", options.stop.thrust_n, " N");
+  }
+  if (std::isnan(options.stop.clearance_mm)) fail("session: expected a clearance to stop at, found no number");
+  if (!(options.longest_jump_mm > 0.0)) {
+    fail("session: expected a longest jump above 0 mm, found ", options.longest_jump_mm, " mm");
+  }
+}
+
+struct DrillSession::Tracking {
+  Tracking(const DrillPath& path, std::span<const PointVolume> volumes, const SessionOptions& options,
+           bool has_clearances)
+      : bit(path.bit), watch(path, VolumeExtent(volumes), options, has_clearances) {}
+
+  BitProfile bit;
+  SessionWatch watch;
+  EventLog log{kMostEvents};
+  ExactSum time;
+  Pose pose;               ///< the last that made sense
+  double waiting_s = 0.0;  ///< since then, in cycles that were refused
+  bool is_placed = false;
+  bool was_on = false;  ///< the spindle
+  bool has_begun = false;
+};
+
+DrillSession::DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
+                           const Material& material, const ClearanceField* clearances, const SessionOptions& options)
+    : path_(path),
+      engine_(std::move(engine)),
+      forces_(volumes, path.bit, material),
+      clearances_(clearances),
+      options_(options),
+      states_(options.states) {
+  check_path(path);
+  check_session_options(options);
+  check_volumes(path, volumes);
+  if (!engine_) fail("session: expected a drilling engine, found none");
+  tracking_ = std::make_unique<Tracking>(path, volumes, options, clearances != nullptr);
+}
+
+DrillSession::~DrillSession() = default;
+
+std::span<const SessionEvent> DrillSession::events() const { return tracking_->log.events(); }
+std::size_t DrillSession::events_lost() const { return tracking_->log.lost(); }
+bool DrillSession::is_stopped() const { return tracking_->watch.is_stopped(); }
+
+ToolFeedback DrillSession::feedback() const noexcept { return {cycle_.time_s, cycle_.force, is_stopped()}; }
+
+void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
+  Tracking& tracking = *tracking_;
+  if (tracking.is_placed) {
+    const Vec3 way_mm = pose.tip_mm - tracking.pose.tip_mm;
+    const Vec3 base_way_mm = way_mm - tracking.bit.length_mm() * (pose.axis - tracking.pose.axis);
+    const double longest_mm = std::max(way_mm.norm(), base_way_mm.norm());
+    if (longest_mm > options_.longest_jump_mm) {
+      engine_->lift();
+      forces_.reset();
+      tracking.watch.jump(cycle_, pose, longest_mm, tracking.log);
+    }
+  }
+  const bool is_on = input.spindle_on && options_.spindle.rpm > 0.0;
+  Spindle spindle = options_.spindle;
+  if (is_on) {
+    // On its way with the spindle off the bit cut nothing. What it holds when the spindle starts it cut on no way.
+    if (!tracking.was_on) {
+      engine_->lift();
+      forces_.reset();
+    }
+    cycle_.step = engine_->step(pose);
+  } else {
+    spindle.rpm = 0.0;
+  }
+  tracking.was_on = is_on;
+  cycle_.force = forces_.update(cycle_.step, pose, input.dt_s + tracking.waiting_s, spindle);
+  tracking.waiting_s = 0.0;
+  if (clearances_ != nullptr) cycle_.clearance = clearances_->of(tracking.bit, pose);
+  if (is_on) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
+  tracking.watch.update(cycle_, pose, states_.begin_mm(), is_on, tracking.log);
+  tracking.pose = pose;
+  tracking.is_placed = true;
+}
+
+const Cycle& DrillSession::step(const ToolInput& input) noexcept {
+  Tracking& tracking = *tracking_;
+  const bool has_time = is_sound_time(input.dt_s);
+  if (tracking.has_begun) {
+    ++cycle_.index;
+    if (has_time) tracking.time.add(input.dt_s);
+  }
+  tracking.has_begun = true;
+  cycle_.time_s = tracking.time.value();
+  cycle_.input = input;
+  cycle_.step = {};
+  cycle_.force = {};
+  const std::optional<Pose> pose = sound_pose(input, path_.entry_mm);
+  if (pose && has_time) {
+    cycle_.depth_mm = (pose->tip_mm - path_.entry_mm).dot(path_.direction());
+    place(*pose, input);
+  } else {
+    if (has_time && tracking.is_placed) tracking.waiting_s += input.dt_s;
+    tracking.watch.refuse(cycle_, tracking.log);
+  }
+  return cycle_;
+}
+
+void run_session(DrillSession& session, ToolSource& hand, const CycleObserver& observe, const Progress& progress) {
+  constexpr std::size_t kCyclesAReport = 256;
+  const std::size_t expected = hand.count();
+  const double length_mm = session.path().length_mm();
+  std::size_t done = 0;
+  while (const std::optional<ToolInput> input = hand.next(session.feedback())) {
+    if (done++ % kCyclesAReport == 0) {
+      const double share = expected > 0 ? static_cast<double>(done) / static_cast<double>(expected)
+                                        : session.last().depth_mm / length_mm;
+      progress.report("drilling", std::clamp(share, 0.0, 1.0));
+    }
+    const Cycle& cycle = session.step(*input);
+    if (observe) observe(cycle);
+  }
+  progress.report("drilling", 1.0);
+}
+
+}  // namespace spinaltap

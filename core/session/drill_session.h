@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/engine/drill_engine.h"
+#include "core/force/drill_forces.h"
+#include "core/session/drill_state.h"
+#include "core/session/operator/tool_source.h"
+#include "core/session/session_event.h"
+#include "core/session/tool_clearance.h"
+#include "core/tool/drill_path.h"
+
+namespace spinaltap {
+
+/// When a session asks the hand to stop. Infinite: never.
+struct StopRules {
+  double thrust_n = std::numeric_limits<double>::infinity();       ///< at or above
+  double clearance_mm = -std::numeric_limits<double>::infinity();  ///< at or below, to the outer surface or the canal
+  bool on_breach = false;                                          ///< of either wall
+};
+
+struct SessionOptions {
+  Spindle spindle = {};
+  StopRules stop = {};
+  StateRules states = {};
+  double longest_jump_mm = 50.0;  ///< a longer way of the tip, or of the base, in one cycle is not cut
+};
+/// Refuses options that are not numbers or make no sense.
+void check_session_options(const SessionOptions& options);
+
+/// What one cycle was and did.
+struct Cycle {
+  std::uint64_t index = 0;
+  double time_s = 0.0;    ///< since the first input; the sum of dt_s, rounded once
+  ToolInput input;        ///< as the hand gave it
+  double depth_mm = 0.0;  ///< of the tip along the path: 0 at the entry
+  StepResult step;
+  DrillForce force;
+  Clearance clearance;
+  DrillState state = DrillState::initial;
+};
+
+/// One drilling, cycle by cycle: removes bone, works out forces and clearances, recognises states, notes events and
+/// when to stop. The same inputs bring the same results, whatever the engine, the threads or the pace.
+class DrillSession {
+ public:
+  /// `volumes`: filled, end to end along the path; they are drilled in place and must outlive the session, as must
+  /// `clearances`, which may be null: then there are none. `engine` drills them. Throws Error on bad options, and where
+  /// the path runs beside the volumes or they have no bone.
+  DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
+               const Material& material, const ClearanceField* clearances, const SessionOptions& options = {});
+  ~DrillSession();
+
+  /// Runs a cycle. Allocates and locks nothing; poses that make no sense do nothing but leave an event.
+  const Cycle& step(const ToolInput& input) noexcept;
+
+  const Cycle& last() const { return cycle_; }
+  /// What the hand is told next.
+  ToolFeedback feedback() const noexcept;
+  /// In the order in which they began. The last kMostEvents are kept room for; further ones are counted, not kept.
+  /// Values of breaches still under way may grow.
+  std::span<const SessionEvent> events() const;
+  std::size_t events_lost() const;
+  /// The rules ask to stop.
+  bool is_stopped() const;
+  const DrillPath& path() const { return path_; }
+  const SessionOptions& options() const { return options_; }
+  const DrillEngine& engine() const { return *engine_; }
+
+  static constexpr std::size_t kMostEvents = 4096;
+
+ private:
+  struct Tracking;
+
+  void place(const Pose& pose, const ToolInput& input) noexcept;
+
+  DrillPath path_;
+  std::unique_ptr<DrillEngine> engine_;
+  DrillForces forces_;
+  const ClearanceField* clearances_;
+  SessionOptions options_;
+  StateRecogniser states_;
+  Cycle cycle_;
+  std::unique_ptr<Tracking> tracking_;
+};
+
+/// What is told of each cycle; the reference holds until it returns.
+using CycleObserver = std::function<void(const Cycle&)>;
+
+/// As fast as it goes, in lock-step: the hand's next pose, a cycle, and so on until the hand ends.
+void run_session(DrillSession& session, ToolSource& hand, const CycleObserver& observe = {},
+                 const Progress& progress = {});
+
+}  // namespace spinaltap

@@ -1,0 +1,61 @@
+#include "core/session/operator/path_motion.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+
+GuidedBit::GuidedBit(const DrillPath& path, const GuideLine& line)
+    : begin_mm_(-line.lead_in_mm), end_mm_(path.length_mm()) {
+  check_path(path);
+  if (!(line.lead_in_mm >= 0.0 && line.lead_in_mm <= 500.0)) {
+    fail("hand: expected a lead-in of 0 to 500 mm, found ", line.lead_in_mm, " mm");
+  }
+  if (!(std::abs(line.offset_mm) <= 100.0) || !(std::abs(line.tilt_deg) <= 60.0)) {
+    fail("hand: expected an offset within 100 mm and a tilt within 60 degrees, found ", line.offset_mm, " mm and ",
+         line.tilt_deg, " degrees");
+  }
+  frame_ = PathFrame(path.entry_mm, path.direction());
+  const double tilt = line.tilt_deg * std::numbers::pi / 180.0;
+  axis_path_ = Vec3(std::sin(tilt), 0.0, std::cos(tilt));
+  middle_path_ = Vec3(0.0, line.offset_mm, 0.5 * end_mm_);
+  axis_ = tilt == 0.0 ? path.direction() : frame_.to_patient(Pose{Vec3::Zero(), axis_path_}).axis;
+}
+
+Pose GuidedBit::at(double depth_mm, const Vec3& aside_mm) const {
+  return {frame_.to_patient(Vec3(middle_path_ + (depth_mm - 0.5 * end_mm_) * axis_path_ + aside_mm)), axis_};
+}
+
+PathMotionOptions in_steps_of(double step_mm, const GuideLine& line) {
+  if (!(step_mm > 0.0)) fail("hand: expected an advance above 0 mm a cycle, found ", step_mm, " mm");
+  PathMotionOptions options;
+  options.line = line;
+  options.feed.steps = {{0.0, step_mm * options.rate_hz}};
+  return options;
+}
+
+PathMotion::PathMotion(const DrillPath& path, const PathMotionOptions& options)
+    : bit_(path, options.line),
+      profile_(bit_.begin_mm(), bit_.end_mm(), options.feed),
+      tremor_(options.tremor_mm, options.seed),
+      trembles_(options.tremor_mm > 0.0),
+      rate_hz_(options.rate_hz) {
+  constexpr double kMostCycles = 0x1.0p27;
+  const double cycles = profile_.duration_s() * options.rate_hz;
+  if (!(options.rate_hz > 0.0) || !(cycles <= kMostCycles)) {
+    fail("hand: expected a rate above 0 and at most ", kMostCycles, " cycles, found ", options.rate_hz, " Hz and ",
+         cycles, " cycles");
+  }
+  // The last cycle may be shorter than a step, so that the run ends at the target.
+  cycles_ = static_cast<std::size_t>(std::ceil(cycles * (1.0 - 1e-12)));
+}
+
+Vec3 PathMotion::tremor_mm(std::size_t index) const {
+  return trembles_ ? tremor_.at_mm(static_cast<double>(index) / rate_hz_) : Vec3::Zero();
+}
+
+Pose PathMotion::pose(std::size_t index) const { return bit_.at(depth_mm(index), tremor_mm(index)); }
+
+}  // namespace spinaltap

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/session/operator/feed_profile.h"
+#include "core/session/operator/tremor.h"
+#include "core/tool/drill_path.h"
+#include "core/tool/path_frame.h"
+
+namespace spinaltap {
+
+/// The straight line that a hand guides a bit along.
+struct GuideLine {
+  double lead_in_mm = 0.0;  ///< how far before the entry it begins
+  double offset_mm = 0.0;   ///< sideways shift from the path
+  double tilt_deg = 0.0;    ///< between the line and the path; they meet (or pass) at the path's middle
+};
+
+/// Poses along a line, by depth.
+class GuidedBit {
+ public:
+  /// Throws Error on a bad path, on a lead-in that is not 0 or more, offsets over 100 mm and tilts over 60 degrees.
+  GuidedBit(const DrillPath& path, const GuideLine& line);
+
+  /// Depth at which the line begins and that of the target, mm beyond the entry along the line.
+  double begin_mm() const { return begin_mm_; }
+  double end_mm() const { return end_mm_; }
+  /// Patient LPS. `aside_mm`: displaced by so much, in path-local coordinates.
+  Pose at(double depth_mm, const Vec3& aside_mm = Vec3::Zero()) const;
+
+ private:
+  PathFrame frame_;
+  Vec3 axis_path_;
+  Vec3 middle_path_;  ///< at half the path's length
+  Vec3 axis_;         ///< patient LPS
+  double begin_mm_;
+  double end_mm_;
+};
+
+/// A planned motion along a path.
+struct PathMotionOptions {
+  GuideLine line = {};
+  double rate_hz = 1000.0;  ///< poses a second
+  FeedProfileOptions feed = {};
+  double tremor_mm = 0.0;  ///< Tremor's amplitude
+  std::uint64_t seed = 1;  ///< of the tremor
+};
+/// The same feed all the way, given as the advance a cycle.
+PathMotionOptions in_steps_of(double step_mm, const GuideLine& line = {});
+
+/// Poses of a planned motion, each worked out from its index alone: no error adds up.
+class PathMotion {
+ public:
+  /// Throws Error as its parts do, on rates that are not above 0 and on over 2^27 cycles.
+  PathMotion(const DrillPath& path, const PathMotionOptions& options);
+
+  std::size_t cycle_count() const { return cycles_; }
+  double rate_hz() const { return rate_hz_; }
+  /// Patient LPS, mm. Index 0 is the start, before the first cycle; cycle_count() is the end.
+  Pose pose(std::size_t index) const;
+  /// Depth of the tip beyond the entry, along the bit's line and but for the tremor, mm.
+  double depth_mm(std::size_t index) const { return profile_.depth_mm(static_cast<double>(index) / rate_hz_); }
+  /// Its tremor alone, mm, in path-local coordinates.
+  Vec3 tremor_mm(std::size_t index) const;
+
+ private:
+  GuidedBit bit_;
+  FeedProfile profile_;
+  Tremor tremor_;
+  bool trembles_;
+  double rate_hz_;
+  std::size_t cycles_ = 0;
+};
+
+}  // namespace spinaltap

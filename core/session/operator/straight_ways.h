@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/session/operator/tool_source.h"
+
+namespace spinaltap {
+
+/// A way of a bit along its own axis; patient LPS, mm.
+struct BitWay {
+  Pose start;
+  Pose end;  ///< of the same axis
+};
+
+/// The ways along straight lines that took all a bit took on `inputs`, to within some `tolerance_mm` sideways: poses on
+/// nearly one line become one way, and of a tool that widens towards its base (drills, screws) the deepest pose on a
+/// line is all that counts. Many thousand cycles of a steady hand become one way, those of a trembling hand some
+/// hundred. Poses with the spindle off, and those that are not finite, took nothing; nor did ways of the tip or the
+/// base longer than `longest_jump_mm`. As DrillSession has it.
+std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const DrillBit& bit, double longest_jump_mm,
+                                  double tolerance_mm = 0.02);
+
+}  // namespace spinaltap

@@ -1,0 +1,137 @@
+#include "core/session/record/detail/record_columns.h"
+
+#include <utility>
+
+#include "core/base/number_text.h"
+
+namespace spinaltap {
+namespace {
+
+template <class Number>
+constexpr Hdf5Number kind_of() {
+  if constexpr (std::is_same_v<Number, std::uint8_t>) return Hdf5Number::u8;
+  if constexpr (std::is_same_v<Number, std::uint32_t>) return Hdf5Number::u32;
+  if constexpr (std::is_same_v<Number, std::uint64_t>) return Hdf5Number::u64;
+  if constexpr (std::is_same_v<Number, std::int64_t>) return Hdf5Number::i64;
+  return Hdf5Number::f64;
+}
+
+/// Where a member's numbers lie.
+const double* numbers_of(const Vec3& v) { return v.data(); }
+double* numbers_of(Vec3& v) { return v.data(); }
+template <class Number>
+Number* numbers_of(Number& number) {
+  return &number;
+}
+
+template <class Row, auto Member>
+RecordColumn<Row> column(const char* name, std::array<const char*, 3> csv_names) {
+  using Value = std::remove_cvref_t<decltype(std::declval<Row&>().*Member)>;
+  RecordColumn<Row> made;
+  made.name = name;
+  made.csv_names = csv_names;
+  if constexpr (std::is_same_v<Value, Vec3>) {
+    made.width = 3;
+    made.row_bytes = 3 * sizeof(double);
+  } else {
+    static_assert(sizeof(Value) <= sizeof(double) && std::is_trivially_copyable_v<Value>);
+    if constexpr (std::is_enum_v<Value>) {
+      made.number = kind_of<std::underlying_type_t<Value>>();
+    } else {
+      made.number = kind_of<Value>();
+    }
+    made.row_bytes = sizeof(Value);
+  }
+  constexpr std::size_t kBytes = std::is_same_v<Value, Vec3> ? 3 * sizeof(double) : sizeof(Value);
+  made.store = [](const Row& row, void* to) { std::memcpy(to, numbers_of(row.*Member), kBytes); };
+  made.load = [](Row& row, const void* from) { std::memcpy(numbers_of(row.*Member), from, kBytes); };
+  return made;
+}
+
+template <auto Member>
+RecordColumn<RecordedCycle> cycle_column(const char* name) {
+  return column<RecordedCycle, Member>(name, {name});
+}
+template <auto Member>
+RecordColumn<SessionEvent> event_column(const char* name) {
+  return column<SessionEvent, Member>(name, {name});
+}
+
+}  // namespace
+
+std::span<const RecordColumn<RecordedCycle>> cycle_columns() {
+  using Row = RecordedCycle;
+  static const std::array columns{
+      cycle_column<&Row::cycle>("cycle"),
+      cycle_column<&Row::time_s>("time_s"),
+      cycle_column<&Row::dt_s>("dt_s"),
+      column<Row, &Row::tip_mm>("tip_mm", {"tip_x_mm", "tip_y_mm", "tip_z_mm"}),
+      column<Row, &Row::axis>("axis", {"axis_x", "axis_y", "axis_z"}),
+      cycle_column<&Row::spindle_on>("spindle_on"),
+      cycle_column<&Row::state>("state"),
+      cycle_column<&Row::removed>("removed_points"),
+      cycle_column<&Row::removed_hu>("removed_hu"),
+      cycle_column<&Row::work_n_mm>("work_n_mm"),
+      column<Row, &Row::force_n>("force_n", {"force_x_n", "force_y_n", "force_z_n"}),
+      cycle_column<&Row::thrust_n>("thrust_n"),
+      cycle_column<&Row::torque_n_mm>("torque_n_mm"),
+      cycle_column<&Row::feed_mm_per_turn>("feed_mm_per_turn"),
+      cycle_column<&Row::tip_density_g_cm3>("tip_density_g_cm3"),
+      cycle_column<&Row::depth_mm>("depth_mm"),
+      cycle_column<&Row::outer_mm>("outer_clearance_mm"),
+      cycle_column<&Row::canal_mm>("canal_clearance_mm"),
+  };
+  return columns;
+}
+
+std::span<const RecordColumn<SessionEvent>> event_columns() {
+  using Row = SessionEvent;
+  static const std::array columns{
+      event_column<&Row::kind>("kind"),
+      event_column<&Row::cycle>("cycle"),
+      event_column<&Row::time_s>("time_s"),
+      event_column<&Row::depth_mm>("depth_mm"),
+      column<Row, &Row::place_mm>("place_mm", {"place_x_mm", "place_y_mm", "place_z_mm"}),
+      event_column<&Row::value>("value"),
+  };
+  return columns;
+}
+
+std::size_t bytes_of(Hdf5Number number) {
+  return number == Hdf5Number::u8    ? sizeof(std::uint8_t)
+         : number == Hdf5Number::u32 ? sizeof(std::uint32_t)
+                                     : sizeof(double);
+}
+
+namespace {
+
+template <class Number>
+Number number_at(const void* from) {
+  Number number{};
+  std::memcpy(&number, from, sizeof number);
+  return number;
+}
+
+}  // namespace
+
+void append_number(Hdf5Number number, const void* from, std::string& text) {
+  switch (number) {
+    case Hdf5Number::u8:
+      text += std::to_string(number_at<std::uint8_t>(from));
+      break;
+    case Hdf5Number::u32:
+      text += std::to_string(number_at<std::uint32_t>(from));
+      break;
+    case Hdf5Number::u64:
+      text += std::to_string(number_at<std::uint64_t>(from));
+      break;
+    case Hdf5Number::i64:
+      text += std::to_string(number_at<std::int64_t>(from));
+      break;
+    case Hdf5Number::f64:
+      append_number(number_at<double>(from), text);
+      break;
+  }
+}
+
+}  // namespace spinaltap

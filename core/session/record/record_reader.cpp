@@ -1,0 +1,112 @@
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "core/base/error.h"
+#include "core/base/file_reader.h"
+#include "core/base/staged_output.h"
+#include "core/session/drill_state.h"
+#include "core/session/record/detail/record_columns.h"
+#include "core/session/record/detail/record_layout.h"
+#include "core/session/record/session_record.h"
+
+namespace spinaltap {
+namespace {
+
+namespace fs = std::filesystem;
+
+RecordProgress read_progress(const Hdf5File& file, const fs::path& path) {
+  const Hdf5Table table = file.open_table("/progress", Hdf5Number::u64, RecordProgress::kNumbers);
+  std::array<std::uint64_t, RecordProgress::kNumbers> all{};
+  table.read(0, 1, all.data());
+  if (all.back() != RecordProgress::checksum(all)) {
+    fail("cannot read ", path.string(), ": what it says of its own progress is damaged");
+  }
+  return {all[0], all[1], all[2], all[3]};
+}
+
+/// The first rows of a group's tables, all of which must be there.
+template <class Row>
+std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::span<const RecordColumn<Row>> columns,
+                           std::uint64_t count, std::uint64_t file_bytes, const fs::path& path) {
+  // No compression does better: what claims to has no such rows.
+  constexpr std::uint64_t kMostToOne = 1100;
+  constexpr std::uint64_t kBatch = 65536;
+  if (count > kMostToOne * file_bytes) {
+    fail("cannot read ", path.string(), ": expected ", count, " rows, found ", file_bytes, " bytes");
+  }
+  std::vector<Row> rows(static_cast<std::size_t>(count));
+  std::vector<std::byte> batch;
+  for (const RecordColumn<Row>& column : columns) {
+    const Hdf5Table table = file.open_table(group + "/" + column.name, column.number, column.width);
+    for (std::uint64_t first = 0; first < count; first += kBatch) {
+      const std::uint64_t some = std::min(kBatch, count - first);
+      batch.resize(static_cast<std::size_t>(some) * column.row_bytes);
+      table.read(first, some, batch.data());
+      for (std::size_t n = 0; n < some; ++n) {
+        column.load(rows[static_cast<std::size_t>(first) + n], batch.data() + n * column.row_bytes);
+      }
+    }
+  }
+  return rows;
+}
+
+void check_numbers(const SessionRecord& record, const fs::path& path) {
+  constexpr auto kLastState = static_cast<int>(DrillState::inner_cortical);
+  constexpr auto kLastKind = static_cast<int>(EventKind::record_lost);
+  for (const RecordedCycle& row : record.cycles) {
+    if (row.state > kLastState) {
+      fail("cannot read ", path.string(), ": cycle ", row.cycle, " has a state of number ", int{row.state});
+    }
+  }
+  for (const SessionEvent& event : record.events) {
+    if (static_cast<int>(event.kind) > kLastKind) {
+      fail("cannot read ", path.string(), ": cycle ", event.cycle, " has an event of number ",
+           static_cast<int>(event.kind));
+    }
+  }
+}
+
+SessionRecord read_once(const fs::path& path) {
+  const std::uint64_t bytes = regular_file_size(path);
+  const Hdf5File file = Hdf5File::open(path);
+  const std::map<std::string, std::string> head = file.read_texts("/");
+  const auto text = [&](const char* name) {
+    const auto found = head.find(name);
+    return found == head.end() ? std::string() : found->second;
+  };
+  if (text("format") != kRecordFormat) fail("expected a record of a session, found another HDF5 file: ", path.string());
+  if (text("version") != kRecordVersion) {
+    fail("expected a record of version ", kRecordVersion, ", found \"", text("version"), "\" in ", path.string());
+  }
+  // Before the tables: they may grow meanwhile, and hold what this counts.
+  const RecordProgress progress = read_progress(file, path);
+  SessionRecord record;
+  record.setup = file.read_texts("/setup");
+  record.cycles = read_rows(file, "/cycles", cycle_columns(), progress.cycles, bytes, path);
+  record.events = read_rows(file, "/events", event_columns(), progress.events, bytes, path);
+  record.lost = progress.lost;
+  record.is_whole = progress.is_whole != 0;
+  check_numbers(record, path);
+  return record;
+}
+
+}  // namespace
+
+SessionRecord read_record(const std::filesystem::path& path) {
+  // While a file is written, rows may be found half changed; then it is looked at again. A file that nobody changes is
+  // refused at once.
+  constexpr int kAttempts = 5;
+  for (int attempt = 1;; ++attempt) {
+    std::error_code no_time;
+    const fs::file_time_type before = fs::last_write_time(path, no_time);
+    try {
+      return read_once(path);
+    } catch (const Error&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(attempt < kAttempts ? 20 : 0));
+      if (attempt == kAttempts || no_time || fs::last_write_time(path, no_time) == before) throw;
+    }
+  }
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,262 @@
+// RecordWriter: two threads and what goes between them. The session's thread fills ring buffers; the writing thread
+// empties them into chunks, and every quarter of a second, when a chunk is full or its oldest row gets old, hands the
+// file to the operating system and then says in it how much there is for sure.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "core/base/error.h"
+#include "core/session/record/detail/event_handover.h"
+#include "core/session/record/detail/record_rows.h"
+#include "core/session/record/detail/ring_buffer.h"
+#include "core/session/record/session_record.h"
+
+namespace spinaltap {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kLook = std::chrono::milliseconds(20);     ///< how often the writing thread looks into the buffers
+constexpr auto kFlush = std::chrono::milliseconds(250);   ///< flushes are at least so far apart
+constexpr auto kOldest = std::chrono::milliseconds(400);  ///< rows wait for their chunk to fill no longer
+
+Hdf5File new_file(const std::filesystem::path& path, bool may_replace) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::symlink_status(path, error);
+  if (std::filesystem::exists(status)) {
+    if (!may_replace) fail("expected a new name for the record, found ", path.string(), " there already");
+    if (!std::filesystem::is_regular_file(std::filesystem::status(path, error))) {
+      fail("expected a file to replace by the record, found ", path.string());
+    }
+    // Not written over: somebody may be reading it.
+    if (!std::filesystem::remove(path, error)) fail("cannot replace ", path.string(), ": ", error.message());
+  }
+  return Hdf5File::create(path);
+}
+
+/// Removes a file that could not be made whole, so that none is left that is no record.
+class UnfinishedFile {
+ public:
+  explicit UnfinishedFile(std::filesystem::path path) : path_(std::move(path)) {}
+  ~UnfinishedFile() {
+    std::error_code ignored;
+    if (!is_made_) std::filesystem::remove(path_, ignored);
+  }
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+  void is_made() { is_made_ = true; }
+
+ private:
+  std::filesystem::path path_;
+  bool is_made_ = false;
+};
+
+}  // namespace
+
+struct RecordWriter::State {
+  State(const std::filesystem::path& path, const std::map<std::string, std::string>& setup, bool may_replace);
+
+  /// The writing thread's life.
+  void run();
+  /// Empties the buffers and writes what is due; all of it where it `ends`.
+  void write(bool ends);
+  void take_events();
+  void write_events();
+  void say_progress(bool is_whole);
+
+  std::filesystem::path path;
+  Hdf5File file;
+  UnfinishedFile unfinished;
+  RowTables<RecordedCycle> cycles;
+  RowTables<SessionEvent> events;
+  Hdf5Table progress;
+
+  RingBuffer<RecordedCycle> line{kRoom};
+  EventHandover handover;
+  std::atomic<std::uint64_t> refused{0};  ///< cycles that found no room
+  std::atomic<std::uint64_t> cycles_sure{0};
+  std::atomic<bool> has_failed{false};
+
+  // Of the writing thread.
+  std::vector<SessionEvent> event_rows;
+  std::vector<std::size_t> row_of_slot;  ///< one more than the row; 0: none
+  std::size_t first_changed_event = 0;
+  std::size_t written_events = 0;
+  Clock::time_point oldest_wait, last_flush = Clock::now();
+  bool has_unflushed = false;
+
+  mutable std::mutex mutex;  ///< of what follows; the session's thread never takes it
+  std::condition_variable wakes;
+  bool ends = false;
+  std::string trouble;
+  bool is_closed = false;
+  std::thread thread;
+};
+
+RecordWriter::State::State(const std::filesystem::path& where, const std::map<std::string, std::string>& setup,
+                           bool may_replace)
+    : path(where),
+      file(new_file(where, may_replace)),
+      unfinished(where),
+      cycles(file, "/cycles", cycle_columns(), kCycleChunk, true),
+      events(file, "/events", event_columns(), kEventChunk, false),
+      progress(file.make_row("/progress", Hdf5Number::u64, RecordProgress::kNumbers)) {
+  file.write_text("/", "format", kRecordFormat);
+  file.write_text("/", "version", kRecordVersion);
+  file.make_group("/setup");
+  for (const auto& [name, text] : setup) file.write_text("/setup", name, text);
+  file.let_others_read();
+  say_progress(false);
+  unfinished.is_made();
+}
+
+void RecordWriter::State::say_progress(bool is_whole) {
+  file.flush();
+  const RecordProgress now{cycles.written(), written_events, refused.load(), is_whole ? 1U : 0U};
+  progress.write(0, 1, now.numbers().data());
+  file.flush();
+  cycles_sure = cycles.written();
+  last_flush = Clock::now();
+  has_unflushed = false;
+}
+
+void RecordWriter::State::take_events() {
+  handover.take([this](const EventHandover::Update& update) {
+    if (row_of_slot.size() <= update.slot) row_of_slot.resize(update.slot + 1, 0);
+    std::size_t& row = row_of_slot[update.slot];
+    if (row == 0) {
+      event_rows.push_back(update.event);
+      row = event_rows.size();
+    } else {
+      event_rows[row - 1] = update.event;
+    }
+    first_changed_event = std::min(first_changed_event, row - 1);
+  });
+}
+
+void RecordWriter::State::write_events() {
+  if (first_changed_event >= event_rows.size()) return;
+  events.go_back_to(first_changed_event);
+  for (std::size_t n = first_changed_event; n < event_rows.size(); ++n) events.add(event_rows[n]);
+  events.write(events.waiting());
+  written_events = first_changed_event = event_rows.size();
+  has_unflushed = true;
+}
+
+void RecordWriter::State::write(bool all) {
+  constexpr std::size_t kBatch = 4 * kCycleChunk;
+  take_events();
+  std::size_t taken = 0;
+  do {
+    if (cycles.waiting() == 0) oldest_wait = Clock::now();
+    taken = line.pop(kBatch, [this](const RecordedCycle& row) { cycles.add(row); });
+    const bool is_old = cycles.waiting() > 0 && Clock::now() - oldest_wait > kOldest;
+    const std::uint64_t rows = all || is_old ? cycles.waiting() : cycles.whole_chunks();
+    if (rows > 0) {
+      cycles.write(rows);
+      has_unflushed = true;
+      oldest_wait = Clock::now();
+    }
+    const bool is_due = all || Clock::now() - last_flush > kFlush;
+    if (is_due) write_events();
+    if (is_due && has_unflushed) say_progress(false);
+  } while (taken == kBatch);
+}
+
+void RecordWriter::State::run() {
+  bool is_last = false;
+  while (!is_last) {
+    {
+      std::unique_lock lock(mutex);
+      is_last = wakes.wait_for(lock, kLook, [this] { return ends; });
+    }
+    try {
+      write(is_last);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex);
+      trouble = error.what();
+      has_failed = true;
+      return;
+    }
+  }
+}
+
+RecordWriter::RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
+                           bool may_replace)
+    : state_(std::make_unique<State>(path, setup, may_replace)) {
+  state_->thread = std::thread([state = state_.get()] { state->run(); });
+}
+
+RecordWriter::~RecordWriter() {
+  try {
+    close({});
+  } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): without a word
+  }
+}
+
+bool RecordWriter::add(const Cycle& cycle) noexcept {
+  if (!state_->has_failed.load(std::memory_order_relaxed) && state_->line.push(recorded(cycle))) {
+    state_->handover.end_loss();
+    return true;
+  }
+  state_->refused.fetch_add(1, std::memory_order_relaxed);
+  state_->handover.lose(cycle);
+  return false;
+}
+
+bool RecordWriter::add_waiting(const Cycle& cycle) {
+  const RecordedCycle row = recorded(cycle);
+  while (!state_->has_failed) {
+    if (state_->line.push(row)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return add(cycle);
+}
+
+void RecordWriter::add_events(std::span<const SessionEvent> events) noexcept { state_->handover.hand_over(events); }
+
+std::uint64_t RecordWriter::lost() const noexcept {
+  const std::uint64_t refused = state_->refused;
+  return state_->has_failed ? refused + state_->line.pushed() - state_->cycles_sure : refused;
+}
+
+std::string RecordWriter::trouble() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->trouble;
+}
+
+void RecordWriter::close(std::span<const SessionEvent> events) {
+  State& state = *state_;
+  if (state.is_closed) return;
+  state.is_closed = true;
+  const auto wait_for = [&](const auto& is_done) {
+    while (!state.has_failed && !is_done()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  wait_for([&] { return state.handover.hand_over(events, true); });
+  wait_for([&] { return state.handover.end_loss(); });
+  {
+    const std::lock_guard lock(state.mutex);
+    state.ends = true;
+  }
+  state.wakes.notify_one();
+  state.thread.join();
+  if (!state.has_failed) {
+    try {
+      state.say_progress(true);
+      state.file.close();
+      return;
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(state.mutex);
+      state.trouble = error.what();
+      state.has_failed = true;
+    }
+  }
+  fail("the record ", state.path.string(), " ends early, ", lost(), " cycles are not in it: ", trouble());
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/session/drill_session.h"
+
+namespace spinaltap {
+
+/// What a record keeps of a cycle: all that went in and all that came out. docs/record-file.md has the file's layout.
+struct RecordedCycle {
+  std::uint64_t cycle = 0;  ///< Cycle::index: a gap is where cycles were lost
+  double time_s = 0.0;
+  double dt_s = 0.0;
+  Vec3 tip_mm = Vec3::Zero();  ///< patient LPS, as the hand gave it
+  Vec3 axis = Vec3::UnitZ();
+  std::uint8_t spindle_on = 1;
+  std::uint8_t state = 0;     ///< DrillState
+  std::uint32_t removed = 0;  ///< points
+  std::int64_t removed_hu = 0;
+  double work_n_mm = 0.0;
+  Vec3 force_n = Vec3::Zero();
+  double thrust_n = 0.0;
+  double torque_n_mm = 0.0;
+  double feed_mm_per_turn = 0.0;
+  double tip_density_g_cm3 = 0.0;
+  double depth_mm = 0.0;
+  double outer_mm = 0.0;  ///< clearances
+  double canal_mm = 0.0;
+};
+RecordedCycle recorded(const Cycle& cycle);
+/// Bit for bit, so that a number that is none equals itself.
+bool operator==(const RecordedCycle& a, const RecordedCycle& b);
+/// The first quantity in which they differ, with both values: "thrust_n 3.25 and 3.5"; empty where they are equal.
+std::string difference(const RecordedCycle& a, const RecordedCycle& b);
+
+/// Writes a session into an HDF5 file while it runs: from a thread of its own, compressed in chunks, flushed more than
+/// once a second, so that others may read along and a killed run leaves all but the last second.
+class RecordWriter {
+ public:
+  /// Cycles that wait for the writing thread, at most: 3 s at 20 kHz, a minute at 1 kHz.
+  static constexpr std::size_t kRoom = 65536;
+
+  /// Makes the file and starts the thread. `setup`: what it takes to run the session again (names and texts; the
+  /// program's business), stored as attributes. Throws Error where the file cannot be made, and where there is one
+  /// already, unless it `may_replace` it.
+  RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
+               bool may_replace = false);
+  /// Closes as close() does, without a word.
+  ~RecordWriter();
+  RecordWriter(const RecordWriter&) = delete;
+  RecordWriter& operator=(const RecordWriter&) = delete;
+
+  /// Hands a cycle to the writing thread: no lock, no allocation, no waiting. False where it was lost: the buffer is
+  /// full (the disk is slower than the session for seconds on end) or the disk refused.
+  bool add(const Cycle& cycle) noexcept;
+  /// As add(), but waits for room: for sessions that are not in real time.
+  bool add_waiting(const Cycle& cycle);
+  /// Hands over what is new or has changed in the session's events so far: after add(), from the same thread and under
+  /// the same promises. Cycles that were lost become events of their own, EventKind::record_lost.
+  void add_events(std::span<const SessionEvent> events) noexcept;
+
+  /// Cycles that add() was given and that are not, or will not be, in the file.
+  std::uint64_t lost() const noexcept;
+  /// What the disk said when it refused; empty while all is well. From any thread.
+  std::string trouble() const;
+  /// Writes what is left and the events, marks the record as whole, closes. Throws Error where that fails, or writing
+  /// failed before; what was flushed until then stays readable. Not while another thread adds.
+  void close(std::span<const SessionEvent> events);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A record read back.
+struct SessionRecord {
+  std::map<std::string, std::string> setup;
+  std::vector<RecordedCycle> cycles;
+  /// In the order in which they began. Of a record that was cut short: those known at its last flush.
+  std::vector<SessionEvent> events;
+  bool is_whole = false;   ///< closed in order
+  std::uint64_t lost = 0;  ///< cycles that did not get into it
+};
+
+/// Also while it is being written, and after a kill. Throws Error on a file that is no record, a newer layout, or
+/// damage.
+SessionRecord read_record(const std::filesystem::path& path);
+
+/// All cycles as CSV, one row each; units are in the names of the columns. Numbers come back from it to the last bit; a
+/// field of what is not a number is empty.
+void write_record_csv(const SessionRecord& record, std::ostream& csv);
+/// The events likewise.
+void write_events_csv(const SessionRecord& record, std::ostream& csv);
+
+}  // namespace spinaltap

@@ -1,0 +1,37 @@
+#include "core/session/session_event.h"
+
+namespace spinaltap {
+
+std::string_view name_of(EventKind kind) {
+  switch (kind) {
+    case EventKind::contact:
+      return "contact";
+    case EventKind::state:
+      return "state";
+    case EventKind::outer_breach:
+      return "outer breach";
+    case EventKind::canal_breach:
+      return "canal breach";
+    case EventKind::breakthrough:
+      return "breakthrough";
+    case EventKind::stop_thrust:
+      return "stop: thrust";
+    case EventKind::stop_clearance:
+      return "stop: clearance";
+    case EventKind::stop_breach:
+      return "stop: breach";
+    case EventKind::overshoot:
+      return "overshoot";
+    case EventKind::refused_pose:
+      return "refused pose";
+    case EventKind::jump:
+      return "jump";
+    case EventKind::left_volume:
+      return "left volume";
+    case EventKind::record_lost:
+      return "record lost";
+  }
+  return "";
+}
+
+}  // namespace spinaltap

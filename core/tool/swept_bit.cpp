@@ -1,0 +1,124 @@
+#include "core/tool/swept_bit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spinaltap {
+namespace {
+
+/// Rounding and skins, with room: bounds this far out never contradict the exact test.
+constexpr double kSpareMm = 1e-5;
+
+/// The smallest rotation that takes unit vector a to b (Rodrigues). Opposite vectors have none: any half turn then.
+Mat3 smallest_rotation(const Vec3& a, const Vec3& b) {
+  const Vec3 k = a.cross(b);
+  const double cosine = a.dot(b);
+  if (cosine < -1.0 + 1e-12) {
+    const Vec3 side = any_perpendicular(a);
+    return 2.0 * side * side.transpose() - Mat3::Identity();
+  }
+  Mat3 cross;
+  cross << 0.0, -k.z(), k.y(), k.z(), 0.0, -k.x(), -k.y(), k.x(), 0.0;
+  return Mat3::Identity() + cross + cross * cross / (1.0 + cosine);
+}
+
+}  // namespace
+
+SweptBit::SweptBit(const BitProfile& profile, const BitProfile& grown, const Pose& from, const Pose& to) noexcept
+    : profile_(&profile), grown_(&grown), from_(from), to_(to) {
+  const Vec3 side = any_perpendicular(from.axis);
+  from_rows_.row(0) = side;
+  from_rows_.row(1) = from.axis.cross(side);
+  from_rows_.row(2) = -from.axis;
+  to_rows_ = from_rows_ * smallest_rotation(to.axis, from.axis);
+  // How the tip's own way looks from the bit; turning adds at most its angle times the distance from the tip.
+  const Vec3 way = to_rows_ * (from.tip_mm - to.tip_mm);
+  const double angle = 2.0 * std::asin(std::min(1.0, 0.5 * (to.axis - from.axis).norm()));
+  const double way_mm = way.norm();
+  const double turned_mm = angle * (profile.length_mm() + profile.radius_mm() + way_mm);
+  across_mm_ = std::hypot(way.x(), way.y()) + turned_mm;
+  // A bit that advances had its points nearer to the tip before: further back, seen from the end, there were none.
+  forth_mm_ = std::max(0.0, way.z()) + turned_mm;
+  back_mm_ = std::max(0.0, -way.z()) + turned_mm;
+  least_back_mm_ = -back_mm_ - kSpareMm;
+  most_back_mm_ = profile.length_mm() + forth_mm_ + kSpareMm;
+  const double most_off_axis_mm = profile.radius_mm() + across_mm_ + kSpareMm;
+  most_off_axis_squared_mm2_ = most_off_axis_mm * most_off_axis_mm;
+  cone_mm_ = profile.cone_offset_mm() + profile.cone_slope() * (back_mm_ + kSpareMm) + across_mm_ + kSpareMm;
+  lowest_z_mm_ = std::min(from.tip_mm.z(), to.tip_mm.z());
+  highest_z_mm_ = std::max(from.tip_mm.z(), to.tip_mm.z());
+  for (const Pose& pose : {from, to}) {
+    const double along = pose.axis.z();
+    const double sine = std::sqrt(std::max(0.0, 1.0 - along * along));
+    for (const ProfilePiece& piece : profile.pieces()) {
+      const double radius_mm = std::max({piece.begin_radius_mm, piece.end_radius_mm, piece.ball_radius_mm});
+      for (const auto& [back_mm, rim_mm] :
+           {std::pair(piece.begin_mm, piece.begin_radius_mm), std::pair(piece.end_mm, piece.end_radius_mm)}) {
+        const double reach_mm = (piece.ball_radius_mm > 0.0 ? radius_mm : rim_mm) * sine;
+        lowest_z_mm_ = std::min(lowest_z_mm_, pose.tip_mm.z() - back_mm * along - reach_mm);
+        highest_z_mm_ = std::max(highest_z_mm_, pose.tip_mm.z() - back_mm * along + reach_mm);
+      }
+      if (piece.ball_radius_mm > 0.0) {
+        const double centre_mm = pose.tip_mm.z() - piece.ball_centre_mm * along;
+        lowest_z_mm_ = std::min(lowest_z_mm_, centre_mm - radius_mm);
+        highest_z_mm_ = std::max(highest_z_mm_, centre_mm + radius_mm);
+      }
+    }
+  }
+  lowest_z_mm_ -= kSpareMm;
+  highest_z_mm_ += kSpareMm;
+}
+
+bool SweptBit::chord_meets(const Vec3& begin, const Vec3& end) const noexcept {
+  const Vec3 way = end - begin;
+  for (const ProfilePiece& piece : grown_->pieces()) {
+    double first = 0.0;
+    double last = 1.0;
+    if (way.z() == 0.0) {
+      if (!(begin.z() >= piece.begin_mm && begin.z() <= piece.end_mm)) continue;
+    } else {
+      const double a = (piece.begin_mm - begin.z()) / way.z();
+      const double b = (piece.end_mm - begin.z()) / way.z();
+      first = std::max(0.0, std::min(a, b));
+      last = std::min(1.0, std::max(a, b));
+      if (!(first <= last)) continue;
+    }
+    // excess(t) = off-axis² - radius², a quadratic: c + t (b + t a).
+    const auto& s = piece.square;
+    const double a = way.x() * way.x() + way.y() * way.y() - s[2] * way.z() * way.z();
+    const double b =
+        2.0 * (begin.x() * way.x() + begin.y() * way.y()) - s[1] * way.z() - 2.0 * s[2] * begin.z() * way.z();
+    const double c = begin.x() * begin.x() + begin.y() * begin.y() - piece.radius_squared_mm2(begin.z());
+    const auto excess = [&](double t) { return c + t * (b + t * a); };
+    if (excess(first) <= 0.0 || excess(last) <= 0.0) return true;
+    if (!(a > 0.0)) continue;
+    const double lowest = -b / (2.0 * a);
+    if (lowest > first && lowest < last && excess(lowest) <= 0.0) return true;
+  }
+  return false;
+}
+
+BitMotion::BitMotion(const BitProfile& profile, const Pose& from, const Pose& to) noexcept : from_(from), to_(to) {
+  const Vec3 across = to.axis - to.axis.dot(from.axis) * from.axis;
+  const double sine = across.norm();
+  angle_rad_ = std::atan2(sine, to.axis.dot(from.axis));
+  // Of opposite axes `across` is rounding alone, and not across.
+  const Vec3 side = across - across.dot(from.axis) * from.axis;
+  turns_to_ = side.norm() > 0.0 ? side.normalized() : any_perpendicular(from.axis);
+  // Seen from the bit, a point's second derivative over the whole way is at most angle² r + 2 angle |tip's way|; an
+  // eighth of it is how far chord and arc part. n pieces part by 1 / n² of that.
+  const double reach_mm = profile.length_mm() + profile.radius_mm();
+  const double bend_mm = angle_rad_ * (angle_rad_ * reach_mm + 2.0 * (to.tip_mm - from.tip_mm).norm()) / 8.0;
+  pieces_ = static_cast<std::size_t>(std::clamp(std::ceil(std::sqrt(bend_mm / (0.5 * SweptBit::kSkinMm))), 1.0, 1e5));
+}
+
+Pose BitMotion::pose(std::size_t piece) const noexcept {
+  if (piece == 0) return from_;
+  if (piece >= pieces_) return to_;
+  const double t = static_cast<double>(piece) / static_cast<double>(pieces_);
+  const double angle = t * angle_rad_;
+  const Vec3 axis = std::cos(angle) * from_.axis + std::sin(angle) * turns_to_;
+  return {from_.tip_mm + t * (to_.tip_mm - from_.tip_mm), axis.normalized()};
+}
+
+}  // namespace spinaltap

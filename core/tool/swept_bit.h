@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/tool/bit_profile.h"
+
+namespace spinaltap {
+
+/// A bit on its way from one pose to another: the body that all engines remove points by.
+///
+/// Seen from the bit, a point moves along the chord between where the bit has it at the first pose and where at the
+/// last; a point is removed when that chord meets the bit. A straight way is swept exactly; of a turning one, pieces
+/// are taken so short that chord and arc differ by less than half a skin (see BitMotion). The bit is larger by a skin
+/// of 1 nm to all sides: so nothing survives that the bit passed, and rounding decides nothing where a bit's wall lies
+/// on a ring of points. What is removed lies within 3 nm of what a perfect bit would sweep.
+///
+/// Chords against quadrics: every piece of the outline has radius² quadratic in the way back from the tip, so the
+/// chord's excess over it is a quadratic, whose least value over the stretch decides.
+class SweptBit {
+ public:
+  static constexpr double kSkinMm = 1e-6;
+
+  /// `profile` must outlive the object; `grown` is profile.grown(kSkinMm). Poses in any one frame, mm; axes unit.
+  SweptBit(const BitProfile& profile, const BitProfile& grown, const Pose& from, const Pose& to) noexcept;
+
+  const BitProfile& profile() const { return *profile_; }
+  const Pose& from() const { return from_; }
+  const Pose& to() const { return to_; }
+
+  /// Whether the bit passes p. Quick tests come first; they never differ from the exact one.
+  bool contains(const Vec3& p) const noexcept {
+    const Vec3 at_end = to_rows_ * (p - to_.tip_mm);
+    const double off_axis_squared = at_end.x() * at_end.x() + at_end.y() * at_end.y();
+    if (profile_->contains(at_end.z(), off_axis_squared)) return true;
+    if (is_beyond(at_end.z(), off_axis_squared)) return false;
+    return chord_meets(from_rows_ * (p - from_.tip_mm), at_end);
+  }
+
+  /// How far, at most, a point that the bit reaches on its way moves across the bit's axis and back along it, seen from
+  /// the bit, between any moment of the way and its end, mm.
+  double across_mm() const { return across_mm_; }
+  double back_mm() const { return back_mm_; }
+  /// The same forward: how much further forward points may have been before, seen from the bit.
+  double forth_mm() const { return forth_mm_; }
+
+  /// Lowest and highest coordinate along z that the bit reaches, with a little to spare.
+  double lowest_z_mm() const { return lowest_z_mm_; }
+  double highest_z_mm() const { return highest_z_mm_; }
+
+ private:
+  bool is_beyond(double back_mm, double off_axis_squared_mm2) const noexcept {
+    if (back_mm < least_back_mm_ || back_mm > most_back_mm_ || off_axis_squared_mm2 > most_off_axis_squared_mm2_) {
+      return true;
+    }
+    const double allowed_mm = cone_mm_ + profile_->cone_slope() * back_mm;
+    return allowed_mm < 0.0 || off_axis_squared_mm2 > allowed_mm * allowed_mm;
+  }
+  bool chord_meets(const Vec3& begin, const Vec3& end) const noexcept;
+
+  const BitProfile* profile_;
+  const BitProfile* grown_;
+  Pose from_;
+  Pose to_;
+  Mat3 from_rows_;  ///< two directions across the axis, and back along it
+  Mat3 to_rows_;
+  double across_mm_ = 0.0;
+  double back_mm_ = 0.0;
+  double forth_mm_ = 0.0;
+  double least_back_mm_ = 0.0;
+  double most_back_mm_ = 0.0;
+  double most_off_axis_squared_mm2_ = 0.0;
+  double cone_mm_ = 0.0;  ///< the bounding cone's offset, with all that the way adds
+  double lowest_z_mm_ = 0.0;
+  double highest_z_mm_ = 0.0;
+};
+
+/// The way between two poses: the tip goes straight, the axis turns evenly, in pieces short enough for SweptBit.
+class BitMotion {
+ public:
+  BitMotion(const BitProfile& profile, const Pose& from, const Pose& to) noexcept;
+
+  std::size_t piece_count() const { return pieces_; }
+  /// Pose after the first `piece` pieces; the first and the last are exactly those given.
+  Pose pose(std::size_t piece) const noexcept;
+
+ private:
+  Pose from_;
+  Pose to_;
+  Vec3 turns_to_;  ///< unit, at right angles to the first axis, in the plane of the turn
+  double angle_rad_ = 0.0;
+  std::size_t pieces_ = 1;
+};
+
+}  // namespace spinaltap

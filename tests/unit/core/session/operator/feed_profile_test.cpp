@@ -1,0 +1,65 @@
+#include "core/session/operator/feed_profile.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/base/error.h"
+
+namespace spinaltap {
+namespace {
+
+TEST(FeedProfile, GoesAtItsFeedsByDepth) {
+  FeedProfileOptions options;
+  options.steps = {{0.0, 1.0}, {5.0, 0.5}, {8.0, 2.0}};
+  const FeedProfile profile(-2.0, 10.0, options);
+  EXPECT_DOUBLE_EQ(profile.duration_s(), 7.0 + 6.0 + 1.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(-1.0), -2.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(0.0), -2.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(7.0), 5.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(9.0), 6.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(13.5), 9.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(14.0), 10.0);
+  EXPECT_DOUBLE_EQ(profile.depth_mm(99.0), 10.0);
+}
+
+TEST(FeedProfile, PecksAndWithdraws) {
+  FeedProfileOptions options;
+  options.pecking = {.every_mm = 4.0, .back_mm = 3.0, .mm_s = 10.0};
+  options.withdraw_mm_s = 20.0;
+  const FeedProfile profile(0.0, 10.0, options);
+  // 10 mm at 1 mm/s, two pecks of 3 mm back and forth at 10 mm/s, and 10 mm back at 20 mm/s.
+  EXPECT_NEAR(profile.duration_s(), 10.0 + 2.0 * 0.6 + 0.5, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(4.0), 4.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(4.3), 1.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(4.6), 4.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(8.6), 8.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(8.9), 5.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(11.2), 10.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(11.7), 0.0, 1e-12);
+  // A peck at the very end would lead nowhere; one that goes back further than the begin ends there.
+  options.pecking = {.every_mm = 5.0, .back_mm = 50.0, .mm_s = 10.0};
+  options.withdraw_mm_s = 0.0;
+  EXPECT_NEAR(FeedProfile(0.0, 10.0, options).duration_s(), 10.0 + 1.0, 1e-12);
+}
+
+TEST(FeedProfile, RefusesWhatLeadsNowhere) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [&](double begin_mm, double end_mm, const FeedProfileOptions& options) {
+    EXPECT_THROW(FeedProfile(begin_mm, end_mm, options), Error);
+  };
+  refused(1.0, 0.0, {});
+  refused(0.0, nan, {});
+  refused(0.0, std::numeric_limits<double>::infinity(), {});
+  refused(0.0, 1.0, {.steps = {}});
+  for (const double bad : {0.0, -1.0, nan, 1e9}) refused(0.0, 1.0, {.steps = {{0.0, bad}}});
+  refused(0.0, 1.0, {.steps = {{0.0, 1.0}, {0.0, 2.0}}});
+  refused(0.0, 1.0, {.steps = {{0.0, 1.0}, {nan, 2.0}}});
+  for (const double bad : {-1.0, nan, 1e-9}) refused(0.0, 1.0, {.pecking = {.every_mm = bad}});
+  refused(0.0, 1.0, {.pecking = {.every_mm = 0.5, .back_mm = 0.0}});
+  refused(0.0, 1.0, {.pecking = {.every_mm = 0.5, .mm_s = nan}});
+  refused(0.0, 1.0, {.withdraw_mm_s = nan});
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/points/point_volume.h"
+
+namespace spinaltap::detail {
+
+/// The living points of a volume, ordered by the leaves of a VDB tree.
+///
+/// The tree's index space is the volume's own path frame in cells of a few spacings; an active voxel is a cell that has
+/// living points, and its value the cell's number. Cells are numbered leaf by leaf, and a cell's points lie together.
+/// What is empty is dropped: the voxel is switched off, the leaf's last cell takes its number, and a leaf without cells
+/// is forgotten. Nothing is allocated after construction.
+class PointLeaves {
+ public:
+  /// Edge of a cell in spacings, and of a leaf in cells: of about 60 and 4,000 points.
+  static constexpr int kCellSpacings = 4;
+  static constexpr int kLeafCells = 4;
+
+  /// Throws Error on more than 2^31 points.
+  explicit PointLeaves(const PointVolume& volume);
+  ~PointLeaves();
+  PointLeaves(const PointLeaves&) = delete;
+  PointLeaves& operator=(const PointLeaves&) = delete;
+
+  double cell_mm() const { return cell_mm_; }
+  double leaf_mm() const { return kLeafCells * cell_mm_; }
+  /// Centres of all cells and leaves as they were numbered at first, path-local.
+  const std::vector<Vec3>& first_cell_centres_mm() const { return cell_centres_mm_; }
+  const std::vector<Vec3>& first_leaf_centres_mm() const { return leaf_centres_mm_; }
+  void forget_centres();
+
+  struct Leaf {
+    std::uint32_t begin;  ///< its first cell
+    std::uint32_t count;  ///< of cells
+    std::uint32_t node;   ///< of the tree
+  };
+  struct Cell {
+    std::uint32_t begin;   ///< its first point
+    std::uint32_t living;  ///< of points
+    std::uint32_t voxel;   ///< in the leaf
+  };
+  struct Point {
+    int disc;
+    std::size_t index;
+  };
+
+  /// Leaves that have living points; dropping one moves the last into its place.
+  std::span<const Leaf> leaves() const { return leaves_; }
+  Cell& cell(std::size_t number) { return cells_[number]; }
+  /// How many cells have living points.
+  std::size_t cell_count() const { return cell_count_; }
+  Point point(std::size_t place) const {
+    return {static_cast<int>(points_[place] >> shift_), points_[place] & ((std::uint32_t{1} << shift_) - 1)};
+  }
+  /// Takes the point at `place` out of its cell; the cell's last living point moves there.
+  void drop_point(Cell& cell, std::size_t place) noexcept { points_[place] = points_[cell.begin + --cell.living]; }
+  /// Takes an empty cell out of its leaf; the leaf's last cell, whose number is returned, gets its number.
+  std::size_t drop_cell(std::size_t leaf, std::size_t number) noexcept;
+  /// Takes a leaf without cells out of the list; the last leaf, whose place is returned, moves there.
+  std::size_t drop_leaf(std::size_t leaf) noexcept;
+
+  /// Active voxels of the tree: counted anew, to check the above.
+  std::size_t active_voxel_count() const;
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Tree;
+
+  std::unique_ptr<Tree> tree_;
+  double cell_mm_ = 0.0;
+  int shift_ = 0;  ///< points_ hold disc << shift | index
+  std::vector<Leaf> leaves_;
+  std::vector<Cell> cells_;
+  std::vector<std::uint32_t> points_;
+  std::vector<Vec3> cell_centres_mm_, leaf_centres_mm_;
+  std::size_t cell_count_ = 0;
+};
+
+}  // namespace spinaltap::detail

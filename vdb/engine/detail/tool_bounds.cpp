@@ -1,0 +1,84 @@
+#include "vdb/engine/detail/tool_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace spinaltap::detail {
+namespace {
+
+/// Rounding and SweptBit's spare, with room.
+constexpr double kSpareMm = 2e-5;
+
+}  // namespace
+
+ToolBounds::ToolBounds(const BitProfile& profile)
+    : radius_mm_(profile.radius_mm()),
+      cone_slope_(profile.cone_slope()),
+      cone_offset_mm_(profile.cone_offset_mm()),
+      has_cone_(profile.is_cone_and_cylinder()) {
+  double steepest = 0.0;
+  for (const ProfilePiece& piece : profile.pieces()) {
+    Piece& side = pieces_[count_++];
+    side = {piece.begin_mm, piece.end_mm, piece.ball_centre_mm, piece.ball_radius_mm, 0.0, 0.0, 0.0};
+    if (piece.ball_radius_mm > 0.0) continue;
+    const double slope = (piece.end_radius_mm - piece.begin_radius_mm) / (piece.end_mm - piece.begin_mm);
+    const double cosine = 1.0 / std::sqrt(1.0 + slope * slope);
+    side.per_off = cosine;
+    side.per_back = -slope * cosine;
+    side.at_origin_mm = (slope * piece.begin_mm - piece.begin_radius_mm) * cosine;
+    steepest = std::max(steepest, std::abs(slope));
+  }
+  // A piece of the grown outline stands out of the bit by a few skins, a steep one by as many as it is steep.
+  margin_mm_ = SweptBit::kSkinMm * (3.0 + 4.0 * steepest);
+}
+
+double ToolBounds::from_body_mm(const BitPlace& at) const {
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 0; n < count_; ++n) {
+    const Piece& piece = pieces_[n];
+    double from_mm = 0.0;
+    if (piece.ball_radius_mm > 0.0) {
+      const double along_mm = at.back_mm - piece.ball_centre_mm;
+      from_mm = std::sqrt(along_mm * along_mm + at.off_mm * at.off_mm) - piece.ball_radius_mm;
+    } else {
+      const double side_mm = piece.per_off * at.off_mm + piece.per_back * at.back_mm + piece.at_origin_mm;
+      from_mm = std::max({side_mm, piece.begin_mm - at.back_mm, at.back_mm - piece.end_mm});
+    }
+    nearest_mm = std::min(nearest_mm, from_mm);
+  }
+  return nearest_mm;
+}
+
+SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
+    : bit_(bit),
+      bounds_(bounds),
+      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm()},
+      across_mm_(bit.across_mm() + kSpareMm),
+      cone_mm_(across_mm_ + bounds.cone_slope() * (bit.back_mm() + kSpareMm)) {
+  const double way_mm = (bit.to().tip_mm - bit.from().tip_mm).norm();
+  const double reach_mm = bit.profile().length_mm() + bit.profile().radius_mm() + way_mm;
+  // An angle is at most pi / 2 of its chord.
+  whole_mm_ = way_mm + 1.6 * line_.turned * reach_mm + kSpareMm;
+}
+
+FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double least_mm) const {
+  const double cylinder_mm = bounds_.from_cylinder_mm(at) - radius_mm;
+  if (cylinder_mm >= across_mm_ + least_mm) return {cylinder_mm - bounds_.margin_mm(), 0.0, 0.0};
+  if (bounds_.has_cone()) {
+    const double slope = bounds_.cone_slope();
+    const double cone_mm = bounds_.from_cone_mm(at) - radius_mm * (1.0 + slope);
+    if (cone_mm >= cone_mm_ + least_mm) return {cone_mm - bounds_.margin_mm(), slope, 0.0};
+  }
+  const double body_mm = bounds_.from_body_mm(at) - radius_mm;
+  if (body_mm >= whole_mm_ + least_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
+  return {};
+}
+
+bool SweptBounds::holds_ball(const BitPlace& at, double radius_mm) const {
+  const BitProfile& profile = bit_.profile();
+  return profile.contains(at.back_mm, at.off_mm * at.off_mm) &&
+         profile.distance_mm(at.back_mm, at.off_mm) < -radius_mm - kSpareMm;
+}
+
+}  // namespace spinaltap::detail

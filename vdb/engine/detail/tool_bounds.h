@@ -1,0 +1,84 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "core/tool/swept_bit.h"
+#include "vdb/engine/detail/move_certificates.h"
+
+namespace spinaltap::detail {
+
+/// Where a point is, seen from a bit.
+struct BitPlace {
+  double back_mm = 0.0;  ///< from the tip
+  double off_mm = 0.0;   ///< the axis
+};
+
+/// Quick lower bounds of the distance to a tool, each with what of the tool's moves can make it smaller. They say
+/// nothing (are not above 0) inside of what they bound the tool by.
+class ToolBounds {
+ public:
+  explicit ToolBounds(const BitProfile& profile);
+
+  /// From the cylinder of the tool's widest radius: only moves across the axis count.
+  double from_cylinder_mm(const BitPlace& at) const { return at.off_mm - radius_mm_; }
+  /// From the cone that is a drill's tip, counted across the axis: of the advance, the slope counts too.
+  double from_cone_mm(const BitPlace& at) const { return at.off_mm - cone_offset_mm_ - cone_slope_ * at.back_mm; }
+  bool has_cone() const { return has_cone_; }
+  double cone_slope() const { return cone_slope_; }
+  /// From frusta and balls, of which the tool is made: all moves count.
+  double from_body_mm(const BitPlace& at) const;
+  /// What bounds must exceed before SweptBit, which grows the bit by a skin, surely holds nothing.
+  double margin_mm() const { return margin_mm_; }
+
+ private:
+  struct Piece {
+    double begin_mm, end_mm;
+    double ball_centre_mm, ball_radius_mm;   ///< radius 0: a frustum
+    double per_off, per_back, at_origin_mm;  ///< distance from the frustum's side
+  };
+
+  std::array<Piece, 3> pieces_{};
+  std::size_t count_ = 0;
+  double radius_mm_, cone_slope_, cone_offset_mm_;
+  bool has_cone_;
+  double margin_mm_;
+};
+
+/// A swept bit as boxes and points are classified against it.
+class SweptBounds {
+ public:
+  SweptBounds(const SweptBit& bit, const ToolBounds& bounds);
+
+  const SweptBit& bit() const { return bit_; }
+  const ToolBounds& bounds() const { return bounds_; }
+  const BitLine& line() const { return line_; }
+
+  /// Seen from the bit at the end of its way.
+  BitPlace place(const Vec3& p) const {
+    const Vec3 q = p - line_.tip_mm;
+    const double back_mm = -q.dot(line_.axis);
+    return {back_mm, std::sqrt(std::max(0.0, q.squaredNorm() - back_mm * back_mm))};
+  }
+  /// Whether the bit may have passed a point there.
+  bool may_reach(double from_cylinder_mm, double from_cone_mm) const {
+    return from_cylinder_mm <= across_mm_ && from_cone_mm <= cone_mm_;
+  }
+  /// How far the bit may move before it can touch a ball around `at` that it has not passed: nothing where it may have
+  /// passed it, or where that is less than `least_mm`.
+  FreeMove free_of_ball(const BitPlace& at, double radius_mm, double least_mm) const;
+  /// Whether the bit holds all of a ball around `at` at the end of its way.
+  bool holds_ball(const BitPlace& at, double radius_mm) const;
+
+ private:
+  const SweptBit& bit_;
+  const ToolBounds& bounds_;
+  BitLine line_;
+  double across_mm_;  ///< points further from the cylinder are not reached
+  double cone_mm_;    ///< nor are points further from the cone
+  double whole_mm_;   ///< nor are points further from the bit
+};
+
+}  // namespace spinaltap::detail

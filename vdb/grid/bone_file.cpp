@@ -1,0 +1,123 @@
+#include "core/base/error.h"
+#include "core/base/hash.h"
+#include "vdb/detail/bone_grids.h"
+#include "vdb/detail/initialize.h"
+#include "vdb/detail/vdb_file.h"
+#include "vdb/grid/bone_model.h"
+#include "vdb/grid/spine_file.h"
+
+namespace spinaltap {
+namespace {
+
+/// The one level of a file of several bones, where it has one only.
+Level only_level(const std::vector<Level>& levels, const std::filesystem::path& path) {
+  if (levels.size() == 1) return levels.front();
+  fail("expected one bone, or a choice of one of its levels, found several in ", path.string(), ": ",
+       level_names(levels));
+}
+
+void check_level(const BoneModel& bone, Level wanted, const std::filesystem::path& path) {
+  if (wanted == Level::kNone) return;
+  const auto recorded = bone.facts().find("level");
+  if (recorded == bone.facts().end()) {
+    fail("expected ", level_name(wanted), ", found a bone whose level is not known: ", path.string());
+  }
+  if (recorded->second != level_name(wanted)) {
+    fail("expected ", level_name(wanted), ", found ", detail::printable(recorded->second), ": ", path.string());
+  }
+}
+
+std::string hash_of(const BoneModel& bone) {
+  Fnv1a hash;
+  for (const auto& grid : {bone.grids().sdf, bone.grids().hu, bone.grids().before, bone.grids().hole}) {
+    if (grid == nullptr) continue;
+    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
+      hash.add(leaf->origin().data(), 3 * sizeof(openvdb::Int32));
+      hash.add(leaf->buffer().data(), openvdb::FloatTree::LeafNodeType::SIZE * sizeof(float));
+    }
+  }
+  return hash.hex();
+}
+
+}  // namespace
+
+void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
+  initialize_openvdb();
+  openvdb::GridCPtrVec written;
+  const auto add = [&](const char* name, const openvdb::FloatGrid& grid) {
+    auto copy = grid.deepCopy();
+    copy->setName(name);
+    // Baking rounds to half floats, so this loses nothing; what was drilled since may need more.
+    copy->setSaveFloatAsHalf(detail::fits_half_floats(*copy));
+    written.push_back(copy);
+    return copy;
+  };
+  const auto sdf = add("sdf", *bone.grids().sdf);
+  sdf->setGridClass(openvdb::GRID_LEVEL_SET);
+  for (const auto& [key, value] : bone.facts()) {
+    sdf->insertMeta(detail::kFactPrefix + key, openvdb::StringMetadata(value));
+  }
+  add("hu", *bone.grids().hu);
+  if (is_drilled(bone)) {
+    add("before", *bone.grids().before)->setGridClass(openvdb::GRID_LEVEL_SET);
+    add("hole", *bone.grids().hole)->setGridClass(openvdb::GRID_LEVEL_SET);
+  }
+  try {
+    detail::write_vdb(path, written, hash_of(bone));
+    // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
+    read_bone(path);
+  } catch (const std::exception&) {
+    // What OpenVDB says of its own broken file does not help; the cause is nearly always this one.
+    fail("cannot write ", path.filename().string(), ": is the disk full, or the folder not writable?");
+  }
+}
+
+BoneModel read_bone(const std::filesystem::path& path, Level level) {
+  const std::vector<Level> levels = levels_in(path);
+  if (!levels.empty()) {
+    return read_spine_level(path, level == Level::kNone ? only_level(levels, path) : level).bone;
+  }
+  const openvdb::GridPtrVecPtr found = detail::read_vdb(path);
+  const auto grid = [&](const char* name) {
+    const auto at = openvdb::findGridByName(*found, name);
+    if (!at) fail("expected the grids sdf and hu in ", path.string(), ", found no ", name);
+    return openvdb::gridPtrCast<openvdb::FloatGrid>(at);
+  };
+  auto grids = std::make_shared<detail::BoneGrids>();
+  grids->sdf = grid("sdf");
+  grids->hu = grid("hu");
+  if (!grids->sdf || !grids->hu) fail("expected grids of floats in ", path.string());
+  if (grids->sdf->getGridClass() != openvdb::GRID_LEVEL_SET || grids->sdf->activeVoxelCount() == 0) {
+    fail("expected the grid sdf to be a level set that is not empty in ", path.string());
+  }
+  if (!grids->sdf->transform().isLinear() || !grids->sdf->hasUniformVoxels() || !grids->hu->transform().isLinear()) {
+    fail("expected the grid sdf to have cubic voxels, and no perspective, in ", path.string());
+  }
+  const auto level_set = [&](const char* name) -> openvdb::FloatGrid::ConstPtr {
+    const auto at = openvdb::findGridByName(*found, name);
+    if (!at) return nullptr;
+    const auto set = openvdb::gridPtrCast<openvdb::FloatGrid>(at);
+    if (!set || set->getGridClass() != openvdb::GRID_LEVEL_SET || set->transform() != grids->sdf->transform() ||
+        set->background() != grids->sdf->background()) {
+      fail("expected the grid ", name, " to be a level set on the voxels of sdf in ", path.string());
+    }
+    return set;
+  };
+  grids->before = level_set("before");
+  grids->hole = level_set("hole");
+  if ((grids->before == nullptr) != (grids->hole == nullptr)) {
+    fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
+  }
+  grids->facts = detail::facts_of(*grids->sdf);
+  BoneModel bone = [&] {
+    try {
+      return BoneModel(grids);
+    } catch (const Error& error) {
+      fail("cannot read ", path.string(), ": ", error.what());
+    }
+  }();
+  check_level(bone, level, path);
+  return bone;
+}
+
+}  // namespace spinaltap

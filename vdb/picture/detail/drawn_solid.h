@@ -1,0 +1,31 @@
+#pragma once
+
+#include <limits>
+
+#include "core/tool/bit_profile.h"
+
+namespace spinaltap::detail {
+
+/// A tool in a picture: what a ray meets of it.
+class DrawnSolid {
+ public:
+  static constexpr double kMissed = std::numeric_limits<double>::infinity();
+
+  /// Throws Error on a bad bit.
+  DrawnSolid(const DrillBit& bit, const Pose& pose, const Eigen::Array3d& colour);
+
+  /// How far along a ray (patient LPS, mm; unit direction) its surface lies, from outside; kMissed: nowhere.
+  double way_mm(const Vec3& start_mm, const Vec3& direction) const;
+  /// Unit, outward, at a place of its surface.
+  Vec3 normal(const Vec3& p_mm) const;
+  const Eigen::Array3d& colour() const { return colour_; }
+
+ private:
+  double distance_mm(const Vec3& p_mm) const;
+
+  BitProfile profile_;
+  Pose pose_;
+  Eigen::Array3d colour_;
+};
+
+}  // namespace spinaltap::detail

@@ -1,0 +1,190 @@
+#include "vdb/remaining/subtract_bit.h"
+
+#include <openvdb/tools/Prune.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/tool/bit_profile.h"
+#include "vdb/detail/bone_grids.h"
+
+namespace spinaltap {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
+
+/// From a leaf's middle to its corners' voxels.
+double leaf_reach_mm(const openvdb::FloatGrid& grid) { return 3.5 * std::sqrt(3.0) * grid.voxelSize()[0]; }
+
+Vec3 middle_mm(const openvdb::FloatGrid& grid, const Coord& leaf_origin) {
+  return detail::from_vdb(grid.indexToWorld(leaf_origin.asVec3d() + openvdb::Vec3d(3.5)));
+}
+
+/// Origins of those leaves within `box` (index space) that hold bone or its band and that `wanted` takes, in order.
+template <class Wanted>
+std::vector<Coord> leaves_with_bone(const openvdb::FloatGrid& bone, const CoordBBox& box, const Wanted& wanted) {
+  std::vector<Coord> origins;
+  for (int k = box.min().z() & ~7; k <= box.max().z(); k += 8) {
+    for (int j = box.min().y() & ~7; j <= box.max().y(); j += 8) {
+      for (int i = box.min().x() & ~7; i <= box.max().x(); i += 8) {
+        const Coord origin(i, j, k);
+        const bool is_bone = bone.tree().probeConstLeaf(origin) != nullptr || bone.tree().getValue(origin) < 0.0F;
+        if (is_bone && wanted(origin)) origins.push_back(origin);
+      }
+    }
+  }
+  return origins;
+}
+
+/// Changes all values of some leaves, which are made where there are none. `prepare(origin)` gives what makes of a
+/// value and its voxel a new value. Those within the band are active.
+template <class Prepare>
+void change_leaves(openvdb::FloatGrid& grid, const std::vector<Coord>& origins, const Prepare& prepare) {
+  const float band = grid.background();
+  std::vector<Leaf*> leaves;
+  leaves.reserve(origins.size());
+  for (const Coord& origin : origins) leaves.push_back(grid.tree().touchLeaf(origin));
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t index) {
+    Leaf& leaf = *leaves[index];
+    const auto change = prepare(leaf.origin());
+    for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+      const float value = std::clamp(change(leaf.getValue(offset), leaf.offsetToGlobalCoord(offset)), -band, band);
+      if (std::abs(value) < band) {
+        leaf.setValueOn(offset, value);
+      } else {
+        leaf.setValueOff(offset, value);
+      }
+    }
+  });
+  openvdb::tools::pruneLevelSet(grid.tree());
+}
+
+CoordBBox index_box(const BoneModel& bone, const Box3& box_mm) {
+  const auto& transform = bone.grids().sdf->transform();
+  return {Coord::floor(transform.worldToIndex(detail::to_vdb(box_mm.min()))),
+          Coord::ceil(transform.worldToIndex(detail::to_vdb(box_mm.max())))};
+}
+
+Box3 grown(const Box3& box, double margin_mm) {
+  return {box.min() - Vec3::Constant(margin_mm), box.max() + Vec3::Constant(margin_mm)};
+}
+
+/// A bit at a pose, lengthened backwards by its way.
+struct SweptAlong {
+  BitProfile profile;
+  Pose pose;
+
+  SweptAlong(const DrillBit& bit, const Pose& start, const Pose& end) : profile(bit), pose(end) {
+    if (!(std::abs(end.axis.norm() - 1.0) < 1e-6)) fail("subtracting the bit: expected an axis of length 1");
+    const double way_mm = (end.tip_mm - start.tip_mm).dot(end.axis);
+    if (!((start.axis - end.axis).norm() < 1e-9) || !((start.tip_mm + way_mm * end.axis - end.tip_mm).norm() < 1e-6)) {
+      fail("subtracting the bit: expected a move along the bit's own axis");
+    }
+    profile = profile.lengthened(std::abs(way_mm));
+    if (way_mm < 0.0) pose = start;
+  }
+  double distance_mm(const Vec3& p_mm) const { return bit_distance_mm(profile, pose, p_mm); }
+};
+
+/// What some bits took.
+class SweptBits {
+ public:
+  explicit SweptBits(std::vector<const SweptAlong*> bits) : bits_(std::move(bits)) {}
+
+  /// To the nearest of them, negative within.
+  double distance_mm(const Vec3& p_mm) const {
+    double nearest_mm = std::numeric_limits<double>::infinity();
+    for (const SweptAlong* bit : bits_) nearest_mm = std::min(nearest_mm, bit->distance_mm(p_mm));
+    return nearest_mm;
+  }
+  /// The same for places within `reach_mm` of p. A distance changes by no more than the way: bits further than the
+  /// nearest by twice the reach are never nearest.
+  SweptBits near(const Vec3& p_mm, double reach_mm) const {
+    const double nearest_mm = distance_mm(p_mm);
+    std::vector<const SweptAlong*> kept;
+    for (const SweptAlong* bit : bits_) {
+      if (bit->distance_mm(p_mm) <= nearest_mm + 2.0 * reach_mm) kept.push_back(bit);
+    }
+    return SweptBits(std::move(kept));
+  }
+
+ private:
+  std::vector<const SweptAlong*> bits_;
+};
+
+/// The hole with what bits took more, near the bone as it was before; leaves that changed go to `changed`.
+openvdb::FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordBBox& box, const SweptBits& bits,
+                                     std::vector<Coord>& changed) {
+  const openvdb::FloatGrid& before = *(bone.before ? bone.before : bone.sdf);
+  openvdb::FloatGrid::Ptr hole;
+  if (bone.hole) {
+    hole = bone.hole->deepCopy();
+  } else {
+    hole = openvdb::FloatGrid::create(before.background());
+    hole->setTransform(before.transform().copy());
+    hole->setGridClass(openvdb::GRID_LEVEL_SET);
+    hole->setName("hole");
+  }
+  const double reach_mm = leaf_reach_mm(before);
+  const double band_mm = static_cast<double>(before.background());
+  changed = leaves_with_bone(before, box, [&](const Coord& origin) {
+    return bits.distance_mm(middle_mm(before, origin)) < band_mm + reach_mm;
+  });
+  change_leaves(*hole, changed, [&](const Coord& origin) {
+    return [&hole, near = bits.near(middle_mm(*hole, origin), reach_mm)](float value, const Coord& voxel) {
+      return std::min(value, static_cast<float>(near.distance_mm(detail::from_vdb(hole->indexToWorld(voxel)))));
+    };
+  });
+  return hole;
+}
+
+}  // namespace
+
+BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways) {
+  check_bit(bit);
+  std::vector<SweptAlong> swept;
+  std::vector<const SweptAlong*> reaching;
+  swept.reserve(ways.size());
+  Box3 box_mm;
+  const Box3 bone_mm = bone.bounds_mm();
+  const double margin_mm = bit.radius_mm() + 2.0 * bone.band_mm();
+  for (const BitWay& way : ways) {
+    const SweptAlong& bit_way = swept.emplace_back(bit, way.start, way.end);
+    Box3 around_mm(bit_way.pose.tip_mm);
+    around_mm.extend(bit_way.pose.tip_mm - bit_way.profile.length_mm() * bit_way.pose.axis);
+    around_mm = grown(around_mm, margin_mm).intersection(bone_mm);
+    if (around_mm.isEmpty()) continue;
+    box_mm.extend(around_mm);
+    reaching.push_back(&bit_way);
+  }
+  if (reaching.empty()) return bone;
+  const auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
+  std::vector<Coord> changed;
+  const openvdb::FloatGrid::Ptr hole =
+      widened_hole(bone.grids(), index_box(bone, box_mm), SweptBits(std::move(reaching)), changed);
+  const openvdb::FloatGrid::Ptr sdf = bone.grids().sdf->deepCopy();
+  change_leaves(*sdf, changed, [&](const Coord&) {
+    return [hole_values = hole->getConstAccessor()](float value, const Coord& voxel) {
+      return std::max(value, -hole_values.getValue(voxel));
+    };
+  });
+  grids->before = bone.grids().before ? bone.grids().before : bone.grids().sdf;
+  grids->hole = hole;
+  grids->sdf = sdf;
+  return BoneModel(grids);
+}
+
+BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end) {
+  const BitWay way{start, end};
+  return subtract_bit(bone, bit, {&way, 1});
+}
+
+}  // namespace spinaltap
