@@ -29,8 +29,41 @@ function(spinaltap_library folder)
   set_target_properties(spinaltap_${folder} PROPERTIES EXPORT_NAME ${folder})
   target_compile_features(spinaltap_${folder} PUBLIC cxx_std_20)
   target_include_directories(spinaltap_${folder} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/spinaltap>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(spinaltap_${folder} PRIVATE $<BUILD_INTERFACE:spinaltap_flags>)
+endfunction()
+
+# What a program links: spinaltap::spinaltap, the three libraries; and spinaltap::shared, the same objects in one shared
+# library. In the build tree too `#include <spinaltap/spinaltap.h>` finds them.
+function(spinaltap_whole)
+  set(include ${CMAKE_BINARY_DIR}/include/spinaltap)
+  file(MAKE_DIRECTORY ${include})
+  foreach(folder core vdb mesh)
+    file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${include}/${folder} SYMBOLIC)
+  endforeach()
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/mesh/spinaltap.h ${include}/spinaltap.h SYMBOLIC)
+
+  add_library(spinaltap_all INTERFACE)
+  add_library(spinaltap::spinaltap ALIAS spinaltap_all)
+  set_target_properties(spinaltap_all PROPERTIES EXPORT_NAME spinaltap)
+  target_link_libraries(spinaltap_all INTERFACE spinaltap_mesh spinaltap_vdb spinaltap_core)
+  target_include_directories(spinaltap_all INTERFACE $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include>)
+
+  add_library(spinaltap_shared SHARED $<TARGET_OBJECTS:spinaltap_core> $<TARGET_OBJECTS:spinaltap_vdb>
+              $<TARGET_OBJECTS:spinaltap_mesh>)
+  add_library(spinaltap::shared ALIAS spinaltap_shared)
+  set_target_properties(spinaltap_shared PROPERTIES EXPORT_NAME shared OUTPUT_NAME spinaltap VERSION ${PROJECT_VERSION}
+                        SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  target_compile_features(spinaltap_shared PUBLIC cxx_std_20)
+  target_include_directories(spinaltap_shared PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(spinaltap_shared PUBLIC Eigen3::Eigen TBB::tbb)
+  target_link_libraries(spinaltap_shared PRIVATE gdcmMSFF Nifti2::nifti2 ZLIB::ZLIB hdf5::hdf5 OpenVDB::openvdb
+                        OpenMeshCore OpenMeshTools)
+  # Who hands vectors of Eigen's over must agree on how they lie in memory, whatever CPU each side is compiled for.
+  target_compile_definitions(spinaltap_shared INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=16>)
+  target_compile_definitions(spinaltap_core INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=16>)
 endfunction()
 
 # Fails the configuration when a target links something that its folder's list does not have.

@@ -93,8 +93,9 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
                        {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
                        {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
                        {"Drilled mesh, volume", fixed(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
-  if (!figures.bone.remark().empty())
-    data.notes.push_back("No canal and no sides were found: " + figures.bone.remark());
+  if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
+    data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());
+  }
   if (figures.cycles_not_recorded > 0) {
     data.notes.push_back("The record lacks " + count(figures.cycles_not_recorded) + " cycles.");
   }

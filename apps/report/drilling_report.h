@@ -18,7 +18,7 @@ namespace spinaltap {
 /// All that drilling came to, for those who print and write it.
 struct DrillFigures {
   const Drilling& drilling;
-  const SessionBone& bone;
+  const Bone& bone;
   const SessionSetup& setup;
   const std::map<std::string, std::string>& hand_words;  ///< HandPlan::words
   const MeshQuality& mesh;

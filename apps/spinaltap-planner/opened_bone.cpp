@@ -27,7 +27,8 @@ void add_bone(BoneModel model, OpenedBone& opened, const Progress& progress) {
   progress.report("meshing", 0.0);
   RemainingBone remaining(model, {.voxel_mm = kSurfaceVoxelMm});
   for (const auto& block : RemainingSurface(remaining).blocks()) opened.surface.push_back({block->block, block});
-  opened.bone = std::make_unique<SessionBone>(std::move(model), true, progress);
+  opened.bone.emplace(std::move(model));
+  opened.bone->walls(progress);
 }
 
 std::shared_ptr<const OpenedBone> baked(const std::filesystem::path& file, CtVolume ct,
@@ -70,7 +71,7 @@ std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const V
 Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm) {
   if (!p_mm.allFinite()) return p_mm;
   // The samples bring it to about 0.2 mm of the surface, within the distance grid's band; Newton's steps do the rest.
-  Vec3 place = bone.bone->walls()->outer(p_mm).nearest_mm;
+  Vec3 place = bone.bone->walls().outer(p_mm).nearest_mm;
   for (int step = 0; step < 4; ++step) {
     std::array<float, 1> distance_mm{};
     std::array<Vec3, 1> gradient{};
@@ -84,7 +85,7 @@ Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm) {
 
 Vec3 entry_behind(const OpenedBone& bone, const Vec3& target_mm) {
   constexpr double kStepMm = 0.25;
-  const Landmarks* landmarks = bone.bone->landmarks();
+  const Landmarks* landmarks = bone.landmarks();
   const Vec3 back = landmarks != nullptr ? landmarks->posterior() : Vec3::UnitY();
   std::vector<Vec3> points_mm;
   const double far_mm = bone.model().bounds_mm().diagonal().norm();

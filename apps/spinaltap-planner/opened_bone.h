@@ -11,7 +11,7 @@
 #include "core/tool/drill_path.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/surface_block.h"
-#include "vdb/sim/build_session.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 
@@ -20,16 +20,18 @@ inline constexpr double kSurfaceVoxelMm = 0.5;
 
 /// A bone that the window shows: all of it is made in the background and then only read, from any thread.
 struct OpenedBone {
-  std::filesystem::path file;         ///< that was opened: a CT or a bone.vdb
-  std::unique_ptr<SessionBone> bone;  ///< grids, and walls with landmarks where they were found
-  CtVolume ct;                        ///< for slices: the CT itself, or what the bone keeps of it
-  bool is_whole_ct = false;           ///< the first of these: there may be other vertebrae in it
+  std::filesystem::path file;  ///< that was opened: a CT or a bone.vdb
+  std::optional<Bone> bone;    ///< grids, and walls with landmarks where they were found
+  CtVolume ct;                 ///< for slices: the CT itself, or what the bone keeps of it
+  bool is_whole_ct = false;    ///< the first of these: there may be other vertebrae in it
 
   /// All of the surface, for those who have none of it yet: as a RemainingBone of kSurfaceVoxelMm has it, which
   /// drilling then changes block by block.
   std::vector<SurfaceUpdate> surface;
 
   const BoneModel& model() const { return bone->model(); }
+  /// Null where none were found.
+  const Landmarks* landmarks() const { return bone->no_landmarks().empty() ? &bone->landmarks() : nullptr; }
 };
 
 /// What files hold, in the order in which a window takes them.

@@ -127,7 +127,7 @@ void Planner::save_report(const std::filesystem::path& path) {
     data.paths.push_back(figures.graded);
   }
   data.hu_bands = grader_.hu_bands();
-  data.landmarks = bone.bone->landmarks();
+  data.landmarks = bone.landmarks();
   data.ct = &bone.ct;
   data.bone_bounds_mm = bone.model().bounds_mm();
   StagedOutput output;
@@ -160,11 +160,11 @@ void Planner::write_drilling(const QString& what, const std::filesystem::path& p
 
 void Planner::suggest() {
   if (!document_.bone()) fail("expected a bone to suggest paths for, found none");
-  if (document_.bone()->bone->landmarks() == nullptr) {
+  if (document_.bone()->landmarks() == nullptr) {
     fail("cannot suggest paths: ", document_.bone()->bone->remark());
   }
   job_.start(tr("Suggesting paths"), [this, bone = document_.bone()](const Progress& progress) {
-    const std::vector<Suggestion> suggestions = auto_plan(*bone->bone->walls(), bone->bone->hu(), {}, progress);
+    const std::vector<Suggestion> suggestions = bone->bone->suggest({}, progress);
     return [this, bone, suggestions] {
       if (document_.bone() != bone) return;  // another one was opened meanwhile
       QStringList refusals;

@@ -14,7 +14,7 @@
 #include "mesh/mesh_io.h"
 #include "mesh/surface_error.h"
 #include "vdb/grid/isosurface.h"
-#include "vdb/sim/planning_bone.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 namespace {
@@ -60,13 +60,12 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   write_mesh(mesh, output.stage(options.folder / "bone.stl"));
   output.commit();
 
+  const Bone bone(baked.bone);
   heading("Plan");
   if (const std::optional<DrillPath> given = options.path.given_path("given")) {
     paths = {*given};
   } else if (paths.empty()) {
-    const PlanningBone bone(baked.bone, progress);
-    const std::vector<Suggestion> suggestions =
-        auto_plan(bone.walls(), bone.hu(), {{}, {}, 0.0, options.path.bit}, progress);
+    const std::vector<Suggestion> suggestions = bone.suggest({.bit = options.path.bit}, progress);
     figures["plan"] = report_suggestions(bone, suggestions);
     paths = paths_of(suggestions);
     write_planning_report("Suggested paths", bone, suggestions, options.folder / "plan.html");
@@ -76,7 +75,7 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
 
   heading("Drilling");
   const std::string title = phantom ? "Drilling the phantom" : "Drilling " + options.ct.folder.filename().string();
-  figures["drill"] = run_drill(title, &ct, baked.bone, paths.front(), options.drill, options.folder, progress);
+  figures["drill"] = run_drill(title, &ct, bone, paths.front(), options.drill, options.folder, progress);
   if (baked.doubts) {
     exit_code = say_doubtful(level_name(baked.level), *baked.doubts, options.ct.finding.accepts_doubtful);
   }

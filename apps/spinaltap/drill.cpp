@@ -41,7 +41,7 @@ void add_drill(CLI::App& program, Command& command) {
     options->drill.check();  // before anything is read
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
-    const BoneModel bone = read_bone(options->bone, options->level);
+    const Bone bone = Bone::load(options->bone, options->level);
     std::optional<CtVolume> ct;
     if (!options->ct.folder.empty()) ct = options->ct.read(progress);
     return run_drill("Drilling " + path.name, ct ? &*ct : nullptr, bone, path, options->drill, options->folder,

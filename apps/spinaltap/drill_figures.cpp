@@ -115,7 +115,9 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   if (density.rms_residual_g_cm3 > 0.0) {
     print_figure("calibration misses the line by", density.rms_residual_g_cm3, "g/cm3 rms", 4);
   }
-  if (!figures.bone.remark().empty()) print_figure("no canal found", figures.bone.remark());
+  if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
+    print_figure("no canal found", figures.bone.no_landmarks());
+  }
   if (figures.cycles_not_recorded > 0) {
     print_figure("cycles not recorded", static_cast<double>(figures.cycles_not_recorded), "", 0);
   }

@@ -16,10 +16,10 @@
 #include "core/rbf/rbf_file.h"
 #include "core/session/record/session_record.h"
 #include "mesh/cut_out.h"
-#include "mesh/live_mesh.h"
 #include "mesh/mesh_io.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/engine/points_file.h"
+#include "vdb/remaining/live_mesh.h"
 
 namespace spinaltap {
 namespace {
@@ -55,7 +55,7 @@ class Recording {
 
 }  // namespace
 
-Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bone, const DrillPath& path,
+Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, const DrillPath& path,
                const DrillOptions& options, const std::filesystem::path& folder, const Progress& progress) {
   options.check();
   SessionSetup setup = options.setup;
@@ -68,8 +68,7 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
   std::optional<RbfField> field;
   if (!options.field.empty()) field.emplace(RbfField::for_values(read_rbf(options.field), RbfField::kDefaultAccuracy));
-  const SessionBone session_bone(bone, setup.has_clearances, progress);
-  if (!options.record.empty()) setup.bone_hash = hash_of(bone);
+  if (!options.record.empty()) setup.bone_hash = bone.hash();
   Recording recording(options, setup, hand);
   DrillingOptions how{.exact = field ? &*field : nullptr,
                       .log_step_mm = options.log_step_mm,
@@ -79,18 +78,18 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
   // Beside the drilling, as a simulator shows it; where the clock does not count, nobody looks.
   std::optional<LiveMesh> live;
   if (how.real_time) {
-    live.emplace(bone, path.bit, setup.options.longest_jump_mm);
+    live.emplace(bone.model(), path.bit, setup.options.longest_jump_mm);
     how.display = [&live](const Cycle& cycle) { live->update(cycle.input); };
   }
-  const Drilling drilling = drill_bone(session_bone, setup, *hand.hand, how, progress);
+  const Drilling drilling = drill_bone(bone, setup, *hand.hand, how, progress);
   const TriangleMesh surface = sharp_surface(drilling.drilled);
   recording.close(drilling.events);
 
   progress.report("meshing", 0.0);
   const MeshQuality quality = measure_mesh(surface);
-  const DrillFigures figures{drilling, session_bone, setup, hand.words, quality, recording.lost()};
+  const DrillFigures figures{drilling, bone, setup, hand.words, quality, recording.lost()};
   DrillReportData data = report_data(title, ct, figures);
-  data.renders = drill_pictures(bone, drilling.drilled, path, progress);
+  data.renders = drill_pictures(bone.model(), drilling.drilled, path, progress);
 
   StagedOutput output;
   stage_drilling(drilling, surface, data, folder, output);
@@ -103,7 +102,8 @@ Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bo
     output.write(folder / "splats.ply", splats_ply(drilling.splats));
     const DiscPattern& pattern = drilling.volumes.front().pattern();
     const double radius_mm = (pattern.ring_count() - 0.5) * pattern.spacing_mm();  // that the points stand for
-    write_mesh(cut_out_cylinder(bone, path, radius_mm, setup.volume.lead_in_mm), output.stage(folder / "around.ply"));
+    write_mesh(cut_out_cylinder(bone.model(), path, radius_mm, setup.volume.lead_in_mm),
+               output.stage(folder / "around.ply"));
   }
   output.commit();
 

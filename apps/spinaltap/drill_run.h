@@ -7,14 +7,14 @@
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
 #include "core/files/json_file.h"
-#include "vdb/grid/bone_model.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
 /// points.vdb into a folder: all of them or none. A record grows where its option says, and stays whatever happens.
 /// `ct` is for the report's slices and may be null. Prints the figures and gives them as JSON.
-Json run_drill(const std::string& title, const CtVolume* ct, const BoneModel& bone, const DrillPath& path,
+Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, const DrillPath& path,
                const DrillOptions& options, const std::filesystem::path& folder, const Progress& progress);
 
 }  // namespace spinaltap

@@ -11,8 +11,8 @@
 #include "core/files/density_file.h"
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
+#include "vdb/sim/bone.h"
 #include "vdb/sim/bone_ct.h"
-#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {
@@ -48,11 +48,11 @@ Json grade(const GradeCommandOptions& options, const Progress& progress) {
       read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   const Material material =
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
-  const PlanningBone bone(read_bone(options.bone, options.level), progress);
+  const Bone bone = Bone::load(options.bone, options.level);
   std::vector<GradedPath> graded;
   graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
-    graded.push_back({path, grade_path(bone.walls(), bone.hu(), material, path, options.grade)});
+    graded.push_back({path, grade(bone, path, options.grade, material, progress)});
   }
   Json figures{{"paths", Json::array()}, {"doubts", bone.landmarks().doubts}};
   Json whole = figures;

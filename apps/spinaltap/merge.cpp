@@ -3,8 +3,8 @@
 #include "apps/report/study_results.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
-#include "core/base/error.h"
 #include "core/files/study_summary_json.h"
+#include "vdb/sim/study.h"
 
 namespace spinaltap {
 namespace {
@@ -15,18 +15,10 @@ struct MergeOptions {
 };
 
 Json merge(const MergeOptions& options) {
-  const StudyIdentity identity = read_study_identity(options.folders.front());
-  StudyRows rows;
-  for (const std::filesystem::path& folder : options.folders) {
-    if (read_study_identity(folder).study != identity.study) {
-      fail("expected shards of one study, found one study in ", options.folders.front().string(), " and another in ",
-           folder.string());
-    }
-    read_study_parts(folder, identity, rows);
-  }
+  const StudyTable table = spinaltap::merge(options.folders);
   const std::filesystem::path output = options.folder.empty() ? options.folders.front() : options.folder;
-  if (rows.size() == identity.runs) open_study_folder(output, identity);
-  const StudySummary summary = write_study_results(output, identity, rows);
+  if (table.is_whole()) open_study_folder(output, table.identity);
+  const StudySummary summary = write_study_results(output, table.identity, table.rows);
   print_study(summary, output);
   return to_json(summary);
 }

@@ -10,7 +10,7 @@
 #include "core/files/json_file.h"
 #include "core/tool/drill_path.h"
 #include "vdb/sim/auto_plan.h"
-#include "vdb/sim/planning_bone.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 
@@ -31,10 +31,10 @@ struct PathOptions {
 Json report_paths(const std::vector<DrillPath>& paths);
 
 /// Prints what was found of a vertebra and suggested for it, and gives it as JSON.
-Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>& suggestions);
+Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions);
 
 /// Writes the report on suggested paths: the vertebra, and each path's grade, safe zone, slices and plots.
-void write_planning_report(const std::string& title, const PlanningBone& bone,
+void write_planning_report(const std::string& title, const Bone& bone,
                            const std::vector<Suggestion>& suggestions, const std::filesystem::path& file);
 
 }  // namespace spinaltap

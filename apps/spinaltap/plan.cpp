@@ -11,9 +11,9 @@
 #include "core/files/bit_shapes.h"
 #include "core/files/plan_file.h"
 #include "core/files/planning_json.h"
+#include "vdb/sim/bone.h"
 #include "vdb/sim/bone_ct.h"
 #include "vdb/sim/bone_path.h"
-#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 
@@ -120,7 +120,7 @@ void print_landmarks(const Landmarks& marks) {
 
 }  // namespace
 
-Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>& suggestions) {
+Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions) {
   print_landmarks(bone.landmarks());
   Json list = Json::array();
   for (const Suggestion& suggestion : suggestions) {
@@ -130,8 +130,8 @@ Json report_suggestions(const PlanningBone& bone, const std::vector<Suggestion>&
   return {{"landmarks", to_json(bone.landmarks())}, {"suggestions", list}};
 }
 
-void write_planning_report(const std::string& title, const PlanningBone& bone,
-                           const std::vector<Suggestion>& suggestions, const std::filesystem::path& file) {
+void write_planning_report(const std::string& title, const Bone& bone, const std::vector<Suggestion>& suggestions,
+                           const std::filesystem::path& file) {
   const CtVolume ct = ct_of_bone(bone.model());
   GradeReportData data{title, {}, GradeOptions().hu_bands, &bone.landmarks(), &ct, bone.model().bounds_mm()};
   for (const Suggestion& suggestion : suggestions) {
@@ -176,19 +176,17 @@ void add_plan(CLI::App& program, Command& command) {
 
   command.run = [options](const Progress& progress) {
     Json figures = Json::object();
-    const BoneModel bone = read_bone(options->bone, options->level);
+    const Bone bone = Bone::load(options->bone, options->level);
     std::vector<DrillPath> paths;
     if (const std::optional<DrillPath> path = options->path.given_path(options->name)) {
-      check_path_meets_bone(*path, bone);
+      check_path_meets_bone(*path, bone.model());
       paths = {*path};
     } else if (options->is_auto) {
       options->suggest.bit = options->path.bit;
-      const PlanningBone planning(bone, progress);
-      const std::vector<Suggestion> suggestions =
-          auto_plan(planning.walls(), planning.hu(), options->suggest, progress);
-      figures = report_suggestions(planning, suggestions);
+      const std::vector<Suggestion> suggestions = bone.suggest(options->suggest, progress);
+      figures = report_suggestions(bone, suggestions);
       paths = paths_of(suggestions);
-      if (!options->report.empty()) write_planning_report("Suggested paths", planning, suggestions, options->report);
+      if (!options->report.empty()) write_planning_report("Suggested paths", bone, suggestions, options->report);
     } else {
       fail("expected --entry and --target, or --auto");
     }

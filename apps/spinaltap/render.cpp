@@ -14,8 +14,8 @@
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "core/files/recorded_setup.h"
+#include "vdb/grid/bone_hash.h"
 #include "vdb/picture/render.h"
-#include "vdb/sim/build_session.h"
 #include "vdb/sim/recorded_hole.h"
 
 namespace spinaltap {
@@ -51,7 +51,7 @@ struct Recorded {
 
   Recorded(const std::filesystem::path& file, const BoneModel& bone)
       : record(read_record(file)), setup(recorded_setup(record.setup, file)) {
-    if (hash_of(bone) != setup.bone_hash) {
+    if (bone_hash(bone) != setup.bone_hash) {
       fail("expected the bone that was drilled in ", file.string(), ", before it was; found another one");
     }
   }

@@ -1,11 +1,7 @@
-#include <chrono>
 #include <memory>
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_option.h"
-#include "core/base/error.h"
-#include "core/files/recorded_setup.h"
-#include "vdb/sim/build_session.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {
@@ -17,40 +13,21 @@ struct ReplayOptions {
   std::optional<EngineKind> engine;
 };
 
-BoneModel bone_of(const SessionSetup& setup, const ReplayOptions& options) {
-  BoneModel bone = read_bone(options.bone, options.level);
-  const std::string hash = hash_of(bone);
-  if (hash != setup.bone_hash) {
-    fail("expected the bone that was drilled in ", options.record.string(), ", of hash ", setup.bone_hash, "; found ",
-         options.bone.string(), " of hash ", hash);
-  }
-  return bone;
-}
-
 Json replay(const ReplayOptions& options, const Progress& progress, int& exit_code) {
   const SessionRecord record = read_record(options.record);
-  SessionSetup setup = recorded_setup(record.setup, options.record);
-  if (options.engine) setup.engine = *options.engine;
-  const SessionBone bone(bone_of(setup, options), setup.has_clearances, progress);
-  const BuiltSession built = build_session(bone, setup, progress);
-  const auto start = std::chrono::steady_clock::now();
-  const Replay result = replay_record(*built.session, record, progress);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Replay result =
+      spinaltap::replay(options.record, Bone::load(options.bone, options.level), options.engine, progress);
   exit_code = result.is_same() ? 0 : kDifferent;
   print_figure("record", record.is_whole ? "whole" : "cut short");
+  print_figure("its hash", hash_of(record));
   print_figure("cycles compared", static_cast<double>(result.cycles), "", 0);
   print_figure("events compared", static_cast<double>(result.events), "", 0);
   if (!result.gap.empty()) print_figure("gap", result.gap);
   print_figure("first difference", result.difference.empty() ? "none" : result.difference);
-  return {{"same", result.is_same()},
-          {"is_whole", record.is_whole},
-          {"cycles", result.cycles},
-          {"events", result.events},
-          {"recorded", record.cycles.size()},
-          {"lost", record.lost},
-          {"difference", result.difference},
-          {"gap", result.gap},
-          {"seconds", seconds}};
+  return {{"same", result.is_same()}, {"record_hash", hash_of(record)},  {"is_whole", record.is_whole},
+          {"cycles", result.cycles},  {"events", result.events},         {"recorded", record.cycles.size()},
+          {"lost", record.lost},      {"difference", result.difference}, {"gap", result.gap},
+          {"seconds", result.seconds}};
 }
 
 }  // namespace

@@ -27,11 +27,11 @@ class ExactSum {
 
 /// The input's pose with a unit axis, where it makes sense.
 std::optional<Pose> sound_pose(const ToolInput& input, const Vec3& near_mm) noexcept {
-  constexpr double kFarthestMm = 1e4;      // as far as engines go
+  constexpr double kEnginesReachMm = 1e4;      // as far as engines go
   constexpr double kUnitTolerance = 0.01;  // devices give floats
   const Pose& pose = input.pose;
   const double length = pose.axis.norm();
-  const bool is_near = (pose.tip_mm - near_mm).cwiseAbs().maxCoeff() < kFarthestMm && pose.tip_mm.allFinite();
+  const bool is_near = (pose.tip_mm - near_mm).cwiseAbs().maxCoeff() < kEnginesReachMm && pose.tip_mm.allFinite();
   if (!is_near || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
   // A unit axis stays what it is, to the last bit.
   return std::abs(length - 1.0) < 1e-9 ? pose : Pose{pose.tip_mm, pose.axis / length};

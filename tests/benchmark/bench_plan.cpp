@@ -11,7 +11,7 @@
 #include "vdb/bake/bake.h"
 #include "vdb/grid/bone_field.h"
 #include "vdb/sim/auto_plan.h"
-#include "vdb/sim/planning_bone.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 namespace {
@@ -21,8 +21,8 @@ const BoneModel& model() {
   return made;
 }
 
-const PlanningBone& bone() {
-  static const PlanningBone made(model());
+const Bone& bone() {
+  static const Bone made(model());
   return made;
 }
 
@@ -38,7 +38,7 @@ void plan_both_sides(benchmark::State& state) {
   model();
   std::size_t ways = 0;
   for (auto _ : state) {
-    const PlanningBone planned(model());
+    const Bone planned(model());
     ways = auto_plan(planned.walls(), planned.hu())[0].best.value().ways_looked_at;
   }
   state.counters["ways_a_side"] = static_cast<double>(ways);
@@ -58,13 +58,13 @@ void make_landmarks(benchmark::State& state) {
 BENCHMARK(make_landmarks)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
 void suggest(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(auto_plan(bone().walls(), bone().hu()));
+  for (auto _ : state) benchmark::DoNotOptimize(auto_plan(bone().walls(), bone().hu_sampler()));
 }
 BENCHMARK(suggest)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
 void grade(benchmark::State& state) {
   const DrillPath graded_path = path(static_cast<double>(state.range(0)));
-  const HuSampler hu = bone().hu();
+  const HuSampler hu = bone().hu_sampler();
   const Material material;
   double breach_mm = 0.0;
   std::size_t rows = 0;

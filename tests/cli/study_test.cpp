@@ -30,7 +30,7 @@
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
-#include "vdb/sim/planning_bone.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 namespace {
@@ -185,7 +185,7 @@ TEST_F(Study, KilledAtAnyMomentGoesOnAndEndsTheSame) {
 
 /// Least distance to the outer surface, mm, from places all over a bit whose tip is at the line's target, from where
 /// the entry's mouth ends.
-double nearest_to_outer_mm(const PlanningBone& bone, const DrillPath& line) {
+double nearest_to_outer_mm(const Bone& bone, const DrillPath& line) {
   constexpr int kAround = 48;
   const BitProfile bit(line.bit);
   const Vec3 across_mm = any_perpendicular(line.direction());
@@ -210,7 +210,7 @@ TEST_F(Study, FollowsTheAnatomy) {
   write(spec, "anatomy.json");
   expect_done("study anatomy.json -o anatomy");
   const double half_width_mm = 0.5 * vertebra_truth(Vertebra()).left.width_mm;
-  const PlanningBone bone(read_bone(in("bone.vdb")));
+  const Bone bone(read_bone(in("bone.vdb")));
   const DrillPath planned = read_plan(in("plan.json")).front();
   std::map<double, double> thrust_n;
   for (const StudyRow& row : rows_of("anatomy")) {

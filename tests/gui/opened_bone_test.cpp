@@ -11,7 +11,7 @@ namespace {
 TEST(OpenedBone, HoldsWallsLandmarksSlicesAndSurface) {
   const OpenedBone& bone = *test::phantom_bone();
   EXPECT_EQ(bone.file, test::phantom_file());
-  ASSERT_NE(bone.bone->landmarks(), nullptr);
+  ASSERT_NE(bone.landmarks(), nullptr);
   EXPECT_FALSE(bone.surface.empty());
   const DrillPath path = test::phantom_paths().front();
   EXPECT_GT(sample_hu(bone.ct, path.target_mm), -200.0);  // in the body's spongy bone, not beyond it

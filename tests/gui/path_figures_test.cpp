@@ -31,7 +31,7 @@ TEST(PathFigures, SayWhatIsWrongWithABadPath) {
   const OpenedBone& bone = *test::phantom_bone();
   const PathGrader grader;
   DrillPath path = test::phantom_paths().front();
-  path.screw = PedicleScrew{"as wide as the pedicle", 2.0 * bone.bone->landmarks()->left_pedicle.width_mm, 45.0, 4.0};
+  path.screw = PedicleScrew{"as wide as the pedicle", 2.0 * bone.landmarks()->left_pedicle.width_mm, 45.0, 4.0};
   PathFigures figures = grader.figures(bone, path);
   EXPECT_TRUE(warns(figures, WarningLevel::danger, "breaches"));
   EXPECT_TRUE(warns(figures, WarningLevel::caution, "200 % of the pedicle's width"));

@@ -78,7 +78,7 @@ TEST_F(PlannerWindowTest, WheelScrollsAndTheOtherPanesFollow) {
 TEST_F(PlannerWindowTest, LeftButtonMovesTheCrosshairThereAndSaysTheHuUnderThePointer) {
   show_phantom();
   SliceView& sagittal = slice("sagittal");
-  const Vec3 body_mm = phantom_bone()->bone->landmarks()->body.centre_mm;
+  const Vec3 body_mm = phantom_bone()->landmarks()->body.centre_mm;
   planner().view().set_crosshair(body_mm + Vec3(0.0, 6.0, 4.0));
   input.click(sagittal, pixel_of(sagittal, body_mm));
   const Vec3 seen = planner().view().crosshair_mm();
@@ -166,7 +166,7 @@ TEST_F(PlannerWindowTest, SuggestsPathsThatAreOfGradeA) {
 
 TEST_F(PlannerWindowTest, WarnsInWordsWhenAPathBreachesTheCanal) {
   show_phantom();
-  const Landmarks& landmarks = *phantom_bone()->bone->landmarks();
+  const Landmarks& landmarks = *phantom_bone()->landmarks();
   ASSERT_TRUE(document().move_end(0, PathEnd::target, landmarks.origin_mm));
   let_work(50);
   EXPECT_THAT(child<QLabel>("warnings").text().toStdString(), testing::HasSubstr("breaches the canal by"));

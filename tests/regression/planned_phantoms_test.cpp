@@ -17,7 +17,7 @@
 #include "tests/support/random_vertebra.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"
-#include "vdb/sim/planning_bone.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 namespace {
@@ -80,7 +80,7 @@ TEST(PlannedPhantoms, HaveTheirPediclesFoundAndSafePathsSuggested) {
     const auto number = static_cast<std::uint64_t>(seed);
     const Vertebra vertebra(test::random_anatomy(number));
     const VertebraTruth truth = vertebra_truth(vertebra);
-    const PlanningBone bone(bake_ct(noisy_ct(vertebra, number)).bone);
+    const Bone bone(bake_ct(noisy_ct(vertebra, number)).bone);
     for (const bool is_left : {true, false}) {
       const PedicleTruth& pedicle = is_left ? truth.left : truth.right;
       const PedicleError error =
@@ -99,7 +99,7 @@ TEST(PlannedPhantoms, HaveTheirPediclesFoundAndSafePathsSuggested) {
       SuggestOptions options;
       options.margin_mm = 0.3;
       options.widest_share = 0.85;  // of the width as it was found
-      const std::vector<Suggestion> suggestions = suggest_paths(bone.walls(), bone.hu(), {}, screws, options);
+      const std::vector<Suggestion> suggestions = suggest_paths(bone.walls(), bone.hu_sampler(), {}, screws, options);
       const Suggestion& suggestion = suggestions[is_left ? 0 : 1];
       ++paths;
       if (!suggestion.best) {

@@ -17,8 +17,8 @@
 #include "vdb/grid/isosurface.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"
+#include "vdb/sim/bone.h"
 #include "vdb/sim/drilling.h"
-#include "vdb/sim/planning_bone.h"
 
 namespace spinaltap {
 namespace {
@@ -102,15 +102,15 @@ TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   std::printf("furthest vertex from the label's boundary: %.2f mm\n", most_mm);
   EXPECT_LE(most_mm, voxel_mm);
 
-  const PlanningBone planning(baked.bone);
-  const std::vector<DrillPath> paths = paths_of(auto_plan(planning.walls(), planning.hu()));
+  const Bone planning(baked.bone);
+  const std::vector<DrillPath> paths = paths_of(auto_plan(planning.walls(), planning.hu_sampler()));
   ASSERT_EQ(paths.size(), 2U);
   const DrillPath path = paths.front();
   SessionSetup setup;
   setup.path = path;
   setup.has_clearances = false;
   PathHand hand(path, in_steps_of(0.02, {.lead_in_mm = setup.volume.lead_in_mm}));
-  const Drilling drilling = drill_bone(SessionBone(baked.bone, false), setup, hand);
+  const Drilling drilling = drill_bone(Bone(baked.bone), setup, hand);
   std::printf("suggested path: %.1f mm, %zu points in bone, %zu removed, greatest thrust %.2f N\n", path.length_mm(),
               drilling.points_in_bone, drilling.removed, drilling.most_thrust_n);
   EXPECT_GE(path.length_mm(), 30.0);

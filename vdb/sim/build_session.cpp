@@ -1,36 +1,11 @@
 #include "vdb/sim/build_session.h"
 
-#include "core/base/error.h"
 #include "core/engine/volume_segments.h"
 #include "vdb/engine/make_engine.h"
-#include "vdb/grid/bone_field.h"
-#include "vdb/grid/bone_hash.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"
 
 namespace spinaltap {
-
-std::string hash_of(const BoneModel& bone) { return bone_hash(bone); }
-
-SessionBone::SessionBone(BoneModel model, bool with_walls, const Progress& progress) : model_(std::move(model)) {
-  if (!with_walls) return;
-  shape_ =
-      std::make_unique<BoneShape>(std::make_shared<BoneField>(model_), model_.bounds_mm(), model_.voxel_mm(), progress);
-  try {
-    landmarks_ = find_landmarks(*shape_, progress);
-  } catch (const Cancelled&) {
-    throw;
-  } catch (const Error& error) {
-    remark_ = error.what();
-    landmarks_ = {};
-    landmarks_.is_canal_wall.assign(shape_->points_mm().size(), 0);
-  }
-  walls_.emplace(*shape_, landmarks_);
-}
-
-HuSampler SessionBone::hu() const {
-  return [this](std::span<const Vec3> points_mm, std::span<float> hu) { model_.hu(points_mm, hu, {}); };
-}
 
 namespace {
 
@@ -47,7 +22,7 @@ void drill_out(PointVolume& volume, const SessionSetup& setup) {
 
 }  // namespace
 
-BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, const Progress& progress,
+BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Progress& progress,
                            const ScalarField* exact, const ClearanceField* clearances) {
   check_path_meets_bone(setup.path, bone.model());
   BuiltSession built;
@@ -59,9 +34,10 @@ BuiltSession build_session(const SessionBone& bone, const SessionSetup& setup, c
     drill_out(volume, setup);
     engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
   }
-  if (setup.has_clearances && bone.walls() != nullptr) {
-    built.clearances = clearances != nullptr ? std::make_unique<ClearanceField>(clearances->with_mouth_of(setup.path))
-                                             : std::make_unique<ClearanceField>(*bone.walls(), setup.path, progress);
+  if (setup.has_clearances) {
+    built.clearances = clearances != nullptr
+                           ? std::make_unique<ClearanceField>(clearances->with_mouth_of(setup.path))
+                           : std::make_unique<ClearanceField>(bone.walls(progress), setup.path, progress);
   }
   built.session = std::make_unique<DrillSession>(setup.path, built.volumes, make_joint_engine(std::move(engines)),
                                                  setup.material, built.clearances.get(), setup.options);

@@ -120,8 +120,8 @@ class Watch {
 
 }  // namespace
 
-Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
-                    const DrillingOptions& options, const Progress& progress) {
+Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& hand, const DrillingOptions& options,
+                    const Progress& progress) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kBeyondMm = 20.0;  // hands may go further than the target
   DepthLog log(options.log_step_mm, setup.material, setup.volume.lead_in_mm + setup.path.length_mm() + kBeyondMm);

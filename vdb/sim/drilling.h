@@ -55,7 +55,7 @@ struct Drilling {
 
 /// Fills a point volume along the path, lets a hand drill it, and cuts the hole of all its poses out of the distance
 /// grid. Throws Error when the path misses the bone.
-Drilling drill_bone(const SessionBone& bone, const SessionSetup& setup, ToolSource& hand,
-                    const DrillingOptions& options = {}, const Progress& progress = {});
+Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& hand, const DrillingOptions& options = {},
+                    const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <sstream>
 
+#include "core/base/error.h"
+#include "core/files/recorded_setup.h"
+#include "core/session/real_time/timing.h"
+#include "vdb/sim/build_session.h"
+
 namespace spinaltap {
 namespace {
 
@@ -75,6 +80,22 @@ Replay replay_record(DrillSession& session, const SessionRecord& record, const P
   }
   if (replay.gap.empty()) compare_events(record, session.events(), next, replay);
   return replay;
+}
+
+Replay replay(const std::filesystem::path& file, const Bone& bone, std::optional<EngineKind> engine,
+              const Progress& progress) {
+  const SessionRecord record = read_record(file);
+  SessionSetup setup = recorded_setup(record.setup, file);
+  if (bone.hash() != setup.bone_hash) {
+    fail("expected the bone that was drilled in ", file.string(), ", of hash ", setup.bone_hash, "; found one of hash ",
+         bone.hash());
+  }
+  if (engine) setup.engine = *engine;
+  const BuiltSession built = build_session(bone, setup, progress);
+  const std::int64_t start_ns = wall_ns();
+  Replay result = replay_record(*built.session, record, progress);
+  result.seconds = 1e-9 * static_cast<double>(wall_ns() - start_ns);
+  return result;
 }
 
 }  // namespace spinaltap

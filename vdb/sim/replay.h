@@ -1,11 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "core/base/progress.h"
+#include "core/engine/engine_kind.h"
 #include "core/session/drill_session.h"
 #include "core/session/record/session_record.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 
@@ -16,6 +20,7 @@ ToolInput input_of(const RecordedCycle& row);
 struct Replay {
   std::size_t cycles = 0;  ///< that were run and compared
   std::size_t events = 0;  ///< that were compared
+  double seconds = 0.0;    ///< that running them took
   std::string difference;  ///< the first, with cycle, quantity and both values; empty: every bit is the same
   /// Where the record lacks cycles, which nobody can run again: what comes after is not compared. Empty: it does not.
   std::string gap;
@@ -26,5 +31,10 @@ struct Replay {
 /// Feeds a new session the record's inputs, and compares every number that comes out, bit for bit, then the events. Of
 /// a record that was cut short, events that were still under way may have grown.
 Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress = {});
+
+/// Reads a record and runs it again on the bone that it was drilled in, with another engine where one is given. Throws
+/// Error as read_record() does, on a record that is none of a session, and on another bone.
+Replay replay(const std::filesystem::path& record, const Bone& bone, std::optional<EngineKind> engine = {},
+              const Progress& progress = {});
 
 }  // namespace spinaltap

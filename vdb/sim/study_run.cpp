@@ -147,15 +147,14 @@ double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
   return needed_mm;
 }
 
-StudyBench::StudyBench(const SessionBone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
+StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
     : spec_(spec), runs_(runs), volume_(with_lead_out(spec.path, spec.lead_out_mm), spec.volume) {
   check_path_meets_bone(spec.path, bone.model());
   fill_volume(volume_, sampler_of(bone.model()), progress);
-  if (bone.walls() == nullptr) return;
   progress.report("clearances", 0.0);
   // Where bits may be, and a little more.
   constexpr double kSpareMm = 2.0;
-  clearances_ = std::make_unique<const ClearanceField>(*bone.walls(), spec.path,
+  clearances_ = std::make_unique<const ClearanceField>(bone.walls(progress), spec.path,
                                                        radius_of_all_runs_mm(spec, runs, spec.lead_out_mm) + kSpareMm,
                                                        spec.volume.lead_in_mm + kSpareMm, spec.lead_out_mm + kSpareMm);
 }

@@ -14,7 +14,7 @@ namespace spinaltap {
 class StudyBench {
  public:
   /// `bone`, `spec` and `runs` must outlive this. Throws Error where the planned path misses the bone.
-  StudyBench(const SessionBone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress = {});
+  StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress = {});
 
   /// For one thread: drills runs, one after the other, in a volume of its own.
   StudyRunner make_runner() const;
@@ -27,7 +27,7 @@ class StudyBench {
   const StudySpec& spec_;
   const StudyRuns& runs_;
   PointVolume volume_;
-  std::unique_ptr<const ClearanceField> clearances_;  ///< null where the bone has no walls
+  std::unique_ptr<const ClearanceField> clearances_;
 };
 
 /// The cylinder's radius: the one given, or that which holds every run. Looks at every run and throws Error on one that

@@ -10,7 +10,7 @@ namespace spinaltap {
 
 void write_record(const DoneDrilling& drilling, const std::filesystem::path& path, const Progress& progress) {
   SessionSetup setup = drilling.setup;
-  setup.bone_hash = hash_of(drilling.bone->model());
+  setup.bone_hash = drilling.bone->bone->hash();
   BuiltSession built = build_session(*drilling.bone->bone, setup, progress);
   DrillSession& session = *built.session;
   PoseHand hand(drilling.inputs, false);

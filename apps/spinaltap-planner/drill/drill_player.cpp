@@ -6,7 +6,7 @@
 
 #include "apps/spinaltap-planner/drill/drill_threads.h"
 #include "core/base/error.h"
-#include "mesh/live_mesh.h"
+#include "vdb/remaining/live_mesh.h"
 
 namespace spinaltap {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/spinaltap-planner/drill/played_hole.h"
-#include "mesh/live_mesh.h"
+#include "vdb/remaining/live_mesh.h"
 #include "vdb/remaining/surface_feed.h"
 
 namespace spinaltap {

@@ -46,11 +46,11 @@ PathGrader::PathGrader() {
 PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) const {
   PathFigures figures;
   figures.graded.path = path;
-  const Landmarks* landmarks = bone.bone->landmarks();
+  const Landmarks* landmarks = bone.landmarks();
   figures.angles_are_the_vertebras = landmarks != nullptr;
   try {
     check_path_meets_bone(path, bone.model());
-    figures.graded.grade = grade_path(*bone.bone->walls(), bone.bone->hu(), material_, path, options_);
+    figures.graded.grade = grade_path(bone.bone->walls(), bone.bone->hu_sampler(), material_, path, options_);
     figures.is_graded = true;
   } catch (const Error& error) {
     figures.warnings.push_back({WarningLevel::danger, error.what()});

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "core/base/hash.h"
 #include "core/session/record/detail/record_columns.h"
 
 namespace spinaltap {
@@ -97,6 +98,22 @@ std::string difference(const RecordedCycle& a, const RecordedCycle& b) {
     }
   }
   return "";
+}
+
+std::string hash_of(const SessionRecord& record) {
+  Fnv1a hash;
+  const auto add = [&hash](const auto& columns, const auto& row) {
+    for (const auto& column : columns) {
+      Bytes bytes{};
+      column.store(row, bytes.data());
+      hash.add(bytes.data(), column.width * bytes_of(column.number));
+    }
+  };
+  for (const RecordedCycle& row : record.cycles) add(cycle_columns(), row);
+  for (const SessionEvent& event : record.events) {
+    if (event.kind != EventKind::record_lost) add(event_columns(), event);
+  }
+  return hash.hex();
 }
 
 void write_record_csv(const SessionRecord& record, std::ostream& csv) {

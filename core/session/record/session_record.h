@@ -89,6 +89,10 @@ struct SessionRecord {
   std::uint64_t lost = 0;  ///< cycles that did not get into it
 };
 
+/// A fingerprint of all cycles and events, to the last bit: of the same drilling the same, whoever recorded it. 16
+/// hexadecimal digits.
+std::string hash_of(const SessionRecord& record);
+
 /// Also while it is being written, and after a kill. Throws Error on a file that is no record, a newer layout, or
 /// damage.
 SessionRecord read_record(const std::filesystem::path& path);

@@ -1,19 +1,32 @@
-// Uses each installed library from outside: core, vdb and mesh.
+// consumer BONE PLAN RECORD: uses the installed library from outside: loads a bone, drills the plan's first path as
+// `spinaltap drill --record` does, and prints the record's fingerprint.
+
+#include <spinaltap/mesh/mesh_quality.h>
+#include <spinaltap/spinaltap.h>
 
 #include <cstdio>
-#include <vector>
+#include <filesystem>
 
-#include "core/base/version.h"
-#include "core/phantom/vertebra.h"
-#include "mesh/mesh_quality.h"
-#include "vdb/bake/bake.h"
-#include "vdb/grid/isosurface.h"
-
-int main() {
-  const spinaltap::Vertebra vertebra;
-  const spinaltap::BoneModel bone = spinaltap::bake_solid(vertebra, {.voxel_mm = 1.0}, 40.0);
-  const spinaltap::MeshQuality quality = spinaltap::measure_mesh(spinaltap::bone_surface(bone));
-  std::printf("SpinalTap %s: %zu triangles, %.0f mm3\n", std::string(spinaltap::version()).c_str(), quality.triangles,
-              quality.volume_mm3);
-  return quality.closed() && quality.volume_mm3 > 1e4 ? 0 : 1;
+int main(int argc, char** argv) {
+  using namespace spinaltap;
+  if (argc != 4) return 2;
+  try {
+    const Bone bone = Bone::load(argv[1]);
+    const MeshQuality quality = measure_mesh(bone.surface());
+    const DrillPath path = read_plan(argv[2]).front();
+    Session session(bone, path);
+    std::filesystem::remove(argv[3]);
+    session.record(argv[3]);
+    PathHand hand(path, {});
+    session.run(hand);
+    session.end_record();
+    const Replay again = replay(argv[3], bone);
+    std::printf("SpinalTap %s: %zu triangles; shipped files in %s\n", std::string(version()).c_str(), quality.triangles,
+                data_file("phantom/l3.json").c_str());
+    std::printf("record %s\n", hash_of(read_record(argv[3])).c_str());
+    return quality.closed() && again.is_same() ? 0 : 1;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
 }

@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/support/analytic_bodies.h"
-#include "vdb/sim/planning_bone.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 namespace {
@@ -18,11 +18,11 @@ using testing::ThrowsMessage;
 TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
   const Vertebra vertebra;
   const VertebraTruth truth = vertebra_truth(vertebra);
-  const PlanningBone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
+  const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
   EXPECT_TRUE(bone.landmarks().doubts.empty()) << bone.landmarks().doubts.front();
   AutoPlanOptions options;
   options.bit.diameter_mm = 2.7;
-  const std::vector<DrillPath> paths = paths_of(auto_plan(bone.walls(), bone.hu(), options));
+  const std::vector<DrillPath> paths = paths_of(auto_plan(bone.walls(), bone.hu_sampler(), options));
   ASSERT_EQ(paths.size(), 2U);
   for (std::size_t n = 0; n < 2; ++n) {
     const PedicleTruth& pedicle = n == 0 ? truth.left : truth.right;
@@ -37,16 +37,12 @@ TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
     EXPECT_LT(std::abs(off_mm.dot(pedicle.width_axis)), 0.5);
   }
   options.margin_mm = 4.0;
-  EXPECT_THAT([&] { paths_of(auto_plan(bone.walls(), bone.hu(), options)); },
+  EXPECT_THAT([&] { paths_of(auto_plan(bone.walls(), bone.hu_sampler(), options)); },
               ThrowsMessage<Error>(AllOf(HasSubstr("left"), HasSubstr("right"), HasSubstr("4 mm of bone"))));
 }
 
 TEST(AutoPlan, SaysThatABallIsNoVertebra) {
-  EXPECT_THAT(
-      [] {
-        PlanningBone(test::bake_ball({Vec3::Zero(), 12.0}, 0.5));
-      },
-      ThrowsMessage<Error>(HasSubstr("canal")));
+  EXPECT_THAT([] { Bone(test::bake_ball({Vec3::Zero(), 12.0}, 0.5)); }, ThrowsMessage<Error>(HasSubstr("canal")));
 }
 
 }  // namespace

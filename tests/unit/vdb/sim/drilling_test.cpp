@@ -8,12 +8,12 @@
 
 #include "core/base/error.h"
 #include "core/session/operator/path_hand.h"
-#include "mesh/live_mesh.h"
 #include "mesh/mesh_distance.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/grid/isosurface.h"
+#include "vdb/remaining/live_mesh.h"
 #include "vdb/remaining/remaining_surface.h"
 
 namespace spinaltap {
@@ -43,8 +43,8 @@ constexpr double kFeedMmS = 1.0;
 constexpr double kAdvanceMm = 0.02;
 
 /// The ball is no vertebra: no landmarks are looked for.
-const SessionBone& session_bone() {
-  static const SessionBone bone(ball_bone(), false);
+const Bone& session_bone() {
+  static const Bone bone(ball_bone());
   return bone;
 }
 

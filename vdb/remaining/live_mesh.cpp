@@ -1,4 +1,4 @@
-#include "mesh/live_mesh.h"
+#include "vdb/remaining/live_mesh.h"
 
 #include <algorithm>
 

@@ -1,0 +1,22 @@
+#pragma once
+
+/// All that a program needs to go from a CT to forces: `#include <spinaltap/spinaltap.h>`, link spinaltap::spinaltap.
+/// docs/first-program.md begins with it.
+
+#include "core/base/version.h"
+#include "core/files/data_files.h"
+#include "core/files/plan_file.h"
+#include "core/session/operator/path_hand.h"
+#include "core/session/operator/pose_hand.h"
+#include "core/session/operator/push_hand.h"
+#include "mesh/mesh_io.h"
+#include "vdb/sim/bone.h"
+#include "vdb/sim/replay.h"
+#include "vdb/sim/session.h"
+#include "vdb/sim/study.h"
+
+#ifdef SPINALTAP_DATA_FOLDER  // an installed package's
+namespace spinaltap {
+inline const bool kHasDataFolder = add_data_folder(SPINALTAP_DATA_FOLDER);
+}  // namespace spinaltap
+#endif

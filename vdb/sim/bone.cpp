@@ -1,0 +1,124 @@
+#include "vdb/sim/bone.h"
+
+#include <mutex>
+
+#include "core/base/error.h"
+#include "core/base/staged_output.h"
+#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_hash.h"
+#include "vdb/grid/isosurface.h"
+
+namespace spinaltap {
+
+struct Bone::State {
+  explicit State(BoneModel bone) : model(std::move(bone)) {}
+
+  BoneModel model;
+  std::once_flag has_hash, has_shape, has_landmarks, has_walls;
+  std::string hash;
+  std::optional<BoneShape> shape;
+  Landmarks landmarks;
+  std::string no_landmarks;
+  std::optional<WallDistance> walls;
+};
+
+Bone::Bone(BoneModel model) : state_(std::make_shared<State>(std::move(model))) {}
+
+Bone Bone::from_ct(const std::filesystem::path& ct, const BoneFromCt& options, const Progress& progress) {
+  BakedCt baked = bake_ct(read_ct(ct, options.reading, progress), options.bake, progress);
+  if (baked.doubts && baked.doubts->is_doubtful() && !options.accepts_doubtful) {
+    std::string words;
+    for (const std::string& warning : baked.doubts->warnings) words += "; " + warning;
+    fail("the vertebra is likely not right (doubt ", baked.doubts->doubt, words, "): look at it, then accept it");
+  }
+  return Bone(std::move(baked.bone));
+}
+
+Bone Bone::load(const std::filesystem::path& file, Level level) { return Bone(read_bone(file, level)); }
+
+void Bone::save(const std::filesystem::path& file) const {
+  StagedOutput output;
+  write_bone(model(), output.stage(file));
+  output.commit();
+}
+
+const BoneModel& Bone::model() const { return state_->model; }
+
+const std::string& Bone::hash() const {
+  std::call_once(state_->has_hash, [&] { state_->hash = bone_hash(state_->model); });
+  return state_->hash;
+}
+
+std::optional<LevelDoubts> Bone::doubts() const { return doubts_in(model().facts()); }
+
+std::vector<float> Bone::distance(std::span<const Vec3> points_mm) const {
+  std::vector<float> distance_mm(points_mm.size());
+  model().sample(points_mm, distance_mm, {});
+  return distance_mm;
+}
+
+std::vector<float> Bone::hu(std::span<const Vec3> points_mm) const {
+  std::vector<float> hu(points_mm.size());
+  model().hu(points_mm, hu, {});
+  return hu;
+}
+
+std::vector<Vec3> Bone::normals(std::span<const Vec3> points_mm) const {
+  std::vector<Vec3> normals(points_mm.size());
+  model().normals(points_mm, normals);
+  return normals;
+}
+
+HuSampler Bone::hu_sampler() const {
+  return [model = model()](std::span<const Vec3> points_mm, std::span<float> hu) { model.hu(points_mm, hu, {}); };
+}
+
+TriangleMesh Bone::surface() const { return bone_surface(model()); }
+
+// Tri-quadratic values are the distance up to one voxel from the surface; see BoneModel::distance().
+const BoneShape& Bone::shape(const Progress& progress) const {
+  std::call_once(state_->has_shape, [&] {
+    state_->shape.emplace(std::make_shared<BoneField>(model()), model().bounds_mm(), model().voxel_mm(), progress);
+  });
+  return *state_->shape;
+}
+
+const std::string& Bone::no_landmarks(const Progress& progress) const {
+  std::call_once(state_->has_landmarks, [&] {
+    const BoneShape& its_shape = shape(progress);
+    try {
+      state_->landmarks = find_landmarks(its_shape, progress);
+    } catch (const Cancelled&) {
+      throw;  // the next call begins again
+    } catch (const Error& error) {
+      state_->no_landmarks = error.what();
+      state_->landmarks = {};
+      state_->landmarks.is_canal_wall.assign(its_shape.points_mm().size(), 0);
+    }
+  });
+  return state_->no_landmarks;
+}
+
+const Landmarks& Bone::landmarks(const Progress& progress) const {
+  if (!no_landmarks(progress).empty()) fail(state_->no_landmarks);
+  return state_->landmarks;
+}
+
+const WallDistance& Bone::walls(const Progress& progress) const {
+  no_landmarks(progress);
+  std::call_once(state_->has_walls, [&] { state_->walls.emplace(*state_->shape, state_->landmarks); });
+  return *state_->walls;
+}
+
+std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Progress& progress) const {
+  landmarks(progress);
+  return auto_plan(walls(progress), hu_sampler(), options, progress);
+}
+
+PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options, const Material& material,
+                const Progress& progress) {
+  bone.landmarks(progress);
+  return grade_path(bone.walls(progress), bone.hu_sampler(), material, path, options);
+}
+
+}  // namespace spinaltap

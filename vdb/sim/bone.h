@@ -1,0 +1,83 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/triangle_mesh.h"
+#include "core/ct/level.h"
+#include "core/ct/read_ct.h"
+#include "core/plan/grade.h"
+#include "core/plan/landmarks.h"
+#include "core/plan/suggest.h"
+#include "core/plan/wall_distance.h"
+#include "core/segment/doubt_facts.h"
+#include "vdb/grid/bone_model.h"
+#include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bake_ct.h"
+
+namespace spinaltap {
+
+struct BoneFromCt {
+  CtReadOptions reading = {};
+  BakeCtOptions bake = {};        ///< which vertebra, and how it is baked
+  bool accepts_doubtful = false;  ///< take a vertebra that is likely not right; its doubts are kept: Bone::doubts()
+};
+
+/// A baked bone and all that planning and drilling ask of it. Copies share what they stand on; nothing changes it, and
+/// any number of threads may use it at once. What takes seconds to work out (shape, landmarks, walls) is worked out
+/// when it is first asked for, and kept.
+class Bone {
+ public:
+  explicit Bone(BoneModel model);
+
+  /// From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes. Throws Error as read_ct() and
+  /// bake_ct() do, and on a vertebra that is doubtful where that was not accepted.
+  static Bone from_ct(const std::filesystem::path& ct, const BoneFromCt& options = {}, const Progress& progress = {});
+  /// From a bone.vdb, or one level of a spine.vdb. Throws Error as read_bone() does.
+  static Bone load(const std::filesystem::path& file, Level level = Level::kNone);
+  /// Writes a bone.vdb, whole or not at all. Throws Error when the disk is full.
+  void save(const std::filesystem::path& file) const;
+
+  const BoneModel& model() const;
+  /// A fingerprint of its grids: the same however the file was written.
+  const std::string& hash() const;
+  /// What whoever marked it thinks of it; nothing where it was marked by hand.
+  std::optional<LevelDoubts> doubts() const;
+
+  /// At places (patient LPS, mm): distance to the surface (mm, negative inside, at most the band's width), CT number
+  /// (HU), and unit normals (outward; zero further than the band). See BoneModel.
+  std::vector<float> distance(std::span<const Vec3> points_mm) const;
+  std::vector<float> hu(std::span<const Vec3> points_mm) const;
+  std::vector<Vec3> normals(std::span<const Vec3> points_mm) const;
+  /// Of baked CT numbers, for grading; keeps the bone.
+  HuSampler hu_sampler() const;
+  /// Triangles, outward, patient LPS, mm.
+  TriangleMesh surface() const;
+
+  /// Samples of its surface.
+  const BoneShape& shape(const Progress& progress = {}) const;
+  /// Throws Error where the bone has none: it is no vertebra, or not a whole one.
+  const Landmarks& landmarks(const Progress& progress = {}) const;
+  /// Why there are no landmarks; empty where there are.
+  const std::string& no_landmarks(const Progress& progress = {}) const;
+  /// Distances to the outer surface and, where there are landmarks, to the canal.
+  const WallDistance& walls(const Progress& progress = {}) const;
+
+  /// A screw and a path for each pedicle, with its grade, or why there is none. Throws Error without landmarks.
+  std::vector<Suggestion> suggest(const AutoPlanOptions& options = {}, const Progress& progress = {}) const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+/// How safe a path is; see grade_path(). Throws Error without landmarks.
+PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options = {},
+                const Material& material = {}, const Progress& progress = {});
+
+}  // namespace spinaltap

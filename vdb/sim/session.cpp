@@ -1,0 +1,183 @@
+#include "vdb/sim/session.h"
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/files/recorded_setup.h"
+#include "vdb/remaining/live_mesh.h"
+#include "vdb/remaining/subtract_bit.h"
+#include "vdb/sim/build_session.h"
+
+namespace spinaltap {
+
+struct Session::State {
+  State(Bone its_bone, const SessionSetup& its_setup, const Progress& progress)
+      : bone(std::move(its_bone)), setup(its_setup), built(build_session(bone, setup, progress)) {}
+
+  Bone bone;
+  SessionSetup setup;  ///< its holes: those that are done
+  BuiltSession built;
+  std::vector<ToolInput> inputs;  ///< of this hole
+  std::unique_ptr<RecordWriter> record;
+  std::optional<LiveMesh> live;
+  std::size_t shown = 0;                                ///< of `inputs`, in the live mesh
+  std::set<std::array<int, 3>> blocks;                  ///< of the surface, as handed over or waiting
+  std::map<std::array<int, 3>, SurfaceUpdate> changes;  ///< that wait
+
+  DrilledHole hole() const {
+    return {setup.path.bit, straight_ways(inputs, setup.path.bit, setup.options.longest_jump_mm)};
+  }
+  /// Without the holes that are done.
+  BoneModel before_this_hole() const {
+    BoneModel model = bone.model();
+    for (const DrilledHole& done : setup.holes) model = subtract_bit(model, done.bit, done.ways);
+    return model;
+  }
+  void change(const SurfaceUpdate& update) {
+    if (update.surface) {
+      blocks.insert(update.block);
+    } else {
+      blocks.erase(update.block);
+    }
+    changes[update.block] = update;
+  }
+  /// Brings the live mesh up to the last cycle.
+  void show() {
+    if (!live) {
+      live.emplace(before_this_hole(), setup.path.bit, setup.options.longest_jump_mm);
+      for (const std::array<int, 3>& gone : std::set(blocks)) change({gone, nullptr});
+      for (const auto& block : live->surface().blocks()) change({block->block, block});
+    }
+    if (shown == inputs.size()) return;
+    live->update(std::span(inputs).subspan(shown));
+    shown = inputs.size();
+    for (const SurfaceUpdate& update : live->updates()) change(update);
+  }
+  /// Begins again at cycle 0, with the holes that are done.
+  void rebuild() {
+    const ClearanceField* const clearances = built.clearances.get();
+    BuiltSession fresh = build_session(bone, setup, {}, nullptr, clearances);
+    built.session.reset();  // it holds on to the volumes
+    built = std::move(fresh);
+    inputs.clear();
+    shown = 0;
+  }
+  void note(const Cycle& cycle) {
+    ToolInput input = cycle.input;
+    input.spindle_on = input.spindle_on && setup.options.spindle.rpm > 0.0;
+    inputs.push_back(input);
+    if (!record) return;
+    record->add_waiting(cycle);
+    record->add_events(built.session->events());
+  }
+};
+
+namespace {
+
+SessionSetup complete(const Bone& bone, const DrillPath& path, SessionSetup setup) {
+  setup.bone_hash = bone.hash();
+  setup.path = path;
+  return setup;
+}
+
+}  // namespace
+
+Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, const Progress& progress) {
+  const SessionSetup whole = complete(bone, path, setup);
+  state_ = std::make_unique<State>(std::move(bone), whole, progress);
+}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+const Cycle& Session::step(const ToolInput& input) {
+  const Cycle& cycle = state_->built.session->step(input);
+  state_->note(cycle);
+  return cycle;
+}
+
+std::vector<RecordedCycle> Session::run(std::span<const ToolInput> inputs, const Progress& progress) {
+  constexpr std::size_t kCyclesAReport = 1024;
+  std::vector<RecordedCycle> rows;
+  rows.reserve(inputs.size());
+  for (const ToolInput& input : inputs) {
+    if (rows.size() % kCyclesAReport == 0) {
+      progress.report("drilling", static_cast<double>(rows.size()) / static_cast<double>(inputs.size()));
+    }
+    rows.push_back(recorded(step(input)));
+  }
+  return rows;
+}
+
+void Session::run(ToolSource& tool, const CycleObserver& observe, const Progress& progress) {
+  run_session(
+      *state_->built.session, tool,
+      [&](const Cycle& cycle) {
+        state_->note(cycle);
+        if (observe) observe(cycle);
+      },
+      progress);
+}
+
+const Cycle& Session::last() const { return state_->built.session->last(); }
+std::span<const SessionEvent> Session::events() const { return state_->built.session->events(); }
+bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
+
+void Session::record(const std::filesystem::path& file) {
+  if (!state_->inputs.empty())
+    fail("expected a record from the first cycle on, found ", state_->inputs.size(), " done");
+  state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup));
+}
+
+void Session::end_record() {
+  if (!state_->record) return;
+  const std::unique_ptr<RecordWriter> record = std::move(state_->record);
+  record->close(state_->built.session->events());
+}
+
+void Session::end_hole() {
+  end_record();
+  State& state = *state_;
+  if (state.inputs.empty()) return;
+  if (state.live) state.show();
+  state.setup.holes.push_back(state.hole());
+  state.rebuild();
+  if (state.live) state.live->take_bit(state.setup.path.bit, state.setup.options.longest_jump_mm);
+}
+
+bool Session::undo() {
+  State& state = *state_;
+  if (state.record) fail("expected no record while drilling is taken back; end it first");
+  if (state.inputs.empty()) {
+    if (state.setup.holes.empty()) return false;
+    state.setup.holes.pop_back();
+  }
+  state.live.reset();
+  state.rebuild();
+  return true;
+}
+
+std::vector<SurfaceUpdate> Session::surface_changes() {
+  state_->show();
+  std::vector<SurfaceUpdate> changes;
+  changes.reserve(state_->changes.size());
+  for (const auto& [block, update] : state_->changes) changes.push_back(update);
+  state_->changes.clear();
+  return changes;
+}
+
+Bone Session::drilled() const {
+  const DrilledHole hole = state_->hole();
+  BoneModel model = state_->before_this_hole();
+  if (!hole.ways.empty()) model = subtract_bit(model, hole.bit, hole.ways);
+  return Bone(std::move(model));
+}
+
+const Bone& Session::bone() const { return state_->bone; }
+const DrillPath& Session::path() const { return state_->setup.path; }
+const SessionSetup& Session::setup() const { return state_->setup; }
+
+}  // namespace spinaltap

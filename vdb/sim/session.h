@@ -1,0 +1,77 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/session/drill_session.h"
+#include "core/session/record/session_record.h"
+#include "core/session/session_setup.h"
+#include "vdb/remaining/surface_block.h"
+#include "vdb/sim/bone.h"
+
+namespace spinaltap {
+
+/// A bone being drilled along one planned path: owns all it stands on, and is what DrillSession is, with the hole, its
+/// surface, undo and a record besides. One thread at a time.
+///
+/// The drilling of one hole is one session: it begins at time 0 and cycle 0. end_hole() begins the next.
+class Session {
+ public:
+  /// `setup`: all that decides what a session does; its path and its bone's fingerprint are taken from `bone` and
+  /// `path`. Throws Error where the path misses the bone, and on options that make no sense.
+  Session(Bone bone, const DrillPath& path, const SessionSetup& setup = {}, const Progress& progress = {});
+  ~Session();
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// One cycle: the bit goes straight from where it was to `pose` (patient LPS, mm) in `dt_s`. What it gives holds
+  /// until the next. Poses that make no sense do nothing but leave an event. Memory for what was done grows now and
+  /// then; where nothing may be allocated at all, drill with run_real_time() (core/session/real_time) or a
+  /// DrillSession.
+  const Cycle& step(const Pose& pose, double dt_s = 0.001) { return step(ToolInput{pose, true, dt_s}); }
+  const Cycle& step(const ToolInput& input);
+  /// Many cycles, as fast as it goes, whatever the stop rules say: look at is_stopped(). Gives a row for each.
+  std::vector<RecordedCycle> run(std::span<const ToolInput> inputs, const Progress& progress = {});
+  /// An operator (planned motion, recorded poses, a pushing hand) until it ends.
+  void run(ToolSource& tool, const CycleObserver& observe = {}, const Progress& progress = {});
+
+  /// The last cycle; before the first, zeros.
+  const Cycle& last() const;
+  /// Entries, states, breaches, stops: in the order in which they began.
+  std::span<const SessionEvent> events() const;
+  /// The stop rules ask to stop.
+  bool is_stopped() const;
+
+  /// From here on each cycle goes to a record, an HDF5 file that replay() and `spinaltap replay` run again. Throws
+  /// Error after the first cycle, and where the file cannot be made or is there already.
+  void record(const std::filesystem::path& file);
+  /// Writes what is left, and marks the record as whole. Throws Error when the disk is full.
+  void end_record();
+
+  /// What is drilled from here on is another hole; the bit has come from nowhere. Ends a record.
+  void end_hole();
+  /// Puts the bone back to before the last hole, or to before what this one was drilled so far. False where nothing was
+  /// drilled. Throws Error while a record runs: it would not know.
+  bool undo();
+
+  /// Blocks of the remaining bone's surface that changed since the last call; the first time all of them. Vertices of
+  /// what they point to never change. A block without a surface is gone.
+  std::vector<SurfaceUpdate> surface_changes();
+  /// The bone without all holes.
+  Bone drilled() const;
+
+  const Bone& bone() const;
+  const DrillPath& path() const;
+  const SessionSetup& setup() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace spinaltap
