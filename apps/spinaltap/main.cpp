@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/terminal_progress.h"
@@ -34,6 +37,16 @@ void print_figure(const std::string& name, const std::string& value) {
 }
 
 namespace {
+
+/// Libraries speak of their options' names; who types commands knows them as flags.
+std::string with_flags(std::string text) {
+  for (const auto& [name, flag] :
+       {std::pair{"CtReadOptions::series", "--series"}, std::pair{"CtReadOptions::resample", "--resample"}}) {
+    const std::size_t at = text.find(name);
+    if (at != std::string::npos) text.replace(at, std::string_view(name).size(), flag);
+  }
+  return text;
+}
 
 /// Returns the exit code, and leaves in `exit_code_of_errors` the one for what it throws.
 int run_program(int argc, char** argv, int& exit_code_of_errors) {
@@ -101,7 +114,7 @@ int main(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "spinaltap: not enough memory\n");
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "spinaltap: %s\n", error.what());
+    std::fprintf(stderr, "spinaltap: %s\n", spinaltap::with_flags(error.what()).c_str());
   }
   return exit_code_of_errors;
 }

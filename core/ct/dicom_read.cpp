@@ -33,7 +33,7 @@ void refuse_several(const std::vector<ScannedSeries>& found, const std::filesyst
   });
   fail(one_uid ? "expected slices of one size and orientation, found " : "expected one series, found ", found.size(),
        one_uid ? " sets in " : " in ", folder.string(), "; choose one by number ", one_uid ? "" : "or UID ",
-       "with --series: ", list_for_people(found));
+       "with CtReadOptions::series: ", list_for_people(found));
 }
 
 ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::string& wanted,

@@ -69,10 +69,7 @@ foreach(folder core vdb mesh)
 endforeach()
 
 # The rooms. Each may use those before it and none after it.
-set(rooms core/base core/ct core/phantom core/segment core/surface core/rbf core/tool core/points core/engine core/force
-    core/plan core/session/operator core/session core/session/record core/session/real_time core/study core/files
-    vdb vdb/grid vdb/bake vdb/engine vdb/remaining vdb/picture vdb/sim mesh apps/report apps/spinaltap
-    apps/spinaltap-planner)
+include(${CMAKE_CURRENT_LIST_DIR}/rooms.cmake)
 set(later ${rooms})
 foreach(room IN LISTS rooms)
   list(POP_FRONT later)

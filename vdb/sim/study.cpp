@@ -31,10 +31,16 @@ struct Study::State {
     for (std::size_t n = shard.index - 1; n < runs.count(); n += shard.count) numbers.push_back(n);
     return numbers;
   }
+  /// Made for the first run: a folder whose runs are all done needs none.
+  const StudyBench& bench(const Progress& progress) const {
+    std::call_once(has_bench, [&] { made_bench.emplace(bone, spec, runs, progress); });
+    return *made_bench;
+  }
   StudyWork work(std::span<const std::size_t> numbers, const std::function<void(const StudyRow&)>& finished,
                  const Progress& progress) const {
+    const StudyBench& shared = bench(progress);
     return do_study_runs(
-        numbers, [this] { return bench.make_runner(); }, finished, progress);
+        numbers, [&shared] { return shared.make_runner(); }, finished, progress);
   }
 
   StudySpec spec;

@@ -135,7 +135,7 @@ Steps judge_steps(const std::vector<Placed>& slices, bool resample) {
     const double count = std::round(step_mm / usual_mm);
     const bool is_gap = count >= 2.0 && std::abs(step_mm - count * usual_mm) <= std::max(0.1 * usual_mm, tolerance_mm);
     std::ostringstream advice;
-    if (!resample && step_mm <= kMaxGapMm) advice << " (--resample interpolates)";
+    if (!resample && step_mm <= kMaxGapMm) advice << " (CtReadOptions::resample interpolates)";
     if (resample) advice << ", which is more than the " << kMaxGapMm << " mm across which slices are interpolated";
     fail(is_gap ? (count > 2.0 ? "slices are missing" : "a slice is missing") : "slices are unevenly spaced",
          ": expected a step of ", usual_mm, " mm, found ", step_mm, " mm between ", name_of(slices[k - 1]), " and ",
@@ -176,7 +176,7 @@ bool judge_drift(const std::vector<Placed>& slices, double pixel_mm, bool resamp
     fail("expected slices stacked along their normal, found ", path_of(slices[worst].header), " shifted sideways by ",
          (slices[worst].place.sideways_mm - slices[worst - 1].place.sideways_mm).norm(),
          " mm from the slice before and ", slices[worst].place.sideways_mm.norm(),
-         " mm from the first (--resample shifts them back)");
+         " mm from the first (CtReadOptions::resample shifts them back)");
   }
   return true;
 }

@@ -90,7 +90,7 @@ TEST(StackSlices, InterpolatesUnequalStepsAndGapsOnlyWhereAskedTo) {
   EXPECT_TRUE(stack.needs_resampling);
   EXPECT_EQ(stack.geometry.spacing_mm.z(), 1.0);  // the usual step
   EXPECT_EQ(stack.places[3].along_mm, 4.5);
-  EXPECT_THAT(error_at({0, 1, 2, 4, 5}), HasSubstr("--resample"));
+  EXPECT_THAT(error_at({0, 1, 2, 4, 5}), HasSubstr("CtReadOptions::resample"));
   EXPECT_THAT(error_of([&] {
                 stack_slices(slices_at({0, 1, 2, 9, 10}), true);
               }),

@@ -1,0 +1,39 @@
+// haptic_loop BONE PLAN: a thousand cycles a second against the clock, as a haptic device asks for them, and the
+// surface that a display would draw. The "device" here is a hand that pushes with 15 N.
+#include <spinaltap/spinaltap.h>
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+int main(int count, char** arguments) {
+  using namespace spinaltap;
+  if (count != 3) return 2;
+  try {
+    const Bone bone = Bone::load(arguments[1]);
+    const DrillPath path = read_plan(arguments[2]).front();
+    SessionSetup setup;
+    setup.options.stop.on_breach = true;
+    Session session(bone, path, setup);
+    std::size_t blocks = session.surface_changes().size();
+
+    PushHand device(path, {.push_n = 15.0});
+    constexpr std::chrono::milliseconds kCycle{1};
+    auto next = std::chrono::steady_clock::now();
+    ToolFeedback feedback;
+    for (int cycle = 0; cycle < 2000; ++cycle) {
+      const std::optional<ToolInput> input = device.next(feedback);
+      if (!input) break;
+      const Cycle& done = session.step(*input);
+      feedback = {done.time_s, done.force, session.is_stopped()};
+      if (cycle % 33 == 0) blocks += session.surface_changes().size();  // thirty pictures a second
+      next += kCycle;
+      std::this_thread::sleep_until(next);
+    }
+    std::printf("%.2f mm deep after %.1f s, %.2f N; %zu blocks of surface drawn; %zu events\n", session.last().depth_mm,
+                session.last().time_s, session.last().force.thrust_n, blocks, session.events().size());
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

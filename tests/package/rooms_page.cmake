@@ -1,0 +1,107 @@
+# cmake -D SOURCE_DIR=... -P: writes docs/rooms.md from the sources: which room includes which, and how large each is.
+# With -D CHECK=ON it says instead whether the page that is there is that.
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/rooms.cmake)
+
+set(table "")
+set(edges "")
+foreach(room IN LISTS rooms)
+  file(GLOB files ${SOURCE_DIR}/${room}/*.h ${SOURCE_DIR}/${room}/*.cpp ${SOURCE_DIR}/${room}/*.inl)
+  file(GLOB_RECURSE detail ${SOURCE_DIR}/${room}/detail/*.h ${SOURCE_DIR}/${room}/detail/*.cpp
+       ${SOURCE_DIR}/${room}/detail/*.inl)
+  if(room MATCHES "^apps/spinaltap")
+    file(GLOB_RECURSE files ${SOURCE_DIR}/${room}/*.h ${SOURCE_DIR}/${room}/*.cpp)
+    set(detail "")
+  endif()
+  set(used "")
+  set(public 0)
+  set(lines 0)
+  foreach(file IN LISTS files detail)
+    if(file MATCHES "\\.h$" AND NOT file MATCHES "/detail/")
+      math(EXPR public "${public} + 1")
+    endif()
+    file(READ ${file} text)
+    string(REGEX MATCHALL "\n" ends "${text}")
+    list(LENGTH ends count)
+    math(EXPR lines "${lines} + ${count}")
+    string(REGEX MATCHALL "#include \"[^\"]+/[^/\"]+\"" includes "${text}")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE "#include \"(.*)/[^/]*\"" "\\1" folder "${include}")
+      string(REGEX REPLACE "/detail$" "" folder "${folder}")
+      if(folder IN_LIST rooms AND NOT folder STREQUAL room)
+        list(APPEND used ${folder})
+      endif()
+    endforeach()
+  endforeach()
+  list(REMOVE_DUPLICATES used)
+  # In the order of the rooms.
+  set(ordered "")
+  foreach(other IN LISTS rooms)
+    if(other IN_LIST used)
+      list(APPEND ordered ${other})
+    endif()
+  endforeach()
+  set(uses_${room} ${ordered})
+  list(LENGTH files file_count)
+  list(LENGTH detail detail_count)
+  math(EXPR all "${file_count} + ${detail_count}")
+  list(JOIN ordered ", " words)
+  string(APPEND table "| ${room} | ${public} | ${all} | ${lines} | ${words} |\n")
+endforeach()
+
+# The graph has an arrow only where no other way leads there.
+function(reaches from to out)
+  set(found FALSE)
+  foreach(next IN LISTS uses_${from})
+    if(next STREQUAL to)
+      set(found TRUE)
+    else()
+      reaches(${next} ${to} found)
+    endif()
+    if(found)
+      break()
+    endif()
+  endforeach()
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+foreach(room IN LISTS rooms)
+  foreach(other IN LISTS uses_${room})
+    set(is_long_known FALSE)
+    foreach(between IN LISTS uses_${room})
+      if(NOT between STREQUAL other)
+        reaches(${between} ${other} is_long_known)
+        if(is_long_known)
+          break()
+        endif()
+      endif()
+    endforeach()
+    if(NOT is_long_known)
+      string(APPEND edges "    ${room} --> ${other}\n")
+    endif()
+  endforeach()
+endforeach()
+
+set(page "# Rooms\n
+The code lies in rooms. A room uses those above it in the table and none below; `tests/package/check_folders.cmake` refuses
+any other include. Public headers lie flat in a room; what nobody outside needs is in its `detail/`. This page is made from
+the code: `cmake -D SOURCE_DIR=. -P tests/package/rooms_page.cmake`.\n
+| room | public headers | files | lines | uses |
+|---|---|---|---|---|
+${table}
+An arrow leads from a room to what it uses; those that follow from others are left out.\n
+```mermaid
+graph BT
+${edges}```
+")
+if(CHECK)
+  file(READ ${SOURCE_DIR}/docs/rooms.md found)
+  # Counts change with every commit; who uses whom is what must be told.
+  foreach(name page found)
+    string(REGEX REPLACE "\\| [0-9]+ \\| [0-9]+ \\| [0-9]+ \\|" "|" ${name} "${${name}}")
+  endforeach()
+  if(NOT page STREQUAL found)
+    message(FATAL_ERROR "docs/rooms.md is not what the code says: cmake -D SOURCE_DIR=. -P tests/package/rooms_page.cmake")
+  endif()
+else()
+  file(WRITE ${SOURCE_DIR}/docs/rooms.md "${page}")
+endif()

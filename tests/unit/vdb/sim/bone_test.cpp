@@ -1,0 +1,89 @@
+#include "vdb/sim/bone.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "core/base/error.h"
+#include "core/phantom/vertebra.h"
+#include "core/phantom/vertebra_truth.h"
+#include "mesh/mesh_quality.h"
+#include "tests/support/analytic_bodies.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+
+TEST(Bone, HasTheBallsDistancesNumbersNormalsAndSurface) {
+  const Bone bone(test::bake_ball(kBall, 0.3, 700));
+  const Vec3 out = Vec3(1.0, 2.0, -2.0) / 3.0;
+  const std::vector<Vec3> places{kBall.centre_mm + 8.8 * out, kBall.centre_mm + 9.0 * out, kBall.centre_mm + 9.2 * out};
+  const std::vector<float> distance_mm = bone.distance(places);
+  const std::vector<Vec3> normals = bone.normals(places);
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    EXPECT_NEAR(distance_mm[n], kBall.distance_mm(places[n]), 0.01);
+    EXPECT_NEAR((normals[n] - out).norm(), 0.0, 0.02);
+  }
+  EXPECT_NEAR(bone.hu({&kBall.centre_mm, 1})[0], 700.0F, 1.0F);
+  EXPECT_TRUE(bone.distance({}).empty());
+  const MeshQuality mesh = measure_mesh(bone.surface());
+  EXPECT_TRUE(mesh.closed());
+  EXPECT_NEAR(mesh.volume_mm3, kBall.volume_mm3(), 0.01 * kBall.volume_mm3());
+}
+
+TEST(Bone, ComesBackFromAFileTheSameWithItsDoubts) {
+  const test::TemporaryFolder folder;
+  const Bone bone(test::bake_ball(kBall, 0.3));
+  bone.save(folder.path() / "bone.vdb");
+  const Bone back = Bone::load(folder.path() / "bone.vdb");
+  EXPECT_EQ(back.hash(), bone.hash());
+  EXPECT_FALSE(back.doubts());
+  EXPECT_NE(Bone(test::bake_ball({kBall.centre_mm, 9.05}, 0.3)).hash(), bone.hash());
+  EXPECT_THROW(Bone::load(folder.path() / "none.vdb"), Error);
+}
+
+TEST(Bone, OfABallHasNoLandmarksButAnOuterWall) {
+  const Bone bone(test::bake_ball(kBall, 0.3));
+  EXPECT_FALSE(bone.no_landmarks().empty());
+  EXPECT_THROW(bone.landmarks(), Error);
+  EXPECT_THROW(bone.suggest(), Error);
+  EXPECT_NEAR(bone.walls().outer(kBall.centre_mm).distance_mm, 9.0, 0.2);
+}
+
+TEST(Bone, OfAVertebraHasItsPediclesAndAPathThroughEachWhoeverAsksFirst) {
+  const Vertebra vertebra;
+  const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
+  const Bone copy = bone;
+  std::vector<std::thread> threads;
+  std::vector<const Landmarks*> seen(4);
+  for (auto& one : seen) {
+    threads.emplace_back([&one, &copy] { one = &copy.landmarks(); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const Landmarks* one : seen) EXPECT_EQ(one, &bone.landmarks()) << "worked out once, shared by copies";
+
+  const VertebraTruth truth = vertebra_truth(vertebra);
+  EXPECT_NEAR(bone.landmarks().left_pedicle.width_mm, truth.left.width_mm, 0.6);
+  const std::vector<Suggestion> suggestions = bone.suggest();
+  for (const DrillPath& path : paths_of(suggestions)) {
+    EXPECT_EQ(grade(bone, path).grade, Grade::A);
+    DrillPath through_the_canal = path;  // in the plane of symmetry
+    through_the_canal.entry_mm.x() = through_the_canal.target_mm.x() = 0.0;
+    EXPECT_NE(grade(bone, through_the_canal).grade, Grade::A);
+  }
+}
+
+TEST(Bone, StopsWhereTheWorkIsCancelledAndBeginsAgainWhenAskedAgain) {
+  const Vertebra vertebra;
+  const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.7}, 40.0));
+  const Progress stopped([](std::string_view, double) {});
+  stopped.cancel();
+  EXPECT_THROW(bone.landmarks(stopped), Cancelled);
+  EXPECT_TRUE(bone.no_landmarks().empty());
+}
+
+}  // namespace
+}  // namespace spinaltap

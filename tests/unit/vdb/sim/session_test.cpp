@@ -1,0 +1,207 @@
+#include "vdb/sim/session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "core/base/error.h"
+#include "core/session/operator/path_hand.h"
+#include "core/session/operator/pose_hand.h"
+#include "mesh/mesh_quality.h"
+#include "mesh/remaining_mesh.h"
+#include "tests/support/analytic_bodies.h"
+#include "tests/support/temporary_folder.h"
+#include "vdb/sim/build_session.h"
+#include "vdb/sim/replay.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+
+const Bone& ball() {
+  static const Bone bone(test::bake_ball(kBall, 0.3));
+  return bone;
+}
+
+DrillPath path() {
+  const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
+  const Vec3 entry_mm = kBall.centre_mm - kBall.radius_mm * axis;
+  return {"slanting", entry_mm, entry_mm + 8.0 * axis, {2.0, 30.0, 2.0}};
+}
+
+/// The ball is no vertebra.
+SessionSetup setup() {
+  SessionSetup setup;
+  setup.has_clearances = false;
+  setup.volume = {.radius_mm = 2.0, .spacing_mm = 0.1, .lead_in_mm = 1.0};
+  return setup;
+}
+
+/// Straight in, `count` cycles of 0.02 mm from 1 mm before the entry on.
+std::vector<ToolInput> straight_in(int count, double aside_mm = 0.0) {
+  const DrillPath line = path();
+  const Vec3 aside = line.direction().cross(Vec3::UnitX()).normalized();
+  std::vector<ToolInput> inputs;
+  for (int n = 0; n < count; ++n) {
+    inputs.push_back(
+        {{line.entry_mm + (0.02 * n - 1.0) * line.direction() + aside_mm * aside, line.direction()}, true, 0.001});
+  }
+  return inputs;
+}
+
+TEST(Session, GivesWhatADrillSessionGives) {
+  SessionSetup whole = setup();
+  whole.path = path();
+  const BuiltSession built = build_session(ball(), whole);
+  Session session(ball(), path(), setup());
+  double work_n_mm = 0.0;
+  for (const ToolInput& input : straight_in(400)) {
+    const RecordedCycle expected = recorded(built.session->step(input));
+    EXPECT_EQ(recorded(session.step(input.pose, input.dt_s)), expected);
+    work_n_mm += session.last().step.work_n_mm;
+  }
+  EXPECT_GT(work_n_mm, 0.0);
+  EXPECT_EQ(session.events().size(), built.session->events().size());
+}
+
+TEST(Session, GivesTheSameForManyPosesAtOnceAndForAnOperator) {
+  const std::vector<ToolInput> inputs = straight_in(300);
+  Session one(ball(), path(), setup()), many(ball(), path(), setup()), led(ball(), path(), setup());
+  std::vector<RecordedCycle> rows, of_operator;
+  for (const ToolInput& input : inputs) rows.push_back(recorded(one.step(input)));
+  PoseHand hand(inputs);
+  led.run(hand, [&](const Cycle& cycle) { of_operator.push_back(recorded(cycle)); });
+  EXPECT_EQ(many.run(inputs), rows);
+  EXPECT_EQ(of_operator, rows);
+}
+
+TEST(Session, OutlivesTheBoneAndThePathItWasMadeFrom) {
+  std::unique_ptr<Session> session;
+  {
+    const Bone bone(test::bake_ball(kBall, 0.3));
+    const DrillPath line = path();
+    session = std::make_unique<Session>(bone, line, setup());
+  }
+  Session moved = std::move(*session);
+  session.reset();
+  EXPECT_GT(moved.run(straight_in(300)).back().thrust_n, 0.0);
+}
+
+TEST(Session, UndoPutsBackTheHoleSoFarAndThenTheOnesBefore) {
+  const std::vector<ToolInput> inputs = straight_in(300);
+  Session session(ball(), path(), setup());
+  EXPECT_FALSE(session.undo());
+  const std::vector<RecordedCycle> first = session.run(inputs);
+  session.end_hole();
+  const std::string one_hole = session.drilled().hash();
+  const std::vector<RecordedCycle> second = session.run(straight_in(300, 0.5));
+  EXPECT_NE(session.drilled().hash(), one_hole);
+  EXPECT_NE(second, first);
+  EXPECT_EQ(session.last().index, 299U);
+
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.drilled().hash(), one_hole);
+  EXPECT_EQ(session.run(straight_in(300, 0.5)), second) << "the same hole again gives the same";
+  EXPECT_TRUE(session.undo());
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.drilled().hash(), ball().hash());
+  EXPECT_EQ(session.run(inputs), first);
+}
+
+using Blocks = std::map<std::array<int, 3>, std::shared_ptr<const SurfaceBlock>>;
+
+void take(const std::vector<SurfaceUpdate>& changes, Blocks& blocks) {
+  for (const SurfaceUpdate& change : changes) {
+    if (change.surface) {
+      blocks[change.block] = change.surface;
+    } else {
+      EXPECT_EQ(blocks.erase(change.block), 1U) << "a block that was never there is gone";
+    }
+  }
+}
+
+TriangleMesh mesh_of(const Blocks& blocks) {
+  std::vector<std::shared_ptr<const SurfaceBlock>> list;
+  for (const auto& [place, block] : blocks) list.push_back(block);
+  return join_blocks(list);
+}
+
+TEST(Session, TellsWhatChangesOfTheSurfaceThroughHolesAndUndo) {
+  Session session(ball(), path(), setup());
+  Blocks blocks;
+  take(session.surface_changes(), blocks);
+  const double whole_mm3 = measure_mesh(mesh_of(blocks)).volume_mm3;
+  EXPECT_NEAR(whole_mm3, kBall.volume_mm3(), 0.01 * kBall.volume_mm3());
+  EXPECT_TRUE(session.surface_changes().empty());
+
+  session.run(straight_in(300));
+  take(session.surface_changes(), blocks);
+  const MeshQuality drilled = measure_mesh(mesh_of(blocks));
+  EXPECT_TRUE(drilled.closed());
+  // The cone is 2 mm high and has come 5 mm in; what it meets of the ball before is a cap of some hundredths of a mm.
+  const double hole_mm3 = std::numbers::pi * (5.0 - 2.0 + 2.0 / 3.0);
+  EXPECT_NEAR(whole_mm3 - drilled.volume_mm3, hole_mm3, 0.05 * hole_mm3);
+
+  session.end_hole();
+  session.run(straight_in(200, 3.0));
+  take(session.surface_changes(), blocks);
+  EXPECT_TRUE(measure_mesh(mesh_of(blocks)).closed());
+  EXPECT_LT(measure_mesh(mesh_of(blocks)).volume_mm3, drilled.volume_mm3 - 1.0);
+  session.undo();
+  take(session.surface_changes(), blocks);
+  EXPECT_NEAR(measure_mesh(mesh_of(blocks)).volume_mm3, drilled.volume_mm3, 0.01);
+  session.undo();
+  take(session.surface_changes(), blocks);
+  EXPECT_EQ(measure_mesh(mesh_of(blocks)).volume_mm3, whole_mm3);
+}
+
+TEST(Session, KeepsARecordThatReplayFindsTheSameOnItsBoneOnly) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "run.h5";
+  Session session(ball(), path(), setup());
+  session.record(file);
+  const std::vector<RecordedCycle> rows = session.run(straight_in(300));
+  EXPECT_THAT([&] { session.undo(); }, ThrowsMessage<Error>(HasSubstr("end it first")));
+  session.end_record();
+
+  const SessionRecord record = read_record(file);
+  EXPECT_TRUE(record.is_whole);
+  EXPECT_EQ(record.cycles, rows);
+  for (const EngineKind engine : {EngineKind::ring, EngineKind::reference}) {
+    const Replay again = replay(file, ball(), engine);
+    EXPECT_TRUE(again.is_same()) << again.difference;
+    EXPECT_EQ(again.cycles, rows.size());
+  }
+  EXPECT_THAT(
+      [&] {
+        replay(file, Bone(test::bake_ball({kBall.centre_mm, 9.1}, 0.3)));
+      },
+      ThrowsMessage<Error>(HasSubstr("expected the bone that was drilled in")));
+
+  // Its fingerprint is that of what was done, whoever did it; one bit more is another.
+  Session other(ball(), path(), setup());
+  other.record(folder.path() / "other.h5");
+  other.run(straight_in(300));
+  other.end_record();
+  EXPECT_EQ(hash_of(read_record(folder.path() / "other.h5")), hash_of(record));
+  SessionRecord changed = record;
+  changed.cycles[200].thrust_n = std::nextafter(changed.cycles[200].thrust_n, 1e9);
+  EXPECT_NE(hash_of(changed), hash_of(record));
+  EXPECT_THAT([&] { session.record(folder.path() / "late.h5"); }, ThrowsMessage<Error>(HasSubstr("first cycle on")));
+}
+
+TEST(Session, RefusesAPathThatMissesTheBone) {
+  DrillPath beside = path();
+  beside.entry_mm.x() += 50.0;
+  beside.target_mm.x() += 50.0;
+  EXPECT_THROW(Session(ball(), beside, setup()), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap

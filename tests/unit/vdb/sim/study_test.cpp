@@ -1,0 +1,89 @@
+#include "vdb/sim/study.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "tests/support/analytic_bodies.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+
+/// Twelve runs through a ball whose entries differ.
+StudySpec spec(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "bone.vdb";
+  if (!std::filesystem::exists(file)) Bone(test::bake_ball(kBall, 0.4)).save(file);
+  StudySpec spec;
+  spec.name = "ball";
+  spec.bone_file = file;
+  const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
+  const Vec3 entry_mm = kBall.centre_mm - kBall.radius_mm * axis;
+  spec.path = {"slanting", entry_mm, entry_mm + 5.0 * axis, {2.0, 30.0, 2.0}};
+  spec.volume.spacing_mm = 0.2;
+  spec.volume.lead_in_mm = 1.0;
+  spec.hand.step_mm = 0.05;
+  spec.design.runs = 12;
+  spec.design.laws = {{.factor = StudyFactor::entry_left_mm, .kind = FactorLaw::Kind::normal, .a = 0.0, .b = 0.5}};
+  return spec;
+}
+
+std::vector<std::string> texts_of(const std::vector<StudyRow>& rows) {
+  std::vector<std::string> texts;
+  for (const StudyRow& row : rows) texts.push_back(study_csv(row));
+  return texts;
+}
+
+TEST(Study, HasEachRunOnceWhateverItsShardAndWhateverIsDoneAlready) {
+  const test::TemporaryFolder folder;
+  const Study study(spec(folder.path()));
+  ASSERT_EQ(study.run_count(), 12U);
+  EXPECT_GT(study.spec().volume.radius_mm, 1.0);
+  const std::vector<std::string> whole = texts_of(study.run());
+  ASSERT_EQ(whole.size(), 12U);
+
+  std::vector<std::string> second = texts_of(study.run({2, 3}));
+  ASSERT_EQ(second.size(), 4U);
+  EXPECT_EQ(second[0], whole[1]);
+  EXPECT_EQ(second[3], whole[10]);
+
+  const std::vector<std::filesystem::path> folders{folder.path() / "one", folder.path() / "two"};
+  EXPECT_EQ(study.run_into(folders[0], {1, 2}).runs, 6U);
+  EXPECT_EQ(study.run_into(folders[0], {1, 2}).runs, 0U) << "done already";
+  EXPECT_FALSE(merge({folders.data(), 1}).is_whole());
+  EXPECT_EQ(Study(spec(folder.path())).run_into(folders[1], {2, 2}).runs, 6U);
+  const StudyTable table = merge(folders);
+  ASSERT_TRUE(table.is_whole());
+  for (const auto& [run, text] : table.rows) EXPECT_EQ(text, whole[run]);
+}
+
+TEST(Study, RefusesShardsThatThereAreNotAndFoldersOfOtherStudies) {
+  const test::TemporaryFolder folder;
+  const Study study(spec(folder.path()));
+  EXPECT_THAT([&] { study.run({4, 3}); }, ThrowsMessage<Error>(HasSubstr("expected a shard from 1 to 3, found 4")));
+  EXPECT_THROW(study.run({0, 3}), Error);
+  study.run_into(folder.path() / "one", {1, 6});
+  StudySpec other = spec(folder.path());
+  other.design.seed = 2;
+  EXPECT_THROW(Study(other).run_into(folder.path() / "one"), Error);
+  Study(other).run_into(folder.path() / "other", {1, 6});
+  const std::vector<std::filesystem::path> folders{folder.path() / "one", folder.path() / "other"};
+  EXPECT_THAT([&] { merge(folders); }, ThrowsMessage<Error>(HasSubstr("expected shards of one study")));
+  EXPECT_THROW(merge({}), Error);
+}
+
+TEST(Study, RefusesAPathThatMissesTheBone) {
+  const test::TemporaryFolder folder;
+  StudySpec beside = spec(folder.path());
+  beside.path.entry_mm.x() += 40.0;
+  beside.path.target_mm.x() += 40.0;
+  EXPECT_THROW(Study(beside).run(), Error);
+}
+
+}  // namespace
+}  // namespace spinaltap
