@@ -112,7 +112,7 @@ TEST(SegmentSpine, GivesTheSameFromAnySeedInABody) {
 
 // Seeds below 301 were used while the method was made.
 TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
-  constexpr std::uint64_t kFirstSeed = 301;
+  constexpr std::uint64_t kFirstSeed = 333;
   const auto spines = static_cast<std::uint64_t>(spines_asked().value_or(2));
   std::size_t levels = 0, wrong = 0, untold = 0, sound = 0, doubtful = 0, warned = 0;
   std::size_t extra = 0, misnamed = 0, hinted = 0;
