@@ -3,6 +3,7 @@
 /// All that a program needs to go from a CT to forces: `#include <spinaltap/spinaltap.h>`, link spinaltap::spinaltap.
 /// docs/first-program.md begins with it.
 
+#include "core/base/error.h"
 #include "core/base/version.h"
 #include "core/files/data_files.h"
 #include "core/files/plan_file.h"

@@ -24,7 +24,7 @@ int main(int count, char** arguments) {
     for (int cycle = 0; cycle < 2000; ++cycle) {
       const std::optional<ToolInput> input = device.next(feedback);
       if (!input) break;
-      const Cycle& done = session.step(*input);
+      const Cycle& done = session.step_input(*input);
       feedback = {done.time_s, done.force, session.is_stopped()};
       if (cycle % 33 == 0) blocks += session.surface_changes().size();  // thirty pictures a second
       next += kCycle;

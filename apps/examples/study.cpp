@@ -21,7 +21,7 @@ int main(int count, char** arguments) {
     spec.design.runs = 40;
     const Study study(spec);
     std::size_t breaches = 0;
-    for (const StudyRow& row : study.run()) breaches += row[StudyColumn::breach] > 0.0 ? 1 : 0;
+    for (const StudyRow& row : study.run()) breaches += row[StudyColumn::breach] > 0.0 ? 1U : 0U;
     std::printf("%zu of %zu runs breach\n", breaches, study.run_count());
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());

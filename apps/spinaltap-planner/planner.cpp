@@ -72,7 +72,7 @@ void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
   document_.set_bone(bone);
   view_.set_crosshair(bone->model().bounds_mm().center());
   const QString file = text_of(bone->file.string());
-  const std::string& remark = bone->bone->remark();
+  const std::string& remark = bone->bone->no_landmarks();
   Q_EMIT said(remark.empty() ? tr("Opened %1").arg(file) : tr("Opened %1; %2").arg(file, text_of(remark)));
   Q_EMIT opened(file);
 }
@@ -161,7 +161,7 @@ void Planner::write_drilling(const QString& what, const std::filesystem::path& p
 void Planner::suggest() {
   if (!document_.bone()) fail("expected a bone to suggest paths for, found none");
   if (document_.bone()->landmarks() == nullptr) {
-    fail("cannot suggest paths: ", document_.bone()->bone->remark());
+    fail("cannot suggest paths: ", document_.bone()->bone->no_landmarks());
   }
   job_.start(tr("Suggesting paths"), [this, bone = document_.bone()](const Progress& progress) {
     const std::vector<Suggestion> suggestions = bone->bone->suggest({}, progress);

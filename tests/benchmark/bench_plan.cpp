@@ -39,7 +39,7 @@ void plan_both_sides(benchmark::State& state) {
   std::size_t ways = 0;
   for (auto _ : state) {
     const Bone planned(model());
-    ways = auto_plan(planned.walls(), planned.hu())[0].best.value().ways_looked_at;
+    ways = auto_plan(planned.walls(), planned.hu_sampler())[0].best.value().ways_looked_at;
   }
   state.counters["ways_a_side"] = static_cast<double>(ways);
 }

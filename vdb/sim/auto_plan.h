@@ -9,10 +9,10 @@
 namespace spinaltap {
 
 struct AutoPlanOptions {
-  std::filesystem::path screws;  ///< table of sizes; empty: the shipped screws/pedicle.json
-  std::filesystem::path rules;   ///< margins and weights; empty: the shipped planning/pedicle.json
-  double margin_mm = 0.0;        ///< of bone around the screw; 0: that of the rules
-  DrillBit bit;                  ///< for the holes
+  std::filesystem::path screws = {};  ///< table of sizes; empty: the shipped screws/pedicle.json
+  std::filesystem::path rules = {};   ///< margins and weights; empty: the shipped planning/pedicle.json
+  double margin_mm = 0.0;             ///< of bone around the screw; 0: that of the rules
+  DrillBit bit = {};                  ///< for the holes
 };
 
 /// suggest_paths() with tables and laws from files.

@@ -93,7 +93,7 @@ Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 
-const Cycle& Session::step(const ToolInput& input) {
+const Cycle& Session::step_input(const ToolInput& input) {
   const Cycle& cycle = state_->built.session->step(input);
   state_->note(cycle);
   return cycle;
@@ -107,7 +107,7 @@ std::vector<RecordedCycle> Session::run(std::span<const ToolInput> inputs, const
     if (rows.size() % kCyclesAReport == 0) {
       progress.report("drilling", static_cast<double>(rows.size()) / static_cast<double>(inputs.size()));
     }
-    rows.push_back(recorded(step(input)));
+    rows.push_back(recorded(step_input(input)));
   }
   return rows;
 }

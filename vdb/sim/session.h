@@ -33,8 +33,8 @@ class Session {
   /// until the next. Poses that make no sense do nothing but leave an event. Memory for what was done grows now and
   /// then; where nothing may be allocated at all, drill with run_real_time() (core/session/real_time) or a
   /// DrillSession.
-  const Cycle& step(const Pose& pose, double dt_s = 0.001) { return step(ToolInput{pose, true, dt_s}); }
-  const Cycle& step(const ToolInput& input);
+  const Cycle& step(const Pose& pose, double dt_s = 0.001) { return step_input({pose, true, dt_s}); }
+  const Cycle& step_input(const ToolInput& input);
   /// Many cycles, as fast as it goes, whatever the stop rules say: look at is_stopped(). Gives a row for each.
   std::vector<RecordedCycle> run(std::span<const ToolInput> inputs, const Progress& progress = {});
   /// An operator (planned motion, recorded poses, a pushing hand) until it ends.

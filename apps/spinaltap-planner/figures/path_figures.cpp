@@ -67,7 +67,7 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
     warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
   }
   if (landmarks == nullptr) {
-    warnings.push_back({WarningLevel::caution, "no canal is known here: " + bone.bone->remark()});
+    warnings.push_back({WarningLevel::caution, "no canal is known here: " + bone.bone->no_landmarks()});
   } else {
     const double width_mm = (is_left ? landmarks->left_pedicle : landmarks->right_pedicle).width_mm;
     const double tool_mm = path.screw ? path.screw->diameter_mm : path.bit.diameter_mm;

@@ -15,42 +15,43 @@
 namespace spinaltap {
 namespace {
 
-constexpr test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+const test::Ball kPlainBall{Vec3(3.0, -4.0, 5.0), 9.0};
 
 TEST(Bone, HasTheBallsDistancesNumbersNormalsAndSurface) {
-  const Bone bone(test::bake_ball(kBall, 0.3, 700));
+  const Bone bone(test::bake_ball(kPlainBall, 0.3, 700));
   const Vec3 out = Vec3(1.0, 2.0, -2.0) / 3.0;
-  const std::vector<Vec3> places{kBall.centre_mm + 8.8 * out, kBall.centre_mm + 9.0 * out, kBall.centre_mm + 9.2 * out};
+  const std::vector<Vec3> places{kPlainBall.centre_mm + 8.8 * out, kPlainBall.centre_mm + 9.0 * out,
+                                 kPlainBall.centre_mm + 9.2 * out};
   const std::vector<float> distance_mm = bone.distance(places);
   const std::vector<Vec3> normals = bone.normals(places);
   for (std::size_t n = 0; n < places.size(); ++n) {
-    EXPECT_NEAR(distance_mm[n], kBall.distance_mm(places[n]), 0.01);
+    EXPECT_NEAR(distance_mm[n], kPlainBall.distance_mm(places[n]), 0.01);
     EXPECT_NEAR((normals[n] - out).norm(), 0.0, 0.02);
   }
-  EXPECT_NEAR(bone.hu({&kBall.centre_mm, 1})[0], 700.0F, 1.0F);
+  EXPECT_NEAR(bone.hu({&kPlainBall.centre_mm, 1})[0], 700.0F, 1.0F);
   EXPECT_TRUE(bone.distance({}).empty());
   const MeshQuality mesh = measure_mesh(bone.surface());
   EXPECT_TRUE(mesh.closed());
-  EXPECT_NEAR(mesh.volume_mm3, kBall.volume_mm3(), 0.01 * kBall.volume_mm3());
+  EXPECT_NEAR(mesh.volume_mm3, kPlainBall.volume_mm3(), 0.01 * kPlainBall.volume_mm3());
 }
 
 TEST(Bone, ComesBackFromAFileTheSameWithItsDoubts) {
   const test::TemporaryFolder folder;
-  const Bone bone(test::bake_ball(kBall, 0.3));
+  const Bone bone(test::bake_ball(kPlainBall, 0.3));
   bone.save(folder.path() / "bone.vdb");
   const Bone back = Bone::load(folder.path() / "bone.vdb");
   EXPECT_EQ(back.hash(), bone.hash());
   EXPECT_FALSE(back.doubts());
-  EXPECT_NE(Bone(test::bake_ball({kBall.centre_mm, 9.05}, 0.3)).hash(), bone.hash());
+  EXPECT_NE(Bone(test::bake_ball({kPlainBall.centre_mm, 9.05}, 0.3)).hash(), bone.hash());
   EXPECT_THROW(Bone::load(folder.path() / "none.vdb"), Error);
 }
 
 TEST(Bone, OfABallHasNoLandmarksButAnOuterWall) {
-  const Bone bone(test::bake_ball(kBall, 0.3));
+  const Bone bone(test::bake_ball(kPlainBall, 0.3));
   EXPECT_FALSE(bone.no_landmarks().empty());
   EXPECT_THROW(bone.landmarks(), Error);
   EXPECT_THROW(bone.suggest(), Error);
-  EXPECT_NEAR(bone.walls().outer(kBall.centre_mm).distance_mm, 9.0, 0.2);
+  EXPECT_NEAR(bone.walls().outer(kPlainBall.centre_mm).distance_mm, 9.0, 0.2);
 }
 
 TEST(Bone, OfAVertebraHasItsPediclesAndAPathThroughEachWhoeverAsksFirst) {

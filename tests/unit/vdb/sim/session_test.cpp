@@ -22,16 +22,16 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+const test::Ball kDrilledBall{Vec3(3.0, -4.0, 5.0), 9.0};
 
 const Bone& ball() {
-  static const Bone bone(test::bake_ball(kBall, 0.3));
+  static const Bone bone(test::bake_ball(kDrilledBall, 0.3));
   return bone;
 }
 
 DrillPath path() {
   const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
-  const Vec3 entry_mm = kBall.centre_mm - kBall.radius_mm * axis;
+  const Vec3 entry_mm = kDrilledBall.centre_mm - kDrilledBall.radius_mm * axis;
   return {"slanting", entry_mm, entry_mm + 8.0 * axis, {2.0, 30.0, 2.0}};
 }
 
@@ -74,7 +74,7 @@ TEST(Session, GivesTheSameForManyPosesAtOnceAndForAnOperator) {
   const std::vector<ToolInput> inputs = straight_in(300);
   Session one(ball(), path(), setup()), many(ball(), path(), setup()), led(ball(), path(), setup());
   std::vector<RecordedCycle> rows, of_operator;
-  for (const ToolInput& input : inputs) rows.push_back(recorded(one.step(input)));
+  for (const ToolInput& input : inputs) rows.push_back(recorded(one.step_input(input)));
   PoseHand hand(inputs);
   led.run(hand, [&](const Cycle& cycle) { of_operator.push_back(recorded(cycle)); });
   EXPECT_EQ(many.run(inputs), rows);
@@ -84,7 +84,7 @@ TEST(Session, GivesTheSameForManyPosesAtOnceAndForAnOperator) {
 TEST(Session, OutlivesTheBoneAndThePathItWasMadeFrom) {
   std::unique_ptr<Session> session;
   {
-    const Bone bone(test::bake_ball(kBall, 0.3));
+    const Bone bone(test::bake_ball(kDrilledBall, 0.3));
     const DrillPath line = path();
     session = std::make_unique<Session>(bone, line, setup());
   }
@@ -137,7 +137,7 @@ TEST(Session, TellsWhatChangesOfTheSurfaceThroughHolesAndUndo) {
   Blocks blocks;
   take(session.surface_changes(), blocks);
   const double whole_mm3 = measure_mesh(mesh_of(blocks)).volume_mm3;
-  EXPECT_NEAR(whole_mm3, kBall.volume_mm3(), 0.01 * kBall.volume_mm3());
+  EXPECT_NEAR(whole_mm3, kDrilledBall.volume_mm3(), 0.01 * kDrilledBall.volume_mm3());
   EXPECT_TRUE(session.surface_changes().empty());
 
   session.run(straight_in(300));
@@ -180,7 +180,7 @@ TEST(Session, KeepsARecordThatReplayFindsTheSameOnItsBoneOnly) {
   }
   EXPECT_THAT(
       [&] {
-        replay(file, Bone(test::bake_ball({kBall.centre_mm, 9.1}, 0.3)));
+        replay(file, Bone(test::bake_ball({kDrilledBall.centre_mm, 9.1}, 0.3)));
       },
       ThrowsMessage<Error>(HasSubstr("expected the bone that was drilled in")));
 

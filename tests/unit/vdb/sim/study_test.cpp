@@ -13,17 +13,17 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+const test::Ball kStudiedBall{Vec3(3.0, -4.0, 5.0), 9.0};
 
 /// Twelve runs through a ball whose entries differ.
 StudySpec spec(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "bone.vdb";
-  if (!std::filesystem::exists(file)) Bone(test::bake_ball(kBall, 0.4)).save(file);
+  if (!std::filesystem::exists(file)) Bone(test::bake_ball(kStudiedBall, 0.4)).save(file);
   StudySpec spec;
   spec.name = "ball";
   spec.bone_file = file;
   const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
-  const Vec3 entry_mm = kBall.centre_mm - kBall.radius_mm * axis;
+  const Vec3 entry_mm = kStudiedBall.centre_mm - kStudiedBall.radius_mm * axis;
   spec.path = {"slanting", entry_mm, entry_mm + 5.0 * axis, {2.0, 30.0, 2.0}};
   spec.volume.spacing_mm = 0.2;
   spec.volume.lead_in_mm = 1.0;
