@@ -18,6 +18,7 @@
 
 #ifdef SPINALTAP_DATA_FOLDER  // an installed package's
 namespace spinaltap {
-inline const bool kHasDataFolder = add_data_folder(SPINALTAP_DATA_FOLDER);
+// In each file that includes this: where nobody uses it, an inline one would not be there at all.
+[[maybe_unused]] static const bool kHasDataFolder = add_data_folder(SPINALTAP_DATA_FOLDER);
 }  // namespace spinaltap
 #endif

@@ -23,7 +23,12 @@ struct Session::State {
   std::vector<ToolInput> inputs;  ///< of this hole
   std::unique_ptr<RecordWriter> record;
   std::optional<LiveMesh> live;
-  std::size_t shown = 0;                                ///< of `inputs`, in the live mesh
+  std::size_t shown = 0;  ///< of `inputs`, in the live mesh
+  struct LiveHole {
+    std::size_t before = 0;  ///< holes that the live mesh could undo when this one began
+    bool changes_bone = false;
+  };
+  std::vector<LiveHole> live_holes;                     ///< in the live mesh, this one last
   std::set<std::array<int, 3>> blocks;                  ///< of the surface, as handed over or waiting
   std::map<std::array<int, 3>, SurfaceUpdate> changes;  ///< that wait
 
@@ -47,7 +52,9 @@ struct Session::State {
   /// Brings the live mesh up to the last cycle.
   void show() {
     if (!live) {
-      live.emplace(before_this_hole(), setup.path.bit, setup.options.longest_jump_mm);
+      live.emplace(before_this_hole(), RemainingBoneOptions{});
+      live->take_bit(setup.path.bit, setup.options.longest_jump_mm);
+      live_holes = {{live->holes_to_undo()}};
       for (const std::array<int, 3>& gone : std::set(blocks)) change({gone, nullptr});
       for (const auto& block : live->surface().blocks()) change({block->block, block});
     }
@@ -55,6 +62,25 @@ struct Session::State {
     live->update(std::span(inputs).subspan(shown));
     shown = inputs.size();
     for (const SurfaceUpdate& update : live->updates()) change(update);
+    if (!live->updates().empty()) live_holes.back().changes_bone = true;
+  }
+  /// Takes the last hole out of the live mesh.
+  void unshow() {
+    if (!live) return;
+    if (inputs.empty()) live_holes.pop_back();
+    live->end_hole();
+    // A hole from before the mesh, or one that it no longer keeps: the mesh is made anew when next asked for.
+    const std::size_t has = live->holes_to_undo();
+    if (live_holes.empty() || has != live_holes.back().before + (live_holes.back().changes_bone ? 1 : 0)) {
+      live.reset();
+      return;
+    }
+    if (live_holes.back().changes_bone) {
+      live->undo_hole();
+      for (const SurfaceUpdate& update : live->updates()) change(update);
+      live_holes.back().changes_bone = false;
+    }
+    live->take_bit(setup.path.bit, setup.options.longest_jump_mm);
   }
   /// Begins again at cycle 0, with the holes that are done.
   void rebuild() {
@@ -145,17 +171,18 @@ void Session::end_hole() {
   if (state.live) state.show();
   state.setup.holes.push_back(state.hole());
   state.rebuild();
-  if (state.live) state.live->take_bit(state.setup.path.bit, state.setup.options.longest_jump_mm);
+  if (!state.live) return;
+  state.live->end_hole();
+  state.live->take_bit(state.setup.path.bit, state.setup.options.longest_jump_mm);
+  state.live_holes.push_back({state.live->holes_to_undo()});
 }
 
 bool Session::undo() {
   State& state = *state_;
   if (state.record) fail("expected no record while drilling is taken back; end it first");
-  if (state.inputs.empty()) {
-    if (state.setup.holes.empty()) return false;
-    state.setup.holes.pop_back();
-  }
-  state.live.reset();
+  if (state.inputs.empty() && state.setup.holes.empty()) return false;
+  state.unshow();
+  if (state.inputs.empty()) state.setup.holes.pop_back();
   state.rebuild();
   return true;
 }
