@@ -70,7 +70,7 @@ run("drill" ${program} drill ${bone} ${plan} -o ${WORK_DIR}/drilled --record ${W
 run("replay" ${program} replay ${WORK_DIR}/program.h5 ${bone} --json ${WORK_DIR}/replay.json)
 file(READ ${WORK_DIR}/replay.json json)
 string(JSON hash GET "${json}" record_hash)
-foreach(name consumer consumer_shared consumer_native consumer_shared_native)
+foreach(name consumer consumer_shared consumer_native)
   run("${name}" ${WORK_DIR}/build/${name} ${bone} ${plan} ${WORK_DIR}/${name}.h5)
   expect_text("${name}" "SpinalTap ${VERSION}")
   expect_text("${name}" "shipped files in ${prefix}/${DATADIR}/spinaltap")
