@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
     Session session(bone, path);
     std::filesystem::remove(argv[3]);
     session.record(argv[3]);
-    PathHand hand(path, {});
+    PathHand hand(path, {.line = {.lead_in_mm = session.setup().volume.lead_in_mm}});
     session.run(hand);
     session.end_record();
     const Replay again = replay(argv[3], bone);

@@ -42,7 +42,8 @@ TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
 }
 
 TEST(AutoPlan, SaysThatABallIsNoVertebra) {
-  EXPECT_THAT([] { Bone(test::bake_ball({Vec3::Zero(), 12.0}, 0.5)); }, ThrowsMessage<Error>(HasSubstr("canal")));
+  const Bone ball(test::bake_ball({Vec3::Zero(), 12.0}, 0.5));
+  EXPECT_THAT([&ball] { ball.suggest(); }, ThrowsMessage<Error>(HasSubstr("canal")));
 }
 
 }  // namespace
