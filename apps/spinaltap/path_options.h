@@ -34,7 +34,7 @@ Json report_paths(const std::vector<DrillPath>& paths);
 Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions);
 
 /// Writes the report on suggested paths: the vertebra, and each path's grade, safe zone, slices and plots.
-void write_planning_report(const std::string& title, const Bone& bone,
-                           const std::vector<Suggestion>& suggestions, const std::filesystem::path& file);
+void write_planning_report(const std::string& title, const Bone& bone, const std::vector<Suggestion>& suggestions,
+                           const std::filesystem::path& file);
 
 }  // namespace spinaltap

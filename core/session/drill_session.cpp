@@ -27,7 +27,7 @@ class ExactSum {
 
 /// The input's pose with a unit axis, where it makes sense.
 std::optional<Pose> sound_pose(const ToolInput& input, const Vec3& near_mm) noexcept {
-  constexpr double kEnginesReachMm = 1e4;      // as far as engines go
+  constexpr double kEnginesReachMm = 1e4;  // as far as engines go
   constexpr double kUnitTolerance = 0.01;  // devices give floats
   const Pose& pose = input.pose;
   const double length = pose.axis.norm();

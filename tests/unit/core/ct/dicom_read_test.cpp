@@ -171,8 +171,8 @@ TEST(ReadDicom, ListsSeveralSeriesAndReadsTheChosenOne) {
   write_series(folder.path() / "b",
                [](HandMadeDicom& slice, int) { slice.set_pixels(std::vector<std::uint16_t>(12)); });
   EXPECT_THAT(error_of([&] { read_dicom(folder.path()); }),
-              AllOf(HasSubstr("found 2"), HasSubstr("CtReadOptions::series"), HasSubstr("1 = 1.2.3 (CT, 4 x 3, 3 files)"),
-                    HasSubstr("2 = 1.2.9 (CT, 4 x 3, 3 files)")));
+              AllOf(HasSubstr("found 2"), HasSubstr("CtReadOptions::series"),
+                    HasSubstr("1 = 1.2.3 (CT, 4 x 3, 3 files)"), HasSubstr("2 = 1.2.9 (CT, 4 x 3, 3 files)")));
   EXPECT_EQ(read_dicom(folder.path(), {.series = "1"}).at(1, 0, 0), -1024);
   EXPECT_EQ(read_dicom(folder.path(), {.series = "1.2.9"}).at(1, 0, 0), 101 - 1024);
   EXPECT_THAT(error_of([&] { read_dicom(folder.path(), {.series = "3"}); }),
