@@ -2,11 +2,8 @@
 # find_package(SpinalTap) gives spinaltap::spinaltap, and spinaltap::shared, which is the same in one shared library.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS spinaltap_core spinaltap_vdb spinaltap_mesh spinaltap_all EXPORT SpinalTapTargets
-        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-if(TARGET spinaltap_shared)
-  install(TARGETS spinaltap_shared EXPORT SpinalTapTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-endif()
+install(TARGETS spinaltap_core spinaltap_vdb spinaltap_mesh spinaltap_all spinaltap_shared EXPORT SpinalTapTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 foreach(program spinaltap spinaltap-planner)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

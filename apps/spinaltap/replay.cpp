@@ -15,19 +15,21 @@ struct ReplayOptions {
 
 Json replay(const ReplayOptions& options, const Progress& progress, int& exit_code) {
   const SessionRecord record = read_record(options.record);
-  const Replay result =
-      spinaltap::replay(options.record, Bone::load(options.bone, options.level), options.engine, progress);
+  const std::string hash = hash_of(record);
+  const Bone bone = Bone::load(options.bone, options.level);
+  const Replay result = spinaltap::replay(record, options.record, bone, options.engine, progress);
   exit_code = result.is_same() ? 0 : kDifferent;
   print_figure("record", record.is_whole ? "whole" : "cut short");
-  print_figure("its hash", hash_of(record));
+  print_figure("its hash", hash);
   print_figure("cycles compared", static_cast<double>(result.cycles), "", 0);
   print_figure("events compared", static_cast<double>(result.events), "", 0);
   if (!result.gap.empty()) print_figure("gap", result.gap);
   print_figure("first difference", result.difference.empty() ? "none" : result.difference);
-  return {{"same", result.is_same()}, {"record_hash", hash_of(record)},  {"is_whole", record.is_whole},
-          {"cycles", result.cycles},  {"events", result.events},         {"recorded", record.cycles.size()},
-          {"lost", record.lost},      {"difference", result.difference}, {"gap", result.gap},
-          {"seconds", result.seconds}};
+  return {{"same", result.is_same()},    {"record_hash", hash},
+          {"is_whole", record.is_whole}, {"cycles", result.cycles},
+          {"events", result.events},     {"recorded", record.cycles.size()},
+          {"lost", record.lost},         {"difference", result.difference},
+          {"gap", result.gap},           {"seconds", result.seconds}};
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct DrilledHole {
 /// All that decides what a session does, but the bone itself and the hand's poses. A record holds it as JSON
 /// (core/files/recorded_setup.h), and replay runs the session from it.
 struct SessionSetup {
-  std::string bone_hash;  ///< of its grids: hash_of()
+  std::string bone_hash;  ///< of its grids: bone_hash()
   DrillPath path;
   Material material;
   PointVolumeOptions volume{.radius_mm = 3.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};

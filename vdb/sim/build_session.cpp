@@ -2,6 +2,7 @@
 
 #include "core/engine/volume_segments.h"
 #include "vdb/engine/make_engine.h"
+#include "vdb/remaining/subtract_bit.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"
 
@@ -42,6 +43,21 @@ BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Pr
   built.session = std::make_unique<DrillSession>(setup.path, built.volumes, make_joint_engine(std::move(engines)),
                                                  setup.material, built.clearances.get(), setup.options);
   return built;
+}
+
+ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options) {
+  ToolInput input = cycle.input;
+  input.spindle_on = input.spindle_on && options.spindle.rpm > 0.0;
+  return input;
+}
+
+DrilledHole hole_of(std::span<const ToolInput> inputs, const SessionSetup& setup) {
+  return {setup.path.bit, straight_ways(inputs, setup.path.bit, setup.options.longest_jump_mm)};
+}
+
+BoneModel without_holes(BoneModel bone, std::span<const DrilledHole> holes) {
+  for (const DrilledHole& hole : holes) bone = subtract_bit(bone, hole.bit, hole.ways);
+  return bone;
 }
 
 }  // namespace spinaltap

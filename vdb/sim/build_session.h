@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/scalar_field.h"
@@ -21,5 +22,12 @@ struct BuiltSession {
 /// them out again. Throws Error where the path misses the bone.
 BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Progress& progress = {},
                            const ScalarField* exact = nullptr, const ClearanceField* clearances = nullptr);
+
+/// What a cycle's input took: with the spindle off at no speed, as a session has it.
+ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options);
+/// The hole that a session's inputs made.
+DrilledHole hole_of(std::span<const ToolInput> inputs, const SessionSetup& setup);
+/// The bone without holes.
+BoneModel without_holes(BoneModel bone, std::span<const DrilledHole> holes);
 
 }  // namespace spinaltap

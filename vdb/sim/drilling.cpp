@@ -6,10 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "core/session/operator/straight_ways.h"
 #include "core/session/real_time/timing.h"
 #include "vdb/grid/bone_field.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -80,9 +78,7 @@ class Watch {
     const double seconds =
         is_paced ? std::numeric_limits<double>::quiet_NaN() : 1e-9 * static_cast<double>(wall_ns() - before_ns_);
     log_.add(cycle, seconds);
-    ToolInput input = cycle.input;
-    input.spindle_on = input.spindle_on && session_.options().spindle.rpm > 0.0;
-    inputs_.add(input);
+    inputs_.add(cutting_input(cycle, session_.options()));
     drilling_.removed += cycle.step.removed;
     if (is_first_) {
       is_first_ = false;
@@ -156,11 +152,9 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& han
     drilling.most_torque_n_mm = std::max(drilling.most_torque_n_mm, row.torque_n_mm);
   }
   progress.report("cutting the hole", 0.0);
-  const std::vector<BitWay> ways = straight_ways(inputs.inputs(), setup.path.bit, setup.options.longest_jump_mm);
-  for (const DrilledHole& hole : setup.holes) {
-    drilling.drilled = subtract_bit(drilling.drilled, hole.bit, hole.ways);
-  }
-  drilling.drilled = subtract_bit(drilling.drilled, setup.path.bit, ways);
+  std::vector<DrilledHole> holes = setup.holes;
+  holes.push_back(hole_of(inputs.inputs(), setup));
+  drilling.drilled = without_holes(std::move(drilling.drilled), holes);
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());

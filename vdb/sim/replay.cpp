@@ -82,9 +82,13 @@ Replay replay_record(DrillSession& session, const SessionRecord& record, const P
   return replay;
 }
 
-Replay replay(const std::filesystem::path& file, const Bone& bone, std::optional<EngineKind> engine,
+Replay replay(const std::filesystem::path& record, const Bone& bone, std::optional<EngineKind> engine,
               const Progress& progress) {
-  const SessionRecord record = read_record(file);
+  return replay(read_record(record), record, bone, engine, progress);
+}
+
+Replay replay(const SessionRecord& record, const std::filesystem::path& file, const Bone& bone,
+              std::optional<EngineKind> engine, const Progress& progress) {
   SessionSetup setup = recorded_setup(record.setup, file);
   if (bone.hash() != setup.bone_hash) {
     fail("expected the bone that was drilled in ", file.string(), ", of hash ", setup.bone_hash, "; found one of hash ",

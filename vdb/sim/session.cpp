@@ -8,7 +8,6 @@
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
 #include "vdb/remaining/live_mesh.h"
-#include "vdb/remaining/subtract_bit.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
@@ -32,15 +31,6 @@ struct Session::State {
   std::set<std::array<int, 3>> blocks;                  ///< of the surface, as handed over or waiting
   std::map<std::array<int, 3>, SurfaceUpdate> changes;  ///< that wait
 
-  DrilledHole hole() const {
-    return {setup.path.bit, straight_ways(inputs, setup.path.bit, setup.options.longest_jump_mm)};
-  }
-  /// Without the holes that are done.
-  BoneModel before_this_hole() const {
-    BoneModel model = bone.model();
-    for (const DrilledHole& done : setup.holes) model = subtract_bit(model, done.bit, done.ways);
-    return model;
-  }
   void change(const SurfaceUpdate& update) {
     if (update.surface) {
       blocks.insert(update.block);
@@ -52,7 +42,7 @@ struct Session::State {
   /// Brings the live mesh up to the last cycle.
   void show() {
     if (!live) {
-      live.emplace(before_this_hole(), RemainingBoneOptions{});
+      live.emplace(without_holes(bone.model(), setup.holes), RemainingBoneOptions{});
       live->take_bit(setup.path.bit, setup.options.longest_jump_mm);
       live_holes = {{live->holes_to_undo()}};
       for (const std::array<int, 3>& gone : std::set(blocks)) change({gone, nullptr});
@@ -92,9 +82,7 @@ struct Session::State {
     shown = 0;
   }
   void note(const Cycle& cycle) {
-    ToolInput input = cycle.input;
-    input.spindle_on = input.spindle_on && setup.options.spindle.rpm > 0.0;
-    inputs.push_back(input);
+    inputs.push_back(cutting_input(cycle, setup.options));
     if (!record) return;
     record->add_waiting(cycle);
     record->add_events(built.session->events());
@@ -169,7 +157,7 @@ void Session::end_hole() {
   State& state = *state_;
   if (state.inputs.empty()) return;
   if (state.live) state.show();
-  state.setup.holes.push_back(state.hole());
+  state.setup.holes.push_back(hole_of(state.inputs, state.setup));
   state.rebuild();
   if (!state.live) return;
   state.live->end_hole();
@@ -197,10 +185,10 @@ std::vector<SurfaceUpdate> Session::surface_changes() {
 }
 
 Bone Session::drilled() const {
-  const DrilledHole hole = state_->hole();
-  BoneModel model = state_->before_this_hole();
-  if (!hole.ways.empty()) model = subtract_bit(model, hole.bit, hole.ways);
-  return Bone(std::move(model));
+  std::vector<DrilledHole> holes = state_->setup.holes;
+  DrilledHole hole = hole_of(state_->inputs, state_->setup);
+  if (!hole.ways.empty()) holes.push_back(std::move(hole));
+  return Bone(without_holes(state_->bone.model(), holes));
 }
 
 const Bone& Session::bone() const { return state_->bone; }

@@ -13,16 +13,12 @@
 namespace spinaltap {
 
 struct Study::State {
-  explicit State(StudySpec its_spec)
-      : spec(with_radius(std::move(its_spec))),
-        runs(spec.design),
-        bone(Bone::load(spec.bone_file, spec.level)),
-        identity(study_identity(spec, runs, bone.hash())) {}
-
-  static StudySpec with_radius(StudySpec spec) {
-    spec.volume.radius_mm = study_radius_mm(spec, StudyRuns(spec.design));
-    return spec;
+  explicit State(StudySpec its_spec) : spec(std::move(its_spec)), runs(spec.design) {
+    spec.volume.radius_mm = study_radius_mm(spec, runs);
+    bone.emplace(Bone::load(spec.bone_file, spec.level));
+    identity = study_identity(spec, runs, bone->hash());
   }
+
   std::vector<std::size_t> runs_of(const StudyShard& shard) const {
     if (shard.index < 1 || shard.index > shard.count) {
       fail("expected a shard from 1 to ", shard.count, ", found ", shard.index);
@@ -33,7 +29,7 @@ struct Study::State {
   }
   /// Made for the first run: a folder whose runs are all done needs none.
   const StudyBench& bench(const Progress& progress) const {
-    std::call_once(has_bench, [&] { made_bench.emplace(bone, spec, runs, progress); });
+    std::call_once(has_bench, [&] { made_bench.emplace(*bone, spec, runs, progress); });
     return *made_bench;
   }
   StudyWork work(std::span<const std::size_t> numbers, const std::function<void(const StudyRow&)>& finished,
@@ -45,7 +41,7 @@ struct Study::State {
 
   StudySpec spec;
   StudyRuns runs;
-  Bone bone;
+  std::optional<Bone> bone;
   StudyIdentity identity;
   mutable std::once_flag has_bench;
   mutable std::optional<StudyBench> made_bench;
@@ -58,7 +54,7 @@ Study::Study(Study&&) noexcept = default;
 Study& Study::operator=(Study&&) noexcept = default;
 
 const StudySpec& Study::spec() const { return state_->spec; }
-const Bone& Study::bone() const { return state_->bone; }
+const Bone& Study::bone() const { return *state_->bone; }
 std::size_t Study::run_count() const { return state_->runs.count(); }
 const StudyIdentity& Study::identity() const { return state_->identity; }
 std::size_t Study::points() const { return state_->bench({}).volume().point_count(); }

@@ -58,9 +58,6 @@ std::size_t PlayedHole::cycles_before(double seconds) const {
   return std::max<std::size_t>(cycles, 1);
 }
 
-DrilledHole PlayedHole::drilled() const {
-  const DrillBit& bit = setup_.path.bit;
-  return {bit, straight_ways(inputs_, bit, setup_.options.longest_jump_mm)};
-}
+DrilledHole PlayedHole::drilled() const { return hole_of(inputs_, setup_); }
 
 }  // namespace spinaltap
