@@ -1,0 +1,195 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "apps/python/arrays.h"
+#include "apps/python/bindings.h"
+#include "apps/python/long_call.h"
+#include "apps/python/names.h"
+#include "vdb/sim/bone.h"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace spinaltap {
+
+namespace {
+
+/// The bone that a label map marks, by number or by name; none without a map.
+std::optional<LabelChoice> label_choice(const std::filesystem::path& file, int label, const std::string& level) {
+  if (file.empty()) return std::nullopt;
+  return LabelChoice{.file = file, .label = label, .level = level_named(level)};
+}
+
+Bone bone_from_ct(const std::filesystem::path& ct, const std::optional<Numbers>& seed_mm,
+                  const std::filesystem::path& labels, int label, const std::string& level, double voxel_mm,
+                  const std::string& series, bool resample, bool accept_doubtful, const std::filesystem::path& cache,
+                  const py::object& progress) {
+  BoneFromCt options;
+  options.reading = {series, resample};
+  options.accepts_doubtful = accept_doubtful;
+  options.bake.labels = label_choice(labels, label, level);
+  options.bake.bake.voxel_mm = voxel_mm;
+  options.bake.cache = cache;
+  if (seed_mm) options.bake.segment.seed_mm = vec3_of(*seed_mm, "seed_mm");
+  return long_call(progress, [&](const Progress& heard) { return Bone::from_ct(ct, options, heard); });
+}
+
+/// Values at points, without Python's lock.
+template <class Ask>
+auto at_points(const Numbers& points_mm, const Ask& ask) {
+  const std::vector<Vec3> points = points_of(points_mm);
+  auto values = [&] {
+    const py::gil_scoped_release unlocked;
+    return ask(points);
+  }();
+  return array_of(std::move(values));
+}
+
+py::dict landmarks_of(const Bone& bone, const py::object& progress) {
+  const Landmarks marks = long_call(progress, [&](const Progress& heard) { return bone.landmarks(heard); });
+  const auto pedicle = [](const PedicleLandmarks& it) {
+    return py::dict("isthmus_mm"_a = array_of(it.isthmus_mm), "axis"_a = array_of(it.axis), "width_mm"_a = it.width_mm,
+                    "height_mm"_a = it.height_mm);
+  };
+  const auto endplate = [](const EndplateLandmarks& it) {
+    return py::dict("centre_mm"_a = array_of(it.centre_mm), "normal"_a = array_of(it.normal));
+  };
+  return py::dict(
+      "axes"_a = array_of(marks.axes), "origin_mm"_a = array_of(marks.origin_mm),
+      "canal"_a = py::dict("centre_mm"_a = array_of(marks.canal.centre_mm), "axis"_a = array_of(marks.canal.axis),
+                           "width_mm"_a = marks.canal.width_mm, "depth_mm"_a = marks.canal.depth_mm),
+      "body"_a =
+          py::dict("centre_mm"_a = array_of(marks.body.centre_mm), "width_mm"_a = marks.body.width_mm,
+                   "depth_mm"_a = marks.body.depth_mm, "height_mm"_a = marks.body.height_mm,
+                   "upper_endplate"_a = endplate(marks.body.upper), "lower_endplate"_a = endplate(marks.body.lower)),
+      "left_pedicle"_a = pedicle(marks.left_pedicle), "right_pedicle"_a = pedicle(marks.right_pedicle),
+      "warnings"_a = marks.doubts);
+}
+
+void bind_grade(py::module_& module) {
+  py::class_<PathGrade>(module, "Grade", "How safe a path is; docs/grading.md.")
+      .def_property_readonly(
+          "letter", [](const PathGrade& grade) { return std::string(1, letter_of(grade.grade)); },
+          "Gertzbein and Robbins: \"A\" (no breach) to \"E\" (6 mm and more).")
+      .def_readonly("breach_mm", &PathGrade::breach_mm)
+      .def_readonly("breach_depth_mm", &PathGrade::breach_depth_mm)
+      .def_readonly("breaches_canal", &PathGrade::breaches_canal)
+      .def_property_readonly("clearance_outer_mm", [](const PathGrade& grade) { return grade.outer.clearance_mm; })
+      .def_property_readonly("clearance_canal_mm", [](const PathGrade& grade) { return grade.canal.clearance_mm; })
+      .def_readonly("is_left", &PathGrade::is_left)
+      .def_readonly("hu", &PathGrade::hu, "Mean of the tool's volume in bone; NaN where there is none.")
+      .def_readonly("max_thrust_n", &PathGrade::most_thrust_n)
+      .def("__repr__", [](const PathGrade& grade) { return "<Grade " + std::string(1, letter_of(grade.grade)) + ">"; });
+  py::class_<Suggestion>(module, "Suggestion", "A pedicle's screw and path, or why there is none.")
+      .def_readonly("side", &Suggestion::side, "\"left\" or \"right\", the patient's.")
+      .def_property_readonly(
+          "path", [](const Suggestion& it) { return it.best ? std::optional<DrillPath>(it.best->path) : std::nullopt; })
+      .def_property_readonly(
+          "grade",
+          [](const Suggestion& it) { return it.best ? std::optional<PathGrade>(it.best->grade) : std::nullopt; })
+      .def_property_readonly(
+          "score", [](const Suggestion& it) { return it.best ? it.best->score : std::nan(""); }, "NaN without a path.")
+      .def_readonly("why_none", &Suggestion::refusal, "Empty where there is a path.");
+}
+
+}  // namespace
+
+void bind_bone(py::module_& module) {
+  bind_grade(module);
+  py::class_<Bone>(module, "Bone", R"(A baked bone and all that planning and drilling ask of it.
+
+Nothing changes it; any number of threads may use it at once. Positions are patient LPS, mm, of shape (n, 3).)")
+      .def_static("from_ct", &bone_from_ct, "ct"_a, py::kw_only(), "seed_mm"_a = py::none(), "labels"_a = "",
+                  "label"_a = 1, "level"_a = "", "voxel_mm"_a = 0.25, "series"_a = "", "resample"_a = false,
+                  "accept_doubtful"_a = false, "cache"_a = "", "progress"_a = py::none(),
+                  R"(From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes.
+
+seed_mm: a point in the body of the wanted vertebra; without it, the largest whole one.
+labels: a label map (NIfTI or NRRD) that says which bone is meant, by the number `label` or by the name `level`.
+cache: a folder for finished stages, which the next call takes from there.
+accept_doubtful: take a vertebra that is likely not right; see `warnings`.
+progress: called as progress(stage, fraction). Ctrl-C cancels.
+Raises Error on a CT that cannot be read, and without a vertebra.)")
+      .def_static(
+          "load",
+          [](const std::filesystem::path& file, const std::string& level) {
+            const Level its_level = level_named(level);
+            const py::gil_scoped_release unlocked;
+            return Bone::load(file, its_level);
+          },
+          "file"_a, "level"_a = "", "From a bone.vdb, or one level (\"L3\") of a spine.vdb.")
+      .def("save", &Bone::save, "file"_a, py::call_guard<py::gil_scoped_release>(),
+           "Writes a bone.vdb, whole or not at all.")
+      .def_property_readonly("hash", &Bone::hash, "A fingerprint of its grids, however the file was written.")
+      .def_property_readonly("voxel_mm", [](const Bone& bone) { return bone.model().voxel_mm(); })
+      .def_property_readonly(
+          "band_mm", [](const Bone& bone) { return bone.model().band_mm(); },
+          "Distances are clamped to it, on both sides of the surface.")
+      .def_property_readonly(
+          "bounds_mm",
+          [](const Bone& bone) {
+            const Box3 box = bone.model().bounds_mm();
+            return array_of(std::vector<Vec3>{box.min(), box.max()});
+          },
+          "Its lowest and highest corner, (2, 3).")
+      .def_property_readonly(
+          "facts", [](const Bone& bone) { return bone.model().facts(); }, "What was baked and how, as text.")
+      .def_property_readonly(
+          "warnings",
+          [](const Bone& bone) { return bone.doubts() ? bone.doubts()->warnings : std::vector<std::string>{}; },
+          "What speaks against it, a line each; empty where it was marked by hand.")
+      .def(
+          "distance",
+          [](const Bone& bone, const Numbers& points_mm) {
+            return at_points(points_mm, [&bone](const std::vector<Vec3>& points) { return bone.distance(points); });
+          },
+          "points_mm"_a, "To the surface, mm, negative inside, clamped to the band: (n,) float32.")
+      .def(
+          "hu",
+          [](const Bone& bone, const Numbers& points_mm) {
+            return at_points(points_mm, [&bone](const std::vector<Vec3>& points) { return bone.hu(points); });
+          },
+          "points_mm"_a, "CT numbers, HU: (n,) float32.")
+      .def(
+          "normals",
+          [](const Bone& bone, const Numbers& points_mm) {
+            return at_points(points_mm, [&bone](const std::vector<Vec3>& points) { return bone.normals(points); });
+          },
+          "points_mm"_a, "Unit, outward; zero further from the surface than the band: (n, 3).")
+      .def(
+          "surface",
+          [](const Bone& bone) {
+            TriangleMesh mesh = [&bone] {
+              const py::gil_scoped_release unlocked;
+              return bone.surface();
+            }();
+            return arrays_of(std::move(mesh));
+          },
+          "Vertices (n, 3), float32, mm, and triangles (m, 3), uint32, outward.")
+      .def("landmarks", &landmarks_of, "progress"_a = py::none(),
+           "Canal, body and pedicles, as dictionaries; positions in patient LPS, mm. Raises Error where it is no whole "
+           "vertebra.")
+      .def(
+          "suggest",
+          [](const Bone& bone, double margin_mm, const DrillBit& bit, const py::object& progress) {
+            return long_call(progress, [&](const Progress& heard) {
+              return bone.suggest({.screws = {}, .rules = {}, .margin_mm = margin_mm, .bit = bit}, heard);
+            });
+          },
+          py::kw_only(), "margin_mm"_a = 0.0, "bit"_a = DrillBit{}, "progress"_a = py::none(),
+          "A screw and a path for each pedicle, with its grade. `margin_mm`: of bone around the screw; 0: that of the "
+          "shipped rules. Raises Error without landmarks.")
+      .def(
+          "grade",
+          [](const Bone& bone, const DrillPath& path, const py::object& progress) {
+            return long_call(progress, [&](const Progress& heard) { return grade(bone, path, {}, {}, heard); });
+          },
+          "path"_a, "progress"_a = py::none(), "How safe a path is. Raises Error without landmarks.");
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,106 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "apps/python/arrays.h"
+#include "apps/python/bindings.h"
+#include "apps/python/names.h"
+#include "core/base/staged_output.h"
+#include "core/files/bit_shapes.h"
+#include "core/files/plan_file.h"
+#include "core/tool/drill_path.h"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace spinaltap {
+
+namespace {
+
+DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, const std::string& shape,
+                  double tip_diameter_mm, double shank_diameter_mm) {
+  const DrillBit bit{diameter_mm,     length_mm,        tip_length_mm, named(bit_shapes(), shape, "a shape"),
+                     tip_diameter_mm, shank_diameter_mm};
+  check_bit(bit);
+  return bit;
+}
+
+PedicleScrew make_screw(double diameter_mm, double length_mm, double tip_length_mm, const std::string& name) {
+  const PedicleScrew screw{name, diameter_mm, length_mm, tip_length_mm};
+  check_screw(screw);
+  return screw;
+}
+
+DrillPath make_path(const Numbers& entry_mm, const Numbers& target_mm, const DrillBit& bit, const std::string& name,
+                    const std::optional<PedicleScrew>& screw) {
+  const DrillPath path{name, vec3_of(entry_mm, "entry_mm"), vec3_of(target_mm, "target_mm"), bit, screw};
+  check_path(path);
+  return path;
+}
+
+std::string text_of(const Vec3& v) {
+  std::ostringstream text;
+  text << '(' << v.x() << ", " << v.y() << ", " << v.z() << ')';
+  return text.str();
+}
+
+void save_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& file) {
+  StagedOutput output;
+  write_plan(paths, output.stage(file));
+  output.commit();
+}
+
+}  // namespace
+
+void bind_plan(py::module_& module) {
+  py::class_<DrillBit>(module, "Bit", "A rotating tool. Lengths in mm. Nothing changes it.")
+      .def(py::init(&make_bit), "diameter_mm"_a = 3.0, "length_mm"_a = 50.0, "tip_length_mm"_a = 5.0,
+           "shape"_a = "drill", "tip_diameter_mm"_a = 0.0, "shank_diameter_mm"_a = 0.0,
+           "`shape`: \"drill\", \"round-burr\", \"conical-burr\" or \"tapered-screw\". Raises Error on sizes that make "
+           "no sense.")
+      .def_static("twist_drill", &twist_drill, "diameter_mm"_a, "length_mm"_a = 50.0, "point_angle_deg"_a = 118.0,
+                  "chisel_edge_mm"_a, "A twist drill, by the angle of its whole tip and the width of its chisel edge.")
+      .def_readonly("diameter_mm", &DrillBit::diameter_mm)
+      .def_readonly("length_mm", &DrillBit::length_mm)
+      .def_readonly("tip_length_mm", &DrillBit::tip_length_mm)
+      .def_property_readonly("shape", [](const DrillBit& bit) { return name_of(bit.shape); })
+      .def_readonly("tip_diameter_mm", &DrillBit::tip_diameter_mm)
+      .def_readonly("shank_diameter_mm", &DrillBit::shank_diameter_mm);
+
+  py::class_<PedicleScrew>(module, "Screw", "A screw for a pedicle. Lengths in mm. Nothing changes it.")
+      .def(py::init(&make_screw), "diameter_mm"_a = 6.5, "length_mm"_a = 45.0, "tip_length_mm"_a = 4.0, "name"_a = "",
+           "`length_mm`: from under the head to the tip. Raises Error on sizes that make no sense.")
+      .def_readonly("name", &PedicleScrew::name)
+      .def_readonly("diameter_mm", &PedicleScrew::diameter_mm)
+      .def_readonly("length_mm", &PedicleScrew::length_mm)
+      .def_readonly("tip_length_mm", &PedicleScrew::tip_length_mm);
+
+  py::class_<DrillPath>(module, "Path", "A straight planned hole, patient LPS, mm. Nothing changes it.")
+      .def(py::init(&make_path), "entry_mm"_a, "target_mm"_a, "bit"_a = DrillBit{}, "name"_a = "",
+           "screw"_a = py::none(),
+           "From the entry on the bone's surface to the target inside; 3 numbers each. Raises Error on a path shorter "
+           "than 0.1 mm or longer than 500 mm.")
+      .def_readonly("name", &DrillPath::name)
+      .def_property_readonly("entry_mm", [](const DrillPath& path) { return array_of(path.entry_mm); })
+      .def_property_readonly("target_mm", [](const DrillPath& path) { return array_of(path.target_mm); })
+      .def_property_readonly(
+          "direction", [](const DrillPath& path) { return array_of(path.direction()); },
+          "Unit, from the entry to the target.")
+      .def_property_readonly("length_mm", &DrillPath::length_mm)
+      .def_readonly("bit", &DrillPath::bit)
+      .def_readonly("screw", &DrillPath::screw)
+      .def("__repr__", [](const DrillPath& path) {
+        return "<Path \"" + path.name + "\" from " + text_of(path.entry_mm) + " to " + text_of(path.target_mm) + " mm>";
+      });
+
+  module.def("read_plan", &read_plan, "file"_a,
+             "Paths of a plan: JSON, or lines from 3D Slicer's markups. Raises Error that names the key at fault.");
+  module.def("write_plan", &save_plan, "paths"_a, "file"_a,
+             "Writes a plan, whole or not at all; markups where the name ends in \".mrk.json\".");
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,107 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <fstream>
+#include <string>
+
+#include "apps/python/arrays.h"
+#include "apps/python/bindings.h"
+#include "apps/python/long_call.h"
+#include "apps/python/names.h"
+#include "core/base/staged_output.h"
+#include "core/session/drill_state.h"
+#include "core/session/record/session_record.h"
+#include "vdb/sim/replay.h"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace spinaltap {
+
+namespace {
+
+template <class Kind>
+py::tuple names_to(Kind last) {
+  py::list names;
+  for (int n = 0; n <= static_cast<int>(last); ++n) names.append(std::string(name_of(static_cast<Kind>(n))));
+  return py::tuple(names);
+}
+
+template <class Write>
+void save_csv(const SessionRecord& record, const std::filesystem::path& file, const Write& write) {
+  StagedOutput output;
+  const std::filesystem::path staged = output.stage(file);
+  std::ofstream csv(staged, std::ios::binary);
+  write(record, csv);
+  if (!csv.flush()) fail(file.string(), ": cannot be written; is the disk full?");
+  csv.close();
+  output.commit();
+}
+
+std::optional<EngineKind> engine_of(const std::string& name) {
+  return name.empty() ? std::nullopt : std::optional(named(engine_kinds(), name, "an engine"));
+}
+
+}  // namespace
+
+void bind_record(py::module_& module) {
+  module.attr("CYCLE") = cycle_dtype();
+  module.attr("EVENT") = event_dtype();
+  module.attr("EVENT_KINDS") = names_to(EventKind::record_lost);
+  module.attr("STATES") = names_to(DrillState::inner_cortical);
+
+  py::class_<SessionRecord>(module, "Record", "A record read back; docs/record-file.md.")
+      .def_readonly("setup", &SessionRecord::setup, "All that decided what the session did, as text.")
+      .def_property_readonly(
+          "cycles",
+          [](const py::object& self) {
+            const auto& record = self.cast<const SessionRecord&>();
+            return py::array(cycle_dtype(), {record.cycles.size()}, {}, record.cycles.data(), self);
+          },
+          "A row for each cycle, of dtype CYCLE; shows the record's own memory.")
+      .def_property_readonly(
+          "events",
+          [](const py::object& self) {
+            const auto& record = self.cast<const SessionRecord&>();
+            return py::array(event_dtype(), {record.events.size()}, {}, record.events.data(), self);
+          },
+          "A row for each event, of dtype EVENT; shows the record's own memory.")
+      .def_readonly("is_whole", &SessionRecord::is_whole, "It was closed in order.")
+      .def_readonly("lost", &SessionRecord::lost, "Cycles that did not get into it.")
+      .def_property_readonly(
+          "hash", [](const SessionRecord& record) { return hash_of(record); },
+          "A fingerprint of all cycles and events, to the last bit.")
+      .def(
+          "write_csv",
+          [](const SessionRecord& record, const std::filesystem::path& file) {
+            save_csv(record, file, write_record_csv);
+          },
+          "file"_a, py::call_guard<py::gil_scoped_release>(), "A row for each cycle.")
+      .def(
+          "write_events_csv",
+          [](const SessionRecord& record, const std::filesystem::path& file) {
+            save_csv(record, file, write_events_csv);
+          },
+          "file"_a, py::call_guard<py::gil_scoped_release>(), "A row for each event.");
+  module.def("read_record", &read_record, "file"_a, py::call_guard<py::gil_scoped_release>(),
+             "Also while it is being written, and after a kill. Raises Error on a file that is no record, or damaged.");
+
+  py::class_<Replay>(module, "Replay", "What running a record again came to.")
+      .def_readonly("cycles", &Replay::cycles)
+      .def_readonly("events", &Replay::events)
+      .def_readonly("seconds", &Replay::seconds)
+      .def_readonly("difference", &Replay::difference, "The first; empty: every bit is the same.")
+      .def_readonly("gap", &Replay::gap, "Where the record lacks cycles; empty: nowhere.")
+      .def_property_readonly("is_same", &Replay::is_same);
+  module.def(
+      "replay",
+      [](const std::filesystem::path& record, const Bone& bone, const std::string& engine, const py::object& progress) {
+        const std::optional<EngineKind> kind = engine_of(engine);
+        return long_call(progress, [&](const Progress& heard) { return replay(record, bone, kind, heard); });
+      },
+      "record"_a, "bone"_a, "engine"_a = "", "progress"_a = py::none(),
+      "Runs a record again on the bone that it was drilled in, and compares every bit.");
+}
+
+}  // namespace spinaltap

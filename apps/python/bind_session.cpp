@@ -1,0 +1,318 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <atomic>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "apps/python/arrays.h"
+#include "apps/python/bindings.h"
+#include "apps/python/long_call.h"
+#include "apps/python/names.h"
+#include "apps/python/planned_operator.h"
+#include "core/files/density_file.h"
+#include "core/files/material_file.h"
+#include "core/session/operator/path_hand.h"
+#include "core/session/operator/push_hand.h"
+#include "vdb/sim/session.h"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace spinaltap {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class PlannedMotion final : public PlannedOperator {
+ public:
+  PlannedMotion(const DrillPath& path, const PathMotionOptions& options)
+      : path_(path), options_(options), motion_(path, options) {}
+
+  std::unique_ptr<ToolSource> begin(const Spindle&) const override {
+    return std::make_unique<PathHand>(path_, options_);
+  }
+  const PathMotion& motion() const { return motion_; }
+
+ private:
+  DrillPath path_;
+  PathMotionOptions options_;
+  PathMotion motion_;
+};
+
+class ForceControlled final : public PlannedOperator {
+ public:
+  ForceControlled(const DrillPath& path, const PushOptions& options) : path_(path), options_(options) {
+    const PushHand checked(path, options);
+  }
+  std::unique_ptr<ToolSource> begin(const Spindle& spindle) const override {
+    PushOptions options = options_;
+    options.spindle = spindle;
+    return std::make_unique<PushHand>(path_, options);
+  }
+
+ private:
+  DrillPath path_;
+  PushOptions options_;
+};
+
+/// Tips and axes, (n, 6).
+py::array_t<double> poses_of(const PlannedMotion& planned) {
+  const PathMotion& motion = planned.motion();
+  const std::size_t count = motion.cycle_count() + 1;
+  py::array_t<double> array({count, std::size_t{6}});
+  double* to = array.mutable_data();
+  for (std::size_t n = 0; n < count; ++n) {
+    const Pose pose = motion.pose(n);
+    for (int k = 0; k < 3; ++k) *to++ = pose.tip_mm[k];
+    for (int k = 0; k < 3; ++k) *to++ = pose.axis[k];
+  }
+  return array;
+}
+
+/// A session that one thread at a time may use: long calls leave Python's lock, so another thread might come in.
+class OwnedSession {
+ public:
+  explicit OwnedSession(Session&& session) : session_(std::move(session)) {}
+
+  class Turn {
+   public:
+    explicit Turn(OwnedSession& owner) : owner_(owner) {
+      if (owner.is_busy_.test_and_set(std::memory_order_acquire)) {
+        fail("the session is at work in another thread: expected one thread at a time");
+      }
+    }
+    ~Turn() { owner_.is_busy_.clear(std::memory_order_release); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    Session* operator->() const { return &owner_.session_; }
+
+   private:
+    OwnedSession& owner_;
+  };
+  Turn take() { return Turn(*this); }
+
+ private:
+  Session session_;
+  std::atomic_flag is_busy_;
+};
+
+Material material_of(const std::filesystem::path& material, const std::filesystem::path& density) {
+  Material law;
+  if (!density.empty()) law.density = read_density_law(density).law;
+  return material.empty() ? law : read_material(material, law.density);
+}
+
+std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& path, double radius_mm, double spacing_mm,
+                                           double lead_in_mm, double fine_spacing_mm, const std::string& engine,
+                                           double rpm, bool clearances, double stop_thrust_n, double stop_clearance_mm,
+                                           bool stop_on_breach, const std::filesystem::path& material,
+                                           const std::filesystem::path& density, const py::object& progress) {
+  SessionSetup setup;
+  setup.material = material_of(material, density);
+  setup.volume.radius_mm = radius_mm;
+  setup.volume.spacing_mm = spacing_mm;
+  setup.volume.lead_in_mm = lead_in_mm;
+  setup.fine_spacing_mm = fine_spacing_mm;
+  setup.engine = named(engine_kinds(), engine, "an engine");
+  setup.options.spindle.rpm = rpm;
+  setup.options.stop = {stop_thrust_n, stop_clearance_mm, stop_on_breach};
+  setup.has_clearances = clearances;
+  return std::make_unique<OwnedSession>(
+      long_call(progress, [&](const Progress& heard) { return Session(bone, path, setup, heard); }));
+}
+
+py::array run_poses(OwnedSession& self, const Numbers& tips, const py::object& axes, const py::object& dt_s,
+                    const py::object& spindle_on, const py::object& progress) {
+  const std::vector<ToolInput> inputs = inputs_of(tips, axes, dt_s, spindle_on);
+  const OwnedSession::Turn session = self.take();
+  // A thread takes some 50 µs to begin; so few cycles are done sooner than anyone presses Ctrl-C.
+  constexpr std::size_t kFew = 512;
+  if (inputs.size() <= kFew && progress.is_none()) {
+    std::vector<RecordedCycle> rows = [&] {
+      const py::gil_scoped_release unlocked;
+      return session->run(inputs);
+    }();
+    return array_of(std::move(rows));
+  }
+  return array_of(long_call(progress, [&](const Progress& heard) { return session->run(inputs, heard); }));
+}
+
+py::array run_operator(OwnedSession& self, const PlannedOperator& planned, const py::object& progress) {
+  const OwnedSession::Turn session = self.take();
+  return array_of(long_call(progress, [&](const Progress& heard) {
+    std::vector<RecordedCycle> rows;
+    const std::unique_ptr<ToolSource> tool = planned.begin(session->setup().options.spindle);
+    session->run(
+        *tool, [&rows](const Cycle& cycle) { rows.push_back(recorded(cycle)); }, heard);
+    return rows;
+  }));
+}
+
+/// What a renderer keeps of a block: its buffers show the block's own memory.
+py::tuple block_of(const SurfaceUpdate& update) {
+  const py::tuple block = py::make_tuple(update.block[0], update.block[1], update.block[2]);
+  if (!update.surface) return py::make_tuple(block, py::none());
+  using Held = std::shared_ptr<const SurfaceBlock>;
+  const py::capsule owner(new Held(update.surface), [](void* held) { delete static_cast<Held*>(held); });
+  const auto show = [&owner](const auto* data, std::size_t rows, const py::dtype& type) {
+    py::array array(type, {rows, std::size_t{3}}, {}, data, owner);
+    array.attr("setflags")("write"_a = false);
+    return array;
+  };
+  const SurfaceBlock& surface = *update.surface;
+  return py::make_tuple(
+      block,
+      py::dict("vertices_mm"_a = show(surface.vertices_mm.data(), surface.vertices_mm.size(), py::dtype::of<float>()),
+               "normals"_a = show(surface.normals.data(), surface.normals.size(), py::dtype::of<float>()),
+               "triangles"_a = show(surface.triangles.data(), surface.triangles.size(), py::dtype::of<std::uint16_t>()),
+               "wall_begin"_a = surface.wall_begin));
+}
+
+void bind_cycle(py::module_& module) {
+  py::class_<Cycle>(module, "Cycle", "What one cycle was and did. Forces are what the operator feels, patient LPS.")
+      .def_readonly("index", &Cycle::index)
+      .def_readonly("time_s", &Cycle::time_s)
+      .def_property_readonly("tip_mm", [](const Cycle& cycle) { return array_of(cycle.input.pose.tip_mm); })
+      .def_property_readonly("axis", [](const Cycle& cycle) { return array_of(cycle.input.pose.axis); })
+      .def_readonly("depth_mm", &Cycle::depth_mm, "Of the tip along the path: 0 at the entry.")
+      .def_property_readonly("force_n", [](const Cycle& cycle) { return array_of(cycle.force.force_n); })
+      .def_property_readonly("thrust_n", [](const Cycle& cycle) { return cycle.force.thrust_n; })
+      .def_property_readonly("torque_n_mm", [](const Cycle& cycle) { return cycle.force.torque_n_mm; })
+      .def_property_readonly("lateral_n", [](const Cycle& cycle) { return array_of(cycle.force.lateral_n); })
+      .def_property_readonly("contact_n", [](const Cycle& cycle) { return array_of(cycle.force.contact_n); })
+      .def_property_readonly("density_g_cm3", [](const Cycle& cycle) { return cycle.force.tip_density_g_cm3; })
+      .def_property_readonly("clearance_outer_mm", [](const Cycle& cycle) { return cycle.clearance.outer_mm; })
+      .def_property_readonly("clearance_canal_mm", [](const Cycle& cycle) { return cycle.clearance.canal_mm; })
+      .def_property_readonly("removed_points", [](const Cycle& cycle) { return cycle.step.removed; })
+      .def_property_readonly("removed_mm3", [](const Cycle& cycle) { return cycle.step.removed_mm3; })
+      .def_property_readonly(
+          "state", [](const Cycle& cycle) { return std::string(name_of(cycle.state)); }, "One of STATES.");
+}
+
+void bind_operators(py::module_& module) {
+  py::class_<PlannedOperator>(module, "Operator", "What moves the tool; Session.drill() takes it.");
+  py::class_<PlannedMotion, PlannedOperator>(
+      module, "PlannedMotion", "Goes its planned way, whatever it feels: beside the path or tilted, with a tremor.")
+      .def(py::init([](const DrillPath& path, double feed_mm_s, double rate_hz, double lead_in_mm, double offset_mm,
+                       double tilt_deg, double tremor_mm, std::uint64_t seed, double peck_every_mm,
+                       double withdraw_mm_s) {
+             PathMotionOptions options{.line = {lead_in_mm, offset_mm, tilt_deg}, .rate_hz = rate_hz};
+             options.feed.steps = {{0.0, feed_mm_s}};
+             options.feed.pecking.every_mm = peck_every_mm;
+             options.feed.withdraw_mm_s = withdraw_mm_s;
+             options.tremor_mm = tremor_mm;
+             options.seed = seed;
+             return std::make_unique<PlannedMotion>(path, options);
+           }),
+           "path"_a, py::kw_only(), "feed_mm_s"_a = 1.0, "rate_hz"_a = 1000.0, "lead_in_mm"_a = 3.0,
+           "offset_mm"_a = 0.0, "tilt_deg"_a = 0.0, "tremor_mm"_a = 0.0, "seed"_a = 1, "peck_every_mm"_a = 0.0,
+           "withdraw_mm_s"_a = 0.0, "Raises Error on values out of range.")
+      .def("poses", &poses_of, "Tips and axes, (n, 6), as Session.run() takes them.")
+      .def_property_readonly(
+          "dt_s", [](const PlannedMotion& planned) { return 1.0 / planned.motion().rate_hz(); },
+          "From one pose to the next.");
+  py::class_<ForceControlled, PlannedOperator>(
+      module, "ForceControlled", "Pushes along the path: how fast it goes follows from the bone, and it plunges.")
+      .def(py::init([](const DrillPath& path, double push_n, double rate_hz, double lead_in_mm, double offset_mm,
+                       double tilt_deg, double reaction_s, double tremor_mm, std::uint64_t seed) {
+             PushOptions options;
+             options.line = {lead_in_mm, offset_mm, tilt_deg};
+             options.rate_hz = rate_hz;
+             options.push_n = push_n;
+             options.reaction_s = reaction_s;
+             options.tremor_mm = tremor_mm;
+             options.seed = seed;
+             return std::make_unique<ForceControlled>(path, options);
+           }),
+           "path"_a, py::kw_only(), "push_n"_a = 40.0, "rate_hz"_a = 1000.0, "lead_in_mm"_a = 3.0, "offset_mm"_a = 0.0,
+           "tilt_deg"_a = 0.0, "reaction_s"_a = 0.2, "tremor_mm"_a = 0.0, "seed"_a = 1,
+           "Raises Error on values out of range.");
+}
+
+}  // namespace
+
+void bind_session(py::module_& module) {
+  bind_cycle(module);
+  bind_operators(module);
+  py::class_<OwnedSession>(module, "Session",
+                           R"(A bone being drilled along a path, cycle by cycle. One thread at a time.
+
+The drilling of one hole is one session: it begins at time 0 and cycle 0; end_hole() begins the next.)")
+      .def(py::init(&make_session), "bone"_a, "path"_a, py::kw_only(), "radius_mm"_a = 3.0, "spacing_mm"_a = 0.1,
+           "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "ring", "rpm"_a = 1250.0,
+           "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
+           "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "progress"_a = py::none(),
+           R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
+surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results. rpm: of the
+spindle; 0: off. clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes
+true. material, density: files of laws; the shipped ones by default. Raises Error where the path misses the bone.)")
+      .def(
+          "step",
+          [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on) {
+            const ToolInput input{{vec3_of(tip_mm, "tip_mm"), vec3_of(axis, "axis")}, spindle_on, dt_s};
+            return Cycle(self.take()->step(input));
+          },
+          "tip_mm"_a, "axis"_a, "dt_s"_a = 0.001, "spindle_on"_a = true,
+          "One cycle: the bit goes straight from where it was to here. `axis`: unit, from the base to the tip. Poses "
+          "that make no sense do nothing but leave an event. Keeps Python's lock: it takes microseconds.")
+      .def("run", &run_poses, "tips_mm"_a, "axes"_a = py::none(), "dt_s"_a = 0.001, "spindle_on"_a = true,
+           py::kw_only(), "progress"_a = py::none(),
+           R"(Many cycles, as fast as it goes, whatever the stop rules say. Gives a row for each, of dtype CYCLE.
+
+tips_mm: (n, 3), with axes (n, 3) or one for all; or tips and axes together, (n, 6). dt_s, spindle_on: one, or (n,).
+Ctrl-C cancels; the cycles until then are done.)")
+      .def("drill", &run_operator, "operator"_a, "progress"_a = py::none(),
+           "An operator until it ends. Gives a row for each cycle, of dtype CYCLE. Ctrl-C cancels.")
+      .def_property_readonly(
+          "last", [](OwnedSession& self) { return Cycle(self.take()->last()); }, "Before the first cycle, zeros.")
+      .def_property_readonly(
+          "events",
+          [](OwnedSession& self) {
+            const auto session = self.take();
+            return array_of(std::vector<SessionEvent>(session->events().begin(), session->events().end()));
+          },
+          "In the order in which they began, of dtype EVENT; `kind` counts through EVENT_KINDS.")
+      .def_property_readonly("is_stopped", [](OwnedSession& self) { return self.take()->is_stopped(); })
+      .def(
+          "record", [](OwnedSession& self, const std::filesystem::path& file) { self.take()->record(file); }, "file"_a,
+          "From here on each cycle goes to a record, an HDF5 file. Raises Error after the first cycle, and where the "
+          "file is there already.")
+      .def(
+          "end_record", [](OwnedSession& self) { self.take()->end_record(); }, py::call_guard<py::gil_scoped_release>(),
+          "Writes what is left, and marks the record as whole.")
+      .def(
+          "end_hole", [](OwnedSession& self) { self.take()->end_hole(); }, py::call_guard<py::gil_scoped_release>(),
+          "What is drilled from here on is another hole. Ends a record.")
+      .def(
+          "undo", [](OwnedSession& self) { return self.take()->undo(); }, py::call_guard<py::gil_scoped_release>(),
+          "The bone as before the last hole, or as before what was drilled of this one; False where nothing was. "
+          "Raises "
+          "Error while a record runs.")
+      .def(
+          "surface_changes",
+          [](OwnedSession& self) {
+            const std::vector<SurfaceUpdate> changes = [&self] {
+              const py::gil_scoped_release unlocked;
+              return self.take()->surface_changes();
+            }();
+            py::list blocks;
+            for (const SurfaceUpdate& update : changes) blocks.append(block_of(update));
+            return blocks;
+          },
+          R"(Blocks of the remaining bone's surface that changed since the last call; the first time all of them.
+
+A list of (block, surface): three whole numbers, and None where no surface is left, or a dictionary of vertices_mm,
+normals (n, 3) float32 and triangles (m, 3) uint16, from row wall_begin on of drilled walls. Arrays show the block's own
+memory, which never changes.)")
+      .def(
+          "drilled", [](OwnedSession& self) { return self.take()->drilled(); },
+          py::call_guard<py::gil_scoped_release>(), "The bone without all holes.")
+      .def_property_readonly("bone", [](OwnedSession& self) { return self.take()->bone(); })
+      .def_property_readonly("path", [](OwnedSession& self) { return self.take()->path(); });
+}
+
+}  // namespace spinaltap

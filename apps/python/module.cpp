@@ -1,0 +1,66 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl/filesystem.h>
+#include <tbb/global_control.h>
+
+#include <cstddef>
+#include <memory>
+
+#include "apps/python/bindings.h"
+#include "core/base/error.h"
+#include "core/base/version.h"
+#include "core/files/data_files.h"
+
+namespace py = pybind11;
+
+namespace spinaltap {
+
+namespace {
+
+/// How many threads TBB may use; 0: one a core.
+void set_threads(int threads) {
+  static std::unique_ptr<tbb::global_control> limit;
+  if (threads < 0) fail("expected a number of threads, or 0 for one a core; found ", threads);
+  limit.reset();
+  if (threads > 0) {
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<std::size_t>(threads));
+  }
+}
+
+/// Whoever waits for work that Ctrl-C cancels raises KeyboardInterrupt itself: see run_long(). Cancelled is for the
+/// rest.
+void bind_errors(py::module_& module) {
+  static const py::handle error = py::exception<Error>(module, "Error", PyExc_RuntimeError).release();
+  error.attr("__doc__") = "What was expected, what was found and where, in one line that a person can act on.";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const Cancelled& cancelled) {
+      PyErr_SetString(PyExc_KeyboardInterrupt, cancelled.what());
+    } catch (const Error& mistake) {
+      PyErr_SetString(error.ptr(), mistake.what());
+    }
+  });
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "SpinalTap's C++, for the package spinaltap: use that.";
+  module.attr("__version__") = version();
+  bind_errors(module);
+  bind_plan(module);
+  bind_bone(module);
+  bind_record(module);
+  bind_session(module);
+  bind_study(module);
+  bind_drill_task(module);
+  module.def("set_threads", &set_threads, py::arg("threads"),
+             "How many threads everything may use; 0, as at first: one a core. Results do not depend on it.");
+  module.def("set_data_folder", &set_data_folder, py::arg("folder"),
+             "Where the shipped files (anatomy, laws, sizes) are; an empty path takes it back.");
+  module.def(
+      "_add_data_folder", [](const std::filesystem::path& folder) { add_data_folder(folder); }, py::arg("folder"));
+}
+
+}  // namespace spinaltap
