@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <atomic>
 #include <limits>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "apps/python/bindings.h"
 #include "apps/python/long_call.h"
 #include "apps/python/names.h"
+#include "apps/python/one_at_a_time.h"
 #include "apps/python/planned_operator.h"
 #include "core/files/density_file.h"
 #include "core/files/material_file.h"
@@ -73,32 +73,7 @@ py::array_t<double> poses_of(const PlannedMotion& planned) {
   return array;
 }
 
-/// A session that one thread at a time may use: long calls leave Python's lock, so another thread might come in.
-class OwnedSession {
- public:
-  explicit OwnedSession(Session&& session) : session_(std::move(session)) {}
-
-  class Turn {
-   public:
-    explicit Turn(OwnedSession& owner) : owner_(owner) {
-      if (owner.is_busy_.test_and_set(std::memory_order_acquire)) {
-        fail("the session is at work in another thread: expected one thread at a time");
-      }
-    }
-    ~Turn() { owner_.is_busy_.clear(std::memory_order_release); }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
-    Session* operator->() const { return &owner_.session_; }
-
-   private:
-    OwnedSession& owner_;
-  };
-  Turn take() { return Turn(*this); }
-
- private:
-  Session session_;
-  std::atomic_flag is_busy_;
-};
+using OwnedSession = OneAtATime<Session>;
 
 Material material_of(const std::filesystem::path& material, const std::filesystem::path& density) {
   Material law;

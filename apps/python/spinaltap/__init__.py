@@ -1,0 +1,85 @@
+"""SpinalTap: from a CT of a vertebra to a bone that can be drilled at haptic rate.
+
+    bone = spinaltap.Bone.from_ct("ct_folder")
+    path = spinaltap.read_plan("plan.json")[0]
+    session = spinaltap.Session(bone, path)
+    cycle = session.step(tip_mm, axis, dt_s=0.001)
+    cycle.force_n
+
+Positions are patient LPS, mm, of shape (n, 3). Long calls leave Python's lock, take progress(stage, fraction), and end
+with KeyboardInterrupt on Ctrl-C. Mistakes raise Error, which says what was expected and what was found.
+docs/python.md is the guide.
+"""
+
+from pathlib import Path as _FilePath
+
+from . import _core
+from ._core import (
+    CYCLE,
+    EVENT,
+    EVENT_KINDS,
+    STATES,
+    STUDY,
+    Bit,
+    Bone,
+    Cycle,
+    Error,
+    ForceControlled,
+    Grade,
+    Operator,
+    Path,
+    PlannedMotion,
+    Record,
+    Replay,
+    Screw,
+    Session,
+    Study,
+    Suggestion,
+    __version__,
+    merge,
+    read_plan,
+    read_record,
+    replay,
+    set_data_folder,
+    set_threads,
+    write_plan,
+)
+from .frames import to_frame
+
+__all__ = [
+    "CYCLE",
+    "EVENT",
+    "EVENT_KINDS",
+    "STATES",
+    "STUDY",
+    "Bit",
+    "Bone",
+    "Cycle",
+    "Error",
+    "ForceControlled",
+    "Grade",
+    "Operator",
+    "Path",
+    "PlannedMotion",
+    "Record",
+    "Replay",
+    "Screw",
+    "Session",
+    "Study",
+    "Suggestion",
+    "__version__",
+    "merge",
+    "read_plan",
+    "read_record",
+    "replay",
+    "set_data_folder",
+    "set_threads",
+    "to_frame",
+    "write_plan",
+]
+
+# The shipped files: of a build tree, build/share beside build/python; of an installed package, share beside lib.
+_folder = _FilePath(__file__).absolute().parent
+for _up in (1, 3):
+    if len(_folder.parents) > _up and (_folder.parents[_up] / "share" / "spinaltap").is_dir():
+        _core._add_data_folder(_folder.parents[_up] / "share" / "spinaltap")

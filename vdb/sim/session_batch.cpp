@@ -1,0 +1,114 @@
+#include "vdb/sim/session_batch.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/base/error.h"
+#include "core/engine/volume_segments.h"
+#include "vdb/engine/make_engine.h"
+#include "vdb/sim/build_session.h"
+
+namespace spinaltap {
+
+namespace {
+
+/// What the drillings of one hole share: points that nobody drills, and clearances.
+struct Hole {
+  SessionSetup setup;
+  BuiltSession whole;
+};
+
+struct Drilling {
+  const Hole* hole = nullptr;
+  std::vector<PointVolume> volumes;
+  std::unique_ptr<DrillSession> session;
+};
+
+void revive(PointVolume& volume, const PointVolume& whole) {
+  for (int disc = 0; disc < whole.disc_count(); ++disc) {
+    std::ranges::copy(whole.alive_words(disc), volume.alive_words(disc).begin());
+  }
+}
+
+void begin(Drilling& drilling) {
+  const SessionSetup& setup = drilling.hole->setup;
+  std::vector<std::unique_ptr<DrillEngine>> engines;
+  for (PointVolume& volume : drilling.volumes) {
+    engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
+  }
+  drilling.session =
+      std::make_unique<DrillSession>(setup.path, drilling.volumes, make_joint_engine(std::move(engines)),
+                                     setup.material, drilling.hole->whole.clearances.get(), setup.options);
+}
+
+}  // namespace
+
+struct SessionBatch::State {
+  std::vector<Bone> bones;  ///< whose walls the clearances ask
+  std::vector<std::unique_ptr<Hole>> holes;
+  std::vector<Drilling> drillings;
+  tbb::task_arena arena;
+};
+
+SessionBatch::SessionBatch(std::vector<BonePath> holes, std::size_t count, const SessionSetup& setup, int threads,
+                           const Progress& progress)
+    : state_(std::make_unique<State>()) {
+  if (holes.empty()) fail("expected bones and paths to drill, found none");
+  if (count == 0) fail("expected 1 session or more, found 0");
+  if (threads < 0) fail("expected a number of threads, or 0 for one a core; found ", threads);
+  state_->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
+  if (holes.size() > count) holes.erase(holes.begin() + static_cast<std::ptrdiff_t>(count), holes.end());
+  for (const BonePath& hole : holes) {
+    auto made = std::make_unique<Hole>();
+    made->setup = setup;
+    made->setup.bone_hash = hole.bone.hash();
+    made->setup.path = hole.path;
+    made->whole = build_session(hole.bone, made->setup, progress);
+    state_->bones.push_back(hole.bone);
+    state_->holes.push_back(std::move(made));
+  }
+  state_->drillings.resize(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    Drilling& drilling = state_->drillings[n];
+    drilling.hole = state_->holes[n % holes.size()].get();
+    drilling.volumes = drilling.hole->whole.volumes;
+    begin(drilling);
+  }
+}
+SessionBatch::~SessionBatch() = default;
+SessionBatch::SessionBatch(SessionBatch&&) noexcept = default;
+SessionBatch& SessionBatch::operator=(SessionBatch&&) noexcept = default;
+
+std::size_t SessionBatch::count() const { return state_->drillings.size(); }
+
+DrillSession& SessionBatch::session(std::size_t n) { return *state_->drillings.at(n).session; }
+
+DrillSession& SessionBatch::reset(std::size_t n) {
+  Drilling& drilling = state_->drillings.at(n);
+  drilling.session.reset();  // it holds on to the volumes
+  for (std::size_t k = 0; k < drilling.volumes.size(); ++k) {
+    revive(drilling.volumes[k], drilling.hole->whole.volumes[k]);
+  }
+  begin(drilling);
+  return *drilling.session;
+}
+
+void SessionBatch::for_each(const std::function<void(std::size_t n)>& work) {
+  const std::size_t count = state_->drillings.size();
+  if (count == 1) return work(0);
+  state_->arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, 1),
+        [&work](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t n = range.begin(); n < range.end(); ++n) work(n);
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+}  // namespace spinaltap
