@@ -63,7 +63,8 @@ void bind_plan(py::module_& module) {
            "`shape`: \"drill\", \"round-burr\", \"conical-burr\" or \"tapered-screw\". Raises Error on sizes that make "
            "no sense.")
       .def_static("twist_drill", &twist_drill, "diameter_mm"_a, "length_mm"_a = 50.0, "point_angle_deg"_a = 118.0,
-                  py::kw_only(), "chisel_edge_mm"_a, "A twist drill, by the angle of its whole tip and the width of its chisel edge.")
+                  py::kw_only(), "chisel_edge_mm"_a,
+                  "A twist drill, by the angle of its whole tip and the width of its chisel edge.")
       .def_readonly("diameter_mm", &DrillBit::diameter_mm)
       .def_readonly("length_mm", &DrillBit::length_mm)
       .def_readonly("tip_length_mm", &DrillBit::tip_length_mm)

@@ -193,19 +193,21 @@ void bind_operators(py::module_& module) {
   py::class_<ForceControlled, PlannedOperator>(
       module, "ForceControlled", "Pushes along the path: how fast it goes follows from the bone, and it plunges.")
       .def(py::init([](const DrillPath& path, double push_n, double rate_hz, double lead_in_mm, double offset_mm,
-                       double tilt_deg, double reaction_s, double tremor_mm, std::uint64_t seed) {
+                       double tilt_deg, double reaction_s, double noticed_share, double tremor_mm, std::uint64_t seed) {
              PushOptions options;
              options.line = {lead_in_mm, offset_mm, tilt_deg};
              options.rate_hz = rate_hz;
              options.push_n = push_n;
              options.reaction_s = reaction_s;
+             options.noticed_share = noticed_share;
              options.tremor_mm = tremor_mm;
              options.seed = seed;
              return std::make_unique<ForceControlled>(path, options);
            }),
            "path"_a, py::kw_only(), "push_n"_a = 40.0, "rate_hz"_a = 1000.0, "lead_in_mm"_a = 3.0, "offset_mm"_a = 0.0,
-           "tilt_deg"_a = 0.0, "reaction_s"_a = 0.2, "tremor_mm"_a = 0.0, "seed"_a = 1,
-           "Raises Error on values out of range.");
+           "tilt_deg"_a = 0.0, "reaction_s"_a = 0.2, "noticed_share"_a = 0.2, "tremor_mm"_a = 0.0, "seed"_a = 1,
+           "reaction_s: until it lets go of what it notices; noticed_share: of the push, below which the bone's "
+           "resistance is taken for a breakthrough; 0: never. Raises Error on values out of range.");
 }
 
 }  // namespace
@@ -229,7 +231,7 @@ true. material, density: files of laws; the shipped ones by default. Raises Erro
           "step",
           [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on) {
             const ToolInput input{{vec3_of(tip_mm, "tip_mm"), vec3_of(axis, "axis")}, spindle_on, dt_s};
-            return Cycle(self.take()->step(input));
+            return Cycle(self.take()->step_input(input));
           },
           "tip_mm"_a, "axis"_a, "dt_s"_a = 0.001, "spindle_on"_a = true,
           "One cycle: the bit goes straight from where it was to here. `axis`: unit, from the base to the tip. Poses "

@@ -30,7 +30,8 @@ set(openmesh "OpenMesh/")
 set(readers "gdcm|nifti|H5|hdf5")
 set(windows "Q[A-Z]|Qt|vtk")
 set(json "nlohmann/")
-set(app_libraries "CLI/|png\\.h|${windows}")
+set(python "pybind11/|Python\\.h")
+set(app_libraries "CLI/|png\\.h|${windows}|${python}")
 set(test_libraries "gtest/|gmock/|benchmark/|tests/")
 
 sources(core headers all)
@@ -60,6 +61,9 @@ forbid("${all}" "tests/|gtest/|gmock/" "apps/ does not need tests")
 forbid("${all}" "${openmesh}|${readers}" "mesh/ and core/ wrap these")
 list(FILTER all EXCLUDE REGEX "/apps/spinaltap-planner/")
 forbid("${all}" "${windows}" "only the planner has windows")
+sources(apps headers all)
+list(FILTER all EXCLUDE REGEX "/apps/python/")
+forbid("${all}" "${python}" "only apps/python/ knows Python")
 
 # Headers that name JSON's types are for programs, and are not installed (SpinalTapInstall.cmake).
 foreach(folder core vdb mesh)
@@ -97,6 +101,10 @@ foreach(room IN LISTS rooms)
 endforeach()
 sources(apps/spinaltap-planner headers all)
 forbid("${all}" "apps/spinaltap/" "programs share apps/report/ only")
+foreach(folder examples python)
+  sources(apps/${folder} headers all)
+  forbid("${all}" "apps/(report|spinaltap|spinaltap-planner)/" "apps/${folder}/ stands on the libraries alone")
+endforeach()
 
 # A folder that is no room would be bound by none of this.
 file(GLOB entries RELATIVE ${SOURCE_DIR} LIST_DIRECTORIES true ${SOURCE_DIR}/core/* ${SOURCE_DIR}/core/session/*

@@ -1,6 +1,8 @@
 #include "vdb/sim/session_batch.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
@@ -61,7 +63,11 @@ SessionBatch::SessionBatch(std::vector<BonePath> holes, std::size_t count, const
   if (holes.empty()) fail("expected bones and paths to drill, found none");
   if (count == 0) fail("expected 1 session or more, found 0");
   if (threads < 0) fail("expected a number of threads, or 0 for one a core; found ", threads);
-  state_->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
+  // TBB writes to the terminal where it is asked for more than there are.
+  const int most =
+      std::min(tbb::info::default_concurrency(),
+               static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
+  state_->arena.initialize(threads > 0 ? std::min(threads, most) : most);
   if (holes.size() > count) holes.erase(holes.begin() + static_cast<std::ptrdiff_t>(count), holes.end());
   for (const BonePath& hole : holes) {
     auto made = std::make_unique<Hole>();

@@ -258,6 +258,7 @@ class ForceControlled(Operator):
         offset_mm: float = 0.0,
         tilt_deg: float = 0.0,
         reaction_s: float = 0.2,
+        noticed_share: float = 0.2,
         tremor_mm: float = 0.0,
         seed: int = 1,
     ) -> None: ...

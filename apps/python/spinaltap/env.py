@@ -19,10 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._core import Bone, Error, Path
 
+__all__ = ["ACTIONS", "OBSERVATIONS", "Box", "DrillEnv", "VectorDrillEnv"]
+
 ACTIONS: tuple[str, ...] = ("feed", "aside_x", "aside_y", "turn_x", "turn_y")
 OBSERVATIONS: tuple[str, ...] = _core.DrillTask.OBSERVATIONS
 
-Progress = Callable[[str, float], object]
+_Progress = Callable[[str, float], object]
 
 
 class Box:
@@ -68,7 +70,7 @@ class DrillEnv:
     render_mode: str | None = None
     spec: Any = None
 
-    def __init__(self, bone: Bone, path: Path, *, progress: Progress | None = None, **options: float) -> None:
+    def __init__(self, bone: Bone, path: Path, *, progress: _Progress | None = None, **options: float) -> None:
         self.path = path
         self._task = _core.DrillTask([(bone, path)], 1, 0, options, progress)
         self.observation_space = Box(-np.inf, np.inf, (len(OBSERVATIONS),))
@@ -126,7 +128,7 @@ class VectorDrillEnv:
         num_envs: int,
         *,
         threads: int = 0,
-        progress: Progress | None = None,
+        progress: _Progress | None = None,
         **options: float,
     ) -> None:
         self.num_envs = num_envs

@@ -1,0 +1,182 @@
+"""Sessions: step, run, drill, records, undo, what is left of the bone."""
+
+import csv
+import tempfile
+import threading
+import unittest
+from pathlib import Path as FilePath
+
+import numpy as np
+
+import made_bone
+import spinaltap
+
+
+def poses(feed_mm_s=20.0):
+    return spinaltap.PlannedMotion(made_bone.path(), feed_mm_s=feed_mm_s).poses()
+
+
+class Session(unittest.TestCase):
+    def test_gives_the_same_bits_by_steps_and_by_arrays(self):
+        rows = made_bone.session(clearances=True).run(poses())
+        session = made_bone.session(clearances=True)
+        for pose, row in zip(poses(), rows):
+            cycle = session.step(pose[:3], pose[3:])
+            self.assertEqual(cycle.thrust_n, row["thrust_n"])
+            self.assertEqual(cycle.removed_points, row["removed_points"])
+            self.assertEqual(cycle.clearance_outer_mm, row["outer_clearance_mm"])
+            np.testing.assert_array_equal(cycle.force_n, row["force_n"])
+        self.assertGreater(rows["thrust_n"].max(), 1.0)
+        self.assertEqual(cycle.index, len(rows) - 1)
+
+    def test_takes_poses_as_one_array_or_two(self):
+        whole = made_bone.session().run(poses())
+        tips, axis = poses()[:, :3], made_bone.path().direction
+        np.testing.assert_array_equal(made_bone.session().run(tips, poses()[:, 3:]), whole)
+        np.testing.assert_allclose(made_bone.session().run(tips, axis)["thrust_n"], whole["thrust_n"], atol=1e-6)
+        np.testing.assert_array_equal(made_bone.session().run(poses(), dt_s=np.full(len(tips), 0.001)), whole)
+
+    def test_refuses_arrays_that_do_not_fit(self):
+        session = made_bone.session()
+        with self.assertRaisesRegex(spinaltap.Error, r"found \(4, 5\)"):
+            session.run(np.zeros((4, 5)))
+        with self.assertRaisesRegex(spinaltap.Error, "one for each of 4 tips"):
+            session.run(np.zeros((4, 3)), np.zeros((3, 3)))
+        with self.assertRaisesRegex(spinaltap.Error, "dt_s"):
+            session.run(np.zeros((4, 6)), dt_s=[0.1, 0.2])
+        with self.assertRaisesRegex(spinaltap.Error, "tip_mm as 3 numbers"):
+            session.step([1.0, 2.0], [0.0, 0.0, 1.0])
+
+    def test_shows_memory_that_outlives_the_session(self):
+        rows = made_bone.session().run(poses())
+        self.assertFalse(rows.flags.owndata)
+        self.assertEqual(rows.dtype, spinaltap.CYCLE)
+        self.assertEqual(rows["cycle"][-1], len(poses()) - 1)
+
+    def test_removes_what_a_cylinder_holds(self):
+        session = made_bone.session(spacing_mm=0.1)
+        drilled = [session.step(pose[:3], pose[3:]) for pose in poses()]
+        # Where the whole bit is in bone. Points stand for what is around them, half a spacing on each side.
+        inside = [cycle for cycle in drilled if 12.0 < cycle.depth_mm <= 32.0]
+        volume_mm3 = sum(cycle.removed_mm3 for cycle in inside)
+        area_mm2 = np.pi * (0.5 * made_bone.path().bit.diameter_mm) ** 2
+        rim = 0.05 / 1.5
+        self.assertGreater(volume_mm3 / (20.0 * area_mm2), (1 - rim) ** 2)
+        self.assertLess(volume_mm3 / (20.0 * area_mm2), (1 + rim) ** 2 + 1e-3)
+
+    def test_notes_events_by_name(self):
+        session = made_bone.session()
+        session.run(poses())
+        kinds = [spinaltap.EVENT_KINDS[kind] for kind in session.events["kind"]]
+        self.assertIn("contact", kinds)
+        self.assertIn("state", kinds)
+        session.step([np.nan, 0, 0], [0, 0, 1])
+        self.assertIn("refused pose", [spinaltap.EVENT_KINDS[kind] for kind in session.events["kind"]])
+
+    def test_drills_by_operators(self):
+        planned = made_bone.session().drill(spinaltap.PlannedMotion(made_bone.path(), feed_mm_s=20.0))
+        np.testing.assert_array_equal(planned, made_bone.session().run(poses()))
+        pushed = made_bone.session().drill(spinaltap.ForceControlled(made_bone.path(), push_n=80.0))
+        # Through the cortex, where 80 N hold the bit back, into bone that does not: feed is not even.
+        self.assertGreater(pushed["depth_mm"].max(), 5.0)
+        feeds = np.diff(pushed["depth_mm"]) / 0.001
+        self.assertGreater(feeds.max(), 2 * np.median(feeds[feeds > 0]))
+
+    def test_stops_where_it_is_told(self):
+        session = made_bone.session(stop_thrust_n=5.0)
+        rows = session.drill(spinaltap.PlannedMotion(made_bone.path()))
+        self.assertTrue(session.is_stopped)
+        self.assertGreaterEqual(rows["thrust_n"][-1], 5.0)
+        self.assertLess(rows["thrust_n"][:-1].max(), 5.0)
+
+    def test_undoes_what_was_drilled(self):
+        session = made_bone.session()
+        rows = session.run(poses())
+        self.assertTrue(session.undo())
+        np.testing.assert_array_equal(session.run(poses()), rows)
+
+    def test_leaves_a_hole_in_the_bone(self):
+        session = made_bone.session()
+        session.run(poses())
+        middle = 0.5 * (made_bone.path().entry_mm + made_bone.path().target_mm)
+        self.assertLess(made_bone.bone().distance(middle)[0], 0)
+        # In the middle of a hole of 1.5 mm radius, or further than the band.
+        self.assertGreater(session.drilled().distance(middle)[0], 0.5)
+
+    def test_tells_which_blocks_of_the_surface_changed(self):
+        session = made_bone.session()
+        first = session.surface_changes()
+        self.assertEqual(session.surface_changes(), [])
+        session.run(poses())
+        changed = session.surface_changes()
+        self.assertTrue(0 < len(changed) < len(first))
+        block, surface = first[0]
+        self.assertEqual(len(block), 3)
+        self.assertLess(surface["triangles"].max(), len(surface["vertices_mm"]))
+        self.assertFalse(surface["vertices_mm"].flags.writeable)
+
+    def test_refuses_two_threads_at_once(self):
+        session = made_bone.session()
+        many = np.repeat(poses(), 100, axis=0)
+        thread = threading.Thread(target=lambda: session.run(many))
+        thread.start()
+        refused = False
+        while thread.is_alive() and not refused:
+            try:
+                session.step(many[0, :3], many[0, 3:])
+            except spinaltap.Error as error:
+                refused = "one thread at a time" in str(error)
+        thread.join()
+        self.assertTrue(refused)
+
+
+class Record(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = FilePath(folder.name)
+        self.file = self.folder / "run.h5"
+        session = made_bone.session()
+        session.record(self.file)
+        self.rows = session.run(poses())
+        session.end_record()
+        self.record = spinaltap.read_record(self.file)
+
+    def test_holds_what_run_gave(self):
+        np.testing.assert_array_equal(self.record.cycles, self.rows)
+        self.assertTrue(self.record.is_whole)
+        self.assertEqual(self.record.lost, 0)
+
+    def test_is_replayed_bit_for_bit(self):
+        replay = spinaltap.replay(self.file, made_bone.bone(), engine="reference")
+        self.assertTrue(replay.is_same, replay.difference)
+        self.assertEqual(replay.cycles, len(self.rows))
+
+    def test_has_the_columns_of_its_csv(self):
+        self.record.write_csv(self.folder / "run.csv")
+        with open(self.folder / "run.csv", newline="") as file:
+            head = next(csv.reader(file))
+        names = []
+        for name in spinaltap.CYCLE.names:
+            stem, _, unit = name.partition("_")
+            is_vector = bool(spinaltap.CYCLE[name].shape)
+            names += [f"{stem}_{axis}" + ("_" + unit if unit else "") for axis in "xyz"] if is_vector else [name]
+        self.assertEqual(names, head)
+
+    def test_becomes_a_frame(self):
+        try:
+            import pandas  # noqa: F401
+        except ImportError:
+            self.skipTest("pandas is not here")
+        frame = spinaltap.to_frame(self.record.cycles)
+        self.assertEqual(len(frame), len(self.rows))
+        self.assertEqual(frame["state"].iloc[0], "initial")
+        self.assertIn("tip_x_mm", frame.columns)
+
+    def test_is_not_replaced(self):
+        with self.assertRaisesRegex(spinaltap.Error, "run.h5"):
+            made_bone.session().record(self.file)
+
+
+if __name__ == "__main__":
+    unittest.main()
