@@ -1,0 +1,57 @@
+// What a cycle of a Session takes, one by one and in whole arrays: what Python's is compared with (bench_python.py).
+// Drills the phantom in the folder that SPINALTAP_PYTHON_TEST_DATA names; `spinaltap phantom FOLDER` makes it.
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+#include "core/files/plan_file.h"
+#include "core/session/operator/path_motion.h"
+#include "vdb/sim/session.h"
+
+namespace spinaltap {
+namespace {
+
+/// The same as bench_python.py's: along the left pedicle at 10 mm/s and 1 kHz.
+struct Drilling {
+  explicit Drilling(const std::filesystem::path& folder)
+      : path(read_plan(folder / "plan.json").front()), session(Bone::load(folder / "truth.vdb"), path) {
+    PathMotionOptions options{.line = {.lead_in_mm = 3.0}};
+    options.feed.steps = {{0.0, 10.0}};
+    const PathMotion motion(path, options);
+    for (std::size_t n = 0; n <= motion.cycle_count(); ++n) inputs.push_back({motion.pose(n), true, 0.001});
+  }
+  DrillPath path;
+  Session session;
+  std::vector<ToolInput> inputs;
+};
+
+template <class Drill>
+void measure(benchmark::State& state, const Drill& drill) {
+  const char* const folder = std::getenv("SPINALTAP_PYTHON_TEST_DATA");
+  if (folder == nullptr) return state.SkipWithError("SPINALTAP_PYTHON_TEST_DATA names no folder");
+  Drilling drilling(folder);
+  for ([[maybe_unused]] const auto _ : state) {
+    drill(drilling);
+    state.PauseTiming();
+    drilling.session.undo();
+    state.ResumeTiming();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(drilling.inputs.size()));
+}
+
+void steps(benchmark::State& state) {
+  measure(state, [](Drilling& drilling) {
+    for (const ToolInput& input : drilling.inputs) benchmark::DoNotOptimize(drilling.session.step(input));
+  });
+}
+BENCHMARK(steps)->Unit(benchmark::kMillisecond);
+
+void arrays(benchmark::State& state) {
+  measure(state, [](Drilling& drilling) { benchmark::DoNotOptimize(drilling.session.run(drilling.inputs)); });
+}
+BENCHMARK(arrays)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace spinaltap
