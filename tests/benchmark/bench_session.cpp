@@ -43,7 +43,7 @@ void measure(benchmark::State& state, const Drill& drill) {
 
 void steps(benchmark::State& state) {
   measure(state, [](Drilling& drilling) {
-    for (const ToolInput& input : drilling.inputs) benchmark::DoNotOptimize(drilling.session.step(input));
+    for (const ToolInput& input : drilling.inputs) benchmark::DoNotOptimize(drilling.session.step_input(input));
   });
 }
 BENCHMARK(steps)->Unit(benchmark::kMillisecond);
