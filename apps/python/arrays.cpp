@@ -70,6 +70,66 @@ class Columns {
   py::list names_, formats_, offsets_;
 };
 
+/// Made once, and never given back: it must outlive whatever Python keeps.
+template <py::dtype (*make)()>
+py::dtype kept() {
+  static const py::handle type = make().release();
+  return py::reinterpret_borrow<py::dtype>(type);
+}
+
+py::dtype make_cycle_dtype() {
+  using Row = RecordedCycle;
+  Columns columns;
+  columns.add("cycle", "u8", offsetof(Row, cycle));
+  columns.add("time_s", "f8", offsetof(Row, time_s));
+  columns.add("dt_s", "f8", offsetof(Row, dt_s));
+  columns.add("tip_mm", "(3,)f8", offsetof(Row, tip_mm));
+  columns.add("axis", "(3,)f8", offsetof(Row, axis));
+  columns.add("spindle_on", "u1", offsetof(Row, spindle_on));
+  columns.add("state", "u1", offsetof(Row, state));
+  columns.add("removed_points", "u4", offsetof(Row, removed));
+  columns.add("removed_hu", "i8", offsetof(Row, removed_hu));
+  columns.add("work_n_mm", "f8", offsetof(Row, work_n_mm));
+  columns.add("force_n", "(3,)f8", offsetof(Row, force_n));
+  columns.add("thrust_n", "f8", offsetof(Row, thrust_n));
+  columns.add("torque_n_mm", "f8", offsetof(Row, torque_n_mm));
+  columns.add("feed_mm_per_turn", "f8", offsetof(Row, feed_mm_per_turn));
+  columns.add("tip_density_g_cm3", "f8", offsetof(Row, tip_density_g_cm3));
+  columns.add("depth_mm", "f8", offsetof(Row, depth_mm));
+  columns.add("outer_clearance_mm", "f8", offsetof(Row, outer_mm));
+  columns.add("canal_clearance_mm", "f8", offsetof(Row, canal_mm));
+  return columns.type(sizeof(Row));
+}
+
+py::dtype make_event_dtype() {
+  using Row = SessionEvent;
+  Columns columns;
+  columns.add("kind", "u1", offsetof(Row, kind));
+  columns.add("cycle", "u8", offsetof(Row, cycle));
+  columns.add("time_s", "f8", offsetof(Row, time_s));
+  columns.add("depth_mm", "f8", offsetof(Row, depth_mm));
+  columns.add("place_mm", "(3,)f8", offsetof(Row, place_mm));
+  columns.add("value", "f8", offsetof(Row, value));
+  return columns.type(sizeof(Row));
+}
+
+// The number of the run comes first, as in the table's files.
+py::dtype make_study_dtype() {
+  static_assert(sizeof(StudyRow) == kStudyColumns * sizeof(double));
+  Columns columns;
+  const auto add = [&columns](StudyColumn column, std::string_view name) {
+    columns.add(name, "f8", static_cast<std::size_t>(column) * sizeof(double));
+  };
+  add(StudyColumn::run, name_of(StudyColumn::run));
+  for (std::size_t n = 0; n < kStudyFactors; ++n) {
+    add(static_cast<StudyColumn>(n), name_of(static_cast<StudyFactor>(n)));
+  }
+  for (std::size_t n = kStudyFactors + 1; n < kStudyColumns; ++n) {
+    add(static_cast<StudyColumn>(n), name_of(static_cast<StudyColumn>(n)));
+  }
+  return columns.type(sizeof(StudyRow));
+}
+
 template <class T>
 std::vector<py::ssize_t> length_of(const std::vector<T>& values) {
   return {static_cast<py::ssize_t>(values.size())};
@@ -131,58 +191,9 @@ std::vector<ToolInput> inputs_of(const Numbers& tips, const py::object& axes, co
   return inputs;
 }
 
-py::dtype cycle_dtype() {
-  using Row = RecordedCycle;
-  Columns columns;
-  columns.add("cycle", "u8", offsetof(Row, cycle));
-  columns.add("time_s", "f8", offsetof(Row, time_s));
-  columns.add("dt_s", "f8", offsetof(Row, dt_s));
-  columns.add("tip_mm", "(3,)f8", offsetof(Row, tip_mm));
-  columns.add("axis", "(3,)f8", offsetof(Row, axis));
-  columns.add("spindle_on", "u1", offsetof(Row, spindle_on));
-  columns.add("state", "u1", offsetof(Row, state));
-  columns.add("removed_points", "u4", offsetof(Row, removed));
-  columns.add("removed_hu", "i8", offsetof(Row, removed_hu));
-  columns.add("work_n_mm", "f8", offsetof(Row, work_n_mm));
-  columns.add("force_n", "(3,)f8", offsetof(Row, force_n));
-  columns.add("thrust_n", "f8", offsetof(Row, thrust_n));
-  columns.add("torque_n_mm", "f8", offsetof(Row, torque_n_mm));
-  columns.add("feed_mm_per_turn", "f8", offsetof(Row, feed_mm_per_turn));
-  columns.add("tip_density_g_cm3", "f8", offsetof(Row, tip_density_g_cm3));
-  columns.add("depth_mm", "f8", offsetof(Row, depth_mm));
-  columns.add("outer_clearance_mm", "f8", offsetof(Row, outer_mm));
-  columns.add("canal_clearance_mm", "f8", offsetof(Row, canal_mm));
-  return columns.type(sizeof(Row));
-}
-
-py::dtype event_dtype() {
-  using Row = SessionEvent;
-  Columns columns;
-  columns.add("kind", "u1", offsetof(Row, kind));
-  columns.add("cycle", "u8", offsetof(Row, cycle));
-  columns.add("time_s", "f8", offsetof(Row, time_s));
-  columns.add("depth_mm", "f8", offsetof(Row, depth_mm));
-  columns.add("place_mm", "(3,)f8", offsetof(Row, place_mm));
-  columns.add("value", "f8", offsetof(Row, value));
-  return columns.type(sizeof(Row));
-}
-
-// The number of the run comes first, as in the table's files.
-py::dtype study_dtype() {
-  static_assert(sizeof(StudyRow) == kStudyColumns * sizeof(double));
-  Columns columns;
-  const auto add = [&columns](StudyColumn column, std::string_view name) {
-    columns.add(name, "f8", static_cast<std::size_t>(column) * sizeof(double));
-  };
-  add(StudyColumn::run, name_of(StudyColumn::run));
-  for (std::size_t n = 0; n < kStudyFactors; ++n) {
-    add(static_cast<StudyColumn>(n), name_of(static_cast<StudyFactor>(n)));
-  }
-  for (std::size_t n = kStudyFactors + 1; n < kStudyColumns; ++n) {
-    add(static_cast<StudyColumn>(n), name_of(static_cast<StudyColumn>(n)));
-  }
-  return columns.type(sizeof(StudyRow));
-}
+py::dtype cycle_dtype() { return kept<make_cycle_dtype>(); }
+py::dtype event_dtype() { return kept<make_event_dtype>(); }
+py::dtype study_dtype() { return kept<make_study_dtype>(); }
 
 py::array array_of(std::vector<RecordedCycle>&& cycles) {
   const std::vector<py::ssize_t> shape = length_of(cycles);
