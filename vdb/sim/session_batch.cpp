@@ -19,13 +19,13 @@ namespace spinaltap {
 
 namespace {
 
-/// What the drillings of one hole share: points that nobody drills, and clearances.
+/// What the members of one hole share: points that nobody drills, and clearances.
 struct Hole {
   SessionSetup setup;
   BuiltSession whole;
 };
 
-struct Drilling {
+struct Member {
   const Hole* hole = nullptr;
   std::vector<PointVolume> volumes;
   std::unique_ptr<DrillSession> session;
@@ -37,15 +37,14 @@ void revive(PointVolume& volume, const PointVolume& whole) {
   }
 }
 
-void begin(Drilling& drilling) {
-  const SessionSetup& setup = drilling.hole->setup;
+void begin(Member& member) {
+  const SessionSetup& setup = member.hole->setup;
   std::vector<std::unique_ptr<DrillEngine>> engines;
-  for (PointVolume& volume : drilling.volumes) {
+  for (PointVolume& volume : member.volumes) {
     engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
   }
-  drilling.session =
-      std::make_unique<DrillSession>(setup.path, drilling.volumes, make_joint_engine(std::move(engines)),
-                                     setup.material, drilling.hole->whole.clearances.get(), setup.options);
+  member.session = std::make_unique<DrillSession>(setup.path, member.volumes, make_joint_engine(std::move(engines)),
+                                                  setup.material, member.hole->whole.clearances.get(), setup.options);
 }
 
 }  // namespace
@@ -53,7 +52,7 @@ void begin(Drilling& drilling) {
 struct SessionBatch::State {
   std::vector<Bone> bones;  ///< whose walls the clearances ask
   std::vector<std::unique_ptr<Hole>> holes;
-  std::vector<Drilling> drillings;
+  std::vector<Member> members;
   tbb::task_arena arena;
 };
 
@@ -78,34 +77,34 @@ SessionBatch::SessionBatch(std::vector<BonePath> holes, std::size_t count, const
     state_->bones.push_back(hole.bone);
     state_->holes.push_back(std::move(made));
   }
-  state_->drillings.resize(count);
+  state_->members.resize(count);
   for (std::size_t n = 0; n < count; ++n) {
-    Drilling& drilling = state_->drillings[n];
-    drilling.hole = state_->holes[n % holes.size()].get();
-    drilling.volumes = drilling.hole->whole.volumes;
-    begin(drilling);
+    Member& member = state_->members[n];
+    member.hole = state_->holes[n % holes.size()].get();
+    member.volumes = member.hole->whole.volumes;
+    begin(member);
   }
 }
 SessionBatch::~SessionBatch() = default;
 SessionBatch::SessionBatch(SessionBatch&&) noexcept = default;
 SessionBatch& SessionBatch::operator=(SessionBatch&&) noexcept = default;
 
-std::size_t SessionBatch::count() const { return state_->drillings.size(); }
+std::size_t SessionBatch::count() const { return state_->members.size(); }
 
-DrillSession& SessionBatch::session(std::size_t n) { return *state_->drillings.at(n).session; }
+DrillSession& SessionBatch::session(std::size_t n) { return *state_->members.at(n).session; }
 
 DrillSession& SessionBatch::reset(std::size_t n) {
-  Drilling& drilling = state_->drillings.at(n);
-  drilling.session.reset();  // it holds on to the volumes
-  for (std::size_t k = 0; k < drilling.volumes.size(); ++k) {
-    revive(drilling.volumes[k], drilling.hole->whole.volumes[k]);
+  Member& member = state_->members.at(n);
+  member.session.reset();  // it holds on to the volumes
+  for (std::size_t k = 0; k < member.volumes.size(); ++k) {
+    revive(member.volumes[k], member.hole->whole.volumes[k]);
   }
-  begin(drilling);
-  return *drilling.session;
+  begin(member);
+  return *member.session;
 }
 
 void SessionBatch::for_each(const std::function<void(std::size_t n)>& work) {
-  const std::size_t count = state_->drillings.size();
+  const std::size_t count = state_->members.size();
   if (count == 1) return work(0);
   state_->arena.execute([&] {
     tbb::parallel_for(

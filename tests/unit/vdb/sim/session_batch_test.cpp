@@ -16,23 +16,23 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const test::Ball kBall{Vec3(3.0, -4.0, 5.0), 9.0};
+const test::Ball kManyBall{Vec3(3.0, -4.0, 5.0), 9.0};
 
-const Bone& ball() {
-  static const Bone bone(test::bake_ball(kBall, 0.3));
+const Bone& many_ball() {
+  static const Bone bone(test::bake_ball(kManyBall, 0.3));
   return bone;
 }
 
 /// Into the ball from one side.
 DrillPath path_along(const Vec3& direction) {
   const Vec3 axis = direction.normalized();
-  const Vec3 entry_mm = kBall.centre_mm - kBall.radius_mm * axis;
+  const Vec3 entry_mm = kManyBall.centre_mm - kManyBall.radius_mm * axis;
   return {"in", entry_mm, entry_mm + 6.0 * axis, {2.0, 30.0, 2.0}};
 }
 const std::vector<Vec3> kDirections{{0.2, -0.9, 0.3}, {1.0, 0.1, 0.0}};
 
 /// The ball is no vertebra.
-SessionSetup setup() {
+SessionSetup batch_setup() {
   SessionSetup setup;
   setup.has_clearances = false;
   setup.volume = {.radius_mm = 2.0, .spacing_mm = 0.15, .lead_in_mm = 1.0};
@@ -41,8 +41,8 @@ SessionSetup setup() {
 
 SessionBatch batch(std::size_t count, int threads = 0) {
   std::vector<BonePath> holes;
-  for (const Vec3& direction : kDirections) holes.push_back({ball(), path_along(direction)});
-  return SessionBatch(holes, count, setup(), threads);
+  for (const Vec3& direction : kDirections) holes.push_back({many_ball(), path_along(direction)});
+  return SessionBatch(holes, count, batch_setup(), threads);
 }
 
 std::vector<ToolInput> straight_in(const DrillPath& path) {
@@ -67,7 +67,7 @@ TEST(SessionBatch, DrillsWhatSessionsDrillAlone) {
   SessionBatch many = batch(5);
   const auto rows = drilled(many);
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    Session alone(ball(), path_along(kDirections[n % kDirections.size()]), setup());
+    Session alone(many_ball(), path_along(kDirections[n % kDirections.size()]), batch_setup());
     EXPECT_EQ(alone.run(straight_in(alone.path())), rows[n]) << "session " << n;
     std::size_t removed = 0;
     for (const RecordedCycle& row : rows[n]) removed += row.removed;
@@ -99,7 +99,7 @@ TEST(SessionBatch, HandsOnWhatWorkThrows) {
 }
 
 TEST(SessionBatch, RefusesWhatIsNoBatch) {
-  EXPECT_THAT(([] { SessionBatch({}, 3, setup()); }), ThrowsMessage<Error>(HasSubstr("found none")));
+  EXPECT_THAT(([] { SessionBatch({}, 3, batch_setup()); }), ThrowsMessage<Error>(HasSubstr("found none")));
   EXPECT_THAT(([] { batch(0); }), ThrowsMessage<Error>(HasSubstr("found 0")));
   EXPECT_THAT(([] { batch(2, -1); }), ThrowsMessage<Error>(HasSubstr("threads")));
 }
