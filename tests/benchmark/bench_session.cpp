@@ -55,3 +55,5 @@ BENCHMARK(arrays)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace spinaltap
+
+BENCHMARK_MAIN();

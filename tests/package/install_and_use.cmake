@@ -1,5 +1,6 @@
 # cmake -P: installs BUILD_DIR below WORK_DIR, configures and builds CONSUMER_DIR against it, and drills the same hole
-# with the installed program and with the consumer, static, shared and compiled for this CPU: one record's fingerprint.
+# with the installed program and with the consumer, static, shared and compiled for this CPU, and from PYTHON, where there
+# is one, with the package in PYTHON_DIR: one record's fingerprint.
 cmake_minimum_required(VERSION 3.25)
 function(run what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -76,3 +77,9 @@ foreach(name consumer consumer_shared consumer_native)
   expect_text("${name}" "shipped files in ${prefix}/${DATADIR}/spinaltap")
   expect_text("${name}: the program's record" "record ${hash}")
 endforeach()
+if(PYTHON)
+  run("consumer.py" ${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/${PYTHON_DIR}
+      ${PYTHON} -B ${CONSUMER_DIR}/consumer.py ${bone} ${plan} ${WORK_DIR}/python.h5)
+  expect_text("consumer.py" "SpinalTap ${VERSION}")
+  expect_text("consumer.py: the program's record" "record ${hash}")
+endif()
