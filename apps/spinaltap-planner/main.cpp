@@ -13,6 +13,7 @@
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "apps/spinaltap-planner/window/main_window.h"
 #include "core/base/error.h"
+#include "core/base/process_changes.h"
 #include "core/base/version.h"
 #include "core/ct/level.h"
 
@@ -109,6 +110,7 @@ int run_planner(int argc, char** argv) {
 }  // namespace spinaltap
 
 int main(int argc, char** argv) {
+  spinaltap::allow_process_changes({.silences_decoders = true, .silences_hdf5_at_exit = true});
   try {
     return spinaltap::run_planner(argc, argv);
   } catch (const std::bad_alloc&) {

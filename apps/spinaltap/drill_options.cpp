@@ -98,6 +98,7 @@ std::optional<RealTimeOptions> DrillOptions::real_time(const HandPlan& plan) con
   options.tool_rate_hz = plan.rate_hz;
   options.output_rate_hz = output_rate_hz.value_or(0.0);
   options.longest_s = seconds.value_or(options.longest_s);
+  options.wants_priority = true;
   return options;
 }
 

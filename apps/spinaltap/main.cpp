@@ -12,6 +12,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/terminal_progress.h"
 #include "core/base/error.h"
+#include "core/base/process_changes.h"
 #include "core/base/version.h"
 
 namespace spinaltap {
@@ -106,6 +107,7 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
 
 int main(int argc, char** argv) {
   int exit_code_of_errors = 1;
+  spinaltap::allow_process_changes({.silences_decoders = true, .silences_hdf5_at_exit = true});
   try {
     return spinaltap::run_program(argc, argv, exit_code_of_errors);
   } catch (const spinaltap::Cancelled&) {

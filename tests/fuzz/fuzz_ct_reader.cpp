@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/process_changes.h"
 #include "core/base/staged_output.h"
 #include "core/ct/read_ct.h"
 #include "tests/fuzz/fuzz_run.h"
@@ -130,6 +131,7 @@ int fuzz(double seconds, std::uint64_t seed, const std::vector<fs::path>& corpus
 }  // namespace spinaltap
 
 int main(int argc, char** argv) {
+  spinaltap::allow_process_changes({.silences_decoders = true});
   const spinaltap::test::FuzzArguments arguments = spinaltap::test::fuzz_arguments(argc, argv);
   try {
     return spinaltap::fuzz(arguments.seconds, arguments.seed, arguments.corpus);

@@ -11,6 +11,7 @@
 #include "core/base/detail/hdf5_driver.h"
 #include "core/base/error.h"
 #include "core/base/hdf5_file.h"
+#include "core/base/process_changes.h"
 
 // What files and tables of HDF5 share.
 namespace spinaltap::detail {
@@ -19,9 +20,8 @@ namespace spinaltap::detail {
 class QuietHdf5 {
  public:
   QuietHdf5() {
-    // All is closed here long before the program ends. A file so damaged that HDF5 cannot let it go would have it print
-    // its despair then.
-    static const herr_t leaves_the_end_alone = H5dont_atexit();
+    // All is closed here long before the process ends, but a file so damaged that HDF5 cannot let it go.
+    static const bool leaves_the_end_alone = allowed_process_changes().silences_hdf5_at_exit && H5dont_atexit() >= 0;
     static_cast<void>(leaves_the_end_alone);
     H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/base/process_changes.h"
 #include "core/ct/detail/dicom_bytes.h"
 #include "core/ct/detail/dicom_codestream.h"
 #include "core/ct/detail/dicom_library.h"
@@ -91,7 +92,8 @@ std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<
 
   std::vector<char> bytes(frame_bytes(header));
   bool decoded = false;
-  const QuietStderr quiet;
+  std::optional<QuietStderr> quiet;
+  if (allowed_process_changes().silences_decoders) quiet.emplace();
   try {
     decoded = image.GetBufferLength() == bytes.size() && image.GetBuffer(bytes.data());
   } catch (const std::exception&) {

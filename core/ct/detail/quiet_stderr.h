@@ -2,10 +2,7 @@
 
 namespace spinaltap {
 
-/// While any of these lives, what the process writes to its standard error is lost.
-///
-/// The JPEG and JPEG 2000 decoders within GDCM write there about every damaged picture and cannot be told not to; a
-/// library of ours prints nothing.
+/// While any of these lives, what the process writes to its standard error is lost: ProcessChanges::silences_decoders.
 class QuietStderr {
  public:
   QuietStderr();

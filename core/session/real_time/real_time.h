@@ -16,7 +16,7 @@ struct RealTimeOptions {
   double display_rate_hz = 60.0;  ///< of the thread that draws; it takes what time it takes
   double output_rate_hz = 0.0;    ///< of forces extrapolated for a device, 5,000 to 10,000; 0: none
   double longest_s = 600.0;       ///< ends then, at the latest
-  bool wants_priority = true;     ///< SCHED_FIFO and locked memory, where the user's rights allow
+  bool wants_priority = false;    ///< SCHED_FIFO and locked memory, where the user's rights allow
 };
 
 /// Times of one of the threads' cycles. Every due time is a cycle, idle or skipped. Percentiles are to 1 %, what is

@@ -286,10 +286,10 @@ TEST(RealTime, RefusesRatesOutOfRange) {
 TEST(RealTime, GivesBackPriorityAndMemoryAndSaysWhatItHad) {
   SmallDrilling drilling;
   StraightHand hand(20);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {});
+  const RealTimeReport report = run_real_time(*drilling.session, hand, {.wants_priority = true});
   EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
   EXPECT_EQ(report.remarks.size(), (report.has_priority ? 0U : 1U) + (report.has_locked_memory ? 0U : 1U));
-  const RealTimeReport without = run_real_time(*drilling.session, hand, {.wants_priority = false});
+  const RealTimeReport without = run_real_time(*drilling.session, hand, {});
   EXPECT_FALSE(without.has_priority);
   EXPECT_FALSE(without.has_locked_memory);
   EXPECT_TRUE(without.remarks.empty());
@@ -309,7 +309,7 @@ int run_without_rights() {
   if (geteuid() == 0 && setuid(kNobody) != 0) return 3;
   SmallDrilling drilling;
   StraightHand hand(20);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {});
+  const RealTimeReport report = run_real_time(*drilling.session, hand, {.wants_priority = true});
   if (report.has_priority || report.has_locked_memory != kLocksMemory) return 4;
   if (report.remarks.size() != (kLocksMemory ? 1U : 2U)) return 4;
   if (report.remarks[0].find("ulimit -r is 0") == std::string::npos) return 5;
