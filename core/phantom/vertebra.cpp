@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/phantom/detail/near_distance.h"
+#include "core/phantom/detail/shape_solid.h"
 #include "core/phantom/detail/texture.h"
 #include "core/phantom/detail/vertebra_shape.h"
 

@@ -12,10 +12,9 @@
 #include <vector>
 
 #include "apps/spinaltap-planner/background_job.h"
-#include "apps/spinaltap-planner/drill/drill_plan.h"
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "apps/spinaltap-planner/plan_document.h"
-#include "vdb/remaining/surface_feed.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 

@@ -1,4 +1,4 @@
-#include "mesh/surface_error.h"
+#include "mesh/surface_comparison.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/base/file_reader.h"
+#include "core/base/file_stream.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

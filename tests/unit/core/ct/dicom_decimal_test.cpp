@@ -1,4 +1,4 @@
-#include "core/ct/detail/dicom_decimal.h"
+#include "core/ct/detail/dicom_values.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "core/files/density_file.h"
+#include "core/files/material_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

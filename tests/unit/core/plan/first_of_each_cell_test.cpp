@@ -1,4 +1,4 @@
-#include "core/plan/first_of_each_cell.h"
+#include "core/plan/surface_sample.h"
 
 #include <gtest/gtest.h>
 

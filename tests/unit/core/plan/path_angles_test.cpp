@@ -1,4 +1,4 @@
-#include "core/plan/path_angles.h"
+#include "core/plan/path_side.h"
 
 #include <gtest/gtest.h>
 

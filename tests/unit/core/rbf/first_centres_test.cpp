@@ -1,4 +1,4 @@
-#include "core/rbf/detail/first_centres.h"
+#include "core/rbf/detail/choose_centres.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/rbf/detail/spread_worst.h"
+#include "core/rbf/detail/choose_centres.h"
 
 #include <gtest/gtest.h>
 

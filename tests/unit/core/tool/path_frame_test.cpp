@@ -1,4 +1,4 @@
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 
 #include <gtest/gtest.h>
 

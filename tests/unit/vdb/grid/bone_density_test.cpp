@@ -1,4 +1,4 @@
-#include "vdb/grid/bone_density.h"
+#include "vdb/grid/bone_model.h"
 
 #include <gtest/gtest.h>
 

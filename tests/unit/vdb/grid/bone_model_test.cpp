@@ -9,8 +9,7 @@
 
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/made_bone.h"
-#include "vdb/detail/initialize.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {
 namespace {

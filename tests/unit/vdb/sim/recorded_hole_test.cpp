@@ -1,4 +1,4 @@
-#include "vdb/sim/recorded_hole.h"
+#include "vdb/sim/replay.h"
 
 #include <gtest/gtest.h>
 

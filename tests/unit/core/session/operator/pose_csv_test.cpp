@@ -1,4 +1,4 @@
-#include "core/session/operator/pose_csv.h"
+#include "core/session/operator/pose_hand.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "core/base/error.h"
-#include "core/session/operator/pose_hand.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {

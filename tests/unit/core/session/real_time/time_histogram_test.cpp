@@ -1,4 +1,4 @@
-#include "core/session/real_time/time_histogram.h"
+#include "core/session/real_time/timing.h"
 
 #include <gtest/gtest.h>
 
