@@ -19,6 +19,16 @@ void initialize_openvdb() { openvdb::initialize(); }
 namespace spinaltap::detail {
 namespace {
 
+/// Throws Error unless it is a file; OpenVDB is ready then.
+void expect_file(const std::filesystem::path& path) {
+  initialize_openvdb();
+  std::error_code status;
+  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
+  if (!std::filesystem::is_regular_file(path, status)) {
+    fail("expected a .vdb file, found something else: ", path.string());
+  }
+}
+
 /// OpenVDB puts a random tag into each file's head. One made from the content keeps equal models' files equal.
 void replace_random_tag(const std::filesystem::path& path, const std::string& digits) {
   constexpr std::streamoff kTagOffset = 8 + 4 + 4 + 4 + 1;  // magic, file version, library version, has-offsets
@@ -50,12 +60,7 @@ std::string printable(const std::string& message) {
 }
 
 openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path) {
-  initialize_openvdb();
-  std::error_code status;
-  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
-  if (!std::filesystem::is_regular_file(path, status)) {
-    fail("expected a .vdb file, found something else: ", path.string());
-  }
+  expect_file(path);
   try {
     // OpenVDB does not look whether it got the bytes that it asked for. This stream throws when they run out, so that a
     // file cut short is noticed, even by one byte, before garbage is taken for sizes.
@@ -96,12 +101,7 @@ std::map<std::string, std::string> facts_of(const openvdb::FloatGrid& sdf) {
 }
 
 NamedGrids::NamedGrids(const std::filesystem::path& path) : path_(path) {
-  initialize_openvdb();
-  std::error_code status;
-  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
-  if (!std::filesystem::is_regular_file(path, status)) {
-    fail("expected a .vdb file, found something else: ", path.string());
-  }
+  expect_file(path);
   try {
     bytes_.exceptions(std::ios::failbit | std::ios::badbit);
     bytes_.open(path, std::ios::binary);

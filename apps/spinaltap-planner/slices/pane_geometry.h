@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/report/ct_slice.h"
+#include "apps/report/slice_frame.h"
 #include "core/ct/grid_geometry.h"
 #include "core/tool/drill_path.h"
 

@@ -63,6 +63,18 @@ T beyond(const T& a, double low, double high) {
 
 namespace spinaltap::shapes {
 
+/// The gradient of a value (mm) at p (mm), by central differences.
+template <class Value>
+Vec3 slope_of(const Value& value_mm, const Vec3& p) {
+  constexpr double kStep = 1e-5;
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = kStep * Vec3::Unit(axis);
+    slope[axis] = (value_mm(p + step) - value_mm(p - step)) / (2.0 * kStep);
+  }
+  return slope;
+}
+
 template <class T>
 struct Point {
   T x, y, z;
