@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/remaining/remaining_bone.h"
 #include "vdb/remaining/remaining_surface.h"

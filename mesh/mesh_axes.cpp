@@ -10,7 +10,7 @@
 #include "core/plan/body_landmarks.h"
 #include "core/plan/bone_shape.h"
 #include "core/plan/canal_search.h"
-#include "core/plan/first_of_each_cell.h"
+#include "core/plan/surface_sample.h"
 #include "mesh/mesh_units.h"
 #include "vdb/grid/mesh_solid.h"
 

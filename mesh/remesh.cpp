@@ -7,7 +7,6 @@
 
 #include "core/base/error.h"
 #include "mesh/detail/adaptive_mesh.h"
-#include "mesh/detail/area_normals.h"
 #include "mesh/detail/sizing_field.h"
 #include "mesh/detail/triangle_shape.h"
 #include "mesh/detail/zero_set.h"

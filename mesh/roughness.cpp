@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/point_grid.h"
-#include "mesh/detail/area_normals.h"
+#include "mesh/detail/triangle_shape.h"
 
 namespace spinaltap {
 

@@ -7,7 +7,7 @@
 #include "core/base/version.h"
 #include "core/files/data_files.h"
 #include "core/files/plan_file.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 #include "core/session/operator/pose_hand.h"
 #include "core/session/operator/push_hand.h"
 #include "mesh/mesh_io.h"

@@ -8,7 +8,7 @@
 
 #include "apps/report/pixel_text.h"
 #include "core/base/error.h"
-#include "core/surface/point_methods.h"
+#include "core/surface/surface_samples.h"
 #include "vdb/picture/render.h"
 
 namespace spinaltap {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "apps/report/ct_slice.h"
+#include "apps/report/slice_frame.h"
 #include "core/base/image.h"
 #include "core/ct/ct_volume.h"
 

@@ -7,9 +7,8 @@
 
 #include "apps/report/text.h"
 #include "core/base/error.h"
-#include "core/base/number_text.h"
-#include "core/session/operator/path_hand.h"
-#include "core/session/operator/pose_csv.h"
+#include "core/base/text_fields.h"
+#include "core/session/operator/path_motion.h"
 #include "core/session/operator/pose_hand.h"
 #include "core/session/operator/push_hand.h"
 

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "apps/report/base64.h"
 #include "apps/report/png.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"

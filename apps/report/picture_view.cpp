@@ -6,7 +6,8 @@
 #include <sstream>
 
 #include "core/base/error.h"
-#include "core/base/number_text.h"
+#include "core/base/text_fields.h"
+#include "vdb/picture/render.h"
 
 namespace spinaltap {
 namespace {
@@ -85,6 +86,34 @@ CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneMod
   if (name == "path") return cut_along_path(path_for(path, "the cut \"path\""));
   if (name == "upright") return upright_cut(path_for(path, "the cut \"upright\""), bone);
   fail("cut: expected axial, sagittal, coronal, path or upright; found \"", name, "\"");
+}
+
+std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,
+                                          const Progress& progress) {
+  const RenderOptions behind{.from = Vec3(0.0, 1.0, 0.3)};
+  const auto seen = [](const PictureView& view, const std::optional<CutPlane>& cut) {
+    RenderOptions options;
+    options.from = view.from;
+    options.up = view.up;
+    options.cut = cut;
+    return options;
+  };
+  const RenderOptions oblique = seen(view_of_hole(path, bone), {});
+  const CutPlane along = cut_along_path(path);
+  const CutPlane upright = upright_cut(path, bone);
+
+  std::vector<ReportPicture> pictures;
+  pictures.push_back({render_bone(bone, behind, progress), "Before, from behind"});
+  pictures.push_back({render_bone(drilled, behind, progress), "After, from behind"});
+  pictures.push_back({render_bone(bone, oblique, progress), "Before, from the side of the hole"});
+  pictures.push_back({render_bone(drilled, oblique, progress), "After, from the side of the hole"});
+  pictures.push_back(
+      {render_bone(drilled, seen(view_onto(along), along), progress),
+       "After, cut open along the path and seen from the feet, as on the axial slice: marrow red, cortex "
+       "white, by CT number"});
+  pictures.push_back({render_bone(drilled, seen(view_onto(upright), upright), progress),
+                      "After, cut upright along the path and seen from the side of the hole"});
+  return pictures;
 }
 
 }  // namespace spinaltap

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "apps/report/html_report.h"
+#include "core/base/progress.h"
 #include "core/tool/drill_path.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/picture/render.h"
@@ -29,5 +32,10 @@ PictureView named_view(const std::string& name, const DrillPath* path, const Bon
 /// "axial", "sagittal", "coronal": through the path's middle, or the bone's without one; "path" and "upright": see
 /// above. Throws Error on other names, and where there is no path.
 CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone);
+
+/// The bone before and after drilling, from behind and from the side of the hole, then cut open along the path in two
+/// planes.
+std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,
+                                          const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "apps/report/base64.h"
 #include "apps/report/bit_outline.h"
 #include "apps/report/label_place.h"
 #include "apps/report/png.h"

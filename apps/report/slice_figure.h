@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "apps/report/ct_slice.h"
+#include "apps/report/slice_frame.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {

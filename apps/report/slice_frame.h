@@ -3,6 +3,8 @@
 #include <string>
 
 #include "core/base/geometry.h"
+#include "core/base/image.h"
+#include "core/ct/ct_volume.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
@@ -44,5 +46,21 @@ SliceFrame grown_to(const SliceFrame& frame, int width, int height);
 /// Letters of a direction (patient LPS): "L", or "LA" where a second axis is more than 22.5 degrees away from zero,
 /// strongest first. L, R: left, right; A, P: anterior, posterior; S, I: superior, inferior.
 std::string orientation_letters(const Vec3& direction);
+
+/// Which HU are black and which white. The default is a bone window.
+struct HuWindow {
+  double width_hu = 1800.0;  ///< white minus black
+  double level_hu = 500.0;   ///< mid-grey
+};
+
+/// A picture of a CT along a plane, with the mapping between its pixels and the patient.
+struct CtSlice {
+  Image image;  ///< grey, frame.width by frame.height
+  SliceFrame frame;
+};
+
+/// The CT along the plane of `frame`, tri-linearly interpolated at the pixel centres, for a grid of any orientation.
+/// Black outside the CT. Throws Error when the window's width is not above 0.
+CtSlice ct_slice(const CtVolume& ct, const SliceFrame& frame, const HuWindow& window = {});
 
 }  // namespace spinaltap

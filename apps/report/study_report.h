@@ -1,9 +1,11 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "apps/report/html_report.h"
+#include "core/files/study_folder.h"
 #include "core/study/study_summary.h"
 
 namespace spinaltap {
@@ -19,5 +21,19 @@ struct StudyReportData {
 /// intervals; grades; distributions of thrust, torque, overshoot and clearance; where entries lay that breached. The
 /// same rows give the same bytes. Throws Error without a row.
 std::string study_report(const StudyReportData& data);
+
+/// What the report says of it.
+struct StudyInputs {
+  std::string title;
+  StudyDesign design;
+  std::vector<ReportRow> rows;
+};
+/// Throws Error that names `file` and the key at fault.
+StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::path& file);
+
+/// Writes runs.csv, summary.json and report.html of a study whose runs are all there: from study.json and the rows
+/// alone, so that the bytes do not depend on who drilled what, where and when. Throws Error where runs are missing.
+StudySummary write_study_results(const std::filesystem::path& folder, const StudyIdentity& identity,
+                                 const StudyRows& rows);
 
 }  // namespace spinaltap

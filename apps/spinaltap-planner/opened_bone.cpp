@@ -7,9 +7,9 @@
 
 #include "core/base/error.h"
 #include "core/ct/read_ct.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/remaining/remaining_surface.h"
 #include "vdb/sim/bake_ct.h"
-#include "vdb/sim/bone_ct.h"
 
 namespace spinaltap {
 

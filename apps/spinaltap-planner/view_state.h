@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "apps/report/ct_slice.h"
+#include "apps/report/slice_frame.h"
 #include "core/base/geometry.h"
 
 namespace spinaltap {

@@ -9,7 +9,7 @@
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/staged_output.h"
 #include "core/phantom/scanner.h"
-#include "core/surface/point_methods.h"
+#include "core/surface/surface_samples.h"
 #include "mesh/surface_comparison.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/phantom_output.h"

@@ -12,7 +12,7 @@
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "mesh/mesh_io.h"
-#include "mesh/surface_error.h"
+#include "mesh/surface_comparison.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/sim/bone.h"
 

@@ -5,7 +5,7 @@
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/drill_run.h"
-#include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/files/plan_file.h"
 
 namespace spinaltap {

@@ -5,12 +5,17 @@
 #include <filesystem>
 #include <optional>
 
-#include "apps/spinaltap/hand_options.h"
+#include "apps/report/hand_choice.h"
 #include "core/ct/density_law.h"
 #include "core/session/real_time/real_time.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
+
+/// --step, --offset, --tilt.
+void add_straight_hand(CLI::App& app, HandChoice& hand);
+/// The other options of hands.
+void add_hand(CLI::App& app, HandChoice& hand);
 
 /// The options of commands that drill.
 struct DrillOptions {

@@ -3,14 +3,13 @@
 #include <exception>
 #include <optional>
 
-#include "apps/report/drill_pictures.h"
 #include "apps/report/drilling_report.h"
+#include "apps/report/picture_view.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/drill_figures.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "core/files/material_file.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_file.h"

@@ -5,14 +5,13 @@
 #include "apps/report/grade_output.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
-#include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/base/staged_output.h"
 #include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"
-#include "vdb/sim/bone_ct.h"
 
 namespace spinaltap {
 namespace {

@@ -8,7 +8,6 @@
 #include "apps/report/slice_frame.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
-#include "apps/spinaltap/level_option.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"

@@ -1,7 +1,9 @@
 #include "apps/spinaltap/level_output.h"
 
 #include <cstdio>
+#include <optional>
 #include <sstream>
+#include <string>
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
@@ -37,6 +39,19 @@ const char* name_of(NameSource source) {
 }
 
 }  // namespace
+
+CLI::Option* add_level(CLI::App& app, Level& level) {
+  return app
+      .add_option_function<std::string>(
+          "--level",
+          [&level](const std::string& name) {
+            const std::optional<Level> found = level_from_name(name);
+            if (!found) throw CLI::ValidationError("--level", "expected a vertebra such as T11 or L3, found " + name);
+            level = *found;
+          },
+          "Which bone is meant, such as L3, where the file holds several")
+      ->type_name("LEVEL");
+}
 
 std::string words_of(NameSource source, std::span<const LevelPoint> given) {
   if (source == NameSource::hint) return "a hint from the sacrum or the last ribs: check it";

@@ -1,13 +1,19 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
+
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/ct/level.h"
 #include "core/files/json_file.h"
 #include "core/segment/doubt_facts.h"
 
 namespace spinaltap {
+
+/// Adds --level, which says which bone of a spine.vdb is meant. `level` must outlive the app.
+CLI::Option* add_level(CLI::App& app, Level& level);
 
 /// How vertebrae came by their names, in words.
 std::string words_of(NameSource source, std::span<const LevelPoint> given);

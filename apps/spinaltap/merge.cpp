@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "apps/report/study_results.h"
+#include "apps/report/study_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/files/study_summary_json.h"

@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "apps/spinaltap/command.h"
-#include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "core/base/staged_output.h"
 #include "mesh/display_mesh.h"

@@ -4,15 +4,15 @@
 
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
-#include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/path_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "core/files/bit_shapes.h"
+#include "core/files/bit_file.h"
 #include "core/files/plan_file.h"
 #include "core/files/planning_json.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"
-#include "vdb/sim/bone_ct.h"
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {

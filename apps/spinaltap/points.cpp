@@ -4,8 +4,7 @@
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/staged_output.h"
-#include "core/surface/point_file.h"
-#include "core/surface/point_methods.h"
+#include "core/surface/surface_samples.h"
 
 namespace spinaltap {
 

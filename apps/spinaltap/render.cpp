@@ -9,14 +9,14 @@
 #include "apps/report/picture_view.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
-#include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "core/files/recorded_setup.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/picture/render.h"
-#include "vdb/sim/recorded_hole.h"
+#include "vdb/sim/replay.h"
 
 namespace spinaltap {
 namespace {

@@ -1,7 +1,7 @@
 #include <memory>
 
 #include "apps/spinaltap/command.h"
-#include "apps/spinaltap/level_option.h"
+#include "apps/spinaltap/level_output.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {

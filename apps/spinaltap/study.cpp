@@ -1,7 +1,7 @@
 #include <charconv>
 #include <memory>
 
-#include "apps/report/study_results.h"
+#include "apps/report/study_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
 #include "core/base/error.h"

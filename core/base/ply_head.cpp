@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/number_text.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file_reader.h"
+#include "core/base/file_stream.h"
 
 namespace spinaltap {
 

@@ -1,6 +1,8 @@
 #include "core/ct/dicom_read.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <sstream>
 
 #include "core/base/error.h"
@@ -55,6 +57,15 @@ ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::st
 }
 
 }  // namespace
+
+std::string plane_name(const Vec3& normal) {
+  constexpr std::array<const char*, 3> kNames{"sagittal", "coronal", "axial"};
+  constexpr double kWithin = 0.9986;  // cosine of 3 degrees
+  Eigen::Index axis = 0;
+  const double most = normal.cwiseAbs().maxCoeff(&axis);
+  const std::string name = kNames[static_cast<std::size_t>(axis)];
+  return most >= kWithin ? name : "oblique, near " + name;
+}
 
 CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options, const Progress& progress) {
   ScannedSeries series = choose_series(scan_dicom(path, progress), options.series, path);

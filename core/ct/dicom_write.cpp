@@ -10,10 +10,10 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "core/ct/detail/dicom_decimal.h"
-#include "core/ct/detail/dicom_library.h"
 #include "core/ct/detail/dicom_parallel.h"
+#include "core/ct/detail/dicom_silence.h"
 #include "core/ct/detail/dicom_uid.h"
+#include "core/ct/detail/dicom_values.h"
 
 namespace spinaltap {
 namespace {

@@ -2,13 +2,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <string>
 
 #include "core/points/material.h"
 #include "core/points/point_volume.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
+
+/// The drilling engines. All remove the same points; docs/drilling-engine.md says which is fast where.
+enum class EngineKind { reference, arc, ring, leaf };
+
+/// Engines by the names that they have in options and reports.
+const std::map<std::string, EngineKind>& engine_kinds();
 
 /// What one move of the bit did.
 struct StepResult {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/tool/pedicle_screw.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 

@@ -3,16 +3,19 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cerrno>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/staged_output.h"
+#include "core/base/version.h"
+#include "core/files/detail/session_json.h"
+#include "core/files/detail/study_json.h"
 #include "core/files/json_file.h"
 
 namespace spinaltap {
@@ -153,6 +156,26 @@ void StudyPart::write(const std::string& text) {
   if (written != static_cast<ssize_t>(text.size())) {
     fail("cannot write ", path_.string(), ": the disk may be full; finished runs are kept");
   }
+}
+
+StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const std::string& bone_hash) {
+  SessionSetup setup;
+  setup.bone_hash = bone_hash;
+  setup.path = spec.path;
+  setup.material = spec.material;
+  setup.volume = spec.volume;
+  setup.options = spec.options;
+  const Json study{{"program", version()},       {"name", spec.name},
+                   {"session", to_json(setup)},  {"lead_out_mm", spec.lead_out_mm},
+                   {"hand", to_json(spec.hand)}, {"design", to_json(spec.design)}};
+  return {study.dump(), runs.count()};
+}
+
+IdentifiedStudy study_of(const StudyIdentity& identity, const std::filesystem::path& file) {
+  const Json json = Json::parse(identity.study);
+  const JsonObject study(json, file);
+  return {study.text("name"), read_session_setup(study.at("session"), file), read_study_hand(study.at("hand"), file),
+          read_study_design(study.at("design"), file)};
 }
 
 }  // namespace spinaltap

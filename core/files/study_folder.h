@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/session/session_setup.h"
 #include "core/study/study_row.h"
+#include "core/study/study_spec.h"
 
 namespace spinaltap {
 
@@ -50,5 +52,19 @@ class StudyPart {
   std::filesystem::path path_;
   int file_ = -1;
 };
+
+/// What a study's results depend on. `spec.volume.radius_mm` must be known by now.
+StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const std::string& bone_hash);
+
+/// What an identity says of its study.
+struct IdentifiedStudy {
+  std::string name;
+  SessionSetup setup;
+  StudyHand hand;
+  StudyDesign design;
+};
+
+/// Reads what study_identity() made. Throws Error that names `file` and the key at fault.
+IdentifiedStudy study_of(const StudyIdentity& identity, const std::filesystem::path& file);
 
 }  // namespace spinaltap

@@ -6,7 +6,6 @@
 
 #include "core/base/error.h"
 #include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "core/files/detail/study_json.h"
 #include "core/files/detail/tool_json.h"
 #include "core/files/material_file.h"

@@ -11,9 +11,8 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/force/detail/bit_shell.h"
 #include "core/force/detail/lattice_section.h"
-#include "core/force/detail/tip_bone.h"
+#include "core/force/detail/tool_contact.h"
 #include "core/force/detail/way_average.h"
 
 namespace spinaltap {

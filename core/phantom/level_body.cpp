@@ -37,14 +37,10 @@ double LevelBody::value_mm(const Vec3& p) const {
 
 void LevelBody::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
                          std::span<Vec3> gradients) const {
-  constexpr double kStep = 1e-5;
   for (std::size_t n = 0; n < points_mm.size(); ++n) {
     values_mm[n] = value_mm(points_mm[n]);
     if (gradients.empty()) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 step = kStep * Vec3::Unit(axis);
-      gradients[n][axis] = (value_mm(points_mm[n] + step) - value_mm(points_mm[n] - step)) / (2.0 * kStep);
-    }
+    gradients[n] = shapes::slope_of([this](const Vec3& p) { return value_mm(p); }, points_mm[n]);
   }
 }
 

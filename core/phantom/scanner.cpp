@@ -5,13 +5,69 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
 #include "core/phantom/detail/ideal_image.h"
-#include "core/phantom/detail/scan_noise.h"
 
 namespace spinaltap {
 namespace {
+
+/// The noise of a virtual scan: white noise per pixel, blurred in the slice like the image, of the deviation asked for.
+class ScanNoise {
+ public:
+  explicit ScanNoise(const ScanOptions& options);
+
+  /// columns * rows values, HU. The same whichever thread asks.
+  std::vector<float> slice(int slice) const;
+
+ private:
+  const ScanOptions options_;
+  std::vector<float> kernel_;  ///< along one axis; its squares sum to 1, which keeps the deviation
+};
+
+ScanNoise::ScanNoise(const ScanOptions& options) : options_(options) {
+  const double sigma = options.blur_mm / options.pixel_mm;  // pixels
+  const int reach = static_cast<int>(std::ceil(4.0 * sigma));
+  std::vector<double> exact;
+  double squares = 0.0;
+  for (int n = -reach; n <= reach; ++n) {
+    exact.push_back(sigma > 0.0 ? std::exp(-0.5 * n * n / (sigma * sigma)) : 1.0);
+    squares += exact.back() * exact.back();
+  }
+  for (const double weight : exact) kernel_.push_back(static_cast<float>(weight / std::sqrt(squares)));
+}
+
+std::vector<float> ScanNoise::slice(int slice) const {
+  const std::size_t columns = static_cast<std::size_t>(options_.columns),
+                    rows = static_cast<std::size_t>(options_.rows);
+  std::vector<float> image(columns * rows, 0.0F);
+  if (!(options_.noise_hu > 0.0)) return image;
+  // White noise goes on past the edges, so that the edges are as noisy as the middle.
+  const std::size_t taps = kernel_.size();
+  const std::size_t wide = columns + taps - 1, high = rows + taps - 1;
+  const std::uint64_t first = static_cast<std::uint64_t>(slice) * wide * high;
+  std::vector<float> white(wide);
+  std::vector<float> narrow(columns * high, 0.0F);
+  for (std::size_t row = 0; row < high; ++row) {
+    for (std::size_t column = 0; column < wide; ++column) {
+      white[column] = static_cast<float>(options_.noise_hu * random_normal(options_.seed, first + row * wide + column));
+    }
+    float* line = &narrow[row * columns];
+    for (std::size_t tap = 0; tap < taps; ++tap) {
+      for (std::size_t column = 0; column < columns; ++column) line[column] += kernel_[tap] * white[column + tap];
+    }
+  }
+  for (std::size_t row = 0; row < rows; ++row) {
+    float* line = &image[row * columns];
+    for (std::size_t tap = 0; tap < taps; ++tap) {
+      const float* from = &narrow[(row + tap) * columns];
+      for (std::size_t column = 0; column < columns; ++column) line[column] += kernel_[tap] * from[column];
+    }
+  }
+  return image;
+}
 
 void check_options(const ScanOptions& options) {
   const auto positive = [](const char* name, double value, double most) {

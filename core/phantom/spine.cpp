@@ -108,15 +108,11 @@ Spine::Nearest Spine::nearest(const Vec3& p) const {
 }
 
 void Spine::evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const {
-  constexpr double kStep = 1e-5;
   for (std::size_t n = 0; n < points_mm.size(); ++n) {
     const Vec3& p = points_mm[n];
     values_mm[n] = nearest(p).value_mm;
     if (gradients.empty()) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 step = kStep * Vec3::Unit(axis);
-      gradients[n][axis] = (nearest(p + step).value_mm - nearest(p - step).value_mm) / (2.0 * kStep);
-    }
+    gradients[n] = shapes::slope_of([this](const Vec3& q) { return nearest(q).value_mm; }, p);
   }
 }
 

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/plan/detail/find_breach.h"
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"

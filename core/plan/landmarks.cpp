@@ -10,7 +10,6 @@
 #include "core/plan/detail/landmark_doubts.h"
 #include "core/plan/detail/pedicle_search.h"
 #include "core/plan/detail/symmetry_plane.h"
-#include "core/plan/detail/whole_bone.h"
 
 namespace spinaltap {
 namespace {

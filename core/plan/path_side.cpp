@@ -15,6 +15,12 @@ bool is_mostly_anterior(const Vec3& own) { return -own.y() > std::max(std::abs(o
 
 }  // namespace
 
+PathAngles path_angles(const Vec3& direction, const Mat3& axes, bool is_left) {
+  const Vec3 own = axes.transpose() * direction;
+  const double inward = is_left ? -own.x() : own.x();
+  return {std::atan2(inward, -own.y()) / kDegree, std::atan2(own.z(), std::hypot(own.x(), own.y())) / kDegree};
+}
+
 const char* name_of(PathSide side) {
   switch (side) {
     case PathSide::medial:

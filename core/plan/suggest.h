@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/plan/grade.h"
-#include "core/plan/path_angles.h"
+#include "core/plan/path_side.h"
 
 namespace spinaltap {
 

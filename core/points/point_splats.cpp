@@ -3,10 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/hu_colour.h"
 
 namespace spinaltap {
 namespace {
@@ -30,6 +33,11 @@ Vec3 towards_bit(const BitProfile& bit, const Pose& pose, const Vec3& p_mm) {
     slope[axis] = bit_distance_mm(bit, pose, p_mm + step_mm) - bit_distance_mm(bit, pose, p_mm - step_mm);
   }
   return slope.norm() > kStepMm ? Vec3(-slope.normalized()) : Vec3(-pose.axis);
+}
+
+template <class Number>
+void append(std::string& bytes, const Number& number) {
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
 }  // namespace
@@ -102,6 +110,28 @@ std::size_t PointSplats::update(const PointVolume& volume, const DrillBit& bit, 
     alive_[n] = now[n];
   }
   return changed;
+}
+
+std::string splats_ply(std::span<const PointSplat> splats) {
+  const auto shown =
+      std::count_if(splats.begin(), splats.end(), [](const PointSplat& splat) { return splat.alpha > 0.0F; });
+  std::ostringstream head;
+  head << "ply\nformat binary_little_endian 1.0\ncomment SpinalTap: points that show, patient LPS, mm\nelement vertex "
+       << shown << "\n";
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "radius"}) head << "property float " << name << "\n";
+  for (const char* name : {"red", "green", "blue", "alpha"}) head << "property uchar " << name << "\n";
+  head << "property short hu\nend_header\n";
+  std::string ply = head.str();
+  for (const PointSplat& splat : splats) {
+    if (!(splat.alpha > 0.0F)) continue;
+    for (int axis = 0; axis < 3; ++axis) append(ply, splat.position_mm[axis]);
+    for (int axis = 0; axis < 3; ++axis) append(ply, splat.normal[axis]);
+    append(ply, splat.radius_mm);
+    for (const double part : hu_colour(splat.hu)) append(ply, static_cast<std::uint8_t>(std::lround(255.0 * part)));
+    append(ply, static_cast<std::uint8_t>(std::lround(255.0F * splat.alpha)));
+    append(ply, splat.hu);
+  }
+  return ply;
 }
 
 }  // namespace spinaltap

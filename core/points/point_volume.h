@@ -8,7 +8,6 @@
 #include "core/base/progress.h"
 #include "core/points/disc_pattern.h"
 #include "core/tool/drill_path.h"
-#include "core/tool/path_frame.h"
 
 namespace spinaltap {
 

@@ -5,9 +5,9 @@
 #include <bit>
 
 #include "core/base/error.h"
-#include "core/base/file_writer.h"
-#include "core/base/number_text.h"
+#include "core/base/file_stream.h"
 #include "core/base/ply_head.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/file_writer.h"
+#include "core/base/file_stream.h"
 #include "core/ct/nrrd_head.h"
 
 namespace spinaltap {

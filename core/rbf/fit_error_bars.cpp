@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/rbf/detail/first_centres.h"
+#include "core/rbf/detail/choose_centres.h"
 #include "core/rbf/detail/rbf_solver.h"
-#include "core/rbf/detail/spread_worst.h"
 #include "core/rbf/rbf_field.h"
 
 namespace spinaltap::detail {

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/base/file_writer.h"
+#include "core/base/file_stream.h"
 #include "core/base/staged_output.h"
 
 namespace spinaltap {

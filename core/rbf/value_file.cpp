@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/rbf/detail/value_formats.h"
+#include "core/rbf/detail/value_rows.h"
 
 namespace spinaltap {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/engine/engine_kind.h"
+#include "core/engine/drill_engine.h"
 #include "core/points/point_volume.h"
 #include "core/session/drill_session.h"
 #include "core/session/operator/straight_ways.h"

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/base/number_text.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+
+#include "core/session/operator/tool_source.h"
 #include "core/study/study_spec.h"
 
 namespace spinaltap {
@@ -28,5 +31,8 @@ StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n
 /// of all runs stay, with 0.2 mm to spare, mm. Looks at every run, so it also finds those that make no sense: throws
 /// Error as study_task().
 double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, double beyond_mm);
+
+/// The hand that does a run: along the task's own line, from `lead_in_mm` before its entry. `spindle`: the session's.
+std::unique_ptr<ToolSource> make_study_hand(const StudyTask& task, double lead_in_mm, const Spindle& spindle);
 
 }  // namespace spinaltap

@@ -2,10 +2,15 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "core/base/error.h"
+#include "core/base/ply_head.h"
+#include "core/base/staged_output.h"
 #include "core/surface/detail/local_normals.h"
 #include "core/surface/off_surface.h"
 #include "core/surface/pixel_points.h"
@@ -104,6 +109,44 @@ SurfaceSamples sample_surface(const CtVolume& ct, const BoneMask& mask, const Sa
       options.method == PointMethod::pixels ? from_pixels(mask) : from_normals(mask, options.off_surface_mm);
   if (samples.surface_count == 0) fail("surface points: the mask holds no voxel");
   return samples;
+}
+
+const std::map<std::string, PointMethod>& point_methods() {
+  static const std::map<std::string, PointMethod> methods{
+      {"pixels", PointMethod::pixels}, {"normals", PointMethod::normals}, {"contours", PointMethod::contours}};
+  return methods;
+}
+
+const std::string& name_of(PointMethod method) {
+  for (const auto& [name, known] : point_methods()) {
+    if (known == method) return name;
+  }
+  fail("no such method for surface points");
+}
+
+void write_points(const SurfaceSamples& samples, const std::filesystem::path& path) {
+  static_assert(std::endian::native == std::endian::little, "the file is little endian");
+  const std::size_t count = samples.positions_mm.size();
+  if (samples.normals.size() != count || samples.values_mm.size() != count) {
+    fail("points: expected a normal and a value for each of ", count, " points");
+  }
+  PlyHead head{.comments = {"mm, patient LPS; value: signed distance from the surface, mm, negative inside"},
+               .elements = {{"vertex", count}}};
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "value"}) head.elements[0].properties.push_back({name});
+  std::string bytes = encode(head);
+  const std::size_t head_size = bytes.size();
+  constexpr std::size_t kPointBytes = 7 * sizeof(float);
+  bytes.resize(head_size + count * kPointBytes);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::array<float, 7> point{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      point[axis] = static_cast<float>(samples.positions_mm[i][static_cast<Eigen::Index>(axis)]);
+      point[3 + axis] = static_cast<float>(samples.normals[i][static_cast<Eigen::Index>(axis)]);
+    }
+    point[6] = static_cast<float>(samples.values_mm[i]);
+    std::memcpy(bytes.data() + head_size + i * kPointBytes, point.data(), kPointBytes);
+  }
+  write_whole_file(path, bytes);
 }
 
 }  // namespace spinaltap

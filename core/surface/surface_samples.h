@@ -1,6 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
 
 #include "core/surface/surface_points.h"
 
@@ -32,5 +35,15 @@ struct SurfaceSamples {
 /// Throws Error where extract_surface() does, and on an off-surface distance that is not above 0.
 SurfaceSamples sample_surface(const CtVolume& ct, const BoneMask& mask, const SampleOptions& options = {},
                               const Progress& progress = {});
+
+/// Ways to surface points by the names that they have in options and reports.
+const std::map<std::string, PointMethod>& point_methods();
+
+/// "pixels", "normals" or "contours".
+const std::string& name_of(PointMethod method);
+
+/// Writes points as binary PLY: x, y, z (mm, patient LPS), nx, ny, nz, value (mm), one float each; the surface points
+/// (value 0) come first. `path` must be a staged (temporary) name. Throws Error when the disk is full.
+void write_points(const SurfaceSamples& samples, const std::filesystem::path& path);
 
 }  // namespace spinaltap

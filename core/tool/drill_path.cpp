@@ -4,6 +4,14 @@
 
 namespace spinaltap {
 
+void check_screw(const PedicleScrew& screw) {
+  try {
+    check_bit(screw.outline());
+  } catch (const Error& error) {
+    fail("screw \"", screw.name, "\": ", error.what());
+  }
+}
+
 void check_path(const DrillPath& path) {
   constexpr double kShortestMm = 0.1;
   constexpr double kLongestMm = 500.0;
@@ -17,6 +25,17 @@ void check_path(const DrillPath& path) {
   }
   check_bit(path.bit);
   if (path.screw) check_screw(*path.screw);
+}
+
+PathFrame::PathFrame(const Vec3& origin_mm, const Vec3& direction) : origin_mm_(origin_mm) {
+  if (!(direction.norm() > 0.0) || !direction.allFinite() || !origin_mm.allFinite()) {
+    fail("path frame: expected a finite origin and a direction that is not zero");
+  }
+  const Vec3 z = direction.normalized();
+  const Vec3 x = any_perpendicular(z);
+  rotation_.col(0) = x;
+  rotation_.col(1) = z.cross(x);
+  rotation_.col(2) = z;
 }
 
 }  // namespace spinaltap

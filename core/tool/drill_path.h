@@ -5,9 +5,23 @@
 
 #include "core/base/geometry.h"
 #include "core/tool/drill_bit.h"
-#include "core/tool/pedicle_screw.h"
 
 namespace spinaltap {
+
+/// A screw for a pedicle. Lengths in mm.
+struct PedicleScrew {
+  std::string name;            ///< as its maker or its table calls it
+  double diameter_mm = 6.5;    ///< over the thread
+  double length_mm = 45.0;     ///< from under the head to the tip
+  double tip_length_mm = 4.0;  ///< of the cone at the tip, in length_mm
+
+  double radius_mm() const { return 0.5 * diameter_mm; }
+  /// The body that the turning thread fills.
+  DrillBit outline() const { return {diameter_mm, length_mm, tip_length_mm}; }
+};
+
+/// Refuses what check_bit() refuses of its outline.
+void check_screw(const PedicleScrew& screw);
 
 /// A straight planned hole: from the entry on the bone's surface to the target inside.
 struct DrillPath {
@@ -24,5 +38,23 @@ struct DrillPath {
 
 /// Refuses points that are not finite, a path shorter than 0.1 mm or longer than 500 mm, and a bad bit or screw.
 void check_path(const DrillPath& path);
+
+/// Path-local coordinates: the origin where the point volume starts, z along the path, mm. Small numbers near the path
+/// keep their precision wherever the patient lies (the paper's section 9.4.4).
+class PathFrame {
+ public:
+  PathFrame() = default;
+  /// `origin_mm` in patient LPS; `direction` need not be a unit vector but must not be zero.
+  PathFrame(const Vec3& origin_mm, const Vec3& direction);
+
+  Vec3 to_path(const Vec3& p_patient) const { return rotation_.transpose() * (p_patient - origin_mm_); }
+  Vec3 to_patient(const Vec3& p_path) const { return origin_mm_ + rotation_ * p_path; }
+  Pose to_path(const Pose& pose) const { return {to_path(pose.tip_mm), rotation_.transpose() * pose.axis}; }
+  Pose to_patient(const Pose& pose) const { return {to_patient(pose.tip_mm), rotation_ * pose.axis}; }
+
+ private:
+  Vec3 origin_mm_ = Vec3::Zero();
+  Mat3 rotation_ = Mat3::Identity();  ///< columns: the path's x, y and z axes in patient LPS
+};
 
 }  // namespace spinaltap

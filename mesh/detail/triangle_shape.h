@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/base/geometry.h"
+#include "core/base/triangle_mesh.h"
 
 namespace spinaltap::detail {
 
@@ -29,5 +31,8 @@ inline double agreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
 
 /// A triangle's normal may differ by 60 degrees from its corners' normals; by more only where it did before.
 constexpr double kLeastAgreement = 0.5;
+
+/// Of each vertex: the sum over its triangles of twice their area along their normal, mm². Indices must be in range.
+std::vector<Vec3> area_normals(const TriangleMesh& mesh);
 
 }  // namespace spinaltap::detail

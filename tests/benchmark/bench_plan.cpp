@@ -9,7 +9,7 @@
 
 #include "core/phantom/vertebra_truth.h"
 #include "vdb/bake/bake.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bone.h"
 

@@ -11,7 +11,7 @@
 #include "apps/spinaltap/bench/drill_workload.h"
 #include "core/phantom/vertebra.h"
 #include "core/session/real_time/timing.h"
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 #include "vdb/bake/bake.h"
 #include "vdb/remaining/remaining_surface.h"
 

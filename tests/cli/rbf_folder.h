@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/number_text.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/rbf/value_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"

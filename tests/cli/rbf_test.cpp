@@ -9,7 +9,7 @@
 #include "core/files/json_file.h"
 #include "core/rbf/field_volume.h"
 #include "core/rbf/rbf_file.h"
-#include "core/surface/point_file.h"
+#include "core/surface/surface_samples.h"
 #include "tests/cli/rbf_folder.h"
 
 namespace spinaltap {

@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <ctime>
 
-#include "apps/spinaltap-planner/plane_colours.h"
+#include "apps/spinaltap-planner/colours.h"
 #include "core/phantom/vertebra_truth.h"
 #include "tests/gui/drilled_phantom.h"
 #include "tests/gui/x_input.h"

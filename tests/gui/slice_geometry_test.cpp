@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "apps/spinaltap-planner/slices/down_path.h"
 #include "apps/spinaltap-planner/slices/pane_geometry.h"
 #include "apps/spinaltap-planner/slices/path_hits.h"
 

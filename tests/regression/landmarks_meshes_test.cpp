@@ -12,7 +12,7 @@
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
 #include "vdb/bake/bake.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {

@@ -11,7 +11,7 @@
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
 #include "vdb/bake/bake.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_ct.h"
 

@@ -11,7 +11,7 @@
 #include "core/base/point_grid.h"
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/test_data.h"
 #include "vdb/grid/isosurface.h"

@@ -20,7 +20,7 @@
 #include "tests/support/mask_overlap.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_levels.h"
 

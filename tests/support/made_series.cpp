@@ -13,7 +13,7 @@
 
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
-#include "core/ct/detail/dicom_decimal.h"
+#include "core/ct/detail/dicom_values.h"
 
 namespace spinaltap::test {
 namespace {

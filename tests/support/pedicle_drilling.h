@@ -7,7 +7,7 @@
 #include "core/phantom/vertebra.h"
 #include "core/phantom/vertebra_truth.h"
 #include "core/session/drill_session.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 
 namespace spinaltap::test {
 

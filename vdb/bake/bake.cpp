@@ -15,7 +15,7 @@
 #include "core/segment/distance_transform.h"
 #include "vdb/bake/detail/bake_sdf.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
+#include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {
 namespace detail {

@@ -2,16 +2,32 @@
 
 #include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
 
 #include <cctype>
 #include <fstream>
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
+
+namespace spinaltap {
+
+void initialize_openvdb() { openvdb::initialize(); }
+
+}  // namespace spinaltap
 
 namespace spinaltap::detail {
 namespace {
+
+/// Throws Error unless it is a file; OpenVDB is ready then.
+void expect_file(const std::filesystem::path& path) {
+  initialize_openvdb();
+  std::error_code status;
+  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
+  if (!std::filesystem::is_regular_file(path, status)) {
+    fail("expected a .vdb file, found something else: ", path.string());
+  }
+}
 
 /// OpenVDB puts a random tag into each file's head. One made from the content keeps equal models' files equal.
 void replace_random_tag(const std::filesystem::path& path, const std::string& digits) {
@@ -44,12 +60,7 @@ std::string printable(const std::string& message) {
 }
 
 openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path) {
-  initialize_openvdb();
-  std::error_code status;
-  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
-  if (!std::filesystem::is_regular_file(path, status)) {
-    fail("expected a .vdb file, found something else: ", path.string());
-  }
+  expect_file(path);
   try {
     // OpenVDB does not look whether it got the bytes that it asked for. This stream throws when they run out, so that a
     // file cut short is noticed, even by one byte, before garbage is taken for sizes.
@@ -88,5 +99,66 @@ std::map<std::string, std::string> facts_of(const openvdb::FloatGrid& sdf) {
   }
   return facts;
 }
+
+NamedGrids::NamedGrids(const std::filesystem::path& path) : path_(path) {
+  expect_file(path);
+  try {
+    bytes_.exceptions(std::ios::failbit | std::ios::badbit);
+    bytes_.open(path, std::ios::binary);
+    stream_metadata_.reset(new openvdb::io::StreamMetadata);
+    openvdb::io::setStreamMetadataPtr(bytes_, stream_metadata_, /*transfer=*/false);
+    readHeader(bytes_);
+    setFormatVersion(bytes_);
+    setLibraryVersion(bytes_);
+    setDataCompression(bytes_);
+    metadata_.readMeta(bytes_);
+    if (!inputHasGridOffsets()) return;
+    constexpr std::int32_t kMostGrids = 1000;
+    const std::int32_t count = readGridCount(bytes_);
+    if (count < 0 || count > kMostGrids) fail("expected at most ", kMostGrids, " grids, found ", count);
+    for (std::int32_t n = 0; n < count; ++n) {
+      openvdb::io::GridDescriptor place;
+      place.read(bytes_);
+      places_[place.gridName()] = place;
+      place.seekToEnd(bytes_);
+    }
+  } catch (const std::exception& error) {
+    fail("cannot read ", path.string(), ": ", printable(error.what()));
+  }
+}
+
+template <class GridType>
+typename GridType::Ptr NamedGrids::read(const std::string& name, const openvdb::CoordBBox* box) {
+  const auto found = places_.find(name);
+  if (found == places_.end()) fail("expected a grid ", name, " in ", path_.string(), ", found none");
+  const openvdb::io::GridDescriptor& place = found->second;
+  if (place.gridType() != GridType::gridType() || place.isInstance()) {
+    fail("expected the grid ", name, " of another kind in ", path_.string(), ", found ", printable(place.gridType()));
+  }
+  try {
+    auto grid = GridType::create();
+    grid->setName(name);
+    grid->setSaveFloatAsHalf(place.saveFloatAsHalf());
+    place.seekToGrid(bytes_);
+    if (box != nullptr) {
+      readGrid(grid, place, bytes_, *box);
+    } else {
+      readGrid(grid, place, bytes_);
+    }
+    return grid;
+  } catch (const std::exception& error) {
+    fail("cannot read the grid ", name, " in ", path_.string(), ": ", printable(error.what()));
+  }
+}
+
+openvdb::FloatGrid::Ptr NamedGrids::read_floats(const std::string& name) {
+  return read<openvdb::FloatGrid>(name, nullptr);
+}
+
+openvdb::FloatGrid::Ptr NamedGrids::read_floats(const std::string& name, const openvdb::CoordBBox& box) {
+  return read<openvdb::FloatGrid>(name, &box);
+}
+
+openvdb::MaskGrid::Ptr NamedGrids::read_mask(const std::string& name) { return read<openvdb::MaskGrid>(name, nullptr); }
 
 }  // namespace spinaltap::detail

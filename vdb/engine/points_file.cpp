@@ -12,7 +12,6 @@
 #include "core/base/staged_output.h"
 #include "core/points/living_bits.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
 #include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {

@@ -1,7 +1,6 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/spine_file.h"

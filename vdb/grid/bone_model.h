@@ -8,6 +8,9 @@
 #include <string>
 
 #include "core/base/geometry.h"
+#include "core/base/scalar_field.h"
+#include "core/ct/ct_volume.h"
+#include "core/ct/density_law.h"
 #include "core/ct/level.h"
 
 namespace spinaltap {
@@ -94,5 +97,25 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path);
 /// must hold one only. Throws Error on a missing or damaged file, on one without `sdf` or `hu`, on one with only one of
 /// `before` and `hole`, and where the level is not that, not there, or not chosen (the message lists those there are).
 BoneModel read_bone(const std::filesystem::path& path, Level level = Level::kNone);
+
+/// A baked bone's distance as a field: tri-quadratic value (mm) and gradient; see BoneModel::distance() for what they
+/// are worth near and beyond the edge of the band. Positions that are not numbers are outside.
+class BoneField final : public ScalarField {
+ public:
+  explicit BoneField(BoneModel bone) : bone_(std::move(bone)) {}
+
+  void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;
+
+ private:
+  BoneModel bone_;
+};
+
+/// Density (g/cm³) at patient positions (LPS, mm), by a law from the bone's tri-linear CT numbers. Both spans have one
+/// length. Where the grid holds no CT number, beyond the bone and its margin, it is that of air: 0 by any usual law.
+void bone_density(const BoneModel& bone, const DensityLaw& law, std::span<const Vec3> points_mm,
+                  std::span<float> density_g_cm3);
+
+/// The CT that a baked bone keeps, resampled (tri-linear) around its surface for slices: -1024 HU where it keeps none.
+CtVolume ct_of_bone(const BoneModel& bone, double voxel_mm = 0.4);
 
 }  // namespace spinaltap

@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
+#include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {
 namespace {

@@ -12,8 +12,6 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
-#include "vdb/detail/named_grids.h"
 #include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {

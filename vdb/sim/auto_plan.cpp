@@ -2,7 +2,6 @@
 
 #include "core/base/error.h"
 #include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "core/files/material_file.h"
 #include "core/files/planning_rules_file.h"
 #include "core/files/screw_file.h"

@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/files/landmarks_text.h"
 #include "core/plan/landmarks.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
-#include "vdb/grid/bone_field.h"
 #include "vdb/grid/bone_hash.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/grid/isosurface.h"
 
 namespace spinaltap {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/session/real_time/timing.h"
-#include "vdb/grid/bone_field.h"
+#include "vdb/grid/bone_model.h"
 
 namespace spinaltap {
 namespace {

@@ -6,9 +6,10 @@
 #include <string>
 
 #include "core/base/progress.h"
-#include "core/engine/engine_kind.h"
+#include "core/engine/drill_engine.h"
 #include "core/session/drill_session.h"
 #include "core/session/record/session_record.h"
+#include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
@@ -39,5 +40,29 @@ Replay replay(const std::filesystem::path& record, const Bone& bone, std::option
 /// As above, of a record that was read from `file`, which messages name.
 Replay replay(const SessionRecord& record, const std::filesystem::path& file, const Bone& bone,
               std::optional<EngineKind> engine = {}, const Progress& progress = {});
+
+/// The bone at any moment of a recorded drilling.
+class RecordedHole {
+ public:
+  /// `bone`: as it was before, the one that was drilled. Bone and record must outlive this. `longest_jump_mm`: as
+  /// SessionOptions has it. Throws Error on a record without cycles.
+  RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit, double longest_jump_mm);
+
+  double end_s() const { return record_.cycles.back().time_s; }
+  /// Drills on, or begins again, up to the last cycle that is not later than `time_s`.
+  void go_to(double time_s);
+  /// As it is at that moment.
+  const BoneModel& drilled() const { return drilled_; }
+  /// Of the bit at that moment.
+  Pose pose() const;
+
+ private:
+  const BoneModel& bone_;
+  const SessionRecord& record_;
+  DrillBit bit_;
+  double longest_jump_mm_;
+  BoneModel drilled_;
+  std::size_t cycles_ = 1;  ///< that were drilled
+};
 
 }  // namespace spinaltap

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/files/study_identity.h"
+#include "core/files/study_folder.h"
 #include "core/files/study_spec_file.h"
 #include "vdb/sim/study_run.h"
 

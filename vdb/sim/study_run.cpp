@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/plan/grade.h"
-#include "core/study/study_hand.h"
+#include "core/study/study_task.h"
 #include "vdb/engine/make_engine.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"

@@ -1,7 +1,7 @@
 #include "apps/spinaltap-planner/drill/drill_output.h"
 
-#include "apps/report/drill_pictures.h"
 #include "apps/report/drilling_report.h"
+#include "apps/report/picture_view.h"
 #include "core/session/operator/pose_hand.h"
 #include "core/session/record/session_record.h"
 #include "mesh/remaining_mesh.h"

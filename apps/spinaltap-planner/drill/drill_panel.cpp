@@ -14,7 +14,6 @@
 
 #include "apps/report/session_report.h"
 #include "apps/spinaltap-planner/drill/drill_figures_view.h"
-#include "apps/spinaltap-planner/drill/drill_plots.h"
 #include "apps/spinaltap-planner/plots/plot_view.h"
 
 namespace spinaltap {

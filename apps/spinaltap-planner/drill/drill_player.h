@@ -12,10 +12,9 @@
 #include <vector>
 
 #include "apps/spinaltap-planner/background_job.h"
-#include "apps/spinaltap-planner/drill/drill_plan.h"
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "apps/spinaltap-planner/plan_document.h"
-#include "vdb/remaining/surface_feed.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 
@@ -81,7 +80,6 @@ class DrillPlayer : public QObject {
   double cycles_per_s() const { return cycles_per_s_; }
   double surface_updates_per_s() const { return surface_updates_per_s_; }
   bool is_over() const;  ///< its hand has ended
-  std::size_t hole_count() const { return drilled_.size(); }
 
   /// The hole with all that it takes to write it from any thread (drill_output.h); nothing while it is drilled and
   /// where there is none.

@@ -10,7 +10,7 @@
 
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "vdb/remaining/live_mesh.h"
-#include "vdb/remaining/surface_feed.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 

@@ -4,6 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "apps/report/text.h"
+#include "core/files/data_files.h"
+#include "core/files/material_file.h"
 #include "vdb/sim/drilling.h"
 
 namespace spinaltap {
@@ -18,6 +21,26 @@ const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& o
 }
 
 }  // namespace
+
+HandChoice hand_choice(const DrillPlan& plan) {
+  HandChoice choice;
+  choice.name = plan.hand;
+  if (plan.hand == "push") {
+    choice.push_n = plan.push_n;
+  } else {
+    choice.feed = short_number(plan.feed_mm_s);
+  }
+  return choice;
+}
+
+SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
+  SessionSetup setup;
+  setup.path = path;
+  const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
+  setup.material = read_material(data_file("materials/vertebra.json"), density);
+  setup.options.stop.on_breach = plan.stops_on_breach;
+  return setup;
+}
 
 PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand,
                        const PlayedHole* other, const Progress& progress)

@@ -5,7 +5,7 @@
 #include <QVBoxLayout>
 #include <cmath>
 
-#include "apps/report/grade_plots.h"
+#include "apps/report/grade_report.h"
 #include "apps/report/text.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/plots/plot_view.h"

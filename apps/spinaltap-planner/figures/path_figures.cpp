@@ -7,7 +7,6 @@
 #include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/files/data_files.h"
-#include "core/files/density_file.h"
 #include "core/files/material_file.h"
 #include "core/files/planning_rules_file.h"
 #include "vdb/sim/bone_path.h"

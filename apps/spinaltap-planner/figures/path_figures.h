@@ -5,7 +5,7 @@
 
 #include "apps/report/grade_output.h"
 #include "apps/spinaltap-planner/opened_bone.h"
-#include "core/plan/path_angles.h"
+#include "core/plan/path_side.h"
 #include "core/points/material.h"
 
 namespace spinaltap {

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "apps/spinaltap-planner/plane_colours.h"
+#include "apps/spinaltap-planner/colours.h"
 
 namespace spinaltap {
 namespace {

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-#include "apps/spinaltap-planner/path_colours.h"
+#include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/scene/tool_actor.h"
 
 namespace spinaltap {

@@ -8,7 +8,7 @@
 #include <vtkRenderer.h>
 #include <vtkSphereSource.h>
 
-#include "apps/spinaltap-planner/path_colours.h"
+#include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/scene/lit_surface.h"
 
 namespace spinaltap {

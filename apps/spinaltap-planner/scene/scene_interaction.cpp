@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "apps/spinaltap-planner/scene/surface_ray.h"
+#include "apps/spinaltap-planner/scene/scene_pick.h"
 
 namespace spinaltap {
 namespace {

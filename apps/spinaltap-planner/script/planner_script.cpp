@@ -14,7 +14,7 @@
 #include "apps/spinaltap-planner/window/main_window.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
-#include "core/base/number_text.h"
+#include "core/base/text_fields.h"
 #include "core/files/bit_file.h"
 #include "core/files/data_files.h"
 #include "core/files/screw_file.h"

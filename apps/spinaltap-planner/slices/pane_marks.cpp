@@ -5,9 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "apps/spinaltap-planner/plane_colours.h"
+#include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/slices/haloed.h"
-#include "apps/spinaltap-planner/slices/pane_colours.h"
 #include "apps/spinaltap-planner/slices/pane_geometry.h"
 
 namespace spinaltap {

@@ -4,8 +4,8 @@
 #include <QString>
 #include <optional>
 
-#include "apps/report/ct_slice.h"
 #include "apps/report/label_place.h"
+#include "apps/report/slice_frame.h"
 #include "apps/spinaltap-planner/slices/pane_scene.h"
 
 class QPainter;

@@ -5,9 +5,8 @@
 #include <QPainter>
 #include <cmath>
 
-#include "apps/spinaltap-planner/path_colours.h"
+#include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/slices/haloed.h"
-#include "apps/spinaltap-planner/slices/pane_colours.h"
 
 namespace spinaltap {
 namespace {

@@ -3,7 +3,7 @@
 #include <QImage>
 #include <memory>
 
-#include "apps/report/ct_slice.h"
+#include "apps/report/slice_frame.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 
 namespace spinaltap {

@@ -3,9 +3,8 @@
 #include <QPainter>
 
 #include "apps/report/slice_figure.h"
-#include "apps/spinaltap-planner/path_colours.h"
-#include "apps/spinaltap-planner/plane_colours.h"
-#include "apps/spinaltap-planner/slices/down_path.h"
+#include "apps/spinaltap-planner/colours.h"
+#include "apps/spinaltap-planner/slices/pane_geometry.h"
 #include "apps/spinaltap-planner/slices/pane_marks.h"
 #include "apps/spinaltap-planner/slices/path_marks.h"
 #include "core/base/error.h"

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "apps/spinaltap-planner/plan_document.h"
-#include "apps/spinaltap-planner/slices/end_drag.h"
 #include "apps/spinaltap-planner/slices/hole_walls.h"
 #include "apps/spinaltap-planner/slices/pane_geometry.h"
+#include "apps/spinaltap-planner/slices/path_hits.h"
 #include "apps/spinaltap-planner/slices/slice_image.h"
 #include "apps/spinaltap-planner/view_state.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/session/operator/path_motion.h"
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 namespace {

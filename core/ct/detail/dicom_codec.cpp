@@ -12,11 +12,9 @@
 #include "core/base/error.h"
 #include "core/base/process_changes.h"
 #include "core/ct/detail/dicom_bytes.h"
-#include "core/ct/detail/dicom_codestream.h"
-#include "core/ct/detail/dicom_library.h"
 #include "core/ct/detail/dicom_rle.h"
+#include "core/ct/detail/dicom_silence.h"
 #include "core/ct/detail/jpeg_stream.h"
-#include "core/ct/detail/quiet_stderr.h"
 
 namespace spinaltap {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "core/ct/detail/dicom_header.h"
 #include "core/ct/detail/slice_stack.h"
+#include "core/ct/dicom_read.h"
 #include "core/ct/grid_geometry.h"
-#include "core/ct/stack_layout.h"
 
 namespace spinaltap {
 

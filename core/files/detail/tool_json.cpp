@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
-#include "core/files/bit_shapes.h"
+#include "core/files/bit_file.h"
 
 namespace spinaltap {
 

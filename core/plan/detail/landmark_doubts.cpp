@@ -1,6 +1,12 @@
 #include "core/plan/detail/landmark_doubts.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <numbers>
 #include <sstream>
 
@@ -46,6 +52,97 @@ void doubt_pedicle(Doubts& doubts, const Landmarks& found, const PedicleLandmark
 }
 
 }  // namespace
+
+CutFace find_cut_face(const SurfaceSample& surface) {
+  constexpr std::size_t kMostTried = 1000;
+  constexpr double kFlatMm = 0.15, kBeyondMm = 0.5, kBelowMm = 2.0;
+  constexpr double kMostBeyondShare = 0.002;                  // what noise may leave there
+  const double flat = std::cos(0.07), bent = std::cos(0.21);  // 4 and 12 degrees
+  const std::size_t count = surface.points_mm.size();
+  const std::size_t step = std::max<std::size_t>(1, count / kMostTried);
+  std::vector<CutFace> faces(count / step);
+  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t n) {
+    const Vec3& p_mm = surface.points_mm[n * step];
+    const Vec3& normal = surface.normals[n * step];
+    double area_mm2 = 0.0, bent_mm2 = 0.0;
+    std::size_t beyond = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double height_mm = normal.dot(surface.points_mm[i] - p_mm);
+      if (height_mm > kBeyondMm) ++beyond;
+      if (height_mm < -kBelowMm) continue;
+      const double likeness = normal.dot(surface.normals[i]);
+      if (std::abs(height_mm) < kFlatMm && likeness > flat) {
+        area_mm2 += surface.areas_mm2[i];
+      } else if (likeness > bent) {
+        bent_mm2 += surface.areas_mm2[i];
+      }
+    }
+    // A cut ends at an edge. Where a surface is only little curved, as an endplate, eight times as much of it is bent
+    // by 4 to 12 degrees as by less.
+    const bool has_edge = bent_mm2 < area_mm2;
+    if (has_edge && static_cast<double>(beyond) <= kMostBeyondShare * static_cast<double>(count)) {
+      faces[n] = {area_mm2, normal};
+    }
+  });
+  CutFace largest;
+  for (const CutFace& face : faces) {
+    if (face.area_mm2 > largest.area_mm2) largest = face;
+  }
+  return largest;
+}
+
+std::vector<double> piece_volumes_mm3(const BoneShape& bone) {
+  // Every second sample of the lattice: pieces that less than 1 mm of bone joins count as apart.
+  constexpr int kStep = 2;
+  const FloatGrid& lattice = bone.lattice();
+  GridGeometry coarse = lattice.geometry;
+  for (int& size : coarse.size) size = (size + kStep - 1) / kStep;
+  std::vector<std::uint8_t> waits(coarse.voxel_count());
+  tbb::parallel_for(0, coarse.size[2], [&](int k) {
+    for (int j = 0; j < coarse.size[1]; ++j) {
+      for (int i = 0; i < coarse.size[0]; ++i) {
+        waits[coarse.offset(i, j, k)] = lattice.at(kStep * i, kStep * j, kStep * k) < 0.0F ? 1 : 0;
+      }
+    }
+  });
+  const double voxel_mm3 = std::pow(kStep * BoneShape::kLatticeMm, 3);
+  std::vector<double> volumes_mm3;
+  std::vector<std::array<int, 3>> front;
+  for (int k = 0; k < coarse.size[2]; ++k) {
+    for (int j = 0; j < coarse.size[1]; ++j) {
+      for (int i = 0; i < coarse.size[0]; ++i) {
+        if (waits[coarse.offset(i, j, k)] == 0) continue;
+        std::size_t voxels = 0;
+        waits[coarse.offset(i, j, k)] = 0;
+        front.push_back({i, j, k});
+        while (!front.empty()) {
+          const std::array<int, 3> at = front.back();
+          front.pop_back();
+          ++voxels;
+          for (std::size_t way = 0; way < 6; ++way) {
+            std::array<int, 3> next = at;
+            next[way / 2] += way % 2 == 0 ? 1 : -1;
+            if (!coarse.contains(next[0], next[1], next[2])) continue;
+            std::uint8_t& is_waiting = waits[coarse.offset(next[0], next[1], next[2])];
+            if (is_waiting == 0) continue;
+            is_waiting = 0;
+            front.push_back(next);
+          }
+        }
+        volumes_mm3.push_back(voxel_mm3 * static_cast<double>(voxels));
+      }
+    }
+  }
+  std::sort(volumes_mm3.begin(), volumes_mm3.end(), std::greater<>());
+  return volumes_mm3;
+}
+
+const char* side_of_patient(const Vec3& direction) {
+  Eigen::Index axis = 0;
+  direction.cwiseAbs().maxCoeff(&axis);
+  constexpr std::array<const char*, 3> kUp{"left", "back", "top"}, kDown{"right", "front", "bottom"};
+  return (direction[axis] > 0.0 ? kUp : kDown)[static_cast<std::size_t>(axis)];
+}
 
 std::vector<std::string> doubts_about(const Landmarks& found, double asymmetry_mm, const CutFace& cut_face) {
   constexpr double kCutMm2 = 25.0;

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/plan/first_of_each_cell.h"
+#include "core/plan/surface_sample.h"
 
 namespace spinaltap {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "core/rbf/detail/coarse_to_fine.h"
 #include "core/rbf/detail/simd_kernels.h"
-#include "core/rbf/radial_kernel.h"
+#include "core/rbf/rbf_model.h"
 
 namespace spinaltap::detail {
 

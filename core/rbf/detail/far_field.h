@@ -6,7 +6,7 @@
 
 #include "core/rbf/detail/interaction_lists.h"
 #include "core/rbf/detail/simd_kernels.h"
-#include "core/rbf/radial_kernel.h"
+#include "core/rbf/rbf_model.h"
 
 namespace spinaltap::detail {
 

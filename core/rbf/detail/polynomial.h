@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
-#include "core/rbf/radial_kernel.h"
+#include "core/rbf/rbf_model.h"
 
 namespace spinaltap {
 

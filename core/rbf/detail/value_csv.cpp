@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "core/base/csv_fields.h"
-#include "core/rbf/detail/value_formats.h"
+#include "core/base/text_fields.h"
+#include "core/rbf/detail/value_rows.h"
 
 namespace spinaltap::detail {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "core/base/ply_head.h"
-#include "core/rbf/detail/value_formats.h"
+#include "core/rbf/detail/value_rows.h"
 
 namespace spinaltap::detail {
 namespace {

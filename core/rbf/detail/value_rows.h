@@ -6,7 +6,8 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/base/number_text.h"
+#include "core/base/file_stream.h"
+#include "core/base/text_fields.h"
 #include "core/rbf/fit_rbf.h"
 
 namespace spinaltap::detail {
@@ -62,5 +63,9 @@ class ValueRows {
 
 /// "x, y, z, value": the columns that there must be.
 inline std::string needed_columns(const ValueRows& rows) { return rows.needed() == 3 ? "x, y, z" : "x, y, z, value"; }
+
+// One file each; see read_values().
+void read_csv_rows(FileReader& file, ValueRows& rows);
+void read_ply_rows(FileReader& file, ValueRows& rows);
 
 }  // namespace spinaltap::detail

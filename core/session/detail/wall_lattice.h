@@ -8,7 +8,6 @@
 #include "core/base/progress.h"
 #include "core/plan/wall_distance.h"
 #include "core/tool/drill_path.h"
-#include "core/tool/path_frame.h"
 
 namespace spinaltap {
 

@@ -1,14 +1,33 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/geometry.h"
 #include "core/session/operator/feed_profile.h"
-#include "core/session/operator/tremor.h"
+#include "core/session/operator/tool_source.h"
 #include "core/tool/drill_path.h"
-#include "core/tool/path_frame.h"
 
 namespace spinaltap {
+
+/// A hand's tremor: 8 to 12 Hz, the band of physiological tremor. Along each of three axes the sum of five sinusoids of
+/// 8, 9, 10, 11 and 12 Hz with seeded phases. Computed from the time alone: no error adds up.
+class Tremor {
+ public:
+  /// `amplitude_mm`: along each axis the rms is that of one sinusoid of this amplitude. Throws Error where it is not
+  /// from 0 to 100 mm.
+  Tremor(double amplitude_mm, std::uint64_t seed);
+
+  /// The tip's displacement in path-local coordinates, mm.
+  Vec3 at_mm(double time_s) const;
+
+ private:
+  static constexpr std::array<double, 5> kFrequenciesHz{8.0, 9.0, 10.0, 11.0, 12.0};
+
+  double amplitude_mm_;  ///< of one sinusoid
+  std::array<std::array<double, kFrequenciesHz.size()>, 3> phases_rad_{};
+};
 
 /// The straight line that a hand guides a bit along.
 struct GuideLine {
@@ -71,6 +90,23 @@ class PathMotion {
   bool trembles_;
   double rate_hz_;
   std::size_t cycles_ = 0;
+};
+
+/// A hand that goes its planned way, whatever it feels: on the path, beside it or tilted, at given feeds, with pecks,
+/// with a tremor. Ends at the motion's end, or when the session asks to stop.
+class PathHand final : public ToolSource {
+ public:
+  PathHand(const DrillPath& path, const PathMotionOptions& options) : motion_(path, options) {}
+
+  std::optional<ToolInput> next(const ToolFeedback& feedback) override {
+    if (feedback.stop || index_ > motion_.cycle_count()) return std::nullopt;
+    return ToolInput{motion_.pose(index_++), true, 1.0 / motion_.rate_hz()};
+  }
+  std::size_t count() const override { return motion_.cycle_count() + 1; }
+
+ private:
+  PathMotion motion_;
+  std::size_t index_ = 0;
 };
 
 }  // namespace spinaltap

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <map>
 
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 
 namespace spinaltap {
 namespace {

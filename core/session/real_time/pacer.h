@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/session/real_time/real_time.h"
-#include "core/session/real_time/time_histogram.h"
+#include "core/session/real_time/timing.h"
 
 namespace spinaltap {
 

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "core/base/error.h"
-#include "core/base/file_reader.h"
+#include "core/base/file_stream.h"
 #include "core/base/staged_output.h"
 #include "core/session/drill_state.h"
 #include "core/session/record/detail/record_columns.h"

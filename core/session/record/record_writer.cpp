@@ -12,8 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/session/record/detail/event_handover.h"
-#include "core/session/record/detail/record_rows.h"
-#include "core/session/record/detail/ring_buffer.h"
+#include "core/session/record/detail/record_layout.h"
 #include "core/session/record/session_record.h"
 
 namespace spinaltap {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 #include "tests/support/drilled_ball.h"
 
 namespace spinaltap {

@@ -45,7 +45,6 @@ class HoleGrid {
 
   /// What changed since the last call, in order of the blocks.
   std::vector<std::pair<std::size_t, BlockChange>> take_changes();
-  bool has_changes() const { return !changes_.empty(); }
 
   std::size_t hole_block_count() const;
   std::size_t memory_bytes() const;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "vdb/remaining/detail/hole_block.h"
+#include "vdb/remaining/detail/block_lattice.h"
 #include "vdb/remaining/detail/resampled_bone.h"
 
 namespace spinaltap::detail {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/base/number_text.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {

@@ -1,13 +1,25 @@
-#include "apps/report/png.h"
-
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include "apps/report/png.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 
 namespace spinaltap {
 namespace {
+
+// RFC 4648, section 10.
+TEST(Base64, MatchesTheTestVectorsOfItsStandard) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(base64("fooba"), "Zm9vYmE=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+}
+
+TEST(Base64, TakesBytesAbove127AndZeros) { EXPECT_EQ(base64(std::string_view("\xFF\xFE\x00\xFB", 4)), "//4A+w=="); }
 
 Image noise(int width, int height, bool grey) {
   Image image{width, height, {}};
@@ -52,4 +64,5 @@ TEST(Png, RefusesEmptyImagesAndWrongSizes) {
 }
 
 }  // namespace
+
 }  // namespace spinaltap

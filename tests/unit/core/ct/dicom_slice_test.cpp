@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/ct/detail/dicom_codestream.h"
+#include "core/ct/detail/jpeg_stream.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/core/ct/error_of.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/force/detail/bit_shell.h"
+#include "core/force/detail/tool_contact.h"
 #include "tests/unit/core/force/felt_run.h"
 
 namespace spinaltap {

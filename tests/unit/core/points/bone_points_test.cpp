@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/engine/volume_segments.h"
 #include "core/force/detail/lattice_section.h"
-#include "core/force/detail/tip_bone.h"
+#include "core/force/detail/tool_contact.h"
 #include "core/tool/swept_bit.h"
 #include "tests/unit/core/force/felt_run.h"
 

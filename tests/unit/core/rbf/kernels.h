@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/rbf/radial_kernel.h"
+#include "core/rbf/rbf_model.h"
 
 namespace spinaltap::test {
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 #include "core/session/operator/pose_hand.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/nan.h"

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/session/drill_session.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 #include "core/session/operator/pose_hand.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/planning_bones.h"

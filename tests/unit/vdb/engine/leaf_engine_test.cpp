@@ -1,4 +1,4 @@
-#include "vdb/engine/leaf_engine.h"
+#include "vdb/engine/make_engine.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -16,7 +16,7 @@
 #include "core/base/staged_output.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/detail/initialize.h"
+#include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {
 namespace {

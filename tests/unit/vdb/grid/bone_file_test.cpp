@@ -13,7 +13,6 @@
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/subtract_bit.h"

@@ -12,7 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/detail/initialize.h"
+#include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
-#include "vdb/detail/initialize.h"
+#include "vdb/detail/vdb_file.h"
 #include "vdb/grid/bone_model.h"
 
 namespace spinaltap {

@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "tests/support/drilled_ball.h"
-#include "vdb/remaining/surface_feed.h"
+#include "vdb/remaining/surface_block.h"
 
 namespace spinaltap {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 #include "mesh/mesh_distance.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"

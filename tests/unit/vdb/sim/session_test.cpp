@@ -7,7 +7,7 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "core/session/operator/path_hand.h"
+#include "core/session/operator/path_motion.h"
 #include "core/session/operator/pose_hand.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"

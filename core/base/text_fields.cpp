@@ -1,0 +1,66 @@
+#include "core/base/text_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+
+namespace spinaltap {
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return number;
+}
+
+void append_number(double number, std::string& text) {
+  std::array<char, 32> digits{};
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+  text.append(digits.data(), end);
+}
+
+std::string shown(std::string_view text) {
+  constexpr std::size_t kMost = 40;
+  std::string printable(text.substr(0, kMost));
+  std::replace_if(
+      printable.begin(), printable.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text.size() > kMost ? printable + "..." : printable;
+}
+
+std::string in_quotes(std::string_view text) { return '"' + shown(text) + '"'; }
+
+bool CsvFields::next(std::string_view& field) {
+  if (!has_more_) return false;
+  const std::size_t from = rest_.starts_with('"') ? std::min(rest_.find('"', 1), rest_.size()) : 0;
+  const std::size_t end = std::min(rest_.find(',', from), rest_.size());
+  field = rest_.substr(0, end);
+  has_more_ = end < rest_.size();
+  if (has_more_) rest_.remove_prefix(end + 1);
+  return true;
+}
+
+std::string csv_column_name(std::string_view field) {
+  field = trimmed(field);
+  if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
+  std::string name(trimmed(field));
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
+}
+
+std::string_view without_byte_order_mark(std::string_view line) {
+  if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+  return line;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace spinaltap {
+
+/// The number that the whole of `text` is, whatever the locale; nothing when it is none, or beyond a double's range.
+/// Blanks around it and a plus sign are let pass. "nan" and "inf" are numbers here.
+std::optional<double> parse_number(std::string_view text);
+
+/// The shortest text that gives `number` back exactly, appended to `text`.
+void append_number(double number, std::string& text);
+
+/// Without blanks and tabs at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// Text out of a file for a message: printable, 40 characters at most.
+std::string shown(std::string_view text);
+/// As shown(), in quotes.
+std::string in_quotes(std::string_view text);
+
+/// A line of a CSV file, field by field.
+class CsvFields {
+ public:
+  explicit CsvFields(std::string_view line) : rest_(line) {}
+
+  /// The next field as it stands; false when there is none. One in quotes may hold commas.
+  bool next(std::string_view& field);
+
+ private:
+  std::string_view rest_;
+  bool has_more_ = true;
+};
+
+/// A header's field as a column's name: lower case, without quotes.
+std::string csv_column_name(std::string_view field);
+
+/// A file's first line without the byte order mark that Excel writes.
+std::string_view without_byte_order_mark(std::string_view line);
+
+}  // namespace spinaltap

@@ -1,0 +1,139 @@
+#include "core/force/detail/tool_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace spinaltap {
+namespace {
+
+constexpr int kPlacesAround = 16;
+
+}  // namespace
+
+BitShell::BitShell(const BonePoints& bone, const DrillBit& bit)
+    : bone_(&bone), section_mm2_(std::numbers::pi * bit.radius_mm() * bit.radius_mm()) {
+  const BitProfile profile(bit);
+  const double pi = std::numbers::pi;
+  double before_mm = 0.0;
+  double begin_mm = 0.0;
+  // A flat face at right angles to the axis, where a piece begins wider or narrower than the last ended.
+  const auto add_face = [&](double back_mm, double from_mm, double to_mm) {
+    if (from_mm == to_mm) return;
+    const double inner_mm = std::min(from_mm, to_mm);
+    const double outer_mm = std::max(from_mm, to_mm);
+    constexpr int kRings = 4;
+    const auto radius_of = [&](double share) {
+      return std::sqrt(inner_mm * inner_mm + share * (outer_mm * outer_mm - inner_mm * inner_mm));
+    };
+    for (int n = 0; n < kRings; ++n) {
+      add_ring(back_mm, radius_of((n + 0.5) / kRings), to_mm > from_mm ? -1.0 : 1.0, 0.0,
+               pi * (outer_mm * outer_mm - inner_mm * inner_mm) / kRings);
+    }
+  };
+  for (const ProfilePiece& piece : profile.pieces()) {
+    add_face(piece.begin_mm, before_mm, piece.begin_radius_mm);
+    const double length_mm = piece.end_mm - piece.begin_mm;
+    // Heads in eighths or finer, long shanks by half a radius.
+    const int rings = static_cast<int>(std::clamp(std::ceil(2.0 * length_mm / bit.radius_mm()), 8.0, 200.0));
+    for (int n = 0; n < rings; ++n) {
+      const double back_mm = piece.begin_mm + (n + 0.5) / rings * length_mm;
+      const double radius_mm = std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm)));
+      // radius times its slope is half the slope of radius²: along (-slope, 1) points the normal.
+      const double half_slope = 0.5 * piece.square[1] + piece.square[2] * back_mm;
+      const double long_mm = std::hypot(half_slope, radius_mm);
+      if (!(long_mm > 0.0)) continue;
+      // A band's area is its length along the axis times 2 pi radius sqrt(1 + slope²).
+      add_ring(back_mm, radius_mm, -half_slope / long_mm, radius_mm / long_mm, 2.0 * pi * long_mm * length_mm / rings);
+    }
+    before_mm = piece.end_radius_mm;
+    begin_mm = piece.end_mm;
+  }
+  add_face(begin_mm, before_mm, 0.0);
+}
+
+void BitShell::add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2) {
+  const double most_mm = std::sqrt(section_mm2_ / std::numbers::pi);
+  for (int n = 0; n < kPlacesAround; ++n) {
+    const double angle = 2.0 * std::numbers::pi * (n + 0.5) / kPlacesAround;
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    places_.push_back({back_mm, radius_mm * c, radius_mm * s, normal_back, normal_off * c, normal_off * s,
+                       area_mm2 / (kPlacesAround * section_mm2_), most_mm});
+  }
+}
+
+/// How far bone reaches from `p` inwards into the bit.
+double BitShell::depth_mm(const Vec3& p, const Vec3& inward, double most_mm) const noexcept {
+  const double step_mm = bone_->volume(bone_->volume_at(p.z())).pattern().spacing_mm();
+  double bone_mm = 0.0;
+  while (bone_mm < most_mm && bone_->living_at(p + (bone_mm + step_mm) * inward) != nullptr) bone_mm += step_mm;
+  if (bone_mm >= most_mm) return most_mm;
+  // Between a place in bone and one out of it: where the nearest point changes, so that the depth follows the bit.
+  double free_mm = bone_mm + step_mm;
+  for (int n = 0; n < 7; ++n) {
+    const double middle_mm = 0.5 * (bone_mm + free_mm);
+    (bone_->living_at(p + middle_mm * inward) != nullptr ? bone_mm : free_mm) = middle_mm;
+  }
+  return bone_mm;
+}
+
+Vec3 BitShell::contact_n(const Pose& pose) const noexcept {
+  const Vec3 u = any_perpendicular(pose.axis);
+  const Vec3 v = pose.axis.cross(u);
+  Vec3 force_n = Vec3::Zero();
+  for (const Place& place : places_) {
+    const Vec3 p = pose.tip_mm - place.back_mm * pose.axis + place.across_x_mm * u + place.across_y_mm * v;
+    const BonePoints::Bone* bone = bone_->living_at(p);
+    if (bone == nullptr) continue;
+    const Vec3 inward = place.normal_back * pose.axis - place.normal_x * u - place.normal_y * v;
+    force_n += place.share * bone->contact_n_mm * depth_mm(p, inward, place.most_mm) * inward;
+  }
+  return force_n;
+}
+
+TipBone::Mean TipBone::ahead_of(const Pose& pose) const noexcept {
+  // A centre and six around it stand for equal shares of the disc: radius² of the centre's share is a seventh of the
+  // whole, and the six lie at their share's centroid.
+  constexpr int kAround = 6;
+  constexpr double kShare = 1.0 / (kAround + 1);
+  const double off_mm = 0.724 * edge_radius_mm_;
+  const Vec3 u = any_perpendicular(pose.axis);
+  const Vec3 v = pose.axis.cross(u);
+  Mean mean;
+  const auto add = [&](const Vec3& p, double weight) {
+    const BonePoints::Bone* bone = bone_->living_at(p);
+    if (bone == nullptr) return;
+    mean.density_g_cm3 += weight * bone->density_g_cm3;
+    mean.chisel_mpa += weight * bone->chisel_mpa;
+  };
+  // Axes nearer to the discs' planes than this (cosine) look one spacing ahead; no disc is ahead of them.
+  constexpr double kSteepest = 0.25;
+  const double along = pose.axis.z();
+  for (int n = 0; n <= kAround; ++n) {
+    Vec3 p = pose.tip_mm;
+    if (n > 0) {
+      const double angle = 2.0 * std::numbers::pi * n / kAround;
+      p += off_mm * (std::cos(angle) * u + std::sin(angle) * v);
+    }
+    const std::size_t volume = bone_->volume_at(p.z());
+    const double spacing_mm = bone_->volume(volume).pattern().spacing_mm();
+    if (!(std::abs(along) >= kSteepest)) {
+      add(p + spacing_mm * pose.axis, kShare);
+      continue;
+    }
+    // In discs towards which the bit points. The disc at the tip itself is cut; rounding does not make it the next.
+    const double sign = along > 0.0 ? 1.0 : -1.0;
+    const double at = sign * (p.z() - bone_->start_mm(volume)) / spacing_mm;
+    const double next = std::floor(at + 1e-6) + 1.0;
+    const double nearer = std::clamp(next - at, 0.0, 1.0);
+    const auto on_disc = [&](double disc) -> Vec3 {
+      return p + (disc - at) * spacing_mm / std::abs(along) * pose.axis;
+    };
+    add(on_disc(next), kShare * nearer);
+    add(on_disc(next + 1.0), kShare * (1.0 - nearer));
+  }
+  return mean;
+}
+
+}  // namespace spinaltap
