@@ -89,7 +89,7 @@ class ReferenceEngine final : public RingsEngine {
   bool remove_point(int disc, std::size_t index, const SweptBit& bit, Removal& removal) noexcept {
     if (!volume_.is_alive(disc, index)) return true;
     ++removal.tested;
-    if (!bit.contains(volume_.point_in_path_mm(disc, index))) return false;
+    if (!bit.contains_inlined(volume_.point_in_path_mm(disc, index))) return false;
     kill(disc, index, removal);
     return true;
   }
@@ -149,7 +149,7 @@ class ArcEngine final : public RingsEngine {
   void remove_point(int disc, std::size_t index, const SweptBit& bit, Removal& removal) noexcept {
     if (!volume_.is_alive(disc, index)) return;
     ++removal.tested;
-    if (bit.contains(volume_.point_in_path_mm(disc, index))) kill(disc, index, removal);
+    if (bit.contains_inlined(volume_.point_in_path_mm(disc, index))) kill(disc, index, removal);
   }
 };
 

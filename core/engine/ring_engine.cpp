@@ -259,7 +259,7 @@ class RingEngine final : public VolumeEngine {
       std::uint64_t* words = volume_.alive_words(disc).data();
       visit_up(words, 0, volume_.pattern().point_count(), [&](std::size_t index) {
         ++removal.tested;
-        if (bit.contains(volume_.point_in_path_mm(disc, index))) kill(disc, index, removal);
+        if (bit.contains_inlined(volume_.point_in_path_mm(disc, index))) kill(disc, index, removal);
         return true;
       });
     }

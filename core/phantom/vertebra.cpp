@@ -239,4 +239,10 @@ double Vertebra::hu(const Vec3& p_patient, double distance_mm, double aperture_m
   return std::lerp(core, cortex.hu, cortical);
 }
 
+Vec3 Vertebra::to_patient(const Vec3& p_own) const { return rotation_ * p_own + anatomy_.placement.position_mm; }
+
+Vec3 Vertebra::to_own(const Vec3& p_patient) const {
+  return rotation_.transpose() * (p_patient - anatomy_.placement.position_mm);
+}
+
 }  // namespace spinaltap

@@ -26,10 +26,8 @@ class Vertebra : public Solid {
 
   const VertebraAnatomy& anatomy() const { return anatomy_; }
   /// From the vertebra's own frame to patient LPS, and directions likewise.
-  Vec3 to_patient(const Vec3& p_own) const { return rotation_ * p_own + anatomy_.placement.position_mm; }
-  Vec3 to_own(const Vec3& p_patient) const {
-    return rotation_.transpose() * (p_patient - anatomy_.placement.position_mm);
-  }
+  Vec3 to_patient(const Vec3& p_own) const;
+  Vec3 to_own(const Vec3& p_patient) const;
   const Mat3& rotation() const { return rotation_; }
 
  private:

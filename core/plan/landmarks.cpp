@@ -158,4 +158,8 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
   return found;
 }
 
+Vec3 Landmarks::to_own(const Vec3& p_patient) const { return axes.transpose() * (p_patient - origin_mm); }
+
+Vec3 Landmarks::to_patient(const Vec3& p_own) const { return origin_mm + axes * p_own; }
+
 }  // namespace spinaltap

@@ -34,8 +34,8 @@ struct Landmarks {
   Vec3 left() const { return axes.col(0); }
   Vec3 posterior() const { return axes.col(1); }
   Vec3 superior() const { return axes.col(2); }
-  Vec3 to_own(const Vec3& p_patient) const { return axes.transpose() * (p_patient - origin_mm); }
-  Vec3 to_patient(const Vec3& p_own) const { return origin_mm + axes * p_own; }
+  Vec3 to_own(const Vec3& p_patient) const;
+  Vec3 to_patient(const Vec3& p_own) const;
 
   struct Canal {
     Vec3 centre_mm = Vec3::Zero();  ///< where it is narrowest

@@ -62,4 +62,8 @@ double DiscPattern::point_volume_mm3(int ring) const {
   return ring == 0 ? std::numbers::pi / 4.0 * cube_mm3 : std::numbers::pi / 3.0 * cube_mm3;
 }
 
+double DiscPattern::deviation_mm(int ring) const {
+  return subdivision_ == DiscSubdivision::rings ? 0.0 : ring * spacing_mm_ * kHexagonDeviation;
+}
+
 }  // namespace spinaltap

@@ -37,9 +37,7 @@ class DiscPattern {
   /// Path-local x and y of a point, mm.
   const Eigen::Vector2d& point_mm(std::size_t index) const { return points_mm_[index]; }
   /// How far points of a ring lie, at most, from where even steps around its circle would be, mm.
-  double deviation_mm(int ring) const {
-    return subdivision_ == DiscSubdivision::rings ? 0.0 : ring * spacing_mm_ * kHexagonDeviation;
-  }
+  double deviation_mm(int ring) const;
   /// Volume (mm³) that a point of the ring stands for: its share of the disc's area, times the disc spacing.
   double point_volume_mm3(int ring) const;
 

@@ -44,6 +44,8 @@ PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& option
   }
 }
 
+double PointVolume::deviation_mm(int ring) const { return pattern_.deviation_mm(ring) + 1.7321 * jitter_mm_; }
+
 std::size_t PointVolume::alive_count() const {
   std::size_t count = 0;
   for (const std::uint64_t word : alive_) count += static_cast<std::size_t>(std::popcount(word));

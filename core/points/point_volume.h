@@ -56,7 +56,7 @@ class PointVolume {
     return jitter_mm_ > 0.0 ? Vec3(nominal + jitter(disc, index)) : nominal;
   }
   /// How far points of a ring lie, at most, from even steps around its circle in the disc's plane, mm.
-  double deviation_mm(int ring) const { return pattern_.deviation_mm(ring) + 1.7321 * jitter_mm_; }
+  double deviation_mm(int ring) const;
   /// How far points lie, at most, out of their disc's plane, mm.
   double out_of_plane_mm() const { return jitter_mm_; }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -44,27 +43,6 @@ FloatGrid crop_mask(const BoneMask& mask, const VoxelBox& box);
 FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm);
 
 /// Tri-linear value at grid index coordinates; beyond the border, the border's value.
-inline double sample_clamped(const FloatGrid& grid, const Vec3& p_index) {
-  const std::array<std::size_t, 3> strides{1, grid.geometry.offset(0, 1, 0), grid.geometry.offset(0, 0, 1)};
-  std::size_t low = 0;
-  std::array<std::size_t, 3> step{};  // to the higher voxel, none at the border
-  Vec3 t;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    const int last = grid.geometry.size[axis] - 1;
-    const double p = std::clamp(p_index[a], 0.0, static_cast<double>(last));
-    const int below = static_cast<int>(p);
-    low += static_cast<std::size_t>(below) * strides[axis];
-    step[axis] = below < last ? strides[axis] : 0;
-    t[a] = p - below;
-  }
-  // Not std::lerp: its care for special cases takes most of the time of those who ask millions of times.
-  const auto mix = [](double at_low, double at_high, double share) { return at_low + share * (at_high - at_low); };
-  const float* const corner = grid.values.data() + low;
-  const auto row = [&](std::size_t offset) {
-    return mix(static_cast<double>(corner[offset]), static_cast<double>(corner[offset + step[0]]), t.x());
-  };
-  return mix(mix(row(0), row(step[1]), t.y()), mix(row(step[2]), row(step[1] + step[2]), t.y()), t.z());
-}
+double sample_clamped(const FloatGrid& grid, const Vec3& p_index);
 
 }  // namespace spinaltap

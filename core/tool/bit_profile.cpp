@@ -189,6 +189,10 @@ double BitProfile::distance_mm(double back_mm, double off_axis_mm) const noexcep
   return contains(back_mm, off_axis_mm * off_axis_mm) ? -distance_mm : distance_mm;
 }
 
+bool BitProfile::contains(double back_mm, double off_axis_squared_mm2) const noexcept {
+  return contains_inlined(back_mm, off_axis_squared_mm2);
+}
+
 bool bit_contains(const BitProfile& bit, const Pose& pose, const Vec3& p) {
   const Vec3 from_tip_mm = p - pose.tip_mm;
   const double back_mm = -from_tip_mm.dot(pose.axis);

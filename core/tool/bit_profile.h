@@ -20,7 +20,9 @@ struct ProfilePiece {
   /// radius² = square[0] + square[1] w + square[2] w² at w back from the tip.
   std::array<double, 3> square{};
 
-  double radius_squared_mm2(double back_mm) const { return square[0] + back_mm * (square[1] + back_mm * square[2]); }
+  [[gnu::always_inline]] double radius_squared_mm2(double back_mm) const {
+    return square[0] + back_mm * (square[1] + back_mm * square[2]);
+  }
 };
 
 /// The outline of a bit in the half plane of (back from the tip, off the axis), in mm.
@@ -40,7 +42,9 @@ class BitProfile {
   BitProfile lengthened(double way_mm) const;
 
   /// Whether the bit holds points there. The surface counts as inside.
-  bool contains(double back_mm, double off_axis_squared_mm2) const noexcept {
+  bool contains(double back_mm, double off_axis_squared_mm2) const noexcept;
+  /// The same within loops, compiled with its caller's flags, which may round otherwise: for the library's own.
+  [[gnu::always_inline]] bool contains_inlined(double back_mm, double off_axis_squared_mm2) const noexcept {
     for (std::size_t n = 0; n < count_; ++n) {
       const ProfilePiece& piece = pieces_[n];
       if (back_mm >= piece.begin_mm && back_mm <= piece.end_mm &&

@@ -12,6 +12,10 @@ void check_screw(const PedicleScrew& screw) {
   }
 }
 
+double DrillPath::length_mm() const { return (target_mm - entry_mm).norm(); }
+
+Vec3 DrillPath::direction() const { return (target_mm - entry_mm).normalized(); }
+
 void check_path(const DrillPath& path) {
   constexpr double kShortestMm = 0.1;
   constexpr double kLongestMm = 500.0;
@@ -37,5 +41,13 @@ PathFrame::PathFrame(const Vec3& origin_mm, const Vec3& direction) : origin_mm_(
   rotation_.col(1) = z.cross(x);
   rotation_.col(2) = z;
 }
+
+Vec3 PathFrame::to_path(const Vec3& p_patient) const { return rotation_.transpose() * (p_patient - origin_mm_); }
+
+Vec3 PathFrame::to_patient(const Vec3& p_path) const { return origin_mm_ + rotation_ * p_path; }
+
+Pose PathFrame::to_path(const Pose& pose) const { return {to_path(pose.tip_mm), rotation_.transpose() * pose.axis}; }
+
+Pose PathFrame::to_patient(const Pose& pose) const { return {to_patient(pose.tip_mm), rotation_ * pose.axis}; }
 
 }  // namespace spinaltap

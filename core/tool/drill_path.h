@@ -31,9 +31,9 @@ struct DrillPath {
   DrillBit bit;
   std::optional<PedicleScrew> screw = {};  ///< that the hole is for; its tip comes to the target
 
-  double length_mm() const { return (target_mm - entry_mm).norm(); }
+  double length_mm() const;
   /// Unit, from entry to target.
-  Vec3 direction() const { return (target_mm - entry_mm).normalized(); }
+  Vec3 direction() const;
 };
 
 /// Refuses points that are not finite, a path shorter than 0.1 mm or longer than 500 mm, and a bad bit or screw.
@@ -47,10 +47,10 @@ class PathFrame {
   /// `origin_mm` in patient LPS; `direction` need not be a unit vector but must not be zero.
   PathFrame(const Vec3& origin_mm, const Vec3& direction);
 
-  Vec3 to_path(const Vec3& p_patient) const { return rotation_.transpose() * (p_patient - origin_mm_); }
-  Vec3 to_patient(const Vec3& p_path) const { return origin_mm_ + rotation_ * p_path; }
-  Pose to_path(const Pose& pose) const { return {to_path(pose.tip_mm), rotation_.transpose() * pose.axis}; }
-  Pose to_patient(const Pose& pose) const { return {to_patient(pose.tip_mm), rotation_ * pose.axis}; }
+  Vec3 to_path(const Vec3& p_patient) const;
+  Vec3 to_patient(const Vec3& p_path) const;
+  Pose to_path(const Pose& pose) const;
+  Pose to_patient(const Pose& pose) const;
 
  private:
   Vec3 origin_mm_ = Vec3::Zero();

@@ -69,6 +69,8 @@ SweptBit::SweptBit(const BitProfile& profile, const BitProfile& grown, const Pos
   highest_z_mm_ += kSpareMm;
 }
 
+bool SweptBit::contains(const Vec3& p) const noexcept { return contains_inlined(p); }
+
 bool SweptBit::chord_meets(const Vec3& begin, const Vec3& end) const noexcept {
   const Vec3 way = end - begin;
   for (const ProfilePiece& piece : grown_->pieces()) {

@@ -28,10 +28,12 @@ class SweptBit {
   const Pose& to() const { return to_; }
 
   /// Whether the bit passes p. Quick tests come first; they never differ from the exact one.
-  bool contains(const Vec3& p) const noexcept {
+  bool contains(const Vec3& p) const noexcept;
+  /// The same within loops, compiled with its caller's flags, which may round otherwise: for the library's own.
+  [[gnu::always_inline]] bool contains_inlined(const Vec3& p) const noexcept {
     const Vec3 at_end = to_rows_ * (p - to_.tip_mm);
     const double off_axis_squared = at_end.x() * at_end.x() + at_end.y() * at_end.y();
-    if (profile_->contains(at_end.z(), off_axis_squared)) return true;
+    if (profile_->contains_inlined(at_end.z(), off_axis_squared)) return true;
     if (is_beyond(at_end.z(), off_axis_squared)) return false;
     return chord_meets(from_rows_ * (p - from_.tip_mm), at_end);
   }
@@ -48,7 +50,7 @@ class SweptBit {
   double highest_z_mm() const { return highest_z_mm_; }
 
  private:
-  bool is_beyond(double back_mm, double off_axis_squared_mm2) const noexcept {
+  [[gnu::always_inline]] bool is_beyond(double back_mm, double off_axis_squared_mm2) const noexcept {
     if (back_mm < least_back_mm_ || back_mm > most_back_mm_ || off_axis_squared_mm2 > most_off_axis_squared_mm2_) {
       return true;
     }

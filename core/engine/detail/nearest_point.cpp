@@ -46,7 +46,7 @@ bool NearestPoint::removes(const Vec3& p, double z_mm) noexcept {
   const double back_mm = -from_tip.dot(a.axis);
   const double off_axis_squared = std::max(0.0, from_tip.squaredNorm() - back_mm * back_mm);
   const BitProfile& profile = a.bit.profile();
-  if (profile.contains(back_mm, off_axis_squared)) return true;
+  if (profile.contains_inlined(back_mm, off_axis_squared)) return true;
   double from_bound_mm = 0.0;
   if (ellipse_ != nullptr) {
     // A point out of the disc's plane lies in another, where the middle is elsewhere and the cone of another size.
@@ -61,9 +61,9 @@ bool NearestPoint::removes(const Vec3& p, double z_mm) noexcept {
       size_mm += ellipse_->gain * wider_mm;
     }
     from_bound_mm = ellipse_->off_centre(x, y, a.axis) - size_mm;
-    if (from_bound_mm <= surely_free_mm_ && a.bit.contains(p)) return true;
+    if (from_bound_mm <= surely_free_mm_ && a.bit.contains_inlined(p)) return true;
   } else {
-    if (a.bit.contains(p)) return true;
+    if (a.bit.contains_inlined(p)) return true;
     const double off_axis_mm = std::sqrt(off_axis_squared);
     if (off_axis_mm - size_mm_ >= best_mm_) return false;
     from_bound_mm = profile.distance_mm(back_mm, off_axis_mm);

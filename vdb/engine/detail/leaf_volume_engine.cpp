@@ -136,7 +136,7 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
     const BitPlace at = tool.place(p);
     const double from_cylinder_mm = bounds_.from_cylinder_mm(at);
     const double from_cone_mm = bounds_.from_cone_mm(at);
-    if (tool.may_reach(from_cylinder_mm, from_cone_mm) && tool.bit().contains(p)) {
+    if (tool.may_reach(from_cylinder_mm, from_cone_mm) && tool.bit().contains_inlined(p)) {
       kill_point<sharing>(cell, n, removal);
       continue;
     }

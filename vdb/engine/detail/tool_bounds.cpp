@@ -77,7 +77,7 @@ FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double 
 
 bool SweptBounds::holds_ball(const BitPlace& at, double radius_mm) const {
   const BitProfile& profile = bit_.profile();
-  return profile.contains(at.back_mm, at.off_mm * at.off_mm) &&
+  return profile.contains_inlined(at.back_mm, at.off_mm * at.off_mm) &&
          profile.distance_mm(at.back_mm, at.off_mm) < -radius_mm - kSpareMm;
 }
 
