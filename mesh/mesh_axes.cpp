@@ -11,7 +11,7 @@
 #include "core/plan/bone_shape.h"
 #include "core/plan/canal_search.h"
 #include "core/plan/surface_sample.h"
-#include "mesh/mesh_units.h"
+#include "mesh/vertebra_mesh.h"
 #include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {

@@ -9,7 +9,6 @@
 #include "core/rbf/fit_surface.h"
 #include "core/rbf/rbf_field.h"
 #include "mesh/mesh_quality.h"
-#include "mesh/roughness.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/isosurface.h"
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "apps/report/pixel_text.h"
 #include "apps/report/slice_frame.h"
+#include "apps/report/slice_marks.h"
 #include "core/ct/label_volume.h"
 
 namespace spinaltap {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string>
 
-#include "apps/report/pixel_text.h"
+#include "apps/report/slice_marks.h"
 #include "core/base/error.h"
 #include "core/surface/surface_samples.h"
 #include "vdb/picture/render.h"

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <string>
 
-#include "apps/report/pixel_text.h"
 #include "apps/report/slice_marks.h"
 #include "core/base/error.h"
 

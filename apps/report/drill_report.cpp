@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "apps/report/depth_bins.h"
-#include "apps/report/path_slices.h"
 #include "apps/report/session_report.h"
+#include "apps/report/slice_figure.h"
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "apps/report/html_report.h"
-#include "apps/report/path_slices.h"
+#include "apps/report/slice_figure.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "apps/report/pixel_text.h"
+#include "apps/report/slice_marks.h"
 #include "core/base/image.h"
 
 namespace spinaltap {

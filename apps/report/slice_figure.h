@@ -1,8 +1,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "apps/report/html_report.h"
 #include "apps/report/slice_frame.h"
+#include "core/ct/ct_volume.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
@@ -25,5 +28,10 @@ std::string plane_caption(Plane plane, const SliceFrame& frame);
 
 /// "Along the path, 12.0° from axial": how far path_frame() had to tilt.
 std::string path_caption(const SliceFrame& frame);
+
+/// Four slices of a CT through the middle of a path, with the path's bit drawn: along the path, axial, sagittal and
+/// coronal, all at one scale, the two side by side of one height. They show the bone, whose box is given (patient LPS,
+/// mm; empty: a box around the path), and the path.
+std::vector<ReportDrawing> path_slices(const CtVolume& ct, const DrillPath& path, const Box3& bone_bounds_mm);
 
 }  // namespace spinaltap

@@ -1,10 +1,34 @@
 #pragma once
 
-#include "apps/report/pixel_text.h"
+#include <array>
+#include <cstdint>
+#include <string_view>
+
 #include "core/base/geometry.h"
 #include "core/base/image.h"
 
 namespace spinaltap {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+constexpr Colour kWhite{255, 255, 255};
+
+/// Height of capitals and digits drawn by draw_text(), pixels at scale 1. Letters stand 6 pixels apart.
+constexpr int kTextHeight = 7;
+
+/// Width of a text in pixels.
+int pixel_text_width(std::string_view text, int scale);
+
+/// Draws text in a font of 5 x 7 dots, each `scale` pixels wide, its upper left corner at (x, y), on a dark rim that
+/// keeps it legible on any ground. Letters are capitals, but for a small m and k of units; what the font does not have
+/// is left blank, and what does not fit the picture is cut.
+void draw_text(Image& image, int x, int y, std::string_view text, int scale, const Colour& colour);
+
+/// Fills a rectangle, as much of it as lies in the picture.
+void fill_rectangle(Image& image, int x, int y, int width, int height, const Colour& colour);
+
+/// Copies a picture into another, its upper left corner to (x, y); it must lie within.
+void paste(const Image& part, Image& whole, int x, int y);
 
 /// Part of a picture, pixels.
 struct PictureArea {

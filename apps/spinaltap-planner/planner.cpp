@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "apps/report/grade_report.h"
-#include "apps/spinaltap-planner/drill/drill_output.h"
+#include "apps/spinaltap-planner/drill/played_hole.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"

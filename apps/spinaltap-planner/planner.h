@@ -44,7 +44,7 @@ class Planner : public QObject {
   void save_bone(const std::filesystem::path& path);
   /// The report on all paths of the plan, as `spinaltap grade` writes it.
   void save_report(const std::filesystem::path& path);
-  /// The record and the report of the drilling that stands, written while the window goes on (drill_output.h). Throw
+  /// The record and the report of the drilling that stands, written while the window goes on (played_hole.h). Throw
   /// Error where there is none.
   void save_record(const std::filesystem::path& path);
   void write_drill_report(const std::filesystem::path& folder);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/report/drilling_report.h"
 #include "apps/spinaltap/drill_options.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
@@ -10,6 +11,10 @@
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
+
+/// For people, on standard output. `density`: the law of the session's material.
+void print_drilling(const DrillFigures& figures, const DensityCalibration& density);
+Json drilling_json(const DrillFigures& figures, const DensityCalibration& density);
 
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
 /// points.vdb into a folder: all of them or none. A record grows where its option says, and stays whatever happens.

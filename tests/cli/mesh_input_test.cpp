@@ -8,7 +8,7 @@
 
 #include "core/phantom/vertebra.h"
 #include "mesh/mesh_io.h"
-#include "mesh/mesh_units.h"
+#include "mesh/vertebra_mesh.h"
 #include "tests/cli/program.h"
 #include "tests/support/filed_mesh.h"
 #include "tests/support/mesh_shapes.h"

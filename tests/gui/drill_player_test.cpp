@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <map>
 
-#include "apps/spinaltap-planner/drill/drill_output.h"
+#include "apps/spinaltap-planner/drill/played_hole.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/record/session_record.h"
 #include "tests/gui/phantom_bone.h"

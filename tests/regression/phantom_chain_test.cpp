@@ -10,7 +10,6 @@
 #include "core/phantom/vertebra_truth.h"
 #include "mesh/display_mesh.h"
 #include "mesh/mesh_quality.h"
-#include "mesh/roughness.h"
 #include "mesh/surface_comparison.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/surface_distance.h"

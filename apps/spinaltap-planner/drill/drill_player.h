@@ -81,7 +81,7 @@ class DrillPlayer : public QObject {
   double surface_updates_per_s() const { return surface_updates_per_s_; }
   bool is_over() const;  ///< its hand has ended
 
-  /// The hole with all that it takes to write it from any thread (drill_output.h); nothing while it is drilled and
+  /// The hole with all that it takes to write it from any thread (played_hole.h); nothing while it is drilled and
   /// where there is none.
   std::optional<DoneDrilling> done() const;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -79,5 +80,15 @@ class PlayedHole {
   std::size_t removed_ = 0;
   bool is_over_ = false;
 };
+
+/// Both run the drilling's cycles again, which takes some seconds. From any thread.
+
+/// Writes a record as `spinaltap drill --record` does, which `replay` and `export` read; replaces a file that is there.
+/// Throws Error as RecordWriter does.
+void write_record(const DoneDrilling& drilling, const std::filesystem::path& path, const Progress& progress = {});
+
+/// Writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv into a folder, as `spinaltap drill` does.
+/// Earlier holes are in the drilled bone, too. Throws Error where the folder cannot be written.
+void write_report(const DoneDrilling& drilling, const std::filesystem::path& folder, const Progress& progress = {});
 
 }  // namespace spinaltap

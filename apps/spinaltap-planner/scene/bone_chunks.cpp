@@ -18,8 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/spinaltap-planner/scene/lit_surface.h"
-#include "apps/spinaltap-planner/scene/surface_colours.h"
+#include "apps/spinaltap-planner/scene/surface_look.h"
 
 namespace spinaltap {
 namespace {

@@ -9,7 +9,7 @@
 #include <vtkSphereSource.h>
 
 #include "apps/spinaltap-planner/colours.h"
-#include "apps/spinaltap-planner/scene/lit_surface.h"
+#include "apps/spinaltap-planner/scene/surface_look.h"
 
 namespace spinaltap {
 

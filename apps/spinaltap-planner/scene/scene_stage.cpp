@@ -3,19 +3,38 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkLight.h>
+#include <vtkOpenGLFramebufferObject.h>
 #include <vtkOpenGLRenderWindow.h>
+#include <vtkOpenGLState.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
+#include <vtk_glew.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
 
 #include "apps/spinaltap-planner/scene/orientation_marker.h"
 
+// OpenGL before those.
+
 namespace spinaltap {
 namespace {
+
+void copy(vtkOpenGLRenderWindow& window, vtkOpenGLFramebufferObject& from, vtkOpenGLFramebufferObject& to) {
+  const int* size = window.GetSize();
+  const std::array<int, 4> all{0, size[0], 0, size[1]};
+  vtkOpenGLState& state = *window.GetState();
+  state.PushFramebufferBindings();
+  from.Bind(GL_READ_FRAMEBUFFER);
+  from.ActivateReadBuffer(0);
+  to.Bind(GL_DRAW_FRAMEBUFFER);
+  to.ActivateDrawBuffer(0);
+  vtkOpenGLFramebufferObject::Blit(all.data(), all.data(), GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  state.PopFramebufferBindings();
+}
 
 void observe(vtkObject& object, unsigned long event, const std::function<void()>& action) {
   vtkNew<vtkCallbackCommand> command;
@@ -29,6 +48,30 @@ void observe(vtkObject& object, unsigned long event, const std::function<void()>
 vtkOpenGLRenderWindow& opengl(vtkRenderWindow& window) { return dynamic_cast<vtkOpenGLRenderWindow&>(window); }
 
 }  // namespace
+
+KeptLayer::KeptLayer() = default;
+
+KeptLayer::~KeptLayer() = default;
+
+void KeptLayer::keep(vtkOpenGLRenderWindow& window) {
+  const int* size = window.GetSize();
+  vtkOpenGLState& state = *window.GetState();
+  state.PushFramebufferBindings();
+  kept_->SetContext(&window);
+  if (kept_->GetFBOIndex() == 0) {
+    // As VTK makes the one that it draws into: only like is copied to like.
+    kept_->PopulateFramebuffer(size[0], size[1], true, 1, VTK_UNSIGNED_CHAR, true, 32, 0,
+                               window.GetStencilCapable() != 0);
+  } else {
+    kept_->Resize(size[0], size[1]);
+  }
+  state.PopFramebufferBindings();
+  copy(window, *window.GetRenderFramebuffer(), *kept_);
+}
+
+void KeptLayer::put_back(vtkOpenGLRenderWindow& window) { copy(window, *kept_, *window.GetRenderFramebuffer()); }
+
+void KeptLayer::release(vtkOpenGLRenderWindow& window) { kept_->ReleaseGraphicsResources(&window); }
 
 SceneStage::SceneStage() {
   window_->SetOffScreenRendering(1);

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/spinaltap-planner/scene/lit_surface.h"
+#include "apps/spinaltap-planner/scene/surface_look.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/drill_path.h"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/report/pixel_text.h"
+#include "apps/report/slice_marks.h"
 #include "core/base/error.h"
 
 namespace spinaltap {

@@ -1,4 +1,4 @@
-#include "mesh/mesh_units.h"
+#include "mesh/vertebra_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
