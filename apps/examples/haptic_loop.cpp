@@ -30,8 +30,12 @@ int main(int count, char** arguments) {
       next += kCycle;
       std::this_thread::sleep_until(next);
     }
-    std::printf("%.2f mm deep after %.1f s, %.2f N; %zu blocks of surface drawn; %zu events\n", session.last().depth_mm,
-                session.last().time_s, session.last().force.thrust_n, blocks, session.events().size());
+    const Cycle& last = session.last();
+    std::printf("%.2f mm deep after %.1f s, %.2f N; %zu blocks of surface drawn; %zu events\n", last.depth_mm,
+                last.time_s, last.force.thrust_n, blocks, session.events().size());
+    session.end_hole();  // the next begins at time 0; surface and undo() know both
+    session.undo();      // the last hole
+    std::printf("the bone is whole again: %zu blocks go back\n", session.surface_changes().size());
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -57,14 +57,19 @@ std::unique_ptr<OwnedTask> make_task(const std::vector<std::pair<Bone, DrillPath
       long_call(progress, [&](const Progress& heard) { return DrillTask(paths, count, task, threads, heard); }));
 }
 
-py::array_t<float> reset_one(OwnedTask& self, std::size_t n, std::optional<std::uint64_t> seed) {
+py::array_t<float> reset_all(OwnedTask& self, const std::vector<std::optional<std::uint64_t>>& seeds) {
   const auto task = self.take();
-  if (n >= task->count()) throw py::index_error("no such drilling");
-  py::array_t<float> observation(kWidth);
-  const std::span<float> to = all_of(observation);
+  py::array_t<float> observations({static_cast<py::ssize_t>(task->count()), kWidth});
+  const std::span<float> to = all_of(observations);
   const py::gil_scoped_release unlocked;
-  task->reset(n, seed, to);
-  return observation;
+  task->reset(seeds, to);
+  return observations;
+}
+
+/// Shows the task's own memory, and keeps the task.
+py::array_t<double> time_drillings(const py::object& self) {
+  const std::span<const double> cpu_s = self.cast<OwnedTask&>().take()->time_drillings();
+  return py::array_t<double>(static_cast<py::ssize_t>(cpu_s.size()), cpu_s.data(), self);
 }
 
 py::tuple step_all(OwnedTask& self, const Actions& actions, bool resets) {
@@ -96,10 +101,12 @@ void bind_drill_task(py::module_& module) {
   py::class_<OwnedTask>(module, "DrillTask", "What spinaltap.env stands on: use that.")
       .def(py::init(&make_task), "holes"_a, "count"_a, "threads"_a, "options"_a, "progress"_a = py::none())
       .def("__len__", [](OwnedTask& self) { return self.take()->count(); })
-      .def("reset", &reset_one, "n"_a, "seed"_a = py::none(), "Gives the first observation of a new episode.")
+      .def("reset", &reset_all, "seeds"_a, "Begins a new episode of each, and gives their first observations.")
       .def("step", &step_all, "actions"_a, "resets"_a,
            "Observations, rewards, terminated, truncated, breached, least clearances (mm), greatest thrusts (N), and, "
            "where episodes begin again by themselves, the last observations of those before.")
+      .def("time_drillings", &time_drillings,
+           "An array that each step() fills: seconds of processor time of each drilling.")
       .def_property_readonly_static("ACTIONS", [](const py::object&) { return DrillTask::kActions; })
       .def_property_readonly_static("OBSERVATIONS", [names = py::tuple(names)](const py::object&) { return names; });
 }

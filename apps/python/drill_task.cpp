@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/session/real_time/timing.h"
 
 namespace spinaltap {
 
@@ -94,13 +95,23 @@ void DrillTask::begin(std::size_t n) {
   session.step({episode.frame.to_patient(episode.pose), true, options_.dt_s});
 }
 
-void DrillTask::reset(std::size_t n, std::optional<std::uint64_t> seed, std::span<float> observation) {
-  if (seed) {
-    episodes_[n].seed = *seed;
-    episodes_[n].number = 0;
+void DrillTask::reset(std::span<const std::optional<std::uint64_t>> seeds, std::span<float> observations) {
+  if (seeds.size() != count()) {
+    fail("drill task: expected a seed for each of ", count(), " drillings, found ", seeds.size());
   }
-  begin(n);
-  observe(n, observation);
+  batch_.for_each([&](std::size_t n) {
+    if (seeds[n]) {
+      episodes_[n].seed = *seeds[n];
+      episodes_[n].number = 0;
+    }
+    begin(n);
+    observe(n, observations.subspan(n * kObservations.size(), kObservations.size()));
+  });
+}
+
+std::span<const double> DrillTask::time_drillings() {
+  cpu_s_.resize(count());
+  return cpu_s_;
 }
 
 void DrillTask::observe(std::size_t n, std::span<float> observation) {
@@ -132,7 +143,11 @@ void DrillTask::step(std::span<const float> actions, const Step& to) {
   for (const Episode& episode : episodes_) {
     if (episode.is_over) fail("drill task: expected reset() before the first step of an episode");
   }
-  batch_.for_each([&](std::size_t n) { step_one(n, actions.subspan(n * kActions, kActions), to); });
+  batch_.for_each([&](std::size_t n) {
+    const std::int64_t begun_ns = cpu_s_.empty() ? 0 : thread_cpu_ns();
+    step_one(n, actions.subspan(n * kActions, kActions), to);
+    if (!cpu_s_.empty()) cpu_s_[n] = 1e-9 * static_cast<double>(thread_cpu_ns() - begun_ns);
+  });
 }
 
 void DrillTask::step_one(std::size_t n, std::span<const float> action, const Step& to) {

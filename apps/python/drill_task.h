@@ -58,9 +58,9 @@ class DrillTask {
 
   std::size_t count() const { return episodes_.size(); }
 
-  /// Begins a new episode of the n-th, and gives its first observation. `seed`: of what is random from here on; without
-  /// it, the next episode of the last seed.
-  void reset(std::size_t n, std::optional<std::uint64_t> seed, std::span<float> observation);
+  /// Begins a new episode of each, and gives their first observations, a row each. `seeds`: of what is random from here
+  /// on; without one, the next episode of the last seed.
+  void reset(std::span<const std::optional<std::uint64_t>> seeds, std::span<float> observations);
 
   /// What a step of all came to; a row each.
   struct Step {
@@ -77,8 +77,13 @@ class DrillTask {
   /// moves.
   void step(std::span<const float> actions, const Step& to);
 
+  /// From now on each step() leaves here what each drilling took of its thread's processor time, s: to tell what two
+  /// threads bring on a machine that has other work. Stays where it is.
+  std::span<const double> time_drillings();
+
  private:
-  struct Episode {
+  /// Lines of the cache are not shared: different threads write to neighbours.
+  struct alignas(64) Episode {
     std::uint64_t seed = 0;
     std::uint64_t number = 0;
     int steps = 0;
@@ -97,6 +102,7 @@ class DrillTask {
   DrillTaskOptions options_;
   SessionBatch batch_;
   std::vector<Episode> episodes_;
+  std::vector<double> cpu_s_;  ///< of each, where it is wanted
 };
 
 }  // namespace spinaltap

@@ -46,12 +46,12 @@ void steps(benchmark::State& state) {
     for (const ToolInput& input : drilling.inputs) benchmark::DoNotOptimize(drilling.session.step_input(input));
   });
 }
-BENCHMARK(steps)->Unit(benchmark::kMillisecond);
+BENCHMARK(steps)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 void arrays(benchmark::State& state) {
   measure(state, [](Drilling& drilling) { benchmark::DoNotOptimize(drilling.session.run(drilling.inputs)); });
 }
-BENCHMARK(arrays)->Unit(benchmark::kMillisecond);
+BENCHMARK(arrays)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
 }  // namespace
 }  // namespace spinaltap

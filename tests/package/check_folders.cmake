@@ -64,6 +64,13 @@ forbid("${all}" "${windows}" "only the planner has windows")
 sources(apps headers all)
 list(FILTER all EXCLUDE REGEX "/apps/python/")
 forbid("${all}" "${python}" "only apps/python/ knows Python")
+# Programs of others that read the grids: of OpenVDB alone.
+sources(apps headers all)
+set(strangers ${all})
+list(FILTER strangers INCLUDE REGEX "/apps/examples/openvdb_[a-z_]*\\.cpp$")
+forbid("${strangers}" "core/|vdb/|mesh/|apps/|spinaltap/" "apps/examples/openvdb_* know nothing of SpinalTap")
+list(FILTER all EXCLUDE REGEX "/apps/examples/openvdb_[a-z_]*\\.cpp$")
+forbid("${all}" "${openvdb}" "vdb/ wraps OpenVDB; apps/examples/openvdb_* show what others do with it")
 
 # Headers that name JSON's types are for programs, and are not installed (SpinalTapInstall.cmake).
 foreach(folder core vdb mesh)

@@ -22,6 +22,7 @@ function(fresh_tree)
   file(WRITE ${WORK_DIR}/core/session/operator/hand.cpp "#include \"core/session/operator/hand.h\"\n")
   file(WRITE ${WORK_DIR}/vdb/sim/replay.cpp "#include \"vdb/bake/bake.h\"\n#include \"core/files/plan.h\"\n")
   file(WRITE ${WORK_DIR}/mesh/io.cpp "#include <OpenMesh/Core/IO/MeshIO.hh>\n#include \"vdb/bake/bake.h\"\n")
+  file(WRITE ${WORK_DIR}/apps/examples/openvdb_grids.cpp "#include <openvdb/openvdb.h>\n")
   file(WRITE ${WORK_DIR}/apps/spinaltap/main.cpp "#include <CLI/CLI.hpp>\n#include \"mesh/io.h\"\n")
 endfunction()
 
@@ -47,6 +48,9 @@ set(broken
     core/ct/x.cpp [[#include <pybind11/pybind11.h>]]
     apps/spinaltap/x.cpp [[#include <Python.h>]]
     apps/python/x.cpp [[#include "apps/report/text.h"]]
+    apps/spinaltap/x.cpp [[#include <openvdb/openvdb.h>]]
+    apps/examples/x.cpp [[#include <openvdb/openvdb.h>]]
+    apps/examples/openvdb_x.cpp [[#include <spinaltap/spinaltap.h>]]
     core/ct/x.cpp [[#include "core/segment/seed.h"]]
     core/study/x.h [[#include "core/files/plan.h"]]
     core/surface/x.cpp [[#include "core/base/detail/hdf5_parts.h"]]

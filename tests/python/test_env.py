@@ -1,5 +1,6 @@
 """The environments: Gymnasium's signatures, rewards, and the same bits on any number of threads."""
 
+import time
 import unittest
 
 import numpy as np
@@ -146,6 +147,23 @@ class ManyDrillings(unittest.TestCase):
                 observation, reward, *_ = one.step(AHEAD)
                 np.testing.assert_array_equal(observation, step[0][n])
                 self.assertEqual(reward, step[1][n])
+
+    def test_take_a_seed_each(self):
+        many = VectorDrillEnv([(made_bone.bone(), made_bone.path())], 3, spacing_mm=0.3)
+        observations, _ = many.reset(seed=[7, 9, 7])
+        np.testing.assert_array_equal(observations[0], observations[2])
+        self.assertFalse(np.array_equal(observations[0], observations[1]))
+        with self.assertRaisesRegex(spinaltap.Error, "seed for each of 3"):
+            many.reset(seed=[1, 2])
+
+    def test_tell_what_each_took_of_processor_time(self):
+        many = VectorDrillEnv([(made_bone.bone(), made_bone.path())], 2, threads=1, spacing_mm=0.3)
+        many.reset(seed=1)
+        took_s = many._task.time_drillings()
+        begin = time.process_time()
+        many.step([AHEAD] * 2)
+        self.assertTrue((took_s > 0).all())
+        self.assertLess(took_s.sum(), time.process_time() - begin)
 
     def test_begin_again_by_themselves(self):
         many = VectorDrillEnv([(made_bone.bone(), made_bone.path())], 2, spacing_mm=0.3, max_steps=3)

@@ -1,18 +1,23 @@
-"""The example of the guide, as it stands there."""
+"""The examples of the guides, as they stand there."""
 
 import os
+import re
 import subprocess
 import sys
 import unittest
 from pathlib import Path as FilePath
 
+import spinaltap
+
 ROOT = FilePath(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "apps" / "examples" / "bake_and_drill.py"
+ENVIRONMENT = ROOT / "apps" / "examples" / "environment.py"
+DATA = FilePath(os.environ["SPINALTAP_PYTHON_TEST_DATA"])
 
 
 class Example(unittest.TestCase):
     def test_goes_from_a_ct_to_forces_at_every_step(self):
-        ct = FilePath(os.environ["SPINALTAP_PYTHON_TEST_DATA"]) / "ct"
+        ct = DATA / "ct"
         said = subprocess.run([sys.executable, str(EXAMPLE), str(ct)], check=True, capture_output=True, text=True)
         lines = [line for line in said.stdout.splitlines() if "thrust" in line]
         # A way of some 45 mm at 1 mm/s and 1 kHz.
@@ -23,6 +28,47 @@ class Example(unittest.TestCase):
         text = EXAMPLE.read_text()
         self.assertLessEqual(len(text.splitlines()), 15)
         self.assertIn("```python\n" + text + "```", (ROOT / "docs" / "python.md").read_text())
+
+
+def learned(seed):
+    """What the environment's example prints."""
+    command = [sys.executable, str(ENVIRONMENT), str(DATA / "truth.vdb"), str(DATA / "plan.json"), str(seed)]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+class Environment(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.text = learned(5)
+        pattern = r"^(\S.*?)  +mean reward +(\S+)  breaches (\d+) of (\d+)  depths (.+) mm$"
+        cls.rows = {
+            name: (float(reward), int(breaches), int(count), [float(depth) for depth in depths.split()])
+            for name, reward, breaches, count, depths in re.findall(pattern, cls.text, re.MULTILINE)
+        }
+
+    def test_greedy_actions_reach_the_target_without_a_breach(self):
+        length_mm = spinaltap.read_plan(DATA / "plan.json")[0].length_mm
+        reward, breaches, count, depths = self.rows["greedy"]
+        self.assertEqual((breaches, count), (0, 4))
+        for depth in depths:
+            # A cycle goes 3 micrometres.
+            self.assertAlmostEqual(depth, length_mm, delta=0.011)
+        # Each mm from 2 before the entry, and the target; what a clearance below 1 mm costs is less than a mm's worth.
+        self.assertLessEqual(reward, length_mm + 2.0 + 10.0 + 0.005)
+        self.assertGreater(reward, length_mm + 2.0 + 10.0 - 1.0)
+
+    def test_greedy_actions_beat_random_ones(self):
+        self.assertGreater(self.rows["greedy"][0], self.rows["random"][0] + 10.0)
+
+    def test_many_at_once_are_as_alone(self):
+        self.assertEqual(self.rows["greedy, all at once"], self.rows["greedy"])
+
+    def test_the_same_seed_gives_the_same_text(self):
+        self.assertEqual(learned(5), self.text)
+        self.assertNotEqual(learned(6).splitlines()[1], self.text.splitlines()[1])
+
+    def test_stands_in_the_guide(self):
+        self.assertIn("```python\n" + ENVIRONMENT.read_text() + "```", (ROOT / "docs" / "learning.md").read_text())
 
 
 if __name__ == "__main__":

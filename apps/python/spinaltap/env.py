@@ -85,7 +85,7 @@ class DrillEnv:
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode: the first of `seed`, or without one the next. Gives an observation and no information."""
-        return self._task.reset(0, seed), {}
+        return self._task.reset([seed])[0], {}
 
     def step(self, action: ArrayLike) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """An observation, the reward, whether the episode has ended, whether it was cut off, and information: of the
@@ -149,9 +149,7 @@ class VectorDrillEnv:
             seeds = [int(seed) + n for n in range(self.num_envs)]
         else:
             seeds = seed
-        if len(seeds) != self.num_envs:
-            raise Error(f"expected a seed for each of {self.num_envs} drillings, found {len(seeds)}")
-        return np.stack([self._task.reset(n, one) for n, one in enumerate(seeds)]), {}
+        return self._task.reset(seeds), {}
 
     def step(
         self, actions: ArrayLike
