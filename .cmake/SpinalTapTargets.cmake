@@ -9,7 +9,7 @@ function(spinaltap_target_name out folder)
   endif()
 endfunction()
 
-# Links `target` of `folder` to libraries, refusing those that SPINALTAP_LINKS_<folder> does not list.
+# Links `target` of `folder` to libraries, rejecting those that SPINALTAP_LINKS_<folder> does not list.
 function(spinaltap_link folder target scope)
   foreach(library IN LISTS ARGN)
     if(NOT library IN_LIST SPINALTAP_LINKS_${folder})

@@ -36,15 +36,15 @@ std::vector<bool> on_edge(const TriangleMesh& mesh) {
 /// The place on the cylinder's wall and on the bone's surface that a place near both goes to, by Newton's method along
 /// the wall; frame of the path.
 Vec3 on_cylinder(const BoneModel& bone, const PathFrame& frame, double radius_mm, const Vec3& near) {
-  constexpr int kMostSteps = 5;
-  constexpr double kLeastSlope = 0.1;  // flatter surfaces run along the wall
+  constexpr int kMaxSteps = 5;
+  constexpr double kMinSlope = 0.1;  // flatter surfaces run along the wall
   const auto to_wall = [&](Vec3 p) {
     p.head<2>() *= radius_mm / p.head<2>().norm();
     return p;
   };
   Vec3 start = to_wall(near);
   Vec3 p = start;
-  for (int n = 0; n < kMostSteps; ++n) {
+  for (int n = 0; n < kMaxSteps; ++n) {
     const Vec3 p_mm = frame.to_patient(p);
     float distance_mm = 0.0F;
     Vec3 gradient;
@@ -52,7 +52,7 @@ Vec3 on_cylinder(const BoneModel& bone, const PathFrame& frame, double radius_mm
     Vec3 slope = frame.to_path(Vec3(p_mm + gradient)) - p;
     const Vec3 outward = Vec3(p.x(), p.y(), 0.0) / radius_mm;
     slope -= slope.dot(outward) * outward;
-    if (slope.norm() < kLeastSlope) break;
+    if (slope.norm() < kMinSlope) break;
     p = to_wall(p - static_cast<double>(distance_mm) / slope.squaredNorm() * slope);
     if ((p - start).norm() > bone.voxel_mm()) return start;
   }

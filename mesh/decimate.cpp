@@ -184,14 +184,14 @@ std::vector<Vec3> vertices_of(const TriangleMesh& mesh) {
 }  // namespace
 
 TriangleMesh decimate(const TriangleMesh& mesh, double max_error_mm, RemeshReport* report, const Progress& progress) {
-  constexpr std::size_t kMostRounds = 5;
+  constexpr std::size_t kMaxRounds = 5;
   constexpr double kFirst = 0.8;  // between vertices the mesh lies further off
   constexpr double kSmaller = 0.7;
   if (!(max_error_mm > 0.0)) fail("decimating: expected an error above 0 mm, found ", max_error_mm);
   const detail::SilencedOutput silenced;
   detail::HalfEdgeResult edges = detail::to_half_edges(mesh);
   const MeshQuality quality = measure_mesh(mesh);
-  if (mesh.triangles.empty() || !quality.closed() || edges.refused_faces != 0) {
+  if (mesh.triangles.empty() || !quality.closed() || edges.rejected_faces != 0) {
     fail("decimating: expected a mesh that is closed and manifold");
   }
   edges.mesh.request_vertex_status();
@@ -204,13 +204,13 @@ TriangleMesh decimate(const TriangleMesh& mesh, double max_error_mm, RemeshRepor
   TriangleMesh result;
   RemeshReport found;
   double tolerance_mm = kFirst * max_error_mm;
-  for (found.rounds = 1; found.rounds <= kMostRounds; ++found.rounds, tolerance_mm *= kSmaller) {
-    progress.report("decimating", static_cast<double>(found.rounds - 1) / static_cast<double>(kMostRounds));
+  for (found.rounds = 1; found.rounds <= kMaxRounds; ++found.rounds, tolerance_mm *= kSmaller) {
+    progress.report("decimating", static_cast<double>(found.rounds - 1) / static_cast<double>(kMaxRounds));
     result = collapsed(edges.mesh, tolerance_mm);
     found.to_surface = surface_to_mesh(detail::places_of_triangles_mm(result), mesh);
     found.from_surface = surface_to_mesh(surface_mm, result);
     found.reached = found.to_surface.max_mm <= max_error_mm && found.from_surface.max_mm <= max_error_mm;
-    if (found.reached || found.rounds == kMostRounds) break;
+    if (found.reached || found.rounds == kMaxRounds) break;
   }
   progress.report("decimating", 1.0);
   found.smallest_angle_deg = measure_mesh(result).smallest_angle_deg;

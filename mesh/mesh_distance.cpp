@@ -53,28 +53,29 @@ std::vector<Vec3> places_of_triangles_mm(const TriangleMesh& mesh) {
   return points_mm;
 }
 
-std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface, double sure_mm) {
+std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface,
+                                          double trusted_band_mm) {
   const std::vector<Vec3> points_mm = places_of_triangles_mm(mesh);
   const ZeroSet zero_set(surface);
   std::vector<double> distances_mm = zero_set.distances_mm(points_mm);
   for (double& d : distances_mm) d = std::abs(d);
   // Where two sheets meet in a crease the slope is small and says too much: there the way to the zero set is measured,
   // which the distance cannot be more than.
-  std::vector<std::size_t> doubtful;
+  std::vector<std::size_t> suspect;
   std::vector<Vec3> from_mm;
   std::vector<double> reach_mm;
   for (std::size_t i = 0; i < distances_mm.size(); ++i) {
-    if (!(distances_mm[i] > sure_mm)) continue;
-    doubtful.push_back(i);
+    if (!(distances_mm[i] > trusted_band_mm)) continue;
+    suspect.push_back(i);
     from_mm.push_back(points_mm[i]);
     reach_mm.push_back(2.0 * distances_mm[i]);
   }
-  std::vector<ZeroSet::Place> places(doubtful.size());
+  std::vector<ZeroSet::Place> places(suspect.size());
   zero_set.project(from_mm, reach_mm, places);
-  for (std::size_t n = 0; n < doubtful.size(); ++n) {
+  for (std::size_t n = 0; n < suspect.size(); ++n) {
     if (!places[n].found) continue;
     const double way_mm = (places[n].position_mm - from_mm[n]).norm() + std::abs(places[n].distance_mm);
-    distances_mm[doubtful[n]] = std::min(distances_mm[doubtful[n]], way_mm);
+    distances_mm[suspect[n]] = std::min(distances_mm[suspect[n]], way_mm);
   }
   return distances_mm;
 }

@@ -26,10 +26,10 @@ MeshDistance surface_to_mesh(std::span<const Vec3> surface_points_mm, const Tria
 namespace detail {
 
 /// The places that mesh_to_surface() looks at, kDistancesOfTriangle for each triangle in turn, and their distances.
-/// Those up to `sure_mm` are value over slope.
+/// Those up to `trusted_band_mm` are value over slope.
 inline constexpr std::size_t kDistancesOfTriangle = 13;
 std::vector<Vec3> places_of_triangles_mm(const TriangleMesh& mesh);
-std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface, double sure_mm);
+std::vector<double> triangle_distances_mm(const TriangleMesh& mesh, const ScalarField& surface, double trusted_band_mm);
 
 /// The distance of each point.
 std::vector<double> point_distances_mm(std::span<const Vec3> surface_points_mm, const TriangleMesh& mesh);

@@ -72,8 +72,8 @@ bool require_whole(const fs::path& path, const std::string& bytes) {
 
 TriangleMesh read_mesh(const fs::path& path) {
   require_extension(path, {".stl", ".ply", ".obj", ".off"});
-  constexpr std::size_t kMostBytes = std::size_t{4} << 30;
-  const std::string bytes = read_whole_file(path, kMostBytes);
+  constexpr std::size_t kMaxBytes = std::size_t{4} << 30;
+  const std::string bytes = read_whole_file(path, kMaxBytes);
   const bool binary_stl = require_whole(path, bytes);
   const detail::SilencedOutput silenced;
   detail::HalfEdgeMesh mesh;
@@ -103,8 +103,8 @@ void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
   if (mesh.triangles.empty()) fail("cannot write ", path.string(), ": the mesh has no triangles");
   const detail::SilencedOutput silenced;
   const detail::HalfEdgeResult linked = detail::to_half_edges(mesh);
-  if (linked.refused_faces > 0) {
-    fail("cannot write ", path.string(), ": ", linked.refused_faces, " of ", mesh.triangles.size(),
+  if (linked.rejected_faces > 0) {
+    fail("cannot write ", path.string(), ": ", linked.rejected_faces, " of ", mesh.triangles.size(),
          " triangles are degenerate or share an edge with two others");
   }
   OpenMesh::IO::Options options;

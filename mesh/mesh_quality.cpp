@@ -119,7 +119,7 @@ MeshQuality measure_mesh(const TriangleMesh& mesh) {
   }
 
   const detail::HalfEdgeResult linked = detail::to_half_edges(mesh);
-  quality.refused_faces = linked.refused_faces;
+  quality.rejected_faces = linked.rejected_faces;
   quality.pieces = count_pieces(linked.mesh);
   quality.sharpest_edge_deg = sharpest_edge_rad(linked.mesh) * kDegrees;
   for (const auto edge : linked.mesh.edges()) quality.boundary_edges += edge.is_boundary() ? 1U : 0U;

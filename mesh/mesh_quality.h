@@ -12,7 +12,7 @@ struct MeshQuality {
   std::size_t triangles = 0;
   std::size_t pieces = 0;          ///< connected parts
   std::size_t boundary_edges = 0;  ///< edges with one triangle; 0 when closed
-  std::size_t refused_faces = 0;   ///< triangles that would make an edge or vertex non-manifold, or are degenerate
+  std::size_t rejected_faces = 0;  ///< triangles that would make an edge or vertex non-manifold, or are degenerate
   long euler_number = 0;           ///< used vertices - edges + triangles; 2 - 2 * genus for one closed piece
   double volume_mm3 = 0.0;         ///< enclosed, positive when faces wind outward
   double area_mm2 = 0.0;
@@ -25,7 +25,7 @@ struct MeshQuality {
   double sharpest_edge_deg = 0.0;  ///< largest angle between the normals of two triangles at an edge
   Box3 bounds_mm;
 
-  bool closed() const { return triangles > 0 && boundary_edges == 0 && refused_faces == 0; }
+  bool closed() const { return triangles > 0 && boundary_edges == 0 && rejected_faces == 0; }
 };
 
 /// Measures a mesh. Throws Error when an index is out of range.
@@ -34,7 +34,7 @@ MeshQuality measure_mesh(const TriangleMesh& mesh);
 /// How rough a surface is: the spread of its normals within a ball around each vertex, degrees, averaged over vertices
 /// by the area around them. The spread is the root mean square angle between the normals and their mean, on the part of
 /// the surface in the ball that faces the same way as the vertex. A surface with radius of curvature R has about
-/// 57 * radius_mm / (1.4 R) of it without being rough, so compare with that of the truth.
+/// 57 * radius_mm / (1.4 R) of it without being rough, so compare with that of the ground truth.
 /// Throws Error on an empty mesh, and on a radius that is not above 0.
 double roughness_deg(const TriangleMesh& mesh, double radius_mm = 1.0);
 

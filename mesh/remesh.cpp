@@ -174,14 +174,14 @@ TriangleMesh remesh(const TriangleMesh& start, const ScalarField& surface, const
     if (collapses < before / 50) break;
   }
 
-  constexpr std::size_t kMostRounds = 12;
+  constexpr std::size_t kMaxRounds = 12;
   constexpr std::size_t kFirstPasses = 8;
   constexpr std::size_t kLaterPasses = 3;
   const double wanted_rad = (options.smallest_angle_deg + 5.0) * std::numbers::pi / 180.0;
   RemeshReport reached;
   TriangleMesh result;
   std::vector<SizingField::Cap> caps;
-  for (std::size_t round = 0; round < kMostRounds; ++round) {
+  for (std::size_t round = 0; round < kMaxRounds; ++round) {
     const std::size_t passes = round == 0 ? kFirstPasses : kLaterPasses;
     for (std::size_t pass = 0; pass < passes; ++pass) {
       mesh.split_long_edges();
@@ -190,8 +190,8 @@ TriangleMesh remesh(const TriangleMesh& start, const ScalarField& surface, const
       mesh.flip_edges();
       mesh.relax();
       const double part = static_cast<double>(pass + 1) / static_cast<double>(passes);
-      progress.report(
-          kStage, round == 0 ? 0.3 + 0.3 * part : 0.6 + 0.4 * (static_cast<double>(round - 1) + part) / kMostRounds);
+      progress.report(kStage,
+                      round == 0 ? 0.3 + 0.3 * part : 0.6 + 0.4 * (static_cast<double>(round - 1) + part) / kMaxRounds);
     }
     mesh.flip_edges();
     mesh.improve_angles(wanted_rad);

@@ -15,10 +15,10 @@
 namespace spinaltap {
 namespace {
 
-SurfaceFigures figures_of(const BoneModel& bone, const Solid& truth) {
+SurfaceFigures figures_of(const BoneModel& bone, const Solid& ground_truth) {
   const TriangleMesh mesh = bone_surface(bone);
   const MeshQuality quality = measure_mesh(mesh);
-  const SurfaceError error = surface_error(mesh, truth);
+  const SurfaceError error = surface_error(mesh, ground_truth);
   SurfaceFigures figures;
   figures.roughness_deg = roughness_deg(mesh);
   figures.volume_mm3 = quality.volume_mm3;
@@ -45,16 +45,16 @@ RbfField fit(const SurfaceSamples& samples, PointMethod method, double smoothing
 
 }  // namespace
 
-SurfaceError surface_error(const TriangleMesh& mesh, const ScalarField& truth) {
+SurfaceError surface_error(const TriangleMesh& mesh, const ScalarField& ground_truth) {
   if (mesh.vertices_mm.empty()) fail("comparing surfaces: the mesh is empty");
   std::vector<Vec3> points_mm;
   for (const Eigen::Vector3f& p : mesh.vertices_mm) points_mm.push_back(p.cast<double>());
   std::vector<double> distance_mm(points_mm.size());
   std::vector<Vec3> gradients(points_mm.size());
-  truth.evaluate(points_mm, distance_mm, gradients);
+  ground_truth.evaluate(points_mm, distance_mm, gradients);
   SurfaceError error;
   for (std::size_t i = 0; i < distance_mm.size(); ++i) {
-    // Far from the surface a truth may be flat; its value is then the least that the distance can be.
+    // Far from the surface a ground truth may be flat; its value is then the least that the distance can be.
     const double slope = gradients[i].norm();
     if (slope > 0.5) distance_mm[i] /= slope;
     error.bias_mm += distance_mm[i];
@@ -70,13 +70,13 @@ SurfaceError surface_error(const TriangleMesh& mesh, const ScalarField& truth) {
   return error;
 }
 
-Comparison compare_surfaces(const Solid& truth, const CtVolume& ct, const BoneMask& mask,
+Comparison compare_surfaces(const Solid& ground_truth, const CtVolume& ct, const BoneMask& mask,
                             const ComparisonOptions& options, const Progress& progress) {
   const BakeOptions bake{.voxel_mm = options.voxel_mm};
   constexpr double kTissueHu = 40.0;
-  Comparison comparison{bake_solid(truth, bake, kTissueHu, progress), {}, {}};
-  comparison.truth_figures = figures_of(comparison.truth, truth);
-  const double true_mm3 = comparison.truth_figures.volume_mm3;
+  Comparison comparison{bake_solid(ground_truth, bake, kTissueHu, progress), {}, {}};
+  comparison.ground_truth_figures = figures_of(comparison.ground_truth, ground_truth);
+  const double true_mm3 = comparison.ground_truth_figures.volume_mm3;
   for (const PointMethod method : options.methods) {
     const SurfaceSamples samples = sample_surface(ct, mask, {.method = method}, progress);
     const std::span<const Vec3> seeds_mm(samples.positions_mm.data(), samples.surface_count);
@@ -86,7 +86,7 @@ Comparison compare_surfaces(const Solid& truth, const CtVolume& ct, const BoneMa
       try {
         BakeReport report;
         surface.bone = bake_bone(field, seeds_mm, ct, bake, {}, &report, progress);
-        surface.figures = figures_of(*surface.bone, truth);
+        surface.figures = figures_of(*surface.bone, ground_truth);
         surface.figures.pieces += report.dropped_pieces;
         surface.figures.volume_change = surface.figures.volume_mm3 / true_mm3 - 1.0;
       } catch (const Cancelled&) {

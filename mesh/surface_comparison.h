@@ -21,8 +21,8 @@ struct SurfaceError {
   double bias_mm = 0.0;  ///< mean of the signed distances: positive where the mesh lies outside
 };
 
-/// Distances by the truth's value over its slope. Throws Error on an empty mesh.
-SurfaceError surface_error(const TriangleMesh& mesh, const ScalarField& truth);
+/// Distances by the ground truth's value over its slope. Throws Error on an empty mesh.
+SurfaceError surface_error(const TriangleMesh& mesh, const ScalarField& ground_truth);
 
 /// What is compared: every method with every smoothing.
 struct ComparisonOptions {
@@ -35,8 +35,8 @@ struct ComparisonOptions {
 struct SurfaceFigures {
   double roughness_deg = 0.0;  ///< spread of normals within 1 mm (mesh/roughness.h)
   double volume_mm3 = 0.0;
-  double volume_change = 0.0;  ///< against the truth: 0.01 is 1 % more
-  double mean_mm = 0.0;        ///< distance of its vertices from the truth
+  double volume_change = 0.0;  ///< against the ground truth: 0.01 is 1 % more
+  double mean_mm = 0.0;        ///< distance of its vertices from the ground truth
   double p99_mm = 0.0;
   double max_mm = 0.0;
   std::size_t pieces = 0;  ///< of the zero set; the largest is measured
@@ -52,15 +52,15 @@ struct ComparedSurface {
 };
 
 struct Comparison {
-  BoneModel truth;
-  SurfaceFigures truth_figures;
+  BoneModel ground_truth;
+  SurfaceFigures ground_truth_figures;
   std::vector<ComparedSurface> surfaces;  ///< method by method
 };
 
-/// The comparison of the paper's figures 6, 9, 11 and 12 with a truth beside it: from the CT of a body and its mask to
-/// surface points, radial basis function, grid and surface, by each method and smoothing. What smoothing means is said
-/// in FitOptions (core/rbf/fit_rbf.h).
-Comparison compare_surfaces(const Solid& truth, const CtVolume& ct, const BoneMask& mask,
+/// The comparison of the paper's figures 6, 9, 11 and 12 with a ground truth beside it: from the CT of a body and its
+/// mask to surface points, radial basis function, grid and surface, by each method and smoothing. What smoothing means
+/// is said in FitOptions (core/rbf/fit_rbf.h).
+Comparison compare_surfaces(const Solid& ground_truth, const CtVolume& ct, const BoneMask& mask,
                             const ComparisonOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -1,5 +1,5 @@
 // haptic_loop BONE PLAN: a thousand cycles a second against the clock, as a haptic device asks for them, and the
-// surface that a display would draw. The "device" here is a hand that pushes with 15 N.
+// surface that a display would draw. The "device" here is an operator that pushes with 15 N.
 #include <spinaltap/spinaltap.h>
 
 #include <chrono>
@@ -17,7 +17,7 @@ int main(int count, char** arguments) {
     Session session(bone, path, setup);
     std::size_t blocks = session.surface_changes().size();
 
-    PushHand device(path, {.push_n = 15.0});
+    ForceControlled device(path, {.push_n = 15.0});
     constexpr std::chrono::milliseconds kCycle{1};
     auto next = std::chrono::steady_clock::now();
     ToolFeedback feedback;

@@ -1,4 +1,4 @@
-// study BONE PLAN: how often does a hand breach whose entries err by 1 mm and whose directions err by 2 degrees?
+// study BONE PLAN: how often does an operator breach whose entries err by 1 mm and whose directions err by 2 degrees?
 #include <spinaltap/spinaltap.h>
 
 #include <cstdio>
@@ -8,16 +8,16 @@ int main(int count, char** arguments) {
   if (count != 3) return 2;
   try {
     StudySpec spec;
-    spec.name = "a hand's errors";
+    spec.name = "an operator's errors";
     spec.bone_file = arguments[1];
     spec.path = read_plan(arguments[2]).front();
     spec.volume.spacing_mm = 0.2;
-    spec.hand.step_mm = 0.02;
+    spec.tool_operator.step_mm = 0.02;
     const auto errs = [](StudyFactor factor, double deviation) {
-      return FactorLaw{.factor = factor, .kind = FactorLaw::Kind::normal, .a = 0.0, .b = deviation};
+      return FactorDistribution{.factor = factor, .kind = FactorDistribution::Kind::normal, .a = 0.0, .b = deviation};
     };
-    spec.design.laws = {errs(StudyFactor::entry_left_mm, 1.0), errs(StudyFactor::entry_head_mm, 1.0),
-                        errs(StudyFactor::angle_left_deg, 2.0), errs(StudyFactor::angle_head_deg, 2.0)};
+    spec.design.distributions = {errs(StudyFactor::entry_left_mm, 1.0), errs(StudyFactor::entry_head_mm, 1.0),
+                                 errs(StudyFactor::angle_left_deg, 2.0), errs(StudyFactor::angle_head_deg, 2.0)};
     spec.design.runs = 40;
     const Study study(spec);
     std::size_t breaches = 0;

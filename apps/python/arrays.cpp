@@ -96,8 +96,8 @@ py::dtype make_cycle_dtype() {
   columns.add("feed_mm_per_turn", "f8", offsetof(Row, feed_mm_per_turn));
   columns.add("tip_density_g_cm3", "f8", offsetof(Row, tip_density_g_cm3));
   columns.add("depth_mm", "f8", offsetof(Row, depth_mm));
-  columns.add("outer_clearance_mm", "f8", offsetof(Row, outer_mm));
-  columns.add("canal_clearance_mm", "f8", offsetof(Row, canal_mm));
+  columns.add("clearance_outer_mm", "f8", offsetof(Row, outer_mm));
+  columns.add("clearance_canal_mm", "f8", offsetof(Row, canal_mm));
   return columns.type(sizeof(Row));
 }
 

@@ -27,11 +27,11 @@ std::optional<LabelChoice> label_choice(const std::filesystem::path& file, int l
 
 Bone bone_from_ct(const std::filesystem::path& ct, const std::optional<Numbers>& seed_mm,
                   const std::filesystem::path& labels, int label, const std::string& level, double voxel_mm,
-                  const std::string& series, bool resample, bool accept_doubtful, const std::filesystem::path& cache,
+                  const std::string& series, bool resample, bool accept_warnings, const std::filesystem::path& cache,
                   const py::object& progress) {
   BoneFromCt options;
   options.reading = {series, resample};
-  options.accepts_doubtful = accept_doubtful;
+  options.accepts_warnings = accept_warnings;
   options.bake.labels = label_choice(labels, label, level);
   options.bake.bake.voxel_mm = voxel_mm;
   options.bake.cache = cache;
@@ -68,7 +68,7 @@ py::dict landmarks_of(const Bone& bone, const py::object& progress) {
                    "depth_mm"_a = marks.body.depth_mm, "height_mm"_a = marks.body.height_mm,
                    "upper_endplate"_a = endplate(marks.body.upper), "lower_endplate"_a = endplate(marks.body.lower)),
       "left_pedicle"_a = pedicle(marks.left_pedicle), "right_pedicle"_a = pedicle(marks.right_pedicle),
-      "warnings"_a = marks.doubts);
+      "warnings"_a = marks.warnings);
 }
 
 void bind_grade(py::module_& module) {
@@ -83,7 +83,7 @@ void bind_grade(py::module_& module) {
       .def_property_readonly("clearance_canal_mm", [](const PathGrade& grade) { return grade.canal.clearance_mm; })
       .def_readonly("is_left", &PathGrade::is_left)
       .def_readonly("hu", &PathGrade::hu, "Mean of the tool's volume in bone; NaN where there is none.")
-      .def_readonly("max_thrust_n", &PathGrade::most_thrust_n)
+      .def_readonly("max_thrust_n", &PathGrade::max_thrust_n)
       .def("__repr__", [](const PathGrade& grade) { return "<Grade " + std::string(1, letter_of(grade.grade)) + ">"; });
   py::class_<Suggestion>(module, "Suggestion", "A pedicle's screw and path, or why there is none.")
       .def_readonly("side", &Suggestion::side, "\"left\" or \"right\", the patient's.")
@@ -94,7 +94,7 @@ void bind_grade(py::module_& module) {
           [](const Suggestion& it) { return it.best ? std::optional<PathGrade>(it.best->grade) : std::nullopt; })
       .def_property_readonly(
           "score", [](const Suggestion& it) { return it.best ? it.best->score : std::nan(""); }, "NaN without a path.")
-      .def_readonly("why_none", &Suggestion::refusal, "Empty where there is a path.");
+      .def_readonly("why_none", &Suggestion::rejection, "Empty where there is a path.");
 }
 
 }  // namespace
@@ -106,13 +106,13 @@ void bind_bone(py::module_& module) {
 Nothing changes it; any number of threads may use it at once. Positions are patient LPS, mm, of shape (n, 3).)")
       .def_static("from_ct", &bone_from_ct, "ct"_a, py::kw_only(), "seed_mm"_a = py::none(), "labels"_a = "",
                   "label"_a = 1, "level"_a = "", "voxel_mm"_a = 0.25, "series"_a = "", "resample"_a = false,
-                  "accept_doubtful"_a = false, "cache"_a = "", "progress"_a = py::none(),
+                  "accept_warnings"_a = false, "cache"_a = "", "progress"_a = py::none(),
                   R"(From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes.
 
 seed_mm: a point in the body of the wanted vertebra; without it, the largest whole one.
 labels: a label map (NIfTI or NRRD) that says which bone is meant, by the number `label` or by the name `level`.
 cache: a folder for finished stages, which the next call takes from there.
-accept_doubtful: take a vertebra that is likely not right; see `warnings`.
+accept_warnings: take a vertebra that is likely not right; see `warnings`.
 progress: called as progress(stage, fraction). Ctrl-C cancels.
 Raises Error on a CT that cannot be read, and without a vertebra.)")
       .def_static(
@@ -138,10 +138,10 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
           },
           "Its lowest and highest corner, (2, 3).")
       .def_property_readonly(
-          "facts", [](const Bone& bone) { return bone.model().facts(); }, "What was baked and how, as text.")
+          "metadata", [](const Bone& bone) { return bone.model().metadata(); }, "What was baked and how, as text.")
       .def_property_readonly(
           "warnings",
-          [](const Bone& bone) { return bone.doubts() ? bone.doubts()->warnings : std::vector<std::string>{}; },
+          [](const Bone& bone) { return bone.warnings() ? bone.warnings()->warnings : std::vector<std::string>{}; },
           "What speaks against it, a line each; empty where it was marked by hand.")
       .def(
           "distance",

@@ -103,7 +103,7 @@ void bind_drill_task(py::module_& module) {
       .def("__len__", [](OwnedTask& self) { return self.take()->count(); })
       .def("reset", &reset_all, "seeds"_a, "Begins a new episode of each, and gives their first observations.")
       .def("step", &step_all, "actions"_a, "resets"_a,
-           "Observations, rewards, terminated, truncated, breached, least clearances (mm), greatest thrusts (N), and, "
+           "Observations, rewards, terminated, truncated, breached, min clearances (mm), max thrusts (N), and, "
            "where episodes begin again by themselves, the last observations of those before.")
       .def("time_drillings", &time_drillings,
            "An array that each step() fills: seconds of processor time of each drilling.")

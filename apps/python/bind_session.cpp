@@ -14,8 +14,8 @@
 #include "apps/python/planned_operator.h"
 #include "core/files/density_file.h"
 #include "core/files/material_file.h"
-#include "core/session/operator/path_hand.h"
-#include "core/session/operator/push_hand.h"
+#include "core/session/operator/force_controlled.h"
+#include "core/session/operator/planned_motion.h"
 #include "vdb/sim/session.h"
 
 namespace py = pybind11;
@@ -27,13 +27,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class PlannedMotion final : public PlannedOperator {
+class MotionPlan final : public PlannedOperator {
  public:
-  PlannedMotion(const DrillPath& path, const PathMotionOptions& options)
+  MotionPlan(const DrillPath& path, const PathMotionOptions& options)
       : path_(path), options_(options), motion_(path, options) {}
 
-  std::unique_ptr<ToolSource> begin(const Spindle&) const override {
-    return std::make_unique<PathHand>(path_, options_);
+  std::unique_ptr<Operator> begin(const Spindle&) const override {
+    return std::make_unique<PlannedMotion>(path_, options_);
   }
   const PathMotion& motion() const { return motion_; }
 
@@ -43,24 +43,24 @@ class PlannedMotion final : public PlannedOperator {
   PathMotion motion_;
 };
 
-class ForceControlled final : public PlannedOperator {
+class ForcePlan final : public PlannedOperator {
  public:
-  ForceControlled(const DrillPath& path, const PushOptions& options) : path_(path), options_(options) {
-    const PushHand checked(path, options);
+  ForcePlan(const DrillPath& path, const ForceControlOptions& options) : path_(path), options_(options) {
+    const ForceControlled checked(path, options);
   }
-  std::unique_ptr<ToolSource> begin(const Spindle& spindle) const override {
-    PushOptions options = options_;
+  std::unique_ptr<Operator> begin(const Spindle& spindle) const override {
+    ForceControlOptions options = options_;
     options.spindle = spindle;
-    return std::make_unique<PushHand>(path_, options);
+    return std::make_unique<ForceControlled>(path_, options);
   }
 
  private:
   DrillPath path_;
-  PushOptions options_;
+  ForceControlOptions options_;
 };
 
 /// Tips and axes, (n, 6).
-py::array_t<double> poses_of(const PlannedMotion& planned) {
+py::array_t<double> poses_of(const MotionPlan& planned) {
   const PathMotion& motion = planned.motion();
   const std::size_t count = motion.cycle_count() + 1;
   py::array_t<double> array({count, std::size_t{6}});
@@ -76,9 +76,9 @@ py::array_t<double> poses_of(const PlannedMotion& planned) {
 using OwnedSession = OneAtATime<Session>;
 
 Material material_of(const std::filesystem::path& material, const std::filesystem::path& density) {
-  Material law;
-  if (!density.empty()) law.density = read_density_law(density).law;
-  return material.empty() ? law : read_material(material, law.density);
+  Material model;
+  if (!density.empty()) model.density = read_density_calibration(density).line;
+  return material.empty() ? model : read_material(material, model.density);
 }
 
 std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& path, double radius_mm, double spacing_mm,
@@ -120,7 +120,7 @@ py::array run_operator(OwnedSession& self, const PlannedOperator& planned, const
   const OwnedSession::Turn session = self.take();
   return array_of(long_call(progress, [&](const Progress& heard) {
     std::vector<RecordedCycle> rows;
-    const std::unique_ptr<ToolSource> tool = planned.begin(session->setup().options.spindle);
+    const std::unique_ptr<Operator> tool = planned.begin(session->setup().options.spindle);
     session->run(
         *tool, [&rows](const Cycle& cycle) { rows.push_back(recorded(cycle)); }, heard);
     return rows;
@@ -170,7 +170,7 @@ void bind_cycle(py::module_& module) {
 
 void bind_operators(py::module_& module) {
   py::class_<PlannedOperator>(module, "Operator", "What moves the tool; Session.drill() takes it.");
-  py::class_<PlannedMotion, PlannedOperator>(
+  py::class_<MotionPlan, PlannedOperator>(
       module, "PlannedMotion", "Goes its planned way, whatever it feels: beside the path or tilted, with a tremor.")
       .def(py::init([](const DrillPath& path, double feed_mm_s, double rate_hz, double lead_in_mm, double offset_mm,
                        double tilt_deg, double tremor_mm, std::uint64_t seed, double peck_every_mm,
@@ -181,20 +181,20 @@ void bind_operators(py::module_& module) {
              options.feed.withdraw_mm_s = withdraw_mm_s;
              options.tremor_mm = tremor_mm;
              options.seed = seed;
-             return std::make_unique<PlannedMotion>(path, options);
+             return std::make_unique<MotionPlan>(path, options);
            }),
            "path"_a, py::kw_only(), "feed_mm_s"_a = 1.0, "rate_hz"_a = 1000.0, "lead_in_mm"_a = 3.0,
            "offset_mm"_a = 0.0, "tilt_deg"_a = 0.0, "tremor_mm"_a = 0.0, "seed"_a = 1, "peck_every_mm"_a = 0.0,
            "withdraw_mm_s"_a = 0.0, "Raises Error on values out of range.")
       .def("poses", &poses_of, "Tips and axes, (n, 6), as Session.run() takes them.")
       .def_property_readonly(
-          "dt_s", [](const PlannedMotion& planned) { return 1.0 / planned.motion().rate_hz(); },
+          "dt_s", [](const MotionPlan& planned) { return 1.0 / planned.motion().rate_hz(); },
           "From one pose to the next.");
-  py::class_<ForceControlled, PlannedOperator>(
+  py::class_<ForcePlan, PlannedOperator>(
       module, "ForceControlled", "Pushes along the path: how fast it goes follows from the bone, and it plunges.")
       .def(py::init([](const DrillPath& path, double push_n, double rate_hz, double lead_in_mm, double offset_mm,
                        double tilt_deg, double reaction_s, double noticed_share, double tremor_mm, std::uint64_t seed) {
-             PushOptions options;
+             ForceControlOptions options;
              options.line = {lead_in_mm, offset_mm, tilt_deg};
              options.rate_hz = rate_hz;
              options.push_n = push_n;
@@ -202,7 +202,7 @@ void bind_operators(py::module_& module) {
              options.noticed_share = noticed_share;
              options.tremor_mm = tremor_mm;
              options.seed = seed;
-             return std::make_unique<ForceControlled>(path, options);
+             return std::make_unique<ForcePlan>(path, options);
            }),
            "path"_a, py::kw_only(), "push_n"_a = 40.0, "rate_hz"_a = 1000.0, "lead_in_mm"_a = 3.0, "offset_mm"_a = 0.0,
            "tilt_deg"_a = 0.0, "reaction_s"_a = 0.2, "noticed_share"_a = 0.2, "tremor_mm"_a = 0.0, "seed"_a = 1,

@@ -44,7 +44,7 @@ Vec3 limited(const Vec3& axis) {
   return {unit.x() * limit / sine, unit.y() * limit / sine, std::cos(kMaxTiltDeg * kDegree)};
 }
 
-double least_clearance_mm(const Clearance& clearance) { return std::min(clearance.outer_mm, clearance.canal_mm); }
+double min_clearance_mm(const Clearance& clearance) { return std::min(clearance.outer_mm, clearance.canal_mm); }
 
 }  // namespace
 
@@ -153,8 +153,8 @@ void DrillTask::step(std::span<const float> actions, const Step& to) {
 void DrillTask::step_one(std::size_t n, std::span<const float> action, const Step& to) {
   Episode& episode = episodes_[n];
   DrillSession& session = batch_.session(n);
-  const auto scaled = [&](std::size_t k, double most) {
-    return std::clamp(static_cast<double>(action[k]), -1.0, 1.0) * most;
+  const auto scaled = [&](std::size_t k, double max) {
+    return std::clamp(static_cast<double>(action[k]), -1.0, 1.0) * max;
   };
   episode.feed_mm_s = scaled(0, options_.max_feed_mm_s);
   const Vec3 aside_mm =
@@ -171,7 +171,7 @@ void DrillTask::step_one(std::size_t n, std::span<const float> action, const Ste
     episode.pose.axis = limited(episode.pose.axis + turned);
     episode.pose.tip_mm += options_.dt_s * episode.feed_mm_s * episode.pose.axis + aside_mm;
     const Cycle& done = session.step({episode.frame.to_patient(episode.pose), true, options_.dt_s});
-    const double its_clearance_mm = least_clearance_mm(done.clearance);
+    const double its_clearance_mm = min_clearance_mm(done.clearance);
     clearance_mm = std::min(clearance_mm, its_clearance_mm);
     thrust_n = std::max(thrust_n, done.force.thrust_n);
     episode.deepest_mm = std::clamp(episode.pose.tip_mm.z(), episode.deepest_mm, episode.length_mm);

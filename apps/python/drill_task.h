@@ -45,7 +45,7 @@ class DrillTask {
  public:
   /// Each from -1 to 1: feed along the bit's axis; aside along the path's own x and y; turn towards them.
   static constexpr std::size_t kActions = 5;
-  /// In coordinates of the path: z along it, the entry at 0. Forces are what the hand feels.
+  /// In coordinates of the path: z along it, the entry at 0. Forces are what the operator feels.
   static constexpr std::array<std::string_view, 13> kObservations{
       "depth_mm",  "to_target_mm",       "aside_x_mm",        "aside_y_mm", "axis_x",
       "axis_y",    "force_x_n",          "force_y_n",         "force_z_n",  "torque_n_mm",

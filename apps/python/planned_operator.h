@@ -2,9 +2,9 @@
 
 #include <memory>
 
+#include "core/session/operator/force_controlled.h"
+#include "core/session/operator/operator.h"
 #include "core/session/operator/path_motion.h"
-#include "core/session/operator/push_hand.h"
-#include "core/session/operator/tool_source.h"
 
 namespace spinaltap {
 
@@ -17,7 +17,7 @@ class PlannedOperator {
   virtual ~PlannedOperator() = default;
 
   /// `spindle`: the session's.
-  virtual std::unique_ptr<ToolSource> begin(const Spindle& spindle) const = 0;
+  virtual std::unique_ptr<Operator> begin(const Spindle& spindle) const = 0;
 };
 
 }  // namespace spinaltap

@@ -28,9 +28,9 @@ struct Tile {
   std::string figures;
 };
 
-std::string figures_text(const SurfaceFigures& figures, bool is_truth) {
+std::string figures_text(const SurfaceFigures& figures, bool is_ground_truth) {
   std::array<char, 96> text{};
-  if (is_truth) {
+  if (is_ground_truth) {
     std::snprintf(text.data(), text.size(), "ROUGHNESS %.1f", figures.roughness_deg);
   } else {
     std::snprintf(text.data(), text.size(), "ROUGHNESS %.1f VOLUME %.1f %.2f mm", figures.roughness_deg,
@@ -56,7 +56,7 @@ Image comparison_picture(const Comparison& comparison, const Progress& progress)
     tiles.push_back({surface.bone ? &*surface.bone : nullptr, title.data(),
                      surface.bone ? figures_text(surface.figures, false) : "NO SURFACE"});
   }
-  tiles.push_back({&comparison.truth, "TRUTH", figures_text(comparison.truth_figures, true)});
+  tiles.push_back({&comparison.ground_truth, "GROUND TRUTH", figures_text(comparison.ground_truth_figures, true)});
   const int rows = (static_cast<int>(tiles.size()) + columns - 1) / columns;
   Image sheet{columns * (kTileWidth + kTileGap) + kTileGap, rows * (kTileHeight + kHead + kTileGap) + kTileGap, {}};
   sheet.rgb.assign(3 * static_cast<std::size_t>(sheet.width) * static_cast<std::size_t>(sheet.height), 24);

@@ -35,9 +35,9 @@ Layout layout_of(const GridGeometry& geometry, int slices, const ContactSheetOpt
   Layout layout{};
   layout.pixel_mm = std::max(width_mm, height_mm) / options.tile_pixels;
   // Long narrow slices still have room for their labels.
-  const int least = std::min(options.tile_pixels, 210);
-  layout.width = std::max(least, static_cast<int>(std::lround(width_mm / layout.pixel_mm)));
-  layout.height = std::max(least / 2, static_cast<int>(std::lround(height_mm / layout.pixel_mm)));
+  const int min = std::min(options.tile_pixels, 210);
+  layout.width = std::max(min, static_cast<int>(std::lround(width_mm / layout.pixel_mm)));
+  layout.height = std::max(min / 2, static_cast<int>(std::lround(height_mm / layout.pixel_mm)));
   layout.columns = std::min(options.columns, slices);
   layout.rows = (slices + layout.columns - 1) / layout.columns;
   return layout;
@@ -80,9 +80,9 @@ Image slice_picture(const CtVolume& ct, int k, const Layout& layout, const HuWin
 
 }  // namespace
 
-std::vector<int> contact_sheet_slices(int slices, int most) {
+std::vector<int> contact_sheet_slices(int slices, int max) {
   std::vector<int> chosen;
-  const int count = std::min(slices, most);
+  const int count = std::min(slices, max);
   chosen.reserve(static_cast<std::size_t>(count));
   for (int n = 0; n < count; ++n) {
     chosen.push_back(count > 1 ? static_cast<int>(std::lround(static_cast<double>(n) * (slices - 1) / (count - 1)))
@@ -93,12 +93,12 @@ std::vector<int> contact_sheet_slices(int slices, int most) {
 
 Image contact_sheet(const CtVolume& ct, const ContactSheetOptions& options) {
   check_geometry(ct.geometry, "CT");
-  if (options.most_slices < 1 || options.most_slices > 100 || options.columns < 1 || options.tile_pixels < 64 ||
+  if (options.max_slices < 1 || options.max_slices > 100 || options.columns < 1 || options.tile_pixels < 64 ||
       options.tile_pixels > 1024) {
     fail("contact sheet: expected 1 to 100 slices, a column or more, and 64 to 1024 pixels a slice, found ",
-         options.most_slices, ", ", options.columns, " and ", options.tile_pixels);
+         options.max_slices, ", ", options.columns, " and ", options.tile_pixels);
   }
-  const std::vector<int> slices = contact_sheet_slices(ct.geometry.size[2], options.most_slices);
+  const std::vector<int> slices = contact_sheet_slices(ct.geometry.size[2], options.max_slices);
   const Layout layout = layout_of(ct.geometry, static_cast<int>(slices.size()), options);
   Image sheet{
       layout.columns * (layout.width + kGap) + kGap, layout.rows * (layout.height + kLabelHeight + kGap) + kGap, {}};

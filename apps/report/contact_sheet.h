@@ -9,14 +9,14 @@
 namespace spinaltap {
 
 struct ContactSheetOptions {
-  int most_slices = 20;   ///< evenly chosen from first to last
+  int max_slices = 20;    ///< evenly chosen from first to last
   int columns = 5;        ///< of slices
   int tile_pixels = 256;  ///< the longer side of a slice in the picture
   HuWindow window{};      ///< a bone window
 };
 
 /// The slices of a contact sheet, from first to last: all where there are few, else evenly chosen.
-std::vector<int> contact_sheet_slices(int slices, int most);
+std::vector<int> contact_sheet_slices(int slices, int max);
 
 /// One picture of a CT's slices (k constant), as its grid has them: columns to the right, rows downwards, both at one
 /// scale. On each: its number (k, from 0) and place along the normal (mm), letters of the directions at its borders (L

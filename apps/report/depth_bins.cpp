@@ -39,10 +39,10 @@ DepthBins bin_by_depth(std::span<const double> depth, std::span<const double> va
   for (std::size_t bin = 0; bin < bins; ++bin) {
     const std::vector<double>& held = gathered[bin];
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const auto [least, greatest] = std::minmax_element(held.begin(), held.end());
+    const auto [min, max] = std::minmax_element(held.begin(), held.end());
     result.depth.push_back(first + (static_cast<double>(bin) + 0.5) * width);
-    result.least.push_back(held.empty() ? kNone : *least);
-    result.greatest.push_back(held.empty() ? kNone : *greatest);
+    result.min.push_back(held.empty() ? kNone : *min);
+    result.max.push_back(held.empty() ? kNone : *max);
     result.median.push_back(finite_median(held));
   }
   return result;

@@ -10,9 +10,9 @@ namespace spinaltap {
 /// holds NaN.
 struct DepthBins {
   std::vector<double> depth;  ///< middle of each bin
-  std::vector<double> least;
+  std::vector<double> min;
   std::vector<double> median;
-  std::vector<double> greatest;
+  std::vector<double> max;
 };
 
 /// Gathers values by depth into `bins` bins from the least to the greatest depth. Values or depths that are not finite

@@ -30,8 +30,8 @@ std::string position(const Vec3& p) {
 
 /// Smallest, largest and median of the finite values; NaN where there is none.
 struct Spread {
-  double least = std::numeric_limits<double>::quiet_NaN();
-  double most = std::numeric_limits<double>::quiet_NaN();
+  double min = std::numeric_limits<double>::quiet_NaN();
+  double max = std::numeric_limits<double>::quiet_NaN();
   double median = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -39,8 +39,8 @@ Spread spread(const Curve& values) {
   Spread result;
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
-    result.least = std::fmin(result.least, value);
-    result.most = std::fmax(result.most, value);
+    result.min = std::fmin(result.min, value);
+    result.max = std::fmax(result.max, value);
   }
   result.median = finite_median(values);
   return result;
@@ -49,13 +49,13 @@ Spread spread(const Curve& values) {
 void check(const DrillReportData& data) {
   if (!(data.path.length_mm() > 0.0))
     fail("drill report: expected a path longer than 0 mm, found ", data.path.length_mm());
-  const std::array<std::pair<const char*, const Curve*>, 9> curves{{{"density_hu", &data.density_hu},
-                                                                    {"density_g_per_cm3", &data.density_g_per_cm3},
-                                                                    {"thrust_N", &data.thrust_N},
-                                                                    {"torque_N_mm", &data.torque_N_mm},
-                                                                    {"lateral_N", &data.lateral_N},
-                                                                    {"outer_clearance_mm", &data.outer_clearance_mm},
-                                                                    {"canal_clearance_mm", &data.canal_clearance_mm},
+  const std::array<std::pair<const char*, const Curve*>, 9> curves{{{"hu", &data.hu},
+                                                                    {"density_g_cm3", &data.density_g_cm3},
+                                                                    {"thrust_n", &data.thrust_n},
+                                                                    {"torque_n_mm", &data.torque_n_mm},
+                                                                    {"lateral_n", &data.lateral_n},
+                                                                    {"clearance_outer_mm", &data.clearance_outer_mm},
+                                                                    {"clearance_canal_mm", &data.clearance_canal_mm},
                                                                     {"cycles_per_s", &data.cycles_per_s},
                                                                     {"removed_points", &data.removed_points}}};
   for (const auto& [name, curve] : curves) {
@@ -105,13 +105,13 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   const auto add = [&](const char* name, double value, int decimals, const char* unit) {
     if (std::isfinite(value)) rows.push_back({name, readable_number(value, decimals), unit});
   };
-  add("Median density", spread(data.density_hu).median, 0, "HU");
-  add("Median density", spread(data.density_g_per_cm3).median, 2, "g/cm³");
-  add("Greatest thrust", spread(data.thrust_N).most, 1, "N");
-  add("Greatest torque", spread(data.torque_N_mm).most, 0, "N·mm");
-  add("Least clearance to the outer surface", spread(data.outer_clearance_mm).least, 2, "mm");
-  add("Least clearance to the canal", spread(data.canal_clearance_mm).least, 2, "mm");
-  add("Slowest cycles", spread(data.cycles_per_s).least, 0, "cycles/s");
+  add("Median density", spread(data.hu).median, 0, "HU");
+  add("Median density", spread(data.density_g_cm3).median, 2, "g/cm³");
+  add("Max thrust", spread(data.thrust_n).max, 1, "N");
+  add("Max torque", spread(data.torque_n_mm).max, 0, "N·mm");
+  add("Min clearance to the outer surface", spread(data.clearance_outer_mm).min, 2, "mm");
+  add("Min clearance to the canal", spread(data.clearance_canal_mm).min, 2, "mm");
+  add("Slowest cycles", spread(data.cycles_per_s).min, 0, "cycles/s");
   return rows;
 }
 
@@ -142,12 +142,12 @@ class DepthPlots {
     } else {  // a thousand cycles a mm would be a thick blur
       const DepthBins bins = bin_by_depth(data_.depth_mm, y, kDepthBins);
       plot.series = {{"median", bins.depth, bins.median}};
-      plot.bands = {{"least to greatest", bins.depth, bins.least, bins.greatest}};
+      plot.bands = {{"min to max", bins.depth, bins.min, bins.max}};
     }
     plot.markers = {{0.0, "Entry"}, {data_.path.length_mm(), "Target"}};
     const Spread depths = spread(data_.depth_mm);  // all panels reach as far
-    plot.x_low = depths.least;
-    plot.x_high = depths.most;
+    plot.x_low = depths.min;
+    plot.x_high = depths.max;
     plot.height = kDrillPlotHeight;
     return plot;
   }
@@ -176,19 +176,19 @@ class DepthPlots {
 };
 
 /// Nothing of a curve without a finite value: a bone without that wall needs no panel that says so.
-Curve where_known(const Curve& values) { return std::isfinite(spread(values).most) ? values : Curve(); }
+Curve where_known(const Curve& values) { return std::isfinite(spread(values).max) ? values : Curve(); }
 
 void add_speed(const DrillReportData& data, HtmlReport& report) {
   if (data.cycles_per_s.empty()) return;
   const Spread speed = spread(data.cycles_per_s);
   Plot plot = DepthPlots(data, report).plot("Speed of the cycles", "cycles per second", "", data.cycles_per_s);
-  plot.log_y = speed.least > 0.0 && speed.most > 20.0 * speed.least;
+  plot.log_y = speed.min > 0.0 && speed.max > 20.0 * speed.min;
   plot.y_from_zero = true;
   plot.height = 300.0;
   report.add_heading("Speed along the depth");
   std::string caption;
-  if (std::isfinite(speed.least)) {
-    caption = "Slowest " + readable_number(speed.least, 0) + ", median " + readable_number(speed.median, 0) +
+  if (std::isfinite(speed.min)) {
+    caption = "Slowest " + readable_number(speed.min, 0) + ", median " + readable_number(speed.median, 0) +
               " cycles per second; haptic devices ask for " + readable_number(kHapticRate, 0) + ".";
   }
   report.add_svg(svg_plot(plot), caption);
@@ -207,18 +207,17 @@ std::string drill_report(const DrillReportData& data) {
     report.add_heading("The bone before and after");
     report.add_pictures(data.renders);
   }
-  if (!data.density_hu.empty() || !data.density_g_per_cm3.empty() || !data.thrust_N.empty() ||
-      !data.removed_points.empty()) {
+  if (!data.hu.empty() || !data.density_g_cm3.empty() || !data.thrust_n.empty() || !data.removed_points.empty()) {
     report.add_heading("Density, forces and clearances along the depth");
     DepthPlots plots(data, report);
-    plots.add("Thrust", "thrust", "N", data.thrust_N, true, true);
-    plots.add("Torque", "torque", "N·mm", data.torque_N_mm, true, true);
-    plots.add("Lateral force", "lateral force", "N", data.lateral_N);
-    plots.add("Density of the bone removed", "density", "HU", data.density_hu);
-    plots.add("Density of the bone removed", "density", "g/cm³", data.density_g_per_cm3);
-    plots.add("Clearance to the outer surface, beyond the hole's mouth", "clearance", "mm",
-              where_known(data.outer_clearance_mm));
-    plots.add("Clearance to the canal", "clearance", "mm", where_known(data.canal_clearance_mm));
+    plots.add("Thrust", "thrust", "N", data.thrust_n, true, true);
+    plots.add("Torque", "torque", "N·mm", data.torque_n_mm, true, true);
+    plots.add("Lateral force", "lateral force", "N", data.lateral_n);
+    plots.add("Density of the bone removed", "density", "HU", data.hu);
+    plots.add("Density of the bone removed", "density", "g/cm³", data.density_g_cm3);
+    plots.add("Clearance to the outer surface, beyond the entry opening", "clearance", "mm",
+              where_known(data.clearance_outer_mm));
+    plots.add("Clearance to the canal", "clearance", "mm", where_known(data.clearance_canal_mm));
     plots.add("Points removed at each step", "points", "", data.removed_points);
   }
   add_events(data.events, data.events_lost, report);

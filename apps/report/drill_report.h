@@ -22,14 +22,14 @@ struct DrillReportData {
 
   std::vector<ReportPicture> renders;  ///< the bone before and after, from two sides, and cut open
 
-  std::vector<double> depth_mm;           ///< of the tip along the path: 0 at the entry
-  std::vector<double> density_hu;         ///< mean of the bone removed there; NaN where none was
-  std::vector<double> density_g_per_cm3;  ///< the same by the material law
-  std::vector<double> thrust_N;
-  std::vector<double> torque_N_mm;
-  std::vector<double> lateral_N;           ///< force of cutting across the bit's axis
-  std::vector<double> outer_clearance_mm;  ///< of the bit; infinite where there is no wall near
-  std::vector<double> canal_clearance_mm;
+  std::vector<double> depth_mm;       ///< of the tip along the path: 0 at the entry
+  std::vector<double> hu;             ///< mean of the bone removed there; NaN where none was
+  std::vector<double> density_g_cm3;  ///< the same by the material's density calibration
+  std::vector<double> thrust_n;
+  std::vector<double> torque_n_mm;
+  std::vector<double> lateral_n;           ///< force of cutting across the bit's axis
+  std::vector<double> clearance_outer_mm;  ///< of the bit; infinite where there is no wall near
+  std::vector<double> clearance_canal_mm;
   std::vector<double> cycles_per_s;    ///< how fast cycles ran there
   std::vector<double> removed_points;  ///< at that step, not summed
 

@@ -55,13 +55,13 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   data.bone_bounds_mm = figures.bone.model().bounds_mm();
   for (const DepthRow& row : drilling.rows) {
     data.depth_mm.push_back(row.depth_mm);
-    data.density_hu.push_back(row.hu);
-    data.density_g_per_cm3.push_back(row.density_g_cm3);
-    data.thrust_N.push_back(row.thrust_n);
-    data.torque_N_mm.push_back(row.torque_n_mm);
-    data.lateral_N.push_back(row.lateral_n);
-    data.outer_clearance_mm.push_back(row.outer_mm);
-    data.canal_clearance_mm.push_back(row.canal_mm);
+    data.hu.push_back(row.hu);
+    data.density_g_cm3.push_back(row.density_g_cm3);
+    data.thrust_n.push_back(row.thrust_n);
+    data.torque_n_mm.push_back(row.torque_n_mm);
+    data.lateral_n.push_back(row.lateral_n);
+    data.clearance_outer_mm.push_back(row.outer_mm);
+    data.clearance_canal_mm.push_back(row.canal_mm);
     if (!drilling.real_time) data.cycles_per_s.push_back(row.cycles_per_s);
     data.removed_points.push_back(static_cast<double>(row.removed));
   }
@@ -69,7 +69,7 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   data.events_lost = drilling.events_lost;
   data.real_time = drilling.real_time;
   const auto count = [](std::size_t value) { return std::to_string(value); };
-  for (const auto& [name, value] : figures.hand_words) data.figures.push_back({"Hand, " + name, value, ""});
+  for (const auto& [name, value] : figures.operator_words) data.figures.push_back({"Operator, " + name, value, ""});
   data.figures.insert(data.figures.end(), {{"Spindle", fixed(figures.setup.options.spindle.rpm, 0), "rpm"},
                                            {"Discs", count(static_cast<std::size_t>(drilling.discs)), ""},
                                            {"Points per disc", count(drilling.points_per_disc), ""},
@@ -86,8 +86,8 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
                                              {"Rate, last tenth", fixed(rates.last_tenth, 0), "cycles/s"}});
   }
   data.figures.insert(data.figures.end(),
-                      {{"Greatest thrust", fixed(drilling.most_thrust_n, 2), "N"},
-                       {"Greatest torque", fixed(drilling.most_torque_n_mm, 1), "N·mm"},
+                      {{"Max thrust", fixed(drilling.max_thrust_n, 2), "N"},
+                       {"Max torque", fixed(drilling.max_torque_n_mm, 1), "N·mm"},
                        {"First bone at depth", fixed(drilling.entry_depth_mm, 2), "mm"},
                        {"Drilled mesh, triangles", count(figures.mesh.triangles), ""},
                        {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
@@ -112,10 +112,10 @@ void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const
 }
 
 std::map<std::string, std::string> record_words(const SessionSetup& setup,
-                                                const std::map<std::string, std::string>& hand_words,
+                                                const std::map<std::string, std::string>& operator_words,
                                                 const std::string& pace) {
   std::map<std::string, std::string> words = record_setup(setup);
-  for (const auto& [name, value] : hand_words) words["hand " + name] = value;
+  for (const auto& [name, value] : operator_words) words["operator " + name] = value;
   words["pace"] = pace;
   return words;
 }

@@ -9,7 +9,7 @@
 #include "apps/report/drill_report.h"
 #include "core/base/staged_output.h"
 #include "core/ct/ct_volume.h"
-#include "core/ct/density_law.h"
+#include "core/ct/hu_to_density.h"
 #include "mesh/mesh_quality.h"
 #include "vdb/sim/drilling.h"
 
@@ -20,7 +20,7 @@ struct DrillFigures {
   const Drilling& drilling;
   const Bone& bone;
   const SessionSetup& setup;
-  const std::map<std::string, std::string>& hand_words;  ///< HandPlan::words
+  const std::map<std::string, std::string>& operator_words;  ///< OperatorPlan::words
   const MeshQuality& mesh;
   std::uint64_t cycles_not_recorded = 0;
 };
@@ -41,9 +41,9 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
 void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const DrillReportData& data,
                     const std::filesystem::path& folder, StagedOutput& output);
 
-/// What a record says of the session, the hand (HandPlan::words) and the pace.
+/// What a record says of the session, the operator (OperatorPlan::words) and the pace.
 std::map<std::string, std::string> record_words(const SessionSetup& setup,
-                                                const std::map<std::string, std::string>& hand_words,
+                                                const std::map<std::string, std::string>& operator_words,
                                                 const std::string& pace);
 
 }  // namespace spinaltap

@@ -82,20 +82,20 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   for (std::size_t n = 0; n < names.size(); ++n) {
     json["hu_bands"].push_back({{"band", names[n]}, {"share", grade.hu_band_shares.at(n)}});
   }
-  json["most_thrust_N"] = grade.most_thrust_n;
+  json["max_thrust_n"] = grade.max_thrust_n;
   if (!with_rows) return json;
   json["rows"] = Json::array();
   for (const GradeRow& row : grade.rows) {
     json["rows"].push_back({{"depth_mm", row.depth_mm},
                             {"radius_mm", row.radius_mm},
-                            {"outer_mm", number_or_null(row.outer_mm)},
+                            {"clearance_outer_mm", number_or_null(row.outer_mm)},
                             {"outer_side", name_of(row.outer_side)},
-                            {"canal_mm", number_or_null(row.canal_mm)},
+                            {"clearance_canal_mm", number_or_null(row.canal_mm)},
                             {"canal_side", name_of(row.canal_side)},
                             {"is_entry", row.is_entry},
                             {"hu", number_or_null(row.hu)},
                             {"hu_band_shares", row.hu_band_shares},
-                            {"thrust_N", row.thrust_n}});
+                            {"thrust_n", row.thrust_n}});
   }
   return json;
 }
@@ -103,7 +103,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
 std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
   std::ostringstream csv;
   csv.precision(7);
-  csv << "path,depth_mm,radius_mm,outer_mm,outer_side,canal_mm,canal_side,is_entry,hu,thrust_N";
+  csv << "path,depth_mm,radius_mm,clearance_outer_mm,outer_side,clearance_canal_mm,canal_side,is_entry,hu,thrust_n";
   for (std::string name : band_names(hu_bands)) {
     std::replace(name.begin(), name.end(), ' ', '_');
     csv << ",share_" << name;
@@ -145,7 +145,7 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
                    {"side", "", false}});
   std::vector<TextTable::Column> columns{{"path", "", false}, {"mean", "HU"}};
   for (const std::string& name : band_names(hu_bands)) columns.push_back({name, "%"});
-  columns.push_back({"most thrust", "N"});
+  columns.push_back({"max thrust", "N"});
   TextTable bone(columns);
   for (const GradedPath& graded : paths) {
     const PathGrade& grade = graded.grade;
@@ -157,7 +157,7 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
     walls.add_row(cells);
     cells = {graded.path.name, readable_number(grade.hu, 0)};
     for (const double share : grade.hu_band_shares) cells.push_back(readable_number(100.0 * share, 1));
-    cells.push_back(readable_number(grade.most_thrust_n, 1));
+    cells.push_back(readable_number(grade.max_thrust_n, 1));
     bone.add_row(cells);
   }
   return walls.aligned() + "\n" + bone.aligned();

@@ -59,7 +59,7 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
   }
   const auto add = [&](const std::string& name, const Approach& approach) {
     if (!std::isfinite(approach.clearance_mm)) return;
-    rows.push_back({name + ", least clearance", readable_number(approach.clearance_mm, 2), "mm"});
+    rows.push_back({name + ", min clearance", readable_number(approach.clearance_mm, 2), "mm"});
     rows.push_back({name + ", nearest", place_of(approach), ""});
   };
   add("Outer surface", grade.outer);
@@ -69,7 +69,7 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
   for (std::size_t n = 0; n < names.size() && n < grade.hu_band_shares.size(); ++n) {
     rows.push_back({"Share " + names[n], readable_number(100.0 * grade.hu_band_shares[n], 1), "%"});
   }
-  rows.push_back({"Greatest predicted thrust", readable_number(grade.most_thrust_n, 1), "N"});
+  rows.push_back({"Max predicted thrust", readable_number(grade.max_thrust_n, 1), "N"});
   if (graded.safe) {
     const SafeZone& safe = *graded.safe;
     const auto add_error = [&](const std::string& to, double mm, double degrees) {
@@ -124,17 +124,17 @@ Plot clearance_plot(const GradedPath& graded) {
   Plot plot = empty_plot(graded, "Clearance", "clearance", "mm");
   PlotSeries outer{"outer surface", {}, {}};
   PlotSeries canal{"canal", {}, {}};
-  PlotSeries mouth{"outer surface at the entry, not counted", {}, {}};
+  PlotSeries entry_opening{"outer surface at the entry, not counted", {}, {}};
   for (const GradeRow& row : graded.grade.rows) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    for (PlotSeries* series : {&outer, &canal, &mouth}) series->x.push_back(row.depth_mm);
+    for (PlotSeries* series : {&outer, &canal, &entry_opening}) series->x.push_back(row.depth_mm);
     outer.y.push_back(row.is_entry ? kNone : row.outer_mm);
-    mouth.y.push_back(row.is_entry ? row.outer_mm : kNone);
+    entry_opening.y.push_back(row.is_entry ? row.outer_mm : kNone);
     canal.y.push_back(row.canal_mm);
   }
   // A line without a name has no place in the legend: where the tool touches the wall.
   const PlotSeries touching{"", {0.0, graded.path.length_mm()}, {0.0, 0.0}};
-  plot.series = {outer, canal, mouth, touching};
+  plot.series = {outer, canal, entry_opening, touching};
   plot.markers = {{graded.grade.outer.depth_mm, "Nearest to the outer surface"},
                   {graded.grade.canal.depth_mm, "Nearest to the canal"}};
   if (!std::isfinite(graded.grade.canal.clearance_mm)) plot.markers.pop_back();
@@ -171,7 +171,7 @@ std::string grade_report(const GradeReportData& data) {
   HtmlReport report(data.title);
   report.add_note("Research and training software, not a medical device: a person must judge what it says.");
   if (data.landmarks != nullptr) {
-    for (const std::string& doubt : data.landmarks->doubts) report.add_note(doubt);
+    for (const std::string& warning : data.landmarks->warnings) report.add_note(warning);
     report.add_heading("The vertebra");
     report.add_table(figures_of(*data.landmarks));
   }

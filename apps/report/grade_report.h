@@ -29,7 +29,7 @@ struct GradeReportData {
   Box3 bone_bounds_mm;                   ///< what the slices show, patient LPS
 };
 
-/// The report as one self-contained HTML file: what was found of the vertebra, doubts first; of each path its grade,
+/// The report as one self-contained HTML file: what was found of the vertebra, warnings first; of each path its grade,
 /// nearest approaches and safe zone, slices, and clearances, CT numbers and predicted thrust along the depth. Throws
 /// Error without a path.
 std::string grade_report(const GradeReportData& data);

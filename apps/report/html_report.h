@@ -35,7 +35,7 @@ class HtmlReport {
 
   void add_heading(const std::string& text);
   void add_text(const std::string& text);
-  /// A remark set apart from the text.
+  /// A note set apart from the text.
   void add_note(const std::string& text);
   /// In two columns of rows from eight rows on, where the page is wide enough.
   void add_table(const std::vector<ReportRow>& rows);

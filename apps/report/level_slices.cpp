@@ -12,7 +12,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr HuWindow kLevelWindow{1200.0, 400.0};  // -200 to 1,000 HU: marrow and walls both apart
+constexpr HuWindow kLevelWindow{1200.0, 400.0};  // -200 to 1,000 HU: cancellous bone and walls both apart
 constexpr Colour kOtherLabels{150, 150, 150};
 constexpr double kOverviewRoomMm = 10.0;
 constexpr double kLevelRoomMm = 8.0;
@@ -114,7 +114,7 @@ std::string LevelSlices::title(const PictureLevel& level) const {
   std::string title = named ? found->second.name : "label " + std::to_string(level.label);
   std::transform(title.begin(), title.end(), title.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return level.doubtful ? title + " ?" : title;
+  return level.suspect ? title + " ?" : title;
 }
 
 Colour LevelSlices::colour(const PictureLevel& level) const {
@@ -140,7 +140,7 @@ Image LevelSlices::draw(const BentFrame& frame) const {
     const auto level = std::find_if(levels_.begin(), levels_.end(),
                                     [label = label](const PictureLevel& one) { return one.label == label; });
     const bool known = level != levels_.end();
-    draw_label_outline(image, pixels, label, known ? colour(*level) : kOtherLabels, known && level->doubtful);
+    draw_label_outline(image, pixels, label, known ? colour(*level) : kOtherLabels, known && level->suspect);
   }
   return image;
 }

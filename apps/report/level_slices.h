@@ -35,7 +35,7 @@ class LevelSlices {
 
   /// The levels, from the head down.
   const std::vector<PictureLevel>& levels() const { return levels_; }
-  /// "T9", "T9 ?" where it is doubtful, "LABEL 3" where the map has no name.
+  /// "T9", "T9 ?" where it is suspect, "LABEL 3" where the map has no name.
   std::string title(const PictureLevel& level) const;
   /// Okabe & Ito's, without those too dark for a CT; neighbouring levels have different ones.
   Colour colour(const PictureLevel& level) const;

@@ -70,8 +70,8 @@ Image grid_of(const std::vector<Image>& images, int height) {
     tile_height = std::max(tile_height, image.height + kPanelGap);
   }
   const auto count = static_cast<int>(images.size());
-  const int most_rows = std::max(1, (height + kPanelGap) / tile_height);
-  const int columns = (count + most_rows - 1) / most_rows;
+  const int max_rows = std::max(1, (height + kPanelGap) / tile_height);
+  const int columns = (count + max_rows - 1) / max_rows;
   const int rows = (count + columns - 1) / columns;
   Image grid = sheet_of(columns * tile_width - kPanelGap, rows * tile_height - kPanelGap);
   for (int n = 0; n < count; ++n) {
@@ -104,7 +104,7 @@ struct ColouredLine {
   Colour colour;
 };
 
-/// The names in short, then a line for each level that has warnings or is doubtful.
+/// The names in short, then a line for each level that has warnings or is suspect.
 Image words_below(const LevelSlices& slices, const LevelsPicture& what, int width) {
   constexpr int kLetter = 2;  // pixels a dot
   constexpr int kLineHeight = kTextHeight * kLetter + 6;
@@ -118,11 +118,11 @@ Image words_below(const LevelSlices& slices, const LevelsPicture& what, int widt
   add(names, kWhite);
   if (what.seed_mm) add("cross: seed", kWhite);
   for (const PictureLevel& level : slices.levels()) {
-    if (level.warnings.empty() && !level.doubtful) continue;
+    if (level.warnings.empty() && !level.suspect) continue;
     std::string text = slices.title(level);
     for (const std::string& warning : level.warnings)
       text += (&warning == level.warnings.data() ? ": " : ", ") + warning;
-    if (level.warnings.empty()) text += ": doubtful";
+    if (level.warnings.empty()) text += ": suspect";
     add(text, slices.colour(level));
   }
   Image image = sheet_of(width, static_cast<int>(lines.size()) * kLineHeight);

@@ -14,7 +14,7 @@ namespace spinaltap {
 struct PictureLevel {
   int label = 0;                      ///< in the label map
   Vec3 centre_mm = Vec3::Zero();      ///< middle of its body, patient LPS
-  bool doubtful = false;              ///< drawn dashed, with "?" after its name
+  bool suspect = false;               ///< drawn dashed, with "?" after its name
   std::vector<std::string> warnings;  ///< as a reader shall see them, without the level's name
 };
 

@@ -109,7 +109,7 @@ std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel
   pictures.push_back({render_bone(drilled, oblique, progress), "After, from the side of the hole"});
   pictures.push_back(
       {render_bone(drilled, seen(view_onto(along), along), progress),
-       "After, cut open along the path and seen from the feet, as on the axial slice: marrow red, cortex "
+       "After, cut open along the path and seen from the feet, as on the axial slice: cancellous bone red, cortex "
        "white, by CT number"});
   pictures.push_back({render_bone(drilled, seen(view_onto(upright), upright), progress),
                       "After, cut upright along the path and seen from the side of the hole"});

@@ -79,7 +79,7 @@ std::vector<PlotMarker> state_markers(std::span<const SessionEvent> events) {
 std::string value_text(const SessionEvent& event) {
   switch (event.kind) {
     case EventKind::contact:
-    case EventKind::refused_pose:
+    case EventKind::invalid_pose:
       return {};
     case EventKind::state:
       return std::string(name_of(state_of(event)));
@@ -92,9 +92,9 @@ std::string value_text(const SessionEvent& event) {
     case EventKind::canal_breach:
     case EventKind::stop_clearance:
     case EventKind::stop_breach:
-    case EventKind::overshoot:
+    case EventKind::plunge:
     case EventKind::jump:
-    case EventKind::left_volume:
+    case EventKind::outside_volume:
       return readable_number(event.value, 2) + " mm";
   }
   return {};
@@ -102,18 +102,18 @@ std::string value_text(const SessionEvent& event) {
 
 void add_events(std::span<const SessionEvent> events, std::size_t lost, HtmlReport& report) {
   if (events.empty()) return;
-  constexpr std::size_t kMostRows = 60;  // of thousands nobody reads more
+  constexpr std::size_t kMaxRows = 60;  // of thousands nobody reads more
   report.add_heading("What happened");
   std::vector<std::vector<std::string>> rows;
-  for (const SessionEvent& event : events.first(std::min(events.size(), kMostRows))) {
+  for (const SessionEvent& event : events.first(std::min(events.size(), kMaxRows))) {
     const Vec3& p = event.place_mm;
     rows.push_back({std::string(name_of(event.kind)), value_text(event), readable_number(event.time_s, 3),
                     readable_number(event.depth_mm, 2),
                     readable_number(p.x(), 1) + ", " + readable_number(p.y(), 1) + ", " + readable_number(p.z(), 1)});
   }
   report.add_table({"event", "", "time (s)", "depth (mm)", "place (x, y, z; mm)"}, rows);
-  if (events.size() > kMostRows) {
-    report.add_note("The first " + std::to_string(kMostRows) + " of " + std::to_string(events.size()) +
+  if (events.size() > kMaxRows) {
+    report.add_note("The first " + std::to_string(kMaxRows) + " of " + std::to_string(events.size()) +
                     " events; events.csv has them all.");
   }
   if (lost > 0) report.add_note(std::to_string(lost) + " further events were not kept.");
@@ -155,7 +155,7 @@ void add_real_time(const RealTimeReport& run, HtmlReport& report) {
       " locked memory. Wake-up: from when a cycle was due to when it began. Work: until the cycle's end, by "
       "the clock and by the thread's CPU time. Missed: cycles that ended after the next was due. Skipped: "
       "due times that passed without a cycle. Idle: due times with nothing new to do.");
-  for (const std::string& remark : run.remarks) report.add_note(remark);
+  for (const std::string& warning : run.warnings) report.add_note(warning);
   for (const TextRows& table : {pace_rows(run), latency_rows(run)}) report.add_table(table.head, table.rows);
   const std::vector<NamedThread> threads = threads_of(run);
   report.add_svg(svg_plot(latency_plot("How late cycles began", threads, &PaceReport::wake_up_histogram)));

@@ -206,13 +206,13 @@ std::string path_caption(const SliceFrame& frame) {
 }
 
 std::vector<ReportDrawing> path_slices(const CtVolume& ct, const DrillPath& path, const Box3& bone_bounds_mm) {
-  constexpr double kMostPixels = 1200.0;  // along the box's longest side: coarser pixels beyond 240 mm
+  constexpr double kMaxPixels = 1200.0;  // along the box's longest side: coarser pixels beyond 240 mm
   struct View {
     SliceFrame frame;
     std::string caption;
   };
   const Box3 box = shown_box(path, bone_bounds_mm);
-  const double pixel_mm = std::max(0.2, box.sizes().maxCoeff() / kMostPixels);
+  const double pixel_mm = std::max(0.2, box.sizes().maxCoeff() / kMaxPixels);
   const Vec3 middle_mm = 0.5 * (path.entry_mm + path.target_mm);
   const auto standard = [&](Plane plane) {
     const SliceFrame frame = plane_frame(plane, middle_mm, box, pixel_mm);

@@ -26,16 +26,16 @@ StudyTitle title_of(StudyColumn column) {
       return {"breach of the outer surface", "mm"};
     case StudyColumn::breach_canal_mm:
       return {"breach of the canal", "mm"};
-    case StudyColumn::least_outer_mm:
-      return {"least clearance to the outer surface", "mm"};
-    case StudyColumn::least_canal_mm:
-      return {"least clearance to the canal", "mm"};
-    case StudyColumn::most_thrust_n:
-      return {"greatest thrust", "N"};
-    case StudyColumn::most_torque_n_mm:
-      return {"greatest torque", "N·mm"};
-    case StudyColumn::overshoot_mm:
-      return {"overshoot", "mm"};
+    case StudyColumn::min_clearance_outer_mm:
+      return {"min clearance to the outer surface", "mm"};
+    case StudyColumn::min_clearance_canal_mm:
+      return {"min clearance to the canal", "mm"};
+    case StudyColumn::max_thrust_n:
+      return {"max thrust", "N"};
+    case StudyColumn::max_torque_n_mm:
+      return {"max torque", "N·mm"};
+    case StudyColumn::plunge_depth_mm:
+      return {"plunge", "mm"};
     case StudyColumn::depth_mm:
       return {"depth reached", "mm"};
     case StudyColumn::time_s:
@@ -106,8 +106,8 @@ Plot histogram(const std::vector<StudyRow>& rows, StudyColumn column) {
     if (std::isfinite(row[column])) values.push_back(row[column]);
   }
   if (values.empty()) return plot;
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  const AxisTicks ticks = linear_ticks(*least, *most, kBins);
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  const AxisTicks ticks = linear_ticks(*min, *max, kBins);
   const double width = ticks.major[1] - ticks.major[0];
   const auto bins = static_cast<std::size_t>(std::lround((ticks.high - ticks.low) / width));
   std::vector<double> counts(bins, 0.0);
@@ -126,7 +126,7 @@ Plot histogram(const std::vector<StudyRow>& rows, StudyColumn column) {
   return plot;
 }
 
-Plot scatter(const std::vector<StudyRow>& rows, StudyFactor across, StudyFactor up, std::size_t most) {
+Plot scatter(const std::vector<StudyRow>& rows, StudyFactor across, StudyFactor up, std::size_t max) {
   Plot plot = plot_over(title_of(across));
   const StudyTitle title = title_of(up);
   plot.title = "Breaches by " + plot.x_label + " and " + title.name;
@@ -137,7 +137,7 @@ Plot scatter(const std::vector<StudyRow>& rows, StudyFactor across, StudyFactor 
   PlotSeries none{"no breach", {}, {}, false, true};
   PlotSeries outer{"outer surface", {}, {}, false, true};
   PlotSeries canal{"canal", {}, {}, false, true};
-  for (std::size_t n = 0; n < std::min(most, rows.size()); ++n) {
+  for (std::size_t n = 0; n < std::min(max, rows.size()); ++n) {
     const StudyRow& row = rows[n];
     PlotSeries& series = row[StudyColumn::breach_canal_mm] > 0.0 ? canal
                          : row[StudyColumn::breach] > 0.0        ? outer

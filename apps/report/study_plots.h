@@ -22,7 +22,7 @@ Plot breach_plot(const StudySummary::ByFactor& by_factor);
 /// How many runs had which value of a column, in about 30 bins of round width.
 Plot histogram(const std::vector<StudyRow>& rows, StudyColumn column);
 
-/// Runs by two factors, those with a breach told from those without; of the first `most` runs.
-Plot scatter(const std::vector<StudyRow>& rows, StudyFactor across, StudyFactor up, std::size_t most);
+/// Runs by two factors, those with a breach told from those without; of the first `max` runs.
+Plot scatter(const std::vector<StudyRow>& rows, StudyFactor across, StudyFactor up, std::size_t max);
 
 }  // namespace spinaltap

@@ -46,7 +46,7 @@ std::vector<ReportRow> spread_rows(const StudySpread& spread) {
   name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
   return {{name + ", median", number(spread.quantiles[3]), title.unit},
           {"5 % to 95 %", number(spread.quantiles[1]) + " to " + number(spread.quantiles[5]), title.unit},
-          {"least to greatest", number(spread.quantiles[0]) + " to " + number(spread.quantiles[6]), title.unit}};
+          {"min to max", number(spread.quantiles[0]) + " to " + number(spread.quantiles[6]), title.unit}};
 }
 
 bool differs(const StudySummary& summary, StudyFactor factor) {
@@ -55,13 +55,13 @@ bool differs(const StudySummary& summary, StudyFactor factor) {
 }
 
 void add_scatters(const StudyReportData& data, HtmlReport& report) {
-  constexpr std::size_t kMostDots = 4000;
+  constexpr std::size_t kMaxDots = 4000;
   std::vector<ReportDrawing> drawings;
   for (const auto& [across, up] : {std::pair{StudyFactor::entry_left_mm, StudyFactor::entry_head_mm},
                                    std::pair{StudyFactor::angle_left_deg, StudyFactor::angle_head_deg}}) {
     if (!differs(data.summary, across) || !differs(data.summary, up)) continue;
-    drawings.push_back({svg_plot(scatter(data.rows, across, up, kMostDots)),
-                        data.rows.size() > kMostDots ? "The first " + std::to_string(kMostDots) + " runs." : ""});
+    drawings.push_back({svg_plot(scatter(data.rows, across, up, kMaxDots)),
+                        data.rows.size() > kMaxDots ? "The first " + std::to_string(kMaxDots) + " runs." : ""});
   }
   if (!drawings.empty()) report.add_svgs(drawings);
 }
@@ -72,20 +72,20 @@ std::string text_of(double number) {
   return text;
 }
 
-ReportRow row_of(const FactorLaw& law) {
-  const StudyTitle title = title_of(law.factor);
+ReportRow row_of(const FactorDistribution& distribution) {
+  const StudyTitle title = title_of(distribution.factor);
   std::string name = title.name;
   name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  switch (law.kind) {
-    case FactorLaw::Kind::normal:
-      return {name, "normal, mean " + text_of(law.a) + ", deviation " + text_of(law.b), title.unit};
-    case FactorLaw::Kind::uniform:
-      return {name, "even, " + text_of(law.a) + " to " + text_of(law.b), title.unit};
-    case FactorLaw::Kind::levels:
+  switch (distribution.kind) {
+    case FactorDistribution::Kind::normal:
+      return {name, "normal, mean " + text_of(distribution.a) + ", deviation " + text_of(distribution.b), title.unit};
+    case FactorDistribution::Kind::uniform:
+      return {name, "even, " + text_of(distribution.a) + " to " + text_of(distribution.b), title.unit};
+    case FactorDistribution::Kind::levels:
       break;
   }
   std::string levels;
-  for (const double level : law.levels) levels += (levels.empty() ? "" : ", ") + text_of(level);
+  for (const double level : distribution.levels) levels += (levels.empty() ? "" : ", ") + text_of(level);
   return {name, levels, title.unit};
 }
 
@@ -96,9 +96,9 @@ std::string study_report(const StudyReportData& data) {
   const StudySummary& summary = data.summary;
   HtmlReport report(data.title);
   report.add_note("Research and training software, not a medical device: a person must judge what it says.");
-  if (summary.left_volume.count > 0) {
+  if (summary.outside_volume.count > 0) {
     report.add_note(
-        std::to_string(summary.left_volume.count) +
+        std::to_string(summary.outside_volume.count) +
         " runs cut beyond the cylinder of points: their forces miss bone. Give \"volume\" a larger radius.");
   }
   report.add_heading("What was studied");
@@ -106,13 +106,13 @@ std::string study_report(const StudyReportData& data) {
   report.add_heading("How likely");
   report.add_text(
       "Shares of the runs, in brackets their 95 % intervals after Wilson (1927). A breach is any way of the bit's "
-      "surface beyond a wall of the bone; the hole's mouth does not count. Grades after Gertzbein & Robbins, by the "
+      "surface beyond a wall of the bone; the entry opening does not count. Grades after Gertzbein & Robbins, by the "
       "deeper breach.");
   report.add_table(shares_of(summary));
   if (!summary.factors.empty()) report.add_heading("Breach over each factor");
   for (const StudySummary::ByFactor& by : summary.factors) report.add_svg(svg_plot(breach_plot(by)));
   add_scatters(data, report);
-  report.add_heading("Forces, overshoot, clearance");
+  report.add_heading("Forces, plunge depth, clearance");
   std::vector<ReportRow> rows;
   for (const StudySpread& spread : summary.spreads) {
     if (spread.runs == 0) continue;
@@ -120,8 +120,9 @@ std::string study_report(const StudyReportData& data) {
     rows.insert(rows.end(), more.begin(), more.end());
   }
   report.add_table(rows);
-  for (const StudyColumn column : {StudyColumn::most_thrust_n, StudyColumn::most_torque_n_mm, StudyColumn::overshoot_mm,
-                                   StudyColumn::least_outer_mm, StudyColumn::least_canal_mm}) {
+  for (const StudyColumn column :
+       {StudyColumn::max_thrust_n, StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
+        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm}) {
     const auto has = [&](const StudyRow& row) { return std::isfinite(row[column]); };
     if (std::any_of(data.rows.begin(), data.rows.end(), has)) report.add_svg(svg_plot(histogram(data.rows, column)));
   }
@@ -131,7 +132,7 @@ std::string study_report(const StudyReportData& data) {
 StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::path& file) {
   const IdentifiedStudy study = study_of(identity, file);
   const SessionSetup& setup = study.setup;
-  const StudyHand& hand = study.hand;
+  const StudyOperator& tool_operator = study.tool_operator;
   StudyInputs inputs{study.name, study.design, {}};
   const auto add = [&](const std::string& name, const std::string& value, const std::string& unit) {
     inputs.rows.push_back({name, value, unit});
@@ -140,19 +141,24 @@ StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::p
   add("Length, entry to target", readable_number(setup.path.length_mm(), 1), "mm");
   add("Bit, diameter × length", text_of(setup.path.bit.diameter_mm) + " × " + text_of(setup.path.bit.length_mm), "mm");
   add("Spindle", text_of(setup.options.spindle.rpm), "rpm");
-  if (hand.kind == StudyHand::Kind::feed) {
-    add("Hand", "feeds at " + text_of(hand.feed_mm_s) + " mm/s in steps of " + text_of(hand.step_mm) + " mm", "");
+  if (tool_operator.kind == StudyOperator::Kind::feed) {
+    add("Operator",
+        "feeds at " + text_of(tool_operator.feed_mm_s) + " mm/s in steps of " + text_of(tool_operator.step_mm) + " mm",
+        "");
   } else {
-    add("Hand", "pushes with " + text_of(hand.push_n) + " N, " + text_of(hand.rate_hz) + " cycles a second", "");
+    add("Operator",
+        "pushes with " + text_of(tool_operator.push_n) + " N, " + text_of(tool_operator.rate_hz) + " cycles a second",
+        "");
   }
-  if (hand.tremor_mm > 0.0) add("Tremor", text_of(hand.tremor_mm), "mm");
+  if (tool_operator.tremor_mm > 0.0) add("Tremor", text_of(tool_operator.tremor_mm), "mm");
   const StopRules& stop = setup.options.stop;
   if (std::isfinite(stop.thrust_n)) add("Asked to stop at a thrust of", text_of(stop.thrust_n), "N");
   if (std::isfinite(stop.clearance_mm)) add("Asked to stop at a clearance of", text_of(stop.clearance_mm), "mm");
   if (stop.on_breach) add("Asked to stop", "on a breach", "");
   add("Points, spacing", text_of(setup.volume.spacing_mm), "mm");
   add("Points, radius of the cylinder", readable_number(setup.volume.radius_mm, 2), "mm");
-  for (const FactorLaw& law : inputs.design.laws) inputs.rows.push_back(row_of(law));
+  for (const FactorDistribution& distribution : inputs.design.distributions)
+    inputs.rows.push_back(row_of(distribution));
   add("Runs", std::to_string(identity.runs), "");
   add("Sampling", inputs.design.is_latin ? "Latin hypercube" : "random", "");
   add("Seed", std::to_string(inputs.design.seed), "");

@@ -18,7 +18,7 @@ struct StudyReportData {
 };
 
 /// A study as one self-contained HTML file: how likely a breach is, on the whole and over each factor, with 95 %
-/// intervals; grades; distributions of thrust, torque, overshoot and clearance; where entries lay that breached. The
+/// intervals; grades; distributions of thrust, torque, plunge depth and clearance; where entries lay that breached. The
 /// same rows give the same bytes. Throws Error without a row.
 std::string study_report(const StudyReportData& data);
 

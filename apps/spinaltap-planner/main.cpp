@@ -83,7 +83,7 @@ int run_planner(int argc, char** argv) {
   program.add_option("--script", options.script, "Do what this file says, then end")->type_name("FILE");
   program.add_option("--screenshot", options.screenshot, "Open the files, run the script, save the window as PNG, end")
       ->type_name("FILE.png");
-  program.footer("Lines of a script (positions in patient LPS, mm; # begins a remark):\n" + script_help() +
+  program.footer("Lines of a script (positions in patient LPS, mm; # begins a comment):\n" + script_help() +
                  "Example: spinaltap-planner bone.vdb plan.json\n"
                  "Without a screen: xvfb-run -a -s \"-screen 0 1400x900x24\" spinaltap-planner bone.vdb "
                  "--screenshot window.png");

@@ -72,8 +72,8 @@ void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
   document_.set_bone(bone);
   view_.set_crosshair(bone->model().bounds_mm().center());
   const QString file = text_of(bone->file.string());
-  const std::string& remark = bone->bone->no_landmarks();
-  Q_EMIT said(remark.empty() ? tr("Opened %1").arg(file) : tr("Opened %1; %2").arg(file, text_of(remark)));
+  const std::string& warning = bone->bone->no_landmarks();
+  Q_EMIT said(warning.empty() ? tr("Opened %1").arg(file) : tr("Opened %1; %2").arg(file, text_of(warning)));
   Q_EMIT opened(file);
 }
 
@@ -167,21 +167,21 @@ void Planner::suggest() {
     const std::vector<Suggestion> suggestions = bone->bone->suggest({}, progress);
     return [this, bone, suggestions] {
       if (document_.bone() != bone) return;  // another one was opened meanwhile
-      QStringList refusals;
+      QStringList rejections;
       std::vector<DrillPath> paths;
       for (const Suggestion& suggestion : suggestions) {
         if (suggestion.best) {
           paths.push_back(suggestion.best->path);
         } else {
-          refusals += text_of(suggestion.refusal);
+          rejections += text_of(suggestion.rejection);
         }
       }
       document_.add_paths(std::move(paths), tr("suggest paths"));
       if (const DrillPath* path = document_.chosen_path()) view_.set_crosshair(path->entry_mm);
-      if (refusals.isEmpty()) {
+      if (rejections.isEmpty()) {
         Q_EMIT said(tr("Suggested %1 paths").arg(suggestions.size()));
       } else {
-        Q_EMIT trouble(tr("Suggesting paths"), refusals.join("\n"));
+        Q_EMIT trouble(tr("Suggesting paths"), rejections.join("\n"));
       }
     };
   });

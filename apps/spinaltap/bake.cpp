@@ -36,8 +36,8 @@ Json bake_one(BakeCommandOptions& options, StagedOutput& output, const Progress&
   write_bone(baked.bone, staged);
   output.commit();
   Json figures = report_baked(ct, baked);
-  if (baked.doubts) {
-    options.exit_code = say_doubtful(level_name(baked.level), *baked.doubts, options.ct.finding.accepts_doubtful);
+  if (baked.warnings) {
+    options.exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
   }
   return figures;
 }
@@ -45,7 +45,7 @@ Json bake_one(BakeCommandOptions& options, StagedOutput& output, const Progress&
 /// The vertebrae to bake, and what is known of them.
 struct MarkedLevels {
   LabelVolume labels;
-  std::map<Level, LevelDoubts> doubts;
+  std::map<Level, LevelWarnings> warnings;
 };
 
 MarkedLevels find_levels(const CtVolume& ct, const FindingOptions& finding, const Progress& progress) {
@@ -62,9 +62,9 @@ MarkedLevels find_levels(const CtVolume& ct, const FindingOptions& finding, cons
       continue;
     }
     marked.labels.names[level.label] = {level.name, level.level};
-    marked.doubts[level.level] = doubts_of(level);
+    marked.warnings[level.level] = warnings_of(level);
   }
-  if (marked.doubts.empty()) {
+  if (marked.warnings.empty()) {
     fail(
         "expected names of the vertebrae to bake, found none; name one by a point in its body, such as --level "
         "T11=X,Y,Z; there are: ",
@@ -84,23 +84,24 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
       options.ct.labels.empty()
           ? find_levels(ct, options.ct.finding, progress)
           : MarkedLevels{read_label_volume(options.ct.labels, ct.geometry, options.ct.convention), {}};
-  const BakedLevels baked = bake_levels(
-      ct, marked.labels, {.bake = options.ct.bake, .doubts = marked.doubts, .is_strict = options.is_strict}, progress);
+  const BakedLevels baked =
+      bake_levels(ct, marked.labels,
+                  {.bake = options.ct.bake, .warnings = marked.warnings, .is_strict = options.is_strict}, progress);
   write_levels(baked, target, output);
   output.commit();
-  std::vector<std::string> doubtful;
+  std::vector<std::string> suspect;
   Json figures{{"ct_hash", ct.source_hash}, {"levels", Json::array()}, {"skipped", Json::array()}};
   for (const BakedLevel& one : baked.levels) {
     Json level = report_baked(ct, one.baked);
     level["level"] = level_name(one.level);
     level["warnings"] = one.notes.warnings;
-    level["doubt"] = one.notes.doubt;
+    level["severity"] = one.notes.severity;
     if (!one.notes.landmarks.empty()) level["landmarks"] = Json::parse(one.notes.landmarks);
     if (!one.notes.no_landmarks.empty()) level["no_landmarks"] = one.notes.no_landmarks;
     // The first ones are those of the mask, which are printed.
-    const std::size_t printed = one.baked.doubts ? one.baked.doubts->warnings.size() : 0;
+    const std::size_t printed = one.baked.warnings ? one.baked.warnings->warnings.size() : 0;
     for (std::size_t n = printed; n < one.notes.warnings.size(); ++n) print_figure("warning", one.notes.warnings[n]);
-    if (one.baked.doubts && one.baked.doubts->is_doubtful()) doubtful.push_back(level_name(one.level));
+    if (one.baked.warnings && one.baked.warnings->is_suspect()) suspect.push_back(level_name(one.level));
     if (!one.notes.no_landmarks.empty()) print_figure("no landmarks", one.notes.no_landmarks);
     figures["levels"].push_back(level);
   }
@@ -108,7 +109,7 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
     print_figure(level_name(one.level), "left out: " + one.reason);
     figures["skipped"].push_back({{"level", level_name(one.level)}, {"reason", one.reason}});
   }
-  options.exit_code = say_doubtful(doubtful, options.ct.finding.accepts_doubtful);
+  options.exit_code = say_suspect(suspect, options.ct.finding.accepts_warnings);
   return figures;
 }
 
@@ -140,14 +141,14 @@ void add_bake(CLI::App& program, Command& command) {
   const auto options = std::make_shared<BakeCommandOptions>();
   CLI::App* app = add_command(
       program, command, "bake", "Make bone.vdb (distance and CT numbers) from a CT, or spine.vdb of several bones",
-      "Examples: spinaltap bake ct/ --seed -9,222,-638 -o bone.vdb\n"
+      "Examples: spinaltap bake ct/ --seed-point -9,222,-638 -o bone.vdb\n"
       "          spinaltap bake ct/ --all --level T11=-9,222,-638 -o spine.vdb\n"
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --label L3 -o bone.vdb\n"
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --all -o spine.vdb\n"
       "With --all, vertebrae that the CT's border cuts and those that cannot be baked are told and left\n"
-      "out; the exit code is 1 where none is left, and where one is doubtful (docs/segmentation.md), with all written, "
+      "out; the exit code is 1 where none is left, and where one is suspect (docs/segmentation.md), with all written, "
       "unless\n"
-      "--accept-doubtful. docs/label-maps.md tells how vertebrae get their names.");
+      "--accept-warnings. docs/label-maps.md tells how vertebrae get their names.");
   app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
       ->required()
       ->type_name("PATH");

@@ -35,9 +35,9 @@ void print_row(const char* name, const SurfaceFigures& figures) {
 
 Json report(const Comparison& comparison) {
   std::printf("  %-22s %9s %9s %9s %9s %9s %7s\n", "method, smoothing (mm)", "roughness", "volume", "mean", "99 %",
-              "most", "pieces");
+              "max", "pieces");
   std::printf("  %-22s %9s %9s %9s %9s %9s\n", "", "degrees", "%", "mm", "mm", "mm");
-  print_row("truth", comparison.truth_figures);
+  print_row("ground truth", comparison.ground_truth_figures);
   Json surfaces = Json::array();
   for (const ComparedSurface& surface : comparison.surfaces) {
     std::ostringstream name;
@@ -52,7 +52,7 @@ Json report(const Comparison& comparison) {
     }
     surfaces.push_back(one);
   }
-  return {{"truth", json_of(comparison.truth_figures)}, {"surfaces", surfaces}};
+  return {{"ground_truth", json_of(comparison.ground_truth_figures)}, {"surfaces", surfaces}};
 }
 
 }  // namespace
@@ -64,11 +64,12 @@ void add_compare(CLI::App& program, Command& command) {
     std::filesystem::path output = "comparison.png";
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app = add_command(
-      program, command, "compare", "Compare ways to a surface on a phantom, whose true surface is known",
-      "Example: spinaltap compare -o comparison.png --json comparison.json\n"
-      "Roughness is the spread of normals within 1 mm; volume the change against the truth; distances are from the\n"
-      "surface to the truth.");
+  CLI::App* app = add_command(program, command, "compare",
+                              "Compare methods for a surface on a phantom, whose true surface is known",
+                              "Example: spinaltap compare -o comparison.png --json comparison.json\n"
+                              "Roughness is the spread of normals within 1 mm; volume the change against the ground "
+                              "truth; distances are from the\n"
+                              "surface to the ground truth.");
   app->add_option("-o,--output", options->output, "The picture to write, .png")
       ->capture_default_str()
       ->type_name("FILE");

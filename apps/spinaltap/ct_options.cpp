@@ -16,7 +16,7 @@ void CtOptions::add_reading(CLI::App& app) {
       ->type_name("UID");
   app.add_flag(
       "--resample", reading.resample,
-      "Interpolate unequal slice steps, gaps of up to 6 mm and uneven sideways shifts instead of refusing them");
+      "Interpolate unequal slice steps, gaps of up to 6 mm and uneven sideways shifts instead of rejecting them");
   app.add_option("--crop", crop_mm, "Take only this box, patient LPS, mm")
       ->delimiter(',')
       ->expected(6)
@@ -142,10 +142,10 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
                {"dropped_pieces", baked.bake.dropped_pieces},
                {"size_mm", to_json(size_mm)}};
   if (baked.level != Level::kNone) figures["level"] = level_name(baked.level);
-  if (baked.doubts) {
-    print_doubts(*baked.doubts);
-    figures["warnings"] = baked.doubts->warnings;
-    figures["doubt"] = baked.doubts->doubt;
+  if (baked.warnings) {
+    print_warnings(*baked.warnings);
+    figures["warnings"] = baked.warnings->warnings;
+    figures["severity"] = baked.warnings->severity;
   }
   return figures;
 }

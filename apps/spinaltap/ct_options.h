@@ -47,7 +47,7 @@ struct CtOptions {
 /// Adds --convention: what the numbers of `labels` mean.
 void add_convention(CLI::App& app, LabelConvention& convention, CLI::Option* labels);
 
-/// Prints the figures of a baked CT, its level, warnings and doubt, and gives them as JSON.
+/// Prints the figures of a baked CT, its level, warnings and severity, and gives them as JSON.
 Json report_baked(const CtVolume& ct, const BakedCt& baked);
 
 }  // namespace spinaltap

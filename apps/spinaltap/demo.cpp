@@ -37,9 +37,9 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     heading("Phantom");
     phantom = options.phantom.make();
     const std::filesystem::path folder = options.folder / "phantom";
-    write_phantom(*phantom->solid, phantom->truth, options.phantom.output_options(), folder, progress);
+    write_phantom(*phantom->solid, phantom->ground_truth, options.phantom.output_options(), folder, progress);
     options.ct.folder = folder / "ct";
-    if (phantom->truth) paths = read_plan(folder / "plan.json");
+    if (phantom->ground_truth) paths = read_plan(folder / "plan.json");
     print_figure("written", folder.string());
   }
 
@@ -51,9 +51,9 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   figures["mesh"] = report_mesh(measure_mesh(mesh));
   if (phantom) {
     const SurfaceError error = surface_error(mesh, *phantom->solid);
-    print_figure("distance to the truth, mean", error.mean_mm, "mm", 3);
-    print_figure("distance to the truth, 99 %", error.p99_mm, "mm", 3);
-    figures["truth"] = {{"mean_mm", error.mean_mm}, {"p99_mm", error.p99_mm}, {"bias_mm", error.bias_mm}};
+    print_figure("distance to the ground truth, mean", error.mean_mm, "mm", 3);
+    print_figure("distance to the ground truth, 99 %", error.p99_mm, "mm", 3);
+    figures["ground_truth"] = {{"mean_mm", error.mean_mm}, {"p99_mm", error.p99_mm}, {"bias_mm", error.bias_mm}};
   }
   StagedOutput output;
   write_bone(baked.bone, output.stage(options.folder / "bone.vdb"));
@@ -76,8 +76,8 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   heading("Drilling");
   const std::string title = phantom ? "Drilling the phantom" : "Drilling " + options.ct.folder.filename().string();
   figures["drill"] = run_drill(title, &ct, bone, paths.front(), options.drill, options.folder, progress);
-  if (baked.doubts) {
-    exit_code = say_doubtful(level_name(baked.level), *baked.doubts, options.ct.finding.accepts_doubtful);
+  if (baked.warnings) {
+    exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
   }
   return figures;
 }

@@ -25,8 +25,8 @@ void add_drill(CLI::App& program, Command& command) {
       add_command(program, command, "drill",
                   "Drill a planned path; writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv",
                   "Examples: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/\n"
-                  "          spinaltap drill bone.vdb plan.json --hand push --push 40 --stop-on-breach\n"
-                  "          spinaltap drill bone.vdb plan.json --hand tremor --real-time --record run.h5");
+                  "          spinaltap drill bone.vdb plan.json --operator push --push 40 --stop-on-breach\n"
+                  "          spinaltap drill bone.vdb plan.json --operator tremor --real-time --record run.h5");
   app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
   add_level(*app, options->level);
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");

@@ -7,36 +7,42 @@
 
 namespace spinaltap {
 
-void add_straight_hand(CLI::App& app, HandChoice& hand) {
-  app.add_option("--step", hand.step_mm, "Advance a cycle, mm; default: 0.001")->type_name("MM");
-  app.add_option("--offset", hand.offset_mm, "Sideways shift of the bit from the path, mm; default: 0")
+void add_straight_motion(CLI::App& app, OperatorChoice& tool_operator) {
+  app.add_option("--step", tool_operator.step_mm, "Advance a cycle, mm; default: 0.001")->type_name("MM");
+  app.add_option("--offset", tool_operator.offset_mm, "Sideways shift of the bit from the path, mm; default: 0")
       ->type_name("MM");
-  app.add_option("--tilt", hand.tilt_deg, "Angle between bit and path, degrees; default: 0")->type_name("DEG");
+  app.add_option("--tilt", tool_operator.tilt_deg, "Angle between bit and path, degrees; default: 0")->type_name("DEG");
 }
 
-void add_hand(CLI::App& app, HandChoice& hand) {
+void add_operator(CLI::App& app, OperatorChoice& tool_operator) {
   app.add_option(
-         "--hand", hand.name,
+         "--operator", tool_operator.name,
          "Who moves the bit: on-path (default), off-path (by 1.2 mm), tilted (by 3 degrees), tremor (of 0.1 mm, "
          "8 to 12 Hz), push (with a force: feed follows from the bone), or a file of poses, FILE.csv")
       ->type_name("NAME");
-  app.add_option("--feed", hand.feed, "Feed, mm/s; default: 1. Or by depth: 1,5:0.5 is 1, and 0.5 from 5 mm on")
+  app.add_option("--feed", tool_operator.feed,
+                 "Feed, mm/s; default: 1. Or by depth: 1,5:0.5 is 1, and 0.5 from 5 mm on")
       ->type_name("MM_S");
-  app.add_option("--rate", hand.rate_hz, "Poses a second, Hz; in real time also collision cycles; default: 1000")
+  app.add_option("--rate", tool_operator.rate_hz,
+                 "Poses a second, Hz; in real time also collision cycles; default: 1000")
       ->type_name("HZ");
-  app.add_option("--tremor", hand.tremor_mm, "Amplitude of the hand's tremor, mm; default: 0, of the hand tremor 0.1")
+  app.add_option("--tremor", tool_operator.tremor_mm,
+                 "Amplitude of the operator's tremor, mm; default: 0, of the operator tremor 0.1")
       ->type_name("MM");
-  app.add_option("--peck", hand.peck_mm, "Draw back by 2 mm each so many mm of depth; default: never")->type_name("MM");
-  app.add_option("--withdraw", hand.withdraw_mm_s, "Draw back to the start at the end, mm/s; default: stay")
+  app.add_option("--peck", tool_operator.peck_mm, "Draw back by 2 mm each so many mm of depth; default: never")
+      ->type_name("MM");
+  app.add_option("--withdraw", tool_operator.withdraw_mm_s, "Draw back to the start at the end, mm/s; default: stay")
       ->type_name("MM_S");
-  app.add_option("--push", hand.push_n, "With --hand push: force along the path, N; default: 40")->type_name("N");
-  app.add_option("--seed", hand.seed, "Seed of the tremor; default: 1")->type_name("N");
+  app.add_option("--push", tool_operator.push_n, "With --operator push: force along the path, N; default: 40")
+      ->type_name("N");
+  app.add_option("--seed", tool_operator.seed, "Seed of the tremor; default: 1")->type_name("N");
 }
 
 void DrillOptions::add_to(CLI::App& app) {
-  app.add_option("--density", density, "Law of density, or a calibration; default: the shipped densities/vertebra.json")
+  app.add_option("--density", density,
+                 "Density calibration: a line, or measured pairs; default: the shipped densities/vertebra.json")
       ->type_name("FILE");
-  app.add_option("--material", material, "Law of resistance; default: the shipped materials/vertebra.json")
+  app.add_option("--material", material, "Cutting model; default: the shipped materials/vertebra.json")
       ->type_name("FILE");
   PointVolumeOptions& volume = setup.volume;
   app.add_option("--radius", volume.radius_mm, "Radius of the point volume, mm")
@@ -77,7 +83,7 @@ void DrillOptions::add_to(CLI::App& app) {
   app.add_option("--lead-in", volume.lead_in_mm, "How far before the entry the drilling starts, mm")
       ->capture_default_str()
       ->type_name("MM");
-  add_straight_hand(app, hand);
+  add_straight_motion(app, tool_operator);
   app.add_option("--log-step", log_step_mm, "Depth for one row of log.csv, mm")->capture_default_str()->type_name("MM");
   app.add_option("--spindle", setup.options.spindle.rpm, "Speed of the spindle, rpm; 0: off, the bit only touches")
       ->capture_default_str()
@@ -85,9 +91,9 @@ void DrillOptions::add_to(CLI::App& app) {
 }
 
 void DrillOptions::add_session_to(CLI::App& app) {
-  add_hand(app, hand);
+  add_operator(app, tool_operator);
   StopRules& stop = setup.options.stop;
-  app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the hand to stop at this thrust, N; default: never")
+  app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the operator to stop at this thrust, N; default: never")
       ->type_name("N");
   app.add_option("--stop-at-clearance", stop.clearance_mm,
                  "Ask it to stop at this clearance of the bit to the outer surface or the canal, mm; default: never")
@@ -97,7 +103,7 @@ void DrillOptions::add_session_to(CLI::App& app) {
   app.add_option("--record", record, "Write every cycle into this HDF5 file, which must not be there; see `replay`")
       ->type_name("FILE");
   app.add_flag("--real-time", is_real_time,
-               "By the clock, with threads for hand, collisions and display; prints their latencies");
+               "By the clock, with threads for operator, collisions and display; prints their latencies");
   app.add_option("--seconds", seconds, "With --real-time: how long at most, s; default: 600")->type_name("S");
   app.add_option("--output-rate", output_rate_hz,
                  "With --real-time: extrapolate forces at this rate for a device, Hz; default: not")
@@ -105,7 +111,7 @@ void DrillOptions::add_session_to(CLI::App& app) {
 }
 
 void DrillOptions::check() const {
-  hand.check(is_real_time);
+  tool_operator.check(is_real_time);
   if (!is_real_time && (seconds || output_rate_hz)) {
     fail("expected --real-time with --seconds and --output-rate: without it drilling goes as fast as it goes");
   }
@@ -117,7 +123,7 @@ void DrillOptions::check() const {
   }
 }
 
-std::optional<RealTimeOptions> DrillOptions::real_time(const HandPlan& plan) const {
+std::optional<RealTimeOptions> DrillOptions::real_time(const OperatorPlan& plan) const {
   if (!is_real_time) return std::nullopt;
   RealTimeOptions options;
   options.rate_hz = plan.cycle_rate_hz;

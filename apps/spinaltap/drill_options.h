@@ -5,21 +5,21 @@
 #include <filesystem>
 #include <optional>
 
-#include "apps/report/hand_choice.h"
-#include "core/ct/density_law.h"
+#include "apps/report/operator_choice.h"
+#include "core/ct/hu_to_density.h"
 #include "core/session/real_time/real_time.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 
 /// --step, --offset, --tilt.
-void add_straight_hand(CLI::App& app, HandChoice& hand);
-/// The other options of hands.
-void add_hand(CLI::App& app, HandChoice& hand);
+void add_straight_motion(CLI::App& app, OperatorChoice& tool_operator);
+/// The other options of operators.
+void add_operator(CLI::App& app, OperatorChoice& tool_operator);
 
 /// The options of commands that drill.
 struct DrillOptions {
-  std::filesystem::path density;   ///< empty: the shipped law
+  std::filesystem::path density;   ///< empty: the shipped one
   std::filesystem::path material;  ///< the same
   std::filesystem::path field;     ///< a radial basis function that decides which points are bone; empty: the grid
   bool writes_points = false;
@@ -27,21 +27,21 @@ struct DrillOptions {
   bool leaves_clearances = false;
   double log_step_mm = 0.1;
   SessionSetup setup;  ///< but for the path, the material and the bone's hash
-  HandChoice hand;
+  OperatorChoice tool_operator;
   std::filesystem::path record;  ///< empty: none
   bool is_real_time = false;
   std::optional<double> seconds;
   std::optional<double> output_rate_hz;
 
-  /// Adds the laws', the point volume's, the engine's, and of the hand those of a straight motion.
+  /// Adds the material's, the point volume's, the engine's, and of the operator those of a straight motion.
   void add_to(CLI::App& app);
-  /// Adds the rest: hands, stop rules, records, real time.
+  /// Adds the rest: operators, stop rules, records, real time.
   void add_session_to(CLI::App& app);
 
   /// Throws Error where options do not go together.
   void check() const;
   /// How the threads are paced; nothing where drilling goes as fast as it goes.
-  std::optional<RealTimeOptions> real_time(const HandPlan& hand) const;
+  std::optional<RealTimeOptions> real_time(const OperatorPlan& tool_operator) const;
 };
 
 }  // namespace spinaltap

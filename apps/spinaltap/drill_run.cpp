@@ -29,13 +29,13 @@
 namespace spinaltap {
 namespace {
 
-/// The furthest that the hand went after a stop or a breakthrough, mm; NaN where there was none.
-double overshoot_mm(const std::vector<SessionEvent>& events) {
-  double most_mm = std::nan("");
+/// The furthest that the operator went after a stop or a breakthrough, mm; NaN where there was none.
+double plunge_depth_mm(const std::vector<SessionEvent>& events) {
+  double max_mm = std::nan("");
   for (const SessionEvent& event : events) {
-    if (event.kind == EventKind::overshoot) most_mm = std::fmax(most_mm, event.value);
+    if (event.kind == EventKind::plunge) max_mm = std::fmax(max_mm, event.value);
   }
-  return most_mm;
+  return max_mm;
 }
 
 Json json_of(const TimeSpread& spread) {
@@ -59,7 +59,7 @@ Json json_of(const RealTimeReport& run) {
   return {{"seconds", run.seconds},
           {"has_priority", run.has_priority},
           {"has_locked_memory", run.has_locked_memory},
-          {"remarks", run.remarks},
+          {"warnings", run.warnings},
           {"collision", json_of(run.collision)},
           {"tool", json_of(run.tool)},
           {"display", json_of(run.display)},
@@ -86,23 +86,23 @@ void print_rows(const TextRows& table) {
 }
 
 void print_events(const Drilling& drilling) {
-  constexpr std::size_t kMost = 24;
-  for (std::size_t n = 0; n < std::min(drilling.events.size(), kMost); ++n) {
+  constexpr std::size_t kMax = 24;
+  for (std::size_t n = 0; n < std::min(drilling.events.size(), kMax); ++n) {
     const SessionEvent& event = drilling.events[n];
     std::printf("  %9.3f s  at %7.2f mm  %-14s %s\n", event.time_s, event.depth_mm,
                 std::string(name_of(event.kind)).c_str(), value_text(event).c_str());
   }
-  const std::size_t further = drilling.events.size() + drilling.events_lost - std::min(drilling.events.size(), kMost);
+  const std::size_t further = drilling.events.size() + drilling.events_lost - std::min(drilling.events.size(), kMax);
   if (further > 0) std::printf("  and %zu further events: see events.csv\n", further);
 }
 
 /// A record of the session, where one is asked for.
 class Recording {
  public:
-  Recording(const DrillOptions& options, const SessionSetup& setup, const HandPlan& hand) {
+  Recording(const DrillOptions& options, const SessionSetup& setup, const OperatorPlan& tool_operator) {
     if (options.record.empty()) return;
     const std::string pace = options.is_real_time ? "real time" : "as fast as it goes";
-    writer_.emplace(options.record, record_words(setup, hand.words, pace));
+    writer_.emplace(options.record, record_words(setup, tool_operator.words, pace));
   }
   RecordWriter* writer() { return writer_ ? &*writer_ : nullptr; }
   /// What goes wrong is kept: a full disk shall not cost the other results.
@@ -136,27 +136,27 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   print_figure("nearest neighbours, mean", neighbours.mean_mm, "mm", 4);
   print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
   print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
-  for (const auto& [name, value] : figures.hand_words) print_figure("hand, " + name, value);
+  for (const auto& [name, value] : figures.operator_words) print_figure("operator, " + name, value);
   print_figure("cycles", static_cast<double>(drilling.cycles), "", 0);
   print_figure("drilled for", drilling.session_s, "s", 3);
   if (drilling.real_time) {
-    for (const std::string& remark : drilling.real_time->remarks) print_figure("remark", remark);
+    for (const std::string& warning : drilling.real_time->warnings) print_figure("warning", warning);
     for (const TextRows& table : {pace_rows(*drilling.real_time), latency_rows(*drilling.real_time)}) print_rows(table);
   } else {
     const DrillRates rates = drill_rates(drilling.rows);
     print_figure("rate, first tenth of the path", rates.first_tenth, "cycles/s", 0);
     print_figure("rate, last tenth", rates.last_tenth, "cycles/s", 0);
   }
-  print_figure("greatest thrust", drilling.most_thrust_n, "N", 2);
-  print_figure("greatest torque", drilling.most_torque_n_mm, "N·mm", 1);
-  if (std::isfinite(drilling.least_outer_mm)) {
-    print_figure("least clearance, outer surface", drilling.least_outer_mm, "mm", 2);
+  print_figure("max thrust", drilling.max_thrust_n, "N", 2);
+  print_figure("max torque", drilling.max_torque_n_mm, "N·mm", 1);
+  if (std::isfinite(drilling.min_clearance_outer_mm)) {
+    print_figure("min clearance, outer surface", drilling.min_clearance_outer_mm, "mm", 2);
   }
-  if (std::isfinite(drilling.least_canal_mm)) {
-    print_figure("least clearance, canal", drilling.least_canal_mm, "mm", 2);
+  if (std::isfinite(drilling.min_clearance_canal_mm)) {
+    print_figure("min clearance, canal", drilling.min_clearance_canal_mm, "mm", 2);
   }
-  print_figure("density at 0 HU", density.law.at_0_hu, "g/cm3", 4);
-  print_figure("density per 1000 HU", 1000.0 * density.law.per_hu, "g/cm3", 4);
+  print_figure("density at 0 HU", density.line.at_0_hu, "g/cm3", 4);
+  print_figure("density per 1000 HU", 1000.0 * density.line.per_hu, "g/cm3", 4);
   if (density.rms_residual_g_cm3 > 0.0) {
     print_figure("calibration misses the line by", density.rms_residual_g_cm3, "g/cm3 rms", 4);
   }
@@ -175,7 +175,7 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
   const NeighbourDistances neighbours = neighbour_distances(drilling.volumes.front(), false);
   Json json{{"path", path.name},
             {"length_mm", path.length_mm()},
-            {"hand", figures.hand_words},
+            {"operator", figures.operator_words},
             {"discs", drilling.discs},
             {"points_per_disc", drilling.points_per_disc},
             {"points", drilling.points},
@@ -183,25 +183,25 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"removed", drilling.removed},
             {"bytes_per_point", drilling.bytes_per_point},
             {"nearest_neighbours_mm",
-             {{"least", neighbours.least_mm},
+             {{"min", neighbours.min_mm},
               {"mean", neighbours.mean_mm},
               {"deviation", neighbours.deviation_mm},
-              {"most", neighbours.most_mm}}},
+              {"max", neighbours.max_mm}}},
             {"cycles", drilling.cycles},
             {"session_s", drilling.session_s},
-            {"deepest_mm", number_or_null(drilling.deepest_mm)},
-            {"greatest_thrust_N", drilling.most_thrust_n},
-            {"greatest_torque_N_mm", drilling.most_torque_n_mm},
-            {"least_outer_clearance_mm", number_or_null(drilling.least_outer_mm)},
-            {"least_canal_clearance_mm", number_or_null(drilling.least_canal_mm)},
+            {"max_depth_mm", number_or_null(drilling.deepest_mm)},
+            {"max_thrust_n", drilling.max_thrust_n},
+            {"max_torque_n_mm", drilling.max_torque_n_mm},
+            {"min_clearance_outer_mm", number_or_null(drilling.min_clearance_outer_mm)},
+            {"min_clearance_canal_mm", number_or_null(drilling.min_clearance_canal_mm)},
             {"stopped", drilling.is_stopped},
-            {"overshoot_mm", number_or_null(overshoot_mm(drilling.events))},
+            {"plunge_depth_mm", number_or_null(plunge_depth_mm(drilling.events))},
             {"events_lost", drilling.events_lost},
             {"cycles_not_recorded", figures.cycles_not_recorded},
-            {"density_at_0_hu_g_cm3", density.law.at_0_hu},
-            {"density_per_hu_g_cm3", density.law.per_hu},
+            {"density_at_0_hu_g_cm3", density.line.at_0_hu},
+            {"density_per_hu_g_cm3", density.line.per_hu},
             {"calibration_rms_g_cm3", density.rms_residual_g_cm3},
-            {"calibration_most_g_cm3", density.most_residual_g_cm3},
+            {"calibration_max_g_cm3", density.max_residual_g_cm3},
             {"mesh", report_mesh(figures.mesh)}};
   Json events = Json::array();
   for (const SessionEvent& event : drilling.events) events.push_back(json_of(event));
@@ -224,33 +224,34 @@ Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, c
   SessionSetup setup = options.setup;
   setup.path = path;
   setup.has_clearances = !options.leaves_clearances;
-  HandPlan hand = options.hand.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time);
+  OperatorPlan tool_operator =
+      options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time);
   const DensityCalibration density =
-      read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
+      read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   setup.material =
-      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
+      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
   std::optional<RbfField> field;
   if (!options.field.empty()) field.emplace(RbfField::for_values(read_rbf(options.field), RbfField::kDefaultAccuracy));
   if (!options.record.empty()) setup.bone_hash = bone.hash();
-  Recording recording(options, setup, hand);
+  Recording recording(options, setup, tool_operator);
   DrillingOptions how{.exact = field ? &*field : nullptr,
                       .log_step_mm = options.log_step_mm,
-                      .real_time = options.real_time(hand),
+                      .real_time = options.real_time(tool_operator),
                       .makes_splats = options.writes_splats,
                       .record = recording.writer()};
   // Beside the drilling, as a simulator shows it; where the clock does not count, nobody looks.
   std::optional<LiveMesh> live;
   if (how.real_time) {
-    live.emplace(bone.model(), path.bit, setup.options.longest_jump_mm);
+    live.emplace(bone.model(), path.bit, setup.options.max_jump_mm);
     how.display = [&live](const Cycle& cycle) { live->update(cycle.input); };
   }
-  const Drilling drilling = drill_bone(bone, setup, *hand.hand, how, progress);
+  const Drilling drilling = drill_bone(bone, setup, *tool_operator.tool_operator, how, progress);
   const TriangleMesh surface = sharp_surface(drilling.drilled);
   recording.close(drilling.events);
 
   progress.report("meshing", 0.0);
   const MeshQuality quality = measure_mesh(surface);
-  const DrillFigures figures{drilling, bone, setup, hand.words, quality, recording.lost()};
+  const DrillFigures figures{drilling, bone, setup, tool_operator.words, quality, recording.lost()};
   DrillReportData data = report_data(title, ct, figures);
   data.renders = drill_pictures(bone.model(), drilling.drilled, path, progress);
 
@@ -259,7 +260,7 @@ Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, c
   for (std::size_t n = 0; options.writes_points && n < drilling.volumes.size(); ++n) {
     const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
     write_points(drilling.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
-                 {.density = density.law});
+                 {.density = density.line});
   }
   if (options.writes_splats) {
     output.write(folder / "splats.ply", splats_ply(drilling.splats));

@@ -12,7 +12,7 @@
 
 namespace spinaltap {
 
-/// For people, on standard output. `density`: the law of the session's material.
+/// For people, on standard output. `density`: the density calibration of the session's material.
 void print_drilling(const DrillFigures& figures, const DensityCalibration& density);
 Json drilling_json(const DrillFigures& figures, const DensityCalibration& density);
 

@@ -40,11 +40,11 @@ ValueRange evaluate_points(const RbfField& field, const std::vector<Vec3>& point
   }
   progress.report("evaluating", 1.0);
   write_evaluated({points_mm, values_mm, gradients}, staged);
-  const auto [least, largest] = std::minmax_element(values_mm.begin(), values_mm.end());
-  return {*least, *largest};
+  const auto [min, largest] = std::minmax_element(values_mm.begin(), values_mm.end());
+  return {*min, *largest};
 }
 
-/// Refuses options that do not go together before anything is read.
+/// Rejects options that do not go together before anything is read.
 void check_options(const EvalOptions& options) {
   if (options.points.empty() != options.grid_mm.has_value()) {
     fail("expected either points or --grid, found ", options.grid_mm ? "both" : "neither");
@@ -79,13 +79,11 @@ Json evaluate(const EvalOptions& options, const Progress& progress) {
   output.commit();
   print_figure("points", static_cast<double>(points), "", 0);
   print_figure("centres", static_cast<double>(centres), "", 0);
-  print_figure("least value", range.least_mm, "mm", 6);
+  print_figure("min value", range.min_mm, "mm", 6);
   print_figure("largest value", range.largest_mm, "mm", 6);
   print_figure("written", options.output.string());
-  return {{"points", points},
-          {"centres", centres},
-          {"least_value_mm", range.least_mm},
-          {"largest_value_mm", range.largest_mm}};
+  return {
+      {"points", points}, {"centres", centres}, {"min_value_mm", range.min_mm}, {"largest_value_mm", range.largest_mm}};
 }
 
 }  // namespace

@@ -83,8 +83,8 @@ void FindingOptions::add_to(CLI::App& app, CLI::Option* labels) {
                  "Bone is at least this dense, HU; default: 150, less in a noisy CT")
       ->excludes(labels)
       ->type_name("HU");
-  app.add_flag("--accept-doubtful", accepts_doubtful,
-               "Exit with 0 also where a vertebra is doubtful; without it the exit code is then 1, with all written");
+  app.add_flag("--accept-warnings", accepts_warnings,
+               "Exit with 0 also where a vertebra is suspect; without it the exit code is then 1, with all written");
 }
 
 std::optional<Vec3> FindingOptions::given_seed() const {

@@ -44,16 +44,16 @@ std::vector<DrillPath> chosen_paths(const GradeCommandOptions& options) {
 Json grade(const GradeCommandOptions& options, const Progress& progress) {
   const std::vector<DrillPath> paths = chosen_paths(options);
   const DensityCalibration density =
-      read_density_law(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
+      read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   const Material material =
-      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.law);
+      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
   const Bone bone = Bone::load(options.bone, options.level);
   std::vector<GradedPath> graded;
   graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
     graded.push_back({path, grade(bone, path, options.grade, material, progress)});
   }
-  Json figures{{"paths", Json::array()}, {"doubts", bone.landmarks().doubts}};
+  Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
   Json whole = figures;
   for (const GradedPath& one : graded) {
     figures["paths"].push_back(to_json(one, options.grade.hu_bands, false));
@@ -67,7 +67,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress) {
                                                              &bone.landmarks(), &ct, bone.model().bounds_mm()}));
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
-  for (const std::string& doubt : bone.landmarks().doubts) print_figure("doubt", doubt);
+  for (const std::string& warning : bone.landmarks().warnings) print_figure("warning", warning);
   print_figure("report", (options.folder / "report.html").string());
   return figures;
 }
@@ -93,9 +93,9 @@ void add_grade(CLI::App& program, Command& command) {
   diameter->needs(length);
   length->needs(diameter);
   app->add_option("--density", options->density,
-                  "Law of density, or a calibration; default: the shipped densities/vertebra.json")
+                  "Density calibration: a line, or measured pairs; default: the shipped densities/vertebra.json")
       ->type_name("FILE");
-  app->add_option("--material", options->material, "Law of resistance; default: the shipped materials/vertebra.json")
+  app->add_option("--material", options->material, "Cutting model; default: the shipped materials/vertebra.json")
       ->type_name("FILE");
   app->add_option("--hu-bands", options->grade.hu_bands, "Borders of the bands of CT numbers, HU, ascending")
       ->delimiter(',')

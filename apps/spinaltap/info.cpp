@@ -25,31 +25,31 @@ std::string triple(const Vec3& v, const char* unit) {
   return text.str();
 }
 
-/// But for warnings and doubt.
+/// But for warnings and severity.
 Json info_of_grids(const BoneModel& bone) {
   const Box3 bounds_mm = bone.bounds_mm();
   print_figure("grid voxels", static_cast<double>(bone.active_voxels()), "", 0);
   print_figure("voxel", bone.voxel_mm(), "mm", 3);
   print_figure("from", triple(bounds_mm.min(), "mm"));
   print_figure("to", triple(bounds_mm.max(), "mm"));
-  Json facts = Json::object();
-  for (const auto& [key, value] : bone.facts()) {
-    if (key != "warnings" && key != "doubt") print_figure(key, value);
-    facts[key] = value;
+  Json metadata = Json::object();
+  for (const auto& [key, value] : bone.metadata()) {
+    if (key != "warnings" && key != "severity") print_figure(key, value);
+    metadata[key] = value;
   }
   return {{"active_voxels", bone.active_voxels()},
           {"voxel_mm", bone.voxel_mm()},
           {"low_mm", to_json(bounds_mm.min())},
           {"high_mm", to_json(bounds_mm.max())},
-          {"facts", facts}};
+          {"metadata", metadata}};
 }
 
 Json info_of_bone(const BoneModel& bone) {
   Json json = info_of_grids(bone);
-  if (const std::optional<LevelDoubts> doubts = doubts_in(bone.facts())) {
-    print_doubts(*doubts);
-    json["warnings"] = doubts->warnings;
-    json["doubt"] = doubts->doubt;
+  if (const std::optional<LevelWarnings> warnings = warnings_in(bone.metadata())) {
+    print_warnings(*warnings);
+    json["warnings"] = warnings->warnings;
+    json["severity"] = warnings->severity;
   }
   return json;
 }
@@ -59,8 +59,8 @@ Json info_of_level(const SpineBone& one) {
   Json json = info_of_grids(one.bone);
   json["level"] = level_name(one.level);
   json["warnings"] = one.notes.warnings;
-  json["doubt"] = one.notes.doubt;
-  print_doubts({one.notes.warnings, one.notes.doubt});
+  json["severity"] = one.notes.severity;
+  print_warnings({one.notes.warnings, one.notes.severity});
   if (!one.notes.landmarks.empty()) {
     const Json landmarks = Json::parse(one.notes.landmarks, nullptr, false);
     if (landmarks.is_discarded()) fail("expected JSON as the landmarks of ", level_name(one.level));
@@ -166,15 +166,15 @@ Json info_of_series(const SeriesInfo& series) {
   const std::string plane = plane_name(layout.directions.col(2));
   const double tilt_deg = layout.tilt_rad * 180.0 / std::numbers::pi;
   std::ostringstream step;
-  step << layout.least_step_mm << " mm";
-  if (layout.most_step_mm > layout.least_step_mm) step << " to " << layout.most_step_mm << " mm";
+  step << layout.min_step_mm << " mm";
+  if (layout.max_step_mm > layout.min_step_mm) step << " to " << layout.max_step_mm << " mm";
   print_figure("  slices", plane + ", columns grow to " + orientation_letters(layout.directions.col(0)) + ", rows to " +
                                orientation_letters(layout.directions.col(1)));
   print_figure("  slice step", step.str());
   print_figure("  gantry tilt", tilt_deg, "degrees", 1);
   json["plane"] = plane;
-  json["least_step_mm"] = layout.least_step_mm;
-  json["most_step_mm"] = layout.most_step_mm;
+  json["min_step_mm"] = layout.min_step_mm;
+  json["max_step_mm"] = layout.max_step_mm;
   json["tilt_deg"] = tilt_deg;
   return json;
 }

@@ -75,28 +75,28 @@ void print_levels(std::span<const LevelReport> levels) {
                    {"deep", "mm"},
                    {"high", "mm"},
                    {"volume", "cm3"},
-                   {"doubt", ""},
+                   {"severity", ""},
                    {"", "", false}});
   for (const LevelReport& level : levels) {
     const Vec3& at = level.body_centre_mm;
     const Vec3& size = level.body_size_mm;
-    std::string note = level.is_doubtful() ? "doubtful" : "";
+    std::string note = level.is_suspect() ? "suspect" : "";
     if (level.is_cut || level.reaches_border) note += std::string(note.empty() ? "" : ", ") + "cut by the CT's border";
     table.add_row({level.name, std::to_string(level.label), number(at.x(), 1), number(at.y(), 1), number(at.z(), 1),
                    number(size.x(), 1), number(size.y(), 1), number(size.z(), 1), number(level.volume_mm3 / 1000.0, 2),
-                   number(level.doubt, 2), note});
+                   number(level.severity, 2), note});
   }
   std::printf("  Middle (patient LPS) and size of the bodies:\n%s", table.aligned().c_str());
   for (const LevelReport& level : levels) {
     for (const LevelWarning& warning : level.warnings) {
-      std::printf("  %s: %s (%.2f)\n", level.name.c_str(), warning.text.c_str(), warning.doubt);
+      std::printf("  %s: %s (%.2f)\n", level.name.c_str(), warning.text.c_str(), warning.severity);
     }
   }
 }
 
-void print_doubts(const LevelDoubts& doubts) {
-  for (const std::string& warning : doubts.warnings) print_figure("warning", warning);
-  if (doubts.doubt > 0.0) print_figure("doubt, 0 to 1", doubts.doubt, "");
+void print_warnings(const LevelWarnings& warnings) {
+  for (const std::string& warning : warnings.warnings) print_figure("warning", warning);
+  if (warnings.severity > 0.0) print_figure("severity, 0 to 1", warnings.severity, "");
 }
 
 Json to_json(const LevelReport& level) {
@@ -104,7 +104,7 @@ Json to_json(const LevelReport& level) {
   for (int axis = 0; axis < 3; ++axis) axes.push_back(to_json(Vec3(level.body_axes.col(axis))));
   Json warnings = Json::array();
   for (const LevelWarning& warning : level.warnings) {
-    Json one{{"text", warning.text}, {"doubt", warning.doubt}, {"where_mm", nullptr}};
+    Json one{{"text", warning.text}, {"severity", warning.severity}, {"where_mm", nullptr}};
     if (warning.where_mm) one["where_mm"] = to_json(*warning.where_mm);
     warnings.push_back(one);
   }
@@ -122,24 +122,24 @@ Json to_json(const LevelReport& level) {
                {"reaches_border", level.reaches_border},
                {"figures", to_json(level.figures)},
                {"warnings", warnings},
-               {"doubt", level.doubt},
-               {"is_doubtful", level.is_doubtful()}});
+               {"severity", level.severity},
+               {"is_suspect", level.is_suspect()}});
   return json;
 }
 
-int say_doubtful(std::span<const std::string> names, bool accepts_doubtful) {
+int say_suspect(std::span<const std::string> names, bool accepts_warnings) {
   if (names.empty()) return 0;
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  print_figure("doubtful", list + (accepts_doubtful ? ": accepted"
-                                                    : ": written, but the exit code is 1; once you have looked at it, "
-                                                      "--accept-doubtful"));
-  return accepts_doubtful ? 0 : 1;
+  print_figure("suspect", list + (accepts_warnings ? ": accepted"
+                                                   : ": written, but the exit code is 1; once you have looked at it, "
+                                                     "--accept-warnings"));
+  return accepts_warnings ? 0 : 1;
 }
 
-int say_doubtful(const std::string& name, const LevelDoubts& doubts, bool accepts_doubtful) {
+int say_suspect(const std::string& name, const LevelWarnings& warnings, bool accepts_warnings) {
   const std::vector<std::string> names{name.empty() ? "the vertebra" : name};
-  return say_doubtful(doubts.is_doubtful() ? std::span(names) : std::span<const std::string>(), accepts_doubtful);
+  return say_suspect(warnings.is_suspect() ? std::span(names) : std::span<const std::string>(), accepts_warnings);
 }
 
 }  // namespace spinaltap

@@ -8,7 +8,7 @@
 
 #include "core/ct/level.h"
 #include "core/files/json_file.h"
-#include "core/segment/doubt_facts.h"
+#include "core/segment/warning_metadata.h"
 
 namespace spinaltap {
 
@@ -18,19 +18,19 @@ CLI::Option* add_level(CLI::App& app, Level& level);
 /// How vertebrae came by their names, in words.
 std::string words_of(NameSource source, std::span<const LevelPoint> given);
 
-/// One line a vertebra: where its body is, its size, volume and doubt. Below, their warnings.
+/// One line a vertebra: where its body is, its size, volume and severity. Below, their warnings.
 void print_levels(std::span<const LevelReport> levels);
 
-/// Prints warnings and doubt.
-void print_doubts(const LevelDoubts& doubts);
+/// Prints warnings and severity.
+void print_warnings(const LevelWarnings& warnings);
 
 /// All that is known of a vertebra.
 Json to_json(const LevelReport& level);
 
-/// Says which vertebrae are doubtful, and what it means; nothing where none is. Gives the exit code.
-int say_doubtful(std::span<const std::string> names, bool accepts_doubtful);
+/// Says which vertebrae are suspect, and what it means; nothing where none is. Gives the exit code.
+int say_suspect(std::span<const std::string> names, bool accepts_warnings);
 
 /// As above, for one bone: `name` may be empty.
-int say_doubtful(const std::string& name, const LevelDoubts& doubts, bool accepts_doubtful);
+int say_suspect(const std::string& name, const LevelWarnings& warnings, bool accepts_warnings);
 
 }  // namespace spinaltap

@@ -24,7 +24,7 @@ Json report_mesh(const MeshQuality& quality) {
           {"pieces", quality.pieces},
           {"closed", quality.closed()},
           {"boundary_edges", quality.boundary_edges},
-          {"non_manifold_faces", quality.refused_faces},
+          {"non_manifold_faces", quality.rejected_faces},
           {"euler_number", quality.euler_number},
           {"volume_mm3", quality.volume_mm3},
           {"area_mm2", quality.area_mm2},
@@ -43,8 +43,8 @@ Json distance_json(const MeshDistance& distance) {
 }
 
 void report_remeshing(const RemeshReport& remeshed, Json& figures) {
-  print_figure("mesh to surface, most", remeshed.to_surface.max_mm, "mm", 4);
-  print_figure("surface to mesh, most", remeshed.from_surface.max_mm, "mm", 4);
+  print_figure("mesh to surface, max", remeshed.to_surface.max_mm, "mm", 4);
+  print_figure("surface to mesh, max", remeshed.from_surface.max_mm, "mm", 4);
   print_figure("self-intersections", static_cast<double>(remeshed.self_intersections), "", 0);
   if (!remeshed.reached) print_figure("as asked", "no, see the distances");
   figures["mesh_to_surface"] = distance_json(remeshed.to_surface);

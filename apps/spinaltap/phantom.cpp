@@ -52,8 +52,8 @@ Phantom PhantomCommandOptions::make() const {
   if (meshes.size() > 1) fail("expected one mesh, found ", meshes.size());
   if (!meshes.empty()) return {make_mesh_solid(mesh_frame.read(meshes.front())), std::nullopt};
   auto vertebra = std::make_unique<Vertebra>(read_anatomy(anatomy.empty() ? data_file("phantom/l3.json") : anatomy));
-  const VertebraTruth truth = vertebra_truth(*vertebra);
-  return {std::move(vertebra), truth};
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(*vertebra);
+  return {std::move(vertebra), ground_truth};
 }
 
 PhantomOptions PhantomCommandOptions::output_options() const {
@@ -72,13 +72,13 @@ void add_phantom(CLI::App& program, Command& command) {
     SpineCommandOptions spine;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app =
-      add_command(program, command, "phantom",
-                  "Make a virtual CT of an L3 vertebra, a spine, or closed meshes, with the truth beside it",
-                  "Examples: spinaltap phantom l3/ --noise 20 --seed 7\n"
-                  "          spinaltap phantom spine/ --spine T6-L5 --pixel 0.7 --slice-step 1 --soft-tissue\n"
-                  "Writes l3/ct/*.dcm, l3/truth.vdb, l3/truth.json and l3/plan.json; of a spine ct/*.dcm,\n"
-                  "truth.json and truth_labels.nii.gz.");
+  CLI::App* app = add_command(
+      program, command, "phantom",
+      "Make a virtual CT of an L3 vertebra, a spine, or closed meshes, with the ground truth beside it",
+      "Examples: spinaltap phantom l3/ --noise 20 --seed 7\n"
+      "          spinaltap phantom spine/ --spine T6-L5 --pixel 0.7 --slice-step 1 --soft-tissue\n"
+      "Writes l3/ct/*.dcm, l3/ground_truth.vdb, l3/ground_truth.json and l3/plan.json; of a spine ct/*.dcm,\n"
+      "ground_truth.json and ground_truth_labels.nii.gz.");
   app->add_option("folder", options->folder, "Folder to make")->required()->type_name("FOLDER");
   options->phantom.add_to(*app);
   options->spine.add_to(*app);
@@ -100,15 +100,15 @@ void add_phantom(CLI::App& program, Command& command) {
       print_figure("seed", static_cast<double>(scan.seed), "", 0);
       print_figure("bodies", static_cast<double>(spine->part_count()), "", 0);
       print_figure("written", options->folder.string());
-      return read_json(options->folder / "truth.json");
+      return read_json(options->folder / "ground_truth.json");
     }
     const Phantom phantom = options->phantom.make();
-    write_phantom(*phantom.solid, phantom.truth, options->phantom.output_options(), options->folder, progress);
-    Json figures = read_json(options->folder / "truth.json");
+    write_phantom(*phantom.solid, phantom.ground_truth, options->phantom.output_options(), options->folder, progress);
+    Json figures = read_json(options->folder / "ground_truth.json");
     print_figure("seed", static_cast<double>(options->phantom.phantom.scan.seed), "", 0);
-    if (phantom.truth) {
-      print_figure("pedicle width, left", phantom.truth->left.width_mm, "mm");
-      print_figure("pedicle height, left", phantom.truth->left.height_mm, "mm");
+    if (phantom.ground_truth) {
+      print_figure("pedicle width, left", phantom.ground_truth->left.width_mm, "mm");
+      print_figure("pedicle height, left", phantom.ground_truth->left.height_mm, "mm");
     }
     print_figure("written", options->folder.string());
     return figures;

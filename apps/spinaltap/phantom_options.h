@@ -17,7 +17,7 @@ namespace spinaltap {
 /// A phantom to scan, and what is known of it.
 struct Phantom {
   std::unique_ptr<Solid> solid;
-  std::optional<VertebraTruth> truth;  ///< of a vertebra
+  std::optional<VertebraGroundTruth> ground_truth;  ///< of a vertebra
 };
 
 /// The options of a phantom of several levels.

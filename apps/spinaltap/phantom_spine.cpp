@@ -49,7 +49,7 @@ void SpineCommandOptions::add_to(CLI::App& app) {
   app.add_option("--disc", disc_mm, "Height of all discs in their middle, mm; default: each level's own")
       ->type_name("MM")
       ->group("Spine");
-  number("--facet-gap", spine.facet_gap_mm, "Least distance between neighbours, mm", "MM");
+  number("--facet-gap", spine.facet_gap_mm, "Min distance between neighbours, mm", "MM");
   number("--kyphosis", spine.kyphosis_deg, "From T1 to T12, degrees", "DEG");
   number("--lordosis", spine.lordosis_deg, "From L1 to the sacrum, degrees", "DEG");
   number("--scoliosis", spine.scoliosis_deg, "Cobb's angle, degrees; above 0: convex to the right", "DEG");

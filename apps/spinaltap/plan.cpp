@@ -93,7 +93,7 @@ std::string degrees_and_mm(double mm, double deg) {
 
 void print_suggestion(const Suggestion& suggestion) {
   if (!suggestion.best) {
-    print_figure(suggestion.side, "no path: " + suggestion.refusal);
+    print_figure(suggestion.side, "no path: " + suggestion.rejection);
     return;
   }
   const SuggestedPath& best = *suggestion.best;
@@ -115,7 +115,7 @@ void print_landmarks(const Landmarks& marks) {
   print_figure("right pedicle, width", marks.right_pedicle.width_mm, "mm");
   print_figure("canal, width", marks.canal.width_mm, "mm");
   print_figure("canal, depth", marks.canal.depth_mm, "mm");
-  for (const std::string& doubt : marks.doubts) print_figure("doubt", doubt);
+  for (const std::string& warning : marks.warnings) print_figure("warning", warning);
 }
 
 }  // namespace

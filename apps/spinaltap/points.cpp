@@ -16,7 +16,7 @@ void add_points(CLI::App& program, Command& command) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* app = add_command(program, command, "points", "Write a bone's surface and off-surface points as PLY",
-                              "Example: spinaltap points ct/ --seed -9,222,-638 --method contours -o t11.ply\n"
+                              "Example: spinaltap points ct/ --seed-point -9,222,-638 --method contours -o t11.ply\n"
                               "Each point has x, y, z (mm, patient LPS), nx, ny, nz and value: 0 on the surface,\n"
                               "otherwise the signed distance from it, mm, positive outside.");
   app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
@@ -55,11 +55,11 @@ void add_points(CLI::App& program, Command& command) {
                  {"without_off_surface_point", samples.without_off},
                  {"ct_hash", ct.source_hash}};
     if (bone.found) {
-      const LevelDoubts doubts = doubts_of(bone.found->report);
-      print_doubts(doubts);
-      figures["warnings"] = doubts.warnings;
-      figures["doubt"] = doubts.doubt;
-      command.exit_code = say_doubtful(bone.found->report.name, doubts, options->ct.finding.accepts_doubtful);
+      const LevelWarnings warnings = warnings_of(bone.found->report);
+      print_warnings(warnings);
+      figures["warnings"] = warnings.warnings;
+      figures["severity"] = warnings.severity;
+      command.exit_code = say_suspect(bone.found->report.name, warnings, options->ct.finding.accepts_warnings);
     }
     return figures;
   };

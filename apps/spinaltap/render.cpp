@@ -105,10 +105,10 @@ std::vector<DrillPath> paths_of(const Options& options, const std::optional<Reco
 /// Numbered pictures at even times of a record, from its begin to its end.
 Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, const DrillBit& bit,
                   const Progress& progress) {
-  constexpr double kMostFrames = 1e5;
+  constexpr double kMaxFrames = 1e5;
   const double step_s = options.speed / options.frames_per_s;
   const double last = std::ceil(hole.end_s() / step_s);
-  if (!(last < kMostFrames)) fail("frames: expected fewer than ", kMostFrames, ", found ", last);
+  if (!(last < kMaxFrames)) fail("frames: expected fewer than ", kMaxFrames, ", found ", last);
   const auto count = static_cast<std::size_t>(last) + 1;
   for (std::size_t n = 0; n < count; ++n) {
     progress.report("drawing frames", static_cast<double>(n) / static_cast<double>(count));
@@ -142,7 +142,7 @@ Json render(const Options& options, const Progress& progress) {
   Painter painter(options, before, paths_of(options, recorded));
   if (!recorded) return write_picture(options, painter, bone, progress);
   const DrillBit& bit = recorded->setup.path.bit;
-  RecordedHole hole(bone, recorded->record, bit, recorded->setup.options.longest_jump_mm);
+  RecordedHole hole(bone, recorded->record, bit, recorded->setup.options.max_jump_mm);
   if (!options.frames.empty()) return write_frames(options, painter, hole, bit, progress);
   hole.go_to(options.at_s.value_or(hole.end_s()));
   painter.show(bit, hole.pose());
@@ -159,7 +159,7 @@ void add_render(CLI::App& program, Command& command) {
       "         spinaltap render drilled.vdb --plan plan.json --cut path -o cut.png\n"
       "         spinaltap render bone.vdb --record run.h5 --at 12.5 --view hole -o moment.png\n"
       "         spinaltap render bone.vdb --record run.h5 --cut upright --frames film --fps 25\n"
-      "Walls of holes and cuts are coloured by CT number, marrow red to cortex white. No display is needed.");
+      "Walls of holes and cuts are coloured by CT number, cancellous bone red to cortex white. No display is needed.");
   app->add_option("bone", options->bone,
                   "bone.vdb, spine.vdb or drilled.vdb; with --record the bone before it was drilled")
       ->required()

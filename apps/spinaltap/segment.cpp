@@ -89,7 +89,7 @@ Vec3 in_box_of(const LabelVolume& map, int label, const Vec3& p_mm) {
 }
 
 PictureLevel picture_level(const LevelReport& report, const LabelVolume& map, int label) {
-  return {label, in_box_of(map, label, report.body_centre_mm), report.is_doubtful(), doubts_of(report).warnings};
+  return {label, in_box_of(map, label, report.body_centre_mm), report.is_suspect(), warnings_of(report).warnings};
 }
 
 void write_picture(const CtVolume& ct, const LabelVolume& map, const LevelsPicture& what,
@@ -104,12 +104,12 @@ Json report_found(std::span<const LevelReport> levels, const BoneReport& bone, c
   print_figure("noise in soft tissue, about", bone.noise_hu, "HU", 0);
   print_figure("names", words_of(levels.front().name_source, options.ct.finding.segment.names));
   print_levels(levels);
-  std::vector<std::string> doubtful;
+  std::vector<std::string> suspect;
   for (const LevelReport& level : levels) {
-    if (level.is_doubtful()) doubtful.push_back(level.name);
+    if (level.is_suspect()) suspect.push_back(level.name);
   }
-  exit_code = say_doubtful(doubtful, options.ct.finding.accepts_doubtful);
-  if (!doubtful.empty() && options.picture.empty()) print_figure("look at it", "add --picture doubt.png");
+  exit_code = say_suspect(suspect, options.ct.finding.accepts_warnings);
+  if (!suspect.empty() && options.picture.empty()) print_figure("look at it", "add --picture warnings.png");
   return {
       {"threshold_hu", bone.threshold_hu}, {"sure_threshold_hu", bone.sure_threshold_hu}, {"noise_hu", bone.noise_hu}};
 }
@@ -232,12 +232,12 @@ void add_segment(CLI::App& program, Command& command) {
   const auto options = std::make_shared<SegmentCommandOptions>();
   CLI::App* app = add_command(
       program, command, "segment", "Cut one vertebra out of a CT, or all of them, and write a label map",
-      "Examples: spinaltap segment ct/ --seed -9,222,-638 -o t11.seg.nrrd --picture t11.png\n"
+      "Examples: spinaltap segment ct/ --seed-point -9,222,-638 -o t11.seg.nrrd --picture t11.png\n"
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 -o spine.seg.nrrd --picture spine.png\n"
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 --include T11=-9,260,-650 --exclude 30,250,-640\n"
       "Points are patient LPS, mm (x to the left, y to the back, z to the head). Without --level, names are a\n"
       "hint from the sacrum or the last ribs, or V1, V2, ... from the top. A seed takes its vertebra, with --all\n"
-      "its column. The exit code is 1 where a vertebra is doubtful, with all written, unless --accept-doubtful.\n"
+      "its column. The exit code is 1 where a vertebra is suspect, with all written, unless --accept-warnings.\n"
       "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb\n"
       "Or paint strokes there, in segments named T11, T12 and exclude, and add --strokes strokes.seg.nrrd.");
   add_options(*app, *options);

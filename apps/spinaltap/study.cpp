@@ -12,14 +12,14 @@ namespace spinaltap {
 namespace {
 
 StudyShard read_shard(const std::string& text) {
-  constexpr std::size_t kMost = 100'000;
+  constexpr std::size_t kMax = 100'000;
   StudyShard shard;
   const char* const end = text.data() + text.size();
   const auto [slash, first] = std::from_chars(text.data(), end, shard.index);
   const bool has_slash = first == std::errc{} && slash != end && *slash == '/';
   const auto [stop, second] = std::from_chars(has_slash ? slash + 1 : end, end, shard.count);
   if (!has_slash || second != std::errc{} || stop != end || shard.index < 1 || shard.index > shard.count ||
-      shard.count > kMost) {
+      shard.count > kMax) {
     fail("expected a shard like 1/4, the first of four, found \"", text, "\"");
   }
   return shard;

@@ -38,7 +38,7 @@ void print_study(const StudySummary& summary, const std::filesystem::path& folde
     print_figure("  5 % to 95 %",
                  readable_number(spread.quantiles[1], 2) + " to " + readable_number(spread.quantiles[5], 2));
   }
-  if (summary.left_volume.count > 0) print_share("left the cylinder of points", summary.left_volume);
+  if (summary.outside_volume.count > 0) print_share("left the cylinder of points", summary.outside_volume);
   print_figure("report", (folder / "report.html").string());
 }
 

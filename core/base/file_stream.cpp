@@ -15,16 +15,16 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kMostPiece = std::size_t{1} << 20;
-constexpr std::size_t kBuffer = 2 * kMostPiece;  // holds a piece, and at least as much is read at once
-constexpr std::uint64_t kMostDeflateRatio = 1032;
+constexpr std::size_t kMaxPiece = std::size_t{1} << 20;
+constexpr std::size_t kBuffer = 2 * kMaxPiece;  // holds a piece, and at least as much is read at once
+constexpr std::uint64_t kMaxDeflateRatio = 1032;
 
 }  // namespace
 
 void FileReader::Close::operator()(gzFile_s* file) const { gzclose_r(file); }
 
 FileReader::FileReader(const std::filesystem::path& path) : name_(path.string()) {
-  most_bytes_ = regular_file_size(path);
+  max_bytes_ = regular_file_size(path);
   file_.reset(gzopen(path.c_str(), "rb"));
   if (!file_) fail("cannot read ", name_);
   gzbuffer(file_.get(), 1U << 17);
@@ -33,12 +33,12 @@ FileReader::FileReader(const std::filesystem::path& path) : name_(path.string())
     fail(is_packed ? "expected a name that ends in .gz, found gzip data in " : "expected gzip data, found other in ",
          name_);
   }
-  if (is_packed) most_bytes_ *= kMostDeflateRatio;
-  buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBuffer, most_bytes_ + 1)));
+  if (is_packed) max_bytes_ *= kMaxDeflateRatio;
+  buffer_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBuffer, max_bytes_ + 1)));
 }
 
 bool FileReader::fill(std::size_t count) {
-  if (count > kMostPiece) fail("expected pieces of at most ", kMostPiece, " bytes, found more in ", name_);
+  if (count > kMaxPiece) fail("expected pieces of at most ", kMaxPiece, " bytes, found more in ", name_);
   std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
@@ -67,7 +67,7 @@ bool FileReader::line(std::string_view& text) {
       taken = length + 1;
     } else {
       searched = length;
-      if (length >= kMostPiece) fail("expected lines of at most ", kMostPiece, " bytes, found a longer one in ", name_);
+      if (length >= kMaxPiece) fail("expected lines of at most ", kMaxPiece, " bytes, found a longer one in ", name_);
       if (fill(length + 1)) continue;
       if (length == 0) return false;
     }

@@ -39,7 +39,7 @@ class FileReader {
   bool skip(std::uint64_t count);
 
   /// No more bytes than this are left: exact in a plain file, far too many in a packed one.
-  std::uint64_t most_bytes_left() const { return most_bytes_ - std::min(read_, most_bytes_) + (end_ - begin_); }
+  std::uint64_t max_bytes_left() const { return max_bytes_ - std::min(read_, max_bytes_) + (end_ - begin_); }
 
   /// The file's name, for messages.
   const std::string& name() const { return name_; }
@@ -55,8 +55,8 @@ class FileReader {
 
   std::string name_;
   std::unique_ptr<gzFile_s, Close> file_;
-  std::uint64_t most_bytes_ = 0;  ///< of the unpacked file
-  std::uint64_t read_ = 0;        ///< bytes taken into the buffer so far
+  std::uint64_t max_bytes_ = 0;  ///< of the unpacked file
+  std::uint64_t read_ = 0;       ///< bytes taken into the buffer so far
   std::string buffer_;
   std::size_t begin_ = 0;  ///< of what is not given out yet
   std::size_t end_ = 0;

@@ -6,11 +6,11 @@ namespace spinaltap {
 
 Vec3 any_perpendicular(const Vec3& axis) {
   // The coordinate axis least along `axis` gives the best-conditioned cross product.
-  int least = 0;
+  int min = 0;
   for (int i = 1; i < 3; ++i) {
-    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
+    if (std::abs(axis[i]) < std::abs(axis[min])) min = i;
   }
-  return axis.cross(Vec3::Unit(least)).normalized();
+  return axis.cross(Vec3::Unit(min)).normalized();
 }
 
 Box3 bounds_of(std::span<const Vec3> points) {

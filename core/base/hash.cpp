@@ -5,7 +5,7 @@
 
 namespace spinaltap {
 
-void Fnv1a::add(const void* data, std::size_t bytes) {
+void WordHash64::add(const void* data, std::size_t bytes) {
   constexpr std::uint64_t kPrime = 0x100000001b3ULL;
   const auto* next = static_cast<const unsigned char*>(data);
   while (bytes > 0) {
@@ -19,7 +19,7 @@ void Fnv1a::add(const void* data, std::size_t bytes) {
   }
 }
 
-std::string Fnv1a::hex() const {
+std::string WordHash64::hex() const {
   std::string text(16, '0');
   for (int digit = 0; digit < 16; ++digit) {
     text[static_cast<std::size_t>(15 - digit)] = "0123456789abcdef"[(state_ >> (4 * digit)) & 15];

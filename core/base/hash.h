@@ -8,7 +8,7 @@ namespace spinaltap {
 
 /// 64-bit FNV-1a over 8-byte words: a quick fingerprint of data, the same on every machine of one byte order. Not a
 /// defence against forgery.
-class Fnv1a {
+class WordHash64 {
  public:
   void add(const void* data, std::size_t bytes);
   std::uint64_t value() const { return state_; }

@@ -124,13 +124,13 @@ void Hdf5File::write_text(const std::string& group, const std::string& name, con
 std::map<std::string, std::string> Hdf5File::read_texts(const std::string& group) const {
   const QuietHdf5 quiet;
   const std::filesystem::path& path = handle_->path;
-  constexpr hsize_t kMostTexts = 1000;
-  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  constexpr hsize_t kMaxTexts = 1000;
+  constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
   const Id object(H5Gopen2(handle_->file.get(), group.c_str(), H5P_DEFAULT), H5Gclose);
   checked(object.get(), "read", path);
   H5O_info_t info{};
   checked(H5Oget_info2(object.get(), &info, H5O_INFO_NUM_ATTRS), "read", path);
-  if (info.num_attrs > kMostTexts) fail("cannot read ", path.string(), ": ", info.num_attrs, " texts in ", group);
+  if (info.num_attrs > kMaxTexts) fail("cannot read ", path.string(), ": ", info.num_attrs, " texts in ", group);
   std::map<std::string, std::string> texts;
   for (hsize_t n = 0; n < info.num_attrs; ++n) {
     const Id attribute(H5Aopen_by_idx(object.get(), ".", H5_INDEX_NAME, H5_ITER_INC, n, H5P_DEFAULT, H5P_DEFAULT),
@@ -139,7 +139,7 @@ std::map<std::string, std::string> Hdf5File::read_texts(const std::string& group
     const Id type(checked(H5Aget_type(attribute.get()), "read", path), H5Tclose);
     const Id space(checked(H5Aget_space(attribute.get()), "read", path), H5Sclose);
     const std::size_t bytes = H5Tget_size(type.get());
-    if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 || bytes > kMostBytes ||
+    if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 || bytes > kMaxBytes ||
         H5Sget_simple_extent_npoints(space.get()) != 1) {
       fail("cannot read ", path.string(), ": expected texts of a fixed length in ", group);
     }
@@ -160,9 +160,9 @@ Hdf5Table Hdf5File::make_table(const std::string& name, Hdf5Number number, std::
   const std::filesystem::path& path = handle_->path;
   constexpr unsigned kQuickest = 1;
   const std::vector<hsize_t> size = dimensions(0, width);
-  std::vector<hsize_t> most = size;
-  most[0] = H5S_UNLIMITED;
-  const Id space(checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()), "write", path),
+  std::vector<hsize_t> max = size;
+  max[0] = H5S_UNLIMITED;
+  const Id space(checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), max.data()), "write", path),
                  H5Sclose);
   const Id creation(checked(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
   checked(H5Pset_chunk(creation.get(), static_cast<int>(size.size()), dimensions(chunk_rows, width).data()), "write",

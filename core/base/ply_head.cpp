@@ -49,13 +49,13 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 /// A head's line that is not as it should be.
-[[noreturn]] void refuse(std::string_view expected, std::string_view found, const FileReader& file) {
+[[noreturn]] void reject(std::string_view expected, std::string_view found, const FileReader& file) {
   fail("expected ", expected, ", found ", in_quotes(found), " in the head of ", file.name());
 }
 
 PlyType type_of(std::string_view word, std::string_view line, const FileReader& file) {
   const auto* found = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& t) { return t.name == word; });
-  if (found == kTypes.end()) refuse("a PLY type such as float", line, file);
+  if (found == kTypes.end()) reject("a PLY type such as float", line, file);
   return found->type;
 }
 
@@ -63,7 +63,7 @@ PlyFormat format_of(const std::vector<std::string_view>& words, std::string_view
   for (const auto& [name, format] : kFormats) {
     if (words.size() == 3 && words[1] == name && words[2] == "1.0") return format;
   }
-  refuse("PLY format ascii, binary_little_endian or binary_big_endian 1.0", line, file);
+  reject("PLY format ascii, binary_little_endian or binary_big_endian 1.0", line, file);
 }
 
 PlyElement element_of(const std::vector<std::string_view>& words, std::string_view line, const FileReader& file) {
@@ -72,17 +72,17 @@ PlyElement element_of(const std::vector<std::string_view>& words, std::string_vi
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
     return error == std::errc{} && end == word.data() + word.size();
   };
-  if (words.size() != 3 || !is_count(words[2])) refuse("a PLY element with its name and count", line, file);
+  if (words.size() != 3 || !is_count(words[2])) reject("a PLY element with its name and count", line, file);
   return {std::string(words[1]), count};
 }
 
 PlyProperty property_of(const std::vector<std::string_view>& words, std::string_view line, const FileReader& file) {
   if (words.size() == 5 && words[1] == "list") {
     const PlyType count_type = type_of(words[2], line, file);
-    if (count_type == PlyType::float32 || count_type == PlyType::float64) refuse("a whole list count", line, file);
+    if (count_type == PlyType::float32 || count_type == PlyType::float64) reject("a whole list count", line, file);
     return {std::string(words[4]), type_of(words[3], line, file), count_type};
   }
-  if (words.size() != 3) refuse("a PLY property with its type and name", line, file);
+  if (words.size() != 3) reject("a PLY property with its type and name", line, file);
   return {std::string(words[2]), type_of(words[1], line, file)};
 }
 
@@ -108,13 +108,13 @@ PlyHead read_ply_head(FileReader& file) {
     } else if (words[0] == "element") {
       head.elements.push_back(element_of(words, line, file));
     } else if (words[0] == "property") {
-      if (head.elements.empty()) refuse("a PLY element before its properties", line, file);
+      if (head.elements.empty()) reject("a PLY element before its properties", line, file);
       head.elements.back().properties.push_back(property_of(words, line, file));
     } else if (words[0] == "end_header") {
-      if (!has_format) refuse("a PLY format", line, file);
+      if (!has_format) reject("a PLY format", line, file);
       return head;
     } else {
-      refuse("a line of a PLY head", line, file);
+      reject("a line of a PLY head", line, file);
     }
   }
   fail("expected a PLY head that ends in end_header, found none (cut short?) in ", file.name());

@@ -9,7 +9,7 @@ namespace spinaltap {
 
 PointGrid::PointGrid(std::span<const Vec3> points_mm, double cell_mm) : points_mm_(points_mm), cell_mm_(cell_mm) {
   // More cells than this would cost more to make than they save.
-  const double most_cells = std::clamp(64.0 * static_cast<double>(points_mm.size()), 4096.0, 0x1.0p24);
+  const double max_cells = std::clamp(64.0 * static_cast<double>(points_mm.size()), 4096.0, 0x1.0p24);
   if (!(cell_mm > 0.0)) fail("point grid: expected cells above 0 mm, found ", cell_mm);
   if (points_mm.size() >= std::numeric_limits<std::uint32_t>::max()) fail("point grid: too many points");
   Box3 box;
@@ -23,7 +23,7 @@ PointGrid::PointGrid(std::span<const Vec3> points_mm, double cell_mm) : points_m
   // Far outliers would ask for more cells than there is memory: larger cells stay right, only slower.
   while (
       (extent_mm / cell_mm_).array().floor().cwiseMax(0.0).matrix().unaryExpr([](double n) { return n + 1.0; }).prod() >
-      most_cells) {
+      max_cells) {
     cell_mm_ *= 2.0;
   }
   cells_ = (extent_mm / cell_mm_).array().floor().cast<int>() + 1;

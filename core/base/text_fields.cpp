@@ -30,11 +30,11 @@ void append_number(double number, std::string& text) {
 }
 
 std::string shown(std::string_view text) {
-  constexpr std::size_t kMost = 40;
-  std::string printable(text.substr(0, kMost));
+  constexpr std::size_t kMax = 40;
+  std::string printable(text.substr(0, kMax));
   std::replace_if(
       printable.begin(), printable.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.size() > kMost ? printable + "..." : printable;
+  return text.size() > kMax ? printable + "..." : printable;
 }
 
 std::string in_quotes(std::string_view text) { return '"' + shown(text) + '"'; }

@@ -14,7 +14,7 @@ CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> 
   if (hu.size() != geometry.voxel_count()) {
     fail("CT: expected ", geometry.voxel_count(), " voxels, found ", hu.size());
   }
-  Fnv1a hash;
+  WordHash64 hash;
   hash.add(geometry.size.data(), sizeof geometry.size);
   hash.add(geometry.origin_mm.data(), 3 * sizeof(double));
   hash.add(geometry.spacing_mm.data(), 3 * sizeof(double));

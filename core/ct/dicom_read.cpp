@@ -29,7 +29,7 @@ std::string list_for_people(const std::vector<ScannedSeries>& all) {
   return text.str();
 }
 
-void refuse_several(const std::vector<ScannedSeries>& found, const std::filesystem::path& folder) {
+void reject_several(const std::vector<ScannedSeries>& found, const std::filesystem::path& folder) {
   const bool one_uid = std::all_of(found.begin(), found.end(), [&](const ScannedSeries& series) {
     return series.info.uid == found.front().info.uid && series.info.modality == found.front().info.modality;
   });
@@ -52,7 +52,7 @@ ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::st
   if (matches.empty()) {
     fail("no series \"", wanted, "\" in ", folder.string(), "; there are: ", list_for_people(all));
   }
-  if (matches.size() > 1) refuse_several(matches, folder);
+  if (matches.size() > 1) reject_several(matches, folder);
   return std::move(matches.front());
 }
 
@@ -62,9 +62,9 @@ std::string plane_name(const Vec3& normal) {
   constexpr std::array<const char*, 3> kNames{"sagittal", "coronal", "axial"};
   constexpr double kWithin = 0.9986;  // cosine of 3 degrees
   Eigen::Index axis = 0;
-  const double most = normal.cwiseAbs().maxCoeff(&axis);
+  const double max = normal.cwiseAbs().maxCoeff(&axis);
   const std::string name = kNames[static_cast<std::size_t>(axis)];
-  return most >= kWithin ? name : "oblique, near " + name;
+  return max >= kWithin ? name : "oblique, near " + name;
 }
 
 CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options, const Progress& progress) {

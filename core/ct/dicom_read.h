@@ -13,9 +13,9 @@ namespace spinaltap {
 
 /// What the positions of a series say, judged or not.
 struct StackLayout {
-  Mat3 directions;             ///< as GridGeometry's
-  double least_step_mm = 0.0;  ///< along the normal
-  double most_step_mm = 0.0;
+  Mat3 directions;           ///< as GridGeometry's
+  double min_step_mm = 0.0;  ///< along the normal
+  double max_step_mm = 0.0;
   double tilt_rad = 0.0;  ///< between the normal and the line of the slices' first pixels
 };
 
@@ -45,7 +45,7 @@ std::vector<SeriesInfo> list_dicom_series(const std::filesystem::path& path, con
 struct DicomReadOptions {
   /// SeriesInstanceUID or number of the series to read; may be empty where the folder holds just one.
   std::string series;
-  /// Unequal steps, gaps of up to 6 mm and uneven sideways shifts are interpolated instead of refused.
+  /// Unequal steps, gaps of up to 6 mm and uneven sideways shifts are interpolated instead of rejected.
   bool resample = false;
 };
 

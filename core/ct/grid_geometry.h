@@ -36,7 +36,7 @@ struct GridGeometry {
   double smallest_spacing_mm() const { return spacing_mm.minCoeff(); }
 };
 
-/// Refuses sizes below 1 or over `max_voxels`, spacing that is not above zero, values that are not finite, and axes
+/// Rejects sizes below 1 or over `max_voxels`, spacing that is not above zero, values that are not finite, and axes
 /// that are not unit vectors at right angles within 1e-3. `what` names the grid in the message.
 void check_geometry(const GridGeometry& geometry, const char* what, std::size_t max_voxels = std::size_t{1} << 31);
 

@@ -47,7 +47,7 @@ class DrillEngine {
   virtual StepResult step(const Pose& pose) noexcept = 0;
 
   /// Forgets where the bit is: the next step has no way, only its pose. For a bit that was moved without turning.
-  virtual void lift() noexcept = 0;
+  virtual void reset_motion() noexcept = 0;
 
   /// What the engine keeps beside the volume.
   virtual std::size_t memory_bytes() const = 0;

@@ -34,8 +34,8 @@ namespace {
 /// Axes nearer to the discs' planes than this (cosine) get no certificates.
 constexpr double kSteepest = 0.25;
 /// Certificates are about lines whose slopes differ by at most twice this.
-constexpr double kMostTurn = 0.1;
-constexpr int kMostRings = 4096;
+constexpr double kMaxTurn = 0.1;
+constexpr int kMaxRings = 4096;
 constexpr double kUnknownTurns = 2.0;
 
 class RingEngine final : public VolumeEngine {
@@ -98,10 +98,10 @@ class RingEngine final : public VolumeEngine {
   }
 
   bool is_near_reference(const AxisLine& line) const noexcept {
-    constexpr double kMostMm = 4.0;
+    constexpr double kMaxMm = 4.0;
     const AxisLine from = from_reference(line);
-    return has_reference_ && std::abs(from.x_slope) + std::abs(from.y_slope) < kMostTurn &&
-           from_reference_mm(from) < kMostMm;
+    return has_reference_ && std::abs(from.x_slope) + std::abs(from.y_slope) < kMaxTurn &&
+           from_reference_mm(from) < kMaxMm;
   }
 
   DiscCertificates::Motion motion(const detail::Approach& approach, const AxisLine& line) const noexcept {
@@ -113,8 +113,8 @@ class RingEngine final : public VolumeEngine {
     // The foot of a point on the axis lies off the disc's plane, by the tilt; so turning moves it there. It also
     // changes the ellipses, by no more than that again.
     const double far_mm = 1.2 * (approach.radius_mm + 2.0 * detail::kLongestMm) / (approach.along * approach.along);
-    motion.turn_mm = 2.0 * far_mm * (approach.sine + 2.0 * kMostTurn + slope) + volume_.out_of_plane_mm();
-    motion.across_share = 1.0 + slope * (approach.sine + 2.0 * kMostTurn);
+    motion.turn_mm = 2.0 * far_mm * (approach.sine + 2.0 * kMaxTurn + slope) + volume_.out_of_plane_mm();
+    motion.across_share = 1.0 + slope * (approach.sine + 2.0 * kMaxTurn);
     // Between both ends of its way the bit may be further off than at either, by what turning bends it.
     const double turn = (bit.to().axis - bit.from().axis).norm() / (approach.along * approach.along);
     const double way_mm = (bit.to().tip_mm - bit.from().tip_mm).norm();
@@ -141,12 +141,12 @@ class RingEngine final : public VolumeEngine {
 
   bool is_worth_sharing(const detail::Approach& approach, std::size_t due_count) const noexcept {
     // Measured on two cores: sharing breaks even at about 20 us of work; a look at a disc costs 0.15 us, a point 10 ns.
-    constexpr double kLeastUs = 40.0;
+    constexpr double kMinUs = 40.0;
     const double spacing_mm = volume_.pattern().spacing_mm();
     const double way_mm = approach.bit.across_mm() + approach.slope * approach.bit.back_mm();
     const double points = std::min(2.0 * approach.radius_mm * way_mm / (spacing_mm * spacing_mm),
                                    static_cast<double>(volume_.pattern().point_count()));
-    return due_count > 16 && static_cast<double>(due_count) * (0.15 + 0.01 * points) > kLeastUs;
+    return due_count > 16 && static_cast<double>(due_count) * (0.15 + 0.01 * points) > kMinUs;
   }
 
   void cut_disc(int disc, const detail::Approach& approach, const AxisLine& line, Removal& removal) noexcept {
@@ -162,7 +162,7 @@ class RingEngine final : public VolumeEngine {
 
   void walk_reached_rings(int disc, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
     constexpr double kRoundingMm = 2e-6;  // of float: of distances, and of which end of a gap is nearer
-    std::array<std::uint8_t, kMostRings + 2 * detail::kLongestVector> is_reached;
+    std::array<std::uint8_t, kMaxRings + 2 * detail::kLongestVector> is_reached;
     int& first = first_living_ring_[static_cast<std::size_t>(disc)];
     const double spacing_mm = volume_.pattern().spacing_mm();
     const int rings = volume_.pattern().ring_count();
@@ -172,8 +172,8 @@ class RingEngine final : public VolumeEngine {
     if (begin >= end) return;
     // Eight bytes are read at once below; vectors may end before.
     std::memset(is_reached.data() + (end - begin) / 8 * 8, 0, 8);
-    nearest.add_distance(gaps_.least_distance_mm(disc, begin, end, nearest.x_mm(), nearest.y_mm(),
-                                                 nearest.touched_mm() + kRoundingMm, is_reached.data()) -
+    nearest.add_distance(gaps_.min_distance_mm(disc, begin, end, nearest.x_mm(), nearest.y_mm(),
+                                               nearest.touched_mm() + kRoundingMm, is_reached.data()) -
                          kRoundingMm);
     double turns = kUnknownTurns;
     for (int offset = 0; offset < end - begin; offset += 8) {
@@ -211,8 +211,8 @@ class RingEngine final : public VolumeEngine {
       const Vec3 p = volume_.point_in_path_mm(disc, index);
       const double x = p.x() - nearest.x_mm();
       const double y = p.y() - nearest.y_mm();
-      const double most_mm = nearest.reach_mm() + deviation_mm;
-      const bool is_far = x * x + y * y > most_mm * most_mm || most_mm < 0.0;
+      const double max_mm = nearest.reach_mm() + deviation_mm;
+      const bool is_far = x * x + y * y > max_mm * max_mm || max_mm < 0.0;
       if (!is_far && nearest.removes(p, z_mm)) {
         words[index / 64] &= ~(std::uint64_t{1} << (index % 64));
         account(disc, index, removal);

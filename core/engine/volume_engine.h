@@ -52,7 +52,7 @@ class VolumeEngine : public DrillEngine {
   VolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material);
 
   StepResult step(const Pose& pose) noexcept final;
-  void lift() noexcept final { is_placed_ = false; }
+  void reset_motion() noexcept final { is_placed_ = false; }
   std::size_t memory_bytes() const override;
 
  protected:

@@ -28,8 +28,8 @@ class JointEngine final : public DrillEngine {
     return sum;
   }
 
-  void lift() noexcept override {
-    for (const auto& engine : engines_) engine->lift();
+  void reset_motion() noexcept override {
+    for (const auto& engine : engines_) engine->reset_motion();
   }
 
   std::size_t memory_bytes() const override {

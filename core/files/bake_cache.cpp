@@ -26,7 +26,7 @@ void for_each_figure(Report& report, const Visit& visit) {
   visit("max_residual_mm", report.max_residual_mm);
 }
 
-/// What `read` gives, or nothing where the file is missing or no good.
+/// What `read` gives, or nothing where the file is missing or invalid.
 template <class Read>
 auto if_whole(const Read& read) -> std::optional<decltype(read())> {
   try {
@@ -53,9 +53,9 @@ std::optional<MaskStage> BakeCache::find_mask(const std::string& key, const Grid
     MaskStage stage;
     stage.method = json.at("method").get<std::string>();
     stage.level = level_from_name(json.at("level").get<std::string>()).value_or(Level::kNone);
-    if (const Json& doubts = json.at("doubts"); !doubts.is_null()) {
-      stage.doubts =
-          LevelDoubts{doubts.at("warnings").get<std::vector<std::string>>(), doubts.at("doubt").get<double>()};
+    if (const Json& warnings = json.at("warnings"); !warnings.is_null()) {
+      stage.warnings =
+          LevelWarnings{warnings.at("warnings").get<std::vector<std::string>>(), warnings.at("severity").get<double>()};
     }
     stage.mask = read_label_map(file("mask", key, ".nrrd"), 1, geometry);
     return stage;
@@ -67,8 +67,9 @@ void BakeCache::keep_mask(const std::string& key, const MaskStage& stage) const 
   StagedOutput output;
   const fs::path map = file("mask", key, ".nrrd");
   output.write(map, encode_label_map(stage.mask, 1, map));
-  Json json{{"method", stage.method}, {"level", level_name(stage.level)}, {"doubts", nullptr}};
-  if (stage.doubts) json["doubts"] = {{"warnings", stage.doubts->warnings}, {"doubt", stage.doubts->doubt}};
+  Json json{{"method", stage.method}, {"level", level_name(stage.level)}, {"warnings", nullptr}};
+  if (stage.warnings)
+    json["warnings"] = {{"warnings", stage.warnings->warnings}, {"severity", stage.warnings->severity}};
   output.write(file("mask", key, ".json"), json.dump(2) + "\n");
   output.commit();
 }

@@ -7,7 +7,7 @@
 #include "core/ct/ct_volume.h"
 #include "core/ct/level.h"
 #include "core/rbf/fit_surface.h"
-#include "core/segment/doubt_facts.h"
+#include "core/segment/warning_metadata.h"
 
 namespace spinaltap {
 
@@ -15,8 +15,8 @@ namespace spinaltap {
 struct MaskStage {
   BoneMask mask;
   std::string method;
-  Level level = Level::kNone;           ///< where it is known
-  std::optional<LevelDoubts> doubts{};  ///< where the mask was found; nothing for a label map
+  Level level = Level::kNone;               ///< where it is known
+  std::optional<LevelWarnings> warnings{};  ///< where the mask was found; nothing for a label map
 };
 
 /// A folder of finished stages, so that a bake that was stopped goes on where it was, and one with other options for

@@ -10,8 +10,8 @@
 namespace spinaltap {
 
 Json read_json(const std::filesystem::path& path) {
-  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
-  const std::string text = read_whole_file(path, kMostBytes);
+  constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
+  const std::string text = read_whole_file(path, kMaxBytes);
   try {
     return Json::parse(text);
   } catch (const nlohmann::json::exception& error) {
@@ -63,7 +63,7 @@ Vec3 JsonObject::vector(const char* key) const {
 
 void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& file,
                 std::string_view what) {
-  const JsonObject object(json, file);  // refuses what has no keys
+  const JsonObject object(json, file);  // rejects what has no keys
   for (const auto& item : json.items()) {
     if (std::find(known.begin(), known.end(), item.key()) == known.end()) {
       fail("expected ", what, " in ", file.string(), ", found \"", item.key(), "\", which is none");

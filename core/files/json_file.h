@@ -39,7 +39,7 @@ class JsonObject {
   std::filesystem::path file_;
 };
 
-/// Refuses a key that is not among `known`: nobody would read it, and it is likely a slip of the pen. `what`: what the
+/// Rejects a key that is not among `known`: nobody would read it, and it is likely a slip of the pen. `what`: what the
 /// key ought to be, as in "a rule of planning".
 void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& file,
                 std::string_view what);

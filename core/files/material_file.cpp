@@ -30,7 +30,7 @@ std::vector<CalibrationPair> pairs_of(const Json& list, const std::filesystem::p
   return pairs;
 }
 
-constexpr std::array kNumbers{std::pair{"cutting_mpa", &Material::cutting_mpa},
+constexpr std::array kNumbers{std::pair{"specific_cutting_energy_mpa", &Material::specific_cutting_energy_mpa},
                               std::pair{"cutting_exponent", &Material::cutting_exponent},
                               std::pair{"reference_feed_mm", &Material::reference_feed_mm},
                               std::pair{"feed_exponent", &Material::feed_exponent},
@@ -40,11 +40,11 @@ constexpr std::array kNumbers{std::pair{"cutting_mpa", &Material::cutting_mpa},
                               std::pair{"chisel_share", &Material::chisel_share},
                               std::pair{"contact_n_mm", &Material::contact_n_mm},
                               std::pair{"contact_exponent", &Material::contact_exponent}};
-static_assert(sizeof(Material) == sizeof(DensityLaw) + kNumbers.size() * sizeof(double), "a number has no key");
+static_assert(sizeof(Material) == sizeof(HuToDensity) + kNumbers.size() * sizeof(double), "a number has no key");
 
 }  // namespace
 
-DensityCalibration read_density_law(const std::filesystem::path& path) {
+DensityCalibration read_density_calibration(const std::filesystem::path& path) {
   const Json json = read_json(path);
   const JsonObject object(json, path);
   const bool calibrated = object.has(kCalibration);
@@ -53,9 +53,9 @@ DensityCalibration read_density_law(const std::filesystem::path& path) {
   }
   try {
     if (calibrated) return calibrate_density(pairs_of(object.at(kCalibration), path));
-    const DensityLaw law{object.number(kAtZero), object.number(kPerHu)};
-    check_density_law(law);
-    return {law, 0.0, 0.0};
+    const HuToDensity line{object.number(kAtZero), object.number(kPerHu)};
+    check_hu_to_density(line);
+    return {line, 0.0, 0.0};
   } catch (const Error& error) {
     const std::string message = error.what();
     // Some complaints name the file already.
@@ -78,17 +78,18 @@ Material material_of(const Json& json, const std::filesystem::path& file) {
   return material;
 }
 
-Material read_material(const std::filesystem::path& path, const DensityLaw& density) {
+Material read_material(const std::filesystem::path& path, const HuToDensity& density) {
   const Json json = read_json(path);
   const JsonObject object(json, path);
-  const auto refuse = [&](const char* key, const char* why) {
+  const auto reject = [&](const char* key, const char* why) {
     // Left unread, it would change nothing without a word.
     if (object.has(key)) fail("expected no \"", key, "\" in ", path.string(), ": ", why);
   };
-  refuse(kAtZero, "the density's law has its own file");
-  refuse(kPerHu, "the density's law has its own file");
-  refuse("pressure_at_1_g_cm3_mpa", "it is now \"cutting_mpa\", at \"reference_feed_mm\"; see docs/forces.md");
-  refuse("pressure_exponent", "it is now \"cutting_exponent\"; see docs/forces.md");
+  reject(kAtZero, "the density calibration has its own file");
+  reject(kPerHu, "the density calibration has its own file");
+  reject("pressure_at_1_g_cm3_mpa",
+         "it is now \"specific_cutting_energy_mpa\", at \"reference_feed_mm\"; see docs/forces.md");
+  reject("pressure_exponent", "it is now \"cutting_exponent\"; see docs/forces.md");
 
   Material material;
   material.density = density;

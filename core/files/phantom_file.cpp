@@ -163,9 +163,9 @@ void read_group(const nlohmann::json& object, Group& group, const Place& place) 
 }  // namespace
 
 VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
   const std::string file = path.string();
-  const std::string text = read_whole_file(path, kMostBytes);
+  const std::string text = read_whole_file(path, kMaxBytes);
   nlohmann::json whole;
   try {
     whole = nlohmann::json::parse(text);

@@ -44,13 +44,13 @@ Json to_json(const Landmarks& landmarks) {
             {"lower_endplate", json_of(body.lower)}}},
           {"left_pedicle", json_of(landmarks.left_pedicle)},
           {"right_pedicle", json_of(landmarks.right_pedicle)},
-          {"doubts", landmarks.doubts}};
+          {"warnings", landmarks.warnings}};
 }
 
 std::string landmarks_text(const Landmarks& landmarks) { return to_json(landmarks).dump(); }
 
 Json to_json(const Suggestion& suggestion) {
-  if (!suggestion.best) return {{"side", suggestion.side}, {"refusal", suggestion.refusal}};
+  if (!suggestion.best) return {{"side", suggestion.side}, {"rejection", suggestion.rejection}};
   const SuggestedPath& best = *suggestion.best;
   const SafeZone& safe = best.safe;
   return {{"side", suggestion.side},
@@ -60,7 +60,7 @@ Json to_json(const Suggestion& suggestion) {
           {"score", best.score},
           {"convergence_deg", best.angles.convergence_deg},
           {"inclination_deg", best.angles.inclination_deg},
-          {"ways_looked_at", best.ways_looked_at},
+          {"trajectories_tried", best.trajectories_tried},
           {"safe_zone",
            {{"medial_mm", safe.medial_mm},
             {"lateral_mm", safe.lateral_mm},

@@ -11,14 +11,14 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   const JsonObject rules(json, path);
   check_keys(
       json,
-      {"name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share", "most_turn_deg", "weights"},
+      {"name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share", "max_turn_deg", "weights"},
       path, "a rule of planning");
   SuggestOptions options;
   options.margin_mm = rules.number("margin_mm");
   options.front_margin_mm = rules.number("front_margin_mm");
   options.widest_share = rules.number("widest_share");
   options.furthest_share = rules.number("furthest_share");
-  options.most_turn_deg = rules.number("most_turn_deg");
+  options.max_turn_deg = rules.number("max_turn_deg");
   const JsonObject weights(rules.at("weights"), path);
   check_keys(rules.at("weights"), {"length", "diameter", "clearance", "canal", "endplates", "density", "along_axis"},
              path, "a weight of planning");

@@ -27,7 +27,7 @@ constexpr const char* kStudyFile = "study.json";
 constexpr std::string_view kPartHead = "# runs of the study ";
 
 std::string hash_of(std::string_view text) {
-  Fnv1a hash;
+  WordHash64 hash;
   const std::uint64_t size = text.size();  // the last word is filled up: length tells "a" from "a\0"
   hash.add(&size, sizeof size);
   hash.add(text.data(), text.size());
@@ -165,17 +165,20 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const
   setup.material = spec.material;
   setup.volume = spec.volume;
   setup.options = spec.options;
-  const Json study{{"program", version()},       {"name", spec.name},
-                   {"session", to_json(setup)},  {"lead_out_mm", spec.lead_out_mm},
-                   {"hand", to_json(spec.hand)}, {"design", to_json(spec.design)}};
+  const Json study{{"program", version()},
+                   {"name", spec.name},
+                   {"session", to_json(setup)},
+                   {"lead_out_mm", spec.lead_out_mm},
+                   {"operator", to_json(spec.tool_operator)},
+                   {"design", to_json(spec.design)}};
   return {study.dump(), runs.count()};
 }
 
 IdentifiedStudy study_of(const StudyIdentity& identity, const std::filesystem::path& file) {
   const Json json = Json::parse(identity.study);
   const JsonObject study(json, file);
-  return {study.text("name"), read_session_setup(study.at("session"), file), read_study_hand(study.at("hand"), file),
-          read_study_design(study.at("design"), file)};
+  return {study.text("name"), read_session_setup(study.at("session"), file),
+          read_study_operator(study.at("operator"), file), read_study_design(study.at("design"), file)};
 }
 
 }  // namespace spinaltap

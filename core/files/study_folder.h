@@ -60,7 +60,7 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const
 struct IdentifiedStudy {
   std::string name;
   SessionSetup setup;
-  StudyHand hand;
+  StudyOperator tool_operator;
   StudyDesign design;
 };
 

@@ -39,11 +39,11 @@ DrillPath read_path_of(const JsonObject& object, const std::filesystem::path& fi
 }
 
 Material read_material_of(const JsonObject& object, const std::filesystem::path& file) {
-  const DensityCalibration density = read_density_law(object.has("density") ? beside(file, object.text("density"))
-                                                                            : data_file("densities/vertebra.json"));
+  const DensityCalibration density = read_density_calibration(
+      object.has("density") ? beside(file, object.text("density")) : data_file("densities/vertebra.json"));
   return read_material(
       object.has("material") ? beside(file, object.text("material")) : data_file("materials/vertebra.json"),
-      density.law);
+      density.line);
 }
 
 void read_volume(const Json& json, const std::filesystem::path& file, StudySpec& spec) {
@@ -82,12 +82,12 @@ StopRules read_stop(const Json& json, const std::filesystem::path& file) {
   return stop;
 }
 
-/// A factor that the hand does not know would change nothing without a word.
+/// A factor that the operator does not know would change nothing without a word.
 void check_factors(const StudySpec& spec, const std::filesystem::path& file) {
-  for (const FactorLaw& law : spec.design.laws) {
-    if (std::isnan(base_values(spec).at(static_cast<std::size_t>(law.factor)))) {
-      fail("expected no factor \"", name_of(law.factor), "\" in ", file.string(), ": the hand is one that ",
-           spec.hand.kind == StudyHand::Kind::feed ? "feeds" : "pushes");
+  for (const FactorDistribution& distribution : spec.design.distributions) {
+    if (std::isnan(base_values(spec).at(static_cast<std::size_t>(distribution.factor)))) {
+      fail("expected no factor \"", name_of(distribution.factor), "\" in ", file.string(),
+           ": the operator is one that ", spec.tool_operator.kind == StudyOperator::Kind::feed ? "feeds" : "pushes");
     }
   }
 }
@@ -102,7 +102,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   }
   check_keys(json,
              {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume",
-              "spindle_rpm", "stop", "hand", "design"},
+              "spindle_rpm", "stop", "operator", "design"},
              file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
@@ -123,7 +123,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
     fail("expected a number above 0 for \"spindle_rpm\" in ", file.string(), ", found ", spec.options.spindle.rpm);
   }
   if (object.has("stop")) spec.options.stop = read_stop(object.at("stop"), file);
-  spec.hand = read_study_hand(object.at("hand"), file);
+  spec.tool_operator = read_study_operator(object.at("operator"), file);
   spec.design = read_study_design(object.at("design"), file);
   check_factors(spec, file);
   return spec;

@@ -55,7 +55,7 @@ Json to_json(const StudySummary& summary) {
           {"contact", json_of(summary.contact)},
           {"breakthrough", json_of(summary.breakthrough)},
           {"stopped", json_of(summary.stopped)},
-          {"left_volume", json_of(summary.left_volume)},
+          {"outside_volume", json_of(summary.outside_volume)},
           {"events_lost", summary.events_lost},
           {"distributions", std::move(spreads)},
           {"breach_by_factor", std::move(factors)}};

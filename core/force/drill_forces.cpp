@@ -1,8 +1,8 @@
 // Forces from the energy of what was cut; docs/forces.md derives them.
 //
 // Energy is shared out between two ways of the tip: along the bit's axis into fresh bone, and across it. What the
-// section times the fresh advance holds goes to the first, the rest to the second. A hand's tremor, which goes across
-// faster than the feed, thus neither thins nor swells the thrust.
+// section times the uncut advance holds goes to the first, the rest to the second. An operator's tremor, which goes
+// across faster than the feed, thus neither thins nor swells the thrust.
 
 #include "core/force/drill_forces.h"
 
@@ -19,10 +19,10 @@ namespace spinaltap {
 namespace {
 
 constexpr double kWholeTurn = 2.0 * std::numbers::pi;
-/// Of the tip's speed. Short of what a hand feels as delay, longer than a device's noise from pose to pose.
+/// Of the tip's speed. Short of what an operator feels as delay, longer than a device's noise from pose to pose.
 constexpr double kSpeedFilterS = 0.005;
 /// The shortest boxes of averaging, mm.
-constexpr double kLeastBoxMm = 0.2;
+constexpr double kMinBoxMm = 0.2;
 /// Below this feed per turn the chisel edge does not press with all of its force: a bit at rest presses with none.
 constexpr double kChiselFeedMm = 1e-3;
 /// A bit that went back feels nothing until it is so near its deepest place again.
@@ -43,9 +43,9 @@ double feed_times_factor_mm(double feed_mm, double reference_mm, double exponent
 double chisel_share_of(double feed_mm) { return std::clamp(feed_mm / kChiselFeedMm, 0.0, 1.0); }
 
 /// A way along an axis, less what only makes up for an earlier retreat.
-class FreshAdvance {
+class UncutAdvance {
  public:
-  void reset() noexcept { *this = FreshAdvance(); }
+  void reset() noexcept { *this = UncutAdvance(); }
   /// How much of an advance goes into fresh bone. `removed_mm` of advance would have cut what this step did.
   double take(double advance_mm, const Vec3& tip_mm, const Vec3& axis, double radius_mm, double removed_mm) noexcept {
     if (retreat_mm_ > 0.0) {
@@ -71,9 +71,9 @@ class FreshAdvance {
 };
 
 /// What the section of points that a bit cuts lacks to the bit's own, where it stays at one place across the discs.
-class SectionRepair {
+class LatticeAreaCorrection {
  public:
-  void reset() noexcept { *this = SectionRepair(); }
+  void reset() noexcept { *this = LatticeAreaCorrection(); }
   double factor(const BonePoints& bone, const Pose& pose, double back_mm, double radius_mm, double way_mm) noexcept {
     const std::size_t volume = bone.volume_at(pose.tip_mm.z() - back_mm * pose.axis.z());
     const PointVolume& points = bone.volume(volume);
@@ -136,7 +136,7 @@ FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, 
 FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu) {
   check_bit(bit);
   check_material(material);
-  return resistance_of_cut(bit, material, material.cutting_pressure_mpa(hu) * section_mm2(bit),
+  return resistance_of_cut(bit, material, material.cutting_energy_mpa(hu) * section_mm2(bit),
                            material.chisel_pressure_mpa(hu));
 }
 
@@ -147,7 +147,7 @@ struct DrillForces::State {
         bone(volumes, drilled),
         tip(bone, chisel_radius_mm(drill_bit, drilled)),
         shell(bone, drill_bit),
-        boxes(std::max(1.0, std::ceil(kLeastBoxMm / bone.widest_spacing_mm() - 1e-9))),
+        boxes(std::max(1.0, std::ceil(kMinBoxMm / bone.widest_spacing_mm() - 1e-9))),
         axial(boxes * bone.widest_spacing_mm(), bins_of(boxes)),
         across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {}
 
@@ -170,13 +170,13 @@ struct DrillForces::State {
   DrillBit bit;
   Material material;
   BonePoints bone;
-  TipBone tip;
-  BitShell shell;
+  ChiselProbe tip;
+  ToolContact shell;
   double boxes;  ///< spacings in a box
   WayAverage axial, across;
-  FreshAdvance fresh;
-  SectionRepair repair;
-  double budget_mm3 = 0.0;  ///< what the fresh advance may still cut
+  UncutAdvance fresh;
+  LatticeAreaCorrection repair;
+  double budget_mm3 = 0.0;  ///< what the uncut advance may still cut
   Vec3 velocity_mm_s = Vec3::Zero();
   Vec3 tip_mm = Vec3::Zero();  ///< patient LPS
   bool is_placed = false;
@@ -193,10 +193,10 @@ void DrillForces::State::take_step(const StepResult& result, const Pose& path_po
   const double fresh_mm = fresh.take(advance_mm, tip_mm, axis, bit.radius_mm(), removed_mm3 / area_mm2);
 
   // Discs die in bursts: up to two of them may be cut ahead of the advance that they stand for.
-  const double most_mm3 = 2.0 * bone.widest_spacing_mm() * area_mm2;
-  budget_mm3 = std::min(budget_mm3 + fresh_mm * area_mm2, most_mm3 + fresh_mm * area_mm2);
+  const double max_mm3 = 2.0 * bone.widest_spacing_mm() * area_mm2;
+  budget_mm3 = std::min(budget_mm3 + fresh_mm * area_mm2, max_mm3 + fresh_mm * area_mm2);
   const double axial_mm3 = std::min(removed_mm3, budget_mm3);
-  budget_mm3 = std::min(budget_mm3 - axial_mm3, most_mm3);
+  budget_mm3 = std::min(budget_mm3 - axial_mm3, max_mm3);
   const double axial_share = removed_mm3 > 0.0 ? axial_mm3 / removed_mm3 : 0.0;
 
   WayAverage::Sums sums;
@@ -215,7 +215,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double fresh_share = std::clamp(1.0 - fresh.retreat_mm() / kFreshMm, 0.0, 1.0);
   const WayAverage::Sums along = fresh_share * axial.per_mm();
   const WayAverage::Sums aside = across.per_mm();
-  const TipBone::Mean ahead = tip.ahead_of(path_pose);
+  const ChiselProbe::Mean ahead = tip.ahead_of(path_pose);
 
   force.tip_density_g_cm3 = ahead.density_g_cm3;
   force.feed_mm_per_turn = velocity_mm_s.norm() / turns_per_s;

@@ -13,8 +13,8 @@ struct Spindle {
   bool is_clockwise = true;  ///< seen from the base to the tip, as drills turn
 };
 
-/// What the bone in front of a bit asks of a feed: thrust and torque for any feed per turn. A hand that pushes finds
-/// its feed from it.
+/// What the bone in front of a bit asks of a feed: thrust and torque for any feed per turn. An operator that pushes
+/// finds its feed from it.
 struct FeedResistance {
   double lips_n = 0.0;             ///< thrust of the lips at the reference feed
   double lips_n_mm = 0.0;          ///< torque at the reference feed
@@ -28,7 +28,7 @@ struct FeedResistance {
   double torque_n_mm(double feed_mm_per_turn) const noexcept;
 };
 
-/// Forces on the bit after a cycle. Vectors: patient LPS, N; what the hand that holds the bit feels.
+/// Forces on the bit after a cycle. Vectors: patient LPS, N; what the operator that holds the bit feels.
 struct DrillForce {
   Vec3 force_n = Vec3::Zero();    ///< all of it: against the feed, sideways, and contact
   double thrust_n = 0.0;          ///< of cutting, against the bit's axis: lips and chisel edge
@@ -68,8 +68,8 @@ class DrillForces {
 /// meets `chisel_mpa`.
 FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, double energy_n, double chisel_mpa);
 
-/// Thrust and torque of a bit that advances along its axis in an even block, by the law alone: what DrillForces comes
-/// to where the whole section cuts. `density_g_cm3` as the material's law has it for `hu`.
+/// Thrust and torque of a bit that advances along its axis in an even block, by the model alone: what DrillForces comes
+/// to where the whole section cuts. `density_g_cm3` as the material's density calibration has it for `hu`.
 FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu);
 
 }  // namespace spinaltap

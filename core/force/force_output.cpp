@@ -27,9 +27,9 @@ Vec3 ForceOutput::at(double time_s) const noexcept {
   // Not against the last force: what points back is dropped, what goes aside stays.
   const double along = force_n.dot(last_n_);
   if (along < 0.0) force_n -= along / (last_length_n * last_length_n) * last_n_;
-  const double most_n = std::max(last_length_n, before_length_n);
+  const double max_n = std::max(last_length_n, before_length_n);
   const double length_n = force_n.norm();
-  return length_n > most_n ? Vec3(force_n * (most_n / length_n)) : force_n;
+  return length_n > max_n ? Vec3(force_n * (max_n / length_n)) : force_n;
 }
 
 }  // namespace spinaltap

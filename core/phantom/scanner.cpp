@@ -70,11 +70,11 @@ std::vector<float> ScanNoise::slice(int slice) const {
 }
 
 void check_options(const ScanOptions& options) {
-  const auto positive = [](const char* name, double value, double most) {
-    if (!(value > 0.0 && value <= most)) fail("scan: ", name, " must lie in (0, ", most, "], found ", value);
+  const auto positive = [](const char* name, double value, double max) {
+    if (!(value > 0.0 && value <= max)) fail("scan: ", name, " must lie in (0, ", max, "], found ", value);
   };
-  const auto not_negative = [](const char* name, double value, double most) {
-    if (!(value >= 0.0 && value <= most)) fail("scan: ", name, " must lie in [0, ", most, "], found ", value);
+  const auto not_negative = [](const char* name, double value, double max) {
+    if (!(value >= 0.0 && value <= max)) fail("scan: ", name, " must lie in [0, ", max, "], found ", value);
   };
   positive("columns", options.columns, 8192);
   positive("rows", options.rows, 8192);

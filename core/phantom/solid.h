@@ -4,7 +4,7 @@
 
 namespace spinaltap {
 
-/// A closed body whose surface and CT numbers are known: the truth that a virtual scanner images.
+/// A closed body whose surface and CT numbers are known: the ground truth that a virtual scanner images.
 ///
 /// evaluate() gives a signed distance (mm): its zero set is the surface; near it (2 mm) it is the distance to first
 /// order, and everywhere it changes by at most 1 mm per mm, so that |value| bounds the way to the surface from below.

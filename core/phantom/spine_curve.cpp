@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/phantom/detail/level_anatomy.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 
 namespace spinaltap {
 namespace {
@@ -73,7 +73,7 @@ LevelMeasures sound_variation(const LevelMeasures& m, Level level, const SpineOp
   for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
     const LevelMeasures drawn = varied(m, level, options, draw);
     try {
-      (void)vertebra_truth(Vertebra(level_anatomy(scaled(drawn, options.scale))));
+      (void)vertebra_ground_truth(Vertebra(level_anatomy(scaled(drawn, options.scale))));
       return drawn;
     } catch (const Error&) {  // a fillet reaches an isthmus
     }

@@ -52,16 +52,15 @@ class Nearness {
       : body_(body), surface_(surface, std::max(reach_mm, 1.0)), reach_mm_(reach_mm) {}
 
   /// The least distance of points moved by `by_mm`, below 0 inside.
-  double least_mm(const std::vector<Vec3>& points, const Vec3& by_mm) const {
+  double min_mm(const std::vector<Vec3>& points, const Vec3& by_mm) const {
     const Box3 box = body_.bounds_mm();
-    double least_mm = reach_mm_;
+    double min_mm = reach_mm_;
     for (const Vec3& point : points) {
       const Vec3 p = point + by_mm;
       const double way_mm = box.exteriorDistance(p);
-      if (way_mm < least_mm)
-        least_mm = std::min(least_mm, way_mm > 0.0 ? std::max(way_mm, distance_mm(p)) : distance_mm(p));
+      if (way_mm < min_mm) min_mm = std::min(min_mm, way_mm > 0.0 ? std::max(way_mm, distance_mm(p)) : distance_mm(p));
     }
-    return least_mm;
+    return min_mm;
   }
 
  private:
@@ -92,7 +91,7 @@ Spine stacked_spine(std::vector<SpinePart> parts, double gap_mm) {
     // From far below, up until it is as near as it may be.
     double z = upper.min().z() - lower.max().z() - gap_mm;
     const double highest = upper.max().z() - lower.min().z();
-    const auto near_mm = [&](double at) { return nearness.least_mm(surface, by + at * Vec3::UnitZ()); };
+    const auto near_mm = [&](double at) { return nearness.min_mm(surface, by + at * Vec3::UnitZ()); };
     while (near_mm(z + kStepMm) >= gap_mm) {
       z += kStepMm;
       if (z > highest) fail("spine phantom: ", level_name(static_cast<Level>(parts[n].label)), " finds no place below");

@@ -32,9 +32,9 @@ std::vector<Vec3> surface_seeds(const Solid& solid, double spacing_mm) {
   const Box3 bounds = solid.bounds_mm();
   double side = bounds.sizes().maxCoeff();
   if (!(side > 0.0) || !std::isfinite(side)) fail("surface seeds: the solid's bounds are empty or endless");
-  constexpr double kMostCubes = 1e9;
+  constexpr double kMaxCubes = 1e9;
   const double finest = side / spacing_mm;
-  if (!(finest * finest < kMostCubes))
+  if (!(finest * finest < kMaxCubes))
     fail("surface seeds: ", spacing_mm, " mm is too fine for a solid of ", side, " mm");
 
   std::vector<Vec3> cubes = crossed(solid, {bounds.center()}, side);

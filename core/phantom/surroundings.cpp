@@ -7,7 +7,7 @@
 #include "core/base/random.h"
 #include "core/phantom/detail/shapes.h"
 #include "core/phantom/detail/texture.h"
-#include "core/phantom/spine_truth.h"
+#include "core/phantom/spine_ground_truth.h"
 
 namespace spinaltap {
 namespace {
@@ -38,7 +38,7 @@ SoftTissue::SoftTissue(const Spine& spine, const SoftTissueOptions& options) : o
                          half_depth + m.canal_depth_mm + m.spinous_length_mm * std::cos(m.spinous_drop_deg * kDegree),
                          thoracic ? low : 0.0});
   }
-  for (const DiscTruth& disc : spine_truth(spine).discs) {
+  for (const DiscGroundTruth& disc : spine_ground_truth(spine).discs) {
     // Frame: the disc's normal up, backward as far as that leaves it.
     const Vec3 back = (Vec3::UnitY() - disc.normal.y() * disc.normal).normalized();
     Mat3 rotation;

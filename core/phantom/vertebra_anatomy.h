@@ -125,7 +125,7 @@ struct VertebraAnatomy {
 Mat3 rotation_from_degrees(const Vec3& degrees);
 Vec3 rotation_in_degrees(const Mat3& rotation);
 
-/// Refuses values that are not finite, out of any reason, or contradict each other; names the value in the Error.
+/// Rejects values that are not finite, out of any reason, or contradict each other; names the value in the Error.
 void check_anatomy(const VertebraAnatomy& anatomy);
 
 }  // namespace spinaltap

@@ -11,7 +11,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kMostMm = 60.0;
+constexpr double kMaxMm = 60.0;
 
 /// The place half way between where the two ways along +-direction leave the bone, and how far those are apart.
 struct Span {
@@ -20,8 +20,8 @@ struct Span {
 };
 
 Span span_along(const BoneShape& bone, const Vec3& p_mm, const Vec3& direction) {
-  const double ahead_mm = way_to_surface_mm(bone, p_mm, direction, kMostMm);
-  const double behind_mm = way_to_surface_mm(bone, p_mm, -direction, kMostMm);
+  const double ahead_mm = way_to_surface_mm(bone, p_mm, direction, kMaxMm);
+  const double behind_mm = way_to_surface_mm(bone, p_mm, -direction, kMaxMm);
   return {p_mm + 0.5 * (ahead_mm - behind_mm) * direction, ahead_mm + behind_mm};
 }
 
@@ -66,13 +66,13 @@ EndplateLandmarks endplate(const BoneShape& bone, const Vec3& centre_mm, const M
       const double x = kShare * half_width_mm * i / kSteps, y = kShare * half_depth_mm * j / kSteps;
       const Vec3 start_mm = centre_mm + axes * Vec3(x, y, 0.0);
       if (!(bone.lattice_mm(start_mm) < 0.0)) continue;
-      const double way_mm = way_to_surface_mm(bone, start_mm, up * axes.col(2), kMostMm);
-      if (way_mm < kMostMm) points.emplace_back(x, y, up * way_mm);
+      const double way_mm = way_to_surface_mm(bone, start_mm, up * axes.col(2), kMaxMm);
+      if (way_mm < kMaxMm) points.emplace_back(x, y, up * way_mm);
     }
   }
-  constexpr std::size_t kLeast = 20;
-  if (points.size() < kLeast) {
-    fail("landmarks: the vertebral body has no ", up > 0.0 ? "upper" : "lower", " end within ", kMostMm,
+  constexpr std::size_t kMin = 20;
+  if (points.size() < kMin) {
+    fail("landmarks: the vertebral body has no ", up > 0.0 ? "upper" : "lower", " end within ", kMaxMm,
          " mm of its middle");
   }
   const Vec3 plane = robust_plane(points);
@@ -116,7 +116,7 @@ Core find_core(const BoneShape& bone) {
 
 Landmarks::Body measure_body(const BoneShape& bone, const Vec3& inside_mm, const Mat3& axes) {
   constexpr int kRounds = 3;
-  constexpr double kLeastMm = 5.0;
+  constexpr double kMinMm = 5.0;
   Vec3 centre_mm = inside_mm;
   Span width{}, depth{}, height{};
   for (int round = 0; round < kRounds; ++round) {
@@ -127,8 +127,8 @@ Landmarks::Body measure_body(const BoneShape& bone, const Vec3& inside_mm, const
     depth = span_along(bone, centre_mm, axes.col(1));
     centre_mm = depth.middle_mm;
   }
-  if (!(std::min({height.length_mm, width.length_mm, depth.length_mm}) >= kLeastMm)) {
-    fail("landmarks: expected a vertebral body of at least ", kLeastMm, " mm, found ", width.length_mm, " x ",
+  if (!(std::min({height.length_mm, width.length_mm, depth.length_mm}) >= kMinMm)) {
+    fail("landmarks: expected a vertebral body of at least ", kMinMm, " mm, found ", width.length_mm, " x ",
          depth.length_mm, " x ", height.length_mm, " mm");
   }
   Landmarks::Body body;
@@ -142,7 +142,7 @@ Landmarks::Body measure_body(const BoneShape& bone, const Vec3& inside_mm, const
 }
 
 int count_bodies(const BoneShape& bone, const Vec3& inside_mm, const Mat3& axes) {
-  constexpr double kReachMm = 120.0, kStepMm = 0.5, kLeastMm = 10.0, kApartMm = 6.0;
+  constexpr double kReachMm = 120.0, kStepMm = 0.5, kMinMm = 10.0, kApartMm = 6.0;
   constexpr int kSteps = 2;
   std::vector<int> counts;
   for (int i = -kSteps; i <= kSteps; ++i) {
@@ -153,7 +153,7 @@ int count_bodies(const BoneShape& bone, const Vec3& inside_mm, const Mat3& axes)
       for (double way_mm = -kReachMm; way_mm <= kReachMm; way_mm += kStepMm) {
         const bool inside = bone.lattice_mm(middle_mm + way_mm * axes.col(2)) < 0.0;
         if (inside) run_mm += kStepMm;
-        if (inside && run_mm == kLeastMm) ++bodies;
+        if (inside && run_mm == kMinMm) ++bodies;
         if (!inside) run_mm = 0.0;
       }
       counts.push_back(bodies);

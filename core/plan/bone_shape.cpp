@@ -141,10 +141,10 @@ double without_sampling_error_mm(const Vec3& p_mm, const Vec3& nearest_mm, const
   return std::abs(across_mm);
 }
 
-BoneShape::BoneShape(std::shared_ptr<const ScalarField> surface, const Box3& bounds_mm, double sure_mm,
+BoneShape::BoneShape(std::shared_ptr<const ScalarField> surface, const Box3& bounds_mm, double trusted_band_mm,
                      const Progress& progress)
     : surface_(std::move(surface)),
-      sure_mm_(sure_mm),
+      trusted_band_mm_(trusted_band_mm),
       lattice_(sampled_lattice(*surface_, bounds_mm, progress)),
       tree_(std::vector<Vec3>{}) {
   Samples samples = moved_to_surface(*surface_, places_near_surface(lattice_));
@@ -152,17 +152,17 @@ BoneShape::BoneShape(std::shared_ptr<const ScalarField> surface, const Box3& bou
   bounds_mm_ = bounds_of(samples.points_mm);
   normals_ = std::move(samples.normals);
   tree_ = PointTree(std::move(samples.points_mm));
-  lattice_ = with_depths(std::move(lattice_), tree_, sure_mm_, progress);
+  lattice_ = with_depths(std::move(lattice_), tree_, trusted_band_mm_, progress);
 }
 
 double BoneShape::distance_mm(const Vec3& p_mm) const {
   double value_mm = 0.0;
   surface_->evaluate({&p_mm, 1}, {&value_mm, 1}, {});
-  if (std::abs(value_mm) < sure_mm_) return value_mm;
+  if (std::abs(value_mm) < trusted_band_mm_) return value_mm;
   const PointTree::Nearest near = nearest(p_mm);
   if (near.index >= normals_.size()) return std::numeric_limits<double>::infinity();
   const double distance_mm = without_sampling_error_mm(p_mm, points_mm()[near.index], normals_[near.index], kSampleMm);
-  return std::copysign(std::max(distance_mm, sure_mm_), value_mm);
+  return std::copysign(std::max(distance_mm, trusted_band_mm_), value_mm);
 }
 
 bool BoneShape::is_inside(const Vec3& p_mm) const {

@@ -19,10 +19,10 @@ class BoneShape {
   /// About how far the points of the surface lie from each other.
   static constexpr double kSampleMm = 0.5 * kLatticeMm;
 
-  /// `surface`: its value is the distance up to `sure_mm` from its zero set, has the right sign everywhere, and its
-  /// gradient leads to the zero set from 0.5 mm away. `bounds_mm` holds the zero set. Throws Error where there is none,
-  /// and on boxes of over 0.5 m.
-  BoneShape(std::shared_ptr<const ScalarField> surface, const Box3& bounds_mm, double sure_mm,
+  /// `surface`: its value is the distance up to `trusted_band_mm` from its zero set, has the right sign everywhere, and
+  /// its gradient leads to the zero set from 0.5 mm away. `bounds_mm` holds the zero set. Throws Error where there is
+  /// none, and on boxes of over 0.5 m.
+  BoneShape(std::shared_ptr<const ScalarField> surface, const Box3& bounds_mm, double trusted_band_mm,
             const Progress& progress = {});
 
   /// Points of the surface: every place of it has one within 0.25 mm, most within 0.15 mm.
@@ -48,11 +48,11 @@ class BoneShape {
 
   const ScalarField& surface() const { return *surface_; }
   /// Up to here from its zero set the surface's value is the distance.
-  double sure_mm() const { return sure_mm_; }
+  double trusted_band_mm() const { return trusted_band_mm_; }
 
  private:
   std::shared_ptr<const ScalarField> surface_;
-  double sure_mm_;
+  double trusted_band_mm_;
   FloatGrid lattice_;
   std::vector<Vec3> normals_;
   PointTree tree_;

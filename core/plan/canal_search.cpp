@@ -13,7 +13,7 @@ namespace spinaltap {
 namespace {
 
 constexpr double kPixelMm = 1.0;
-constexpr double kLeastRadiusMm = 3.0;
+constexpr double kMinRadiusMm = 3.0;
 
 /// The widest hole in the silhouette along one direction.
 struct Hole {
@@ -89,14 +89,14 @@ struct CandidateAxis {
 /// Directions at `step` around `middle`, up to `reach` away along each of two turns.
 std::vector<CandidateAxis> candidates_around(const Vec3& middle, double reach, double step,
                                              const SurfaceSample& surface) {
-  constexpr double kMostTilt = 45.0 * kDegree;
+  constexpr double kMaxTilt = 45.0 * kDegree;
   const Vec3 u = Vec3::UnitY().cross(middle).normalized(), v = middle.cross(u);
   std::vector<CandidateAxis> all;
   const int steps = static_cast<int>(std::lround(reach / step));
   for (int a = -steps; a <= steps; ++a) {
     for (int b = -steps; b <= steps; ++b) {
       const Vec3 axis = (middle + std::tan(step * a) * u + std::tan(step * b) * v).normalized();
-      if (axis.z() >= std::cos(kMostTilt)) all.push_back({axis, {}});
+      if (axis.z() >= std::cos(kMaxTilt)) all.push_back({axis, {}});
     }
   }
   tbb::parallel_for(std::size_t{0}, all.size(),
@@ -114,11 +114,11 @@ double widest_of(const std::vector<CandidateAxis>& all) {
 /// best, which the pixels choose.
 CandidateAxis middle_of_best(const std::vector<CandidateAxis>& all) {
   constexpr double kAlmost = 0.9;
-  const double least_mm = kAlmost * widest_of(all);
+  const double min_mm = kAlmost * widest_of(all);
   Vec3 axis = Vec3::Zero(), centre_mm = Vec3::Zero();
   double weights = 0.0, radius_mm = 0.0;
   for (const CandidateAxis& one : all) {
-    const double weight = std::max(0.0, one.hole.radius_mm - least_mm);
+    const double weight = std::max(0.0, one.hole.radius_mm - min_mm);
     axis += weight * one.axis;
     centre_mm += weight * one.hole.centre_mm;
     weights += weight;
@@ -131,13 +131,13 @@ CandidateAxis middle_of_best(const std::vector<CandidateAxis>& all) {
 
 std::optional<CanalView> find_canal(const SurfaceSample& surface) {
   const std::vector<CandidateAxis> coarse = candidates_around(Vec3::UnitZ(), 45.0 * kDegree, 5.0 * kDegree, surface);
-  if (!(widest_of(coarse) >= kLeastRadiusMm)) return std::nullopt;
+  if (!(widest_of(coarse) >= kMinRadiusMm)) return std::nullopt;
   const Vec3 start = middle_of_best(coarse).axis;
   const std::vector<CandidateAxis> fine = candidates_around(start, 8.0 * kDegree, 2.0 * kDegree, surface);
-  if (!(widest_of(fine) >= kLeastRadiusMm)) return std::nullopt;
+  if (!(widest_of(fine) >= kMinRadiusMm)) return std::nullopt;
   const Vec3 axis = middle_of_best(fine).axis;
   const Hole hole = widest_hole(surface, axis);
-  if (!(hole.radius_mm >= kLeastRadiusMm)) return std::nullopt;
+  if (!(hole.radius_mm >= kMinRadiusMm)) return std::nullopt;
   const Vec3 middle_mm = bounds_of(surface.points_mm).center();
   return CanalView{hole.centre_mm + axis.dot(middle_mm) * axis, axis, hole.radius_mm};
 }

@@ -17,9 +17,9 @@ void check_options(const GradeOptions& options) {
   if (!(options.step_mm >= kFinestMm && options.step_mm <= kCoarsestMm)) {
     fail("grade: expected a step of ", kFinestMm, " to ", kCoarsestMm, " mm, found ", options.step_mm, " mm");
   }
-  constexpr int kFewest = 8, kMost = 720;
-  if (options.ring_points < kFewest || options.ring_points > kMost) {
-    fail("grade: expected ", kFewest, " to ", kMost, " points of a ring, found ", options.ring_points);
+  constexpr int kFewest = 8, kMax = 720;
+  if (options.ring_points < kFewest || options.ring_points > kMax) {
+    fail("grade: expected ", kFewest, " to ", kMax, " points of a ring, found ", options.ring_points);
   }
   constexpr double kFastestRpm = 1e6, kFastestMmS = 1e3;
   if (!(options.spindle.rpm > 0.0 && options.spindle.rpm <= kFastestRpm)) {
@@ -42,9 +42,9 @@ std::vector<double> depths_of(double length_mm, double step_mm) {
   return depths_mm;
 }
 
-/// How many rows belong to the hole's mouth: until the whole section is in bone for the first time, and then until what
-/// is nearest of the outer surface is no longer the mouth itself, but lies as deep as that section or deeper; at the
-/// latest 4 mm before the pedicle's isthmus.
+/// How many rows belong to the entry opening: until the whole section is in bone for the first time, and then until
+/// what is nearest of the outer surface is no longer the entry opening itself, but lies as deep as that section or
+/// deeper; at the latest 4 mm before the pedicle's isthmus.
 std::size_t rows_of_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
                           std::span<const GradeRow> rows, std::span<const WallDistance::Walls> axis, int ring_points) {
   constexpr double kBeforeIsthmusMm = 4.0;
@@ -137,7 +137,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
     row.hu = sections.hu(n);
     row.hu_band_shares = sections.band_shares(n);
     row.thrust_n = sections.resistance(n).thrust_n(feed_mm);
-    graded.most_thrust_n = std::max(graded.most_thrust_n, row.thrust_n);
+    graded.max_thrust_n = std::max(graded.max_thrust_n, row.thrust_n);
     if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side);
     graded.canal = nearest_of(graded.canal, row.canal_mm, row.depth_mm, row.canal_side);
   }

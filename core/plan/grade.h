@@ -29,7 +29,7 @@ struct GradeOptions {
   std::vector<double> hu_bands{135.0, 375.0};  ///< borders, ascending
   int ring_points = 48;                        ///< around the tool at each depth, where a breach is looked for
   Spindle spindle = {};                        ///< for the predicted thrust
-  double feed_mm_s = 1.0;                      ///< the same; a hand's, and `drill`'s of 0.001 mm a cycle at 1 kHz
+  double feed_mm_s = 1.0;                      ///< the same; an operator's, and `drill`'s of 0.001 mm a cycle at 1 kHz
 };
 
 /// What a tool meets at one depth of the tip's way.
@@ -40,7 +40,7 @@ struct GradeRow {
   double canal_mm = 0.0;   ///< to the canal; infinite where the bone has none
   PathSide outer_side = PathSide::lateral;
   PathSide canal_side = PathSide::medial;
-  bool is_entry = false;               ///< still in the hole's mouth: the outer surface does not count
+  bool is_entry = false;               ///< still in the entry opening: the outer surface does not count
   double hu = 0.0;                     ///< mean over the tool's section; NaN where no bone is
   std::vector<double> hu_band_shares;  ///< of the bone in that section, as PathGrade's; 0 where no bone is
   double thrust_n = 0.0;               ///< predicted, of drilling the hole with the path's bit, its tip there
@@ -55,7 +55,7 @@ struct Approach {
 
 struct PathGrade {
   Grade grade = Grade::A;
-  double breach_mm = 0.0;        ///< of the tool's surface beyond the bone's, the mouth of the hole not counted
+  double breach_mm = 0.0;        ///< of the tool's surface beyond the bone's, the entry opening not counted
   double breach_depth_mm = 0.0;  ///< where it is; of no meaning without one, as the next two
   PathSide breach_side = PathSide::lateral;
   bool breaches_canal = false;         ///< the breach is into the canal
@@ -64,7 +64,7 @@ struct PathGrade {
   double entry_end_mm = 0.0;           ///< depth from which on the outer surface counts
   double hu = 0.0;                     ///< mean of the tool's volume in bone; NaN where there is none
   std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
-  double most_thrust_n = 0.0;
+  double max_thrust_n = 0.0;
   std::vector<GradeRow> rows;
 };
 

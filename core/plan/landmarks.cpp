@@ -7,7 +7,7 @@
 #include "core/plan/body_landmarks.h"
 #include "core/plan/canal_search.h"
 #include "core/plan/detail/canal_wall.h"
-#include "core/plan/detail/landmark_doubts.h"
+#include "core/plan/detail/landmark_warnings.h"
 #include "core/plan/detail/pedicle_search.h"
 #include "core/plan/detail/symmetry_plane.h"
 
@@ -23,18 +23,18 @@ Mat3 frame_of(const Vec3& left, const Vec3& about_superior) {
   return axes;
 }
 
-void refuse_several_pieces(const BoneShape& bone) {
-  constexpr double kLeastMm3 = 3000.0, kShare = 0.15;
+void reject_several_pieces(const BoneShape& bone) {
+  constexpr double kMinMm3 = 3000.0, kShare = 0.15;
   const std::vector<double> volumes_mm3 = piece_volumes_mm3(bone);
   if (volumes_mm3.empty()) fail("landmarks: expected a vertebra, found no bone");
-  if (volumes_mm3.size() < 2 || volumes_mm3[1] < std::max(kLeastMm3, kShare * volumes_mm3[0])) return;
+  if (volumes_mm3.size() < 2 || volumes_mm3[1] < std::max(kMinMm3, kShare * volumes_mm3[0])) return;
   fail("landmarks: expected one vertebra, found pieces of ", 1e-3 * volumes_mm3[0], " and ", 1e-3 * volumes_mm3[1],
        " cm³ that do not touch: two vertebrae, or one in parts; bake one vertebra alone");
 }
 
-void refuse_cut_bone(const CutFace& face) {
-  constexpr double kMostMm2 = 350.0;
-  if (face.area_mm2 < kMostMm2) return;
+void reject_cut_bone(const CutFace& face) {
+  constexpr double kMaxMm2 = 350.0;
+  if (face.area_mm2 < kMaxMm2) return;
   fail("landmarks: expected a whole vertebra, but it ends at the patient's ", side_of_patient(face.normal),
        " in a flat face of ", std::round(face.area_mm2),
        " mm²: a part is cut away there; crop and segment the CT so that the whole vertebra is in it");
@@ -62,28 +62,28 @@ Mat3 first_axes(const CanalView& canal, const Core& core) {
   return frame_of(posterior.cross(canal.axis), canal.axis);
 }
 
-void refuse_two_bodies(const BoneShape& bone, const Core& core, const Mat3& axes) {
+void reject_two_bodies(const BoneShape& bone, const Core& core, const Mat3& axes) {
   const int bodies = count_bodies(bone, core.centre_mm, axes);
   if (bodies > 1) fail("landmarks: expected one vertebra, found ", bodies, " vertebral bodies one above the other");
 }
 
-void refuse_tall_body(const Landmarks::Body& body) {
-  constexpr double kMostHeightOverDepth = 1.5;
-  if (body.height_mm <= kMostHeightOverDepth * body.depth_mm) return;
+void reject_tall_body(const Landmarks::Body& body) {
+  constexpr double kMaxHeightOverDepth = 1.5;
+  if (body.height_mm <= kMaxHeightOverDepth * body.depth_mm) return;
   fail("landmarks: expected one vertebra, found a body ", body.height_mm, " mm high and only ", body.depth_mm,
        " mm deep: two that touch or have grown together");
 }
 
 /// The body of a vertebra is the thickest part by far: a ring of even thickness has none. A pedicle is as thick as its
 /// section is at its narrowest: those of L5 may be almost as wide as the body is high.
-void refuse_thin_body(const Landmarks& found) {
-  constexpr double kLeastOverPedicle = 1.3;
+void reject_thin_body(const Landmarks& found) {
+  constexpr double kMinOverPedicle = 1.3;
   const double body_mm = std::min({found.body.width_mm, found.body.depth_mm, found.body.height_mm});
   const auto thickness_mm = [](const PedicleLandmarks& pedicle) {
     return std::min(pedicle.width_mm, pedicle.height_mm);
   };
   const double pedicle_mm = std::max(thickness_mm(found.left_pedicle), thickness_mm(found.right_pedicle));
-  if (body_mm >= kLeastOverPedicle * pedicle_mm) return;
+  if (body_mm >= kMinOverPedicle * pedicle_mm) return;
   fail("landmarks: no vertebral body: the thickest part of the bone is only ", body_mm,
        " mm thick, where a pedicle is ", pedicle_mm, " mm thick; expected a whole vertebra");
 }
@@ -112,16 +112,16 @@ Vec3 in_middle(const Vec3& direction, const SymmetryPlane& middle) {
 Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
   constexpr const char* kStage = "finding the vertebra's landmarks";
   progress.report(kStage, 0.0);
-  refuse_several_pieces(bone);
+  reject_several_pieces(bone);
   const SurfaceSample surface = sample_surface(bone);
   const CutFace cut_face = find_cut_face(surface);
-  refuse_cut_bone(cut_face);
+  reject_cut_bone(cut_face);
   progress.report(kStage, 0.1);
   const CanalView canal = canal_or_error(surface);
   progress.report(kStage, 0.4);
   const Core core = find_core(bone);
   const Mat3 start = first_axes(canal, core);
-  refuse_two_bodies(bone, core, start);
+  reject_two_bodies(bone, core, start);
   const SymmetryPlane middle =
       find_symmetry_plane(bone, surface, {canal.point_mm, start.col(0), 0.0}, start.col(1), start.col(2));
   progress.report(kStage, 0.6);
@@ -134,7 +134,7 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
     found.body = measure_body(bone, core.centre_mm, found.axes);
     found.axes = frame_of(middle.normal, found.body.upper.normal - found.body.lower.normal);
   }
-  refuse_tall_body(found.body);
+  reject_tall_body(found.body);
   PedicleRegion region;
   region.axes = found.axes;
   region.canal_mm = on_canal_at(canal, middle, found.superior(), found.body.centre_mm);
@@ -143,7 +143,7 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
   region.highest_mm = found.superior().dot(found.body.upper.centre_mm - region.canal_mm);
   found.left_pedicle = pedicle_or_error(bone, region, 1.0);
   found.right_pedicle = pedicle_or_error(bone, region, -1.0);
-  refuse_thin_body(found);
+  reject_thin_body(found);
   progress.report(kStage, 0.8);
 
   const Vec3 level_mm = 0.5 * (found.left_pedicle.isthmus_mm + found.right_pedicle.isthmus_mm);
@@ -153,7 +153,7 @@ Landmarks find_landmarks(const BoneShape& bone, const Progress& progress) {
   found.canal = measure_canal(bone, in_canal_mm, found.canal.axis, found.axes);
   found.origin_mm = found.canal.centre_mm;
   found.is_canal_wall = canal_wall_flags(bone, found);
-  found.doubts = doubts_about(found, middle.residual_mm, cut_face);
+  found.warnings = warnings_about(found, middle.residual_mm, cut_face);
   progress.report(kStage, 1.0);
   return found;
 }

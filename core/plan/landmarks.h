@@ -57,7 +57,7 @@ struct Landmarks {
   PedicleLandmarks left_pedicle, right_pedicle;  ///< the patient's left and right
 
   /// What looks unlike a vertebra, one line each; empty when sure.
-  std::vector<std::string> doubts;
+  std::vector<std::string> warnings;
 };
 
 /// Finds the landmarks from the shape alone, however the vertebra is tilted, as long as its top is nearer to the

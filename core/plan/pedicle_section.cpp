@@ -114,8 +114,8 @@ void cast(const BoneShape& bone, BoneSection& section) {
   section.endless = 0;
   for (std::size_t ray = 0; ray < kRays; ++ray) {
     section.radii_mm[ray] =
-        way_to_surface_mm(bone, section.centre_mm, section.direction(ray), BoneSection::kMostRadiusMm);
-    if (section.radii_mm[ray] >= BoneSection::kMostRadiusMm) ++section.endless;
+        way_to_surface_mm(bone, section.centre_mm, section.direction(ray), BoneSection::kMaxRadiusMm);
+    if (section.radii_mm[ray] >= BoneSection::kMaxRadiusMm) ++section.endless;
   }
 }
 
@@ -145,7 +145,7 @@ BoneSection section_around(const BoneShape& bone, const Vec3& p_mm, const Vec3& 
 
 BoneSection sharpened(const BoneShape& bone, BoneSection section) {
   constexpr int kRounds = 4;
-  constexpr double kStepMm = 0.05, kMostMoveMm = 0.15;
+  constexpr double kStepMm = 0.05, kMaxMoveMm = 0.15;
   std::vector<Vec3> points_mm(2 * kRays);
   std::vector<double> values_mm(2 * kRays);
   for (int round = 0; round < kRounds; ++round) {
@@ -156,9 +156,9 @@ BoneSection sharpened(const BoneShape& bone, BoneSection section) {
     bone.surface().evaluate(points_mm, values_mm, {});
     for (std::size_t ray = 0; ray < kRays; ++ray) {
       const double slope = (values_mm[2 * ray + 1] - values_mm[2 * ray]) / (2.0 * kStepMm);
-      if (!(slope > 0.2) || section.radii_mm[ray] >= BoneSection::kMostRadiusMm) continue;
+      if (!(slope > 0.2) || section.radii_mm[ray] >= BoneSection::kMaxRadiusMm) continue;
       const double middle_mm = 0.5 * (values_mm[2 * ray] + values_mm[2 * ray + 1]);
-      section.radii_mm[ray] -= std::clamp(middle_mm / slope, -kMostMoveMm, kMostMoveMm);
+      section.radii_mm[ray] -= std::clamp(middle_mm / slope, -kMaxMoveMm, kMaxMoveMm);
     }
   }
   section.area_mm2 = moments_of(section.radii_mm).area;

@@ -9,7 +9,7 @@ namespace spinaltap {
 /// The plane section of a bone around one place of it, as radii at even angles from its centroid.
 struct BoneSection {
   static constexpr std::size_t kRays = 64;
-  static constexpr double kMostRadiusMm = 18.0;  ///< where the section goes on further, it is cut here
+  static constexpr double kMaxRadiusMm = 18.0;  ///< where the section goes on further, it is cut here
 
   Vec3 centre_mm = Vec3::Zero();
   Vec3 u = Vec3::UnitX(), v = Vec3::UnitZ();  ///< unit, spanning the plane; angles run from u to v

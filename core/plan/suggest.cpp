@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/plan/detail/way_search.h"
+#include "core/plan/detail/trajectory_search.h"
 
 namespace spinaltap {
 namespace {
@@ -26,7 +26,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
   within(options.front_margin_mm, 0.0, 30.0, "a margin ahead of the tip (mm)");
   within(options.widest_share, 0.1, 1.0, "a share of the pedicle's width");
   within(options.furthest_share, 0.2, 1.0, "a share of the body's depth");
-  within(options.most_turn_deg, 0.0, 45.0, "a turn from the pedicle's axis (degrees)");
+  within(options.max_turn_deg, 0.0, 45.0, "a turn from the pedicle's axis (degrees)");
   const SuggestWeights& weights = options.weights;
   for (const double weight : {weights.length, weights.diameter, weights.clearance, weights.canal, weights.endplates,
                               weights.density, weights.along_axis}) {
@@ -37,12 +37,12 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
 Suggestion suggest_side(const WallDistance& walls, const HuSampler& hu, const Material& material,
                         std::span<const PedicleScrew> screws, const SuggestOptions& options, double side,
                         const Progress& progress) {
-  constexpr std::size_t kMostRefined = 6;
+  constexpr std::size_t kMaxRefined = 6;
   Suggestion suggestion;
   suggestion.side = side > 0.0 ? "left" : "right";
-  detail::WaySearch search(walls, hu, screws, options, side);
-  const std::vector<detail::ScrewedWay> ways = search.find(kMostRefined, progress);
-  for (const detail::ScrewedWay& way : ways) {
+  detail::TrajectorySearch search(walls, hu, screws, options, side);
+  const std::vector<detail::ScrewCandidate> ways = search.find(kMaxRefined, progress);
+  for (const detail::ScrewCandidate& way : ways) {
     SuggestedPath best;
     best.path = way.path;
     best.grade = grade_path(walls, hu, material, way.path, options.grade);
@@ -50,34 +50,34 @@ Suggestion suggest_side(const WallDistance& walls, const HuSampler& hu, const Ma
     best.safe = safe_zone(walls, way.path);
     best.score = way.score;
     best.angles = path_angles(way.path.direction(), walls.landmarks().axes, side > 0.0);
-    best.ways_looked_at = search.ways_looked_at();
+    best.trajectories_tried = search.trajectories_tried();
     suggestion.best = best;
     return suggestion;
   }
   std::ostringstream why;
   why.precision(3);
-  why << "no screw of the table keeps " << options.margin_mm << " mm of bone around it on any straight way of "
-      << search.ways_looked_at() << " through the " << suggestion.side << " pedicle, which is "
+  why << "no screw of the table keeps " << options.margin_mm << " mm of bone around it on any straight trajectory of "
+      << search.trajectories_tried() << " through the " << suggestion.side << " pedicle, which is "
       << search.pedicle().width_mm << " mm wide";
-  suggestion.refusal = why.str();
+  suggestion.rejection = why.str();
   return suggestion;
 }
 
-/// How large an error may be: the last that does no harm before the first that does, to within `most` / 1000.
+/// How large an error may be: the last that does no harm before the first that does, to within `max` / 1000.
 template <class Harms>
-double most_harmless(double most, const Harms& harms) {
+double max_harmless(double max, const Harms& harms) {
   constexpr int kSteps = 12;
   double harmless = 0.0;
-  double harmful = most;
+  double harmful = max;
   for (int step = 1; step <= kSteps; ++step) {
-    const double error = most * step / kSteps;
+    const double error = max * step / kSteps;
     if (harms(error)) {
       harmful = error;
       break;
     }
     harmless = error;
   }
-  while (harmful - harmless > 1e-3 * most) {
+  while (harmful - harmless > 1e-3 * max) {
     const double middle = 0.5 * (harmless + harmful);
     (harms(middle) ? harmful : harmless) = middle;
   }
@@ -99,8 +99,8 @@ std::vector<Suggestion> suggest_paths(const WallDistance& walls, const HuSampler
 }
 
 SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
-  constexpr double kMostMm = 8.0;
-  constexpr double kMostDeg = 24.0;
+  constexpr double kMaxMm = 8.0;
+  constexpr double kMaxDeg = 24.0;
   // Rings of the screw half a millimetre apart: a wall is met at most that late.
   const GradeOptions coarse{.step_mm = 0.5};
   const auto breaches = [&](const DrillPath& other) { return breach_mm(walls, other, coarse) > 0.0; };
@@ -113,7 +113,7 @@ SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
   Vec3 cranial = direction.cross(medial_unit);
   if (cranial.dot(marks.superior()) < 0.0) cranial = -cranial;
   const auto shift_mm = [&](const Vec3& to) {
-    return most_harmless(kMostMm, [&](double mm) {
+    return max_harmless(kMaxMm, [&](double mm) {
       DrillPath other = path;
       other.entry_mm += mm * to;
       other.target_mm += mm * to;
@@ -121,7 +121,7 @@ SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
     });
   };
   const auto turn_deg = [&](const Vec3& to) {
-    return most_harmless(kMostDeg, [&](double degrees) {
+    return max_harmless(kMaxDeg, [&](double degrees) {
       DrillPath other = path;
       const double angle = degrees * kDegree;
       other.target_mm = path.entry_mm + path.length_mm() * (std::cos(angle) * direction + std::sin(angle) * to);

@@ -22,11 +22,11 @@ struct SuggestWeights {
 };
 
 struct SuggestOptions {
-  double margin_mm = 1.0;        ///< of bone around the screw, from the hole's mouth to its tip
+  double margin_mm = 1.0;        ///< of bone around the screw, from the entry opening to its tip
   double front_margin_mm = 5.0;  ///< of bone left ahead of the tip
   double widest_share = 0.8;     ///< of the pedicle's width that a screw may fill
   double furthest_share = 0.8;   ///< of the body's depth that the tip may reach
-  double most_turn_deg = 16.0;   ///< between the path and the pedicle's axis, to each side
+  double max_turn_deg = 16.0;    ///< between the path and the pedicle's axis, to each side
   DrillBit bit;                  ///< for the hole
   SuggestWeights weights;
   GradeOptions grade;
@@ -45,14 +45,14 @@ struct SuggestedPath {
   SafeZone safe;
   double score = 0.0;  ///< sum of weights times terms
   PathAngles angles;   ///< to the vertebra's own planes
-  std::size_t ways_looked_at = 0;
+  std::size_t trajectories_tried = 0;
 };
 
 /// A side's path, or why there is none.
 struct Suggestion {
   std::string side;  ///< "left" or "right", the patient's
   std::optional<SuggestedPath> best;
-  std::string refusal;
+  std::string rejection;
 };
 
 /// For each side the path through the pedicle and the screw of the table that are worth most among those that keep the

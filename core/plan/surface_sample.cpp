@@ -7,7 +7,7 @@
 namespace spinaltap {
 
 std::vector<std::size_t> first_of_each_cell(std::span<const Vec3> points_mm, const Vec3& origin_mm, double cell_mm) {
-  constexpr double kMostCells = 4294967296.0;
+  constexpr double kMaxCells = 4294967296.0;
   const auto cell_of = [&](const Vec3& p_mm) -> Vec3 { return ((p_mm - origin_mm) / cell_mm).array().floor(); };
   Box3 box;
   for (const Vec3& p_mm : points_mm) {
@@ -16,8 +16,8 @@ std::vector<std::size_t> first_of_each_cell(std::span<const Vec3> points_mm, con
   }
   if (points_mm.empty()) return {};
   const Vec3 size = box.sizes() + Vec3::Ones();
-  if (!(size.prod() <= kMostCells)) {
-    fail("thinning points: expected them in up to ", kMostCells, " cells, found a box of ", size.x(), " x ", size.y(),
+  if (!(size.prod() <= kMaxCells)) {
+    fail("thinning points: expected them in up to ", kMaxCells, " cells, found a box of ", size.x(), " x ", size.y(),
          " x ", size.z());
   }
   std::vector<bool> is_taken(static_cast<std::size_t>(size.prod()), false);

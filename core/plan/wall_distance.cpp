@@ -58,7 +58,7 @@ WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_m
 
 WallDistance::Wall WallDistance::canal(const Vec3& p_mm) const {
   // Deeper than the surface's value is sure, both walls are ahead, and none of them is nearer than that.
-  if (surface_value_mm(bone_, p_mm) <= -bone_.sure_mm()) return nearest(canal_, p_mm);
+  if (surface_value_mm(bone_, p_mm) <= -bone_.trusted_band_mm()) return nearest(canal_, p_mm);
   return walls(p_mm).canal;
 }
 
@@ -72,7 +72,7 @@ WallDistance::Walls WallDistance::walls(const Vec3& p_mm) const {
   both.canal = nearest(canal_, p_mm);
   Wall& nearer = both.canal.distance_mm < both.outer.distance_mm ? both.canal : both.outer;
   const double value_mm = surface_value_mm(bone_, p_mm);
-  if (std::abs(value_mm) < bone_.sure_mm()) nearer.distance_mm = std::abs(value_mm);
+  if (std::abs(value_mm) < bone_.trusted_band_mm()) nearer.distance_mm = std::abs(value_mm);
   if (value_mm > 0.0) nearer.distance_mm = -nearer.distance_mm;
   return both;
 }
@@ -85,7 +85,7 @@ WallDistance::Beyond WallDistance::beyond(const Vec3& p_mm) const {
   if (found.index >= bone_.normals().size()) return result;
   result.is_canal = landmarks_.is_canal_wall[found.index] != 0;
   result.wall = wall_at(p_mm, bone_.points_mm()[found.index], bone_.normals()[found.index]);
-  result.distance_mm = value_mm < bone_.sure_mm() ? value_mm : result.wall.distance_mm;
+  result.distance_mm = value_mm < bone_.trusted_band_mm() ? value_mm : result.wall.distance_mm;
   result.wall.distance_mm = -result.distance_mm;
   return result;
 }

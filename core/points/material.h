@@ -5,18 +5,18 @@
 #include <string>
 #include <vector>
 
-#include "core/ct/density_law.h"
+#include "core/ct/hu_to_density.h"
 
 namespace spinaltap {
 
-/// How hard bone is to drill, from its CT number: a law for its density, and power laws of the density for what the
-/// lips and the chisel edge of a bit meet. docs/forces.md derives them; the numbers and their sources are in
+/// How hard bone is to drill, from its CT number: a calibration for its density, and power laws of the density for what
+/// the lips and the chisel edge of a bit meet. docs/forces.md derives them; the numbers and their sources are in
 /// data/materials/.
 struct Material {
-  DensityLaw density = {};
+  HuToDensity density = {};
 
   /// Energy of cutting a volume, N·mm/mm³, of bone of 1 g/cm³ at a feed of `reference_feed_mm` per turn.
-  double cutting_mpa = 356.0;
+  double specific_cutting_energy_mpa = 356.0;
   double cutting_exponent = 2.0;    ///< of the density in g/cm³
   double reference_feed_mm = 0.1;   ///< per turn
   double feed_exponent = 0.3;       ///< the energy goes with the feed per turn to minus this: thin chips cost more
@@ -33,14 +33,14 @@ struct Material {
   double contact_exponent = 1.56;
 
   /// Of cutting at the reference feed, N·mm/mm³.
-  double cutting_pressure_mpa(double hu) const;
+  double cutting_energy_mpa(double hu) const;
   /// Under the chisel edge, N/mm².
   double chisel_pressure_mpa(double hu) const;
   /// Of a surface as large as the bit's section, N/mm.
   double contact_stiffness_n_mm(double hu) const;
 };
 
-/// Refuses values that are not finite, and laws by which denser bone would be easier to drill.
+/// Rejects values that are not finite, and models by which denser bone would be easier to drill.
 void check_material(const Material& material);
 
 /// A material's cutting pressure for each CT number of a range, in whole units, so that a sum over points does not
@@ -48,7 +48,7 @@ void check_material(const Material& material);
 class PressureTable {
  public:
   static constexpr double kUnitMpa = 1e-3;
-  static constexpr std::int64_t kMostUnits = std::int64_t{1} << 24;  ///< 16.8 GPa: no bone resists with more
+  static constexpr std::int64_t kMaxUnits = std::int64_t{1} << 24;  ///< 16.8 GPa: no bone resists with more
 
   explicit PressureTable(const Material& material, std::int16_t lowest_hu = -32768, std::int16_t highest_hu = 32767);
 

@@ -19,7 +19,7 @@ NeighbourDistances neighbour_distances(const PointVolume& volume, bool in_plane)
   const int rings = pattern.ring_count();
   const int inner = std::max(1, rings - 2);
   NeighbourDistances result;
-  result.least_mm = std::numeric_limits<double>::infinity();
+  result.min_mm = std::numeric_limits<double>::infinity();
   double sum_mm = 0.0;
   double sum_squares = 0.0;
   const std::size_t count = DiscPattern::ring_start(inner);
@@ -42,8 +42,8 @@ NeighbourDistances neighbour_distances(const PointVolume& volume, bool in_plane)
     ++result.points;
     sum_mm += distance_mm;
     sum_squares += nearest;
-    result.least_mm = std::min(result.least_mm, distance_mm);
-    result.most_mm = std::max(result.most_mm, distance_mm);
+    result.min_mm = std::min(result.min_mm, distance_mm);
+    result.max_mm = std::max(result.max_mm, distance_mm);
   }
   if (result.points == 0) return {};
   const auto points = static_cast<double>(result.points);

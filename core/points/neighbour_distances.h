@@ -9,10 +9,10 @@ namespace spinaltap {
 /// How evenly points lie: the distances from points to their nearest neighbours, mm.
 struct NeighbourDistances {
   std::size_t points = 0;
-  double least_mm = 0.0;
+  double min_mm = 0.0;
   double mean_mm = 0.0;
   double deviation_mm = 0.0;  ///< standard
-  double most_mm = 0.0;
+  double max_mm = 0.0;
 };
 
 /// Of all points of a disc half-way along the volume, but those of its outermost two rings, whose neighbours lie

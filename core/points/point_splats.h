@@ -45,7 +45,8 @@ class PointSplats {
 };
 
 /// The splats that are shown, as PLY (binary, little endian): x, y, z, nx, ny, nz, radius in mm, patient LPS; red,
-/// green, blue, alpha by CT number, marrow red to cortex white; and hu. For MeshLab, Blender, CloudCompare, ParaView.
+/// green, blue, alpha by CT number, cancellous bone red to cortex white; and hu. For MeshLab, Blender, CloudCompare,
+/// ParaView.
 std::string splats_ply(std::span<const PointSplat> splats);
 
 }  // namespace spinaltap

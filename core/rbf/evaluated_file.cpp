@@ -12,21 +12,21 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kMostNumbers = 7;
+constexpr std::size_t kMaxNumbers = 7;
 
 /// The numbers of a point as they stand in a file.
 std::span<const double> numbers_of(const EvaluatedPoints& points, std::size_t i,
-                                   std::array<double, kMostNumbers>& numbers) {
+                                   std::array<double, kMaxNumbers>& numbers) {
   const Vec3& p = points.points_mm[i];
   const Vec3 g = points.gradients.empty() ? Vec3(Vec3::Zero()) : points.gradients[i];
   numbers = {p.x(), p.y(), p.z(), points.values_mm[i], g.x(), g.y(), g.z()};
-  return std::span(numbers).first(points.gradients.empty() ? 4 : kMostNumbers);
+  return std::span(numbers).first(points.gradients.empty() ? 4 : kMaxNumbers);
 }
 
 void write_csv(const EvaluatedPoints& points, FileWriter& file) {
   file.write(points.gradients.empty() ? "x,y,z,value\n" : "x,y,z,value,gx,gy,gz\n");
   std::string line;
-  std::array<double, kMostNumbers> numbers{};
+  std::array<double, kMaxNumbers> numbers{};
   for (std::size_t i = 0; i < points.points_mm.size(); ++i) {
     line.clear();
     for (const double number : numbers_of(points, i, numbers)) {
@@ -48,7 +48,7 @@ void write_ply(const EvaluatedPoints& points, FileWriter& file) {
   }
   if (points.gradients.empty()) head.elements[0].properties.resize(4);
   file.write(encode(head));
-  std::array<double, kMostNumbers> numbers{};
+  std::array<double, kMaxNumbers> numbers{};
   for (std::size_t i = 0; i < points.points_mm.size(); ++i) file.write(numbers_of(points, i, numbers));
 }
 

@@ -15,9 +15,9 @@ GridGeometry lattice_over(std::span<const Vec3> points_mm, double spacing_mm) {
   if (points_mm.empty()) fail("lattice: expected points to put it around, found none");
   if (!(spacing_mm > 0.0)) fail("lattice: expected a step above 0 mm, found ", spacing_mm);
   const Box3 box = bounds_of(points_mm);
-  constexpr double kMostVoxels = 2147483648.0;
+  constexpr double kMaxVoxels = 2147483648.0;
   const Vec3 counts = ((box.sizes() / spacing_mm).array().ceil() + 1.0).matrix();
-  if (!(counts.prod() <= kMostVoxels)) {
+  if (!(counts.prod() <= kMaxVoxels)) {
     fail("lattice: expected at most 2^31 voxels, found ", counts.prod(), " at a step of ", spacing_mm, " mm");
   }
   GridGeometry lattice;
@@ -52,8 +52,8 @@ ValueRange write_field_volume(const ScalarField& field, const GridGeometry& latt
     }
     values_mm.resize(points_mm.size());
     field.evaluate(points_mm, values_mm, {});
-    const auto [least, largest] = std::minmax_element(values_mm.begin(), values_mm.end());
-    range = {std::min(range.least_mm, *least), std::max(range.largest_mm, *largest)};
+    const auto [min, largest] = std::minmax_element(values_mm.begin(), values_mm.end());
+    range = {std::min(range.min_mm, *min), std::max(range.largest_mm, *largest)};
     floats.assign(values_mm.begin(), values_mm.end());
     file.write({reinterpret_cast<const char*>(floats.data()), floats.size() * sizeof(float)});
   }

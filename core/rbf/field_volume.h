@@ -14,7 +14,7 @@ namespace spinaltap {
 GridGeometry lattice_over(std::span<const Vec3> points_mm, double spacing_mm);
 
 struct ValueRange {
-  double least_mm = 0.0;
+  double min_mm = 0.0;
   double largest_mm = 0.0;
 };
 

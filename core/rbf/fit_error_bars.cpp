@@ -45,7 +45,7 @@ class ActiveSet {
   /// value. Frees none when `may_free` is not set. Returns how many changed; `weights` loses those of freed ones.
   std::size_t revise(const std::vector<double>& rise, bool may_free, std::vector<double>& weights) {
     // A point that comes and goes is kept in the end, so that the rounds end.
-    constexpr int kMostFreed = 3;
+    constexpr int kMaxFreed = 3;
     std::size_t changed = 0;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < members_.size(); ++k) {
@@ -55,7 +55,7 @@ class ActiveSet {
         if (hold_[i] == Hold::middle) {
           hold_[i] = wanted;
           ++changed;
-        } else if (hold_[i] != wanted && may_free && freed_[i] < kMostFreed) {
+        } else if (hold_[i] != wanted && may_free && freed_[i] < kMaxFreed) {
           hold_[i] = Hold::free;
           ++freed_[i];
           ++changed;

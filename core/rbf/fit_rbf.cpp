@@ -15,9 +15,9 @@ namespace {
 
 void check(const RbfValues& data, const FitOptions& options) {
   const std::size_t count = data.points_mm.size();
-  constexpr std::size_t kMostPoints = 50'000'000;
-  if (count < polynomial_terms(options.kernel) || count > kMostPoints) {
-    fail("RBF: expected ", polynomial_terms(options.kernel), " to ", kMostPoints, " points, found ", count);
+  constexpr std::size_t kMaxPoints = 50'000'000;
+  if (count < polynomial_terms(options.kernel) || count > kMaxPoints) {
+    fail("RBF: expected ", polynomial_terms(options.kernel), " to ", kMaxPoints, " points, found ", count);
   }
   if (data.values_mm.size() != count) {
     fail("RBF: expected a value for each of ", count, " points, found ", data.values_mm.size());

@@ -13,7 +13,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kMostDirect = 2000;  // centres: with more of them, fast sums pay from 20,000 places on
+constexpr std::size_t kMaxDirect = 2000;  // centres: with more of them, fast sums pay from 20,000 places on
 constexpr std::size_t kFieldLeafSize = 64;
 constexpr int kFirstOrder = 5;
 
@@ -41,7 +41,7 @@ RbfField::RbfField(RbfModel model, double accuracy_mm, bool with_gradients) {
   check_model(model);
   if (!(accuracy_mm > 0.0)) fail("RBF: expected an accuracy above 0 mm, found ", accuracy_mm);
   model_ = std::make_shared<const RbfModel>(std::move(model));
-  if (model_->weights.size() <= kMostDirect) return;
+  if (model_->weights.size() <= kMaxDirect) return;
 
   constexpr double kShare = 0.4;  // of the accuracy, for what the places looked at show
   const std::vector<Vec3> places_mm = sample_places(model_->centres_mm);

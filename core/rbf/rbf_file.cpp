@@ -1,5 +1,5 @@
-// The format is described in docs/rbf-file.md. Its checksum is zlib's CRC-32 and not our own Fnv1a, so that a reader in
-// any language finds it in its library.
+// The format is described in docs/rbf-file.md. Its checksum is zlib's CRC-32 and not our own WordHash64, so that a
+// reader in any language finds it in its library.
 
 #include "core/rbf/rbf_file.h"
 

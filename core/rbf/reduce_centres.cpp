@@ -31,11 +31,11 @@ ReducedFit reduce_centres(RadialKernel kernel, std::span<const Vec3> points_mm, 
 
     const RbfField field = RbfField::for_values(fit.model, kFieldShare * tolerance_mm);
     field.evaluate(points_mm, difference_mm, {});
-    const double most_mm = tolerance_mm - kSafety * field.value_error_mm();
+    const double max_mm = tolerance_mm - kSafety * field.value_error_mm();
     std::vector<std::uint32_t> out;
     for (std::uint32_t i = 0; i < count; ++i) {
       difference_mm[i] = std::abs(difference_mm[i] - values_mm[i]);
-      if (!is_centre[i] && difference_mm[i] > most_mm) out.push_back(i);
+      if (!is_centre[i] && difference_mm[i] > max_mm) out.push_back(i);
     }
     if (fit.rounds == 1) first_out = static_cast<double>(out.size());
     progress.report("reducing centres", out.empty() ? 1.0 : 1.0 - static_cast<double>(out.size()) / (first_out + 1.0));

@@ -15,11 +15,11 @@ namespace spinaltap {
 namespace {
 
 constexpr double kPlaceStepMm = 0.5;  // between places of endplates
-constexpr double kLeastHeightMm = 9.0;
-constexpr double kLeastCutMm = 2.5;  // of a body that the CT cuts
-constexpr double kMostHeightMm = 40.0;
-constexpr double kLeastGapMm = 0.5;
-constexpr double kMostGapMm = 17.0;
+constexpr double kMinHeightMm = 9.0;
+constexpr double kMinCutMm = 2.5;  // of a body that the CT cuts
+constexpr double kMaxHeightMm = 40.0;
+constexpr double kMinGapMm = 0.5;
+constexpr double kMaxGapMm = 17.0;
 // In noise the best of many tilts is better than it should be, and steep ones are rare.
 constexpr double kLargeTilt = 25.0 * kDegree;
 constexpr double kTiltCost = 0.12;
@@ -154,12 +154,12 @@ class ChainSearch {
   std::vector<Body> best_chain() const;
 
  private:
-  static constexpr int kLeastWhole = static_cast<int>(kLeastHeightMm / kPlaceStepMm);
-  static constexpr int kLeastHeight = static_cast<int>(kLeastCutMm / kPlaceStepMm);
-  static constexpr int kMostHeight = static_cast<int>(kMostHeightMm / kPlaceStepMm);
-  static constexpr int kHeights = kMostHeight - kLeastHeight + 1;
-  static constexpr int kLeastGap = static_cast<int>(kLeastGapMm / kPlaceStepMm);
-  static constexpr int kMostGap = static_cast<int>(kMostGapMm / kPlaceStepMm);
+  static constexpr int kMinWhole = static_cast<int>(kMinHeightMm / kPlaceStepMm);
+  static constexpr int kMinHeight = static_cast<int>(kMinCutMm / kPlaceStepMm);
+  static constexpr int kMaxHeight = static_cast<int>(kMaxHeightMm / kPlaceStepMm);
+  static constexpr int kHeights = kMaxHeight - kMinHeight + 1;
+  static constexpr int kMinGap = static_cast<int>(kMinGapMm / kPlaceStepMm);
+  static constexpr int kMaxGap = static_cast<int>(kMaxGapMm / kPlaceStepMm);
 
   double mean(const std::vector<double>& sums, int low, int high) const {
     return (sums[static_cast<std::size_t>(high)] - sums[static_cast<std::size_t>(low)]) / std::max(1, high - low);
@@ -197,7 +197,7 @@ class ChainSearch {
     const double off = std::max(0.0, height_mm / size_mm - 0.26) / 0.12;
     const double wall = mean(wall_sums_, lower, upper);
     const double level = mean(level_sums_, lower, upper);
-    // Soft inside: discs are darker than any endplate and than most marrow.
+    // Soft inside: discs are darker than any endplate and than most cancellous bone.
     const double soft = std::clamp((levels_.bone_hu + 60.0 - level) / 150.0, -1.0, 0.5);
     return 0.6 * soft - 0.8 * std::clamp(wall - 0.15, -0.4, 0.4) - 0.5 * off * off;
   }
@@ -216,14 +216,14 @@ class ChainSearch {
 /// What an end costs that is not there, against a clear endplate's 1.
 constexpr double kCutEnd = 0.0;
 /// What each body must bring at least.
-constexpr double kLeastGain = 0.9;
-constexpr double kLeastCutGain = 0.4;  // of one that the CT cuts, which has one end only
+constexpr double kMinGain = 0.9;
+constexpr double kMinCutGain = 0.4;  // of one that the CT cuts, which has one end only
 
 std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   // State: a body that ends with its upper endplate at a place, of a height. Its gain is the best of all rows up to it.
   const auto states = static_cast<std::size_t>(count_) * kHeights;
   const auto state = [](int upper, int height) {
-    return static_cast<std::size_t>(upper) * kHeights + static_cast<std::size_t>(height - kLeastHeight);
+    return static_cast<std::size_t>(upper) * kHeights + static_cast<std::size_t>(height - kMinHeight);
   };
   constexpr double kNever = -1e9;
   std::vector<double> gain(states, kNever);
@@ -240,21 +240,21 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
     const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
     if (!upper_cut && (fall < 0.15 || upper > cut_above)) continue;
     // Heights are independent of each other: each looks at all bodies before.
-    tbb::parallel_for(kLeastHeight, kMostHeight + 1, [&](int height) {
+    tbb::parallel_for(kMinHeight, kMaxHeight + 1, [&](int height) {
       const int lower = upper - height;
       const bool lower_cut = lower <= first_lower && first_lower > 0;
       if (lower < first_lower) return;
       const double rise = lower_cut ? kCutEnd : static_cast<double>(profile_.rise[static_cast<std::size_t>(lower)]);
       if (!lower_cut && (rise < 0.15 || lower < cut_below)) return;
-      if (!lower_cut && !upper_cut && height < kLeastWhole) return;
+      if (!lower_cut && !upper_cut && height < kMinWhole) return;
       const std::size_t here = state(upper, height);
       const bool is_whole = !lower_cut && !upper_cut;
-      own[here] = rise + fall + body_gain(lower, upper, is_whole) - (is_whole ? kLeastGain : kLeastCutGain);
+      own[here] = rise + fall + body_gain(lower, upper, is_whole) - (is_whole ? kMinGain : kMinCutGain);
       double best = 0.0;
-      for (int gap = kLeastGap; !lower_cut && gap <= kMostGap && lower - gap >= first_lower; ++gap) {
+      for (int gap = kMinGap; !lower_cut && gap <= kMaxGap && lower - gap >= first_lower; ++gap) {
         const int below = lower - gap;
         const double gap_here = gap_gain(below, lower);
-        for (int other = kLeastHeight; other <= kMostHeight; ++other) {
+        for (int other = kMinHeight; other <= kMaxHeight; ++other) {
           const double before = gain[state(below, other)];
           if (before <= 0.0) continue;
           const bool partial = upper_cut || lower_cut || (below - other <= first_lower && first_lower > 0);
@@ -272,7 +272,7 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   if (best == gain.end() || *best <= 0.0) return chain;
   for (auto at = static_cast<int>(best - gain.begin()); at >= 0; at = from[static_cast<std::size_t>(at)]) {
     const int upper = at / kHeights;
-    const int height = at % kHeights + kLeastHeight;
+    const int height = at % kHeights + kMinHeight;
     chain.push_back({upper - height, upper, upper - height <= first_lower && first_lower > 0,
                      upper == last_upper && last_upper + 1 < count_, own[static_cast<std::size_t>(at)]});
   }

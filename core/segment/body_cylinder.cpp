@@ -119,7 +119,7 @@ double WallProbe::edge(const Vec3& p_patient, const Vec3& outward) const {
   };
   const double outside_hu = value(-kOutsideMm);
   const double edge = std::clamp((value(kInsideMm) - outside_hu) / levels_.full_drop_hu, -1.0, 1.0);
-  // From the cortex into marrow that is bright the CT number falls too, and that is no wall.
+  // From the cortex into cancellous bone that is bright the CT number falls too, and that is no wall.
   const double soft = std::clamp((levels_.bone_hu + kUnsureHu - outside_hu) / (2.0 * kUnsureHu), 0.0, 1.0);
   return edge > 0.0 ? edge * soft : edge;
 }
@@ -128,8 +128,8 @@ BodyCylinder refine_body_cylinder(const WallProbe& probe, const BodyCylinder& st
   BodyCylinder best = start;
   best.fit = fit_of(probe, best);
   for (double step_mm = 1.5; step_mm >= 0.25; step_mm *= 0.5) {
-    constexpr int kMostRounds = 12;
-    for (int round = 0; round < kMostRounds; ++round) {
+    constexpr int kMaxRounds = 12;
+    for (int round = 0; round < kMaxRounds; ++round) {
       const double before = best.fit;
       for (int move = 0; move < kMoves; ++move) {
         for (const double sign : {-1.0, 1.0}) {

@@ -63,8 +63,8 @@ BoneLevels choose_bone_levels(const CtVolume& ct, std::optional<double> threshol
 }
 
 FloatGrid blurred_as_asked(FloatGrid hu, const BoneLevels& levels, const CtVolume& ct) {
-  constexpr double kLeastVoxels = 0.25;  // less changes nothing
-  if (levels.blur_voxels < kLeastVoxels) return hu;
+  constexpr double kMinVoxels = 0.25;  // less changes nothing
+  if (levels.blur_voxels < kMinVoxels) return hu;
   return gaussian_blur(hu, levels.blur_voxels * ct.geometry.smallest_spacing_mm());
 }
 

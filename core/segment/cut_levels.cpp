@@ -36,19 +36,19 @@ void for_shared(const LevelCut& a, const LevelCut& b, const Visit& visit) {
 
 /// The voxels that are likelier `cut`'s than a neighbour's or no vertebra's at all.
 Mask own_voxels(const LevelCut& cut, const std::vector<const LevelCut*>& neighbours) {
-  std::vector<float> most(cut.probability.size(), 0.0F);  // of the neighbours
-  std::vector<float> sum(cut.probability);                // of all
+  std::vector<float> max(cut.probability.size(), 0.0F);  // of the neighbours
+  std::vector<float> sum(cut.probability);               // of all
   for (const LevelCut* other : neighbours) {
     for_shared(cut, *other, [&](std::size_t here, std::size_t there) {
       const float p = other->probability[there];
-      most[here] = std::max(most[here], p);
+      max[here] = std::max(max[here], p);
       sum[here] += p;
     });
   }
-  Mask mine(most.size());
+  Mask mine(max.size());
   for (std::size_t v = 0; v < mine.size(); ++v) {
     const float p = cut.probability[v];
-    mine[v] = p > most[v] && p > 1.0F - sum[v] && p > 0.0F ? 1 : 0;
+    mine[v] = p > max[v] && p > 1.0F - sum[v] && p > 0.0F ? 1 : 0;
   }
   return mine;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/segment/level_doubts.h"
+#include "core/segment/level_warnings.h"
 #include "core/segment/spine_bodies.h"
 
 namespace spinaltap {

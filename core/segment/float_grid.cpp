@@ -121,9 +121,9 @@ FloatGrid crop_mask(const BoneMask& mask, const VoxelBox& box) {
 }
 
 FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm) {
-  constexpr double kMostVoxels = 1000.0;
-  if (!(sigma_mm > 0.0) || !(sigma_mm <= kMostVoxels * grid.geometry.smallest_spacing_mm())) {
-    fail("blur: expected a width above 0 and up to ", kMostVoxels, " voxels, found ", sigma_mm, " mm");
+  constexpr double kMaxVoxels = 1000.0;
+  if (!(sigma_mm > 0.0) || !(sigma_mm <= kMaxVoxels * grid.geometry.smallest_spacing_mm())) {
+    fail("blur: expected a width above 0 and up to ", kMaxVoxels, " voxels, found ", sigma_mm, " mm");
   }
   FloatGrid result = grid;
   for (int axis = 0; axis < 3; ++axis) {

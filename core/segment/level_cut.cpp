@@ -58,13 +58,12 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
   // The power makes a joint space, at most nine tenths as bright as the cortex beside it, a barrier, even where it is
   // wider than the pedicle, the only other way from the arch to a body.
   constexpr double kPower = 30.0;
-  constexpr double kLeast = 1e-3;
-  constexpr double kLeastHu = 50.0;
+  constexpr double kMin = 1e-3;
+  constexpr double kMinHu = 50.0;
   std::vector<float> conductivity(hu.values.size());
   tbb::parallel_for(std::size_t{0}, conductivity.size(), [&](std::size_t v) {
-    const double ratio =
-        std::clamp(static_cast<double>(hu.values[v]) / std::max<double>(closed[v], kLeastHu), 0.0, 1.0);
-    conductivity[v] = depth_mm[v] > 0.0F ? 1.0F : static_cast<float>(std::max(kLeast, std::pow(ratio, kPower)));
+    const double ratio = std::clamp(static_cast<double>(hu.values[v]) / std::max<double>(closed[v], kMinHu), 0.0, 1.0);
+    conductivity[v] = depth_mm[v] > 0.0F ? 1.0F : static_cast<float>(std::max(kMin, std::pow(ratio, kPower)));
   });
   return conductivity;
 }
@@ -141,7 +140,7 @@ void trim_rim(Mask& mine, const LevelCut& cut) {
   const double reach_mm = 1.01 * cut.geometry().spacing_mm.maxCoeff();
   for (std::size_t v = 0; v < mine.size(); ++v) {
     const bool on_rim = static_cast<double>(to_soft[v]) <= reach_mm * reach_mm;
-    if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.smooth.values[v] < least_share_of_peak(cut.peak_hu[v])) {
+    if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.smooth.values[v] < min_share_of_peak(cut.peak_hu[v])) {
       mine[v] = 0;
     }
   }
@@ -195,7 +194,7 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
 
 SideBone find_side_bone(const LevelCut& cut, const Mask& mine, const BodyCylinder& body, double side) {
   constexpr double kBesideMm = 4.0;  // from the body's side: here begin heads of ribs and transverse processes
-  constexpr double kLeastReachMm = 14.0;
+  constexpr double kMinReachMm = 14.0;
   constexpr double kEndMm = 5.0;
   const GridGeometry& geometry = cut.geometry();
   const auto for_mine = [&](const auto& visit) {
@@ -205,7 +204,7 @@ SideBone find_side_bone(const LevelCut& cut, const Mask& mine, const BodyCylinde
   double reach_mm = 0.0;
   for_mine([&](std::size_t, double beside_mm) { reach_mm = std::max(reach_mm, beside_mm); });
   SideBone found;
-  if (reach_mm < kLeastReachMm) return found;
+  if (reach_mm < kMinReachMm) return found;
   std::vector<WalkerVoxel> voxels(mine.size(), WalkerVoxel::kOutside);
   for_mine([&](std::size_t voxel, double beside_mm) {
     if (beside_mm < -kBesideMm) return;
@@ -226,8 +225,8 @@ SideBone find_side_bone(const LevelCut& cut, const Mask& mine, const BodyCylinde
   }
   // Transverse processes have 0.4 to 0.6, in much noise down to 0.18; ribs 0.03 to 0.1.
   constexpr double kJoint = 0.14;
-  constexpr double kLeastMm3 = 250.0;  // less is no rib
-  if (beyond * geometry.spacing_mm.prod() > kLeastMm3) found.sharpness = turning / (turning + beyond);
+  constexpr double kMinMm3 = 250.0;  // less is no rib
+  if (beyond * geometry.spacing_mm.prod() > kMinMm3) found.sharpness = turning / (turning + beyond);
   if (found.sharpness > kJoint) found.voxels.clear();
   return found;
 }

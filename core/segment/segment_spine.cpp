@@ -17,7 +17,7 @@ std::string in_words(const Vec3& p_mm) {
   return text.str();
 }
 
-/// Refuses a point outside the CT or in air. `what` begins the message.
+/// Rejects a point outside the CT or in air. `what` begins the message.
 void check_point(const CtVolume& ct, const std::string& what, const Vec3& p_mm) {
   if (!p_mm.allFinite()) fail(what, ": expected a position in mm, found one that is not a number");
   const GridGeometry& geometry = ct.geometry;
@@ -44,16 +44,16 @@ void check_point(const CtVolume& ct, const std::string& what, const Vec3& p_mm) 
 std::size_t body_of(const SpineBodies& spine, const std::string& what, const Vec3& p_mm) {
   if (const auto found = body_at(spine, p_mm)) return *found;
   const VertebralBody* nearest = nullptr;
-  double least_mm = std::numeric_limits<double>::infinity();
+  double min_mm = std::numeric_limits<double>::infinity();
   for (const VertebralBody& body : spine.bodies) {
     const double away_mm = -body.surface.depth_mm(p_mm);
-    if (away_mm >= least_mm) continue;
-    least_mm = away_mm;
+    if (away_mm >= min_mm) continue;
+    min_mm = away_mm;
     nearest = &body;
   }
   if (nearest == nullptr) fail(what, ": expected a point in a vertebral body, found no spine around ", in_words(p_mm));
   fail(what, ": expected a point in a vertebral body, found no body's wall around ", in_words(p_mm),
-       "; the nearest body begins ", std::lround(least_mm), " mm away, its middle is ",
+       "; the nearest body begins ", std::lround(min_mm), " mm away, its middle is ",
        in_words((10.0 * nearest->cylinder.centre_mm).array().round().matrix() / 10.0));
 }
 
@@ -110,8 +110,8 @@ Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given
 enum class Ribs { none, one_side, both };
 
 Ribs ribs_of(const CutVertebra& cut) {
-  constexpr double kLeastMm3 = 60.0;
-  const int sides = (cut.left_rib_mm3 > kLeastMm3 ? 1 : 0) + (cut.right_rib_mm3 > kLeastMm3 ? 1 : 0);
+  constexpr double kMinMm3 = 60.0;
+  const int sides = (cut.left_rib_mm3 > kMinMm3 ? 1 : 0) + (cut.right_rib_mm3 > kMinMm3 ? 1 : 0);
   return sides == 0 ? Ribs::none : sides == 1 ? Ribs::one_side : Ribs::both;
 }
 
@@ -203,7 +203,7 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   }
   report.figures = cut.figures;
   report.warnings = check_level(cut.figures, spine.chain, row);
-  report.doubt = total_doubt(report.warnings);
+  report.severity = total_severity(report.warnings);
   return report;
 }
 

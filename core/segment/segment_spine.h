@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/ct/label_volume.h"
-#include "core/segment/level_doubts.h"
+#include "core/segment/level_warnings.h"
 #include "core/segment/spine_bodies.h"
 
 namespace spinaltap {
@@ -57,9 +57,9 @@ struct LevelReport {
   bool reaches_border = false;  ///< the vertebra reaches the CT's border, so part of it may be missing
   LevelFigures figures;
   std::vector<LevelWarning> warnings;
-  double doubt = 0.0;  ///< 0 to 1, see total_doubt()
+  double severity = 0.0;  ///< 0 to 1, see total_severity()
 
-  bool is_doubtful() const { return doubt >= kDoubtful; }
+  bool is_suspect() const { return severity >= kSuspect; }
 };
 
 /// What is known of the CT.

@@ -120,7 +120,7 @@ class CanalScore {
   /// How much a block looks like the canal with a body in front: 0, or up to about 2.
   double operator()(int i, int j, int k) const {
     const float here = blocks_.mean[blocks_.geometry.offset(i, j, k)];
-    // Fat is in canals too, and air in those of dry bones; marrow, where it is denser, is none.
+    // Fat is in canals too, and air in those of dry bones; cancellous bone, where it is denser, is none.
     if (here > 120.0F) return 0.0;
     std::array<int, kRayDirections> hits{};
     for (std::size_t n = 0; n < hits.size(); ++n) hits[n] = first_bone(i, j, k, directions_[n]);
@@ -163,10 +163,10 @@ class CanalScore {
   double body_in_front(int i, int j, int k, int front) const {
     constexpr int kDepth = 8;  // 20 mm
     constexpr int kHalfWidth = 3;
-    constexpr int kLeastWall = 4, kMostWall = 18;  // of the body's front wall from its back wall: 10 to 45 mm
+    constexpr int kMinWall = 4, kMaxWall = 18;  // of the body's front wall from its back wall: 10 to 45 mm
     const int wall = front > 0 && front <= kNear ? front : 3;
     bool has_front_wall = false;
-    for (int y = j - wall - kLeastWall; y >= j - wall - kMostWall && !has_front_wall; --y) {
+    for (int y = j - wall - kMinWall; y >= j - wall - kMaxWall && !has_front_wall; --y) {
       for (int x = i - 1; x <= i + 1; ++x) has_front_wall = has_front_wall || is_bone(x, y, k);
     }
     if (!has_front_wall) return 0.0;
@@ -194,9 +194,9 @@ std::vector<float> smoothed(const std::vector<float>& score, const GridGeometry&
   return gaussian_blur(grid, kBlockMm).values;
 }
 
-constexpr int kMostShift = 3;  // blocks from slice to slice
+constexpr int kMaxShift = 3;  // blocks from slice to slice
 /// What a slice must score for a chain to gain by it.
-constexpr double kLeastScore = 0.8;
+constexpr double kMinScore = 0.8;
 constexpr double kShiftCost = 0.15;
 
 /// The best chain's gain up to each block, coming from slice k - direction, and where it comes from.
@@ -216,10 +216,10 @@ Chains best_chains(const std::vector<float>& score, const GridGeometry& geometry
     tbb::parallel_for(0, geometry.size[1], [&](int j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
         const std::size_t here = geometry.offset(i, j, k);
-        const double own = static_cast<double>(score[here]) - kLeastScore;
+        const double own = static_cast<double>(score[here]) - kMinScore;
         double best = 0.0;
-        for (int dy = -kMostShift; n > 0 && dy <= kMostShift; ++dy) {
-          for (int dx = -kMostShift; dx <= kMostShift; ++dx) {
+        for (int dy = -kMaxShift; n > 0 && dy <= kMaxShift; ++dy) {
+          for (int dx = -kMaxShift; dx <= kMaxShift; ++dx) {
             if (!geometry.contains(i + dx, j + dy, k - direction)) continue;
             const double cost = kShiftCost * (dx * dx + dy * dy);
             const double gain = static_cast<double>(chains.gain[geometry.offset(i + dx, j + dy, k - direction)]) - cost;
@@ -341,7 +341,7 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
         const std::size_t here = geometry.offset(i, j, k);
         // The block itself counts in both.
         const double whole = static_cast<double>(up.gain[here]) + static_cast<double>(down.gain[here]) -
-                             (static_cast<double>(score[here]) - kLeastScore);
+                             (static_cast<double>(score[here]) - kMinScore);
         if (whole <= best) continue;
         best = whole;
         middle = {i, j, k};
@@ -354,8 +354,8 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
   std::reverse(chain.begin(), chain.end());
   const std::vector<Index> upper = follow(down, geometry, middle, -1);
   chain.insert(chain.end(), upper.begin() + 1, upper.end());
-  constexpr std::size_t kLeastBlocks = 4;
-  if (chain.size() < kLeastBlocks) return canal;
+  constexpr std::size_t kMinBlocks = 4;
+  if (chain.size() < kMinBlocks) return canal;
   for (const Vec3& place : centred(chain, score_at)) canal.points_mm.push_back(geometry.to_patient(place));
   for (const Index& at : chain) {
     canal.support.push_back(static_cast<double>(score[geometry.offset(at[0], at[1], at[2])]));

@@ -10,7 +10,7 @@ namespace {
 
 /// Whether a body has bone at both sides as far out as only the sacrum has, level with its middle.
 bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
-  constexpr double kLeastShare = 0.5;
+  constexpr double kMinShare = 0.5;
   double bone[2] = {0.0, 0.0};
   double count = 0.0;
   for (double beside = 5.0; beside <= 17.0; beside += 1.5) {
@@ -26,7 +26,7 @@ bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) 
       }
     }
   }
-  return std::min(bone[0], bone[1]) > kLeastShare * count;
+  return std::min(bone[0], bone[1]) > kMinShare * count;
 }
 
 /// Mean edge over the middle of a plane across a body.
@@ -50,7 +50,7 @@ double endplate_of(const WallProbe& probe, const BodyEnd& end, const ColumnSecti
 /// The sacrum's first body below the lowest vertebra: it leans back, has an upper endplate and alae, and goes on below
 /// without an end. Nothing where it is not there.
 std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& lowest, double bone_hu) {
-  constexpr double kLeastEdge = 0.4;
+  constexpr double kMinEdge = 0.4;
   const double height_mm = 1.6 * lowest.half_mm.z();
   std::optional<BodySpan> best;
   for (double lean_deg = 0.0; lean_deg <= 60.0; lean_deg += 7.5) {
@@ -69,7 +69,7 @@ std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& 
       span.middle.half_width_mm = lowest.half_mm.x();
       span.middle.half_depth_mm = 0.9 * lowest.half_mm.y();
       span.upper.edge = endplate_of(probe, span.upper, span.middle, 1.0);
-      if (span.upper.edge < std::max(kLeastEdge, best ? best->upper.edge : 0.0)) continue;
+      if (span.upper.edge < std::max(kMinEdge, best ? best->upper.edge : 0.0)) continue;
       BodyCylinder body;
       body.centre_mm = span.middle.centre_mm;
       body.half_mm = Vec3(span.middle.half_width_mm, span.middle.half_depth_mm, 0.5 * height_mm);
@@ -86,13 +86,13 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
   fits.reserve(bodies.size());
   for (const BodyCylinder& body : bodies) fits.push_back(body.fit);
   std::sort(fits.begin(), fits.end());
-  constexpr double kLeastShare = 0.75;
-  constexpr double kLeastEdge = 0.4;
+  constexpr double kMinShare = 0.75;
+  constexpr double kMinEdge = 0.4;
   std::vector<BodyCylinder> sure;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     const BodySpan& span = chain[n];
-    if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < kLeastEdge) continue;
-    if (bodies[n].fit >= kLeastShare * fits[fits.size() / 2]) sure.push_back(bodies[n]);
+    if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < kMinEdge) continue;
+    if (bodies[n].fit >= kMinShare * fits[fits.size() / 2]) sure.push_back(bodies[n]);
   }
   return sure;
 }
@@ -106,7 +106,7 @@ std::vector<BodyCylinder> with_one_above(const BodyCylinder& body) {
 }
 
 /// How far a column goes on beyond the outermost of the sure bodies, at either end.
-double most_beyond_mm(const SpineColumn& column, const std::vector<BodyCylinder>& sure) {
+double max_beyond_mm(const SpineColumn& column, const std::vector<BodyCylinder>& sure) {
   const double below_mm = (sure.front().centre_mm - column.sections.front().centre_mm).norm();
   const double above_mm = (sure.back().centre_mm - column.sections.back().centre_mm).norm();
   return std::max({below_mm, above_mm, 45.0});
@@ -132,7 +132,7 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   // Once more, along the column through the bodies that are sure: where the canal ends, its curve says little.
   const std::vector<BodyCylinder> sure = sure_bodies(cylinders, spine.chain);
   if (!sure.empty()) {
-    const double beyond_mm = most_beyond_mm(first, sure);
+    const double beyond_mm = max_beyond_mm(first, sure);
     // A single body says nothing of how the column bends: straight on, and only for bodies that the canal missed.
     const SpineColumn second = column_through(sure.size() >= 2 ? sure : with_one_above(sure.front()), beyond_mm, probe);
     std::vector<BodySpan> again = find_body_chain(as_asked, second, walls);
@@ -184,9 +184,10 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
   SpineBodies best;
   best.levels = levels;
   double best_mm = 0.0;
-  // A body whose marrow is as dark as a canal's contents, with a bright vessel in front, looks like a canal too.
-  constexpr int kMostTries = 3;
-  for (int n = 0; n < kMostTries; ++n) {
+  // A body whose cancellous bone is as dark as a canal's contents, with a bright vessel in front, looks like a canal
+  // too.
+  constexpr int kMaxTries = 3;
+  for (int n = 0; n < kMaxTries; ++n) {
     SpinalCanal canal = find_spinal_canal(ct, levels, search, progress);
     if (canal.points_mm.empty()) break;
     const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
@@ -200,8 +201,8 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
       best = std::move(spine);
     }
     // Discs are a quarter of a spine, and of ends some are unsure.
-    constexpr double kLeastShare = 0.4;
-    if (sure_mm >= kLeastShare * canal_mm) break;
+    constexpr double kMinShare = 0.4;
+    if (sure_mm >= kMinShare * canal_mm) break;
   }
   progress.report("finding the vertebral bodies", 1.0);
   return best;

@@ -31,8 +31,8 @@ Vec3 point_along(const std::vector<Vec3>& points, double at) {
 void prolong(std::vector<Vec3>& points) {
   constexpr double kMoreMm = 26.0;
   constexpr int kPieces = 6;
-  constexpr double kMostBend = 25.0 * kDegree;  // over kMoreMm
-  constexpr std::size_t kReach = 5;             // points that give a direction
+  constexpr double kMaxBend = 25.0 * kDegree;  // over kMoreMm
+  constexpr std::size_t kReach = 5;            // points that give a direction
   const std::size_t last = points.size() - 1;
   const std::size_t reach = std::min(kReach, last);
   Vec3 along = (points[last] - points[last - reach]).normalized();
@@ -40,7 +40,7 @@ void prolong(std::vector<Vec3>& points) {
   if (last >= 4 * kReach) {
     // The bend over 25 mm, between pieces whose middles lie that far apart.
     const Vec3 before = (points[last - 2 * kReach] - points[last - 3 * kReach]).normalized();
-    const double turn = std::min(std::atan2(before.cross(along).norm(), before.dot(along)), kMostBend);
+    const double turn = std::min(std::atan2(before.cross(along).norm(), before.dot(along)), kMaxBend);
     if (turn > 1e-6) bend = Eigen::AngleAxisd(turn / kPieces, before.cross(along).normalized());
   }
   for (int n = 0; n < kPieces; ++n) {
@@ -274,12 +274,12 @@ SpineColumn column_through(const std::vector<BodyCylinder>& bodies, double beyon
   constexpr double kStepMm = 0.5;
   // Beyond the ends the column goes on along an arc.
   const auto prolong_from = [&](const BodyCylinder& last, const BodyCylinder& before, double sign) {
-    constexpr double kMostBendPerMm = kDegree;
+    constexpr double kMaxBendPerMm = kDegree;
     const Vec3 along = sign * last.axes().col(2);
     const Vec3 from = sign * before.axes().col(2);
     const double turn_per_mm = std::min(std::atan2(from.cross(along).norm(), from.dot(along)) /
                                             std::max(1.0, (last.centre_mm - before.centre_mm).norm()),
-                                        kMostBendPerMm);
+                                        kMaxBendPerMm);
     const Vec3 about = turn_per_mm > 1e-6 ? Vec3(from.cross(along).normalized()) : Vec3::UnitX();
     const Eigen::AngleAxisd bend(kStepMm * turn_per_mm, about);
     Vec3 p_mm = last.centre_mm;

@@ -130,12 +130,12 @@ std::vector<int> choose_steps(const StarSurface& surface, const StarCost& cost, 
       for (std::size_t e = start[i]; e < start[i + 1]; ++e) {
         double* out = sent.data() + back[e] * steps;
         for (std::size_t s = 0; s < steps; ++s) out[s] = sum[s] - messages[e * steps + s];
-        const double least = *std::min_element(out, out + steps);
+        const double min = *std::min_element(out, out + steps);
         for (std::size_t s = 1; s < steps; ++s) out[s] = std::min(out[s], out[s - 1] + cost.stiffness);
         for (std::size_t s = steps - 1; s > 0; --s) out[s - 1] = std::min(out[s - 1], out[s] + cost.stiffness);
         // Less its minimum, so that sums stay small.
         for (std::size_t s = 0; s < steps; ++s) {
-          out[s] = std::min(out[s] - least, cost.stiffness * cost.most_difference);
+          out[s] = std::min(out[s] - min, cost.stiffness * cost.max_difference);
         }
       }
     });

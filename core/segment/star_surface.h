@@ -38,12 +38,12 @@ class StarSurface {
 };
 
 /// What choose_radii() minimises: the sum of cost(direction, step) over the directions, plus `stiffness` for each step
-/// that two neighbouring radii differ by, up to `most_difference` steps.
+/// that two neighbouring radii differ by, up to `max_difference` steps.
 struct StarCost {
   std::function<double(int direction, int step)> cost;
   int step_count = 0;
   double stiffness = 0.1;
-  int most_difference = 16;
+  int max_difference = 16;
 };
 
 /// The step chosen for each direction of a surface: min-sum belief propagation (Felzenszwalb & Huttenlocher 2006) over

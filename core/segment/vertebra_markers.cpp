@@ -60,16 +60,16 @@ struct AtVoxel {
 
 /// Whether a voxel is so far above or below that it cannot be the vertebra's.
 bool is_too_far(const Place& place, const BodyCylinder& body, bool is_on_border) {
-  constexpr double kMostUpMm = 22.0;      // superior articular processes rise less over the endplate,
-  constexpr double kMostDownMm = 55.0;    // spinous processes of the middle thoracic spine hang down less;
+  constexpr double kMaxUpMm = 22.0;       // superior articular processes rise less over the endplate,
+  constexpr double kMaxDownMm = 55.0;     // spinous processes of the middle thoracic spine hang down less;
   constexpr double kBorderUpMm = 12.0;    // on the CT's border neighbours are cut from their bodies,
   constexpr double kBorderDownMm = 20.0;  // and more likely met than the vertebra's own tips,
   constexpr double kMiddleMm = 7.0;       // but for the spinous process, which reaches down in the middle;
   constexpr double kMiddleUpMm = 2.0;     // there what is above is the upper neighbour's
   const bool above = place.p_body_mm.z() > 0.0;
   const bool spinous = std::abs(place.p_body_mm.x()) < kMiddleMm && place.p_body_mm.y() > body.half_mm.y();
-  const double border_mm = above ? (spinous ? kMiddleUpMm : kBorderUpMm) : (spinous ? kMostDownMm : kBorderDownMm);
-  return place.beyond_mm > (is_on_border ? border_mm : above ? kMostUpMm : kMostDownMm);
+  const double border_mm = above ? (spinous ? kMiddleUpMm : kBorderUpMm) : (spinous ? kMaxDownMm : kBorderDownMm);
+  return place.beyond_mm > (is_on_border ? border_mm : above ? kMaxUpMm : kMaxDownMm);
 }
 
 WalkerVoxel marker_at(const Place& place, const BodyCylinder& body, const AtVoxel& at) {
@@ -171,8 +171,8 @@ std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const
   constexpr double kStepMm = 0.8;
   constexpr double kReach = 55.0 * kDegree;  // to either side of straight back: further there are foramina and ribs
   constexpr double kTurn = 3.0 * kDegree;
-  constexpr double kLeastMm = 3.0;
-  constexpr double kMostMm = 18.0;
+  constexpr double kMinMm = 3.0;
+  constexpr double kMaxMm = 18.0;
   constexpr double kRayStepMm = 0.4;
   constexpr int kSolid = 4;  // bone for this many steps is a wall, less is noise
   constexpr int kDeep = 6;
@@ -185,13 +185,13 @@ std::vector<std::size_t> lamina_voxels(std::span<const std::uint8_t> bone, const
     for (double turn = -kReach; turn <= kReach; turn += kTurn) {
       const Vec3 direction = axes * Vec3(std::sin(turn), std::cos(turn), 0.0);
       std::vector<std::size_t> met;
-      for (double r = kLeastMm; r <= kMostMm + kDeep * kRayStepMm; r += kRayStepMm) {
+      for (double r = kMinMm; r <= kMaxMm + kDeep * kRayStepMm; r += kRayStepMm) {
         const Vec3 p = to_index * (*centre + r * direction - geometry.origin_mm);
         const Eigen::Array3i at = p.array().round().cast<int>();
         if (!geometry.contains(at.x(), at.y(), at.z())) break;
         const std::size_t voxel = geometry.offset(at.x(), at.y(), at.z());
         if (bone[voxel] == 0) {
-          if (static_cast<int>(met.size()) >= kSolid || r > kMostMm) break;
+          if (static_cast<int>(met.size()) >= kSolid || r > kMaxMm) break;
           met.clear();
           continue;
         }

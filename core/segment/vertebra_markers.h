@@ -5,8 +5,8 @@
 
 namespace spinaltap {
 
-/// Deeper than this below the body's wall, mm, all is bone, as dark as marrow may be. Nearer to it CT numbers decide:
-/// the wall's place is sure to no more than this, most of all where the canal hollows it.
+/// Deeper than this below the body's wall, mm, all is bone, as dark as cancellous bone may be. Nearer to it CT numbers
+/// decide: the wall's place is sure to no more than this, most of all where the canal hollows it.
 inline constexpr float kSureDepthMm = 2.5F;
 
 /// Depth of each voxel's centre below the crest of the body's wall (along the ray from its middle), mm; negative

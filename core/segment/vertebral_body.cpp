@@ -108,7 +108,7 @@ VertebralBody find_vertebral_body(const WallProbe& probe, const BodyCylinder& cy
   StarCost cost;
   cost.step_count = 2 * kHalfSteps + 1;
   cost.stiffness = kStiffnessPerMm * kSearchStepMm;
-  cost.most_difference = kHalfSteps;
+  cost.max_difference = kHalfSteps;
   cost.cost = [&](int direction, int step) {
     const auto at = static_cast<std::size_t>(direction);
     const Vec3 p_mm = cylinder.centre_mm + radius_mm(direction, step) * surface.directions()[at];

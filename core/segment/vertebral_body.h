@@ -18,7 +18,7 @@ std::vector<BodyCylinder> find_body_cylinders(const WallProbe& probe, const std:
 
 /// A body's true surface: along each of many rays from the middle of the cylinder that lies nearest, the outer edge of
 /// the wall near it. Neighbouring rays pull each other along (see choose_steps()), so that the wall is found where it
-/// is as thin as the noise, and marrow may be as dark as the discs.
+/// is as thin as the noise, and cancellous bone may be as dark as the discs.
 VertebralBody find_vertebral_body(const WallProbe& probe, const BodyCylinder& cylinder);
 
 }  // namespace spinaltap

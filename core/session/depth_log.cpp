@@ -24,8 +24,8 @@ DepthRow empty_row() {
 DepthLog::DepthLog(double log_step_mm, const Material& material, double expected_mm)
     : log_step_mm_(log_step_mm), density_(material.density), row_(empty_row()) {
   if (!(log_step_mm > 0.0)) fail("drilling: expected a log step above 0 mm, found ", log_step_mm);
-  constexpr double kMostRows = 1e6;  // further ones are allocated when they come
-  rows_.reserve(static_cast<std::size_t>(std::clamp(expected_mm / log_step_mm, 0.0, kMostRows)) + 2);
+  constexpr double kMaxRows = 1e6;  // further ones are allocated when they come
+  rows_.reserve(static_cast<std::size_t>(std::clamp(expected_mm / log_step_mm, 0.0, kMaxRows)) + 2);
 }
 
 void DepthLog::add(const Cycle& cycle, double seconds) {
@@ -36,7 +36,7 @@ void DepthLog::add(const Cycle& cycle, double seconds) {
   row_.state = cycle.state;
   row_.outer_mm = std::fmin(row_.outer_mm, cycle.clearance.outer_mm);
   row_.canal_mm = std::fmin(row_.canal_mm, cycle.clearance.canal_mm);
-  // A refused pose has a depth that is none.
+  // An invalid pose has a depth that is none.
   const bool has_depth = std::isfinite(cycle.depth_mm);
   if (!has_begun_) {
     if (!has_depth) return;
@@ -88,8 +88,8 @@ std::vector<DepthRow> DepthLog::finish() {
 std::string log_csv(const std::vector<DepthRow>& rows) {
   std::ostringstream csv;
   csv.precision(7);
-  csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,density_g_cm3,thrust_N,torque_N_mm,lateral_N,state,"
-         "outer_clearance_mm,canal_clearance_mm,cycles_per_s\n";
+  csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
+         "mean_lateral_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n";
   const auto number = [&](double value) {
     csv << ',';
     if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing

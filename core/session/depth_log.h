@@ -17,12 +17,12 @@ struct DepthRow {
   std::size_t removed = 0;     ///< points
   std::size_t tested = 0;      ///< points
   double hu = 0.0;             ///< mean of the removed points; NaN where none was
-  double density_g_cm3 = 0.0;  ///< by the material's law; NaN where none was
+  double density_g_cm3 = 0.0;  ///< by the material's density calibration; NaN where none was
   double thrust_n = 0.0;       ///< mean over the row's time, as are torque and lateral force
   double torque_n_mm = 0.0;
   double lateral_n = 0.0;                  ///< of cutting, across the axis
   DrillState state = DrillState::initial;  ///< at the row's end
-  double outer_mm = 0.0;                   ///< least clearances; infinite where there is no wall near
+  double outer_mm = 0.0;                   ///< min clearances; infinite where there is no wall near
   double canal_mm = 0.0;
   double work_n_mm = 0.0;     ///< of cutting at the material's reference feed
   double cycles_per_s = 0.0;  ///< by the time that cycles took; NaN where it was not measured
@@ -45,7 +45,7 @@ class DepthLog {
   void close_row();
 
   double log_step_mm_;
-  DensityLaw density_;
+  HuToDensity density_;
   std::vector<DepthRow> rows_;
   bool has_begun_ = false;
   double begin_mm_ = 0.0;  ///< of the whole log

@@ -42,7 +42,7 @@ bool is_sound_time(double dt_s) noexcept {
   return dt_s > 0.0 && dt_s < kLongestS;
 }
 
-/// Refuses what would drill nothing.
+/// Rejects what would drill nothing.
 void check_volumes(const DrillPath& path, std::span<const PointVolume> volumes) {
   const VolumeExtent extent(volumes);
   std::size_t alive = 0;
@@ -73,8 +73,8 @@ void check_session_options(const SessionOptions& options) {
     fail("session: expected a thrust above 0 N to stop at, found ", options.stop.thrust_n, " N");
   }
   if (std::isnan(options.stop.clearance_mm)) fail("session: expected a clearance to stop at, found no number");
-  if (!(options.longest_jump_mm > 0.0)) {
-    fail("session: expected a longest jump above 0 mm, found ", options.longest_jump_mm, " mm");
+  if (!(options.max_jump_mm > 0.0)) {
+    fail("session: expected a longest jump above 0 mm, found ", options.max_jump_mm, " mm");
   }
 }
 
@@ -85,10 +85,10 @@ struct DrillSession::Tracking {
 
   BitProfile bit;
   SessionWatch watch;
-  EventLog log{kMostEvents};
+  EventLog log{kMaxEvents};
   ExactSum time;
   Pose pose;               ///< the last that made sense
-  double waiting_s = 0.0;  ///< since then, in cycles that were refused
+  double waiting_s = 0.0;  ///< since then, in cycles that were rejected
   bool is_placed = false;
   bool was_on = false;  ///< the spindle
   bool has_begun = false;
@@ -123,8 +123,8 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
     const Vec3 way_mm = pose.tip_mm - tracking.pose.tip_mm;
     const Vec3 base_way_mm = way_mm - tracking.bit.length_mm() * (pose.axis - tracking.pose.axis);
     const double longest_mm = std::max(way_mm.norm(), base_way_mm.norm());
-    if (longest_mm > options_.longest_jump_mm) {
-      engine_->lift();
+    if (longest_mm > options_.max_jump_mm) {
+      engine_->reset_motion();
       forces_.reset();
       tracking.watch.jump(cycle_, pose, longest_mm, tracking.log);
     }
@@ -134,7 +134,7 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   if (is_on) {
     // On its way with the spindle off the bit cut nothing. What it holds when the spindle starts it cut on no way.
     if (!tracking.was_on) {
-      engine_->lift();
+      engine_->reset_motion();
       forces_.reset();
     }
     cycle_.step = engine_->step(pose);
@@ -169,17 +169,18 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
     place(*pose, input);
   } else {
     if (has_time && tracking.is_placed) tracking.waiting_s += input.dt_s;
-    tracking.watch.refuse(cycle_, tracking.log);
+    tracking.watch.reject(cycle_, tracking.log);
   }
   return cycle_;
 }
 
-void run_session(DrillSession& session, ToolSource& hand, const CycleObserver& observe, const Progress& progress) {
+void run_session(DrillSession& session, Operator& tool_operator, const CycleObserver& observe,
+                 const Progress& progress) {
   constexpr std::size_t kCyclesAReport = 256;
-  const std::size_t expected = hand.count();
+  const std::size_t expected = tool_operator.count();
   const double length_mm = session.path().length_mm();
   std::size_t done = 0;
-  while (const std::optional<ToolInput> input = hand.next(session.feedback())) {
+  while (const std::optional<ToolInput> input = tool_operator.next(session.feedback())) {
     if (done++ % kCyclesAReport == 0) {
       const double share = expected > 0 ? static_cast<double>(done) / static_cast<double>(expected)
                                         : session.last().depth_mm / length_mm;

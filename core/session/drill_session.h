@@ -11,14 +11,14 @@
 #include "core/engine/drill_engine.h"
 #include "core/force/drill_forces.h"
 #include "core/session/drill_state.h"
-#include "core/session/operator/tool_source.h"
+#include "core/session/operator/operator.h"
 #include "core/session/session_event.h"
 #include "core/session/tool_clearance.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
 
-/// When a session asks the hand to stop. Infinite: never.
+/// When a session asks the operator to stop. Infinite: never.
 struct StopRules {
   double thrust_n = std::numeric_limits<double>::infinity();       ///< at or above
   double clearance_mm = -std::numeric_limits<double>::infinity();  ///< at or below, to the outer surface or the canal
@@ -29,16 +29,16 @@ struct SessionOptions {
   Spindle spindle = {};
   StopRules stop = {};
   StateRules states = {};
-  double longest_jump_mm = 50.0;  ///< a longer way of the tip, or of the base, in one cycle is not cut
+  double max_jump_mm = 50.0;  ///< a longer way of the tip, or of the base, in one cycle is not cut
 };
-/// Refuses options that are not numbers or make no sense.
+/// Rejects options that are not numbers or make no sense.
 void check_session_options(const SessionOptions& options);
 
 /// What one cycle was and did.
 struct Cycle {
   std::uint64_t index = 0;
   double time_s = 0.0;    ///< since the first input; the sum of dt_s, rounded once
-  ToolInput input;        ///< as the hand gave it
+  ToolInput input;        ///< as the operator gave it
   double depth_mm = 0.0;  ///< of the tip along the path: 0 at the entry
   StepResult step;
   DrillForce force;
@@ -61,9 +61,9 @@ class DrillSession {
   const Cycle& step(const ToolInput& input) noexcept;
 
   const Cycle& last() const { return cycle_; }
-  /// What the hand is told next.
+  /// What the operator is told next.
   ToolFeedback feedback() const noexcept;
-  /// In the order in which they began. The last kMostEvents are kept room for; further ones are counted, not kept.
+  /// In the order in which they began. The last kMaxEvents are kept room for; further ones are counted, not kept.
   /// Values of breaches still under way may grow.
   std::span<const SessionEvent> events() const;
   std::size_t events_lost() const;
@@ -73,7 +73,7 @@ class DrillSession {
   const SessionOptions& options() const { return options_; }
   const DrillEngine& engine() const { return *engine_; }
 
-  static constexpr std::size_t kMostEvents = 4096;
+  static constexpr std::size_t kMaxEvents = 4096;
 
  private:
   struct Tracking;
@@ -93,8 +93,8 @@ class DrillSession {
 /// What is told of each cycle; the reference holds until it returns.
 using CycleObserver = std::function<void(const Cycle&)>;
 
-/// As fast as it goes, in lock-step: the hand's next pose, a cycle, and so on until the hand ends.
-void run_session(DrillSession& session, ToolSource& hand, const CycleObserver& observe = {},
+/// As fast as it goes, in lock-step: the operator's next pose, a cycle, and so on until the operator ends.
+void run_session(DrillSession& session, Operator& tool_operator, const CycleObserver& observe = {},
                  const Progress& progress = {});
 
 }  // namespace spinaltap

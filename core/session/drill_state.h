@@ -25,7 +25,7 @@ struct StateRules {
   double hold_mm = 0.1;          ///< a state begins when the tip has gone so far in it
   double no_cortex_mm = 0.5;     ///< bone that has not been dense as cortex for so long has none at the entry
 };
-/// Refuses values that are not finite or below 0, and thresholds that do not rise from contact to cortex.
+/// Rejects values that are not finite or below 0, and thresholds that do not rise from contact to cortex.
 void check_state_rules(const StateRules& rules);
 
 /// Recognises the states from the density at the chisel edge, which the thrust of a robot's drill shows as well. Goes

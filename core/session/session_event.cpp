@@ -20,14 +20,14 @@ std::string_view name_of(EventKind kind) {
       return "stop: clearance";
     case EventKind::stop_breach:
       return "stop: breach";
-    case EventKind::overshoot:
-      return "overshoot";
-    case EventKind::refused_pose:
-      return "refused pose";
+    case EventKind::plunge:
+      return "plunge";
+    case EventKind::invalid_pose:
+      return "invalid pose";
     case EventKind::jump:
       return "jump";
-    case EventKind::left_volume:
-      return "left volume";
+    case EventKind::outside_volume:
+      return "outside volume";
     case EventKind::record_lost:
       return "record lost";
   }

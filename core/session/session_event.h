@@ -13,15 +13,16 @@ enum class EventKind : std::uint8_t {
   state = 1,           ///< a new DrillState; value: its number
   outer_breach = 2,    ///< the bit goes beyond the outer surface; value: how deep at most until it is back, mm
   canal_breach = 3,    ///< into the canal; value: likewise
-  breakthrough = 4,    ///< the tip leaves the bone at the far side; value: most thrust of the last mm before, N
+  breakthrough = 4,    ///< the tip leaves the bone at the far side; value: max thrust of the last mm before, N
   stop_thrust = 5,     ///< a limit asks to stop; value: thrust, N
   stop_clearance = 6,  ///< value: clearance, mm
   stop_breach = 7,     ///< value: depth of the breach, mm
-  overshoot = 8,       ///< after a stop or a breakthrough there; value: how far the tip still goes until it stands, mm
-  refused_pose = 9,    ///< not finite, no direction, no time, or 10 m away: the cycle did nothing; value: in a row
+  plunge = 8,          ///< after a stop or a breakthrough there; value: how far the tip still goes until it stands, mm
+  invalid_pose = 9,    ///< not finite, no direction, no time, or 10 m away: the cycle did nothing; value: in a row
   jump = 10,           ///< the tip moved further than the limit in one cycle; value: how far, mm. The way is not cut
-  left_volume = 11,    ///< the bit cuts beyond the point volume's cylinder; value: how far at most until it is back, mm
-  record_lost = 12     ///< the record cannot be written any more; value: cycles not recorded
+  outside_volume =
+      11,           ///< the bit cuts beyond the point volume's cylinder; value: how far at most until it is back, mm
+  record_lost = 12  ///< the record cannot be written any more; value: cycles not recorded
 };
 /// "contact", "state", "outer breach", ...
 std::string_view name_of(EventKind kind);

@@ -16,7 +16,7 @@ struct DrilledHole {
   std::vector<BitWay> ways;
 };
 
-/// All that decides what a session does, but the bone itself and the hand's poses. A record holds it as JSON
+/// All that decides what a session does, but the bone itself and the operator's poses. A record holds it as JSON
 /// (core/files/recorded_setup.h), and replay runs the session from it.
 struct SessionSetup {
   std::string bone_hash;  ///< of its grids: bone_hash()

@@ -56,10 +56,10 @@ class OutlineStretch {
 
 /// Looks for the place of a bit's outline that is least far from one wall. Rings of the outline are bounded from below
 /// by the distance at their centre less their radius; only those that may beat the best are walked around.
-class LeastDistance {
+class MinDistance {
  public:
-  LeastDistance(const WallLattice& distances, const BitProfile& bit, const Pose& pose_path, WallKind wall,
-                double from_back_mm, double to_back_mm)
+  MinDistance(const WallLattice& distances, const BitProfile& bit, const Pose& pose_path, WallKind wall,
+              double from_back_mm, double to_back_mm)
       : distances_(distances), bit_(bit), pose_(pose_path), wall_(wall), from_mm_(from_back_mm), to_mm_(to_back_mm) {
     across_ = any_perpendicular(pose_.axis);
     second_ = pose_.axis.cross(across_);
@@ -77,8 +77,8 @@ class LeastDistance {
     for (const ProfilePiece& piece : bit_.pieces()) walk(piece);
   }
 
-  double least_mm() const { return least_mm_; }
-  double back_mm() const { return least_back_mm_; }
+  double min_mm() const { return min_mm_; }
+  double back_mm() const { return min_back_mm_; }
 
  private:
   static constexpr double kCoarseMm = 1.0;                       ///< between the first look's places
@@ -92,9 +92,9 @@ class LeastDistance {
   Vec3 place(double back_mm) const { return pose_.tip_mm - back_mm * pose_.axis; }
   double centre_mm(double back_mm) const { return distances_.distance_mm(place(back_mm), wall_); }
   void take(double distance_mm, double back_mm) {
-    if (!(distance_mm < least_mm_)) return;
-    least_mm_ = distance_mm;
-    least_back_mm_ = back_mm;
+    if (!(distance_mm < min_mm_)) return;
+    min_mm_ = distance_mm;
+    min_back_mm_ = back_mm;
   }
 
   /// A good first value lets the walk leave out most rings.
@@ -126,12 +126,12 @@ class LeastDistance {
     for (double along_mm = 0.0;;) {
       const auto [back_mm, radius_mm] = stretch.at(along_mm);
       double bound_mm = centre_mm(back_mm) - radius_mm;
-      if (bound_mm < least_mm_ - kGoodEnough) {
+      if (bound_mm < min_mm_ - kGoodEnough) {
         bound_mm = ring_mm(back_mm, radius_mm);
         take(bound_mm, back_mm);
       }
       if (along_mm >= stretch.length_mm()) return;
-      const double step_mm = std::isfinite(bound_mm) ? std::max(kFineMm, bound_mm - least_mm_) : kUnknownMm;
+      const double step_mm = std::isfinite(bound_mm) ? std::max(kFineMm, bound_mm - min_mm_) : kUnknownMm;
       along_mm = std::min(along_mm + step_mm, stretch.length_mm());
     }
   }
@@ -154,7 +154,7 @@ class LeastDistance {
     }
     const auto best =
         static_cast<std::size_t>(std::min_element(values_mm.begin(), values_mm.end()) - values_mm.begin());
-    double least_mm = values_mm[best];
+    double min_mm = values_mm[best];
     double angle = static_cast<double>(best) * kTurn;
     double before_mm = values_mm[(best + kDirections - 1) % kDirections];
     double after_mm = values_mm[(best + 1) % kDirections];
@@ -162,12 +162,12 @@ class LeastDistance {
     for (int round = 0; round < 2; ++round) {
       // Around the ring a flat wall's distance is a sinusoid: through three of its values goes one.
       const double across = (before_mm - after_mm) * (1.0 - std::cos(half_turn));
-      const double along = (before_mm + after_mm - 2.0 * least_mm) * std::sin(half_turn);
+      const double along = (before_mm + after_mm - 2.0 * min_mm) * std::sin(half_turn);
       if (!(along > 0.0) || !std::isfinite(across)) break;
       const double turned = angle + std::clamp(std::atan2(across, along), -half_turn, half_turn);
       const double there_mm = at(turned);
-      if (there_mm < least_mm) {
-        least_mm = there_mm;
+      if (there_mm < min_mm) {
+        min_mm = there_mm;
         angle = turned;
       }
       if (round > 0) break;
@@ -175,7 +175,7 @@ class LeastDistance {
       before_mm = at(angle - half_turn);
       after_mm = at(angle + half_turn);
     }
-    return std::min({least_mm, before_mm, after_mm});
+    return std::min({min_mm, before_mm, after_mm});
   }
 
   const WallLattice& distances_;
@@ -185,8 +185,8 @@ class LeastDistance {
   std::array<Vec3, kDirections> around_;
   WallKind wall_;
   double from_mm_, to_mm_;
-  double least_mm_ = std::numeric_limits<double>::infinity();
-  double least_back_mm_ = 0.0;
+  double min_mm_ = std::numeric_limits<double>::infinity();
+  double min_back_mm_ = 0.0;
 };
 
 /// The part of a bit's axis, back from the tip, that is at least so deep along a path.
@@ -216,7 +216,7 @@ ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const Dri
 ClearanceField::~ClearanceField() = default;
 ClearanceField::ClearanceField(ClearanceField&&) noexcept = default;
 
-ClearanceField ClearanceField::with_mouth_of(const DrillPath& path) const { return {lattice_, path}; }
+ClearanceField ClearanceField::with_entry_of(const DrillPath& path) const { return {lattice_, path}; }
 
 std::size_t ClearanceField::memory_bytes() const { return lattice_->distances.memory_bytes(); }
 
@@ -227,15 +227,15 @@ Clearance ClearanceField::of(const BitProfile& bit, const Pose& pose) const noex
   const Pose pose_path = distances.frame().to_path(pose);
   const double tip_depth_mm = (pose.tip_mm - entry_mm_).dot(direction_);
   const double axis_along = pose.axis.dot(direction_);
-  const auto least = [&](WallKind wall, double depth_mm, double& distance_mm, Vec3& at_mm) {
+  const auto min = [&](WallKind wall, double depth_mm, double& distance_mm, Vec3& at_mm) {
     const auto [from_mm, to_mm] = deeper_than(depth_mm, tip_depth_mm, axis_along, bit.length_mm());
-    LeastDistance search(distances, bit, pose_path, wall, from_mm, to_mm);
+    MinDistance search(distances, bit, pose_path, wall, from_mm, to_mm);
     search.find();
-    distance_mm = search.least_mm();
+    distance_mm = search.min_mm();
     at_mm = pose.tip_mm - search.back_mm() * pose.axis;
   };
-  least(WallKind::outer, entry_end_mm_, clearance.outer_mm, clearance.outer_at_mm);
-  least(WallKind::canal, 0.0, clearance.canal_mm, clearance.canal_at_mm);
+  min(WallKind::outer, entry_end_mm_, clearance.outer_mm, clearance.outer_at_mm);
+  min(WallKind::canal, 0.0, clearance.canal_mm, clearance.canal_at_mm);
   return clearance;
 }
 

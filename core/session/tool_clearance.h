@@ -20,8 +20,8 @@ struct Clearance {
 };
 
 /// The walls' distances around a path, kept so that a cycle finds a bit's clearance within microseconds. What a hole's
-/// mouth breaks is meant to be broken: there the outer surface does not count (docs/grading.md's rule). Safe to ask
-/// from many threads.
+/// entry opening breaks is meant to be broken: there the outer surface does not count (docs/grading.md's rule). Safe to
+/// ask from many threads.
 class ClearanceField {
  public:
   static constexpr double kSpacingMm = 0.4;
@@ -40,8 +40,9 @@ class ClearanceField {
   ~ClearanceField();
   ClearanceField(ClearanceField&&) noexcept;
 
-  /// The same distances for another path near by, which has a mouth of its own. Takes milliseconds and no memory.
-  ClearanceField with_mouth_of(const DrillPath& path) const;
+  /// The same distances for another path near by, which has an entry opening of its own. Takes milliseconds and no
+  /// memory.
+  ClearanceField with_entry_of(const DrillPath& path) const;
 
   /// Of a bit at `pose` (patient LPS), to 0.05 mm; above 8 mm it may be 0.15 mm too small where two walls are equally
   /// far. `bit` as BitProfile has it. Of places behind the path's entry nothing counts. Allocates and locks nothing.

@@ -23,23 +23,24 @@ std::uint64_t seed_of_stream(std::uint64_t seed, Stream stream, StudyFactor fact
   return mix_bits(mix_bits(seed) + static_cast<std::uint64_t>(stream) + static_cast<std::uint64_t>(factor));
 }
 
-void check(const FactorLaw& law) {
-  const std::string_view name = name_of(law.factor);
-  switch (law.kind) {
-    case FactorLaw::Kind::levels:
-      if (law.levels.empty()) fail(name, ": expected one level or more, found none");
-      for (const double level : law.levels) {
+void check(const FactorDistribution& distribution) {
+  const std::string_view name = name_of(distribution.factor);
+  switch (distribution.kind) {
+    case FactorDistribution::Kind::levels:
+      if (distribution.levels.empty()) fail(name, ": expected one level or more, found none");
+      for (const double level : distribution.levels) {
         if (!std::isfinite(level)) fail(name, ": expected finite levels, found ", level);
       }
       return;
-    case FactorLaw::Kind::normal:
-      if (!std::isfinite(law.a) || !(law.b >= 0.0) || !std::isfinite(law.b)) {
-        fail(name, ": expected a finite mean and a deviation of 0 or more, found ", law.a, " and ", law.b);
+    case FactorDistribution::Kind::normal:
+      if (!std::isfinite(distribution.a) || !(distribution.b >= 0.0) || !std::isfinite(distribution.b)) {
+        fail(name, ": expected a finite mean and a deviation of 0 or more, found ", distribution.a, " and ",
+             distribution.b);
       }
       return;
-    case FactorLaw::Kind::uniform:
-      if (!std::isfinite(law.a) || !(law.b >= law.a) || !std::isfinite(law.b)) {
-        fail(name, ": expected a low end and a high one not below it, found ", law.a, " and ", law.b);
+    case FactorDistribution::Kind::uniform:
+      if (!std::isfinite(distribution.a) || !(distribution.b >= distribution.a) || !std::isfinite(distribution.b)) {
+        fail(name, ": expected a low end and a high one not below it, found ", distribution.a, " and ", distribution.b);
       }
       return;
   }
@@ -62,28 +63,29 @@ std::string_view name_of(StudyFactor factor) { return kNames.at(static_cast<std:
 
 StudyRuns::StudyRuns(StudyDesign design) : design_(std::move(design)), count_(design_.runs) {
   std::array<bool, kStudyFactors> met{};
-  for (const FactorLaw& law : design_.laws) {
-    if (std::exchange(met.at(static_cast<std::size_t>(law.factor)), true)) {
-      fail("study: expected each factor once, found ", name_of(law.factor), " twice");
+  for (const FactorDistribution& distribution : design_.distributions) {
+    if (std::exchange(met.at(static_cast<std::size_t>(distribution.factor)), true)) {
+      fail("study: expected each factor once, found ", name_of(distribution.factor), " twice");
     }
-    check(law);
+    check(distribution);
     // By division, so that a product beyond all numbers is seen.
-    const std::size_t levels = law.kind == FactorLaw::Kind::levels ? law.levels.size() : 1;
-    count_ = count_ > kMostRuns / levels ? kMostRuns + 1 : count_ * levels;
+    const std::size_t levels = distribution.kind == FactorDistribution::Kind::levels ? distribution.levels.size() : 1;
+    count_ = count_ > kMaxRuns / levels ? kMaxRuns + 1 : count_ * levels;
   }
-  if (count_ == 0 || count_ > kMostRuns) {
-    fail("study: expected 1 to ", kMostRuns, " runs, found ", count_ == 0 ? "none" : "more");
+  if (count_ == 0 || count_ > kMaxRuns) {
+    fail("study: expected 1 to ", kMaxRuns, " runs, found ", count_ == 0 ? "none" : "more");
   }
-  strata_.resize(design_.laws.size());
-  for (std::size_t n = 0; n < design_.laws.size(); ++n) {
-    if (!design_.is_latin || design_.laws[n].kind == FactorLaw::Kind::levels) continue;
-    strata_[n] = shuffled(count_, seed_of_stream(design_.seed, Stream::strata, design_.laws[n].factor));
+  strata_.resize(design_.distributions.size());
+  for (std::size_t n = 0; n < design_.distributions.size(); ++n) {
+    if (!design_.is_latin || design_.distributions[n].kind == FactorDistribution::Kind::levels) continue;
+    strata_[n] = shuffled(count_, seed_of_stream(design_.seed, Stream::strata, design_.distributions[n].factor));
   }
 }
 
-double StudyRuns::probability(std::size_t law, std::size_t n) const {
-  double share = random_uniform(seed_of_stream(design_.seed, Stream::draws, design_.laws[law].factor), n);
-  if (design_.is_latin) share = (share + strata_[law][n]) / static_cast<double>(count_);
+double StudyRuns::probability(std::size_t distribution, std::size_t n) const {
+  double share =
+      random_uniform(seed_of_stream(design_.seed, Stream::draws, design_.distributions[distribution].factor), n);
+  if (design_.is_latin) share = (share + strata_[distribution][n]) / static_cast<double>(count_);
   // The ends themselves have no quantile.
   return std::clamp(share, 0x1.0p-54, 1.0 - 0x1.0p-53);
 }
@@ -91,19 +93,19 @@ double StudyRuns::probability(std::size_t law, std::size_t n) const {
 FactorValues StudyRuns::values(std::size_t n, const FactorValues& base) const {
   FactorValues values = base;
   std::size_t combination = n;
-  for (std::size_t law_index = 0; law_index < design_.laws.size(); ++law_index) {
-    const FactorLaw& law = design_.laws[law_index];
-    double& value = values.at(static_cast<std::size_t>(law.factor));
-    switch (law.kind) {
-      case FactorLaw::Kind::levels:
-        value = law.levels[combination % law.levels.size()];
-        combination /= law.levels.size();
+  for (std::size_t distribution_index = 0; distribution_index < design_.distributions.size(); ++distribution_index) {
+    const FactorDistribution& distribution = design_.distributions[distribution_index];
+    double& value = values.at(static_cast<std::size_t>(distribution.factor));
+    switch (distribution.kind) {
+      case FactorDistribution::Kind::levels:
+        value = distribution.levels[combination % distribution.levels.size()];
+        combination /= distribution.levels.size();
         break;
-      case FactorLaw::Kind::normal:
-        value = law.a + law.b * normal_quantile(probability(law_index, n));
+      case FactorDistribution::Kind::normal:
+        value = distribution.a + distribution.b * normal_quantile(probability(distribution_index, n));
         break;
-      case FactorLaw::Kind::uniform:
-        value = law.a + (law.b - law.a) * probability(law_index, n);
+      case FactorDistribution::Kind::uniform:
+        value = distribution.a + (distribution.b - distribution.a) * probability(distribution_index, n);
         break;
     }
   }

@@ -16,10 +16,10 @@ enum class StudyFactor : std::uint8_t {
   angle_left_deg,   ///< the bit's line leans so far to the left, about its entry
   angle_head_deg,   ///< and to the head
   bit_diameter_mm,  ///< the tip keeps its shape: its length and its chisel edge go with the diameter
-  push_n,           ///< of a hand that pushes
-  feed_mm_s,        ///< of a hand that feeds
+  push_n,           ///< of an operator that pushes
+  feed_mm_s,        ///< of an operator that feeds
   tremor_mm,
-  density_scale  ///< of the bone, before the material's law: 0.6 is osteoporosis
+  density_scale  ///< of the bone, before the material's density calibration: 0.6 is osteoporosis
 };
 constexpr std::size_t kStudyFactors = 9;
 /// "entry_left_mm", "entry_head_mm", ...: in specifications and as names of columns; the unit is in it.
@@ -28,7 +28,7 @@ std::string_view name_of(StudyFactor factor);
 using FactorValues = std::array<double, kStudyFactors>;
 
 /// How one factor differs.
-struct FactorLaw {
+struct FactorDistribution {
   enum class Kind : std::uint8_t {
     levels,  ///< each with every level of the other factors: a full factorial design
     normal,  ///< drawn; `a`: mean, `b`: deviation
@@ -43,8 +43,8 @@ struct FactorLaw {
 
 /// What the runs of a study are.
 struct StudyDesign {
-  std::vector<FactorLaw> laws;  ///< of the factors that differ, each at most once
-  std::size_t runs = 1;         ///< for each combination of levels
+  std::vector<FactorDistribution> distributions;  ///< of the factors that differ, each at most once
+  std::size_t runs = 1;                           ///< for each combination of levels
   /// Latin hypercube (McKay, Beckman & Conover 1979): of n runs, each n-th part of a drawn factor's probability is met
   /// by one. Otherwise every run is drawn for itself.
   bool is_latin = false;
@@ -54,24 +54,24 @@ struct StudyDesign {
 /// The runs of a design, drawn. Run n is the same whoever asks, in whatever order: its numbers come from a counter.
 class StudyRuns {
  public:
-  static constexpr std::size_t kMostRuns = 1'000'000;
+  static constexpr std::size_t kMaxRuns = 1'000'000;
 
-  /// Throws Error on a factor that is named twice, a law that makes no sense, no runs, and over kMostRuns.
+  /// Throws Error on a factor that is named twice, a distribution that makes no sense, no runs, and over kMaxRuns.
   explicit StudyRuns(StudyDesign design);
 
   std::size_t count() const { return count_; }
   const StudyDesign& design() const { return design_; }
   /// The values of run n; those of factors that do not differ are taken from `base`.
   FactorValues values(std::size_t n, const FactorValues& base) const;
-  /// For all else that is random in run n: the hand's tremor. Below 2^32, so that every reader of tables keeps it.
+  /// For all else that is random in run n: the operator's tremor. Below 2^32, so that every reader of tables keeps it.
   std::uint64_t seed_of(std::size_t n) const;
 
  private:
-  double probability(std::size_t law, std::size_t n) const;
+  double probability(std::size_t distribution, std::size_t n) const;
 
   StudyDesign design_;
   std::size_t count_ = 0;
-  /// For each law that draws in a Latin hypercube: which stratum a run falls into.
+  /// For each distribution that draws in a Latin hypercube: which stratum a run falls into.
   std::vector<std::vector<std::uint32_t>> strata_;
 };
 

@@ -27,12 +27,12 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"breach", Kind::whole},
                                                                       {"breach_outer_mm", Kind::real},
                                                                       {"breach_canal_mm", Kind::real},
-                                                                      {"least_outer_mm", Kind::real},
-                                                                      {"least_canal_mm", Kind::real},
+                                                                      {"min_clearance_outer_mm", Kind::real},
+                                                                      {"min_clearance_canal_mm", Kind::real},
                                                                       {"grade", Kind::letter},
-                                                                      {"most_thrust_n", Kind::real},
-                                                                      {"most_torque_n_mm", Kind::real},
-                                                                      {"overshoot_mm", Kind::real},
+                                                                      {"max_thrust_n", Kind::real},
+                                                                      {"max_torque_n_mm", Kind::real},
+                                                                      {"plunge_depth_mm", Kind::real},
                                                                       {"depth_mm", Kind::real},
                                                                       {"time_s", Kind::real},
                                                                       {"outer_cortical_mm", Kind::real},
@@ -43,7 +43,7 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"stop_mm", Kind::real},
                                                                       {"removed_points", Kind::whole},
                                                                       {"removed_mm3", Kind::real},
-                                                                      {"left_volume_mm", Kind::real},
+                                                                      {"outside_volume_mm", Kind::real},
                                                                       {"events_lost", Kind::whole}}};
 
 constexpr auto kFirstResult = static_cast<std::size_t>(StudyColumn::run);

@@ -14,29 +14,29 @@ namespace spinaltap {
 /// StudyFactor has them.
 enum class StudyColumn : std::uint8_t {
   run = kStudyFactors,
-  seed,               ///< of the tremor
-  contact,            ///< 1: the bit removed bone
-  breach,             ///< 1: the bit went beyond a wall
-  breach_outer_mm,    ///< how far at most beyond the outer surface, its mouth not counted; 0: not at all
-  breach_canal_mm,    ///< into the canal
-  least_outer_mm,     ///< least clearance; infinite where the bone has no such wall
-  least_canal_mm,     ///< likewise
-  grade,              ///< Gertzbein-Robbins, by the deeper breach: 0 (A) to 4 (E)
-  most_thrust_n,      ///< of cutting
-  most_torque_n_mm,   ///< of cutting
-  overshoot_mm,       ///< way after a stop or a breakthrough until the hand stood still
-  depth_mm,           ///< deepest place of the tip, along the planned path
-  time_s,             ///< of drilling, not of computing
-  outer_cortical_mm,  ///< depth at which the state first began; not a number where it never did
-  cancellous_mm,      ///< likewise
-  transitional_mm,    ///< likewise
-  inner_cortical_mm,  ///< likewise
-  breakthrough_mm,    ///< depth at which the tip left the bone; not a number where it never did
-  stop_mm,            ///< depth at which a rule asked to stop; not a number where none did
-  removed_points,     ///< of the volume
-  removed_mm3,        ///< of bone
-  left_volume_mm,     ///< how far at most the bit cut beyond the points' cylinder; 0: not at all
-  events_lost         ///< that found no room
+  seed,                    ///< of the tremor
+  contact,                 ///< 1: the bit removed bone
+  breach,                  ///< 1: the bit went beyond a wall
+  breach_outer_mm,         ///< how far at most beyond the outer surface, its entry opening not counted; 0: not at all
+  breach_canal_mm,         ///< into the canal
+  min_clearance_outer_mm,  ///< min clearance; infinite where the bone has no such wall
+  min_clearance_canal_mm,  ///< likewise
+  grade,                   ///< Gertzbein-Robbins, by the deeper breach: 0 (A) to 4 (E)
+  max_thrust_n,            ///< of cutting
+  max_torque_n_mm,         ///< of cutting
+  plunge_depth_mm,         ///< way after a stop or a breakthrough until the operator stood still
+  depth_mm,                ///< deepest place of the tip, along the planned path
+  time_s,                  ///< of drilling, not of computing
+  outer_cortical_mm,       ///< depth at which the state first began; not a number where it never did
+  cancellous_mm,           ///< likewise
+  transitional_mm,         ///< likewise
+  inner_cortical_mm,       ///< likewise
+  breakthrough_mm,         ///< depth at which the tip left the bone; not a number where it never did
+  stop_mm,                 ///< depth at which a rule asked to stop; not a number where none did
+  removed_points,          ///< of the volume
+  removed_mm3,             ///< of bone
+  outside_volume_mm,       ///< how far at most the bit cut beyond the points' cylinder; 0: not at all
+  events_lost              ///< that found no room
 };
 constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::events_lost) + 1;
 

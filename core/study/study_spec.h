@@ -13,17 +13,17 @@
 namespace spinaltap {
 
 /// Who holds the bit in a study.
-struct StudyHand {
+struct StudyOperator {
   enum class Kind : std::uint8_t {
     feed,  ///< goes on evenly, whatever the bone
     push   ///< pushes with a force: how fast it goes follows from the bone, and it plunges at a breakthrough
   };
   Kind kind = Kind::feed;
   double feed_mm_s = 1.0;
-  double step_mm = 0.01;  ///< of a hand that feeds: advance a cycle
+  double step_mm = 0.01;  ///< of an operator that feeds: advance a cycle
   double push_n = 20.0;
-  double rate_hz = 1000.0;     ///< of a hand that pushes: cycles a second
-  double reaction_s = 0.2;     ///< as PushOptions has them, and the next
+  double rate_hz = 1000.0;     ///< of an operator that pushes: cycles a second
+  double reaction_s = 0.2;     ///< as ForceControlOptions has them, and the next
   double noticed_share = 0.2;  ///< of the push
   double tremor_mm = 0.0;      ///< as Tremor has it
 };
@@ -39,7 +39,7 @@ struct StudySpec {
   PointVolumeOptions volume{.radius_mm = 0.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};
   double lead_out_mm = 5.0;  ///< how far past the target the cylinder goes
   SessionOptions options;
-  StudyHand hand;
+  StudyOperator tool_operator;
   StudyDesign design;
 };
 

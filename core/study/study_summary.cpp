@@ -10,9 +10,9 @@ namespace {
 
 /// Columns whose distribution is told.
 constexpr std::array<StudyColumn, 9> kSpreads{
-    StudyColumn::most_thrust_n,   StudyColumn::most_torque_n_mm, StudyColumn::overshoot_mm,
-    StudyColumn::breach_outer_mm, StudyColumn::breach_canal_mm,  StudyColumn::least_outer_mm,
-    StudyColumn::least_canal_mm,  StudyColumn::depth_mm,         StudyColumn::time_s};
+    StudyColumn::max_thrust_n,           StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
+    StudyColumn::breach_outer_mm,        StudyColumn::breach_canal_mm, StudyColumn::min_clearance_outer_mm,
+    StudyColumn::min_clearance_canal_mm, StudyColumn::depth_mm,        StudyColumn::time_s};
 constexpr std::size_t kBins = 10;  ///< of a factor that is drawn
 
 using Rows = std::vector<StudyRow>;
@@ -53,22 +53,24 @@ StudyBin bin_of(const Pointers& rows, std::size_t begin, std::size_t end, StudyF
 }
 
 /// One bin a level, or bins of equally many runs.
-StudySummary::ByFactor by_factor(const Rows& rows, const FactorLaw& law) {
-  StudySummary::ByFactor result{law.factor, {}};
+StudySummary::ByFactor by_factor(const Rows& rows, const FactorDistribution& distribution) {
+  StudySummary::ByFactor result{distribution.factor, {}};
   Pointers sorted;
   for (const StudyRow& row : rows) sorted.push_back(&row);
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [&](const StudyRow* a, const StudyRow* b) { return (*a)[law.factor] < (*b)[law.factor]; });
-  if (law.kind == FactorLaw::Kind::levels) {
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const StudyRow* a, const StudyRow* b) {
+    return (*a)[distribution.factor] < (*b)[distribution.factor];
+  });
+  if (distribution.kind == FactorDistribution::Kind::levels) {
     for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
-      const double level = (*sorted[begin])[law.factor];
-      while (end < sorted.size() && (*sorted[end])[law.factor] == level) ++end;
-      result.bins.push_back(bin_of(sorted, begin, end, law.factor));
+      const double level = (*sorted[begin])[distribution.factor];
+      while (end < sorted.size() && (*sorted[end])[distribution.factor] == level) ++end;
+      result.bins.push_back(bin_of(sorted, begin, end, distribution.factor));
     }
   } else {
     const std::size_t bins = std::min(kBins, sorted.size());
     for (std::size_t n = 0; n < bins; ++n) {
-      result.bins.push_back(bin_of(sorted, n * sorted.size() / bins, (n + 1) * sorted.size() / bins, law.factor));
+      result.bins.push_back(
+          bin_of(sorted, n * sorted.size() / bins, (n + 1) * sorted.size() / bins, distribution.factor));
     }
   }
   return result;
@@ -97,13 +99,13 @@ StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesig
   summary.contact = above_0(StudyColumn::contact);
   summary.breakthrough = has(StudyColumn::breakthrough_mm);
   summary.stopped = has(StudyColumn::stop_mm);
-  summary.left_volume = above_0(StudyColumn::left_volume_mm);
+  summary.outside_volume = above_0(StudyColumn::outside_volume_mm);
   for (const StudyRow& row : rows) summary.events_lost += static_cast<std::size_t>(row[StudyColumn::events_lost]);
   for (const StudyColumn column : kSpreads) summary.spreads.push_back(spread_of(rows, column));
-  for (const FactorLaw& law : design.laws) {
+  for (const FactorDistribution& distribution : design.distributions) {
     // One level differs from nothing.
-    if (law.kind == FactorLaw::Kind::levels && law.levels.size() == 1) continue;
-    summary.factors.push_back(by_factor(rows, law));
+    if (distribution.kind == FactorDistribution::Kind::levels && distribution.levels.size() == 1) continue;
+    summary.factors.push_back(by_factor(rows, distribution));
   }
   return summary;
 }

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
-#include "core/session/operator/push_hand.h"
 
 namespace spinaltap {
 namespace {
@@ -17,10 +17,10 @@ double in_rad(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 /// The planned line as the run's errors make it: shifted across, and leaning about the shifted entry.
 DrillPath with_errors(const DrillPath& planned, const AcrossPath& sides, const FactorValues& values) {
-  constexpr double kMostDeg = 60.0;
+  constexpr double kMaxDeg = 60.0;
   for (const StudyFactor factor : {StudyFactor::angle_left_deg, StudyFactor::angle_head_deg}) {
-    if (!(std::abs(of(values, factor)) <= kMostDeg)) {
-      fail(name_of(factor), ": expected an angle within ", kMostDeg, " degrees, found ", of(values, factor));
+    if (!(std::abs(of(values, factor)) <= kMaxDeg)) {
+      fail(name_of(factor), ": expected an angle within ", kMaxDeg, " degrees, found ", of(values, factor));
     }
   }
   const Vec3 direction = (planned.direction() + std::tan(in_rad(of(values, StudyFactor::angle_left_deg))) * sides.left +
@@ -54,15 +54,15 @@ StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorVa
   task.path = with_errors(spec.path, sides, values);
   task.path.bit = of_diameter(spec.path.bit, checked_positive(values, StudyFactor::bit_diameter_mm));
   check_path(task.path);
-  task.hand = spec.hand;
-  if (spec.hand.kind == StudyHand::Kind::push) {
-    task.hand.push_n = checked_positive(values, StudyFactor::push_n);
+  task.tool_operator = spec.tool_operator;
+  if (spec.tool_operator.kind == StudyOperator::Kind::push) {
+    task.tool_operator.push_n = checked_positive(values, StudyFactor::push_n);
   } else {
-    task.hand.feed_mm_s = checked_positive(values, StudyFactor::feed_mm_s);
+    task.tool_operator.feed_mm_s = checked_positive(values, StudyFactor::feed_mm_s);
   }
-  task.hand.tremor_mm = of(values, StudyFactor::tremor_mm);
-  if (!(task.hand.tremor_mm >= 0.0)) {
-    fail(name_of(StudyFactor::tremor_mm), ": expected a number of 0 or more, found ", task.hand.tremor_mm);
+  task.tool_operator.tremor_mm = of(values, StudyFactor::tremor_mm);
+  if (!(task.tool_operator.tremor_mm >= 0.0)) {
+    fail(name_of(StudyFactor::tremor_mm), ": expected a number of 0 or more, found ", task.tool_operator.tremor_mm);
   }
   const double scale = checked_positive(values, StudyFactor::density_scale);
   task.material = spec.material;
@@ -111,33 +111,33 @@ double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, doubl
       line_mm = std::max(line_mm, (way - way.dot(axis) * axis).norm());
     }
     // A leaning bit's section is an ellipse; a tremor's five sinusoids on two axes come to at most √5 √2 of it.
-    radius_mm =
-        std::max(radius_mm, line_mm + task.path.bit.radius_mm() / cosine + std::sqrt(10.0) * task.hand.tremor_mm);
+    radius_mm = std::max(radius_mm,
+                         line_mm + task.path.bit.radius_mm() / cosine + std::sqrt(10.0) * task.tool_operator.tremor_mm);
   }
   return radius_mm + kSpareMm;
 }
 
-std::unique_ptr<ToolSource> make_study_hand(const StudyTask& task, double lead_in_mm, const Spindle& spindle) {
+std::unique_ptr<Operator> make_study_operator(const StudyTask& task, double lead_in_mm, const Spindle& spindle) {
   const GuideLine line{.lead_in_mm = lead_in_mm};
-  if (task.hand.kind == StudyHand::Kind::push) {
-    PushOptions options;
+  if (task.tool_operator.kind == StudyOperator::Kind::push) {
+    ForceControlOptions options;
     options.line = line;
-    options.rate_hz = task.hand.rate_hz;
+    options.rate_hz = task.tool_operator.rate_hz;
     options.spindle = spindle;
-    options.push_n = task.hand.push_n;
-    options.reaction_s = task.hand.reaction_s;
-    options.noticed_share = task.hand.noticed_share;
-    options.tremor_mm = task.hand.tremor_mm;
+    options.push_n = task.tool_operator.push_n;
+    options.reaction_s = task.tool_operator.reaction_s;
+    options.noticed_share = task.tool_operator.noticed_share;
+    options.tremor_mm = task.tool_operator.tremor_mm;
     options.seed = task.seed;
-    return std::make_unique<PushHand>(task.path, options);
+    return std::make_unique<ForceControlled>(task.path, options);
   }
   PathMotionOptions options;
   options.line = line;
-  options.rate_hz = task.hand.feed_mm_s / task.hand.step_mm;
-  options.feed.steps = {{0.0, task.hand.feed_mm_s}};
-  options.tremor_mm = task.hand.tremor_mm;
+  options.rate_hz = task.tool_operator.feed_mm_s / task.tool_operator.step_mm;
+  options.feed.steps = {{0.0, task.tool_operator.feed_mm_s}};
+  options.tremor_mm = task.tool_operator.tremor_mm;
   options.seed = task.seed;
-  return std::make_unique<PathHand>(task.path, options);
+  return std::make_unique<PlannedMotion>(task.path, options);
 }
 
 }  // namespace spinaltap

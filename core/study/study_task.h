@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "core/session/operator/tool_source.h"
+#include "core/session/operator/operator.h"
 #include "core/study/study_spec.h"
 
 namespace spinaltap {
@@ -12,7 +12,7 @@ struct StudyTask {
   FactorValues values{};
   DrillPath path;  ///< the line that the bit really takes, and the run's bit
   Material material;
-  StudyHand hand;
+  StudyOperator tool_operator;
   std::uint64_t seed = 1;  ///< of the tremor
 };
 
@@ -32,7 +32,8 @@ StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n
 /// Error as study_task().
 double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, double beyond_mm);
 
-/// The hand that does a run: along the task's own line, from `lead_in_mm` before its entry. `spindle`: the session's.
-std::unique_ptr<ToolSource> make_study_hand(const StudyTask& task, double lead_in_mm, const Spindle& spindle);
+/// The operator that does a run: along the task's own line, from `lead_in_mm` before its entry. `spindle`: the
+/// session's.
+std::unique_ptr<Operator> make_study_operator(const StudyTask& task, double lead_in_mm, const Spindle& spindle);
 
 }  // namespace spinaltap

@@ -30,8 +30,8 @@ Vec3 gradient(const FloatGrid& grid, const Vec3& p_index) {
 
 /// Moves every point along its normal to the bone's edge: by the median of what its neighbours within `radius_mm` ask
 /// for, itself included. Noise in the CT moves single points, the edge moves them together, in and across slices.
-/// No point moves further than `most_mm`: whoever drew the mask meant this bone.
-void move_to_edges(SurfacePoints& surface, const FloatGrid& hu, double reach_mm, double most_mm, double radius_mm) {
+/// No point moves further than `max_mm`: whoever drew the mask meant this bone.
+void move_to_edges(SurfacePoints& surface, const FloatGrid& hu, double reach_mm, double max_mm, double radius_mm) {
   constexpr double kSameSide = 0.8;  // cosine; points of another side of a thin part face elsewhere
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::size_t count = surface.positions_mm.size();
@@ -58,7 +58,7 @@ void move_to_edges(SurfacePoints& surface, const FloatGrid& hu, double reach_mm,
     if (asked_mm.empty()) return;
     const auto middle = asked_mm.begin() + static_cast<std::ptrdiff_t>(asked_mm.size() / 2);
     std::nth_element(asked_mm.begin(), middle, asked_mm.end());
-    moved_mm[i] += std::clamp(*middle, -most_mm, most_mm) * surface.normals[i];
+    moved_mm[i] += std::clamp(*middle, -max_mm, max_mm) * surface.normals[i];
   });
   surface.normals = local_normals(moved_mm, surface.normals, radius_mm);
   surface.positions_mm = std::move(moved_mm);

@@ -28,7 +28,7 @@ struct DrillBit {
 /// Throws Error on angles that are not between 20 and 180 degrees.
 DrillBit twist_drill(double diameter_mm, double length_mm, double point_angle_deg, double chisel_edge_mm);
 
-/// Refuses lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it.
+/// Rejects lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it.
 void check_bit(const DrillBit& bit);
 
 /// Where a bit is: its tip and the direction it drills in.

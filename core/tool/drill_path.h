@@ -20,7 +20,7 @@ struct PedicleScrew {
   DrillBit outline() const { return {diameter_mm, length_mm, tip_length_mm}; }
 };
 
-/// Refuses what check_bit() refuses of its outline.
+/// Rejects what check_bit() rejects of its outline.
 void check_screw(const PedicleScrew& screw);
 
 /// A straight planned hole: from the entry on the bone's surface to the target inside.
@@ -36,7 +36,7 @@ struct DrillPath {
   Vec3 direction() const;
 };
 
-/// Refuses points that are not finite, a path shorter than 0.1 mm or longer than 500 mm, and a bad bit or screw.
+/// Rejects points that are not finite, a path shorter than 0.1 mm or longer than 500 mm, and a bad bit or screw.
 void check_path(const DrillPath& path);
 
 /// Path-local coordinates: the origin where the point volume starts, z along the path, mm. Small numbers near the path

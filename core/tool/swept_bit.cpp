@@ -40,10 +40,10 @@ SweptBit::SweptBit(const BitProfile& profile, const BitProfile& grown, const Pos
   // A bit that advances had its points nearer to the tip before: further back, seen from the end, there were none.
   forth_mm_ = std::max(0.0, way.z()) + turned_mm;
   back_mm_ = std::max(0.0, -way.z()) + turned_mm;
-  least_back_mm_ = -back_mm_ - kSpareMm;
-  most_back_mm_ = profile.length_mm() + forth_mm_ + kSpareMm;
-  const double most_off_axis_mm = profile.radius_mm() + across_mm_ + kSpareMm;
-  most_off_axis_squared_mm2_ = most_off_axis_mm * most_off_axis_mm;
+  min_back_mm_ = -back_mm_ - kSpareMm;
+  max_back_mm_ = profile.length_mm() + forth_mm_ + kSpareMm;
+  const double max_off_axis_mm = profile.radius_mm() + across_mm_ + kSpareMm;
+  max_off_axis_squared_mm2_ = max_off_axis_mm * max_off_axis_mm;
   cone_mm_ = profile.cone_offset_mm() + profile.cone_slope() * (back_mm_ + kSpareMm) + across_mm_ + kSpareMm;
   lowest_z_mm_ = std::min(from.tip_mm.z(), to.tip_mm.z());
   highest_z_mm_ = std::max(from.tip_mm.z(), to.tip_mm.z());

@@ -51,7 +51,7 @@ class SweptBit {
 
  private:
   [[gnu::always_inline]] bool is_beyond(double back_mm, double off_axis_squared_mm2) const noexcept {
-    if (back_mm < least_back_mm_ || back_mm > most_back_mm_ || off_axis_squared_mm2 > most_off_axis_squared_mm2_) {
+    if (back_mm < min_back_mm_ || back_mm > max_back_mm_ || off_axis_squared_mm2 > max_off_axis_squared_mm2_) {
       return true;
     }
     const double allowed_mm = cone_mm_ + profile_->cone_slope() * back_mm;
@@ -68,9 +68,9 @@ class SweptBit {
   double across_mm_ = 0.0;
   double back_mm_ = 0.0;
   double forth_mm_ = 0.0;
-  double least_back_mm_ = 0.0;
-  double most_back_mm_ = 0.0;
-  double most_off_axis_squared_mm2_ = 0.0;
+  double min_back_mm_ = 0.0;
+  double max_back_mm_ = 0.0;
+  double max_off_axis_squared_mm2_ = 0.0;
   double cone_mm_ = 0.0;  ///< the bounding cone's offset, with all that the way adds
   double lowest_z_mm_ = 0.0;
   double highest_z_mm_ = 0.0;

@@ -14,7 +14,7 @@ namespace {
 /// Over what is wanted, an edge is split (Botsch & Kobbelt 2004).
 constexpr double kLong = 4.0 / 3.0;
 
-bool agrees(double after, double before) { return after >= std::min(kLeastAgreement, before); }
+bool agrees(double after, double before) { return after >= std::min(kMinAgreement, before); }
 
 }  // namespace
 
@@ -96,11 +96,11 @@ AdaptiveMesh::Collapse AdaptiveMesh::look_at_collapse(Halfedge h) const {
     if (a != left && a != right) collapse.longest_share = std::max(collapse.longest_share, share);
   }
   // A corner of three triangles that loses one is no surface any more.
-  constexpr unsigned kLeastValence = 4;
-  constexpr unsigned kMostValence = 10;
+  constexpr unsigned kMinValence = 4;
+  constexpr unsigned kMaxValence = 10;
   collapse.allowed = agrees(collapse.after.agreement, collapse.before.agreement) &&
-                     mesh_.valence(left) >= kLeastValence && mesh_.valence(right) >= kLeastValence &&
-                     mesh_.valence(gone) + mesh_.valence(kept) <= kMostValence + 4;
+                     mesh_.valence(left) >= kMinValence && mesh_.valence(right) >= kMinValence &&
+                     mesh_.valence(gone) + mesh_.valence(kept) <= kMaxValence + 4;
   return collapse;
 }
 
@@ -117,9 +117,9 @@ AdaptiveMesh::Flip AdaptiveMesh::look_at_flip(Edge e) const {
   flip.after.angle_cosine = std::max(angle_cosine(left, right, b), angle_cosine(right, left, a));
   flip.after.agreement = std::min(corner_agreement(left, right, b), corner_agreement(right, left, a));
   flip.new_length_share = (at(left) - at(right)).norm() / wanted_mm(left, right);
-  constexpr unsigned kLeastValence = 4;
-  flip.allowed = agrees(flip.after.agreement, flip.before.agreement) && mesh_.valence(a) >= kLeastValence &&
-                 mesh_.valence(b) >= kLeastValence;
+  constexpr unsigned kMinValence = 4;
+  flip.allowed = agrees(flip.after.agreement, flip.before.agreement) && mesh_.valence(a) >= kMinValence &&
+                 mesh_.valence(b) >= kMinValence;
   return flip;
 }
 
@@ -150,7 +150,7 @@ void AdaptiveMesh::split_edge(Edge e) {
   Vec3 between = normal(a) + normal(b);
   if (!(between.norm() > 0.1)) between = normal(a);
   between.normalize();
-  if (!there.found || there.normal.dot(between) < kLeastAgreement) {
+  if (!there.found || there.normal.dot(between) < kMinAgreement) {
     there.position_mm = middle_mm;
     there.normal = between;
   }
@@ -255,7 +255,7 @@ void AdaptiveMesh::relax() {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const Vertex v = vertices[i];
     const ZeroSet::Place& there = places[i];
-    if (!there.found || there.normal.dot(normal(v)) < kLeastAgreement) continue;
+    if (!there.found || there.normal.dot(normal(v)) < kMinAgreement) continue;
     const Worst before = ring_worst(v);
     const Worst after = ring_worst_if(v, there.position_mm, there.normal);
     if (!agrees(after.agreement, before.agreement)) continue;

@@ -26,7 +26,7 @@ struct AdaptiveTraits : OpenMesh::DefaultTraits {
 };
 
 /// A closed triangle mesh on a zero set, and the steps that change it: Botsch & Kobbelt 2004 with the sizing of Dunyach
-/// et al. 2013. Each step is refused where it would change the topology or turn a triangle against its corners'
+/// et al. 2013. Each step is rejected where it would change the topology or turn a triangle against its corners'
 /// normals.
 class AdaptiveMesh {
  public:

@@ -28,7 +28,7 @@ HalfEdgeResult to_half_edges(const TriangleMesh& mesh) {
     // OpenMesh asserts that the three differ, and without assertions breaks its lists.
     const bool degenerate = corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
     const auto handle = [&](std::size_t corner) { return OpenMesh::VertexHandle(static_cast<int>(corners[corner])); };
-    if (degenerate || !result.mesh.add_face(handle(0), handle(1), handle(2)).is_valid()) ++result.refused_faces;
+    if (degenerate || !result.mesh.add_face(handle(0), handle(1), handle(2)).is_valid()) ++result.rejected_faces;
   }
   return result;
 }

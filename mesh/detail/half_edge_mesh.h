@@ -23,7 +23,7 @@ class SilencedOutput {
 
 struct HalfEdgeResult {
   HalfEdgeMesh mesh;
-  std::size_t refused_faces = 0;  ///< faces that would have made the mesh non-manifold, or use a vertex twice
+  std::size_t rejected_faces = 0;  ///< faces that would have made the mesh non-manifold, or use a vertex twice
 };
 
 /// OpenMesh's half-edge structure of a mesh. Vertices keep their order. Throws Error when an index is out of range.

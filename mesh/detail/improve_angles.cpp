@@ -11,7 +11,7 @@
 namespace spinaltap::detail {
 namespace {
 
-constexpr double kLeastGain = 1e-4;  // of a cosine
+constexpr double kMinGain = 1e-4;  // of a cosine
 
 }  // namespace
 
@@ -20,7 +20,7 @@ bool AdaptiveMesh::improve_by_flip(Face f) {
   double best_cosine = 2.0;
   for (auto e = mesh_.cfe_iter(f); e.is_valid(); ++e) {
     const Flip flip = look_at_flip(*e);
-    if (!flip.allowed || flip.after.angle_cosine > flip.before.angle_cosine - kLeastGain) continue;
+    if (!flip.allowed || flip.after.angle_cosine > flip.before.angle_cosine - kMinGain) continue;
     if (flip.after.angle_cosine < best_cosine && mesh_.is_flip_ok(*e)) {
       best = *e;
       best_cosine = flip.after.angle_cosine;
@@ -40,7 +40,7 @@ bool AdaptiveMesh::improve_by_collapse(Face f) {
     for (const Halfedge h : {forth, mesh_.opposite_halfedge_handle(forth)}) {
       const Collapse collapse = look_at_collapse(h);
       if (!collapse.allowed || collapse.longest_share > kLongest) continue;
-      if (collapse.after.angle_cosine > collapse.before.angle_cosine - kLeastGain) continue;
+      if (collapse.after.angle_cosine > collapse.before.angle_cosine - kMinGain) continue;
       if (collapse.after.angle_cosine < best_cosine && mesh_.is_collapse_ok(h)) {
         best = h;
         best_cosine = collapse.after.angle_cosine;
@@ -74,12 +74,12 @@ bool AdaptiveMesh::improve_by_move(Vertex v) {
   }
   zero_set_.project(at_mm, reach_mm, places);
   const Worst before = ring_worst(v);
-  double best_cosine = before.angle_cosine - kLeastGain;
+  double best_cosine = before.angle_cosine - kMinGain;
   const ZeroSet::Place* best = nullptr;
   for (const ZeroSet::Place& place : places) {
-    if (!place.found || place.normal.dot(normal(v)) < kLeastAgreement) continue;
+    if (!place.found || place.normal.dot(normal(v)) < kMinAgreement) continue;
     const Worst after = ring_worst_if(v, place.position_mm, place.normal);
-    if (after.agreement < std::min(kLeastAgreement, before.agreement) || after.angle_cosine >= best_cosine) continue;
+    if (after.agreement < std::min(kMinAgreement, before.agreement) || after.angle_cosine >= best_cosine) continue;
     best = &place;
     best_cosine = after.angle_cosine;
   }

@@ -98,10 +98,10 @@ void SizingField::even_out() {
   const auto spread_from = [&](std::uint32_t i) {
     for (std::uint32_t at = first_[i]; at < first_[i + 1]; ++at) {
       const std::uint32_t n = neighbours_[at];
-      const double most_mm = length_mm_[i] + slope_ * (points_mm_[n] - points_mm_[i]).norm();
-      if (most_mm < length_mm_[n]) {
-        length_mm_[n] = most_mm;
-        open.emplace(most_mm, n);
+      const double max_mm = length_mm_[i] + slope_ * (points_mm_[n] - points_mm_[i]).norm();
+      if (max_mm < length_mm_[n]) {
+        length_mm_[n] = max_mm;
+        open.emplace(max_mm, n);
       }
     }
   };

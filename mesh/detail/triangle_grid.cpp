@@ -57,8 +57,8 @@ TriangleGrid::TriangleGrid(const TriangleMesh& mesh) : mesh_(mesh) {
   if (boxes_.empty()) box_.extend(Vec3::Zero());
   cell_mm_ = std::max(side_sum_mm / static_cast<double>(std::max<std::size_t>(1, boxes_.size())), 1e-9);
   // More cells than this would cost more to make than they save.
-  const double most_cells = std::clamp(32.0 * static_cast<double>(boxes_.size()), 4096.0, 0x1.0p24);
-  while (((box_.sizes() / cell_mm_).array().floor() + 1.0).prod() > most_cells) cell_mm_ *= 1.5;
+  const double max_cells = std::clamp(32.0 * static_cast<double>(boxes_.size()), 4096.0, 0x1.0p24);
+  while (((box_.sizes() / cell_mm_).array().floor() + 1.0).prod() > max_cells) cell_mm_ *= 1.5;
   cells_ = (box_.sizes() / cell_mm_).array().floor().cast<int>() + 1;
 
   const auto for_each_cell = [&](const Box3& box, const auto& visit) {

@@ -30,7 +30,7 @@ inline double agreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
 }
 
 /// A triangle's normal may differ by 60 degrees from its corners' normals; by more only where it did before.
-constexpr double kLeastAgreement = 0.5;
+constexpr double kMinAgreement = 0.5;
 
 /// Of each vertex: the sum over its triangles of twice their area along their normal, mm². Indices must be in range.
 std::vector<Vec3> area_normals(const TriangleMesh& mesh);

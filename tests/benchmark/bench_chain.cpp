@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/points/point_volume.h"
 #include "core/rbf/fit_surface.h"
 #include "tests/support/surface_distance.h"
@@ -90,7 +90,7 @@ BENCHMARK(bake_rbf)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 
 void fill_standard_volume(benchmark::State& state) {
   const Vertebra vertebra;
-  const PedicleTruth pedicle = vertebra_truth(vertebra).left;
+  const PedicleGroundTruth pedicle = vertebra_ground_truth(vertebra).left;
   const Vec3 along = (pedicle.target_mm - pedicle.entry_mm).normalized();
   PointVolume volume({"left", pedicle.entry_mm, pedicle.entry_mm + 37.8 * along, {}}, {});
   const BoneModel& model = bone();

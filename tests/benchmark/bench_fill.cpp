@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/points/point_volume.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_field.h"
@@ -23,7 +23,7 @@ const BoneModel& bone() {
 
 const DrillPath& path() {
   static const DrillPath found = [] {
-    const PedicleTruth pedicle = vertebra_truth(Vertebra()).left;
+    const PedicleGroundTruth pedicle = vertebra_ground_truth(Vertebra()).left;
     return DrillPath{"left", pedicle.target_mm - 37.8 * pedicle.axis, pedicle.target_mm, {}};
   }();
   return found;

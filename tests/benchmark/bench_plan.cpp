@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/auto_plan.h"
@@ -27,7 +27,7 @@ const Bone& bone() {
 }
 
 DrillPath path(double inward_mm) {
-  const PedicleTruth pedicle = vertebra_truth(Vertebra()).left;
+  const PedicleGroundTruth pedicle = vertebra_ground_truth(Vertebra()).left;
   const Vec3 inward = -inward_mm * Vec3::UnitX();
   DrillPath made{"left", pedicle.entry_mm + inward, pedicle.target_mm + inward, {}};
   made.screw = PedicleScrew{"", 6.5, 45.0, 4.0};
@@ -39,7 +39,7 @@ void plan_both_sides(benchmark::State& state) {
   std::size_t ways = 0;
   for (auto _ : state) {
     const Bone planned(model());
-    ways = auto_plan(planned.walls(), planned.hu_sampler())[0].best.value().ways_looked_at;
+    ways = auto_plan(planned.walls(), planned.hu_sampler())[0].best.value().trajectories_tried;
   }
   state.counters["ways_a_side"] = static_cast<double>(ways);
 }

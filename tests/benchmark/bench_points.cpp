@@ -1,5 +1,5 @@
 // From the files of a CT (95 slices of 512 x 512, 0.352 x 0.352 x 0.5 mm) to its surface points: how long each stage
-// takes, and how well the three methods lie on the truth: the phantom of an L3 vertebra and, where
+// takes, and how well the three methods lie on the ground truth: the phantom of an L3 vertebra and, where
 // SPINALTAP_TEST_DATA names the folder of the real CTs, the mesh of a real one.
 
 #include <benchmark/benchmark.h>
@@ -86,7 +86,7 @@ void points_of(benchmark::State& state, const Scanned& scanned, PointMethod meth
   state.counters["dropped"] = static_cast<double>(samples.dropped);
   state.counters["mean_mm"] = error.mean_mm;
   state.counters["p99_mm"] = error.p99_mm;
-  state.counters["wiggle_mm"] = error.wiggle_mm;
+  state.counters["inter_slice_jitter_mm"] = error.inter_slice_jitter_mm;
 }
 
 }  // namespace

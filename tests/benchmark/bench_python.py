@@ -22,7 +22,7 @@ from spinaltap.env import VectorDrillEnv
 
 ROUNDS = 9
 folder = FilePath(os.environ["SPINALTAP_PYTHON_TEST_DATA"])
-bone = spinaltap.Bone.load(folder / "truth.vdb")
+bone = spinaltap.Bone.load(folder / "ground_truth.vdb")
 path = spinaltap.read_plan(folder / "plan.json")[0]
 
 
@@ -42,7 +42,7 @@ def measure_steps():
     session = spinaltap.Session(bone, path)
     poses = spinaltap.PlannedMotion(path, feed_mm_s=10.0).poses()
     tips, axes = list(poses[:, :3].copy()), list(poses[:, 3:].copy())
-    nowhere = [np.full(3, np.nan)] * len(tips)  # refused at once: what is left is the way there and back
+    nowhere = [np.full(3, np.nan)] * len(tips)  # rejected at once: what is left is the way there and back
 
     def in_steps(tips):
         for tip, axis in zip(tips, axes):
@@ -55,7 +55,7 @@ def measure_steps():
     works = {
         "one step": lambda: in_steps(tips),
         "one step, force read": in_steps_with_forces,
-        "one step, refused": lambda: in_steps(nowhere),
+        "one step, rejected": lambda: in_steps(nowhere),
         "a step of run()": lambda: session.run(poses),
     }
     figures = {name: [] for name in works}

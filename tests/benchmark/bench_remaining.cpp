@@ -24,7 +24,7 @@ const BoneModel& bone() {
 }
 
 /// The paper's path, 37.8 mm long, through the phantom's left pedicle, by hand.
-std::vector<Pose> hand_poses() {
+std::vector<Pose> tremor_poses() {
   const Vertebra vertebra;
   const auto& pedicle = vertebra.anatomy().pedicle;
   const double inward = pedicle.convergence_deg * std::numbers::pi / 180.0;
@@ -33,17 +33,17 @@ std::vector<Pose> hand_poses() {
   const DrillPath path = workload_path(3.0);
   const PathFrame from(path.entry_mm, path.direction());
   const PathFrame to(vertebra.to_patient(pedicle.isthmus_mm - kBeforeIsthmusMm * along), vertebra.rotation() * along);
-  std::vector<Pose> poses = workload_poses(WorkloadMotion::hand);
+  std::vector<Pose> poses = workload_poses(WorkloadMotion::tool_operator);
   for (Pose& pose : poses) pose = to.to_patient(from.to_path(pose));
   return poses;
 }
 
 /// The argument is the voxel, um.
-void drill_by_hand(benchmark::State& state) {
+void drill_with_tremor(benchmark::State& state) {
   bone();
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const double voxel_mm = 1e-3 * static_cast<double>(state.range(0));
-  const std::vector<Pose> poses = hand_poses();
+  const std::vector<Pose> poses = tremor_poses();
   const DrillBit bit = workload_path(3.0).bit;
   for (auto _ : state) {
     const std::int64_t begin_ns = thread_cpu_ns();
@@ -53,7 +53,7 @@ void drill_by_hand(benchmark::State& state) {
     std::vector<std::int64_t> cpu_ns;
     std::vector<std::int64_t> drill_cpu_ns;
     std::vector<std::int64_t> wall;
-    std::size_t most_blocks = 0;
+    std::size_t max_blocks = 0;
     constexpr double kPosesPerFrame = 1000.0 / 60.0;
     std::size_t at = 0;
     for (std::size_t frame = 1; at + 1 < poses.size(); ++frame) {
@@ -63,7 +63,7 @@ void drill_by_hand(benchmark::State& state) {
       const std::int64_t before_ns = thread_cpu_ns();
       remaining.drill(bit, std::span(poses).subspan(at, next - at + 1));
       drill_cpu_ns.push_back(thread_cpu_ns() - before_ns);
-      most_blocks = std::max(most_blocks, surface.update().size());
+      max_blocks = std::max(max_blocks, surface.update().size());
       cpu_ns.push_back(thread_cpu_ns() - before_ns);
       wall.push_back(wall_ns() - wall_before_ns);
       at = next;
@@ -81,7 +81,7 @@ void drill_by_hand(benchmark::State& state) {
     state.counters["wall_p99_ms"] = 1e-3 * spread_of(wall).p99_us;
     state.counters["whole_ms"] = whole_ms;
     state.counters["p99_of_whole"] = 1e-3 * cpu.p99_us / whole_ms;
-    state.counters["most_blocks"] = static_cast<double>(most_blocks);
+    state.counters["max_blocks"] = static_cast<double>(max_blocks);
     state.counters["bone_MB"] = 1e-6 * static_cast<double>(remaining.memory_bytes());
     state.counters["undo_MB"] = 1e-6 * static_cast<double>(remaining.undo_memory_bytes());
     state.counters["surface_MB"] = 1e-6 * static_cast<double>(surface.memory_bytes());
@@ -90,7 +90,7 @@ void drill_by_hand(benchmark::State& state) {
     state.counters["triangles"] = static_cast<double>(triangles);
   }
 }
-BENCHMARK(drill_by_hand)
+BENCHMARK(drill_with_tremor)
     ->ArgName("voxel_um")
     ->Arg(200)
     ->Arg(100)

@@ -16,7 +16,7 @@ namespace {
 /// The same as bench_python.py's: along the left pedicle at 10 mm/s and 1 kHz.
 struct Drilling {
   explicit Drilling(const std::filesystem::path& folder)
-      : path(read_plan(folder / "plan.json").front()), session(Bone::load(folder / "truth.vdb"), path) {
+      : path(read_plan(folder / "plan.json").front()), session(Bone::load(folder / "ground_truth.vdb"), path) {
     PathMotionOptions options{.line = {.lead_in_mm = 3.0}};
     options.feed.steps = {{0.0, 10.0}};
     const PathMotion motion(path, options);

@@ -25,7 +25,8 @@ class Bench : public testing::Test {
 
 TEST_F(Bench, MeasuresEnginesOnEachMotion) {
   const test::ProgramRun run = run_program(
-      "bench drill --engine reference,arc,ring --spacing 0.3 --motion on-path,hand-off-path --diameter 3.0 --window 5 "
+      "bench drill --engine reference,arc,ring --spacing 0.3 --motion on-path,tremor-off-path --diameter 3.0 --window "
+      "5 "
       "-o bench.json "
       "--plot bench.html",
       folder_.path());
@@ -64,14 +65,14 @@ TEST_F(Bench, MeasuresLongStepsWithEachNumberOfThreads) {
 
 TEST_F(Bench, FindsTheSamePointsWithEveryEngine) {
   const test::ProgramRun run = run_program(
-      "bench drill --spacing 0.3 --motion hand,tilted,burr,sideways --diameter 3.06 --window 2", folder_.path());
+      "bench drill --spacing 0.3 --motion tremor,tilted,burr,sideways --diameter 3.06 --window 2", folder_.path());
   EXPECT_EQ(run.exit_code, 0) << run.errors;
 }
 
-TEST_F(Bench, RepeatsItsHandBySeed) {
+TEST_F(Bench, RepeatsItsTremorBySeed) {
   const auto hash = [&](const std::string& seed) {
     const test::ProgramRun run = run_program(
-        "bench drill --spacing 0.5 --motion hand --diameter 3.0 --engine ring "
+        "bench drill --spacing 0.5 --motion tremor --diameter 3.0 --engine ring "
         "--threads 1 -o bench.json --seed " +
             seed,
         folder_.path());
@@ -91,7 +92,7 @@ TEST_F(Bench, PrintsMarkdownWhereAskedFor) {
   EXPECT_THAT(run.output, HasSubstr("| tilted, 3.06 | 0.5 | ring | 1 |"));
 }
 
-TEST_F(Bench, IsRefusedInOneLineAndLeavesNoFile) {
+TEST_F(Bench, IsRejectedInOneLineAndLeavesNoFile) {
   for (const char* arguments :
        {"--engine voxels", "--motion backwards", "--spacing 0", "--spacing 0.1,nan", "--diameter -3", "--diameter nan",
         "--threads 0", "--window 0", "--window 5000", "--hu-bits 12", "--seed -1 --engine"}) {
@@ -103,7 +104,7 @@ TEST_F(Bench, IsRefusedInOneLineAndLeavesNoFile) {
   }
   EXPECT_EQ(run_program("bench drill --engine voxels", folder_.path()).exit_code, 2);
   EXPECT_EQ(run_program("bench", folder_.path()).exit_code, 2);
-  // Files are refused before the work: this would take minutes.
+  // Files are rejected before the work: this would take minutes.
   const test::ProgramRun nowhere = run_program("bench drill --spacing 0.025 -o /proc/none/bench.json", folder_.path());
   EXPECT_EQ(nowhere.exit_code, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("/proc/none"));

@@ -106,11 +106,11 @@ TEST_F(Drill, TakesBitsOfOtherShapes) {
 TEST_F(Drill, TellsWhatHappenedInItsFilesAndStopsWhereItIsAsked) {
   const Json free = drill("");
   EXPECT_EQ(free["stopped"], false);
-  const double most_n = free["greatest_thrust_N"].get<double>();
-  ASSERT_GT(most_n, 1.0);
-  const Json stopped = drill("--stop-at-thrust " + std::to_string(0.5 * most_n));
+  const double max_n = free["max_thrust_n"].get<double>();
+  ASSERT_GT(max_n, 1.0);
+  const Json stopped = drill("--stop-at-thrust " + std::to_string(0.5 * max_n));
   EXPECT_EQ(stopped["stopped"], true);
-  EXPECT_LT(stopped["deepest_mm"].get<double>(), free["deepest_mm"].get<double>() - 1.0);
+  EXPECT_LT(stopped["max_depth_mm"].get<double>(), free["max_depth_mm"].get<double>() - 1.0);
   std::ifstream events(folder_->path() / "out" / "events.csv");
   const std::string text((std::istreambuf_iterator<char>(events)), std::istreambuf_iterator<char>());
   EXPECT_NE(text.find("\nstop: thrust,"), std::string::npos);
@@ -125,26 +125,26 @@ TEST_F(Drill, StopsOnABreachOfTheFarSide) {
   write_plan({through}, folder_->path() / "through.json");
   const Json stopped = drill("--stop-on-breach", "through.json");
   EXPECT_EQ(stopped["stopped"], true);
-  EXPECT_NEAR(stopped["deepest_mm"].get<double>(), 2.0 * kBoneRadiusMm, 0.3);
-  EXPECT_LT(stopped["least_outer_clearance_mm"].get<double>(), 0.05);
+  EXPECT_NEAR(stopped["max_depth_mm"].get<double>(), 2.0 * kBoneRadiusMm, 0.3);
+  EXPECT_LT(stopped["min_clearance_outer_mm"].get<double>(), 0.05);
 }
 
-TEST_F(Drill, TakesEveryHand) {
-  EXPECT_EQ(drill("--hand off-path")["hand"]["offset"], "1.2 mm");
-  EXPECT_EQ(drill("--hand tilted --tilt 5")["hand"]["tilt"], "5 degrees");
-  EXPECT_EQ(drill("--hand tremor --seed 7")["hand"]["tremor"], "0.1 mm, seed 7");
+TEST_F(Drill, TakesEveryOperator) {
+  EXPECT_EQ(drill("--operator off-path")["operator"]["offset"], "1.2 mm");
+  EXPECT_EQ(drill("--operator tilted --tilt 5")["operator"]["tilt"], "5 degrees");
+  EXPECT_EQ(drill("--operator tremor --seed 7")["operator"]["tremor"], "0.1 mm, seed 7");
   const test::ProgramRun pushed = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --json out.json --hand push --push 30",
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --json out.json --operator push --push 30",
       folder_->path());
   ASSERT_EQ(pushed.exit_code, 0) << pushed.errors;
-  EXPECT_EQ(read_json(folder_->path() / "out.json")["hand"]["push"], "30 N");
+  EXPECT_EQ(read_json(folder_->path() / "out.json")["operator"]["push"], "30 N");
   // Feed over rate is the step: the same poses either way, and the same bone.
   const Json by_step = drill("");
   const test::ProgramRun by_rate = test::run_program(
       "drill bone.vdb plan.json --radius 2 --spacing 0.2 --feed 1 --rate 100 -o out --json out.json", folder_->path());
   ASSERT_EQ(by_rate.exit_code, 0) << by_rate.errors;
   EXPECT_EQ(read_json(folder_->path() / "out.json")["removed"], by_step["removed"]);
-  EXPECT_EQ(read_json(folder_->path() / "out.json")["greatest_thrust_N"], by_step["greatest_thrust_N"]);
+  EXPECT_EQ(read_json(folder_->path() / "out.json")["max_thrust_n"], by_step["max_thrust_n"]);
 }
 
 TEST_F(Drill, FollowsPosesFromAFile) {
@@ -159,18 +159,19 @@ TEST_F(Drill, FollowsPosesFromAFile) {
   }
   csv.close();
   const test::ProgramRun run = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --hand poses.csv -o out --json out.json", folder_->path());
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --operator poses.csv -o out --json out.json", folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const Json figures = read_json(folder_->path() / "out.json");
   EXPECT_EQ(figures["cycles"], 700);
-  EXPECT_NEAR(figures["deepest_mm"].get<double>(), 4.0, 1e-3);
+  EXPECT_NEAR(figures["max_depth_mm"].get<double>(), 4.0, 1e-3);
   EXPECT_NEAR(figures["session_s"].get<double>(), 7.0, 0.011);
 }
 
 TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
   std::filesystem::remove(folder_->path() / "run.h5");
   const std::string options =
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --hand tremor --feed 10 --rate 500 --real-time --seconds 1 "
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --operator tremor --feed 10 --rate 500 --real-time --seconds "
+      "1 "
       "--output-rate 2000 --record run.h5 -o out --json out.json";
   const test::ProgramRun run = test::run_program(options, folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
@@ -192,41 +193,41 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
 }
 
 TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
-  const auto refused = [&](const std::string& options, const std::string& word) {
-    const test::ProgramRun run = test::run_program("drill bone.vdb plan.json -o refused " + options, folder_->path());
+  const auto rejected = [&](const std::string& options, const std::string& word) {
+    const test::ProgramRun run = test::run_program("drill bone.vdb plan.json -o rejected " + options, folder_->path());
     EXPECT_NE(run.exit_code, 0) << options;
     EXPECT_NE(run.errors.find(word), std::string::npos) << options << ": " << run.errors;
-    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "refused")) << options;
+    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "rejected")) << options;
   };
-  refused("--hand sideways", "found \"sideways\"");
-  refused("--hand on-path --offset 1", "take off-path");
-  refused("--hand push --feed 2", "feed follows from the bone");
-  refused("--push 20", "only the hand push");
-  refused("--hand none.csv", "none.csv");
-  refused("--hand none.csv --tremor 0.1", "the file says where");
-  refused("--step 0.01 --feed 1 --rate 100", "two of --step, --feed and --rate");
-  refused("--real-time --step 0.01", "no --step with --real-time");
-  refused("--seconds 5", "expected --real-time");
-  refused("--output-rate 5000", "expected --real-time");
-  refused("--real-time --rate 50000", "1 to 20,000 Hz");
-  refused("--real-time --seconds 0", "above 0 s");
-  refused("--stop-on-breach --no-clearances", "leave --no-clearances away");
-  refused("--record run2.h5 --rbf none.rbf", "without --rbf");
-  refused("--feed 1:x", "expected --feed");
-  refused("--feed 0", "0 mm/s");
-  refused("--tremor -1", "tremor");
-  refused("--spindle -5", "turns a minute");
+  rejected("--operator sideways", "found \"sideways\"");
+  rejected("--operator on-path --offset 1", "take off-path");
+  rejected("--operator push --feed 2", "feed follows from the bone");
+  rejected("--push 20", "only the operator push");
+  rejected("--operator none.csv", "none.csv");
+  rejected("--operator none.csv --tremor 0.1", "the file says where");
+  rejected("--step 0.01 --feed 1 --rate 100", "two of --step, --feed and --rate");
+  rejected("--real-time --step 0.01", "no --step with --real-time");
+  rejected("--seconds 5", "expected --real-time");
+  rejected("--output-rate 5000", "expected --real-time");
+  rejected("--real-time --rate 50000", "1 to 20,000 Hz");
+  rejected("--real-time --seconds 0", "above 0 s");
+  rejected("--stop-on-breach --no-clearances", "leave --no-clearances away");
+  rejected("--record run2.h5 --rbf none.rbf", "without --rbf");
+  rejected("--feed 1:x", "expected --feed");
+  rejected("--feed 0", "0 mm/s");
+  rejected("--tremor -1", "tremor");
+  rejected("--spindle -5", "turns a minute");
   EXPECT_FALSE(std::filesystem::exists(folder_->path() / "run2.h5"));
 }
 
-TEST_F(Drill, RefusesOptionsWithoutSense) {
+TEST_F(Drill, RejectsOptionsWithoutSense) {
   for (const char* options : {"--jitter 0.7", "--engine fast", "--hu-bits 12", "--fine-spacing -1", "--rbf none.rbf",
                               "--subdivision squares"}) {
     const test::ProgramRun run =
-        test::run_program(std::string("drill bone.vdb plan.json -o refused ") + options, folder_->path());
+        test::run_program(std::string("drill bone.vdb plan.json -o rejected ") + options, folder_->path());
     EXPECT_NE(run.exit_code, 0) << options;
     EXPECT_FALSE(run.errors.empty()) << options;
-    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "refused")) << options;
+    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "rejected")) << options;
   }
 }
 

@@ -95,7 +95,7 @@ class Errors : public ::testing::Test {
   fs::path work() const { return folder_.path() / "work"; }
 
   /// Runs the program in the empty folder work/, and expects one line of error, an exit that is not 0, and no file.
-  std::string refused(const std::string& arguments, const std::string& before = "") {
+  std::string rejected(const std::string& arguments, const std::string& before = "") {
     const ProgramRun run = run_program(arguments, work(), before);
     EXPECT_NE(run.exit_code, 0) << arguments;
     EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
@@ -115,13 +115,13 @@ class Errors : public ::testing::Test {
 const test::TemporaryFolder* Errors::made_ = nullptr;
 
 TEST_F(Errors, NamesAFolderThatIsMissing) {
-  EXPECT_THAT(refused("bake ../nowhere -o out/bone.vdb"), HasSubstr("no such folder: ../nowhere"));
+  EXPECT_THAT(rejected("bake ../nowhere -o out/bone.vdb"), HasSubstr("no such folder: ../nowhere"));
 }
 
 TEST_F(Errors, SaysThatAFolderHoldsNoDicom) {
   fs::create_directory(in("notes"));
   std::ofstream(in("notes/readme.txt")) << "nothing here";
-  EXPECT_THAT(refused("bake ../notes -o out/bone.vdb"), HasSubstr("expected DICOM images, found none"));
+  EXPECT_THAT(rejected("bake ../notes -o out/bone.vdb"), HasSubstr("expected DICOM images, found none"));
 }
 
 TEST_F(Errors, NamesTheModalityOfASeriesThatIsNotCt) {
@@ -144,12 +144,12 @@ TEST_F(Errors, NamesTheModalityOfASeriesThatIsNotCt) {
     bytes.replace(at, ct_element.size(), mr_element);
     std::ofstream(entry.path(), std::ios::binary) << bytes;
   }
-  EXPECT_THAT(refused("bake ../ct -o out/bone.vdb"), HasSubstr("MR"));
+  EXPECT_THAT(rejected("bake ../ct -o out/bone.vdb"), HasSubstr("MR"));
 }
 
 TEST_F(Errors, NamesTheNeighboursOfAMissingSlice) {
   fs::remove(in("ct/0009.dcm"));
-  const std::string error = refused("bake ../ct -o out/bone.vdb");
+  const std::string error = rejected("bake ../ct -o out/bone.vdb");
   EXPECT_THAT(error, HasSubstr("a slice is missing: expected a step of 1 mm, found 2 mm"));
   EXPECT_THAT(error, HasSubstr("0008.dcm"));
   EXPECT_THAT(error, HasSubstr("0010.dcm"));
@@ -158,40 +158,41 @@ TEST_F(Errors, NamesTheNeighboursOfAMissingSlice) {
 TEST_F(Errors, ListsTheSeriesOfAMixedFolder) {
   fs::create_directory(in("ct/second"));
   write_dicom(ball_ct(0.5), in("ct/second"));
-  const std::string error = refused("bake ../ct -o out/bone.vdb");
+  const std::string error = rejected("bake ../ct -o out/bone.vdb");
   EXPECT_THAT(error, HasSubstr("expected one series, found 2"));
   EXPECT_THAT(error, HasSubstr("--series"));
   EXPECT_THAT(error, HasSubstr("1 = "));
   EXPECT_THAT(error, HasSubstr("2 = "));
-  EXPECT_THAT(refused("bake ../ct --series 3 -o out/bone.vdb"), HasSubstr("3"));
+  EXPECT_THAT(rejected("bake ../ct --series 3 -o out/bone.vdb"), HasSubstr("3"));
 }
 
 TEST_F(Errors, ListsTheLabelsOfAMapWithoutTheOneAskedFor) {
   write_labels(in("labels.nii"));
-  const std::string error = refused("bake ../ct --labels ../labels.nii --label 7 -o out/bone.vdb");
+  const std::string error = rejected("bake ../ct --labels ../labels.nii --label 7 -o out/bone.vdb");
   EXPECT_THAT(error, HasSubstr("no label 7"));
   EXPECT_THAT(error, HasSubstr("there are: 5"));
 }
 
 TEST_F(Errors, SaysWhatIsWrongWithASeed) {
-  EXPECT_THAT(refused("segment ../ct --seed 16,16,400 -o out/map.nii.gz"), HasSubstr("expected a point in the CT"));
-  EXPECT_THAT(refused("bake ../ct --seed 16,16,400 -o out/bone.vdb"), HasSubstr("expected a point in the CT"));
-  EXPECT_THAT(refused("segment ../ct --seed 1,2,3 -o out/map.nii.gz"), HasSubstr("around (1, 2, 3) mm"));
-  EXPECT_THAT(refused("segment ../ct --seed 1,2 -o out/map.nii.gz"), HasSubstr("--help"));
+  EXPECT_THAT(rejected("segment ../ct --seed-point 16,16,400 -o out/map.nii.gz"),
+              HasSubstr("expected a point in the CT"));
+  EXPECT_THAT(rejected("bake ../ct --seed-point 16,16,400 -o out/bone.vdb"), HasSubstr("expected a point in the CT"));
+  EXPECT_THAT(rejected("segment ../ct --seed-point 1,2,3 -o out/map.nii.gz"), HasSubstr("around (1, 2, 3) mm"));
+  EXPECT_THAT(rejected("segment ../ct --seed-point 1,2 -o out/map.nii.gz"), HasSubstr("--help"));
 }
 
 TEST_F(Errors, NamesALabelMapThatIsNone) {
   std::ofstream(in("bad.nrrd")) << "not NRRD at all";
-  EXPECT_THAT(refused("segment ../ct --labels ../bad.nrrd -o out/map.nii.gz"),
+  EXPECT_THAT(rejected("segment ../ct --labels ../bad.nrrd -o out/map.nii.gz"),
               ::testing::AllOf(HasSubstr("expected an NRRD file"), HasSubstr("bad.nrrd")));
-  EXPECT_THAT(refused("bake ../ct --labels ../nowhere.nrrd -o out/bone.vdb"), HasSubstr("no such file"));
-  EXPECT_THAT(refused("segment ../ct -o out/map.png"), HasSubstr("map.png"));
+  EXPECT_THAT(rejected("bake ../ct --labels ../nowhere.nrrd -o out/bone.vdb"), HasSubstr("no such file"));
+  EXPECT_THAT(rejected("segment ../ct -o out/map.png"), HasSubstr("map.png"));
 }
 
 TEST_F(Errors, LeavesNeitherMapNorPictureOnAFullDisk) {
   write_labels(in("labels.nii"));
   const std::string segment = "segment ../ct --labels ../labels.nii --from 5 -o out/map.nii --picture out/map.png";
-  EXPECT_THAT(refused(segment, "ulimit -f 8;"), HasSubstr("cannot write"));
+  EXPECT_THAT(rejected(segment, "ulimit -f 8;"), HasSubstr("cannot write"));
 }
 
 TEST_F(Errors, CarriesALabelMapFromOneFormatToAnotherAndBack) {
@@ -208,14 +209,14 @@ TEST_F(Errors, CarriesALabelMapFromOneFormatToAnotherAndBack) {
 
 TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
   take_bone();
-  const std::string error = refused("plan ../bone.vdb --entry 100,0,0 --target 130,0,0 -o out/plan.json");
+  const std::string error = rejected("plan ../bone.vdb --entry 100,0,0 --target 130,0,0 -o out/plan.json");
   EXPECT_THAT(error, HasSubstr("misses the bone"));
   EXPECT_THAT(error, HasSubstr("(100, 0, 0) to (130, 0, 0)"));
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "far", "entry": [100, 0, 0], "target": [130, 0, 0],
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
-  EXPECT_THAT(refused("drill ../bone.vdb ../plan.json -o out"), HasSubstr("misses the bone"));
+  EXPECT_THAT(rejected("drill ../bone.vdb ../plan.json -o out"), HasSubstr("misses the bone"));
 }
 
 TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
@@ -223,7 +224,7 @@ TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "p", "entry": [1, 2], "target": [3, 0, 0], "bit": {}}]})";
-  const std::string error = refused("drill ../bone.vdb ../plan.json -o out");
+  const std::string error = rejected("drill ../bone.vdb ../plan.json -o out");
   EXPECT_THAT(error, HasSubstr("\"entry\""));
   EXPECT_THAT(error, HasSubstr("plan.json"));
 }
@@ -236,11 +237,11 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   // A limit on the size of a file makes writes fail as a full disk does.
   const std::string small = "ulimit -f 8;";
-  EXPECT_THAT(refused("bake ../ct --labels ../ball.nrrd --voxel 0.5 -o out/bone.vdb", small),
+  EXPECT_THAT(rejected("bake ../ct --labels ../ball.nrrd --voxel 0.5 -o out/bone.vdb", small),
               HasSubstr("cannot write"));
-  EXPECT_THAT(refused("mesh ../bone.vdb -o out/bone.stl", small), HasSubstr("cannot write"));
-  EXPECT_THAT(refused("drill ../bone.vdb ../plan.json --step 0.05 -o out", small), HasSubstr("cannot write"));
-  EXPECT_THAT(refused("phantom out --slices 3 --slice-step 5", small), HasSubstr("cannot write"));
+  EXPECT_THAT(rejected("mesh ../bone.vdb -o out/bone.stl", small), HasSubstr("cannot write"));
+  EXPECT_THAT(rejected("drill ../bone.vdb ../plan.json --step 0.05 -o out", small), HasSubstr("cannot write"));
+  EXPECT_THAT(rejected("phantom out --slices 3 --slice-step 5", small), HasSubstr("cannot write"));
 }
 
 TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
@@ -251,9 +252,9 @@ TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
   EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
 }
 
-TEST_F(Errors, RefusesAnUnknownOptionWithAWordAboutHelp) {
-  EXPECT_THAT(refused("bake ../ct --colour red"), HasSubstr("--help"));
-  EXPECT_THAT(refused("drill"), HasSubstr("--help"));
+TEST_F(Errors, RejectsAnUnknownOptionWithAWordAboutHelp) {
+  EXPECT_THAT(rejected("bake ../ct --colour red"), HasSubstr("--help"));
+  EXPECT_THAT(rejected("drill"), HasSubstr("--help"));
 }
 
 TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {

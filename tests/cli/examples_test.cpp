@@ -52,15 +52,15 @@ TEST_F(Examples, BakeAndDrillGivesForcesAtEachStepInFifteenLines) {
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   std::istringstream lines(run.output);
   std::size_t cycles = 0;
-  double most_n = 0.0;
+  double max_n = 0.0;
   for (std::string line; std::getline(lines, line); ++cycles) {
     double depth_mm = 0.0, thrust_n = 0.0, torque_n_mm = 0.0;
     ASSERT_EQ(std::sscanf(line.c_str(), "%lf mm: %lf N, %lf N mm", &depth_mm, &thrust_n, &torque_n_mm), 3) << line;
-    most_n = std::max(most_n, thrust_n);
+    max_n = std::max(max_n, thrust_n);
   }
   EXPECT_GT(cycles, 20'000U);
-  EXPECT_GT(most_n, 3.0) << "the cortex resists";
-  EXPECT_LT(most_n, 300.0);
+  EXPECT_GT(max_n, 3.0) << "the cortex resists";
+  EXPECT_LT(max_n, 300.0);
 
   std::ifstream source(SPINALTAP_EXAMPLE_SOURCES "/bake_and_drill.cpp");
   std::size_t lines_of_code = 0;

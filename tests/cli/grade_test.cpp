@@ -5,7 +5,7 @@
 
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
@@ -22,9 +22,9 @@ class Grade : public ::testing::Test {
     folder_ = new test::TemporaryFolder;
     const Vertebra vertebra;
     write_bone(bake_solid(vertebra, {}, 40.0), folder_->path() / "bone.vdb");
-    const VertebraTruth truth = vertebra_truth(vertebra);
-    write_plan({{"left", truth.left.entry_mm, truth.left.target_mm, {}},
-                {"right", truth.right.entry_mm, truth.right.target_mm, {}}},
+    const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+    write_plan({{"left", ground_truth.left.entry_mm, ground_truth.left.target_mm, {}},
+                {"right", ground_truth.right.entry_mm, ground_truth.right.target_mm, {}}},
                folder_->path() / "plan.json");
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -48,7 +48,7 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
     EXPECT_NEAR(path["canal"]["clearance_mm"].get<double>(), 1.25, 0.15);
     EXPECT_EQ(path["outer"]["side"], "lateral");
     EXPECT_EQ(path["canal"]["side"], "medial");
-    EXPECT_GT(path["most_thrust_N"].get<double>(), 1.0);
+    EXPECT_GT(path["max_thrust_n"].get<double>(), 1.0);
   }
   EXPECT_THAT(run.output, HasSubstr("screw 6.5 x 45 mm"));
   EXPECT_GT(read_json(folder_->path() / "out" / "grade.json")["paths"][1]["rows"].size(), 100U);
@@ -56,14 +56,14 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
             (std::vector<std::string>{"grade.csv", "grade.json", "report.html"}));
 }
 
-TEST_F(Grade, RefusesOptionsWithoutSense) {
+TEST_F(Grade, RejectsOptionsWithoutSense) {
   for (const char* options : {"--path middle", "--screw-diameter 6.5", "--screw-diameter -1 --screw-length 45",
                               "--step 0", "--hu-bands 375,135", "--material none.json"}) {
     const test::ProgramRun run =
-        test::run_program(std::string("grade bone.vdb plan.json -o refused ") + options, folder_->path());
+        test::run_program(std::string("grade bone.vdb plan.json -o rejected ") + options, folder_->path());
     EXPECT_NE(run.exit_code, 0) << options;
     EXPECT_FALSE(run.errors.empty()) << options;
-    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "refused")) << options;
+    EXPECT_FALSE(std::filesystem::exists(folder_->path() / "rejected")) << options;
   }
 }
 

@@ -1,4 +1,4 @@
-// What is no good CT is refused with one line, within a second and 200 MB, measured on the program itself.
+// What is no valid CT is rejected with one line, within a second and 200 MB, measured on the program itself.
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -48,7 +48,7 @@ MeasuredRun run_info(const std::filesystem::path& path, const std::filesystem::p
 
 class HostileCtGivenToTheProgram : public testing::TestWithParam<test::HostileCt> {};
 
-TEST_P(HostileCtGivenToTheProgram, IsRefusedInTimeAndLittleMemory) {
+TEST_P(HostileCtGivenToTheProgram, IsRejectedInTimeAndLittleMemory) {
   const test::TemporaryFolder folder;
   const test::TemporaryFolder beside;
   const std::filesystem::path path = GetParam().make(folder.path());

@@ -81,7 +81,7 @@ class Follower {
     }
   }
   /// The session's time now, at least.
-  double least_time_s() const { return ahead_s_ + seconds(Clock::now() - start_); }
+  double min_time_s() const { return ahead_s_ + seconds(Clock::now() - start_); }
 
  private:
   fs::path record_;
@@ -93,7 +93,7 @@ class Follower {
 /// Records, and kills after `lifetime_s` of recording. Returns the time that the session had come to, at least.
 double record_and_kill(const fs::path& folder, double lifetime_s) {
   const pid_t process = start(folder,
-                              "drill ../bone.vdb ../plan.json --radius 1.6 --spacing 0.1 --hand tremor --real-time "
+                              "drill ../bone.vdb ../plan.json --radius 1.6 --spacing 0.1 --operator tremor --real-time "
                               "--record run.h5 -o out");
   Follower follower(folder / "run.h5");
   const Clock::time_point begin = Clock::now();
@@ -107,7 +107,7 @@ double record_and_kill(const fs::path& folder, double lifetime_s) {
     follower.look();
   }
   std::this_thread::sleep_until(end);
-  const double time_s = follower.least_time_s();
+  const double time_s = follower.min_time_s();
   ::kill(process, SIGKILL);
   int status = 0;
   ::waitpid(process, &status, 0);
@@ -121,7 +121,7 @@ TEST(KilledRecord, OpensHoldsAllButTheLastSecondAndReplays) {
   constexpr std::array kEngines{"ring", "reference", "arc", "leaf"};
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> lifetime_s(0.1, 2.5);
-  double most_lost_s = 0.0;
+  double max_lost_s = 0.0;
   std::size_t fewest = static_cast<std::size_t>(-1);
   for (int n = 0; n < kKills; ++n) {
     const std::string name = "kill " + std::to_string(n) + " of seed " + std::to_string(kSeed);
@@ -133,7 +133,7 @@ TEST(KilledRecord, OpensHoldsAllButTheLastSecondAndReplays) {
     EXPECT_FALSE(record.is_whole) << name;
     EXPECT_EQ(record.lost, 0U) << name;
     EXPECT_GE(record.cycles.back().time_s, time_s - 1.0) << name;
-    most_lost_s = std::max(most_lost_s, time_s - record.cycles.back().time_s);
+    max_lost_s = std::max(max_lost_s, time_s - record.cycles.back().time_s);
     fewest = std::min(fewest, record.cycles.size());
 
     const std::string how = std::string(" --engine ") + kEngines[static_cast<std::size_t>(n) % kEngines.size()] +
@@ -145,7 +145,7 @@ TEST(KilledRecord, OpensHoldsAllButTheLastSecondAndReplays) {
     EXPECT_EQ(figures["is_whole"], false) << name;
     fs::remove_all(here);
   }
-  std::printf("%d records, of %zu cycles or more, ended %.3f s before the kill at most\n", kKills, fewest, most_lost_s);
+  std::printf("%d records, of %zu cycles or more, ended %.3f s before the kill at most\n", kKills, fewest, max_lost_s);
 }
 
 }  // namespace

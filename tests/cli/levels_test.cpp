@@ -114,7 +114,7 @@ TEST_F(Levels, InfoListsThem) {
   ASSERT_EQ(figures["levels"].size(), 2U);
   EXPECT_EQ(figures["levels"][1]["level"], "T12");
   EXPECT_NE(figures["levels"][1]["no_landmarks"], "");
-  EXPECT_EQ(figures["levels"][1]["facts"]["level"], "T12");
+  EXPECT_EQ(figures["levels"][1]["metadata"]["level"], "T12");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ test::ProgramRun scan_of(const TriangleMesh& mesh, const std::string& options) {
   return test::run_program("phantom scanned --mesh mesh.stl " + options + kCoarse, folder.path());
 }
 
-TEST(MeshInput, IsRefusedInMetresAndAlongOtherAxesUntilTheyAreSaid) {
+TEST(MeshInput, IsRejectedInMetresAndAlongOtherAxesUntilTheyAreSaid) {
   const TriangleMesh vertebra = bone_surface(bake_solid(Vertebra(), {.voxel_mm = 1.0}, 40.0));
   EXPECT_EQ(scan_of(vertebra, "").exit_code, 0);
 

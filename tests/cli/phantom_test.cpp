@@ -16,8 +16,8 @@ TEST(PhantomFromTheShell, IsBakedFromASeedInItsBody) {
   const test::ProgramRun phantom = test::run_program(
       "phantom phantom --pixel 0.9 --size 112 --slices 38 --slice-step 1.4 --slice-width 1.4 --seed 5", folder.path());
   ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
-  const test::ProgramRun bake =
-      test::run_program("bake phantom/ct -o bone.vdb --voxel 0.7 --point-spacing 1 --seed 0,-10,0", folder.path());
+  const test::ProgramRun bake = test::run_program(
+      "bake phantom/ct -o bone.vdb --voxel 0.7 --point-spacing 1 --seed-point 0,-10,0", folder.path());
   EXPECT_EQ(bake.exit_code, 0) << bake.errors;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "bone.vdb"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "bone.vdb.cache"));
@@ -29,7 +29,7 @@ TEST(PhantomFromTheShell, MakesASpineWithALabelMapAndTheFiguresOfEachLevel) {
       "phantom spine --spine T12-L1 --pixel 1.5 --size 80 --slice-step 3 --slice-width 3 --soft-tissue --metal L1",
       folder.path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
-  for (const char* file : {"truth.json", "truth_labels.nii.gz", "ct"}) {
+  for (const char* file : {"ground_truth.json", "ground_truth_labels.nii.gz", "ct"}) {
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "spine" / file)) << file;
   }
   const test::ProgramRun wrong = test::run_program("phantom wrong --spine T12-Q1", folder.path());

@@ -7,7 +7,7 @@
 
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
@@ -84,20 +84,20 @@ TEST_F(PlanAuto, IsTheSameAtAnyNumberOfThreads) {
 }
 
 TEST_F(PlanAuto, SaysInOneLineWhatIsWrongAndWritesNothing) {
-  const auto refused = [&](const std::string& arguments, const char* why) {
+  const auto rejected = [&](const std::string& arguments, const char* why) {
     const test::ProgramRun failed = run("plan " + arguments + " -o none.json");
     EXPECT_NE(failed.exit_code, 0) << arguments;
     EXPECT_THAT(failed.errors, HasSubstr(why)) << arguments;
     EXPECT_EQ(std::count(failed.errors.begin(), failed.errors.end(), '\n'), 1) << failed.errors;
     EXPECT_FALSE(std::filesystem::exists(in("none.json")));
   };
-  refused("ball.vdb --auto", "canal");
-  refused("bone.vdb", "--auto");
-  refused("bone.vdb --auto --entry 1,2,3 --target 4,5,6", "--auto");
-  refused("bone.vdb --auto --margin 4", "4 mm of bone");
-  refused("bone.vdb --auto --margin -1", "margin");
-  refused("bone.vdb --auto --screws missing.json", "missing.json");
-  refused("bone.vdb --margin 1 --entry 1,2,3 --target 4,5,6", "--auto");
+  rejected("ball.vdb --auto", "canal");
+  rejected("bone.vdb", "--auto");
+  rejected("bone.vdb --auto --entry 1,2,3 --target 4,5,6", "--auto");
+  rejected("bone.vdb --auto --margin 4", "4 mm of bone");
+  rejected("bone.vdb --auto --margin -1", "margin");
+  rejected("bone.vdb --auto --screws missing.json", "missing.json");
+  rejected("bone.vdb --margin 1 --entry 1,2,3 --target 4,5,6", "--auto");
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ TEST_F(Points, OfPixelsLieOnTheVoxels) {
   }
 }
 
-TEST_F(Points, AreRefusedInOneLineAndLeaveNoFile) {
+TEST_F(Points, AreRejectedInOneLineAndLeaveNoFile) {
   for (const char* arguments : {"--method splines", "--off-surface 0", "--off-surface nan --label 2 --labels ball.nrrd",
                                 "--label 3 --labels ball.nrrd", "--labels missing.nrrd"}) {
     const test::ProgramRun run = run_program(std::string("points ct ") + arguments, folder_.path());

@@ -77,7 +77,7 @@ class RbfFolder : public testing::Test {
   }
 
   /// Expects one line of error, an exit that is not 0, and no file in the empty folder work/.
-  std::string refused(const std::string& arguments, const std::string& before = "") const {
+  std::string rejected(const std::string& arguments, const std::string& before = "") const {
     const ProgramRun done = run_program(arguments, in("work"), before);
     EXPECT_NE(done.exit_code, 0) << arguments;
     EXPECT_EQ(std::count(done.errors.begin(), done.errors.end(), '\n'), 1) << done.errors;

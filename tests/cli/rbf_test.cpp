@@ -151,10 +151,10 @@ TEST_F(Rbf, ReproducesWhatItsPolynomialCan) {
   const auto quadratic = [&](const Vec3& q) { return linear(q) + 0.1 * q.x() * q.y() - 0.05 * q.z() * q.z(); };
   const std::pair<const char*, std::function<double(const Vec3&)>> cases[] = {{"biharmonic", linear},
                                                                               {"triharmonic", quadratic}};
-  for (const auto& [kernel, truth] : cases) {
+  for (const auto& [kernel, ground_truth] : cases) {
     RbfValues values = ball(60);
     for (std::size_t i = 0; i < values.points_mm.size(); ++i) {
-      values.values_mm[i] = truth(values.points_mm[i] - kCentreMm);
+      values.values_mm[i] = ground_truth(values.points_mm[i] - kCentreMm);
     }
     write("values.csv", csv(values));
     run(std::string("fit values.csv --accuracy 1e-4 --kernel ") + kernel);
@@ -163,7 +163,7 @@ TEST_F(Rbf, ReproducesWhatItsPolynomialCan) {
     const RbfValues got = evaluated(inside_mm, "--accuracy 1e-5");
     // The equations may be off by 1e-4 mm at the points; between them that grows, but not much.
     for (std::size_t i = 0; i < inside_mm.size(); ++i) {
-      ASSERT_NEAR(got.values_mm[i], truth(inside_mm[i] - kCentreMm), 2e-3) << kernel;
+      ASSERT_NEAR(got.values_mm[i], ground_truth(inside_mm[i] - kCentreMm), 2e-3) << kernel;
     }
   }
 }

@@ -51,7 +51,7 @@ TEST_F(Reading, ShowsHowASeriesIsStoredAndHowItsSlicesLie) {
                              HasSubstr("axial, columns grow to L, rows to P")));
   EXPECT_EQ(series.at("plane"), "axial");
   EXPECT_EQ(series.at("transfer_syntax"), "RLE");
-  EXPECT_EQ(series.at("least_step_mm"), 2.0);
+  EXPECT_EQ(series.at("min_step_mm"), 2.0);
   EXPECT_EQ(series.at("tilt_deg"), 0.0);
 }
 
@@ -121,7 +121,7 @@ TEST_F(Reading, ResamplesUnequalStepsOnlyWhenAskedTo) {
   EXPECT_THAT(run.errors, AllOf(HasSubstr("between slice2 and"), HasSubstr("slice3 (--resample interpolates)")));
   const Json figures = figures_of("info ct --resample");
   EXPECT_THAT(figures.at("ct").at("size"), ElementsAre(4, 3, 5));
-  EXPECT_EQ(figures.at("series").at(0).at("most_step_mm"), 3.0);
+  EXPECT_EQ(figures.at("series").at(0).at("max_step_mm"), 3.0);
 }
 
 TEST_F(Reading, ResamplesATiltedGantryAndSaysTheAngle) {

@@ -37,7 +37,7 @@ class Record : public ::testing::Test {
   static void TearDownTestSuite() { delete folder_; }
 
   static test::ProgramRun drill(const std::string& options) {
-    return test::run_program("drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --hand tremor -o out " + options,
+    return test::run_program("drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --operator tremor -o out " + options,
                              folder_->path());
   }
   static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
@@ -65,7 +65,7 @@ TEST_F(Record, ReplaysBitForBitWithEveryEngineOnOneThreadAndTwo) {
   }
 }
 
-TEST_F(Record, RefusesAnotherBoneAndWhatIsNoRecord) {
+TEST_F(Record, RejectsAnotherBoneAndWhatIsNoRecord) {
   test::write_bone_ball(folder_->path() / "other.vdb", kBoneRadiusMm + 0.01);
   const test::ProgramRun other = run("replay run.h5 other.vdb");
   EXPECT_EQ(other.exit_code, 2);

@@ -44,7 +44,7 @@ class Render : public ::testing::Test {
                  DrillBit{2.0, 30.0, 2.0}}},
                folder_->path() / "plan.json");
     const test::ProgramRun drilled =
-        run("drill bone.vdb plan.json --radius 1.6 --hand tremor --record run.h5 --splats -o out");
+        run("drill bone.vdb plan.json --radius 1.6 --operator tremor --record run.h5 --splats -o out");
     EXPECT_EQ(drilled.exit_code, 0) << drilled.errors;
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -109,7 +109,7 @@ TEST_F(Render, DrawsAFilmOfARecord) {
 TEST_F(Render, WritesWhatAnotherRendererDraws) {
   const TriangleMesh around = read_mesh(file("out/around.ply"));
   const MeshQuality quality = measure_mesh(around);
-  EXPECT_EQ(quality.refused_faces, 0U);
+  EXPECT_EQ(quality.rejected_faces, 0U);
   EXPECT_GT(quality.boundary_edges, 20U) << "open where the points are";
   EXPECT_NEAR(quality.area_mm2, 4.0 * std::numbers::pi * test::kBoneRadiusMm * test::kBoneRadiusMm, 12.0);
   const std::string splats = read_whole_file(file("out/splats.ply"));
@@ -130,7 +130,7 @@ TEST_F(Render, MeshesADrilledBoneWithItsRim) {
   EXPECT_LT(figures["triangles"].get<std::size_t>(), 3000U);
 }
 
-TEST_F(Render, RefusesInOneLineAndLeavesNoPicture) {
+TEST_F(Render, RejectsInOneLineAndLeavesNoPicture) {
   for (const char* arguments :
        {"bone.vdb --view hole", "bone.vdb --cut path", "bone.vdb --close-up 5", "bone.vdb --view nowhere",
         "bone.vdb --cut nowhere", "bone.vdb --size 100", "bone.vdb --size 0x10", "bone.vdb --size 100000x10",
@@ -139,10 +139,10 @@ TEST_F(Render, RefusesInOneLineAndLeavesNoPicture) {
         "none.vdb", "bone.vdb --record run.h5 --frames f --fps 0",
         "bone.vdb --record run.h5 --frames f --speed 1e-9"}) {
     SCOPED_TRACE(arguments);
-    const test::ProgramRun refused = run("render " + std::string(arguments) + " -o refused.png");
-    EXPECT_NE(refused.exit_code, 0);
-    EXPECT_EQ(std::count(refused.errors.begin(), refused.errors.end(), '\n'), 1) << refused.errors;
-    EXPECT_FALSE(std::filesystem::exists(file("refused.png")));
+    const test::ProgramRun rejected = run("render " + std::string(arguments) + " -o rejected.png");
+    EXPECT_NE(rejected.exit_code, 0);
+    EXPECT_EQ(std::count(rejected.errors.begin(), rejected.errors.end(), '\n'), 1) << rejected.errors;
+    EXPECT_FALSE(std::filesystem::exists(file("rejected.png")));
     EXPECT_FALSE(std::filesystem::exists(file("f")));
   }
 }

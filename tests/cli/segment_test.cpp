@@ -20,13 +20,14 @@ using testing::Not;
 
 constexpr const char* kScan = " --pixel 1 --size 160 --slice-step 1.5 --slice-width 1.5";
 
-/// A coarse CT of L2 to L4 of the phantom, whose truth is known, and the map of all that `segment --all` makes of it.
+/// A coarse CT of L2 to L4 of the phantom, whose ground truth is known, and the map of all that `segment --all` makes
+/// of it.
 class Segment : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
     made_ = run(std::string("phantom spine --spine L2-L4") + kScan);
-    if (made_.exit_code == 0) made_ = run("segment spine/ct --all --level L3=0,0,0 --accept-doubtful -o all.seg.nrrd");
+    if (made_.exit_code == 0) made_ = run("segment spine/ct --all --level L3=0,0,0 --accept-warnings -o all.seg.nrrd");
   }
   static void TearDownTestSuite() { delete folder_; }
   void SetUp() override { ASSERT_EQ(made_.exit_code, 0) << made_.errors; }
@@ -43,9 +44,9 @@ class Segment : public testing::Test {
     return found == map.names.end() ? Level::kNone : found->second.level;
   }
 
-  /// Middle of the spinous process of L3, by the phantom's truth: 8 mm in front of the tip.
+  /// Middle of the spinous process of L3, by the phantom's ground truth: 8 mm in front of the tip.
   static Vec3 in_spinous_process() {
-    const Json tip = read_json(in("spine/truth.json"))["levels"][1]["spinous_tip_mm"];
+    const Json tip = read_json(in("spine/ground_truth.json"))["levels"][1]["spinous_tip_mm"];
     return Vec3(tip[0].get<double>(), tip[1].get<double>() - 8.0, tip[2].get<double>() + 1.0);
   }
   static std::string whole(const std::string& name) {
@@ -70,8 +71,8 @@ TEST_F(Segment, WritesAllLevelsUnderTheirNames) {
   EXPECT_THAT(made_.output, AllOf(HasSubstr("counted from L3=0,0,0"), HasSubstr("L2  "), HasSubstr("L4  ")));
   const LabelVolume found = map("all.seg.nrrd");
   EXPECT_EQ(levels_of(found), (std::vector{Level{21}, Level{22}, Level{23}}));
-  const Json truth = read_json(in("spine/truth.json"))["levels"];
-  for (const Json& level : truth) {
+  const Json ground_truth = read_json(in("spine/ground_truth.json"))["levels"];
+  for (const Json& level : ground_truth) {
     const Json p = level["body_centre_mm"];
     const Vec3 centre_mm(p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
     EXPECT_EQ(level_name(level_at(found, centre_mm)), level["level"].get<std::string>());
@@ -80,7 +81,7 @@ TEST_F(Segment, WritesAllLevelsUnderTheirNames) {
 
 TEST_F(Segment, WritesOneVertebraWithAPictureAndAllFigures) {
   const test::ProgramRun one =
-      run("segment spine/ct --level L3=0,0,0 --accept-doubtful -o one.seg.nrrd --picture one.png --json one.json");
+      run("segment spine/ct --level L3=0,0,0 --accept-warnings -o one.seg.nrrd --picture one.png --json one.json");
   ASSERT_EQ(one.exit_code, 0) << one.errors;
   EXPECT_THAT(one.output, HasSubstr("counted from L3=0,0,0"));
   const LabelVolume found = map("one.seg.nrrd");
@@ -92,7 +93,7 @@ TEST_F(Segment, WritesOneVertebraWithAPictureAndAllFigures) {
   EXPECT_EQ(json["name_source"], "given");
   // The phantom's L3 is centred at the origin; a voxel is 1.5 mm high.
   EXPECT_LT(std::abs(json["body_centre_mm"][2].get<double>()), 3.0);
-  for (const char* key : {"body_size_mm", "body_axes", "body_fit", "cut_area_mm2", "figures", "warnings", "doubt",
+  for (const char* key : {"body_size_mm", "body_axes", "body_fit", "cut_area_mm2", "figures", "warnings", "severity",
                           "is_cut", "reaches_border", "volume_mm3", "threshold_hu", "noise_hu", "ct_hash"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
@@ -100,7 +101,8 @@ TEST_F(Segment, WritesOneVertebraWithAPictureAndAllFigures) {
 }
 
 TEST_F(Segment, CountsWithoutAWordFromTheTop) {
-  const test::ProgramRun unnamed = run("segment spine/ct --seed 0,0,0 --accept-doubtful -o v.seg.nrrd --json v.json");
+  const test::ProgramRun unnamed =
+      run("segment spine/ct --seed-point 0,0,0 --accept-warnings -o v.seg.nrrd --json v.json");
   ASSERT_EQ(unnamed.exit_code, 0) << unnamed.errors;
   EXPECT_THAT(unnamed.output, AllOf(HasSubstr("counted from the top"), HasSubstr("V2")));
   EXPECT_EQ(read_json(in("v.json"))["label"], 1);
@@ -113,9 +115,9 @@ TEST_F(Segment, CountsWithoutAWordFromTheTop) {
 TEST_F(Segment, FollowsCorrections) {
   const Vec3 p_mm = in_spinous_process();
   ASSERT_EQ(level_at(map("all.seg.nrrd"), p_mm), Level{22});
-  const std::string all = "segment spine/ct --all --level L3=0,0,0 --accept-doubtful ";
+  const std::string all = "segment spine/ct --all --level L3=0,0,0 --accept-warnings ";
   ASSERT_EQ(run(all + "--exclude=" + text_of(p_mm) + " -o without.seg.nrrd").exit_code, 0);
-  // One point inside bone moves borders only: what it takes out is filled as marrow is. Strokes take more.
+  // One point inside bone moves borders only: what it takes out is filled as cancellous bone is. Strokes take more.
   EXPECT_NE(whole("without.seg.nrrd"), whole("all.seg.nrrd"));
   ASSERT_EQ(run(all + "--include L4=" + text_of(p_mm) + " -o other.seg.nrrd").exit_code, 0);
   EXPECT_NE(whole("other.seg.nrrd"), whole("all.seg.nrrd"));
@@ -132,7 +134,7 @@ TEST_F(Segment, FollowsStrokes) {
   strokes.names = {{7, {"exclude", Level::kNone}}};
   write_whole_file(in("strokes.seg.nrrd"), encode_label_volume(strokes, "strokes.seg.nrrd"));
   const test::ProgramRun done =
-      run("segment spine/ct --all --level L3=0,0,0 --accept-doubtful --strokes strokes.seg.nrrd -o painted.seg.nrrd");
+      run("segment spine/ct --all --level L3=0,0,0 --accept-warnings --strokes strokes.seg.nrrd -o painted.seg.nrrd");
   ASSERT_EQ(done.exit_code, 0) << done.errors;
   EXPECT_EQ(level_at(map("painted.seg.nrrd"), p_mm), Level::kNone);
 }
@@ -153,26 +155,26 @@ TEST_F(Segment, CopiesAllLevelsOfAForeignMap) {
   EXPECT_EQ(level_at(found, Vec3::Zero()), Level{22});
 }
 
-TEST_F(Segment, TellsADoubtfulVertebraByItsExitCodeWithAllWritten) {
+TEST_F(Segment, TellsASuspectVertebraByItsExitCodeWithAllWritten) {
   // Screws in the pedicles: CT numbers around metal are not bone's.
   ASSERT_EQ(run(std::string("phantom metal --spine L2-L4 --metal L3") + kScan).exit_code, 0);
-  const test::ProgramRun doubtful = run("segment metal/ct --level L3=0,0,0 -o metal.seg.nrrd --json metal.json");
-  EXPECT_EQ(doubtful.exit_code, 1);
-  EXPECT_THAT(doubtful.output, AllOf(HasSubstr("metal"), HasSubstr("doubtful"), HasSubstr("--accept-doubtful"),
-                                     HasSubstr("add --picture doubt.png")));
+  const test::ProgramRun suspect = run("segment metal/ct --level L3=0,0,0 -o metal.seg.nrrd --json metal.json");
+  EXPECT_EQ(suspect.exit_code, 1);
+  EXPECT_THAT(suspect.output, AllOf(HasSubstr("metal"), HasSubstr("suspect"), HasSubstr("--accept-warnings"),
+                                    HasSubstr("add --picture warnings.png")));
   EXPECT_TRUE(fs::exists(in("metal.seg.nrrd")));
-  EXPECT_EQ(read_json(in("metal.json"))["is_doubtful"], true);
-  EXPECT_EQ(run("segment metal/ct --level L3=0,0,0 --accept-doubtful -o metal.seg.nrrd").exit_code, 0);
+  EXPECT_EQ(read_json(in("metal.json"))["is_suspect"], true);
+  EXPECT_EQ(run("segment metal/ct --level L3=0,0,0 --accept-warnings -o metal.seg.nrrd").exit_code, 0);
 
   const test::ProgramRun baked =
       run("bake metal/ct --level L3=0,0,0 --voxel 1 --point-spacing 3 --cache cache -o bone.vdb --json bone.json");
   EXPECT_EQ(baked.exit_code, 1) << baked.errors;
   EXPECT_THAT(baked.output, AllOf(HasSubstr("metal"), HasSubstr("L3: written, but the exit code is 1")));
-  EXPECT_GE(read_json(in("bone.json"))["doubt"].get<double>(), 0.5);
+  EXPECT_GE(read_json(in("bone.json"))["severity"].get<double>(), 0.5);
   const test::ProgramRun info = run("info bone.vdb --json info.json");
-  EXPECT_THAT(info.output, AllOf(HasSubstr("warning"), HasSubstr("metal"), HasSubstr("doubt")));
+  EXPECT_THAT(info.output, AllOf(HasSubstr("warning"), HasSubstr("metal"), HasSubstr("severity")));
   EXPECT_EQ(read_json(in("info.json"))["warnings"], read_json(in("bone.json"))["warnings"]);
-  // The cached mask is as doubtful.
+  // The cached mask is as suspect.
   const test::ProgramRun again =
       run("bake metal/ct --level L3=0,0,0 --voxel 1 --point-spacing 3 --cache cache -o again.vdb --json again.json");
   EXPECT_EQ(again.exit_code, 1);
@@ -184,31 +186,31 @@ TEST_F(Segment, TellsADoubtfulVertebraByItsExitCodeWithAllWritten) {
 
 TEST_F(Segment, BakesTheLevelsThatItFinds) {
   const test::ProgramRun baked = run(
-      "bake spine/ct --all --level L3=0,0,0 --crop=-80,-80,-60,80,80,25 --voxel 1 --point-spacing 3 --accept-doubtful"
+      "bake spine/ct --all --level L3=0,0,0 --crop=-80,-80,-60,80,80,25 --voxel 1 --point-spacing 3 --accept-warnings"
       " -o spine.vdb --json spine.json");
   ASSERT_EQ(baked.exit_code, 0) << baked.errors;
   EXPECT_THAT(baked.output, HasSubstr("counted from L3=0,0,0"));
   const Json json = read_json(in("spine.json"));
   ASSERT_FALSE(json["levels"].empty());
-  EXPECT_TRUE(json["levels"][0].contains("doubt"));
+  EXPECT_TRUE(json["levels"][0].contains("severity"));
   EXPECT_THAT(run("info spine.vdb").output, HasSubstr("L3"));
 }
 
 TEST_F(Segment, SaysWhatIsWrongWithPointsAndNames) {
   const auto error = [&](const std::string& options, int exit_code) {
-    const test::ProgramRun refused = run("segment spine/ct " + options + " -o refused.nrrd");
-    EXPECT_EQ(refused.exit_code, exit_code) << options;
-    EXPECT_FALSE(fs::exists(in("refused.nrrd"))) << options;
-    return refused.errors;
+    const test::ProgramRun rejected = run("segment spine/ct " + options + " -o rejected.nrrd");
+    EXPECT_EQ(rejected.exit_code, exit_code) << options;
+    EXPECT_FALSE(fs::exists(in("rejected.nrrd"))) << options;
+    return rejected.errors;
   };
-  const Json disc = read_json(in("spine/truth.json"))["discs"][0]["centre_mm"];
+  const Json disc = read_json(in("spine/ground_truth.json"))["discs"][0]["centre_mm"];
   const Vec3 in_disc(disc[0].get<double>(), disc[1].get<double>(), disc[2].get<double>());
   EXPECT_THAT(error("--seed " + text_of(in_disc), 1), HasSubstr("expected a point in a vertebral body"));
   EXPECT_THAT(error("--level L3=0,0,0 --level L2=0,0,-38", 1), HasSubstr("agrees with L3"));
   EXPECT_THAT(error("--level L3=0,0", 2), HasSubstr("X,Y,Z"));
   EXPECT_THAT(error("--level 0,0,0", 2), HasSubstr("T11=X,Y,Z"));
   EXPECT_THAT(error("--include bone=0,0,0", 2), HasSubstr("found bone"));
-  EXPECT_THAT(error("--labels all.seg.nrrd --seed 0,0,0", 2), HasSubstr("--help"));
+  EXPECT_THAT(error("--labels all.seg.nrrd --seed-point 0,0,0", 2), HasSubstr("--help"));
   EXPECT_THAT(error("--all --label 3", 2), Not(HasSubstr("written")));
 }
 

@@ -23,7 +23,7 @@
 #include "core/base/staged_output.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/study/study_row.h"
 #include "core/study/study_task.h"
 #include "core/tool/bit_profile.h"
@@ -50,7 +50,7 @@ Json whole_path_study(std::size_t runs) {
           {"plan", "plan.json"},
           {"path", "left"},
           {"volume", {{"spacing_mm", 0.1}}},
-          {"hand", {{"kind", "feed"}, {"feed_mm_s", 1.0}, {"step_mm", 0.01}, {"tremor_mm", 0.05}}},
+          {"operator", {{"kind", "feed"}, {"feed_mm_s", 1.0}, {"step_mm", 0.01}, {"tremor_mm", 0.05}}},
           {"design",
            {{"runs", runs},
             {"sampling", "latin-hypercube"},
@@ -74,9 +74,10 @@ class Study : public ::testing::Test {
     folder_ = new test::TemporaryFolder;
     const Vertebra vertebra;
     write_bone(bake_solid(vertebra, {}, 40.0), folder_->path() / "bone.vdb");
-    const VertebraTruth truth = vertebra_truth(vertebra);
-    write_plan({{"left", truth.left.entry_mm, truth.left.target_mm, {kBitMm, 80.0, 1.0, BitShape::drill, 0.5}}},
-               folder_->path() / "plan.json");
+    const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+    write_plan(
+        {{"left", ground_truth.left.entry_mm, ground_truth.left.target_mm, {kBitMm, 80.0, 1.0, BitShape::drill, 0.5}}},
+        folder_->path() / "plan.json");
   }
   static void TearDownTestSuite() { delete folder_; }
 
@@ -184,55 +185,55 @@ TEST_F(Study, KilledAtAnyMomentGoesOnAndEndsTheSame) {
 }
 
 /// Least distance to the outer surface, mm, from places all over a bit whose tip is at the line's target, from where
-/// the entry's mouth ends.
+/// the entry opening ends.
 double nearest_to_outer_mm(const Bone& bone, const DrillPath& line) {
   constexpr int kAround = 48;
   const BitProfile bit(line.bit);
   const Vec3 across_mm = any_perpendicular(line.direction());
-  double least_mm = std::numeric_limits<double>::infinity();
+  double min_mm = std::numeric_limits<double>::infinity();
   for (double back_mm = 0.0; back_mm < line.length_mm() - entry_end_mm(bone.walls(), line); back_mm += 0.1) {
     const double radius_mm = std::max(0.0, bit.widest_mm(back_mm, back_mm));
     for (int n = 0; n < kAround; ++n) {
       const Eigen::AngleAxisd turn(2.0 * std::numbers::pi * n / kAround, line.direction());
       const Vec3 place = line.target_mm - back_mm * line.direction() + radius_mm * (turn * across_mm);
-      least_mm = std::min(least_mm, bone.walls().outer(place).distance_mm);
+      min_mm = std::min(min_mm, bone.walls().outer(place).distance_mm);
     }
   }
-  return least_mm;
+  return min_mm;
 }
 
 TEST_F(Study, FollowsTheAnatomy) {
   Json spec = whole_path_study(1);
-  spec["hand"] = {{"kind", "feed"}, {"feed_mm_s", 1.0}, {"step_mm", 0.05}};
+  spec["operator"] = {{"kind", "feed"}, {"feed_mm_s", 1.0}, {"step_mm", 0.05}};
   spec["volume"] = {{"spacing_mm", 0.2}};
   spec["design"]["factors"] = {{"entry_left_mm", {{"levels", {-4.5, -1.0, 0.0, 1.0}}}},
                                {"density_scale", {{"levels", {0.6, 1.0}}}}};
   write(spec, "anatomy.json");
   expect_done("study anatomy.json -o anatomy");
-  const double half_width_mm = 0.5 * vertebra_truth(Vertebra()).left.width_mm;
+  const double half_width_mm = 0.5 * vertebra_ground_truth(Vertebra()).left.width_mm;
   const Bone bone(read_bone(in("bone.vdb")));
   const DrillPath planned = read_plan(in("plan.json")).front();
   std::map<double, double> thrust_n;
   for (const StudyRow& row : rows_of("anatomy")) {
     const double left_mm = row[StudyFactor::entry_left_mm];
     EXPECT_EQ(row[StudyColumn::contact], 1.0);
-    EXPECT_EQ(row[StudyColumn::left_volume_mm], 0.0);
+    EXPECT_EQ(row[StudyColumn::outside_volume_mm], 0.0);
     EXPECT_EQ(row[StudyColumn::events_lost], 0.0);
     // The canal lies to the right of the left pedicle, the outer surface to its left: at the isthmus a shift along the
     // width takes of the one what it gives to the other. 0.2 mm: the width's axis is not quite the patient's left.
-    EXPECT_NEAR(row[StudyColumn::least_canal_mm], half_width_mm + left_mm - 0.5 * kBitMm, 0.2) << left_mm;
+    EXPECT_NEAR(row[StudyColumn::min_clearance_canal_mm], half_width_mm + left_mm - 0.5 * kBitMm, 0.2) << left_mm;
     if (left_mm > -2.0) {
       EXPECT_EQ(row[StudyColumn::breach], 0.0) << left_mm;
       EXPECT_EQ(row[StudyColumn::grade], 0.0) << left_mm;
       DrillPath line = planned;
       for (Vec3* end_mm : {&line.entry_mm, &line.target_mm}) *end_mm += left_mm * across(planned).left;
-      EXPECT_NEAR(row[StudyColumn::least_outer_mm], nearest_to_outer_mm(bone, line), 0.1) << left_mm;
+      EXPECT_NEAR(row[StudyColumn::min_clearance_outer_mm], nearest_to_outer_mm(bone, line), 0.1) << left_mm;
     } else {
       EXPECT_EQ(row[StudyColumn::breach], 1.0) << left_mm;
       EXPECT_NEAR(row[StudyColumn::breach_canal_mm], -left_mm + 0.5 * kBitMm - half_width_mm, 0.2) << left_mm;
       EXPECT_GE(row[StudyColumn::grade], 1.0) << left_mm;
     }
-    if (left_mm == 0.0) thrust_n[row[StudyFactor::density_scale]] = row[StudyColumn::most_thrust_n];
+    if (left_mm == 0.0) thrust_n[row[StudyFactor::density_scale]] = row[StudyColumn::max_thrust_n];
     // The whole path is drilled, and the hole is the bit's.
     EXPECT_NEAR(row[StudyColumn::depth_mm], planned.length_mm(), 0.1);
     const double hole_mm3 = 0.25 * std::numbers::pi * kBitMm * kBitMm * planned.length_mm();
@@ -249,18 +250,18 @@ TEST_F(Study, FollowsTheAnatomy) {
   EXPECT_GT(thrust_n[0.6], 0.1 * thrust_n[1.0]);
 }
 
-TEST_F(Study, ALongerReactionOvershootsFurther) {
+TEST_F(Study, ALongerReactionPlungesFurther) {
   // On through the body's front, 14 mm past the planned target.
   DrillPath through = read_plan(in("plan.json")).front();
   through.target_mm += 14.0 * through.direction();
   write_plan({through}, in("through.json"));
-  std::array<double, 2> overshoot_mm{};
+  std::array<double, 2> plunge_depth_mm{};
   for (std::size_t n = 0; n < 2; ++n) {
     Json spec = whole_path_study(1);
     spec["plan"] = "through.json";
     spec["volume"] = {{"spacing_mm", 0.2}, {"lead_out_mm", 10}};
     spec["stop"] = {{"on_breach", true}};
-    spec["hand"] = {{"kind", "push"}, {"push_n", 60}, {"reaction_s", n == 0 ? 0.05 : 0.1}, {"noticed_share", 0}};
+    spec["operator"] = {{"kind", "push"}, {"push_n", 60}, {"reaction_s", n == 0 ? 0.05 : 0.1}, {"noticed_share", 0}};
     spec["design"]["factors"] = {{"push_n", {{"levels", {60, 90}}}}};
     const std::string name = "reaction" + std::to_string(n);
     write(spec, name + ".json");
@@ -271,23 +272,23 @@ TEST_F(Study, ALongerReactionOvershootsFurther) {
       EXPECT_GT(row[StudyColumn::breach_outer_mm], 0.0);
       EXPECT_GT(row[StudyColumn::stop_mm], 30.0);
       // From where it was to stop to where it stood.
-      EXPECT_NEAR(row[StudyColumn::overshoot_mm], row[StudyColumn::depth_mm] - row[StudyColumn::stop_mm], 0.3);
+      EXPECT_NEAR(row[StudyColumn::plunge_depth_mm], row[StudyColumn::depth_mm] - row[StudyColumn::stop_mm], 0.3);
     }
     // A harder push goes further in the same time.
-    EXPECT_GE(rows[1][StudyColumn::overshoot_mm], rows[0][StudyColumn::overshoot_mm]);
-    overshoot_mm[n] = rows[0][StudyColumn::overshoot_mm];
-    std::printf("%.2f s: %.2f and %.2f mm\n", n == 0 ? 0.05 : 0.1, rows[0][StudyColumn::overshoot_mm],
-                rows[1][StudyColumn::overshoot_mm]);
+    EXPECT_GE(rows[1][StudyColumn::plunge_depth_mm], rows[0][StudyColumn::plunge_depth_mm]);
+    plunge_depth_mm[n] = rows[0][StudyColumn::plunge_depth_mm];
+    std::printf("%.2f s: %.2f and %.2f mm\n", n == 0 ? 0.05 : 0.1, rows[0][StudyColumn::plunge_depth_mm],
+                rows[1][StudyColumn::plunge_depth_mm]);
   }
-  EXPECT_GT(overshoot_mm[1], overshoot_mm[0] + 0.1);
+  EXPECT_GT(plunge_depth_mm[1], plunge_depth_mm[0] + 0.1);
 }
 
-TEST_F(Study, RefusesWhatMakesNoSense) {
+TEST_F(Study, RejectsWhatMakesNoSense) {
   write(whole_path_study(2), "small.json");
   for (const char* shard : {"0/4", "5/4", "1", "1/", "/2", "1/2x", "a/b", "-1/2", "1/1000000"}) {
-    const test::ProgramRun refused = run(std::string("study small.json -o none --shard ") + shard);
-    EXPECT_NE(refused.exit_code, 0) << shard;
-    EXPECT_THAT(refused.errors, HasSubstr("shard")) << shard;
+    const test::ProgramRun rejected = run(std::string("study small.json -o none --shard ") + shard);
+    EXPECT_NE(rejected.exit_code, 0) << shard;
+    EXPECT_THAT(rejected.errors, HasSubstr("shard")) << shard;
   }
   Json other = whole_path_study(2);
   other["design"]["factors"]["bit_diameter_mm"] = {{"levels", {3.0, -1.0}}};
@@ -313,7 +314,7 @@ TEST_F(Study, RefusesWhatMakesNoSense) {
 TEST_F(Study, KeepsFinishedRunsWhenTheDiskIsFull) {
   Json spec = whole_path_study(10);
   spec["volume"]["spacing_mm"] = 0.2;
-  spec["hand"]["step_mm"] = 0.05;
+  spec["operator"]["step_mm"] = 0.05;
   write(spec, "full.json");
   expect_done("study full.json -o roomy");
   // A limit on the size of a file makes writes fail as a full disk does: after some rows, of about 300 bytes each.

@@ -12,9 +12,9 @@
 #include "core/base/error.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr double kMostSeconds = 5.0;
+constexpr double kMaxSeconds = 5.0;
 #else
-constexpr double kMostSeconds = 1.0;
+constexpr double kMaxSeconds = 1.0;
 #endif
 
 namespace spinaltap::test {
@@ -55,13 +55,13 @@ bool survives(const std::function<void()>& read, FuzzCounts& counts) {
       std::printf("a message of several lines: %s\n", error.what());
       return false;
     }
-    ++counts.refused;
+    ++counts.rejected;
   } catch (const std::exception& error) {
     std::printf("not an Error: %s\n", error.what());
     return false;
   }
   const double seconds = cpu_seconds() - begin_seconds;
-  if (seconds < kMostSeconds) return true;
+  if (seconds < kMaxSeconds) return true;
   std::printf("took %.1f s of computing\n", seconds);
   return false;
 }
@@ -74,7 +74,7 @@ void write_quickly(const std::filesystem::path& file, const std::string& bytes) 
 void print_fuzz_counts(const FuzzCounts& counts) {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
-  std::printf("%lld read, %lld refused, none broke the reader; %ld MB at most\n", counts.read, counts.refused,
+  std::printf("%lld read, %lld rejected, none broke the reader; %ld MB at most\n", counts.read, counts.rejected,
               usage.ru_maxrss / 1024);
 }
 

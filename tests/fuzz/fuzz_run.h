@@ -19,7 +19,7 @@ FuzzArguments fuzz_arguments(int argc, char** argv);
 
 struct FuzzCounts {
   long long read = 0;
-  long long refused = 0;
+  long long rejected = 0;
 };
 
 /// Runs `read`, which may throw an Error of one line. Prints what else it does, and returns false.

@@ -83,8 +83,8 @@ TEST_F(DrillPanelTest, OffersOnlyWhatMakesSense) {
 TEST_F(DrillPanelTest, ShowsWhatIsDrilledWhoeverAskedForIt) {
   document_.set_bone(test::phantom_bone());
   document_.set_paths(test::phantom_paths());
-  player_.start({.hand = "tremor", .feed_mm_s = 3.0, .stops_on_breach = true, .speed = 4.0});
-  EXPECT_EQ(panel_.plan().hand, "tremor");
+  player_.start({.tool_operator = "tremor", .feed_mm_s = 3.0, .stops_on_breach = true, .speed = 4.0});
+  EXPECT_EQ(panel_.plan().tool_operator, "tremor");
   EXPECT_EQ(panel_.plan().feed_mm_s, 3.0);
   EXPECT_TRUE(panel_.plan().stops_on_breach);
   EXPECT_EQ(panel_.plan().speed, 4.0);
@@ -122,10 +122,10 @@ TEST_F(DrillPanelTest, ShowsWhyADrillingFailed) {
 }
 
 TEST_F(DrillPanelTest, GivesThePlanThatWasChosen) {
-  choose("drill_hand", "push");
+  choose("drill_operator", "push");
   choose("drill_speed", 0.25);
   const DrillPlan plan = panel_.plan();
-  EXPECT_EQ(plan.hand, "push");
+  EXPECT_EQ(plan.tool_operator, "push");
   EXPECT_EQ(plan.push_n, 40.0);
   EXPECT_EQ(plan.speed, 0.25);
   EXPECT_FALSE(find<QWidget>("drill_feed_wanted").isEnabled());

@@ -103,23 +103,24 @@ void expect_same_rows(const std::vector<DepthRow>& a, const std::vector<DepthRow
 
 Drilling drilled_in_one_go(const DrillPath& path, const DrillPlan& plan) {
   const SessionSetup setup = session_setup(path, plan);
-  const HandPlan hand = hand_choice(plan).plan(path, setup.volume.lead_in_mm, setup.options.spindle, false);
-  return drill_bone(*test::phantom_bone()->bone, setup, *hand.hand);
+  const OperatorPlan tool_operator =
+      operator_choice(plan).plan(path, setup.volume.lead_in_mm, setup.options.spindle, false);
+  return drill_bone(*test::phantom_bone()->bone, setup, *tool_operator.tool_operator);
 }
 
 TEST_F(DrillPlayerTest, DrillsToTheTargetWhatDrillBoneDrills) {
-  for (const char* hand : {"tremor", "push"}) {
-    const DrillPlan plan{.hand = hand, .push_n = 200.0, .speed = kAsFastAsItGoes};
+  for (const char* tool_operator : {"tremor", "push"}) {
+    const DrillPlan plan{.tool_operator = tool_operator, .push_n = 200.0, .speed = kAsFastAsItGoes};
     drill_through(plan);
     const DrillPath path = test::phantom_paths().front();
-    const Drilling truth = drilled_in_one_go(path, plan);
-    EXPECT_GT(truth.removed, 10'000U);
-    EXPECT_EQ(player_->removed(), truth.removed) << hand;
-    expect_same_rows(player_->rows(), truth.rows);
-    EXPECT_EQ(player_->events().size(), truth.events.size());
-    // Of a strong push cancellous bone takes so little that the hand lets go as if it were through.
-    if (plan.hand != "push") {
-      EXPECT_NEAR(player_->last()->depth_mm, path.length_mm(), 0.2) << hand;
+    const Drilling ground_truth = drilled_in_one_go(path, plan);
+    EXPECT_GT(ground_truth.removed, 10'000U);
+    EXPECT_EQ(player_->removed(), ground_truth.removed) << tool_operator;
+    expect_same_rows(player_->rows(), ground_truth.rows);
+    EXPECT_EQ(player_->events().size(), ground_truth.events.size());
+    // Of a strong push cancellous bone takes so little that the operator lets go as if it were through.
+    if (plan.tool_operator != "push") {
+      EXPECT_NEAR(player_->last()->depth_mm, path.length_mm(), 0.2) << tool_operator;
     }
     EXPECT_TRUE(player_->is_over());
     EXPECT_FALSE(player_->can_go_on());
@@ -134,20 +135,20 @@ TEST_F(DrillPlayerTest, GoesOnAfterAStepBackAsIfNothingHadBeen) {
     DrillPlan plan;
     double stop_s, back_s;
   };
-  // What the hand that pushes does next follows from what it felt before.
-  const Case cases[] = {{{.hand = "tremor", .speed = 4.0}, 5.0, 1.0},
-                        {{.hand = "push", .push_n = 200.0, .speed = 0.5}, 0.9, 0.2}};
+  // What the operator that pushes does next follows from what it felt before.
+  const Case cases[] = {{{.tool_operator = "tremor", .speed = 4.0}, 5.0, 1.0},
+                        {{.tool_operator = "push", .push_n = 200.0, .speed = 0.5}, 0.9, 0.2}};
   for (const auto& [plan, stop_s, back_s] : cases) {
-    const Drilling truth = drilled_in_one_go(test::phantom_paths().front(), plan);
+    const Drilling ground_truth = drilled_in_one_go(test::phantom_paths().front(), plan);
     player_->start(plan);
-    ASSERT_TRUE(wait_until([&, at_s = stop_s] { return player_->seconds() > at_s; })) << plan.hand << trouble_;
+    ASSERT_TRUE(wait_until([&, at_s = stop_s] { return player_->seconds() > at_s; })) << plan.tool_operator << trouble_;
     player_->stop();
     ASSERT_EQ(player_->state(), State::stopped);
     ASSERT_TRUE(player_->can_go_on());
     const double stopped_s = player_->seconds();
     const std::size_t removed = player_->removed();
     EXPECT_GT(removed, 0U);
-    EXPECT_LT(removed, truth.removed);
+    EXPECT_LT(removed, ground_truth.removed);
     player_->step_back(back_s);
     ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
     EXPECT_NEAR(player_->seconds(), stopped_s - back_s, 1e-9);
@@ -155,15 +156,15 @@ TEST_F(DrillPlayerTest, GoesOnAfterAStepBackAsIfNothingHadBeen) {
     player_->set_speed(kAsFastAsItGoes);
     player_->go_on();
     ASSERT_TRUE(wait_for(State::stopped));
-    EXPECT_EQ(player_->removed(), truth.removed);
-    expect_same_rows(player_->rows(), truth.rows);
+    EXPECT_EQ(player_->removed(), ground_truth.removed);
+    expect_same_rows(player_->rows(), ground_truth.rows);
     EXPECT_EQ(trouble_, "");
     player_->undo_hole();
   }
 }
 
 TEST_F(DrillPlayerTest, StepBackBringsBackTheSurfaceOfThatMoment) {
-  const DrillPlan plan{.hand = "tremor", .feed_mm_s = 4.0, .speed = 4.0};
+  const DrillPlan plan{.tool_operator = "tremor", .feed_mm_s = 4.0, .speed = 4.0};
   player_->start(plan);
   ASSERT_TRUE(wait_until([&] { return player_->seconds() > 3.0; })) << trouble_;
   player_->stop();
@@ -172,13 +173,13 @@ TEST_F(DrillPlayerTest, StepBackBringsBackTheSurfaceOfThatMoment) {
   // A mesh of its own, drilled with the inputs until then.
   const std::vector<ToolInput> inputs = player_->done()->inputs;
   RemainingBone bone(test::phantom_bone()->model(), {.voxel_mm = kSurfaceVoxelMm});
-  RemainingSurface truth(bone);
+  RemainingSurface ground_truth(bone);
   std::vector<Pose> poses;
   for (const ToolInput& input : inputs) poses.push_back(input.pose);
   bone.drill(player_->path()->bit, poses);
-  truth.update();
+  ground_truth.update();
   std::map<std::array<int, 3>, SurfaceBlock> blocks;
-  for (const auto& block : truth.blocks()) blocks.emplace(block->block, *block);
+  for (const auto& block : ground_truth.blocks()) blocks.emplace(block->block, *block);
   EXPECT_EQ(surface(), blocks);
 }
 
@@ -189,7 +190,7 @@ TEST_F(DrillPlayerTest, UndoBringsBackTheOpenedSurfaceAndRedoTheHole) {
   EXPECT_NE(one_hole, opened);
   const std::size_t removed = player_->removed();
   document_.choose(1);
-  drill_through({.hand = "tremor", .speed = kAsFastAsItGoes});
+  drill_through({.tool_operator = "tremor", .speed = kAsFastAsItGoes});
   const auto two_holes = surface();
   EXPECT_NE(two_holes, one_hole);
   player_->undo_hole();
@@ -230,7 +231,7 @@ TEST_F(DrillPlayerTest, FeelsTheHolesThatWereDrilledBefore) {
 }
 
 TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
-  drill_through({.hand = "push", .push_n = 200.0, .speed = kAsFastAsItGoes});
+  drill_through({.tool_operator = "push", .push_n = 200.0, .speed = kAsFastAsItGoes});
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "run.h5";
   write_record(*player_->done(), file);
@@ -238,7 +239,7 @@ TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
   EXPECT_TRUE(record.is_whole);
   EXPECT_EQ(record.cycles.size(), player_->done()->inputs.size());
   EXPECT_EQ(record.events.size(), player_->events().size());
-  EXPECT_EQ(record.setup.at("hand kind"), "push");
+  EXPECT_EQ(record.setup.at("operator kind"), "push");
   const SessionSetup setup = recorded_setup(record.setup, file);
   EXPECT_EQ(setup.bone_hash, test::phantom_bone()->bone->hash());
   BuiltSession built = build_session(*test::phantom_bone()->bone, setup);
@@ -287,7 +288,7 @@ TEST_F(DrillPlayerTest, IsDestroyedQuicklyWhileItPreparesAndWhileItDrills) {
   }
   for (const double speed : {1.0, kAsFastAsItGoes}) {
     make_player();
-    player_->start({.hand = "tremor", .speed = speed});
+    player_->start({.tool_operator = "tremor", .speed = speed});
     ASSERT_TRUE(wait_for(State::drilling));
     destroy("drilling");
   }

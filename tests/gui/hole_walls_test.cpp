@@ -68,14 +68,14 @@ TEST_F(SlicePane, ShowsTheWallsOfAHole) {
   const auto greenness = [&](const Vec3& p_mm) {
     const QImage image = picture();
     const QPoint at = view_->place_of(p_mm).toPoint();
-    int most = 0;
+    int max = 0;
     for (int y = -2; y <= 2; ++y) {
       for (int x = -2; x <= 2; ++x) {
         const QRgb pixel = image.pixel(at + QPoint(x, y));
-        most = std::max(most, qGreen(pixel) - std::max(qRed(pixel), qBlue(pixel)));
+        max = std::max(max, qGreen(pixel) - std::max(qRed(pixel), qBlue(pixel)));
       }
     }
-    return most;
+    return max;
   };
   const Vec3 wall_mm = middle_mm() + 0.5 * path().bit.diameter_mm * out + 4.0 * path().direction();
   EXPECT_LT(greenness(wall_mm), 20);

@@ -14,7 +14,7 @@ TEST(OpenedBone, HoldsWallsLandmarksSlicesAndSurface) {
   ASSERT_NE(bone.landmarks(), nullptr);
   EXPECT_FALSE(bone.surface.empty());
   const DrillPath path = test::phantom_paths().front();
-  EXPECT_GT(sample_hu(bone.ct, path.target_mm), -200.0);  // in the body's spongy bone, not beyond it
+  EXPECT_GT(sample_hu(bone.ct, path.target_mm), -200.0);  // in the body's cancellous bone, not beyond it
 }
 
 TEST(StickToSurface, FindsThePhantomsSurfaceFromNearAndFar) {
@@ -67,7 +67,7 @@ TEST(PlanDocument, UndoesAndRedoesEveryChange) {
   EXPECT_EQ(document.chosen_path(), nullptr);
 }
 
-TEST(PlanDocument, RefusesAMoveThatLeavesNoPath) {
+TEST(PlanDocument, RejectsAMoveThatLeavesNoPath) {
   PlanDocument document;
   document.set_bone(test::phantom_bone());
   document.add_path(test::phantom_paths().front());

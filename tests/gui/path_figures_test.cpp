@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/gui/phantom_bone.h"
 
 namespace spinaltap {

@@ -1,6 +1,6 @@
 #include "tests/gui/phantom_bone.h"
 
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
 
@@ -22,9 +22,9 @@ const std::shared_ptr<const OpenedBone>& phantom_bone() {
 }
 
 std::vector<DrillPath> phantom_paths() {
-  const VertebraTruth truth = vertebra_truth(Vertebra());
-  return {{"left", truth.left.entry_mm, truth.left.target_mm, {}},
-          {"right", truth.right.entry_mm, truth.right.target_mm, {}}};
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(Vertebra());
+  return {{"left", ground_truth.left.entry_mm, ground_truth.left.target_mm, {}},
+          {"right", ground_truth.right.entry_mm, ground_truth.right.target_mm, {}}};
 }
 
 }  // namespace spinaltap::test

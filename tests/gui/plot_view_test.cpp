@@ -80,7 +80,7 @@ TEST(PlotView, IsWhiteButForAHintWhereThereIsNothing) {
   EXPECT_EQ(view.values_at(180.0), "");
 }
 
-TEST(PlotView, RefusesCurvesThatDoNotFit) {
+TEST(PlotView, RejectsCurvesThatDoNotFit) {
   PlotView view;
   EXPECT_THROW(view.set_plot(thrust_plot({1.0}, {1.0, 2.0})), Error);
 }

@@ -11,7 +11,7 @@
 #include <ctime>
 
 #include "apps/spinaltap-planner/colours.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/gui/drilled_phantom.h"
 #include "tests/gui/x_input.h"
 
@@ -99,7 +99,7 @@ TEST_F(SceneViewTest, DrawsTheBoneWithinItsProjectedBoxAndFillsItsMiddle) {
       }
     }
     EXPECT_GT(inside, 0.25 * (right - left) * (bottom - top)) << name;
-    EXPECT_TRUE(is_bone(colour_at(vertebra_truth(Vertebra()).left.target_mm))) << name;
+    EXPECT_TRUE(is_bone(colour_at(vertebra_ground_truth(Vertebra()).left.target_mm))) << name;
   }
 }
 
@@ -127,18 +127,18 @@ TEST_F(SceneViewTest, ShowsTheWallOfADrilledHoleAndTheBoneAgainAfterAReset) {
   // Away from the bone, so that it hides nothing.
   view_.set_bit(std::pair{path.bit, Pose{path.entry_mm + Vec3(0.0, 0.0, 80.0), path.direction()}});
   view_.look_from("hole");
-  // The eye looks askew into the hole and sees the wall on the far side; marrow is red there.
+  // The eye looks askew into the hole and sees the wall on the far side; cancellous bone is red there.
   const QImage drilled = view_.picture();
   const QPoint entry = view_.to_pixel(path.entry_mm).toPoint();
   const auto reddest = [&](const QImage& picture) {
-    int most = 0;
+    int max = 0;
     for (int y = -25; y <= 25; ++y) {
       for (int x = -25; x <= 25; ++x) {
         const QColor colour = picture.pixelColor(entry + QPoint(x, y));
-        most = std::max(most, colour.red() - colour.green());
+        max = std::max(max, colour.red() - colour.green());
       }
     }
-    return most;
+    return max;
   };
   EXPECT_GT(reddest(drilled), 40);
   phantom.remaining.reset();
@@ -224,7 +224,7 @@ TEST_F(SceneViewTest, ADoubleClickPutsTheCrosshairOnTheBone) {
 }
 
 TEST_F(SceneViewTest, GuidePlanesAppearInTheirFramesAndHideAgain) {
-  state_.set_crosshair(vertebra_truth(Vertebra()).left.target_mm);
+  state_.set_crosshair(vertebra_ground_truth(Vertebra()).left.target_mm);
   view_.look_from("above");
   const QImage without = view_.picture();
   state_.show_guide(Plane::kAxial, true);
@@ -337,7 +337,7 @@ TEST_F(SceneViewTest, SurvivesResizingHidingAndAnotherBone) {
   document_.set_bone(test::phantom_bone());
   state_.set_bone_opacity(1.0);
   settle();
-  EXPECT_TRUE(is_bone(colour_at(vertebra_truth(Vertebra()).left.target_mm)));
+  EXPECT_TRUE(is_bone(colour_at(vertebra_ground_truth(Vertebra()).left.target_mm)));
 }
 
 TEST_F(SceneViewTest, AnOrbitingFrameTakesUnderATenthOfASecondOfProcessorTime) {

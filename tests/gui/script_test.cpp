@@ -20,9 +20,9 @@ std::vector<ScriptLine> script(const std::string& text) {
   return read_script(lines, "test.txt");
 }
 
-TEST(ReadScript, SplitsWordsAndLeavesRemarksOut) {
+TEST(ReadScript, SplitsWordsAndLeavesCommentsOut) {
   const std::vector<ScriptLine> lines =
-      script("# a remark\n\nopen \"my bone.vdb\"  # another\r\nscrew \"6.5 x 45 mm\"\n");
+      script("# a comment\n\nopen \"my bone.vdb\"  # another\r\nscrew \"6.5 x 45 mm\"\n");
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_EQ(lines[0].number, 3);
   EXPECT_EQ(lines[0].command, "open");
@@ -119,7 +119,7 @@ TEST(PlannerProgram, SaysInALineWhatIsWrong) {
   QProcess help;
   run_program(help, {"--help"});
   EXPECT_EQ(help.exitCode(), 0);
-  EXPECT_THAT(help.readAllStandardOutput().toStdString(), testing::HasSubstr("drill [hand=NAME]"));
+  EXPECT_THAT(help.readAllStandardOutput().toStdString(), testing::HasSubstr("drill [operator=NAME]"));
 }
 
 }  // namespace

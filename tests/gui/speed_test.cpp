@@ -13,17 +13,17 @@
 namespace spinaltap::test {
 namespace {
 
-constexpr double kMostFrameMs = 50.0;
-constexpr double kMostOpeningS = 3.0;
-constexpr double kLeastFramesPerS = 15.0;
+constexpr double kMaxFrameMs = 50.0;
+constexpr double kMaxOpeningS = 3.0;
+constexpr double kMinFramesPerS = 15.0;
 
 using PlannerSpeed = PlannerWindow;
 
 /// Until a round keeps to its limit.
 void expect_in_a_round(const std::function<bool()>& keeps_to_its_limit) {
-  constexpr int kMostRounds = 8;
+  constexpr int kMaxRounds = 8;
   constexpr double kLittle = 0.05;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const StolenTime stolen;
     if (keeps_to_its_limit()) return;
     const double share = stolen.share();
@@ -34,15 +34,15 @@ void expect_in_a_round(const std::function<bool()>& keeps_to_its_limit) {
     }
     let_work(3000);
   }
-  GTEST_SKIP() << "the host kept the processors in all of " << kMostRounds << " rounds";
+  GTEST_SKIP() << "the host kept the processors in all of " << kMaxRounds << " rounds";
 }
 
 /// Of frames, with their place in words.
 bool are_quick(const char* what, std::vector<double> frames_ms) {
   std::sort(frames_ms.begin(), frames_ms.end());
-  const double most_ms = frames_ms[9 * frames_ms.size() / 10];
-  std::printf("%s: %.1f ms to the next frame, nine of ten within %.1f ms\n", what, median(frames_ms), most_ms);
-  return most_ms < kMostFrameMs;
+  const double max_ms = frames_ms[9 * frames_ms.size() / 10];
+  std::printf("%s: %.1f ms to the next frame, nine of ten within %.1f ms\n", what, median(frames_ms), max_ms);
+  return max_ms < kMaxFrameMs;
 }
 
 TEST_F(PlannerSpeed, OpensTheBakedPhantom) {
@@ -58,7 +58,7 @@ TEST_F(PlannerSpeed, OpensTheBakedPhantom) {
       seconds.push_back(1e-3 * static_cast<double>(clock.elapsed()));
     }
     std::printf("opened in %.2f s\n", median(seconds));
-    return median(seconds) < kMostOpeningS;
+    return median(seconds) < kMaxOpeningS;
   });
 }
 
@@ -122,7 +122,7 @@ TEST_F(PlannerSpeed, DrillingShowsFrames) {
   show_phantom();
   DrillPlayer& player = planner().player();
   expect_in_a_round([&] {
-    player.start({.hand = "tremor", .feed_mm_s = 2.0, .speed = 1.0});
+    player.start({.tool_operator = "tremor", .feed_mm_s = 2.0, .speed = 1.0});
     EXPECT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::drilling; }, 60000));
     let_work(2000);  // into the bone
     FrameWatch scene(window->panes().scene());
@@ -137,7 +137,7 @@ TEST_F(PlannerSpeed, DrillingShowsFrames) {
     player.stop();
     EXPECT_TRUE(wait_until([&] { return player.state() == DrillPlayer::State::stopped; }));
     player.undo_hole();
-    return scene.frames() / seconds >= kLeastFramesPerS;
+    return scene.frames() / seconds >= kMinFramesPerS;
   });
 }
 

@@ -62,7 +62,7 @@ TEST_F(PlannerWindowTest, APictureOfTheWindowShows3DAsItNowIs) {
   }
 }
 
-TEST_F(PlannerWindowTest, ForeignPlanIsRefusedInWordsAndNothingIsLost) {
+TEST_F(PlannerWindowTest, ForeignPlanIsRejectedInWordsAndNothingIsLost) {
   show_phantom();
   const std::filesystem::path file = folder.path() / "foreign.json";
   std::vector<DrillPath> paths = phantom_paths();

@@ -10,7 +10,7 @@
 #include <map>
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/session/record/session_record.h"
 #include "tests/gui/planner_window.h"
 

@@ -82,7 +82,7 @@ foreach(room IN LISTS rooms)
 endforeach()
 
 set(page "# Rooms\n
-The code lies in rooms. A room uses those above it in the table and none below; `tests/package/check_folders.cmake` refuses
+The code lies in rooms. A room uses those above it in the table and none below; `tests/package/check_folders.cmake` rejects
 any other include. Public headers lie flat in a room; what nobody outside needs is in its `detail/`. This page is made from
 the code: `cmake -D SOURCE_DIR=. -P tests/package/rooms_page.cmake`.\n
 | room | public headers | files | lines | uses |

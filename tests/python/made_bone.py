@@ -13,7 +13,7 @@ CT = FOLDER / "ct"
 @functools.cache
 def bone() -> spinaltap.Bone:
     """The phantom's own solid, baked."""
-    return spinaltap.Bone.load(FOLDER / "truth.vdb")
+    return spinaltap.Bone.load(FOLDER / "ground_truth.vdb")
 
 
 @functools.cache

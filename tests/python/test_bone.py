@@ -73,7 +73,7 @@ class BoneFromFile(unittest.TestCase):
 class BoneFromCt(unittest.TestCase):
     def test_lies_where_the_phantom_lies(self):
         heard = []
-        bone = spinaltap.Bone.from_ct(made_bone.CT, voxel_mm=0.5, accept_doubtful=True,
+        bone = spinaltap.Bone.from_ct(made_bone.CT, voxel_mm=0.5, accept_warnings=True,
                                       progress=lambda stage, share: heard.append((stage, share)))
         # A CT of 1 mm slices, and boxes of whole voxels of 0.5 mm.
         self.assertLess(np.abs(bone.bounds_mm - made_bone.bone().bounds_mm).max(), 1.5)
@@ -81,18 +81,18 @@ class BoneFromCt(unittest.TestCase):
         self.assertTrue(all(0 <= share <= 1 for _, share in heard))
 
     def test_hands_on_what_progress_raises(self):
-        def refuse(stage, share):
+        def reject(stage, share):
             raise ValueError("no more")
 
         with self.assertRaisesRegex(ValueError, "no more"):
-            spinaltap.Bone.from_ct(made_bone.CT, progress=refuse)
+            spinaltap.Bone.from_ct(made_bone.CT, progress=reject)
 
     def test_stops_on_ctrl_c(self):
         threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         begin = time.monotonic()
         with self.assertRaises(KeyboardInterrupt):
             for _ in range(100):
-                spinaltap.Bone.from_ct(made_bone.CT, accept_doubtful=True)
+                spinaltap.Bone.from_ct(made_bone.CT, accept_warnings=True)
         self.assertLess(time.monotonic() - begin, 30)
 
     def test_lets_other_threads_of_python_go_on(self):
@@ -105,7 +105,7 @@ class BoneFromCt(unittest.TestCase):
 
         thread = threading.Thread(target=beat)
         thread.start()
-        spinaltap.Bone.from_ct(made_bone.CT, voxel_mm=0.5, accept_doubtful=True)
+        spinaltap.Bone.from_ct(made_bone.CT, voxel_mm=0.5, accept_warnings=True)
         done.set()
         thread.join()
         self.assertGreater(len(beats), 10)

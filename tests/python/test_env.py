@@ -91,7 +91,7 @@ class OneDrilling(unittest.TestCase):
         self.assertLessEqual(max(offsets), 0.5 + 1e-6)
         self.assertGreater(max(offsets), 0.4)
 
-    def test_refuses_what_is_no_action(self):
+    def test_rejects_what_is_no_action(self):
         one = env()
         with self.assertRaisesRegex(spinaltap.Error, "reset"):
             one.step(AHEAD)

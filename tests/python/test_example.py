@@ -32,7 +32,7 @@ class Example(unittest.TestCase):
 
 def learned(seed):
     """What the environment's example prints."""
-    command = [sys.executable, str(ENVIRONMENT), str(DATA / "truth.vdb"), str(DATA / "plan.json"), str(seed)]
+    command = [sys.executable, str(ENVIRONMENT), str(DATA / "ground_truth.vdb"), str(DATA / "plan.json"), str(seed)]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 

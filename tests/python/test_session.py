@@ -24,7 +24,7 @@ class Session(unittest.TestCase):
             cycle = session.step(pose[:3], pose[3:])
             self.assertEqual(cycle.thrust_n, row["thrust_n"])
             self.assertEqual(cycle.removed_points, row["removed_points"])
-            self.assertEqual(cycle.clearance_outer_mm, row["outer_clearance_mm"])
+            self.assertEqual(cycle.clearance_outer_mm, row["clearance_outer_mm"])
             np.testing.assert_array_equal(cycle.force_n, row["force_n"])
         self.assertGreater(rows["thrust_n"].max(), 1.0)
         self.assertEqual(cycle.index, len(rows) - 1)
@@ -36,7 +36,7 @@ class Session(unittest.TestCase):
         np.testing.assert_allclose(made_bone.session().run(tips, axis)["thrust_n"], whole["thrust_n"], atol=1e-6)
         np.testing.assert_array_equal(made_bone.session().run(poses(), dt_s=np.full(len(tips), 0.001)), whole)
 
-    def test_refuses_arrays_that_do_not_fit(self):
+    def test_rejects_arrays_that_do_not_fit(self):
         session = made_bone.session()
         with self.assertRaisesRegex(spinaltap.Error, r"found \(4, 5\)"):
             session.run(np.zeros((4, 5)))
@@ -71,7 +71,7 @@ class Session(unittest.TestCase):
         self.assertIn("contact", kinds)
         self.assertIn("state", kinds)
         session.step([np.nan, 0, 0], [0, 0, 1])
-        self.assertIn("refused pose", [spinaltap.EVENT_KINDS[kind] for kind in session.events["kind"]])
+        self.assertIn("invalid pose", [spinaltap.EVENT_KINDS[kind] for kind in session.events["kind"]])
 
     def test_drills_by_operators(self):
         planned = made_bone.session().drill(spinaltap.PlannedMotion(made_bone.path(), feed_mm_s=20.0))
@@ -115,19 +115,19 @@ class Session(unittest.TestCase):
         self.assertLess(surface["triangles"].max(), len(surface["vertices_mm"]))
         self.assertFalse(surface["vertices_mm"].flags.writeable)
 
-    def test_refuses_two_threads_at_once(self):
+    def test_rejects_two_threads_at_once(self):
         session = made_bone.session()
         many = np.repeat(poses(), 100, axis=0)
         thread = threading.Thread(target=lambda: session.run(many))
         thread.start()
-        refused = False
-        while thread.is_alive() and not refused:
+        rejected = False
+        while thread.is_alive() and not rejected:
             try:
                 session.step(many[0, :3], many[0, 3:])
             except spinaltap.Error as error:
-                refused = "one thread at a time" in str(error)
+                rejected = "one thread at a time" in str(error)
         thread.join()
-        self.assertTrue(refused)
+        self.assertTrue(rejected)
 
 
 class Record(unittest.TestCase):

@@ -14,11 +14,11 @@ SPEC = {
     "format": "spinaltap-study",
     "version": 1,
     "name": "A few",
-    "bone": str(made_bone.FOLDER / "truth.vdb"),
+    "bone": str(made_bone.FOLDER / "ground_truth.vdb"),
     "plan": str(made_bone.FOLDER / "plan.json"),
     "path": "left",
     "volume": {"spacing_mm": 0.3},
-    "hand": {"kind": "feed", "feed_mm_s": 10.0, "step_mm": 0.05},
+    "operator": {"kind": "feed", "feed_mm_s": 10.0, "step_mm": 0.05},
     "design": {
         "runs": 7,
         "sampling": "latin-hypercube",
@@ -53,7 +53,7 @@ class Study(unittest.TestCase):
         self.assertEqual(spinaltap.merge(folders).tobytes(), rows.tobytes())
         self.assertEqual(self.study.run_into(folders[0], shard=1, shards=2), 0)
 
-    def test_refuses_a_shard_that_is_none(self):
+    def test_rejects_a_shard_that_is_none(self):
         with self.assertRaisesRegex(spinaltap.Error, "shard from 1 to 2"):
             self.study.run(shard=3, shards=2)
 

@@ -36,7 +36,7 @@ Landmarks printed_landmarks(const char* what, const BoneModel& bone) {
   }
   std::printf("  body %.1f x %.1f x %.1f mm, canal %.1f x %.1f mm\n", found.body.width_mm, found.body.depth_mm,
               found.body.height_mm, found.canal.width_mm, found.canal.depth_mm);
-  for (const std::string& doubt : found.doubts) std::printf("  doubt: %s\n", doubt.c_str());
+  for (const std::string& warning : found.warnings) std::printf("  warning: %s\n", warning.c_str());
   return found;
 }
 
@@ -64,7 +64,8 @@ TEST(LandmarksOfRealVertebrae, ScannedL3) {
   EXPECT_GT(found.left().x(), 0.97);
   EXPECT_GT(found.superior().z(), 0.9);
   // Its pedicles are 24 mm high, as its picture shows too, and rightly doubted.
-  for (const std::string& doubt : found.doubts) EXPECT_NE(doubt.find("pedicle's height"), std::string::npos) << doubt;
+  for (const std::string& warning : found.warnings)
+    EXPECT_NE(warning.find("pedicle's height"), std::string::npos) << warning;
 }
 
 TEST(LandmarksOfRealVertebrae, L3OfACtOfThickSlices) {
@@ -73,7 +74,7 @@ TEST(LandmarksOfRealVertebrae, L3OfACtOfThickSlices) {
   options.labels = LabelChoice{folder / "sub-ct_seg-vert_label-22_msk.nii.gz", 22};
   const Landmarks found = printed_landmarks("L3 of a CT", bake_ct(read_dicom(folder / "dicom"), options).bone);
   expect_sides_alike(found);
-  EXPECT_TRUE(found.doubts.empty());
+  EXPECT_TRUE(found.warnings.empty());
 }
 
 TEST(LandmarksOfRealVertebrae, T11OfACt) {

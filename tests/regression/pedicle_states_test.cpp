@@ -19,8 +19,8 @@ TEST(PedicleChain, TellsStatesAtThePhantomsTrueBoundaries) {
   const BoneSampler bone = [&](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
     baked.bone.sample(points_mm, distance_mm, hu);
   };
-  const VertebraTruth truth = vertebra_truth(vertebra);
-  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+  for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
     for (const DrillBit& bit : {twist_drill(3.0, 70.0, 118.0, 0.48), DrillBit{3.0, 70.0, 5.0}}) {
       const DrillPath path = test::path_through(pedicle, bit);
       const test::TrueBoundaries is = test::true_boundaries(vertebra, path);

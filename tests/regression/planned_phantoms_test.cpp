@@ -12,7 +12,7 @@
 #include <string>
 
 #include "core/phantom/scanner.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/tool/bit_profile.h"
 #include "tests/support/random_vertebra.h"
 #include "vdb/sim/auto_plan.h"
@@ -42,21 +42,21 @@ struct PedicleError {
   double isthmus_mm, axis_deg, width_mm;
 };
 
-PedicleError error_of(const PedicleLandmarks& found, const PedicleTruth& truth) {
-  return {(found.isthmus_mm - truth.isthmus_mm).norm(),
-          std::acos(std::clamp(found.axis.dot(truth.axis), -1.0, 1.0)) / kDegree,
-          std::abs(found.width_mm - truth.width_mm)};
+PedicleError error_of(const PedicleLandmarks& found, const PedicleGroundTruth& ground_truth) {
+  return {(found.isthmus_mm - ground_truth.isthmus_mm).norm(),
+          std::acos(std::clamp(found.axis.dot(ground_truth.axis), -1.0, 1.0)) / kDegree,
+          std::abs(found.width_mm - ground_truth.width_mm)};
 }
 
-/// How far a screw comes to the truth's own surface, beyond its mouth: least of the solid's value over its thread.
-/// Below 0 it breaches.
-double least_clearance_mm(const Vertebra& vertebra, const DrillPath& path, double from_mm) {
+/// How far a screw comes to the ground truth's own surface, beyond its entry opening: least of the solid's value over
+/// its thread. Below 0 it breaches.
+double min_clearance_mm(const Vertebra& vertebra, const DrillPath& path, double from_mm) {
   constexpr int kAround = 48;
   const Vec3 direction = path.direction();
   const Vec3 beside = any_perpendicular(direction);
   const Vec3 above = direction.cross(beside);
   const BitProfile outline(path.screw->outline());
-  double least_mm = std::numeric_limits<double>::infinity();
+  double min_mm = std::numeric_limits<double>::infinity();
   for (double depth_mm = from_mm; depth_mm <= path.length_mm(); depth_mm += 0.1) {
     const double back_mm = path.length_mm() - depth_mm;
     const double radius_mm = outline.widest_mm(back_mm, back_mm);
@@ -66,10 +66,10 @@ double least_clearance_mm(const Vertebra& vertebra, const DrillPath& path, doubl
           path.entry_mm + depth_mm * direction + radius_mm * (std::cos(angle) * beside + std::sin(angle) * above);
       double value_mm = 0.0;
       vertebra.evaluate({&p, 1}, {&value_mm, 1}, {});
-      least_mm = std::min(least_mm, -value_mm);
+      min_mm = std::min(min_mm, -value_mm);
     }
   }
-  return least_mm;
+  return min_mm;
 }
 
 TEST(PlannedPhantoms, HaveTheirPediclesFoundAndSafePathsSuggested) {
@@ -79,10 +79,10 @@ TEST(PlannedPhantoms, HaveTheirPediclesFoundAndSafePathsSuggested) {
   for (int seed = 1; seed <= phantoms(); ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
     const Vertebra vertebra(test::random_anatomy(number));
-    const VertebraTruth truth = vertebra_truth(vertebra);
+    const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
     const Bone bone(bake_ct(noisy_ct(vertebra, number)).bone);
     for (const bool is_left : {true, false}) {
-      const PedicleTruth& pedicle = is_left ? truth.left : truth.right;
+      const PedicleGroundTruth& pedicle = is_left ? ground_truth.left : ground_truth.right;
       const PedicleError error =
           error_of(is_left ? bone.landmarks().left_pedicle : bone.landmarks().right_pedicle, pedicle);
       worst = {std::max(worst.isthmus_mm, error.isthmus_mm), std::max(worst.axis_deg, error.axis_deg),
@@ -103,17 +103,17 @@ TEST(PlannedPhantoms, HaveTheirPediclesFoundAndSafePathsSuggested) {
       const Suggestion& suggestion = suggestions[is_left ? 0 : 1];
       ++paths;
       if (!suggestion.best) {
-        std::printf("seed %d %s: %s\n", seed, suggestion.side.c_str(), suggestion.refusal.c_str());
+        std::printf("seed %d %s: %s\n", seed, suggestion.side.c_str(), suggestion.rejection.c_str());
         continue;
       }
       const SuggestedPath& best = *suggestion.best;
-      const double least_mm = least_clearance_mm(vertebra, best.path, best.grade.entry_end_mm);
-      of_grade_a += least_mm >= 0.0 ? 1 : 0;
+      const double min_mm = min_clearance_mm(vertebra, best.path, best.grade.entry_end_mm);
+      of_grade_a += min_mm >= 0.0 ? 1 : 0;
       std::printf(
           "seed %2d %-5s isthmus %.2f mm, axis %.2f deg, width %.2f mm; screw %.1f x %.0f mm, "
-          "clearance found %.2f mm, to the truth %.2f mm, canal %.2f mm\n",
+          "clearance found %.2f mm, to the ground truth %.2f mm, canal %.2f mm\n",
           seed, suggestion.side.c_str(), error.isthmus_mm, error.axis_deg, error.width_mm, best.path.screw->diameter_mm,
-          best.path.screw->length_mm, best.grade.outer.clearance_mm, least_mm, best.grade.canal.clearance_mm);
+          best.path.screw->length_mm, best.grade.outer.clearance_mm, min_mm, best.grade.canal.clearance_mm);
       EXPECT_GT(best.grade.canal.clearance_mm, 0.0) << "seed " << seed;
     }
   }

@@ -63,8 +63,8 @@ TEST(RbfPoints, AreFittedToAHundredthOfAMillimetre) {
 
 TEST(RbfPoints, AreReducedToFewerCentresThanElsewhere) {
   SPINALTAP_NEED_TEST_DATA(folder, "rbf_points")
-  const auto expect_at_most = [](const RbfFit& fit, const RbfValues& data, std::size_t most) {
-    EXPECT_LE(fit.report.centres, most);
+  const auto expect_at_most = [](const RbfFit& fit, const RbfValues& data, std::size_t max) {
+    EXPECT_LE(fit.report.centres, max);
     EXPECT_LE(fit.report.max_residual_mm, 0.1);
     EXPECT_LE(largest_difference_mm(fit.model, data, 4000), 0.1);
   };

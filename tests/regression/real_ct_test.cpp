@@ -34,7 +34,7 @@ MeshQuality print_quality(const char* what, const BakedCt& baked) {
 }
 
 void expect_closed(const MeshQuality& quality) {
-  EXPECT_TRUE(quality.closed()) << quality.boundary_edges << " border edges, " << quality.refused_faces << " refused";
+  EXPECT_TRUE(quality.closed()) << quality.boundary_edges << " border edges, " << quality.rejected_faces << " rejected";
   EXPECT_EQ(quality.pieces, 1U);
   EXPECT_GT(quality.volume_mm3, 1e4);
 }
@@ -95,12 +95,12 @@ TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   const MaskBoundary boundary(read_label_map(labels.file, labels.label, ct.geometry));
   const double voxel_mm = ct.geometry.spacing_mm.maxCoeff();
   const TriangleMesh mesh = bone_surface(baked.bone);
-  double most_mm = 0.0;
+  double max_mm = 0.0;
   for (const Eigen::Vector3f& vertex : mesh.vertices_mm) {
-    most_mm = std::max(most_mm, boundary.distance_mm(vertex.cast<double>(), 2.0 * voxel_mm));
+    max_mm = std::max(max_mm, boundary.distance_mm(vertex.cast<double>(), 2.0 * voxel_mm));
   }
-  std::printf("furthest vertex from the label's boundary: %.2f mm\n", most_mm);
-  EXPECT_LE(most_mm, voxel_mm);
+  std::printf("furthest vertex from the label's boundary: %.2f mm\n", max_mm);
+  EXPECT_LE(max_mm, voxel_mm);
 
   const Bone planning(baked.bone);
   const std::vector<DrillPath> paths = paths_of(auto_plan(planning.walls(), planning.hu_sampler()));
@@ -109,16 +109,16 @@ TEST(RealCt, L3WithItsLabelMapBecomesOneClosedBoneThatCanBeDrilled) {
   SessionSetup setup;
   setup.path = path;
   setup.has_clearances = false;
-  PathHand hand(path, in_steps_of(0.02, {.lead_in_mm = setup.volume.lead_in_mm}));
-  const Drilling drilling = drill_bone(Bone(baked.bone), setup, hand);
-  std::printf("suggested path: %.1f mm, %zu points in bone, %zu removed, greatest thrust %.2f N\n", path.length_mm(),
-              drilling.points_in_bone, drilling.removed, drilling.most_thrust_n);
+  PlannedMotion tool_operator(path, in_steps_of(0.02, {.lead_in_mm = setup.volume.lead_in_mm}));
+  const Drilling drilling = drill_bone(Bone(baked.bone), setup, tool_operator);
+  std::printf("suggested path: %.1f mm, %zu points in bone, %zu removed, max thrust %.2f N\n", path.length_mm(),
+              drilling.points_in_bone, drilling.removed, drilling.max_thrust_n);
   EXPECT_GE(path.length_mm(), 30.0);
   // Nearly all of a bit's section lies in bone over the path's length.
   EXPECT_GT(drilling.removed, 0.7 * path.length_mm() / 0.1 * 661.0);
   // Powers' porcine vertebrae took 0.6 to 29.6 N.
-  EXPECT_GT(drilling.most_thrust_n, 0.6);
-  EXPECT_LT(drilling.most_thrust_n, 60.0);
+  EXPECT_GT(drilling.max_thrust_n, 0.6);
+  EXPECT_LT(drilling.max_thrust_n, 60.0);
   const MeshQuality drilled = measure_mesh(bone_surface(drilling.drilled));
   EXPECT_TRUE(drilled.closed());
   EXPECT_LT(drilled.volume_mm3, measure_mesh(mesh).volume_mm3 - 100.0);

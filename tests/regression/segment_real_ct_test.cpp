@@ -69,7 +69,7 @@ class SegmentT11 : public ::testing::Test {
     }
     for (const Place& p :
          {Place{"tip of the spinous process", 243, 410, 18}, Place{"right transverse process", 219, 395, 38},
-          Place{"left transverse process", 271, 398, 39}, Place{"marrow", 244, 350, 38},
+          Place{"left transverse process", 271, 398, 39}, Place{"cancellous bone", 244, 350, 38},
           Place{"right pedicle", 229, 384, 42}, Place{"right superior articular process", 233, 387, 51},
           Place{"left superior articular process", 258, 387, 51},
           Place{"left inferior articular process", 258, 392, 26},

@@ -80,7 +80,7 @@ TEST(SegmentSpine, PartsTheLevelsAcrossThinDiscsWithOsteophytes) {
   SpineOptions options = small_or_whole();
   options.thoracic_disc_mm = options.lumbar_disc_mm = 1.0;
   options.osteophyte_mm = 3.0;
-  // Spurs that the truth counts as the level's own meet across the disc.
+  // Spurs that the ground truth counts as the level's own meet across the disc.
   expect_levels(options, clinical_scan(1.0), "thin discs:", kHarder);
 }
 
@@ -111,10 +111,10 @@ TEST(SegmentSpine, GivesTheSameFromAnySeedInABody) {
 }
 
 // Seeds below 301 were used while the method was made.
-TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
+TEST(SegmentSpine, IsRightOrSuspectOnRandomSpines) {
   constexpr std::uint64_t kFirstSeed = 333;
   const auto spines = static_cast<std::uint64_t>(spines_asked().value_or(2));
-  std::size_t levels = 0, wrong = 0, untold = 0, sound = 0, doubtful = 0, warned = 0;
+  std::size_t levels = 0, wrong = 0, untold = 0, sound = 0, suspect = 0, warned = 0;
   std::size_t extra = 0, misnamed = 0, hinted = 0;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + spines; ++seed) {
     // Six levels of T6 to L5.
@@ -129,7 +129,7 @@ TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
     const test::SpineScore score = test::score_of(found, spine);
     test::print(score, found, "seed " + std::to_string(seed) + ":");
     extra += score.extra;
-    const SpineTruth truth = spine_truth(spine);
+    const SpineGroundTruth ground_truth = spine_ground_truth(spine);
     for (std::size_t n = 0; n < score.levels.size(); ++n) {
       const test::LevelScore& level = score.levels[n];
       ++levels;
@@ -139,22 +139,22 @@ TEST(SegmentSpine, IsRightOrDoubtfulOnRandomSpines) {
       }
       if (!level.is_wrong()) {
         ++sound;
-        doubtful += found.levels[*level.found].is_doubtful() ? 1U : 0U;
+        suspect += found.levels[*level.found].is_suspect() ? 1U : 0U;
         warned += found.levels[*level.found].warnings.empty() ? 0U : 1U;
         continue;
       }
       ++wrong;
-      const bool told = test::is_told(level, truth.levels[n].body_centre_mm, found);
+      const bool told = test::is_told(level, ground_truth.levels[n].body_centre_mm, found);
       untold += told ? 0U : 1U;
-      EXPECT_TRUE(told) << "seed " << seed << ", " << level_name(level.level) << " is wrong and not doubtful";
+      EXPECT_TRUE(told) << "seed " << seed << ", " << level_name(level.level) << " is wrong and not suspect";
     }
   }
   std::printf(
-      "%zu levels: %zu wrong, %zu of them without doubt, %zu too many; of %zu sound ones %zu are doubtful, %zu have a "
+      "%zu levels: %zu wrong, %zu of them without doubt, %zu too many; of %zu sound ones %zu are suspect, %zu have a "
       "word of warning; of %zu that were named %zu wrongly\n",
-      levels, wrong, untold, extra, sound, doubtful, warned, hinted, misnamed);
+      levels, wrong, untold, extra, sound, suspect, warned, hinted, misnamed);
   EXPECT_LE(static_cast<double>(wrong + extra), 0.01 * static_cast<double>(levels));
-  EXPECT_LE(static_cast<double>(doubtful), 0.05 * static_cast<double>(sound));
+  EXPECT_LE(static_cast<double>(suspect), 0.05 * static_cast<double>(sound));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ namespace spinaltap {
 namespace {
 
 // A voxel's outer half more or less all over these bones is Dice 0.94.
-constexpr double kLeastDice = 0.95;
+constexpr double kMinDice = 0.95;
 
 /// A mesh as a part of a spine.
 SpinePart part_of(const TriangleMesh& mesh, Level level) {
@@ -63,12 +63,12 @@ Landmarks landmarks_of(const BoneModel& bone) {
   return find_landmarks(BoneShape(std::make_shared<BoneField>(bone), bone.bounds_mm(), bone.voxel_mm()));
 }
 
-void print(const BoneMask& found, const BoneMask& truth, const LevelReport& report) {
-  std::printf("  Dice %.3f, surface %.2f mm, doubt %.2f; body %.1f x %.1f x %.1f mm\n", test::dice(found, truth),
-              test::mean_surface_distance_mm(found, truth), report.doubt, report.body_size_mm.x(),
-              report.body_size_mm.y(), report.body_size_mm.z());
+void print(const BoneMask& found, const BoneMask& ground_truth, const LevelReport& report) {
+  std::printf("  Dice %.3f, surface %.2f mm, severity %.2f; body %.1f x %.1f x %.1f mm\n",
+              test::dice(found, ground_truth), test::mean_surface_distance_mm(found, ground_truth), report.severity,
+              report.body_size_mm.x(), report.body_size_mm.y(), report.body_size_mm.z());
   for (const LevelWarning& warning : report.warnings) {
-    std::printf("    %.2f: %s\n", warning.doubt, warning.text.c_str());
+    std::printf("    %.2f: %s\n", warning.severity, warning.text.c_str());
   }
 }
 
@@ -88,9 +88,9 @@ TEST_P(SegmentRealMeshes, AloneGiveTheirLandmarks) {
   const CtVolume ct = scan_coarsely(spine);
   const Segmentation found = segment_vertebra(ct);
   std::printf("%s, alone\n", real.name);
-  const BoneMask truth = true_mask(spine, 0, ct.geometry);
-  print(found.mask, truth, found.report);
-  EXPECT_GE(test::dice(found.mask, truth), kLeastDice);
+  const BoneMask ground_truth = true_mask(spine, 0, ct.geometry);
+  print(found.mask, ground_truth, found.report);
+  EXPECT_GE(test::dice(found.mask, ground_truth), kMinDice);
   EXPECT_FALSE(found.report.is_cut);
   EXPECT_FALSE(found.report.reaches_border);
   const BakedCt baked = bake_mask(ct, {found.mask, "found", real.level, std::nullopt}, coarse_bake());
@@ -138,18 +138,18 @@ Stack stack_of(const std::vector<std::string>& names, const std::optional<double
 }
 
 /// The found levels under the names of the vertebrae that most of them belongs to, as a user would name them.
-LabelVolume named_by_truth(const SpineSegmentation& found, const LabelVolume& truth) {
+LabelVolume named_by_ground_truth(const SpineSegmentation& found, const LabelVolume& ground_truth) {
   LabelVolume named{found.labels.geometry, std::vector<std::uint8_t>(found.labels.labels.size(), 0), {}};
   for (const LevelReport& report : found.levels) {
     std::array<std::size_t, 256> counts{};
-    for (std::size_t v = 0; v < truth.labels.size(); ++v) {
-      if (found.labels.labels[v] == report.label) ++counts[truth.labels[v]];
+    for (std::size_t v = 0; v < ground_truth.labels.size(); ++v) {
+      if (found.labels.labels[v] == report.label) ++counts[ground_truth.labels[v]];
     }
-    const auto most = std::max_element(counts.begin() + 1, counts.end());
-    const int label = static_cast<int>(most - counts.begin());
-    if (*most == 0 || named.names.contains(label)) continue;
-    named.names[label] = truth.names.at(label);
-    for (std::size_t v = 0; v < truth.labels.size(); ++v) {
+    const auto max = std::max_element(counts.begin() + 1, counts.end());
+    const int label = static_cast<int>(max - counts.begin());
+    if (*max == 0 || named.names.contains(label)) continue;
+    named.names[label] = ground_truth.names.at(label);
+    for (std::size_t v = 0; v < ground_truth.labels.size(); ++v) {
       if (found.labels.labels[v] == report.label) named.labels[v] = static_cast<std::uint8_t>(label);
     }
   }
@@ -169,10 +169,10 @@ const LevelReport* report_near(const SpineSegmentation& found, const LabelVolume
 std::size_t right_of(const Stack& stack) {
   const CtVolume ct = scan_coarsely(*stack.spine);
   const SpineSegmentation found = segment_spine(ct);
-  const LabelVolume named = named_by_truth(found, true_labels(*stack.spine, ct.geometry));
-  const BakedLevels baked = bake_levels(ct, named, {.bake = coarse_bake(), .doubts = {}, .finds_landmarks = false});
-  const bool any_doubtful =
-      std::any_of(found.levels.begin(), found.levels.end(), [](const LevelReport& r) { return r.is_doubtful(); });
+  const LabelVolume named = named_by_ground_truth(found, true_labels(*stack.spine, ct.geometry));
+  const BakedLevels baked = bake_levels(ct, named, {.bake = coarse_bake(), .warnings = {}, .finds_landmarks = false});
+  const bool any_suspect =
+      std::any_of(found.levels.begin(), found.levels.end(), [](const LevelReport& r) { return r.is_suspect(); });
   EXPECT_LE(found.levels.size(), stack.meshes.size());
   std::size_t right = 0;
   for (std::size_t n = 0; n < stack.meshes.size(); ++n) {
@@ -185,13 +185,13 @@ std::size_t right_of(const Stack& stack) {
                                    [&](const BakedLevel& one) { return static_cast<int>(one.level) == label; });
     if (report == nullptr || bone == baked.levels.end()) {
       std::printf("  missing\n");
-      EXPECT_TRUE(any_doubtful) << "missing, and nothing says so";
+      EXPECT_TRUE(any_suspect) << "missing, and nothing says so";
       continue;
     }
-    const BoneMask mask = mask_of(named, label), truth = true_mask(*stack.spine, n, ct.geometry);
-    print(mask, truth, *report);
-    if (test::dice(mask, truth) < kLeastDice) {
-      EXPECT_TRUE(report->is_doubtful()) << "wrong, and nothing says so";
+    const BoneMask mask = mask_of(named, label), ground_truth = true_mask(*stack.spine, n, ct.geometry);
+    print(mask, ground_truth, *report);
+    if (test::dice(mask, ground_truth) < kMinDice) {
+      EXPECT_TRUE(report->is_suspect()) << "wrong, and nothing says so";
       continue;
     }
     Landmarks landmarks;
@@ -203,7 +203,7 @@ std::size_t right_of(const Stack& stack) {
     }
     ++right;
     test::expect_landmarks_of(stack.meshes[n], landmarks);
-    for (const std::string& doubt : landmarks.doubts) std::printf("    %s\n", doubt.c_str());
+    for (const std::string& warning : landmarks.warnings) std::printf("    %s\n", warning.c_str());
   }
   return right;
 }

@@ -1,5 +1,5 @@
-// How far the surface points of the three methods lie from the truth of a scanned phantom, and how they wiggle from
-// slice to slice. Pixels of 0.352 mm, slices of 0.5 mm.
+// How far the surface points of the three methods lie from the ground truth of a scanned phantom, and how they wiggle
+// from slice to slice. Pixels of 0.352 mm, slices of 0.5 mm.
 
 #include <gtest/gtest.h>
 
@@ -28,10 +28,10 @@ void expect_points_on(const Solid& solid) {
     const test::PointError error =
         test::point_error(std::span(samples.positions_mm).first(samples.surface_count), solid, options.slice_step_mm);
     std::printf(
-        "%-9s %7zu surface, %7zu off-surface points; mean %.4f mm (99%% %.3f, most %.3f, bias %+.4f), "
-        "wiggle %.4f mm\n",
+        "%-9s %7zu surface, %7zu off-surface points; mean %.4f mm (99%% %.3f, max %.3f, bias %+.4f), "
+        "inter-slice jitter %.4f mm\n",
         name, samples.surface_count, samples.positions_mm.size() - samples.surface_count, error.mean_mm, error.p99_mm,
-        error.max_mm, error.bias_mm, error.wiggle_mm);
+        error.max_mm, error.bias_mm, error.inter_slice_jitter_mm);
     return error;
   };
   const test::PointError pixels = error_of(PointMethod::pixels, "pixels");
@@ -39,8 +39,8 @@ void expect_points_on(const Solid& solid) {
   const test::PointError contours = error_of(PointMethod::contours, "contours");
   EXPECT_LE(contours.mean_mm, 0.08);
   EXPECT_LE(contours.p99_mm, 0.35);
-  EXPECT_LT(contours.wiggle_mm, 0.5 * normals.wiggle_mm);
-  EXPECT_LT(contours.wiggle_mm, 0.5 * pixels.wiggle_mm);
+  EXPECT_LT(contours.inter_slice_jitter_mm, 0.5 * normals.inter_slice_jitter_mm);
+  EXPECT_LT(contours.inter_slice_jitter_mm, 0.5 * pixels.inter_slice_jitter_mm);
 }
 
 TEST(SurfacePointsOfScans, LieOnThePhantom) { expect_points_on(Vertebra()); }

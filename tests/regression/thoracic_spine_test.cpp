@@ -37,7 +37,7 @@ bool is_whole(Level level, Level upper) {
 
 /// `upper`: the uppermost level that is whole in the CT.
 void expect_marks(const CtVolume& ct, const std::vector<test::ThoracicLevel>& marks, Level upper,
-                  std::size_t most_wrong) {
+                  std::size_t max_wrong) {
   const auto begin = std::chrono::steady_clock::now();
   const SpineSegmentation found = segment_spine(ct, {.names = {{kT11, Vec3(-9.0, 222.0, -638.0)}}});
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -59,11 +59,11 @@ void expect_marks(const CtVolume& ct, const std::vector<test::ThoracicLevel>& ma
       continue;
     }
     const double off_mm = (at->body_centre_mm - level.body_centre_mm).norm();
-    std::printf("%-3s centre %.1f mm off, body %.0f x %.0f x %.0f mm, %.1f cm3, doubt %.2f%s\n", name.c_str(), off_mm,
-                at->body_size_mm.x(), at->body_size_mm.y(), at->body_size_mm.z(), at->volume_mm3 / 1000.0, at->doubt,
-                at->is_cut ? ", cut" : "");
+    std::printf("%-3s centre %.1f mm off, body %.0f x %.0f x %.0f mm, %.1f cm3, severity %.2f%s\n", name.c_str(),
+                off_mm, at->body_size_mm.x(), at->body_size_mm.y(), at->body_size_mm.z(), at->volume_mm3 / 1000.0,
+                at->severity, at->is_cut ? ", cut" : "");
     for (const LevelWarning& warning : at->warnings) {
-      std::printf("    %.2f: %s\n", warning.doubt, warning.text.c_str());
+      std::printf("    %.2f: %s\n", warning.severity, warning.text.c_str());
     }
     if (level.level == Level::kT12) {
       EXPECT_TRUE(at->is_cut) << "T12 goes on below the CT";
@@ -95,7 +95,7 @@ void expect_marks(const CtVolume& ct, const std::vector<test::ThoracicLevel>& ma
       if (!is_out) std::printf("    %s: %s has label %d\n", name.c_str(), std::string(mark.name).c_str(), here);
     }
   }
-  EXPECT_LE(wrong_marks, most_wrong);
+  EXPECT_LE(wrong_marks, max_wrong);
   std::printf("%zu of %zu marks of whole levels wrong; these levels are %.0f cm3\n", wrong_marks, all_marks,
               volume_cm3);
   const double labelled_cm3 = 1e-3 * ct.geometry.spacing_mm.prod() *

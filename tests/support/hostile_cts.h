@@ -8,7 +8,7 @@
 
 namespace spinaltap::test {
 
-/// Something that is not a good CT, and what the refusal must say.
+/// Something that is not a good CT, and what the rejection must say.
 struct HostileCt {
   std::string name;  ///< in letters
   /// Makes it in an empty folder and gives the path to read.

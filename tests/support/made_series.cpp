@@ -60,7 +60,7 @@ std::string decimals(std::initializer_list<double> values) {
 }
 std::string decimals(const Vec3& v) { return decimals({v.x(), v.y(), v.z()}); }
 
-CtVolume make_truth(const SeriesRecipe& recipe) {
+CtVolume make_ground_truth(const SeriesRecipe& recipe) {
   GridGeometry geometry;
   geometry.size = {20, 16, 6};
   geometry.spacing_mm = Vec3(0.5, 0.75, 2.0);
@@ -89,13 +89,13 @@ bool is_corner(const GridGeometry& geometry, int i, int j) {
 }
 
 /// Stored values of `slices` slices from `first`, little endian.
-std::string stored_bytes(const CtVolume& truth, const SeriesRecipe& recipe, int first, int slices) {
+std::string stored_bytes(const CtVolume& ground_truth, const SeriesRecipe& recipe, int first, int slices) {
   std::string bytes;
   for (int k = first; k < first + slices; ++k) {
-    for (int j = 0; j < truth.geometry.size[1]; ++j) {
-      for (int i = 0; i < truth.geometry.size[0]; ++i) {
-        const bool is_padding = recipe.has_padding && is_corner(truth.geometry, i, j);
-        const int value = is_padding ? kPadding : (truth.at(i, j, k) - recipe.intercept) / recipe.slope;
+    for (int j = 0; j < ground_truth.geometry.size[1]; ++j) {
+      for (int i = 0; i < ground_truth.geometry.size[0]; ++i) {
+        const bool is_padding = recipe.has_padding && is_corner(ground_truth.geometry, i, j);
+        const int value = is_padding ? kPadding : (ground_truth.at(i, j, k) - recipe.intercept) / recipe.slope;
         for (int byte = 0; byte < recipe.bits_allocated / 8; ++byte) {
           bytes.push_back(static_cast<char>(value >> (8 * byte) & 0xff));
         }
@@ -113,16 +113,16 @@ gdcm::DataElement pixel_element(std::string bytes, VR::VRType vr) {
   return element;
 }
 
-gdcm::DataElement pixels_of(const CtVolume& truth, const SeriesRecipe& recipe, int first, int slices) {
+gdcm::DataElement pixels_of(const CtVolume& ground_truth, const SeriesRecipe& recipe, int first, int slices) {
   const auto bits = [](int value) { return static_cast<unsigned short>(value); };
   const gdcm::DataElement plain =
-      pixel_element(stored_bytes(truth, recipe, first, slices), recipe.bits_allocated == 8 ? VR::OB : VR::OW);
+      pixel_element(stored_bytes(ground_truth, recipe, first, slices), recipe.bits_allocated == 8 ? VR::OB : VR::OW);
   if (!TransferSyntax(recipe.syntax).IsEncapsulated()) return plain;
   const gdcm::SmartPointer<gdcm::Image> made = new gdcm::Image;  // the filter holds on to it
   gdcm::Image& image = *made;
   image.SetNumberOfDimensions(slices > 1 ? 3 : 2);
-  image.SetDimension(0, static_cast<unsigned>(truth.geometry.size[0]));
-  image.SetDimension(1, static_cast<unsigned>(truth.geometry.size[1]));
+  image.SetDimension(0, static_cast<unsigned>(ground_truth.geometry.size[0]));
+  image.SetDimension(1, static_cast<unsigned>(ground_truth.geometry.size[1]));
   if (slices > 1) image.SetDimension(2, static_cast<unsigned>(slices));
   image.SetPixelFormat(gdcm::PixelFormat(1, bits(recipe.bits_allocated), bits(recipe.bits_stored),
                                          bits(recipe.bits_stored - 1), recipe.is_signed ? 1 : 0));
@@ -179,10 +179,10 @@ void put_functional_groups(gdcm::DataSet& data, const GridGeometry& geometry, co
   put(data, {0x0028, 0x0008}, VR::IS, std::to_string(geometry.size[2]));
 }
 
-std::string encode(const CtVolume& truth, const SeriesRecipe& recipe, int first, int slices) {
+std::string encode(const CtVolume& ground_truth, const SeriesRecipe& recipe, int first, int slices) {
   gdcm::Writer writer;
   gdcm::DataSet& data = writer.GetFile().GetDataSet();
-  const GridGeometry& geometry = truth.geometry;
+  const GridGeometry& geometry = ground_truth.geometry;
   const std::string sop_class = recipe.is_enhanced ? "1.2.840.10008.5.1.4.1.1.2.1" : "1.2.840.10008.5.1.4.1.1.2";
   put(data, {0x0008, 0x0016}, VR::UI, sop_class);
   put(data, {0x0008, 0x0018}, VR::UI, "1.2.3." + std::to_string(first + 1));
@@ -208,7 +208,7 @@ std::string encode(const CtVolume& truth, const SeriesRecipe& recipe, int first,
     put_spacing(data, geometry);
     put_rescale(data, recipe);
   }
-  data.Replace(pixels_of(truth, recipe, first, slices));
+  data.Replace(pixels_of(ground_truth, recipe, first, slices));
 
   gdcm::FileMetaInformation& meta = writer.GetFile().GetHeader();
   meta.SetDataSetTransferSyntax(recipe.syntax);
@@ -231,18 +231,19 @@ MadeSeries make_series(const SeriesRecipe& recipe) {
   MadeSeries series;
   series.name = recipe.name;
   series.tolerance_hu = recipe.tolerance_hu;
-  series.truth = make_truth(recipe);
-  const GridGeometry geometry = series.truth.geometry;
+  series.ground_truth = make_ground_truth(recipe);
+  const GridGeometry geometry = series.ground_truth.geometry;
   if (recipe.is_enhanced) {
-    series.files.push_back({"enhanced.dcm", encode(series.truth, recipe, 0, geometry.size[2])});
+    series.files.push_back({"enhanced.dcm", encode(series.ground_truth, recipe, 0, geometry.size[2])});
   } else {
     for (int k = 0; k < geometry.size[2]; ++k) {
       // Names against the order of positions.
-      series.files.push_back({std::string(1, static_cast<char>('f' - k)) + ".dcm", encode(series.truth, recipe, k, 1)});
+      series.files.push_back(
+          {std::string(1, static_cast<char>('f' - k)) + ".dcm", encode(series.ground_truth, recipe, k, 1)});
     }
   }
   if (recipe.has_padding) {
-    std::vector<std::int16_t> hu = series.truth.hu;
+    std::vector<std::int16_t> hu = series.ground_truth.hu;
     for (int k = 0; k < geometry.size[2]; ++k) {
       for (int j = 0; j < geometry.size[1]; ++j) {
         for (int i = 0; i < geometry.size[0]; ++i) {
@@ -250,7 +251,7 @@ MadeSeries make_series(const SeriesRecipe& recipe) {
         }
       }
     }
-    series.truth = make_ct_volume(geometry, std::move(hu));
+    series.ground_truth = make_ct_volume(geometry, std::move(hu));
   }
   return series;
 }

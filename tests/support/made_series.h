@@ -19,7 +19,7 @@ struct MadeSeries {
   };
   std::string name;  ///< in words
   std::vector<File> files;
-  CtVolume truth;
+  CtVolume ground_truth;
   int tolerance_hu = 0;  ///< above 0 for lossy compression
 
   void write(const std::filesystem::path& folder) const;

@@ -23,15 +23,15 @@ inline void expect_isthmus(const TriangleMesh& mesh, const PedicleLandmarks& ped
   EXPECT_NEAR(pedicle.width_mm, section.extent_mm(pedicle.width_axis), kStepsMm);
   EXPECT_NEAR(pedicle.height_mm, section.extent_mm(pedicle.height_axis), kStepsMm);
   // No section near by, along the axis or turned about width or height, is much smaller.
-  constexpr double kLeastShare = 0.93;
+  constexpr double kMinShare = 0.93;
   for (const double shift_mm : {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0}) {
     const MeshSection other(mesh, pedicle.isthmus_mm + shift_mm * pedicle.axis, pedicle.axis);
-    EXPECT_GE(other.area_mm2(), kLeastShare * section.area_mm2()) << "moved by " << shift_mm << " mm";
+    EXPECT_GE(other.area_mm2(), kMinShare * section.area_mm2()) << "moved by " << shift_mm << " mm";
   }
   for (const double turn : {-15.0 * kDegree, -7.0 * kDegree, 7.0 * kDegree, 15.0 * kDegree}) {
     for (const Vec3& about : {pedicle.width_axis, pedicle.height_axis}) {
       const Vec3 turned = Eigen::AngleAxisd(turn, about) * pedicle.axis;
-      EXPECT_GE(MeshSection(mesh, pedicle.isthmus_mm, turned).area_mm2(), kLeastShare * section.area_mm2())
+      EXPECT_GE(MeshSection(mesh, pedicle.isthmus_mm, turned).area_mm2(), kMinShare * section.area_mm2())
           << "turned by " << turn / kDegree << " degrees";
     }
   }
@@ -89,8 +89,8 @@ inline void expect_landmarks_of(const TriangleMesh& mesh, const Landmarks& found
 /// That no landmark looks unlike a lumbar vertebra's.
 inline void expect_usual(const Landmarks& found) {
   // The Visible Human's pedicles are higher than most, and wider in L5; nothing else is unusual.
-  for (const std::string& doubt : found.doubts) {
-    EXPECT_THAT(doubt,
+  for (const std::string& warning : found.warnings) {
+    EXPECT_THAT(warning,
                 testing::AnyOf(testing::HasSubstr("pedicle's height is"), testing::HasSubstr("pedicle's width is")));
   }
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/phantom/vertebra.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/session/drill_session.h"
 #include "core/session/operator/path_motion.h"
 
@@ -44,7 +44,7 @@ inline TrueBoundaries true_boundaries(const Vertebra& vertebra, const DrillPath&
 }
 
 /// The pedicle's axis, on through the front of the body and 4 mm beyond.
-inline DrillPath path_through(const PedicleTruth& pedicle, const DrillBit& bit) {
+inline DrillPath path_through(const PedicleGroundTruth& pedicle, const DrillBit& bit) {
   const Vec3 direction = (pedicle.target_mm - pedicle.entry_mm).normalized();
   return {"through", pedicle.entry_mm, pedicle.target_mm + 12.0 * direction, bit};
 }
@@ -78,9 +78,9 @@ inline PedicleRun drill_pedicle(const DrillPath& path, const BoneSampler& bone, 
   PathMotionOptions motion;
   motion.line.lead_in_mm = 3.0;
   motion.rate_hz = 100.0;  // 10 µm a cycle
-  PathHand hand(path, motion);
+  PlannedMotion tool_operator(path, motion);
   PedicleRun run;
-  run_session(session, hand, [&](const Cycle& cycle) { run.cycles.push_back(cycle); });
+  run_session(session, tool_operator, [&](const Cycle& cycle) { run.cycles.push_back(cycle); });
   run.events.assign(session.events().begin(), session.events().end());
   return run;
 }

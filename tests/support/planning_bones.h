@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "core/phantom/vertebra.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "core/plan/wall_distance.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/gridded_field.h"
@@ -64,16 +64,16 @@ inline bool faces_canal(const Vertebra& vertebra, const Vec3& p_mm, const Vec3& 
 
 /// The phantom's landmarks as far as grading needs them, from what is known of it.
 inline Landmarks phantom_landmarks(const Vertebra& vertebra, const BoneShape& bone) {
-  const VertebraTruth truth = vertebra_truth(vertebra);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
   Landmarks landmarks;
   landmarks.axes = vertebra.rotation();
   landmarks.origin_mm = vertebra.to_patient(Vec3(0.0, 21.5, 0.0));
-  const auto pedicle = [](const PedicleTruth& known) {
+  const auto pedicle = [](const PedicleGroundTruth& known) {
     return PedicleLandmarks{known.isthmus_mm,  known.axis,     known.width_axis,
                             known.height_axis, known.width_mm, known.height_mm};
   };
-  landmarks.left_pedicle = pedicle(truth.left);
-  landmarks.right_pedicle = pedicle(truth.right);
+  landmarks.left_pedicle = pedicle(ground_truth.left);
+  landmarks.right_pedicle = pedicle(ground_truth.right);
   for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
     landmarks.is_canal_wall.push_back(faces_canal(vertebra, bone.points_mm()[n], bone.normals()[n]) ? 1 : 0);
   }

@@ -15,16 +15,16 @@ struct PointError {
   double mean_mm = 0.0;  ///< of the absolute distances
   double p99_mm = 0.0;
   double max_mm = 0.0;
-  double bias_mm = 0.0;    ///< mean of the signed distances
-  double wiggle_mm = 0.0;  ///< root mean square change of the signed distance from a point to the nearest one in the
-                           ///< next slice: what makes a surface wiggle from slice to slice
+  double bias_mm = 0.0;                ///< mean of the signed distances
+  double inter_slice_jitter_mm = 0.0;  ///< root mean square change of the signed distance from a point to the nearest
+                                       ///< one in the next slice: what makes a surface wiggle from slice to slice
 };
 
-inline PointError point_error(std::span<const Vec3> points_mm, const ScalarField& truth, double slice_step_mm) {
+inline PointError point_error(std::span<const Vec3> points_mm, const ScalarField& ground_truth, double slice_step_mm) {
   PointError error;
   std::vector<double> values_mm(points_mm.size());
   std::vector<Vec3> gradients(points_mm.size());
-  truth.evaluate(points_mm, values_mm, gradients);
+  ground_truth.evaluate(points_mm, values_mm, gradients);
   std::vector<double> distance_mm;
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
     values_mm[i] /= std::max(gradients[i].norm(), 0.25);
@@ -48,7 +48,7 @@ inline PointError point_error(std::span<const Vec3> points_mm, const ScalarField
     squares_mm2 += std::pow(values_mm[next] - values_mm[i], 2);
     ++pairs;
   }
-  error.wiggle_mm = pairs > 0 ? std::sqrt(squares_mm2 / static_cast<double>(pairs)) : 0.0;
+  error.inter_slice_jitter_mm = pairs > 0 ? std::sqrt(squares_mm2 / static_cast<double>(pairs)) : 0.0;
   std::sort(distance_mm.begin(), distance_mm.end());
   error.p99_mm = distance_mm[(distance_mm.size() - 1) * 99 / 100];
   error.max_mm = distance_mm.back();

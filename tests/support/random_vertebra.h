@@ -69,8 +69,8 @@ inline void disturb(VertebraAnatomy::Pedicle& pedicle, RandomNumbers& random) {
 /// around the body) and the empty core of osteoporosis. The same seed always gives the same one, and one whose
 /// isthmuses are exact.
 inline VertebraAnatomy random_anatomy(std::uint64_t seed) {
-  constexpr std::uint64_t kMostDraws = 1000;
-  for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
+  constexpr std::uint64_t kMaxDraws = 1000;
+  for (std::uint64_t draw = 0; draw < kMaxDraws; ++draw) {
     RandomNumbers random(mix_bits(seed) + draw);
     const double width = random.within(0.88, 1.12), depth = random.within(0.88, 1.12);
     VertebraAnatomy a = scaled_anatomy({width, depth, random.within(0.88, 1.12)});

@@ -5,7 +5,7 @@
 
 #include "core/base/random.h"
 #include "core/phantom/scanner.h"
-#include "core/phantom/spine_truth.h"
+#include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
 
 namespace spinaltap::test {

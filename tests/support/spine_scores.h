@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/ct/crop.h"
-#include "core/phantom/spine_truth.h"
+#include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
 #include "core/segment/segment_spine.h"
 #include "tests/support/mask_overlap.h"
@@ -39,7 +39,7 @@ inline double distance_to_mask_mm(const BoneMask& mask, const Vec3& p_mm) {
   const GridGeometry& geometry = mask.geometry;
   const Vec3 p = geometry.to_index(p_mm);
   const Vec3 reach = Vec3::Constant(kReachMm).cwiseQuotient(geometry.spacing_mm);
-  double least_mm = kReachMm;
+  double min_mm = kReachMm;
   const Eigen::Vector3i low = (p - reach).array().floor().cast<int>();
   const Eigen::Vector3i high = (p + reach).array().ceil().cast<int>();
   for (int k = std::max(0, low.z()); k <= std::min(high.z(), geometry.size[2] - 1); ++k) {
@@ -47,19 +47,19 @@ inline double distance_to_mask_mm(const BoneMask& mask, const Vec3& p_mm) {
       for (int i = std::max(0, low.x()); i <= std::min(high.x(), geometry.size[0] - 1); ++i) {
         if (!mask.at(i, j, k)) continue;
         const Vec3 away = ((p - Vec3(i, j, k)).cwiseAbs() - Vec3::Constant(0.5)).cwiseMax(0.0);
-        least_mm = std::min(least_mm, away.cwiseProduct(geometry.spacing_mm).norm());
+        min_mm = std::min(min_mm, away.cwiseProduct(geometry.spacing_mm).norm());
       }
     }
   }
-  return least_mm;
+  return min_mm;
 }
 
-/// Compares with the truth, by place and not by name. The spine is made from SpineOptions.
+/// Compares with the ground truth, by place and not by name. The spine is made from SpineOptions.
 inline SpineScore score_of(const SpineSegmentation& found, const Spine& spine) {
-  const LabelVolume truth = true_labels(spine, found.labels.geometry);
+  const LabelVolume ground_truth = true_labels(spine, found.labels.geometry);
   SpineScore score;
   std::vector<bool> used(found.levels.size(), false);
-  for (const LevelTruth& level : spine_truth(spine).levels) {
+  for (const LevelGroundTruth& level : spine_ground_truth(spine).levels) {
     LevelScore one;
     one.level = level.level;
     one.centre_mm = 10.0;  // half of a level's height: further away is another one
@@ -74,13 +74,13 @@ inline SpineScore score_of(const SpineSegmentation& found, const Spine& spine) {
       const int found_label = found.levels[*one.found].label;
       const auto true_label = static_cast<std::uint8_t>(level.level);
       BoneMask mask = mask_of(found.labels, found_label);
-      BoneMask is = mask_of(truth, level.level);
+      BoneMask is = mask_of(ground_truth, level.level);
       BoneMask either = is;
       std::array<std::size_t, 256> taken{};
       std::array<std::size_t, 256> all{};
       for (std::size_t v = 0; v < mask.inside.size(); ++v) {
         either.inside[v] = mask.inside[v] | is.inside[v];
-        const std::uint8_t label = truth.labels[v];
+        const std::uint8_t label = ground_truth.labels[v];
         ++all[label];
         taken[label] += mask.inside[v];
       }
@@ -108,7 +108,7 @@ inline std::string texts_of(const LevelReport& level) {
   return texts;
 }
 
-/// A line a level, with its doubt and what is said of it where that is much.
+/// A line a level, with its severity and what is said of it where that is much.
 inline void print(const SpineScore& score, const SpineSegmentation& found, const std::string& what) {
   for (const LevelScore& level : score.levels) {
     if (!level.found) {
@@ -117,22 +117,22 @@ inline void print(const SpineScore& score, const SpineSegmentation& found, const
     }
     const LevelReport& report = found.levels[*level.found];
     std::printf(
-        "%s %-3s as %-3s Dice %.3f, surface %.2f mm, centre %.1f mm, tips %.2f mm, of neighbours %.2f %%, doubt "
+        "%s %-3s as %-3s Dice %.3f, surface %.2f mm, centre %.1f mm, tips %.2f mm, of neighbours %.2f %%, severity "
         "%.2f%s%s\n",
         what.c_str(), level_name(level.level).c_str(), report.name.c_str(), level.dice, level.surface_mm,
-        level.centre_mm, level.tip_mm, 100.0 * level.neighbour_share, report.doubt, level.is_wrong() ? " WRONG" : "",
+        level.centre_mm, level.tip_mm, 100.0 * level.neighbour_share, report.severity, level.is_wrong() ? " WRONG" : "",
         report.warnings.empty() ? "" : (" " + texts_of(report)).c_str());
   }
   if (score.extra > 0) std::printf("%s: %zu levels too many\n", what.c_str(), score.extra);
 }
 
-/// Whether a level that came out wrong is told: it is doubtful itself or, where it is missing, what was found next to
+/// Whether a level that came out wrong is told: it is suspect itself or, where it is missing, what was found next to
 /// its place.
 inline bool is_told(const LevelScore& level, const Vec3& body_centre_mm, const SpineSegmentation& found) {
-  if (level.found) return found.levels[*level.found].is_doubtful();
+  if (level.found) return found.levels[*level.found].is_suspect();
   constexpr double kNextMm = 60.0;
   return std::any_of(found.levels.begin(), found.levels.end(), [&](const LevelReport& report) {
-    return report.is_doubtful() && (report.body_centre_mm - body_centre_mm).norm() < kNextMm;
+    return report.is_suspect() && (report.body_centre_mm - body_centre_mm).norm() < kNextMm;
   });
 }
 

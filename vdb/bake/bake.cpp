@@ -118,7 +118,7 @@ void check_options(const BakeOptions& options) {
 }  // namespace
 
 BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, const CtVolume& ct,
-                    const BakeOptions& options, const std::map<std::string, std::string>& facts, BakeReport* report,
+                    const BakeOptions& options, const std::map<std::string, std::string>& metadata, BakeReport* report,
                     const Progress& progress) {
   initialize_openvdb();
   check_options(options);
@@ -127,7 +127,7 @@ BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, co
   grids->sdf = detail::bake_sdf(field, seeds_mm, options.voxel_mm, own_report, progress);
   grids->hu = detail::bake_hu(*grids->sdf, ct.geometry, options.hu_margin_mm,
                               [&](int i, int j, int k) { return static_cast<float>(ct.at(i, j, k)); });
-  grids->facts = facts;
+  grids->metadata = metadata;
   if (report != nullptr) *report = own_report;
   return BoneModel(grids);
 }
@@ -146,7 +146,7 @@ BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surr
     const double extent_mm = solid.bounds_mm().sizes()[static_cast<Eigen::Index>(axis)] + 2.0 * margin_mm;
     geometry.size[axis] = static_cast<int>(std::ceil(extent_mm / options.voxel_mm)) + 1;
   }
-  check_geometry(geometry, "truth grid");
+  check_geometry(geometry, "ground truth grid");
   grids->hu = detail::bake_hu(*grids->sdf, geometry, options.hu_margin_mm, [&](int i, int j, int k) {
     const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
     double distance_mm = 0.0;
@@ -154,7 +154,7 @@ BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surr
     const double hu = distance_mm < 0.0 ? solid.hu(p_mm, distance_mm, options.voxel_mm) : surroundings_hu;
     return static_cast<float>(hu);
   });
-  grids->facts = {{"version", version()}, {"method", "truth of a phantom"}};
+  grids->metadata = {{"version", version()}, {"method", "ground truth of a phantom"}};
   return BoneModel(grids);
 }
 

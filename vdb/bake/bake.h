@@ -26,14 +26,14 @@ struct BakeReport {
 ///
 /// The field is evaluated, with its gradient, only in a thin band that starts at `seeds_mm` (points on or near the zero
 /// set) and follows it; there the distance is value / |gradient|, beyond it is swept on (OpenVDB's fast sweeping). Of
-/// several pieces the largest is kept. `facts` go into the model as they are.
+/// several pieces the largest is kept. `metadata` go into the model as they are.
 /// Throws Error when no zero set is found near the seeds.
 BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, const CtVolume& ct,
-                    const BakeOptions& options, const std::map<std::string, std::string>& facts,
+                    const BakeOptions& options, const std::map<std::string, std::string>& metadata,
                     BakeReport* report = nullptr, const Progress& progress = {});
 
-/// Bakes the truth of a phantom in the same form: its distance, and its own CT numbers, without blur or noise, on a
-/// grid of the same voxel; `surroundings_hu` beside it.
+/// Bakes the ground truth of a phantom in the same form: its distance, and its own CT numbers, without blur or noise,
+/// on a grid of the same voxel; `surroundings_hu` beside it.
 BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu,
                      const Progress& progress = {});
 

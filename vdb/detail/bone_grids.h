@@ -18,7 +18,7 @@ struct BoneGrids {
   /// The larger of the first and minus the second is `sdf`, which no longer knows where the rim between them was.
   openvdb::FloatGrid::ConstPtr before;
   openvdb::FloatGrid::ConstPtr hole;
-  std::map<std::string, std::string> facts;
+  std::map<std::string, std::string> metadata;
 };
 
 /// The nearest number that a half float has.

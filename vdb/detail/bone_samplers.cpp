@@ -62,10 +62,10 @@ class Constants {
  public:
   Constants(BlockTable& table, const char* name) : table_(table), name_(name) {}
   const float* of(float value) {
-    constexpr std::size_t kMost = 1 << 16;
+    constexpr std::size_t kMax = 1 << 16;
     const float*& first = first_values_[std::bit_cast<std::uint32_t>(value)];
     if (first == nullptr) {
-      if (table_.constants.size() == kMost) fail("bone model: over ", kMost, " kinds of tiles in the grid ", name_);
+      if (table_.constants.size() == kMax) fail("bone model: over ", kMax, " kinds of tiles in the grid ", name_);
       auto block = std::make_unique<BlockTable::Block>();
       block->fill(value);
       first = block->data();

@@ -53,9 +53,9 @@ void replace_random_tag(const std::filesystem::path& path, const std::string& di
 }  // namespace
 
 std::string printable(const std::string& message) {
-  constexpr std::size_t kMost = 160;
+  constexpr std::size_t kMax = 160;
   std::string text;
-  for (const char c : message.substr(0, kMost)) text += c >= ' ' && c <= '~' ? c : '?';
+  for (const char c : message.substr(0, kMax)) text += c >= ' ' && c <= '~' ? c : '?';
   return text;
 }
 
@@ -91,13 +91,13 @@ bool fits_half_floats(const openvdb::FloatGrid& grid) {
   return fits(grid.background());
 }
 
-std::map<std::string, std::string> facts_of(const openvdb::FloatGrid& sdf) {
+std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf) {
   const std::string prefix = kFactPrefix;
-  std::map<std::string, std::string> facts;
+  std::map<std::string, std::string> metadata;
   for (auto meta = sdf.beginMeta(); meta != sdf.endMeta(); ++meta) {
-    if (meta->first.rfind(prefix, 0) == 0) facts[meta->first.substr(prefix.size())] = meta->second->str();
+    if (meta->first.rfind(prefix, 0) == 0) metadata[meta->first.substr(prefix.size())] = meta->second->str();
   }
-  return facts;
+  return metadata;
 }
 
 NamedGrids::NamedGrids(const std::filesystem::path& path) : path_(path) {
@@ -113,9 +113,9 @@ NamedGrids::NamedGrids(const std::filesystem::path& path) : path_(path) {
     setDataCompression(bytes_);
     metadata_.readMeta(bytes_);
     if (!inputHasGridOffsets()) return;
-    constexpr std::int32_t kMostGrids = 1000;
+    constexpr std::int32_t kMaxGrids = 1000;
     const std::int32_t count = readGridCount(bytes_);
-    if (count < 0 || count > kMostGrids) fail("expected at most ", kMostGrids, " grids, found ", count);
+    if (count < 0 || count > kMaxGrids) fail("expected at most ", kMaxGrids, " grids, found ", count);
     for (std::int32_t n = 0; n < count; ++n) {
       openvdb::io::GridDescriptor place;
       place.read(bytes_);

@@ -33,8 +33,8 @@ void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gr
 /// Whether a file of half floats gives every value back.
 bool fits_half_floats(const openvdb::FloatGrid& grid);
 
-/// The facts of a bone, from its grid's metadata.
-std::map<std::string, std::string> facts_of(const openvdb::FloatGrid& sdf);
+/// The metadata of a bone, from its grid's metadata.
+std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf);
 
 /// The start of a message that may quote a damaged file's bytes.
 std::string printable(const std::string& message);

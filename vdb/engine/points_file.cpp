@@ -71,7 +71,7 @@ PointDataGrid::Ptr make_grid(const LivingPoints& living, const PointVolume& volu
   return grid;
 }
 
-void add_facts(PointDataGrid& grid, const PointVolume& volume, const DrillPath& path) {
+void add_metadata(PointDataGrid& grid, const PointVolume& volume, const DrillPath& path) {
   const auto add = [&](const char* key, const openvdb::Metadata& value) {
     grid.insertMeta(std::string(detail::kFactPrefix) + key, value);
   };
@@ -84,7 +84,7 @@ void add_facts(PointDataGrid& grid, const PointVolume& volume, const DrillPath& 
 }
 
 std::string hash_of(const LivingPoints& living) {
-  Fnv1a hash;
+  WordHash64 hash;
   hash.add(living.positions_mm.data(), living.positions_mm.size() * sizeof(living.positions_mm[0]));
   hash.add(living.hu.data(), living.hu.size() * sizeof(living.hu[0]));
   return hash.hex();
@@ -108,7 +108,7 @@ void write_points(const PointVolume& volume, const DrillPath& path, const std::f
   initialize_openvdb();
   const LivingPoints living = living_points(volume);
   const PointDataGrid::Ptr grid = make_grid(living, volume, options);
-  add_facts(*grid, volume, path);
+  add_metadata(*grid, volume, path);
   StagedOutput output;
   const std::filesystem::path staged = output.stage(file);
   try {
@@ -128,7 +128,7 @@ SavedPoints read_points(const std::filesystem::path& file) {
   SavedPoints saved;
   const std::string prefix = detail::kFactPrefix;
   for (auto meta = grid->beginMeta(); meta != grid->endMeta(); ++meta) {
-    if (meta->first.rfind(prefix, 0) == 0) saved.facts[meta->first.substr(prefix.size())] = meta->second->str();
+    if (meta->first.rfind(prefix, 0) == 0) saved.metadata[meta->first.substr(prefix.size())] = meta->second->str();
   }
   try {
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "core/ct/density_law.h"
+#include "core/ct/hu_to_density.h"
 #include "core/points/point_volume.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
 
 struct PointsFileOptions {
-  /// Also gives each point the density that this law has for its CT number.
-  std::optional<DensityLaw> density;
+  /// Also gives each point the density that this calibration has for its CT number.
+  std::optional<HuToDensity> density;
 };
 
 /// Saves a volume's living points as an OpenVDB point grid named "points", which Houdini and Blender show. World space
@@ -29,8 +29,8 @@ void write_points(const PointVolume& volume, const DrillPath& path, const std::f
 struct SavedPoints {
   std::vector<Vec3> positions_mm;  ///< patient LPS
   std::vector<int> hu;
-  std::vector<float> density_g_cm3;          ///< empty where the file has none
-  std::map<std::string, std::string> facts;  ///< metadata, without its prefix
+  std::vector<float> density_g_cm3;             ///< empty where the file has none
+  std::map<std::string, std::string> metadata;  ///< metadata, without its prefix
 };
 
 /// Throws Error on a missing or damaged file, and one without such a grid.

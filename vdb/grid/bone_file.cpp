@@ -17,8 +17,8 @@ Level only_level(const std::vector<Level>& levels, const std::filesystem::path& 
 
 void check_level(const BoneModel& bone, Level wanted, const std::filesystem::path& path) {
   if (wanted == Level::kNone) return;
-  const auto recorded = bone.facts().find("level");
-  if (recorded == bone.facts().end()) {
+  const auto recorded = bone.metadata().find("level");
+  if (recorded == bone.metadata().end()) {
     fail("expected ", level_name(wanted), ", found a bone whose level is not known: ", path.string());
   }
   if (recorded->second != level_name(wanted)) {
@@ -27,7 +27,7 @@ void check_level(const BoneModel& bone, Level wanted, const std::filesystem::pat
 }
 
 std::string hash_of(const BoneModel& bone) {
-  Fnv1a hash;
+  WordHash64 hash;
   for (const auto& grid : {bone.grids().sdf, bone.grids().hu, bone.grids().before, bone.grids().hole}) {
     if (grid == nullptr) continue;
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
@@ -53,7 +53,7 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
   };
   const auto sdf = add("sdf", *bone.grids().sdf);
   sdf->setGridClass(openvdb::GRID_LEVEL_SET);
-  for (const auto& [key, value] : bone.facts()) {
+  for (const auto& [key, value] : bone.metadata()) {
     sdf->insertMeta(detail::kFactPrefix + key, openvdb::StringMetadata(value));
   }
   add("hu", *bone.grids().hu);
@@ -107,7 +107,7 @@ BoneModel read_bone(const std::filesystem::path& path, Level level) {
   if ((grids->before == nullptr) != (grids->hole == nullptr)) {
     fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
   }
-  grids->facts = detail::facts_of(*grids->sdf);
+  grids->metadata = detail::metadata_of(*grids->sdf);
   BoneModel bone = [&] {
     try {
       return BoneModel(grids);

@@ -49,7 +49,7 @@ std::vector<Block> active_blocks(const openvdb::FloatGrid& grid) {
   return blocks;
 }
 
-void add_block(const Block& block, Fnv1a& hash) {
+void add_block(const Block& block, WordHash64& hash) {
   const std::array<std::int32_t, 4> place{block.origin.x(), block.origin.y(), block.origin.z(), block.size};
   hash.add(place.data(), sizeof place);
   if (block.size != openvdb::Int32{Leaf::DIM}) {
@@ -67,7 +67,7 @@ void add_block(const Block& block, Fnv1a& hash) {
   hash.add(values.data(), sizeof values);
 }
 
-void add_grid(const openvdb::FloatGrid& grid, Fnv1a& hash) {
+void add_grid(const openvdb::FloatGrid& grid, WordHash64& hash) {
   for (const Coord& corner : {Coord(0, 0, 0), Coord(1, 0, 0), Coord(0, 1, 0), Coord(0, 0, 1)}) {
     const openvdb::Vec3d place_mm = grid.indexToWorld(corner);
     const std::array<double, 3> numbers{place_mm.x(), place_mm.y(), place_mm.z()};
@@ -84,7 +84,7 @@ void add_grid(const openvdb::FloatGrid& grid, Fnv1a& hash) {
 }  // namespace
 
 std::string bone_hash(const BoneModel& bone) {
-  Fnv1a hash;
+  WordHash64 hash;
   add_grid(*bone.grids().sdf, hash);
   add_grid(*bone.grids().hu, hash);
   return hash.hex();

@@ -58,12 +58,12 @@ void BoneModel::hu(std::span<const Vec3> points_mm, std::span<float> hu, std::sp
 }
 
 void BoneModel::normals(std::span<const Vec3> points_mm, std::span<Vec3> normals) const {
-  constexpr double kLeastSlope = 0.1;
+  constexpr double kMinSlope = 0.1;
   std::vector<float> unused(points_mm.size());
   samplers_->distance.quadratic(points_mm, std::span<float>(unused), normals);
   for (Vec3& normal : normals) {
     const double slope = normal.norm();
-    normal = slope >= kLeastSlope ? Vec3(normal / slope) : Vec3(Vec3::Zero());
+    normal = slope >= kMinSlope ? Vec3(normal / slope) : Vec3(Vec3::Zero());
   }
 }
 
@@ -79,7 +79,7 @@ Box3 BoneModel::bounds_mm() const { return detail::active_box_mm(*grids_->sdf); 
 
 std::size_t BoneModel::active_voxels() const { return grids_->sdf->activeVoxelCount(); }
 
-const std::map<std::string, std::string>& BoneModel::facts() const { return grids_->facts; }
+const std::map<std::string, std::string>& BoneModel::metadata() const { return grids_->metadata; }
 
 bool is_drilled(const BoneModel& bone) { return bone.grids().hole != nullptr; }
 
@@ -97,10 +97,10 @@ void BoneField::evaluate(std::span<const Vec3> points_mm, std::span<double> valu
   bone_.samplers().distance.quadratic(points_mm, values_mm, gradients);
 }
 
-void bone_density(const BoneModel& bone, const DensityLaw& law, std::span<const Vec3> points_mm,
+void bone_density(const BoneModel& bone, const HuToDensity& line, std::span<const Vec3> points_mm,
                   std::span<float> density_g_cm3) {
   bone.hu(points_mm, density_g_cm3, {});
-  for (float& value : density_g_cm3) value = static_cast<float>(law.density_g_cm3(static_cast<double>(value)));
+  for (float& value : density_g_cm3) value = static_cast<float>(line.density_g_cm3(static_cast<double>(value)));
 }
 
 CtVolume ct_of_bone(const BoneModel& bone, double voxel_mm) {

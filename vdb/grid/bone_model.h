@@ -10,7 +10,7 @@
 #include "core/base/geometry.h"
 #include "core/base/scalar_field.h"
 #include "core/ct/ct_volume.h"
-#include "core/ct/density_law.h"
+#include "core/ct/hu_to_density.h"
 #include "core/ct/level.h"
 
 namespace spinaltap {
@@ -71,7 +71,7 @@ class BoneModel {
   Box3 bounds_mm() const;
   std::size_t active_voxels() const;
   /// What was baked and how: "source_hash", "method", ... as text.
-  const std::map<std::string, std::string>& facts() const;
+  const std::map<std::string, std::string>& metadata() const;
 
   const detail::BoneGrids& grids() const { return *grids_; }
   const detail::BoneSamplers& samplers() const { return *samplers_; }
@@ -93,9 +93,10 @@ BoneModel before_drilling(const BoneModel& bone);
 void write_bone(const BoneModel& bone, const std::filesystem::path& path);
 
 /// Reads what write_bone wrote, or a bone of what write_spine wrote (spine_file.h). A `level` other than kNone chooses
-/// the bone of several, and must be that of a file with one, as its fact "level" has it; without it a file of several
-/// must hold one only. Throws Error on a missing or damaged file, on one without `sdf` or `hu`, on one with only one of
-/// `before` and `hole`, and where the level is not that, not there, or not chosen (the message lists those there are).
+/// the bone of several, and must be that of a file with one, as its metadata "level" has it; without it a file of
+/// several must hold one only. Throws Error on a missing or damaged file, on one without `sdf` or `hu`, on one with
+/// only one of `before` and `hole`, and where the level is not that, not there, or not chosen (the message lists those
+/// there are).
 BoneModel read_bone(const std::filesystem::path& path, Level level = Level::kNone);
 
 /// A baked bone's distance as a field: tri-quadratic value (mm) and gradient; see BoneModel::distance() for what they
@@ -110,9 +111,10 @@ class BoneField final : public ScalarField {
   BoneModel bone_;
 };
 
-/// Density (g/cm³) at patient positions (LPS, mm), by a law from the bone's tri-linear CT numbers. Both spans have one
-/// length. Where the grid holds no CT number, beyond the bone and its margin, it is that of air: 0 by any usual law.
-void bone_density(const BoneModel& bone, const DensityLaw& law, std::span<const Vec3> points_mm,
+/// Density (g/cm³) at patient positions (LPS, mm), by a density calibration from the bone's tri-linear CT numbers. Both
+/// spans have one length. Where the grid holds no CT number, beyond the bone and its margin, it is that of air: 0 by
+/// any usual calibration.
+void bone_density(const BoneModel& bone, const HuToDensity& line, std::span<const Vec3> points_mm,
                   std::span<float> density_g_cm3);
 
 /// The CT that a baked bone keeps, resampled (tri-linear) around its surface for slices: -1024 HU where it keeps none.

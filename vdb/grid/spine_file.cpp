@@ -30,8 +30,8 @@ std::string sdf_name(Level level) { return "sdf_" + level_name(level); }
 std::string part_name(Level level) { return "part_" + level_name(level); }
 
 std::string source_of(const BoneModel& bone) {
-  const auto found = bone.facts().find("source_hash");
-  return found == bone.facts().end() ? "" : found->second;
+  const auto found = bone.metadata().find("source_hash");
+  return found == bone.metadata().end() ? "" : found->second;
 }
 
 void check_bones(std::span<const SpineBone> bones) {
@@ -53,7 +53,7 @@ void check_bones(std::span<const SpineBone> bones) {
     for (const std::string& warning : one.notes.warnings) {
       if (warning.find('\n') != std::string::npos) fail("spine: expected warnings of one line for ", name);
     }
-    if (!std::isfinite(one.notes.doubt)) fail("spine: expected a number as the doubt of ", name);
+    if (!std::isfinite(one.notes.severity)) fail("spine: expected a number as the severity of ", name);
   }
 }
 
@@ -81,7 +81,7 @@ FloatGrid::Ptr named_sdf(const SpineBone& one) {
   copy->setName(sdf_name(one.level));
   copy->setGridClass(openvdb::GRID_LEVEL_SET);
   copy->setSaveFloatAsHalf(detail::fits_half_floats(*copy));
-  for (const auto& [key, value] : one.bone.facts()) {
+  for (const auto& [key, value] : one.bone.metadata()) {
     copy->insertMeta(detail::kFactPrefix + key, openvdb::StringMetadata(value));
   }
   const auto note = [&](const char* name, const std::string& text) {
@@ -92,12 +92,12 @@ FloatGrid::Ptr named_sdf(const SpineBone& one) {
   note("warnings", warnings);
   note("landmarks", one.notes.landmarks);
   note("no_landmarks", one.notes.no_landmarks);
-  copy->insertMeta(kNotePrefix + "doubt", openvdb::DoubleMetadata(one.notes.doubt));
+  copy->insertMeta(kNotePrefix + "severity", openvdb::DoubleMetadata(one.notes.severity));
   return copy;
 }
 
 std::string content_hash(const std::vector<const SpineBone*>& bones) {
-  Fnv1a hash;
+  WordHash64 hash;
   for (const SpineBone* one : bones) {
     const std::string name = level_name(one->level);
     hash.add(name.data(), name.size());
@@ -167,8 +167,8 @@ LevelNotes notes_of(const FloatGrid& sdf) {
   for (std::string line; std::getline(warnings, line);) notes.warnings.push_back(line);
   notes.landmarks = text("landmarks");
   notes.no_landmarks = text("no_landmarks");
-  const auto doubt = sdf.getMetadata<openvdb::DoubleMetadata>(kNotePrefix + "doubt");
-  if (doubt) notes.doubt = doubt->value();
+  const auto severity = sdf.getMetadata<openvdb::DoubleMetadata>(kNotePrefix + "severity");
+  if (severity) notes.severity = severity->value();
   return notes;
 }
 
@@ -178,7 +178,7 @@ SpineBone read_level(detail::NamedGrids& file, Level level, const fs::path& path
   check_sdf(*sdf, sdf_name(level), path);
   const FloatGrid::Ptr hu = own_hu(file, level, path);
   if (!hu->transform().isLinear()) fail("expected the grid hu without perspective in ", path.string());
-  grids->facts = detail::facts_of(*sdf);
+  grids->metadata = detail::metadata_of(*sdf);
   const LevelNotes notes = notes_of(*sdf);
   sdf->setName("sdf");
   grids->sdf = sdf;

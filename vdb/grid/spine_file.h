@@ -13,7 +13,7 @@ namespace spinaltap {
 /// What is known of a level beside its grids.
 struct LevelNotes {
   std::vector<std::string> warnings;  ///< one line each
-  double doubt = 0.0;                 ///< 0: none, to 1: likely wrong, as whoever marked the bone judged
+  double severity = 0.0;              ///< 0: none, to 1: likely wrong, as whoever marked the bone judged
   std::string landmarks;              ///< JSON, docs/planning.md; empty where none were found
   std::string no_landmarks;           ///< why there are none
 };

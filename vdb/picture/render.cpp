@@ -111,7 +111,7 @@ class Tracer {
 
   /// The colour at the end of a ray: what surfaces keep back of the light from behind, from the eye on.
   Colour trace(const Vec3& start_mm) {
-    constexpr int kMostSurfaces = 32;
+    constexpr int kMaxSurfaces = 32;
     const Vec3& forward = scene_.camera.forward;
     double solid_mm = DrawnSolid::kMissed;
     const DrawnSolid* solid = nullptr;
@@ -125,7 +125,7 @@ class Tracer {
     Colour colour = Colour::Zero();
     double light = 1.0;
     begin_ray(start_mm);
-    for (int n = 0; n < kMostSurfaces; ++n) {
+    for (int n = 0; n < kMaxSurfaces; ++n) {
       const Surface surface = next_surface(start_mm);
       if (!(surface.way_mm < solid_mm)) break;
       const Vec3 p_mm = start_mm + surface.way_mm * forward;
@@ -135,7 +135,7 @@ class Tracer {
         colour += light * kept * shade(is_new ? cut_colour(p_mm) : kBone, normal(p_mm, surface.kind), p_mm);
       }
       light *= 1.0 - kept;
-      if (light < kLeastLight) return colour;
+      if (light < kMinLight) return colour;
     }
     if (solid == nullptr) return colour + light * background();
     const Vec3 p_mm = start_mm + solid_mm * forward;
@@ -145,7 +145,7 @@ class Tracer {
  private:
   inline static const Colour kBone{0.94, 0.89, 0.79};
   static constexpr double kNewOpacity = 0.75;
-  static constexpr double kLeastLight = 1e-3;
+  static constexpr double kMinLight = 1e-3;
 
   /// Where a ray goes into what is left of the bone, or out of it.
   enum class Kind { bone, wall, cut };

@@ -45,9 +45,9 @@ struct RenderOptions {
 
 /// A shaded picture of the bone by parallel projection, traced against the distance grids (no display server needed).
 /// The bone as it was before it was drilled fills the picture; a bit may reach beyond it. Holes and cuts have sharp
-/// rims, and walls coloured by CT number, marrow red to cortex white. Bit-identical at any thread count. Throws Error
-/// on sizes that are not 1 to 16384 pixels, an `up` along the view, an opacity beyond 0 to 1, a cut or close-up of
-/// nothing, and a bad bit or path.
+/// rims, and walls coloured by CT number, cancellous bone red to cortex white. Bit-identical at any thread count.
+/// Throws Error on sizes that are not 1 to 16384 pixels, an `up` along the view, an opacity beyond 0 to 1, a cut or
+/// close-up of nothing, and a bad bit or path.
 Image render_bone(const BoneModel& bone, const RenderOptions& options, const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -18,13 +18,13 @@ LiveMesh::LiveMesh(const BoneModel& bone, const RemainingBoneOptions& options) {
   });
 }
 
-LiveMesh::LiveMesh(const BoneModel& bone, const DrillBit& bit, double longest_jump_mm) : LiveMesh(bone) {
-  take_bit(bit, longest_jump_mm);
+LiveMesh::LiveMesh(const BoneModel& bone, const DrillBit& bit, double max_jump_mm) : LiveMesh(bone) {
+  take_bit(bit, max_jump_mm);
 }
 
-void LiveMesh::take_bit(const DrillBit& bit, double longest_jump_mm) {
+void LiveMesh::take_bit(const DrillBit& bit, double max_jump_mm) {
   bit_ = bit;
-  longest_jump_mm_ = longest_jump_mm;
+  longest_jump_mm_ = max_jump_mm;
   last_.reset();
 }
 

@@ -6,7 +6,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "core/session/operator/tool_source.h"
+#include "core/session/operator/operator.h"
 #include "vdb/remaining/remaining_bone.h"
 #include "vdb/remaining/remaining_surface.h"
 
@@ -19,14 +19,14 @@ class LiveMesh {
  public:
   /// Meshes the whole bone once. Nothing is drilled before take_bit().
   explicit LiveMesh(const BoneModel& bone, const RemainingBoneOptions& options = {.undo_bytes = 0});
-  LiveMesh(const BoneModel& bone, const DrillBit& bit, double longest_jump_mm);
+  LiveMesh(const BoneModel& bone, const DrillBit& bit, double max_jump_mm);
   LiveMesh(const LiveMesh&) = delete;
   LiveMesh& operator=(const LiveMesh&) = delete;
 
   /// What moves from here on, and has come from nowhere.
-  void take_bit(const DrillBit& bit, double longest_jump_mm);
+  void take_bit(const DrillBit& bit, double max_jump_mm);
   /// Where the bit has come to, straight from where it was. As a session has it: a bit that does not turn takes
-  /// nothing, nor do ways of the tip or the base longer than `longest_jump_mm`; poses that are not finite are passed
+  /// nothing, nor do ways of the tip or the base longer than `max_jump_mm`; poses that are not finite are passed
   /// over.
   void update(const ToolInput& input) { update({&input, 1}); }
   /// From each of them to the next.

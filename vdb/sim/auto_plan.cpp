@@ -17,22 +17,22 @@ std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu
   settings.bit = options.bit;
   const std::vector<PedicleScrew> screws =
       read_screws(options.screws.empty() ? data_file("screws/pedicle.json") : options.screws);
-  const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
+  const HuToDensity density = read_density_calibration(data_file("densities/vertebra.json")).line;
   const Material material = read_material(data_file("materials/vertebra.json"), density);
   return suggest_paths(walls, hu, material, screws, settings, progress);
 }
 
 std::vector<DrillPath> paths_of(const std::vector<Suggestion>& suggestions) {
   std::vector<DrillPath> paths;
-  std::string refusals;
+  std::string rejections;
   for (const Suggestion& suggestion : suggestions) {
     if (suggestion.best) {
       paths.push_back(suggestion.best->path);
     } else {
-      refusals += (refusals.empty() ? "" : "; ") + suggestion.refusal;
+      rejections += (rejections.empty() ? "" : "; ") + suggestion.rejection;
     }
   }
-  if (paths.empty()) fail("no path to suggest: ", refusals);
+  if (paths.empty()) fail("no path to suggest: ", rejections);
   return paths;
 }
 

@@ -15,7 +15,7 @@ struct AutoPlanOptions {
   DrillBit bit = {};                  ///< for the holes
 };
 
-/// suggest_paths() with tables and laws from files.
+/// suggest_paths() with tables and models from files.
 std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu, const AutoPlanOptions& options = {},
                                   const Progress& progress = {});
 

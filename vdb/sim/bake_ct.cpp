@@ -81,7 +81,7 @@ class StageKey {
   void add_one(const std::optional<double>& number) { number ? add(true, *number) : add(false); }
   void add_one(const std::optional<Vec3>& place) { place ? add(true, place->x(), place->y(), place->z()) : add(false); }
 
-  Fnv1a hash_;
+  WordHash64 hash_;
 };
 
 std::string mask_key(const CtVolume& ct, const SegmentOptions& options) {
@@ -106,7 +106,7 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
       std::move(chosen.mask),
       chosen.found ? text("threshold ", chosen.found->bone.threshold_hu, " HU") : text("label ", chosen.label),
       chosen.level, std::nullopt};
-  if (chosen.found) stage.doubts = doubts_of(chosen.found->report);
+  if (chosen.found) stage.warnings = warnings_of(chosen.found->report);
   if (!options.labels) cache.keep_mask(key, stage);
   return stage;
 }
@@ -114,7 +114,7 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
 SurfaceFit make_fit(const CtVolume& ct, const BoneMask& mask, const SurfacePoints& surface,
                     const BakeCtOptions& options, const BakeCache& cache, bool& from_cache, const Progress& progress) {
   StageKey key(ct);
-  Fnv1a mask_hash;
+  WordHash64 mask_hash;
   mask_hash.add(mask.inside.data(), mask.inside.size());
   key.add(mask_hash.value(), options.surface.smooth_mm, options.surface.refine_by_hu);
   key.add(options.rbf.spacing_mm, options.rbf.off_surface_mm, options.rbf.smoothing_mm, options.rbf.accuracy_mm,
@@ -128,10 +128,10 @@ SurfaceFit make_fit(const CtVolume& ct, const BoneMask& mask, const SurfacePoint
   return fit;
 }
 
-std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOptions& options, const MaskStage& mask,
-                                            const SurfaceFitReport& fit) {
+std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtOptions& options, const MaskStage& mask,
+                                               const SurfaceFitReport& fit) {
   const GridGeometry& geometry = ct.geometry;
-  std::map<std::string, std::string> facts{
+  std::map<std::string, std::string> metadata{
       {"version", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
@@ -154,9 +154,9 @@ std::map<std::string, std::string> facts_of(const CtVolume& ct, const BakeCtOpti
       {"rbf_max_residual_mm", text(fit.max_residual_mm)},
       {"hu_margin_mm", text(options.bake.hu_margin_mm)},
   };
-  if (mask.level != Level::kNone) facts["level"] = level_name(mask.level);
-  if (mask.doubts) add_doubts(*mask.doubts, facts);
-  return facts;
+  if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
+  if (mask.warnings) add_warnings(*mask.warnings, metadata);
+  return metadata;
 }
 
 }  // namespace
@@ -168,10 +168,10 @@ BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions
   const SurfaceFit fit = make_fit(ct, mask.mask, surface, options, cache, fit_from_cache, progress);
   BakeReport report;
   const BoneModel bone = bake_bone(fit.field, surface.positions_mm, ct, options.bake,
-                                   facts_of(ct, options, mask, fit.report), &report, progress);
+                                   metadata_of(ct, options, mask, fit.report), &report, progress);
   const auto mask_voxels =
       static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
-  return {bone, mask_voxels, fit.report, report, mask.level, mask.doubts, false, fit_from_cache};
+  return {bone, mask_voxels, fit.report, report, mask.level, mask.warnings, false, fit_from_cache};
 }
 
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {

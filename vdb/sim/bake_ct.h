@@ -36,8 +36,8 @@ struct BakedCt {
   std::size_t mask_voxels = 0;
   SurfaceFitReport fit;
   BakeReport bake;
-  Level level = Level::kNone;           ///< where it is known
-  std::optional<LevelDoubts> doubts{};  ///< without a label map
+  Level level = Level::kNone;               ///< where it is known
+  std::optional<LevelWarnings> warnings{};  ///< without a label map
   bool mask_from_cache = false;
   bool fit_from_cache = false;
 };
@@ -54,7 +54,8 @@ struct ChosenBone {
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress = {});
 
-/// The rest of the chain, from a mask on. The facts record how the mask came about, its level, warnings and doubt.
+/// The rest of the chain, from a mask on. The metadata records how the mask came about, its level, warnings and
+/// severity.
 BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options,
                   const Progress& progress = {});
 

@@ -24,7 +24,7 @@ void add_landmarks(const BoneModel& bone, const Progress& progress, LevelNotes& 
     const BoneShape shape(std::make_shared<BoneField>(bone), bone.bounds_mm(), bone.voxel_mm(), progress);
     const Landmarks landmarks = find_landmarks(shape, progress);
     notes.landmarks = landmarks_text(landmarks);
-    notes.warnings.insert(notes.warnings.end(), landmarks.doubts.begin(), landmarks.doubts.end());
+    notes.warnings.insert(notes.warnings.end(), landmarks.warnings.begin(), landmarks.warnings.end());
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
@@ -83,10 +83,10 @@ BakedLevels bake_levels(const CtVolume& ct, const LabelVolume& labels, const Bak
     MaskStage mask{mask_of(labels, label), "label " + std::to_string(label), level, std::nullopt};
     const Progress of_level = progress_of_level(progress, level, n + 1, whole.size());
     LevelNotes notes;
-    if (const auto found = options.doubts.find(level); found != options.doubts.end()) {
-      mask.doubts = found->second;
+    if (const auto found = options.warnings.find(level); found != options.warnings.end()) {
+      mask.warnings = found->second;
       notes.warnings = found->second.warnings;
-      notes.doubt = found->second.doubt;
+      notes.severity = found->second.severity;
     }
     try {
       const BakedCt baked = bake_mask(ct, mask, options.bake, of_level);

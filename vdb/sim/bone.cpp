@@ -26,10 +26,11 @@ Bone::Bone(BoneModel model) : state_(std::make_shared<State>(std::move(model))) 
 
 Bone Bone::from_ct(const std::filesystem::path& ct, const BoneFromCt& options, const Progress& progress) {
   BakedCt baked = bake_ct(read_ct(ct, options.reading, progress), options.bake, progress);
-  if (baked.doubts && baked.doubts->is_doubtful() && !options.accepts_doubtful) {
+  if (baked.warnings && baked.warnings->is_suspect() && !options.accepts_warnings) {
     std::string words;
-    for (const std::string& warning : baked.doubts->warnings) words += "; " + warning;
-    fail("the vertebra is likely not right (doubt ", baked.doubts->doubt, words, "): look at it, then accept it");
+    for (const std::string& warning : baked.warnings->warnings) words += "; " + warning;
+    fail("the vertebra is likely not right (severity ", baked.warnings->severity, words,
+         "): look at it, then accept it");
   }
   return Bone(std::move(baked.bone));
 }
@@ -49,7 +50,7 @@ const std::string& Bone::hash() const {
   return state_->hash;
 }
 
-std::optional<LevelDoubts> Bone::doubts() const { return doubts_in(model().facts()); }
+std::optional<LevelWarnings> Bone::warnings() const { return warnings_in(model().metadata()); }
 
 std::vector<float> Bone::distance(std::span<const Vec3> points_mm) const {
   std::vector<float> distance_mm(points_mm.size());

@@ -15,7 +15,7 @@
 #include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
 #include "core/plan/wall_distance.h"
-#include "core/segment/doubt_facts.h"
+#include "core/segment/warning_metadata.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"
@@ -25,7 +25,7 @@ namespace spinaltap {
 struct BoneFromCt {
   CtReadOptions reading = {};
   BakeCtOptions bake = {};        ///< which vertebra, and how it is baked
-  bool accepts_doubtful = false;  ///< take a vertebra that is likely not right; its doubts are kept: Bone::doubts()
+  bool accepts_warnings = false;  ///< take a vertebra that is likely not right; its warnings are kept: Bone::warnings()
 };
 
 /// A baked bone and all that planning and drilling ask of it. Copies share what they stand on; nothing changes it, and
@@ -36,7 +36,7 @@ class Bone {
   explicit Bone(BoneModel model);
 
   /// From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes. Throws Error as read_ct() and
-  /// bake_ct() do, and on a vertebra that is doubtful where that was not accepted.
+  /// bake_ct() do, and on a vertebra that is suspect where that was not accepted.
   static Bone from_ct(const std::filesystem::path& ct, const BoneFromCt& options = {}, const Progress& progress = {});
   /// From a bone.vdb, or one level of a spine.vdb. Throws Error as read_bone() does.
   static Bone load(const std::filesystem::path& file, Level level = Level::kNone);
@@ -47,7 +47,7 @@ class Bone {
   /// A fingerprint of its grids: the same however the file was written.
   const std::string& hash() const;
   /// What whoever marked it thinks of it; nothing where it was marked by hand.
-  std::optional<LevelDoubts> doubts() const;
+  std::optional<LevelWarnings> warnings() const;
 
   /// At places (patient LPS, mm): distance to the surface (mm, negative inside, at most the band's width), CT number
   /// (HU), and unit normals (outward; zero further than the band). See BoneModel.

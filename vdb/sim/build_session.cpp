@@ -14,7 +14,7 @@ void drill_out(PointVolume& volume, const SessionSetup& setup) {
   for (const DrilledHole& hole : setup.holes) {
     const std::unique_ptr<DrillEngine> engine = make_engine(setup.engine, volume, hole.bit, setup.material);
     for (const BitWay& way : hole.ways) {
-      engine->lift();
+      engine->reset_motion();
       engine->step(way.start);
       engine->step(way.end);
     }
@@ -37,7 +37,7 @@ BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Pr
   }
   if (setup.has_clearances) {
     built.clearances = clearances != nullptr
-                           ? std::make_unique<ClearanceField>(clearances->with_mouth_of(setup.path))
+                           ? std::make_unique<ClearanceField>(clearances->with_entry_of(setup.path))
                            : std::make_unique<ClearanceField>(bone.walls(progress), setup.path, progress);
   }
   built.session = std::make_unique<DrillSession>(setup.path, built.volumes, make_joint_engine(std::move(engines)),
@@ -52,7 +52,7 @@ ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options) {
 }
 
 DrilledHole hole_of(std::span<const ToolInput> inputs, const SessionSetup& setup) {
-  return {setup.path.bit, straight_ways(inputs, setup.path.bit, setup.options.longest_jump_mm)};
+  return {setup.path.bit, straight_ways(inputs, setup.path.bit, setup.options.max_jump_mm)};
 }
 
 BoneModel without_holes(BoneModel bone, std::span<const DrilledHole> holes) {

@@ -32,16 +32,16 @@ class InputLog {
   std::size_t used_ = 0;
 };
 
-std::size_t expected_inputs(const ToolSource& hand, const std::optional<RealTimeOptions>& real_time) {
-  constexpr std::size_t kMost = 4'000'000;  // 256 MB; what comes then is allocated when it comes
-  std::size_t expected = hand.count() > 0 ? hand.count() + 1 : kMost;
+std::size_t expected_inputs(const Operator& tool_operator, const std::optional<RealTimeOptions>& real_time) {
+  constexpr std::size_t kMax = 4'000'000;  // 256 MB; what comes then is allocated when it comes
+  std::size_t expected = tool_operator.count() > 0 ? tool_operator.count() + 1 : kMax;
   if (real_time) {
     const double cycles = real_time->longest_s * real_time->rate_hz + 2.0;
     expected = static_cast<std::size_t>(std::min(static_cast<double>(expected), cycles));
-  } else if (hand.count() == 0) {
+  } else if (tool_operator.count() == 0) {
     expected = 0;
   }
-  return std::min(expected, kMost);
+  return std::min(expected, kMax);
 }
 
 void count_points(const BuiltSession& built, Drilling& drilling) {
@@ -88,8 +88,8 @@ class Watch {
     }
     drilling_.session_s = cycle.time_s;
     drilling_.deepest_mm = std::fmax(drilling_.deepest_mm, cycle.depth_mm);
-    drilling_.least_outer_mm = std::fmin(drilling_.least_outer_mm, cycle.clearance.outer_mm);
-    drilling_.least_canal_mm = std::fmin(drilling_.least_canal_mm, cycle.clearance.canal_mm);
+    drilling_.min_clearance_outer_mm = std::fmin(drilling_.min_clearance_outer_mm, cycle.clearance.outer_mm);
+    drilling_.min_clearance_canal_mm = std::fmin(drilling_.min_clearance_canal_mm, cycle.clearance.canal_mm);
     if (cycle.step.removed > 0 && std::isnan(drilling_.entry_depth_mm)) drilling_.entry_depth_mm = cycle.depth_mm;
     if (options_.record != nullptr) record(cycle, is_paced);
     before_ns_ = is_paced ? 0 : wall_ns();
@@ -116,10 +116,10 @@ class Watch {
 
 }  // namespace
 
-Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& hand, const DrillingOptions& options,
-                    const Progress& progress) {
+Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_operator,
+                    const DrillingOptions& options, const Progress& progress) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  constexpr double kBeyondMm = 20.0;  // hands may go further than the target
+  constexpr double kBeyondMm = 20.0;  // operators may go further than the target
   DepthLog log(options.log_step_mm, setup.material, setup.volume.lead_in_mm + setup.path.length_mm() + kBeyondMm);
   BuiltSession built = build_session(bone, setup, progress, options.exact);
   DrillSession& session = *built.session;
@@ -127,20 +127,21 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& han
   count_points(built, drilling);
   drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();
   drilling.deepest_mm = -kInfinity;
-  drilling.least_outer_mm = kInfinity;
-  drilling.least_canal_mm = kInfinity;
+  drilling.min_clearance_outer_mm = kInfinity;
+  drilling.min_clearance_canal_mm = kInfinity;
 
   std::vector<PointSplats> splats;
   if (options.makes_splats) {
     for (const PointVolume& volume : built.volumes) splats.emplace_back(volume, BoneField(bone.model()));
   }
-  InputLog inputs(expected_inputs(hand, options.real_time));
+  InputLog inputs(expected_inputs(tool_operator, options.real_time));
   Watch watch(session, options, log, inputs, drilling);
   const CycleObserver observe = [&](const Cycle& cycle) { watch.observe(cycle); };
   if (options.real_time) {
-    drilling.real_time = run_real_time(session, hand, *options.real_time, observe, options.display, {}, progress);
+    drilling.real_time =
+        run_real_time(session, tool_operator, *options.real_time, observe, options.display, {}, progress);
   } else {
-    run_session(session, hand, observe, progress);
+    run_session(session, tool_operator, observe, progress);
   }
 
   drilling.is_stopped = session.is_stopped();
@@ -148,8 +149,8 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& han
   drilling.events_lost = session.events_lost();
   drilling.rows = log.finish();
   for (const DepthRow& row : drilling.rows) {
-    drilling.most_thrust_n = std::max(drilling.most_thrust_n, row.thrust_n);
-    drilling.most_torque_n_mm = std::max(drilling.most_torque_n_mm, row.torque_n_mm);
+    drilling.max_thrust_n = std::max(drilling.max_thrust_n, row.thrust_n);
+    drilling.max_torque_n_mm = std::max(drilling.max_torque_n_mm, row.torque_n_mm);
   }
   progress.report("cutting the hole", 0.0);
   std::vector<DrilledHole> holes = setup.holes;

@@ -34,14 +34,14 @@ struct Drilling {
   std::size_t points_per_disc = 0;  ///< of the first volume
   double bytes_per_point = 0.0;     ///< of the volumes and the engine
   std::size_t cycles = 0;           ///< after the first, which puts the bit
-  double session_s = 0.0;           ///< the hand's time
+  double session_s = 0.0;           ///< the operator's time
   double seconds = 0.0;             ///< of all cycles but the first, where they were not paced; else NaN
   double entry_depth_mm = 0.0;      ///< where the first point was cut, beyond the planned entry; NaN: nowhere
   double deepest_mm = 0.0;          ///< of the tip beyond the entry
-  double most_thrust_n = 0.0;       ///< of a row, as is the torque
-  double most_torque_n_mm = 0.0;
-  double least_outer_mm = 0.0;  ///< least clearances; infinite where there is no wall near
-  double least_canal_mm = 0.0;
+  double max_thrust_n = 0.0;        ///< of a row, as is the torque
+  double max_torque_n_mm = 0.0;
+  double min_clearance_outer_mm = 0.0;  ///< min clearances; infinite where there is no wall near
+  double min_clearance_canal_mm = 0.0;
   bool is_stopped = false;  ///< a rule asked to
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
@@ -53,9 +53,9 @@ struct Drilling {
   explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}
 };
 
-/// Fills a point volume along the path, lets a hand drill it, and cuts the hole of all its poses out of the distance
-/// grid. Throws Error when the path misses the bone.
-Drilling drill_bone(const Bone& bone, const SessionSetup& setup, ToolSource& hand, const DrillingOptions& options = {},
-                    const Progress& progress = {});
+/// Fills a point volume along the path, lets an operator drill it, and cuts the hole of all its poses out of the
+/// distance grid. Throws Error when the path misses the bone.
+Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_operator,
+                    const DrillingOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

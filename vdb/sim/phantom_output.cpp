@@ -3,9 +3,9 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/dicom_write.h"
+#include "core/files/ground_truth_file.h"
 #include "core/files/plan_file.h"
-#include "core/files/truth_file.h"
-#include "core/phantom/spine_truth.h"
+#include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
 #include "vdb/bake/bake.h"
 
@@ -25,27 +25,27 @@ void write_ct(const CtVolume& ct, double slice_width_mm, const std::filesystem::
 
 void write_spine_phantom(const Spine& spine, bool soft_tissue, const ScanOptions& options,
                          const std::filesystem::path& folder, const Progress& progress) {
-  StagedFolder staged(folder, "truth.json");
+  StagedFolder staged(folder, "ground_truth.json");
   const CtVolume ct = soft_tissue ? scan(spine, SoftTissue(spine), options, progress) : scan(spine, options, progress);
   write_ct(ct, options.slice_width_mm, staged.temporary() / "ct", progress);
-  const std::filesystem::path labels = staged.temporary() / "truth_labels.nii.gz";
+  const std::filesystem::path labels = staged.temporary() / "ground_truth_labels.nii.gz";
   write_whole_file(labels, encode_label_volume(true_labels(spine, ct.geometry), labels));
-  write_truth(spine_truth(spine), options, ct.source_hash, staged.temporary() / "truth.json");
+  write_ground_truth(spine_ground_truth(spine), options, ct.source_hash, staged.temporary() / "ground_truth.json");
   staged.commit();
 }
 
-void write_phantom(const Solid& solid, const std::optional<VertebraTruth>& truth, const PhantomOptions& options,
-                   const std::filesystem::path& folder, const Progress& progress) {
-  StagedFolder staged(folder, "truth.json");
+void write_phantom(const Solid& solid, const std::optional<VertebraGroundTruth>& ground_truth,
+                   const PhantomOptions& options, const std::filesystem::path& folder, const Progress& progress) {
+  StagedFolder staged(folder, "ground_truth.json");
   const CtVolume ct = scan(solid, options.scan, progress);
   write_ct(ct, options.scan.slice_width_mm, staged.temporary() / "ct", progress);
-  write_bone(bake_solid(solid, {.voxel_mm = options.truth_voxel_mm}, options.scan.surroundings_hu, progress),
-             staged.temporary() / "truth.vdb");
-  write_truth(truth, options.scan, ct.source_hash, staged.temporary() / "truth.json");
-  if (truth) {
+  write_bone(bake_solid(solid, {.voxel_mm = options.ground_truth_voxel_mm}, options.scan.surroundings_hu, progress),
+             staged.temporary() / "ground_truth.vdb");
+  write_ground_truth(ground_truth, options.scan, ct.source_hash, staged.temporary() / "ground_truth.json");
+  if (ground_truth) {
     const DrillBit bit;
-    write_plan({{"left", truth->left.entry_mm, truth->left.target_mm, bit},
-                {"right", truth->right.entry_mm, truth->right.target_mm, bit}},
+    write_plan({{"left", ground_truth->left.entry_mm, ground_truth->left.target_mm, bit},
+                {"right", ground_truth->right.entry_mm, ground_truth->right.target_mm, bit}},
                staged.temporary() / "plan.json");
   }
   staged.commit();

@@ -7,24 +7,25 @@
 #include "core/phantom/scanner.h"
 #include "core/phantom/solid.h"
 #include "core/phantom/spine.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 
 namespace spinaltap {
 
 struct PhantomOptions {
   ScanOptions scan;
-  double truth_voxel_mm = 0.25;
+  double ground_truth_voxel_mm = 0.25;
 };
 
-/// Scans a phantom and writes, whole or not at all, a folder with ct/ (DICOM), truth.vdb (distance and CT numbers),
-/// truth.json (how it was scanned and, for a vertebra, its pedicles) and, for a vertebra, plan.json (a path through
-/// each).
-void write_phantom(const Solid& solid, const std::optional<VertebraTruth>& truth, const PhantomOptions& options,
-                   const std::filesystem::path& folder, const Progress& progress = {});
+/// Scans a phantom and writes, whole or not at all, a folder with ct/ (DICOM), ground_truth.vdb (distance and CT
+/// numbers), ground_truth.json (how it was scanned and, for a vertebra, its pedicles) and, for a vertebra, plan.json (a
+/// path through each).
+void write_phantom(const Solid& solid, const std::optional<VertebraGroundTruth>& ground_truth,
+                   const PhantomOptions& options, const std::filesystem::path& folder, const Progress& progress = {});
 
-/// Scans a spine and writes, whole or not at all, a folder with ct/ (DICOM), truth_labels.nii.gz (which voxel belongs
-/// to which level, on the CT's grid) and truth.json (how it was scanned; for a spine made from SpineOptions each
-/// level's pedicles, body, endplates and tips, and the discs). `soft_tissue`: around the spine, made from SpineOptions.
+/// Scans a spine and writes, whole or not at all, a folder with ct/ (DICOM), ground_truth_labels.nii.gz (which voxel
+/// belongs to which level, on the CT's grid) and ground_truth.json (how it was scanned; for a spine made from
+/// SpineOptions each level's pedicles, body, endplates and tips, and the discs). `soft_tissue`: around the spine, made
+/// from SpineOptions.
 void write_spine_phantom(const Spine& spine, bool soft_tissue, const ScanOptions& scan,
                          const std::filesystem::path& folder, const Progress& progress = {});
 

@@ -105,9 +105,8 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, co
   return result;
 }
 
-RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit,
-                           double longest_jump_mm)
-    : bone_(bone), record_(record), bit_(bit), longest_jump_mm_(longest_jump_mm), drilled_(bone) {
+RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit, double max_jump_mm)
+    : bone_(bone), record_(record), bit_(bit), longest_jump_mm_(max_jump_mm), drilled_(bone) {
   if (record.cycles.empty()) fail("the record holds no cycle: nothing was drilled yet");
 }
 

@@ -14,7 +14,7 @@
 
 namespace spinaltap {
 
-/// What the hand gave to a recorded cycle.
+/// What the operator gave to a recorded cycle.
 ToolInput input_of(const RecordedCycle& row);
 
 /// What running a record again came to.
@@ -44,9 +44,9 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, co
 /// The bone at any moment of a recorded drilling.
 class RecordedHole {
  public:
-  /// `bone`: as it was before, the one that was drilled. Bone and record must outlive this. `longest_jump_mm`: as
+  /// `bone`: as it was before, the one that was drilled. Bone and record must outlive this. `max_jump_mm`: as
   /// SessionOptions has it. Throws Error on a record without cycles.
-  RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit, double longest_jump_mm);
+  RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit, double max_jump_mm);
 
   double end_s() const { return record_.cycles.back().time_s; }
   /// Drills on, or begins again, up to the last cycle that is not later than `time_s`.

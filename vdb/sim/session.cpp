@@ -43,7 +43,7 @@ struct Session::State {
   void show() {
     if (!live) {
       live.emplace(without_holes(bone.model(), setup.holes), RemainingBoneOptions{});
-      live->take_bit(setup.path.bit, setup.options.longest_jump_mm);
+      live->take_bit(setup.path.bit, setup.options.max_jump_mm);
       live_holes = {{live->holes_to_undo()}};
       for (const std::array<int, 3>& gone : std::set(blocks)) change({gone, nullptr});
       for (const auto& block : live->surface().blocks()) change({block->block, block});
@@ -70,7 +70,7 @@ struct Session::State {
       for (const SurfaceUpdate& update : live->updates()) change(update);
       live_holes.back().changes_bone = false;
     }
-    live->take_bit(setup.path.bit, setup.options.longest_jump_mm);
+    live->take_bit(setup.path.bit, setup.options.max_jump_mm);
   }
   /// Begins again at cycle 0, with the holes that are done.
   void rebuild() {
@@ -126,7 +126,7 @@ std::vector<RecordedCycle> Session::run(std::span<const ToolInput> inputs, const
   return rows;
 }
 
-void Session::run(ToolSource& tool, const CycleObserver& observe, const Progress& progress) {
+void Session::run(Operator& tool, const CycleObserver& observe, const Progress& progress) {
   run_session(
       *state_->built.session, tool,
       [&](const Cycle& cycle) {
@@ -161,7 +161,7 @@ void Session::end_hole() {
   state.rebuild();
   if (!state.live) return;
   state.live->end_hole();
-  state.live->take_bit(state.setup.path.bit, state.setup.options.longest_jump_mm);
+  state.live->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
   state.live_holes.push_back({state.live->holes_to_undo()});
 }
 

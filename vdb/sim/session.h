@@ -37,8 +37,8 @@ class Session {
   const Cycle& step_input(const ToolInput& input);
   /// Many cycles, as fast as it goes, whatever the stop rules say: look at is_stopped(). Gives a row for each.
   std::vector<RecordedCycle> run(std::span<const ToolInput> inputs, const Progress& progress = {});
-  /// An operator (planned motion, recorded poses, a pushing hand) until it ends.
-  void run(ToolSource& tool, const CycleObserver& observe = {}, const Progress& progress = {});
+  /// An operator (planned motion, recorded poses, a pushing operator) until it ends.
+  void run(Operator& tool, const CycleObserver& observe = {}, const Progress& progress = {});
 
   /// The last cycle; before the first, zeros.
   const Cycle& last() const;

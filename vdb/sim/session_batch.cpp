@@ -63,10 +63,10 @@ SessionBatch::SessionBatch(std::vector<BonePath> holes, std::size_t count, const
   if (count == 0) fail("expected 1 session or more, found 0");
   if (threads < 0) fail("expected a number of threads, or 0 for one a core; found ", threads);
   // TBB writes to the terminal where it is asked for more than there are.
-  const int most =
+  const int max =
       std::min(tbb::info::default_concurrency(),
                static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
-  state_->arena.initialize(threads > 0 ? std::min(threads, most) : most);
+  state_->arena.initialize(threads > 0 ? std::min(threads, max) : max);
   if (holes.size() > count) holes.erase(holes.begin() + static_cast<std::ptrdiff_t>(count), holes.end());
   for (const BonePath& hole : holes) {
     auto made = std::make_unique<Hole>();

@@ -55,22 +55,22 @@ Removed removed_from(const PointVolume& before, const PointVolume& after) {
 
 /// What a table keeps of a run's cycles.
 struct Extremes {
-  double least_outer_mm = std::numeric_limits<double>::infinity();
-  double least_canal_mm = std::numeric_limits<double>::infinity();
-  double most_thrust_n = 0.0;
-  double most_torque_n_mm = 0.0;
+  double min_clearance_outer_mm = std::numeric_limits<double>::infinity();
+  double min_clearance_canal_mm = std::numeric_limits<double>::infinity();
+  double max_thrust_n = 0.0;
+  double max_torque_n_mm = 0.0;
   double deepest_mm = -std::numeric_limits<double>::infinity();
 
   void add(const Cycle& cycle) {
-    least_outer_mm = std::min(least_outer_mm, cycle.clearance.outer_mm);
-    least_canal_mm = std::min(least_canal_mm, cycle.clearance.canal_mm);
-    most_thrust_n = std::max(most_thrust_n, cycle.force.thrust_n);
-    most_torque_n_mm = std::max(most_torque_n_mm, cycle.force.torque_n_mm);
+    min_clearance_outer_mm = std::min(min_clearance_outer_mm, cycle.clearance.outer_mm);
+    min_clearance_canal_mm = std::min(min_clearance_canal_mm, cycle.clearance.canal_mm);
+    max_thrust_n = std::max(max_thrust_n, cycle.force.thrust_n);
+    max_torque_n_mm = std::max(max_torque_n_mm, cycle.force.torque_n_mm);
     deepest_mm = std::max(deepest_mm, cycle.depth_mm);
   }
 };
 
-/// The first of each kind; of overshoots and ways out of the volume the greatest.
+/// The first of each kind; of plunges and ways out of the volume the greatest.
 void add_events(std::span<const SessionEvent> events, StudyRow& row) {
   const auto first = [&](StudyColumn column, double depth_mm) {
     if (std::isnan(row[column])) row[column] = depth_mm;
@@ -106,11 +106,11 @@ void add_events(std::span<const SessionEvent> events, StudyRow& row) {
       case EventKind::stop_breach:
         first(StudyColumn::stop_mm, event.depth_mm);
         break;
-      case EventKind::overshoot:
-        row[StudyColumn::overshoot_mm] = std::fmax(row[StudyColumn::overshoot_mm], event.value);
+      case EventKind::plunge:
+        row[StudyColumn::plunge_depth_mm] = std::fmax(row[StudyColumn::plunge_depth_mm], event.value);
         break;
-      case EventKind::left_volume:
-        row[StudyColumn::left_volume_mm] = std::max(row[StudyColumn::left_volume_mm], event.value);
+      case EventKind::outside_volume:
+        row[StudyColumn::outside_volume_mm] = std::max(row[StudyColumn::outside_volume_mm], event.value);
         break;
       default:
         break;
@@ -126,7 +126,7 @@ StudyRow empty_row(std::size_t n, const StudyTask& task) {
   row[StudyColumn::run] = static_cast<double>(n);
   row[StudyColumn::seed] = static_cast<double>(task.seed);
   for (const StudyColumn column :
-       {StudyColumn::overshoot_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
+       {StudyColumn::plunge_depth_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
         StudyColumn::transitional_mm, StudyColumn::inner_cortical_mm, StudyColumn::breakthrough_mm,
         StudyColumn::stop_mm}) {
     row[column] = kNoFigure;
@@ -137,11 +137,11 @@ StudyRow empty_row(std::size_t n, const StudyTask& task) {
 }  // namespace
 
 double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
-  constexpr double kMostMm = 15.0;
+  constexpr double kMaxMm = 15.0;
   const double needed_mm = radius_of_all_runs_mm(spec, runs, spec.lead_out_mm);
   if (spec.volume.radius_mm > 0.0) return spec.volume.radius_mm;
-  if (needed_mm > kMostMm) {
-    fail("the errors of the study take bits ", needed_mm, " mm off the planned path: expected at most ", kMostMm,
+  if (needed_mm > kMaxMm) {
+    fail("the errors of the study take bits ", needed_mm, " mm off the planned path: expected at most ", kMaxMm,
          " mm, or a \"radius_mm\" of \"volume\" that says how much of that is to be drilled");
   }
   return needed_mm;
@@ -168,27 +168,28 @@ StudyRow StudyBench::run(std::size_t n, PointVolume& volume) const {
   volume = volume_;
   DrillPath planned = spec_.path;
   planned.bit = task.path.bit;
-  // Where the bit really goes in is its own mouth, which it is meant to break.
+  // Where the bit really goes in is its own entry opening, which it is meant to break.
   std::optional<ClearanceField> clearances;
-  if (clearances_) clearances.emplace(clearances_->with_mouth_of(task.path));
+  if (clearances_) clearances.emplace(clearances_->with_entry_of(task.path));
   DrillSession session(planned, {&volume, 1}, make_engine(EngineKind::ring, volume, task.path.bit, task.material),
                        task.material, clearances ? &*clearances : nullptr, spec_.options);
-  const std::unique_ptr<ToolSource> hand = make_study_hand(task, spec_.volume.lead_in_mm, spec_.options.spindle);
+  const std::unique_ptr<Operator> tool_operator =
+      make_study_operator(task, spec_.volume.lead_in_mm, spec_.options.spindle);
   Extremes extremes;
-  run_session(session, *hand, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
+  run_session(session, *tool_operator, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
 
   StudyRow row = empty_row(n, task);
   add_events(session.events(), row);
-  const double outer_mm = std::max(0.0, -extremes.least_outer_mm);
-  const double canal_mm = std::max(0.0, -extremes.least_canal_mm);
+  const double outer_mm = std::max(0.0, -extremes.min_clearance_outer_mm);
+  const double canal_mm = std::max(0.0, -extremes.min_clearance_canal_mm);
   row[StudyColumn::breach] = std::max(outer_mm, canal_mm) > 0.0 ? 1.0 : 0.0;
   row[StudyColumn::breach_outer_mm] = outer_mm;
   row[StudyColumn::breach_canal_mm] = canal_mm;
-  row[StudyColumn::least_outer_mm] = extremes.least_outer_mm;
-  row[StudyColumn::least_canal_mm] = extremes.least_canal_mm;
+  row[StudyColumn::min_clearance_outer_mm] = extremes.min_clearance_outer_mm;
+  row[StudyColumn::min_clearance_canal_mm] = extremes.min_clearance_canal_mm;
   row[StudyColumn::grade] = static_cast<double>(gertzbein_robbins(std::max(outer_mm, canal_mm)));
-  row[StudyColumn::most_thrust_n] = extremes.most_thrust_n;
-  row[StudyColumn::most_torque_n_mm] = extremes.most_torque_n_mm;
+  row[StudyColumn::max_thrust_n] = extremes.max_thrust_n;
+  row[StudyColumn::max_torque_n_mm] = extremes.max_torque_n_mm;
   row[StudyColumn::depth_mm] = extremes.deepest_mm;
   row[StudyColumn::time_s] = session.last().time_s;
   const Removed removed = removed_from(volume_, volume);

@@ -29,12 +29,12 @@ QComboBox* make_choice(const char* name, const QString& told, std::initializer_l
   return box;
 }
 
-QDoubleSpinBox* make_number(const char* name, const QString& told, double least, double most, double step, double value,
+QDoubleSpinBox* make_number(const char* name, const QString& told, double min, double max, double step, double value,
                             const QString& unit) {
   auto* box = new QDoubleSpinBox;
   box->setObjectName(QString::fromLatin1(name));
   box->setAccessibleName(told);
-  box->setRange(least, most);
+  box->setRange(min, max);
   box->setSingleStep(step);
   box->setDecimals(step < 1.0 ? 1 : 0);
   box->setValue(value);
@@ -50,7 +50,7 @@ bool is_warning(EventKind kind) {
     case EventKind::stop_thrust:
     case EventKind::stop_clearance:
     case EventKind::stop_breach:
-    case EventKind::overshoot:
+    case EventKind::plunge:
       return true;
     default:
       return false;
@@ -115,17 +115,17 @@ DrillPanel::DrillPanel(PlanDocument& document, DrillPlayer& player, QWidget* par
 }
 
 QWidget* DrillPanel::make_choices() {
-  hand_ = make_choice("drill_hand", tr("Hand"),
-                      {{tr("steady, on the path"), QStringLiteral("on-path")},
-                       {tr("steady, 1.2 mm beside the path"), QStringLiteral("off-path")},
-                       {tr("steady, tilted by 3°"), QStringLiteral("tilted")},
-                       {tr("trembling by 0.1 mm"), QStringLiteral("tremor")},
-                       {tr("pushing with a force"), QStringLiteral("push")}});
-  hand_->setToolTip(tr("Who moves the drill"));
+  operator_ = make_choice("drill_operator", tr("Operator"),
+                          {{tr("steady, on the path"), QStringLiteral("on-path")},
+                           {tr("steady, 1.2 mm beside the path"), QStringLiteral("off-path")},
+                           {tr("steady, tilted by 3°"), QStringLiteral("tilted")},
+                           {tr("trembling by 0.1 mm"), QStringLiteral("tremor")},
+                           {tr("pushing with a force"), QStringLiteral("push")}});
+  operator_->setToolTip(tr("Who moves the drill"));
   feed_ = make_number("drill_feed_wanted", tr("Feed"), 0.1, 20.0, 0.1, 1.0, tr(" mm/s"));
-  feed_->setToolTip(tr("How fast the hand advances"));
+  feed_->setToolTip(tr("How fast the operator advances"));
   push_ = make_number("drill_push", tr("Push"), 1.0, 500.0, 1.0, 40.0, tr(" N"));
-  push_->setToolTip(tr("With what force the hand pushes; how fast the drill advances follows from the bone"));
+  push_->setToolTip(tr("With what force the operator pushes; how fast the drill advances follows from the bone"));
   speed_ = make_choice("drill_speed", tr("Speed"),
                        {{tr("0.25 × real time"), 0.25},
                         {tr("0.5 × real time"), 0.5},
@@ -137,8 +137,8 @@ QWidget* DrillPanel::make_choices() {
   speed_->setToolTip(tr("Pace of the clock, also while drilling; the result is the same at any pace"));
   stops_ = new QCheckBox(tr("Stop at a breach of a wall"));
   stops_->setObjectName(QStringLiteral("drill_stop_on_breach"));
-  stops_->setToolTip(tr("The hand stops where the drill breaks through the outer surface or into the canal"));
-  connect(hand_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &DrillPanel::enable);
+  stops_->setToolTip(tr("The operator stops where the drill breaks through the outer surface or into the canal"));
+  connect(operator_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &DrillPanel::enable);
   connect(speed_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
           [this] { player_.set_speed(plan().speed); });
 
@@ -146,7 +146,7 @@ QWidget* DrillPanel::make_choices() {
   auto* form = new QFormLayout(choices);
   form->setContentsMargins(0, 0, 0, 0);
   form->setVerticalSpacing(4);
-  form->addRow(tr("Ha&nd"), hand_);
+  form->addRow(tr("&Operator"), operator_);
   form->addRow(tr("Fee&d"), feed_);
   form->addRow(tr("P&ush"), push_);
   form->addRow(tr("&Speed"), speed_);
@@ -211,7 +211,7 @@ QWidget* DrillPanel::make_buttons() {
 
 DrillPlan DrillPanel::plan() const {
   DrillPlan plan;
-  plan.hand = hand_->currentData().toString().toStdString();
+  plan.tool_operator = operator_->currentData().toString().toStdString();
   plan.feed_mm_s = feed_->value();
   plan.push_n = push_->value();
   plan.stops_on_breach = stops_->isChecked();
@@ -222,7 +222,7 @@ DrillPlan DrillPanel::plan() const {
 /// What is drilled, whoever asked for it.
 void DrillPanel::show_plan() {
   const DrillPlan plan = player_.plan();
-  hand_->setCurrentIndex(hand_->findData(QString::fromStdString(plan.hand)));
+  operator_->setCurrentIndex(operator_->findData(QString::fromStdString(plan.tool_operator)));
   feed_->setValue(plan.feed_mm_s);
   push_->setValue(plan.push_n);
   stops_->setChecked(plan.stops_on_breach);
@@ -231,7 +231,7 @@ void DrillPanel::show_plan() {
 
 void DrillPanel::enable() {
   using State = DrillPlayer::State;
-  const bool is_push = hand_->currentData().toString() == QLatin1String("push");
+  const bool is_push = operator_->currentData().toString() == QLatin1String("push");
   feed_->setEnabled(!is_push);
   push_->setEnabled(is_push);
   const State state = player_.state();

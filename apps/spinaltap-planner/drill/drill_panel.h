@@ -17,8 +17,8 @@ namespace spinaltap {
 class DrillFiguresView;
 class PlotView;
 
-/// Drills the chosen path and shows how it goes: the hand and its pace, buttons, figures, a curve along the depth, and
-/// what happened. For a dock.
+/// Drills the chosen path and shows how it goes: the operator and its pace, buttons, figures, a curve along the depth,
+/// and what happened. For a dock.
 class DrillPanel : public QWidget {
   Q_OBJECT
  public:
@@ -44,7 +44,7 @@ class DrillPanel : public QWidget {
 
   PlanDocument& document_;
   DrillPlayer& player_;
-  QComboBox* hand_ = nullptr;
+  QComboBox* operator_ = nullptr;
   QDoubleSpinBox* feed_ = nullptr;
   QDoubleSpinBox* push_ = nullptr;
   QComboBox* speed_ = nullptr;

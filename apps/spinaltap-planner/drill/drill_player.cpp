@@ -38,7 +38,7 @@ void DrillPlayer::start(const DrillPlan& plan) {
     if (!document_.bone()) fail("expected a bone to drill: open a CT or a bone first");
     if (path == nullptr) fail("expected a path to drill: add or choose one first");
     const SessionSetup setup = session_setup(*path, plan);
-    const HandChoice hand = hand_choice(plan);
+    const OperatorChoice tool_operator = operator_choice(plan);
     plan_ = plan;
     Q_EMIT started();
     std::vector<std::shared_ptr<const PlayedHole>> earlier;
@@ -47,25 +47,26 @@ void DrillPlayer::start(const DrillPlan& plan) {
     std::shared_ptr<const PlayedHole> known;
     if (!earlier.empty()) known = earlier.back();
     if (!undone_.empty()) known = undone_.back().played;
-    prepare(tr("Preparing"),
-            [this, setup, hand, earlier, known, bone = document_.bone(),
-             mesh = mesh_](const Progress& progress) -> std::function<void()> {
-              SessionSetup whole = setup;
-              for (const auto& hole : earlier) whole.holes.push_back(hole->drilled());
-              const auto hole = std::make_shared<PlayedHole>(bone, std::move(whole), hand, known.get(), progress);
-              progress.report("meshing", 0.0);
-              const auto drilled_mesh =
-                  mesh ? mesh
-                       : std::make_shared<LiveMesh>(bone->model(), RemainingBoneOptions{.voxel_mm = kSurfaceVoxelMm,
-                                                                                        .undo_bytes = kUndoBytes});
-              return [this, hole, bone, drilled_mesh] {
-                bone_ = bone;
-                mesh_ = drilled_mesh;
-                mesh_->end_hole();
-                drilled_.push_back({hole, mesh_->holes_to_undo()});
-                drill_on();
-              };
-            });
+    prepare(
+        tr("Preparing"),
+        [this, setup, tool_operator, earlier, known, bone = document_.bone(),
+         mesh = mesh_](const Progress& progress) -> std::function<void()> {
+          SessionSetup whole = setup;
+          for (const auto& hole : earlier) whole.holes.push_back(hole->drilled());
+          const auto hole = std::make_shared<PlayedHole>(bone, std::move(whole), tool_operator, known.get(), progress);
+          progress.report("meshing", 0.0);
+          const auto drilled_mesh =
+              mesh ? mesh
+                   : std::make_shared<LiveMesh>(
+                         bone->model(), RemainingBoneOptions{.voxel_mm = kSurfaceVoxelMm, .undo_bytes = kUndoBytes});
+          return [this, hole, bone, drilled_mesh] {
+            bone_ = bone;
+            mesh_ = drilled_mesh;
+            mesh_->end_hole();
+            drilled_.push_back({hole, mesh_->holes_to_undo()});
+            drill_on();
+          };
+        });
   });
 }
 
@@ -118,7 +119,7 @@ std::size_t DrillPlayer::undo_in_mesh() {
 void DrillPlayer::rewind_mesh() {
   undo_in_mesh();
   const PlayedHole& hole = *drilled_.back().played;
-  mesh_->take_bit(hole.setup().path.bit, hole.setup().options.longest_jump_mm);
+  mesh_->take_bit(hole.setup().path.bit, hole.setup().options.max_jump_mm);
   mesh_->update(hole.inputs());
   surface_.give(mesh_->updates());
   show_hole();
@@ -200,7 +201,7 @@ void DrillPlayer::end_preparing(bool is_done, const QString& trouble) {
 void DrillPlayer::drill_on() {
   PlayedHole& hole = *drilled_.back().played;
   undone_.clear();
-  mesh_->take_bit(hole.setup().path.bit, hole.setup().options.longest_jump_mm);
+  mesh_->take_bit(hole.setup().path.bit, hole.setup().options.max_jump_mm);
   if (!hole.inputs().empty()) mesh_->update(hole.inputs().back());
   show_hole();
   rows_ = hole.rows();
@@ -244,9 +245,9 @@ void DrillPlayer::look() {
   Q_EMIT progressed();
 }
 
-void DrillPlayer::measure_rates(const DrillNews& news, double least_s) {
+void DrillPlayer::measure_rates(const DrillNews& news, double min_s) {
   const double passed_s = seconds_since(rates_.since);
-  if (passed_s < least_s || news.cycles < rates_.cycles) return;
+  if (passed_s < min_s || news.cycles < rates_.cycles) return;
   cycles_per_s_ = static_cast<double>(news.cycles - rates_.cycles) / passed_s;
   surface_updates_per_s_ = static_cast<double>(news.surface_updates - rates_.surface_updates) / passed_s;
   rates_ = {std::chrono::steady_clock::now(), news.cycles, news.surface_updates};

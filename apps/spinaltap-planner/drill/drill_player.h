@@ -51,7 +51,7 @@ class DrillPlayer : public QObject {
   /// From where it stopped.
   void go_on();
   bool can_step_back() const;
-  /// Bone and bit as they were so long ago, by the hand's time; go_on() drills on from there.
+  /// Bone and bit as they were so long ago, by the operator's time; go_on() drills on from there.
   void step_back(double seconds);
   /// Of the clock, as DrillPlan has it; also while it drills.
   void set_speed(double speed);
@@ -73,13 +73,13 @@ class DrillPlayer : public QObject {
   const DrillPath* path() const;
   std::optional<std::pair<DrillBit, Pose>> bit() const;
   double spindle_rpm() const;  ///< 0 where there is none
-  /// Of the hand's time.
+  /// Of the operator's time.
   double seconds() const { return last_ ? last_->time_s : 0.0; }
   /// How fast cycles have run and how often the surface was brought up to date, in the last half second of drilling; 0
   /// where that is not known.
   double cycles_per_s() const { return cycles_per_s_; }
   double surface_updates_per_s() const { return surface_updates_per_s_; }
-  bool is_over() const;  ///< its hand has ended
+  bool is_over() const;  ///< its operator has ended
 
   /// The hole with all that it takes to write it from any thread (played_hole.h); nothing while it is drilled and
   /// where there is none.
@@ -111,7 +111,7 @@ class DrillPlayer : public QObject {
   void drill_on();
   void end_drilling();
   void look();
-  void measure_rates(const DrillNews& news, double least_s);
+  void measure_rates(const DrillNews& news, double min_s);
   void show_hole();
   void forget_all();
   void rewind_mesh();

@@ -13,7 +13,7 @@ namespace spinaltap {
 namespace {
 
 constexpr double kTicksPerS = 1000.0;
-constexpr double kMostLateS = 0.05;
+constexpr double kMaxLateS = 0.05;
 constexpr std::int64_t kPublishNs = 16'000'000;
 constexpr int kUnpacedCycles = 64;  ///< between looks at whether to stop
 
@@ -77,7 +77,7 @@ void DrillThreads::run_paced() {
     if (speed > 0.0) {
       const double cycles_a_tick = speed * hole_.rate_hz() / kTicksPerS;
       due += static_cast<double>(pacer.wait()) * cycles_a_tick;
-      due = std::min(due, std::max(1.0, kMostLateS * kTicksPerS * cycles_a_tick));
+      due = std::min(due, std::max(1.0, kMaxLateS * kTicksPerS * cycles_a_tick));
     } else {
       due = kUnpacedCycles;
     }

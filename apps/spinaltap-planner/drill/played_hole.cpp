@@ -9,7 +9,7 @@
 #include "apps/report/text.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
-#include "core/session/operator/pose_hand.h"
+#include "core/session/operator/recorded_motion.h"
 #include "core/session/record/session_record.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/sim/drilling.h"
@@ -17,7 +17,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kBeyondTargetMm = 20.0;  // hands may go further than the target
+constexpr double kBeyondTargetMm = 20.0;  // operators may go further than the target
 
 /// What one hole has worked out about walls along its path, where another has the same.
 const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
@@ -27,10 +27,10 @@ const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& o
 
 }  // namespace
 
-HandChoice hand_choice(const DrillPlan& plan) {
-  HandChoice choice;
-  choice.name = plan.hand;
-  if (plan.hand == "push") {
+OperatorChoice operator_choice(const DrillPlan& plan) {
+  OperatorChoice choice;
+  choice.name = plan.tool_operator;
+  if (plan.tool_operator == "push") {
     choice.push_n = plan.push_n;
   } else {
     choice.feed = short_number(plan.feed_mm_s);
@@ -41,18 +41,18 @@ HandChoice hand_choice(const DrillPlan& plan) {
 SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
   SessionSetup setup;
   setup.path = path;
-  const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
+  const HuToDensity density = read_density_calibration(data_file("densities/vertebra.json")).line;
   setup.material = read_material(data_file("materials/vertebra.json"), density);
   setup.options.stop.on_breach = plan.stops_on_breach;
   return setup;
 }
 
-PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand,
+PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
                        const PlayedHole* other, const Progress& progress)
     : bone_(std::move(bone)),
       setup_(std::move(setup)),
-      choice_(std::move(hand)),
-      hand_(choice_.plan(setup_.path, setup_.volume.lead_in_mm, setup_.options.spindle, false)),
+      choice_(std::move(tool_operator)),
+      operator_(choice_.plan(setup_.path, setup_.volume.lead_in_mm, setup_.options.spindle, false)),
       built_(
           build_session(*bone_->bone, setup_, progress, nullptr,
                         other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),
@@ -60,7 +60,7 @@ PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setu
            setup_.volume.lead_in_mm + setup_.path.length_mm() + kBeyondTargetMm) {}
 
 bool PlayedHole::step() {
-  const std::optional<ToolInput> input = hand_.hand->next(built_.session->feedback());
+  const std::optional<ToolInput> input = operator_.tool_operator->next(built_.session->feedback());
   if (!input) {
     is_over_ = true;
     return false;
@@ -93,25 +93,25 @@ void write_record(const DoneDrilling& drilling, const std::filesystem::path& pat
   setup.bone_hash = drilling.bone->bone->hash();
   BuiltSession built = build_session(*drilling.bone->bone, setup, progress);
   DrillSession& session = *built.session;
-  PoseHand hand(drilling.inputs, false);
-  RecordWriter record(path, record_words(setup, drilling.hand_words, "planner"), true);
+  RecordedMotion tool_operator(drilling.inputs, false);
+  RecordWriter record(path, record_words(setup, drilling.operator_words, "planner"), true);
   const auto observe = [&](const Cycle& cycle) {
     record.add_waiting(cycle);
     record.add_events(session.events());
   };
-  run_session(session, hand, observe, progress);
+  run_session(session, tool_operator, observe, progress);
   record.close(session.events());
 }
 
 void write_report(const DoneDrilling& drilling, const std::filesystem::path& folder, const Progress& progress) {
   const DrillPath& path = drilling.setup.path;
-  PoseHand hand(drilling.inputs, false);
-  const Drilling again = drill_bone(*drilling.bone->bone, drilling.setup, hand, {}, progress);
+  RecordedMotion tool_operator(drilling.inputs, false);
+  const Drilling again = drill_bone(*drilling.bone->bone, drilling.setup, tool_operator, {}, progress);
   progress.report("meshing", 0.0);
   const TriangleMesh surface = sharp_surface(again.drilled);
   const MeshQuality quality = measure_mesh(surface);
   DrillReportData data = report_data("Drilling " + path.name, &drilling.bone->ct,
-                                     {again, *drilling.bone->bone, drilling.setup, drilling.hand_words, quality});
+                                     {again, *drilling.bone->bone, drilling.setup, drilling.operator_words, quality});
   data.renders = drill_pictures(drilling.bone->model(), again.drilled, path, progress);
   data.notes.emplace_back("Drilled in the planner. Rates are those of the same cycles run again as fast as they go.");
   if (!drilling.setup.holes.empty()) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/hand_choice.h"
+#include "apps/report/operator_choice.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/base/progress.h"
 #include "core/session/depth_log.h"
@@ -17,45 +17,47 @@ namespace spinaltap {
 
 /// How the chosen path is drilled.
 struct DrillPlan {
-  std::string hand = "on-path";  ///< on-path, off-path, tilted, tremor, push: as `spinaltap drill --hand`
-  double feed_mm_s = 1.0;        ///< of all hands but push
-  double push_n = 40.0;          ///< of the hand push
+  std::string tool_operator =
+      "on-path";                 ///< on-path, off-path, tilted, tremor, push: as `spinaltap drill --tool_operator`
+  double feed_mm_s = 1.0;        ///< of all operators but push
+  double push_n = 40.0;          ///< of the operator push
   bool stops_on_breach = false;  ///< of the outer surface or the canal
   double speed = 1.0;            ///< of the clock: 2 is twice life's; 0: as fast as it goes
 };
 
-HandChoice hand_choice(const DrillPlan& plan);
+OperatorChoice operator_choice(const DrillPlan& plan);
 
-/// The session that drills a path so, with the shipped laws of density and resistance. Throws Error where they are not
-/// there.
+/// The session that drills a path so, with the shipped density calibrations and cutting models. Throws Error where they
+/// are not there.
 SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan);
 
 /// All that it takes to drill a hole again, bit for bit; to be read from any thread.
 struct DoneDrilling {
   std::shared_ptr<const OpenedBone> bone;
   SessionSetup setup;
-  std::map<std::string, std::string> hand_words;  ///< HandPlan::words
+  std::map<std::string, std::string> operator_words;  ///< OperatorPlan::words
   std::vector<ToolInput> inputs;
 };
 
-/// A hole while it is drilled: a session, the hand that drills it and what has come of it. Hand and session go in
-/// lock-step whatever the clock does, so that the hole can be had again at any of its cycles. For one thread at a time.
+/// A hole while it is drilled: a session, the operator that drills it and what has come of it. Operator and session go
+/// in lock-step whatever the clock does, so that the hole can be had again at any of its cycles. For one thread at a
+/// time.
 class PlayedHole {
  public:
   /// `other`: a hole of the same bone, which saves work where it has the same path; may be null. Throws Error where the
-  /// path misses the bone or what is asked of the hand makes no sense.
-  PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, HandChoice hand, const PlayedHole* other = {},
-             const Progress& progress = {});
+  /// path misses the bone or what is asked of the operator makes no sense.
+  PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
+             const PlayedHole* other = {}, const Progress& progress = {});
 
-  /// A cycle. False: the hand has ended.
+  /// A cycle. False: the operator has ended.
   bool step();
   /// The same hole when it had only its first cycles; at least one.
   std::unique_ptr<PlayedHole> after(std::size_t cycles, const Progress& progress = {}) const;
-  /// How many cycles there were so many seconds of the hand's time ago; at least one.
+  /// How many cycles there were so many seconds of the operator's time ago; at least one.
   std::size_t cycles_before(double seconds) const;
 
   bool is_over() const { return is_over_; }
-  double rate_hz() const { return hand_.rate_hz; }
+  double rate_hz() const { return operator_.rate_hz; }
   const SessionSetup& setup() const { return setup_; }
   /// One for each cycle.
   const std::vector<ToolInput>& inputs() const { return inputs_; }
@@ -67,13 +69,13 @@ class PlayedHole {
   /// With the one that is not.
   std::vector<DepthRow> all_rows() const { return DepthLog(log_).finish(); }
   DrilledHole drilled() const;
-  DoneDrilling done() const { return {bone_, setup_, hand_.words, inputs_}; }
+  DoneDrilling done() const { return {bone_, setup_, operator_.words, inputs_}; }
 
  private:
   std::shared_ptr<const OpenedBone> bone_;
   SessionSetup setup_;
-  HandChoice choice_;
-  HandPlan hand_;
+  OperatorChoice choice_;
+  OperatorPlan operator_;
   BuiltSession built_;
   DepthLog log_;
   std::vector<ToolInput> inputs_;

@@ -56,7 +56,7 @@ QString walls_text(const PathGrade& grade, const std::vector<double>& hu_bands) 
     }
     text += FiguresPanel::tr("<br>Bone: %1 HU; %2").arg(grade.hu, 0, 'f', 0).arg(shares.join(", "));
   }
-  return text + FiguresPanel::tr("<br>Greatest thrust, predicted: %1 N").arg(grade.most_thrust_n, 0, 'f', 1);
+  return text + FiguresPanel::tr("<br>Max thrust, predicted: %1 N").arg(grade.max_thrust_n, 0, 'f', 1);
 }
 
 QLabel* wrapped_label(const char* name, QLayout* layout) {

@@ -34,7 +34,7 @@ double off_surface_mm(const OpenedBone& bone, const Vec3& p_mm) { return (stick_
 }  // namespace
 
 PathGrader::PathGrader() {
-  const DensityLaw density = read_density_law(data_file("densities/vertebra.json")).law;
+  const HuToDensity density = read_density_calibration(data_file("densities/vertebra.json")).line;
   material_ = read_material(data_file("materials/vertebra.json"), density);
   const SuggestOptions rules = read_planning_rules(data_file("planning/pedicle.json"));
   options_ = rules.grade;
@@ -74,7 +74,7 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
       warnings.push_back({WarningLevel::caution, "fills " + readable_number(100.0 * tool_mm / width_mm, 0) +
                                                      " % of the pedicle's width of " + mm_text(width_mm)});
     }
-    for (const std::string& doubt : landmarks->doubts) warnings.push_back({WarningLevel::note, doubt});
+    for (const std::string& warning : landmarks->warnings) warnings.push_back({WarningLevel::note, warning});
   }
   std::stable_sort(warnings.begin(), warnings.end(),
                    [](const PathWarning& a, const PathWarning& b) { return a.level > b.level; });

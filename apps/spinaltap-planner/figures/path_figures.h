@@ -27,7 +27,7 @@ struct PathFigures {
   std::vector<PathWarning> warnings;  ///< the worst first
 };
 
-/// Works out figures of paths; reads laws and rules once, from the shipped files.
+/// Works out figures of paths; reads material and rules once, from the shipped files.
 class PathGrader {
  public:
   /// Throws Error where a shipped file is missing or damaged.

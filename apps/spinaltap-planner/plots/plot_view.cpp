@@ -40,7 +40,7 @@ PlotView::PlotView(QWidget* parent) : QWidget(parent), hint_(tr("Nothing to show
 
 void PlotView::set_plot(Plot plot) {
   plot_ = std::move(plot);
-  plot_axes(plot_);  // what cannot be drawn is refused here, not when it is painted
+  plot_axes(plot_);  // what cannot be drawn is rejected here, not when it is painted
   setAccessibleName(QString::fromStdString(plot_.y_label + " over " + plot_.x_label));
   picture_ = {};
   update();

@@ -18,7 +18,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kAxisBeyondMm = 14.0;  ///< before the entry, so that it is seen where the hand comes from
+constexpr double kAxisBeyondMm = 14.0;  ///< before the entry, so that it is seen where the operator comes from
 constexpr double kScrewOpacity = 0.35;
 
 QColor faint_colour(const QColor& colour) {

@@ -38,14 +38,14 @@ double pixels_to_stretch(const Eigen::Vector2d& pixel, const Eigen::Vector2d& a,
 std::optional<Vec3> first_surface_mm(const BoneModel& bone, const Vec3& start_mm, const Vec3& direction) {
   constexpr double kNearMm = 1e-3;
   constexpr double kShare = 0.9;  // interpolated distances grow a little faster than 1 mm a mm here and there
-  constexpr int kMostSteps = 2000;
+  constexpr int kMaxSteps = 2000;
   const double margin_mm = bone.band_mm();
   const Box3 bounds_mm = bone.bounds_mm();
   const Box3 box(bounds_mm.min() - Vec3::Constant(margin_mm), bounds_mm.max() + Vec3::Constant(margin_mm));
   const RayStretch stretch = ray_within(box, start_mm, direction);
   // Sphere tracing (Hart 1996): no step is longer than the way to the nearest surface.
   double way_mm = stretch.begin_mm;
-  for (int step = 0; step < kMostSteps && way_mm <= stretch.end_mm; ++step) {
+  for (int step = 0; step < kMaxSteps && way_mm <= stretch.end_mm; ++step) {
     const Vec3 p_mm = start_mm + way_mm * direction;
     std::array<float, 1> free_mm{};
     bone.distance({&p_mm, 1}, free_mm, {});

@@ -30,9 +30,9 @@ double number_of(const std::string& word) {
   return *value;
 }
 
-double number_within(const std::string& word, double least, double most) {
+double number_within(const std::string& word, double min, double max) {
   const double value = number_of(word);
-  if (value < least || value > most) fail("expected a number from ", least, " to ", most, ", found ", word);
+  if (value < min || value > max) fail("expected a number from ", min, " to ", max, ", found ", word);
   return value;
 }
 
@@ -52,7 +52,7 @@ class ScriptRun {
   explicit ScriptRun(MainWindow* window) : window_(window) {}
 
   struct Command {
-    std::size_t fewest = 0, most = 0;  ///< words
+    std::size_t fewest = 0, max = 0;  ///< words
     const char* help = "";
     std::function<void(const Words&)> run;
   };
@@ -62,7 +62,7 @@ class ScriptRun {
     const auto found = commands_.find(line.command);
     if (found == commands_.end()) fail("expected a command of the planner, found \"", line.command, "\"");
     const Command& command = found->second;
-    if (line.words.size() < command.fewest || line.words.size() > command.most) {
+    if (line.words.size() < command.fewest || line.words.size() > command.max) {
       fail("expected \"", command.help, "\"");
     }
     command.run(line.words);
@@ -124,8 +124,8 @@ class ScriptRun {
       const std::size_t equals = word.find('=');
       const std::string name = word.substr(0, equals);
       const std::string value = equals == std::string::npos ? "" : word.substr(equals + 1);
-      if (name == "hand") {
-        plan.hand = value;
+      if (name == "operator") {
+        plan.tool_operator = value;
       } else if (name == "feed") {
         plan.feed_mm_s = number_of(value);
       } else if (name == "push") {
@@ -133,7 +133,7 @@ class ScriptRun {
       } else if (name == "speed") {
         plan.speed = number_of(value);
       } else {
-        fail("expected hand=, feed=, push= or speed=, found \"", word, "\"");
+        fail("expected operator=, feed=, push= or speed=, found \"", word, "\"");
       }
     }
     planner().player().start(plan);
@@ -233,12 +233,12 @@ class ScriptRun {
       {"size",
        {2, 2, "size WIDTH HEIGHT: of the window, pixels",
         [this](const Words& w) {
-          constexpr double kMost = 10000.0;
-          window_->resize(static_cast<int>(number_within(w[0], 1.0, kMost)),
-                          static_cast<int>(number_within(w[1], 1.0, kMost)));
+          constexpr double kMax = 10000.0;
+          window_->resize(static_cast<int>(number_within(w[0], 1.0, kMax)),
+                          static_cast<int>(number_within(w[1], 1.0, kMax)));
         }}},
       {"drill",
-       {0, 4, "drill [hand=NAME] [feed=MM_S] [push=N] [speed=X]: the chosen path; goes on beside the script",
+       {0, 4, "drill [operator=NAME] [feed=MM_S] [push=N] [speed=X]: the chosen path; goes on beside the script",
         [this](const Words& w) { drill(w); }}},
       {"pause",
        {1, 1, "pause SECONDS: lets time go by",

@@ -15,7 +15,7 @@ struct ScriptLine {
   std::vector<std::string> words;
 };
 
-/// Splits lines into words: by blanks, "..." holds blanks, # begins a remark. Throws Error that names file and line.
+/// Splits lines into words: by blanks, "..." holds blanks, # begins a comment. Throws Error that names file and line.
 std::vector<ScriptLine> read_script(std::istream& text, const std::string& file);
 
 /// What scripts may say, for --help.

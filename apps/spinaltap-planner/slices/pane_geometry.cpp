@@ -84,11 +84,11 @@ HuWindow dragged_window(const HuWindow& start, double share_right, double share_
   return {start.width_hu * std::exp2(share_right), start.level_hu + share_up * start.width_hu};
 }
 
-double scale_bar_mm(double mm_per_px, double most_px) {
-  const double most_mm = mm_per_px * most_px;
-  const double power = std::pow(10.0, std::floor(std::log10(most_mm)));
+double scale_bar_mm(double mm_per_px, double max_px) {
+  const double max_mm = mm_per_px * max_px;
+  const double power = std::pow(10.0, std::floor(std::log10(max_mm)));
   for (const double digit : {5.0, 2.0}) {
-    if (digit * power <= most_mm) return digit * power;
+    if (digit * power <= max_mm) return digit * power;
   }
   return power;
 }

@@ -62,8 +62,8 @@ bool is_in_grid(const GridGeometry& grid, const Vec3& p_mm);
 /// upwards, a height of the pane raises its level by its width.
 HuWindow dragged_window(const HuWindow& start, double share_right, double share_up);
 
-/// The longest of 1, 2, 5, 10, ... mm that takes no more than `most_px` logical pixels.
-double scale_bar_mm(double mm_per_px, double most_px);
+/// The longest of 1, 2, 5, 10, ... mm that takes no more than `max_px` logical pixels.
+double scale_bar_mm(double mm_per_px, double max_px);
 
 /// Looking along a path from its entry. Depths are along the path, mm from the entry.
 inline constexpr double kDownPathStepMm = 0.25;

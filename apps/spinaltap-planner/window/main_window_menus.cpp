@@ -20,7 +20,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kMostRecent = 8;
+constexpr int kMaxRecent = 8;
 
 struct WindowPreset {
   const char* name;
@@ -28,7 +28,7 @@ struct WindowPreset {
 };
 constexpr std::array<WindowPreset, 4> kWindowPresets{{{"Bone", {1800.0, 500.0}},
                                                       {"Bone, wide", {3000.0, 700.0}},
-                                                      {"Spongy bone", {800.0, 250.0}},
+                                                      {"Cancellous bone", {800.0, 250.0}},
                                                       {"Soft tissue", {400.0, 40.0}}}};
 
 }  // namespace
@@ -183,7 +183,7 @@ void MainWindow::note_recent(const QString& file) {
   const QString whole = QFileInfo(file).absoluteFilePath();
   recent.removeAll(whole);
   recent.prepend(whole);
-  settings.setValue("recent", QStringList(recent.mid(0, kMostRecent)));
+  settings.setValue("recent", QStringList(recent.mid(0, kMaxRecent)));
 }
 
 void MainWindow::fill_recent() {

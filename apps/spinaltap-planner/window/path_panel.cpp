@@ -24,7 +24,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kMostMm = 9999.0;  ///< of a coordinate
+constexpr double kMaxMm = 9999.0;  ///< of a coordinate
 
 /// Undo and redo are the plan's, not those of the text in a box.
 class PlanUndoInBox final : public QObject {
@@ -124,7 +124,7 @@ PathPanel::PathPanel(PlanDocument& document, QWidget* parent)
   for (int end = 0; end < 2; ++end) {
     auto* row = new QHBoxLayout;
     for (int axis = 0; axis < 3; ++axis) {
-      ends_[end][axis] = mm_box(names[end][axis], -kMostMm, kMostMm, 0.1, 2);
+      ends_[end][axis] = mm_box(names[end][axis], -kMaxMm, kMaxMm, 0.1, 2);
       ends_[end][axis]->setPrefix(QLatin1String(letters[axis]));
       ends_[end][axis]->setToolTip(tr("mm; to the patient's left, back (posterior), head (superior)"));
       row->addWidget(ends_[end][axis]);

@@ -182,7 +182,7 @@ class Bench {
 };
 
 Json run_bench(const BenchOptions& options, const Progress& progress) {
-  // Files that cannot be written are refused before the work.
+  // Files that cannot be written are rejected before the work.
   StagedOutput output;
   std::filesystem::path staged_json;
   std::filesystem::path staged_plot;
@@ -215,7 +215,7 @@ void add_bench(CLI::App& program, Command& command) {
   bench->require_subcommand(1);
   CLI::App* app = add_command(
       *bench, command, "drill", "Measure the drilling engines on the paper's workload",
-      "Example: spinaltap bench drill --motion hand,on-path --diameter 3.06 -o bench.json --plot bench.html\n"
+      "Example: spinaltap bench drill --motion tremor,on-path --diameter 3.06 -o bench.json --plot bench.html\n"
       "The cylinder has a radius of 3 mm and a length of 37.8 mm: 986,958 points at 0.1 mm, 64,775,592 at 0.025 mm\n"
       "(75 MB). Rates are cycles per second of CPU time; times are microseconds. `reference` and `arc` are slow: they\n"
       "are timed in windows of --window cycles. With the defaults it takes some minutes.");
@@ -258,7 +258,7 @@ void add_bench(CLI::App& program, Command& command) {
       ->check(CLI::Range(1, 1800))
       ->capture_default_str()
       ->type_name("N");
-  app->add_option("--seed", options->seed, "Of the hand's tremor")->capture_default_str()->type_name("N");
+  app->add_option("--seed", options->seed, "Of the operator's tremor")->capture_default_str()->type_name("N");
   app->add_flag("--markdown", options->is_markdown, "Print the tables as Markdown");
 
   command.run = [options](const Progress& progress) { return run_bench(*options, progress); };

@@ -112,14 +112,14 @@ TextTable steps_table(const BenchResults& results) {
                    {"engine", "", false},
                    {"threads", ""},
                    {"median", "ms, wall"},
-                   {"least", "ms, wall"},
+                   {"min", "ms, wall"},
                    {"all threads", "ms, CPU"},
                    {"speed-up", ""},
                    {"removed", "points"},
                    {"tested", "points"}});
   for (const BenchStepResult& result : results.steps) {
     table.add_row({result.step, plain(result.spacing_mm), result.engine, std::to_string(result.threads),
-                   rounded(result.median_wall_ms()), rounded(result.least_wall_ms()), rounded(result.median_cpu_ms()),
+                   rounded(result.median_wall_ms()), rounded(result.min_wall_ms()), rounded(result.median_cpu_ms()),
                    readable_number(speed_up(results, result), 2) + "x",
                    readable_number(static_cast<double>(result.repeats[0].removed), 0),
                    readable_number(static_cast<double>(result.repeats[0].tested), 0)});
@@ -188,7 +188,7 @@ Json json_of(const BenchResults& results, const BenchResult& result) {
 double BenchStepResult::median_wall_ms() const {
   return sorted_ms(repeats, &StepMeasurement::wall_ns)[repeats.size() / 2];
 }
-double BenchStepResult::least_wall_ms() const { return sorted_ms(repeats, &StepMeasurement::wall_ns).front(); }
+double BenchStepResult::min_wall_ms() const { return sorted_ms(repeats, &StepMeasurement::wall_ns).front(); }
 double BenchStepResult::median_cpu_ms() const {
   return sorted_ms(repeats, &StepMeasurement::cpu_ns)[repeats.size() / 2];
 }
@@ -243,7 +243,7 @@ Json to_json(const BenchResults& results) {
                              {"spacing_mm", result.spacing_mm},
                              {"threads", result.threads},
                              {"median_wall_ms", result.median_wall_ms()},
-                             {"least_wall_ms", result.least_wall_ms()},
+                             {"min_wall_ms", result.min_wall_ms()},
                              {"median_cpu_ms_of_all_threads", result.median_cpu_ms()},
                              {"speed_up", speed_up(results, result)},
                              {"removed", result.repeats[0].removed},

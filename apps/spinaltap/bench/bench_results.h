@@ -40,7 +40,7 @@ struct BenchStepResult {
   std::vector<StepMeasurement> repeats;
 
   double median_wall_ms() const;
-  double least_wall_ms() const;
+  double min_wall_ms() const;
   double median_cpu_ms() const;  ///< of all threads
 };
 

@@ -17,7 +17,7 @@ constexpr double kTiltDeg = 3.0;
 constexpr double kTremorMm = 0.1;
 
 constexpr std::array kMotions{WorkloadMotion::on_path, WorkloadMotion::off_path, WorkloadMotion::tilted,
-                              WorkloadMotion::hand, WorkloadMotion::hand_off_path};
+                              WorkloadMotion::tremor, WorkloadMotion::tremor_off_path};
 
 std::vector<Pose> all_poses(const PathMotion& motion) {
   std::vector<Pose> poses(motion.cycle_count() + 1);
@@ -44,10 +44,10 @@ std::string_view name_of(WorkloadMotion motion) {
       return "off-path";
     case WorkloadMotion::tilted:
       return "tilted";
-    case WorkloadMotion::hand:
-      return "hand";
-    case WorkloadMotion::hand_off_path:
-      return "hand-off-path";
+    case WorkloadMotion::tremor:
+      return "tremor";
+    case WorkloadMotion::tremor_off_path:
+      return "tremor-off-path";
   }
   return "";
 }
@@ -81,11 +81,11 @@ void revive_all(PointVolume& volume) {
 std::vector<Pose> workload_poses(WorkloadMotion motion, std::uint64_t seed) {
   const DrillPath path = workload_path(3.0);
   PathMotionOptions options = in_steps_of(0.001);
-  if (motion == WorkloadMotion::off_path || motion == WorkloadMotion::hand_off_path) {
+  if (motion == WorkloadMotion::off_path || motion == WorkloadMotion::tremor_off_path) {
     options.line.offset_mm = kOffPathMm;
   }
   if (motion == WorkloadMotion::tilted) options.line.tilt_deg = kTiltDeg;
-  if (motion == WorkloadMotion::hand || motion == WorkloadMotion::hand_off_path) {
+  if (motion == WorkloadMotion::tremor || motion == WorkloadMotion::tremor_off_path) {
     options.tremor_mm = kTremorMm;
     options.seed = seed;
   }

@@ -15,14 +15,14 @@ namespace spinaltap {
 
 /// How the bit moves from the entry to the target, in 37,800 cycles.
 enum class WorkloadMotion {
-  on_path,       ///< lock-step, 0.001 mm a cycle
-  off_path,      ///< the same, parallel to the path at 1.2 mm
-  tilted,        ///< the same, tilted by 3 degrees about the path's middle
-  hand,          ///< 1 mm/s at 1 kHz with a tremor of 0.1 mm (Tremor)
-  hand_off_path  ///< the same, parallel to the path at 1.2 mm
+  on_path,         ///< lock-step, 0.001 mm a cycle
+  off_path,        ///< the same, parallel to the path at 1.2 mm
+  tilted,          ///< the same, tilted by 3 degrees about the path's middle
+  tremor,          ///< 1 mm/s at 1 kHz with a tremor of 0.1 mm (Tremor)
+  tremor_off_path  ///< the same, parallel to the path at 1.2 mm
 };
 
-/// "on-path", "off-path", "tilted", "hand", "hand-off-path".
+/// "on-path", "off-path", "tilted", "tremor", "tremor-off-path".
 std::string_view name_of(WorkloadMotion motion);
 std::span<const WorkloadMotion> workload_motions();
 
@@ -36,7 +36,7 @@ PointVolume workload_volume(double spacing_mm, HuBits hu_bits = HuBits::eight);
 /// Makes every point alive.
 void revive_all(PointVolume& volume);
 
-/// Poses 0 to 37,800, patient LPS: the first before cycle 0, the others after each cycle. `seed` is the hand's.
+/// Poses 0 to 37,800, patient LPS: the first before cycle 0, the others after each cycle. `seed` is the operator's.
 std::vector<Pose> workload_poses(WorkloadMotion motion, std::uint64_t seed = 1);
 
 /// One long step, from a pose that the bit is put at to another.

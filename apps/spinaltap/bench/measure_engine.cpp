@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kHundred = 100;
 
 std::uint64_t hash_of(const PointVolume& volume) {
-  Fnv1a hash;
+  WordHash64 hash;
   hash.add(volume.alive_words().data(), volume.alive_words().size_bytes());
   return hash.value();
 }
@@ -24,19 +24,19 @@ void check_run(const EngineRun& run) {
   }
 }
 
-/// Steps the engine through cycles begin to end and times them together. Ends early after `most_ns` of CPU time.
+/// Steps the engine through cycles begin to end and times them together. Ends early after `max_ns` of CPU time.
 Stretch time_together(DrillEngine& engine, std::span<const Pose> poses, std::size_t begin, std::size_t end,
-                      const ClockCosts& costs, std::int64_t most_ns = std::numeric_limits<std::int64_t>::max()) {
-  constexpr std::size_t kLeastCycles = 5;
+                      const ClockCosts& costs, std::int64_t max_ns = std::numeric_limits<std::int64_t>::max()) {
+  constexpr std::size_t kMinCycles = 5;
   Stretch stretch{.begin = begin, .end = end};
-  const bool is_limited = most_ns < std::numeric_limits<std::int64_t>::max();
+  const bool is_limited = max_ns < std::numeric_limits<std::int64_t>::max();
   const std::int64_t wall_start = wall_ns();
   const std::int64_t cpu_start = thread_cpu_ns();
   for (std::size_t cycle = begin; cycle < end; ++cycle) {
     const StepResult result = engine.step(poses[cycle + 1]);
     stretch.removed += result.removed;
     stretch.tested += result.tested;
-    if (is_limited && cycle + 1 - begin >= kLeastCycles && thread_cpu_ns() - cpu_start > most_ns) {
+    if (is_limited && cycle + 1 - begin >= kMinCycles && thread_cpu_ns() - cpu_start > max_ns) {
       stretch.end = cycle + 1;
       break;
     }
@@ -162,7 +162,7 @@ EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, con
     fail("measuring: expected windows of 1 to ", cycles / kTwentieths, " cycles, found ", options.cycles);
   }
   ProgressCounter counter(progress, stage, kTwentieths + 1);
-  const auto most_ns = static_cast<std::int64_t>(1e9 * options.most_window_cpu_s);
+  const auto max_ns = static_cast<std::int64_t>(1e9 * options.max_window_cpu_s);
   revive_all(volume);
   PointVolume pilot_volume = volume;
   std::size_t at = 0;
@@ -189,7 +189,7 @@ EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, con
       return placed(run.make_engine, volume, run.bit, run.poses[begin]);
     };
     const auto engine = at_begin();
-    const Stretch window = time_together(*engine, run.poses, begin, begin + options.cycles, costs, most_ns);
+    const Stretch window = time_together(*engine, run.poses, begin, begin + options.cycles, costs, max_ns);
     result.memory_bytes = volume.memory_bytes() + engine->memory_bytes();
     bring_to(window.end);
     if (!AlivePoints(volume).are_those_of(pilot_volume)) {

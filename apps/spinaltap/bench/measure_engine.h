@@ -60,9 +60,9 @@ EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, 
                                      const Progress& progress = {}, const std::string& stage = "measuring");
 
 struct WindowOptions {
-  std::size_t cycles = 200;        ///< of a window
-  double most_window_cpu_s = 1.0;  ///< a window ends early, though not before its fifth cycle
-  bool finer_curve = false;        ///< also timed at the borders between tenths
+  std::size_t cycles = 200;       ///< of a window
+  double max_window_cpu_s = 1.0;  ///< a window ends early, though not before its fifth cycle
+  bool finer_curve = false;       ///< also timed at the borders between tenths
 };
 
 /// For slow engines: measures windows in the middle of each tenth of the path and of the whole path, three times each

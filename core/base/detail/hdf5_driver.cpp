@@ -18,7 +18,7 @@
 namespace spinaltap {
 namespace {
 
-/// What was to be written when the disk had refused already. HDF5 reads back some of it before it closes.
+/// What was to be written when the disk had rejected already. HDF5 reads back some of it before it closes.
 struct LatePiece {
   haddr_t address;
   std::vector<unsigned char> bytes;

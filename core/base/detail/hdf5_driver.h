@@ -4,7 +4,7 @@
 
 namespace spinaltap {
 
-/// HDF5's access to a file that is written until the disk refuses, and not at all any more from then on: what is on the
+/// HDF5's access to a file that is written until the disk rejects, and not at all any more from then on: what is on the
 /// disk is then what a kill at that moment would have left, which can be read. (HDF5's own driver goes on; closing then
 /// writes a head that counts what was never written, or crashes.) HDF5 is not told: ask hdf5_write_error().
 ///

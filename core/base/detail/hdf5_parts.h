@@ -74,7 +74,7 @@ Status checked(Status status, const char* what, const std::filesystem::path& pat
   return status;
 }
 
-/// Throws Error where the disk has refused something.
+/// Throws Error where the disk has rejected something.
 inline void check_disk(hid_t file, const std::filesystem::path& path) {
   const int error = hdf5_write_error(file);
   if (error != 0) fail("cannot write ", path.string(), ": ", std::strerror(error));

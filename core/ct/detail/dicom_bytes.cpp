@@ -11,7 +11,7 @@ namespace spinaltap {
 namespace {
 
 constexpr std::size_t kChunkBytes = 64 * 1024;
-constexpr std::uint64_t kMostInflation = 1032;  // deflate cannot shrink further
+constexpr std::uint64_t kMaxInflation = 1032;  // deflate cannot shrink further
 
 }  // namespace
 
@@ -80,8 +80,8 @@ bool DicomBytes::at_end() {
 }
 
 bool DicomBytes::may_hold(std::uint64_t count) const {
-  const std::uint64_t most = inflater_ ? size_ * kMostInflation : size_;
-  return position_ <= most && count <= most - position_;
+  const std::uint64_t max = inflater_ ? size_ * kMaxInflation : size_;
+  return position_ <= max && count <= max - position_;
 }
 
 bool DicomBytes::read_plain(char* bytes, std::uint64_t count) {

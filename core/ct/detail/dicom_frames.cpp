@@ -51,8 +51,8 @@ void overlay(const DicomFrame& from, DicomFrame& to) {
 
 /// As the file states it; 0 where it states too much.
 std::uint64_t stated_frame_bytes(const DicomHeader& file) {
-  constexpr int kMostPixels = 65535;  // along a side: Rows and Columns have 16 bits
-  if (file.columns > kMostPixels || file.rows > kMostPixels || file.samples > 4 || file.bits_allocated > 64) return 0;
+  constexpr int kMaxPixels = 65535;  // along a side: Rows and Columns have 16 bits
+  if (file.columns > kMaxPixels || file.rows > kMaxPixels || file.samples > 4 || file.bits_allocated > 64) return 0;
   return static_cast<std::uint64_t>(std::max(file.columns, 0)) * static_cast<std::uint64_t>(std::max(file.rows, 0)) *
          static_cast<std::uint64_t>(std::max(file.samples, 0)) *
          static_cast<std::uint64_t>(std::max(file.bits_allocated, 0) / 8);

@@ -141,10 +141,10 @@ void check_dicom_slice(const DicomHeader& header) {
   std::uint64_t found = 0;
   for (const ByteRange& range : header.pixels) found += range.length;
   // What compresses a plain picture best, JPEG 2000, needs a byte for a few thousand.
-  constexpr std::uint64_t kMostCompression = 4096;
+  constexpr std::uint64_t kMaxCompression = 4096;
   constexpr std::uint64_t kAlwaysAllowed = std::uint64_t{1} << 20;
   const bool is_enough =
-      header.encapsulated ? found > 0 && wanted <= kAlwaysAllowed + found * kMostCompression : found >= wanted;
+      header.encapsulated ? found > 0 && wanted <= kAlwaysAllowed + found * kMaxCompression : found >= wanted;
   if (!is_enough) fail("expected ", wanted, " bytes of pixels, found ", found, " in ", path_of(header));
 }
 

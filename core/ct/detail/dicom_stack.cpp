@@ -150,7 +150,7 @@ double tilt_of(const std::vector<Placed>& slices) {
 }
 
 /// Whether slices stand so far beside each other that they must be shifted. An even drift is a tilted gantry's; an
-/// uneven one is refused without `resample`.
+/// uneven one is rejected without `resample`.
 bool judge_drift(const std::vector<Placed>& slices, double pixel_mm, bool resample) {
   const double tolerance_mm = std::max(0.5 * pixel_mm, kMaxShiftMm);
   const Placed& last = slices.back();
@@ -216,11 +216,11 @@ StackLayout measure_stack(const std::vector<DicomHeader>& slices) {
   StackLayout layout;
   layout.directions = directions_of(slices.front());
   const std::vector<Placed> placed = place(slices, layout.directions);
-  layout.least_step_mm = layout.most_step_mm = without_dust(placed[1].along_mm - placed[0].along_mm);
+  layout.min_step_mm = layout.max_step_mm = without_dust(placed[1].along_mm - placed[0].along_mm);
   for (std::size_t k = 1; k < placed.size(); ++k) {
     const double step_mm = without_dust(placed[k].along_mm - placed[k - 1].along_mm);
-    layout.least_step_mm = std::min(layout.least_step_mm, step_mm);
-    layout.most_step_mm = std::max(layout.most_step_mm, step_mm);
+    layout.min_step_mm = std::min(layout.min_step_mm, step_mm);
+    layout.max_step_mm = std::max(layout.max_step_mm, step_mm);
   }
   layout.tilt_rad = tilt_of(placed);
   return layout;

@@ -10,10 +10,10 @@
 namespace spinaltap {
 
 std::string dicom_uid_of(std::string_view content) {
-  Fnv1a hash;
+  WordHash64 hash;
   hash.add(content.data(), content.size());
   const std::uint64_t high = (mix_bits(hash.value()) & ~(0xfULL << 12)) | 8ULL << 12;  // version
-  Fnv1a salted;
+  WordHash64 salted;
   salted.add("second half", 11);
   salted.add(content.data(), content.size());
   const std::uint64_t low = (mix_bits(salted.value()) & ~(3ULL << 62)) | 2ULL << 62;  // variant

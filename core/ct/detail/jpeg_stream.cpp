@@ -26,12 +26,12 @@ std::optional<CodestreamSize> jpeg2000_size(const BigEndian& bytes, std::size_t 
   const bool is_subsampled = bytes.u8(siz + 41) != 1 || bytes.u8(siz + 42) != 1;
   if (is_subsampled) return std::nullopt;
   // Decoders take memory for each tile that a header claims, before they look for it.
-  constexpr long long kMostTiles = 4096;
+  constexpr long long kMaxTiles = 4096;
   const long long tile_columns = number(22);
   const long long tile_rows = number(26);
   if (tile_columns < 1 || tile_rows < 1) return std::nullopt;
   const long long tiles = (number(6) / tile_columns + 1) * (number(10) / tile_rows + 1);
-  if (tiles > kMostTiles) return std::nullopt;
+  if (tiles > kMaxTiles) return std::nullopt;
   return CodestreamSize{number(6) - number(14), number(10) - number(18), bytes.u16(siz + 38),
                         (bytes.u8(siz + 40) & 0x7f) + 1};
 }
@@ -129,7 +129,7 @@ class Stream {
   }
 
   bool good_huffman_tables(std::size_t length) const {
-    constexpr int kMostSymbols = 256;
+    constexpr int kMaxSymbols = 256;
     const std::size_t end = at_ + 2 + length;
     for (std::size_t at = at_ + 4; at < end;) {
       if (end - at < 17) return false;
@@ -142,7 +142,7 @@ class Stream {
         if (codes_left < 0) return false;
       }
       at += 17;
-      if (symbols > kMostSymbols || static_cast<std::size_t>(symbols) > end - at) return false;
+      if (symbols > kMaxSymbols || static_cast<std::size_t>(symbols) > end - at) return false;
       at += static_cast<std::size_t>(symbols);
     }
     return true;

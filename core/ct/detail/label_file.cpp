@@ -52,12 +52,12 @@ void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
 }
 
 std::string list_for_people(const std::set<long long>& labels) {
-  constexpr int kMost = 40;
+  constexpr int kMax = 40;
   if (labels.empty()) return "none";
   std::ostringstream text;
   int count = 0;
   for (const long long label : labels) {
-    if (++count > kMost) {
+    if (++count > kMax) {
       text << ", ... (" << labels.size() << " in all)";
       break;
     }

@@ -40,7 +40,7 @@ void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
 /// "1, 2, 22"; the first of them where there are many; "none".
 std::string list_for_people(const std::set<long long>& labels);
 
-/// Refuses steps that are not finite or give voxels no volume. `what` names the file.
+/// Rejects steps that are not finite or give voxels no volume. `what` names the file.
 void check_transform(const LabelFile& labels, const std::string& what);
 
 /// The labels of a CARET label table in XML, as TotalSegmentator writes it into a NIfTI extension: `<Label Key="27"

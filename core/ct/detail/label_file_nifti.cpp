@@ -12,10 +12,10 @@ std::map<long long, std::string> names_of_label_table(const std::string& xml) {
   constexpr std::string_view kClose = "</Label>";
   constexpr std::string_view kCdata = "<![CDATA[";
   constexpr std::string_view kCdataEnd = "]]>";
-  constexpr std::size_t kMost = 70'000;  // labels; a file of more is not one that people made
+  constexpr std::size_t kMax = 70'000;  // labels; a file of more is not one that people made
   std::map<long long, std::string> names;
   const std::string_view text = xml;
-  for (std::size_t at = text.find(kOpen); at != text.npos && names.size() < kMost; at = text.find(kOpen, at + 1)) {
+  for (std::size_t at = text.find(kOpen); at != text.npos && names.size() < kMax; at = text.find(kOpen, at + 1)) {
     const std::size_t head_end = text.find('>', at);
     const std::size_t close = text.find(kClose, at);
     const std::size_t key = text.find(kKey, at);

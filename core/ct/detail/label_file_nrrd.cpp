@@ -31,11 +31,11 @@ std::string without_blanks(const std::string& text) {
 }
 
 Header read_header(const std::string& content, const std::string& what) {
-  constexpr std::size_t kMostHeader = std::size_t{1} << 20;
+  constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
   if (!content.starts_with("NRRD")) fail("expected an NRRD file, found one that is not: ", what);
   Header header;
   std::size_t begin = content.find('\n');
-  while (begin < kMostHeader) {
+  while (begin < kMaxHeader) {
     ++begin;
     const std::size_t end = content.find('\n', begin);
     if (end == std::string::npos) break;
@@ -175,15 +175,15 @@ std::vector<std::string> words_of(const std::string& text) {
 
 /// The sizes of the three spatial axes. A fourth axis in front counts layers, and only one is taken.
 std::array<int, 3> sizes_of(const Header& header, const std::string& what) {
-  constexpr long long kMostVoxels = 1LL << 30;
+  constexpr long long kMaxVoxels = 1LL << 30;
   const std::vector<std::string> words = words_of(field(header, "sizes", what));
   std::vector<long long> sizes;
   long long voxels = 1;
   for (const std::string& word : words) {
     long long size = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), size);
-    if (error != std::errc{} || end != word.data() + word.size() || size < 1 || size > kMostVoxels / voxels) {
-      fail("expected at most ", kMostVoxels, " voxels, found NRRD sizes \"", field(header, "sizes", what), "\" in ",
+    if (error != std::errc{} || end != word.data() + word.size() || size < 1 || size > kMaxVoxels / voxels) {
+      fail("expected at most ", kMaxVoxels, " voxels, found NRRD sizes \"", field(header, "sizes", what), "\" in ",
            what);
     }
     voxels *= size;
@@ -254,10 +254,10 @@ void set_transform(const Header& header, const std::string& what, LabelFile& lab
 /// The voxels' bytes, in this machine's order.
 std::string voxel_bytes(const Header& header, const std::string& content, std::size_t voxel_count, Stored stored,
                         const std::string& what) {
-  for (const char* refused : {"data file", "datafile", "byte skip", "byteskip", "line skip", "lineskip"}) {
-    const auto found = header.fields.find(refused);
+  for (const char* rejected : {"data file", "datafile", "byte skip", "byteskip", "line skip", "lineskip"}) {
+    const auto found = header.fields.find(rejected);
     if (found != header.fields.end() && found->second != "0") {
-      fail("expected header and voxels in one NRRD file, one after the other, found \"", refused, ": ", found->second,
+      fail("expected header and voxels in one NRRD file, one after the other, found \"", rejected, ": ", found->second,
            "\" in ", what);
     }
   }

@@ -122,7 +122,7 @@ std::map<int, LabelName> levels_by_numbers(LabelConvention convention, const std
 std::vector<LabelConvention> possible_conventions(const std::map<int, double>& height_mm) {
   constexpr std::size_t kMany = 3;  // vertebrae in order by chance: one map of six
   std::map<LabelConvention, std::size_t> vertebrae;
-  std::size_t most = 0;
+  std::size_t max = 0;
   for (const LabelConvention convention :
        {LabelConvention::verse, LabelConvention::totalsegmentator, LabelConvention::totalsegmentator_v1}) {
     std::map<int, double> by_rank;
@@ -137,11 +137,11 @@ std::vector<LabelConvention> possible_conventions(const std::map<int, double>& h
                            [](const auto& upper, const auto& lower) { return !(lower.second < upper.second); });
     if (!fits || by_rank.empty() || out_of_order != by_rank.end()) continue;
     vertebrae[convention] = by_rank.size();
-    most = std::max(most, by_rank.size());
+    max = std::max(max, by_rank.size());
   }
   std::vector<LabelConvention> possible;
   for (const auto& [convention, count] : vertebrae) {
-    if (count > 1 || most < kMany) possible.push_back(convention);
+    if (count > 1 || max < kMany) possible.push_back(convention);
   }
   return possible;
 }

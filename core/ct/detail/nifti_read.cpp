@@ -23,12 +23,12 @@ struct AxisOrder {
 AxisOrder order_of(const Mat3& directions) {
   AxisOrder order;
   std::array<int, 3> tried{0, 1, 2};
-  double most = -1.0;
+  double max = -1.0;
   do {
     double sum = 0.0;
     for (int axis = 0; axis < 3; ++axis) sum += std::abs(directions(axis, tried[static_cast<std::size_t>(axis)]));
-    if (sum > most + 1e-9) {
-      most = sum;
+    if (sum > max + 1e-9) {
+      max = sum;
       order.from = tried;
     }
   } while (std::next_permutation(tried.begin(), tried.end()));
@@ -39,9 +39,9 @@ AxisOrder order_of(const Mat3& directions) {
     ordered.col(axis) = directions.col(order.from[n]) * (order.turned[n] ? -1.0 : 1.0);
   }
   if (ordered.determinant() < 0.0) {
-    Eigen::Index least = 0;
-    ordered.diagonal().minCoeff(&least);
-    bool& turned = order.turned[static_cast<std::size_t>(least)];
+    Eigen::Index min = 0;
+    ordered.diagonal().minCoeff(&min);
+    bool& turned = order.turned[static_cast<std::size_t>(min)];
     turned = !turned;
   }
   return order;
@@ -81,8 +81,8 @@ CtVolume ordered_as_lps(const CtVolume& ct) {
   return make_ct_volume(geometry, std::move(hu));
 }
 
-constexpr double kSquare = 1e-3;   // cosine between axes that are at right angles but for rounding
-constexpr double kMostLean = 0.7;  // cosine between the third axis and the slices: 45 degrees
+constexpr double kSquare = 1e-3;  // cosine between axes that are at right angles but for rounding
+constexpr double kMaxLean = 0.7;  // cosine between the third axis and the slices: 45 degrees
 constexpr std::int16_t kNotMeasuredHu = -1024;
 
 std::int16_t to_hu(double value) {
@@ -104,7 +104,7 @@ Placement place(const NiftiVolume& nifti, const std::filesystem::path& file) {
   const Vec3 length_mm = steps.colwise().norm();
   const Mat3 axes = steps * length_mm.cwiseInverse().asDiagonal();
   const Vec3 cosines(axes.col(0).dot(axes.col(1)), axes.col(0).dot(axes.col(2)), axes.col(1).dot(axes.col(2)));
-  if (!(std::abs(cosines[0]) < kSquare) || !(std::hypot(cosines[1], cosines[2]) < kMostLean)) {
+  if (!(std::abs(cosines[0]) < kSquare) || !(std::hypot(cosines[1], cosines[2]) < kMaxLean)) {
     fail("expected axes at right angles, or a third axis that leans by less than 45 degrees, found cosines of ",
          cosines[0], ", ", cosines[1], " and ", cosines[2], " between them in ", file.string());
   }

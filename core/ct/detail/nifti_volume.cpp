@@ -75,10 +75,10 @@ void check_header(const fs::path& file) {
     voxels *= size;
   }
   // Extensions stand before the voxels; no known one is this long.
-  constexpr double kMostOffset = 1 << 24;
+  constexpr double kMaxOffset = 1 << 24;
   const double offset = is_second ? static_cast<double>(number_at<std::int64_t>(bytes, 168, swapped))
                                   : static_cast<double>(number_at<float>(bytes, 108, swapped));
-  if (!(offset >= 0.0 && offset <= kMostOffset)) fail_not_nifti(file);
+  if (!(offset >= 0.0 && offset <= kMaxOffset)) fail_not_nifti(file);
   const auto real = [&](std::size_t first, std::size_t second) -> double {
     return is_second ? number_at<double>(bytes, second, swapped)
                      : static_cast<double>(number_at<float>(bytes, first, swapped));
@@ -111,15 +111,15 @@ NiftiImage open_nifti(const fs::path& file) {
   return image;
 }
 
-/// Refuses sizes that the file cannot hold, before memory is taken for them.
+/// Rejects sizes that the file cannot hold, before memory is taken for them.
 void check_size(const nifti_image& image, const fs::path& file) {
   // Deflate shrinks by a factor of 1032 at most.
   std::error_code error;
   const std::uintmax_t bytes_on_disk = fs::file_size(file, error);
-  const std::uintmax_t most_bytes = file.extension() == ".gz" ? bytes_on_disk * 1032 : bytes_on_disk;
+  const std::uintmax_t max_bytes = file.extension() == ".gz" ? bytes_on_disk * 1032 : bytes_on_disk;
   const auto wanted = static_cast<std::uintmax_t>(image.nvox) * static_cast<std::uintmax_t>(std::max(image.nbyper, 0));
   if (error || image.nvox < 1 || image.nvox > kMaxVoxels || image.nvox != image.nx * image.ny * image.nz ||
-      wanted > most_bytes) {
+      wanted > max_bytes) {
     fail("expected ", wanted, " bytes of voxels, found a file of ", bytes_on_disk,
          " bytes (cut short?): ", file.string());
   }

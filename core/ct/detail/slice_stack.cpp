@@ -82,12 +82,12 @@ std::vector<float> shifted_slice(std::span<const std::int16_t> hu, const GridGeo
 }
 
 PixelWindow window_of(const GridGeometry& slices, std::span<const SlicePlace> places) {
-  constexpr double kMost = 1e6;  // pixels: beyond, numbers of voxels could overflow
+  constexpr double kMax = 1e6;  // pixels: beyond, numbers of voxels could overflow
   Eigen::Array2d low = Eigen::Array2d::Zero();
   Eigen::Array2d high = Eigen::Array2d::Zero();
   for (const SlicePlace& place : places) {
     const Eigen::Array2d pixels = place.sideways_mm.array() / slices.spacing_mm.head<2>().array();
-    if (!(pixels.abs() < kMost).all()) fail("expected slices that lie over each other, found some far apart");
+    if (!(pixels.abs() < kMax).all()) fail("expected slices that lie over each other, found some far apart");
     low = low.min(pixels);
     high = high.max(pixels);
   }
@@ -129,10 +129,10 @@ CtVolume resample_stack(const GridGeometry& slices, std::span<const SlicePlace> 
   if (!(step_mm > 0.0)) fail("expected a step above 0 mm, found ", step_mm);
   const PixelWindow window = window_of(slices, places);
   const double length_mm = places.back().along_mm;
-  constexpr double kMostGrowth = 4.0;
+  constexpr double kMaxGrowth = 4.0;
   const double voxels = (std::floor(length_mm / step_mm + kOnGrid) + 1.0) * window.columns * window.rows;
-  if (!(voxels <= kMostGrowth * static_cast<double>(slices.voxel_count()))) {
-    fail("expected slices that resampling makes at most ", kMostGrowth, " times as many voxels of, found ", voxels,
+  if (!(voxels <= kMaxGrowth * static_cast<double>(slices.voxel_count()))) {
+    fail("expected slices that resampling makes at most ", kMaxGrowth, " times as many voxels of, found ", voxels,
          " from ", slices.voxel_count());
   }
   GridGeometry grid = slices;

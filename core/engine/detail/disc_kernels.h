@@ -14,7 +14,7 @@ struct FloatLine {
 /// Checks certificates: see DiscCertificates.
 struct CheckArguments {
   FloatLine line;
-  float spacing, across_share_squared, turn, slack, least_back;
+  float spacing, across_share_squared, turn, slack, min_back;
   std::size_t count;  ///< of discs, whole vectors
   float* free;
   const float* back_share;

@@ -29,7 +29,7 @@ void check(const CheckArguments& c) {
     const Floats turned_y = c.line.y_slope - SPINALTAP_LOAD(c.y_slope + n);
     const Floats turned = (turned_x < 0.0F ? -turned_x : turned_x) + (turned_y < 0.0F ? -turned_y : turned_y);
     const Floats back = (c.line.back + z * c.line.back_slope) - SPINALTAP_LOAD(c.back + n);
-    const Floats counted = back > 0.0F ? back : c.least_back * back;
+    const Floats counted = back > 0.0F ? back : c.min_back * back;
     const Floats old = SPINALTAP_LOAD(c.free + n);
     const Floats left = ((old - c.slack) - c.turn * turned) - SPINALTAP_LOAD(c.back_share + n) * counted;
     const Floats allowed = left > 0.0F ? left : Floats{} + 0.0F;

@@ -27,7 +27,7 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
       y_mm_ -= ellipse_->shift_y * cone_mm;
     }
     squeeze_ = ellipse_->squeeze;
-    surely_free_mm_ = std::min(surely_free_mm_, most_passed_mm());
+    surely_free_mm_ = std::min(surely_free_mm_, max_passed_mm());
   } else {
     // Of other bits, what is further along the axis than a certificate is long does not matter to this disc.
     const auto [first_mm, last_mm] = backs_mm();
@@ -78,21 +78,21 @@ std::pair<double, double> NearestPoint::backs_mm() const noexcept {
   return {back_mm_ - spread_mm - a.bit.forth_mm(), back_mm_ + spread_mm + a.bit.back_mm()};
 }
 
-double NearestPoint::most_passed_mm() const noexcept {
+double NearestPoint::max_passed_mm() const noexcept {
   const Approach& a = approach_;
   const SweptBit& bit = a.bit;
   const double across_mm = bit.across_mm();
   const auto [first_mm, last_mm] = backs_mm();
   const double neck_mm = (a.radius_mm - a.offset_mm) / a.slope;
-  double least_radius_mm = a.radius_mm;
+  double min_radius_mm = a.radius_mm;
   if (ellipse_ == &a.cylinder) {
     if (!(first_mm > neck_mm && last_mm < bit.profile().length_mm())) return HUGE_VAL;
   } else {
     if (!(first_mm > 0.0 && last_mm < neck_mm)) return HUGE_VAL;
-    least_radius_mm = a.offset_mm + a.slope * first_mm;
+    min_radius_mm = a.offset_mm + a.slope * first_mm;
   }
-  if (!(least_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
-  const double bend_mm = across_mm * across_mm / (2.0 * (least_radius_mm - across_mm));
+  if (!(min_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
+  const double bend_mm = across_mm * across_mm / (2.0 * (min_radius_mm - across_mm));
   return (bend_mm + kSpareMm) * ellipse_->growth();
 }
 

@@ -126,8 +126,8 @@ class NearestPoint {
   ///
   /// Where only the cone, or only the cylinder, is met all the way, the distance f to it along the chord is convex,
   /// with f'' of at most across² / radius. At the step's start f was above 0, or the point were dead. To be below 0 on
-  /// the way it must fall first, so at the end it is at most f'' / 2: nanometres for a hand's micrometres.
-  double most_passed_mm() const noexcept;
+  /// the way it must fall first, so at the end it is at most f'' / 2: nanometres for an operator's micrometres.
+  double max_passed_mm() const noexcept;
 
   void improve(double distance_mm) {
     if (!(distance_mm < best_mm_)) return;

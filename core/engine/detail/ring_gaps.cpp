@@ -17,8 +17,8 @@ RingGaps::RingGaps(std::size_t discs, const DiscPattern& pattern, const detail::
   }
 }
 
-double RingGaps::least_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
-                                   std::uint8_t* is_reached) const noexcept {
+double RingGaps::min_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
+                                 std::uint8_t* is_reached) const noexcept {
   const auto reach = static_cast<float>(reach_mm);
   detail::GapResult result{is_reached, 0.0F};
   kernels_.gap_squares(

@@ -21,8 +21,8 @@ class RingGaps {
   /// Which rings from `begin` up to `end` may have a living point within `reach_mm` of (x, y) in a disc's plane, and
   /// the least distance that living points of the others have, at least (1e15 without any), mm. To float's precision: a
   /// micrometre's hundredth. `is_reached` gets a byte a ring, and some beyond: room for kLongestVector more than rings.
-  double least_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
-                           std::uint8_t* is_reached) const noexcept;
+  double min_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
+                         std::uint8_t* is_reached) const noexcept;
 
   bool is_dead(int disc, int ring) const noexcept { return ends_[place(disc, ring)] == detail::kDeadRing; }
   void set_dead(int disc, int ring) noexcept { ends_[place(disc, ring)] = detail::kDeadRing; }

@@ -5,9 +5,9 @@
 
 namespace spinaltap {
 
-/// All of a law, the density's with it: as records hold it.
+/// All of a material, the density calibration with it: as records hold it.
 Json to_json(const Material& material);
-/// Reads what to_json() made. Throws Error that names the file and the key at fault; does not check the law.
+/// Reads what to_json() made. Throws Error that names the file and the key at fault; does not check the model.
 Material material_of(const Json& json, const std::filesystem::path& file);
 
 }  // namespace spinaltap

@@ -83,7 +83,7 @@ Json json_of(const SessionOptions& options) {
             {"cortical_g_cm3", options.states.cortical_g_cm3},
             {"rising_g_cm3", options.states.rising_g_cm3},
             {"hold_mm", options.states.hold_mm}}},
-          {"longest_jump_mm", options.longest_jump_mm}};
+          {"max_jump_mm", options.max_jump_mm}};
 }
 
 SessionOptions read_options_part(const JsonObject& object, const fs::path& file) {
@@ -98,7 +98,7 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
   const JsonObject states = part_of(object, "states", file);
   options.states = {states.number("contact_g_cm3"), states.number("cortical_g_cm3"), states.number("rising_g_cm3"),
                     states.number("hold_mm")};
-  options.longest_jump_mm = object.number("longest_jump_mm");
+  options.max_jump_mm = object.number("max_jump_mm");
   return options;
 }
 

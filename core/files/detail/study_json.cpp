@@ -12,10 +12,10 @@ namespace {
 /// A whole number of 0 or more, as far as JSON's readers keep it.
 std::uint64_t whole_number_or(const JsonObject& object, const char* key, std::uint64_t fallback,
                               const std::filesystem::path& file) {
-  constexpr double kMost = 0x1.0p53;
+  constexpr double kMax = 0x1.0p53;
   if (!object.has(key)) return fallback;
   const double number = object.number(key);
-  if (!(number >= 0.0) || !(number <= kMost) || number != std::floor(number)) {
+  if (!(number >= 0.0) || !(number <= kMax) || number != std::floor(number)) {
     fail("expected a whole number of 0 or more for \"", key, "\" in ", file.string(), ", found ", number);
   }
   return static_cast<std::uint64_t>(number);
@@ -43,15 +43,15 @@ StudyFactor factor_called(const std::string& name, const std::filesystem::path& 
   fail("expected the name of a factor in ", file.string(), ", found \"", name, "\"; there are: ", known);
 }
 
-FactorLaw read_law(StudyFactor factor, const Json& json, const std::filesystem::path& file) {
+FactorDistribution read_distribution(StudyFactor factor, const Json& json, const std::filesystem::path& file) {
   const std::string name(name_of(factor));
-  const auto refuse = [&](const std::string& found) {
+  const auto reject = [&](const std::string& found) {
     fail("expected one of \"levels\", \"normal\" and \"uniform\" for \"", name, "\" in ", file.string(), ", found ",
          found);
   };
-  if (!json.is_object() || json.size() != 1) refuse(json.dump().substr(0, 60));
+  if (!json.is_object() || json.size() != 1) reject(json.dump().substr(0, 60));
   const JsonObject object(json, file);
-  FactorLaw law{factor};
+  FactorDistribution distribution{factor};
   if (object.has("levels")) {
     const Json& levels = object.at("levels");
     if (!levels.is_array()) fail("expected a list for \"levels\" of \"", name, "\" in ", file.string());
@@ -59,81 +59,82 @@ FactorLaw read_law(StudyFactor factor, const Json& json, const std::filesystem::
       if (!level.is_number()) {
         fail("expected numbers for \"levels\" of \"", name, "\" in ", file.string(), ", found ", level.dump());
       }
-      law.levels.push_back(level.get<double>());
+      distribution.levels.push_back(level.get<double>());
     }
   } else if (object.has("normal")) {
     check_keys(object.at("normal"), {"mean", "deviation"}, file, "\"mean\" and \"deviation\"");
     const JsonObject normal(object.at("normal"), file);
-    law.kind = FactorLaw::Kind::normal;
-    law.a = normal.number("mean");
-    law.b = normal.number("deviation");
+    distribution.kind = FactorDistribution::Kind::normal;
+    distribution.a = normal.number("mean");
+    distribution.b = normal.number("deviation");
   } else if (object.has("uniform")) {
     check_keys(object.at("uniform"), {"low", "high"}, file, "\"low\" and \"high\"");
     const JsonObject uniform(object.at("uniform"), file);
-    law.kind = FactorLaw::Kind::uniform;
-    law.a = uniform.number("low");
-    law.b = uniform.number("high");
+    distribution.kind = FactorDistribution::Kind::uniform;
+    distribution.a = uniform.number("low");
+    distribution.b = uniform.number("high");
   } else {
-    refuse("\"" + json.begin().key() + "\"");
+    reject("\"" + json.begin().key() + "\"");
   }
-  return law;
+  return distribution;
 }
 
-Json json_of(const FactorLaw& law) {
-  switch (law.kind) {
-    case FactorLaw::Kind::normal:
-      return {{"normal", {{"mean", law.a}, {"deviation", law.b}}}};
-    case FactorLaw::Kind::uniform:
-      return {{"uniform", {{"low", law.a}, {"high", law.b}}}};
-    case FactorLaw::Kind::levels:
+Json json_of(const FactorDistribution& distribution) {
+  switch (distribution.kind) {
+    case FactorDistribution::Kind::normal:
+      return {{"normal", {{"mean", distribution.a}, {"deviation", distribution.b}}}};
+    case FactorDistribution::Kind::uniform:
+      return {{"uniform", {{"low", distribution.a}, {"high", distribution.b}}}};
+    case FactorDistribution::Kind::levels:
       break;
   }
-  return {{"levels", law.levels}};
+  return {{"levels", distribution.levels}};
 }
 
 }  // namespace
 
-Json to_json(const StudyHand& hand) {
-  Json json{{"kind", hand.kind == StudyHand::Kind::feed ? "feed" : "push"}};
-  if (hand.kind == StudyHand::Kind::feed) {
-    json["feed_mm_s"] = hand.feed_mm_s;
-    json["step_mm"] = hand.step_mm;
+Json to_json(const StudyOperator& tool_operator) {
+  Json json{{"kind", tool_operator.kind == StudyOperator::Kind::feed ? "feed" : "push"}};
+  if (tool_operator.kind == StudyOperator::Kind::feed) {
+    json["feed_mm_s"] = tool_operator.feed_mm_s;
+    json["step_mm"] = tool_operator.step_mm;
   } else {
-    json["push_n"] = hand.push_n;
-    json["rate_hz"] = hand.rate_hz;
-    json["reaction_s"] = hand.reaction_s;
-    json["noticed_share"] = hand.noticed_share;
+    json["push_n"] = tool_operator.push_n;
+    json["rate_hz"] = tool_operator.rate_hz;
+    json["reaction_s"] = tool_operator.reaction_s;
+    json["noticed_share"] = tool_operator.noticed_share;
   }
-  json["tremor_mm"] = hand.tremor_mm;
+  json["tremor_mm"] = tool_operator.tremor_mm;
   return json;
 }
 
-StudyHand read_study_hand(const Json& json, const std::filesystem::path& file) {
+StudyOperator read_study_operator(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
-  StudyHand hand;
+  StudyOperator tool_operator;
   const std::string kind = object.text("kind");
   if (kind == "feed") {
-    check_keys(json, {"kind", "feed_mm_s", "step_mm", "tremor_mm"}, file, "a key of a hand that feeds");
-    hand.feed_mm_s = positive_or(object, "feed_mm_s", hand.feed_mm_s, file);
-    hand.step_mm = positive_or(object, "step_mm", hand.step_mm, file);
+    check_keys(json, {"kind", "feed_mm_s", "step_mm", "tremor_mm"}, file, "a key of an operator that feeds");
+    tool_operator.feed_mm_s = positive_or(object, "feed_mm_s", tool_operator.feed_mm_s, file);
+    tool_operator.step_mm = positive_or(object, "step_mm", tool_operator.step_mm, file);
   } else if (kind == "push") {
     check_keys(json, {"kind", "push_n", "rate_hz", "reaction_s", "noticed_share", "tremor_mm"}, file,
-               "a key of a hand that pushes");
-    hand.kind = StudyHand::Kind::push;
-    hand.push_n = positive_or(object, "push_n", hand.push_n, file);
-    hand.rate_hz = positive_or(object, "rate_hz", hand.rate_hz, file);
-    hand.reaction_s = not_negative_or(object, "reaction_s", hand.reaction_s, file);
-    hand.noticed_share = not_negative_or(object, "noticed_share", hand.noticed_share, file);
+               "a key of an operator that pushes");
+    tool_operator.kind = StudyOperator::Kind::push;
+    tool_operator.push_n = positive_or(object, "push_n", tool_operator.push_n, file);
+    tool_operator.rate_hz = positive_or(object, "rate_hz", tool_operator.rate_hz, file);
+    tool_operator.reaction_s = not_negative_or(object, "reaction_s", tool_operator.reaction_s, file);
+    tool_operator.noticed_share = not_negative_or(object, "noticed_share", tool_operator.noticed_share, file);
   } else {
-    fail("expected \"feed\" or \"push\" for \"kind\" of \"hand\" in ", file.string(), ", found \"", kind, "\"");
+    fail("expected \"feed\" or \"push\" for \"kind\" of \"operator\" in ", file.string(), ", found \"", kind, "\"");
   }
-  hand.tremor_mm = not_negative_or(object, "tremor_mm", hand.tremor_mm, file);
-  return hand;
+  tool_operator.tremor_mm = not_negative_or(object, "tremor_mm", tool_operator.tremor_mm, file);
+  return tool_operator;
 }
 
 Json to_json(const StudyDesign& design) {
   Json factors = Json::object();
-  for (const FactorLaw& law : design.laws) factors[std::string(name_of(law.factor))] = json_of(law);
+  for (const FactorDistribution& distribution : design.distributions)
+    factors[std::string(name_of(distribution.factor))] = json_of(distribution);
   return {{"runs", design.runs},
           {"sampling", design.is_latin ? "latin-hypercube" : "random"},
           {"seed", design.seed},
@@ -158,7 +159,7 @@ StudyDesign read_study_design(const Json& json, const std::filesystem::path& fil
     const Json& factors = object.at("factors");
     if (!factors.is_object()) fail("expected an object for \"factors\" in ", file.string());
     for (const auto& item : factors.items()) {
-      design.laws.push_back(read_law(factor_called(item.key(), file), item.value(), file));
+      design.distributions.push_back(read_distribution(factor_called(item.key(), file), item.value(), file));
     }
   }
   return design;

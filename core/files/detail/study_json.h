@@ -11,13 +11,13 @@ namespace spinaltap {
 /// What check_keys() says of SPEC.json.
 constexpr std::string_view kStudyKey = "a key of a study";
 
-/// The hand and the design, as SPEC.json has them.
-Json to_json(const StudyHand& hand);
+/// The operator and the design, as SPEC.json has them.
+Json to_json(const StudyOperator& tool_operator);
 Json to_json(const StudyDesign& design);
 
-/// Reads what to_json() made, and "hand" and the design's keys of SPEC.json. Throw Error that names the file and the
-/// key at fault.
-StudyHand read_study_hand(const Json& json, const std::filesystem::path& file);
+/// Reads what to_json() made, and "operator" and the design's keys of SPEC.json. Throw Error that names the file and
+/// the key at fault.
+StudyOperator read_study_operator(const Json& json, const std::filesystem::path& file);
 StudyDesign read_study_design(const Json& json, const std::filesystem::path& file);
 
 }  // namespace spinaltap

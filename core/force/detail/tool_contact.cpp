@@ -11,7 +11,7 @@ constexpr int kPlacesAround = 16;
 
 }  // namespace
 
-BitShell::BitShell(const BonePoints& bone, const DrillBit& bit)
+ToolContact::ToolContact(const BonePoints& bone, const DrillBit& bit)
     : bone_(&bone), section_mm2_(std::numbers::pi * bit.radius_mm() * bit.radius_mm()) {
   const BitProfile profile(bit);
   const double pi = std::numbers::pi;
@@ -52,23 +52,23 @@ BitShell::BitShell(const BonePoints& bone, const DrillBit& bit)
   add_face(begin_mm, before_mm, 0.0);
 }
 
-void BitShell::add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2) {
-  const double most_mm = std::sqrt(section_mm2_ / std::numbers::pi);
+void ToolContact::add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2) {
+  const double max_mm = std::sqrt(section_mm2_ / std::numbers::pi);
   for (int n = 0; n < kPlacesAround; ++n) {
     const double angle = 2.0 * std::numbers::pi * (n + 0.5) / kPlacesAround;
     const double c = std::cos(angle);
     const double s = std::sin(angle);
     places_.push_back({back_mm, radius_mm * c, radius_mm * s, normal_back, normal_off * c, normal_off * s,
-                       area_mm2 / (kPlacesAround * section_mm2_), most_mm});
+                       area_mm2 / (kPlacesAround * section_mm2_), max_mm});
   }
 }
 
 /// How far bone reaches from `p` inwards into the bit.
-double BitShell::depth_mm(const Vec3& p, const Vec3& inward, double most_mm) const noexcept {
+double ToolContact::depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept {
   const double step_mm = bone_->volume(bone_->volume_at(p.z())).pattern().spacing_mm();
   double bone_mm = 0.0;
-  while (bone_mm < most_mm && bone_->living_at(p + (bone_mm + step_mm) * inward) != nullptr) bone_mm += step_mm;
-  if (bone_mm >= most_mm) return most_mm;
+  while (bone_mm < max_mm && bone_->living_at(p + (bone_mm + step_mm) * inward) != nullptr) bone_mm += step_mm;
+  if (bone_mm >= max_mm) return max_mm;
   // Between a place in bone and one out of it: where the nearest point changes, so that the depth follows the bit.
   double free_mm = bone_mm + step_mm;
   for (int n = 0; n < 7; ++n) {
@@ -78,7 +78,7 @@ double BitShell::depth_mm(const Vec3& p, const Vec3& inward, double most_mm) con
   return bone_mm;
 }
 
-Vec3 BitShell::contact_n(const Pose& pose) const noexcept {
+Vec3 ToolContact::contact_n(const Pose& pose) const noexcept {
   const Vec3 u = any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
   Vec3 force_n = Vec3::Zero();
@@ -87,12 +87,12 @@ Vec3 BitShell::contact_n(const Pose& pose) const noexcept {
     const BonePoints::Bone* bone = bone_->living_at(p);
     if (bone == nullptr) continue;
     const Vec3 inward = place.normal_back * pose.axis - place.normal_x * u - place.normal_y * v;
-    force_n += place.share * bone->contact_n_mm * depth_mm(p, inward, place.most_mm) * inward;
+    force_n += place.share * bone->contact_n_mm * depth_mm(p, inward, place.max_mm) * inward;
   }
   return force_n;
 }
 
-TipBone::Mean TipBone::ahead_of(const Pose& pose) const noexcept {
+ChiselProbe::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   // A centre and six around it stand for equal shares of the disc: radius² of the centre's share is a seventh of the
   // whole, and the six lie at their share's centroid.
   constexpr int kAround = 6;

@@ -11,10 +11,10 @@ namespace spinaltap {
 /// Bone that pushes a bit back which touches it without cutting. Places on the bit's surface, each for its share of the
 /// surface over the bit's section, are pushed inwards by the stiffness of the bone there times how deep it lies in
 /// bone.
-class BitShell {
+class ToolContact {
  public:
   /// Throws Error on a bad bit.
-  BitShell(const BonePoints& bone, const DrillBit& bit);
+  ToolContact(const BonePoints& bone, const DrillBit& bit);
 
   /// Force on the bit, N; `pose` and force in the bone's coordinates.
   Vec3 contact_n(const Pose& pose) const noexcept;
@@ -26,11 +26,11 @@ class BitShell {
     double across_x_mm = 0.0, across_y_mm = 0.0;
     double normal_back = 0.0;  ///< outward, unit
     double normal_x = 0.0, normal_y = 0.0;
-    double share = 0.0;    ///< of the surface, over the bit's section
-    double most_mm = 0.0;  ///< how far inwards bone may lie: to the axis
+    double share = 0.0;   ///< of the surface, over the bit's section
+    double max_mm = 0.0;  ///< how far inwards bone may lie: to the axis
   };
   void add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2);
-  double depth_mm(const Vec3& p, const Vec3& inward, double most_mm) const noexcept;
+  double depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept;
 
   const BonePoints* bone_;
   double section_mm2_;
@@ -39,10 +39,10 @@ class BitShell {
 
 /// The bone just ahead of a bit's chisel edge: one spacing ahead of the tip, by a line between the next two discs, so
 /// that it is as smooth as the bone. What is missing counts as bone of no density.
-class TipBone {
+class ChiselProbe {
  public:
   /// `edge_radius_mm`: of the disc that the chisel edge turns over.
-  TipBone(const BonePoints& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
+  ChiselProbe(const BonePoints& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
 
   struct Mean {
     double density_g_cm3 = 0.0;

@@ -18,14 +18,14 @@ IdealImage::IdealImage(const Solid& solid, const GridGeometry& geometry, const S
   origin_mm_ = geometry.origin_mm - Vec3(back, back, 0.0);
   cell_mm_ = std::cbrt(step_mm_.prod());
   const Box3 bounds = solid.bounds_mm();
-  const std::array<int, 2> most{options.columns * options.samples_per_pixel, options.rows * options.samples_per_pixel};
+  const std::array<int, 2> max{options.columns * options.samples_per_pixel, options.rows * options.samples_per_pixel};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     const double low = (bounds.min()[i] - cell_mm_ - origin_mm_[i]) / step_mm_[i];
     const double high = (bounds.max()[i] + cell_mm_ - origin_mm_[i]) / step_mm_[i];
-    first_[axis] = static_cast<int>(std::clamp(std::floor(low), 0.0, static_cast<double>(most[axis])));
+    first_[axis] = static_cast<int>(std::clamp(std::floor(low), 0.0, static_cast<double>(max[axis])));
     size_[axis] =
-        static_cast<int>(std::clamp(std::ceil(high) + 1.0, 0.0, static_cast<double>(most[axis]))) - first_[axis];
+        static_cast<int>(std::clamp(std::ceil(high) + 1.0, 0.0, static_cast<double>(max[axis]))) - first_[axis];
     size_[axis] = std::max(size_[axis], 0);
   }
 }

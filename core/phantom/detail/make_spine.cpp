@@ -11,7 +11,7 @@
 #include "core/phantom/detail/shape_solid.h"
 #include "core/phantom/detail/shapes.h"
 #include "core/phantom/level_measures.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 
 namespace spinaltap::shapes {
 namespace {
@@ -138,9 +138,9 @@ std::vector<ScrewRod> make_screws(const SpineOptions& options, const PlacedLevel
   constexpr double kHeadMm = 9.0;  // outside the bone
   constexpr double kWallMm = 0.5;  // of the pedicle left on each side of a screw
   constexpr double kThinnestMm = 3.5;
-  const VertebraTruth truth = vertebra_truth(vertebra);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
   std::vector<ScrewRod> screws;
-  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+  for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
     const double diameter =
         std::min(options.screw_diameter_mm, std::max(kThinnestMm, pedicle.width_mm - 2.0 * kWallMm));
     screws.push_back({pedicle.entry_mm - kHeadMm * pedicle.axis, pedicle.target_mm, 0.5 * diameter});
@@ -257,8 +257,8 @@ std::vector<SpinePart> make_parts(const SpineOptions& options, const std::vector
 }
 
 void check_isthmuses(const Vertebra& vertebra, const std::function<double(const Vec3&)>& value_mm) {
-  const VertebraTruth truth = vertebra_truth(vertebra);
-  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+  for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
     for (int step = 0; step < 90; ++step) {
       const double angle = 4.0 * step * kDegree;
       const Vec3 p = pedicle.isthmus_mm + 0.5 * pedicle.width_mm * std::cos(angle) * pedicle.width_axis +

@@ -54,9 +54,9 @@ double near_distance_mm(const Shape& shape, const Vec3& p) {
   weight *= smooth_step(kFlat, kSteep, first.slope);
   if (weight <= 0.0) return f;
   const Tangent second = tangent_at(shape, p - first.height * first.normal, p);
-  constexpr double kMostGrowth = 1.0 / kSteep;
+  constexpr double kMaxGrowth = 1.0 / kSteep;
   const double cautious = second.height / (1.0 + kCaution * std::fabs(second.height));
-  const double distance = std::clamp(cautious, std::min(f, kMostGrowth * f), std::max(f, kMostGrowth * f));
+  const double distance = std::clamp(cautious, std::min(f, kMaxGrowth * f), std::max(f, kMaxGrowth * f));
   return f + weight * (distance - f);
 }
 

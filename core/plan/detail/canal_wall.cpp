@@ -12,7 +12,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kMostReachMm = 25.0;
+constexpr double kMaxReachMm = 25.0;
 
 /// Whether a straight way from a point of the surface to a place meets no bone once it has left the surface.
 bool sees(const BoneShape& bone, const Vec3& point_mm, const Vec3& place_mm) {
@@ -37,7 +37,7 @@ class CanalWall {
         half_depth_mm_(0.5 * std::max(landmarks.canal.depth_mm, landmarks.canal.width_mm) + kBehindMm) {}
 
   bool holds(const Vec3& p_mm, const Vec3& normal) const {
-    constexpr double kLeastFacing = 0.2;  // cosine: flatter, a place looks up or down and not at the canal
+    constexpr double kMinFacing = 0.2;  // cosine: flatter, a place looks up or down and not at the canal
     const double height_mm = height_of(p_mm);
     if (height_mm > top_mm_ || height_mm < bottom_mm_) return false;
     const Landmarks::Canal& canal = landmarks_.canal;
@@ -45,7 +45,7 @@ class CanalWall {
     const Vec3 to_axis_mm = axis_mm - p_mm;
     if (std::abs(to_axis_mm.dot(landmarks_.left())) > half_width_mm_) return false;
     if (std::abs(to_axis_mm.dot(landmarks_.posterior())) > half_depth_mm_) return false;
-    if (!(normal.dot(to_axis_mm) > kLeastFacing * to_axis_mm.norm())) return false;
+    if (!(normal.dot(to_axis_mm) > kMinFacing * to_axis_mm.norm())) return false;
     return sees(bone_, p_mm, axis_mm);
   }
 
@@ -100,7 +100,7 @@ Landmarks::Canal measure_canal(const BoneShape& bone, const Vec3& at_mm, const V
   constexpr double kLevelsMm = 12.0, kStepMm = 1.0;
   constexpr int kRays = 48;
   const auto way_mm = [&](const Vec3& from_mm, const Vec3& direction) {
-    return way_to_surface_mm(bone, from_mm, direction, kMostReachMm);
+    return way_to_surface_mm(bone, from_mm, direction, kMaxReachMm);
   };
   Landmarks::Canal canal;
   canal.axis = canal_axis;
@@ -109,13 +109,13 @@ Landmarks::Canal measure_canal(const BoneShape& bone, const Vec3& at_mm, const V
     const Vec3 p_mm = at_mm + level * canal_axis;
     if (bone.lattice_mm(p_mm) < 0.0) continue;
     const double front_mm = way_mm(p_mm, -axes.col(1)), back_mm = way_mm(p_mm, axes.col(1));
-    if (front_mm >= kMostReachMm || back_mm >= kMostReachMm) continue;
+    if (front_mm >= kMaxReachMm || back_mm >= kMaxReachMm) continue;
     depth_mm = std::min(depth_mm, front_mm + back_mm);
   }
   if (std::isfinite(depth_mm)) canal.depth_mm = depth_mm;
   canal.centre_mm = at_mm;
   const double front_mm = way_mm(at_mm, -axes.col(1));
-  if (canal.depth_mm > 0.0 && front_mm < kMostReachMm) {
+  if (canal.depth_mm > 0.0 && front_mm < kMaxReachMm) {
     canal.centre_mm += (0.5 * canal.depth_mm - front_mm) * axes.col(1);
   }
   // The widest of the level, between the pedicles: rays from several places of the midline, in front of the middle.
@@ -125,8 +125,8 @@ Landmarks::Canal measure_canal(const BoneShape& bone, const Vec3& at_mm, const V
     const Vec3 p_mm = canal.centre_mm + y_mm * axes.col(1);
     if (bone.lattice_mm(p_mm) < 0.0) continue;
     const double left = way_mm(p_mm, axes.col(0)), right = way_mm(p_mm, -axes.col(0));
-    if (left < kMostReachMm) left_mm = std::max(left_mm, left);
-    if (right < kMostReachMm) right_mm = std::max(right_mm, right);
+    if (left < kMaxReachMm) left_mm = std::max(left_mm, left);
+    if (right < kMaxReachMm) right_mm = std::max(right_mm, right);
   }
   canal.width_mm = left_mm + right_mm;
   return canal;

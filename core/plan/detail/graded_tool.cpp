@@ -48,22 +48,22 @@ FoundBreach find_breach(const WallDistance& walls, const GradedTool& tool, std::
   // A place of the ring is beyond the bone by at most the radius less what its centre lies in it. The most promising
   // rings come first, and those that cannot beat the best are left out.
   struct Candidate {
-    double most_mm;
+    double max_mm;
     std::size_t row;
   };
   std::vector<Candidate> candidates;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const double radius_mm = rows[n].radius_mm;
-    const double most_mm = radius_mm - axis[n].nearer_mm();
-    if (!(most_mm > 0.0)) continue;
-    if (rows[n].is_entry && std::abs(axis[n].canal.distance_mm) > radius_mm + most_mm) continue;
-    candidates.push_back({most_mm, n});
+    const double max_mm = radius_mm - axis[n].nearer_mm();
+    if (!(max_mm > 0.0)) continue;
+    if (rows[n].is_entry && std::abs(axis[n].canal.distance_mm) > radius_mm + max_mm) continue;
+    candidates.push_back({max_mm, n});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.most_mm > b.most_mm; });
+                   [](const Candidate& a, const Candidate& b) { return a.max_mm > b.max_mm; });
   FoundBreach best;
   for (const Candidate& candidate : candidates) {
-    if (!(candidate.most_mm > best.breach_mm)) break;
+    if (!(candidate.max_mm > best.breach_mm)) break;
     const GradeRow& row = rows[candidate.row];
     const WallDistance::Walls& seen = axis[candidate.row];
     const bool nearer_is_canal = seen.canal.distance_mm < seen.outer.distance_mm;

@@ -13,7 +13,7 @@ namespace spinaltap {
 inline constexpr double kSureLatticeMm = 0.5;
 
 /// 1 where a place is in the bone. As BoneShape::is_inside() of each, but the surface is asked only where the lattice
-/// leaves a doubt.
+/// leaves a warning.
 std::vector<std::uint8_t> inside_bone(const BoneShape& bone, std::span<const Vec3> points_mm);
 
 }  // namespace spinaltap

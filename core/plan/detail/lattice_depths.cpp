@@ -44,19 +44,19 @@ Points few_of(const std::vector<Vec3>& points_mm) {
   return few;
 }
 
-double least_mm(const Points& points, const Vec3& p_mm) {
+double min_mm(const Points& points, const Vec3& p_mm) {
   constexpr std::size_t kLanes = 4;
-  std::array<double, kLanes> least{};
-  least.fill(std::numeric_limits<double>::infinity());
+  std::array<double, kLanes> min{};
+  min.fill(std::numeric_limits<double>::infinity());
   std::size_t n = 0;
   for (; n + kLanes <= points.size(); n += kLanes) {
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const double squared_mm2 = points.squared_mm2(n + lane, p_mm);
-      least[lane] = squared_mm2 < least[lane] ? squared_mm2 : least[lane];
+      min[lane] = squared_mm2 < min[lane] ? squared_mm2 : min[lane];
     }
   }
-  for (; n < points.size(); ++n) least[0] = std::min(least[0], points.squared_mm2(n, p_mm));
-  return std::sqrt(*std::min_element(least.begin(), least.end()));
+  for (; n < points.size(); ++n) min[0] = std::min(min[0], points.squared_mm2(n, p_mm));
+  return std::sqrt(*std::min_element(min.begin(), min.end()));
 }
 
 /// A cube of the lattice's samples, cut off where the lattice ends.
@@ -70,8 +70,8 @@ struct Block {
 /// for each of them, which deep in the bone, where very many points are about as near, is most of them.
 class DepthSearch {
  public:
-  DepthSearch(FloatGrid& lattice, const PointTree& surface, double sure_mm)
-      : lattice_(lattice), surface_(surface), sure_mm_(sure_mm) {}
+  DepthSearch(FloatGrid& lattice, const PointTree& surface, double trusted_band_mm)
+      : lattice_(lattice), surface_(surface), trusted_band_mm_(trusted_band_mm) {}
 
   void measure(const Block& block, const Points& around) {
     if (!has_bone(block)) return;
@@ -97,7 +97,7 @@ class DepthSearch {
     }
     if (block.side <= kSmallSide) {
       for_each_in_bone(block, [&](const Vec3& p_mm) {
-        const double depth_mm = least_mm(left, p_mm);
+        const double depth_mm = min_mm(left, p_mm);
         return depth_mm < kShallowMm ? shallow_mm(p_mm) : depth_mm;
       });
       return;
@@ -130,7 +130,7 @@ class DepthSearch {
       for (int j = block.low[1]; j < end[1]; ++j) {
         for (int i = block.low[0]; i < end[0]; ++i) {
           float& value = lattice_.values[lattice_.geometry.offset(i, j, k)];
-          if (static_cast<double>(value) > -sure_mm_) continue;
+          if (static_cast<double>(value) > -trusted_band_mm_) continue;
           if (!visit(i, j, k, value)) return;
         }
       }
@@ -162,14 +162,14 @@ class DepthSearch {
 
   FloatGrid& lattice_;
   const PointTree& surface_;
-  double sure_mm_;
+  double trusted_band_mm_;
   std::vector<double> squared_mm2_;
   std::size_t near_ = kNone;  ///< point of the surface near the last sample
 };
 
 }  // namespace
 
-FloatGrid with_depths(FloatGrid lattice, const PointTree& surface, double sure_mm, const Progress& progress) {
+FloatGrid with_depths(FloatGrid lattice, const PointTree& surface, double trusted_band_mm, const Progress& progress) {
   constexpr int kSide = 16;
   const Points few = few_of(surface.points_mm());
   std::vector<Block> blocks;
@@ -181,7 +181,7 @@ FloatGrid with_depths(FloatGrid lattice, const PointTree& surface, double sure_m
   }
   ProgressCounter counter(progress, "measuring the bone's depth", blocks.size());
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t n) {
-    DepthSearch(lattice, surface, sure_mm).measure(blocks[n], few);
+    DepthSearch(lattice, surface, trusted_band_mm).measure(blocks[n], few);
     counter.add();
   });
   return lattice;

@@ -8,16 +8,16 @@
 namespace spinaltap {
 
 /// How far along start + s * direction (unit) the bone's lattice first changes its sign, from inside to outside or the
-/// other way; `most_mm` when it does not until there. Right to about 0.02 mm, for searches.
-inline double way_to_surface_mm(const BoneShape& bone, const Vec3& start_mm, const Vec3& direction, double most_mm) {
-  constexpr double kLeastStepMm = 0.2, kStepOutsideMm = 0.4;
+/// other way; `max_mm` when it does not until there. Right to about 0.02 mm, for searches.
+inline double way_to_surface_mm(const BoneShape& bone, const Vec3& start_mm, const Vec3& direction, double max_mm) {
+  constexpr double kMinStepMm = 0.2, kStepOutsideMm = 0.4;
   constexpr int kSecants = 3;
   double here_mm = 0.0, here = bone.lattice_mm(start_mm);
   const bool inside = here < 0.0;
-  while (here_mm < most_mm) {
+  while (here_mm < max_mm) {
     // Outside, the lattice's values may be larger than the way to the bone.
-    const double step_mm = inside ? std::max(kLeastStepMm, -0.9 * here) : kStepOutsideMm;
-    double next_mm = std::min(here_mm + step_mm, most_mm);
+    const double step_mm = inside ? std::max(kMinStepMm, -0.9 * here) : kStepOutsideMm;
+    double next_mm = std::min(here_mm + step_mm, max_mm);
     double next = bone.lattice_mm(start_mm + next_mm * direction);
     if ((next < 0.0) == inside) {
       here_mm = next_mm;
@@ -38,7 +38,7 @@ inline double way_to_surface_mm(const BoneShape& bone, const Vec3& start_mm, con
     }
     return here == next ? here_mm : here_mm + (next_mm - here_mm) * here / (here - next);
   }
-  return most_mm;
+  return max_mm;
 }
 
 }  // namespace spinaltap

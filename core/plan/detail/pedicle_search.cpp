@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/plan/detail/cubic_form.h"
+#include "core/plan/detail/cubic_polynomial.h"
 #include "core/plan/pedicle_section.h"
 
 namespace spinaltap {
@@ -32,8 +32,8 @@ bool is_closed(const BoneSection& section) { return section.inside && section.en
 /// The place deepest in bone beside the canal at one distance behind its middle.
 std::optional<Vec3> deepest_beside_canal(const BoneShape& bone, const PedicleRegion& region, double side,
                                          double back_mm) {
-  constexpr double kReachMm = 15.0, kStepMm = 1.0, kLeastDepthMm = 0.8;
-  double depth_mm = kLeastDepthMm;
+  constexpr double kReachMm = 15.0, kStepMm = 1.0, kMinDepthMm = 0.8;
+  double depth_mm = kMinDepthMm;
   std::optional<Vec3> deepest;
   for (double x = 0.8 * region.canal_radius_mm; x <= region.canal_radius_mm + kReachMm; x += kStepMm) {
     for (double z = region.lowest_mm; z <= region.highest_mm; z += kStepMm) {
@@ -48,10 +48,10 @@ std::optional<Vec3> deepest_beside_canal(const BoneShape& bone, const PedicleReg
 
 /// The coronal section of least area between the body and the arch.
 std::optional<Cut> coronal_start(const BoneShape& bone, const PedicleRegion& region, double side) {
-  constexpr double kStepMm = 0.5, kAheadMm = 6.0, kLeastAreaMm2 = 8.0;
+  constexpr double kStepMm = 0.5, kAheadMm = 6.0, kMinAreaMm2 = 8.0;
   const Vec3 forward = -region.axes.col(1);
   std::optional<Cut> best;
-  double least_mm2 = std::numeric_limits<double>::infinity();
+  double min_mm2 = std::numeric_limits<double>::infinity();
   for (double back = -region.canal_radius_mm - kAheadMm; back <= 0.5 * region.canal_radius_mm; back += kStepMm) {
     const std::optional<Vec3> start_mm = deepest_beside_canal(bone, region, side, back);
     // A gap: what lies further ahead is not joined to the arch.
@@ -60,8 +60,8 @@ std::optional<Cut> coronal_start(const BoneShape& bone, const PedicleRegion& reg
       continue;
     }
     const BoneSection section = section_around(bone, *start_mm, forward, region.axes.col(2));
-    if (!is_closed(section) || section.area_mm2 < kLeastAreaMm2 || section.area_mm2 > least_mm2) continue;
-    least_mm2 = section.area_mm2;
+    if (!is_closed(section) || section.area_mm2 < kMinAreaMm2 || section.area_mm2 > min_mm2) continue;
+    min_mm2 = section.area_mm2;
     best = Cut{section.centre_mm, forward};
   }
   return best;
@@ -100,13 +100,13 @@ const TriedCut* smallest_of(const std::vector<TriedCut>& tried) {
 }
 
 /// Where a cubic form through the areas is least; nothing where it has no minimum.
-std::optional<Vec3> minimum_of_areas(const std::vector<TriedCut>& tried, const Vec3& reach, double least_mm2) {
-  constexpr double kMostGrowth = 0.3;  // beyond, the section is no more one of the isthmus
-  CubicForm form;
+std::optional<Vec3> minimum_of_areas(const std::vector<TriedCut>& tried, const Vec3& reach, double min_mm2) {
+  constexpr double kMaxGrowth = 0.3;  // beyond, the section is no more one of the isthmus
+  CubicPolynomial form;
   for (const TriedCut& one : tried) {
     if (!is_closed(one.section)) continue;
-    const double growth = one.section.area_mm2 / least_mm2 - 1.0;
-    if (growth < kMostGrowth) form.add(one.move.cwiseQuotient(reach), growth, 1.0 - growth / kMostGrowth);
+    const double growth = one.section.area_mm2 / min_mm2 - 1.0;
+    if (growth < kMaxGrowth) form.add(one.move.cwiseQuotient(reach), growth, 1.0 - growth / kMaxGrowth);
   }
   const std::optional<Vec3> minimum = form.minimum();
   if (!minimum) return std::nullopt;

@@ -42,10 +42,10 @@ class DistanceMap {
     squared_mm2_ = squared_distance_to(marked, map_);
   }
 
-  /// At most `most_mm`.
-  double at(const Vec3& p_mm, double most_mm) const {
+  /// At most `max_mm`.
+  double at(const Vec3& p_mm, double max_mm) const {
     const std::optional<std::size_t> offset = offset_of(p_mm);
-    return offset ? std::min(most_mm, std::sqrt(static_cast<double>(squared_mm2_[*offset]))) : most_mm;
+    return offset ? std::min(max_mm, std::sqrt(static_cast<double>(squared_mm2_[*offset]))) : max_mm;
   }
 
  private:
@@ -107,11 +107,11 @@ double median_of(std::vector<double> values) {
 
 SymmetryPlane find_symmetry_plane(const BoneShape& bone, const SurfaceSample& surface, const SymmetryPlane& start,
                                   const Vec3& posterior, const Vec3& superior) {
-  constexpr std::size_t kMostPoints = 2000;
+  constexpr std::size_t kMaxPoints = 2000;
   constexpr int kRounds = 9;
   constexpr double kWideMm = 3.0, kNarrowMm = 1.0, kDifference = 1e-4;
   std::vector<Vec3> points_mm;
-  const std::size_t step = std::max<std::size_t>(1, surface.points_mm.size() / kMostPoints);
+  const std::size_t step = std::max<std::size_t>(1, surface.points_mm.size() / kMaxPoints);
   for (std::size_t n = 0; n < surface.points_mm.size(); n += step) points_mm.push_back(surface.points_mm[n]);
   SymmetryPlane plane = best_of_grid(DistanceMap(surface, bone.bounds_mm()), points_mm, start, posterior, superior);
   for (int round = 0; round < kRounds; ++round) {

@@ -86,7 +86,7 @@ ToolSections::ToolSections(const BoneShape& bone,
         if (!std::isfinite(value_hu)) continue;
         ++sums.count;
         sums.hu += value_hu;
-        sums.cutting_mpa += material.cutting_pressure_mpa(value_hu);
+        sums.specific_cutting_energy_mpa += material.cutting_energy_mpa(value_hu);
         if (annulus == 0) sums.chisel_mpa += material.chisel_pressure_mpa(value_hu);
         const auto band = std::upper_bound(hu_bands.begin(), hu_bands.end(), value_hu) - hu_bands.begin();
         ++sums.bands[static_cast<std::size_t>(band)];
@@ -176,7 +176,7 @@ FeedResistance ToolSections::resistance(std::size_t n) const {
     const double share = (static_cast<double>(annulus) + 0.5) / kAnnuli * bit_.radius_mm() / widest_mm_;
     const auto met = std::min<std::size_t>(static_cast<std::size_t>(share * kAnnuli), kAnnuli - 1);
     const double area_mm2 = section_mm2 * places_of(static_cast<int>(annulus)) / kPoints;
-    energy_n += area_mm2 * mean_mpa(met, tip_mm - bit_back_mm_[annulus], &Sums::cutting_mpa);
+    energy_n += area_mm2 * mean_mpa(met, tip_mm - bit_back_mm_[annulus], &Sums::specific_cutting_energy_mpa);
   }
   return resistance_of_cut(bit_, material_, energy_n, mean_mpa(0, tip_mm, &Sums::chisel_mpa));
 }

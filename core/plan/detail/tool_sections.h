@@ -40,7 +40,7 @@ class ToolSections {
   struct Sums {
     int count = 0;
     double hu = 0.0;
-    double cutting_mpa = 0.0;
+    double specific_cutting_energy_mpa = 0.0;
     double chisel_mpa = 0.0;
     std::vector<int> bands;
   };

@@ -33,12 +33,12 @@ std::vector<std::uint32_t> determining_points(RadialKernel kernel, std::span<con
   }
   const Box3 bounds = bounds_of(points_mm);
   const double per_mm = 1.0 / std::max(0.5 * bounds.sizes().maxCoeff(), 1e-300);
-  std::vector<std::array<double, kMostPolynomialTerms>> rows;
+  std::vector<std::array<double, kMaxPolynomialTerms>> rows;
   rows.reserve(points_mm.size());
   for (const Vec3& p : points_mm) rows.push_back(polynomial_row(kernel, (p - bounds.center()) * per_mm));
 
   std::vector<std::uint32_t> pivots;
-  std::array<bool, kMostPolynomialTerms> used{};
+  std::array<bool, kMaxPolynomialTerms> used{};
   for (std::size_t step = 0; step < terms; ++step) {
     double largest = 0.0;
     std::size_t pivot = 0;

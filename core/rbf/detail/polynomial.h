@@ -10,11 +10,11 @@
 
 namespace spinaltap {
 
-inline constexpr std::size_t kMostPolynomialTerms = 10;
+inline constexpr std::size_t kMaxPolynomialTerms = 10;
 
 /// The monomials q_k(d) of a kernel's polynomial: 1, x, y, z, and xx, xy, xz, yy, yz, zz for the triharmonic one.
-inline std::array<double, kMostPolynomialTerms> polynomial_row(RadialKernel kernel, const Vec3& d) {
-  std::array<double, kMostPolynomialTerms> row{1.0, d.x(), d.y(), d.z()};
+inline std::array<double, kMaxPolynomialTerms> polynomial_row(RadialKernel kernel, const Vec3& d) {
+  std::array<double, kMaxPolynomialTerms> row{1.0, d.x(), d.y(), d.z()};
   if (kernel == RadialKernel::triharmonic) {
     row = {1.0,           d.x(),         d.y(),         d.z(),         d.x() * d.x(),
            d.x() * d.y(), d.x() * d.z(), d.y() * d.y(), d.y() * d.z(), d.z() * d.z()};

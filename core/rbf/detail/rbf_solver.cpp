@@ -103,14 +103,14 @@ double RbfSolver::sum_error(const Vector& weights, const Vector& product) const 
 }
 
 int RbfSolver::improve(Vector& weights, Vector& residual, double target_mm, const Progress& progress) {
-  constexpr int kMostIterations = 40;
+  constexpr int kMaxIterations = 40;
   std::vector<Vector> basis{residual / residual.norm()};
   std::vector<Vector> hessenberg;  // its columns
   const double start = residual.norm();
   const double start_max = residual.cwiseAbs().maxCoeff();
   Vector best_y;
   int done = 0;
-  for (int step = 0; step < kMostIterations; ++step) {
+  for (int step = 0; step < kMaxIterations; ++step) {
     progress.report("solving", std::clamp(std::log(start_max / std::max(1e-300, residual.cwiseAbs().maxCoeff())) /
                                               std::log(start_max / target_mm),
                                           0.0, 1.0));
@@ -167,7 +167,7 @@ RbfSolver::Vector RbfSolver::choose_order(const Vector& weights, double accuracy
 
 RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_mm, std::span<const double> start,
                              const Progress& progress) {
-  constexpr int kMostRounds = 12;
+  constexpr int kMaxRounds = 12;
   constexpr double kSumShare = 0.1;  // of the accuracy, for errors of the fast sums at the points looked at
   constexpr double kSafety = 2.5;    // the sums' error anywhere, of that
   const std::size_t count = points_mm_.size();
@@ -208,7 +208,7 @@ RbfSolution RbfSolver::solve(std::span<const double> values_mm, double accuracy_
       product = choose_order(weights, kSumShare * accuracy_mm);
       continue;
     }
-    if (round == kMostRounds) {
+    if (round == kMaxRounds) {
       fail("RBF: expected to reach ", accuracy_mm, " mm at all ", count, " points, reached ", solution.max_residual_mm,
            " mm; are points nearly the same, with values that differ?");
     }

@@ -42,8 +42,8 @@ class SparseGrid {
   bool visit_within(const Vec3& p_mm, double radius_mm, const Visit& visit) const {
     const double radius2 = radius_mm * radius_mm;
     // Where the radius holds more cells than there are points, it is quicker to look at all points.
-    const double most_cells = std::pow(2.0 * radius_mm / cell_mm_ + 1.0, 3);
-    if (most_cells > static_cast<double>(index_.size()) + kFewCells) {
+    const double max_cells = std::pow(2.0 * radius_mm / cell_mm_ + 1.0, 3);
+    if (max_cells > static_cast<double>(index_.size()) + kFewCells) {
       for (const std::uint32_t index : index_) {
         const double d2 = (points_mm_[index] - p_mm).squaredNorm();
         if (d2 <= radius2 && visit(index, d2)) return true;

@@ -67,8 +67,8 @@ class CsvReader {
     std::size_t count = 0;
     CsvFields fields(line);
     for (std::string_view field; fields.next(field);) ++count;
-    const std::size_t most = rows_.needed() == 3 ? count : kValueColumns.size();
-    if (count < rows_.needed() || count > most) {
+    const std::size_t max = rows_.needed() == 3 ? count : kValueColumns.size();
+    if (count < rows_.needed() || count > max) {
       fail("expected ", rows_.needed() == 3 ? "at least 3" : "4 or 5", " numbers with commas between them (",
            needed_columns(rows_), "), or a header, found ", in_quotes(line), " in ", place());
     }

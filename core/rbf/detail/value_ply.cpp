@@ -39,7 +39,7 @@ double number_in(PlyType type, std::string_view bytes, bool is_swapped) {
 }
 
 /// The fewest bytes that an element takes: with empty lists, and a digit and a blank for each number in ascii.
-std::uint64_t least_bytes(const PlyElement& element, PlyFormat format) {
+std::uint64_t min_bytes(const PlyElement& element, PlyFormat format) {
   std::uint64_t bytes = 0;
   for (const PlyProperty& property : element.properties) {
     bytes += format == PlyFormat::ascii ? 2 : bytes_of(property.count_type.value_or(property.type));
@@ -88,7 +88,7 @@ class PlyElements {
   void skip_list(const PlyProperty& property) {
     const double count = number(*property.count_type);
     if (!(count >= 0.0) || count != std::floor(count) ||
-        !(count <= static_cast<double>(file_.most_bytes_left()) + static_cast<double>(line_.size()))) {
+        !(count <= static_cast<double>(file_.max_bytes_left()) + static_cast<double>(line_.size()))) {
       fail("expected a list that fits in the file, found one of ", count, " numbers in ", place());
     }
     if (is_ascii_) {
@@ -122,11 +122,11 @@ class PlyElements {
 
 /// Whether there is room for so many elements, before anything is made for them.
 void check_count(const PlyElement& element, PlyFormat format, const FileReader& file) {
-  const std::uint64_t least = least_bytes(element, format);
+  const std::uint64_t min = min_bytes(element, format);
   // The last line of an ascii file may go without its end.
-  if (least > 0 && element.count > (file.most_bytes_left() + 1) / least) {
+  if (min > 0 && element.count > (file.max_bytes_left() + 1) / min) {
     fail("expected ", element.count, " times ", in_quotes(element.name), ", found room for ",
-         (file.most_bytes_left() + 1) / least, " at most (cut short?) in ", file.name());
+         (file.max_bytes_left() + 1) / min, " at most (cut short?) in ", file.name());
   }
 }
 
@@ -136,7 +136,7 @@ void skip_element(FileReader& file, PlyFormat format, const PlyElement& element)
   PlyElements elements(file, format);
   if (format != PlyFormat::ascii && !has_lists(element)) {
     elements.begin(element, 0);
-    if (!file.skip(element.count * least_bytes(element, format))) elements.cut_short();
+    if (!file.skip(element.count * min_bytes(element, format))) elements.cut_short();
     return;
   }
   for (std::uint64_t n = 0; n < element.count; ++n) {

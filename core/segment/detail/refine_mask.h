@@ -23,10 +23,10 @@ struct BinnedVertebra {
 /// The edge of dense bone is where the CT number has fallen to this, HU: the blur spreads beyond it. Somewhat under the
 /// half that a wide edge would have, since thin plates do not reach their full CT number; the share is the one that
 /// gives meshes of real vertebrae their volume back.
-inline float least_share_of_peak(float peak_hu) {
+inline float min_share_of_peak(float peak_hu) {
   constexpr float kShare = 0.45F;
-  constexpr float kMostPeakHu = 1200.0F;  // metal is no measure
-  return kShare * (peak_hu < kMostPeakHu ? peak_hu : kMostPeakHu);
+  constexpr float kMaxPeakHu = 1200.0F;  // metal is no measure
+  return kShare * (peak_hu < kMaxPeakHu ? peak_hu : kMaxPeakHu);
 }
 
 /// Voxels of a box of the CT: 1 in the vertebra, 0 elsewhere, i fastest.

@@ -17,25 +17,25 @@ void WatchedExcess::update(double value, double limit, double slack, const Sessi
   if (is_over_) log.raise(index_, value, event.place_mm);
 }
 
-void WatchedOvershoot::start(const SessionEvent& from) noexcept {
+void WatchedPlunge::start(const SessionEvent& from) noexcept {
   if (is_on_) return;
   is_on_ = true;
   from_ = from;
-  most_mm_ = 0.0;
+  max_mm_ = 0.0;
   still_s_ = 0.0;
   index_ = EventLog::kNotKept;
 }
 
-void WatchedOvershoot::update(const SessionEvent& event, double dt_s, EventLog& log) noexcept {
-  constexpr double kStillS = 0.2;     // longer than a tremor's period
-  constexpr double kLeastMm = 0.001;  // no one stops within less
+void WatchedPlunge::update(const SessionEvent& event, double dt_s, EventLog& log) noexcept {
+  constexpr double kStillS = 0.2;   // longer than a tremor's period
+  constexpr double kMinMm = 0.001;  // no one stops within less
   if (!is_on_) return;
   const double way_mm = event.depth_mm - from_.depth_mm;
-  if (way_mm > most_mm_ + 1e-6) {
-    most_mm_ = way_mm;
+  if (way_mm > max_mm_ + 1e-6) {
+    max_mm_ = way_mm;
     still_s_ = 0.0;
-    if (index_ == EventLog::kNotKept && way_mm >= kLeastMm) {
-      from_.kind = EventKind::overshoot;
+    if (index_ == EventLog::kNotKept && way_mm >= kMinMm) {
+      from_.kind = EventKind::plunge;
       from_.value = way_mm;
       index_ = log.add(from_);
     }
@@ -46,7 +46,7 @@ void WatchedOvershoot::update(const SessionEvent& event, double dt_s, EventLog& 
   if (still_s_ >= kStillS) is_on_ = false;
 }
 
-void RecentMost::add(double depth_mm, double value) noexcept {
+void RecentMax::add(double depth_mm, double value) noexcept {
   if (!(depth_mm - begin_mm_ < kStretchMm)) {
     before_ = now_;
     now_ = 0.0;
@@ -68,12 +68,12 @@ SessionEvent SessionWatch::event_of(const Cycle& cycle, EventKind kind, const Ve
   return {kind, cycle.index, cycle.time_s, cycle.depth_mm, place_mm, value};
 }
 
-void SessionWatch::refuse(const Cycle& cycle, EventLog& log) noexcept {
-  if (refused_in_a_row_++ == 0) {
+void SessionWatch::reject(const Cycle& cycle, EventLog& log) noexcept {
+  if (rejected_in_a_row_++ == 0) {
     // Where the tip is not known, no place is better than a wrong one.
-    refused_index_ = log.add(event_of(cycle, EventKind::refused_pose, Vec3::Zero(), 1.0));
+    rejected_index_ = log.add(event_of(cycle, EventKind::invalid_pose, Vec3::Zero(), 1.0));
   }
-  log.raise(refused_index_, static_cast<double>(refused_in_a_row_), Vec3::Zero());
+  log.raise(rejected_index_, static_cast<double>(rejected_in_a_row_), Vec3::Zero());
 }
 
 void SessionWatch::jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept {
@@ -85,7 +85,7 @@ void SessionWatch::jump(const Cycle& cycle, const Pose& pose, double way_mm, Eve
 
 void SessionWatch::update(const Cycle& cycle, const Pose& pose, double state_begin_mm, bool is_cutting,
                           EventLog& log) noexcept {
-  refused_in_a_row_ = 0;
+  rejected_in_a_row_ = 0;
   if (!has_contact_ && cycle.step.removed > 0) {
     has_contact_ = true;
     contact_own_mm_ = extent_.to_own(pose.tip_mm).z();
@@ -102,7 +102,7 @@ void SessionWatch::update(const Cycle& cycle, const Pose& pose, double state_beg
   if (is_cutting) watch_breakthrough(cycle, pose, log);
   watch_volume(cycle, pose, log);
   watch_stops(cycle, pose, log);
-  const SessionEvent now = event_of(cycle, EventKind::overshoot, pose.tip_mm, 0.0);
+  const SessionEvent now = event_of(cycle, EventKind::plunge, pose.tip_mm, 0.0);
   after_stop_.update(now, cycle.input.dt_s, log);
   after_breakthrough_.update(now, cycle.input.dt_s, log);
   deepest_mm_ = std::max(deepest_mm_, cycle.depth_mm);
@@ -134,11 +134,11 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
     tip_is_in_bone_ = false;
     air_since_mm_ = cycle.depth_mm;
   }
-  // Marrow may be as light as nothing; a tip that has come through is beyond a wall as well.
+  // Cancellous bone may be as light as nothing; a tip that has come through is beyond a wall as well.
   if (has_clearances_ && !outer_.is_over() && !canal_.is_over()) return;
   if (cycle.depth_mm - air_since_mm_ < options_.states.hold_mm - 1e-9) return;
   is_in_air_ = false;
-  // The last cycles' thrust fades with the chisel edge in the hole's floor: what the hand felt was that before.
+  // The last cycles' thrust fades with the chisel edge in the hole's floor: what the operator felt was that before.
   SessionEvent event = event_of(cycle, EventKind::breakthrough, pose.tip_mm, thrust_n_.value());
   event.place_mm -= (cycle.depth_mm - air_since_mm_) * direction_;
   event.depth_mm = air_since_mm_;
@@ -152,7 +152,7 @@ void SessionWatch::watch_volume(const Cycle& cycle, const Pose& pose, EventLog& 
   // Through the far side of the bone, the cylinder's end is not missed.
   if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, extent_.past_end_mm(pose.tip_mm));
   volume_.update(beyond_mm, extent_.spacing_mm(), extent_.spacing_mm(),
-                 event_of(cycle, EventKind::left_volume, pose.tip_mm, beyond_mm), log);
+                 event_of(cycle, EventKind::outside_volume, pose.tip_mm, beyond_mm), log);
 }
 
 void SessionWatch::stop(const Cycle& cycle, const Pose& pose, EventKind kind, double value, EventLog& log) noexcept {

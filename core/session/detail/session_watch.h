@@ -16,7 +16,7 @@ class EventLog {
  public:
   static constexpr std::size_t kNotKept = std::numeric_limits<std::size_t>::max();
 
-  explicit EventLog(std::size_t most) { events_.reserve(most); }
+  explicit EventLog(std::size_t max) { events_.reserve(max); }
 
   /// Its index, or kNotKept.
   std::size_t add(const SessionEvent& event) noexcept {
@@ -46,8 +46,8 @@ class EventLog {
 /// largest value.
 class WatchedExcess {
  public:
-  /// Over at `value` above `limit`; back at or below `limit - slack`, so that a trembling hand brings one event and not
-  /// hundreds. `event` is what is noted at the begin.
+  /// Over at `value` above `limit`; back at or below `limit - slack`, so that a trembling operator brings one event and
+  /// not hundreds. `event` is what is noted at the begin.
   void update(double value, double limit, double slack, const SessionEvent& event, EventLog& log) noexcept;
   bool is_over() const { return is_over_; }
 
@@ -56,8 +56,8 @@ class WatchedExcess {
   std::size_t index_ = EventLog::kNotKept;
 };
 
-/// How far the tip still goes after something that should have made the hand stop.
-class WatchedOvershoot {
+/// How far the tip still goes after something that should have made the operator stop.
+class WatchedPlunge {
  public:
   /// Begins to count at the tip's depth `from`.
   void start(const SessionEvent& from) noexcept;
@@ -67,16 +67,16 @@ class WatchedOvershoot {
  private:
   bool is_on_ = false;
   SessionEvent from_;
-  double most_mm_ = 0.0;
+  double max_mm_ = 0.0;
   double still_s_ = 0.0;
   std::size_t index_ = EventLog::kNotKept;
 };
 
 /// The largest of a value over the last half to whole millimetre of depth.
-class RecentMost {
+class RecentMax {
  public:
   void add(double depth_mm, double value) noexcept;
-  void reset() noexcept { *this = RecentMost(); }
+  void reset() noexcept { *this = RecentMax(); }
   double value() const { return before_ > now_ ? before_ : now_; }
 
  private:
@@ -95,7 +95,7 @@ class SessionWatch {
   /// spindle was on.
   void update(const Cycle& cycle, const Pose& pose, double state_begin_mm, bool is_cutting, EventLog& log) noexcept;
   /// After a cycle whose pose made no sense. A row of them is one event.
-  void refuse(const Cycle& cycle, EventLog& log) noexcept;
+  void reject(const Cycle& cycle, EventLog& log) noexcept;
   /// Before the update of a cycle whose way is not cut.
   void jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept;
 
@@ -121,18 +121,18 @@ class SessionWatch {
   double contact_own_mm_ = 0.0;  ///< depth of the first contact along the volumes' cylinder
   DrillState state_ = DrillState::initial;
   WatchedExcess outer_, canal_, volume_;
-  WatchedOvershoot after_stop_, after_breakthrough_;
+  WatchedPlunge after_stop_, after_breakthrough_;
 
   double deepest_mm_;
   bool tip_is_in_bone_ = false;
   bool is_in_air_ = false;  ///< and has been in bone before
   double air_since_mm_ = 0.0;
-  RecentMost thrust_n_;  ///< while the tip was in bone
+  RecentMax thrust_n_;  ///< while the tip was in bone
 
   bool is_stopped_ = false;
   bool has_noted_[3] = {false, false, false};  ///< stop events: thrust, clearance, breach
-  std::uint64_t refused_in_a_row_ = 0;
-  std::size_t refused_index_ = EventLog::kNotKept;
+  std::uint64_t rejected_in_a_row_ = 0;
+  std::size_t rejected_index_ = EventLog::kNotKept;
 };
 
 }  // namespace spinaltap

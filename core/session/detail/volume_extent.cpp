@@ -23,11 +23,11 @@ VolumeExtent::VolumeExtent(std::span<const PointVolume> volumes) : radius_mm_(st
 
 double VolumeExtent::beyond_side_mm(const BitProfile& bit, const Pose& pose, double from_depth_mm) const noexcept {
   const Pose own = frame_.to_path(pose);
-  double most_mm = -std::numeric_limits<double>::infinity();
+  double max_mm = -std::numeric_limits<double>::infinity();
   const auto consider = [&](double back_mm, double radius_mm) {
     const Vec3 middle = own.tip_mm - back_mm * own.axis;
     if (!(middle.z() >= from_depth_mm - 1e-9 && middle.z() <= length_mm_)) return;
-    most_mm = std::max(most_mm, std::hypot(middle.x(), middle.y()) + radius_mm - radius_mm_);
+    max_mm = std::max(max_mm, std::hypot(middle.x(), middle.y()) + radius_mm - radius_mm_);
   };
   // The way of the axis off the cylinder's is convex along it: ends of the outline's pieces decide, and where the part
   // ends.
@@ -42,7 +42,7 @@ double VolumeExtent::beyond_side_mm(const BitProfile& bit, const Pose& pose, dou
     const double back_mm = (own.tip_mm.z() - depth_mm) / own.axis.z();
     if (std::isfinite(back_mm)) consider(back_mm, bit.widest_mm(back_mm, back_mm));
   }
-  return most_mm;
+  return max_mm;
 }
 
 }  // namespace spinaltap

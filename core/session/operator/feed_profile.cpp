@@ -12,30 +12,30 @@ namespace {
 void check_feed(double mm_s, const char* what) {
   constexpr double kFastestMmS = 1e6;
   if (!(mm_s > 0.0 && mm_s <= kFastestMmS)) {
-    fail("hand: expected ", what, " above 0 and at most ", kFastestMmS, " mm/s, found ", mm_s, " mm/s");
+    fail("operator: expected ", what, " above 0 and at most ", kFastestMmS, " mm/s, found ", mm_s, " mm/s");
   }
 }
 
 void check_profile(double begin_mm, double end_mm, const FeedProfileOptions& options) {
   if (!(end_mm >= begin_mm) || !std::isfinite(end_mm - begin_mm)) {
-    fail("hand: expected a way from a depth to a larger one, found ", begin_mm, " to ", end_mm, " mm");
+    fail("operator: expected a way from a depth to a larger one, found ", begin_mm, " to ", end_mm, " mm");
   }
-  if (options.steps.empty()) fail("hand: expected a feed at least, found none");
+  if (options.steps.empty()) fail("operator: expected a feed at least, found none");
   for (std::size_t n = 0; n < options.steps.size(); ++n) {
     check_feed(options.steps[n].mm_s, "a feed");
     const double from_mm = options.steps[n].from_mm;
     if (!std::isfinite(from_mm) || (n > 0 && !(from_mm > options.steps[n - 1].from_mm))) {
-      fail("hand: expected the depths of feeds to rise, found ", from_mm, " mm as number ", n + 1);
+      fail("operator: expected the depths of feeds to rise, found ", from_mm, " mm as number ", n + 1);
     }
   }
   const Pecking& pecking = options.pecking;
-  if (!(pecking.every_mm >= 0.0)) fail("hand: expected pecks every 0 mm or more, found ", pecking.every_mm, " mm");
+  if (!(pecking.every_mm >= 0.0)) fail("operator: expected pecks every 0 mm or more, found ", pecking.every_mm, " mm");
   if (pecking.every_mm > 0.0) {
     check_feed(pecking.mm_s, "a feed of pecks");
-    if (!(pecking.back_mm > 0.0)) fail("hand: expected pecks that go back, found ", pecking.back_mm, " mm");
-    constexpr double kMostPecks = 0x1.0p18;
-    if (!((end_mm - begin_mm) / pecking.every_mm <= kMostPecks)) {
-      fail("hand: expected at most ", kMostPecks, " pecks, found one every ", pecking.every_mm, " mm");
+    if (!(pecking.back_mm > 0.0)) fail("operator: expected pecks that go back, found ", pecking.back_mm, " mm");
+    constexpr double kMaxPecks = 0x1.0p18;
+    if (!((end_mm - begin_mm) / pecking.every_mm <= kMaxPecks)) {
+      fail("operator: expected at most ", kMaxPecks, " pecks, found one every ", pecking.every_mm, " mm");
     }
   }
   if (options.withdraw_mm_s != 0.0) check_feed(options.withdraw_mm_s, "a feed of the way back");

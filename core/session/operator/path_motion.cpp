@@ -10,9 +10,9 @@ namespace spinaltap {
 
 Tremor::Tremor(double amplitude_mm, std::uint64_t seed)
     : amplitude_mm_(amplitude_mm / std::sqrt(static_cast<double>(kFrequenciesHz.size()))) {
-  constexpr double kMostMm = 100.0;
-  if (!(amplitude_mm >= 0.0 && amplitude_mm <= kMostMm)) {
-    fail("hand: expected a tremor of 0 to ", kMostMm, " mm, found ", amplitude_mm, " mm");
+  constexpr double kMaxMm = 100.0;
+  if (!(amplitude_mm >= 0.0 && amplitude_mm <= kMaxMm)) {
+    fail("operator: expected a tremor of 0 to ", kMaxMm, " mm, found ", amplitude_mm, " mm");
   }
   std::uint64_t index = 0;
   for (auto& axis : phases_rad_) {
@@ -35,10 +35,10 @@ GuidedBit::GuidedBit(const DrillPath& path, const GuideLine& line)
     : begin_mm_(-line.lead_in_mm), end_mm_(path.length_mm()) {
   check_path(path);
   if (!(line.lead_in_mm >= 0.0 && line.lead_in_mm <= 500.0)) {
-    fail("hand: expected a lead-in of 0 to 500 mm, found ", line.lead_in_mm, " mm");
+    fail("operator: expected a lead-in of 0 to 500 mm, found ", line.lead_in_mm, " mm");
   }
   if (!(std::abs(line.offset_mm) <= 100.0) || !(std::abs(line.tilt_deg) <= 60.0)) {
-    fail("hand: expected an offset within 100 mm and a tilt within 60 degrees, found ", line.offset_mm, " mm and ",
+    fail("operator: expected an offset within 100 mm and a tilt within 60 degrees, found ", line.offset_mm, " mm and ",
          line.tilt_deg, " degrees");
   }
   frame_ = PathFrame(path.entry_mm, path.direction());
@@ -53,7 +53,7 @@ Pose GuidedBit::at(double depth_mm, const Vec3& aside_mm) const {
 }
 
 PathMotionOptions in_steps_of(double step_mm, const GuideLine& line) {
-  if (!(step_mm > 0.0)) fail("hand: expected an advance above 0 mm a cycle, found ", step_mm, " mm");
+  if (!(step_mm > 0.0)) fail("operator: expected an advance above 0 mm a cycle, found ", step_mm, " mm");
   PathMotionOptions options;
   options.line = line;
   options.feed.steps = {{0.0, step_mm * options.rate_hz}};
@@ -66,10 +66,10 @@ PathMotion::PathMotion(const DrillPath& path, const PathMotionOptions& options)
       tremor_(options.tremor_mm, options.seed),
       trembles_(options.tremor_mm > 0.0),
       rate_hz_(options.rate_hz) {
-  constexpr double kMostCycles = 0x1.0p27;
+  constexpr double kMaxCycles = 0x1.0p27;
   const double cycles = profile_.duration_s() * options.rate_hz;
-  if (!(options.rate_hz > 0.0) || !(cycles <= kMostCycles)) {
-    fail("hand: expected a rate above 0 and at most ", kMostCycles, " cycles, found ", options.rate_hz, " Hz and ",
+  if (!(options.rate_hz > 0.0) || !(cycles <= kMaxCycles)) {
+    fail("operator: expected a rate above 0 and at most ", kMaxCycles, " cycles, found ", options.rate_hz, " Hz and ",
          cycles, " cycles");
   }
   // The last cycle may be shorter than a step, so that the run ends at the target.

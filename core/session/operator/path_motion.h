@@ -6,13 +6,13 @@
 
 #include "core/base/geometry.h"
 #include "core/session/operator/feed_profile.h"
-#include "core/session/operator/tool_source.h"
+#include "core/session/operator/operator.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
 
-/// A hand's tremor: 8 to 12 Hz, the band of physiological tremor. Along each of three axes the sum of five sinusoids of
-/// 8, 9, 10, 11 and 12 Hz with seeded phases. Computed from the time alone: no error adds up.
+/// An operator's tremor: 8 to 12 Hz, the band of physiological tremor. Along each of three axes the sum of five
+/// sinusoids of 8, 9, 10, 11 and 12 Hz with seeded phases. Computed from the time alone: no error adds up.
 class Tremor {
  public:
   /// `amplitude_mm`: along each axis the rms is that of one sinusoid of this amplitude. Throws Error where it is not
@@ -29,7 +29,7 @@ class Tremor {
   std::array<std::array<double, kFrequenciesHz.size()>, 3> phases_rad_{};
 };
 
-/// The straight line that a hand guides a bit along.
+/// The straight line that an operator guides a bit along.
 struct GuideLine {
   double lead_in_mm = 0.0;  ///< how far before the entry it begins
   double offset_mm = 0.0;   ///< sideways shift from the path
@@ -92,11 +92,11 @@ class PathMotion {
   std::size_t cycles_ = 0;
 };
 
-/// A hand that goes its planned way, whatever it feels: on the path, beside it or tilted, at given feeds, with pecks,
-/// with a tremor. Ends at the motion's end, or when the session asks to stop.
-class PathHand final : public ToolSource {
+/// An operator that goes its planned way, whatever it feels: on the path, beside it or tilted, at given feeds, with
+/// pecks, with a tremor. Ends at the motion's end, or when the session asks to stop.
+class PlannedMotion final : public Operator {
  public:
-  PathHand(const DrillPath& path, const PathMotionOptions& options) : motion_(path, options) {}
+  PlannedMotion(const DrillPath& path, const PathMotionOptions& options) : motion_(path, options) {}
 
   std::optional<ToolInput> next(const ToolFeedback& feedback) override {
     if (feedback.stop || index_ > motion_.cycle_count()) return std::nullopt;

@@ -22,7 +22,7 @@ struct LineStretch {
   Pose to;
 };
 
-/// Sessions refuse others: they do nothing, and the way goes on after them.
+/// Sessions reject others: they do nothing, and the way goes on after them.
 bool is_sound(const ToolInput& input) {
   return input.pose.tip_mm.allFinite() && input.pose.axis.allFinite() && input.pose.axis.squaredNorm() > 0.25;
 }
@@ -98,7 +98,7 @@ Pose between(const Pose& from, const Pose& to, double share) {
 
 }  // namespace
 
-std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const DrillBit& bit, double longest_jump_mm,
+std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const DrillBit& bit, double max_jump_mm,
                                   double tolerance_mm) {
   const auto first = std::find_if(inputs.begin(), inputs.end(), takes_bone);
   if (first == inputs.end()) return {};
@@ -116,7 +116,7 @@ std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const Drill
       const Pose from = unit(before->pose);
       const Vec3 way_mm = pose.tip_mm - from.tip_mm;
       const Vec3 base_way_mm = way_mm - bit.length_mm * (pose.axis - from.axis);
-      if (std::max(way_mm.norm(), base_way_mm.norm()) <= longest_jump_mm) {
+      if (std::max(way_mm.norm(), base_way_mm.norm()) <= max_jump_mm) {
         // What of the way is not along the axis goes in steps of the tolerance, the rest in steps that are bridged.
         const double along_mm = way_mm.dot(pose.axis);
         const double aside_mm = (way_mm - along_mm * pose.axis).norm() + (pose.axis - from.axis).norm() * bit.length_mm;

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "core/session/operator/tool_source.h"
+#include "core/session/operator/operator.h"
 
 namespace spinaltap {
 
@@ -15,10 +15,10 @@ struct BitWay {
 
 /// The ways along straight lines that took all a bit took on `inputs`, to within some `tolerance_mm` sideways: poses on
 /// nearly one line become one way, and of a tool that widens towards its base (drills, screws) the deepest pose on a
-/// line is all that counts. Many thousand cycles of a steady hand become one way, those of a trembling hand some
-/// hundred. Poses with the spindle off, and those that are not finite, took nothing; nor did ways of the tip or the
-/// base longer than `longest_jump_mm`. As DrillSession has it.
-std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const DrillBit& bit, double longest_jump_mm,
+/// line is all that counts. Many thousand cycles of a steady operator become one way, those of a trembling operator
+/// some hundred. Poses with the spindle off, and those that are not finite, took nothing; nor did ways of the tip or
+/// the base longer than `max_jump_mm`. As DrillSession has it.
+std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const DrillBit& bit, double max_jump_mm,
                                   double tolerance_mm = 0.02);
 
 }  // namespace spinaltap

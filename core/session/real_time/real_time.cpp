@@ -17,13 +17,13 @@
 namespace spinaltap {
 namespace {
 
-// Who must not wait for whom: a device's forces for anyone, the hand for a long cycle.
+// Who must not wait for whom: a device's forces for anyone, the operator for a long cycle.
 constexpr int kOutputPriority = 53;
 constexpr int kToolPriority = 52;
 constexpr int kCollisionPriority = 51;
 constexpr int kNoPriority = 0;
 
-/// An input, how many came before it, and the hand's time at it.
+/// An input, how many came before it, and the operator's time at it.
 struct TimedInput {
   ToolInput input;
   std::uint64_t index = 0;
@@ -54,22 +54,22 @@ double period_ns(double rate_hz) { return 1e9 / rate_hz; }
 /// What the threads do, and what passes between them.
 class RealTimeRun {
  public:
-  RealTimeRun(DrillSession& session, ToolSource& hand, const RealTimeOptions& options, const CycleObserver& observe,
-              const DisplayTask& display, const ForceTask& output)
+  RealTimeRun(DrillSession& session, Operator& tool_operator, const RealTimeOptions& options,
+              const CycleObserver& observe, const DisplayTask& display, const ForceTask& output)
       : session_(session),
-        hand_(hand),
+        operator_(tool_operator),
         options_(options),
         observe_(observe),
         display_(display),
         output_(output),
-        inputs_expected_(hand.count()) {}
+        inputs_expected_(tool_operator.count()) {}
 
   RealTimeReport run(const Progress& progress);
 
  private:
   void put_tool();
   void run_tool(std::int64_t start_ns);
-  bool ask_hand(std::uint64_t times);
+  bool ask_operator(std::uint64_t times);
   void put_bit();
   void run_collision(std::int64_t start_ns);
   void run_cycle(const TimedInput& latest, double clock_s);
@@ -78,7 +78,7 @@ class RealTimeRun {
   double share_done() const;
 
   DrillSession& session_;
-  ToolSource& hand_;
+  Operator& operator_;
   const RealTimeOptions& options_;
   const CycleObserver& observe_;
   const DisplayTask& display_;
@@ -89,69 +89,69 @@ class RealTimeRun {
   LatestValue<ToolFeedback> feedback_;
   LatestValue<Cycle> cycles_;
   LatestValue<TimedForce> forces_;
-  std::atomic<bool> hand_ended_{false};
+  std::atomic<bool> operator_ended_{false};
   std::atomic<bool> stops_{false};
   std::atomic<std::uint64_t> asked_{0};  ///< for progress
   std::atomic<double> clock_s_{0.0};     ///< likewise
 
-  TimedInput hand_at_;  ///< the tool thread's
-  TimedInput bit_at_;   ///< the collision thread's
+  TimedInput operator_at_;  ///< the tool thread's
+  TimedInput bit_at_;       ///< the collision thread's
   RealTimeReport report_;
 };
 
-/// The hand's first pose, before the clock starts.
+/// The operator's first pose, before the clock starts.
 void RealTimeRun::put_tool() {
-  if (const std::optional<ToolInput> first = hand_.next(session_.feedback())) {
-    hand_at_.input = *first;
+  if (const std::optional<ToolInput> first = operator_.next(session_.feedback())) {
+    operator_at_.input = *first;
   } else {
-    hand_ended_ = true;
+    operator_ended_ = true;
   }
 }
 
 void RealTimeRun::run_tool(std::int64_t start_ns) {
   Pacer pacer(start_ns + std::llround(period_ns(options_.tool_rate_hz)), options_.tool_rate_hz);
-  bool goes_on = !hand_ended_;
+  bool goes_on = !operator_ended_;
   while (!stops_ && goes_on) {
     const std::uint64_t due = pacer.wait();
-    goes_on = ask_hand(due);
+    goes_on = ask_operator(due);
     pacer.finish(true);
   }
   report_.tool = pacer.report();
 }
 
-/// Passes on the last of the hand's next poses. False: the hand has ended.
-bool RealTimeRun::ask_hand(std::uint64_t times) {
+/// Passes on the last of the operator's next poses. False: the operator has ended.
+bool RealTimeRun::ask_operator(std::uint64_t times) {
   feedback_.refresh();
   bool is_new = false;
   bool goes_on = true;
   for (std::uint64_t n = 0; n < times && goes_on; ++n) {
-    if (const std::optional<ToolInput> next = hand_.next(feedback_.front())) {
-      hand_at_ = {*next, hand_at_.index + 1, hand_at_.time_s + next->dt_s};
+    if (const std::optional<ToolInput> next = operator_.next(feedback_.front())) {
+      operator_at_ = {*next, operator_at_.index + 1, operator_at_.time_s + next->dt_s};
       is_new = true;
     } else {
       goes_on = false;
     }
   }
-  if (is_new) inputs_.write(hand_at_);
-  asked_.store(hand_at_.index, std::memory_order_relaxed);
-  if (!goes_on) hand_ended_ = true;  // after the last input: whoever sees this finds that one too
+  if (is_new) inputs_.write(operator_at_);
+  asked_.store(operator_at_.index, std::memory_order_relaxed);
+  if (!goes_on) operator_ended_ = true;  // after the last input: whoever sees this finds that one too
   return goes_on;
 }
 
-/// The bit at the hand's first pose, which the engine takes longer for than for a cycle.
+/// The bit at the operator's first pose, which the engine takes longer for than for a cycle.
 void RealTimeRun::put_bit() {
-  if (!hand_ended_) run_cycle(hand_at_, 0.0);
+  if (!operator_ended_) run_cycle(operator_at_, 0.0);
 }
 
 void RealTimeRun::run_collision(std::int64_t start_ns) {
-  // Half a period behind the hand's poses: at the same moment, chance would decide which one a cycle finds.
+  // Half a period behind the operator's poses: at the same moment, chance would decide which one a cycle finds.
   Pacer pacer(start_ns + std::llround(period_ns(options_.tool_rate_hz) + 0.5 * period_ns(options_.rate_hz)),
               options_.rate_hz);
-  for (bool is_over = hand_ended_; !stops_ && !is_over;) {
+  for (bool is_over = operator_ended_; !stops_ && !is_over;) {
     pacer.wait();
     const double clock_s = 1e-9 * static_cast<double>(pacer.begin_ns() - start_ns);
     clock_s_.store(clock_s, std::memory_order_relaxed);
-    is_over = hand_ended_ || clock_s >= options_.longest_s;
+    is_over = operator_ended_ || clock_s >= options_.longest_s;
     const bool is_new = inputs_.refresh();
     if (is_new) run_cycle(inputs_.front(), clock_s);
     pacer.finish(is_new);
@@ -217,18 +217,18 @@ RealTimeReport RealTimeRun::run(const Progress& progress) {
                                    [&] { progress.report("drilling in real time", share_done()); });
   report_.has_priority = rights.has_priority;
   report_.has_locked_memory = rights.has_locked_memory;
-  report_.remarks = std::move(rights.remarks);
+  report_.warnings = std::move(rights.warnings);
   return std::move(report_);
 }
 
 }  // namespace
 
-RealTimeReport run_real_time(DrillSession& session, ToolSource& hand, const RealTimeOptions& options,
+RealTimeReport run_real_time(DrillSession& session, Operator& tool_operator, const RealTimeOptions& options,
                              const CycleObserver& observe, const DisplayTask& display, const ForceTask& output,
                              const Progress& progress) {
   check_options(options);
   // On the heap: three of each value that passes between the threads are large for a stack.
-  const auto run = std::make_unique<RealTimeRun>(session, hand, options, observe, display, output);
+  const auto run = std::make_unique<RealTimeRun>(session, tool_operator, options, observe, display, output);
   return run->run(progress);
 }
 

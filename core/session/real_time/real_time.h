@@ -12,7 +12,7 @@ namespace spinaltap {
 
 struct RealTimeOptions {
   double rate_hz = 1000.0;        ///< of the collision thread
-  double tool_rate_hz = 1000.0;   ///< of the thread that asks the hand
+  double tool_rate_hz = 1000.0;   ///< of the thread that asks the operator
   double display_rate_hz = 60.0;  ///< of the thread that draws; it takes what time it takes
   double output_rate_hz = 0.0;    ///< of forces extrapolated for a device, 5,000 to 10,000; 0: none
   double longest_s = 600.0;       ///< ends then, at the latest
@@ -40,7 +40,7 @@ struct RealTimeReport {
   double seconds = 0.0;
   bool has_priority = false;  ///< ran as SCHED_FIFO
   bool has_locked_memory = false;
-  std::vector<std::string> remarks;  ///< what the user's rights did not allow, in words
+  std::vector<std::string> warnings;  ///< what the user's rights did not allow, in words
 };
 
 /// What the display thread is called with: the session's latest cycle, seldom every one.
@@ -51,16 +51,17 @@ using ForceTask = std::function<void(const Vec3& force_n)>;
 /// The paper's section 9.2: tool, collision and display as three threads, which pass their latest values without locks.
 /// Each is paced by absolute times of the monotonic clock; what came too late is counted and not made up for.
 ///
-/// The hand is asked on the tool thread. Its time goes on with the clock: where the tool thread comes late, it asks for
-/// every pose that has come due and passes on the last. The first pose, where the bit is put, is taken before the clock
-/// starts. The collision thread takes the hand's latest pose: of several new ones the last, with the time of all of
-/// them as its dt, and the bit cuts the straight way there; without a new one it does nothing, and forces stay.
+/// The operator is asked on the tool thread. Its time goes on with the clock: where the tool thread comes late, it asks
+/// for every pose that has come due and passes on the last. The first pose, where the bit is put, is taken before the
+/// clock starts. The collision thread takes the operator's latest pose: of several new ones the last, with the time of
+/// all of them as its dt, and the bit cuts the straight way there; without a new one it does nothing, and forces stay.
 /// `observe` is called on it and must not wait; its time counts as the cycle's. Inputs that it sees, put through
 /// run_session(), bring the same results.
 ///
-/// Ends when the hand does, or after longest_s. Throws Error on rates out of range (1 to 20,000 Hz), what `hand`,
-/// `observe` and the tasks throw, and Cancelled where `progress` is cancelled; all threads have ended then.
-RealTimeReport run_real_time(DrillSession& session, ToolSource& hand, const RealTimeOptions& options,
+/// Ends when the operator does, or after longest_s. Throws Error on rates out of range (1 to 20,000 Hz), what
+/// `tool_operator`, `observe` and the tasks throw, and Cancelled where `progress` is cancelled; all threads have ended
+/// then.
+RealTimeReport run_real_time(DrillSession& session, Operator& tool_operator, const RealTimeOptions& options,
                              const CycleObserver& observe = {}, const DisplayTask& display = {},
                              const ForceTask& output = {}, const Progress& progress = {});
 

@@ -71,7 +71,7 @@ void TimeHistogram::add(std::int64_t time_ns) noexcept {
   const std::size_t octave = time_us < 2 ? 0 : static_cast<std::size_t>(std::bit_width(time_us)) - 1;
   ++octaves_[std::min(octave, octaves_.size() - 1)];
   ++count_;
-  most_ns_ = std::max(most_ns_, time);
+  max_ns_ = std::max(max_ns_, time);
 }
 
 TimeSpread TimeHistogram::spread() const {
@@ -81,11 +81,11 @@ TimeSpread TimeHistogram::spread() const {
     std::uint64_t below = 0;
     for (std::size_t bin = 0; bin < kBins; ++bin) {
       below += counts_[bin];
-      if (below >= rank) return 1e-3 * static_cast<double>(std::min(last_of(bin), most_ns_));
+      if (below >= rank) return 1e-3 * static_cast<double>(std::min(last_of(bin), max_ns_));
     }
-    return 1e-3 * static_cast<double>(most_ns_);
+    return 1e-3 * static_cast<double>(max_ns_);
   };
-  return {percentile_us(0.5), percentile_us(0.99), percentile_us(0.999), 1e-3 * static_cast<double>(most_ns_)};
+  return {percentile_us(0.5), percentile_us(0.99), percentile_us(0.999), 1e-3 * static_cast<double>(max_ns_)};
 }
 
 std::vector<std::uint64_t> TimeHistogram::octaves() const {

@@ -57,7 +57,7 @@ class TimeHistogram {
   std::array<std::uint64_t, kBins> counts_{};
   std::array<std::uint64_t, 32> octaves_{};
   std::uint64_t count_ = 0;
-  std::uint64_t most_ns_ = 0;
+  std::uint64_t max_ns_ = 0;
 };
 
 }  // namespace spinaltap

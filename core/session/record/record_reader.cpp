@@ -30,9 +30,9 @@ template <class Row>
 std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::span<const RecordColumn<Row>> columns,
                            std::uint64_t count, std::uint64_t file_bytes, const fs::path& path) {
   // No compression does better: what claims to has no such rows.
-  constexpr std::uint64_t kMostToOne = 1100;
+  constexpr std::uint64_t kMaxToOne = 1100;
   constexpr std::uint64_t kBatch = 65536;
-  if (count > kMostToOne * file_bytes) {
+  if (count > kMaxToOne * file_bytes) {
     fail("cannot read ", path.string(), ": expected ", count, " rows, found ", file_bytes, " bytes");
   }
   std::vector<Row> rows(static_cast<std::size_t>(count));
@@ -95,7 +95,7 @@ SessionRecord read_once(const fs::path& path) {
 
 SessionRecord read_record(const std::filesystem::path& path) {
   // While a file is written, rows may be found half changed; then it is looked at again. A file that nobody changes is
-  // refused at once.
+  // rejected at once.
   constexpr int kAttempts = 5;
   for (int attempt = 1;; ++attempt) {
     std::error_code no_time;

@@ -77,7 +77,7 @@ struct RecordWriter::State {
 
   RingBuffer<RecordedCycle> line{kRoom};
   EventHandover handover;
-  std::atomic<std::uint64_t> refused{0};  ///< cycles that found no room
+  std::atomic<std::uint64_t> rejected{0};  ///< cycles that found no room
   std::atomic<std::uint64_t> cycles_sure{0};
   std::atomic<bool> has_failed{false};
 
@@ -116,7 +116,7 @@ RecordWriter::State::State(const std::filesystem::path& where, const std::map<st
 
 void RecordWriter::State::say_progress(bool is_whole) {
   file.flush();
-  const RecordProgress now{cycles.written(), written_events, refused.load(), is_whole ? 1U : 0U};
+  const RecordProgress now{cycles.written(), written_events, rejected.load(), is_whole ? 1U : 0U};
   progress.write(0, 1, now.numbers().data());
   file.flush();
   cycles_sure = cycles.written();
@@ -203,7 +203,7 @@ bool RecordWriter::add(const Cycle& cycle) noexcept {
     state_->handover.end_loss();
     return true;
   }
-  state_->refused.fetch_add(1, std::memory_order_relaxed);
+  state_->rejected.fetch_add(1, std::memory_order_relaxed);
   state_->handover.lose(cycle);
   return false;
 }
@@ -220,8 +220,8 @@ bool RecordWriter::add_waiting(const Cycle& cycle) {
 void RecordWriter::add_events(std::span<const SessionEvent> events) noexcept { state_->handover.hand_over(events); }
 
 std::uint64_t RecordWriter::lost() const noexcept {
-  const std::uint64_t refused = state_->refused;
-  return state_->has_failed ? refused + state_->line.pushed() - state_->cycles_sure : refused;
+  const std::uint64_t rejected = state_->rejected;
+  return state_->has_failed ? rejected + state_->line.pushed() - state_->cycles_sure : rejected;
 }
 
 std::string RecordWriter::trouble() const {

@@ -101,7 +101,7 @@ std::string difference(const RecordedCycle& a, const RecordedCycle& b) {
 }
 
 std::string hash_of(const SessionRecord& record) {
-  Fnv1a hash;
+  WordHash64 hash;
   const auto add = [&hash](const auto& columns, const auto& row) {
     for (const auto& column : columns) {
       Bytes bytes{};

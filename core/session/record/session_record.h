@@ -18,7 +18,7 @@ struct RecordedCycle {
   std::uint64_t cycle = 0;  ///< Cycle::index: a gap is where cycles were lost
   double time_s = 0.0;
   double dt_s = 0.0;
-  Vec3 tip_mm = Vec3::Zero();  ///< patient LPS, as the hand gave it
+  Vec3 tip_mm = Vec3::Zero();  ///< patient LPS, as the operator gave it
   Vec3 axis = Vec3::UnitZ();
   std::uint8_t spindle_on = 1;
   std::uint8_t state = 0;     ///< DrillState
@@ -57,8 +57,8 @@ class RecordWriter {
   RecordWriter(const RecordWriter&) = delete;
   RecordWriter& operator=(const RecordWriter&) = delete;
 
-  /// Hands a cycle to the writing thread: no lock, no allocation, no waiting. False where it was lost: the buffer is
-  /// full (the disk is slower than the session for seconds on end) or the disk refused.
+  /// Operators a cycle to the writing thread: no lock, no allocation, no waiting. False where it was lost: the buffer
+  /// is full (the disk is slower than the session for seconds on end) or the disk rejected.
   bool add(const Cycle& cycle) noexcept;
   /// As add(), but waits for room: for sessions that are not in real time.
   bool add_waiting(const Cycle& cycle);
@@ -68,7 +68,7 @@ class RecordWriter {
 
   /// Cycles that add() was given and that are not, or will not be, in the file.
   std::uint64_t lost() const noexcept;
-  /// What the disk said when it refused; empty while all is well. From any thread.
+  /// What the disk said when it rejected; empty while all is well. From any thread.
   std::string trouble() const;
   /// Writes what is left and the events, marks the record as whole, closes. Throws Error where that fails, or writing
   /// failed before; what was flushed until then stays readable. Not while another thread adds.

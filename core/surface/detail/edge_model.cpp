@@ -33,7 +33,7 @@ double misfit(std::span<const EdgeProfile> profiles, const EdgeModel& model, con
 }  // namespace
 
 EdgeModel estimate_edge_model(std::span<const EdgeProfile> profiles, const GridGeometry& geometry, double reach_mm) {
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kMax = 1000;
   constexpr double kLowestHu = 600.0, kHighestHu = 2400.0;
   EdgeModel model;
   model.blur_in_slice_mm = std::max(geometry.spacing_mm.x(), geometry.spacing_mm.y());
@@ -41,7 +41,7 @@ EdgeModel estimate_edge_model(std::span<const EdgeProfile> profiles, const GridG
   const double smallest_mm = 0.3 * geometry.spacing_mm.minCoeff();
   const double largest_mm = 3.0 * geometry.spacing_mm.maxCoeff();
   std::vector<EdgeProfile> some;
-  for (std::size_t i = 0; i < profiles.size(); i += std::max<std::size_t>(1, profiles.size() / kMost)) {
+  for (std::size_t i = 0; i < profiles.size(); i += std::max<std::size_t>(1, profiles.size() / kMax)) {
     if (fit_edge(profiles[i], model, geometry, reach_mm)) some.push_back(profiles[i]);
   }
   if (some.empty()) return model;

@@ -9,7 +9,7 @@ namespace spinaltap {
 namespace {
 
 constexpr double kLowestContrastHu = 100.0;
-constexpr double kLeastAboveHu = 50.0;  // of the cortex over the tissue outside
+constexpr double kMinAboveHu = 50.0;  // of the cortex over the tissue outside
 
 /// The standard normal distribution and its density, from a table: cubic interpolation by the known slopes, good to
 /// 1e-8.
@@ -59,7 +59,7 @@ NormalTable::Value normal(double z) {
   return table.at(z);
 }
 
-/// Samples of a profile from the marrow behind the cortex's peak to the lowest place outside it.
+/// Samples of a profile from the cancellous bone behind the cortex's peak to the lowest place outside it.
 struct ProfileWindow {
   int begin = 0, peak = 0, end = 0;
 };
@@ -118,7 +118,7 @@ class WindowedProfile {
 
 constexpr double kLowestHu = -1100.0;
 
-/// Marrow, cortex of known density, tissue outside: offset, thickness, inside, outside.
+/// Cancellous bone, cortex of known density, tissue outside: offset, thickness, inside, outside.
 class CortexEdge {
  public:
   using Vector = Eigen::Vector4d;
@@ -136,7 +136,7 @@ class CortexEdge {
   Vector bound(const Vector& q) const {
     constexpr double kThinnestMm = 0.25, kThickestMm = 5.0;  // a vertebra's shell is hardly thinner
     return {profile_.bound_way(q[0]), std::clamp(q[1], kThinnestMm, kThickestMm),
-            std::clamp(q[2], kLowestHu, cortex_hu_), std::clamp(q[3], kLowestHu, cortex_hu_ - kLeastAboveHu)};
+            std::clamp(q[2], kLowestHu, cortex_hu_), std::clamp(q[3], kLowestHu, cortex_hu_ - kMinAboveHu)};
   }
 
   /// What the model leaves of sample i, and the model's slope by its numbers.
@@ -185,9 +185,9 @@ struct Solution {
 /// Damped least squares (Levenberg and Marquardt).
 template <class Edge>
 Solution<Edge> solve(const Edge& edge, const WindowedProfile& profile) {
-  constexpr int kMostSteps = 25;
+  constexpr int kMaxSteps = 25;
   constexpr double kDone = 1e-4;  // relative gain of a step
-  constexpr double kMostDamping = 1e6;
+  constexpr double kMaxDamping = 1e6;
   using Vector = typename Edge::Vector;
   struct Normal {
     typename Edge::Matrix matrix = Edge::Matrix::Zero();
@@ -208,10 +208,10 @@ Solution<Edge> solve(const Edge& edge, const WindowedProfile& profile) {
   Vector best = edge.bound(edge.start());
   Normal at_best = linearise(best);
   double damping = 1e-3;
-  for (int step = 0; step < kMostSteps && damping < kMostDamping; ++step) {
+  for (int step = 0; step < kMaxSteps && damping < kMaxDamping; ++step) {
     typename Edge::Matrix damped = at_best.matrix;
     damped.diagonal() *= 1.0 + damping;
-    damped.diagonal().array() += 1e-6;  // a thick cortex hides the marrow
+    damped.diagonal().array() += 1e-6;  // a thick cortex hides the cancellous bone
     const Vector next = edge.bound(best + damped.ldlt().solve(at_best.right_side));
     const Normal at_next = linearise(next);
     if (!(at_next.squares < at_best.squares)) {

@@ -42,8 +42,8 @@ struct EdgeFit {
   double rms_hu = 0.0;  ///< what the model leaves of the profile
 };
 
-/// Fits a blurred three-layer edge (marrow, cortex of known density, tissue outside) to a profile by damped least
-/// squares. A thin cortex's half-maximum lies outside its true edge, by up to half the blur; this edge does not.
+/// Fits a blurred three-layer edge (cancellous bone, cortex of known density, tissue outside) to a profile by damped
+/// least squares. A thin cortex's half-maximum lies outside its true edge, by up to half the blur; this edge does not.
 /// Source: Treece, Gee, Mayhew & Poole 2010, "High resolution cortical bone thickness measurement from clinical CT
 /// data" (their equation 3); blur and density, which they hold fixed, come from estimate_edge_model(). Where an edge
 /// without a cortex describes the profile nearly as well, that one is taken. Nothing when the profile shows no edge

@@ -17,8 +17,8 @@ int main(int argc, char** argv) {
     Session session(bone, path);
     std::filesystem::remove(argv[3]);
     session.record(argv[3]);
-    PathHand hand(path, {.line = {.lead_in_mm = session.setup().volume.lead_in_mm}});
-    session.run(hand);
+    PlannedMotion tool_operator(path, {.line = {.lead_in_mm = session.setup().volume.lead_in_mm}});
+    session.run(tool_operator);
     session.end_record();
     const Replay again = replay(argv[3], bone);
     std::printf("SpinalTap %s: %zu triangles; shipped files in %s\n", std::string(version()).c_str(), quality.triangles,

@@ -81,7 +81,7 @@ TEST(CutOutCylinder, KeepsAllOfTheBonesSurfaceOutsideAndNothingInside) {
   EXPECT_NEAR(area_mm2, share * kDrilledBall.area_mm2(), 0.003 * kDrilledBall.area_mm2());
 }
 
-TEST(CutOutCylinder, RefusesWhatIsNoCylinder) {
+TEST(CutOutCylinder, RejectsWhatIsNoCylinder) {
   EXPECT_THROW(cut_out_cylinder(test::ball_to_drill(), slanting_path(), 0.0, 3.0), Error);
   EXPECT_THROW(cut_out_cylinder(test::ball_to_drill(), slanting_path(), kRadiusMm, -1.0), Error);
 }

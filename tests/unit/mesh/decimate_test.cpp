@@ -102,7 +102,7 @@ TEST(Decimate, KeepsATorusWithinTheError) {
   }
 }
 
-TEST(Decimate, RefusesWhatIsNotClosed) {
+TEST(Decimate, RejectsWhatIsNotClosed) {
   TriangleMesh open = test::torus_mesh(10.0, 4.0, 24, 12);
   EXPECT_THROW(decimate(open, 0.0), Error);
   EXPECT_THROW(decimate(open, std::numeric_limits<double>::quiet_NaN()), Error);

@@ -84,18 +84,18 @@ TEST(DrilledBone, IsDrilledOnWhereItWasLeft) {
   EXPECT_EQ(again.holes_to_undo(), 0U);
   // On the grid's own voxels, whose hole is that of the same bit.
   const auto differences = [&] {
-    double most_mm = 0.0;
+    double max_mm = 0.0;
     const auto low = fresh.first_voxel();
     const auto high = fresh.last_voxel();
     for (int x = low[0]; x <= high[0]; ++x) {
       for (int y = low[1]; y <= high[1]; ++y) {
         for (int z = low[2]; z <= high[2]; ++z) {
           const double a = static_cast<double>(fresh.value_mm({x, y, z}));
-          most_mm = std::max(most_mm, std::abs(a - static_cast<double>(again.value_mm({x, y, z}))));
+          max_mm = std::max(max_mm, std::abs(a - static_cast<double>(again.value_mm({x, y, z}))));
         }
       }
     }
-    return most_mm;
+    return max_mm;
   };
   EXPECT_LT(differences(), 1e-5);
   const Pose further{kDrilledBall.centre_mm + 3.0 * test::kAslant, test::kAslant};

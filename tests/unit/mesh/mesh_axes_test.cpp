@@ -45,7 +45,7 @@ TEST(MeshAxes, HaveTwentyFourRightHandedNames) {
   EXPECT_TRUE(lps_from_axes("ALS") * Vec3::UnitX() == -Vec3::UnitY());
 }
 
-TEST(MeshAxes, AreRefusedWhereTheyAreNone) {
+TEST(MeshAxes, AreRejectedWhereTheyAreNone) {
   for (const char* axes : {"", "LP", "LPSR", "LPX", "lps", "LRS", "LLS", "PPS", "SIA"}) {
     EXPECT_THROW(lps_from_axes(axes), Error) << axes;
   }

@@ -110,7 +110,7 @@ TEST_P(MeshFile, KeepsTrianglesThatAreNeedlesOrPoints) {
   EXPECT_TRUE(fs::exists(file("needle")));
 }
 
-TEST_P(MeshFile, RefusesAMeshThatItCannotHold) {
+TEST_P(MeshFile, RejectsAMeshThatItCannotHold) {
   TriangleMesh fin = test::tetrahedron();
   fin.vertices_mm.emplace_back(-1.0F, -1.0F, 3.0F);
   fin.triangles.push_back({0, 1, 4});
@@ -122,7 +122,7 @@ TEST_P(MeshFile, RefusesAMeshThatItCannotHold) {
   EXPECT_THROW(write_mesh({}, file("empty")), Error);
 }
 
-TEST_P(MeshFile, IsRefusedWhenItIsNoMesh) {
+TEST_P(MeshFile, IsRejectedWhenItIsNoMesh) {
   std::ofstream(file("text")) << "hello\n";
   EXPECT_THAT([&] { read_mesh(file("text")); }, ThrowsMessage<Error>(HasSubstr("text")));
   std::ofstream(file("empty")) << "";
@@ -137,7 +137,7 @@ TEST_P(MeshFile, IsRefusedWhenItIsNoMesh) {
 INSTANTIATE_TEST_SUITE_P(Formats, MeshFile, testing::Values(".stl", ".ply", ".obj"),
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
-TEST(MeshFiles, OfBinaryFormatsAreRefusedWhenCutShort) {
+TEST(MeshFiles, OfBinaryFormatsAreRejectedWhenCutShort) {
   const test::TemporaryFolder folder;
   for (const char* name : {"torus.stl", "torus.ply"}) {
     write_mesh(torus(), folder.path() / name);
@@ -150,7 +150,7 @@ TEST(MeshFiles, OfBinaryFormatsAreRefusedWhenCutShort) {
   }
 }
 
-TEST(MeshFiles, WithAnotherExtensionAreRefused) {
+TEST(MeshFiles, WithAnotherExtensionAreRejected) {
   const test::TemporaryFolder folder;
   EXPECT_THAT([&] { write_mesh(torus(), folder.path() / "torus.vtk"); },
               ThrowsMessage<Error>(AllOf(HasSubstr(".stl, .ply, .obj"), HasSubstr("torus.vtk"))));

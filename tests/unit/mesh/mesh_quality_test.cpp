@@ -82,32 +82,32 @@ TEST(MeasureMesh, CountsTheBorderOfAnOpenMesh) {
   EXPECT_EQ(measure_mesh(open).boundary_edges, 4U);
 }
 
-TEST(MeasureMesh, RefusesAFaceOnAnEdgeThatHasTwo) {
+TEST(MeasureMesh, RejectsAFaceOnAnEdgeThatHasTwo) {
   TriangleMesh fin = test::tetrahedron();
   fin.vertices_mm.emplace_back(-1.0F, -1.0F, 3.0F);
   fin.triangles.push_back({0, 1, 4});
   const MeshQuality quality = measure_mesh(fin);
-  EXPECT_EQ(quality.refused_faces, 1U);
+  EXPECT_EQ(quality.rejected_faces, 1U);
   EXPECT_FALSE(quality.closed());
 }
 
-TEST(MeasureMesh, RefusesFacesThatMeetInAVertexOnly) {
+TEST(MeasureMesh, RejectsFacesThatMeetInAVertexOnly) {
   // Two tetrahedra tip to tip: each is closed, the tip is no surface.
   TriangleMesh mesh = test::tetrahedron();
   mesh.vertices_mm.insert(mesh.vertices_mm.end(), {{-6.0F, 0.0F, 0.0F}, {0.0F, -6.0F, 0.0F}, {0.0F, 0.0F, -6.0F}});
   mesh.triangles.insert(mesh.triangles.end(), {{0, 4, 5}, {0, 6, 4}, {0, 5, 6}, {4, 6, 5}});
   const MeshQuality quality = measure_mesh(mesh);
-  EXPECT_GT(quality.refused_faces, 0U);
+  EXPECT_GT(quality.rejected_faces, 0U);
   EXPECT_FALSE(quality.closed());
 }
 
-TEST(MeasureMesh, RefusesFacesThatUseAVertexTwice) {
+TEST(MeasureMesh, RejectsFacesThatUseAVertexTwice) {
   for (const std::array<std::uint32_t, 3>& corners :
        {std::array<std::uint32_t, 3>{0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {2, 2, 2}}) {
     TriangleMesh mesh = test::tetrahedron();
     mesh.triangles.push_back(corners);
     const MeshQuality quality = measure_mesh(mesh);
-    EXPECT_EQ(quality.refused_faces, 1U);
+    EXPECT_EQ(quality.rejected_faces, 1U);
     EXPECT_FALSE(quality.closed());
     EXPECT_EQ(quality.euler_number, 2);
     EXPECT_EQ(quality.smallest_angle_deg, 0.0);
@@ -206,7 +206,7 @@ TEST(Roughness, DoesNotMixTheTwoSidesOfAPlate) {
   EXPECT_NEAR(roughness_deg(plate), 0.0, 0.05);
 }
 
-TEST(Roughness, RefusesWhatHasNone) {
+TEST(Roughness, RejectsWhatHasNone) {
   EXPECT_THROW(roughness_deg({}), Error);
   EXPECT_THROW(roughness_deg(test::tetrahedron(), 0.0), Error);
   EXPECT_THROW(roughness_deg(test::tetrahedron(), std::numeric_limits<double>::quiet_NaN()), Error);

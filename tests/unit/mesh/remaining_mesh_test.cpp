@@ -19,11 +19,11 @@ std::array<DrillBit, 3> three_bits() { return {test::paper_drill(), test::ball_b
 
 void expect_closed(const TriangleMesh& mesh) {
   const MeshQuality quality = measure_mesh(mesh);
-  EXPECT_TRUE(quality.closed()) << quality.boundary_edges << " border edges, " << quality.refused_faces << " refused";
+  EXPECT_TRUE(quality.closed()) << quality.boundary_edges << " border edges, " << quality.rejected_faces << " rejected";
   EXPECT_GT(quality.volume_mm3, 0.0);
 }
 
-/// A way that the hand might take from a pose on: feed, tremor, turning, drawing back.
+/// A way that the operator might take from a pose on: feed, tremor, turning, drawing back.
 std::vector<Pose> random_way(Dice& dice, const Pose& start, int count) {
   std::vector<Pose> way{start};
   for (int n = 0; n < count; ++n) {
@@ -178,7 +178,7 @@ TEST(RemainingMesh, UpdatesOnlyWhatChanged) {
   EXPECT_TRUE(surface.update().empty());
 }
 
-TEST(JoinBlocks, RefusesBlocksOfDifferentMoments) {
+TEST(JoinBlocks, RejectsBlocksOfDifferentMoments) {
   RemainingBone bone(test::ball_to_drill());
   RemainingSurface surface(bone);
   auto blocks = surface.blocks();

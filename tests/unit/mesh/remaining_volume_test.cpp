@@ -15,7 +15,7 @@ using test::kDrilledBall;
 
 double volume_mm3(const RemainingSurface& surface) { return measure_mesh(test::joined(surface)).volume_mm3; }
 
-/// A hand at 4 mm/s with the workloads' tremor.
+/// An operator at 4 mm/s with the workloads' tremor.
 PathMotionOptions trembling(std::uint64_t seed) {
   return {.feed = {.steps = {{0.0, 4.0}}}, .tremor_mm = 0.1, .seed = seed};
 }
@@ -51,13 +51,13 @@ TEST(RemainingVolume, IsTheBitsInSolid) {
   }
 }
 
-TEST(RemainingVolume, IsWhatAHandSweptInSolid) {
+TEST(RemainingVolume, IsWhatAnOperatorSweptInSolid) {
   for (const DrillBit& bit : short_bits()) {
-    const DrillPath path{"hand", kDrilledBall.centre_mm + Vec3(1.0, 1.0, 0.0),
+    const DrillPath path{"tremor", kDrilledBall.centre_mm + Vec3(1.0, 1.0, 0.0),
                          kDrilledBall.centre_mm + Vec3(2.5, 3.0, 1.0), bit};
-    const PathMotion hand(path, trembling(3));
+    const PathMotion tool_operator(path, trembling(3));
     std::vector<Pose> poses;
-    for (std::size_t n = 0; n <= hand.cycle_count(); ++n) poses.push_back(hand.pose(n));
+    for (std::size_t n = 0; n <= tool_operator.cycle_count(); ++n) poses.push_back(tool_operator.pose(n));
     RemainingBone bone(ball_to_drill());
     RemainingSurface surface(bone);
     const double before_mm3 = volume_mm3(surface);
@@ -115,13 +115,13 @@ TEST(RemainingVolume, IsThatOfThePointsWhichTheEngineRemoved) {
               [&](std::span<const Vec3> p, std::span<float> d, std::span<float> hu) { model.sample(p, d, hu); });
   const std::size_t alive = points.alive_count();
   const auto engine = make_ring_engine(points, bit, Material{});
-  const PathMotion hand(path, trembling(4));
+  const PathMotion tool_operator(path, trembling(4));
   RemainingBone bone(model);
   RemainingSurface surface(bone);
   const double before_mm3 = volume_mm3(surface);
   std::vector<Pose> poses;
-  for (std::size_t n = 0; n <= hand.cycle_count(); ++n) {
-    poses.push_back(hand.pose(n));
+  for (std::size_t n = 0; n <= tool_operator.cycle_count(); ++n) {
+    poses.push_back(tool_operator.pose(n));
     engine->step(poses.back());
   }
   bone.drill(bit, poses);
@@ -163,8 +163,8 @@ TEST(RemainingSurface, LiesOnTheExactCutAwayFromTheRim) {
     surface.update();
     const BitProfile swept = BitProfile(bit).lengthened(16.0);
     double sum_mm = 0.0;
-    double most_mm = 0.0;
-    double most_at_rim_mm = 0.0;
+    double max_mm = 0.0;
+    double max_at_rim_mm = 0.0;
     std::size_t count = 0;
     const TriangleMesh mesh = test::joined(surface);
     for (const auto& triangle : mesh.triangles) {
@@ -173,21 +173,21 @@ TEST(RemainingSurface, LiesOnTheExactCutAwayFromTheRim) {
       const double to_ball_mm = std::abs(kDrilledBall.distance_mm(p));
       const double to_bit_mm = std::abs(bit_distance_mm(swept, poses[1], p));
       if (std::max(to_ball_mm, to_bit_mm) < 2.0 * voxel_mm) {
-        most_at_rim_mm = std::max(most_at_rim_mm, std::min(to_ball_mm, to_bit_mm));
+        max_at_rim_mm = std::max(max_at_rim_mm, std::min(to_ball_mm, to_bit_mm));
         continue;
       }
       const double off_mm = std::min(to_ball_mm, to_bit_mm);
       sum_mm += off_mm;
-      most_mm = std::max(most_mm, off_mm);
+      max_mm = std::max(max_mm, off_mm);
       ++count;
     }
     ASSERT_GT(count, 1000U);
     EXPECT_LE(sum_mm / static_cast<double>(count), 0.05 * voxel_mm);
-    EXPECT_LE(most_mm, 0.5 * voxel_mm);
-    EXPECT_LE(most_at_rim_mm, voxel_mm);
+    EXPECT_LE(max_mm, 0.5 * voxel_mm);
+    EXPECT_LE(max_at_rim_mm, voxel_mm);
     RecordProperty("mean_um", static_cast<int>(1e3 * sum_mm / static_cast<double>(count)));
-    std::printf("voxel %.1f mm: mean %.2f um, most %.1f um, at the rim %.1f um\n", voxel_mm,
-                1e3 * sum_mm / static_cast<double>(count), 1e3 * most_mm, 1e3 * most_at_rim_mm);
+    std::printf("voxel %.1f mm: mean %.2f um, max %.1f um, at the rim %.1f um\n", voxel_mm,
+                1e3 * sum_mm / static_cast<double>(count), 1e3 * max_mm, 1e3 * max_at_rim_mm);
   }
 }
 

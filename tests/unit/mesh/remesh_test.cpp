@@ -176,7 +176,7 @@ TEST(Remesh, IsTheSameAtOneAndTwoThreads) {
   EXPECT_EQ(serial.triangles, many.triangles);
 }
 
-TEST(Remesh, RefusesOptionsThatAreNoNumbers) {
+TEST(Remesh, RejectsOptionsThatAreNoNumbers) {
   const Ball ball{Vec3::Zero(), 3.0};
   const TriangleMesh start = test::ball_mesh(3.0, Vec3::Zero(), 10, 20);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -189,7 +189,7 @@ TEST(Remesh, RefusesOptionsThatAreNoNumbers) {
   }
 }
 
-TEST(Remesh, RefusesASurfaceThatIsNotClosedAndSaysWhere) {
+TEST(Remesh, RejectsASurfaceThatIsNotClosedAndSaysWhere) {
   const Ball ball{Vec3::Zero(), 3.0};
   TriangleMesh open = test::ball_mesh(3.0, Vec3::Zero(), 10, 20);
   open.triangles.erase(open.triangles.begin());

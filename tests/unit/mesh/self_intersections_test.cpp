@@ -68,7 +68,7 @@ TEST(SelfIntersections, FindWhereTwoBallsCross) {
   }
 }
 
-TEST(SelfIntersections, RefuseIndicesOutOfRangeAndPositionsThatAreNoNumbers) {
+TEST(SelfIntersections, RejectIndicesOutOfRangeAndPositionsThatAreNoNumbers) {
   TriangleMesh mesh = test::tetrahedron();
   mesh.triangles[0][0] = 4;
   EXPECT_THROW(self_intersections(mesh), Error);

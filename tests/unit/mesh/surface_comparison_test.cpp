@@ -39,7 +39,7 @@ TEST(SurfaceError, TakesNinetyNineOfAHundred) {
   EXPECT_NEAR(surface_error(mesh, ball.field()).p99_mm, 0.5, 0.02);
 }
 
-TEST(SurfaceError, OfNothingIsRefused) { EXPECT_THROW(surface_error({}, Ball().field()), Error); }
+TEST(SurfaceError, OfNothingIsRejected) { EXPECT_THROW(surface_error({}, Ball().field()), Error); }
 
 }  // namespace
 }  // namespace spinaltap

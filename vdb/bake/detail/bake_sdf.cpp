@@ -67,12 +67,12 @@ bool has_surface(const openvdb::FloatGrid& grid) {
 
 /// Seeds that lie off the zero set, as those of a much smoothed function do, moved onto it along the gradient.
 std::vector<Vec3> drawn_to_zero_set(const ScalarField& field, std::span<const Vec3> seeds_mm, double near_mm) {
-  constexpr int kMostRounds = 8;
+  constexpr int kMaxRounds = 8;
   constexpr double kLongestStepMm = 2.0;
   std::vector<Vec3> places_mm(seeds_mm.begin(), seeds_mm.end());
   std::vector<std::size_t> away(places_mm.size());
   std::iota(away.begin(), away.end(), std::size_t{0});
-  for (int round = 0; round < kMostRounds && !away.empty(); ++round) {
+  for (int round = 0; round < kMaxRounds && !away.empty(); ++round) {
     std::vector<Vec3> asked_mm;
     asked_mm.reserve(away.size());
     for (const std::size_t i : away) asked_mm.push_back(places_mm[i]);
@@ -126,9 +126,9 @@ openvdb::FloatGrid::Ptr bake_sdf(const ScalarField& field, std::span<const Vec3>
   // Each round evaluates the neighbours of the voxels near the surface, one voxel further, until all of those are
   // known.
   openvdb::Vec3SGrid ways;
-  const int most_rounds = static_cast<int>(std::ceil(kLongestWayMm / voxel_mm));
+  const int max_rounds = static_cast<int>(std::ceil(kLongestWayMm / voxel_mm));
   for (int round = 0;; ++round) {
-    if (round == most_rounds) fail("baking: the zero set does not close within ", kLongestWayMm, " mm of the seeds");
+    if (round == max_rounds) fail("baking: the zero set does not close within ", kLongestWayMm, " mm of the seeds");
     auto near = std::make_shared<openvdb::MaskTree>();
     const std::size_t evaluated =
         evaluate_voxels(field, *wanted, voxel_mm, kNearVoxels * voxel_mm, *grid, ways, *near, progress);

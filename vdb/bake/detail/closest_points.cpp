@@ -99,10 +99,10 @@ class ClosestPoints {
 
   /// Gives each voxel its neighbours' closest point where that is nearer, until none is.
   void exchange() {
-    constexpr int kMostRounds = 16;
+    constexpr int kMaxRounds = 16;
     std::vector<std::uint32_t> open(voxels_.size());
     std::iota(open.begin(), open.end(), 0U);
-    for (int round = 0; round < kMostRounds && !open.empty(); ++round) {
+    for (int round = 0; round < kMaxRounds && !open.empty(); ++round) {
       const std::vector<std::uint32_t> changed = take_from_neighbours(open);
       search(changed);
       open = neighbours_of(changed);
@@ -111,8 +111,8 @@ class ClosestPoints {
 
  private:
   void add(const Coord& at, const Eigen::Vector3f& way_mm = Eigen::Vector3f::Zero()) {
-    constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
-    if (voxels_.size() >= kMost) fail("baking: more than ", kMost, " voxels near the surface; choose larger ones");
+    constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
+    if (voxels_.size() >= kMax) fail("baking: more than ", kMax, " voxels near the surface; choose larger ones");
     place_.setValue(at, static_cast<std::int32_t>(voxels_.size()));
     voxels_.push_back({.at = at, .way_mm = way_mm});
   }
@@ -173,7 +173,7 @@ class ClosestPoints {
   /// Improves the closest points of some voxels. What does not arrive on the zero set, or arrives further away than
   /// what was known, changes nothing.
   void search(const std::vector<std::uint32_t>& open) {
-    constexpr int kMostRounds = 4;
+    constexpr int kMaxRounds = 4;
     // A point that moved by less than this many voxels has arrived: by the plane that it moved in the distance is
     // wrong by half the curvature times the square of that, 0.001 voxels where the radius is 4.
     constexpr double kStill = 0.1;
@@ -188,7 +188,7 @@ class ClosestPoints {
       searches[n].way_mm = voxels_[open[n]].way_mm;
       searching[n] = static_cast<std::uint32_t>(n);
     }
-    for (int round = 0; round < kMostRounds && !searching.empty(); ++round) {
+    for (int round = 0; round < kMaxRounds && !searching.empty(); ++round) {
       std::vector<std::uint8_t> goes_on(searching.size(), 0);
       evaluate_batches(
           field_, searching.size(), "measuring distances", progress_,

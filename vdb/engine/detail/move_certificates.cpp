@@ -81,7 +81,7 @@ MoveCertificates::MoveCertificates(std::span<const Vec3> centres_mm, double half
   middle_mm_ = bounds_of(centres_mm).center();
   for (std::size_t n = 0; n < centres_mm.size(); ++n) {
     const Vec3 p = centres_mm[n] - middle_mm_;
-    most_mm_ = std::max(most_mm_, p.norm());
+    max_mm_ = std::max(max_mm_, p.norm());
     x_[n] = static_cast<float>(p.x());
     y_[n] = static_cast<float>(p.y());
     z_[n] = static_cast<float>(p.z());
@@ -108,8 +108,8 @@ MoveCertificates::Line MoveCertificates::relative(const BitLine& line) const noe
           f(back_mm),
           f(line.turned * 1.00001),
           f(half_mm_),
-          f(kRounding * (foot.norm() + most_mm_ * turn.norm())),
-          f(kRounding * (std::abs(back_mm) + most_mm_))};
+          f(kRounding * (foot.norm() + max_mm_ * turn.norm())),
+          f(kRounding * (std::abs(back_mm) + max_mm_))};
 }
 
 void MoveCertificates::check(const BitLine& line, std::size_t begin, std::size_t end, float* left_mm) const noexcept {

@@ -66,7 +66,7 @@ class MoveCertificates {
   std::vector<float> back_, free_, forward_, backward_;
   Vec3 middle_mm_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();  ///< floats of differences from it are fine
-  double most_mm_ = 0.0;       ///< of a centre's distance from the middle
+  double max_mm_ = 0.0;        ///< of a centre's distance from the middle
   double half_mm_ = 0.0;
 };
 

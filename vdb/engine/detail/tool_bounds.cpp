@@ -62,16 +62,16 @@ SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
   whole_mm_ = way_mm + 1.6 * line_.turned * reach_mm + kSpareMm;
 }
 
-FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double least_mm) const {
+FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const {
   const double cylinder_mm = bounds_.from_cylinder_mm(at) - radius_mm;
-  if (cylinder_mm >= across_mm_ + least_mm) return {cylinder_mm - bounds_.margin_mm(), 0.0, 0.0};
+  if (cylinder_mm >= across_mm_ + min_mm) return {cylinder_mm - bounds_.margin_mm(), 0.0, 0.0};
   if (bounds_.has_cone()) {
     const double slope = bounds_.cone_slope();
     const double cone_mm = bounds_.from_cone_mm(at) - radius_mm * (1.0 + slope);
-    if (cone_mm >= cone_mm_ + least_mm) return {cone_mm - bounds_.margin_mm(), slope, 0.0};
+    if (cone_mm >= cone_mm_ + min_mm) return {cone_mm - bounds_.margin_mm(), slope, 0.0};
   }
   const double body_mm = bounds_.from_body_mm(at) - radius_mm;
-  if (body_mm >= whole_mm_ + least_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
+  if (body_mm >= whole_mm_ + min_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
   return {};
 }
 

@@ -67,8 +67,8 @@ class SweptBounds {
     return from_cylinder_mm <= across_mm_ && from_cone_mm <= cone_mm_;
   }
   /// How far the bit may move before it can touch a ball around `at` that it has not passed: nothing where it may have
-  /// passed it, or where that is less than `least_mm`.
-  FreeMove free_of_ball(const BitPlace& at, double radius_mm, double least_mm) const;
+  /// passed it, or where that is less than `min_mm`.
+  FreeMove free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const;
   /// Whether the bit holds all of a ball around `at` at the end of its way.
   bool holds_ball(const BitPlace& at, double radius_mm) const;
 

@@ -16,7 +16,7 @@ double DrawnSolid::distance_mm(const Vec3& p_mm) const {
 
 double DrawnSolid::way_mm(const Vec3& start_mm, const Vec3& direction) const {
   constexpr double kNearMm = 1e-3;
-  constexpr int kMostSteps = 400;
+  constexpr int kMaxSteps = 400;
   const Vec3 centre_mm = pose_.tip_mm - 0.5 * profile_.length_mm() * pose_.axis;
   const double radius_mm = std::hypot(0.5 * profile_.length_mm(), profile_.radius_mm()) + kNearMm;
   const double nearest_mm = (centre_mm - start_mm).dot(direction);
@@ -25,7 +25,7 @@ double DrawnSolid::way_mm(const Vec3& start_mm, const Vec3& direction) const {
   const double half_mm = std::sqrt(radius_mm * radius_mm - past_mm * past_mm);
   // The distance is exact, so that no step of it goes through the surface (Hart 1996).
   double way_mm = std::max(0.0, nearest_mm - half_mm);
-  for (int step = 0; step < kMostSteps && way_mm <= nearest_mm + half_mm; ++step) {
+  for (int step = 0; step < kMaxSteps && way_mm <= nearest_mm + half_mm; ++step) {
     const double free_mm = distance_mm(start_mm + way_mm * direction);
     if (free_mm < kNearMm) return way_mm;
     way_mm += free_mm;

@@ -64,39 +64,39 @@ bool BitSweep::is_at_wall(const Pose& from, const Vec3& p, double spare_mm) cons
   return back_mm - spare_mm > outline_->cylinder_begin_mm() && back_mm + spare_mm < outline_->length_mm();
 }
 
-double BitSweep::most_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm,
-                                double more_mm) const {
+double BitSweep::max_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm,
+                               double more_mm) const {
   const double reach_mm = (p - from.tip_mm).norm() + around_mm;
-  Change most;
+  Change max;
   for (const Pose& pose : poses_) {
     const Change one = change(from, pose, reach_mm);
-    most = {std::max(most.all_mm, one.all_mm), std::max(most.across_mm, one.across_mm),
-            std::max(most.along_mm, one.along_mm)};
+    max = {std::max(max.all_mm, one.all_mm), std::max(max.across_mm, one.across_mm),
+           std::max(max.along_mm, one.along_mm)};
   }
-  const bool slides = is_at_wall(from, p, around_mm + wall_mm + most.along_mm + more_mm);
-  return slides ? most.across_mm : most.all_mm + more_mm;
+  const bool slides = is_at_wall(from, p, around_mm + wall_mm + max.along_mm + more_mm);
+  return slides ? max.across_mm : max.all_mm + more_mm;
 }
 
 double BitSweep::change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm) const {
   // A lengthened bit stands for one that was up to so much further back.
-  return most_change_mm(from, p, around_mm, wall_mm, lengthened_mm_);
+  return max_change_mm(from, p, around_mm, wall_mm, lengthened_mm_);
 }
 
 double BitSweep::change_from_middle_mm(const Vec3& p, double around_mm, double wall_mm) const {
-  return most_change_mm(middle(), p, around_mm, wall_mm, 0.0);
+  return max_change_mm(middle(), p, around_mm, wall_mm, 0.0);
 }
 
 double BitSweep::changes_from_middle_mm(const Vec3& p, double around_mm, double wall_mm,
                                         std::vector<double>& changes_mm) const {
   const double reach_mm = (p - middle().tip_mm).norm() + around_mm;
   changes_mm.resize(poses_.size());
-  double most_mm = 0.0;
+  double max_mm = 0.0;
   for (std::size_t n = 0; n < poses_.size(); ++n) {
     const Change one = change(middle(), poses_[n], reach_mm);
     changes_mm[n] = is_at_wall(middle(), p, around_mm + wall_mm + one.along_mm) ? one.across_mm : one.all_mm;
-    most_mm = std::max(most_mm, changes_mm[n]);
+    max_mm = std::max(max_mm, changes_mm[n]);
   }
-  return most_mm;
+  return max_mm;
 }
 
 BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3& p, double limit_mm,
@@ -104,7 +104,7 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
   // Along each chord the distance to a convex body is convex: it lies above its tangents, and where those at both ends
   // of a stretch meet comes the next look.
   constexpr double kCloseMm = 1e-6;
-  constexpr int kMostLooks = 40;
+  constexpr int kMaxLooks = 40;
   struct End {
     double t, value_mm, slope_mm;
   };
@@ -119,10 +119,10 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
   Place best;
   // Within a bit of several parts, deep inside the whole may be the seam of two: there a part's distance tells nothing.
   const bool is_whole = outline_->convex_parts().size() == 1;
-  double least_mm = is_whole ? limit_mm : std::numeric_limits<double>::infinity();
+  double min_mm = is_whole ? limit_mm : std::numeric_limits<double>::infinity();
   const auto take = [&](double distance_mm, const Place& place) {
-    if (!(distance_mm < least_mm)) return;
-    least_mm = distance_mm;
+    if (!(distance_mm < min_mm)) return;
+    min_mm = distance_mm;
     best = place;
   };
   if (moments_.size() == 1) {
@@ -134,7 +134,7 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
   for (std::size_t n = 0; n + 1 < moments_.size(); ++n) {
     // What a point moves along a chord is most at one of its ends.
     if (!changes_mm.empty() &&
-        at_middle_mm - std::max(changes_mm[n], changes_mm[n + 1]) >= std::min(least_mm, limit_mm)) {
+        at_middle_mm - std::max(changes_mm[n], changes_mm[n + 1]) >= std::min(min_mm, limit_mm)) {
       continue;
     }
     if (looked_at != n) {
@@ -146,10 +146,10 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
     const Vec3 way = high_moment.seen - low_moment.seen;
     End low{0.0, low_moment.sample.distance_mm, slope_along(low_moment.sample, low_moment.seen, way)};
     End high{1.0, high_moment.sample.distance_mm, slope_along(high_moment.sample, high_moment.seen, way)};
-    for (int look = 0; look < kMostLooks && low.slope_mm < 0.0 && high.slope_mm > 0.0; ++look) {
+    for (int look = 0; look < kMaxLooks && low.slope_mm < 0.0 && high.slope_mm > 0.0; ++look) {
       const double meet = (high.value_mm - low.value_mm + low.slope_mm * low.t - high.slope_mm * high.t) /
                           (low.slope_mm - high.slope_mm);
-      if (low.value_mm + low.slope_mm * (meet - low.t) > least_mm - kCloseMm) break;
+      if (low.value_mm + low.slope_mm * (meet - low.t) > min_mm - kCloseMm) break;
       const double t = std::clamp(meet, low.t, high.t);
       const Vec3 at = low_moment.seen + t * way;
       const MeridianSample between = sample_of(body, at);

@@ -79,7 +79,7 @@ class BitSweep {
     bool is_found = false;
   };
   static Change change(const Pose& from, const Pose& to, double reach_mm);
-  double most_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm, double more_mm) const;
+  double max_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm, double more_mm) const;
   bool is_at_wall(const Pose& from, const Vec3& p, double spare_mm) const;
   Vec3 seen_at(const Vec3& p, const Place& place) const;
   Place nearest_place(const MeridianOutline& body, const Vec3& p, double limit_mm, double at_middle_mm,

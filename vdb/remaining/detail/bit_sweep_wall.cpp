@@ -37,7 +37,7 @@ SweepSample BitSweep::nearest_below_at_wall(const Vec3& p, double limit_mm, doub
   const auto seen_across = [&](const Moment& moment) -> Eigen::Vector2d {
     return moment.rows.topRows<2>() * (p - moment.tip_mm);
   };
-  double least_mm = limit_mm;
+  double min_mm = limit_mm;
   double least_squared = limit_mm > -radius_mm ? (limit_mm + radius_mm) * (limit_mm + radius_mm) : 0.0;
   Eigen::Vector2d nearest = Eigen::Vector2d::Zero();
   std::size_t at_moment = moments_.size();
@@ -45,14 +45,14 @@ SweepSample BitSweep::nearest_below_at_wall(const Vec3& p, double limit_mm, doub
     const double squared = seen.squaredNorm();
     if (!(squared < least_squared)) return;
     least_squared = squared;
-    least_mm = std::sqrt(squared) - radius_mm;
+    min_mm = std::sqrt(squared) - radius_mm;
     nearest = seen;
     at_moment = moment;
   };
   if (moments_.size() == 1) take(seen_across(moments_[0]), 0);
   for (std::size_t n = 0; n + 1 < moments_.size(); ++n) {
     // What a point moves along a chord is most at one of its ends.
-    if (at_middle_mm - std::max(changes_mm[n], changes_mm[n + 1]) >= least_mm) continue;
+    if (at_middle_mm - std::max(changes_mm[n], changes_mm[n + 1]) >= min_mm) continue;
     const Eigen::Vector2d begin = seen_across(moments_[n]);
     const Eigen::Vector2d way = seen_across(moments_[n + 1]) - begin;
     const double squared = way.squaredNorm();
@@ -63,7 +63,7 @@ SweepSample BitSweep::nearest_below_at_wall(const Vec3& p, double limit_mm, doub
   const double off_mm = nearest.norm();
   const Eigen::Vector2d out =
       off_mm > 0.0 ? Eigen::Vector2d(nearest / off_mm) : Eigen::Vector2d(Eigen::Vector2d::UnitX());
-  return {least_mm, moments_[at_moment].rows.topRows<2>().transpose() * out};
+  return {min_mm, moments_[at_moment].rows.topRows<2>().transpose() * out};
 }
 
 }  // namespace spinaltap::detail

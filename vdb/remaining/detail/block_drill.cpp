@@ -69,7 +69,7 @@ class EighthDrill {
 
   void look_at(const std::array<int, 3>& voxel, double at_middle_mm, bool is_at_wall) {
     // Rounding to float must not look like a change again and again.
-    constexpr double kLeastChangeMm = 1e-6;
+    constexpr double kMinChangeMm = 1e-6;
     const std::size_t offset = BlockLattice::offset(voxel[0], voxel[1], voxel[2]);
     const float hole_mm = drill_.hole == nullptr ? bone_.band_mm : drill_.hole->distance_mm[offset];
     if (hole_mm <= -bone_.band_mm) return;
@@ -84,7 +84,7 @@ class EighthDrill {
                           : sweep_.nearest_below(p_mm, before_mm, at_middle_mm, changes_mm_);
     }
     const double after_mm = std::max(sample.distance_mm, -band_mm_);
-    if (!(after_mm < before_mm - kLeastChangeMm)) {
+    if (!(after_mm < before_mm - kMinChangeMm)) {
       drill_.slack_mm = std::min(drill_.slack_mm, at_middle_mm - before_mm);
       return;
     }

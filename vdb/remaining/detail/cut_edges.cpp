@@ -90,7 +90,7 @@ struct BoneCut {
 
 /// One step of Newton's method along each edge, on the field as it was baked.
 void sharpen(const BoneModel& bone, std::vector<BoneCut>& cuts, std::vector<Vec3>& normals) {
-  constexpr double kLeastSlope = 0.1;
+  constexpr double kMinSlope = 0.1;
   std::vector<Vec3> points_mm(cuts.size());
   std::vector<float> values_mm(cuts.size());
   normals.resize(cuts.size());
@@ -99,11 +99,11 @@ void sharpen(const BoneModel& bone, std::vector<BoneCut>& cuts, std::vector<Vec3
   for (std::size_t n = 0; n < cuts.size(); ++n) {
     const double slope = normals[n].dot(cuts[n].along_mm);
     const double length_mm = cuts[n].along_mm.norm();
-    if (slope > kLeastSlope * length_mm) {
+    if (slope > kMinSlope * length_mm) {
       cuts[n].t = std::clamp(cuts[n].t - static_cast<double>(values_mm[n]) / slope, 0.0, 1.0);
     }
     const double steep = normals[n].norm();
-    normals[n] = steep > kLeastSlope ? Vec3(normals[n] / steep) : Vec3(cuts[n].along_mm / length_mm);
+    normals[n] = steep > kMinSlope ? Vec3(normals[n] / steep) : Vec3(cuts[n].along_mm / length_mm);
   }
 }
 

@@ -22,12 +22,12 @@ double off_way_mm(const Pose& from, const Pose& to, const Pose& pose, double rea
 
 /// Poses that are needed, of those given: each time the furthest that can be reached in one.
 std::vector<Pose> fewer_poses(std::span<const Pose> poses, double reach_mm, double tolerance_mm) {
-  constexpr std::size_t kMostInOne = 64;
+  constexpr std::size_t kMaxInOne = 64;
   std::vector<Pose> kept{poses[0]};
   std::size_t at = 0;
   while (at + 1 < poses.size()) {
     std::size_t next = at + 1;
-    for (std::size_t candidate = at + 2; candidate < std::min(poses.size(), at + kMostInOne); ++candidate) {
+    for (std::size_t candidate = at + 2; candidate < std::min(poses.size(), at + kMaxInOne); ++candidate) {
       bool all = true;
       for (std::size_t n = at + 1; n < candidate && all; ++n) {
         all = off_way_mm(poses[at], poses[candidate], poses[n], reach_mm) <= tolerance_mm;

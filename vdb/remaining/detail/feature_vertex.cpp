@@ -11,7 +11,7 @@ Vec3 feature_vertex(std::span<const SurfacePlane> planes) {
   constexpr double kSmoothCosine = 0.985;
   // Two planes that part by 16 degrees have this ratio of eigenvalues; walls of a 3 mm hole, seen by one cell of
   // 0.2 mm, stay below.
-  constexpr double kLeastRatio = 0.02;
+  constexpr double kMinRatio = 0.02;
   Vec3 mean = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
   for (const SurfacePlane& plane : planes) {
@@ -44,7 +44,7 @@ Vec3 feature_vertex(std::span<const SurfacePlane> planes) {
     solver.computeDirect(square);
     for (Eigen::Index n = 0; n < 3; ++n) {
       const double value = solver.eigenvalues()[n];
-      if (!(value > kLeastRatio * solver.eigenvalues()[2])) continue;
+      if (!(value > kMinRatio * solver.eigenvalues()[2])) continue;
       const Vec3 direction = solver.eigenvectors().col(n);
       vertex += direction.dot(right) / value * direction;
     }

@@ -58,7 +58,7 @@ MeridianOutline::MeridianOutline(std::span<const ProfilePiece> pieces) {
 }
 
 MeridianSample MeridianOutline::at(double back_mm, double off_mm) const noexcept {
-  double least_mm2 = std::numeric_limits<double>::infinity();
+  double min_mm2 = std::numeric_limits<double>::infinity();
   double from_back_mm = 0.0;  // from the nearest point of the outline
   double from_off_mm = 0.0;
   double out_back = 0.0;
@@ -67,8 +67,8 @@ MeridianSample MeridianOutline::at(double back_mm, double off_mm) const noexcept
     const double b = back_mm - nearest_back_mm;
     const double o = off_mm - nearest_off_mm;
     const double squared = b * b + o * o;
-    if (!(squared < least_mm2)) return;
-    least_mm2 = squared;
+    if (!(squared < min_mm2)) return;
+    min_mm2 = squared;
     from_back_mm = b;
     from_off_mm = o;
     out_back = normal_back;
@@ -98,7 +98,7 @@ MeridianSample MeridianOutline::at(double back_mm, double off_mm) const noexcept
     }
   }
   const bool is_inside = contains(back_mm, off_mm * off_mm);
-  const double distance_mm = std::sqrt(least_mm2);
+  const double distance_mm = std::sqrt(min_mm2);
   constexpr double kOnOutlineMm = 1e-9;
   if (distance_mm < kOnOutlineMm) return {is_inside ? -distance_mm : distance_mm, out_back, out_off};
   const double per_mm = (is_inside ? -1.0 : 1.0) / distance_mm;
@@ -107,7 +107,7 @@ MeridianSample MeridianOutline::at(double back_mm, double off_mm) const noexcept
 
 double MeridianOutline::distance_mm(double back_mm, double off_mm) const noexcept {
   if (arc_count_ > 0) return at(back_mm, off_mm).distance_mm;
-  double least_mm2 = std::numeric_limits<double>::infinity();
+  double min_mm2 = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < line_count_; ++n) {
     const Line& line = lines_[n];
     const double b = back_mm - line.back_mm;
@@ -116,9 +116,9 @@ double MeridianOutline::distance_mm(double back_mm, double off_mm) const noexcep
     const double t = std::min(1.0, std::max(0.0, along * line.per_length_squared));
     const double across_b = b - t * line.along_back_mm;
     const double across_o = o - t * line.along_off_mm;
-    least_mm2 = std::min(least_mm2, across_b * across_b + across_o * across_o);
+    min_mm2 = std::min(min_mm2, across_b * across_b + across_o * across_o);
   }
-  const double distance_mm = std::sqrt(least_mm2);
+  const double distance_mm = std::sqrt(min_mm2);
   return contains(back_mm, off_mm * off_mm) ? -distance_mm : distance_mm;
 }
 

@@ -20,7 +20,7 @@ struct MeridianSample {
 /// the steps between them and both flat ends. BitProfile::distance_mm() with a slope.
 class MeridianOutline {
  public:
-  /// At least one and at most kMostPieces pieces.
+  /// At least one and at most kMaxPieces pieces.
   explicit MeridianOutline(std::span<const ProfilePiece> pieces);
 
   MeridianSample at(double back_mm, double off_mm) const noexcept;
@@ -28,7 +28,7 @@ class MeridianOutline {
   double distance_mm(double back_mm, double off_mm) const noexcept;
 
  private:
-  static constexpr std::size_t kMostPieces = 5;
+  static constexpr std::size_t kMaxPieces = 5;
   struct Line {
     double back_mm, off_mm;              ///< begin
     double along_back_mm, along_off_mm;  ///< to the end
@@ -41,9 +41,9 @@ class MeridianOutline {
   bool contains(double back_mm, double off_squared_mm2) const noexcept;
   void add_line(double back_mm, double off_mm, double to_back_mm, double to_off_mm);
 
-  std::array<Line, 2 * kMostPieces + 1> lines_{};
-  std::array<Arc, kMostPieces> arcs_{};
-  std::array<ProfilePiece, kMostPieces> pieces_{};
+  std::array<Line, 2 * kMaxPieces + 1> lines_{};
+  std::array<Arc, kMaxPieces> arcs_{};
+  std::array<ProfilePiece, kMaxPieces> pieces_{};
   std::size_t line_count_ = 0;
   std::size_t arc_count_ = 0;
   std::size_t piece_count_ = 0;

@@ -15,11 +15,11 @@ namespace {
 
 BlockLattice lattice_around(const Box3& box_mm, double voxel_mm) {
   constexpr int kMargin = 2;
-  constexpr double kMostBlocks = 0x1p27;
+  constexpr double kMaxBlocks = 0x1p27;
   const Vec3 low = (box_mm.min() / (kBlockSide * voxel_mm)).array().floor();
   const Vec3 high = (box_mm.max() / (kBlockSide * voxel_mm)).array().floor();
   const Vec3 size = high - low + Vec3::Constant(1.0 + 2.0 * kMargin);
-  if (!(size.prod() <= kMostBlocks)) fail("remaining bone: voxels of ", voxel_mm, " mm are too small for this bone");
+  if (!(size.prod() <= kMaxBlocks)) fail("remaining bone: voxels of ", voxel_mm, " mm are too small for this bone");
   BlockLattice lattice{.voxel_mm = voxel_mm};
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     lattice.low[static_cast<std::size_t>(axis)] = static_cast<int>(low[axis]) - kMargin;
@@ -126,10 +126,10 @@ ResampledBone resample_bone(const BoneModel& bone, double voxel_mm) {
     });
     for (std::size_t n = begin; n < end; ++n) {
       const ResampledBone::Values& values = sampled[n - begin];
-      const auto [least, most] = std::minmax_element(values.begin(), values.end());
-      if (*least >= result.band_mm) {
+      const auto [min, max] = std::minmax_element(values.begin(), values.end());
+      if (*min >= result.band_mm) {
         result.places[near[n]] = ResampledBone::kOutside;
-      } else if (*most <= -result.band_mm) {
+      } else if (*max <= -result.band_mm) {
         result.places[near[n]] = ResampledBone::kInside;
       } else {
         result.places[near[n]] = static_cast<std::int32_t>(result.values.size());

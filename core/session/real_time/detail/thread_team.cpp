@@ -28,11 +28,11 @@ std::string limit_text(rlim_t limit, rlim_t unit) {
   return limit == RLIM_INFINITY ? "unlimited" : std::to_string(limit / unit);
 }
 
-std::string remark_of(const std::string& what, int error, const std::string& limit, const std::string& name) {
-  std::ostringstream remark;
-  remark << what << " not allowed for this user (" << limit << "; " << std::strerror(error)
-         << "): run as root, or give the user \"" << name << "\" in /etc/security/limits.conf";
-  return remark.str();
+std::string warning_of(const std::string& what, int error, const std::string& limit, const std::string& name) {
+  std::ostringstream warning;
+  warning << what << " not allowed for this user (" << limit << "; " << std::strerror(error)
+          << "): run as root, or give the user \"" << name << "\" in /etc/security/limits.conf";
+  return warning.str();
 }
 
 /// Of this program, as the kernel counts it; 0 where it does not say.
@@ -74,10 +74,10 @@ void ask_for_rights(const ThreadPart& part, bool wants_rights, TeamRights& right
   ask_for_exact_sleeps();
   touch_stack();
   if (!wants_rights) return;
-  const std::string remark = ask_for_priority(part.priority);
-  if (remark.empty()) return;
+  const std::string warning = ask_for_priority(part.priority);
+  if (warning.empty()) return;
   rights.has_priority = false;
-  if (rights.remarks.empty()) rights.remarks.push_back(remark);  // once, though it is so for each thread
+  if (rights.warnings.empty()) rights.warnings.push_back(warning);  // once, though it is so for each thread
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ std::string ask_for_priority(int priority) {
   if (error == 0) return {};
   rlimit limit{};
   ::getrlimit(RLIMIT_RTPRIO, &limit);
-  return remark_of("real-time priority", error, "ulimit -r is " + limit_text(limit.rlim_cur, 1), "rtprio 60");
+  return warning_of("real-time priority", error, "ulimit -r is " + limit_text(limit.rlim_cur, 1), "rtprio 60");
 }
 
 void ask_for_exact_sleeps() noexcept { ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL); }
@@ -108,7 +108,8 @@ LockedMemory::LockedMemory() : was_locked_(locked_kb() > 0) {
   const int error = errno;
   rlimit limit{};
   ::getrlimit(RLIMIT_MEMLOCK, &limit);
-  remark_ = remark_of("locked memory", error, "ulimit -l is " + limit_text(limit.rlim_cur, 1024), "memlock unlimited");
+  warning_ =
+      warning_of("locked memory", error, "ulimit -l is " + limit_text(limit.rlim_cur, 1024), "memlock unlimited");
 }
 
 LockedMemory::~LockedMemory() {
@@ -141,7 +142,7 @@ TeamRights run_together(std::span<const ThreadPart> parts, std::atomic<bool>& st
     if (wants_rights) {
       locked.emplace();
       rights.has_locked_memory = locked->is_locked();
-      if (!locked->remark().empty()) rights.remarks.push_back(locked->remark());
+      if (!locked->warning().empty()) rights.warnings.push_back(locked->warning());
     }
     start_ns = wall_ns();
     go.count_down();

@@ -10,7 +10,7 @@
 namespace spinaltap {
 
 /// Makes the calling thread a SCHED_FIFO thread: it runs before all ordinary ones. `priority`: 1 to 99. Empty where
-/// that was done, else a remark in words on what the user's rights lack.
+/// that was done, else a warning in words on what the user's rights lack.
 std::string ask_for_priority(int priority);
 
 /// Lets the calling thread's sleeps end when they should: by default Linux puts off the wake-ups of ordinary threads by
@@ -31,12 +31,12 @@ class LockedMemory {
 
   bool is_locked() const { return is_locked_; }
   /// In words, where the user's rights do not allow it; else empty.
-  const std::string& remark() const { return remark_; }
+  const std::string& warning() const { return warning_; }
 
  private:
   bool is_locked_ = false;
   bool was_locked_ = false;  ///< by others, before
-  std::string remark_;
+  std::string warning_;
 };
 
 /// One thread of a team.
@@ -49,7 +49,7 @@ struct ThreadPart {
 struct TeamRights {
   bool has_priority = false;  ///< every thread that was to have one
   bool has_locked_memory = false;
-  std::vector<std::string> remarks = {};  ///< what the user's rights did not allow, in words
+  std::vector<std::string> warnings = {};  ///< what the user's rights did not allow, in words
 };
 
 /// Runs threads together: they are made and set up one after the other, then the clock starts for all at once. Returns

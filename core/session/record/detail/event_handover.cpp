@@ -6,7 +6,7 @@
 
 namespace spinaltap {
 
-EventHandover::EventHandover() : updates_(kRoom) { handed_.reserve(DrillSession::kMostEvents); }
+EventHandover::EventHandover() : updates_(kRoom) { handed_.reserve(DrillSession::kMaxEvents); }
 
 bool EventHandover::hand_over(std::span<const SessionEvent> events, bool looks_at_all) noexcept {
   constexpr std::size_t kLooks = 16;
@@ -18,8 +18,8 @@ bool EventHandover::hand_over(std::span<const SessionEvent> events, bool looks_a
     if (!updates_.push({static_cast<std::uint32_t>(index), events[index]})) return false;
     handed_[index] = events[index];
   }
-  const std::size_t most = std::min(events.size(), DrillSession::kMostEvents);
-  while (handed_.size() < most) {
+  const std::size_t max = std::min(events.size(), DrillSession::kMaxEvents);
+  while (handed_.size() < max) {
     const std::size_t index = handed_.size();
     if (!updates_.push({static_cast<std::uint32_t>(index), events[index]})) return false;
     handed_.push_back(events[index]);
@@ -30,7 +30,7 @@ bool EventHandover::hand_over(std::span<const SessionEvent> events, bool looks_a
 void EventHandover::lose(const Cycle& cycle) noexcept {
   if (!loses_) {
     loses_ = true;
-    if (losses_ < kMostLosses) {
+    if (losses_ < kMaxLosses) {
       ++losses_;
       loss_ = {EventKind::record_lost, cycle.index, cycle.time_s, cycle.depth_mm, cycle.input.pose.tip_mm, 0.0};
     }

@@ -12,8 +12,8 @@
 
 namespace spinaltap {
 
-/// Hands values from one thread to one other, in order, without locks: room for a number of them that is allocated, and
-/// touched, at the start. Neither thread ever waits.
+/// Operators values from one thread to one other, in order, without locks: room for a number of them that is allocated,
+/// and touched, at the start. Neither thread ever waits.
 template <typename T>
 class RingBuffer {
  public:
@@ -31,12 +31,12 @@ class RingBuffer {
   /// How many have been pushed, from the start. From any thread.
   std::uint64_t pushed() const noexcept { return end_.load(std::memory_order_acquire); }
 
-  /// Reading thread: gives `take` up to `most` values, in order; how many there were.
+  /// Reading thread: gives `take` up to `max` values, in order; how many there were.
   template <class Take>
-  std::size_t pop(std::size_t most, const Take& take) {
+  std::size_t pop(std::size_t max, const Take& take) {
     const std::uint64_t begin = begin_.load(std::memory_order_relaxed);
     std::size_t count = static_cast<std::size_t>(end_.load(std::memory_order_acquire) - begin);
-    if (count > most) count = most;
+    if (count > max) count = max;
     for (std::size_t n = 0; n < count; ++n) take(slots_[(begin + n) & mask_]);
     begin_.store(begin + count, std::memory_order_release);
     return count;
@@ -79,8 +79,8 @@ class EventHandover {
  private:
   static constexpr std::size_t kRoom = 8192;
   /// Losses have slots from here on; after so many, all further ones are one.
-  static constexpr std::uint32_t kLosses = DrillSession::kMostEvents;
-  static constexpr std::uint32_t kMostLosses = 1024;
+  static constexpr std::uint32_t kLosses = DrillSession::kMaxEvents;
+  static constexpr std::uint32_t kMaxLosses = 1024;
 
   RingBuffer<Update> updates_;
   std::vector<SessionEvent> handed_;  ///< of the session's, as they were handed over

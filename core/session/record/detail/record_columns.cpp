@@ -78,8 +78,8 @@ std::span<const RecordColumn<RecordedCycle>> cycle_columns() {
       cycle_column<&Row::feed_mm_per_turn>("feed_mm_per_turn"),
       cycle_column<&Row::tip_density_g_cm3>("tip_density_g_cm3"),
       cycle_column<&Row::depth_mm>("depth_mm"),
-      cycle_column<&Row::outer_mm>("outer_clearance_mm"),
-      cycle_column<&Row::canal_mm>("canal_clearance_mm"),
+      cycle_column<&Row::outer_mm>("clearance_outer_mm"),
+      cycle_column<&Row::canal_mm>("clearance_canal_mm"),
   };
   return columns;
 }

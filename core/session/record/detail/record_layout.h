@@ -36,7 +36,7 @@ struct RecordProgress {
   }
   /// Of the numbers before it.
   static std::uint64_t checksum(const std::array<std::uint64_t, kNumbers>& all) {
-    Fnv1a hash;
+    WordHash64 hash;
     hash.add(all.data(), (kNumbers - 1) * sizeof(all[0]));
     return hash.value();
   }

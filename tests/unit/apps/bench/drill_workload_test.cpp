@@ -54,8 +54,8 @@ TEST(DrillWorkload, MovesAsItsNamesSay) {
   for (const WorkloadMotion motion : workload_motions()) {
     const std::vector<Pose> poses = workload_poses(motion);
     ASSERT_EQ(poses.size(), 37'801U) << name_of(motion);
-    const bool is_off = motion == WorkloadMotion::off_path || motion == WorkloadMotion::hand_off_path;
-    const double tremor_mm = motion == WorkloadMotion::hand || motion == WorkloadMotion::hand_off_path ? 0.4 : 1e-9;
+    const bool is_off = motion == WorkloadMotion::off_path || motion == WorkloadMotion::tremor_off_path;
+    const double tremor_mm = motion == WorkloadMotion::tremor || motion == WorkloadMotion::tremor_off_path ? 0.4 : 1e-9;
     EXPECT_NEAR(off_path_mm(poses[18'900]), is_off ? 1.2 : 0.0, tremor_mm) << name_of(motion);
     const double degrees = std::acos(std::min(1.0, poses[100].axis.dot(path.direction()))) * 180.0 / std::numbers::pi;
     EXPECT_NEAR(degrees, motion == WorkloadMotion::tilted ? 3.0 : 0.0, 1e-5) << name_of(motion);

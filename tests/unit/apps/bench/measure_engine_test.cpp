@@ -15,7 +15,7 @@ class MeasureEngine : public testing::Test {
 
   EngineRun run(EngineFactory make_engine) const { return {std::move(make_engine), workload_path(3.0).bit, poses_}; }
 
-  std::vector<Pose> poses_ = workload_poses(WorkloadMotion::hand);
+  std::vector<Pose> poses_ = workload_poses(WorkloadMotion::tremor);
   PointVolume volume_ = workload_volume(0.2);
   ClockCosts costs_ = measure_clock_costs();
 };
@@ -30,7 +30,7 @@ class Forgetful final : public DrillEngine {
     volume_.set_alive(1, 0, true);
     return result;
   }
-  void lift() noexcept override { engine_->lift(); }
+  void reset_motion() noexcept override { engine_->reset_motion(); }
   std::size_t memory_bytes() const override { return 0; }
 
  private:
@@ -85,7 +85,7 @@ TEST_F(MeasureEngine, RemovesInWindowsWhatTheWholePathRemovesThere) {
   EXPECT_GE(windows.middle_tenth.removed, removed);
 }
 
-TEST_F(MeasureEngine, RefusesEnginesThatLeaveOtherPointsInAWindow) {
+TEST_F(MeasureEngine, RejectsEnginesThatLeaveOtherPointsInAWindow) {
   EXPECT_THROW(measure_windows(run(forgetful()), volume_, costs_, {.cycles = 50}), Error);
   EXPECT_THROW(measure_windows(run(make_ring_engine), volume_, costs_, {.cycles = 0}), Error);
   EXPECT_THROW(measure_windows(run(make_ring_engine), volume_, costs_, {.cycles = 101}), Error);

@@ -22,7 +22,7 @@ int drawn_pixels(const Image& image, int left, int right, int top, int bottom) {
   return drawn;
 }
 
-TEST(ComparisonPicture, HasATileForEachSurfaceAndTheTruth) {
+TEST(ComparisonPicture, HasATileForEachSurfaceAndTheGroundTruth) {
   const BoneModel ball = test::bake_ball({Vec3(0.0, 0.0, 0.0), 6.0}, 0.5);
   Comparison comparison{ball, {}, {}};
   for (const PointMethod method : {PointMethod::pixels, PointMethod::contours}) {
@@ -30,7 +30,7 @@ TEST(ComparisonPicture, HasATileForEachSurfaceAndTheTruth) {
     comparison.surfaces.push_back({method, 0.5, 100, {}, std::nullopt});
   }
   const Image picture = comparison_picture(comparison);
-  // Two columns, three rows: two methods and the truth.
+  // Two columns, three rows: two methods and the ground truth.
   const int column = picture.width / 2;
   const int row = picture.height / 3;
   EXPECT_GT(column, row);
@@ -39,7 +39,7 @@ TEST(ComparisonPicture, HasATileForEachSurfaceAndTheTruth) {
   };
   // A ball fills about three quarters of a tile's height.
   for (int y = 0; y < 3; ++y) EXPECT_GT(in_tile(0, y), row * row / 4) << y;
-  // Where there is no surface, and beside the truth, there are words at most.
+  // Where there is no surface, and beside the ground truth, there are words at most.
   for (int y = 0; y < 3; ++y) EXPECT_LT(in_tile(1, y), row * row / 10) << y;
 }
 

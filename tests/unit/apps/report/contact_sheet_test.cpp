@@ -64,8 +64,8 @@ TEST(ContactSheet, AveragesVoxelsThatShareAPixel) {
   EXPECT_NEAR(grey_at(sheet, 6 + 64, 28 + 64), 128, 2);
 }
 
-TEST(ContactSheet, RefusesOptionsOutOfRange) {
-  EXPECT_THROW(contact_sheet(striped(8, 8, 2), {.most_slices = 0}), Error);
+TEST(ContactSheet, RejectsOptionsOutOfRange) {
+  EXPECT_THROW(contact_sheet(striped(8, 8, 2), {.max_slices = 0}), Error);
   EXPECT_THROW(contact_sheet(striped(8, 8, 2), {.tile_pixels = 100000}), Error);
 }
 

@@ -13,14 +13,14 @@ namespace {
 
 using test::kNan;
 
-TEST(DepthBins, HoldLeastMedianAndGreatestOfEachStretch) {
+TEST(DepthBins, HoldMinMedianAndMaxOfEachStretch) {
   const std::vector<double> depth{0, 1, 2, 3, 4, 5, 6, 8};
   const std::vector<double> values{5, 1, 3, 7, 10, 40, 20, 30};
   const DepthBins bins = bin_by_depth(depth, values, 2);
   EXPECT_EQ(bins.depth, (std::vector<double>{2, 6}));
-  EXPECT_EQ(bins.least, (std::vector<double>{1, 10}));
+  EXPECT_EQ(bins.min, (std::vector<double>{1, 10}));
   EXPECT_EQ(bins.median, (std::vector<double>{4, 25}));
-  EXPECT_EQ(bins.greatest, (std::vector<double>{7, 40}));
+  EXPECT_EQ(bins.max, (std::vector<double>{7, 40}));
 }
 
 TEST(DepthBins, PassOverValuesThatAreNotFinite) {
@@ -32,7 +32,7 @@ TEST(DepthBins, PassOverValuesThatAreNotFinite) {
   EXPECT_EQ(bin_by_depth(std::vector<double>{2, 2}, std::vector<double>{1, 3}, 1).median[0], 2.0);
 }
 
-TEST(DepthBins, RefuseUnequalLengthsAndNoBins) {
+TEST(DepthBins, RejectUnequalLengthsAndNoBins) {
   EXPECT_THROW(bin_by_depth(std::vector<double>{1}, {}, 2), Error);
   EXPECT_THROW(bin_by_depth({}, {}, 0), Error);
 }

@@ -41,9 +41,9 @@ DrillReportData full_data(const CtVolume& ct) {
   data.renders[1].caption = "after";
   for (int i = 0; i < 3000; ++i) {
     data.depth_mm.push_back(0.01 * i);
-    data.density_hu.push_back(i < 10 ? std::numeric_limits<double>::quiet_NaN() : 300.0 + i % 7);
-    data.density_g_per_cm3.push_back(0.3);
-    data.thrust_N.push_back(5.0);
+    data.hu.push_back(i < 10 ? std::numeric_limits<double>::quiet_NaN() : 300.0 + i % 7);
+    data.density_g_cm3.push_back(0.3);
+    data.thrust_n.push_back(5.0);
     data.cycles_per_s.push_back(1e6 / (1 + i));
     data.removed_points.push_back(i % 30);
   }
@@ -171,17 +171,17 @@ TEST(DrillReport, DrawsCurvesThatHoldNoFiniteValue) {
   data.path.target_mm = {0, -30, 0};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   data.depth_mm = {0, 1, 2};
-  data.density_hu = {nan, nan, nan};
+  data.hu = {nan, nan, nan};
   data.cycles_per_s = {nan, nan, nan};
   EXPECT_EQ(times_in(drill_report(data), "no data"), 2U);
 }
 
-TEST(DrillReport, RefusesCurvesOfAnotherLengthAndAPathWithoutLength) {
+TEST(DrillReport, RejectsCurvesOfAnotherLengthAndAPathWithoutLength) {
   DrillReportData data;
   EXPECT_THROW(drill_report(data), Error);
   data.path.target_mm = {0, -30, 0};
   data.depth_mm = {0, 1, 2};
-  data.thrust_N = {1, 2};
+  data.thrust_n = {1, 2};
   EXPECT_THROW(drill_report(data), Error);
 }
 
@@ -200,7 +200,7 @@ TEST(SliceFigure, DrawsTheProjectionOnlyWhereThePlaneDoesNotHoldThePath) {
   }
 }
 
-TEST(SliceFigure, RefusesAPictureThatDoesNotFitItsFrame) {
+TEST(SliceFigure, RejectsAPictureThatDoesNotFitItsFrame) {
   const CtVolume ct = small_ct();
   const DrillReportData data = full_data(ct);
   CtSlice slice = ct_slice(ct, path_frame(data.path, data.bone_bounds_mm));

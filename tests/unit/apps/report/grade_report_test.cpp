@@ -34,7 +34,7 @@ GradedPath graded(double breach_mm) {
   grade.canal = {-breach_mm, 18.25, PathSide::medial};
   grade.hu = 240.4;
   grade.hu_band_shares = {0.125, 0.75, 0.125};
-  grade.most_thrust_n = 34.5;
+  grade.max_thrust_n = 34.5;
   for (int n = 0; n <= 160; ++n) {
     GradeRow row;
     row.depth_mm = 0.25 * n;
@@ -52,7 +52,7 @@ GradedPath graded(double breach_mm) {
 
 TEST(GradeReport, ShowsGradeBreachApproachesAndFourPlotsOfEachPath) {
   Landmarks odd;
-  odd.doubts = {"an odd vertebra"};
+  odd.warnings = {"an odd vertebra"};
   odd.left_pedicle.width_mm = 8.76;
   GradedPath safe = graded(0.0);
   safe.safe = SafeZone{.medial_mm = 1.23, .caudal_deg = 4.56};
@@ -84,12 +84,12 @@ TEST(GradeReport, LeavesOutWallsThatAreNotThere) {
   alone.grade.hu = std::numeric_limits<double>::quiet_NaN();
   for (GradeRow& row : alone.grade.rows) row.canal_mm = std::numeric_limits<double>::infinity();
   const std::string html = grade_report({"L3", {alone}, kBands, nullptr, nullptr, {}});
-  EXPECT_THAT(html, Not(HasSubstr("least clearance")));
+  EXPECT_THAT(html, Not(HasSubstr("min clearance")));
   EXPECT_THAT(html, Not(HasSubstr(">inf")));
   EXPECT_THAT(html, Not(HasSubstr(">nan")));
 }
 
-TEST(GradeReport, RefusesToReportNothing) {
+TEST(GradeReport, RejectsToReportNothing) {
   EXPECT_THROW(grade_report({"L3", {}, kBands, nullptr, nullptr, {}}), Error);
 }
 
@@ -102,7 +102,7 @@ TEST(GradeOutput, WritesWhatIsNotFiniteAsNullAndAsAnEmptyField) {
   EXPECT_TRUE(json["canal"].is_null());
   EXPECT_TRUE(json["breach"].is_null());
   EXPECT_TRUE(json["rows"][0]["hu"].is_null());
-  EXPECT_TRUE(json["rows"][0]["canal_mm"].is_null());
+  EXPECT_TRUE(json["rows"][0]["clearance_canal_mm"].is_null());
   EXPECT_EQ(json["rows"].size(), 161U);
   EXPECT_EQ(json["grade"], "A");
   EXPECT_FALSE(to_json(alone, kBands, false).contains("rows"));

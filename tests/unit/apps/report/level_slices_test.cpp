@@ -100,19 +100,19 @@ TEST(LevelSlices, OverviewsHoldALeaningColumnAndItsNames) {
   EXPECT_EQ(drawn, pixels_of_colour(name, slices.colour(lowest)));
 }
 
-TEST(LevelSlices, DashAndQuestionADoubtfulLevel) {
+TEST(LevelSlices, DashAndQuestionASuspectLevel) {
   LevelsScene scene;
   const LevelSlices sure(scene.ct, scene.labels, scene.what);
   LevelsPicture doubting = scene.what;
-  doubting.levels[2].doubtful = true;
-  const LevelSlices doubtful(scene.ct, scene.labels, doubting);
+  doubting.levels[2].suspect = true;
+  const LevelSlices suspect(scene.ct, scene.labels, doubting);
   EXPECT_EQ(sure.title(sure.levels()[1]), "L2");
-  EXPECT_EQ(doubtful.title(doubtful.levels()[1]), "L2 ?");
+  EXPECT_EQ(suspect.title(suspect.levels()[1]), "L2 ?");
   const auto rim = [](const LevelSlices& slices) {
     return pixels_of_colour(slices.level_slice(Plane::kAxial, slices.levels()[1], 0.5).image,
                             slices.colour(slices.levels()[1]));
   };
-  EXPECT_NEAR(rim(doubtful) / static_cast<double>(rim(sure)), 9.0 / 16.0, 0.06);
+  EXPECT_NEAR(rim(suspect) / static_cast<double>(rim(sure)), 9.0 / 16.0, 0.06);
 }
 
 TEST(LevelSlices, MarkTheSeedWhereItIsAndOnlyInSlicesNearIt) {

@@ -38,7 +38,7 @@ TEST(LevelsPicture, WritesWarningsBelow) {
 
 TEST(LevelsPicture, IsTheSameAtAnyThreadCount) {
   LevelsScene scene;
-  scene.what.levels[0].doubtful = true;
+  scene.what.levels[0].suspect = true;
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return levels_picture(scene.ct, scene.labels, scene.what).rgb;
@@ -59,24 +59,24 @@ TEST(LevelsPicture, StaysBoundedForManyLevelsAndForALabelThatFillsTheCt) {
   EXPECT_LE(std::max(full.width, full.height), 4500);
 }
 
-TEST(LevelsPicture, RefusesWhatItCannotShow) {
+TEST(LevelsPicture, RejectsWhatItCannotShow) {
   const LevelsScene scene;
-  const auto refused = [&](auto&& spoil) {
+  const auto rejected = [&](auto&& spoil) {
     LevelsScene bad = scene;
     spoil(bad);
     EXPECT_THROW(levels_picture(bad.ct, bad.labels, bad.what), Error);
   };
-  refused([](LevelsScene& bad) { std::fill(bad.labels.labels.begin(), bad.labels.labels.end(), std::uint8_t{0}); });
-  refused([](LevelsScene& bad) { bad.labels.geometry.size[2] -= 1; });
-  refused([](LevelsScene& bad) { bad.labels.geometry.origin_mm.x() += 1.0; });
-  refused([](LevelsScene& bad) { bad.labels.labels.pop_back(); });
-  refused([](LevelsScene& bad) { bad.what.levels.clear(); });
-  refused([](LevelsScene& bad) { bad.what.levels[0].label = 9; });
-  refused([](LevelsScene& bad) { bad.what.levels[0].label = 2; });  // twice
-  refused([](LevelsScene& bad) { bad.what.chosen = 9; });
-  refused([](LevelsScene& bad) { bad.what.pixel_mm = 0.0; });
-  refused([](LevelsScene& bad) { bad.what.seed_mm = Vec3::Constant(std::numeric_limits<double>::infinity()); });
-  refused([](LevelsScene& bad) { bad.what.levels[0].centre_mm.x() = std::numeric_limits<double>::quiet_NaN(); });
+  rejected([](LevelsScene& bad) { std::fill(bad.labels.labels.begin(), bad.labels.labels.end(), std::uint8_t{0}); });
+  rejected([](LevelsScene& bad) { bad.labels.geometry.size[2] -= 1; });
+  rejected([](LevelsScene& bad) { bad.labels.geometry.origin_mm.x() += 1.0; });
+  rejected([](LevelsScene& bad) { bad.labels.labels.pop_back(); });
+  rejected([](LevelsScene& bad) { bad.what.levels.clear(); });
+  rejected([](LevelsScene& bad) { bad.what.levels[0].label = 9; });
+  rejected([](LevelsScene& bad) { bad.what.levels[0].label = 2; });  // twice
+  rejected([](LevelsScene& bad) { bad.what.chosen = 9; });
+  rejected([](LevelsScene& bad) { bad.what.pixel_mm = 0.0; });
+  rejected([](LevelsScene& bad) { bad.what.seed_mm = Vec3::Constant(std::numeric_limits<double>::infinity()); });
+  rejected([](LevelsScene& bad) { bad.what.levels[0].centre_mm.x() = std::numeric_limits<double>::quiet_NaN(); });
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(NamedView, LooksFromWhereItsNameSays) {
   EXPECT_GT(named_view("hole", &path, seen_bone()).from.normalized().dot(-path.direction()), 0.8);
 }
 
-TEST(NamedView, IsRefusedWhereThereIsNone) {
+TEST(NamedView, IsRejectedWhereThereIsNone) {
   for (const char* name : {"", "top", "1,2", "1,2,3,4", "0,0,0", "a,b,c", "1,2,nan"}) {
     EXPECT_THAT([&] { named_view(name, nullptr, seen_bone()); }, ThrowsMessage<Error>(HasSubstr("expected behind")))
         << name;
@@ -74,7 +74,7 @@ TEST(NamedCut, GoesThroughThePathsMiddle) {
   EXPECT_NEAR(named_cut("axial", nullptr, seen_bone()).point_mm.z(), kSeenBall.centre_mm.z(), 0.5);
 }
 
-TEST(NamedCut, IsRefusedWhereThereIsNone) {
+TEST(NamedCut, IsRejectedWhereThereIsNone) {
   EXPECT_THAT([&] { named_cut("oblique", nullptr, seen_bone()); }, ThrowsMessage<Error>(HasSubstr("axial")));
   EXPECT_THAT([&] { named_cut("path", nullptr, seen_bone()); }, ThrowsMessage<Error>(HasSubstr("--plan")));
 }

@@ -66,7 +66,7 @@ TEST(PlotTicks, HaveShortLabels) {
   EXPECT_EQ(tick_label(2e-6, 1e-6), "2e-6");
 }
 
-TEST(PlotTicks, RefuseRangesThatCannotBeDrawn) {
+TEST(PlotTicks, RejectRangesThatCannotBeDrawn) {
   EXPECT_THROW(linear_ticks(0.0, std::numeric_limits<double>::infinity(), 5), Error);
   EXPECT_THROW(log_ticks(0.0, 1.0), Error);
   EXPECT_THROW(log_ticks(std::numeric_limits<double>::quiet_NaN(), 1.0), Error);

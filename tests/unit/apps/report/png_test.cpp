@@ -58,7 +58,7 @@ TEST(Png, StoresGreyPicturesInOneChannel) {
   EXPECT_LT(2 * encode_png(noise(64, 64, true)).size(), encode_png(noise(64, 64, false)).size());
 }
 
-TEST(Png, RefusesEmptyImagesAndWrongSizes) {
+TEST(Png, RejectsEmptyImagesAndWrongSizes) {
   EXPECT_THROW(encode_png({}), Error);
   EXPECT_THROW(encode_png({2, 2, std::vector<std::uint8_t>(11)}), Error);
 }

@@ -54,7 +54,7 @@ TEST(SessionReport, ListsEventsAndCountsThoseThatItLeavesOut) {
 RealTimeReport a_run() {
   RealTimeReport run;
   run.seconds = 60.0;
-  run.remarks = {"real-time priority not allowed"};
+  run.warnings = {"real-time priority not allowed"};
   run.collision = {.rate_hz = 999.5,
                    .cycles = 59'970,
                    .idle = 10,
@@ -86,7 +86,7 @@ TEST(SessionReport, ShowsThreadsThatRanWithEverythingThatWasCounted) {
   }
 }
 
-TEST(SessionReport, TablesRefuseRowsOfAnotherLength) {
+TEST(SessionReport, TablesRejectRowsOfAnotherLength) {
   HtmlReport report("table");
   EXPECT_THROW(report.add_table({"a", "b"}, {{"1", "2"}, {"3"}}), Error);
 }

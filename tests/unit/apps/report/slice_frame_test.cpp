@@ -95,7 +95,7 @@ TEST(SliceFrame, NamesDirectionsInThePatient) {
   EXPECT_EQ(orientation_letters(Vec3(0.6, -0.8, 0.0)), "AL");
 }
 
-TEST(SliceFrame, RefusesCropsThatMakeNoPicture) {
+TEST(SliceFrame, RejectsCropsThatMakeNoPicture) {
   EXPECT_THROW(plane_frame(Plane::kAxial, Vec3::Zero(), Box3()), Error);
   EXPECT_THROW(plane_frame(Plane::kAxial, Vec3::Zero(), kCrop, 0.0), Error);
   EXPECT_THROW(plane_frame(Plane::kAxial, Vec3::Zero(), kCrop, 0.001), Error);
@@ -209,7 +209,7 @@ TEST(CtSlice, IsBlackOutsideTheCt) {
   EXPECT_EQ(white, 3 * 3 * 3);
 }
 
-TEST(CtSlice, RefusesAWindowWithoutWidth) {
+TEST(CtSlice, RejectsAWindowWithoutWidth) {
   GridGeometry grid;
   grid.size = {2, 2, 2};
   const CtVolume ct = make_ct_volume(grid, std::vector<std::int16_t>(8));

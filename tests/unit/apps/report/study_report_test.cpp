@@ -18,9 +18,9 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-const StudyDesign kBreachDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::normal, {}, 0.0, 1.0},
-                                 {StudyFactor::entry_head_mm, FactorLaw::Kind::normal, {}, 0.0, 1.0},
-                                 {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}}},
+const StudyDesign kBreachDesign{{{StudyFactor::entry_left_mm, FactorDistribution::Kind::normal, {}, 0.0, 1.0},
+                                 {StudyFactor::entry_head_mm, FactorDistribution::Kind::normal, {}, 0.0, 1.0},
+                                 {StudyFactor::bit_diameter_mm, FactorDistribution::Kind::levels, {3.0, 4.0}}},
                                 100};
 
 /// Entries beyond 1 mm to the left breach the canal, beyond 1 mm to the right the outer surface.
@@ -36,9 +36,9 @@ std::vector<StudyRow> random_rows() {
     row[StudyColumn::breach_outer_mm] = std::max(0.0, -row[StudyFactor::entry_left_mm] - 1.0);
     row[StudyColumn::breach] = std::abs(row[StudyFactor::entry_left_mm]) > 1.0 ? 1.0 : 0.0;
     row[StudyColumn::grade] = row[StudyColumn::breach];
-    row[StudyColumn::most_thrust_n] = 20.0 + random_normal(3, n);
-    row[StudyColumn::overshoot_mm] = n % 3 == 0 ? random_uniform(4, n) : test::kNan;
-    row[StudyColumn::least_canal_mm] = std::numeric_limits<double>::infinity();
+    row[StudyColumn::max_thrust_n] = 20.0 + random_normal(3, n);
+    row[StudyColumn::plunge_depth_mm] = n % 3 == 0 ? random_uniform(4, n) : test::kNan;
+    row[StudyColumn::min_clearance_canal_mm] = std::numeric_limits<double>::infinity();
     rows.push_back(row);
   }
   return rows;
@@ -57,17 +57,17 @@ TEST(StudyReport, ShowsWhatWasFoundAndIsTheSameEveryTime) {
   EXPECT_THAT(html, HasSubstr("not a medical device"));
   EXPECT_THAT(html, HasSubstr("Breach of the canal"));
   EXPECT_THAT(html, HasSubstr("Breach over diameter of the bit"));
-  EXPECT_THAT(html, HasSubstr("Runs by greatest thrust"));
-  EXPECT_THAT(html, HasSubstr("Runs by overshoot"));
+  EXPECT_THAT(html, HasSubstr("Runs by max thrust"));
+  EXPECT_THAT(html, HasSubstr("Runs by plunge depth"));
   EXPECT_THAT(html, HasSubstr("Breaches by entry, error to the left"));
   EXPECT_THAT(html, Not(HasSubstr("beyond the cylinder")));
-  EXPECT_THAT(html, Not(HasSubstr("Runs by least clearance to the canal")));  // there is none
+  EXPECT_THAT(html, Not(HasSubstr("Runs by min clearance to the canal")));  // there is none
   EXPECT_THAT(html, Not(HasSubstr(">nan")));
 }
 
 TEST(StudyReport, WarnsOfRunsThatLeftThePoints) {
   StudyReportData data = made_data();
-  data.rows[3][StudyColumn::left_volume_mm] = 0.4;
+  data.rows[3][StudyColumn::outside_volume_mm] = 0.4;
   data.summary = summarise_study(data.rows, kBreachDesign);
   EXPECT_THAT(study_report(data), HasSubstr("1 runs cut beyond the cylinder"));
   data.rows.clear();
@@ -77,7 +77,7 @@ TEST(StudyReport, WarnsOfRunsThatLeftThePoints) {
 TEST(StudyPlots, HistogramCountsEveryRunOnce) {
   const std::vector<StudyRow> rows = random_rows();
   for (const auto& [column, count] :
-       {std::pair{StudyColumn::most_thrust_n, 200.0}, {StudyColumn::overshoot_mm, 67.0}}) {
+       {std::pair{StudyColumn::max_thrust_n, 200.0}, {StudyColumn::plunge_depth_mm, 67.0}}) {
     const Plot plot = histogram(rows, column);
     ASSERT_EQ(plot.series.size(), 1U);
     const PlotSeries& bars = plot.series[0];
@@ -88,7 +88,7 @@ TEST(StudyPlots, HistogramCountsEveryRunOnce) {
     EXPECT_GE(bars.x.size(), 15U);
     EXPECT_TRUE(std::is_sorted(bars.x.begin(), bars.x.end()));
   }
-  EXPECT_TRUE(histogram(rows, StudyColumn::least_canal_mm).series.empty());
+  EXPECT_TRUE(histogram(rows, StudyColumn::min_clearance_canal_mm).series.empty());
 }
 
 TEST(StudyPlots, HistogramOfOneValueHasOneBar) {

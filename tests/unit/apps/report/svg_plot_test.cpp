@@ -114,7 +114,7 @@ TEST(SvgPlot, NamesAxesUnitsMarkersAndSeries) {
   }
 }
 
-TEST(SvgPlot, RefusesCurvesOfUnequalLength) {
+TEST(SvgPlot, RejectsCurvesOfUnequalLength) {
   Plot plot;
   plot.series = {{"a", {0, 1}, {1}}};
   EXPECT_THROW(svg_plot(plot), Error);

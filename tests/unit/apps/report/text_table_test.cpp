@@ -30,7 +30,7 @@ TEST(TextTable, IsMarkdownWhereAskedFor) {
             "| reference | 400 | 2,500 |\n");
 }
 
-TEST(TextTable, RefusesRowsOfAnotherLength) {
+TEST(TextTable, RejectsRowsOfAnotherLength) {
   TextTable table({{"engine", "", false}});
   EXPECT_THROW(table.add_row({"ring", "1"}), Error);
 }

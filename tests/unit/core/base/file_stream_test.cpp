@@ -51,20 +51,20 @@ TEST_F(FileReaders, MixLinesAndBytesAndCountWhatIsLeft) {
   std::string_view view;
   ASSERT_TRUE(reader.line(view));
   EXPECT_EQ(view, "head");
-  EXPECT_EQ(reader.most_bytes_left(), std::uint64_t{5} << 20);
+  EXPECT_EQ(reader.max_bytes_left(), std::uint64_t{5} << 20);
   ASSERT_TRUE(reader.bytes(1 << 20, view));
   EXPECT_EQ(view, std::string_view(content).substr(5, 1 << 20));
   ASSERT_TRUE(reader.skip((3 << 20) + 7));
   ASSERT_TRUE(reader.bytes(1000, view));
   EXPECT_EQ(view, std::string_view(content).substr(5 + (4 << 20) + 7, 1000));
-  EXPECT_EQ(reader.most_bytes_left(), (1U << 20) - 1007U);
+  EXPECT_EQ(reader.max_bytes_left(), (1U << 20) - 1007U);
   EXPECT_FALSE(reader.bytes(1 << 20, view));
   EXPECT_TRUE(reader.bytes((1 << 20) - 1007, view));
   EXPECT_FALSE(reader.bytes(1, view));
   EXPECT_FALSE(reader.skip(1));
 }
 
-TEST_F(FileReaders, RefuseLinesAndPiecesThatAreTooLong) {
+TEST_F(FileReaders, RejectLinesAndPiecesThatAreTooLong) {
   const std::string name = (folder_.path() / "a").string();
   FileReader reader = over("a", std::string(3 << 20, 'x'));
   std::string_view view;

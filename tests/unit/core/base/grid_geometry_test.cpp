@@ -45,28 +45,28 @@ TEST(GridGeometry, FindsItsWayToThePatientAndBack) {
   EXPECT_EQ(geometry.smallest_spacing_mm(), 0.5);
 }
 
-TEST(GridGeometry, IsRefusedWithoutSense) {
+TEST(GridGeometry, IsRejectedWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto refused = [](const auto& change) {
+  const auto rejected = [](const auto& change) {
     GridGeometry geometry = askew();
     change(geometry);
     EXPECT_THROW(check_geometry(geometry, "test"), Error);
   };
   EXPECT_NO_THROW(check_geometry(askew(), "test"));
-  refused([](GridGeometry& g) { g.size[1] = 0; });
-  refused([](GridGeometry& g) { g.size[2] = -5; });
-  refused([](GridGeometry& g) { g.size = {2'000'000'000, 2'000'000'000, 2'000'000'000}; });  // would overflow
-  refused([&](GridGeometry& g) { g.origin_mm.y() = nan; });
-  refused([](GridGeometry& g) { g.spacing_mm.z() = 0.0; });
-  refused([&](GridGeometry& g) { g.spacing_mm.x() = nan; });
-  refused([](GridGeometry& g) { g.spacing_mm.x() = std::numeric_limits<double>::infinity(); });
-  refused([](GridGeometry& g) { g.directions.col(0) *= 1.01; });
-  refused([](GridGeometry& g) { g.directions.col(0) = g.directions.col(1); });
+  rejected([](GridGeometry& g) { g.size[1] = 0; });
+  rejected([](GridGeometry& g) { g.size[2] = -5; });
+  rejected([](GridGeometry& g) { g.size = {2'000'000'000, 2'000'000'000, 2'000'000'000}; });  // would overflow
+  rejected([&](GridGeometry& g) { g.origin_mm.y() = nan; });
+  rejected([](GridGeometry& g) { g.spacing_mm.z() = 0.0; });
+  rejected([&](GridGeometry& g) { g.spacing_mm.x() = nan; });
+  rejected([](GridGeometry& g) { g.spacing_mm.x() = std::numeric_limits<double>::infinity(); });
+  rejected([](GridGeometry& g) { g.directions.col(0) *= 1.01; });
+  rejected([](GridGeometry& g) { g.directions.col(0) = g.directions.col(1); });
   EXPECT_THROW(check_geometry(askew(), "test", 209), Error);
   EXPECT_NO_THROW(check_geometry(askew(), "test", 210));
 }
 
-TEST(GridGeometry, IsRefusedWithAxesThatAreNotNumbers) {
+TEST(GridGeometry, IsRejectedWithAxesThatAreNotNumbers) {
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       GridGeometry geometry = askew();

@@ -27,7 +27,7 @@ TEST(Gzip, HoldsNoTime) {
   EXPECT_EQ(stream.substr(4, 4), std::string(4, '\0'));  // RFC 1952: seconds since 1970, 0 for none
 }
 
-TEST(Gzip, RefusesStreamsThatAreDamagedOrOfAnotherSize) {
+TEST(Gzip, RejectsStreamsThatAreDamagedOrOfAnotherSize) {
   const std::string bytes = mixed_bytes(10'000);
   const std::string stream = gzip(bytes);
   EXPECT_THROW(gunzip(stream, 9'999), Error);

@@ -10,17 +10,17 @@ namespace spinaltap {
 namespace {
 
 std::string hash_of(const std::vector<unsigned char>& bytes) {
-  Fnv1a hash;
+  WordHash64 hash;
   hash.add(bytes.data(), bytes.size());
   return hash.hex();
 }
 
-TEST(Fnv1a, StartsAtItsPublishedOffsetAndPrintsSixteenDigits) {
-  EXPECT_EQ(Fnv1a().hex(), "cbf29ce484222325");
-  EXPECT_EQ(Fnv1a().value(), 0xcbf29ce484222325ULL);
+TEST(WordHash64, StartsAtItsPublishedOffsetAndPrintsSixteenDigits) {
+  EXPECT_EQ(WordHash64().hex(), "cbf29ce484222325");
+  EXPECT_EQ(WordHash64().value(), 0xcbf29ce484222325ULL);
 }
 
-TEST(Fnv1a, ChangesWithEveryBit) {
+TEST(WordHash64, ChangesWithEveryBit) {
   std::vector<unsigned char> bytes(37, 0x5a);
   std::set<std::string> seen{hash_of(bytes)};
   for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
@@ -30,15 +30,15 @@ TEST(Fnv1a, ChangesWithEveryBit) {
   }
 }
 
-TEST(Fnv1a, ChangesWithTheOrderOfWords) {
+TEST(WordHash64, ChangesWithTheOrderOfWords) {
   std::vector<unsigned char> forth(16, 0), back(16, 0);
   forth[0] = back[8] = 1;
   EXPECT_NE(hash_of(forth), hash_of(back));
 }
 
-TEST(Fnv1a, GoesOnWhereItStopped) {
+TEST(WordHash64, GoesOnWhereItStopped) {
   const char text[] = "sixteen bytes ...";
-  Fnv1a whole, parts;
+  WordHash64 whole, parts;
   whole.add(text, 16);
   parts.add(text, 8);  // whole words
   parts.add(text + 8, 8);

@@ -62,7 +62,7 @@ TEST(PointGrid, FindsNothingAroundAPlaceThatIsNone) {
   EXPECT_FALSE(std::isfinite(empty.nearest_within(Vec3::Zero(), 1e3).distance_mm));
 }
 
-TEST(PointGrid, RefusesPointsAndCellsThatAreNone) {
+TEST(PointGrid, RejectsPointsAndCellsThatAreNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Vec3> points_mm = cloud(50);
   EXPECT_THROW(PointGrid(points_mm, 0.0), Error);

@@ -85,7 +85,7 @@ TEST(StagedOutput, ShowsNoneOfItsFilesWhenOneWasNotWritten) {
   EXPECT_FALSE(fs::exists(folder.path() / "a.txt"));
 }
 
-TEST(StagedOutput, RefusesAFolderAsAFileAndAFileAsAFolder) {
+TEST(StagedOutput, RejectsAFolderAsAFileAndAFileAsAFolder) {
   const TemporaryFolder folder;
   StagedOutput output;
   EXPECT_THROW(output.stage(folder.path()), Error);
@@ -152,7 +152,7 @@ TEST(StagedFolder, ReplacesAFolderThatHoldsItsMarkerAndAnEmptyOne) {
   EXPECT_EQ(count_in(folder.path()), 3);
 }
 
-TEST(StagedFolder, RefusesFoldersThatItDidNotMake) {
+TEST(StagedFolder, RejectsFoldersThatItDidNotMake) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "out");
   write_whole_file(folder.path() / "out" / "thesis.txt", "years of work");
@@ -184,7 +184,7 @@ TEST(StagedFolder, PutsTheOldFolderBackWhenTheNewOneIsLost) {
   EXPECT_EQ(read_whole_file(out / "mine.json"), "old");
 }
 
-TEST(ReadWholeFile, GivesBackWhatWasWrittenAndRefusesOtherThings) {
+TEST(ReadWholeFile, GivesBackWhatWasWrittenAndRejectsOtherThings) {
   const TemporaryFolder folder;
   const std::string bytes("a\0b\n\r\xff", 6);
   write_whole_file(folder.path() / "a", bytes);

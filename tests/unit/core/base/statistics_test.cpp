@@ -29,7 +29,7 @@ TEST(NormalQuantile, IsWhatTablesSay) {
   EXPECT_EQ(normal_quantile(0.5), 0.0);
 }
 
-TEST(NormalQuantile, RefusesWhatHasNone) {
+TEST(NormalQuantile, RejectsWhatHasNone) {
   for (const double p : {0.0, 1.0, -0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(normal_quantile(p), Error) << p;
   }
@@ -49,7 +49,7 @@ TEST(WilsonInterval, IsWhatNewcombePublished) {
   }
 }
 
-TEST(WilsonInterval, EndsWhereTheScoreTestWouldJustRefuse) {
+TEST(WilsonInterval, EndsWhereTheScoreTestWouldJustReject) {
   // That is its definition: |p - end| = z sqrt(end (1 - end) / n).
   const double z = normal_quantile(0.95);
   for (const std::size_t successes : {std::size_t{3}, std::size_t{40}, std::size_t{77}}) {

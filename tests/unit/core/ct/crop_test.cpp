@@ -68,7 +68,7 @@ TEST(Crop, LeavesAMarginAroundAMask) {
   EXPECT_THAT(block_around(mask, 1000.0).last, ElementsAre(11, 9, 7));
 }
 
-TEST(Crop, RefusesBoxesAndMasksThatHoldNothing) {
+TEST(Crop, RejectsBoxesAndMasksThatHoldNothing) {
   const CtVolume ct = numbered_ct();
   const auto error = [&](const Vec3& low, const Vec3& high) {
     return test::error_of([&] { block_in_box(ct.geometry, Box3(low, high)); });

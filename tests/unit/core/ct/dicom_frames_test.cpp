@@ -41,7 +41,7 @@ TEST(SplitIntoFrames, SharesFragmentsOutByTheOffsetTable) {
   EXPECT_EQ(name_of(frames[1]), "enhanced.dcm, frame 2");
 }
 
-TEST(SplitIntoFrames, RefusesFragmentsThatCannotBeToldApart) {
+TEST(SplitIntoFrames, RejectsFragmentsThatCannotBeToldApart) {
   DicomFrameGroups groups;
   groups.frame_count = {2.0};
   const auto error = [&](const std::vector<std::uint32_t>& frames_at) {

@@ -179,7 +179,7 @@ TEST(ReadDicom, ListsSeveralSeriesAndReadsTheChosenOne) {
               AllOf(HasSubstr("no series \"3\""), HasSubstr("2 = 1.2.9")));
 }
 
-TEST(ReadDicom, RefusesSlicesOfUnequalSizeOrOrientation) {
+TEST(ReadDicom, RejectsSlicesOfUnequalSizeOrOrientation) {
   const auto wider = [](HandMadeDicom& slice, int k) {
     if (k == 1) slice.set_short(0x00280011, 6).set_short(0x00280010, 2);
   };
@@ -190,7 +190,7 @@ TEST(ReadDicom, RefusesSlicesOfUnequalSizeOrOrientation) {
   EXPECT_THAT(error_of_series(turned), HasSubstr("one size and orientation"));
 }
 
-TEST(ReadDicom, RefusesWhatItCannotTurnIntoHu) {
+TEST(ReadDicom, RejectsWhatItCannotTurnIntoHu) {
   const auto with = [](std::uint32_t tag, const char* vr, const char* value) {
     return error_of_series([=](HandMadeDicom& slice, int k) {
       if (k == 1) slice.set(tag, vr, value);
@@ -211,7 +211,7 @@ TEST(ReadDicom, RefusesWhatItCannotTurnIntoHu) {
               HasSubstr("\"9.9\""));
 }
 
-TEST(ReadDicom, RefusesAbsurdSizesBeforeItTakesMemory) {
+TEST(ReadDicom, RejectsAbsurdSizesBeforeItTakesMemory) {
   EXPECT_THAT(error_of_series(
                   [](HandMadeDicom& slice, int) { slice.set_short(0x00280010, 65535).set_short(0x00280011, 65535); }),
               HasSubstr("at most"));

@@ -25,7 +25,7 @@ TEST(DecodeDicomRle, ReadsRunsAndLiteralsOfBothBytes) {
   EXPECT_EQ(std::string(values.begin(), values.end()), std::string("\x07\x01\x08\x01\x09\x01\x09\x01", 8));
 }
 
-TEST(DecodeDicomRle, RefusesStreamsThatEndEarlyOrLie) {
+TEST(DecodeDicomRle, RejectsStreamsThatEndEarlyOrLie) {
   std::vector<char> values(8);
   const std::string run("\xfd\x01", 2);
   EXPECT_TRUE(decode_dicom_rle(stream_of(run, run), 2, values));

@@ -37,7 +37,7 @@ TEST(CodestreamSize, FindsNoneInOtherBytes) {
   EXPECT_FALSE(size_of({1, 2, 3, 4, 5, 6, 7, 8}));
 }
 
-TEST(DecodeDicomSlice, RefusesCompressedPixelsOfAnotherSize) {
+TEST(DecodeDicomSlice, RejectsCompressedPixelsOfAnotherSize) {
   SPINALTAP_NEED_TEST_DATA(data, "thoracic_ct_j2k");
   const std::filesystem::path file = std::filesystem::directory_iterator(data / "dicom")->path();
   std::vector<DicomHeader> headers = read_dicom_headers(file);

@@ -58,7 +58,7 @@ TEST(StackSlices, NamesTheSliceOfAnUnevenStep) {
   EXPECT_THAT(error_at({0, 1, 2, 3.05, 4.05}), AllOf(HasSubstr("uneven"), HasSubstr("c.dcm and d.dcm")));
 }
 
-TEST(StackSlices, RefusesFewerThanTwoSlices) {
+TEST(StackSlices, RejectsFewerThanTwoSlices) {
   EXPECT_THAT(error_at({0}), AllOf(HasSubstr("at least two slices, found 1"), HasSubstr("a.dcm")));
   EXPECT_THAT(error_at({}), HasSubstr("found 0"));
 }
@@ -81,7 +81,7 @@ TEST(StackSlices, MarksATiltedGantryForResampling) {
   EXPECT_FALSE(stack_slices(slices_at({0, 1, 2, 3})).needs_resampling);
 }
 
-TEST(StackSlices, RefusesATiltNoGantryHas) {
+TEST(StackSlices, RejectsATiltNoGantryHas) {
   EXPECT_THAT(error_of([&] { stack_slices(tilted_slices(60.0), true); }), HasSubstr("found 60 degrees"));
 }
 
@@ -106,7 +106,7 @@ TEST(StackSlices, NamesASliceShiftedSideways) {
   EXPECT_NEAR(stack_slices(slices, true).places[2].sideways_mm.x(), 0.2, 1e-9);
 }
 
-TEST(StackSlices, RefusesNumbersThatAreMissingOrNone) {
+TEST(StackSlices, RejectsNumbersThatAreMissingOrNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_with([&](auto& slices) {
                 slices[1].pixel_spacing_mm = {nan, 0.5};

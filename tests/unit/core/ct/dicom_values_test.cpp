@@ -39,7 +39,7 @@ TEST(DicomDecimal, FitsSixteenCharactersAndLosesLittle) {
   }
 }
 
-TEST(DicomDecimal, RefusesToWriteWhatIsNoNumber) {
+TEST(DicomDecimal, RejectsToWriteWhatIsNoNumber) {
   EXPECT_THROW(to_decimal_string(std::numeric_limits<double>::quiet_NaN()), Error);
 }
 

@@ -107,7 +107,7 @@ TEST(WriteDicom, WritesTheAttributesOfACtSlice) {
   EXPECT_THAT(bytes, HasSubstr(std::string("\x20\0\x13\0IS\x02\0", 8) + "12"));  // InstanceNumber
 }
 
-TEST(WriteDicom, RefusesWhatItCannotWrite) {
+TEST(WriteDicom, RejectsWhatItCannotWrite) {
   const TemporaryFolder folder;
   const CtVolume ct = noisy_ct(straight_grid());
   EXPECT_THAT(error_of([&] { write_dicom(ct, folder.path() / "gone"); }), HasSubstr("no such folder"));

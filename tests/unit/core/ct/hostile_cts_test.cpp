@@ -1,4 +1,4 @@
-// What is no good CT is refused with a word. tests/cli measures time and memory of the same files.
+// What is no valid CT is rejected with a word. tests/cli measures time and memory of the same files.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 class HostileCtOf : public testing::TestWithParam<test::HostileCt> {};
 
-TEST_P(HostileCtOf, IsRefusedWithAWord) {
+TEST_P(HostileCtOf, IsRejectedWithAWord) {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = GetParam().make(folder.path());
   for (const bool resample : {false, true}) {

@@ -36,7 +36,7 @@ TEST(PlainJpegStream, KeepsWhatDecodingNeedsAndNothingElse) {
             whole);  // fill byte; no end
 }
 
-TEST(PlainJpegStream, RefusesWhatIsOutOfPlace) {
+TEST(PlainJpegStream, RejectsWhatIsOutOfPlace) {
   EXPECT_EQ(plain_stream(""), "none");
   EXPECT_EQ(plain_stream(kStart + "x" + kFrame + kTable + kScan + kData + kEnd), "none");
   EXPECT_EQ(plain_stream(kStart + kFrame + kFrame + kTable + kScan + kData + kEnd), "none");

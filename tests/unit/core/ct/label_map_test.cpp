@@ -126,7 +126,7 @@ TEST(ReadLabelMap, SaysWhenTheLabelLiesOutsideTheCt) {
   EXPECT_THAT(error_of([&] { read_nifti({}, 5, far); }), HasSubstr("within the CT"));
 }
 
-TEST(ReadLabelMap, RefusesAbsurdSizesBeforeItTakesMemory) {
+TEST(ReadLabelMap, RejectsAbsurdSizesBeforeItTakesMemory) {
   EXPECT_THAT(nifti_error({.dim = {3, 30000, 30000, 30000, 1, 1, 1, 1}}), HasSubstr("at most"));
   EXPECT_THAT(nifti_error({.dim = {3, 1000, 1000, 1000, 1, 1, 1, 1}}), HasSubstr("cut short"));
   EXPECT_THAT(nifti_error({.dim = {4, 3, 2, 1, 2, 1, 1, 1}}), HasSubstr("expected one volume"));

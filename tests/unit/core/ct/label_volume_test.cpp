@@ -189,14 +189,14 @@ TEST(ReadLabelVolume, FindsNoLevelWhereThereIsNone) {
   EXPECT_THAT(numbers_error({21, 22}, LabelConvention::names), HasSubstr("names vertebrae"));
 }
 
-TEST(ReadLabelVolume, RefusesALevelTwice) {
+TEST(ReadLabelVolume, RejectsALevelTwice) {
   const std::string head = segment(0, "T11", 1) + segment(1, "Th11", 2);
   EXPECT_THAT(error_of([&] { read(nrrd({1, 2}, head), 2); }), HasSubstr("1 and 2 are both T11"));
   const std::string same = segment(0, "T11", 1) + segment(1, "T12", 1);
   EXPECT_THAT(error_of([&] { read(nrrd({1, 2}, same), 2); }), HasSubstr("two of label 1"));
 }
 
-TEST(ReadLabelVolume, RefusesWhatAreNoLabels) {
+TEST(ReadLabelVolume, RejectsWhatAreNoLabels) {
   EXPECT_THAT(numbers_error({-1, 3}), HasSubstr("found -1"));
   EXPECT_THAT(numbers_error({0.5}), HasSubstr("whole numbers"));
   EXPECT_THAT(numbers_error({test::kNan}), HasSubstr("whole numbers"));
@@ -277,7 +277,7 @@ TEST(EncodeLabelVolume, GivesEachSegmentItsOwnIdAndColour) {
   EXPECT_EQ(value("Segment3_ID"), "");
 }
 
-TEST(EncodeLabelVolume, RefusesNamesThatWouldBreakTheHeader) {
+TEST(EncodeLabelVolume, RejectsNamesThatWouldBreakTheHeader) {
   LabelVolume volume = random_volume();
   volume.names[18].name = "T11\ntype: float";
   EXPECT_THAT(error_of([&] { encode_label_volume(volume, "map.seg.nrrd"); }), HasSubstr("one line"));

@@ -25,13 +25,14 @@ TEST_P(MadeSeriesOf, ComesBackVoxelForVoxel) {
   const TemporaryFolder folder;
   series.write(folder.path());
   const CtVolume ct = read_ct(folder.path());
-  ASSERT_EQ(ct.geometry.size, series.truth.geometry.size);
+  ASSERT_EQ(ct.geometry.size, series.ground_truth.geometry.size);
   // Decimals of a DICOM file have 16 characters.
-  EXPECT_TRUE(ct.geometry.directions.isApprox(series.truth.geometry.directions, 1e-9));
-  EXPECT_LT((ct.geometry.origin_mm - series.truth.geometry.origin_mm).norm(), 1e-8);
-  EXPECT_LT((ct.geometry.spacing_mm - series.truth.geometry.spacing_mm).norm(), 1e-8);
+  EXPECT_TRUE(ct.geometry.directions.isApprox(series.ground_truth.geometry.directions, 1e-9));
+  EXPECT_LT((ct.geometry.origin_mm - series.ground_truth.geometry.origin_mm).norm(), 1e-8);
+  EXPECT_LT((ct.geometry.spacing_mm - series.ground_truth.geometry.spacing_mm).norm(), 1e-8);
   int worst = 0;
-  for (std::size_t n = 0; n < ct.hu.size(); ++n) worst = std::max(worst, std::abs(ct.hu[n] - series.truth.hu[n]));
+  for (std::size_t n = 0; n < ct.hu.size(); ++n)
+    worst = std::max(worst, std::abs(ct.hu[n] - series.ground_truth.hu[n]));
   EXPECT_LE(worst, series.tolerance_hu);
 }
 
@@ -67,8 +68,8 @@ TEST(ListDicomSeries, SaysHowManySlicesStandInAFileAndHowTheyLie) {
   EXPECT_EQ(list[0].transfer_syntax, "RLE");
   ASSERT_TRUE(list[0].layout);
   EXPECT_EQ(plane_name(list[0].layout->directions.col(2)), "axial");
-  EXPECT_EQ(list[0].layout->least_step_mm, 2.0);
-  EXPECT_EQ(list[0].layout->most_step_mm, 2.0);
+  EXPECT_EQ(list[0].layout->min_step_mm, 2.0);
+  EXPECT_EQ(list[0].layout->max_step_mm, 2.0);
   EXPECT_EQ(list[0].layout->tilt_rad, 0.0);
 }
 

@@ -136,7 +136,7 @@ TEST(ReadNiftiCt, ResamplesAStackThatLeans) {
   }
 }
 
-TEST(ReadNiftiCt, RefusesASeriesForAFileThatHoldsNone) {
+TEST(ReadNiftiCt, RejectsASeriesForAFileThatHoldsNone) {
   const TemporaryFolder folder;
   write_whole_file(folder.path() / "ct.nii", numbered_nifti().bytes());
   EXPECT_THAT(test::error_of([&] { read_ct(folder.path() / "ct.nii", {.series = "1"}); }), HasSubstr("no series"));

@@ -90,7 +90,7 @@ TEST(ReadNrrd, ReadsGzipAndBothByteOrders) {
   EXPECT_TRUE(read_nrrd(big.bytes(), 513).at(2, 0, 0));
 }
 
-TEST(ReadNrrd, TakesOneLayerOf3DSlicerAndRefusesMore) {
+TEST(ReadNrrd, TakesOneLayerOf3DSlicerAndRejectsMore) {
   HandMadeNrrd layer;
   layer.sizes = "1 3 2 2";
   layer.directions = "none (1,0,0) (0,1,0) (0,0,1)";
@@ -151,7 +151,7 @@ TEST_P(WrittenLabelMap, ComesBackVoxelForVoxel) {
 INSTANTIATE_TEST_SUITE_P(Formats, WrittenLabelMap,
                          ::testing::Values("map.nii", "map.nii.gz", "map.nrrd", "map.seg.nrrd"));
 
-TEST(EncodeLabelMap, RefusesOtherNamesAndLabels) {
+TEST(EncodeLabelMap, RejectsOtherNamesAndLabels) {
   const BoneMask mask{nrrd_grid(), std::vector<std::uint8_t>(12, 1)};
   EXPECT_THAT(error_of([&] { encode_label_map(mask, 1, "map.png"); }), HasSubstr("map.png"));
   EXPECT_THAT(error_of([&] { encode_label_map(mask, 0, "map.nrrd"); }), HasSubstr("1 to 32767"));

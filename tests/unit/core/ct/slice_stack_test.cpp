@@ -93,7 +93,7 @@ TEST(ResampleStack, ShiftsSlicesByWholePixelsBitForBit) {
   }
 }
 
-TEST(ResampleStack, RefusesToGrowWithoutBounds) {
+TEST(ResampleStack, RejectsToGrowWithoutBounds) {
   const GridGeometry slices = slices_of(2);
   const std::vector<std::int16_t> hu(slices.voxel_count());
   const auto error = [&](const std::vector<SlicePlace>& places, double step_mm) {

@@ -8,9 +8,9 @@
 
 namespace spinaltap::test {
 
-/// A seeded hand that does all that hands do, a few steps each: forward, back, sideways, tilting about a point, steps
-/// too small to see, leaving and entering elsewhere, jumps. It stays near the volume. Some begin on the path exactly,
-/// where the bit's wall may lie on a ring; some begin nearly across it.
+/// A seeded operator that does all that operators do, a few steps each: forward, back, sideways, tilting about a point,
+/// steps too small to see, leaving and entering elsewhere, jumps. It stays near the volume. Some begin on the path
+/// exactly, where the bit's wall may lie on a ring; some begin nearly across it.
 class AnyMotion {
  public:
   AnyMotion(std::uint64_t seed, double length_mm, double reach_mm)

@@ -51,11 +51,11 @@ class Draw {
   std::uint64_t next_ = 0;
 };
 
-/// A hand without purpose: the tip is drawn towards a place that jumps now and then, in, beside and outside the volume;
-/// the axis leans up to 40 degrees.
-class RandomHand {
+/// An operator without purpose: the tip is drawn towards a place that jumps now and then, in, beside and outside the
+/// volume; the axis leans up to 40 degrees.
+class RandomOperator {
  public:
-  RandomHand(std::uint64_t seed, double length_mm, double reach_mm)
+  RandomOperator(std::uint64_t seed, double length_mm, double reach_mm)
       : draw_(seed), length_mm_(length_mm), reach_mm_(reach_mm), tip_mm_(0.0, 0.0, -0.5) {}
 
   Pose next(const PointVolume& volume) {

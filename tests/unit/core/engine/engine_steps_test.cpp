@@ -34,7 +34,7 @@ TEST_P(EngineSteps, AllocateAndThrowNothing) {
   PointVolume volume = block(4.0, 1.5, 0.1);
   const auto drilling = engine(volume, {1.5, 10.0, 2.0});
   std::vector<Pose> poses;
-  // Along, then a hand's steps: small ones all.
+  // Along, then an operator's steps: small ones all.
   for (int i = 0; i < 300; ++i) poses.push_back(pose_at(volume, Vec3(0.001 * i, 0.0, 0.003 * i)));
   for (int i = 0; i < 300; ++i) {
     const double lean = 0.0001 * i;
@@ -121,11 +121,11 @@ TEST_P(EngineSteps, TakeTheFirstPoseWithoutAWayAndRemoveNothingTwice) {
   EXPECT_EQ(drilling->step(pose_at(volume, Vec3(0, 0, 3.5))).removed, 0U);
 }
 
-TEST_P(EngineSteps, RefuseABitOrAMaterialThatIsNone) {
+TEST_P(EngineSteps, RejectABitOrAMaterialThatIsNone) {
   PointVolume volume = block(1.0, 1.0, 0.1);
   EXPECT_THROW(GetParam().make(volume, {kNan, 50.0, 5.0}, {}), Error);
   Material material;
-  material.cutting_mpa = kNan;
+  material.specific_cutting_energy_mpa = kNan;
   EXPECT_THROW(GetParam().make(volume, {}, material), Error);
 }
 

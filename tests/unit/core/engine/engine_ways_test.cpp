@@ -89,8 +89,8 @@ TEST_P(EngineWays, RemoveMoreWithALargerBit) {
       if (bit.shank_diameter_mm > 0.0) bit.shank_diameter_mm += 0.5 * more_mm;
       volumes.push_back(block(3.0, 1.5, 0.15));
       const auto drilling = engine(volumes.back(), bit);
-      test::RandomHand hand(kSeed, 3.0, 1.0);
-      for (int step = 0; step < 40; ++step) drilling->step(hand.next(volumes.back()));
+      test::RandomOperator tool_operator(kSeed, 3.0, 1.0);
+      for (int step = 0; step < 40; ++step) drilling->step(tool_operator.next(volumes.back()));
     }
     for (std::size_t n = 1; n < volumes.size(); ++n) {
       EXPECT_TRUE(test::lives_within(volumes[n], volumes[n - 1])) << n;

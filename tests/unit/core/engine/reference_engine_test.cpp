@@ -14,7 +14,7 @@ namespace {
 
 using test::block;
 using test::pose_at;
-using test::RandomHand;
+using test::RandomOperator;
 
 class ReferenceEngineMotion : public ::testing::TestWithParam<std::uint64_t> {};
 
@@ -26,12 +26,12 @@ TEST_P(ReferenceEngineMotion, RemovesWhatADenseWalkHoldsAndNothingBesideIt) {
   const BitProfile profile(bit);
   PointVolume volume = block(2.0, 1.2, 0.1);
   const auto engine = make_reference_engine(volume, bit, {});
-  RandomHand hand(GetParam(), 2.0, 1.2);
+  RandomOperator tool_operator(GetParam(), 2.0, 1.2);
   std::size_t removed_in_all = 0;
-  Pose last = hand.next(volume);
+  Pose last = tool_operator.next(volume);
   engine->step(last);
   for (int step = 0; step < 120; ++step) {
-    const Pose pose = hand.next(volume);
+    const Pose pose = tool_operator.next(volume);
     const PointVolume before = volume;
     const StepResult result = engine->step(pose);
     // Only the living die, each is counted, and none comes back.
@@ -42,7 +42,7 @@ TEST_P(ReferenceEngineMotion, RemovesWhatADenseWalkHoldsAndNothingBesideIt) {
         if (!before.is_alive(disc, i)) continue;
         constexpr double kFinestMm = 1e-3;
         const Vec3 p = volume.frame().to_patient(volume.point_in_path_mm(disc, i));
-        const double distance_mm = test::least_distance_mm(profile, last, pose, p, kFinestMm);
+        const double distance_mm = test::min_distance_mm(profile, last, pose, p, kFinestMm);
         // Positions of 500 mm carry 1e-13 mm each.
         if (distance_mm < -1e-10) {
           ASSERT_FALSE(volume.is_alive(disc, i)) << step << " at " << distance_mm;
@@ -58,7 +58,7 @@ TEST_P(ReferenceEngineMotion, RemovesWhatADenseWalkHoldsAndNothingBesideIt) {
     removed_in_all += died;
     last = pose;
   }
-  // The hand did drill.
+  // The operator did drill.
   EXPECT_GT(removed_in_all, volume.point_count() / 20);
 }
 
@@ -124,14 +124,14 @@ double work_over_way_n(double spacing_mm, double diameter_mm, double step_mm, co
     work_n_mm += result.work_n_mm;
     removed_mm3 += result.removed_mm3;
   }
-  EXPECT_NEAR(work_n_mm, Material{}.cutting_pressure_mpa(1000.0) * removed_mm3, 1e-6 * work_n_mm);
+  EXPECT_NEAR(work_n_mm, Material{}.cutting_energy_mpa(1000.0) * removed_mm3, 1e-6 * work_n_mm);
   return work_n_mm / (kEndMm - kBeginMm);
 }
 
 double section_mm2(double diameter_mm) { return 0.25 * std::numbers::pi * diameter_mm * diameter_mm; }
 
 TEST(ReferenceEngine, WorksWithPressureTimesSectionInHomogeneousBone) {
-  const double pressure_mpa = Material{}.cutting_pressure_mpa(1000.0);
+  const double pressure_mpa = Material{}.cutting_energy_mpa(1000.0);
   // Rings stand for bone half a spacing to either side. A radius of 1.55 mm ends between rings 15 and 16 of 0.1 mm,
   // where the rings within hold the section exactly.
   EXPECT_NEAR(work_over_way_n(0.1, 3.1, 0.005), pressure_mpa * section_mm2(3.1),
@@ -146,7 +146,7 @@ TEST(ReferenceEngine, WorksTheSameWhateverTheStep) {
 }
 
 TEST(ReferenceEngine, WorksNearlyTheSameWhateverTheSpacingBesideThePath) {
-  const double expected_n = Material{}.cutting_pressure_mpa(1000.0) * section_mm2(3.0);
+  const double expected_n = Material{}.cutting_energy_mpa(1000.0) * section_mm2(3.0);
   for (const double spacing_mm : {0.2, 0.1, 0.05}) {
     const double work_n = work_over_way_n(spacing_mm, 3.0, 0.2, Vec3(0.83, 0.47, 0.0));
     EXPECT_NEAR(work_n, expected_n, 0.02 * expected_n) << spacing_mm;
@@ -156,7 +156,7 @@ TEST(ReferenceEngine, WorksNearlyTheSameWhateverTheSpacingBesideThePath) {
 TEST(ReferenceEngine, CutsWholeRingsOnThePath) {
   // On the path the bit's section is cut along a whole ring, so that the section is right to half a spacing of radius
   // and no better. The bit of 3.0 mm ends exactly on ring 15 of 0.1 mm and ring 30 of 0.05 mm, which it takes.
-  const double pressure_mpa = Material{}.cutting_pressure_mpa(1000.0);
+  const double pressure_mpa = Material{}.cutting_energy_mpa(1000.0);
   for (const auto& [spacing_mm, last_ring] : {std::pair(0.2, 7), std::pair(0.1, 15), std::pair(0.05, 30)}) {
     const double cut_mm = (2 * last_ring + 1) * spacing_mm;
     const double expected_n = pressure_mpa * section_mm2(cut_mm);

@@ -88,14 +88,14 @@ TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
       for (std::size_t n = 0; n < sets.size(); ++n) {
         SCOPED_TRACE(kernels[n].name);
         std::vector<std::uint8_t> reached(static_cast<std::size_t>(rings) + detail::kLongestVector, 7);
-        const double least_mm = sets[n].least_distance_mm(0, begin, end, x_mm, y_mm, reach_mm, reached.data());
+        const double min_mm = sets[n].min_distance_mm(0, begin, end, x_mm, y_mm, reach_mm, reached.data());
         reached.resize(static_cast<std::size_t>(end - begin));
         if (n == 0) {
           first = reached;
-          first_mm = least_mm;
+          first_mm = min_mm;
         }
         ASSERT_EQ(reached, first);
-        ASSERT_EQ(least_mm, first_mm);
+        ASSERT_EQ(min_mm, first_mm);
       }
       for (int ring = begin; ring < end; ++ring) {
         const double nearest_mm = disc.nearest_mm(ring, x_mm, y_mm);
@@ -124,7 +124,7 @@ TEST(RingGaps, SayNothingOfDeadRings) {
     EXPECT_FALSE(gaps.is_dead(0, ring));
     EXPECT_FALSE(gaps.is_dead(2, ring));
   }
-  EXPECT_GT(gaps.least_distance_mm(1, 0, pattern.ring_count(), 0.0, 0.0, 5.0, reached.data()), 1e14);
+  EXPECT_GT(gaps.min_distance_mm(1, 0, pattern.ring_count(), 0.0, 0.0, 5.0, reached.data()), 1e14);
   for (int ring = 0; ring < pattern.ring_count(); ++ring) EXPECT_EQ(reached[static_cast<std::size_t>(ring)], 0);
 }
 

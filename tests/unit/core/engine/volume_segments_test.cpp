@@ -88,7 +88,7 @@ TEST(VolumeSegments, AreDrilledByOneJointEngine) {
   EXPECT_LT(removed_mm3, expected_mm3 * 1.22);
 }
 
-TEST(VolumeSegments, AreRefusedWhereTheyDoNotFollowEachOther) {
+TEST(VolumeSegments, AreRejectedWhereTheyDoNotFollowEachOther) {
   EXPECT_THROW(make_segments(wall_path(), {}, {}), Error);
   EXPECT_THROW(make_segments(wall_path(), {{0.0, 0.0, 0.1}}, {}), Error);
   EXPECT_THROW(make_segments(wall_path(), {{0.0, 5.0, 0.1}, {6.0, 9.0, 0.1}}, {}), Error);

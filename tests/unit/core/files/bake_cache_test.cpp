@@ -52,15 +52,15 @@ TEST(BakeCache, GivesBackAMaskVoxelForVoxel) {
 TEST(BakeCache, KeepsWhatIsKnownOfAMask) {
   const test::TemporaryFolder folder;
   const BakeCache cache(folder.path());
-  const LevelDoubts doubts{{"the left pedicle is thin", "metal"}, 0.625};
-  cache.keep_mask("a", {made_mask(), "found", Level::kT12, doubts});
+  const LevelWarnings warnings{{"the left pedicle is thin", "metal"}, 0.625};
+  cache.keep_mask("a", {made_mask(), "found", Level::kT12, warnings});
   const std::optional<MaskStage> found = cache.find_mask("a", made_mask().geometry);
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->level, Level::kT12);
-  EXPECT_EQ(found->doubts, doubts);
+  EXPECT_EQ(found->warnings, warnings);
   cache.keep_mask("b", {made_mask(), "label 3"});
   EXPECT_EQ(cache.find_mask("b", made_mask().geometry)->level, Level::kNone);
-  EXPECT_FALSE(cache.find_mask("b", made_mask().geometry)->doubts.has_value());
+  EXPECT_FALSE(cache.find_mask("b", made_mask().geometry)->warnings.has_value());
 }
 
 TEST(BakeCache, GivesBackAFitBitForBit) {

@@ -134,7 +134,7 @@ TEST_F(MarkupsFile, SaysItsFrameUnitAndKindAsSlicerAsksFor) {
   EXPECT_EQ(line.at("controlPoints").at(0).at("orientation").size(), 9U);
 }
 
-TEST_F(MarkupsFile, LeavesOutOtherMarkupsAndIsRefusedWithoutALine) {
+TEST_F(MarkupsFile, LeavesOutOtherMarkupsAndIsRejectedWithoutALine) {
   Json json = Json::parse(kSavedInSlicer);
   const Json points{{"type", "Fiducial"}, {"controlPoints", Json::array()}};
   json["markups"].insert(json["markups"].begin(), points);
@@ -144,7 +144,7 @@ TEST_F(MarkupsFile, LeavesOutOtherMarkupsAndIsRefusedWithoutALine) {
               ThrowsMessage<Error>(AllOf(HasSubstr("line"), HasSubstr("plan.mrk.json"))));
 }
 
-TEST_F(MarkupsFile, IsRefusedWithTheFaultNamed) {
+TEST_F(MarkupsFile, IsRejectedWithTheFaultNamed) {
   const auto names = [](const char* what) {
     return ThrowsMessage<Error>(AllOf(HasSubstr("plan.mrk.json"), HasSubstr(what)));
   };

@@ -27,8 +27,8 @@ class DensityFile : public testing::Test {
     std::ofstream(path, std::ios::trunc) << text;
     return path;
   }
-  void expect_refused(const std::string& text, const char* with) const {
-    EXPECT_THAT([&] { read_density_law(file(text)); },
+  void expect_rejected(const std::string& text, const char* with) const {
+    EXPECT_THAT([&] { read_density_calibration(file(text)); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("d.json"), HasSubstr(with))))
         << text;
   }
@@ -38,53 +38,56 @@ class DensityFile : public testing::Test {
 };
 
 TEST_F(DensityFile, ShipsTheDefaultsWithTheirSources) {
-  const DensityCalibration shipped = read_density_law(kShipped);
-  EXPECT_EQ(shipped.law.at_0_hu, DensityLaw().at_0_hu);
-  EXPECT_EQ(shipped.law.per_hu, DensityLaw().per_hu);
+  const DensityCalibration shipped = read_density_calibration(kShipped);
+  EXPECT_EQ(shipped.line.at_0_hu, HuToDensity().at_0_hu);
+  EXPECT_EQ(shipped.line.per_hu, HuToDensity().per_hu);
   EXPECT_EQ(shipped.rms_residual_g_cm3, 0.0);
   EXPECT_FALSE(read_json(kShipped).at("sources").empty());
 }
 
 TEST_F(DensityFile, ReadsALine) {
-  const DensityLaw law = read_density_law(file(R"({"density_at_0_hu_g_cm3": 0.1, "density_per_hu_g_cm3": 0.002})")).law;
-  EXPECT_EQ(law.at_0_hu, 0.1);
-  EXPECT_EQ(law.per_hu, 0.002);
+  const HuToDensity line =
+      read_density_calibration(file(R"({"density_at_0_hu_g_cm3": 0.1, "density_per_hu_g_cm3": 0.002})")).line;
+  EXPECT_EQ(line.at_0_hu, 0.1);
+  EXPECT_EQ(line.per_hu, 0.002);
 }
 
 TEST_F(DensityFile, LaysALineThroughACalibration) {
-  const DensityCalibration read = read_density_law(file(R"({"calibration": [[0, 0.1], [1000, 1.4], [2000, 2.1]]})"));
-  EXPECT_NEAR(read.law.at_0_hu, 0.2, 1e-14);
-  EXPECT_NEAR(read.law.per_hu, 0.001, 1e-16);
-  EXPECT_NEAR(read.most_residual_g_cm3, 0.2, 1e-14);
+  const DensityCalibration read =
+      read_density_calibration(file(R"({"calibration": [[0, 0.1], [1000, 1.4], [2000, 2.1]]})"));
+  EXPECT_NEAR(read.line.at_0_hu, 0.2, 1e-14);
+  EXPECT_NEAR(read.line.per_hu, 0.001, 1e-16);
+  EXPECT_NEAR(read.max_residual_g_cm3, 0.2, 1e-14);
 }
 
-TEST_F(DensityFile, IsRefusedWithFileAndFaultNamed) {
-  expect_refused("[]", "object");
-  expect_refused("{}", "density_at_0_hu_g_cm3");
-  expect_refused(R"({"density_at_0_hu_g_cm3": 0.1})", "density_per_hu_g_cm3");
-  expect_refused(R"({"density_at_0_hu_g_cm3": "a", "density_per_hu_g_cm3": 0.002})", "number");
-  expect_refused(R"({"density_at_0_hu_g_cm3": 0.1, "density_per_hu_g_cm3": -0.002})", "density_per_hu");
-  expect_refused(R"({"density_at_0_hu_g_cm3": 0.1, "calibration": [[0, 0.1], [100, 0.2]]})", "both");
-  expect_refused(R"({"calibration": 3})", "list");
-  expect_refused(R"({"calibration": [[0, 0.1], [100]]})", "pairs");
-  expect_refused(R"({"calibration": [[0, 0.1], [100, "b"]]})", "pairs");
-  expect_refused(R"({"calibration": [[0, 0.1]]})", "two pairs");
-  expect_refused(R"({"calibration": [[0, 0.2], [100, 0.1]]})", "rise");
+TEST_F(DensityFile, IsRejectedWithFileAndFaultNamed) {
+  expect_rejected("[]", "object");
+  expect_rejected("{}", "density_at_0_hu_g_cm3");
+  expect_rejected(R"({"density_at_0_hu_g_cm3": 0.1})", "density_per_hu_g_cm3");
+  expect_rejected(R"({"density_at_0_hu_g_cm3": "a", "density_per_hu_g_cm3": 0.002})", "number");
+  expect_rejected(R"({"density_at_0_hu_g_cm3": 0.1, "density_per_hu_g_cm3": -0.002})", "density_per_hu");
+  expect_rejected(R"({"density_at_0_hu_g_cm3": 0.1, "calibration": [[0, 0.1], [100, 0.2]]})", "both");
+  expect_rejected(R"({"calibration": 3})", "list");
+  expect_rejected(R"({"calibration": [[0, 0.1], [100]]})", "pairs");
+  expect_rejected(R"({"calibration": [[0, 0.1], [100, "b"]]})", "pairs");
+  expect_rejected(R"({"calibration": [[0, 0.1]]})", "two pairs");
+  expect_rejected(R"({"calibration": [[0, 0.2], [100, 0.1]]})", "rise");
 }
 
 const std::filesystem::path kShipped = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/materials/vertebra.json";
 
 /// Every key, and the member that it is for.
-const std::map<std::string, double Material::*> kMembers{{"cutting_mpa", &Material::cutting_mpa},
-                                                         {"cutting_exponent", &Material::cutting_exponent},
-                                                         {"reference_feed_mm", &Material::reference_feed_mm},
-                                                         {"feed_exponent", &Material::feed_exponent},
-                                                         {"lip_thrust_share", &Material::lip_thrust_share},
-                                                         {"chisel_mpa", &Material::chisel_mpa},
-                                                         {"chisel_exponent", &Material::chisel_exponent},
-                                                         {"chisel_share", &Material::chisel_share},
-                                                         {"contact_n_mm", &Material::contact_n_mm},
-                                                         {"contact_exponent", &Material::contact_exponent}};
+const std::map<std::string, double Material::*> kMembers{
+    {"specific_cutting_energy_mpa", &Material::specific_cutting_energy_mpa},
+    {"cutting_exponent", &Material::cutting_exponent},
+    {"reference_feed_mm", &Material::reference_feed_mm},
+    {"feed_exponent", &Material::feed_exponent},
+    {"lip_thrust_share", &Material::lip_thrust_share},
+    {"chisel_mpa", &Material::chisel_mpa},
+    {"chisel_exponent", &Material::chisel_exponent},
+    {"chisel_share", &Material::chisel_share},
+    {"contact_n_mm", &Material::contact_n_mm},
+    {"contact_exponent", &Material::contact_exponent}};
 
 TEST(MaterialFile, ShipsTheDefaults) {
   const Material shipped = read_material(kShipped, {});
@@ -104,7 +107,7 @@ TEST(MaterialFile, ReadsEachKeyIntoItsOwnMember) {
   for (const auto& [key, member] : kMembers) EXPECT_EQ(material.*member, value += 0.01) << key;
 }
 
-TEST(MaterialFile, IsRefusedWithFileAndKeyNamed) {
+TEST(MaterialFile, IsRejectedWithFileAndKeyNamed) {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "m.json";
   for (const auto& [key, member] : kMembers) {
@@ -124,7 +127,7 @@ TEST(MaterialFile, IsRefusedWithFileAndKeyNamed) {
   EXPECT_THAT([&] { read_material(folder.path() / "none.json", {}); }, ThrowsMessage<Error>(HasSubstr("no such file")));
 }
 
-TEST(MaterialFile, IsRefusedWhereItHoldsWhatIsReadElsewhereOrNoLonger) {
+TEST(MaterialFile, IsRejectedWhereItHoldsWhatIsReadElsewhereOrNoLonger) {
   const test::TemporaryFolder folder;
   for (const char* key :
        {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3", "pressure_at_1_g_cm3_mpa", "pressure_exponent"}) {

@@ -64,7 +64,7 @@ TEST_F(PhantomFile, HasASourceForEveryGroup) {
 }
 
 TEST_F(PhantomFile, ReadsEveryShippedValueIntoItsOwnMember) {
-  // Each number made absurd alone must be refused under its own name, so it went into its own member.
+  // Each number made absurd alone must be rejected under its own name, so it went into its own member.
   const json whole = shipped();
   for (const auto& [name, group] : whole.items()) {
     if (!group.is_object()) continue;
@@ -95,7 +95,7 @@ TEST_F(PhantomFile, TakesTheLeftPediclesValuesForMissingOnesOfTheRight) {
   EXPECT_EQ(anatomy.pedicle.height_mm, VertebraAnatomy().pedicle.height_mm);
 }
 
-TEST_F(PhantomFile, NamesFileAndKeyOfWhatItRefuses) {
+TEST_F(PhantomFile, NamesFileAndKeyOfWhatItRejects) {
   const auto names = [](const char* key) { return AllOf(HasSubstr("bone.json"), HasSubstr(key)); };
   EXPECT_THAT(message(R"({"body": {"width": 44}})"), names("unknown key body.width"));
   EXPECT_THAT(message(R"({"right_pedicle": {"girth_mm": 4}})"), names("unknown key right_pedicle.girth_mm"));

@@ -80,8 +80,8 @@ TEST_F(PlanFile, SaysItsFrameAndUnit) {
   EXPECT_EQ(json.at("unit"), "mm");
 }
 
-TEST_F(PlanFile, IsRefusedInAnotherFormatVersionFrameOrUnit) {
-  const auto refused = [&](const char* key, const Json& value) {
+TEST_F(PlanFile, IsRejectedInAnotherFormatVersionFrameOrUnit) {
+  const auto rejected = [&](const char* key, const Json& value) {
     EXPECT_THAT([&] { read_changed([&](Json& json) { json[key] = value; }); },
                 ThrowsMessage<Error>(HasSubstr("plan.json")))
         << key;
@@ -89,13 +89,13 @@ TEST_F(PlanFile, IsRefusedInAnotherFormatVersionFrameOrUnit) {
                 ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(key))))
         << key;
   };
-  refused("format", "other");
-  refused("version", 2);
-  refused("frame", "RAS");
-  refused("unit", "cm");
+  rejected("format", "other");
+  rejected("version", 2);
+  rejected("frame", "RAS");
+  rejected("unit", "cm");
 }
 
-TEST_F(PlanFile, IsRefusedWithoutPaths) {
+TEST_F(PlanFile, IsRejectedWithoutPaths) {
   EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"] = Json::array(); }); },
               ThrowsMessage<Error>(AllOf(HasSubstr("one path or more"), HasSubstr("plan.json"))));
   EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"] = 3; }); },
@@ -104,7 +104,7 @@ TEST_F(PlanFile, IsRefusedWithoutPaths) {
               ThrowsMessage<Error>(AllOf(HasSubstr("object"), HasSubstr("plan.json"))));
 }
 
-TEST_F(PlanFile, IsRefusedWithTheKeyAtFaultNamed) {
+TEST_F(PlanFile, IsRejectedWithTheKeyAtFaultNamed) {
   const auto names = [](const char* key) {
     return ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(key)));
   };
@@ -120,7 +120,7 @@ TEST_F(PlanFile, IsRefusedWithTheKeyAtFaultNamed) {
   EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry"][1] = nullptr; }); }, names("entry"));
 }
 
-TEST_F(PlanFile, IsRefusedWithPathsThatCannotBeDrilledAndSaysWhich) {
+TEST_F(PlanFile, IsRejectedWithPathsThatCannotBeDrilledAndSaysWhich) {
   const auto names = [](const char* what) {
     return ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("left"), HasSubstr(what)));
   };
@@ -130,7 +130,7 @@ TEST_F(PlanFile, IsRefusedWithPathsThatCannotBeDrilledAndSaysWhich) {
               names("path"));
 }
 
-TEST_F(PlanFile, IsRefusedWhenItIsNoJson) {
+TEST_F(PlanFile, IsRejectedWhenItIsNoJson) {
   std::ofstream(path()) << "{\"format\": ";
   EXPECT_THAT([&] { read_plan(path()); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("JSON"))));
   std::ofstream(path(), std::ios::trunc) << "[1, 2]";

@@ -25,7 +25,7 @@ TEST(PlanningRulesFile, ShippedIsWhatTheLibraryTakesByItself) {
   EXPECT_EQ(shipped.front_margin_mm, own.front_margin_mm);
   EXPECT_EQ(shipped.widest_share, own.widest_share);
   EXPECT_EQ(shipped.furthest_share, own.furthest_share);
-  EXPECT_EQ(shipped.most_turn_deg, own.most_turn_deg);
+  EXPECT_EQ(shipped.max_turn_deg, own.max_turn_deg);
   EXPECT_EQ(shipped.weights.length, own.weights.length);
   EXPECT_EQ(shipped.weights.diameter, own.weights.diameter);
   EXPECT_EQ(shipped.weights.clearance, own.weights.clearance);
@@ -35,22 +35,22 @@ TEST(PlanningRulesFile, ShippedIsWhatTheLibraryTakesByItself) {
   EXPECT_EQ(shipped.weights.along_axis, own.weights.along_axis);
 }
 
-TEST(PlanningRulesFile, IsRefusedWithTheKeyAtFaultNamed) {
+TEST(PlanningRulesFile, IsRejectedWithTheKeyAtFaultNamed) {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "rules.json";
-  const auto refuses_changed = [&](const auto& change, const char* word) {
+  const auto rejects_changed = [&](const auto& change, const char* word) {
     Json json = read_json(data_file("planning/pedicle.json"));
     change(json);
     std::ofstream(path, std::ios::trunc) << json.dump();
     EXPECT_THAT([&] { read_planning_rules(path); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("rules.json"), HasSubstr(word))));
   };
-  refuses_changed([](Json& json) { json.erase("margin_mm"); }, "margin_mm");
-  refuses_changed([](Json& json) { json["widest_share"] = "wide"; }, "widest_share");
-  refuses_changed([](Json& json) { json["marginn_mm"] = 2.0; }, "marginn_mm");
-  refuses_changed([](Json& json) { json["weights"]["canals"] = 2.0; }, "canals");
-  refuses_changed([](Json& json) { json["weights"].erase("canal"); }, "canal");
-  refuses_changed([](Json& json) { json["weights"] = 3; }, "object");
+  rejects_changed([](Json& json) { json.erase("margin_mm"); }, "margin_mm");
+  rejects_changed([](Json& json) { json["widest_share"] = "wide"; }, "widest_share");
+  rejects_changed([](Json& json) { json["marginn_mm"] = 2.0; }, "marginn_mm");
+  rejects_changed([](Json& json) { json["weights"]["canals"] = 2.0; }, "canals");
+  rejects_changed([](Json& json) { json["weights"].erase("canal"); }, "canal");
+  rejects_changed([](Json& json) { json["weights"] = 3; }, "object");
 }
 
 }  // namespace

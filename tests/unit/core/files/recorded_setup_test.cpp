@@ -24,7 +24,7 @@ SessionSetup odd_setup() {
   setup.path.bit.tip_diameter_mm = 0.7;
   setup.path.screw = PedicleScrew{"a \"screw\"", 6.1, 44.0, 3.9};
   setup.material.density = {0.04 / 3.0, 0.0011};
-  setup.material.cutting_mpa = 100.0 / 3.0;
+  setup.material.specific_cutting_energy_mpa = 100.0 / 3.0;
   setup.material.contact_n_mm = 123.4;
   setup.volume = {.radius_mm = 2.9,
                   .spacing_mm = 0.07,
@@ -40,7 +40,7 @@ SessionSetup odd_setup() {
   setup.options.spindle = {1111.1, false};
   setup.options.stop = {55.5, 0.1, true};
   setup.options.states = {0.11, 0.66, 0.44, 0.12};
-  setup.options.longest_jump_mm = 49.0;
+  setup.options.max_jump_mm = 49.0;
   setup.has_clearances = false;
   const Vec3 axis = Vec3(1.0, 2.0, -3.0).normalized();
   setup.holes = {
@@ -67,7 +67,7 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   ASSERT_TRUE(back.path.screw);
   EXPECT_EQ(back.path.screw->name, "a \"screw\"");
   EXPECT_EQ(back.material.density.at_0_hu, 0.04 / 3.0);
-  EXPECT_EQ(back.material.cutting_mpa, 100.0 / 3.0);
+  EXPECT_EQ(back.material.specific_cutting_energy_mpa, 100.0 / 3.0);
   EXPECT_EQ(back.material.contact_n_mm, 123.4);
   EXPECT_EQ(back.volume.radius_mm, 2.9);
   EXPECT_EQ(back.volume.spacing_mm, 0.07);
@@ -87,7 +87,7 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_TRUE(back.options.stop.on_breach);
   EXPECT_EQ(back.options.states.contact_g_cm3, 0.11);
   EXPECT_EQ(back.options.states.hold_mm, 0.12);
-  EXPECT_EQ(back.options.longest_jump_mm, 49.0);
+  EXPECT_EQ(back.options.max_jump_mm, 49.0);
   EXPECT_FALSE(back.has_clearances);
   // What there is beside: every key at once.
   EXPECT_EQ(to_json(back), to_json(setup));
@@ -128,7 +128,7 @@ TEST(SessionSetup, NamesFileAndKeyOfWhatIsWrong) {
   expect("jitter_seed", [](Json& json) { json["volume"]["jitter_seed"] = -1; });
   expect("hu_bits", [](Json& json) { json["volume"]["hu_bits"] = 9U; });
   expect("subdivision", [](Json& json) { json["volume"]["subdivision"] = "squares"; });
-  expect("cutting_mpa", [](Json& json) { json["material"]["cutting_mpa"] = "hard"; });
+  expect("specific_cutting_energy_mpa", [](Json& json) { json["material"]["specific_cutting_energy_mpa"] = "hard"; });
   expect("states", [](Json& json) { json["options"]["states"] = 1; });
   expect("on_breach", [](Json& json) { json["options"]["stop"]["on_breach"] = 1; });
   expect("path", [](Json& json) { json["path"]["target"] = json["path"]["entry"]; });

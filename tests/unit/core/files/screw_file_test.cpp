@@ -36,20 +36,20 @@ TEST(ScrewFile, ShippedHasTheSizesOfTheLumbarSpine) {
   EXPECT_EQ(usual->name, "6.5 x 45 mm");
 }
 
-TEST(ScrewFile, IsRefusedWithTheKeyAtFaultNamed) {
+TEST(ScrewFile, IsRejectedWithTheKeyAtFaultNamed) {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "screws.json";
-  const auto refuses = [&](const char* text, const char* word) {
+  const auto rejects = [&](const char* text, const char* word) {
     std::ofstream(path, std::ios::trunc) << text;
     EXPECT_THAT([&] { read_screws(path); }, ThrowsMessage<Error>(AllOf(HasSubstr("screws.json"), HasSubstr(word))));
   };
-  refuses(R"({"lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
-  refuses(R"({"diameters_mm": [], "lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
-  refuses(R"({"diameters_mm": [5, "six"], "lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
-  refuses(R"({"diameters_mm": [5], "lengths_mm": 40, "tip_length_mm": 4})", "lengths_mm");
-  refuses(R"({"diameters_mm": [5], "lengths_mm": [40]})", "tip_length_mm");
-  refuses(R"({"diameters_mm": [-5], "lengths_mm": [40], "tip_length_mm": 4})", "diameter");
-  refuses(R"({"diameters_mm": [5], "lengths_mm": [3], "tip_length_mm": 4})", "tip");
+  rejects(R"({"lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
+  rejects(R"({"diameters_mm": [], "lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
+  rejects(R"({"diameters_mm": [5, "six"], "lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");
+  rejects(R"({"diameters_mm": [5], "lengths_mm": 40, "tip_length_mm": 4})", "lengths_mm");
+  rejects(R"({"diameters_mm": [5], "lengths_mm": [40]})", "tip_length_mm");
+  rejects(R"({"diameters_mm": [-5], "lengths_mm": [40], "tip_length_mm": 4})", "diameter");
+  rejects(R"({"diameters_mm": [5], "lengths_mm": [3], "tip_length_mm": 4})", "tip");
 }
 
 }  // namespace

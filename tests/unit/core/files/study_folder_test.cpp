@@ -26,8 +26,8 @@ StudyRow full_row(std::size_t run) {
     row[static_cast<StudyColumn>(n)] = random_uniform(run, n) * std::pow(10.0, static_cast<double>(n % 9) - 4.0);
   }
   row[StudyFactor::push_n] = std::numeric_limits<double>::quiet_NaN();
-  row[StudyColumn::least_canal_mm] = std::numeric_limits<double>::infinity();
-  row[StudyColumn::overshoot_mm] = std::numeric_limits<double>::quiet_NaN();
+  row[StudyColumn::min_clearance_canal_mm] = std::numeric_limits<double>::infinity();
+  row[StudyColumn::plunge_depth_mm] = std::numeric_limits<double>::quiet_NaN();
   row[StudyColumn::run] = static_cast<double>(run);
   row[StudyColumn::seed] = 4294967295.0;
   row[StudyColumn::contact] = 1.0;
@@ -67,7 +67,7 @@ TEST(StudyRow, IsWrittenAsReadersOfTablesTakeIt) {
   EXPECT_THAT(text, HasSubstr(",inf,"));
 }
 
-TEST(StudyRow, RefusesTextThatIsNoRow) {
+TEST(StudyRow, RejectsTextThatIsNoRow) {
   const std::string good = study_csv(full_row(3));
   EXPECT_THROW(read_study_csv(good + ",1"), Error);
   EXPECT_THROW(read_study_csv(good.substr(0, good.rfind(','))), Error);
@@ -107,18 +107,18 @@ TEST_F(StudyFolder, CutAnywhereLosesOnlyTheRowThatWasCut) {
   append(0, 4);
   const std::filesystem::path part = path_ / "part-1-of-1.csv";
   const std::string whole = read_whole_file(part);
-  std::size_t most = 0;
+  std::size_t max = 0;
   for (std::size_t length = 0; length <= whole.size(); ++length) {
     write_whole_file(part, whole.substr(0, length));
     const std::string cut = whole.substr(0, length);
     const auto lines = static_cast<std::size_t>(std::count(cut.begin(), cut.end(), '\n'));
     ASSERT_EQ(rows().size(), lines > 0 ? lines - 1 : 0) << length;
-    most = std::max(most, rows().size());
+    max = std::max(max, rows().size());
     // Going on makes the file what it would have been.
     append(rows().size(), 4);
     ASSERT_EQ(read_whole_file(part), whole) << length;
   }
-  EXPECT_EQ(most, 4U);
+  EXPECT_EQ(max, 4U);
 }
 
 TEST_F(StudyFolder, PassesOverARowThatWasDamaged) {
@@ -133,7 +133,7 @@ TEST_F(StudyFolder, PassesOverARowThatWasDamaged) {
   EXPECT_FALSE(found.contains(1));
 }
 
-TEST_F(StudyFolder, RefusesAnotherStudyAndSaysWhatDiffers) {
+TEST_F(StudyFolder, RejectsAnotherStudyAndSaysWhatDiffers) {
   StudyIdentity other = kStudy;
   other.study = R"({"name":"one","seed":8})";
   EXPECT_THAT([&] { open_study_folder(path_, other); }, ThrowsMessage<Error>(HasSubstr("\"seed\"")));
@@ -144,7 +144,7 @@ TEST_F(StudyFolder, RefusesAnotherStudyAndSaysWhatDiffers) {
   EXPECT_THAT([&] { read_study_parts(path_, other, found); }, ThrowsMessage<Error>(HasSubstr("another")));
 }
 
-TEST_F(StudyFolder, RefusesTwoRowsOfOneRunThatDiffer) {
+TEST_F(StudyFolder, RejectsTwoRowsOfOneRunThatDiffer) {
   append(0, 2);
   append(1, 2, "part-2-of-2.csv");
   EXPECT_EQ(rows().size(), 2U);  // the same twice is no harm

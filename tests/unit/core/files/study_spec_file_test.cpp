@@ -29,7 +29,7 @@ Json whole_spec() {
     "volume": {"radius_mm": 5, "spacing_mm": 0.2, "lead_in_mm": 2, "lead_out_mm": 4},
     "spindle_rpm": 1000,
     "stop": {"thrust_n": 40, "clearance_mm": 1, "on_breach": true},
-    "hand": {"kind": "push", "push_n": 25, "rate_hz": 500, "reaction_s": 0.3, "noticed_share": 0.1,
+    "operator": {"kind": "push", "push_n": 25, "rate_hz": 500, "reaction_s": 0.3, "noticed_share": 0.1,
              "tremor_mm": 0.05},
     "design": {
       "runs": 20, "sampling": "latin-hypercube", "seed": 9,
@@ -56,7 +56,7 @@ class StudySpecFile : public ::testing::Test {
     std::ofstream(file_, std::ios::trunc) << json.dump();
     return file_;
   }
-  void refuses(const std::function<void(Json&)>& change, const std::string& word) const {
+  void rejects(const std::function<void(Json&)>& change, const std::string& word) const {
     Json json = whole_spec();
     change(json);
     write(json);
@@ -83,34 +83,34 @@ TEST_F(StudySpecFile, IsReadWithEveryKey) {
   EXPECT_EQ(spec.options.stop.thrust_n, 40.0);
   EXPECT_EQ(spec.options.stop.clearance_mm, 1.0);
   EXPECT_TRUE(spec.options.stop.on_breach);
-  EXPECT_EQ(spec.hand.kind, StudyHand::Kind::push);
-  EXPECT_EQ(spec.hand.push_n, 25.0);
-  EXPECT_EQ(spec.hand.rate_hz, 500.0);
-  EXPECT_EQ(spec.hand.reaction_s, 0.3);
-  EXPECT_EQ(spec.hand.noticed_share, 0.1);
-  EXPECT_EQ(spec.hand.tremor_mm, 0.05);
+  EXPECT_EQ(spec.tool_operator.kind, StudyOperator::Kind::push);
+  EXPECT_EQ(spec.tool_operator.push_n, 25.0);
+  EXPECT_EQ(spec.tool_operator.rate_hz, 500.0);
+  EXPECT_EQ(spec.tool_operator.reaction_s, 0.3);
+  EXPECT_EQ(spec.tool_operator.noticed_share, 0.1);
+  EXPECT_EQ(spec.tool_operator.tremor_mm, 0.05);
   EXPECT_EQ(spec.design.runs, 20U);
   EXPECT_TRUE(spec.design.is_latin);
   EXPECT_EQ(spec.design.seed, 9U);
-  ASSERT_EQ(spec.design.laws.size(), 3U);
-  EXPECT_EQ(spec.design.laws[0].kind, FactorLaw::Kind::normal);
-  EXPECT_EQ(spec.design.laws[0].a, 0.5);
-  EXPECT_EQ(spec.design.laws[0].b, 1.0);
-  EXPECT_EQ(spec.design.laws[1].kind, FactorLaw::Kind::uniform);
-  EXPECT_EQ(spec.design.laws[1].a, -4.0);
-  EXPECT_EQ(spec.design.laws[1].b, 3.0);
-  EXPECT_EQ(spec.design.laws[2].levels, (std::vector<double>{2.5, 3.5}));
+  ASSERT_EQ(spec.design.distributions.size(), 3U);
+  EXPECT_EQ(spec.design.distributions[0].kind, FactorDistribution::Kind::normal);
+  EXPECT_EQ(spec.design.distributions[0].a, 0.5);
+  EXPECT_EQ(spec.design.distributions[0].b, 1.0);
+  EXPECT_EQ(spec.design.distributions[1].kind, FactorDistribution::Kind::uniform);
+  EXPECT_EQ(spec.design.distributions[1].a, -4.0);
+  EXPECT_EQ(spec.design.distributions[1].b, 3.0);
+  EXPECT_EQ(spec.design.distributions[2].levels, (std::vector<double>{2.5, 3.5}));
   EXPECT_EQ(StudyRuns(spec.design).count(), 40U);
 }
 
-TEST_F(StudySpecFile, NeedsNoMoreThanBonePathHandAndDesign) {
+TEST_F(StudySpecFile, NeedsNoMoreThanBonePathOperatorAndDesign) {
   const StudySpec spec = read_study_spec(write(Json::parse(
-      R"({"format": "spinaltap-study", "version": 1, "bone": "b.vdb", "hand": {"kind": "feed"}, "design": {},
+      R"({"format": "spinaltap-study", "version": 1, "bone": "b.vdb", "operator": {"kind": "feed"}, "design": {},
           "path": {"name": "own", "entry": [0, 0, 0], "target": [0, 0, 30],
                    "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 2}}})")));
   EXPECT_EQ(spec.name, "study");
   EXPECT_EQ(spec.path.name, "own");
-  EXPECT_EQ(spec.hand.step_mm, 0.01);
+  EXPECT_EQ(spec.tool_operator.step_mm, 0.01);
   EXPECT_EQ(spec.volume.radius_mm, 0.0);
   EXPECT_EQ(spec.volume.spacing_mm, 0.1);
   EXPECT_TRUE(std::isinf(spec.options.stop.thrust_n));
@@ -124,69 +124,69 @@ TEST_F(StudySpecFile, NeedsNoMoreThanBonePathHandAndDesign) {
 TEST_F(StudySpecFile, ShippedOneIsRead) {
   const StudySpec spec = read_study_spec(write(read_json(data_file("studies/pedicle.json"))));
   EXPECT_EQ(StudyRuns(spec.design).count(), 1000U);
-  EXPECT_EQ(spec.hand.step_mm, 0.01);
+  EXPECT_EQ(spec.tool_operator.step_mm, 0.01);
 }
 
-TEST_F(StudySpecFile, GivesHandAndDesignBackAsTheyWere) {
+TEST_F(StudySpecFile, GivesOperatorAndDesignBackAsTheyWere) {
   const StudySpec spec = read_study_spec(write(whole_spec()));
-  EXPECT_EQ(to_json(spec.hand), to_json(read_study_hand(to_json(spec.hand), file_)));
+  EXPECT_EQ(to_json(spec.tool_operator), to_json(read_study_operator(to_json(spec.tool_operator), file_)));
   EXPECT_EQ(to_json(spec.design), to_json(read_study_design(to_json(spec.design), file_)));
-  EXPECT_EQ(read_study_hand(to_json(spec.hand), file_).push_n, 25.0);
-  EXPECT_EQ(read_study_design(to_json(spec.design), file_).laws.size(), 3U);
+  EXPECT_EQ(read_study_operator(to_json(spec.tool_operator), file_).push_n, 25.0);
+  EXPECT_EQ(read_study_design(to_json(spec.design), file_).distributions.size(), 3U);
 }
 
-TEST_F(StudySpecFile, IsRefusedWithTheKeyAtFaultNamed) {
-  refuses([](Json& j) { j["format"] = "plan"; }, "spinaltap-study");
-  refuses([](Json& j) { j["version"] = 2; }, "version 1");
-  refuses([](Json& j) { j["spindel_rpm"] = 2; }, "spindel_rpm");
-  refuses([](Json& j) { j["level"] = "L9"; }, "a vertebra such as");
-  for (const char* key : {"format", "version", "bone", "plan", "hand", "design"}) {
-    refuses([key](Json& j) { j.erase(key); }, key);
+TEST_F(StudySpecFile, IsRejectedWithTheKeyAtFaultNamed) {
+  rejects([](Json& j) { j["format"] = "plan"; }, "spinaltap-study");
+  rejects([](Json& j) { j["version"] = 2; }, "version 1");
+  rejects([](Json& j) { j["spindel_rpm"] = 2; }, "spindel_rpm");
+  rejects([](Json& j) { j["level"] = "L9"; }, "a vertebra such as");
+  for (const char* key : {"format", "version", "bone", "plan", "operator", "design"}) {
+    rejects([key](Json& j) { j.erase(key); }, key);
   }
-  refuses([](Json& j) { j["name"] = 3; }, "name");
-  refuses([](Json& j) { j["bone"] = 3; }, "bone");
-  refuses([](Json& j) { j["path"] = Json::object({{"name", "x"}}); }, "\"plan\"");
-  refuses([](Json& j) { j["spindle_rpm"] = 0; }, "spindle_rpm");
-  refuses([](Json& j) { j["spindle_rpm"] = "fast"; }, "spindle_rpm");
+  rejects([](Json& j) { j["name"] = 3; }, "name");
+  rejects([](Json& j) { j["bone"] = 3; }, "bone");
+  rejects([](Json& j) { j["path"] = Json::object({{"name", "x"}}); }, "\"plan\"");
+  rejects([](Json& j) { j["spindle_rpm"] = 0; }, "spindle_rpm");
+  rejects([](Json& j) { j["spindle_rpm"] = "fast"; }, "spindle_rpm");
 
-  refuses([](Json& j) { j["volume"]["radius"] = 3; }, "\"radius\"");
+  rejects([](Json& j) { j["volume"]["radius"] = 3; }, "\"radius\"");
   for (const char* key : {"radius_mm", "spacing_mm", "lead_in_mm", "lead_out_mm"}) {
-    refuses([key](Json& j) { j["volume"][key] = -1; }, key);
-    refuses([key](Json& j) { j["volume"][key] = "wide"; }, key);
+    rejects([key](Json& j) { j["volume"][key] = -1; }, key);
+    rejects([key](Json& j) { j["volume"][key] = "wide"; }, key);
   }
-  refuses([](Json& j) { j["volume"] = 3; }, "object");
+  rejects([](Json& j) { j["volume"] = 3; }, "object");
 
-  refuses([](Json& j) { j["stop"]["thrust_n"] = 0; }, "thrust_n");
-  refuses([](Json& j) { j["stop"]["clearance_mm"] = "none"; }, "clearance_mm");
-  refuses([](Json& j) { j["stop"]["on_breach"] = 1; }, "on_breach");
-  refuses([](Json& j) { j["stop"]["on_breech"] = true; }, "on_breech");
+  rejects([](Json& j) { j["stop"]["thrust_n"] = 0; }, "thrust_n");
+  rejects([](Json& j) { j["stop"]["clearance_mm"] = "none"; }, "clearance_mm");
+  rejects([](Json& j) { j["stop"]["on_breach"] = 1; }, "on_breach");
+  rejects([](Json& j) { j["stop"]["on_breech"] = true; }, "on_breech");
 
-  refuses([](Json& j) { j["hand"].erase("kind"); }, "kind");
-  refuses([](Json& j) { j["hand"]["kind"] = "robot"; }, "robot");
-  refuses([](Json& j) { j["hand"]["feed_mm_s"] = 1; }, "feed_mm_s");
+  rejects([](Json& j) { j["operator"].erase("kind"); }, "kind");
+  rejects([](Json& j) { j["operator"]["kind"] = "robot"; }, "robot");
+  rejects([](Json& j) { j["operator"]["feed_mm_s"] = 1; }, "feed_mm_s");
   for (const char* key : {"push_n", "rate_hz", "reaction_s", "noticed_share", "tremor_mm"}) {
-    refuses([key](Json& j) { j["hand"][key] = -1; }, key);
+    rejects([key](Json& j) { j["operator"][key] = -1; }, key);
   }
-  refuses([](Json& j) { j["hand"] = {{"kind", "feed"}, {"push_n", 20}}; }, "push_n");
-  refuses([](Json& j) { j["hand"] = {{"kind", "feed"}, {"feed_mm_s", 0}}; }, "feed_mm_s");
-  refuses([](Json& j) { j["hand"] = {{"kind", "feed"}, {"step_mm", -0.01}}; }, "step_mm");
+  rejects([](Json& j) { j["operator"] = {{"kind", "feed"}, {"push_n", 20}}; }, "push_n");
+  rejects([](Json& j) { j["operator"] = {{"kind", "feed"}, {"feed_mm_s", 0}}; }, "feed_mm_s");
+  rejects([](Json& j) { j["operator"] = {{"kind", "feed"}, {"step_mm", -0.01}}; }, "step_mm");
 
-  refuses([](Json& j) { j["design"]["run"] = 3; }, "\"run\"");
-  refuses([](Json& j) { j["design"]["runs"] = 2.5; }, "runs");
-  refuses([](Json& j) { j["design"]["runs"] = -1; }, "runs");
-  refuses([](Json& j) { j["design"]["seed"] = "x"; }, "seed");
-  refuses([](Json& j) { j["design"]["sampling"] = "sobol"; }, "sobol");
-  refuses([](Json& j) { j["design"]["factors"] = 3; }, "factors");
-  refuses([](Json& j) { j["design"]["factors"]["entry"] = {{"levels", {1}}}; }, "\"entry\"");
-  refuses([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = 3; }, "bit_diameter_mm");
-  refuses([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = {{"level", {3}}}; }, "\"level\"");
-  refuses([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = {{"levels", {3, "x"}}}; }, "bit_diameter_mm");
-  refuses([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = {{"levels", 3}}; }, "bit_diameter_mm");
-  refuses([](Json& j) { j["design"]["factors"]["entry_left_mm"]["normal"].erase("mean"); }, "mean");
-  refuses([](Json& j) { j["design"]["factors"]["entry_left_mm"]["normal"]["sigma"] = 3; }, "sigma");
-  refuses([](Json& j) { j["design"]["factors"]["angle_head_deg"]["uniform"].erase("high"); }, "high");
-  refuses([](Json& j) { j["design"]["factors"]["angle_head_deg"]["uniform"]["mean"] = 1; }, "mean");
-  refuses([](Json& j) { j["design"]["factors"]["feed_mm_s"] = {{"levels", {1}}}; }, "feed_mm_s");
+  rejects([](Json& j) { j["design"]["run"] = 3; }, "\"run\"");
+  rejects([](Json& j) { j["design"]["runs"] = 2.5; }, "runs");
+  rejects([](Json& j) { j["design"]["runs"] = -1; }, "runs");
+  rejects([](Json& j) { j["design"]["seed"] = "x"; }, "seed");
+  rejects([](Json& j) { j["design"]["sampling"] = "sobol"; }, "sobol");
+  rejects([](Json& j) { j["design"]["factors"] = 3; }, "factors");
+  rejects([](Json& j) { j["design"]["factors"]["entry"] = {{"levels", {1}}}; }, "\"entry\"");
+  rejects([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = 3; }, "bit_diameter_mm");
+  rejects([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = {{"level", {3}}}; }, "\"level\"");
+  rejects([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = {{"levels", {3, "x"}}}; }, "bit_diameter_mm");
+  rejects([](Json& j) { j["design"]["factors"]["bit_diameter_mm"] = {{"levels", 3}}; }, "bit_diameter_mm");
+  rejects([](Json& j) { j["design"]["factors"]["entry_left_mm"]["normal"].erase("mean"); }, "mean");
+  rejects([](Json& j) { j["design"]["factors"]["entry_left_mm"]["normal"]["sigma"] = 3; }, "sigma");
+  rejects([](Json& j) { j["design"]["factors"]["angle_head_deg"]["uniform"].erase("high"); }, "high");
+  rejects([](Json& j) { j["design"]["factors"]["angle_head_deg"]["uniform"]["mean"] = 1; }, "mean");
+  rejects([](Json& j) { j["design"]["factors"]["feed_mm_s"] = {{"levels", {1}}}; }, "feed_mm_s");
 }
 
 TEST_F(StudySpecFile, NamesFilesThatAreMissing) {

@@ -51,16 +51,16 @@ TEST(Contact, GrowsWithoutJumps) {
   test::fill_density(volume, material, [&](const Vec3& p) { return p.z() > 4.0 ? density : 0.0; });
   FeltBit felt(volume, bit, material, kOff);
   double before_n = 0.0;
-  double most_rise_n = 0.0;
+  double max_rise_n = 0.0;
   for (double depth_mm = -0.2; depth_mm < 1.0; depth_mm += 0.005) {
     const double push_n = -felt.along_path(felt.move_to(Vec3(0.0, 0.0, 4.0 + depth_mm)).contact_n).z();
     EXPECT_GE(push_n, before_n - 0.02 * stiffness_n_mm());
-    most_rise_n = std::max(most_rise_n, push_n - before_n);
+    max_rise_n = std::max(max_rise_n, push_n - before_n);
     before_n = push_n;
   }
   EXPECT_GT(before_n, 0.0);
   // 5 um of a whole section's stiffness would be 0.005 of it; a ring of places that sets in makes it more.
-  EXPECT_LT(most_rise_n, 0.03 * stiffness_n_mm());
+  EXPECT_LT(max_rise_n, 0.03 * stiffness_n_mm());
 }
 
 TEST(Contact, OfAShankComesFromTheWallThatItLeansOn) {
@@ -101,13 +101,13 @@ TEST(Contact, DoesNotDependOnHowManyPlacesStandForTheSurface) {
   FeltBit felt_short(volume, {3.0, 8.0, 2.0}, material, kOff);
   FeltBit felt_long(volume, {3.0, 50.0, 2.0}, material, kOff);
   const BonePoints bone({&volume, 1}, material);
-  EXPECT_GT(BitShell(bone, {3.0, 50.0, 2.0}).place_count(), BitShell(bone, {3.0, 8.0, 2.0}).place_count());
+  EXPECT_GT(ToolContact(bone, {3.0, 50.0, 2.0}).place_count(), ToolContact(bone, {3.0, 8.0, 2.0}).place_count());
   const double a = felt_short.move_to(Vec3(0.0, 0.0, 5.0)).contact_n.norm();
   EXPECT_NEAR(felt_long.move_to(Vec3(0.0, 0.0, 5.0)).contact_n.norm(), a, 1e-9 * a);
   EXPECT_GT(a, 0.0);
 }
 
-TEST(BitShell, CoversTheWholeSurfaceWithForcesThatCancelInsideBone) {
+TEST(ToolContact, CoversTheWholeSurfaceWithForcesThatCancelInsideBone) {
   // In bone all around, at depths that are the same everywhere, a closed surface feels nothing.
   PointVolume volume = test::block(30.0, 6.0, 0.2, kFeltHu);
   for (const DrillBit& bit : {DrillBit{3.0, 12.0, 4.0}, twist_drill(3.0, 12.0, 118.0, 0.6),

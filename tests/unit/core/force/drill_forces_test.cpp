@@ -1,4 +1,4 @@
-// Forces in even blocks, against the law in closed form.
+// Forces in even blocks, against the model in closed form.
 
 #include "core/force/drill_forces.h"
 
@@ -78,13 +78,13 @@ TEST_P(EvenBlock, GivesThrustAndTorqueOfTheClosedFormInEveryCycle) {
   EXPECT_LT(worst, 0.01);
 }
 
-TEST(ResistanceOfBlock, IsTheLawWrittenOut) {
+TEST(ResistanceOfBlock, IsTheModelWrittenOut) {
   Material material;
   material.density = {0.0, 0.001};
   const DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
   const FeedResistance block = resistance_of_block(bit, material, 1500.0);
   const double feed = 0.06;
-  const double energy_mpa = material.cutting_mpa * std::pow(1.5, 2.0) * std::pow(feed / 0.1, -0.3);
+  const double energy_mpa = material.specific_cutting_energy_mpa * std::pow(1.5, 2.0) * std::pow(feed / 0.1, -0.3);
   const double torque_n_mm = energy_mpa * feed * 1.6 * 1.6 / 2.0;
   const double chisel_n = material.chisel_mpa * std::pow(1.5, 2.0) * std::numbers::pi * 0.25 * 0.25;
   EXPECT_NEAR(block.torque_n_mm(feed), torque_n_mm, 1e-12 * torque_n_mm);
@@ -153,14 +153,14 @@ TEST(DrillForces, ChangeWithTheFeedAtOnceAndNotWithoutOne) {
 }
 
 TEST(DrillForces, AreThoseOfTheFeedUnderTremorAcrossTheAxis) {
-  // A hand trembles six times as fast across the axis as it feeds. The hole gets wider, which costs torque; the thrust
-  // is still that of the feed along the axis.
+  // An operator trembles six times as fast across the axis as it feeds. The hole gets wider, which costs torque; the
+  // thrust is still that of the feed along the axis.
   const DrillBit bit = twist_drill(3.2, 50.0, 118.0, 0.5);
   PointVolume volume = test::block(10.0, 2.8, 0.1, kFeltHu);
   FeltBit felt(volume, bit);
   const FeedResistance block = resistance_of_block(bit, Material(), kFeltHu);
   const double feed = feed_mm(0.001, felt.spindle());
-  double sum_n = 0.0, most_n = 0.0, least_n = 1e9;
+  double sum_n = 0.0, max_n = 0.0, min_n = 1e9;
   int count = 0;
   for (int n = 0; n < 9'000; ++n) {
     const double z_mm = -0.3 + 0.001 * n;
@@ -169,13 +169,13 @@ TEST(DrillForces, AreThoseOfTheFeedUnderTremorAcrossTheAxis) {
     if (z_mm < 3.0) continue;
     ++count;
     sum_n += force.thrust_n;
-    most_n = std::max(most_n, force.thrust_n);
-    least_n = std::min(least_n, force.thrust_n);
+    max_n = std::max(max_n, force.thrust_n);
+    min_n = std::min(min_n, force.thrust_n);
   }
   // The hole, wider by the tremor, has up to (1.7 / 1.6)² times the section.
   EXPECT_NEAR(sum_n / count, block.thrust_n(feed), 0.05 * block.thrust_n(feed));
-  EXPECT_GT(least_n, 0.85 * block.thrust_n(feed));
-  EXPECT_LT(most_n, 1.15 * block.thrust_n(feed));
+  EXPECT_GT(min_n, 0.85 * block.thrust_n(feed));
+  EXPECT_LT(max_n, 1.15 * block.thrust_n(feed));
 }
 
 TEST(DrillForces, OfABitThatWentBackComeBackWhereItLeft) {

@@ -53,7 +53,7 @@ TEST(FeltEngines, GiveTheSameForcesInAnyMotion) {
     }
     test::AnyMotion motion(seed, 3.0, 1.5);
     Draw draw(seed + 100);
-    double most_n = 0.0;
+    double max_n = 0.0;
     for (int step = 0; step < 80; ++step) {
       const Pose pose = whole.frame().to_patient(motion.next());
       const Spindle spindle{.rpm = draw(0.0, 1.0) < 0.1 ? 0.0 : draw(100.0, 3000.0), .is_clockwise = step < 40};
@@ -65,9 +65,9 @@ TEST(FeltEngines, GiveTheSameForcesInAnyMotion) {
         if (n == 0) first = felt;
         ASSERT_EQ(felt, first) << kinds[n].name << ", step " << step;
       }
-      most_n = std::max(most_n, std::abs(first[3]));
+      max_n = std::max(max_n, std::abs(first[3]));
     }
-    if (most_n > 0.0) ++felt_runs;
+    if (max_n > 0.0) ++felt_runs;
   }
   EXPECT_GT(felt_runs, 15);
 }

@@ -57,19 +57,19 @@ TEST(ForceOutput, KeepsItsBoundsWhateverComes) {
 }
 
 TEST(ForceOutput, AtTenKilohertzFollowsASmoothForceBetterThanHoldingIt) {
-  // 20 Hz, some hands' fastest, from cycles at 1 kHz.
-  const auto truth_n = [](double time_s) { return 10.0 + 5.0 * std::sin(2.0 * 3.14159265 * 20.0 * time_s); };
+  // 20 Hz, some operators' fastest, from cycles at 1 kHz.
+  const auto ground_truth_n = [](double time_s) { return 10.0 + 5.0 * std::sin(2.0 * 3.14159265 * 20.0 * time_s); };
   ForceOutput output;
   double worst_n = 0.0, worst_held_n = 0.0, worst_jump_n = 0.0;
-  double before_n = truth_n(0.0);
+  double before_n = ground_truth_n(0.0);
   for (int n = 0; n < 2'000; ++n) {
     const double time_s = 1e-4 * n;
     const double cycle_s = kCycleS * std::floor(time_s / kCycleS + 1e-9);
-    if (n % 10 == 0) output.update(Vec3(0, 0, truth_n(cycle_s)), cycle_s);
+    if (n % 10 == 0) output.update(Vec3(0, 0, ground_truth_n(cycle_s)), cycle_s);
     const double out_n = output.at(time_s).z();
     if (n >= 20) {
-      worst_n = std::max(worst_n, std::abs(out_n - truth_n(time_s)));
-      worst_held_n = std::max(worst_held_n, std::abs(truth_n(cycle_s) - truth_n(time_s)));
+      worst_n = std::max(worst_n, std::abs(out_n - ground_truth_n(time_s)));
+      worst_held_n = std::max(worst_held_n, std::abs(ground_truth_n(cycle_s) - ground_truth_n(time_s)));
       worst_jump_n = std::max(worst_jump_n, std::abs(out_n - before_n));
     }
     before_n = out_n;

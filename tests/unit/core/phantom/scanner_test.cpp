@@ -163,7 +163,7 @@ TEST(Scanner, StopsWhenItIsCancelled) {
   EXPECT_THROW(scan(EvenBall(Vec3::Zero(), 5.0, 100.0), small_scan(), progress), Cancelled);
 }
 
-TEST(Scanner, RefusesOptionsWithoutSense) {
+TEST(Scanner, RejectsOptionsWithoutSense) {
   ScanOptions options = small_scan();
   options.pixel_mm = std::nan("");
   EXPECT_THROW(scan(EvenBall(Vec3::Zero(), 5.0, 100.0), options), Error);

@@ -11,7 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/phantom/spine_truth.h"
+#include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
 
 namespace spinaltap {
@@ -83,15 +83,15 @@ double sampled_gap_mm(const Spine& spine, std::size_t a, std::size_t b, int coun
   Box3 box = spine.part(a).solid->bounds_mm();
   const Box3 other = spine.part(b).solid->bounds_mm();
   box = box.intersection(Box3(other.min() - Vec3::Constant(3.0), other.max() + Vec3::Constant(3.0)));
-  double least = 1e9;
-  if (box.isEmpty()) return least;
+  double min = 1e9;
+  if (box.isEmpty()) return min;
   for (int n = 0; n < count; ++n) {
     const Vec3 p = place_in(box, 91, static_cast<std::uint64_t>(n));
     const double first = spine.part_value_mm(a, p), second = spine.part_value_mm(b, p);
     EXPECT_FALSE(first < 0.0 && second < 0.0) << "parts " << a << " and " << b << " overlap at " << p.transpose();
-    if (first > 0.0 && second > 0.0) least = std::min(least, first + second);
+    if (first > 0.0 && second > 0.0) min = std::min(min, first + second);
   }
-  return least;
+  return min;
 }
 
 SpineOptions whole_spine() {
@@ -114,17 +114,18 @@ TEST(Spine, HasEachLevelInOnePieceWithOneHole) {
 
 TEST(Spine, HasEachPedicleExactlyAsWideAndHighAsItsLevelsMeasures) {
   const Spine spine(whole_spine());
-  const SpineTruth truth = spine_truth(spine);
-  ASSERT_EQ(truth.levels.size(), 17U);
-  for (std::size_t n = 0; n < truth.levels.size(); ++n) {
-    const LevelMeasures& m = level_measures(truth.levels[n].level);
-    for (const PedicleTruth& side : {truth.levels[n].pedicles.left, truth.levels[n].pedicles.right}) {
+  const SpineGroundTruth ground_truth = spine_ground_truth(spine);
+  ASSERT_EQ(ground_truth.levels.size(), 17U);
+  for (std::size_t n = 0; n < ground_truth.levels.size(); ++n) {
+    const LevelMeasures& m = level_measures(ground_truth.levels[n].level);
+    for (const PedicleGroundTruth& side :
+         {ground_truth.levels[n].pedicles.left, ground_truth.levels[n].pedicles.right}) {
       EXPECT_EQ(side.width_mm, m.pedicle_width_mm);
       for (const auto& [axis, size_mm] :
            {std::pair(side.width_axis, side.width_mm), {side.height_axis, side.height_mm}}) {
         for (const double sign : {1.0, -1.0}) {
           EXPECT_NEAR(spine.part_value_mm(n, side.isthmus_mm + 0.5 * sign * size_mm * axis), 0.0, 1e-6)
-              << level_name(truth.levels[n].level);
+              << level_name(ground_truth.levels[n].level);
         }
       }
     }
@@ -158,11 +159,11 @@ TEST(Spine, HasTheWidthsOfLevelsAmidThoseMeasuredInCts) {
   SpineOptions options;
   options.first = named("T11");
   options.ribs = false;
-  const SpineTruth truth = spine_truth(Spine(options));
-  ASSERT_EQ(truth.levels.size(), measured.size());
+  const SpineGroundTruth ground_truth = spine_ground_truth(Spine(options));
+  ASSERT_EQ(ground_truth.levels.size(), measured.size());
   for (std::size_t n = 0; n < measured.size(); ++n) {
-    const LevelTruth& level = truth.levels[n];
-    const PedicleTruth& left = level.pedicles.left;
+    const LevelGroundTruth& level = ground_truth.levels[n];
+    const PedicleGroundTruth& left = level.pedicles.left;
     const double tips = (level.left_transverse_tip_mm - level.right_transverse_tip_mm).norm();
     const double canal = (left.isthmus_mm - level.pedicles.right.isthmus_mm).norm() - left.width_mm;
     const std::array<double, 3> found{level_measures(level.level).body_width_mm, canal, tips};
@@ -195,11 +196,11 @@ TEST(Spine, KeepsRibsOffTheVertebraeButNearTheirBodiesAndTransverseProcesses) {
   options.last = named("T9");  // T6 to T9
   options.rib_gap_mm = 0.7;
   const Spine spine(options);
-  const SpineTruth truth = spine_truth(spine);
+  const SpineGroundTruth ground_truth = spine_ground_truth(spine);
   for (std::size_t rib = 4; rib < spine.part_count(); ++rib) {
     ASSERT_EQ(spine.part(rib).label, kRibLabel);
     for (std::size_t n = 0; n < 4; ++n) EXPECT_GE(sampled_gap_mm(spine, rib, n, 20000), 0.68);
-    const LevelTruth& own = truth.levels[(rib - 4) / 2];
+    const LevelGroundTruth& own = ground_truth.levels[(rib - 4) / 2];
     const Vec3 tip_mm = rib % 2 == 0 ? own.left_transverse_tip_mm : own.right_transverse_tip_mm;
     EXPECT_LT(spine.part_value_mm(rib, tip_mm), 4.0);
     // Out to 60 mm from the midline.
@@ -227,12 +228,14 @@ TEST(Spine, BendsByTheCobbAngleAskedFor) {
     SpineOptions options = whole_spine();
     options.ribs = false;
     options.scoliosis_deg = angle_deg;
-    const SpineTruth truth = spine_truth(Spine(options));
+    const SpineGroundTruth ground_truth = spine_ground_truth(Spine(options));
     // Endplates tilt forward as well, which the view from the front shows by up to a degree and a half.
-    EXPECT_NEAR(cobb_deg(truth.levels.front(), truth.levels.back()), angle_deg, 0.05 * std::fabs(angle_deg) + 0.01);
+    EXPECT_NEAR(cobb_deg(ground_truth.levels.front(), ground_truth.levels.back()), angle_deg,
+                0.05 * std::fabs(angle_deg) + 0.01);
     // Above 0: the middle stands to the right, which is -x.
-    const double middle = truth.levels[8].body_centre_mm.x();
-    const double ends = 0.5 * (truth.levels.front().body_centre_mm.x() + truth.levels.back().body_centre_mm.x());
+    const double middle = ground_truth.levels[8].body_centre_mm.x();
+    const double ends =
+        0.5 * (ground_truth.levels.front().body_centre_mm.x() + ground_truth.levels.back().body_centre_mm.x());
     if (angle_deg > 0.0) {
       EXPECT_LT(middle, ends - 5.0);
     }
@@ -247,12 +250,12 @@ TEST(Spine, HasTheDiscsAskedFor) {
   options.first = Level::kL1;
   options.lordosis_deg = 0.0;
   options.lumbar_disc_mm = 6.0;
-  for (const DiscTruth& disc : spine_truth(Spine(options)).discs) EXPECT_NEAR(disc.height_mm, 6.0, 0.3);
+  for (const DiscGroundTruth& disc : spine_ground_truth(Spine(options)).discs) EXPECT_NEAR(disc.height_mm, 6.0, 0.3);
 }
 
 TEST(Spine, HangsItsThoracicSpinousProcessesOverTheNextLevel) {
-  const SpineTruth truth = spine_truth(Spine(whole_spine()));
-  for (const LevelTruth& level : truth.levels) {
+  const SpineGroundTruth ground_truth = spine_ground_truth(Spine(whole_spine()));
+  for (const LevelGroundTruth& level : ground_truth.levels) {
     const Vec3 up = (level.superior_normal + level.inferior_normal).normalized();
     const double drop = up.dot(level.body_centre_mm - level.spinous_tip_mm);
     const int number = static_cast<int>(level.level);
@@ -281,7 +284,7 @@ TEST(Spine, GivesTheSameForTheSameSeedAndAnotherForAnother) {
 TEST(Spine, MakesRandomPatientsWithExactPedicles) {
   SpineOptions range;
   range.first = Level::kT1;
-  // The constructor refuses a spine whose isthmuses are not exact.
+  // The constructor rejects a spine whose isthmuses are not exact.
   for (std::uint64_t seed = 0; seed < 20; ++seed) EXPECT_NO_THROW(Spine(random_spine_options(seed, range))) << seed;
 }
 
@@ -310,7 +313,7 @@ TEST(Spine, BridgesADiscWithSpursThatLeaveNoGap) {
   options.ribs = false;
   const auto bone_in_disc = [](const SpineOptions& given) {
     const Spine spine(given);
-    const DiscTruth disc = spine_truth(spine).discs.front();
+    const DiscGroundTruth disc = spine_ground_truth(spine).discs.front();
     int count = 0;
     for (int step = 0; step < 360; ++step) {
       const double angle = step * kDegree;
@@ -330,13 +333,13 @@ TEST(Spine, HasMetalInThePediclesOfLevelsWithScrews) {
   options.first = options.last = named("L3");
   options.screws = {named("L3")};
   const Spine spine(options);
-  const PedicleTruth pedicle = spine_truth(spine).levels.front().pedicles.left;
+  const PedicleGroundTruth pedicle = spine_ground_truth(spine).levels.front().pedicles.left;
   EXPECT_GE(spine.hu(pedicle.isthmus_mm, spine_value(spine, pedicle.isthmus_mm), 0.3), 3000.0);
   EXPECT_EQ(spine.label_at(pedicle.isthmus_mm), static_cast<std::uint8_t>(named("L3")));
 }
 
-TEST(Spine, RefusesOptionsWithoutSense) {
-  const auto refusal = [](const SpineOptions& options) -> std::string {
+TEST(Spine, RejectsOptionsWithoutSense) {
+  const auto rejection = [](const SpineOptions& options) -> std::string {
     try {
       const Spine spine(options);
     } catch (const Error& error) {
@@ -347,14 +350,14 @@ TEST(Spine, RefusesOptionsWithoutSense) {
   SpineOptions options;
   options.first = Level::kL5;
   options.last = Level::kT1;
-  EXPECT_NE(refusal(options).find("first must lie above last"), std::string::npos) << refusal(options);
+  EXPECT_NE(rejection(options).find("first must lie above last"), std::string::npos) << rejection(options);
   options = {};
   options.last = named("L3");
   options.sacrum = true;
-  EXPECT_NE(refusal(options).find("a sacrum needs L5"), std::string::npos) << refusal(options);
+  EXPECT_NE(rejection(options).find("a sacrum needs L5"), std::string::npos) << rejection(options);
   options = {};
   options.facet_gap_mm = std::nan("");
-  EXPECT_NE(refusal(options).find("facet_gap_mm"), std::string::npos) << refusal(options);
+  EXPECT_NE(rejection(options).find("facet_gap_mm"), std::string::npos) << rejection(options);
 }
 
 TEST(TrueLabels, AreThoseOfTheBodyThatHoldsEachVoxel) {

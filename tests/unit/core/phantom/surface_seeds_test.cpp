@@ -52,7 +52,7 @@ TEST(SurfaceSeeds, ComeInOneOrderAtAnyNumberOfThreads) {
   EXPECT_EQ(surface_seeds(vertebra, 1.0), many);
 }
 
-TEST(SurfaceSeeds, RefuseASpacingThatIsNotAboveZero) {
+TEST(SurfaceSeeds, RejectASpacingThatIsNotAboveZero) {
   const Vertebra vertebra;
   EXPECT_THROW(surface_seeds(vertebra, 0.0), Error);
   EXPECT_THROW(surface_seeds(vertebra, std::nan("")), Error);

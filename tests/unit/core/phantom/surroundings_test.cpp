@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/phantom/scanner.h"
-#include "core/phantom/spine_truth.h"
+#include "core/phantom/spine_ground_truth.h"
 
 namespace spinaltap {
 namespace {
@@ -17,14 +17,14 @@ TEST(SoftTissue, LiesAroundTheSpineWithTheNumbersOfEachTissue) {
   options.ribs = false;
   const Spine spine(options);
   const SoftTissue tissue(spine);
-  const SpineTruth truth = spine_truth(spine);
-  for (const DiscTruth& disc : truth.discs) EXPECT_NEAR(tissue.hu(disc.centre_mm), 90.0, 1.0);
+  const SpineGroundTruth ground_truth = spine_ground_truth(spine);
+  for (const DiscGroundTruth& disc : ground_truth.discs) EXPECT_NEAR(tissue.hu(disc.centre_mm), 90.0, 1.0);
   // Beside T8, well to the side and in front.
-  EXPECT_LT(tissue.hu(truth.levels[1].body_centre_mm + Vec3(55.0, -30.0, 0.0)), -800.0);
-  EXPECT_GT(tissue.hu(truth.levels.back().body_centre_mm + Vec3(50.0, 0.0, 0.0)), -150.0);
+  EXPECT_LT(tissue.hu(ground_truth.levels[1].body_centre_mm + Vec3(55.0, -30.0, 0.0)), -800.0);
+  EXPECT_GT(tissue.hu(ground_truth.levels.back().body_centre_mm + Vec3(50.0, 0.0, 0.0)), -150.0);
   // Left in front.
   const double front = 0.5 * level_measures(soft_level("T8")).body_depth_mm;
-  EXPECT_NEAR(tissue.hu(truth.levels[1].body_centre_mm + Vec3(11.0, -front - 13.0, 0.0)), 220.0, 1.0);
+  EXPECT_NEAR(tissue.hu(ground_truth.levels[1].body_centre_mm + Vec3(11.0, -front - 13.0, 0.0)), 220.0, 1.0);
 }
 
 TEST(SoftTissue, TakesThePlaceOfEvenSurroundingsInAScan) {

@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 
 namespace spinaltap {
 namespace {
@@ -97,10 +97,10 @@ TEST(Vertebra, IsADistanceToFirstOrderAtItsSurface) {
   }
 }
 
-TEST(Vertebra, HasItsPediclesExactlyAsWideAndHighAsItsTruthSays) {
+TEST(Vertebra, HasItsPediclesExactlyAsWideAndHighAsItsGroundTruthSays) {
   const Vertebra vertebra(placed());
-  const VertebraTruth truth = vertebra_truth(vertebra);
-  for (const PedicleTruth& side : {truth.left, truth.right}) {
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+  for (const PedicleGroundTruth& side : {ground_truth.left, ground_truth.right}) {
     EXPECT_DOUBLE_EQ(side.width_mm, 9.0);
     EXPECT_DOUBLE_EQ(side.height_mm, 14.5);
     const double width = crossing_mm(vertebra, side.isthmus_mm, side.width_axis, 7.0) +
@@ -120,8 +120,8 @@ TEST(Vertebra, HasItsPediclesExactlyAsWideAndHighAsItsTruthSays) {
 
 TEST(Vertebra, HasDrillPathsThatEnterOnTheSurfaceAndEndInTheBody) {
   const Vertebra vertebra(placed());
-  const VertebraTruth truth = vertebra_truth(vertebra);
-  for (const PedicleTruth& side : {truth.left, truth.right}) {
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+  for (const PedicleGroundTruth& side : {ground_truth.left, ground_truth.right}) {
     EXPECT_NEAR(value_at(vertebra, side.entry_mm), 0.0, 1e-9);
     const Vec3 direction = (side.target_mm - side.entry_mm).normalized();
     EXPECT_NEAR((direction - side.axis).norm(), 0.0, 1e-9);
@@ -132,8 +132,8 @@ TEST(Vertebra, HasDrillPathsThatEnterOnTheSurfaceAndEndInTheBody) {
     const double length = (side.target_mm - side.entry_mm).norm();
     for (double t = 0.1; t < length; t += 0.1) EXPECT_LT(value_at(vertebra, side.entry_mm + t * direction), 0.0);
   }
-  EXPECT_GT(vertebra.to_own(truth.left.isthmus_mm).x(), 0.0);
-  EXPECT_LT(vertebra.to_own(truth.right.isthmus_mm).x(), 0.0);
+  EXPECT_GT(vertebra.to_own(ground_truth.left.isthmus_mm).x(), 0.0);
+  EXPECT_LT(vertebra.to_own(ground_truth.right.isthmus_mm).x(), 0.0);
 }
 
 TEST(Vertebra, MirrorsItsLeftSideOntoItsRight) {
@@ -158,14 +158,15 @@ VertebraAnatomy asymmetric() {
 
 TEST(Vertebra, MayHaveADifferentRightPedicle) {
   const Vertebra vertebra(asymmetric());
-  const VertebraTruth truth = vertebra_truth(vertebra);
-  EXPECT_EQ(truth.left.width_mm, 9.0);
-  EXPECT_EQ(truth.right.width_mm, 7.5);
-  EXPECT_LE((truth.right.isthmus_mm - Vec3(-16.4, 20.3, 2.3)).norm(), 1e-12);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+  EXPECT_EQ(ground_truth.left.width_mm, 9.0);
+  EXPECT_EQ(ground_truth.right.width_mm, 7.5);
+  EXPECT_LE((ground_truth.right.isthmus_mm - Vec3(-16.4, 20.3, 2.3)).norm(), 1e-12);
   // Inward, to the left, and upward.
-  EXPECT_NEAR(std::atan2(truth.right.axis.x(), -truth.right.axis.y()) * 180.0 / std::numbers::pi, 17.0, 1e-9);
-  EXPECT_NEAR(std::asin(truth.right.axis.z()) * 180.0 / std::numbers::pi, 3.0, 1e-9);
-  for (const PedicleTruth& side : {truth.left, truth.right}) {
+  EXPECT_NEAR(std::atan2(ground_truth.right.axis.x(), -ground_truth.right.axis.y()) * 180.0 / std::numbers::pi, 17.0,
+              1e-9);
+  EXPECT_NEAR(std::asin(ground_truth.right.axis.z()) * 180.0 / std::numbers::pi, 3.0, 1e-9);
+  for (const PedicleGroundTruth& side : {ground_truth.left, ground_truth.right}) {
     for (const auto& [axis, size_mm] :
          {std::pair(side.width_axis, side.width_mm), {side.height_axis, side.height_mm}}) {
       EXPECT_NEAR(crossing_mm(vertebra, side.isthmus_mm, axis, 10.0), 0.5 * size_mm, 1e-6);
@@ -188,7 +189,7 @@ TEST(Vertebra, DoesNotChangeWhereItsRightPedicleIsGivenAsTheLeftOne) {
   }
 }
 
-TEST(Vertebra, RefusesARightPedicleWithTheNameOfItsValue) {
+TEST(Vertebra, RejectsARightPedicleWithTheNameOfItsValue) {
   VertebraAnatomy anatomy = asymmetric();
   anatomy.right_pedicle->width_mm = -1.0;
   try {
@@ -297,13 +298,13 @@ TEST(Vertebra, HasACortexOfTheStatedThicknessAroundACoreOfTheStatedMean) {
   EXPECT_NEAR(deviation, 55.0, 3.0);
 }
 
-TEST(Vertebra, RefusesAnIsthmusThatAFilletReaches) {
+TEST(Vertebra, RejectsAnIsthmusThatAFilletReaches) {
   VertebraAnatomy anatomy;
   anatomy.pedicle.isthmus_mm.y() = 17.0;
   EXPECT_THROW(Vertebra{anatomy}, Error);
 }
 
-TEST(Vertebra, RefusesANumberThatIsNotFinite) {
+TEST(Vertebra, RejectsANumberThatIsNotFinite) {
   VertebraAnatomy anatomy;
   anatomy.lamina.lean_deg = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Vertebra{anatomy}, Error);

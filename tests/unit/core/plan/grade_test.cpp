@@ -55,7 +55,7 @@ TEST(GertzbeinRobbins, ChangesAtExactly2And4And6Mm) {
   EXPECT_EQ(letter_of(Grade::E), 'E');
 }
 
-TEST(GertzbeinRobbins, RefusesBreachesThatAreNegativeOrNoNumber) {
+TEST(GertzbeinRobbins, RejectsBreachesThatAreNegativeOrNoNumber) {
   EXPECT_THROW(gertzbein_robbins(-1e-9), Error);
   EXPECT_THROW(gertzbein_robbins(kNan), Error);
 }
@@ -123,7 +123,7 @@ TEST_F(GradePath, KnowsClearanceAndDepthOfTheNearestApproach) {
   EXPECT_EQ(graded.rows.back().radius_mm, 0.0);
 }
 
-TEST_F(GradePath, DoesNotCountTheMouthOfTheHole) {
+TEST_F(GradePath, DoesNotCountTheEntryOpening) {
   // Straight and slanting, from the surface, from 5 mm before it, and from 1 mm below it.
   for (const double slant_mm : {0.0, 12.0}) {
     for (const double before_mm : {0.0, 5.0, -1.0}) {
@@ -140,7 +140,7 @@ TEST_F(GradePath, DoesNotCountTheMouthOfTheHole) {
   }
 }
 
-TEST_F(GradePath, EndsTheMouthBeforeTheIsthmusAtTheLatest) {
+TEST_F(GradePath, EndsTheEntryOpeningBeforeTheIsthmusAtTheLatest) {
   // Along the side wall the section is never whole in bone: what sticks out counts from 4 mm before the isthmus on.
   const PathGrade graded = grade(path(29.0));
   EXPECT_NEAR(graded.entry_end_mm, 16.0, 0.25);
@@ -148,7 +148,7 @@ TEST_F(GradePath, EndsTheMouthBeforeTheIsthmusAtTheLatest) {
   for (const GradeRow& row : graded.rows) EXPECT_EQ(row.is_entry, row.depth_mm < 16.0);
 }
 
-TEST_F(GradePath, CountsTheCanalInTheMouthToo) {
+TEST_F(GradePath, CountsTheCanalInTheEntryOpeningToo) {
   Landmarks far_ahead = walls().landmarks();
   far_ahead.left_pedicle.isthmus_mm.y() = -60.0;
   far_ahead.right_pedicle.isthmus_mm.y() = -60.0;
@@ -187,7 +187,7 @@ TEST_F(GradePath, GradesAPathThatNeverMeetsBoneByHowFarItIs) {
   EXPECT_NEAR(graded.breach_mm, 13.0, kGradeToleranceMm);
   EXPECT_EQ(graded.breach_side, PathSide::lateral);
   EXPECT_TRUE(std::isnan(graded.hu));
-  EXPECT_EQ(graded.most_thrust_n, 0.0);
+  EXPECT_EQ(graded.max_thrust_n, 0.0);
   for (const double share : graded.hu_band_shares) EXPECT_EQ(share, 0.0);
 }
 
@@ -263,7 +263,7 @@ TEST_F(GradePath, PredictsTheThrustOfTheBitAndLessWhileItsTipEnters) {
     const double in = std::min(1.0, row.depth_mm / planned.bit.tip_length_mm);
     EXPECT_NEAR((row.thrust_n - block.chisel_n) / lips_n, in * in, in < 1.0 ? 0.25 : 1e-3) << row.depth_mm;
   }
-  EXPECT_NEAR(graded.most_thrust_n, full_n, 1e-3 * full_n);
+  EXPECT_NEAR(graded.max_thrust_n, full_n, 1e-3 * full_n);
 }
 
 TEST_F(GradePath, PredictsMoreThrustAtAFasterFeedAndASlowerSpindle) {
@@ -271,10 +271,10 @@ TEST_F(GradePath, PredictsMoreThrustAtAFasterFeedAndASlowerSpindle) {
   faster.feed_mm_s = 2.0;
   GradeOptions slower_spindle;
   slower_spindle.spindle.rpm = 625.0;
-  const double usual_n = grade(path(18.0)).most_thrust_n;
-  EXPECT_GT(grade(path(18.0), faster).most_thrust_n, 1.1 * usual_n);
+  const double usual_n = grade(path(18.0)).max_thrust_n;
+  EXPECT_GT(grade(path(18.0), faster).max_thrust_n, 1.1 * usual_n);
   // What counts is the feed per turn.
-  EXPECT_NEAR(grade(path(18.0), slower_spindle).most_thrust_n, grade(path(18.0), faster).most_thrust_n, 1e-9);
+  EXPECT_NEAR(grade(path(18.0), slower_spindle).max_thrust_n, grade(path(18.0), faster).max_thrust_n, 1e-9);
 }
 
 TEST_F(GradePath, FindsNoBreachDeeperThanTheNearestApproachAllows) {
@@ -295,7 +295,7 @@ TEST_F(GradePath, FindsTheSameBreachAsAllPlacesOfTheTool) {
     DrillPath leaning = path(x_mm);
     leaning.target_mm += Vec3(2.0, 0.0, 1.0);
     const PathGrade graded = grade(leaning);
-    double most_mm = 0.0;
+    double max_mm = 0.0;
     const Vec3 axis = leaning.direction();
     const Vec3 first = any_perpendicular(axis);
     for (const GradeRow& row : graded.rows) {
@@ -305,49 +305,49 @@ TEST_F(GradePath, FindsTheSameBreachAsAllPlacesOfTheTool) {
                           row.radius_mm * (std::cos(angle) * first + std::sin(angle) * axis.cross(first));
         const bool is_in_canal = std::hypot(p_mm.x(), p_mm.y()) < test::Block::kHoleMm;
         if (row.is_entry && !is_in_canal) continue;
-        most_mm = std::max(most_mm, is_in_canal ? test::Block::kHoleMm - std::hypot(p_mm.x(), p_mm.y())
-                                                : std::abs(p_mm.x()) - test::Block::kHalfWidthMm);
+        max_mm = std::max(max_mm, is_in_canal ? test::Block::kHoleMm - std::hypot(p_mm.x(), p_mm.y())
+                                              : std::abs(p_mm.x()) - test::Block::kHalfWidthMm);
       }
     }
-    EXPECT_NEAR(graded.breach_mm, most_mm, 0.03) << x_mm;  // 48 places of a ring: 3 mm (1 - cos 3.75 degrees)
+    EXPECT_NEAR(graded.breach_mm, max_mm, 0.03) << x_mm;  // 48 places of a ring: 3 mm (1 - cos 3.75 degrees)
   }
 }
 
-TEST_F(GradePath, RefusesWhatMakesNoSense) {
-  const auto refuses = [](const DrillPath& bad, const GradeOptions& options = {}, const HuSampler& hu = hu_of_300,
+TEST_F(GradePath, RejectsWhatMakesNoSense) {
+  const auto rejects = [](const DrillPath& bad, const GradeOptions& options = {}, const HuSampler& hu = hu_of_300,
                           const Material& material = {}) {
     EXPECT_THROW(grade_path(walls(), hu, material, bad, options), Error);
   };
   DrillPath bad = path(18.0);
   bad.target_mm.x() = kNan;
-  refuses(bad);
+  rejects(bad);
   bad = path(18.0);
   bad.target_mm = bad.entry_mm;
-  refuses(bad);
+  rejects(bad);
   bad = path(18.0);
   bad.screw->diameter_mm = kNan;
-  refuses(bad);
-  for (const double step_mm : {0.0, -1.0, kNan, 1e-9}) refuses(path(18.0), {.step_mm = step_mm});
-  refuses(path(18.0), {.hu_bands = {375.0, 135.0}});
-  refuses(path(18.0), {.hu_bands = {135.0, 135.0}});
-  refuses(path(18.0), {.hu_bands = {kNan}});
-  refuses(path(18.0), {.ring_points = 3});
+  rejects(bad);
+  for (const double step_mm : {0.0, -1.0, kNan, 1e-9}) rejects(path(18.0), {.step_mm = step_mm});
+  rejects(path(18.0), {.hu_bands = {375.0, 135.0}});
+  rejects(path(18.0), {.hu_bands = {135.0, 135.0}});
+  rejects(path(18.0), {.hu_bands = {kNan}});
+  rejects(path(18.0), {.ring_points = 3});
   for (const double number : {kNan, 0.0, -1.0, 1e9}) {
-    refuses(path(18.0), {.spindle = {.rpm = number}});
-    refuses(path(18.0), {.feed_mm_s = number});
+    rejects(path(18.0), {.spindle = {.rpm = number}});
+    rejects(path(18.0), {.feed_mm_s = number});
   }
-  refuses(path(18.0), {}, HuSampler());
+  rejects(path(18.0), {}, HuSampler());
   Material material;
   material.cutting_exponent = kNan;
-  refuses(path(18.0), {}, hu_of_300, material);
+  rejects(path(18.0), {}, hu_of_300, material);
   EXPECT_EQ(grade(path(18.0), {.hu_bands = {}}).hu_band_shares, std::vector<double>{1.0});
 }
 
 TEST(GradePhantom, FindsItsOwnPathsSafeAndTheirPediclesWallsNearest) {
   const test::PhantomBone phantom;
   const WallDistance walls(phantom.bone, phantom.landmarks);
-  const VertebraTruth truth = vertebra_truth(*phantom.vertebra);
-  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(*phantom.vertebra);
+  for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
     DrillPath path{"", pedicle.entry_mm, pedicle.target_mm, {}};
     path.screw = PedicleScrew{"", 6.5, 45.0, 4.0};
     const PathGrade graded = grade_path(walls, hu_of_300, Material(), path);

@@ -29,7 +29,7 @@ class FormulaSolid : public Solid {
   Box3 bounds_mm_;
 };
 
-std::string refusal_of(const Solid& solid) {
+std::string rejection_of(const Solid& solid) {
   try {
     (void)find_landmarks(test::shape_of(solid));
   } catch (const Error& error) {
@@ -39,33 +39,33 @@ std::string refusal_of(const Solid& solid) {
   return "";
 }
 
-TEST(LandmarkRefusals, TwoVertebraeThatDoNotTouch) {
-  EXPECT_THAT(refusal_of(test::StackedVertebrae(2, 48.0, Vec3::Zero())), HasSubstr("expected one vertebra"));
+TEST(LandmarkRejections, TwoVertebraeThatDoNotTouch) {
+  EXPECT_THAT(rejection_of(test::StackedVertebrae(2, 48.0, Vec3::Zero())), HasSubstr("expected one vertebra"));
 }
 
-TEST(LandmarkRefusals, TwoVertebraeWhoseJointsTouch) {
-  EXPECT_THAT(refusal_of(test::StackedVertebrae(2, 33.0, Vec3(10, 0, 0))), HasSubstr("expected one vertebra"));
+TEST(LandmarkRejections, TwoVertebraeWhoseJointsTouch) {
+  EXPECT_THAT(rejection_of(test::StackedVertebrae(2, 33.0, Vec3(10, 0, 0))), HasSubstr("expected one vertebra"));
 }
 
-TEST(LandmarkRefusals, TwoVertebraeWhoseBodiesAreFused) {
-  EXPECT_THAT(refusal_of(test::StackedVertebrae(2, 26.0, Vec3(0, 5, 0))), HasSubstr("expected one vertebra"));
+TEST(LandmarkRejections, TwoVertebraeWhoseBodiesAreFused) {
+  EXPECT_THAT(rejection_of(test::StackedVertebrae(2, 26.0, Vec3(0, 5, 0))), HasSubstr("expected one vertebra"));
 }
 
-TEST(LandmarkRefusals, ABoneWithoutACanal) {
+TEST(LandmarkRejections, ABoneWithoutACanal) {
   const FormulaSolid ball([](const Vec3& p) { return (p.cwiseProduct(Vec3(1, 0.8, 0.9))).norm() - 20.0; },
                           Box3(Vec3::Constant(-28.0), Vec3::Constant(28.0)));
-  EXPECT_THAT(refusal_of(ball), HasSubstr("no canal"));
+  EXPECT_THAT(rejection_of(ball), HasSubstr("no canal"));
 }
 
-TEST(LandmarkRefusals, ARingWithoutABody) {
+TEST(LandmarkRejections, ARingWithoutABody) {
   const FormulaSolid ring([](const Vec3& p) { return std::hypot(std::hypot(p.x(), p.y()) - 14.0, p.z()) - 6.0; },
                           Box3(Vec3(-21, -21, -7), Vec3(21, 21, 7)));
-  EXPECT_NE(refusal_of(ring), "");
+  EXPECT_NE(rejection_of(ring), "");
 }
 
-TEST(LandmarkRefusals, AGridWithoutBone) {
+TEST(LandmarkRejections, AGridWithoutBone) {
   const FormulaSolid nothing([](const Vec3&) { return 5.0; }, Box3(Vec3::Constant(-20.0), Vec3::Constant(20.0)));
-  EXPECT_THAT(refusal_of(nothing), HasSubstr("no surface"));
+  EXPECT_THAT(rejection_of(nothing), HasSubstr("no surface"));
 }
 
 }  // namespace

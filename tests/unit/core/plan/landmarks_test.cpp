@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/made_bone_shape.h"
 #include "tests/support/random_vertebra.h"
 
@@ -24,19 +24,19 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 struct LandmarkErrors {
   double axis_deg = 0.0, isthmus_mm = 0.0, width_mm = 0.0, height_mm = 0.0;
 
-  void add(const PedicleLandmarks& found, const PedicleTruth& truth) {
-    axis_deg = std::max(axis_deg, degrees_between(found.axis, truth.axis));
-    isthmus_mm = std::max(isthmus_mm, (found.isthmus_mm - truth.isthmus_mm).norm());
-    width_mm = std::max(width_mm, std::abs(found.width_mm - truth.width_mm));
-    height_mm = std::max(height_mm, std::abs(found.height_mm - truth.height_mm));
+  void add(const PedicleLandmarks& found, const PedicleGroundTruth& ground_truth) {
+    axis_deg = std::max(axis_deg, degrees_between(found.axis, ground_truth.axis));
+    isthmus_mm = std::max(isthmus_mm, (found.isthmus_mm - ground_truth.isthmus_mm).norm());
+    width_mm = std::max(width_mm, std::abs(found.width_mm - ground_truth.width_mm));
+    height_mm = std::max(height_mm, std::abs(found.height_mm - ground_truth.height_mm));
   }
 };
 
 LandmarkErrors errors_of(const Landmarks& found, const Vertebra& vertebra) {
-  const VertebraTruth truth = vertebra_truth(vertebra);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
   LandmarkErrors errors;
-  errors.add(found.left_pedicle, truth.left);
-  errors.add(found.right_pedicle, truth.right);
+  errors.add(found.left_pedicle, ground_truth.left);
+  errors.add(found.right_pedicle, ground_truth.right);
   return errors;
 }
 
@@ -52,8 +52,8 @@ void expect_within_promise(const LandmarkErrors& errors, const std::string& what
 
 std::string seed_name(std::uint64_t seed) { return "seed " + std::to_string(seed); }
 
-void expect_no_doubts(const Landmarks& found) {
-  for (const std::string& doubt : found.doubts) ADD_FAILURE() << doubt;
+void expect_no_warnings(const Landmarks& found) {
+  for (const std::string& warning : found.warnings) ADD_FAILURE() << warning;
 }
 
 /// A few by default; SPINALTAP_PHANTOMS=50 takes fifty, as docs/landmarks.md does, and minutes.
@@ -71,7 +71,7 @@ TEST(Landmarks, FindThePediclesOfRandomVertebrae) {
       const Landmarks found = find_landmarks(test::shape_of(test::RoughSolid(vertebra, noise_mm, seed)));
       const LandmarkErrors errors = errors_of(found, vertebra);
       expect_within_promise(errors, seed_name(seed));
-      expect_no_doubts(found);
+      expect_no_warnings(found);
       for (const auto member : {&LandmarkErrors::axis_deg, &LandmarkErrors::isthmus_mm, &LandmarkErrors::width_mm,
                                 &LandmarkErrors::height_mm}) {
         worst.*member = std::max(worst.*member, errors.*member);
@@ -116,8 +116,8 @@ class LandmarksOfOneVertebra : public ::testing::Test {
   static const Landmarks& found() { return made_->found; }
   static const BoneShape& bone() { return made_->bone; }
 
-  /// The message with which landmarks of what a plane leaves are refused.
-  static std::string refusal_of_cut(const Vec3& point_mm, const Vec3& normal) {
+  /// The message with which landmarks of what a plane leaves are rejected.
+  static std::string rejection_of_cut(const Vec3& point_mm, const Vec3& normal) {
     const BoneShape part(std::make_shared<test::CutField>(made_->field, point_mm, normal), vertebra().bounds_mm(), 0.3);
     try {
       (void)find_landmarks(part);
@@ -141,7 +141,7 @@ TEST_F(LandmarksOfOneVertebra, HaveItsAxesAndMidsagittalPlane) {
   EXPECT_LE(degrees_between(found().superior(), Vec3::UnitZ()), 0.5);
   EXPECT_LE(std::abs(found().origin_mm.x()), 0.1);
   EXPECT_NEAR(found().axes.determinant(), 1.0, 1e-12);
-  expect_no_doubts(found());
+  expect_no_warnings(found());
 }
 
 TEST_F(LandmarksOfOneVertebra, HaveTheSizesOfItsBodyAndCanal) {
@@ -235,7 +235,7 @@ TEST_F(LandmarksOfOneVertebra, MoveAndTurnWithIt) {
     }
     EXPECT_LE(degrees_between(landmarks.superior(), turned.rotation().col(2)), 0.5) << name.str();
     EXPECT_LE(degrees_between(landmarks.left(), turned.rotation().col(0)), 0.1) << name.str();
-    expect_no_doubts(landmarks);
+    expect_no_warnings(landmarks);
   }
 }
 
@@ -248,28 +248,28 @@ TEST_F(LandmarksOfOneVertebra, DoNotDependOnTheCropAroundIt) {
   for (std::size_t n = 0; n < expected.size(); ++n) EXPECT_LE((positions[n] - expected[n]).norm(), 0.1) << n;
 }
 
-TEST_F(LandmarksOfOneVertebra, AreFoundWithADoubtWhereOnlyAProcessIsCutOff) {
+TEST_F(LandmarksOfOneVertebra, AreFoundWithAWarningWhereOnlyAProcessIsCutOff) {
   for (const auto& [point_mm, normal, side] :
        {std::tuple(Vec3(0, 47, 0), Vec3(0, 1, 0), "back"), std::tuple(Vec3(28, 0, 0), Vec3(1, 0, 0), "left")}) {
     const Landmarks landmarks = found_of_cut(point_mm, normal);
     expect_within_promise(errors_of(landmarks, vertebra()), std::string("cut at the ") + side);
-    ASSERT_EQ(landmarks.doubts.size(), 1U);
-    EXPECT_NE(landmarks.doubts[0].find(side), std::string::npos) << landmarks.doubts[0];
+    ASSERT_EQ(landmarks.warnings.size(), 1U);
+    EXPECT_NE(landmarks.warnings[0].find(side), std::string::npos) << landmarks.warnings[0];
   }
 }
 
-TEST_F(LandmarksOfOneVertebra, AreRefusedForHalfOfItAndTheMissingSideIsNamed) {
+TEST_F(LandmarksOfOneVertebra, AreRejectedForHalfOfItAndTheMissingSideIsNamed) {
   const Vec3 middle = Vec3::Zero();
-  EXPECT_NE(refusal_of_cut(middle, Vec3(1, 0, 0)).find("patient's left"), std::string::npos);
-  EXPECT_NE(refusal_of_cut(middle, Vec3(-1, 0, 0)).find("patient's right"), std::string::npos);
-  EXPECT_NE(refusal_of_cut(middle, Vec3(0, 0, 1)).find("patient's top"), std::string::npos);
-  EXPECT_NE(refusal_of_cut(middle, Vec3(0, 0, -1)).find("patient's bottom"), std::string::npos);
-  EXPECT_NE(refusal_of_cut(middle, Vec3(0, -1, 0)).find("patient's front"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(middle, Vec3(1, 0, 0)).find("patient's left"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(middle, Vec3(-1, 0, 0)).find("patient's right"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(middle, Vec3(0, 0, 1)).find("patient's top"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(middle, Vec3(0, 0, -1)).find("patient's bottom"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(middle, Vec3(0, -1, 0)).find("patient's front"), std::string::npos);
   // The body and pedicles without the arch.
-  EXPECT_NE(refusal_of_cut(Vec3(0, 22, 0), Vec3(0, 1, 0)).find("no canal"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(Vec3(0, 22, 0), Vec3(0, 1, 0)).find("no canal"), std::string::npos);
   // The arch without the body.
-  EXPECT_NE(refusal_of_cut(Vec3(0, 19, 0), Vec3(0, -1, 0)), "");
-  EXPECT_NE(refusal_of_cut(middle, Vec3(1, 0.2, 0.3)).find("patient's left"), std::string::npos);
+  EXPECT_NE(rejection_of_cut(Vec3(0, 19, 0), Vec3(0, -1, 0)), "");
+  EXPECT_NE(rejection_of_cut(middle, Vec3(1, 0.2, 0.3)).find("patient's left"), std::string::npos);
 }
 
 }  // namespace

@@ -49,14 +49,14 @@ class SuggestPaths : public testing::Test {
 };
 
 TEST_F(SuggestPaths, RunThroughTheIsthmusOfEachSideIntoTheBody) {
-  const VertebraTruth truth = vertebra_truth(vertebra());
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra());
   ASSERT_EQ(suggested().size(), 2U);
   EXPECT_EQ(suggested()[0].side, "left");
   EXPECT_EQ(suggested()[1].side, "right");
   for (std::size_t n = 0; n < 2; ++n) {
-    ASSERT_TRUE(suggested()[n].best) << suggested()[n].refusal;
+    ASSERT_TRUE(suggested()[n].best) << suggested()[n].rejection;
     const SuggestedPath& best = *suggested()[n].best;
-    const PedicleTruth& pedicle = n == 0 ? truth.left : truth.right;
+    const PedicleGroundTruth& pedicle = n == 0 ? ground_truth.left : ground_truth.right;
     const Vec3 direction = best.path.direction();
     const double way_mm = (pedicle.isthmus_mm - best.path.entry_mm).dot(pedicle.axis) / direction.dot(pedicle.axis);
     const Vec3 off_mm = best.path.entry_mm + way_mm * direction - pedicle.isthmus_mm;
@@ -85,16 +85,16 @@ TEST_F(SuggestPaths, KeepTheirMarginsOfTheTrueSurface) {
     const Vec3 direction = best.path.direction();
     const Vec3 beside = any_perpendicular(direction);
     const Vec3 above = direction.cross(beside);
-    double least_mm = std::numeric_limits<double>::infinity();
+    double min_mm = std::numeric_limits<double>::infinity();
     for (double depth_mm = best.grade.entry_end_mm; depth_mm <= best.path.length_mm() - 4.0; depth_mm += 0.2) {
       for (int n = 0; n < kAround; ++n) {
         const double angle = 2.0 * std::numbers::pi * n / kAround;
         const Vec3 out = std::cos(angle) * beside + std::sin(angle) * above;
-        least_mm = std::min(least_mm,
-                            -value_mm(best.path.entry_mm + depth_mm * direction + best.path.screw->radius_mm() * out));
+        min_mm =
+            std::min(min_mm, -value_mm(best.path.entry_mm + depth_mm * direction + best.path.screw->radius_mm() * out));
       }
     }
-    EXPECT_GT(least_mm, 0.0);
+    EXPECT_GT(min_mm, 0.0);
     EXPECT_GT(best.grade.canal.clearance_mm, 0.9);
     // Ahead of the tip there are 5 mm and more.
     for (double ahead_mm = 0.0; ahead_mm < 4.9; ahead_mm += 0.1) {
@@ -144,26 +144,26 @@ TEST_F(SuggestPaths, SayWhyThereIsNone) {
   const std::vector<Suggestion> none = suggest_paths(walls(), hu_of_200, {}, table(), wide);
   for (const Suggestion& suggestion : none) {
     EXPECT_FALSE(suggestion.best);
-    EXPECT_NE(suggestion.refusal.find("3 mm of bone"), std::string::npos) << suggestion.refusal;
-    EXPECT_NE(suggestion.refusal.find(suggestion.side), std::string::npos) << suggestion.refusal;
+    EXPECT_NE(suggestion.rejection.find("3 mm of bone"), std::string::npos) << suggestion.rejection;
+    EXPECT_NE(suggestion.rejection.find(suggestion.side), std::string::npos) << suggestion.rejection;
   }
 }
 
-TEST_F(SuggestPaths, RefuseOptionsWithoutSense) {
-  const auto refused = [&](const auto& change) {
+TEST_F(SuggestPaths, RejectOptionsWithoutSense) {
+  const auto rejected = [&](const auto& change) {
     SuggestOptions options;
     change(options);
     EXPECT_THROW(suggest_paths(walls(), hu_of_200, {}, table(), options), Error);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused([&](SuggestOptions& options) { options.margin_mm = nan; });
-  refused([&](SuggestOptions& options) { options.margin_mm = -1.0; });
-  refused([&](SuggestOptions& options) { options.front_margin_mm = nan; });
-  refused([&](SuggestOptions& options) { options.widest_share = 0.0; });
-  refused([&](SuggestOptions& options) { options.furthest_share = 1.5; });
-  refused([&](SuggestOptions& options) { options.most_turn_deg = 90.0; });
-  refused([&](SuggestOptions& options) { options.weights.canal = nan; });
-  refused([&](SuggestOptions& options) { options.bit.diameter_mm = nan; });
+  rejected([&](SuggestOptions& options) { options.margin_mm = nan; });
+  rejected([&](SuggestOptions& options) { options.margin_mm = -1.0; });
+  rejected([&](SuggestOptions& options) { options.front_margin_mm = nan; });
+  rejected([&](SuggestOptions& options) { options.widest_share = 0.0; });
+  rejected([&](SuggestOptions& options) { options.furthest_share = 1.5; });
+  rejected([&](SuggestOptions& options) { options.max_turn_deg = 90.0; });
+  rejected([&](SuggestOptions& options) { options.weights.canal = nan; });
+  rejected([&](SuggestOptions& options) { options.bit.diameter_mm = nan; });
   EXPECT_THROW(suggest_paths(walls(), hu_of_200, {}, {}), Error);
   std::vector<PedicleScrew> bad = table();
   bad[1].length_mm = nan;

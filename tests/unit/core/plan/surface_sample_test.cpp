@@ -23,7 +23,7 @@ TEST(FirstOfEachCell, CountsCellsFromTheirOrigin) {
 
 TEST(FirstOfEachCell, TakesNoPoints) { EXPECT_TRUE(first_of_each_cell({}, Vec3::Zero(), 1.0).empty()); }
 
-TEST(FirstOfEachCell, RefusesPointsFarApartAndThoseThatAreNone) {
+TEST(FirstOfEachCell, RejectsPointsFarApartAndThoseThatAreNone) {
   const std::vector<Vec3> far_mm{Vec3::Zero(), Vec3::Constant(1e4)};
   EXPECT_THROW(first_of_each_cell(far_mm, Vec3::Zero(), 0.1), Error);
   const std::vector<Vec3> none_mm{Vec3::Zero(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN())};

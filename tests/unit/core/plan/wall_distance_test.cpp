@@ -105,11 +105,11 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
   anatomy.placement = {Vec3(12.0, -30.0, 400.0), Vec3(12.0, -8.0, 15.0)};
   const test::PhantomBone phantom(anatomy);
   const WallDistance walls(phantom.bone, phantom.landmarks);
-  const VertebraTruth truth = vertebra_truth(*phantom.vertebra);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(*phantom.vertebra);
   constexpr double kReachMm = 17.0;
   double worst_mm = 0.0;
   const std::vector<Vec3> seeds_mm = surface_seeds(*phantom.vertebra, 0.2);
-  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+  for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
     const test::TruePlaces surface =
         test::true_places(*phantom.vertebra, seeds_mm, pedicle.entry_mm, pedicle.target_mm, kReachMm);
     std::vector<std::uint8_t> is_canal;
@@ -129,12 +129,13 @@ TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
         if (either_mm < 0.5) continue;
         EXPECT_NEAR(std::min(std::abs(found.outer.distance_mm), std::abs(found.canal.distance_mm)), either_mm, 0.05)
             << aside_mm << " mm aside, " << n;
-        for (const auto& [wall, truth_there] : {std::pair(found.outer, outer), std::pair(found.canal, canal)}) {
-          if (truth_there.distance_mm > kReachMm - 6.0) continue;
+        for (const auto& [wall, ground_truth_there] : {std::pair(found.outer, outer), std::pair(found.canal, canal)}) {
+          if (ground_truth_there.distance_mm > kReachMm - 6.0) continue;
           // Where one wall goes over into the other, its end lies somewhere between two samples.
-          if (truth_there.facing < 0.99) continue;
-          worst_mm = std::max(worst_mm, std::abs(std::abs(wall.distance_mm) - truth_there.distance_mm));
-          EXPECT_NEAR(std::abs(wall.distance_mm), truth_there.distance_mm, 0.05) << aside_mm << " mm aside, " << n;
+          if (ground_truth_there.facing < 0.99) continue;
+          worst_mm = std::max(worst_mm, std::abs(std::abs(wall.distance_mm) - ground_truth_there.distance_mm));
+          EXPECT_NEAR(std::abs(wall.distance_mm), ground_truth_there.distance_mm, 0.05)
+              << aside_mm << " mm aside, " << n;
           ++compared;
         }
       }

@@ -29,12 +29,12 @@ TEST(NearestPoint, IsTheNearestOfAllOnRingsOrNextToIt) {
       if (!is_near) continue;
       const std::ptrdiff_t found = nearest_point(pattern, p.x(), p.y());
       ASSERT_GE(found, 0);
-      double least_mm = 1e9;
+      double min_mm = 1e9;
       for (std::size_t i = 0; i < pattern.point_count(); ++i) {
-        least_mm = std::min(least_mm, (pattern.point_mm(i) - p).norm());
+        min_mm = std::min(min_mm, (pattern.point_mm(i) - p).norm());
       }
       // The nearest ring and on it the nearest: another ring's may be nearer by little.
-      EXPECT_LE((pattern.point_mm(static_cast<std::size_t>(found)) - p).norm(), least_mm + 0.04) << p.transpose();
+      EXPECT_LE((pattern.point_mm(static_cast<std::size_t>(found)) - p).norm(), min_mm + 0.04) << p.transpose();
     }
     for (std::size_t i = 0; i < pattern.point_count(); ++i) {
       const Eigen::Vector2d& p = pattern.point_mm(i);
@@ -80,7 +80,7 @@ TEST(BonePoints, AreFoundInAllVolumesEndToEnd) {
   EXPECT_EQ(bone.living_at(Vec3(0.0, 0.0, bone.start_mm(1))), nullptr);
 }
 
-TEST(BonePoints, RefuseVolumesThatDoNotLieAlongOnePath) {
+TEST(BonePoints, RejectVolumesThatDoNotLieAlongOnePath) {
   std::vector<PointVolume> volumes;
   volumes.push_back(test::block(2.0, 1.0, 0.2));
   volumes.push_back(test::block(2.0, 1.0, 0.2));
@@ -93,12 +93,12 @@ TEST(BonePoints, RefuseVolumesThatDoNotLieAlongOnePath) {
   EXPECT_THROW(BonePoints({}, {}), Error);
 }
 
-TEST(TipBone, RunsEvenlyFromDiscToDisc) {
+TEST(ChiselProbe, RunsEvenlyFromDiscToDisc) {
   Material material;
   PointVolume volume = test::block(6.0, 2.0, 0.2);
   test::fill_density(volume, material, [](const Vec3& p) { return 0.2 + 0.1 * p.z(); });
   const BonePoints bone({&volume, 1}, material);
-  const TipBone tip(bone, 0.25);
+  const ChiselProbe tip(bone, 0.25);
   for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(0.1, -0.2, 1.0), Vec3(0, 0.3, -1.0)}) {
     const Vec3 along = axis.normalized();
     for (double z_mm = 1.0; z_mm < 5.0; z_mm += 0.007) {

@@ -139,7 +139,7 @@ TEST(DiscPattern, RoundsTheNumberOfRings) {
   EXPECT_EQ(DiscPattern(0.36, 0.1).ring_count(), 4);
 }
 
-TEST(DiscPattern, RefusesSizesWithoutSense) {
+TEST(DiscPattern, RejectsSizesWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, infinite, -infinite, 0.0, -1.0}) {

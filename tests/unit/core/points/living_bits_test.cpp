@@ -70,13 +70,13 @@ TEST(LivingBits, EndTheVisitWhenToldTo) {
     const std::vector<std::uint64_t> words = random_words(draw);
     const auto [begin, end] = random_range(draw);
     const std::size_t count = by_plain_loop(words, begin, end).size();
-    const std::size_t most = 1 + draw.bits() % 100;
+    const std::size_t max = 1 + draw.bits() % 100;
     std::size_t up = 0;
     std::size_t down = 0;
-    EXPECT_EQ(visit_up(words.data(), begin, end, [&](std::size_t) { return ++up < most; }), count < most);
-    EXPECT_EQ(visit_down(words.data(), begin, end, [&](std::size_t) { return ++down < most; }), count < most);
-    ASSERT_EQ(up, std::min(count, most));
-    ASSERT_EQ(down, std::min(count, most));
+    EXPECT_EQ(visit_up(words.data(), begin, end, [&](std::size_t) { return ++up < max; }), count < max);
+    EXPECT_EQ(visit_down(words.data(), begin, end, [&](std::size_t) { return ++down < max; }), count < max);
+    ASSERT_EQ(up, std::min(count, max));
+    ASSERT_EQ(down, std::min(count, max));
   }
 }
 

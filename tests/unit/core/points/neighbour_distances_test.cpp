@@ -15,8 +15,8 @@ PointVolume volume(DiscSubdivision subdivision, double jitter = 0.0) {
 TEST(NeighbourDistances, AreAllTheSameWithinHexagons) {
   const NeighbourDistances found = neighbour_distances(volume(DiscSubdivision::hexagons), true);
   EXPECT_EQ(found.points, 3U * 18U * 17U + 1U);  // 20 rings but the outermost two
-  EXPECT_NEAR(found.least_mm, kLatticeMm, 1e-12);
-  EXPECT_NEAR(found.most_mm, kLatticeMm, 1e-12);
+  EXPECT_NEAR(found.min_mm, kLatticeMm, 1e-12);
+  EXPECT_NEAR(found.max_mm, kLatticeMm, 1e-12);
   EXPECT_NEAR(found.deviation_mm, 0.0, 1e-7);
 }
 
@@ -24,14 +24,14 @@ TEST(NeighbourDistances, LieBetweenRingsApartAndStepsAroundARing) {
   const NeighbourDistances found = neighbour_distances(volume(DiscSubdivision::rings), true);
   // No point of another ring is nearer than the rings are apart; the next on the ring is at most 2 pi / 6 spacings
   // away.
-  EXPECT_NEAR(found.least_mm, kLatticeMm, 1e-12);
-  EXPECT_LE(found.most_mm, 1.0472 * kLatticeMm);
+  EXPECT_NEAR(found.min_mm, kLatticeMm, 1e-12);
+  EXPECT_LE(found.max_mm, 1.0472 * kLatticeMm);
   EXPECT_GT(found.deviation_mm, 0.0);
 }
 
 TEST(NeighbourDistances, AreNoLongerThanDiscsAreApart) {
   const NeighbourDistances found = neighbour_distances(volume(DiscSubdivision::rings), false);
-  EXPECT_NEAR(found.most_mm, kLatticeMm, 1e-12);
+  EXPECT_NEAR(found.max_mm, kLatticeMm, 1e-12);
   EXPECT_NEAR(found.mean_mm, kLatticeMm, 1e-12);
 }
 

@@ -39,17 +39,17 @@ TEST(PointJitter, StaysWithinItsShareOfTheSpacingAndWithinTheBounds) {
       const PointVolume still = volume_with({.subdivision = subdivision});
       const PointVolume even = volume_with({});
       EXPECT_EQ(moved.out_of_plane_mm(), 0.1 * jitter);
-      double most_mm = 0.0;
+      double max_mm = 0.0;
       for_all(moved, [&](int disc, std::size_t i) {
         const Vec3 move = moved.point_in_path_mm(disc, i) - still.point_in_path_mm(disc, i);
-        most_mm = std::max(most_mm, move.cwiseAbs().maxCoeff());
+        max_mm = std::max(max_mm, move.cwiseAbs().maxCoeff());
         ASSERT_LE(move.cwiseAbs().maxCoeff(), 0.1 * jitter + 1e-13);
         ASSERT_LE(std::abs(moved.point_in_path_mm(disc, i).z() - moved.disc_depth_mm(disc)),
                   moved.out_of_plane_mm() + 1e-13);
         const Vec3 off = moved.point_in_path_mm(disc, i) - even.point_in_path_mm(disc, i);
         ASSERT_LE(off.head<2>().norm(), moved.deviation_mm(DiscPattern::ring_of(i)) + 1e-13);
       });
-      EXPECT_GE(most_mm, 0.0999 * jitter);
+      EXPECT_GE(max_mm, 0.0999 * jitter);
     }
   }
 }
@@ -89,7 +89,7 @@ TEST(PointJitter, IsEvenlySpreadAndWithoutPattern) {
   }
 }
 
-TEST(PointJitter, RefusesMoreThanHalfASpacing) {
+TEST(PointJitter, RejectsMoreThanHalfASpacing) {
   for (const double bad : {std::nan(""), -0.1, 0.51, HUGE_VAL})
     EXPECT_THROW(volume_with({.jitter = bad}), Error) << bad;
 }
@@ -126,7 +126,7 @@ TEST(PointHu, HasTheRangeOfWhatIsStored) {
 }
 
 TEST(PointMemory, IsAFewBytesAPointWithTheEnginesOwn) {
-  for (const auto& [bits, most_bytes] : {std::pair(HuBits::eight, 1.4), std::pair(HuBits::sixteen, 2.4)}) {
+  for (const auto& [bits, max_bytes] : {std::pair(HuBits::eight, 1.4), std::pair(HuBits::sixteen, 2.4)}) {
     PointVolume volume(test::askew_path(37.8), {.radius_mm = 3.0, .spacing_mm = 0.1, .hu_bits = bits});
     ASSERT_EQ(volume.point_count(), 986'958U);
     // Numbers of bone, so that the engines' tables span their range.
@@ -135,9 +135,9 @@ TEST(PointMemory, IsAFewBytesAPointWithTheEnginesOwn) {
     for (const test::EngineKind& kind : test::every_engine()) {
       const auto engine = kind.make(volume, {}, {});
       const auto bytes = static_cast<double>(volume.memory_bytes() + engine->memory_bytes());
-      EXPECT_LE(bytes / static_cast<double>(volume.point_count()), most_bytes) << kind.name;
+      EXPECT_LE(bytes / static_cast<double>(volume.point_count()), max_bytes) << kind.name;
       // Nothing is forgotten: a bit and a number for each point are the least.
-      EXPECT_GE(bytes / static_cast<double>(volume.point_count()), most_bytes - 0.3) << kind.name;
+      EXPECT_GE(bytes / static_cast<double>(volume.point_count()), max_bytes - 0.3) << kind.name;
     }
   }
 }

@@ -145,7 +145,7 @@ TEST(PointSplats, AreTheSameInOneGoAndInManySteps) {
   }
 }
 
-TEST(PointSplats, RefuseAnotherVolume) {
+TEST(PointSplats, RejectAnotherVolume) {
   PointSplats splats(ball_volume(), distance_field());
   const PointVolume other(radial_path(), {.radius_mm = 2.0, .spacing_mm = kSplatStepMm});
   EXPECT_THROW(splats.update(other, kSplatBit, {}), Error);
@@ -168,7 +168,7 @@ TEST(SplatsPly, HoldsWhatIsShown) {
   };
   EXPECT_EQ(byte(0, 0), 255);  // cortex is white
   EXPECT_EQ(byte(0, 3), 255);
-  EXPECT_GT(byte(1, 0), 2 * byte(1, 1));  // marrow is red
+  EXPECT_GT(byte(1, 0), 2 * byte(1, 1));  // cancellous bone is red
   EXPECT_EQ(byte(1, 3), 128);
   std::int16_t hu = 0;
   std::memcpy(&hu, ply.data() + end + kRow + sizeof numbers + 4, sizeof hu);

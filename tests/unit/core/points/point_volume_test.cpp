@@ -87,7 +87,7 @@ TEST(PointVolume, KeepsPositionsFarBelowAMicronFarFromTheOrigin) {
   }
 }
 
-TEST(PointVolume, RefusesSizesWithoutSense) {
+TEST(PointVolume, RejectsSizesWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const DrillPath path = straight_path(10.0);
   for (const double bad : {nan, 0.0, -1.0, std::numeric_limits<double>::infinity()}) {
@@ -158,7 +158,7 @@ TEST(FillVolume, ClampsNumbersThatSixteenBitsCannotHold) {
   EXPECT_EQ(fill_with(12.6F), 13);
 }
 
-TEST(FillVolume, KillsPointsWithoutADistanceAndRefusesLivingOnesWithoutANumber) {
+TEST(FillVolume, KillsPointsWithoutADistanceAndRejectsLivingOnesWithoutANumber) {
   PointVolume volume(straight_path(0.2), {.radius_mm = 0.2, .spacing_mm = 0.1});
   constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
   const auto fill_with = [&](float distance, float number) {

@@ -45,7 +45,7 @@ TEST(FirstCentres, ReachAllOfABall) {
   }
 }
 
-TEST(FirstCentres, AreRefusedInAPlane) {
+TEST(FirstCentres, AreRejectedInAPlane) {
   std::vector<Vec3> points_mm = test::random_points(100, kFirstCentresSeed);
   for (Vec3& p : points_mm) p.z() = 1.0;
   EXPECT_THROW(first_centres(RadialKernel::biharmonic, points_mm), Error);

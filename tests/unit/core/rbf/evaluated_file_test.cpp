@@ -58,7 +58,7 @@ TEST_F(EvaluatedFile, OfPlyCallsTheGradientANormal) {
   EXPECT_EQ(bytes.size() - bytes.find("end_header\n") - 11, 2U * 7U * 8U);
 }
 
-TEST_F(EvaluatedFile, IsRefusedOfAnotherKindOrSizeAndOnAFullDisk) {
+TEST_F(EvaluatedFile, IsRejectedOfAnotherKindOrSizeAndOnAFullDisk) {
   EXPECT_THAT(error_of([&] { written({points_mm_, values_mm_, {}}, "a.xyz"); }), HasSubstr("ends in .csv or .ply"));
   values_mm_.pop_back();
   EXPECT_THAT(error_of([&] { written({points_mm_, values_mm_, {}}, "a.csv"); }), HasSubstr("each of 2 points"));

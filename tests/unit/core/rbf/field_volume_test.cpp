@@ -33,7 +33,7 @@ TEST(FieldVolume, LiesAroundThePointsWithTheirCentre) {
   EXPECT_LT((lattice.origin_mm - Vec3(1.0 - 2.25, 10.25 - 0.75, 5.0)).norm(), 1e-12);
 }
 
-TEST(FieldVolume, RefusesLatticesThatCannotBe) {
+TEST(FieldVolume, RejectsLatticesThatCannotBe) {
   const std::vector<Vec3> points_mm{{0.0, 0.0, 0.0}, {1e3, 1e3, 1e3}};
   EXPECT_THAT(error_of([] { lattice_over({}, 1.0); }), HasSubstr("expected points"));
   EXPECT_THAT(error_of([&] { lattice_over(points_mm, 0.0); }), HasSubstr("expected a step above 0 mm, found 0"));
@@ -47,7 +47,7 @@ TEST(FieldVolume, HoldsTheValueOfEachVoxelAcrossPieces) {
   GridGeometry lattice;
   lattice.size = {99, 89, 121};  // over a million
   const ValueRange range = write_field_volume(Plane(), lattice, folder.path() / "a.nrrd");
-  EXPECT_EQ(range.least_mm, 0.0);
+  EXPECT_EQ(range.min_mm, 0.0);
   EXPECT_EQ(range.largest_mm, 98.0 + 8800.0 + 1200000.0);
   const std::string bytes = read_whole_file(folder.path() / "a.nrrd");
   const std::size_t head = bytes.find("\n\n") + 2;

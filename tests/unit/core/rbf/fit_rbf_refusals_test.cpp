@@ -17,20 +17,20 @@ using test::error_of;
 using test::kNan;
 using testing::HasSubstr;
 
-constexpr std::uint64_t kRefusedSeed = 7;
+constexpr std::uint64_t kRejectedSeed = 7;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 RbfValues good_values(std::size_t count = 50) {
-  return {test::random_points(count, kRefusedSeed), test::random_weights(count, kRefusedSeed + 1), {}};
+  return {test::random_points(count, kRejectedSeed), test::random_weights(count, kRejectedSeed + 1), {}};
 }
 
 std::string fit_error(const RbfValues& data, const FitOptions& options = {}) {
   return error_of([&] { fit_rbf(data, options); });
 }
 
-TEST(FitRbfRefusals, TakesWhatIsRight) { EXPECT_EQ(fit_error(good_values()), ""); }
+TEST(FitRbfRejections, TakesWhatIsRight) { EXPECT_EQ(fit_error(good_values()), ""); }
 
-TEST(FitRbfRefusals, RefusesFewerPointsThanThePolynomialHasTerms) {
+TEST(FitRbfRejections, RejectsFewerPointsThanThePolynomialHasTerms) {
   EXPECT_THAT(fit_error({}), HasSubstr("expected 4 to 50000000 points, found 0"));
   EXPECT_THAT(fit_error(good_values(3)), HasSubstr("found 3"));
   EXPECT_EQ(fit_error(good_values(4)), "");
@@ -42,7 +42,7 @@ TEST(FitRbfRefusals, RefusesFewerPointsThanThePolynomialHasTerms) {
               HasSubstr("expected 10 points or more that differ"));
 }
 
-TEST(FitRbfRefusals, RefusesPointsInAPlaneOrOnAQuadric) {
+TEST(FitRbfRejections, RejectsPointsInAPlaneOrOnAQuadric) {
   RbfValues plane = good_values();
   for (Vec3& p : plane.points_mm) p = Vec3(500, 600, 700) + p.x() * Vec3(1, 2, 3) + p.y() * Vec3(3, 0, -1);
   EXPECT_THAT(fit_error(plane), HasSubstr("the points lie in a plane"));
@@ -55,7 +55,7 @@ TEST(FitRbfRefusals, RefusesPointsInAPlaneOrOnAQuadric) {
   EXPECT_THAT(fit_error(ball, {.kernel = RadialKernel::triharmonic}), HasSubstr("on a quadric"));
 }
 
-TEST(FitRbfRefusals, RefusesNumbersThatAreNone) {
+TEST(FitRbfRejections, RejectsNumbersThatAreNone) {
   for (const double bad : {kNan, kInf, -kInf, 1e8}) {
     RbfValues data = good_values();
     data.points_mm[11].y() = bad;
@@ -74,7 +74,7 @@ TEST(FitRbfRefusals, RefusesNumbersThatAreNone) {
   EXPECT_THAT(fit_error(data), HasSubstr("found -0.1"));
 }
 
-TEST(FitRbfRefusals, RefusesSizesThatDoNotFit) {
+TEST(FitRbfRejections, RejectsSizesThatDoNotFit) {
   RbfValues data = good_values();
   data.values_mm.pop_back();
   EXPECT_THAT(fit_error(data), HasSubstr("a value for each of 50 points, found 49"));
@@ -83,7 +83,7 @@ TEST(FitRbfRefusals, RefusesSizesThatDoNotFit) {
   EXPECT_THAT(fit_error(data), HasSubstr("an error bar for each of 50 points or none, found 51"));
 }
 
-TEST(FitRbfRefusals, RefusesOptionsOutOfRange) {
+TEST(FitRbfRejections, RejectsOptionsOutOfRange) {
   for (const double bad : {kNan, kInf, -1.0}) {
     EXPECT_THAT(fit_error(good_values(), {.smoothing_mm = bad}), HasSubstr("smoothing of 0 mm or more")) << bad;
     EXPECT_THAT(fit_error(good_values(), {.reduction_mm = bad}), HasSubstr("reduction of 0 mm or more")) << bad;
@@ -100,7 +100,7 @@ TEST(FitRbfRefusals, RefusesOptionsOutOfRange) {
   EXPECT_THAT(fit_error(bars, {.reduction_mm = 0.1}), HasSubstr("not both"));
 }
 
-TEST(FitRbfRefusals, StopsWhenItIsCancelled) {
+TEST(FitRbfRejections, StopsWhenItIsCancelled) {
   RbfValues bars = good_values();
   bars.error_bars_mm.assign(50, 0.1);
   const Progress progress([](std::string_view, double) {});
@@ -111,7 +111,7 @@ TEST(FitRbfRefusals, StopsWhenItIsCancelled) {
   EXPECT_THROW(fit_rbf(bars, {}, progress), Cancelled);
 }
 
-TEST(FitRbfRefusals, TellsHowFarItIs) {
+TEST(FitRbfRejections, TellsHowFarItIs) {
   std::vector<double> fractions;
   fit_rbf(good_values(400), {.accuracy_mm = 1e-6},
           Progress([&](std::string_view, double f) { fractions.push_back(f); }));

@@ -94,7 +94,7 @@ TEST(FitSurface, FollowsTheVertebra) {
   EXPECT_EQ(fit.report.points, surface.positions_mm.size());
   EXPECT_GT(fit.report.off_surface_points, surface.positions_mm.size());
   EXPECT_LT(fit.report.mean_residual_mm, 0.02);
-  // Beyond the fillets, which are narrower than the points' spacing, the phantom's own field tells the truth.
+  // Beyond the fillets, which are narrower than the points' spacing, the phantom's own field tells the ground truth.
   const Vertebra vertebra;
   std::vector<double> off_mm;
   for (std::size_t i = 0; i < surface.normals.size(); i += 7) {
@@ -194,7 +194,7 @@ TEST(FitSurface, ShortensOffSurfaceDistancesWhereAnotherPartIsNear) {
   EXPECT_LT(value_at(fit.field, kCentre + shift_mm), -1.0);
 }
 
-TEST(FitSurface, RefusesPointsAndOptionsWithoutSense) {
+TEST(FitSurface, RejectsPointsAndOptionsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SurfacePoints good = ball_surface(10.0, 200);
   const auto error = [](const SurfacePoints& surface, const SurfaceFitOptions& options = {}) {

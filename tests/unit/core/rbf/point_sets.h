@@ -37,7 +37,7 @@ inline std::vector<Vec3> ball_points(std::size_t count, double radius_mm = 10.0)
 }
 
 /// Eight clusters of equally many points at random places, each five times smaller than the one before: the densities
-/// differ by a factor of a thousand millions and more.
+/// differ by a factor of 10^9 and more.
 inline std::vector<Vec3> clustered_points(std::size_t count, std::uint64_t seed, double reach_mm = 10.0) {
   constexpr std::size_t kClusters = 8;
   std::vector<Vec3> points_mm;

@@ -51,7 +51,7 @@ TEST(DeterminingPoints, DetermineThePolynomialWell) {
   }
 }
 
-TEST(DeterminingPoints, RefusePointsThatDoNotDetermineIt) {
+TEST(DeterminingPoints, RejectPointsThatDoNotDetermineIt) {
   SCOPED_TRACE(::testing::Message() << "seed " << kPolynomialSeed);
   const Vec3 away(500, 600, 700);
   std::vector<Vec3> plane, line, heap, ball, cone;

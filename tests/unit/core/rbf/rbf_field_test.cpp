@@ -166,7 +166,7 @@ TEST(RbfField, IsSummedTermByTermWhereNoFastSumIsAccurateEnough) {
   }
 }
 
-TEST(RbfField, RefusesAnAccuracyOfNothingAndModelsThatDoNotFit) {
+TEST(RbfField, RejectsAnAccuracyOfNothingAndModelsThatDoNotFit) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(test::error_of([] { RbfField(model_of(20), 0.0); }), testing::HasSubstr("accuracy above 0"));
   EXPECT_THAT(test::error_of([&] { RbfField(model_of(20), nan); }), testing::HasSubstr("accuracy above 0"));

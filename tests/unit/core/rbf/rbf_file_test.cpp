@@ -103,7 +103,7 @@ TEST_F(RbfFile, HasTheBytesThatItsDescriptionPromises) {
   EXPECT_EQ(sealed(bytes), bytes);
 }
 
-TEST_F(RbfFile, IsRefusedWhereverItIsCutShortOrDamaged) {
+TEST_F(RbfFile, IsRejectedWhereverItIsCutShortOrDamaged) {
   const std::string bytes = bytes_of(odd_model(RadialKernel::biharmonic));
   for (std::size_t size = 0; size < bytes.size(); ++size) EXPECT_NE(error_reading(bytes.substr(0, size)), "") << size;
   EXPECT_NE(error_reading(bytes + '\0'), "");

@@ -36,7 +36,7 @@ TEST(RbfModel, IsTakenWhenItIsRight) {
   EXPECT_EQ(model_error(model), "");  // a polynomial alone
 }
 
-TEST(RbfModel, IsRefusedWhenSizesDoNotFit) {
+TEST(RbfModel, IsRejectedWhenSizesDoNotFit) {
   RbfModel model = good_model();
   model.weights.push_back(1.0);
   EXPECT_THAT(model_error(model), HasSubstr("each of 2 centres, found 3"));
@@ -48,7 +48,7 @@ TEST(RbfModel, IsRefusedWhenSizesDoNotFit) {
   EXPECT_THAT(model_error(model), HasSubstr("10 polynomial coefficients, found 4"));
 }
 
-TEST(RbfModel, IsRefusedWhenANumberIsNone) {
+TEST(RbfModel, IsRejectedWhenANumberIsNone) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     RbfModel model = good_model();
     model.weights[1] = bad;

@@ -124,7 +124,7 @@ TEST_F(ValueFile, NamesFileAndLineOfWhatIsWrongInACsv) {
   EXPECT_THAT(error_of([&] { read_values(folder_.path()); }), HasSubstr("ends in"));
 }
 
-TEST_F(ValueFile, RefusesGzipThatIsNoneOrCutShort) {
+TEST_F(ValueFile, RejectsGzipThatIsNoneOrCutShort) {
   std::string text;
   for (int i = 0; i < 5000; ++i) text += std::to_string(i * 7919 % 5003) + ",2,3,4\n";
   const std::string packed = gzip(text);

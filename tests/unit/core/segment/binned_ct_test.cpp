@@ -33,7 +33,7 @@ TEST(BinHu, AveragesWhatIsLeftInTheLastBlock) {
   EXPECT_FLOAT_EQ(bin_hu(ramp_ct(), {{0, 0, 0}, {6, 3, 2}}, {4, 4, 3}).at(1, 0, 0), 50.0F + 1.5F + 100.0F);
 }
 
-TEST(BinHu, RefusesABoxBeyondTheCt) {
+TEST(BinHu, RejectsABoxBeyondTheCt) {
   EXPECT_THROW(bin_hu(ramp_ct(), {{0, 0, 0}, {7, 3, 2}}, {1, 1, 1}), Error);
   EXPECT_THROW(bin_hu(ramp_ct(), VoxelBox{}, {1, 1, 1}), Error);
 }

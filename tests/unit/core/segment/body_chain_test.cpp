@@ -16,20 +16,21 @@ double off_plane_mm(const Vec3& p_mm, const Vec3& endplate_mm, const Vec3& norma
   return std::abs((p_mm - endplate_mm).dot(normal));
 }
 
-/// All bodies of the truth, each between its endplates within `most_mm`. Endplates are hollow, their rims are the
-/// truth's planes: a disc across the column sees the bone's edge up to half of the hollow, 0.5 to 1 mm, further in.
-void expect_true_bodies(const SpineBodies& found, const Spine& spine, double most_mm) {
-  const SpineTruth truth = spine_truth(spine);
-  ASSERT_EQ(found.chain.size(), truth.levels.size());
-  ASSERT_EQ(found.bodies.size(), truth.levels.size());
+/// All bodies of the ground truth, each between its endplates within `max_mm`. Endplates are hollow, their rims are the
+/// ground truth's planes: a disc across the column sees the bone's edge up to half of the hollow, 0.5 to 1 mm, further
+/// in.
+void expect_true_bodies(const SpineBodies& found, const Spine& spine, double max_mm) {
+  const SpineGroundTruth ground_truth = spine_ground_truth(spine);
+  ASSERT_EQ(found.chain.size(), ground_truth.levels.size());
+  ASSERT_EQ(found.bodies.size(), ground_truth.levels.size());
   EXPECT_FALSE(found.has_sacrum);
-  for (std::size_t n = 0; n < truth.levels.size(); ++n) {
-    const LevelTruth& level = truth.levels[truth.levels.size() - 1 - n];
+  for (std::size_t n = 0; n < ground_truth.levels.size(); ++n) {
+    const LevelGroundTruth& level = ground_truth.levels[ground_truth.levels.size() - 1 - n];
     const BodySpan& span = found.chain[n];
     const std::string name = level_name(level.level);
     EXPECT_FALSE(span.lower.is_cut || span.upper.is_cut) << name;
-    EXPECT_LE(off_plane_mm(span.upper.centre_mm, level.superior_endplate_mm, level.superior_normal), most_mm) << name;
-    EXPECT_LE(off_plane_mm(span.lower.centre_mm, level.inferior_endplate_mm, level.inferior_normal), most_mm) << name;
+    EXPECT_LE(off_plane_mm(span.upper.centre_mm, level.superior_endplate_mm, level.superior_normal), max_mm) << name;
+    EXPECT_LE(off_plane_mm(span.lower.centre_mm, level.inferior_endplate_mm, level.inferior_normal), max_mm) << name;
     EXPECT_GT(span.upper.edge, 0.0) << name;
     EXPECT_GT(span.lower.edge, 0.0) << name;
     EXPECT_LE((found.bodies[n].cylinder.centre_mm - level.body_centre_mm).norm(), 2.5) << name;
@@ -70,9 +71,10 @@ TEST_F(SpineChain, HoldsThePlacesInEachBodyAndNoneBesideThem) {
 
 TEST_F(SpineChain, TellsWhichBodyTheBorderCuts) {
   // Through the middles of T9 and L3.
-  const SpineTruth truth = spine_truth(*spine_);
+  const SpineGroundTruth ground_truth = spine_ground_truth(*spine_);
   const auto centre_of = [&](Level level) {
-    return std::find_if(truth.levels.begin(), truth.levels.end(), [&](const auto& l) { return l.level == level; })
+    return std::find_if(ground_truth.levels.begin(), ground_truth.levels.end(),
+                        [&](const auto& l) { return l.level == level; })
         ->body_centre_mm;
   };
   const Box3 all = test::box_of_vertebrae(*spine_);

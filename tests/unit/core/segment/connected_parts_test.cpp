@@ -90,7 +90,7 @@ TEST(ConnectedParts, GivesTheLargestAndOfEqualOnesTheFirst) {
   EXPECT_EQ(largest_part(Voxels(8, 0), geometry), Voxels(8, 0));
 }
 
-TEST(ConnectedParts, RefusesMasksOfAnotherSize) {
+TEST(ConnectedParts, RejectsMasksOfAnotherSize) {
   EXPECT_THROW(largest_part(Voxels(7, 1), geometry_of(2, 2, 2)), Error);
   EXPECT_THROW(parts_that_touch(Voxels(8, 1), Voxels(7, 1), geometry_of(2, 2, 2)), Error);
   EXPECT_THROW(part_sizes(Voxels(7, 1), geometry_of(2, 2, 2)), Error);
@@ -127,7 +127,7 @@ TEST(FillHollows, SealsAShaftNarrowerThanTheBall) {
   EXPECT_EQ(fill_hollows(hollow_cube(7), geometry, 2.5)[geometry.offset(10, 10, 10)], 0);
 }
 
-TEST(FillHollows, RefusesAnAbsurdBall) {
+TEST(FillHollows, RejectsAnAbsurdBall) {
   const GridGeometry geometry = geometry_of(2, 2, 2);
   EXPECT_THROW(fill_hollows(Voxels(8, 1), geometry, -1.0), Error);
   EXPECT_THROW(fill_hollows(Voxels(8, 1), geometry, std::nan("")), Error);

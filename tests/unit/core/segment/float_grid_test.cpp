@@ -94,7 +94,7 @@ TEST(GaussianBlur, GivesTheSameBitsAtAnyNumberOfThreads) {
   EXPECT_EQ(gaussian_blur(grid, 0.8).values, one.values);
 }
 
-TEST(GaussianBlur, RefusesAWidthThatIsNone) {
+TEST(GaussianBlur, RejectsAWidthThatIsNone) {
   const FloatGrid grid = grid_of({5, 5, 5}, Vec3::Ones(), 1.0F);
   for (const double bad :
        {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e9}) {

@@ -59,7 +59,7 @@ TEST(RandomWalker, KeepsMarkersThatLeaveNothingFree) {
             (std::vector<float>{1.0F, 0.0F}));
 }
 
-TEST(RandomWalker, RefusesListsOfAnotherSize) {
+TEST(RandomWalker, RejectsListsOfAnotherSize) {
   EXPECT_THROW(walk_randomly(WalkerVoxels(3, kFree), std::vector<float>(3, 1.0F), line_of(4)), Error);
   EXPECT_THROW(walk_randomly(WalkerVoxels(4, kFree), std::vector<float>(3, 1.0F), line_of(4)), Error);
 }

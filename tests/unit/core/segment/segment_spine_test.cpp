@@ -60,9 +60,10 @@ class SpineLevels : public ::testing::Test {
   }
 
   static Vec3 middle_of(Level level) { return test::vertebra_of(*spine_, level).to_patient(Vec3::Zero()); }
-  static LevelTruth truth_of(Level level) {
-    const SpineTruth truth = spine_truth(*spine_);
-    return *std::find_if(truth.levels.begin(), truth.levels.end(), [&](const auto& l) { return l.level == level; });
+  static LevelGroundTruth ground_truth_of(Level level) {
+    const SpineGroundTruth ground_truth = spine_ground_truth(*spine_);
+    return *std::find_if(ground_truth.levels.begin(), ground_truth.levels.end(),
+                         [&](const auto& l) { return l.level == level; });
   }
   /// 2 mm within the bone from the tip of a process.
   static Vec3 within(const Vec3& tip_mm, Level level) {
@@ -94,21 +95,21 @@ TEST_F(SpineLevels, AreCountedFromTheGivenOne) {
   EXPECT_THAT(levels_of(found_->labels), ElementsAre(kT11, Level::kT12, Level::kL1, kL2));
 }
 
-TEST_F(SpineLevels, CoverTheTruth) {
-  const LabelVolume truth = true_labels(*spine_, ct_->geometry);
+TEST_F(SpineLevels, CoverTheGroundTruth) {
+  const LabelVolume ground_truth = true_labels(*spine_, ct_->geometry);
   for (const LevelReport& level : found_->levels) {
     const BoneMask mask = mask_of(found_->labels, level.level);
-    EXPECT_GE(test::dice(mask, mask_of(truth, level.level)), 0.9) << level.name;  // voxels of 1 x 1 x 1.5 mm
+    EXPECT_GE(test::dice(mask, mask_of(ground_truth, level.level)), 0.9) << level.name;  // voxels of 1 x 1 x 1.5 mm
     const double voxels_mm3 = static_cast<double>(test::voxel_count(mask)) * ct_->geometry.spacing_mm.prod();
     EXPECT_NEAR(level.volume_mm3, voxels_mm3, 1e-6 * voxels_mm3);
   }
 }
 
-TEST_F(SpineLevels, AreNotDoubtfulWhereTheyAreSound) {
+TEST_F(SpineLevels, AreNotSuspectWhereTheyAreSound) {
   for (const LevelReport& level : found_->levels) {
     std::string texts;
     for (const LevelWarning& warning : level.warnings) texts += warning.text + "\n";
-    EXPECT_FALSE(level.is_doubtful()) << level.name << ":\n" << texts;
+    EXPECT_FALSE(level.is_suspect()) << level.name << ":\n" << texts;
   }
 }
 
@@ -127,7 +128,7 @@ TEST_F(SpineLevels, MayHaveTwoNamesThatAgreeAndNoTwoThatDoNot) {
   EXPECT_THAT(words, HasSubstr("lies in L2"));
 }
 
-TEST_F(SpineLevels, RefuseANameBesideTheBodies) {
+TEST_F(SpineLevels, RejectANameBesideTheBodies) {
   EXPECT_THAT(words_of([&] {
                 segment_spine(*ct_, {.names = {{Level::kT12, middle_of(Level::kT12) + Vec3(45.0, 0.0, 0.0)}}});
               }),
@@ -135,7 +136,7 @@ TEST_F(SpineLevels, RefuseANameBesideTheBodies) {
 }
 
 TEST_F(SpineLevels, GiveAProcessToTheLevelThatACorrectionNames) {
-  const Vec3 p_mm = within(truth_of(Level::kT12).spinous_tip_mm, Level::kT12);
+  const Vec3 p_mm = within(ground_truth_of(Level::kT12).spinous_tip_mm, Level::kT12);
   ASSERT_EQ(label_at(found_->labels, p_mm), static_cast<int>(Level::kT12));
   const SpineSegmentation moved =
       segment_spine(*ct_, {.names = {{Level::kT12, middle_of(Level::kT12)}}, .corrections = {{Level::kL1, p_mm}}});
@@ -145,7 +146,7 @@ TEST_F(SpineLevels, GiveAProcessToTheLevelThatACorrectionNames) {
 }
 
 TEST_F(SpineLevels, LoseWhatACorrectionExcludes) {
-  const Vec3 p_mm = within(truth_of(Level::kL1).left_transverse_tip_mm, Level::kL1);
+  const Vec3 p_mm = within(ground_truth_of(Level::kL1).left_transverse_tip_mm, Level::kL1);
   ASSERT_EQ(label_at(found_->labels, p_mm), static_cast<int>(Level::kL1));
   const SpineSegmentation without =
       segment_spine(*ct_, {.names = {{Level::kT12, middle_of(Level::kT12)}}, .corrections = {{Level::kNone, p_mm}}});
@@ -156,7 +157,7 @@ TEST_F(SpineLevels, LoseWhatACorrectionExcludes) {
   EXPECT_GT(volume(without), 0.85 * volume(*found_)) << "more than the process is gone";
 }
 
-TEST_F(SpineLevels, RefuseACorrectionOfALevelThatIsNotThere) {
+TEST_F(SpineLevels, RejectACorrectionOfALevelThatIsNotThere) {
   EXPECT_THAT(words_of([&] {
                 segment_spine(*ct_, {.names = {{Level::kT12, middle_of(Level::kT12)}},
                                      .corrections = {{Level::kL5, middle_of(kL2)}}});

@@ -51,9 +51,9 @@ class ThreeVertebrae : public ::testing::Test {
   }
 
   static void expect_the_middle_one(const Segmentation& found) {
-    const BoneMask truth = test::true_mask(*stack_, 1, ct_->geometry);
-    const double dice = test::dice(found.mask, truth);
-    const double mean_mm = test::mean_surface_distance_mm(found.mask, truth);
+    const BoneMask ground_truth = test::true_mask(*stack_, 1, ct_->geometry);
+    const double dice = test::dice(found.mask, ground_truth);
+    const double mean_mm = test::mean_surface_distance_mm(found.mask, ground_truth);
     std::printf("Dice %.3f, mean surface distance %.2f mm, cut over %.0f mm2\n", dice, mean_mm,
                 found.report.cut_area_mm2);
     EXPECT_GE(dice, 0.95);
@@ -94,13 +94,13 @@ TEST_F(ThreeVertebrae, GiveTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(segment_vertebra(*ct_, {.seed_mm = Vec3::Zero()}).mask.inside, middle_->mask.inside);
 }
 
-TEST_F(ThreeVertebrae, RefuseASeedBesideABody) {
+TEST_F(ThreeVertebrae, RejectASeedBesideABody) {
   // In the muscle beside the middle one.
   const Vec3 beside_mm = (*stack_)[1].to_patient(Vec3(48.0, -10.0, 0.0));
   EXPECT_THAT(error_of([&] { segment_vertebra(*ct_, {.seed_mm = beside_mm}); }), HasSubstr("no body's wall around"));
 }
 
-TEST_F(ThreeVertebrae, RefuseASeedOutsideTheCt) {
+TEST_F(ThreeVertebrae, RejectASeedOutsideTheCt) {
   EXPECT_THAT(error_of([&] { segment_vertebra(*ct_, {.seed_mm = Vec3(0.0, 0.0, 400.0)}); }),
               HasSubstr("expected a point in the CT"));
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -113,18 +113,18 @@ TEST(SegmentVertebra, FindsAVertebraWithoutASeed) {
       scan(vertebra, {.columns = 170, .rows = 170, .slices = 70, .pixel_mm = 0.7, .slice_step_mm = 1.0});
   const Segmentation found = segment_vertebra(ct);
   EXPECT_LT((found.report.body_centre_mm - vertebra.to_patient(Vec3::Zero())).norm(), 3.0);
-  BoneMask truth{ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
+  BoneMask ground_truth{ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
   for (int k = 0; k < ct.geometry.size[2]; ++k) {
     for (int j = 0; j < ct.geometry.size[1]; ++j) {
       for (int i = 0; i < ct.geometry.size[0]; ++i) {
         const Vec3 p_mm = ct.geometry.to_patient(Vec3(i, j, k));
         double value_mm = 0.0;
         vertebra.evaluate({&p_mm, 1}, {&value_mm, 1}, {});
-        if (value_mm < 0.0) truth.inside[ct.geometry.offset(i, j, k)] = 1;
+        if (value_mm < 0.0) ground_truth.inside[ct.geometry.offset(i, j, k)] = 1;
       }
     }
   }
-  EXPECT_GE(test::dice(found.mask, truth), 0.95);
+  EXPECT_GE(test::dice(found.mask, ground_truth), 0.95);
   EXPECT_EQ(found.report.cut_area_mm2, 0.0);  // it stands alone
 }
 
@@ -146,7 +146,7 @@ TEST(SegmentVertebra, FindsTheBodyWhereItsWallIsThinnerThanTheArchs) {
   }
 }
 
-TEST(SegmentVertebra, RefusesASeedInAir) {
+TEST(SegmentVertebra, RejectsASeedInAir) {
   GridGeometry geometry;
   geometry.size = {20, 20, 20};
   std::vector<std::int16_t> hu(geometry.voxel_count(), -1000);

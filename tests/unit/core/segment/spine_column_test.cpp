@@ -46,10 +46,11 @@ TEST_F(ColumnThrough, FollowsTheBodiesAndBendsOnBeyondThem) {
   for (std::size_t n = 0; n < column.sections.size(); ++n) {
     const ColumnSection& section = column.sections[n];
     const double s_mm = SpineColumn::kStepMm * static_cast<double>(n) - 60.0 - kBeyondMm;
-    const BodyCylinder truth = on_arc(s_mm, Vec3::Ones());
-    EXPECT_LT((section.centre_mm - truth.centre_mm).head<2>().norm(), 0.6) << "at " << s_mm << " mm";
-    EXPECT_LT((section.centre_mm - truth.centre_mm).norm(), 1.5) << "at " << s_mm << " mm";  // as even as the steps
-    EXPECT_GT(section.axes.col(2).dot(truth.axes().col(2)), std::cos(1.0 * kDegree)) << "at " << s_mm << " mm";
+    const BodyCylinder ground_truth = on_arc(s_mm, Vec3::Ones());
+    EXPECT_LT((section.centre_mm - ground_truth.centre_mm).head<2>().norm(), 0.6) << "at " << s_mm << " mm";
+    EXPECT_LT((section.centre_mm - ground_truth.centre_mm).norm(), 1.5)
+        << "at " << s_mm << " mm";  // as even as the steps
+    EXPECT_GT(section.axes.col(2).dot(ground_truth.axes().col(2)), std::cos(1.0 * kDegree)) << "at " << s_mm << " mm";
   }
   EXPECT_NEAR(column.at(40.0 + 90.0).half_width_mm, 18.0, 0.3);  // halfway from the third to the fourth
   EXPECT_NEAR(column.at(40.0 + 90.0).half_depth_mm, 15.0, 0.3);

@@ -47,7 +47,7 @@ TEST(StarSurface, HasAboutSixNeighboursInEachDirectionAndTheyAreMutual) {
   }
 }
 
-TEST(StarSurface, RefusesTooFewDirections) { EXPECT_THROW(StarSurface(Vec3::Zero(), 10), Error); }
+TEST(StarSurface, RejectsTooFewDirections) { EXPECT_THROW(StarSurface(Vec3::Zero(), 10), Error); }
 
 TEST(ChooseSteps, TakesTheCheapestWithoutStiffness) {
   const StarSurface surface(Vec3::Zero(), 200);

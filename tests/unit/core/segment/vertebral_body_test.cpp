@@ -9,8 +9,8 @@
 namespace spinaltap {
 namespace {
 
-/// A hollow elliptic cylinder of bone, 44 x 32 x 26 mm with a wall of 1.5 mm at 500 HU, marrow as dark as the soft
-/// tissue around it, between two plates of bone 7 mm above and below; with normal noise.
+/// A hollow elliptic cylinder of bone, 44 x 32 x 26 mm with a wall of 1.5 mm at 500 HU, cancellous bone as dark as the
+/// soft tissue around it, between two plates of bone 7 mm above and below; with normal noise.
 FloatGrid body_ct(const BodyCylinder& body, double noise_hu, std::uint64_t seed) {
   FloatGrid grid;
   grid.geometry.size = {80, 80, 80};
@@ -52,17 +52,17 @@ class SeedInBody : public ::testing::TestWithParam<Start> {};
 TEST_P(SeedInBody, FindsTheCylinderThroughNoise) {
   constexpr std::uint64_t kSeed = 11;
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const BodyCylinder truth = true_body();
-  const FloatGrid hu = body_ct(truth, 80.0, kSeed);
-  BodyCylinder start = truth;
-  start.centre_mm += truth.axes() * GetParam().shift_mm;
+  const BodyCylinder ground_truth = true_body();
+  const FloatGrid hu = body_ct(ground_truth, 80.0, kSeed);
+  BodyCylinder start = ground_truth;
+  start.centre_mm += ground_truth.axes() * GetParam().shift_mm;
   start.turn_rad += GetParam().turn_deg * kDegree;
   const BodyCylinder found = refine_body_cylinder(WallProbe(hu, {115.0}), start);
   EXPECT_GT(found.fit, 0.25);
   // Within a voxel and a half; the edge is taken up to 0.8 mm outside the wall's crest.
-  EXPECT_LT((found.centre_mm - truth.centre_mm).norm(), 1.5);
-  EXPECT_LT((found.half_mm - truth.half_mm).cwiseAbs().maxCoeff(), 1.5) << found.half_mm.transpose();
-  EXPECT_LT((found.axes().col(2) - truth.axes().col(2)).norm(), 0.1);
+  EXPECT_LT((found.centre_mm - ground_truth.centre_mm).norm(), 1.5);
+  EXPECT_LT((found.half_mm - ground_truth.half_mm).cwiseAbs().maxCoeff(), 1.5) << found.half_mm.transpose();
+  EXPECT_LT((found.axes().col(2) - ground_truth.axes().col(2)).norm(), 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, SeedInBody,
@@ -74,39 +74,39 @@ INSTANTIATE_TEST_SUITE_P(Places, SeedInBody,
 
 TEST(RefineBodyCylinder, FindsTheCylinderFromANarrowStartThatTouchesOneSide) {
   constexpr std::uint64_t kSeed = 11;
-  const BodyCylinder truth = true_body();
-  const FloatGrid hu = body_ct(truth, 80.0, kSeed);
-  BodyCylinder start = truth;
-  start.centre_mm += truth.axes() * Vec3(2.5, 0.0, 0.0);
+  const BodyCylinder ground_truth = true_body();
+  const FloatGrid hu = body_ct(ground_truth, 80.0, kSeed);
+  BodyCylinder start = ground_truth;
+  start.centre_mm += ground_truth.axes() * Vec3(2.5, 0.0, 0.0);
   start.half_mm.x() -= 2.0;
   const BodyCylinder found = refine_body_cylinder(WallProbe(hu, {115.0}), start);
-  EXPECT_LT((found.centre_mm - truth.centre_mm).norm(), 1.5);
-  EXPECT_LT((found.half_mm - truth.half_mm).cwiseAbs().maxCoeff(), 1.5) << found.half_mm.transpose();
+  EXPECT_LT((found.centre_mm - ground_truth.centre_mm).norm(), 1.5);
+  EXPECT_LT((found.half_mm - ground_truth.half_mm).cwiseAbs().maxCoeff(), 1.5) << found.half_mm.transpose();
 }
 
 TEST(FindVertebralBody, FollowsTheWallOnAllSides) {
   constexpr std::uint64_t kSeed = 12;
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  const BodyCylinder truth = true_body();
-  const Vec3 up = truth.axes().col(2);
+  const BodyCylinder ground_truth = true_body();
+  const Vec3 up = ground_truth.axes().col(2);
   BodySpan span;  // off by up to 1.5 mm at its ends and 1 mm at its sides
-  span.lower.centre_mm = truth.centre_mm - (truth.half_mm.z() - 1.5) * up;
-  span.upper.centre_mm = truth.centre_mm + (truth.half_mm.z() + 0.5) * up;
+  span.lower.centre_mm = ground_truth.centre_mm - (ground_truth.half_mm.z() - 1.5) * up;
+  span.upper.centre_mm = ground_truth.centre_mm + (ground_truth.half_mm.z() + 0.5) * up;
   span.lower.up = span.upper.up = up;
   span.lower.s_mm = 0.0;
-  span.upper.s_mm = 2.0 * truth.half_mm.z() - 1.0;
-  span.middle.centre_mm = truth.centre_mm;
-  span.middle.axes = truth.axes();
-  span.middle.half_width_mm = truth.half_mm.x() - 1.0;
-  span.middle.half_depth_mm = truth.half_mm.y() + 1.0;
-  const FloatGrid hu = body_ct(truth, 40.0, kSeed);
+  span.upper.s_mm = 2.0 * ground_truth.half_mm.z() - 1.0;
+  span.middle.centre_mm = ground_truth.centre_mm;
+  span.middle.axes = ground_truth.axes();
+  span.middle.half_width_mm = ground_truth.half_mm.x() - 1.0;
+  span.middle.half_depth_mm = ground_truth.half_mm.y() + 1.0;
+  const FloatGrid hu = body_ct(ground_truth, 40.0, kSeed);
   const WallProbe probe(hu, {115.0});
   const VertebralBody found = find_vertebral_body(probe, find_body_cylinders(probe, {span}).front());
   int far = 0;
   for (std::size_t i = 0; i < found.surface.directions().size(); ++i) {
     const Vec3 p_mm = found.surface.centre_mm() + found.surface.radii_mm()[i] * found.surface.directions()[i];
     // How much larger the true cylinder would have to be, in mm along the ray.
-    const double off_mm = (1.0 - 1.0 / truth.scale_to(p_mm)) * (p_mm - truth.centre_mm).norm();
+    const double off_mm = (1.0 - 1.0 / ground_truth.scale_to(p_mm)) * (p_mm - ground_truth.centre_mm).norm();
     if (std::abs(off_mm) > 2.0) ++far;
   }
   EXPECT_LT(far, 40);  // 2% of the rays, at the sharp rims

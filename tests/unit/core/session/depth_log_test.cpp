@@ -59,7 +59,7 @@ TEST(DepthLog, CountsWhatHappensWhileTheBitDrawsBackInTheRowOfItsDeepestPlace) {
   EXPECT_TRUE(std::isnan(rows[1].cycles_per_s));
 }
 
-TEST(DepthLog, MakesMeansOverTimeAndKeepsTheLeastClearanceAndTheLastState) {
+TEST(DepthLog, MakesMeansOverTimeAndKeepsTheMinClearanceAndTheLastState) {
   DepthLog log(1.0, Material(), 10.0);
   log.add(cycle_at(0.0), 1.0);
   Cycle slow = cycle_at(0.5);
@@ -95,7 +95,7 @@ TEST(DepthLog, GoesOnAfterPosesWithoutADepthAndAfterJumps) {
   EXPECT_EQ(rows[1].depth_mm, 30.11);
 }
 
-TEST(DepthLog, RefusesALogStepThatIsNotAboveZero) {
+TEST(DepthLog, RejectsALogStepThatIsNotAboveZero) {
   for (const double step_mm : {0.0, -1.0, kNan}) EXPECT_THROW(DepthLog(step_mm, Material(), 10.0), Error);
 }
 
@@ -122,8 +122,8 @@ TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
   bone.canal_mm = -0.5;
   bone.cycles_per_s = kNan;
   EXPECT_EQ(log_csv({nothing, bone}),
-            "depth_mm,cycles,removed_points,tested_points,mean_hu,density_g_cm3,thrust_N,torque_N_mm,lateral_N,state,"
-            "outer_clearance_mm,canal_clearance_mm,cycles_per_s\n"
+            "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
+            "mean_lateral_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n"
             "-2.9,100,0,0,,,0,0,0,initial,,,1000000\n"
             "0.1,100,12,340,300.5,0.365,1.25,3.5,0.25,outer cortical,2.25,-0.5,\n");
 }

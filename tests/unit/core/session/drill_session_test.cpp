@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/session/operator/path_motion.h"
-#include "core/session/operator/pose_hand.h"
+#include "core/session/operator/recorded_motion.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/nan.h"
 
@@ -49,8 +49,8 @@ TEST(DrillSession, RemovesFeelsAndNotesContact) {
   for (int n = 0; n <= 900; ++n) removed += session->step({block.at(-1.0 + 0.01 * n), true, 0.01}).step.removed;
   EXPECT_EQ(removed, before - block.volumes.front().alive_count());
   const double mm_a_turn = 1.0 / (1250.0 / 60.0);
-  const FeedResistance law = resistance_of_block(block.path.bit, block.material, 600.0);
-  EXPECT_NEAR(session->last().force.thrust_n, law.thrust_n(mm_a_turn), 0.02 * law.thrust_n(mm_a_turn));
+  const FeedResistance resistance = resistance_of_block(block.path.bit, block.material, 600.0);
+  EXPECT_NEAR(session->last().force.thrust_n, resistance.thrust_n(mm_a_turn), 0.02 * resistance.thrust_n(mm_a_turn));
   ASSERT_FALSE(session->events().empty());
   EXPECT_EQ(session->events().front().kind, EventKind::contact);
   EXPECT_NEAR(session->events().front().depth_mm, 0.0, 0.1 + 1e-9);
@@ -67,8 +67,8 @@ TEST(DrillSession, NotesABreakthroughWithTheThrustBefore) {
   EXPECT_NEAR((events[0].place_mm - block.at(events[0].depth_mm).tip_mm).norm(), 0.0, 1e-6);
   const double whole_n = resistance_of_block(block.path.bit, block.material, 600.0).thrust_n(0.048);
   EXPECT_NEAR(events[0].value, whole_n, 0.03 * whole_n);
-  // The hand went on as if nothing were.
-  const auto over = test::events_of(*session, EventKind::overshoot);
+  // The operator went on as if nothing were.
+  const auto over = test::events_of(*session, EventKind::plunge);
   ASSERT_EQ(over.size(), 1U);
   EXPECT_NEAR(over[0].value, 15.0 - events[0].depth_mm, 1e-6);
 }
@@ -82,7 +82,7 @@ TEST(DrillSession, TakesNeitherTheHoleNorTheVolumesEndForABreakthrough) {
   advance(*session, block, 6.0, 23.0);
   EXPECT_TRUE(test::events_of(*session, EventKind::breakthrough).empty());
   // 3 mm past the volume's end, in what may well be bone.
-  const auto left = test::events_of(*session, EventKind::left_volume);
+  const auto left = test::events_of(*session, EventKind::outside_volume);
   ASSERT_EQ(left.size(), 1U);
   EXPECT_NEAR(left[0].value, 3.0, 0.06);
 }
@@ -92,15 +92,15 @@ TEST(DrillSession, NotesABitThatReachesOutOfTheCylindersSide) {
   const auto session = block.session();
   const Vec3 aside = any_perpendicular(block.path.direction());
   advance(*session, block, -1.0, 5.0);
-  EXPECT_TRUE(test::events_of(*session, EventKind::left_volume).empty());
+  EXPECT_TRUE(test::events_of(*session, EventKind::outside_volume).empty());
   for (int n = 0; n <= 150; ++n) session->step({block.at(5.0, 0.01 * n * aside), true, 0.01});
   for (int n = 150; n >= 0; --n) session->step({block.at(5.0, 0.01 * n * aside), true, 0.01});
-  const auto left = test::events_of(*session, EventKind::left_volume);
+  const auto left = test::events_of(*session, EventKind::outside_volume);
   ASSERT_EQ(left.size(), 1U);
   EXPECT_NEAR(left[0].value, 1.5 + 1.5 - 2.45, 1e-6);  // way aside, radius, and the outermost ring with its share
 }
 
-TEST(DrillSession, RefusesPosesWithoutSenseAndStaysAlive) {
+TEST(DrillSession, RejectsPosesWithoutSenseAndStaysAlive) {
   test::DrillBlock block(even);
   const auto session = block.session();
   advance(*session, block, -1.0, 3.0);
@@ -126,14 +126,14 @@ TEST(DrillSession, RefusesPosesWithoutSenseAndStaysAlive) {
   }
   EXPECT_EQ(session->last().index, before.index + bad.size());
   EXPECT_NEAR(session->last().time_s, before.time_s + 0.006, 1e-9);  // those with a time of their own
-  const auto refused = test::events_of(*session, EventKind::refused_pose);
-  ASSERT_EQ(refused.size(), 1U) << "a row of them is one event";
-  EXPECT_EQ(refused[0].value, static_cast<double>(bad.size()));
-  EXPECT_EQ(refused[0].cycle, before.index + 1);
+  const auto rejected = test::events_of(*session, EventKind::invalid_pose);
+  ASSERT_EQ(rejected.size(), 1U) << "a row of them is one event";
+  EXPECT_EQ(rejected[0].value, static_cast<double>(bad.size()));
+  EXPECT_EQ(rejected[0].cycle, before.index + 1);
   // The way from the last good pose is cut.
   EXPECT_GT(session->step({block.at(3.5), true, 0.1}).step.removed, 0U);
   session->step(bad[0]);
-  EXPECT_EQ(test::events_of(*session, EventKind::refused_pose).size(), 2U);
+  EXPECT_EQ(test::events_of(*session, EventKind::invalid_pose).size(), 2U);
 }
 
 TEST(DrillSession, NormalisesAxesThatAreNearlyUnit) {
@@ -146,7 +146,7 @@ TEST(DrillSession, NormalisesAxesThatAreNearlyUnit) {
     b->step({{pose.tip_mm, 1.0001 * pose.axis}, true, 0.01});
   }
   EXPECT_EQ(exact.volumes.front().alive_count(), rough.volumes.front().alive_count());
-  EXPECT_TRUE(test::events_of(*b, EventKind::refused_pose).empty());
+  EXPECT_TRUE(test::events_of(*b, EventKind::invalid_pose).empty());
 }
 
 TEST(DrillSession, DoesNotCutTheWayOfAJump) {
@@ -162,7 +162,7 @@ TEST(DrillSession, DoesNotCutTheWayOfAJump) {
   EXPECT_EQ(cycle.force.thrust_n, 0.0) << "what it holds there was not cut on a way";
   EXPECT_GT(cycle.step.removed, 0U) << "it is there, turning";
   test::DrillBlock swept(even, 60.0);
-  const auto slow = swept.session({.longest_jump_mm = 51.0});
+  const auto slow = swept.session({.max_jump_mm = 51.0});
   slow->step(swept.input(-1.0));
   slow->step(swept.input(49.5));
   EXPECT_TRUE(test::events_of(*slow, EventKind::jump).empty());
@@ -211,8 +211,8 @@ TEST(DrillSession, StopsAtAThrust) {
   const auto session = block.session(options);
   PathMotionOptions motion;
   motion.line.lead_in_mm = 1.0;
-  PathHand hand(block.path, motion);
-  run_session(*session, hand);
+  PlannedMotion tool_operator(block.path, motion);
+  run_session(*session, tool_operator);
   EXPECT_TRUE(session->is_stopped());
   EXPECT_TRUE(session->feedback().stop);
   const auto stops = test::events_of(*session, EventKind::stop_thrust);
@@ -220,25 +220,25 @@ TEST(DrillSession, StopsAtAThrust) {
   EXPECT_GE(stops[0].value, 20.0);
   EXPECT_GT(stops[0].depth_mm, 4.8);
   EXPECT_LT(stops[0].depth_mm, 6.0);
-  EXPECT_EQ(session->last().depth_mm, stops[0].depth_mm) << "this hand ends at once";
-  EXPECT_TRUE(test::events_of(*session, EventKind::overshoot).empty());
+  EXPECT_EQ(session->last().depth_mm, stops[0].depth_mm) << "this operator ends at once";
+  EXPECT_TRUE(test::events_of(*session, EventKind::plunge).empty());
 }
 
 TEST(DrillSession, KeepsRoomForSoManyEventsAndCountsTheRest) {
   test::DrillBlock block(even);
   const auto session = block.session();
   const Vec3 aside = any_perpendicular(block.path.direction());
-  const std::size_t jumps = DrillSession::kMostEvents + 10;
+  const std::size_t jumps = DrillSession::kMaxEvents + 10;
   session->step({block.at(-5.0), true, 0.001});
   const SessionEvent* const room = session->events().data();
   for (std::size_t n = 0; n < jumps; ++n)
     session->step({block.at(-5.0, (n % 2 == 0 ? 60.0 : 0.0) * aside), true, 0.001});
-  EXPECT_EQ(session->events().size(), DrillSession::kMostEvents);
+  EXPECT_EQ(session->events().size(), DrillSession::kMaxEvents);
   EXPECT_EQ(session->events_lost(), 10U);
   EXPECT_EQ(session->events().data(), room) << "nothing was allocated";
 }
 
-TEST(DrillSession, RefusesPlansOutsideTheVolumeAndOptionsWithoutSense) {
+TEST(DrillSession, RejectsPlansOutsideTheVolumeAndOptionsWithoutSense) {
   test::DrillBlock block(even);
   const auto make = [&](const DrillPath& path, const SessionOptions& options = {}) {
     DrillSession session(path, block.volumes, make_ring_engine(block.volumes.front(), path.bit, block.material),
@@ -260,7 +260,7 @@ TEST(DrillSession, RefusesPlansOutsideTheVolumeAndOptionsWithoutSense) {
        {SessionOptions{.spindle = {.rpm = kNan}}, SessionOptions{.spindle = {.rpm = -1.0}},
         SessionOptions{.stop = {.thrust_n = 0.0}}, SessionOptions{.stop = {.thrust_n = kNan}},
         SessionOptions{.stop = {.clearance_mm = kNan}}, SessionOptions{.states = {.hold_mm = kNan}},
-        SessionOptions{.longest_jump_mm = 0.0}, SessionOptions{.longest_jump_mm = kNan}}) {
+        SessionOptions{.max_jump_mm = 0.0}, SessionOptions{.max_jump_mm = kNan}}) {
     EXPECT_THROW(make(block.path, options), Error);
   }
   test::DrillBlock empty([](double) { return kNan; });
@@ -297,9 +297,9 @@ TEST(DrillSession, IsTheSameWithEveryEngineAndNumberOfThreads) {
     motion.line = {.lead_in_mm = 1.0, .tilt_deg = 4.0};
     motion.feed.steps = {{0.0, 5.0}};
     motion.tremor_mm = 0.1;
-    PathHand hand(block.path, motion);
+    PlannedMotion tool_operator(block.path, motion);
     std::vector<Cycle> cycles;
-    run_session(*session, hand, [&](const Cycle& cycle) { cycles.push_back(cycle); });
+    run_session(*session, tool_operator, [&](const Cycle& cycle) { cycles.push_back(cycle); });
     return std::pair(cycles, std::vector<SessionEvent>(session->events().begin(), session->events().end()));
   };
   const auto [first, first_events] = run(make_reference_engine, 1);
@@ -327,7 +327,7 @@ TEST(DrillSession, IsTheSameWithEveryEngineAndNumberOfThreads) {
 TEST(RunSession, ReportsAndCanBeCancelled) {
   test::DrillBlock block(even);
   const auto session = block.session();
-  PathHand hand(block.path, {});
+  PlannedMotion tool_operator(block.path, {});
   Progress progress;
   double last_share = 0.0;
   progress = Progress([&](std::string_view, double share) {
@@ -335,7 +335,7 @@ TEST(RunSession, ReportsAndCanBeCancelled) {
     last_share = share;
     if (share > 0.3) progress.cancel();
   });
-  EXPECT_THROW(run_session(*session, hand, {}, progress), Cancelled);
+  EXPECT_THROW(run_session(*session, tool_operator, {}, progress), Cancelled);
   EXPECT_LT(session->last().depth_mm, 7.0);
 }
 

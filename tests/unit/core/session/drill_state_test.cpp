@@ -114,7 +114,7 @@ TEST(StateRecogniser, TakesDensitiesThatAreNoNumberForNone) {
   EXPECT_EQ(recogniser.state(), DrillState::initial);
 }
 
-TEST(StateRecogniser, RefusesRulesWithoutSense) {
+TEST(StateRecogniser, RejectsRulesWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const StateRules& rules :
        {StateRules{.contact_g_cm3 = 0.0}, StateRules{.contact_g_cm3 = 0.5}, StateRules{.cortical_g_cm3 = 0.4},

@@ -49,8 +49,8 @@ class PedicleStates : public ::testing::Test {
   }
 
   static void expect_states_at_true_boundaries(const BoneSampler& bone, const char* name) {
-    const VertebraTruth truth = vertebra_truth(vertebra());
-    for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+    const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra());
+    for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
       for (const DrillBit& bit : {twist_drill(3.0, 70.0, 118.0, 0.48), DrillBit{3.0, 70.0, 5.0}}) {
         const DrillPath path = test::path_through(pedicle, bit);
         const test::TrueBoundaries is = test::true_boundaries(vertebra(), path);

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/session/drill_session.h"
 #include "core/session/operator/path_motion.h"
-#include "core/session/operator/pose_hand.h"
+#include "core/session/operator/recorded_motion.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/planning_bones.h"
 
@@ -60,8 +60,8 @@ class SessionWalls : public ::testing::Test {
     const int steps = static_cast<int>((to_mm + 1.0) / 0.02);
     for (int n = 0; n <= steps; ++n) inputs.push_back(at(-1.0 + 0.02 * n));
     for (int n = back ? steps : -1; n >= 0; --n) inputs.push_back(at(-1.0 + 0.02 * n));
-    PoseHand hand(inputs);
-    run_session(*session_, hand);
+    RecordedMotion tool_operator(inputs);
+    run_session(*session_, tool_operator);
   }
 
   std::vector<PointVolume> volumes_;
@@ -124,9 +124,9 @@ TEST_F(SessionWalls, StopOnABreach) {
 
 TEST_F(SessionWalls, AreNotBreachedByABitThatHasNotTouchedBone) {
   const DrillSession& ran = session();
-  PoseHand hand({{{Vec3(8.5, 23.0, 21.0), path().direction()}, true, 0.01},
-                 {{Vec3(8.5, 0.0, 21.0), path().direction()}, true, 0.01}});
-  run_session(*session_, hand);
+  RecordedMotion tool_operator({{{Vec3(8.5, 23.0, 21.0), path().direction()}, true, 0.01},
+                                {{Vec3(8.5, 0.0, 21.0), path().direction()}, true, 0.01}});
+  run_session(*session_, tool_operator);
   EXPECT_TRUE(ran.events().empty());
 }
 

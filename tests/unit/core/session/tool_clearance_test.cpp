@@ -50,9 +50,9 @@ Pose tilted(const Vec3& tip_mm, const Vec3& axis, double degrees, double round_d
 /// Least distance over a bit's outline by brute force: places 0.05 mm and 3 degrees apart, where their place on the
 /// axis is deeper than `from_depth_mm` along the path.
 template <class Distance>
-double least_over_outline(const BitProfile& bit, const Pose& pose, const DrillPath& path, double from_depth_mm,
-                          const Distance& distance_mm) {
-  double least_mm = std::numeric_limits<double>::infinity();
+double min_over_outline(const BitProfile& bit, const Pose& pose, const DrillPath& path, double from_depth_mm,
+                        const Distance& distance_mm) {
+  double min_mm = std::numeric_limits<double>::infinity();
   const Vec3 across = any_perpendicular(pose.axis);
   const Vec3 second = pose.axis.cross(across);
   const auto ring = [&](double back_mm, double radius_mm) {
@@ -60,8 +60,8 @@ double least_over_outline(const BitProfile& bit, const Pose& pose, const DrillPa
     if ((middle - path.entry_mm).dot(path.direction()) < from_depth_mm) return;
     for (int n = 0; n < 120; ++n) {
       const double angle = n * std::numbers::pi / 60.0;
-      least_mm = std::min(
-          least_mm, distance_mm(Vec3(middle + radius_mm * (std::cos(angle) * across + std::sin(angle) * second))));
+      min_mm = std::min(min_mm,
+                        distance_mm(Vec3(middle + radius_mm * (std::cos(angle) * across + std::sin(angle) * second))));
     }
   };
   for (const ProfilePiece& piece : bit.pieces()) {
@@ -71,7 +71,7 @@ double least_over_outline(const BitProfile& bit, const Pose& pose, const DrillPa
       ring(back_mm, std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm))));
     }
   }
-  return least_mm;
+  return min_mm;
 }
 
 class BlockClearance : public ::testing::Test {
@@ -106,8 +106,8 @@ TEST_F(BlockClearance, AgreesWithTheFormulaForEveryToolAndTilt) {
           const Vec3 tip_mm = path().entry_mm + depth_mm * path().direction() + Vec3(0.7, 0.0, -0.4);
           const Pose pose = tilted(tip_mm, path().direction(), tilt_deg, round_deg);
           const Clearance found = field().of(profile, pose);
-          const double outer = least_over_outline(profile, pose, path(), field().entry_end_mm(), outer_mm);
-          const double canal = least_over_outline(profile, pose, path(), 0.0, canal_mm);
+          const double outer = min_over_outline(profile, pose, path(), field().entry_end_mm(), outer_mm);
+          const double canal = min_over_outline(profile, pose, path(), 0.0, canal_mm);
           // Far from two walls the lattice cuts the ridge between them, by up to a quarter of its spacing and a bit.
           if (outer > 8.0) {
             EXPECT_GT(found.outer_mm, outer - 0.15) << depth_mm << " mm, " << tilt_deg << ", " << round_deg;
@@ -154,7 +154,7 @@ TEST_F(BlockClearance, IsNegativeByHowFarTheBitIsBeyond) {
   }
 }
 
-TEST_F(BlockClearance, DoesNotCountWhatTheMouthBreaks) {
+TEST_F(BlockClearance, DoesNotCountWhatTheEntryOpeningBreaks) {
   const BitProfile bit{DrillBit{}};
   EXPECT_DOUBLE_EQ(field().entry_end_mm(), entry_end_mm(walls(), path()));
   EXPECT_GT(field().entry_end_mm(), 1.0);
@@ -168,16 +168,16 @@ TEST_F(BlockClearance, DoesNotCountWhatTheMouthBreaks) {
   EXPECT_NEAR(field().of(bit, deeper).outer_mm, field().entry_end_mm(), 1.5 + kClearanceMm);
 }
 
-TEST_F(BlockClearance, TakesAnotherPathsMouth) {
-  // Where the path leans, the mouth goes deeper on one side.
+TEST_F(BlockClearance, TakesAnotherPathsEntryOpening) {
+  // Where the path leans, the entry opening goes deeper on one side.
   DrillPath leaning = path();
   leaning.target_mm += Vec3(9.0, 0.0, 0.0);
-  const ClearanceField other = field().with_mouth_of(leaning);
+  const ClearanceField other = field().with_entry_of(leaning);
   EXPECT_DOUBLE_EQ(other.entry_end_mm(), entry_end_mm(walls(), leaning));
   EXPECT_NE(other.entry_end_mm(), field().entry_end_mm());
   const BitProfile bit{DrillBit{}};
   const Pose pose{leaning.entry_mm + 20.0 * leaning.direction(), leaning.direction()};
-  EXPECT_NEAR(other.of(bit, pose).outer_mm, least_over_outline(bit, pose, leaning, other.entry_end_mm(), outer_mm),
+  EXPECT_NEAR(other.of(bit, pose).outer_mm, min_over_outline(bit, pose, leaning, other.entry_end_mm(), outer_mm),
               kClearanceMm);
 }
 
@@ -209,11 +209,11 @@ TEST(PhantomClearance, AgreesWithBruteForceOverTheTrueSurface) {
   anatomy.placement = {Vec3(12.0, -30.0, 400.0), Vec3(12.0, -8.0, 15.0)};
   const test::PhantomBone phantom(anatomy);
   const WallDistance walls(phantom.bone, phantom.landmarks);
-  const VertebraTruth truth = vertebra_truth(*phantom.vertebra);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(*phantom.vertebra);
   const std::vector<Vec3> seeds_mm = surface_seeds(*phantom.vertebra, 0.15);
   double worst_mm = 0.0;
   int compared = 0;
-  for (const PedicleTruth& pedicle : {truth.left, truth.right}) {
+  for (const PedicleGroundTruth& pedicle : {ground_truth.left, ground_truth.right}) {
     const DrillPath path{"", pedicle.entry_mm, pedicle.target_mm, {}};
     const ClearanceField field(walls, path);
     const test::TruePlaces surface =
@@ -223,12 +223,12 @@ TEST(PhantomClearance, AgreesWithBruteForceOverTheTrueSurface) {
       is_canal.push_back(test::faces_canal(*phantom.vertebra, surface.places_mm[n], surface.normals[n]) ? 1 : 0);
     }
     const auto nearest_mm = [&](const BitProfile& bit, const Pose& pose, bool canal) {
-      double least_mm = std::numeric_limits<double>::infinity();
+      double min_mm = std::numeric_limits<double>::infinity();
       for (std::size_t n = 0; n < surface.places_mm.size(); ++n) {
         if ((is_canal[n] != 0) != canal) continue;
-        least_mm = std::min(least_mm, bit_distance_mm(bit, pose, surface.places_mm[n]));
+        min_mm = std::min(min_mm, bit_distance_mm(bit, pose, surface.places_mm[n]));
       }
-      return least_mm;
+      return min_mm;
     };
     for (const DrillBit& bit : {twist_drill(3.0, 60.0, 118.0, 0.48), DrillBit{}}) {
       for (const double depth_mm : {12.0, 18.0, 26.0, 34.0}) {
@@ -264,7 +264,7 @@ TEST(PhantomClearance, AgreesWithBruteForceOverTheTrueSurface) {
 TEST(PhantomClearance, TakesMicroseconds) {
   const test::PhantomBone phantom;
   const WallDistance walls(phantom.bone, phantom.landmarks);
-  const PedicleTruth pedicle = vertebra_truth(*phantom.vertebra).left;
+  const PedicleGroundTruth pedicle = vertebra_ground_truth(*phantom.vertebra).left;
   const DrillPath path{"", pedicle.entry_mm, pedicle.target_mm, {}};
   const std::int64_t made = wall_ns();
   const ClearanceField field(walls, path);

@@ -20,7 +20,7 @@ namespace {
 using test::kNan;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-using Kind = FactorLaw::Kind;
+using Kind = FactorDistribution::Kind;
 
 double of(const FactorValues& values, StudyFactor factor) { return values[static_cast<std::size_t>(factor)]; }
 
@@ -77,7 +77,7 @@ TEST(StudyDesign, GivesRunNTheSameNumbersWhoeverAsksInWhateverOrder) {
 
 TEST(StudyDesign, LatinHypercubeMeetsEveryStratumOnce) {
   StudyDesign design = mixed(true);
-  design.laws.erase(design.laws.begin(), design.laws.begin() + 2);
+  design.distributions.erase(design.distributions.begin(), design.distributions.begin() + 2);
   design.runs = 400;
   const StudyRuns runs(design);
   std::vector<double> uniform = column(runs, StudyFactor::angle_head_deg);
@@ -137,26 +137,26 @@ TEST(StudyDesign, DrawsOtherNumbersFromAnotherSeedAndForAnotherFactor) {
   EXPECT_NE(column(StudyRuns(design), StudyFactor::entry_left_mm), first);
   EXPECT_NE(StudyRuns(design).seed_of(3), tremor);
   design.seed = 7;
-  design.laws[2].factor = StudyFactor::entry_head_mm;
+  design.distributions[2].factor = StudyFactor::entry_head_mm;
   EXPECT_NE(column(StudyRuns(design), StudyFactor::entry_head_mm), first);
 }
 
-TEST(StudyDesign, RefusesWhatMakesNoSense) {
-  const auto refuses = [](const auto& change, const char* words) {
+TEST(StudyDesign, RejectsWhatMakesNoSense) {
+  const auto rejects = [](const auto& change, const char* words) {
     StudyDesign design = mixed(false);
     change(design);
     EXPECT_THAT([&] { StudyRuns{design}; }, ThrowsMessage<Error>(HasSubstr(words))) << words;
   };
-  refuses([](StudyDesign& d) { d.laws[1].factor = d.laws[0].factor; }, "bit_diameter_mm twice");
-  refuses([](StudyDesign& d) { d.laws[0].levels.clear(); }, "bit_diameter_mm: expected one level");
-  refuses([](StudyDesign& d) { d.laws[0].levels[1] = kNan; }, "bit_diameter_mm: expected finite");
-  refuses([](StudyDesign& d) { d.laws[2].b = -1.0; }, "entry_left_mm");
-  refuses([](StudyDesign& d) { d.laws[2].a = kNan; }, "entry_left_mm");
-  refuses([](StudyDesign& d) { d.laws[3].b = -4.0; }, "angle_head_deg");
-  refuses([](StudyDesign& d) { d.laws[3].b = kNan; }, "angle_head_deg");
-  refuses([](StudyDesign& d) { d.runs = 0; }, "none");
-  refuses([](StudyDesign& d) { d.runs = StudyRuns::kMostRuns; }, "more");
-  refuses([](StudyDesign& d) { d.runs = std::numeric_limits<std::size_t>::max(); }, "more");
+  rejects([](StudyDesign& d) { d.distributions[1].factor = d.distributions[0].factor; }, "bit_diameter_mm twice");
+  rejects([](StudyDesign& d) { d.distributions[0].levels.clear(); }, "bit_diameter_mm: expected one level");
+  rejects([](StudyDesign& d) { d.distributions[0].levels[1] = kNan; }, "bit_diameter_mm: expected finite");
+  rejects([](StudyDesign& d) { d.distributions[2].b = -1.0; }, "entry_left_mm");
+  rejects([](StudyDesign& d) { d.distributions[2].a = kNan; }, "entry_left_mm");
+  rejects([](StudyDesign& d) { d.distributions[3].b = -4.0; }, "angle_head_deg");
+  rejects([](StudyDesign& d) { d.distributions[3].b = kNan; }, "angle_head_deg");
+  rejects([](StudyDesign& d) { d.runs = 0; }, "none");
+  rejects([](StudyDesign& d) { d.runs = StudyRuns::kMaxRuns; }, "more");
+  rejects([](StudyDesign& d) { d.runs = std::numeric_limits<std::size_t>::max(); }, "more");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 using test::kNan;
 
 /// 60 runs at two diameters with entry errors of -2.95, -2.85, ... mm: beyond 2 mm to the left the canal is breached,
-/// by what is beyond; thrust is 10 N times the diameter; only wide bits overshoot.
+/// by what is beyond; thrust is 10 N times the diameter; only wide bits plunge.
 std::vector<StudyRow> counted_rows() {
   std::vector<StudyRow> rows;
   for (std::size_t n = 0; n < 60; ++n) {
@@ -31,9 +31,9 @@ std::vector<StudyRow> counted_rows() {
     row[StudyColumn::breach] = breach_mm > 0.0 ? 1.0 : 0.0;
     row[StudyColumn::breach_canal_mm] = breach_mm;
     row[StudyColumn::grade] = breach_mm > 0.0 ? 1.0 : 0.0;
-    row[StudyColumn::most_thrust_n] = 10.0 * diameter_mm;
-    row[StudyColumn::overshoot_mm] = diameter_mm > 3.5 ? 1.0 : kNan;
-    row[StudyColumn::least_outer_mm] = std::numeric_limits<double>::infinity();
+    row[StudyColumn::max_thrust_n] = 10.0 * diameter_mm;
+    row[StudyColumn::plunge_depth_mm] = diameter_mm > 3.5 ? 1.0 : kNan;
+    row[StudyColumn::min_clearance_outer_mm] = std::numeric_limits<double>::infinity();
     row[StudyColumn::breakthrough_mm] = n < 15 ? 40.0 : kNan;
     row[StudyColumn::stop_mm] = kNan;
     rows.push_back(row);
@@ -41,9 +41,9 @@ std::vector<StudyRow> counted_rows() {
   return rows;
 }
 
-const StudyDesign kOffsetDesign{{{StudyFactor::entry_left_mm, FactorLaw::Kind::uniform, {}, -3.0, 3.0},
-                                 {StudyFactor::bit_diameter_mm, FactorLaw::Kind::levels, {3.0, 4.0}},
-                                 {StudyFactor::density_scale, FactorLaw::Kind::levels, {1.0}}},
+const StudyDesign kOffsetDesign{{{StudyFactor::entry_left_mm, FactorDistribution::Kind::uniform, {}, -3.0, 3.0},
+                                 {StudyFactor::bit_diameter_mm, FactorDistribution::Kind::levels, {3.0, 4.0}},
+                                 {StudyFactor::density_scale, FactorDistribution::Kind::levels, {1.0}}},
                                 30};
 
 TEST(StudySummary, CountsWhatCameAbout) {
@@ -58,7 +58,7 @@ TEST(StudySummary, CountsWhatCameAbout) {
   EXPECT_EQ(summary.contact.count, 60U);
   EXPECT_EQ(summary.breakthrough.count, 15U);
   EXPECT_EQ(summary.stopped.count, 0U);
-  EXPECT_EQ(summary.left_volume.count, 0U);
+  EXPECT_EQ(summary.outside_volume.count, 0U);
   EXPECT_DOUBLE_EQ(summary.breach.probability(), 1.0 / 6.0);
   EXPECT_EQ(summary.breach.interval.low, wilson_interval(10, 60).low);
   EXPECT_EQ(summary.breach.interval.high, wilson_interval(10, 60).high);
@@ -67,15 +67,15 @@ TEST(StudySummary, CountsWhatCameAbout) {
 TEST(StudySummary, TellsHowValuesAreSpreadOfTheRunsThatHaveOne) {
   const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
   for (const StudySpread& spread : summary.spreads) {
-    if (spread.column == StudyColumn::most_thrust_n) {
+    if (spread.column == StudyColumn::max_thrust_n) {
       EXPECT_EQ(spread.runs, 60U);
       EXPECT_NEAR(spread.mean, 35.0, 1e-12);
       EXPECT_EQ(spread.quantiles.front(), 30.0);
       EXPECT_EQ(spread.quantiles.back(), 40.0);
-    } else if (spread.column == StudyColumn::overshoot_mm) {
+    } else if (spread.column == StudyColumn::plunge_depth_mm) {
       EXPECT_EQ(spread.runs, 30U);
       EXPECT_NEAR(spread.mean, 1.0, 1e-12);
-    } else if (spread.column == StudyColumn::least_outer_mm) {
+    } else if (spread.column == StudyColumn::min_clearance_outer_mm) {
       EXPECT_EQ(spread.runs, 0U);
       EXPECT_TRUE(std::isnan(spread.mean));
       EXPECT_TRUE(std::isnan(spread.quantiles[3]));
@@ -120,7 +120,7 @@ TEST(StudySummary, JsonHoldsWhatWasFound) {
   EXPECT_EQ(json["breach"]["count"], 10);
   EXPECT_EQ(json["canal_breach"]["runs"], 60);
   EXPECT_EQ(json["grades"]["B"]["count"], 10);
-  EXPECT_EQ(json["distributions"]["most_thrust_n"]["p50"], 35.0);
+  EXPECT_EQ(json["distributions"]["max_thrust_n"]["p50"], 35.0);
   EXPECT_EQ(json["breach_by_factor"]["entry_left_mm"].size(), 10U);
   EXPECT_EQ(json["interval"], "Wilson, 95 %");
   // What there is not is null, as JSON has no other word for it.

@@ -14,13 +14,13 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-using Kind = FactorLaw::Kind;
+using Kind = FactorDistribution::Kind;
 
 /// A path to the front, as through a pedicle.
-StudySpec spec_of(std::vector<FactorLaw> laws) {
+StudySpec spec_of(std::vector<FactorDistribution> distributions) {
   StudySpec spec;
   spec.path = {"left", Vec3(20, 30, 5), Vec3(20, -10, 5), {3.0, 60.0, 2.0, BitShape::drill, 0.5}};
-  spec.design.laws = std::move(laws);
+  spec.design.distributions = std::move(distributions);
   return spec;
 }
 
@@ -74,13 +74,13 @@ TEST(StudyTask, AWiderDrillKeepsItsPointAngle) {
   EXPECT_EQ(task.path.bit.length_mm, 60.0);
 }
 
-TEST(StudyTask, ScalesTheDensityBeforeTheLaw) {
+TEST(StudyTask, ScalesTheDensityBeforeTheModel) {
   const StudySpec spec = spec_of({{StudyFactor::density_scale, Kind::levels, {0.6}}});
   const StudyTask task = only_task(spec);
   for (const double hu : {0.0, 300.0, 1500.0}) {
     EXPECT_NEAR(task.material.density.density_g_cm3(hu), 0.6 * spec.material.density.density_g_cm3(hu), 1e-12);
-    // The law is a power of the density.
-    EXPECT_NEAR(task.material.cutting_pressure_mpa(hu) / spec.material.cutting_pressure_mpa(hu),
+    // The cutting model is a power of the density.
+    EXPECT_NEAR(task.material.cutting_energy_mpa(hu) / spec.material.cutting_energy_mpa(hu),
                 std::pow(0.6, spec.material.cutting_exponent), 1e-9);
   }
 }
@@ -98,19 +98,19 @@ TEST(StudyTask, CylinderHoldsTheWidestRunAndNoMore) {
 }
 
 TEST(StudyTask, NamesTheRunAndTheFactorThatMakeNoSense) {
-  const auto refuses = [](StudyFactor factor, double level, StudyHand::Kind kind = StudyHand::Kind::feed) {
+  const auto rejects = [](StudyFactor factor, double level, StudyOperator::Kind kind = StudyOperator::Kind::feed) {
     StudySpec spec = spec_of({{factor, Kind::levels, {1.0, level}}});
-    spec.hand.kind = kind;
+    spec.tool_operator.kind = kind;
     EXPECT_THAT([&] { radius_of_all_runs_mm(spec, StudyRuns(spec.design), 0.0); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("run 1 "), HasSubstr(std::string(name_of(factor))))));
   };
-  refuses(StudyFactor::angle_left_deg, 80.0);
-  refuses(StudyFactor::angle_head_deg, -80.0);
-  refuses(StudyFactor::bit_diameter_mm, 0.0);
-  refuses(StudyFactor::feed_mm_s, -1.0);
-  refuses(StudyFactor::push_n, 0.0, StudyHand::Kind::push);
-  refuses(StudyFactor::tremor_mm, -0.1);
-  refuses(StudyFactor::density_scale, 0.0);
+  rejects(StudyFactor::angle_left_deg, 80.0);
+  rejects(StudyFactor::angle_head_deg, -80.0);
+  rejects(StudyFactor::bit_diameter_mm, 0.0);
+  rejects(StudyFactor::feed_mm_s, -1.0);
+  rejects(StudyFactor::push_n, 0.0, StudyOperator::Kind::push);
+  rejects(StudyFactor::tremor_mm, -0.1);
+  rejects(StudyFactor::density_scale, 0.0);
 }
 
 }  // namespace

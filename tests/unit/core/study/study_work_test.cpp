@@ -73,14 +73,14 @@ TEST(StudyWork, DoesEveryRunOnceAndWholeOnOneThread) {
 TEST(StudyWork, UsesAllThreadsThatAreAllowedAtOnce) {
   for (const int threads : {1, 3}) {
     const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    std::atomic<int> now{0}, most{0};
+    std::atomic<int> now{0}, max{0};
     do_study_runs(
         numbers(24),
         [&] {
           return [&](std::size_t run) {
-            int seen = most;
+            int seen = max;
             const int here = ++now;
-            while (here > seen && !most.compare_exchange_weak(seen, here)) {
+            while (here > seen && !max.compare_exchange_weak(seen, here)) {
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
             --now;
@@ -88,7 +88,7 @@ TEST(StudyWork, UsesAllThreadsThatAreAllowedAtOnce) {
           };
         },
         [](const StudyRow&) {});
-    EXPECT_EQ(most, threads);
+    EXPECT_EQ(max, threads);
   }
 }
 

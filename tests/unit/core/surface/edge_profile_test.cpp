@@ -11,12 +11,13 @@
 namespace spinaltap {
 namespace {
 
-/// What a scanner of Gaussian blur makes of a flat shell: marrow up to edge - thickness, cortex up to edge, tissue.
+/// What a scanner of Gaussian blur makes of a flat shell: cancellous bone up to edge - thickness, cortex up to edge,
+/// tissue.
 struct Shell {
   double edge_mm = 0.0;
   double thickness_mm = 0.6;
   double cortex_hu = 1250.0;
-  double marrow_hu = 200.0;
+  double cancellous_hu = 200.0;
   double tissue_hu = 40.0;
   double blur_mm = 0.45;
 
@@ -24,7 +25,7 @@ struct Shell {
     const auto share_beyond = [&](double place_mm) {
       return 0.5 * std::erfc((place_mm - way_mm) / (std::sqrt(2.0) * blur_mm));
     };
-    return marrow_hu + (cortex_hu - marrow_hu) * share_beyond(edge_mm - thickness_mm) -
+    return cancellous_hu + (cortex_hu - cancellous_hu) * share_beyond(edge_mm - thickness_mm) -
            (cortex_hu - tissue_hu) * share_beyond(edge_mm);
   }
 };
@@ -57,8 +58,8 @@ TEST(EdgeFit, FindsTheTrueEdgeOfAThinCortex) {
 
 TEST(EdgeFit, FindsTheEdgeOfABodyWithoutACortex) {
   const EdgeModel model{.blur_in_slice_mm = 0.45, .blur_across_mm = 0.45, .cortex_hu = 1250.0};
-  const auto fit =
-      fit_edge(profile_of({.edge_mm = 0.31, .cortex_hu = 600.0, .marrow_hu = 600.0}), model, GridGeometry(), kReachMm);
+  const auto fit = fit_edge(profile_of({.edge_mm = 0.31, .cortex_hu = 600.0, .cancellous_hu = 600.0}), model,
+                            GridGeometry(), kReachMm);
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->offset_mm, 0.31, 0.01);
   EXPECT_EQ(fit->thickness_mm, 0.0);
@@ -106,22 +107,22 @@ TEST(EdgeModel, IsFoundFromManyProfiles) {
   std::normal_distribution<double> noise_hu(0.0, 10.0);
   GridGeometry geometry;
   geometry.spacing_mm = Vec3(0.35, 0.35, 0.5);
-  const EdgeModel truth{.blur_in_slice_mm = 0.38, .blur_across_mm = 0.55, .cortex_hu = 1400.0};
+  const EdgeModel ground_truth{.blur_in_slice_mm = 0.38, .blur_across_mm = 0.55, .cortex_hu = 1400.0};
   std::vector<EdgeProfile> profiles;
   for (int n = 0; n < 600; ++n) {
     const Vec3 normal = Vec3(share(random) - 0.5, share(random) - 0.5, share(random) - 0.5).normalized();
     EdgeProfile profile = profile_of({.edge_mm = share(random) - 0.8,
                                       .thickness_mm = 0.5 + 1.1 * share(random),
-                                      .cortex_hu = truth.cortex_hu,
-                                      .blur_mm = truth.blur_mm(normal, geometry)},
+                                      .cortex_hu = ground_truth.cortex_hu,
+                                      .blur_mm = ground_truth.blur_mm(normal, geometry)},
                                      normal);
     for (double& hu : profile.hu) hu += noise_hu(random);
     profiles.push_back(profile);
   }
   const EdgeModel found = estimate_edge_model(profiles, geometry, kReachMm);
-  EXPECT_NEAR(found.blur_in_slice_mm, truth.blur_in_slice_mm, 0.05 * truth.blur_in_slice_mm);
-  EXPECT_NEAR(found.blur_across_mm, truth.blur_across_mm, 0.05 * truth.blur_across_mm);
-  EXPECT_NEAR(found.cortex_hu, truth.cortex_hu, 0.05 * truth.cortex_hu);
+  EXPECT_NEAR(found.blur_in_slice_mm, ground_truth.blur_in_slice_mm, 0.05 * ground_truth.blur_in_slice_mm);
+  EXPECT_NEAR(found.blur_across_mm, ground_truth.blur_across_mm, 0.05 * ground_truth.blur_across_mm);
+  EXPECT_NEAR(found.cortex_hu, ground_truth.cortex_hu, 0.05 * ground_truth.cortex_hu);
 }
 
 TEST(EdgeModel, IsTheVoxelsWithoutAnyEdge) {

@@ -143,7 +143,7 @@ TEST(ExtractSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
   EXPECT_EQ(one.normals, two.normals);
 }
 
-TEST(ExtractSurface, RefusesMasksAndOptionsWithoutSense) {
+TEST(ExtractSurface, RejectsMasksAndOptionsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Scan scan = scanned_ball(Vec3::Zero(), grid_around(Vec3::Zero()));
   for (const double bad : {nan, -1.0, 1e6})

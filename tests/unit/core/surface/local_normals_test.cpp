@@ -25,9 +25,9 @@ TEST(LocalNormals, AreThoseOfABall) {
   const std::vector<Vec3> normals = local_normals(points_mm, outward, 1.5);
   for (int i = 0; i < kCount; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const Vec3 truth = (points_mm[at] - Vec3(3, -2, 1)).normalized();
+    const Vec3 ground_truth = (points_mm[at] - Vec3(3, -2, 1)).normalized();
     // Uneven neighbours within 1.5 mm of a ball of 10 mm lean the plane by up to a few degrees.
-    EXPECT_GT(normals[at].dot(truth), std::cos(5.0 * std::numbers::pi / 180.0)) << i;
+    EXPECT_GT(normals[at].dot(ground_truth), std::cos(5.0 * std::numbers::pi / 180.0)) << i;
     EXPECT_NEAR(normals[at].norm(), 1.0, 1e-12);
   }
 }
@@ -55,7 +55,7 @@ TEST(LocalNormals, KeepTheOutwardDirectionWithoutAPlane) {
   for (const Vec3& normal : local_normals(line, outward, 5.0)) EXPECT_EQ(normal, Vec3(0, 0.6, 0.8));
 }
 
-TEST(LocalNormals, RefuseAnotherNumberOfDirections) {
+TEST(LocalNormals, RejectAnotherNumberOfDirections) {
   const std::vector<Vec3> points_mm(3, Vec3::Zero());
   const std::vector<Vec3> outward(2, Vec3::UnitX());
   EXPECT_THROW(local_normals(points_mm, outward, 1.0), Error);

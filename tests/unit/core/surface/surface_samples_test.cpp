@@ -162,7 +162,7 @@ TEST(SurfaceSamples, HaveValuesThatAreTheDistanceAlongTheNormal) {
   EXPECT_GT(inside, samples.surface_count * 95 / 100);
 }
 
-TEST(SurfaceSamples, RefuseWhatMakesNoSense) {
+TEST(SurfaceSamples, RejectWhatMakesNoSense) {
   BoneMask mask = plate();
   const CtVolume ct = ct_of(mask);
   for (const double bad : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {

@@ -77,13 +77,13 @@ TEST(DrillBit, DoesNotCareHowPointAndPoseAreTurnedAndShiftedTogether) {
   }
 }
 
-TEST(DrillBit, RefusesLengthsWithoutSense) {
+TEST(DrillBit, RejectsLengthsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
   for (const test::Tool& tool : test::five_tools()) {
     SCOPED_TRACE(tool.name);
     EXPECT_NO_THROW(check_bit(tool.bit));
-    const auto refuses = [&](double DrillBit::*length, double bad) {
+    const auto rejects = [&](double DrillBit::*length, double bad) {
       DrillBit bit = tool.bit;
       bit.*length = bad;
       EXPECT_THROW(check_bit(bit), Error) << bad;
@@ -91,16 +91,16 @@ TEST(DrillBit, RefusesLengthsWithoutSense) {
     };
     const bool has_tip = tool.bit.shape != BitShape::round_burr;
     for (const double bad : {nan, -1.0, infinite, 0.0}) {
-      refuses(&DrillBit::diameter_mm, bad);
-      refuses(&DrillBit::length_mm, bad);
-      if (has_tip) refuses(&DrillBit::tip_length_mm, bad);
+      rejects(&DrillBit::diameter_mm, bad);
+      rejects(&DrillBit::length_mm, bad);
+      if (has_tip) rejects(&DrillBit::tip_length_mm, bad);
       if (bad == 0.0) continue;  // pointed, or without a shank
-      refuses(&DrillBit::tip_diameter_mm, bad);
-      refuses(&DrillBit::shank_diameter_mm, bad);
+      rejects(&DrillBit::tip_diameter_mm, bad);
+      rejects(&DrillBit::shank_diameter_mm, bad);
     }
-    refuses(&DrillBit::tip_diameter_mm, 1.001 * tool.bit.diameter_mm);
-    refuses(&DrillBit::shank_diameter_mm, 1.001 * tool.bit.diameter_mm);
-    if (has_tip) refuses(&DrillBit::tip_length_mm, 1.001 * tool.bit.length_mm);
+    rejects(&DrillBit::tip_diameter_mm, 1.001 * tool.bit.diameter_mm);
+    rejects(&DrillBit::shank_diameter_mm, 1.001 * tool.bit.diameter_mm);
+    if (has_tip) rejects(&DrillBit::tip_length_mm, 1.001 * tool.bit.length_mm);
   }
   // A ball shorter than its radius would have no widest place.
   EXPECT_THROW(check_bit({3.0, 1.5, 1.0, BitShape::round_burr, 0.0, 0.0}), Error);

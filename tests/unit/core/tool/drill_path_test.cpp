@@ -15,7 +15,7 @@ TEST(DrillPath, KnowsItsLengthAndDirection) {
   EXPECT_LT((path.direction() - Vec3(0, 0.6, 0.8)).norm(), 1e-15);
 }
 
-TEST(DrillPath, RefusesEndsThatMakeNoPath) {
+TEST(DrillPath, RejectsEndsThatMakeNoPath) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto check_to = [](const Vec3& target_mm) { check_path({"test", Vec3::Zero(), target_mm, {}}); };
   check_to(Vec3(0, 0, 0.1));
@@ -48,7 +48,7 @@ TEST(PathFrame, IsRigidAndRightHandedForEveryDirection) {
   }
 }
 
-TEST(PathFrame, RefusesDirectionsAndOriginsThatAreNone) {
+TEST(PathFrame, RejectsDirectionsAndOriginsThatAreNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(PathFrame(Vec3::Zero(), Vec3::Zero()), Error);
   EXPECT_THROW(PathFrame(Vec3::Zero(), Vec3(nan, 0, 1)), Error);

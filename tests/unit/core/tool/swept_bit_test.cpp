@@ -14,7 +14,7 @@ using test::Draw;
 using test::Tool;
 
 constexpr std::uint64_t kSweepSeed = 71;
-/// "What is removed lies within 3 nm of what a perfect bit would sweep": and 2 nm for the search of the truth.
+/// "What is removed lies within 3 nm of what a perfect bit would sweep": and 2 nm for the search of the ground truth.
 constexpr double kBesideMm = 5e-6;
 
 /// Whether the pieces of the whole way hold p.
@@ -42,13 +42,13 @@ Vec3 point_on_the_edge(const BitProfile& bit, const Pose& from, const Pose& to, 
   Vec3 inside = middle.tip_mm - 0.4 * bit.length_mm() * middle.axis;
   while ((outside - inside).norm() > 1e-8) {
     const Vec3 between = 0.5 * (outside + inside);
-    (test::least_distance_mm(bit, from, to, between, 1e-3) < 0.0 ? inside : outside) = between;
+    (test::min_distance_mm(bit, from, to, between, 1e-3) < 0.0 ? inside : outside) = between;
   }
   return outside + std::pow(10.0, draw(-7.0, -4.0)) * draw.direction();
 }
 
 /// Compares the swept bit with a dense walk at points by the way. `turn`: how far the axis turns at most.
-void expect_swept_as_walked(const BitProfile& bit, double most_way_mm, double most_turn, int points, Draw& draw) {
+void expect_swept_as_walked(const BitProfile& bit, double max_way_mm, double max_turn, int points, Draw& draw) {
   const BitProfile grown = bit.grown(SweptBit::kSkinMm);
   const std::vector<Eigen::Vector2d> outline = test::outline(bit, 0.01);
   int held = 0;
@@ -56,26 +56,26 @@ void expect_swept_as_walked(const BitProfile& bit, double most_way_mm, double mo
   int near = 0;
   for (int n = 0; n < points; ++n) {
     const Pose from = draw.pose();
-    const double way_mm = most_way_mm * std::pow(10.0, draw(-4.0, 0.0));
-    const double turn = most_turn * std::pow(10.0, draw(-4.0, 0.0));
+    const double way_mm = max_way_mm * std::pow(10.0, draw(-4.0, 0.0));
+    const double turn = max_turn * std::pow(10.0, draw(-4.0, 0.0));
     const Vec3 around = draw.direction().cross(from.axis).normalized();
     const Pose to{from.tip_mm + way_mm * draw.direction(),
                   (std::cos(turn) * from.axis + std::sin(turn) * around.cross(from.axis)).normalized()};
-    const Pose end = most_turn > 0.0 ? to : Pose{to.tip_mm, from.axis};
+    const Pose end = max_turn > 0.0 ? to : Pose{to.tip_mm, from.axis};
     Vec3 p = point_by_the_way(outline, from, end, draw);
-    double least_mm = test::least_distance_mm(bit, from, end, p, 1e-4);
-    if (n % 2 == 0 && least_mm > 0.0) {
+    double min_mm = test::min_distance_mm(bit, from, end, p, 1e-4);
+    if (n % 2 == 0 && min_mm > 0.0) {
       p = point_on_the_edge(bit, from, end, p, draw);
-      least_mm = test::least_distance_mm(bit, from, end, p, 1e-4);
+      min_mm = test::min_distance_mm(bit, from, end, p, 1e-4);
     }
     const bool is_held = is_swept(bit, grown, from, end, p);
-    if (least_mm < -1e-12) {
-      ASSERT_TRUE(is_held) << n << ": missed at " << least_mm << " mm";
+    if (min_mm < -1e-12) {
+      ASSERT_TRUE(is_held) << n << ": missed at " << min_mm << " mm";
       ++held;
-    } else if (least_mm > kBesideMm) {
-      ASSERT_FALSE(is_held) << n << ": taken at " << least_mm << " mm";
+    } else if (min_mm > kBesideMm) {
+      ASSERT_FALSE(is_held) << n << ": taken at " << min_mm << " mm";
       ++beside;
-      near += least_mm < 1e-4;
+      near += min_mm < 1e-4;
     }
   }
   // Both answers are common, and many points lie just beside the way.
@@ -194,7 +194,7 @@ TEST(BitMotion, BeginsAndEndsExactlyAtItsPosesAndGoesEvenly) {
   }
 }
 
-TEST(BitMotion, TakesOnePieceStraightOnAndForAHandsSteps) {
+TEST(BitMotion, TakesOnePieceStraightOnAndForAOperatorsSteps) {
   const BitProfile bit({3.0, 50.0, 5.0});
   const Pose from{Vec3(1, 2, 3), Vec3::UnitZ()};
   EXPECT_EQ(BitMotion(bit, from, {Vec3(-40, 70, 9), Vec3::UnitZ()}).piece_count(), 1U);
@@ -205,7 +205,7 @@ TEST(BitMotion, TakesOnePieceStraightOnAndForAHandsSteps) {
 TEST(BitMotion, KeepsChordsWithinHalfASkinOfTheArc) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
   Draw draw(kSweepSeed + 6);
-  double most_mm = 0.0;
+  double max_mm = 0.0;
   for (int n = 0; n < 2'000; ++n) {
     const BitProfile bit(test::random_bit(draw));
     const Pose from = draw.pose();
@@ -229,11 +229,11 @@ TEST(BitMotion, KeepsChordsWithinHalfASkinOfTheArc) {
     const Vec3 p = test::point_near(bit, {pose.tip_mm, pose.axis}, draw);
     if (bit_distance_mm(bit, pose, p) > 0.0) continue;
     const double apart_mm = (seen(p, middle) - 0.5 * (seen(p, begin) + seen(p, end))).norm();
-    most_mm = std::max(most_mm, apart_mm);
+    max_mm = std::max(max_mm, apart_mm);
     ASSERT_LE(apart_mm, 0.5 * SweptBit::kSkinMm + 1e-12) << n;
   }
   // No more pieces than needed by far: the bound is met to a good part.
-  EXPECT_GT(most_mm, 0.25 * SweptBit::kSkinMm);
+  EXPECT_GT(max_mm, 0.25 * SweptBit::kSkinMm);
 }
 
 TEST(BitMotion, SurvivesOppositeAxes) {

@@ -52,13 +52,13 @@ void expect_distance_of(const BoneModel& bone, const Body& body) {
   double worst_mm = 0.0;
   const VoxelSamples voxels(bone, grown(body.bounds_mm(), 2.0));
   for (std::size_t i = 0; i < voxels.points_mm.size(); ++i) {
-    const double truth_mm = body.distance_mm(voxels.points_mm[i]);
+    const double ground_truth_mm = body.distance_mm(voxels.points_mm[i]);
     const double found_mm = static_cast<double>(voxels.distance_mm[i]);
-    if (std::abs(truth_mm) < bone.band_mm() - tolerance_mm) {
+    if (std::abs(ground_truth_mm) < bone.band_mm() - tolerance_mm) {
       ++in_band;
-      worst_mm = std::max(worst_mm, std::abs(found_mm - truth_mm));
-    } else if (std::abs(truth_mm) > bone.band_mm() + tolerance_mm) {
-      wrong_beyond += found_mm == std::copysign(bone.band_mm(), truth_mm) ? 0U : 1U;
+      worst_mm = std::max(worst_mm, std::abs(found_mm - ground_truth_mm));
+    } else if (std::abs(ground_truth_mm) > bone.band_mm() + tolerance_mm) {
+      wrong_beyond += found_mm == std::copysign(bone.band_mm(), ground_truth_mm) ? 0U : 1U;
     }
   }
   EXPECT_LE(worst_mm, tolerance_mm);
@@ -145,9 +145,9 @@ TEST(BakeBone, GivesTheDistanceToTheNearerOfTwoSheets) {
   const VoxelSamples voxels(bone, grown(box, 1.0));
   double worst_mm = 0.0;
   for (std::size_t i = 0; i < voxels.points_mm.size(); ++i) {
-    const double truth_mm = balls.distance_mm(voxels.points_mm[i]);
-    if (truth_mm < 0.0 || truth_mm > bone.band_mm() - 0.01) continue;
-    worst_mm = std::max(worst_mm, std::abs(static_cast<double>(voxels.distance_mm[i]) - truth_mm));
+    const double ground_truth_mm = balls.distance_mm(voxels.points_mm[i]);
+    if (ground_truth_mm < 0.0 || ground_truth_mm > bone.band_mm() - 0.01) continue;
+    worst_mm = std::max(worst_mm, std::abs(static_cast<double>(voxels.distance_mm[i]) - ground_truth_mm));
   }
   EXPECT_LE(worst_mm, 0.004 * bone.voxel_mm() + 0.00025);  // as above
 }
@@ -242,14 +242,14 @@ TEST_P(Cavity, IsFilledAndCounted) {
 
 INSTANTIATE_TEST_SUITE_P(Wall, Cavity, testing::Values(5.0, 0.8));
 
-TEST(BakeBone, RefusesAFieldWithoutAZeroSetNearTheSeeds) {
+TEST(BakeBone, RejectsAFieldWithoutAZeroSetNearTheSeeds) {
   const CtVolume ct = test::even_ct(kBall.bounds_mm(), 1.0, 300);
   const std::vector<Vec3> centre{kBall.centre_mm};
   EXPECT_THAT([&] { bake_bone(kBall.field(), centre, ct, {}, {}); }, ThrowsMessage<Error>(HasSubstr("no zero set")));
   EXPECT_THAT([&] { bake_bone(kBall.field(), {}, ct, {}, {}); }, ThrowsMessage<Error>(HasSubstr("no zero set")));
 }
 
-TEST(BakeBone, RefusesASurfaceThatNeverCloses) {
+TEST(BakeBone, RejectsASurfaceThatNeverCloses) {
   const FormulaField plane([](const Vec3& p) { return p.z(); }, [](const Vec3&) { return Vec3::UnitZ(); });
   const std::vector<Vec3> seeds{Vec3::Zero()};
   const CtVolume ct = test::even_ct(kBall.bounds_mm(), 1.0, 300);
@@ -257,7 +257,7 @@ TEST(BakeBone, RefusesASurfaceThatNeverCloses) {
               ThrowsMessage<Error>(HasSubstr("does not close")));
 }
 
-TEST(BakeBone, RefusesNumbersThatAreNone) {
+TEST(BakeBone, RejectsNumbersThatAreNone) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const CtVolume ct = test::even_ct(kBall.bounds_mm(), 1.0, 300);
   const std::vector<Vec3> seeds = kBall.surface_points(1.0);
@@ -391,7 +391,7 @@ TEST(BakeSolid, GivesDistanceAndLayersOfABody) {
   EXPECT_EQ(test::hu_at(bone, kBall.centre_mm), 150.0);
   EXPECT_EQ(test::hu_at(bone, kBall.centre_mm + Vec3(9.0, 0.0, 0.0)), 1200.0);
   EXPECT_EQ(test::hu_at(bone, kBall.centre_mm + Vec3(0.0, 10.6, 0.0)), 40.0);
-  EXPECT_EQ(bone.facts().at("method"), "truth of a phantom");
+  EXPECT_EQ(bone.metadata().at("method"), "ground truth of a phantom");
 }
 
 }  // namespace

@@ -129,8 +129,8 @@ TEST(LeafEngine, RemovesTheSamePointsAsTheReferenceInAnyMotionOfAnyTool) {
     for (const Pose& local : wander(seed, 120)) {
       const Pose pose = expected.frame().to_patient(local);
       if (++steps % 9 == 0) {
-        reference->lift();
-        leaf->lift();
+        reference->reset_motion();
+        leaf->reset_motion();
       }
       const StepResult result = reference->step(pose);
       removed += result.removed;
@@ -328,7 +328,7 @@ TEST_P(OverlappingVolumes, LoseWhatSweptBitsHoldOfTheKeptPoints) {
 INSTANTIATE_TEST_SUITE_P(Patterns, OverlappingVolumes,
                          testing::Values(DiscSubdivision::rings, DiscSubdivision::hexagons));
 
-TEST(LeafEngine, RefusesNoVolumesAndTheSameTwice) {
+TEST(LeafEngine, RejectsNoVolumesAndTheSameTwice) {
   const DrillBit bit{2.0, 8.0, 2.0};
   PointVolume volume = block(path_along(Vec3::UnitZ(), bit), {.radius_mm = 1.0, .spacing_mm = 0.2});
   const std::array<PointVolume*, 2> twice{&volume, &volume};

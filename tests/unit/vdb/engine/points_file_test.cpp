@@ -51,8 +51,8 @@ class PointsFile : public testing::Test {
 
 TEST_F(PointsFile, GivesBackPositionsWithinAMicronAndTheirNumbers) {
   const PointVolume volume = sample();
-  const DensityLaw law;
-  write_points(volume, kPath, file("points.vdb"), {.density = law});
+  const HuToDensity line;
+  write_points(volume, kPath, file("points.vdb"), {.density = line});
   const SavedPoints saved = read_points(file("points.vdb"));
   ASSERT_EQ(saved.positions_mm.size(), volume.alive_count());
   ASSERT_EQ(saved.hu.size(), volume.alive_count());
@@ -74,7 +74,7 @@ TEST_F(PointsFile, GivesBackPositionsWithinAMicronAndTheirNumbers) {
     ASSERT_LT(nearest_mm, 0.001);
     ASSERT_TRUE(volume.is_alive(nearest_disc, nearest_index));
     ASSERT_EQ(saved.hu[n], volume.hu(nearest_disc, nearest_index));
-    ASSERT_FLOAT_EQ(saved.density_g_cm3[n], static_cast<float>(law.density_g_cm3(saved.hu[n])));
+    ASSERT_FLOAT_EQ(saved.density_g_cm3[n], static_cast<float>(line.density_g_cm3(saved.hu[n])));
     const std::size_t place = static_cast<std::size_t>(nearest_disc) * volume.pattern().point_count() + nearest_index;
     ASSERT_FALSE(is_found[place]);
     is_found[place] = true;
@@ -85,11 +85,11 @@ TEST_F(PointsFile, SaysWhichPathItIsOf) {
   write_points(sample(), kPath, file("points.vdb"));
   const SavedPoints saved = read_points(file("points.vdb"));
   EXPECT_TRUE(saved.density_g_cm3.empty());
-  EXPECT_EQ(saved.facts.at("path"), kPath.name);
-  EXPECT_THAT(saved.facts.at("entry_mm"), HasSubstr("1234.5"));
-  EXPECT_THAT(saved.facts.at("target_mm"), HasSubstr("1235.5"));
-  EXPECT_EQ(std::stod(saved.facts.at("spacing_mm")), 0.1);
-  EXPECT_NEAR(std::stod(saved.facts.at("radius_mm")), 0.9, 1e-6);
+  EXPECT_EQ(saved.metadata.at("path"), kPath.name);
+  EXPECT_THAT(saved.metadata.at("entry_mm"), HasSubstr("1234.5"));
+  EXPECT_THAT(saved.metadata.at("target_mm"), HasSubstr("1235.5"));
+  EXPECT_EQ(std::stod(saved.metadata.at("spacing_mm")), 0.1);
+  EXPECT_NEAR(std::stod(saved.metadata.at("radius_mm")), 0.9, 1e-6);
 }
 
 TEST_F(PointsFile, IsAGridOfPointsToOtherPrograms) {
@@ -140,7 +140,7 @@ TEST_F(PointsFile, LeavesTheOldOneOnAFullDisk) {
   EXPECT_EQ(read_whole_file(file("points.vdb")), "old");
 }
 
-TEST_F(PointsFile, IsRefusedWhenItIsNone) {
+TEST_F(PointsFile, IsRejectedWhenItIsNone) {
   EXPECT_THAT([&] { read_points(file("none.vdb")); }, ThrowsMessage<Error>(HasSubstr("no such file")));
   const auto other = openvdb::FloatGrid::create();
   other->setName("points");

@@ -75,13 +75,13 @@ void expect_equal_grids(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b
   }
 }
 
-TEST_F(BoneFile, GivesBackGridsAndFactsBitForBit) {
+TEST_F(BoneFile, GivesBackGridsAndMetadataBitForBit) {
   const BoneModel bone = bone_of_many_hu();
   write_bone(bone, file("bone.vdb"));
   const BoneModel back = read_bone(file("bone.vdb"));
   expect_equal_grids(*bone.grids().sdf, *back.grids().sdf);
   expect_equal_grids(*bone.grids().hu, *back.grids().hu);
-  EXPECT_EQ(back.facts(), bone.facts());
+  EXPECT_EQ(back.metadata(), bone.metadata());
   EXPECT_EQ(back.band_mm(), bone.band_mm());
   EXPECT_EQ(back.voxel_mm(), bone.voxel_mm());
 }
@@ -107,7 +107,7 @@ TEST_F(BoneFile, GivesBackAlsoWhatHalfFloatsDoNotHold) {
   expect_equal_grids(*drilled.grids().hole, *back.grids().hole);
 }
 
-TEST_F(BoneFile, IsRefusedWithHalfOfWhatADrilledBoneHas) {
+TEST_F(BoneFile, IsRejectedWithHalfOfWhatADrilledBoneHas) {
   const BoneModel drilled = drilled_bone();
   detail::BoneGrids half = drilled.grids();
   const auto write = [&](const char* name, const openvdb::FloatGrid& grid, openvdb::GridCPtrVec& grids) {
@@ -146,7 +146,7 @@ TEST_F(BoneFile, HasTheSameBytesInTwoRunsAndAtOneAndTwoThreads) {
   EXPECT_EQ(first, bytes_of("two.vdb"));
 }
 
-TEST_F(BoneFile, IsRefusedWhenCutShortAnywhere) {
+TEST_F(BoneFile, IsRejectedWhenCutShortAnywhere) {
   write_bone(bone_of_many_hu(), file("bone.vdb"));
   const std::string whole = read_whole_file(file("bone.vdb"));
   // Through the head, the descriptors, the trees and the last byte.
@@ -158,19 +158,19 @@ TEST_F(BoneFile, IsRefusedWhenCutShortAnywhere) {
   EXPECT_THROW(read_bone(file("cut.vdb")), Error);
 }
 
-TEST_F(BoneFile, IsRefusedWhenItIsNoVdbFile) {
+TEST_F(BoneFile, IsRejectedWhenItIsNoVdbFile) {
   std::ofstream(file("text.vdb")) << "no grids here\n";
   EXPECT_THAT([&] { read_bone(file("text.vdb")); }, ThrowsMessage<Error>(HasSubstr("text.vdb")));
 }
 
-TEST_F(BoneFile, IsRefusedWhenItIsNoFile) {
+TEST_F(BoneFile, IsRejectedWhenItIsNoFile) {
   EXPECT_THAT([&] { read_bone(file("none.vdb")); }, ThrowsMessage<Error>(HasSubstr("no such file")));
   EXPECT_THAT([&] { read_bone(folder()); }, ThrowsMessage<Error>(HasSubstr("something else")));
   ASSERT_EQ(::mkfifo(file("pipe.vdb").c_str(), 0600), 0);
   EXPECT_THAT([&] { read_bone(file("pipe.vdb")); }, ThrowsMessage<Error>(HasSubstr("something else")));
 }
 
-TEST_F(BoneFile, IsRefusedWithoutItsTwoGrids) {
+TEST_F(BoneFile, IsRejectedWithoutItsTwoGrids) {
   const BoneModel bone = bone_of_many_hu();
   const auto sdf = bone.grids().sdf->deepCopy();
   const auto hu = bone.grids().hu->deepCopy();
@@ -178,7 +178,7 @@ TEST_F(BoneFile, IsRefusedWithoutItsTwoGrids) {
   EXPECT_THAT([&] { read_bone(foreign_file({hu})); }, ThrowsMessage<Error>(HasSubstr("found no sdf")));
 }
 
-TEST_F(BoneFile, IsRefusedWithGridsOfAnotherKind) {
+TEST_F(BoneFile, IsRejectedWithGridsOfAnotherKind) {
   const BoneModel bone = bone_of_many_hu();
   const auto sdf = bone.grids().sdf->deepCopy();
   const auto hu = bone.grids().hu->deepCopy();
@@ -194,7 +194,7 @@ TEST_F(BoneFile, IsRefusedWithGridsOfAnotherKind) {
   EXPECT_THAT([&] { read_bone(foreign_file({fog, hu})); }, ThrowsMessage<Error>(HasSubstr("level set")));
 }
 
-TEST_F(BoneFile, IsRefusedWithVoxelsThatAreNoCubes) {
+TEST_F(BoneFile, IsRejectedWithVoxelsThatAreNoCubes) {
   // Distances in mm need one step along all axes.
   const BoneModel bone = bone_of_many_hu();
   const auto stretched = bone.grids().sdf->deepCopy();

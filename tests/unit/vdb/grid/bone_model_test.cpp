@@ -58,14 +58,14 @@ Errors errors_near_ball(double reach_mm, Interpolation interpolation) {
   std::vector<float> distance_mm(points_mm.size());
   std::vector<Vec3> gradients(points_mm.size());
   exact_ball().distance(points_mm, distance_mm, gradients, interpolation);
-  Errors most;
+  Errors max;
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
     const double found_mm = static_cast<double>(distance_mm[i]);
-    most.distance_mm = std::max(most.distance_mm, std::abs(found_mm - kSmallBall.distance_mm(points_mm[i])));
-    const Vec3 truth = (points_mm[i] - kSmallBall.centre_mm).normalized();
-    most.gradient = std::max(most.gradient, (gradients[i] - truth).norm());
+    max.distance_mm = std::max(max.distance_mm, std::abs(found_mm - kSmallBall.distance_mm(points_mm[i])));
+    const Vec3 ground_truth = (points_mm[i] - kSmallBall.centre_mm).normalized();
+    max.gradient = std::max(max.gradient, (gradients[i] - ground_truth).norm());
   }
-  return most;
+  return max;
 }
 
 TEST(BoneDistance, OfABallIsLinearToWithinItsCurvature) {
@@ -134,7 +134,7 @@ TEST(BoneDistance, FadesTowardsTheEdgeOfTheBandAsTheDocsSay) {
     plane.distance(points_mm, linear_mm, {}, Interpolation::linear);
     plane.distance(points_mm, quadratic_mm, slopes, Interpolation::quadratic);
     // The largest errors of points at most so many voxels from the surface, in voxels.
-    const auto most = [&](double voxels, const auto& error) {
+    const auto max = [&](double voxels, const auto& error) {
       double worst = 0.0;
       for (std::size_t i = 0; i < points_mm.size(); ++i) {
         if (std::abs(n.dot(points_mm[i])) <= voxels * kExactVoxelMm) worst = std::max(worst, error(i));
@@ -148,16 +148,16 @@ TEST(BoneDistance, FadesTowardsTheEdgeOfTheBandAsTheDocsSay) {
       return std::abs(static_cast<double>(quadratic_mm[i]) - n.dot(points_mm[i])) / kExactVoxelMm;
     };
     const auto slope = [&](std::size_t i) { return (slopes[i] - n).norm(); };
-    EXPECT_LT(most(1.2, linear), 1e-5) << n.transpose();
-    EXPECT_LT(most(0.4, quadratic), 1e-5) << n.transpose();
-    EXPECT_LT(most(0.4, slope), 1e-5) << n.transpose();
-    EXPECT_LT(most(1.0, quadratic), 0.01) << n.transpose();
-    EXPECT_LT(most(1.0, slope), 0.01) << n.transpose();
-    EXPECT_LT(most(1.5, quadratic), 0.03) << n.transpose();
-    EXPECT_LT(most(1.5, slope), 0.03) << n.transpose();
-    EXPECT_LT(most(2.0, linear), 0.01) << n.transpose();
-    EXPECT_LT(most(2.0, quadratic), 0.1) << n.transpose();
-    EXPECT_LT(most(2.0, slope), 0.15) << n.transpose();
+    EXPECT_LT(max(1.2, linear), 1e-5) << n.transpose();
+    EXPECT_LT(max(0.4, quadratic), 1e-5) << n.transpose();
+    EXPECT_LT(max(0.4, slope), 1e-5) << n.transpose();
+    EXPECT_LT(max(1.0, quadratic), 0.01) << n.transpose();
+    EXPECT_LT(max(1.0, slope), 0.01) << n.transpose();
+    EXPECT_LT(max(1.5, quadratic), 0.03) << n.transpose();
+    EXPECT_LT(max(1.5, slope), 0.03) << n.transpose();
+    EXPECT_LT(max(2.0, linear), 0.01) << n.transpose();
+    EXPECT_LT(max(2.0, quadratic), 0.1) << n.transpose();
+    EXPECT_LT(max(2.0, slope), 0.15) << n.transpose();
     std::size_t not_zero = 0;
     for (std::size_t i = 0; i < points_mm.size(); ++i) {
       not_zero += std::abs(n.dot(points_mm[i])) > 5.6 * kExactVoxelMm && slopes[i] != Vec3::Zero() ? 1U : 0U;
@@ -191,8 +191,8 @@ double worst_wrong_side_mm(const BoneModel& bone, const Body& body) {
   bone.inside(points_mm, inside);
   double worst_mm = 0.0;
   for (std::size_t i = 0; i < points_mm.size(); ++i) {
-    const double truth_mm = body.distance_mm(points_mm[i]);
-    if ((inside[i] != 0) != (truth_mm < 0.0)) worst_mm = std::max(worst_mm, std::abs(truth_mm));
+    const double ground_truth_mm = body.distance_mm(points_mm[i]);
+    if ((inside[i] != 0) != (ground_truth_mm < 0.0)) worst_mm = std::max(worst_mm, std::abs(ground_truth_mm));
   }
   return worst_mm;
 }
@@ -263,15 +263,15 @@ TEST(BoneSamplers, OutliveTheModelTheyWereCopiedFrom) {
   EXPECT_NEAR((gradient - Vec3::UnitX()).norm(), 0.0, 0.05);
 }
 
-TEST(BoneDensity, IsTheLawsOfTheCtNumber) {
+TEST(BoneDensity, IsTheModelsOfTheCtNumber) {
   const test::Ball ball{Vec3(3.1, -2.3, 105.7), 6.0};
   const BoneModel bone = test::bake_ball(ball, 0.5, 300);
-  const DensityLaw law{0.1, 0.002};
+  const HuToDensity line{0.1, 0.002};
   // In the middle, near the surface, and where there is air.
   const std::vector<Vec3> points_mm{ball.centre_mm, ball.centre_mm + Vec3(5.9, 0.0, 0.0),
                                     ball.centre_mm + Vec3(0.0, 40.0, 0.0)};
   std::vector<float> density_g_cm3(3, -1.0F);
-  bone_density(bone, law, points_mm, density_g_cm3);
+  bone_density(bone, line, points_mm, density_g_cm3);
   EXPECT_FLOAT_EQ(density_g_cm3[0], 0.7F);
   EXPECT_FLOAT_EQ(density_g_cm3[1], 0.7F);
   EXPECT_EQ(density_g_cm3[2], 0.0F);

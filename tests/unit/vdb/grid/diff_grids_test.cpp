@@ -193,7 +193,7 @@ TEST_F(DiffGrids, SeesAnInsideThatIsOutsideInTheOther) {
   EXPECT_FALSE(grid.same);
 }
 
-TEST_F(DiffGrids, RefusesFilesItCannotReadAndTolerancesThatAreNone) {
+TEST_F(DiffGrids, RejectsFilesItCannotReadAndTolerancesThatAreNone) {
   const fs::path good = file("good.vdb", {cube()});
   const fs::path cut = folder_.path() / "cut.vdb";
   const std::string whole = read_whole_file(good);

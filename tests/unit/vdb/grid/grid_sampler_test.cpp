@@ -220,7 +220,7 @@ TEST(GridSampler, TakesAnEmptyGridAsBackground) {
   EXPECT_THAT(hu, testing::Each(-1024.0F));
 }
 
-TEST(GridSampler, RefusesAGridThatIsSpreadThinlyOverAHugeBox) {
+TEST(GridSampler, RejectsAGridThatIsSpreadThinlyOverAHugeBox) {
   initialize_openvdb();
   for (const int far : {20000, 1 << 27, 1 << 30, std::numeric_limits<int>::max()}) {
     const auto grid = openvdb::FloatGrid::create(-1024.0F);

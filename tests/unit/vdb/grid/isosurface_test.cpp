@@ -60,7 +60,7 @@ TEST(BoneSurface, IsTheSameAtOneAndTwoThreads) {
   EXPECT_EQ(serial.triangles, many.triangles);
 }
 
-TEST(BoneSurface, RefusesAdaptivityOutOfRange) {
+TEST(BoneSurface, RejectsAdaptivityOutOfRange) {
   const BoneModel bone = test::bake_ball({Vec3::Zero(), 3.0});
   EXPECT_THROW(bone_surface(bone, {.adaptivity = -0.1}), Error);
   EXPECT_THROW(bone_surface(bone, {.adaptivity = 1.1}), Error);

@@ -28,7 +28,7 @@ Sample at(const Solid& solid, const Vec3& p) {
   return sample;
 }
 
-/// Compares values and gradients with the truth at random points up to 1.8 mm from the surface.
+/// Compares values and gradients with the ground truth at random points up to 1.8 mm from the surface.
 template <class Distance>
 void expect_distance(const Solid& solid, double voxel_mm, const Distance& distance_mm) {
   constexpr std::uint64_t kSeed = 31;
@@ -39,15 +39,15 @@ void expect_distance(const Solid& solid, double voxel_mm, const Distance& distan
     const Vec3 p =
         box.min() + box.sizes().cwiseProduct(Vec3(random_uniform(kSeed, 3 * n), random_uniform(kSeed, 3 * n + 1),
                                                   random_uniform(kSeed, 3 * n + 2)));
-    const double truth_mm = distance_mm(p);
+    const double ground_truth_mm = distance_mm(p);
     const Sample sample = at(solid, p);
-    if (std::abs(truth_mm) > 1.8) {
-      ASSERT_EQ(sample.value_mm < 0.0, truth_mm < 0.0) << "seed " << kSeed << ", p " << p.transpose();
+    if (std::abs(ground_truth_mm) > 1.8) {
+      ASSERT_EQ(sample.value_mm < 0.0, ground_truth_mm < 0.0) << "seed " << kSeed << ", p " << p.transpose();
       continue;
     }
     ++found;
     // Where the distance has a crease (edges, medial planes), tri-linear values round it by at most half a voxel.
-    ASSERT_NEAR(sample.value_mm, truth_mm, 0.5 * voxel_mm) << "seed " << kSeed << ", p " << p.transpose();
+    ASSERT_NEAR(sample.value_mm, ground_truth_mm, 0.5 * voxel_mm) << "seed " << kSeed << ", p " << p.transpose();
     ASSERT_LE(sample.gradient.norm(), 1.1);
   }
 }
@@ -95,7 +95,7 @@ TEST(MeshSolid, IsTheSameForFacesThatWindInward) {
   EXPECT_GT(at(*solid, Vec3(9.0, 3.0, 3.0)).value_mm, 0.0);
 }
 
-TEST(MeshSolid, RefusesMeshesThatCannotBeABody) {
+TEST(MeshSolid, RejectsMeshesThatCannotBeABody) {
   EXPECT_THAT([] { make_mesh_solid({}); }, ThrowsMessage<Error>(HasSubstr("no triangles")));
   EXPECT_THAT([] { make_mesh_solid(test::tetrahedron(5000.0F)); }, ThrowsMessage<Error>(HasSubstr("units")));
   TriangleMesh not_a_number = test::tetrahedron();

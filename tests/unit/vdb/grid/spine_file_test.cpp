@@ -87,9 +87,9 @@ TEST_F(SpineFile, GivesEachBoneBackAsItWas) {
     expect_same_grid(*one.bone.grids().sdf, *back.bone.grids().sdf);
     expect_same_grid(*one.bone.grids().hu, *back.bone.grids().hu);
     EXPECT_EQ(bone_hash(back.bone), bone_hash(one.bone));
-    EXPECT_EQ(back.bone.facts(), one.bone.facts());
+    EXPECT_EQ(back.bone.metadata(), one.bone.metadata());
     EXPECT_EQ(back.notes.warnings, one.notes.warnings);
-    EXPECT_EQ(back.notes.doubt, one.notes.doubt);
+    EXPECT_EQ(back.notes.severity, one.notes.severity);
     EXPECT_EQ(back.notes.landmarks, one.notes.landmarks);
     EXPECT_EQ(back.notes.no_landmarks, one.notes.no_landmarks);
   }
@@ -145,24 +145,24 @@ TEST_F(SpineFile, HasABoneFileGiveTheLevelThatItRecords) {
   EXPECT_THAT([&] { read_spine_level(file("t11.vdb"), kT11); }, ThrowsMessage<Error>(HasSubstr("several bones")));
 }
 
-TEST_F(SpineFile, RefusesBonesThatDoNotBelongTogether) {
-  const auto refused = [&](const std::vector<SpineBone>& bones, const char* why) {
+TEST_F(SpineFile, RejectsBonesThatDoNotBelongTogether) {
+  const auto rejected = [&](const std::vector<SpineBone>& bones, const char* why) {
     EXPECT_THAT([&] { write_spine(bones, file("no.vdb")); }, ThrowsMessage<Error>(HasSubstr(why))) << why;
     EXPECT_FALSE(fs::exists(file("no.vdb"))) << why;
   };
   const SpineBone& lower = two_bones()[0];
   SpineBone upper = two_bones()[1];
-  refused({}, "found none");
-  refused({lower, lower}, "T12 twice");
+  rejected({}, "found none");
+  rejected({lower, lower}, "T12 twice");
   upper.level = Level::kNone;
-  refused({lower, upper}, "expected a level");
+  rejected({lower, upper}, "expected a level");
   const CtVolume other = test::even_ct(kUpper.bounds_mm(), 1.0, 300);
-  refused({lower, {kT11, baked(kUpper, kT11, other), {}}}, "of one CT");
+  rejected({lower, {kT11, baked(kUpper, kT11, other), {}}}, "of one CT");
   const Pose pose{kUpper.centre_mm, Vec3::UnitZ()};
-  refused({{kT11, subtract_bit(two_bones()[1].bone, DrillBit{}, pose, pose), {}}}, "drilled");
+  rejected({{kT11, subtract_bit(two_bones()[1].bone, DrillBit{}, pose, pose), {}}}, "drilled");
   upper = two_bones()[1];
   upper.notes.warnings = {"two\nlines"};
-  refused({upper}, "one line");
+  rejected({upper}, "one line");
 }
 
 TEST_F(SpineFile, SaysWhatIsWrongWithADamagedFile) {

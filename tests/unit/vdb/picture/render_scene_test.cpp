@@ -21,8 +21,8 @@ using test::kBall;
 constexpr int kSceneWidth = 300;
 constexpr double kPixelMm = 0.1;
 
-const BoneModel& marrow_ball() {
-  static const BoneModel bone = test::bake_ball(kBall, 0.25, 100);  // marrow, which is red
+const BoneModel& cancellous_ball() {
+  static const BoneModel bone = test::bake_ball(kBall, 0.25, 100);  // cancellous bone, which is red
   return bone;
 }
 
@@ -46,7 +46,7 @@ bool is_green(const std::array<int, 3>& colour) { return colour[1] > 1.3 * std::
 bool is_blue(const std::array<int, 3>& colour) { return colour[2] > colour[0] && colour[2] > colour[1]; }
 
 TEST(RenderScene, ShowsACloseUpToScale) {
-  const Image image = render_bone(marrow_ball(), from_behind());
+  const Image image = render_bone(cancellous_ball(), from_behind());
   for (const double turn : {0.0, 0.9, 2.0, 3.3, 4.6, 5.8}) {
     EXPECT_FALSE(is_white(colour_beside(image, 9.85 * std::cos(turn), 9.85 * std::sin(turn)))) << turn;
     EXPECT_TRUE(is_white(colour_beside(image, 10.15 * std::cos(turn), 10.15 * std::sin(turn)))) << turn;
@@ -57,7 +57,7 @@ TEST(RenderScene, KeepsAHolesRimSharp) {
   // Towards the front and out of the ball: a hole of 3 mm radius, seen straight on.
   const Vec3 axis = -Vec3::UnitY();
   const BoneModel drilled =
-      subtract_bit(marrow_ball(), {6.0, 60.0, 1.0}, {kBall.centre_mm, axis}, {kBall.centre_mm + 20.0 * axis, axis});
+      subtract_bit(cancellous_ball(), {6.0, 60.0, 1.0}, {kBall.centre_mm, axis}, {kBall.centre_mm + 20.0 * axis, axis});
   const Image through = render_bone(drilled, from_behind());
   for (int n = 0; n < 64; ++n) {
     const double turn = 2.0 * std::numbers::pi * n / 64;
@@ -73,7 +73,7 @@ TEST(RenderScene, CutsTheBoneOpen) {
   RenderOptions options = from_behind();
   // 2 mm before the middle, as seen: a disc of sqrt(96) mm, red, and nothing of the surface.
   options.cut = CutPlane{kBall.centre_mm + 2.0 * Vec3::UnitY(), 3.0 * Vec3::UnitY()};
-  const Image image = render_bone(marrow_ball(), options);
+  const Image image = render_bone(cancellous_ball(), options);
   const double disc_mm = std::sqrt(96.0);
   for (int n = 0; n < 64; ++n) {
     const double turn = 2.0 * std::numbers::pi * n / 64;
@@ -84,13 +84,13 @@ TEST(RenderScene, CutsTheBoneOpen) {
   }
   // The half nearer to the eye is kept: its surface is as before.
   options.cut->normal = -options.cut->normal;
-  const Image near_half = render_bone(marrow_ball(), options);
-  const Image whole = render_bone(marrow_ball(), from_behind());
+  const Image near_half = render_bone(cancellous_ball(), options);
+  const Image whole = render_bone(cancellous_ball(), from_behind());
   EXPECT_EQ(colour_beside(near_half, 1.0, 2.0), colour_beside(whole, 1.0, 2.0));
   EXPECT_TRUE(is_white(colour_beside(near_half, 9.9, 0.0)));
   // Along the eye's direction.
   options.cut->normal = Vec3::UnitX();
-  const Image left_half_gone = render_bone(marrow_ball(), options);
+  const Image left_half_gone = render_bone(cancellous_ball(), options);
   EXPECT_TRUE(is_white(colour_beside(left_half_gone, 1.0, 0.0)));
   EXPECT_EQ(colour_beside(left_half_gone, -5.0, 1.0), colour_beside(whole, -5.0, 1.0));
 }
@@ -100,17 +100,17 @@ TEST(RenderScene, ShowsBitsAndPathsOutsideTheBoneAndWithinItOnlyThroughIt) {
   const Pose across{kBall.centre_mm + Vec3(-13.0, 0.0, 4.0), -Vec3::UnitX()};
   options.bit = RenderedBit{{3.0, 27.0, 2.0}, across};
   options.paths = {{"p", kBall.centre_mm + Vec3(13.0, 0.0, -4.0), kBall.centre_mm + Vec3(-13.0, 0.0, -4.0), {}}};
-  const Image opaque = render_bone(marrow_ball(), options);
+  const Image opaque = render_bone(cancellous_ball(), options);
   EXPECT_TRUE(is_blue(colour_beside(opaque, 12.0, 4.0)));
   EXPECT_TRUE(is_green(colour_beside(opaque, 12.0, -4.0)));
   EXPECT_TRUE(is_white(colour_beside(opaque, 12.0, 6.0))) << "1.5 mm from its axis";
   EXPECT_FALSE(is_blue(colour_beside(opaque, 0.0, 4.0)));
   EXPECT_FALSE(is_green(colour_beside(opaque, 0.0, -4.0)));
   options.opacity = 0.2;
-  const Image thin = render_bone(marrow_ball(), options);
+  const Image thin = render_bone(cancellous_ball(), options);
   EXPECT_TRUE(is_green(colour_beside(thin, 0.0, -4.0)));
   options.opacity = 0.0;
-  const Image gone = render_bone(marrow_ball(), options);
+  const Image gone = render_bone(cancellous_ball(), options);
   EXPECT_TRUE(is_white(colour_beside(gone, 0.0, 0.0)));
   EXPECT_EQ(colour_beside(gone, 12.0, 4.0), colour_beside(opaque, 12.0, 4.0));
 }
@@ -118,7 +118,7 @@ TEST(RenderScene, ShowsBitsAndPathsOutsideTheBoneAndWithinItOnlyThroughIt) {
 TEST(RenderScene, ShowsHolesThroughTheBone) {
   const Pose start{kBall.centre_mm + Vec3(20.0, 0.0, 0.0), -Vec3::UnitX()};
   const Pose end{kBall.centre_mm, -Vec3::UnitX()};
-  const BoneModel drilled = subtract_bit(marrow_ball(), {4.0, 30.0, 1.0}, start, end);
+  const BoneModel drilled = subtract_bit(cancellous_ball(), {4.0, 30.0, 1.0}, start, end);
   RenderOptions options = from_behind();
   EXPECT_FALSE(is_red(colour_beside(render_bone(drilled, options), 5.0, 0.0)));
   options.opacity = 0.2;
@@ -128,25 +128,25 @@ TEST(RenderScene, ShowsHolesThroughTheBone) {
   EXPECT_FALSE(is_red(colour_beside(thin, 5.0, 3.0)));
 }
 
-TEST(RenderScene, RefusesWhatCannotBeShown) {
+TEST(RenderScene, RejectsWhatCannotBeShown) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   RenderOptions bad = from_behind();
   bad.close_up->width_mm = 0.0;
-  EXPECT_THROW(render_bone(marrow_ball(), bad), Error);
+  EXPECT_THROW(render_bone(cancellous_ball(), bad), Error);
   bad = from_behind();
   bad.opacity = 1.1;
-  EXPECT_THROW(render_bone(marrow_ball(), bad), Error);
+  EXPECT_THROW(render_bone(cancellous_ball(), bad), Error);
   bad.opacity = kNone;
-  EXPECT_THROW(render_bone(marrow_ball(), bad), Error);
+  EXPECT_THROW(render_bone(cancellous_ball(), bad), Error);
   bad = from_behind();
   bad.cut = CutPlane{kBall.centre_mm, Vec3::Zero()};
-  EXPECT_THROW(render_bone(marrow_ball(), bad), Error);
+  EXPECT_THROW(render_bone(cancellous_ball(), bad), Error);
   bad = from_behind();
   bad.bit = RenderedBit{{0.0, 10.0, 1.0}, {}};
-  EXPECT_THROW(render_bone(marrow_ball(), bad), Error);
+  EXPECT_THROW(render_bone(cancellous_ball(), bad), Error);
   bad = from_behind();
   bad.paths = {{"p", kBall.centre_mm, kBall.centre_mm, {}}};
-  EXPECT_THROW(render_bone(marrow_ball(), bad), Error);
+  EXPECT_THROW(render_bone(cancellous_ball(), bad), Error);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(RenderBone, IsTheSameAtOneAndTwoThreads) {
 }
 
 TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
-  // Straight into the middle of the picture, 100 HU: marrow, which is red.
+  // Straight into the middle of the picture, 100 HU: cancellous bone, which is red.
   const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};
   const Pose end{kBall.centre_mm, -Vec3::UnitY()};
   const BoneModel drilled = subtract_bit(shown_ball(), {6.0, 30.0, 1.0}, start, end);
@@ -105,7 +105,7 @@ TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
   EXPECT_LT(redness(100, 120), 1.15);
 }
 
-TEST(RenderBone, RefusesSizesAndViewsWithoutSense) {
+TEST(RenderBone, RejectsSizesAndViewsWithoutSense) {
   RenderOptions bad = options();
   bad.width = 0;
   EXPECT_THROW(render_bone(shown_ball(), bad), Error);

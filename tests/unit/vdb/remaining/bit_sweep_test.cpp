@@ -73,20 +73,20 @@ TEST(BitSweep, FindsTheLeastDistanceOverTheWay) {
       const detail::BitSweep sweep(outline, poses);
       for (int n = 0; n < 100; ++n) {
         const Vec3 p = test::point_near(profile, poses[1], draw);
-        double least_mm = 1e9;
+        double min_mm = 1e9;
         constexpr int kSteps = 200;
         for (std::size_t k = 0; k + 1 < poses.size(); ++k) {
           for (int step = 0; step <= kSteps; ++step) {
             const double t = static_cast<double>(step) / kSteps;
             const Pose between{poses[k].tip_mm + t * (poses[k + 1].tip_mm - poses[k].tip_mm),
                                (poses[k].axis + t * (poses[k + 1].axis - poses[k].axis)).normalized()};
-            least_mm = std::min(least_mm, bit_distance_mm(profile, between, p));
+            min_mm = std::min(min_mm, bit_distance_mm(profile, between, p));
           }
         }
         const detail::SweepSample sample = sweep.nearest(p);
         // Chord and arc part by angle (angle r + 2 way) / 8 at most: 0.0001 mm.
-        if (least_mm > 0.0) {
-          ASSERT_NEAR(sample.distance_mm, least_mm, 5e-6 + 0.002 * (0.002 * 5.5 + 2.0 * 0.2) / 8.0) << p.transpose();
+        if (min_mm > 0.0) {
+          ASSERT_NEAR(sample.distance_mm, min_mm, 5e-6 + 0.002 * (0.002 * 5.5 + 2.0 * 0.2) / 8.0) << p.transpose();
           ASSERT_NEAR(sample.gradient.norm(), 1.0, 1e-6);
         } else {
           ASSERT_LE(sample.distance_mm, 1.1e-4) << p.transpose();
@@ -127,7 +127,7 @@ TEST(CutIntoSweeps, PassesEveryPoseWithinTheTolerance) {
   Draw draw(7);
   const BitProfile profile({3.0, 50.0, 5.0});
   std::vector<Pose> poses;
-  // A hand's tremor, which turns: 10 Hz, 0.1 mm, at 1 kHz.
+  // An operator's tremor, which turns: 10 Hz, 0.1 mm, at 1 kHz.
   const Vec3 axis = Vec3(0.2, -0.5, 0.8).normalized();
   for (int n = 0; n < 200; ++n) {
     const double phase = 2.0 * std::numbers::pi * 0.01 * n;
@@ -141,9 +141,9 @@ TEST(CutIntoSweeps, PassesEveryPoseWithinTheTolerance) {
   for (const Pose& pose : poses) {
     for (int n = 0; n < 10; ++n) {
       const Vec3 p = test::point_near(profile, pose, draw);
-      double least_mm = 1e9;
-      for (const auto& sweep : sweeps) least_mm = std::min(least_mm, sweep.nearest(p).distance_mm);
-      ASSERT_LE(least_mm, bit_distance_mm(profile, pose, p) + 2.0 * kToleranceMm);
+      double min_mm = 1e9;
+      for (const auto& sweep : sweeps) min_mm = std::min(min_mm, sweep.nearest(p).distance_mm);
+      ASSERT_LE(min_mm, bit_distance_mm(profile, pose, p) + 2.0 * kToleranceMm);
     }
   }
 }

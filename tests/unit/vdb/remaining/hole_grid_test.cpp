@@ -56,14 +56,14 @@ TEST(HoleGrid, HoldsTheLeastDistanceToAllThatBitsOfAllShapesSwept) {
         for (int z = low[2]; z <= high[2]; ++z) {
           const Vec3 p = options.voxel_mm * Vec3(x, y, z);
           if (kDrilledBall.distance_mm(p) > 0.9 * band_mm) continue;
-          double least_mm = band_mm;
-          for (const detail::BitSweep& sweep : sweeps) least_mm = std::min(least_mm, sweep.nearest(p).distance_mm);
+          double min_mm = band_mm;
+          for (const detail::BitSweep& sweep : sweeps) min_mm = std::min(min_mm, sweep.nearest(p).distance_mm);
           const auto hole_mm = static_cast<double>(bone.hole_mm({x, y, z}));
           // Changes below 1e-6 mm are passed over; how ways are cut moves them by less than the tolerance.
-          if (least_mm > 0.0) {
-            ASSERT_NEAR(hole_mm, least_mm, 1e-5) << x << " " << y << " " << z;
+          if (min_mm > 0.0) {
+            ASSERT_NEAR(hole_mm, min_mm, 1e-5) << x << " " << y << " " << z;
           } else {
-            ASSERT_LE(hole_mm, std::max(least_mm, -band_mm) + 1e-5) << x << " " << y << " " << z;
+            ASSERT_LE(hole_mm, std::max(min_mm, -band_mm) + 1e-5) << x << " " << y << " " << z;
             ASSERT_GE(hole_mm, -band_mm);
           }
         }

@@ -128,7 +128,7 @@ TEST(RemainingBone, DrillsTheSameAfterUndoingAsBefore) {
                           [&](float mm) { return static_cast<double>(mm) >= bone.band_mm(); }));
 }
 
-TEST(RemainingBone, RefusesWhatItCannotDrillAndStaysAsItWas) {
+TEST(RemainingBone, RejectsWhatItCannotDrillAndStaysAsItWas) {
   EXPECT_THAT([] { RemainingBone(ball_to_drill(), {.voxel_mm = 0.0}); }, ThrowsMessage<Error>(HasSubstr("voxel")));
   EXPECT_THROW(RemainingBone(ball_to_drill(), {.voxel_mm = std::nan("")}), Error);
   EXPECT_THROW(RemainingBone(ball_to_drill(), {.voxel_mm = 1e-4}), Error);
@@ -157,12 +157,12 @@ TEST(SurfaceFeed, LeadsAnotherThreadToTheSurfaceAsItIs) {
   for (const auto& block : surface.blocks()) shown[block->block] = block;
   SurfaceFeed feed;
   std::atomic<bool> is_done = false;
-  std::size_t most_waiting = 0;
+  std::size_t max_waiting = 0;
   std::thread display([&] {
     for (bool last = false; !last;) {
       last = is_done;
       const std::vector<SurfaceUpdate> updates = feed.take();
-      most_waiting = std::max(most_waiting, updates.size());
+      max_waiting = std::max(max_waiting, updates.size());
       for (const SurfaceUpdate& update : updates) {
         if (update.surface == nullptr) {
           shown.erase(update.block);
@@ -186,7 +186,7 @@ TEST(SurfaceFeed, LeadsAnotherThreadToTheSurfaceAsItIs) {
   std::vector<std::shared_ptr<const SurfaceBlock>> now;
   for (const auto& [place, block] : shown) now.push_back(block);
   EXPECT_EQ(now, surface.blocks());
-  EXPECT_GT(most_waiting, 0U);
+  EXPECT_GT(max_waiting, 0U);
 }
 
 }  // namespace

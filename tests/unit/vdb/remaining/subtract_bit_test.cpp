@@ -138,7 +138,7 @@ TEST(SubtractBit, ChangesTheBandNowhereElse) {
     ASSERT_EQ(test::distance_at(drilled, p), test::distance_at(uncut_ball(), p));
   }
   EXPECT_EQ(test::hu_at(drilled, kLargeBall.centre_mm), 300.0);
-  EXPECT_EQ(drilled.facts(), uncut_ball().facts());
+  EXPECT_EQ(drilled.metadata(), uncut_ball().metadata());
 }
 
 TEST(SubtractBit, ChangesNothingOutsideTheBone) {
@@ -163,7 +163,7 @@ TEST(SubtractBit, TakesTheSameForwardsAndBackwards) {
             volume_mm3(subtract_bit(uncut_ball(), kBit, end, start)));
 }
 
-TEST(SubtractBit, RefusesAMoveThatIsNotAlongTheAxis) {
+TEST(SubtractBit, RejectsAMoveThatIsNotAlongTheAxis) {
   const Pose start{kLargeBall.centre_mm, Vec3::UnitZ()};
   const Pose sideways{kLargeBall.centre_mm + Vec3(1.0, 0.0, 5.0), Vec3::UnitZ()};
   const Pose turned{kLargeBall.centre_mm + Vec3(0.0, 0.0, 5.0), Vec3(0.0, 0.01, 1.0).normalized()};

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/analytic_bodies.h"
 #include "vdb/sim/bone.h"
 
@@ -17,15 +17,15 @@ using testing::ThrowsMessage;
 
 TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
   const Vertebra vertebra;
-  const VertebraTruth truth = vertebra_truth(vertebra);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
   const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
-  EXPECT_TRUE(bone.landmarks().doubts.empty()) << bone.landmarks().doubts.front();
+  EXPECT_TRUE(bone.landmarks().warnings.empty()) << bone.landmarks().warnings.front();
   AutoPlanOptions options;
   options.bit.diameter_mm = 2.7;
   const std::vector<DrillPath> paths = paths_of(auto_plan(bone.walls(), bone.hu_sampler(), options));
   ASSERT_EQ(paths.size(), 2U);
   for (std::size_t n = 0; n < 2; ++n) {
-    const PedicleTruth& pedicle = n == 0 ? truth.left : truth.right;
+    const PedicleGroundTruth& pedicle = n == 0 ? ground_truth.left : ground_truth.right;
     EXPECT_EQ(paths[n].name, n == 0 ? "left" : "right");
     EXPECT_EQ(paths[n].bit.diameter_mm, 2.7);
     ASSERT_TRUE(paths[n].screw);

@@ -46,7 +46,7 @@ TEST(ReachesBorder, LooksAtAllSixSides) {
 
 TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
   BakeLevelsOptions options = quick();
-  options.doubts[Level::kT12] = {{"looks odd"}, 0.5};
+  options.warnings[Level::kT12] = {{"looks odd"}, 0.5};
   std::vector<std::string> stages;
   const Progress progress([&](std::string_view stage, double) { stages.emplace_back(stage); });
   const BakedLevels baked = bake_levels(balls().ct, balls().labels, options, progress);
@@ -64,10 +64,10 @@ TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
     EXPECT_EQ(baked.levels[n].notes.landmarks, "");
     EXPECT_NE(baked.levels[n].notes.no_landmarks, "");  // a ball has no canal
   }
-  EXPECT_EQ(baked.levels[0].baked.bone.facts().at("level"), "T11");
+  EXPECT_EQ(baked.levels[0].baked.bone.metadata().at("level"), "T11");
   EXPECT_TRUE(baked.levels[0].notes.warnings.empty());
   EXPECT_THAT(baked.levels[1].notes.warnings, ElementsAre("looks odd"));
-  EXPECT_EQ(baked.levels[1].notes.doubt, 0.5);
+  EXPECT_EQ(baked.levels[1].notes.severity, 0.5);
   ASSERT_FALSE(stages.empty());
   EXPECT_THAT(stages.front(), HasSubstr("T11 (1 of 2), "));
   EXPECT_THAT(stages.back(), HasSubstr("T12 (2 of 2), "));
@@ -87,7 +87,7 @@ TEST(BakeLevels, GivesEachBoneAsIfBakedAloneAlsoOutOfTheFile) {
     const BoneModel bone = bake_ct(balls().ct, alone).bone;
     const BoneModel of_spine = read_bone(folder.path() / "spine.vdb", level);
     EXPECT_EQ(bone_hash(of_spine), bone_hash(bone));
-    EXPECT_EQ(of_spine.facts(), bone.facts());
+    EXPECT_EQ(of_spine.metadata(), bone.metadata());
     EXPECT_EQ(bone_hash(read_bone(folder.path() / "bones" / (level_name(level) + ".vdb"), level)), bone_hash(bone));
   }
 }

@@ -7,7 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/phantom/vertebra.h"
-#include "core/phantom/vertebra_truth.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
@@ -35,13 +35,13 @@ TEST(Bone, HasTheBallsDistancesNumbersNormalsAndSurface) {
   EXPECT_NEAR(mesh.volume_mm3, kPlainBall.volume_mm3(), 0.01 * kPlainBall.volume_mm3());
 }
 
-TEST(Bone, ComesBackFromAFileTheSameWithItsDoubts) {
+TEST(Bone, ComesBackFromAFileTheSameWithItsWarnings) {
   const test::TemporaryFolder folder;
   const Bone bone(test::bake_ball(kPlainBall, 0.3));
   bone.save(folder.path() / "bone.vdb");
   const Bone back = Bone::load(folder.path() / "bone.vdb");
   EXPECT_EQ(back.hash(), bone.hash());
-  EXPECT_FALSE(back.doubts());
+  EXPECT_FALSE(back.warnings());
   EXPECT_NE(Bone(test::bake_ball({kPlainBall.centre_mm, 9.05}, 0.3)).hash(), bone.hash());
   EXPECT_THROW(Bone::load(folder.path() / "none.vdb"), Error);
 }
@@ -66,8 +66,8 @@ TEST(Bone, OfAVertebraHasItsPediclesAndAPathThroughEachWhoeverAsksFirst) {
   for (std::thread& thread : threads) thread.join();
   for (const Landmarks* one : seen) EXPECT_EQ(one, &bone.landmarks()) << "worked out once, shared by copies";
 
-  const VertebraTruth truth = vertebra_truth(vertebra);
-  EXPECT_NEAR(bone.landmarks().left_pedicle.width_mm, truth.left.width_mm, 0.6);
+  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+  EXPECT_NEAR(bone.landmarks().left_pedicle.width_mm, ground_truth.left.width_mm, 0.6);
   const std::vector<Suggestion> suggestions = bone.suggest();
   for (const DrillPath& path : paths_of(suggestions)) {
     EXPECT_EQ(grade(bone, path).grade, Grade::A);

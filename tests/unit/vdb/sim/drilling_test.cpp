@@ -63,8 +63,8 @@ PathMotionOptions motion_of(const SessionSetup& setup, double step_mm = kAdvance
 
 Drilling drill(const SessionSetup& setup, const PathMotionOptions& motion,
                const DrillingOptions& options = {.log_step_mm = 0.5}) {
-  PathHand hand(setup.path, motion);
-  return drill_bone(session_bone(), setup, hand, options);
+  PlannedMotion tool_operator(setup.path, motion);
+  return drill_bone(session_bone(), setup, tool_operator, options);
 }
 
 const Drilling& drilled_ball() {
@@ -76,7 +76,7 @@ FeedResistance even_bone() { return resistance_of_block(diameter_path().bit, Mat
 
 double feed_mm() { return kFeedMmS * 60.0 / Spindle().rpm; }
 
-TEST(DrillBone, NeedsTheThrustOfTheLaw) {
+TEST(DrillBone, NeedsTheThrustOfTheModel) {
   const Material material;
   const double expected_n = even_bone().thrust_n(feed_mm());
   int rows = 0;
@@ -90,7 +90,7 @@ TEST(DrillBone, NeedsTheThrustOfTheLaw) {
     EXPECT_NEAR(row.density_g_cm3, material.density.density_g_cm3(kHu), 1e-12);
   }
   EXPECT_EQ(rows, 31);
-  EXPECT_NEAR(drilled_ball().most_thrust_n, expected_n, 0.01 * expected_n);
+  EXPECT_NEAR(drilled_ball().max_thrust_n, expected_n, 0.01 * expected_n);
 }
 
 TEST(DrillBone, NeedsNoForceBeforeItMeetsBoneAndLessWithTheConesTip) {
@@ -128,8 +128,8 @@ TEST(DrillBone, DoesTheWorkOfTheVolumeItRemoves) {
   }
   EXPECT_EQ(removed, drilled_ball().removed);
   // Points a tenth of a millimetre apart; the cone's wall cuts their cells at random.
-  EXPECT_NEAR(work_n_mm, Material().cutting_pressure_mpa(kHu) * hole_mm3,
-              0.01 * Material().cutting_pressure_mpa(kHu) * hole_mm3);
+  EXPECT_NEAR(work_n_mm, Material().cutting_energy_mpa(kHu) * hole_mm3,
+              0.01 * Material().cutting_energy_mpa(kHu) * hole_mm3);
   const double taken_mm3 = measure_mesh(bone_surface(ball_bone())).volume_mm3 -
                            measure_mesh(bone_surface(drilled_ball().drilled)).volume_mm3;
   EXPECT_NEAR(taken_mm3, hole_mm3, 0.01 * hole_mm3);
@@ -154,7 +154,7 @@ TEST(DrillBone, RemovesTheSameAtAnyAdvanceAndNeedsTheSameThrust) {
   const Drilling drilling = drill(setup, motion_of(setup, 0.007));
   EXPECT_EQ(drilling.removed, drilled_ball().removed);
   EXPECT_EQ(drilling.rows.size(), drilled_ball().rows.size());
-  EXPECT_NEAR(drilling.most_thrust_n, drilled_ball().most_thrust_n, 0.01 * drilling.most_thrust_n);
+  EXPECT_NEAR(drilling.max_thrust_n, drilled_ball().max_thrust_n, 0.01 * drilling.max_thrust_n);
 }
 
 TEST(DrillBone, RemovesTheSameWithEveryEngine) {
@@ -168,7 +168,7 @@ TEST(DrillBone, RemovesTheSameWithEveryEngine) {
     setup.engine = kind;
     const Drilling other = drill(setup, tilted);
     EXPECT_EQ(other.removed, ring.removed);
-    EXPECT_EQ(other.most_thrust_n, ring.most_thrust_n);
+    EXPECT_EQ(other.max_thrust_n, ring.max_thrust_n);
   }
 }
 
@@ -192,7 +192,7 @@ TEST(DrillBone, CutsTheSameBoneWithFinerPointsNearTheSurface) {
   EXPECT_NEAR(work_n_mm(by_fine), work_n_mm(by_coarse), 0.02 * work_n_mm(by_coarse));
 }
 
-TEST(DrillBone, CutsTheHoleOfATremblingHandOutOfTheGrid) {
+TEST(DrillBone, CutsTheHoleOfATremblingOperatorOutOfTheGrid) {
   const SessionSetup setup = setup_of(diameter_path());
   PathMotionOptions trembling = motion_of(setup, 0.005);
   trembling.tremor_mm = 0.15;
@@ -216,13 +216,13 @@ TEST(DrillBone, CutsTheHoleOfATremblingHandOutOfTheGrid) {
   EXPECT_GT(grid_mm3, 1.1 * steady_mm3);  // a hole wider by twice the tremor
 }
 
-TEST(DrillBone, InRealTimeCountsItsCyclesAndRemovesWhatTheHandReached) {
+TEST(DrillBone, InRealTimeCountsItsCyclesAndRemovesWhatTheOperatorReached) {
   SessionSetup setup = setup_of(diameter_path());
   setup.volume.spacing_mm = 0.2;
   PathMotionOptions quick = motion_of(setup);
   quick.rate_hz = 500.0;
   quick.feed.steps = {{0.0, 20.0}};
-  LiveMesh live(ball_bone(), setup.path.bit, setup.options.longest_jump_mm);
+  LiveMesh live(ball_bone(), setup.path.bit, setup.options.max_jump_mm);
   const Drilling drilling = drill(setup, quick,
                                   {.log_step_mm = 0.5,
                                    .real_time = RealTimeOptions{.rate_hz = 500.0, .tool_rate_hz = 500.0},

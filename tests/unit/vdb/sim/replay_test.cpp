@@ -56,7 +56,7 @@ Replay replayed(const SessionRecord& record) {
 
 TEST(Replay, FindsEveryBitTheSameInAnUnchangedRecord) {
   const SessionRecord record = recorded_block();
-  ASSERT_GE(record.events.size(), 2U) << "contact, refused pose";
+  ASSERT_GE(record.events.size(), 2U) << "contact, invalid pose";
   const Replay replay = replayed(record);
   EXPECT_TRUE(replay.is_same()) << replay.difference << replay.gap;
   EXPECT_EQ(replay.cycles, 400U);

@@ -98,7 +98,7 @@ TEST(SessionBatch, HandsOnWhatWorkThrows) {
               ThrowsMessage<Error>(HasSubstr("the third one")));
 }
 
-TEST(SessionBatch, RefusesWhatIsNoBatch) {
+TEST(SessionBatch, RejectsWhatIsNoBatch) {
   EXPECT_THAT(([] { SessionBatch({}, 3, batch_setup()); }), ThrowsMessage<Error>(HasSubstr("found none")));
   EXPECT_THAT(([] { batch(0); }), ThrowsMessage<Error>(HasSubstr("found 0")));
   EXPECT_THAT(([] { batch(2, -1); }), ThrowsMessage<Error>(HasSubstr("threads")));

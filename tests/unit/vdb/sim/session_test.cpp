@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/session/operator/path_motion.h"
-#include "core/session/operator/pose_hand.h"
+#include "core/session/operator/recorded_motion.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
@@ -75,8 +75,8 @@ TEST(Session, GivesTheSameForManyPosesAtOnceAndForAnOperator) {
   Session one(ball(), path(), setup()), many(ball(), path(), setup()), led(ball(), path(), setup());
   std::vector<RecordedCycle> rows, of_operator;
   for (const ToolInput& input : inputs) rows.push_back(recorded(one.step_input(input)));
-  PoseHand hand(inputs);
-  led.run(hand, [&](const Cycle& cycle) { of_operator.push_back(recorded(cycle)); });
+  RecordedMotion tool_operator(inputs);
+  led.run(tool_operator, [&](const Cycle& cycle) { of_operator.push_back(recorded(cycle)); });
   EXPECT_EQ(many.run(inputs), rows);
   EXPECT_EQ(of_operator, rows);
 }
@@ -196,7 +196,7 @@ TEST(Session, KeepsARecordThatReplayFindsTheSameOnItsBoneOnly) {
   EXPECT_THAT([&] { session.record(folder.path() / "late.h5"); }, ThrowsMessage<Error>(HasSubstr("first cycle on")));
 }
 
-TEST(Session, RefusesAPathThatMissesTheBone) {
+TEST(Session, RejectsAPathThatMissesTheBone) {
   DrillPath beside = path();
   beside.entry_mm.x() += 50.0;
   beside.target_mm.x() += 50.0;

@@ -27,9 +27,10 @@ StudySpec spec(const std::filesystem::path& folder) {
   spec.path = {"slanting", entry_mm, entry_mm + 5.0 * axis, {2.0, 30.0, 2.0}};
   spec.volume.spacing_mm = 0.2;
   spec.volume.lead_in_mm = 1.0;
-  spec.hand.step_mm = 0.05;
+  spec.tool_operator.step_mm = 0.05;
   spec.design.runs = 12;
-  spec.design.laws = {{.factor = StudyFactor::entry_left_mm, .kind = FactorLaw::Kind::normal, .a = 0.0, .b = 0.5}};
+  spec.design.distributions = {
+      {.factor = StudyFactor::entry_left_mm, .kind = FactorDistribution::Kind::normal, .a = 0.0, .b = 0.5}};
   return spec;
 }
 
@@ -62,7 +63,7 @@ TEST(Study, HasEachRunOnceWhateverItsShardAndWhateverIsDoneAlready) {
   for (const auto& [run, text] : table.rows) EXPECT_EQ(text, whole[run]);
 }
 
-TEST(Study, RefusesShardsThatThereAreNotAndFoldersOfOtherStudies) {
+TEST(Study, RejectsShardsThatThereAreNotAndFoldersOfOtherStudies) {
   const test::TemporaryFolder folder;
   const Study study(spec(folder.path()));
   EXPECT_THAT([&] { study.run({4, 3}); }, ThrowsMessage<Error>(HasSubstr("expected a shard from 1 to 3, found 4")));
@@ -77,7 +78,7 @@ TEST(Study, RefusesShardsThatThereAreNotAndFoldersOfOtherStudies) {
   EXPECT_THROW(merge({}), Error);
 }
 
-TEST(Study, RefusesAPathThatMissesTheBone) {
+TEST(Study, RejectsAPathThatMissesTheBone) {
   const test::TemporaryFolder folder;
   StudySpec beside = spec(folder.path());
   beside.path.entry_mm.x() += 40.0;

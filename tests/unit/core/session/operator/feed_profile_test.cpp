@@ -43,22 +43,22 @@ TEST(FeedProfile, PecksAndWithdraws) {
   EXPECT_NEAR(FeedProfile(0.0, 10.0, options).duration_s(), 10.0 + 1.0, 1e-12);
 }
 
-TEST(FeedProfile, RefusesWhatLeadsNowhere) {
+TEST(FeedProfile, RejectsWhatLeadsNowhere) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto refused = [&](double begin_mm, double end_mm, const FeedProfileOptions& options) {
+  const auto rejected = [&](double begin_mm, double end_mm, const FeedProfileOptions& options) {
     EXPECT_THROW(FeedProfile(begin_mm, end_mm, options), Error);
   };
-  refused(1.0, 0.0, {});
-  refused(0.0, nan, {});
-  refused(0.0, std::numeric_limits<double>::infinity(), {});
-  refused(0.0, 1.0, {.steps = {}});
-  for (const double bad : {0.0, -1.0, nan, 1e9}) refused(0.0, 1.0, {.steps = {{0.0, bad}}});
-  refused(0.0, 1.0, {.steps = {{0.0, 1.0}, {0.0, 2.0}}});
-  refused(0.0, 1.0, {.steps = {{0.0, 1.0}, {nan, 2.0}}});
-  for (const double bad : {-1.0, nan, 1e-9}) refused(0.0, 1.0, {.pecking = {.every_mm = bad}});
-  refused(0.0, 1.0, {.pecking = {.every_mm = 0.5, .back_mm = 0.0}});
-  refused(0.0, 1.0, {.pecking = {.every_mm = 0.5, .mm_s = nan}});
-  refused(0.0, 1.0, {.withdraw_mm_s = nan});
+  rejected(1.0, 0.0, {});
+  rejected(0.0, nan, {});
+  rejected(0.0, std::numeric_limits<double>::infinity(), {});
+  rejected(0.0, 1.0, {.steps = {}});
+  for (const double bad : {0.0, -1.0, nan, 1e9}) rejected(0.0, 1.0, {.steps = {{0.0, bad}}});
+  rejected(0.0, 1.0, {.steps = {{0.0, 1.0}, {0.0, 2.0}}});
+  rejected(0.0, 1.0, {.steps = {{0.0, 1.0}, {nan, 2.0}}});
+  for (const double bad : {-1.0, nan, 1e-9}) rejected(0.0, 1.0, {.pecking = {.every_mm = bad}});
+  rejected(0.0, 1.0, {.pecking = {.every_mm = 0.5, .back_mm = 0.0}});
+  rejected(0.0, 1.0, {.pecking = {.every_mm = 0.5, .mm_s = nan}});
+  rejected(0.0, 1.0, {.withdraw_mm_s = nan});
 }
 
 }  // namespace

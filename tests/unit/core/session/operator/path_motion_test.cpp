@@ -28,7 +28,7 @@ double off_line_mm(const DrillPath& path, const Vec3& p) { return (p - path.entr
 
 constexpr std::size_t kSamples = 10'000;  // 10 s at 1 kHz: whole periods of every sinusoid
 
-PathMotion hand(std::uint64_t seed = 1) { return {workload_path(3.0), {.tremor_mm = 0.1, .seed = seed}}; }
+PathMotion tool_operator(std::uint64_t seed = 1) { return {workload_path(3.0), {.tremor_mm = 0.1, .seed = seed}}; }
 
 std::vector<double> tremor_along(const PathMotion& motion, Eigen::Index axis) {
   std::vector<double> samples;
@@ -59,7 +59,7 @@ double mean_square_in_band(const std::vector<double>& samples) {
 
 TEST(PathMotion, TremblesAlongEveryAxisLikeOneSinusoidOfItsAmplitude) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const PathMotion motion = hand(seed);
+    const PathMotion motion = tool_operator(seed);
     // Five sinusoids of 0.1 mm / sqrt(5), orthogonal over whole periods: the rms of one of 0.1 mm.
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(std::sqrt(mean_square(tremor_along(motion, axis))), 0.1 / std::sqrt(2.0), 1e-9) << seed;
@@ -68,7 +68,7 @@ TEST(PathMotion, TremblesAlongEveryAxisLikeOneSinusoidOfItsAmplitude) {
 }
 
 TEST(PathMotion, TremblesAtEightToTwelveHertz) {
-  const PathMotion motion = hand();
+  const PathMotion motion = tool_operator();
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const std::vector<double> samples = tremor_along(motion, axis);
     EXPECT_GT(mean_square_in_band(samples), 0.99 * mean_square(samples));
@@ -84,11 +84,11 @@ TEST(PathMotion, FeedsFromTheEntryToTheTargetButForTheTremor) {
     EXPECT_NEAR((motion.pose(37'800).tip_mm - path.target_mm).norm(), offset_mm, 1e-9);
     EXPECT_NEAR((motion.pose(501).tip_mm - motion.pose(500).tip_mm).norm(), 0.001, 1e-9);
   }
-  const PathMotion trembling = hand();
+  const PathMotion trembling = tool_operator();
   // Five sinusoids at their tops along three axes.
-  const double most_mm = 0.1 * std::sqrt(5.0) * std::sqrt(3.0);
-  EXPECT_LT((trembling.pose(0).tip_mm - path.entry_mm).norm(), most_mm);
-  EXPECT_LT((trembling.pose(37'800).tip_mm - path.target_mm).norm(), most_mm);
+  const double max_mm = 0.1 * std::sqrt(5.0) * std::sqrt(3.0);
+  EXPECT_LT((trembling.pose(0).tip_mm - path.entry_mm).norm(), max_mm);
+  EXPECT_LT((trembling.pose(37'800).tip_mm - path.target_mm).norm(), max_mm);
   EXPECT_LT((trembling.pose(20'000).axis - path.direction()).norm(), 1e-14);
 }
 
@@ -99,9 +99,9 @@ TEST(PathMotion, AtAFeedIsThatInItsSteps) {
 }
 
 TEST(PathMotion, FollowsFromItsSeedAndIndexAlone) {
-  const PathMotion first = hand(7);
-  const PathMotion again = hand(7);
-  const PathMotion other = hand(8);
+  const PathMotion first = tool_operator(7);
+  const PathMotion again = tool_operator(7);
+  const PathMotion other = tool_operator(8);
   for (const std::size_t index : {37'000U, 5U, 12'000U, 5U}) {
     EXPECT_EQ(first.pose(index).tip_mm, again.pose(index).tip_mm);
     EXPECT_GT((first.pose(index).tip_mm - other.pose(index).tip_mm).norm(), 1e-4);
@@ -169,7 +169,7 @@ TEST(PathMotion, PassesThePathAtItsOffsetWhenTiltedToo) {
   EXPECT_NEAR(nearest_mm, 0.7, 1e-9);
 }
 
-TEST(PathMotion, RefusesWhatIsNoMotion) {
+TEST(PathMotion, RejectsWhatIsNoMotion) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const DrillPath path = workload_path(3.0);
   const auto at_feed = [](double mm_s) {

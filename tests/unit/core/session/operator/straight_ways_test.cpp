@@ -33,7 +33,7 @@ std::vector<ToolInput> straight(double from_mm, double to_mm, double step_mm) {
   return inputs;
 }
 
-TEST(StraightWays, OfASteadyHandAreOneFromItsFirstPoseToItsLast) {
+TEST(StraightWays, OfASteadyOperatorAreOneFromItsFirstPoseToItsLast) {
   for (const BitShape shape : {BitShape::drill, BitShape::round_burr}) {
     DrillBit bit = kDrill;
     bit.shape = shape;
@@ -46,7 +46,7 @@ TEST(StraightWays, OfASteadyHandAreOneFromItsFirstPoseToItsLast) {
   }
 }
 
-TEST(StraightWays, GoOnTheSameLineAfterTheHandDrewBack) {
+TEST(StraightWays, GoOnTheSameLineAfterTheOperatorDrewBack) {
   std::vector<ToolInput> inputs = straight(0.0, 10.0, 0.01);
   for (const ToolInput& input : straight(10.0, 5.0, 0.01)) inputs.push_back(input);
   for (const ToolInput& input : straight(5.0, 12.0, 0.01)) inputs.push_back(input);
@@ -80,7 +80,7 @@ TEST(StraightWays, DoNotFollowAJump) {
 /// How far, at most, the union of the ways and that of all poses differ at some places near the tip's way, mm.
 double difference_mm(const std::vector<ToolInput>& inputs, const std::vector<BitWay>& ways, const DrillBit& bit) {
   const BitProfile profile(bit);
-  double most_mm = 0.0;
+  double max_mm = 0.0;
   for (std::uint64_t n = 0; n < 300; ++n) {
     const Pose& pose =
         inputs[static_cast<std::size_t>(random_uniform(1, n) * static_cast<double>(inputs.size() - 1))].pose;
@@ -98,13 +98,13 @@ double difference_mm(const std::vector<ToolInput>& inputs, const std::vector<Bit
     }
     // Deep inside, distances are those to the union's parts, not to its surface.
     if (std::max(by_poses_mm, by_ways_mm) < -0.3) continue;
-    most_mm = std::max(most_mm, std::abs(by_poses_mm - by_ways_mm));
+    max_mm = std::max(max_mm, std::abs(by_poses_mm - by_ways_mm));
   }
-  return most_mm;
+  return max_mm;
 }
 
-TEST(StraightWays, OfATremblingHandAreFewAndTakeWhatItsPosesTake) {
-  const std::vector<Pose> all = workload_poses(WorkloadMotion::hand);
+TEST(StraightWays, OfATremblingOperatorAreFewAndTakeWhatItsPosesTake) {
+  const std::vector<Pose> all = workload_poses(WorkloadMotion::tool_operator);
   const std::vector<ToolInput> inputs = inputs_of({all.begin(), all.begin() + 8000});
   const std::vector<BitWay> ways = straight_ways(inputs, kDrill, kNoLimit);
   EXPECT_LT(ways.size(), inputs.size() / 10);

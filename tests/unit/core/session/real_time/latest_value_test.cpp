@@ -39,8 +39,8 @@ TEST(LatestValue, KeepsWhatTheReaderHasWhileTheWriterGoesOn) {
 using Words = std::array<std::uint64_t, 64>;
 
 TEST(LatestValue, ReaderBesideAWriterSeesWholeValuesThatOnlyRiseAndAtLastTheLast) {
-  constexpr std::uint64_t kLeastWritten = 2'000'000;
-  constexpr std::uint64_t kLeastRead = 20;
+  constexpr std::uint64_t kMinWritten = 2'000'000;
+  constexpr std::uint64_t kMinRead = 20;
   LatestValue<Words> value;
   std::atomic<bool> reads{false};
   std::atomic<bool> has_read_enough{false};
@@ -50,7 +50,7 @@ TEST(LatestValue, ReaderBesideAWriterSeesWholeValuesThatOnlyRiseAndAtLastTheLast
     }
     // However rarely a busy machine lets the reader run.
     std::uint64_t n = 0;
-    while (n < kLeastWritten || !has_read_enough) {
+    while (n < kMinWritten || !has_read_enough) {
       value.back().fill(++n);
       value.publish();
     }
@@ -65,7 +65,7 @@ TEST(LatestValue, ReaderBesideAWriterSeesWholeValuesThatOnlyRiseAndAtLastTheLast
   std::uint64_t back = 0;
   while (written == 0 || last < written) {
     if (!value.refresh()) continue;
-    if (++fresh == kLeastRead) has_read_enough = true;
+    if (++fresh == kMinRead) has_read_enough = true;
     const Words& words = value.front();
     torn += std::any_of(words.begin(), words.end(), [&](std::uint64_t word) { return word != words[0]; }) ? 1U : 0U;
     back += words[0] <= last ? 1U : 0U;

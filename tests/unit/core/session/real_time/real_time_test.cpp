@@ -43,9 +43,9 @@ struct SmallDrilling {
 };
 
 /// Along the path at 10 mm/s, 1000 poses a second; ends after so many, or when it is asked to stop.
-class StraightHand final : public ToolSource {
+class StraightOperator final : public Operator {
  public:
-  explicit StraightHand(std::size_t poses) : poses_(poses) {}
+  explicit StraightOperator(std::size_t poses) : poses_(poses) {}
 
   std::optional<ToolInput> next(const ToolFeedback& feedback) override {
     if (given_ >= poses_ || feedback.stop) return std::nullopt;
@@ -64,11 +64,11 @@ constexpr std::size_t kEndless = 1'000'000;
 
 std::uint64_t due_times(const PaceReport& pace) { return pace.cycles + pace.idle + pace.skipped; }
 
-TEST(RealTime, EndsWithTheHandAndDrillsItsLastPose) {
+TEST(RealTime, EndsWithTheOperatorAndDrillsItsLastPose) {
   SmallDrilling drilling;
-  StraightHand hand(301);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {});
-  EXPECT_EQ(hand.given(), 301U);
+  StraightOperator tool_operator(301);
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {});
+  EXPECT_EQ(tool_operator.given(), 301U);
   EXPECT_NEAR(drilling.session->last().depth_mm, 3.0, 1e-9);
   EXPECT_NEAR(drilling.session->last().time_s, 0.3, 1e-9);
   EXPECT_GE(report.seconds, 0.3);
@@ -78,15 +78,15 @@ TEST(RealTime, EndsWithTheHandAndDrillsItsLastPose) {
 
 TEST(RealTime, EndsAfterTheLongestTime) {
   SmallDrilling drilling;
-  StraightHand hand(kEndless);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {.longest_s = 0.15});
+  StraightOperator tool_operator(kEndless);
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {.longest_s = 0.15});
   EXPECT_GE(report.seconds, 0.15);
   EXPECT_LT(report.seconds, 5.0);  // on a full machine
 }
 
 TEST(RealTime, EndsWhenItIsCancelled) {
   SmallDrilling drilling;
-  StraightHand hand(kEndless);
+  StraightOperator tool_operator(kEndless);
   std::atomic<int> reports{0};
   std::optional<Progress> progress;
   progress.emplace([&](std::string_view, double share) {
@@ -94,7 +94,7 @@ TEST(RealTime, EndsWhenItIsCancelled) {
     EXPECT_LE(share, 1.0);
     if (++reports == 3) progress->cancel();
   });
-  EXPECT_THROW(run_real_time(*drilling.session, hand, {}, {}, {}, {}, *progress), Cancelled);
+  EXPECT_THROW(run_real_time(*drilling.session, tool_operator, {}, {}, {}, {}, *progress), Cancelled);
   EXPECT_EQ(reports, 3);
   const std::uint64_t cycles = drilling.session->last().index;
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -103,10 +103,11 @@ TEST(RealTime, EndsWhenItIsCancelled) {
 
 TEST(RealTime, CountsEveryDueTimeOfEveryThread) {
   SmallDrilling drilling;
-  StraightHand hand(kEndless);
+  StraightOperator tool_operator(kEndless);
   std::uint64_t observed = 0;
   const RealTimeReport report = run_real_time(
-      *drilling.session, hand, {.rate_hz = 800.0, .tool_rate_hz = 1000.0, .output_rate_hz = 5000.0, .longest_s = 0.4},
+      *drilling.session, tool_operator,
+      {.rate_hz = 800.0, .tool_rate_hz = 1000.0, .output_rate_hz = 5000.0, .longest_s = 0.4},
       [&](const Cycle&) { ++observed; }, [](const Cycle&) {}, [](const Vec3&) {});
   // All end by the same second; each may end a cycle before or after, and sleeps may take some milliseconds.
   const auto expect_all = [&](const PaceReport& pace, double rate_hz) {
@@ -124,9 +125,9 @@ TEST(RealTime, CountsEveryDueTimeOfEveryThread) {
 
 TEST(RealTime, ShowsCyclesThatTookTooLongAsMissed) {
   SmallDrilling drilling;
-  StraightHand hand(200);
+  StraightOperator tool_operator(200);
   int cycles = 0;
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {}, [&](const Cycle&) {
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {}, [&](const Cycle&) {
     if (++cycles % 10 != 0) return;
     const std::int64_t until_ns = wall_ns() + 5'000'000;
     while (wall_ns() < until_ns) {
@@ -143,9 +144,9 @@ TEST(RealTime, ShowsCyclesThatTookTooLongAsMissed) {
 
 TEST(RealTime, TakesTheLastOfSeveralPosesWithTheTimeOfAll) {
   SmallDrilling drilling;
-  StraightHand hand(401);
+  StraightOperator tool_operator(401);
   std::vector<double> dt_s;
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {.rate_hz = 100.0},
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {.rate_hz = 100.0},
                                               [&](const Cycle& cycle) { dt_s.push_back(cycle.input.dt_s); });
   EXPECT_LE(report.collision.cycles, 45U);
   EXPECT_NEAR(drilling.session->last().time_s, 0.4, 1e-9);
@@ -158,8 +159,9 @@ TEST(RealTime, TakesTheLastOfSeveralPosesWithTheTimeOfAll) {
 
 TEST(RealTime, DoesNothingWhereThereIsNoNewPose) {
   SmallDrilling drilling;
-  StraightHand hand(50);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {.rate_hz = 2000.0, .tool_rate_hz = 200.0});
+  StraightOperator tool_operator(50);
+  const RealTimeReport report =
+      run_real_time(*drilling.session, tool_operator, {.rate_hz = 2000.0, .tool_rate_hz = 200.0});
   EXPECT_LE(report.collision.cycles, 49U);  // the first is before the clock
   EXPECT_GT(report.collision.idle, 0U);
   EXPECT_NEAR(drilling.session->last().time_s, 0.049, 1e-9);
@@ -167,12 +169,13 @@ TEST(RealTime, DoesNothingWhereThereIsNoNewPose) {
 
 TEST(RealTime, BringsWhatLockStepBringsForTheInputsThatItTook) {
   SmallDrilling drilling;
-  StraightHand hand(601);
+  StraightOperator tool_operator(601);
   std::vector<Cycle> cycles;
   cycles.reserve(700);
-  run_real_time(*drilling.session, hand, {.rate_hz = 700.0}, [&](const Cycle& cycle) { cycles.push_back(cycle); });
+  run_real_time(*drilling.session, tool_operator, {.rate_hz = 700.0},
+                [&](const Cycle& cycle) { cycles.push_back(cycle); });
 
-  class Replayed final : public ToolSource {
+  class Replayed final : public Operator {
    public:
     explicit Replayed(const std::vector<Cycle>& cycles) : cycles_(cycles) {}
     std::optional<ToolInput> next(const ToolFeedback&) override {
@@ -198,24 +201,25 @@ TEST(RealTime, BringsWhatLockStepBringsForTheInputsThatItTook) {
   EXPECT_GT(removed, 1000U);
 }
 
-TEST(RealTime, LetsTheHandKnowThatItShallStop) {
+TEST(RealTime, LetsTheOperatorKnowThatItShallStop) {
   SessionOptions options;
   options.stop.thrust_n = 1.0;  // in bone, from the first tenths of a millimetre on
   SmallDrilling drilling(options);
-  StraightHand hand(kEndless);
-  run_real_time(*drilling.session, hand, {.longest_s = 5.0});
+  StraightOperator tool_operator(kEndless);
+  run_real_time(*drilling.session, tool_operator, {.longest_s = 5.0});
   EXPECT_TRUE(drilling.session->is_stopped());
-  EXPECT_LT(hand.given(), 2000U);
+  EXPECT_LT(tool_operator.given(), 2000U);
 }
 
 TEST(RealTime, DoesNotWaitForASlowDisplay) {
   SmallDrilling drilling;
-  StraightHand hand(kEndless);
+  StraightOperator tool_operator(kEndless);
   std::vector<std::uint64_t> shown;
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {.longest_s = 0.5}, {}, [&](const Cycle& cycle) {
-    shown.push_back(cycle.index);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  });
+  const RealTimeReport report =
+      run_real_time(*drilling.session, tool_operator, {.longest_s = 0.5}, {}, [&](const Cycle& cycle) {
+        shown.push_back(cycle.index);
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      });
   EXPECT_LE(report.display.cycles, 7U);
   EXPECT_EQ(shown.size(), report.display.cycles);
   EXPECT_TRUE(std::is_sorted(shown.begin(), shown.end()));
@@ -225,25 +229,25 @@ TEST(RealTime, DoesNotWaitForASlowDisplay) {
 
 TEST(RealTime, GivesForcesAtTheRateOfADevice) {
   SmallDrilling drilling;
-  StraightHand hand(kEndless);
+  StraightOperator tool_operator(kEndless);
   std::uint64_t calls = 0;
-  double most_n = 0.0;
-  double most_cycle_n = 0.0;
+  double max_n = 0.0;
+  double max_cycle_n = 0.0;
   const RealTimeReport report = run_real_time(
-      *drilling.session, hand, {.output_rate_hz = 5000.0, .longest_s = 0.3},
-      [&](const Cycle& cycle) { most_cycle_n = std::max(most_cycle_n, cycle.force.force_n.norm()); }, {},
+      *drilling.session, tool_operator, {.output_rate_hz = 5000.0, .longest_s = 0.3},
+      [&](const Cycle& cycle) { max_cycle_n = std::max(max_cycle_n, cycle.force.force_n.norm()); }, {},
       [&](const Vec3& force_n) {
         ++calls;
-        most_n = std::max(most_n, force_n.norm());
+        max_n = std::max(max_n, force_n.norm());
       });
   EXPECT_EQ(calls, report.output.cycles);
   EXPECT_GT(calls, report.collision.cycles);
-  EXPECT_GT(most_n, 0.0);
-  EXPECT_LE(most_n, most_cycle_n * (1.0 + 1e-12));  // never longer than the longer of the last two
+  EXPECT_GT(max_n, 0.0);
+  EXPECT_LE(max_n, max_cycle_n * (1.0 + 1e-12));  // never longer than the longer of the last two
 }
 
-TEST(RealTime, ThrowsWhatTheHandOrTheObserverThrows) {
-  class Broken final : public ToolSource {
+TEST(RealTime, ThrowsWhatTheOperatorOrTheObserverThrows) {
+  class Broken final : public Operator {
    public:
     std::optional<ToolInput> next(const ToolFeedback&) override {
       if (++asked_ > 20) fail("the device is gone");
@@ -256,23 +260,23 @@ TEST(RealTime, ThrowsWhatTheHandOrTheObserverThrows) {
   SmallDrilling drilling;
   Broken broken;
   EXPECT_THAT([&] { run_real_time(*drilling.session, broken, {}); }, ThrowsMessage<Error>(HasSubstr("device is gone")));
-  StraightHand hand(kEndless);
-  EXPECT_THAT([&] { run_real_time(*drilling.session, hand, {}, [](const Cycle&) { fail("no room"); }); },
+  StraightOperator tool_operator(kEndless);
+  EXPECT_THAT([&] { run_real_time(*drilling.session, tool_operator, {}, [](const Cycle&) { fail("no room"); }); },
               ThrowsMessage<Error>(HasSubstr("no room")));
 }
 
-TEST(RealTime, EndsAtOnceWithAHandThatHasNoPose) {
+TEST(RealTime, EndsAtOnceWithAnOperatorThatHasNoPose) {
   SmallDrilling drilling;
-  StraightHand hand(0);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {});
+  StraightOperator tool_operator(0);
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {});
   EXPECT_EQ(report.collision.cycles, 0U);
   EXPECT_LT(report.seconds, 5.0);
 }
 
-TEST(RealTime, RefusesRatesOutOfRange) {
+TEST(RealTime, RejectsRatesOutOfRange) {
   SmallDrilling drilling;
-  StraightHand hand(10);
-  const auto run = [&](const RealTimeOptions& options) { run_real_time(*drilling.session, hand, options); };
+  StraightOperator tool_operator(10);
+  const auto run = [&](const RealTimeOptions& options) { run_real_time(*drilling.session, tool_operator, options); };
   for (const double rate_hz : {0.0, 0.9, -1.0, 20'001.0, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THAT([&] { run({.rate_hz = rate_hz}); }, ThrowsMessage<Error>(HasSubstr("for collisions")));
     EXPECT_THAT([&] { run({.tool_rate_hz = rate_hz}); }, ThrowsMessage<Error>(HasSubstr("for the tool")));
@@ -280,19 +284,19 @@ TEST(RealTime, RefusesRatesOutOfRange) {
   }
   EXPECT_THAT([&] { run({.output_rate_hz = 30'000.0}); }, ThrowsMessage<Error>(HasSubstr("output of forces")));
   EXPECT_THAT([&] { run({.longest_s = 0.0}); }, ThrowsMessage<Error>(HasSubstr("longest time")));
-  EXPECT_EQ(hand.given(), 0U);
+  EXPECT_EQ(tool_operator.given(), 0U);
 }
 
 TEST(RealTime, GivesBackPriorityAndMemoryAndSaysWhatItHad) {
   SmallDrilling drilling;
-  StraightHand hand(20);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {.wants_priority = true});
+  StraightOperator tool_operator(20);
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {.wants_priority = true});
   EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER);
-  EXPECT_EQ(report.remarks.size(), (report.has_priority ? 0U : 1U) + (report.has_locked_memory ? 0U : 1U));
-  const RealTimeReport without = run_real_time(*drilling.session, hand, {});
+  EXPECT_EQ(report.warnings.size(), (report.has_priority ? 0U : 1U) + (report.has_locked_memory ? 0U : 1U));
+  const RealTimeReport without = run_real_time(*drilling.session, tool_operator, {});
   EXPECT_FALSE(without.has_priority);
   EXPECT_FALSE(without.has_locked_memory);
-  EXPECT_TRUE(without.remarks.empty());
+  EXPECT_TRUE(without.warnings.empty());
 }
 
 #ifdef __SANITIZE_ADDRESS__
@@ -308,12 +312,12 @@ int run_without_rights() {
   if (setrlimit(RLIMIT_RTPRIO, &none) != 0 || setrlimit(RLIMIT_MEMLOCK, &none) != 0) return 2;
   if (geteuid() == 0 && setuid(kNobody) != 0) return 3;
   SmallDrilling drilling;
-  StraightHand hand(20);
-  const RealTimeReport report = run_real_time(*drilling.session, hand, {.wants_priority = true});
+  StraightOperator tool_operator(20);
+  const RealTimeReport report = run_real_time(*drilling.session, tool_operator, {.wants_priority = true});
   if (report.has_priority || report.has_locked_memory != kLocksMemory) return 4;
-  if (report.remarks.size() != (kLocksMemory ? 1U : 2U)) return 4;
-  if (report.remarks[0].find("ulimit -r is 0") == std::string::npos) return 5;
-  if (!kLocksMemory && report.remarks[1].find("ulimit -l is 0") == std::string::npos) return 6;
+  if (report.warnings.size() != (kLocksMemory ? 1U : 2U)) return 4;
+  if (report.warnings[0].find("ulimit -r is 0") == std::string::npos) return 5;
+  if (!kLocksMemory && report.warnings[1].find("ulimit -l is 0") == std::string::npos) return 6;
   return report.collision.cycles > 0 ? 0 : 7;
 }
 

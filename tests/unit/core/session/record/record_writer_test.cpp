@@ -180,7 +180,7 @@ TEST(RecordWriter, LeavesARecordThatSaysSoWhereItIsNotClosed) {
 TEST(RecordWriter, KeepsWhatWasFlushedWhenTheDiskIsFullAndTheSessionGoesOn) {
   const test::TemporaryFolder folder;
   int cut = 0;
-  int refused = 0;
+  int rejected = 0;
   for (std::uint64_t limit = 1000; limit <= 61'000; limit += 5000) {
     const fs::path file = folder.path() / (std::to_string(limit) + ".h5");
     std::uint64_t lost = 0;
@@ -207,7 +207,7 @@ TEST(RecordWriter, KeepsWhatWasFlushedWhenTheDiskIsFullAndTheSessionGoesOn) {
         why = error.what();
         EXPECT_THAT(why, testing::HasSubstr("File too large"));
         EXPECT_FALSE(fs::exists(file)) << "no file that is no record";
-        ++refused;
+        ++rejected;
         continue;
       }
     }
@@ -221,13 +221,13 @@ TEST(RecordWriter, KeepsWhatWasFlushedWhenTheDiskIsFullAndTheSessionGoesOn) {
     }
   }
   EXPECT_GE(cut, 4);
-  EXPECT_GE(refused, 1);
+  EXPECT_GE(rejected, 1);
 }
 
 TEST(RecordWriter, CountsWhatFindsNoRoomAndGoesOn) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.h5";
-  constexpr std::uint64_t kMost = 40 * RecordWriter::kRoom;
+  constexpr std::uint64_t kMax = 40 * RecordWriter::kRoom;
   std::mt19937_64 random(5);
   const Cycle some = any_cycle(0, random);
   Cycle cycle = some;
@@ -235,7 +235,7 @@ TEST(RecordWriter, CountsWhatFindsNoRoomAndGoesOn) {
   // Faster than any disk; then a pause, in which there is room again.
   std::uint64_t lost = 0;
   std::uint64_t first_lost = 0;
-  for (; cycle.index < kMost && lost < 1000; ++cycle.index) {
+  for (; cycle.index < kMax && lost < 1000; ++cycle.index) {
     if (writer.add(cycle)) continue;
     if (lost == 0) first_lost = cycle.index;
     ++lost;
@@ -258,7 +258,7 @@ TEST(RecordWriter, CountsWhatFindsNoRoomAndGoesOn) {
   EXPECT_EQ(told, static_cast<double>(lost));
 }
 
-TEST(RecordWriter, RefusesAFileThatIsThereUnlessItMayReplaceIt) {
+TEST(RecordWriter, RejectsAFileThatIsThereUnlessItMayReplaceIt) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.h5";
   write_whole_file(file, "precious");
@@ -272,7 +272,7 @@ TEST(RecordWriter, RefusesAFileThatIsThereUnlessItMayReplaceIt) {
               testing::HasSubstr("No such file"));
 }
 
-TEST(ReadRecord, RefusesWhatIsNoRecord) {
+TEST(ReadRecord, RejectsWhatIsNoRecord) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.h5";
   EXPECT_THAT(test::error_of([&] { read_record(file); }), testing::HasSubstr(file.string()));
@@ -281,7 +281,7 @@ TEST(ReadRecord, RefusesWhatIsNoRecord) {
   EXPECT_THAT(test::error_of([&] { read_record(folder.path()); }), testing::HasSubstr(folder.path().string()));
 }
 
-TEST(ReadRecord, RefusesAFileCutShortOrDamagedOrReadsWhatItHolds) {
+TEST(ReadRecord, RejectsAFileCutShortOrDamagedOrReadsWhatItHolds) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.h5";
   std::vector<RecordedCycle> expected;
@@ -298,7 +298,7 @@ TEST(ReadRecord, RefusesAFileCutShortOrDamagedOrReadsWhatItHolds) {
   }
   const std::string whole = read_whole_file(file);
   std::mt19937_64 random(11);
-  int refused = 0;
+  int rejected = 0;
   const auto try_reading = [&](const std::string& bytes) {
     const fs::path damaged = folder.path() / "b.h5";
     write_whole_file(damaged, bytes);
@@ -309,19 +309,19 @@ TEST(ReadRecord, RefusesAFileCutShortOrDamagedOrReadsWhatItHolds) {
       for (std::size_t n = 0; n < record.cycles.size(); ++n) ASSERT_TRUE(record.cycles[n] == expected[n]);
     } catch (const Error& error) {
       EXPECT_THAT(std::string(error.what()), testing::HasSubstr(damaged.string()));
-      ++refused;
+      ++rejected;
     }
   };
   for (int n = 0; n < 60; ++n) try_reading(whole.substr(0, random() % whole.size()));
-  EXPECT_EQ(refused, 60) << "a file that was closed is whole or none";
-  refused = 0;
+  EXPECT_EQ(rejected, 60) << "a file that was closed is whole or none";
+  rejected = 0;
   for (int n = 0; n < 200; ++n) {
     std::string bytes = whole;
     bytes[random() % bytes.size()] ^= static_cast<char>(1U << (random() % 8));
     try_reading(bytes);
   }
-  std::printf("%d of 200 files with a bit flipped were refused\n", refused);
-  EXPECT_GE(refused, 100);
+  std::printf("%d of 200 files with a bit flipped were rejected\n", rejected);
+  EXPECT_GE(rejected, 100);
 }
 
 TEST(RecordCsv, HasUnitsInItsHeadAndOneRowACycle) {
@@ -337,7 +337,7 @@ TEST(RecordCsv, HasUnitsInItsHeadAndOneRowACycle) {
   EXPECT_EQ(csv.str(),
             "cycle,time_s,dt_s,tip_x_mm,tip_y_mm,tip_z_mm,axis_x,axis_y,axis_z,spindle_on,state,removed_points,"
             "removed_hu,work_n_mm,force_x_n,force_y_n,force_z_n,thrust_n,torque_n_mm,feed_mm_per_turn,"
-            "tip_density_g_cm3,depth_mm,outer_clearance_mm,canal_clearance_mm\n"
+            "tip_density_g_cm3,depth_mm,clearance_outer_mm,clearance_canal_mm\n"
             "0,0,0,0,0,0,0,0,1,1,initial,0,0,0,0,0,0,0,0,0,0,0,0,0\n"
             "1,0,0,0.1,-2,1e-07,0,0,1,1,cancellous,0,0,0,0,0,0,,0,0,0,0,0,inf\n");
   record.events = {event_at(7, EventKind::canal_breach, 0.5)};

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/session/operator/operator.h"
+#include "core/session/operator/path_motion.h"
+#include "core/tool/drill_path.h"
+
+namespace spinaltap {
+
+/// An operator as somebody asks for it, and the rates that go with it.
+struct OperatorPlan {
+  std::unique_ptr<Operator> tool_operator;
+  double rate_hz = 1000.0;        ///< poses a second
+  double cycle_rate_hz = 1000.0;  ///< collision cycles a second, in real time
+  /// What a record says of the operator, by option: it holds the poses themselves.
+  std::map<std::string, std::string> words;
+};
+
+/// What says how the bit is moved, by the names of the options of `spinaltap drill`. What was not given has the default
+/// that its operator has.
+struct OperatorChoice {
+  std::string name;  ///< empty: along the path
+  std::optional<double> offset_mm;
+  std::optional<double> tilt_deg;
+  std::optional<double> step_mm;
+  std::string feed;  ///< mm/s, or "MM_S,FROM_MM:MM_S,...", by depth
+  std::optional<double> rate_hz;
+  std::optional<double> tremor_mm;
+  std::optional<double> peck_mm;
+  std::optional<double> withdraw_mm_s;
+  std::optional<double> push_n;
+  std::optional<std::uint64_t> seed;
+
+  /// Throws Error where options do not go together.
+  void check(bool is_real_time) const;
+  /// The operator, from `lead_in_mm` before the path's entry. Throws Error on values out of range, and where a file of
+  /// poses cannot be read.
+  OperatorPlan plan(const DrillPath& path, double lead_in_mm, const Spindle& spindle, bool is_real_time) const;
+
+ private:
+  void add_planned_motion(const DrillPath& path, const GuideLine& line, OperatorPlan& plan) const;
+  void add_force_controlled(const DrillPath& path, const GuideLine& line, const Spindle& spindle,
+                            OperatorPlan& plan) const;
+  double tremor_or_default_mm() const;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+
+namespace spinaltap {
+
+/// Bone's density from its CT number: a line, never below 0. The numbers and their sources are in data/densities/.
+struct HuToDensity {
+  double at_0_hu = 0.05;    ///< g/cm³
+  double per_hu = 0.00105;  ///< g/cm³ per HU
+
+  /// Density, g/cm³.
+  double density_g_cm3(double hu) const;
+};
+
+/// Rejects values that are not finite or absurd, and calibrations by which bone of a higher CT number would be no
+/// denser.
+void check_hu_to_density(const HuToDensity& line);
+
+/// A rod of known density in a calibration phantom, and its mean CT number.
+struct CalibrationPair {
+  double hu = 0.0;
+  double density_g_cm3 = 0.0;
+};
+
+struct DensityCalibration {
+  HuToDensity line;
+  double rms_residual_g_cm3 = 0.0;  ///< root mean square of what the pairs miss the line by
+  double max_residual_g_cm3 = 0.0;  ///< the largest of it
+};
+
+/// The line of least squares (in density) through measured pairs, in the order of the pairs. Throws Error where fewer
+/// than two CT numbers differ, where a number is not finite, and where the line does not rise.
+DensityCalibration calibrate_density(std::span<const CalibrationPair> pairs);
+
+}  // namespace spinaltap

@@ -1,0 +1,323 @@
+#include "core/segment/level_warnings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "core/segment/detail/connected_parts.h"
+#include "core/segment/distance_transform.h"
+
+namespace spinaltap {
+namespace {
+
+/// The mean place of the canal beside the body, in the body's frame; nothing where no canal was found.
+std::optional<Vec3> canal_beside(const SpinalCanal& canal, const BodyCylinder& body) {
+  const Mat3 to_body = body.axes().transpose();
+  Vec3 sum = Vec3::Zero();
+  double count = 0.0;
+  for (const Vec3& p_mm : canal.points_mm) {
+    const Vec3 p = to_body * (p_mm - body.centre_mm);
+    if (std::abs(p.z()) > body.half_mm.z() || p.head<2>().norm() > 60.0) continue;
+    sum += p;
+    count += 1.0;
+  }
+  if (count == 0.0) return std::nullopt;
+  return Vec3(sum / count);
+}
+
+/// Where a place in a body's frame lies among the contacts with other bone.
+Contact contact_at(const Vec3& p, bool is_vertebra, const BodyCylinder& body) {
+  constexpr double kBesideMm = 3.0;
+  constexpr double kBehindMm = 4.0;
+  if (std::abs(p.x()) < body.half_mm.x() + kBesideMm && p.y() < body.half_mm.y() + kBehindMm) return Contact::ends;
+  const bool is_left = p.x() > 0.0;
+  if (!is_vertebra) return is_left ? Contact::left_rib : Contact::right_rib;
+  if (p.z() > 0.0) return is_left ? Contact::upper_left : Contact::upper_right;
+  return is_left ? Contact::lower_left : Contact::lower_right;
+}
+
+/// Sums over the faces between the vertebra and other bone of their area times how well bone goes on through them.
+std::array<Bridge, kContacts> find_bridges(const LevelCut& cut, const CutMasks& masks, const BodyCylinder& body) {
+  const GridGeometry& geometry = cut.geometry();
+  const std::vector<std::uint8_t>& mine = masks.given;
+  const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
+  const Mat3 to_body = body.axes().transpose();
+  std::array<Bridge, kContacts> bridges{};
+  for (int k = 0; k + 1 < geometry.size[2]; ++k) {
+    for (int j = 0; j + 1 < geometry.size[1]; ++j) {
+      for (int i = 0; i + 1 < geometry.size[0]; ++i) {
+        const std::size_t here = geometry.offset(i, j, k);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const std::size_t next = here + stride[axis];
+          if ((mine[here] != 0) == (mine[next] != 0)) continue;
+          const std::size_t other = mine[here] != 0 ? next : here;
+          if (cut.markers[other] == WalkerVoxel::kOutside) continue;
+          const double through = static_cast<double>(std::min(cut.conductivity[here], cut.conductivity[next]));
+          const double mm2 =
+              through * geometry.spacing_mm.prod() / geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
+          const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
+          const Contact contact = contact_at(to_body * (p_mm - body.centre_mm), masks.others[other] != 0, body);
+          Bridge& bridge = bridges[static_cast<std::size_t>(contact)];
+          bridge.mm2 += mm2;
+          bridge.where_mm += mm2 * p_mm;
+        }
+      }
+    }
+  }
+  for (Bridge& bridge : bridges) {
+    if (bridge.mm2 > 0.0) bridge.where_mm /= bridge.mm2;
+  }
+  return bridges;
+}
+
+/// How far a place in a body's frame lies to the left of the plane through the body's middle and the canal.
+double side_of(const Vec3& p, const Vec3& canal) {
+  return p.x() - canal.x() * std::clamp(p.y() / canal.y(), -0.5, 1.5);
+}
+
+/// The largest piece of the arch that the plane through body and canal mirrors to where the vertebra is not.
+void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
+                   const Vec3& canal, LevelFigures& figures) {
+  constexpr double kFarMm = 4.0;  // vertebrae are hardly more alike
+  // Spinous processes lean to one side.
+  constexpr double kSpinousMm = 14.0;
+  const GridGeometry& geometry = cut.geometry();
+  const Mat3 axes = body.axes();
+  const std::vector<float> to_mine = squared_distance_to(mine, geometry);
+  std::vector<std::uint8_t> alone(mine.size(), 0);
+  for_voxels_by_body(mine, geometry, body, [&](std::size_t voxel, const Vec3& p) {
+    const double side = side_of(p, canal);
+    if (p.y() < body.half_mm.y() || (p.y() > canal.y() + kSpinousMm && std::abs(side) < kSpinousMm)) return;
+    const Vec3 mirrored = geometry.to_index(body.centre_mm + axes * (p - Vec3(2.0 * side, 0.0, 0.0)));
+    const Eigen::Vector3i at = mirrored.array().round().cast<int>();
+    // What the box does not hold is no vertebra's.
+    const bool is_near =
+        geometry.contains(at.x(), at.y(), at.z()) && to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
+    if (!is_near) alone[voxel] = 1;
+  });
+  Vec3 sum_mm = Vec3::Zero();
+  double count = 0.0;
+  for_voxels_by_body(largest_part(alone, geometry), geometry, body, [&](std::size_t, const Vec3& p) {
+    sum_mm += body.centre_mm + axes * p;
+    count += 1.0;
+  });
+  if (count == 0.0) return;
+  figures.lopsided_mm3 = count * geometry.spacing_mm.prod();
+  figures.lopsided_at_mm = sum_mm / count;
+}
+
+const char* name_of(Contact contact) {
+  switch (contact) {
+    case Contact::ends:
+      return "the bone above, below and beside its body";
+    case Contact::upper_left:
+      return "the vertebra above, in the left joint";
+    case Contact::upper_right:
+      return "the vertebra above, in the right joint";
+    case Contact::lower_left:
+      return "the vertebra below, in the left joint";
+    case Contact::lower_right:
+      return "the vertebra below, in the right joint";
+    case Contact::left_rib:
+      return "the left rib";
+    case Contact::right_rib:
+      return "the right rib";
+  }
+  return "";
+}
+
+template <class... Parts>
+std::string words(const Parts&... parts) {
+  std::ostringstream text;
+  text.precision(3);
+  (text << ... << parts);
+  return text.str();
+}
+
+/// 0 at and within `fine`, 1 at and beyond `bad`.
+double ramp(double value, double fine, double bad) { return std::clamp((value - fine) / (bad - fine), 0.0, 1.0); }
+
+class Warnings {
+ public:
+  void add(double severity, std::string text, const std::optional<Vec3>& where_mm = std::nullopt) {
+    constexpr double kMin = 0.1;  // less is not worth a word
+    if (severity >= kMin) list_.push_back({std::move(text), severity, where_mm});
+  }
+  std::vector<LevelWarning> take() { return std::move(list_); }
+
+ private:
+  std::vector<LevelWarning> list_;
+};
+
+}  // namespace
+
+LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const BodyInRow& row) {
+  const std::vector<std::uint8_t>& mine = masks.finished;
+  const BodyCylinder& body = row.body().cylinder;
+  const double voxel_mm3 = cut.geometry().spacing_mm.prod();
+  LevelFigures figures;
+  const Vec3 canal = canal_beside(row.canal, body).value_or(Vec3(0.0, body.half_mm.y() + 8.0, 0.0));
+  constexpr int kDirections = 72;
+  constexpr double kSlabMm = 2.0;
+  constexpr double kMinSideMm = 4.0;
+  constexpr std::size_t kSlabs = 9;
+  std::array<std::array<double, kSlabs>, 2> sections{};
+  // Voxels count with the share of their depth that lies in a slab.
+  const double voxel_depth_mm = body.axes().col(1).cwiseAbs().dot(cut.geometry().spacing_mm);
+  const double max = std::min(1.0, kSlabMm / voxel_depth_mm);
+  constexpr double kMetalHu = 2500.0;
+  constexpr double kCementHu = 900.0;
+  std::array<bool, kDirections> seen{};
+  double left = 0.0;
+  double all = 0.0;
+  double unsure = 0.0;
+  std::vector<std::uint8_t> dense(mine.size(), 0);
+  for_voxels_by_body(mine, cut.geometry(), body, [&](std::size_t voxel, const Vec3& p) {
+    const double side = side_of(p, canal);
+    all += 1.0;
+    if (side > 0.0) left += 1.0;
+    if (cut.depth_mm[voxel] <= 0.0F && cut.probability[voxel] < 0.65F) unsure += 1.0;
+    figures.left_reach_mm = std::max(figures.left_reach_mm, side);
+    figures.right_reach_mm = std::max(figures.right_reach_mm, -side);
+    figures.behind_canal_mm = std::max(figures.behind_canal_mm, p.y() - canal.y());
+    // Slabs from the body's back to behind the canal's middle; a pedicle is as good as its thinnest.
+    if (std::abs(side) > kMinSideMm && std::abs(side) < body.half_mm.x() + 8.0 &&
+        std::abs(p.z()) < 1.1 * body.half_mm.z()) {
+      for (std::size_t n = 0; n < kSlabs; ++n) {
+        const double y = std::lerp(body.half_mm.y(), canal.y() + 2.0, static_cast<double>(n) / (kSlabs - 1));
+        const double covered = std::clamp((0.5 * kSlabMm - std::abs(p.y() - y)) / voxel_depth_mm + 0.5, 0.0, max);
+        sections[side > 0.0 ? 0 : 1][n] += covered * voxel_mm3 / kSlabMm;
+      }
+    }
+    const double x = p.x() - canal.x();
+    const double y = p.y() - canal.y();
+    if (std::hypot(x, y) < 22.0 && p.z() > -2.2 * body.half_mm.z() && p.z() < 1.2 * body.half_mm.z()) {
+      const double turn = std::atan2(x, y) / (2.0 * std::numbers::pi) + 0.5;
+      seen[static_cast<std::size_t>(std::min(kDirections - 1, static_cast<int>(turn * kDirections)))] = true;
+    }
+    const auto hu = static_cast<double>(cut.smooth.values[voxel]);
+    if (hu >= kMetalHu) figures.metal_mm3 += voxel_mm3;
+    if (hu >= kCementHu && hu < kMetalHu && cut.depth_mm[voxel] > 4.0F) dense[voxel] = 1;
+  });
+  figures.left_pedicle_mm2 = *std::min_element(sections[0].begin(), sections[0].end());
+  figures.right_pedicle_mm2 = *std::min_element(sections[1].begin(), sections[1].end());
+  if (all > 0.0) {
+    figures.left_share = left / all;
+    figures.unsure_share = unsure / all;
+  }
+  figures.canal_closed = static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kDirections;
+  const std::vector<std::size_t> lumps = part_sizes(dense, cut.geometry());
+  if (!lumps.empty()) figures.cement_mm3 = static_cast<double>(lumps.front()) * voxel_mm3;
+  figures.bridges = find_bridges(cut, masks, body);
+  find_lopsided(cut, mine, body, canal, figures);
+  return figures;
+}
+
+std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::vector<BodySpan>& chain,
+                                      const BodyInRow& row) {
+  Warnings warnings;
+  const BodySpan& span = chain[row.own];
+  const BodyCylinder& body = row.body().cylinder;
+  const bool is_cut = span.lower.is_cut || span.upper.is_cut;
+  for (const auto& [end, name] : {std::pair{&span.upper, "upper"}, std::pair{&span.lower, "lower"}}) {
+    if (end->is_cut) {
+      warnings.add(0.3, words("the body goes on beyond the CT: its ", name, " end is not in it"));
+      continue;
+    }
+    warnings.add(0.7 * ramp(-end->edge, -0.35, -0.1),
+                 words("the ", name, " endplate is weak: ", end->edge, " of a clear one, expected 0.35 and more"),
+                 end->centre_mm);
+  }
+  // Against the neighbours that are whole.
+  for (const std::size_t other : {row.own - 1, row.own + 1}) {
+    if (other >= chain.size() || is_cut || chain[other].lower.is_cut || chain[other].upper.is_cut) continue;
+    const Vec3 ratio = body.half_mm.cwiseQuotient(row.bodies[other].cylinder.half_mm);
+    const char* side = other < row.own ? "lower" : "upper";
+    for (const auto& [value, name] :
+         {std::pair{ratio.x(), "wide"}, std::pair{ratio.y(), "deep"}, std::pair{ratio.z(), "high"}}) {
+      warnings.add(0.6 * ramp(std::abs(std::log(value)), std::log(1.3), std::log(1.6)),
+                   words("the body is ", value, " times as ", name, " as its ", side, " neighbour"), body.centre_mm);
+    }
+    const BodySpan& lower = other < row.own ? chain[other] : span;
+    const BodySpan& upper = other < row.own ? span : chain[other];
+    const double gap_mm = (upper.lower.centre_mm - lower.upper.centre_mm).norm();
+    const double height_mm = std::min(lower.height_mm(), upper.height_mm());
+    warnings.add(0.6 * ramp(gap_mm / height_mm, 0.6, 0.9),
+                 words("the gap to the ", side, " neighbour is ", gap_mm, " mm high: a body may be missing there"),
+                 Vec3(0.5 * (upper.lower.centre_mm + lower.upper.centre_mm)));
+  }
+  // Beyond the outermost bodies.
+  for (const bool is_top : {false, true}) {
+    if (row.own != (is_top ? chain.size() - 1 : 0)) continue;
+    const BodyEnd& end = is_top ? span.upper : span.lower;
+    if (end.is_cut || row.canal.points_mm.empty()) continue;
+    const Vec3& last = is_top ? row.canal.points_mm.back() : row.canal.points_mm.front();
+    const double beyond = (last - end.centre_mm).dot(end.up) * (is_top ? 1.0 : -1.0) / (2.0 * body.half_mm.z());
+    warnings.add(0.6 * ramp(beyond, 0.6, 1.0),
+                 words("the canal goes on for ", beyond, " of a body's height ", is_top ? "above" : "below",
+                       ": a vertebra may be missing there"),
+                 last);
+  }
+  const double height_over_depth = body.half_mm.z() / body.half_mm.y();
+  if (!is_cut) {
+    warnings.add(0.8 * ramp(height_over_depth, 1.15, 1.5),
+                 words("the body is ", height_over_depth, " times as high as deep, expected up to 1.15"),
+                 body.centre_mm);
+    warnings.add(0.6 * ramp(-height_over_depth, -0.5, -0.35),
+                 words("the body is only ", height_over_depth, " times as high as deep, expected 0.5 and more"),
+                 body.centre_mm);
+  }
+  constexpr double kClearFit = 0.33;
+  warnings.add(0.7 * ramp(-body.fit, -kClearFit, -0.23),
+               words("the body's wall is faint: ", body.fit, " of a clear one, expected ", kClearFit, " and more"),
+               body.centre_mm);
+  // What is beyond the CT cannot be missed here.
+  const double missing = is_cut ? 0.4 : 0.8;
+  for (const auto& [mm2, name] :
+       {std::pair{figures.left_pedicle_mm2, "left"}, std::pair{figures.right_pedicle_mm2, "right"}}) {
+    warnings.add(missing * ramp(-mm2, -14.0, -5.0),
+                 words("the ", name, " pedicle has ", mm2, " mm2 of bone where it is thinnest, expected 14 and more"));
+  }
+  warnings.add(missing * ramp(-figures.canal_closed, -0.97, -0.85),
+               words("the vertebra closes ", 100.0 * figures.canal_closed, " % of the way around the canal"));
+  warnings.add(
+      missing * ramp(-figures.behind_canal_mm, -17.0, -11.0),
+      words("it ends ", figures.behind_canal_mm, " mm behind the canal's middle: the spinous process is missing"));
+  warnings.add(0.8 * ramp(std::abs(figures.left_share - 0.5), 0.06, 0.11),
+               words(100.0 * figures.left_share, " % of it lie to the left: one side has too much or too little"));
+  const double reach_mm = std::abs(figures.left_reach_mm - figures.right_reach_mm);
+  warnings.add(0.7 * ramp(reach_mm, 7.0, 14.0),
+               words("it reaches ", figures.left_reach_mm, " mm to the left and ", figures.right_reach_mm,
+                     " mm to the right: a rib may have stayed on, or a process be cut off"));
+  for (std::size_t n = 0; n < kContacts; ++n) {
+    const auto& [mm2, where_mm] = figures.bridges[n];
+    const auto contact = static_cast<Contact>(n);
+    const bool is_ends = contact == Contact::ends;
+    warnings.add(
+        is_ends ? 0.7 * ramp(mm2, 90.0, 200.0) : 0.4 * ramp(mm2, 8.0, 25.0),
+        words("no gap shows over ", mm2, " mm2 between it and ", name_of(contact), ": the cut there is a guess"),
+        where_mm);
+  }
+  warnings.add(
+      0.7 * ramp(figures.lopsided_mm3, 300.0, 1000.0),
+      words("a piece of ", figures.lopsided_mm3,
+            " mm3 has no like on the other side: a process may be missing there, or a rib have stayed on here"),
+      figures.lopsided_at_mm);
+  warnings.add(0.6 * ramp(figures.unsure_share, 0.18, 0.35),
+               words("of ", 100.0 * figures.unsure_share, " % of it, it is unsure whose they are"));
+  warnings.add(figures.metal_mm3 > 30.0 ? 0.6 : 0.0,
+               words("metal: ", figures.metal_mm3, " mm3 over 2500 HU; CT numbers around it are not bone's"));
+  warnings.add(figures.cement_mm3 > 500.0 ? 0.55 : 0.0,
+               words("a dense lump of ", figures.cement_mm3, " mm3 in the body, as of cement"), body.centre_mm);
+  return warnings.take();
+}
+
+double total_severity(const std::vector<LevelWarning>& warnings) {
+  double sound = 1.0;
+  for (const LevelWarning& warning : warnings) sound *= 1.0 - warning.severity;
+  return 1.0 - sound;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/segment/segment_spine.h"
+
+namespace spinaltap {
+
+/// What whoever marked a bone thinks of it.
+struct LevelWarnings {
+  std::vector<std::string> warnings;  ///< one line each
+  double severity = 0.0;              ///< 0: none, to 1: likely wrong
+
+  bool is_suspect() const { return severity >= kSuspect; }
+  bool operator==(const LevelWarnings&) const = default;
+};
+
+/// The warnings of a vertebra that was found, in words, and one where its name is but a hint.
+LevelWarnings warnings_of(const LevelReport& report);
+
+/// As the metadata "severity" and "warnings" (a line each) of a bone, and back; nothing where there are no such
+/// metadata.
+void add_warnings(const LevelWarnings& warnings, std::map<std::string, std::string>& metadata);
+std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string>& metadata);
+
+}  // namespace spinaltap

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/session/operator/operator.h"
+#include "core/session/operator/path_motion.h"
+
+namespace spinaltap {
+
+/// How an operator pushes. Where no source is named, values are estimates.
+struct ForceControlOptions {
+  GuideLine line = {};
+  double rate_hz = 1000.0;     ///< poses a second
+  Spindle spindle = {};        ///< as the session has it
+  double push_n = 40.0;        ///< along the line
+  double ramp_s = 0.5;         ///< from contact until all of it is there
+  double approach_mm_s = 5.0;  ///< feed until contact
+  /// Of hand, forearm and drill, as they resist along the line: an arm that holds a handle has 0.55 kg (a trial of van
+  /// Beek et al., Sci Rep 2015), a surgical drill about 1 kg.
+  double mass_kg = 1.5;
+  /// N·s/mm: alone it holds the free bit to push over damping. It stands for the arm's stiffness and its owner's care
+  /// as well, and is such that a push of 40 N plunges some 5 mm, as surgeons with sharp bits do: 5.1 mm the
+  /// experienced, 7.6 mm the others (Alajmo et al., J Orthop Trauma 2012).
+  double damping_n_s_mm = 2.0;
+  double reaction_s = 0.2;     ///< from what is felt or heard to letting go
+  double noticed_share = 0.2;  ///< of the push: a counterforce below it for reaction_s is a breakthrough; 0: never
+  double tremor_mm = 0.0;      ///< Tremor's amplitude
+  std::uint64_t seed = 1;      ///< of the tremor
+  double longest_s = 120.0;    ///< gives up then
+};
+
+/// An operator that pushes along a line, so that feed follows from the bone: m dv/dt = F - T(v) - c v, with the thrust
+/// T that the bone asks of a feed (FeedResistance), by the implicit Euler method. It approaches until it feels bone,
+/// pushes, and lets go at the target, when the session asks to stop or when it notices a breakthrough, the latter two
+/// after its reaction time. Then it stands a while and ends. Where the bone stops resisting it plunges.
+class ForceControlled final : public Operator {
+ public:
+  /// Throws Error on values that are not numbers or out of range.
+  ForceControlled(const DrillPath& path, const ForceControlOptions& options);
+
+  std::optional<ToolInput> next(const ToolFeedback& feedback) override;
+
+  /// Along the line, but for the tremor: depth beyond the entry (mm), and feed (mm/s).
+  double depth_mm() const { return depth_mm_; }
+  double feed_mm_s() const { return feed_mm_s_; }
+
+ private:
+  enum class Phase { approach, push, let_go };
+
+  void feel(const ToolFeedback& feedback) noexcept;
+  void move(const FeedResistance& bone) noexcept;
+
+  GuidedBit bit_;
+  Tremor tremor_;
+  ForceControlOptions options_;
+  double dt_s_;
+  Phase phase_ = Phase::approach;
+  std::uint64_t cycle_ = 0;
+  double depth_mm_;
+  double feed_mm_s_ = 0.0;
+  double pushed_s_ = 0.0;        ///< since contact
+  double counterforce_n_ = 0.0;  ///< of the last cycle
+  double loose_s_ = 0.0;         ///< for so long it has been small
+  double stop_s_ = 0.0;          ///< for so long the session has asked to stop
+  double still_s_ = 0.0;         ///< since it stands
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "core/force/drill_forces.h"
+
+namespace spinaltap {
+
+/// Where an operator holds the bit at the end of a cycle.
+struct ToolInput {
+  Pose pose;  ///< patient LPS
+  bool spindle_on = true;
+  double dt_s = 0.001;  ///< since the last input; above 0
+};
+
+/// What an operator feels of the last cycle.
+struct ToolFeedback {
+  double time_s = 0.0;
+  DrillForce force = {};
+  bool stop = false;  ///< the session asks to stop drilling: an operator that pushes lets go, others end
+};
+
+/// An operator that holds the bit: a planned motion, recorded poses, a device, a model of a surgeon. Asked once a
+/// cycle, in order, from one thread. The same feedback brings the same poses.
+class Operator {
+ public:
+  Operator() = default;
+  Operator(const Operator&) = delete;
+  Operator& operator=(const Operator&) = delete;
+  virtual ~Operator() = default;
+
+  /// The next pose; nothing at the end. The first is where the bit is put.
+  virtual std::optional<ToolInput> next(const ToolFeedback& feedback) = 0;
+  /// How many inputs there will be, for progress; 0: not known.
+  virtual std::size_t count() const { return 0; }
+};
+
+}  // namespace spinaltap
