@@ -6,6 +6,11 @@
 #include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
+namespace {
+
+constexpr FileFormat kFormat{"spinaltap-bits", "table of bits", "see docs/data-files.md"};
+
+}  // namespace
 
 const std::map<std::string, BitShape>& bit_shapes() {
   static const std::map<std::string, BitShape> shapes{{"drill", BitShape::drill},
@@ -24,6 +29,7 @@ const std::string& name_of(BitShape shape) {
 
 std::vector<NamedBit> read_bits(const std::filesystem::path& path) {
   const Json json = read_json(path);
+  check_format(json, kFormat, path);
   const Json& list = JsonObject(json, path).at("bits");
   if (!list.is_array() || list.empty()) fail("expected one bit or more in ", path.string(), ", found none");
   std::vector<NamedBit> bits;

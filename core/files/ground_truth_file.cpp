@@ -20,8 +20,9 @@ Json json_of(const PedicleGroundTruth& pedicle) {
 }
 
 Json scan_json(const ScanOptions& scan, const std::string& ct_hash) {
-  return {{"format", "spinaltap-phantom"},
-          {"version", version()},
+  return {{"format", "spinaltap-ground-truth"},
+          {"version", kFormatVersion},
+          {"program", version()},
           {"frame", "LPS"},
           {"unit", "mm"},
           {"scan",

@@ -71,6 +71,25 @@ void check_keys(const Json& json, std::initializer_list<std::string_view> known,
   }
 }
 
+void check_format(const Json& json, const FileFormat& format, const std::filesystem::path& file) {
+  const JsonObject object(json, file);
+  const bool has_format = object.has("format");
+  if (has_format && object.text("format") != format.name) {
+    fail("expected a ", format.name, " in ", file.string(), ", found a ", object.text("format"));
+  }
+  if (!has_format || !object.has("version")) {
+    fail(file.string(), ": this is a version 1 ", format.what, ", or none: it has no \"",
+         has_format ? "version" : "format", "\"; version ", kFormatVersion, " (\"format\": \"", format.name,
+         "\", \"version\": ", kFormatVersion, ") is expected: ", format.remedy);
+  }
+  if (const double version = object.number("version"); version != kFormatVersion) {
+    fail(file.string(), ": this is a version ", version, " ", format.what, "; version ", kFormatVersion,
+         " is expected: ", format.remedy);
+  }
+}
+
+Json format_head(const FileFormat& format) { return {{"format", format.name}, {"version", kFormatVersion}}; }
+
 Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }

@@ -39,6 +39,22 @@ class JsonObject {
   std::filesystem::path file_;
 };
 
+/// The version of all JSON formats of the library, which their files name beside "format"; docs/file-formats.md lists
+/// what each version changed.
+inline constexpr int kFormatVersion = 2;
+
+/// One of these formats.
+struct FileFormat {
+  const char* name = "";    ///< as "format" has it
+  const char* what = "";    ///< as people call it: "plan"
+  const char* remedy = "";  ///< for a file of an older version: "plan again"
+};
+/// Throws Error that names the file, its version and the remedy, where it is not of this format in kFormatVersion.
+/// Version 1 of some formats had neither key.
+void check_format(const Json& json, const FileFormat& format, const std::filesystem::path& file);
+/// What begins a file of it: "format" and "version".
+Json format_head(const FileFormat& format);
+
 /// Rejects a key that is not among `known`: nobody would read it, and it is likely a slip of the pen. `what`: what the
 /// key ought to be, as in "a rule of planning".
 void check_keys(const Json& json, std::initializer_list<std::string_view> known, const std::filesystem::path& file,

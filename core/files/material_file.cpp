@@ -14,6 +14,9 @@
 namespace spinaltap {
 namespace {
 
+constexpr FileFormat kDensityFormat{"spinaltap-density-calibration", "density calibration", "see docs/data-files.md"};
+constexpr FileFormat kFormat{"spinaltap-cutting-model", "cutting model", "see docs/data-files.md"};
+
 constexpr const char* kCalibration = "calibration";
 
 std::vector<CalibrationPair> pairs_of(const Json& list, const std::filesystem::path& path) {
@@ -46,6 +49,7 @@ static_assert(sizeof(Material) == sizeof(HuToDensity) + kNumbers.size() * sizeof
 
 DensityCalibration read_density_calibration(const std::filesystem::path& path) {
   const Json json = read_json(path);
+  check_format(json, kDensityFormat, path);
   const JsonObject object(json, path);
   const bool calibrated = object.has(kCalibration);
   if (calibrated && (object.has(kAtZero) || object.has(kPerHu))) {
@@ -80,6 +84,7 @@ Material material_of(const Json& json, const std::filesystem::path& file) {
 
 Material read_material(const std::filesystem::path& path, const HuToDensity& density) {
   const Json json = read_json(path);
+  check_format(json, kFormat, path);
   const JsonObject object(json, path);
   const auto reject = [&](const char* key, const char* why) {
     // Left unread, it would change nothing without a word.
@@ -87,9 +92,6 @@ Material read_material(const std::filesystem::path& path, const HuToDensity& den
   };
   reject(kAtZero, "the density calibration has its own file");
   reject(kPerHu, "the density calibration has its own file");
-  reject("pressure_at_1_g_cm3_mpa",
-         "it is now \"specific_cutting_energy_mpa\", at \"reference_feed_mm\"; see docs/forces.md");
-  reject("pressure_exponent", "it is now \"cutting_exponent\"; see docs/forces.md");
 
   Material material;
   material.density = density;

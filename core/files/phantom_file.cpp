@@ -8,9 +8,12 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/json_file.h"
 
 namespace spinaltap {
 namespace {
+
+constexpr FileFormat kFormat{"spinaltap-anatomy", "anatomy", "see docs/data-files.md"};
 
 using Outline = decltype(VertebraAnatomy::Spinous::outline_mm);
 using Target = std::variant<double*, Vec3*, Outline*, std::uint64_t*>;
@@ -173,10 +176,11 @@ VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
     fail(file, ": not JSON: ", error.what());
   }
   if (!whole.is_object()) fail(file, ": an object expected");
+  check_format(Json(whole), kFormat, path);
   VertebraAnatomy anatomy;
   std::map<std::string, Group> groups = groups_of(anatomy);
   for (const auto& [key, value] : whole.items()) {
-    if (key == "right_pedicle") continue;
+    if (key == "right_pedicle" || key == "format" || key == "version") continue;
     if (key == "name" || key == "source") {
       if (!value.is_string()) fail(file, ": ", key, ": a text expected, found ", value.dump());
       continue;

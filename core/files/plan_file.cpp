@@ -9,15 +9,13 @@
 namespace spinaltap {
 namespace {
 
-constexpr const char* kPlanFormat = "spinaltap-plan";
-constexpr int kPlanVersion = 1;
+constexpr FileFormat kPlanFormat{"spinaltap-plan", "plan", "plan again, or see docs/plan-file.md"};
 
 std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::path& file) {
+  check_format(json, kPlanFormat, file);
   const JsonObject plan(json, file);
-  if (plan.text("format") != kPlanFormat || plan.number("version") != kPlanVersion || plan.text("frame") != "LPS" ||
-      plan.text("unit") != "mm") {
-    fail("expected a ", kPlanFormat, " of version ", kPlanVersion, " in the frame LPS and the unit mm in ",
-         file.string());
+  if (plan.text("frame") != "LPS" || plan.text("unit") != "mm") {
+    fail("expected a plan in the frame LPS and the unit mm in ", file.string());
   }
   const Json& list = plan.at("paths");
   if (!list.is_array() || list.empty()) fail("expected one path or more in ", file.string(), ", found none");
@@ -34,8 +32,8 @@ void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path
     write_json(markups_of(paths), path);
     return;
   }
-  Json plan{
-      {"format", kPlanFormat}, {"version", kPlanVersion}, {"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}};
+  Json plan = format_head(kPlanFormat);
+  plan.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}});
   for (const DrillPath& drill_path : paths) plan["paths"].push_back(to_json(drill_path));
   write_json(plan, path);
 }

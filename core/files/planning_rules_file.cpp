@@ -5,14 +5,20 @@
 #include "core/files/json_file.h"
 
 namespace spinaltap {
+namespace {
+
+constexpr FileFormat kFormat{"spinaltap-planning-rules", "file of planning rules", "see docs/data-files.md"};
+
+}  // namespace
 
 SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   const Json json = read_json(path);
+  check_format(json, kFormat, path);
   const JsonObject rules(json, path);
-  check_keys(
-      json,
-      {"name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share", "max_turn_deg", "weights"},
-      path, "a rule of planning");
+  check_keys(json,
+             {"format", "version", "name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share",
+              "max_turn_deg", "weights"},
+             path, "a rule of planning");
   SuggestOptions options;
   options.margin_mm = rules.number("margin_mm");
   options.front_margin_mm = rules.number("front_margin_mm");

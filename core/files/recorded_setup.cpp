@@ -14,7 +14,7 @@ constexpr const char* kSession = "session";
 }  // namespace
 
 std::map<std::string, std::string> record_setup(const SessionSetup& setup) {
-  return {{kSession, to_json(setup).dump()}, {"version", version()}};
+  return {{kSession, to_json(setup).dump()}, {"program", version()}};
 }
 
 SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, const std::filesystem::path& file) {

@@ -8,7 +8,7 @@
 
 namespace spinaltap {
 
-/// What a record's setup holds of it: "session", this as JSON, and "version", the program's. Whoever makes the operator
+/// What a record's setup holds of it: "session", this as JSON, and "program", its version. Whoever makes the operator
 /// adds what it was made from.
 std::map<std::string, std::string> record_setup(const SessionSetup& setup);
 /// Reads it back. Throws Error where there is none, or a key of it is at fault.

@@ -21,8 +21,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr const char* kFolderFormat = "spinaltap-study-folder";
-constexpr int kFolderVersion = 1;
+constexpr FileFormat kFolderFormat{"spinaltap-study-folder", "folder of a study", "run the study in another folder"};
 constexpr const char* kStudyFile = "study.json";
 constexpr std::string_view kPartHead = "# runs of the study ";
 
@@ -74,12 +73,9 @@ void open_study_folder(const std::filesystem::path& folder, const StudyIdentity&
     }
     fail("expected the same study as in ", folder.string(), ", found another: take another folder");
   }
-  write_json({{"format", kFolderFormat},
-              {"version", kFolderVersion},
-              {"hash", identity.hash()},
-              {"runs", identity.runs},
-              {"study", Json::parse(identity.study)}},
-             file);
+  Json json = format_head(kFolderFormat);
+  json.update(Json{{"hash", identity.hash()}, {"runs", identity.runs}, {"study", Json::parse(identity.study)}});
+  write_json(json, file);
 }
 
 StudyIdentity read_study_identity(const std::filesystem::path& folder) {
@@ -88,9 +84,7 @@ StudyIdentity read_study_identity(const std::filesystem::path& folder) {
     fail("expected a folder of a study, with ", kStudyFile, ", found ", folder.string());
   const Json json = read_json(file);
   const JsonObject object(json, file);
-  if (object.text("format") != kFolderFormat || object.number("version") != kFolderVersion) {
-    fail("expected a ", kFolderFormat, " of version ", kFolderVersion, " in ", file.string());
-  }
+  check_format(json, kFolderFormat, file);
   StudyIdentity identity{object.at("study").dump(), static_cast<std::size_t>(object.number("runs"))};
   if (identity.hash() != object.text("hash")) fail("expected ", file.string(), " as it was written, found it changed");
   return identity;

@@ -14,8 +14,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::string_view kSpecFormat = "spinaltap-study";
-constexpr int kSpecVersion = 1;
+constexpr FileFormat kSpecFormat{"spinaltap-study", "study", "see docs/studies.md for the names of its keys"};
 
 std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
   return (file.parent_path() / name).lexically_normal();
@@ -97,9 +96,7 @@ void check_factors(const StudySpec& spec, const std::filesystem::path& file) {
 StudySpec read_study_spec(const std::filesystem::path& file) {
   const Json json = read_json(file);
   const JsonObject object(json, file);
-  if (object.text("format") != kSpecFormat || object.number("version") != kSpecVersion) {
-    fail("expected a ", kSpecFormat, " of version ", kSpecVersion, " in ", file.string());
-  }
+  check_format(json, kSpecFormat, file);
   check_keys(json,
              {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume",
               "spindle_rpm", "stop", "operator", "design"},

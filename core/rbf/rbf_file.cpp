@@ -20,7 +20,7 @@ namespace spinaltap {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'S', 'T', 'A', 'P', 'R', 'B', 'F', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 static_assert(std::endian::native == std::endian::little, "the file is little endian");
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "centres are written as they stand in memory");
@@ -53,7 +53,10 @@ Head read_head(std::string_view bytes, const std::string& name) {
   }
   if (bytes.size() < sizeof head) fail("expected a head of ", sizeof head, " bytes, found it cut short: ", name);
   std::memcpy(&head, bytes.data(), sizeof head);
-  if (head.version != kVersion) fail("expected version ", kVersion, ", found ", head.version, " in ", name);
+  if (head.version != kVersion) {
+    fail(name, ": this is a version ", head.version, " radial basis function; version ", kVersion,
+         " is expected: fit again");
+  }
   if (head.power != 1 && head.power != 3) fail("expected kernel 1 or 3, found ", head.power, " in ", name);
   const RadialKernel kernel = head.power == 1 ? RadialKernel::biharmonic : RadialKernel::triharmonic;
   if (head.polynomial != polynomial_terms(kernel)) {

@@ -213,7 +213,7 @@ TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
   EXPECT_THAT(error, HasSubstr("misses the bone"));
   EXPECT_THAT(error, HasSubstr("(100, 0, 0) to (130, 0, 0)"));
   std::ofstream(in("plan.json"))
-      << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
+      << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "far", "entry": [100, 0, 0], "target": [130, 0, 0],
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   EXPECT_THAT(rejected("drill ../bone.vdb ../plan.json -o out"), HasSubstr("misses the bone"));
@@ -222,7 +222,7 @@ TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
 TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
   take_bone();
   std::ofstream(in("plan.json"))
-      << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
+      << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "p", "entry": [1, 2], "target": [3, 0, 0], "bit": {}}]})";
   const std::string error = rejected("drill ../bone.vdb ../plan.json -o out");
   EXPECT_THAT(error, HasSubstr("\"entry\""));
@@ -232,7 +232,7 @@ TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
 TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
   take_bone();
   std::ofstream(in("plan.json"))
-      << R"({"format": "spinaltap-plan", "version": 1, "frame": "LPS", "unit": "mm", "paths": [
+      << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "p", "entry": [16, 26, 16], "target": [16, 10, 16],
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   // A limit on the size of a file makes writes fail as a full disk does.

@@ -45,7 +45,7 @@ const std::array<const char*, 3> kResults{"runs.csv", "summary.json", "report.ht
 /// A study of a whole pedicle path of the phantom, at 0.1 mm and in steps of 10 µm.
 Json whole_path_study(std::size_t runs) {
   return {{"format", "spinaltap-study"},
-          {"version", 1},
+          {"version", 2},
           {"bone", "bone.vdb"},
           {"plan", "plan.json"},
           {"path", "left"},

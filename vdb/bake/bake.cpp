@@ -154,7 +154,7 @@ BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surr
     const double hu = distance_mm < 0.0 ? solid.hu(p_mm, distance_mm, options.voxel_mm) : surroundings_hu;
     return static_cast<float>(hu);
   });
-  grids->metadata = {{"version", version()}, {"method", "ground truth of a phantom"}};
+  grids->metadata = {{"program", version()}, {"method", "ground truth of a phantom"}};
   return BoneModel(grids);
 }
 

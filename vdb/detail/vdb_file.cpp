@@ -91,11 +91,22 @@ bool fits_half_floats(const openvdb::FloatGrid& grid) {
   return fits(grid.background());
 }
 
-std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf) {
-  const std::string prefix = kFactPrefix;
+void add_metadata(const std::map<std::string, std::string>& metadata, openvdb::FloatGrid& sdf) {
+  for (const auto& [key, value] : metadata) sdf.insertMeta(kMetadataPrefix + key, openvdb::StringMetadata(value));
+  sdf.insertMeta(kFormatKey, openvdb::StringMetadata(kFormatVersion));
+}
+
+std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf, const std::filesystem::path& path) {
+  const std::string prefix = kMetadataPrefix;
   std::map<std::string, std::string> metadata;
   for (auto meta = sdf.beginMeta(); meta != sdf.endMeta(); ++meta) {
     if (meta->first.rfind(prefix, 0) == 0) metadata[meta->first.substr(prefix.size())] = meta->second->str();
+  }
+  const auto version = metadata.extract(std::string(kFormatKey).substr(prefix.size()));
+  const std::string found = version.empty() ? "1" : version.mapped();
+  if (found != kFormatVersion && !(version.empty() && metadata.empty())) {
+    fail(path.string(), ": this is a version ", printable(found), " bone; version ", kFormatVersion,
+         " is expected: bake again");
   }
   return metadata;
 }

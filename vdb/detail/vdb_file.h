@@ -20,7 +20,10 @@ void initialize_openvdb();
 namespace spinaltap::detail {
 
 /// Before the names of our own metadata.
-constexpr const char* kFactPrefix = "spinaltap:";
+constexpr const char* kMetadataPrefix = "spinaltap:";
+/// Of them, what says by which names the others go; docs/bone-vdb.md.
+constexpr const char* kFormatKey = "spinaltap:format_version";
+constexpr const char* kFormatVersion = "2";
 
 /// All grids of a .vdb file. Throws Error on a missing file, one that is no .vdb, and one cut short by even one byte.
 openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path);
@@ -33,8 +36,11 @@ void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& gr
 /// Whether a file of half floats gives every value back.
 bool fits_half_floats(const openvdb::FloatGrid& grid);
 
-/// The metadata of a bone, from its grid's metadata.
-std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf);
+/// Adds a bone's metadata to its grid's, and the format's version.
+void add_metadata(const std::map<std::string, std::string>& metadata, openvdb::FloatGrid& sdf);
+/// The metadata of a bone, from its grid's. Throws Error where they are of another version; a grid of another program
+/// has none.
+std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf, const std::filesystem::path& path);
 
 /// The start of a message that may quote a damaged file's bytes.
 std::string printable(const std::string& message);

@@ -73,7 +73,7 @@ PointDataGrid::Ptr make_grid(const LivingPoints& living, const PointVolume& volu
 
 void add_metadata(PointDataGrid& grid, const PointVolume& volume, const DrillPath& path) {
   const auto add = [&](const char* key, const openvdb::Metadata& value) {
-    grid.insertMeta(std::string(detail::kFactPrefix) + key, value);
+    grid.insertMeta(std::string(detail::kMetadataPrefix) + key, value);
   };
   const double spacing_mm = volume.pattern().spacing_mm();
   add("path", openvdb::StringMetadata(path.name));
@@ -126,7 +126,7 @@ SavedPoints read_points(const std::filesystem::path& file) {
   const auto grid = found ? openvdb::gridPtrCast<PointDataGrid>(found) : nullptr;
   if (!grid) fail("expected a grid of points named ", kGridName, " in ", file.string());
   SavedPoints saved;
-  const std::string prefix = detail::kFactPrefix;
+  const std::string prefix = detail::kMetadataPrefix;
   for (auto meta = grid->beginMeta(); meta != grid->endMeta(); ++meta) {
     if (meta->first.rfind(prefix, 0) == 0) saved.metadata[meta->first.substr(prefix.size())] = meta->second->str();
   }

@@ -53,9 +53,7 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
   };
   const auto sdf = add("sdf", *bone.grids().sdf);
   sdf->setGridClass(openvdb::GRID_LEVEL_SET);
-  for (const auto& [key, value] : bone.metadata()) {
-    sdf->insertMeta(detail::kFactPrefix + key, openvdb::StringMetadata(value));
-  }
+  detail::add_metadata(bone.metadata(), *sdf);
   add("hu", *bone.grids().hu);
   if (is_drilled(bone)) {
     add("before", *bone.grids().before)->setGridClass(openvdb::GRID_LEVEL_SET);
@@ -107,7 +105,7 @@ BoneModel read_bone(const std::filesystem::path& path, Level level) {
   if ((grids->before == nullptr) != (grids->hole == nullptr)) {
     fail("expected both grids of a drilled bone, before and hole, or none in ", path.string());
   }
-  grids->metadata = detail::metadata_of(*grids->sdf);
+  grids->metadata = detail::metadata_of(*grids->sdf, path);
   BoneModel bone = [&] {
     try {
       return BoneModel(grids);

@@ -81,9 +81,7 @@ FloatGrid::Ptr named_sdf(const SpineBone& one) {
   copy->setName(sdf_name(one.level));
   copy->setGridClass(openvdb::GRID_LEVEL_SET);
   copy->setSaveFloatAsHalf(detail::fits_half_floats(*copy));
-  for (const auto& [key, value] : one.bone.metadata()) {
-    copy->insertMeta(detail::kFactPrefix + key, openvdb::StringMetadata(value));
-  }
+  detail::add_metadata(one.bone.metadata(), *copy);
   const auto note = [&](const char* name, const std::string& text) {
     if (!text.empty()) copy->insertMeta(kNotePrefix + name, openvdb::StringMetadata(text));
   };
@@ -178,7 +176,7 @@ SpineBone read_level(detail::NamedGrids& file, Level level, const fs::path& path
   check_sdf(*sdf, sdf_name(level), path);
   const FloatGrid::Ptr hu = own_hu(file, level, path);
   if (!hu->transform().isLinear()) fail("expected the grid hu without perspective in ", path.string());
-  grids->metadata = detail::metadata_of(*sdf);
+  grids->metadata = detail::metadata_of(*sdf, path);
   const LevelNotes notes = notes_of(*sdf);
   sdf->setName("sdf");
   grids->sdf = sdf;

@@ -132,7 +132,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
                                                const SurfaceFitReport& fit) {
   const GridGeometry& geometry = ct.geometry;
   std::map<std::string, std::string> metadata{
-      {"version", version()},
+      {"program", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
       {"ct_size", text(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},

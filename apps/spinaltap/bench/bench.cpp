@@ -194,7 +194,9 @@ Json run_bench(const BenchOptions& options, const Progress& progress) {
   std::printf("%s; spinaltap %s; seed %llu\n\n%s", where.c_str(), version(),
               static_cast<unsigned long long>(options.seed), bench_tables(results, options.is_markdown).c_str());
   Json figures{{"machine", where},
-               {"version", version()},
+               {"format", "spinaltap-benchmark"},
+               {"version", kFormatVersion},
+               {"program", version()},
                {"seed", options.seed},
                {"hu_bits", options.hu_bits},
                {"window_cycles", options.window}};

@@ -77,7 +77,8 @@ SessionRecord read_once(const fs::path& path) {
   };
   if (text("format") != kRecordFormat) fail("expected a record of a session, found another HDF5 file: ", path.string());
   if (text("version") != kRecordVersion) {
-    fail("expected a record of version ", kRecordVersion, ", found \"", text("version"), "\" in ", path.string());
+    fail(path.string(), ": this is a version ", text("version").empty() ? "1" : text("version"), " record; version ",
+         kRecordVersion, " is expected: drill again");
   }
   // Before the tables: they may grow meanwhile, and hold what this counts.
   const RecordProgress progress = read_progress(file, path);

@@ -13,7 +13,7 @@ namespace spinaltap {
 // What writer and reader of records share; docs/record-file.md.
 
 inline constexpr const char* kRecordFormat = "spinaltap-record";
-inline constexpr const char* kRecordVersion = "1";
+inline constexpr const char* kRecordVersion = "2";
 
 /// A chunk of rows is compressed and written at one go: 256 ms at 1 kHz.
 inline constexpr std::uint64_t kCycleChunk = 256;

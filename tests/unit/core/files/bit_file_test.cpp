@@ -30,7 +30,7 @@ TEST(BitFile, NamesTheBitThatIsNone) {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "bits.json";
   std::ofstream(file)
-      << R"({"bits": [{"name": "flat", "bit": {"diameter_mm": 0, "length_mm": 50, "tip_length_mm": 5}}]})";
+      << R"({"format": "spinaltap-bits", "version": 2, "bits": [{"name": "flat", "bit": {"diameter_mm": 0, "length_mm": 50, "tip_length_mm": 5}}]})";
   EXPECT_THAT([&] { read_bits(file); }, testing::ThrowsMessage<Error>(testing::AllOf(testing::HasSubstr("flat"),
                                                                                      testing::HasSubstr("bits.json"))));
 }

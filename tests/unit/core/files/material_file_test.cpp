@@ -10,6 +10,7 @@
 #include "core/files/json_file.h"
 #include "core/files/material_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/with_format.h"
 
 namespace spinaltap {
 namespace {
@@ -24,7 +25,7 @@ class DensityFile : public testing::Test {
  protected:
   std::filesystem::path file(const std::string& text) const {
     const std::filesystem::path path = folder_.path() / "d.json";
-    std::ofstream(path, std::ios::trunc) << text;
+    std::ofstream(path, std::ios::trunc) << test::with_format("spinaltap-density-calibration", text);
     return path;
   }
   void expect_rejected(const std::string& text, const char* with) const {
@@ -96,7 +97,7 @@ TEST(MaterialFile, ShipsTheDefaults) {
 
 TEST(MaterialFile, ReadsEachKeyIntoItsOwnMember) {
   const test::TemporaryFolder folder;
-  Json json;
+  Json json{{"format", "spinaltap-cutting-model"}, {"version", 2}};
   double value = 0.01;
   for (const auto& [key, member] : kMembers) json[key] = value += 0.01;
   std::ofstream(folder.path() / "m.json") << json.dump();
@@ -127,16 +128,30 @@ TEST(MaterialFile, IsRejectedWithFileAndKeyNamed) {
   EXPECT_THAT([&] { read_material(folder.path() / "none.json", {}); }, ThrowsMessage<Error>(HasSubstr("no such file")));
 }
 
-TEST(MaterialFile, IsRejectedWhereItHoldsWhatIsReadElsewhereOrNoLonger) {
+TEST(MaterialFile, IsRejectedWhereItHoldsWhatIsReadElsewhere) {
   const test::TemporaryFolder folder;
-  for (const char* key :
-       {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3", "pressure_at_1_g_cm3_mpa", "pressure_exponent"}) {
+  for (const char* key : {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3"}) {
     Json json = read_json(kShipped);
     json[key] = 0.002;
     std::ofstream(folder.path() / "m.json", std::ios::trunc) << json.dump();
     EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(key))));
   }
+}
+
+TEST(MaterialFile, OfVersionOneIsRejectedByName) {
+  const test::TemporaryFolder folder;
+  Json json = read_json(kShipped);
+  json["version"] = 1;
+  std::ofstream(folder.path() / "m.json") << json.dump();
+  EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },
+              ThrowsMessage<Error>(HasSubstr("this is a version 1 cutting model; version 2 is expected")));
+  // Those that were before versions had neither key.
+  json.erase("format");
+  json.erase("version");
+  std::ofstream(folder.path() / "m.json", std::ios::trunc) << json.dump();
+  EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },
+              ThrowsMessage<Error>(HasSubstr("this is a version 1 cutting model, or none")));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/phantom/vertebra.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/with_format.h"
 
 namespace spinaltap {
 namespace {
@@ -24,7 +25,7 @@ json shipped() { return json::parse(std::ifstream(kShipped)); }
 class PhantomFile : public testing::Test {
  protected:
   VertebraAnatomy read_text(const std::string& text) {
-    std::ofstream(path()) << text;
+    std::ofstream(path()) << test::with_format("spinaltap-anatomy", text);
     return read_anatomy(path());
   }
   std::string message(const std::string& text) {

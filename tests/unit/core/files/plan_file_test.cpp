@@ -90,7 +90,7 @@ TEST_F(PlanFile, IsRejectedInAnotherFormatVersionFrameOrUnit) {
         << key;
   };
   rejected("format", "other");
-  rejected("version", 2);
+  rejected("version", 1);
   rejected("frame", "RAS");
   rejected("unit", "cm");
 }

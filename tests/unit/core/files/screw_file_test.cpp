@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/files/data_files.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/with_format.h"
 
 namespace spinaltap {
 namespace {
@@ -40,7 +41,7 @@ TEST(ScrewFile, IsRejectedWithTheKeyAtFaultNamed) {
   const test::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "screws.json";
   const auto rejects = [&](const char* text, const char* word) {
-    std::ofstream(path, std::ios::trunc) << text;
+    std::ofstream(path, std::ios::trunc) << test::with_format("spinaltap-screws", text);
     EXPECT_THAT([&] { read_screws(path); }, ThrowsMessage<Error>(AllOf(HasSubstr("screws.json"), HasSubstr(word))));
   };
   rejects(R"({"lengths_mm": [40], "tip_length_mm": 4})", "diameters_mm");

@@ -24,7 +24,7 @@ using testing::ThrowsMessage;
 /// Every key that a specification may have.
 Json whole_spec() {
   return Json::parse(R"({
-    "format": "spinaltap-study", "version": 1, "name": "All keys",
+    "format": "spinaltap-study", "version": 2, "name": "All keys",
     "bone": "bones/bone.vdb", "level": "L3", "plan": "plan.json", "path": "right",
     "volume": {"radius_mm": 5, "spacing_mm": 0.2, "lead_in_mm": 2, "lead_out_mm": 4},
     "spindle_rpm": 1000,
@@ -105,7 +105,7 @@ TEST_F(StudySpecFile, IsReadWithEveryKey) {
 
 TEST_F(StudySpecFile, NeedsNoMoreThanBonePathOperatorAndDesign) {
   const StudySpec spec = read_study_spec(write(Json::parse(
-      R"({"format": "spinaltap-study", "version": 1, "bone": "b.vdb", "operator": {"kind": "feed"}, "design": {},
+      R"({"format": "spinaltap-study", "version": 2, "bone": "b.vdb", "operator": {"kind": "feed"}, "design": {},
           "path": {"name": "own", "entry": [0, 0, 0], "target": [0, 0, 30],
                    "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 2}}})")));
   EXPECT_EQ(spec.name, "study");
@@ -137,7 +137,7 @@ TEST_F(StudySpecFile, GivesOperatorAndDesignBackAsTheyWere) {
 
 TEST_F(StudySpecFile, IsRejectedWithTheKeyAtFaultNamed) {
   rejects([](Json& j) { j["format"] = "plan"; }, "spinaltap-study");
-  rejects([](Json& j) { j["version"] = 2; }, "version 1");
+  rejects([](Json& j) { j["version"] = 1; }, "this is a version 1 study; version 2 is expected");
   rejects([](Json& j) { j["spindel_rpm"] = 2; }, "spindel_rpm");
   rejects([](Json& j) { j["level"] = "L9"; }, "a vertebra such as");
   for (const char* key : {"format", "version", "bone", "plan", "operator", "design"}) {

@@ -117,7 +117,8 @@ TEST_F(RbfFile, IsRejectedWhereverItIsCutShortOrDamaged) {
 TEST_F(RbfFile, SaysWhatIsWrong) {
   const std::string bytes = bytes_of(odd_model(RadialKernel::biharmonic));
   EXPECT_THAT(error_reading("solid bone"), HasSubstr("another kind of file"));
-  EXPECT_THAT(error_reading(with<std::uint32_t>(bytes, 8, 7)), HasSubstr("expected version 1, found 7"));
+  EXPECT_THAT(error_reading(with<std::uint32_t>(bytes, 8, 7)),
+              HasSubstr("this is a version 7 radial basis function; version 2 is expected"));
   EXPECT_THAT(error_reading(with<std::uint32_t>(bytes, 12, 2)), HasSubstr("expected kernel 1 or 3, found 2"));
   EXPECT_THAT(error_reading(with<std::uint64_t>(bytes, 56, 10)), HasSubstr("expected 4 polynomial coefficients"));
   EXPECT_THAT(error_reading(bytes.substr(0, bytes.size() - 8)), HasSubstr("cut short"));
