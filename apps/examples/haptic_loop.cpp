@@ -38,6 +38,6 @@ int main(int count, char** arguments) {
     std::printf("the bone is whole again: %zu blocks go back\n", session.surface_changes().size());
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    return 2;
   }
 }

@@ -25,6 +25,6 @@ int main(int count, char** arguments) {
     std::printf("%zu of %zu runs breach\n", breaches, study.run_count());
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+    return 2;
   }
 }

@@ -118,5 +118,5 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spinaltap-planner: %s\n", error.what());
   }
-  return 1;
+  return 2;
 }

@@ -146,7 +146,8 @@ void add_bake(CLI::App& program, Command& command) {
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --label L3 -o bone.vdb\n"
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --all -o spine.vdb\n"
       "With --all, vertebrae that the CT's border cuts and those that cannot be baked are told and left\n"
-      "out; the exit code is 1 where none is left, and where one is suspect (docs/segmentation.md), with all written, "
+      "out; the exit code is 2 where none is left, and 1 where one is suspect (docs/segmentation.md), with all "
+      "written, "
       "unless\n"
       "--accept-warnings. docs/label-maps.md tells how vertebrae get their names.");
   app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")

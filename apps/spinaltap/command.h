@@ -12,6 +12,12 @@
 
 namespace spinaltap {
 
+// Exit codes, of all commands: docs/exit-codes.md.
+constexpr int kDone = 0;
+constexpr int kAnswerIsNo = 1;       ///< all was done and written: what was asked is not so
+constexpr int kUsageOrInput = 2;     ///< nothing was done: of what is thrown
+constexpr int kCancelled = 128 + 2;  ///< as shells have it for SIGINT
+
 /// What every subcommand has: --json and --threads, and what main() runs after parsing.
 struct Command {
   CLI::App* app = nullptr;
@@ -19,13 +25,8 @@ struct Command {
   int threads = 0;
   /// Does the work and returns the figures for --json.
   std::function<Json(const Progress&)> run;
-  int exit_code = 0;            ///< of the program after run(), which may set it
-  int exit_code_of_errors = 1;  ///< where run() throws
+  int exit_code = kDone;  ///< of the program after run(), which may set it
 };
-
-/// Exit codes of commands that compare, as diff and cmp have them.
-constexpr int kDifferent = 1;
-constexpr int kTrouble = 2;
 
 /// Adds a subcommand with the options that all have. `footer` shows an example.
 CLI::App* add_command(CLI::App& program, Command& command, const std::string& name, const std::string& description,

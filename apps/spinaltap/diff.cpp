@@ -99,7 +99,6 @@ void add_diff(CLI::App& program, Command& command) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->type_name("X");
-  command.exit_code_of_errors = kTrouble;
 
   command.run = [options, &command](const Progress&) -> Json {
     const std::vector<GridDifference> grids = diff_grids(options->a, options->b, options->diff);
@@ -110,7 +109,7 @@ void add_diff(CLI::App& program, Command& command) {
       list.push_back(json_of(grid));
       same = same && grid.same;
     }
-    command.exit_code = same ? 0 : kDifferent;
+    command.exit_code = same ? kDone : kAnswerIsNo;
     return {{"same", same}, {"tolerance", options->diff.tolerance}, {"grids", list}};
   };
 }

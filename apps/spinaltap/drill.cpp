@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/spinaltap/command.h"
@@ -7,6 +9,7 @@
 #include "apps/spinaltap/drill_run.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/files/plan_file.h"
+#include "core/session/session_event.h"
 
 namespace spinaltap {
 
@@ -37,15 +40,18 @@ void add_drill(CLI::App& program, Command& command) {
   options->drill.add_to(*app);
   options->drill.add_session_to(*app);
 
-  command.run = [options](const Progress& progress) {
+  command.run = [options, &command](const Progress& progress) {
     options->drill.check();  // before anything is read
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
     const Bone bone = Bone::load(options->bone, options->level);
     std::optional<CtVolume> ct;
     if (!options->ct.folder.empty()) ct = options->ct.read(progress);
-    return run_drill("Drilling " + path.name, ct ? &*ct : nullptr, bone, path, options->drill, options->folder,
-                     progress);
+    Json figures =
+        run_drill("Drilling " + path.name, ct ? &*ct : nullptr, bone, path, options->drill, options->folder, progress);
+    const auto is_breach = [](const Json& event) { return event["event"] == name_of(EventKind::stop_breach); };
+    if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach)) command.exit_code = kAnswerIsNo;
+    return figures;
   };
 }
 

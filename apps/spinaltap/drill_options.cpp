@@ -98,7 +98,8 @@ void DrillOptions::add_session_to(CLI::App& app) {
   app.add_option("--stop-at-clearance", stop.clearance_mm,
                  "Ask it to stop at this clearance of the bit to the outer surface or the canal, mm; default: never")
       ->type_name("MM");
-  app.add_flag("--stop-on-breach", stop.on_breach, "Ask it to stop where the bit breaks through either wall");
+  app.add_flag("--stop-on-breach", stop.on_breach,
+               "Ask it to stop where the bit breaks through either wall; the exit code is then 1");
   app.add_flag("--no-clearances", leaves_clearances, "Do not look for the bone's walls: begins sooner; no breaches");
   app.add_option("--record", record, "Write every cycle into this HDF5 file, which must not be there; see `replay`")
       ->type_name("FILE");

@@ -52,7 +52,7 @@ void add_repeated(CLI::App& app, CLI::Option* labels, const char* name, const ch
 }  // namespace
 
 void FindingOptions::add_to(CLI::App& app, CLI::Option* labels) {
-  app.add_option("--seed", seed_mm,
+  app.add_option("--seed-point", seed_mm,
                  "A point in the body of the wanted vertebra, patient LPS, mm; default: the largest whole one")
       ->excludes(labels)
       ->expected(3)

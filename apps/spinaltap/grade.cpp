@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -24,6 +25,7 @@ struct GradeCommandOptions {
   double screw_length_mm = std::nan("");
   GradeOptions grade;
   std::filesystem::path folder = "graded";
+  bool fails_on_breach = false;
 };
 
 std::vector<DrillPath> chosen_paths(const GradeCommandOptions& options) {
@@ -41,7 +43,7 @@ std::vector<DrillPath> chosen_paths(const GradeCommandOptions& options) {
   return paths;
 }
 
-Json grade(const GradeCommandOptions& options, const Progress& progress) {
+Json grade(const GradeCommandOptions& options, const Progress& progress, int& exit_code) {
   const std::vector<DrillPath> paths = chosen_paths(options);
   const DensityCalibration density =
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
@@ -53,8 +55,11 @@ Json grade(const GradeCommandOptions& options, const Progress& progress) {
   for (const DrillPath& path : paths) {
     graded.push_back({path, grade(bone, path, options.grade, material, progress)});
   }
+  const auto is_breach = [](const GradedPath& one) { return one.grade.breach_mm > 0.0; };
+  if (options.fails_on_breach && std::any_of(graded.begin(), graded.end(), is_breach)) exit_code = kAnswerIsNo;
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
-  Json whole = figures;
+  Json whole = format_head({.name = "spinaltap-grades"});
+  whole.update(figures);
   for (const GradedPath& one : graded) {
     figures["paths"].push_back(to_json(one, options.grade.hu_bands, false));
     whole["paths"].push_back(to_json(one, options.grade.hu_bands, true));
@@ -104,8 +109,9 @@ void add_grade(CLI::App& program, Command& command) {
   app->add_option("--step", options->grade.step_mm, "Depth from row to row, mm")
       ->capture_default_str()
       ->type_name("MM");
+  app->add_flag("--fail-on-breach", options->fails_on_breach, "Exit with 1 where a path breaches, with all written");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
-  command.run = [options](const Progress& progress) { return grade(*options, progress); };
+  command.run = [options, &command](const Progress& progress) { return grade(*options, progress, command.exit_code); };
 }
 
 }  // namespace spinaltap

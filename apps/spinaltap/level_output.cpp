@@ -128,13 +128,13 @@ Json to_json(const LevelReport& level) {
 }
 
 int say_suspect(std::span<const std::string> names, bool accepts_warnings) {
-  if (names.empty()) return 0;
+  if (names.empty()) return kDone;
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   print_figure("suspect", list + (accepts_warnings ? ": accepted"
                                                    : ": written, but the exit code is 1; once you have looked at it, "
                                                      "--accept-warnings"));
-  return accepts_warnings ? 0 : 1;
+  return accepts_warnings ? kDone : kAnswerIsNo;
 }
 
 int say_suspect(const std::string& name, const LevelWarnings& warnings, bool accepts_warnings) {

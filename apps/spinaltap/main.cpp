@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -49,8 +50,8 @@ std::string with_flags(std::string text) {
   return text;
 }
 
-/// Returns the exit code, and leaves in `exit_code_of_errors` the one for what it throws.
-int run_program(int argc, char** argv, int& exit_code_of_errors) {
+/// Returns the exit code.
+int run_program(int argc, char** argv) {
   CLI::App program(
       "SpinalTap: from a CT of a vertebra to a bone that can be drilled at haptic rate.\n"
       "Lengths are in mm, positions in patient LPS (x to the patient's left, y to the back, z to the head).\n"
@@ -85,7 +86,7 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
     std::fprintf(stderr, "spinaltap: %s (try --help)\n", error.what());
-    return 2;
+    return kUsageOrInput;
   }
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
@@ -94,9 +95,12 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                     static_cast<std::size_t>(command.threads));
     }
-    exit_code_of_errors = command.exit_code_of_errors;
     const Json figures = command.run(terminal_progress());
-    if (!command.json_file.empty()) write_json(figures, command.json_file);
+    if (!command.json_file.empty()) {
+      Json file = format_head({.name = "spinaltap-figures"});
+      file.update(figures);
+      write_json(file, command.json_file);
+    }
     return command.exit_code;
   }
   return 0;
@@ -106,17 +110,16 @@ int run_program(int argc, char** argv, int& exit_code_of_errors) {
 }  // namespace spinaltap
 
 int main(int argc, char** argv) {
-  int exit_code_of_errors = 1;
   spinaltap::allow_process_changes({.silences_decoders = true, .silences_hdf5_at_exit = true});
   try {
-    return spinaltap::run_program(argc, argv, exit_code_of_errors);
+    return spinaltap::run_program(argc, argv);
   } catch (const spinaltap::Cancelled&) {
     std::fprintf(stderr, "spinaltap: cancelled\n");
-    return 130;
+    return spinaltap::kCancelled;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "spinaltap: not enough memory\n");
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spinaltap: %s\n", spinaltap::with_flags(error.what()).c_str());
   }
-  return exit_code_of_errors;
+  return spinaltap::kUsageOrInput;
 }

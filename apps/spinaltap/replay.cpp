@@ -18,7 +18,7 @@ Json replay(const ReplayOptions& options, const Progress& progress, int& exit_co
   const std::string hash = hash_of(record);
   const Bone bone = Bone::load(options.bone, options.level);
   const Replay result = spinaltap::replay(record, options.record, bone, options.engine, progress);
-  exit_code = result.is_same() ? 0 : kDifferent;
+  exit_code = result.is_same() ? kDone : kAnswerIsNo;
   print_figure("record", record.is_whole ? "whole" : "cut short");
   print_figure("its hash", hash);
   print_figure("cycles compared", static_cast<double>(result.cycles), "", 0);
@@ -48,7 +48,6 @@ void add_replay(CLI::App& program, Command& command) {
                   "Drilling engine: ring, leaf, arc, reference (default: that of the record); same result")
       ->transform(CLI::CheckedTransformer(engine_kinds()))
       ->type_name("NAME");
-  command.exit_code_of_errors = kTrouble;
   command.run = [options, &command](const Progress& progress) { return replay(*options, progress, command.exit_code); };
 }
 

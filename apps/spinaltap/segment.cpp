@@ -17,8 +17,8 @@ namespace {
 
 struct SegmentCommandOptions {
   CtOptions ct;
-  int from_label = 1;
-  int label = 0;  ///< 0: the level's number, or 1
+  int label = 1;        ///< of the map that is read
+  int write_label = 0;  ///< 0: the level's number, or 1
   bool is_all = false;
   std::filesystem::path output;
   std::filesystem::path picture;
@@ -42,13 +42,13 @@ void add_options(CLI::App& app, SegmentCommandOptions& options) {
   CLI::Option* labels =
       app.add_option("--labels", options.ct.labels, "Take the bone from this label map instead, NIfTI or NRRD")
           ->type_name("FILE");
-  app.add_option("--from", options.from_label, "Which label of that map is the bone")
+  app.add_option("--label", options.label, "Which label of that map is the bone")
       ->needs(labels)
       ->excludes(all)
       ->type_name("N");
   add_convention(app, options.ct.convention, labels);
   options.ct.finding.add_to(app, labels);
-  app.add_option("--label", options.label,
+  app.add_option("--write-label", options.write_label,
                  "The value that the vertebra gets in the map; default: 1 to 24 for C1 to L5, 28 for T13, or 1")
       ->check(CLI::Range(1, 32767))
       ->excludes(all)
@@ -126,11 +126,11 @@ Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, Stage
                  const Progress& progress, int& exit_code) {
   std::optional<LabelChoice> labels;
   if (!options.ct.labels.empty()) {
-    labels = LabelChoice{options.ct.labels, options.from_label, Level::kNone, options.ct.convention};
+    labels = LabelChoice{options.ct.labels, options.label, Level::kNone, options.ct.convention};
   }
   const ChosenBone bone = choose_bone(ct, labels, options.ct.finding.complete(ct), progress);
   const int number = bone.level == Level::kNone ? 1 : static_cast<int>(bone.level);
-  const int label = options.label != 0 ? options.label : number;
+  const int label = options.write_label != 0 ? options.write_label : number;
   output.write(options.output_or_default(), encode_one(bone.mask, label, bone.level, options.output_or_default()));
 
   const std::string name = bone.found ? bone.found->report.name : level_name(bone.level);

@@ -8,7 +8,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr FileFormat kFormat{"spinaltap-bits", "table of bits", "see docs/data-files.md"};
+constexpr FileFormat kBitsFormat{"spinaltap-bits", "table of bits", "see docs/data-files.md"};
 
 }  // namespace
 
@@ -29,7 +29,7 @@ const std::string& name_of(BitShape shape) {
 
 std::vector<NamedBit> read_bits(const std::filesystem::path& path) {
   const Json json = read_json(path);
-  check_format(json, kFormat, path);
+  check_format(json, kBitsFormat, path);
   const Json& list = JsonObject(json, path).at("bits");
   if (!list.is_array() || list.empty()) fail("expected one bit or more in ", path.string(), ", found none");
   std::vector<NamedBit> bits;

@@ -15,7 +15,7 @@ namespace spinaltap {
 namespace {
 
 constexpr FileFormat kDensityFormat{"spinaltap-density-calibration", "density calibration", "see docs/data-files.md"};
-constexpr FileFormat kFormat{"spinaltap-cutting-model", "cutting model", "see docs/data-files.md"};
+constexpr FileFormat kCuttingModelFormat{"spinaltap-cutting-model", "cutting model", "see docs/data-files.md"};
 
 constexpr const char* kCalibration = "calibration";
 
@@ -84,7 +84,7 @@ Material material_of(const Json& json, const std::filesystem::path& file) {
 
 Material read_material(const std::filesystem::path& path, const HuToDensity& density) {
   const Json json = read_json(path);
-  check_format(json, kFormat, path);
+  check_format(json, kCuttingModelFormat, path);
   const JsonObject object(json, path);
   const auto reject = [&](const char* key, const char* why) {
     // Left unread, it would change nothing without a word.

@@ -13,7 +13,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr FileFormat kFormat{"spinaltap-anatomy", "anatomy", "see docs/data-files.md"};
+constexpr FileFormat kAnatomyFormat{"spinaltap-anatomy", "anatomy", "see docs/data-files.md"};
 
 using Outline = decltype(VertebraAnatomy::Spinous::outline_mm);
 using Target = std::variant<double*, Vec3*, Outline*, std::uint64_t*>;
@@ -176,7 +176,7 @@ VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
     fail(file, ": not JSON: ", error.what());
   }
   if (!whole.is_object()) fail(file, ": an object expected");
-  check_format(Json(whole), kFormat, path);
+  check_format(Json(whole), kAnatomyFormat, path);
   VertebraAnatomy anatomy;
   std::map<std::string, Group> groups = groups_of(anatomy);
   for (const auto& [key, value] : whole.items()) {

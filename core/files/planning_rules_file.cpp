@@ -7,13 +7,13 @@
 namespace spinaltap {
 namespace {
 
-constexpr FileFormat kFormat{"spinaltap-planning-rules", "file of planning rules", "see docs/data-files.md"};
+constexpr FileFormat kRulesFormat{"spinaltap-planning-rules", "file of planning rules", "see docs/data-files.md"};
 
 }  // namespace
 
 SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   const Json json = read_json(path);
-  check_format(json, kFormat, path);
+  check_format(json, kRulesFormat, path);
   const JsonObject rules(json, path);
   check_keys(json,
              {"format", "version", "name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share",

@@ -10,7 +10,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr FileFormat kFormat{"spinaltap-screws", "table of screws", "see docs/data-files.md"};
+constexpr FileFormat kScrewsFormat{"spinaltap-screws", "table of screws", "see docs/data-files.md"};
 
 std::vector<double> rising_numbers(const JsonObject& object, const char* key, const std::filesystem::path& path) {
   const Json& list = object.at(key);
@@ -29,7 +29,7 @@ std::vector<double> rising_numbers(const JsonObject& object, const char* key, co
 
 std::vector<PedicleScrew> read_screws(const std::filesystem::path& path) {
   const Json json = read_json(path);
-  check_format(json, kFormat, path);
+  check_format(json, kScrewsFormat, path);
   const JsonObject object(json, path);
   std::vector<PedicleScrew> screws;
   for (const double diameter_mm : rising_numbers(object, "diameters_mm", path)) {

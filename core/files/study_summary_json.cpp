@@ -46,7 +46,9 @@ Json to_json(const StudySummary& summary) {
     }
     factors[std::string(name_of(by.factor))] = std::move(bins);
   }
-  return {{"runs", summary.runs},
+  return {{"format", "spinaltap-study-summary"},
+          {"version", kFormatVersion},
+          {"runs", summary.runs},
           {"interval", "Wilson, 95 %"},
           {"breach", json_of(summary.breach)},
           {"outer_breach", json_of(summary.outer)},

@@ -27,7 +27,7 @@ TEST_F(Bench, MeasuresEnginesOnEachMotion) {
   const test::ProgramRun run = run_program(
       "bench drill --engine reference,arc,ring --spacing 0.3 --motion on-path,tremor-off-path --diameter 3.0 --window "
       "5 "
-      "-o bench.json "
+      "--json bench.json "
       "--plot bench.html",
       folder_.path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
@@ -53,7 +53,7 @@ TEST_F(Bench, MeasuresEnginesOnEachMotion) {
 
 TEST_F(Bench, MeasuresLongStepsWithEachNumberOfThreads) {
   const test::ProgramRun run = run_program(
-      "bench drill --engine ring --spacing 0.3 --motion burr,sideways --threads 2,1 -o bench.json", folder_.path());
+      "bench drill --engine ring --spacing 0.3 --motion burr,sideways --threads 2,1 --json bench.json", folder_.path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const Json figures = read_json(folder_.path() / "bench.json");
   ASSERT_EQ(figures["steps"].size(), 4U);
@@ -73,7 +73,7 @@ TEST_F(Bench, RepeatsItsTremorBySeed) {
   const auto hash = [&](const std::string& seed) {
     const test::ProgramRun run = run_program(
         "bench drill --spacing 0.5 --motion tremor --diameter 3.0 --engine ring "
-        "--threads 1 -o bench.json --seed " +
+        "--threads 1 --json bench.json --seed " +
             seed,
         folder_.path());
     EXPECT_EQ(run.exit_code, 0) << run.errors;
@@ -97,7 +97,7 @@ TEST_F(Bench, IsRejectedInOneLineAndLeavesNoFile) {
        {"--engine voxels", "--motion backwards", "--spacing 0", "--spacing 0.1,nan", "--diameter -3", "--diameter nan",
         "--threads 0", "--window 0", "--window 5000", "--hu-bits 12", "--seed -1 --engine"}) {
     const test::ProgramRun run = run_program(
-        std::string("bench drill --engine ring --motion tilted -o bench.json ") + arguments, folder_.path());
+        std::string("bench drill --engine ring --motion tilted --json bench.json ") + arguments, folder_.path());
     EXPECT_NE(run.exit_code, 0) << arguments;
     EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
     EXPECT_THAT(test::everything_in(folder_.path()), ElementsAre());
@@ -105,8 +105,9 @@ TEST_F(Bench, IsRejectedInOneLineAndLeavesNoFile) {
   EXPECT_EQ(run_program("bench drill --engine voxels", folder_.path()).exit_code, 2);
   EXPECT_EQ(run_program("bench", folder_.path()).exit_code, 2);
   // Files are rejected before the work: this would take minutes.
-  const test::ProgramRun nowhere = run_program("bench drill --spacing 0.025 -o /proc/none/bench.json", folder_.path());
-  EXPECT_EQ(nowhere.exit_code, 1);
+  const test::ProgramRun nowhere =
+      run_program("bench drill --spacing 0.025 --json /proc/none/bench.json", folder_.path());
+  EXPECT_EQ(nowhere.exit_code, 2);
   EXPECT_THAT(nowhere.errors, HasSubstr("/proc/none"));
 }
 

@@ -40,11 +40,11 @@ class Drill : public ::testing::Test {
     return {"middle", kBoneCentre - kBoneRadiusMm * direction, kBoneCentre + (kBoneRadiusMm - 2.0) * direction, bit};
   }
 
-  static Json drill(const std::string& options, const std::string& plan = "plan.json") {
+  static Json drill(const std::string& options, const std::string& plan = "plan.json", int exit_code = 0) {
     const test::ProgramRun run = test::run_program(
         "drill bone.vdb " + plan + " --radius 2 --spacing 0.2 --step 0.01 -o out --json out.json " + options,
         folder_->path());
-    EXPECT_EQ(run.exit_code, 0) << options << "\n" << run.errors;
+    EXPECT_EQ(run.exit_code, exit_code) << options << "\n" << run.errors;
     return read_json(folder_->path() / "out.json");
   }
 
@@ -123,7 +123,7 @@ TEST_F(Drill, StopsOnABreachOfTheFarSide) {
   DrillPath through = inside;
   through.target_mm += 5.0 * through.direction();
   write_plan({through}, folder_->path() / "through.json");
-  const Json stopped = drill("--stop-on-breach", "through.json");
+  const Json stopped = drill("--stop-on-breach", "through.json", 1);
   EXPECT_EQ(stopped["stopped"], true);
   EXPECT_NEAR(stopped["max_depth_mm"].get<double>(), 2.0 * kBoneRadiusMm, 0.3);
   EXPECT_LT(stopped["min_clearance_outer_mm"].get<double>(), 0.05);

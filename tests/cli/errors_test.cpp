@@ -191,7 +191,7 @@ TEST_F(Errors, NamesALabelMapThatIsNone) {
 
 TEST_F(Errors, LeavesNeitherMapNorPictureOnAFullDisk) {
   write_labels(in("labels.nii"));
-  const std::string segment = "segment ../ct --labels ../labels.nii --from 5 -o out/map.nii --picture out/map.png";
+  const std::string segment = "segment ../ct --labels ../labels.nii --label 5 -o out/map.nii --picture out/map.png";
   EXPECT_THAT(rejected(segment, "ulimit -f 8;"), HasSubstr("cannot write"));
 }
 
@@ -202,8 +202,8 @@ TEST_F(Errors, CarriesALabelMapFromOneFormatToAnotherAndBack) {
     EXPECT_EQ(done.exit_code, 0) << done.errors;
     EXPECT_THAT(done.output, HasSubstr("32768"));  // every voxel of the CT
   };
-  run("--labels labels.nii --from 5 --label 300 -o work/map.seg.nrrd --picture work/map.png");
-  run("--labels work/map.seg.nrrd --from 300 -o work/map.nii.gz");
+  run("--labels labels.nii --label 5 --write-label 300 -o work/map.seg.nrrd --picture work/map.png");
+  run("--labels work/map.seg.nrrd --label 300 -o work/map.nii.gz");
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("map.nii.gz", "map.png", "map.seg.nrrd"));
 }
 
@@ -214,7 +214,7 @@ TEST_F(Errors, SaysWhereAPathRunsThatMissesTheBone) {
   EXPECT_THAT(error, HasSubstr("(100, 0, 0) to (130, 0, 0)"));
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
-    {"name": "far", "entry": [100, 0, 0], "target": [130, 0, 0],
+    {"name": "far", "entry_mm": [100, 0, 0], "target_mm": [130, 0, 0],
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   EXPECT_THAT(rejected("drill ../bone.vdb ../plan.json -o out"), HasSubstr("misses the bone"));
 }
@@ -223,7 +223,7 @@ TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
   take_bone();
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
-    {"name": "p", "entry": [1, 2], "target": [3, 0, 0], "bit": {}}]})";
+    {"name": "p", "entry_mm": [1, 2], "target_mm": [3, 0, 0], "bit": {}}]})";
   const std::string error = rejected("drill ../bone.vdb ../plan.json -o out");
   EXPECT_THAT(error, HasSubstr("\"entry\""));
   EXPECT_THAT(error, HasSubstr("plan.json"));
@@ -233,7 +233,7 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
   take_bone();
   std::ofstream(in("plan.json"))
       << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
-    {"name": "p", "entry": [16, 26, 16], "target": [16, 10, 16],
+    {"name": "p", "entry_mm": [16, 26, 16], "target_mm": [16, 10, 16],
      "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 5}}]})";
   // A limit on the size of a file makes writes fail as a full disk does.
   const std::string small = "ulimit -f 8;";

@@ -206,7 +206,7 @@ TEST_F(Examples, StudyCountsBreaches) {
 
 TEST_F(Examples, SayWhatIsWrong) {
   const test::ProgramRun run = example("study", "none.vdb plan.json");
-  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.errors, HasSubstr("none.vdb"));
 }
 

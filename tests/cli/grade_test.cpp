@@ -56,6 +56,18 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
             (std::vector<std::string>{"grade.csv", "grade.json", "report.html"}));
 }
 
+TEST_F(Grade, TellsABreachThatWasAskedForByItsExitCode) {
+  const auto exit_code_of = [&](const char* diameter_mm) {
+    return test::run_program(std::string("grade bone.vdb plan.json --fail-on-breach -o asked --screw-length 45 ") +
+                                 "--screw-diameter " + diameter_mm,
+                             folder_->path())
+        .exit_code;
+  };
+  // The isthmus is 9 mm wide.
+  EXPECT_EQ(exit_code_of("6.5"), 0);
+  EXPECT_EQ(exit_code_of("11"), 1);
+}
+
 TEST_F(Grade, RejectsOptionsWithoutSense) {
   for (const char* options : {"--path middle", "--screw-diameter 6.5", "--screw-diameter -1 --screw-length 45",
                               "--step 0", "--hu-bands 375,135", "--material none.json"}) {

@@ -53,7 +53,7 @@ TEST_P(HostileCtGivenToTheProgram, IsRejectedInTimeAndLittleMemory) {
   const test::TemporaryFolder beside;
   const std::filesystem::path path = GetParam().make(folder.path());
   const MeasuredRun run = run_info(path, beside.path() / "errors");
-  EXPECT_EQ(run.exit_code, 1) << run.errors;
+  EXPECT_EQ(run.exit_code, 2) << run.errors;
   EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
   EXPECT_THAT(run.errors, testing::StartsWith("spinaltap: "));
   EXPECT_THAT(run.errors, testing::HasSubstr(GetParam().word));

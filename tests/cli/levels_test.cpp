@@ -68,7 +68,7 @@ TEST_F(Levels, BakesIntoAFolderAndAloneTheSameBones) {
 
 TEST_F(Levels, WritesNothingWhereItMustNotLeaveOneOut) {
   const test::ProgramRun strict = run("bake ct --labels map.seg.nrrd --all --strict --voxel 0.5 -o strict.vdb");
-  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_EQ(strict.exit_code, 2);
   EXPECT_THAT(strict.errors, HasSubstr("L1: cut by the CT's border"));
   EXPECT_FALSE(std::filesystem::exists(in("strict.vdb")));
 }
@@ -89,7 +89,7 @@ TEST_F(Levels, CommandsTakeOneBoneOfSeveral) {
   for (const char* command : {"mesh spine.vdb -o x.stl", "render spine.vdb -o x.png",
                               "plan spine.vdb --entry 10,-9,32 --target 10,-4,32 -o plan.json"}) {
     const test::ProgramRun unsaid = run(command);
-    EXPECT_EQ(unsaid.exit_code, 1) << command;
+    EXPECT_EQ(unsaid.exit_code, 2) << command;
     EXPECT_THAT(unsaid.errors, HasSubstr("T11, T12")) << command;
     const test::ProgramRun said = run(std::string(command) + " --level T12");
     EXPECT_EQ(said.exit_code, 0) << command << said.errors;

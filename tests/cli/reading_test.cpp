@@ -104,7 +104,7 @@ TEST_F(Reading, CropsToABoxInThePatient) {
   EXPECT_THAT(ct.at("size"), ElementsAre(4, 6, 3));
   EXPECT_THAT(ct.at("origin_mm"), ElementsAre(-29.5, 13.0, 102.0));
   const test::ProgramRun run = run_program("info ct --crop=0,0,0,1,1,1", folder_.path());
-  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.errors, HasSubstr("overlaps the CT"));
 }
 
@@ -117,7 +117,7 @@ TEST_F(Reading, ResamplesUnequalStepsOnlyWhenAskedTo) {
     write_whole_file(folder_.path() / "ct" / ("slice" + std::to_string(k)), slice.bytes());
   }
   const test::ProgramRun run = run_program("info ct", folder_.path());
-  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.errors, AllOf(HasSubstr("between slice2 and"), HasSubstr("slice3 (--resample interpolates)")));
   const Json figures = figures_of("info ct --resample");
   EXPECT_THAT(figures.at("ct").at("size"), ElementsAre(4, 3, 5));

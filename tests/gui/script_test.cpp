@@ -112,7 +112,7 @@ TEST(PlannerProgram, SavesAScreenshotAndEnds) {
 TEST(PlannerProgram, SaysInALineWhatIsWrong) {
   QProcess process;
   run_program(process, {"nothing.vdb", "--screenshot", "window.png"});
-  EXPECT_EQ(process.exitCode(), 1);
+  EXPECT_EQ(process.exitCode(), 2);
   const std::string said = process.readAllStandardError().toStdString();
   EXPECT_THAT(said, testing::AllOf(testing::StartsWith("spinaltap-planner: "), testing::HasSubstr("nothing.vdb")));
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1);

@@ -93,7 +93,7 @@ bool fits_half_floats(const openvdb::FloatGrid& grid) {
 
 void add_metadata(const std::map<std::string, std::string>& metadata, openvdb::FloatGrid& sdf) {
   for (const auto& [key, value] : metadata) sdf.insertMeta(kMetadataPrefix + key, openvdb::StringMetadata(value));
-  sdf.insertMeta(kFormatKey, openvdb::StringMetadata(kFormatVersion));
+  sdf.insertMeta(kBoneFormatKey, openvdb::StringMetadata(kBoneFormatVersion));
 }
 
 std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf, const std::filesystem::path& path) {
@@ -102,10 +102,10 @@ std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf, co
   for (auto meta = sdf.beginMeta(); meta != sdf.endMeta(); ++meta) {
     if (meta->first.rfind(prefix, 0) == 0) metadata[meta->first.substr(prefix.size())] = meta->second->str();
   }
-  const auto version = metadata.extract(std::string(kFormatKey).substr(prefix.size()));
+  const auto version = metadata.extract(std::string(kBoneFormatKey).substr(prefix.size()));
   const std::string found = version.empty() ? "1" : version.mapped();
-  if (found != kFormatVersion && !(version.empty() && metadata.empty())) {
-    fail(path.string(), ": this is a version ", printable(found), " bone; version ", kFormatVersion,
+  if (found != kBoneFormatVersion && !(version.empty() && metadata.empty())) {
+    fail(path.string(), ": this is a version ", printable(found), " bone; version ", kBoneFormatVersion,
          " is expected: bake again");
   }
   return metadata;

@@ -22,8 +22,8 @@ namespace spinaltap::detail {
 /// Before the names of our own metadata.
 constexpr const char* kMetadataPrefix = "spinaltap:";
 /// Of them, what says by which names the others go; docs/bone-vdb.md.
-constexpr const char* kFormatKey = "spinaltap:format_version";
-constexpr const char* kFormatVersion = "2";
+constexpr const char* kBoneFormatKey = "spinaltap:format_version";
+constexpr const char* kBoneFormatVersion = "2";
 
 /// All grids of a .vdb file. Throws Error on a missing file, one that is no .vdb, and one cut short by even one byte.
 openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path);

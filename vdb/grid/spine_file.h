@@ -18,7 +18,7 @@ struct LevelNotes {
   std::string no_landmarks;           ///< why there are none
 };
 
-/// One bone of several in a spine.vdb. Its fact "level" is the level's name.
+/// One bone of several in a spine.vdb. Its metadata "level" is the level's name.
 struct SpineBone {
   Level level = Level::kNone;
   BoneModel bone;

@@ -217,14 +217,14 @@ void add_bench(CLI::App& program, Command& command) {
   bench->require_subcommand(1);
   CLI::App* app = add_command(
       *bench, command, "drill", "Measure the drilling engines on the paper's workload",
-      "Example: spinaltap bench drill --motion tremor,on-path --diameter 3.06 -o bench.json --plot bench.html\n"
+      "Example: spinaltap bench drill --motion tremor,on-path --diameter 3.06 --json bench.json --plot bench.html\n"
       "The cylinder has a radius of 3 mm and a length of 37.8 mm: 986,958 points at 0.1 mm, 64,775,592 at 0.025 mm\n"
       "(75 MB). Rates are cycles per second of CPU time; times are microseconds. `reference` and `arc` are slow: they\n"
       "are timed in windows of --window cycles. With the defaults it takes some minutes.");
   // This command has lists of threads, and writes its JSON together with the plot.
   app->remove_option(app->get_option("--threads"));
   app->remove_option(app->get_option("--json"));
-  app->add_option("-o,--json", options->json_file, "Write the figures to this file as JSON")->type_name("FILE");
+  app->add_option("--json", options->json_file, "Write the figures to this file as JSON")->type_name("FILE");
   app->add_option("--plot", options->plot_file, "Write the paper's figures 20 and 21, drawn anew, to this HTML file")
       ->type_name("FILE");
   app->add_option("--engine", options->engines, "Engines to measure")

@@ -48,8 +48,8 @@ PedicleScrew read_screw(const Json& json, const std::filesystem::path& file) {
 
 Json to_json(const DrillPath& path) {
   Json json{{"name", path.name},
-            {"entry", to_json(path.entry_mm)},
-            {"target", to_json(path.target_mm)},
+            {"entry_mm", to_json(path.entry_mm)},
+            {"target_mm", to_json(path.target_mm)},
             {"bit", to_json(path.bit)}};
   if (path.screw) json["screw"] = to_json(*path.screw);
   return json;
@@ -59,8 +59,8 @@ DrillPath read_path(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
   DrillPath path;
   path.name = object.text("name");
-  path.entry_mm = object.vector("entry");
-  path.target_mm = object.vector("target");
+  path.entry_mm = object.vector("entry_mm");
+  path.target_mm = object.vector("target_mm");
   path.bit = read_bit(object.at("bit"), file);
   if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
   return path;

@@ -108,7 +108,7 @@ TEST_F(PlanFile, IsRejectedWithTheKeyAtFaultNamed) {
   const auto names = [](const char* key) {
     return ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(key)));
   };
-  for (const char* key : {"name", "entry", "target", "bit"}) {
+  for (const char* key : {"name", "entry_mm", "target_mm", "bit"}) {
     EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][1].erase(key); }); }, names(key));
     EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][1][key] = 7; }); }, names("plan.json"));
   }
@@ -116,8 +116,8 @@ TEST_F(PlanFile, IsRejectedWithTheKeyAtFaultNamed) {
     EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["bit"].erase(key); }); }, names(key));
     EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["bit"][key] = "3"; }); }, names(key));
   }
-  EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry"] = {1.0, 2.0}; }); }, names("entry"));
-  EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry"][1] = nullptr; }); }, names("entry"));
+  EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry_mm"] = {1.0, 2.0}; }); }, names("entry_mm"));
+  EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][0]["entry_mm"][1] = nullptr; }); }, names("entry_mm"));
 }
 
 TEST_F(PlanFile, IsRejectedWithPathsThatCannotBeDrilledAndSaysWhich) {
@@ -126,7 +126,7 @@ TEST_F(PlanFile, IsRejectedWithPathsThatCannotBeDrilledAndSaysWhich) {
   };
   EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["bit"]["diameter_mm"] = -3.0; }); },
               names("diameter"));
-  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["target"] = json["paths"][0]["entry"]; }); },
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["target_mm"] = json["paths"][0]["entry_mm"]; }); },
               names("path"));
 }
 

@@ -131,7 +131,7 @@ TEST(SessionSetup, NamesFileAndKeyOfWhatIsWrong) {
   expect("specific_cutting_energy_mpa", [](Json& json) { json["material"]["specific_cutting_energy_mpa"] = "hard"; });
   expect("states", [](Json& json) { json["options"]["states"] = 1; });
   expect("on_breach", [](Json& json) { json["options"]["stop"]["on_breach"] = 1; });
-  expect("path", [](Json& json) { json["path"]["target"] = json["path"]["entry"]; });
+  expect("path", [](Json& json) { json["path"]["target_mm"] = json["path"]["entry_mm"]; });
   EXPECT_THROW(recorded_setup({}, "run.h5"), Error);
   EXPECT_THROW(recorded_setup({{"session", "{"}}, "run.h5"), Error);
 }

@@ -106,7 +106,7 @@ TEST_F(StudySpecFile, IsReadWithEveryKey) {
 TEST_F(StudySpecFile, NeedsNoMoreThanBonePathOperatorAndDesign) {
   const StudySpec spec = read_study_spec(write(Json::parse(
       R"({"format": "spinaltap-study", "version": 2, "bone": "b.vdb", "operator": {"kind": "feed"}, "design": {},
-          "path": {"name": "own", "entry": [0, 0, 0], "target": [0, 0, 30],
+          "path": {"name": "own", "entry_mm": [0, 0, 0], "target_mm": [0, 0, 30],
                    "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 2}}})")));
   EXPECT_EQ(spec.name, "study");
   EXPECT_EQ(spec.path.name, "own");
