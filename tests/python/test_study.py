@@ -12,7 +12,7 @@ import spinaltap
 
 SPEC = {
     "format": "spinaltap-study",
-    "version": 1,
+    "version": 2,
     "name": "A few",
     "bone": str(made_bone.FOLDER / "ground_truth.vdb"),
     "plan": str(made_bone.FOLDER / "plan.json"),
