@@ -10,7 +10,7 @@
 #include "apps/python/bindings.h"
 #include "apps/python/names.h"
 #include "core/base/staged_output.h"
-#include "core/files/bit_shapes.h"
+#include "core/files/bit_file.h"
 #include "core/files/plan_file.h"
 #include "core/tool/drill_path.h"
 

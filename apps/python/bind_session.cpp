@@ -12,10 +12,9 @@
 #include "apps/python/names.h"
 #include "apps/python/one_at_a_time.h"
 #include "apps/python/planned_operator.h"
-#include "core/files/density_file.h"
 #include "core/files/material_file.h"
 #include "core/session/operator/force_controlled.h"
-#include "core/session/operator/planned_motion.h"
+#include "core/session/operator/path_motion.h"
 #include "vdb/sim/session.h"
 
 namespace py = pybind11;

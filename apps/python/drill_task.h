@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/tool/path_frame.h"
+#include "core/tool/drill_path.h"
 #include "vdb/sim/session_batch.h"
 
 namespace spinaltap {
