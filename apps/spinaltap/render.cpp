@@ -8,6 +8,7 @@
 
 #include "apps/report/picture_view.h"
 #include "apps/report/png.h"
+#include "apps/report/view_picture.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
@@ -16,6 +17,7 @@
 #include "core/files/recorded_setup.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/picture/render.h"
+#include "vdb/picture/view.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {
@@ -30,6 +32,7 @@ struct Options {
   double opacity = 1.0;
   double frames_per_s = 25.0;
   double speed = 1.0;
+  bool is_depth = false;
 };
 
 /// "900x700"
@@ -82,16 +85,30 @@ class Painter {
       render_.close_up = CloseUp{path->entry_mm, *options.close_up_mm};
     }
     render_.paths = std::move(paths);
+    if (options.is_depth) camera_ = camera_from(view, before);
   }
 
   void show(const DrillBit& bit, const Pose& pose) { render_.bit = RenderedBit{bit, pose}; }
 
   std::string png(const BoneModel& bone, const Progress& progress) const {
+    if (camera_) return encode_png(view_picture(view_bone(bone, *camera_, {.removed = {}, .bit = render_.bit})));
     return encode_png(render_bone(bone, render_, progress));
   }
 
  private:
+  /// So far away that the whole bone is seen, or what is to be seen of it.
+  Camera camera_from(const PictureView& view, const BoneModel& before) const {
+    constexpr double kFieldOfView = 30.0 * kDegree;
+    const Box3 box_mm = before.bounds_mm();
+    const Vec3 centre_mm = render_.close_up ? render_.close_up->centre_mm : box_mm.center();
+    const double width_mm = render_.close_up ? render_.close_up->width_mm : box_mm.diagonal().norm();
+    const double away_mm = 0.5 * width_mm / std::tan(0.5 * kFieldOfView);
+    return look_at(centre_mm + away_mm * view.from.normalized(), centre_mm, view.up, kFieldOfView, render_.width,
+                   render_.height);
+  }
+
   RenderOptions render_;
+  std::optional<Camera> camera_;
 };
 
 std::vector<DrillPath> paths_of(const Options& options, const std::optional<Recorded>& recorded) {
@@ -177,8 +194,12 @@ void add_render(CLI::App& program, Command& command) {
                   "From where: behind, front, left, right (of the patient), above, below, hole, or the direction to\n"
                   "the eye as x,y,z; default: behind and a little above, or straight onto the cut")
       ->type_name("NAME");
+  CLI::Option* depth = app->add_flag(
+      "--depth", options->is_depth,
+      "Depth, normals and mask of a pinhole camera side by side, each of that size, as programs get them");
   app->add_option("--cut", options->cut,
                   "Cut the bone open: axial, sagittal, coronal through the path's middle, or path, upright along it")
+      ->excludes(depth)
       ->type_name("NAME");
   app->add_option("--close-up", options->close_up_mm, "Show only so much around the path's entry, mm across")
       ->check(CLI::PositiveNumber);

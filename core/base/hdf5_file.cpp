@@ -40,19 +40,19 @@ bool may_have_writer(const std::filesystem::path& path) {
 }
 
 /// Of rows, within the file's table.
-Id selection(hid_t dataset, std::uint64_t width, std::uint64_t first, std::uint64_t count, const fs::path& path) {
+Id selection(hid_t dataset, const Hdf5Row& row, std::uint64_t first, std::uint64_t count, const fs::path& path) {
   Id space(checked(H5Dget_space(dataset), "find rows in", path), H5Sclose);
-  std::vector<hsize_t> start(dimensions(0, width).size(), 0);
+  std::vector<hsize_t> start(dimensions(0, row).size(), 0);
   start[0] = first;
   checked(
-      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, dimensions(count, width).data(), nullptr),
+      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, dimensions(count, row).data(), nullptr),
       "find rows in", path);
   return space;
 }
 
 /// Of as many rows in memory.
-Id memory_of(std::uint64_t width, std::uint64_t count, const fs::path& path) {
-  const std::vector<hsize_t> size = dimensions(count, width);
+Id memory_of(const Hdf5Row& row, std::uint64_t count, const fs::path& path) {
+  const std::vector<hsize_t> size = dimensions(count, row);
   return {checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), "find rows in", path),
           H5Sclose};
 }
@@ -154,18 +154,18 @@ std::map<std::string, std::string> Hdf5File::read_texts(const std::string& group
   return texts;
 }
 
-Hdf5Table Hdf5File::make_table(const std::string& name, Hdf5Number number, std::uint64_t width,
-                               std::uint64_t chunk_rows, bool compresses) {
+Hdf5Table Hdf5File::make_table(const std::string& name, Hdf5Number number, const Hdf5Row& row, std::uint64_t chunk_rows,
+                               bool compresses) {
   const QuietHdf5 quiet;
   const std::filesystem::path& path = handle_->path;
   constexpr unsigned kQuickest = 1;
-  const std::vector<hsize_t> size = dimensions(0, width);
+  const std::vector<hsize_t> size = dimensions(0, row);
   std::vector<hsize_t> max = size;
   max[0] = H5S_UNLIMITED;
   const Id space(checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), max.data()), "write", path),
                  H5Sclose);
   const Id creation(checked(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
-  checked(H5Pset_chunk(creation.get(), static_cast<int>(size.size()), dimensions(chunk_rows, width).data()), "write",
+  checked(H5Pset_chunk(creation.get(), static_cast<int>(size.size()), dimensions(chunk_rows, row).data()), "write",
           path);
   if (compresses) {
     checked(H5Pset_shuffle(creation.get()), "write", path);
@@ -176,14 +176,15 @@ Hdf5Table Hdf5File::make_table(const std::string& name, Hdf5Number number, std::
                         H5P_DEFAULT),
              H5Dclose);
   checked(dataset.get(), "write", path);
-  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 0, path});
+  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), row, 0, path});
 }
 
-Hdf5Table Hdf5File::make_row(const std::string& name, Hdf5Number number, std::uint64_t width) {
+Hdf5Table Hdf5File::make_row(const std::string& name, Hdf5Number number, const Hdf5Row& row) {
   const QuietHdf5 quiet;
   const std::filesystem::path& path = handle_->path;
-  const std::array<hsize_t, 2> size{1, width};
-  const Id space(checked(H5Screate_simple(width == 1 ? 1 : 2, size.data(), nullptr), "write", path), H5Sclose);
+  const std::vector<hsize_t> size = dimensions(1, row);
+  const Id space(checked(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), "write", path),
+                 H5Sclose);
   const Id creation(checked(H5Pcreate(H5P_DATASET_CREATE), "write", path), H5Pclose);
   checked(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY), "write", path);
   checked(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_ALLOC), "write", path);
@@ -191,10 +192,10 @@ Hdf5Table Hdf5File::make_row(const std::string& name, Hdf5Number number, std::ui
                         H5P_DEFAULT),
              H5Dclose);
   checked(dataset.get(), "write", path);
-  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, 1, path});
+  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), row, 1, path});
 }
 
-Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, std::uint64_t width) const {
+Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, const Hdf5Row& row) const {
   const QuietHdf5 quiet;
   const std::filesystem::path& path = handle_->path;
   Id dataset(H5Dopen2(handle_->file.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -202,13 +203,19 @@ Hdf5Table Hdf5File::open_table(const std::string& name, Hdf5Number number, std::
   const Id type(checked(H5Dget_type(dataset.get()), "read", path), H5Tclose);
   const Id space(checked(H5Dget_space(dataset.get()), "read", path), H5Sclose);
   const int dimension_count = checked(H5Sget_simple_extent_ndims(space.get()), "read", path);
-  std::array<hsize_t, 2> size{0, 1};
-  if (dimension_count == 1 || dimension_count == 2) H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
-  if (H5Tequal(type.get(), in_file(number)) <= 0 || dimension_count != (width == 1 ? 1 : 2) || size[1] != width) {
-    fail("cannot read ", path.string(), ": expected rows of ", width, " numbers of ", H5Tget_size(in_file(number)),
-         " bytes in ", name, ", found something else");
+  std::vector<hsize_t> size(static_cast<std::size_t>(dimension_count));
+  if (dimension_count > 0) H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+  const std::uint64_t rows = size.empty() ? 0 : size.front();
+  if (H5Tequal(type.get(), in_file(number)) <= 0 || size.empty() || size != dimensions(rows, row)) {
+    fail("cannot read ", path.string(), ": expected rows of ", row.numbers(), " numbers of ",
+         H5Tget_size(in_file(number)), " bytes in ", name, ", found something else");
   }
-  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), width, size[0], path});
+  return Hdf5Table(Hdf5Table::Handle{std::move(dataset), in_memory(number), row, rows, path});
+}
+
+bool Hdf5File::has(const std::string& name) const {
+  const QuietHdf5 quiet;
+  return checked(H5Lexists(handle_->file.get(), name.c_str(), H5P_DEFAULT), "read", handle_->path) > 0;
 }
 
 void Hdf5File::let_others_read() {
@@ -230,7 +237,8 @@ void Hdf5File::close() {
 }
 
 Hdf5Table::Hdf5Table(Handle handle)
-    : handle_(std::make_shared<Handle>(std::move(handle))), row_bytes_(H5Tget_size(handle_->number) * handle_->width) {}
+    : handle_(std::make_shared<Handle>(std::move(handle))),
+      row_bytes_(H5Tget_size(handle_->number) * handle_->row.numbers()) {}
 
 std::uint64_t Hdf5Table::rows() const { return handle_->rows; }
 
@@ -239,11 +247,11 @@ void Hdf5Table::write(std::uint64_t first, std::uint64_t count, const void* numb
   const QuietHdf5 quiet;
   Handle& own = *handle_;
   if (first + count > own.rows) {
-    checked(H5Dset_extent(own.dataset.get(), dimensions(first + count, own.width).data()), "write", own.path);
+    checked(H5Dset_extent(own.dataset.get(), dimensions(first + count, own.row).data()), "write", own.path);
     own.rows = first + count;
   }
-  const Id memory = memory_of(own.width, count, own.path);
-  const Id rows = selection(own.dataset.get(), own.width, first, count, own.path);
+  const Id memory = memory_of(own.row, count, own.path);
+  const Id rows = selection(own.dataset.get(), own.row, first, count, own.path);
   checked(H5Dwrite(own.dataset.get(), own.number, memory.get(), rows.get(), H5P_DEFAULT, numbers), "write", own.path);
   const Id file(checked(H5Iget_file_id(own.dataset.get()), "write", own.path), H5Fclose);
   check_disk(file.get(), own.path);
@@ -256,8 +264,8 @@ void Hdf5Table::read(std::uint64_t first, std::uint64_t count, void* numbers) co
   if (first > own.rows || count > own.rows - first) {
     fail("cannot read ", own.path.string(), ": expected ", first + count, " rows, found ", own.rows);
   }
-  const Id memory = memory_of(own.width, count, own.path);
-  const Id rows = selection(own.dataset.get(), own.width, first, count, own.path);
+  const Id memory = memory_of(own.row, count, own.path);
+  const Id rows = selection(own.dataset.get(), own.row, first, count, own.path);
   checked(H5Dread(own.dataset.get(), own.number, memory.get(), rows.get(), H5P_DEFAULT, numbers), "read", own.path);
 }
 

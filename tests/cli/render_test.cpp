@@ -75,6 +75,19 @@ TEST_F(Render, DrawsABoneItsPlanAndItsHole) {
   EXPECT_EQ(pictures.size(), static_cast<std::size_t>(count)) << "each shows something else";
 }
 
+TEST_F(Render, DrawsDepthNormalsAndMaskSideBySide) {
+  std::set<std::string> pictures;
+  for (const char* arguments : {"bone.vdb", "out/drilled.vdb --plan plan.json --view hole", "bone.vdb --record run.h5",
+                                "bone.vdb --record run.h5 --close-up 6"}) {
+    SCOPED_TRACE(arguments);
+    const test::ProgramRun drawn = run("render " + std::string(arguments) + " --depth --size 80x60 -o depth.png");
+    ASSERT_EQ(drawn.exit_code, 0) << drawn.errors;
+    EXPECT_EQ(png_size(file("depth.png")), (std::array{240, 60}));
+    pictures.insert(read_whole_file(file("depth.png")));
+  }
+  EXPECT_EQ(pictures.size(), 4U);
+}
+
 TEST_F(Render, DrawsTheSameAtOneThreadAndTwo) {
   const auto picture = [&](const char* threads) {
     const test::ProgramRun drawn =
@@ -134,9 +147,9 @@ TEST_F(Render, RejectsInOneLineAndLeavesNoPicture) {
   for (const char* arguments :
        {"bone.vdb --view hole", "bone.vdb --cut path", "bone.vdb --close-up 5", "bone.vdb --view nowhere",
         "bone.vdb --cut nowhere", "bone.vdb --size 100", "bone.vdb --size 0x10", "bone.vdb --size 100000x10",
-        "bone.vdb --opacity 2", "bone.vdb --at 3", "bone.vdb --frames f", "bone.vdb --plan none.json",
-        "bone.vdb --plan plan.json --path other", "bone.vdb --record plan.json", "out/drilled.vdb --record run.h5",
-        "none.vdb", "bone.vdb --record run.h5 --frames f --fps 0",
+        "bone.vdb --opacity 2", "bone.vdb --depth --cut axial", "bone.vdb --at 3", "bone.vdb --frames f",
+        "bone.vdb --plan none.json", "bone.vdb --plan plan.json --path other", "bone.vdb --record plan.json",
+        "out/drilled.vdb --record run.h5", "none.vdb", "bone.vdb --record run.h5 --frames f --fps 0",
         "bone.vdb --record run.h5 --frames f --speed 1e-9"}) {
     SCOPED_TRACE(arguments);
     const test::ProgramRun rejected = run("render " + std::string(arguments) + " -o rejected.png");

@@ -18,7 +18,6 @@ namespace spinaltap {
 namespace {
 
 namespace fs = std::filesystem;
-using openvdb::FloatGrid;
 using openvdb::MaskGrid;
 
 constexpr const char* kLevelsKey = "spinaltap:levels";  ///< of the file: "T11 T12"
@@ -44,7 +43,7 @@ void check_bones(std::span<const SpineBone> bones) {
     if (std::find(seen.begin(), seen.end(), one.level) != seen.end()) fail("spine: found ", name, " twice");
     seen.push_back(one.level);
     if (is_drilled(one.bone)) fail("spine: expected bones as they were baked, found that ", name, " is drilled");
-    const FloatGrid& hu = *one.bone.grids().hu;
+    const openvdb::FloatGrid& hu = *one.bone.grids().hu;
     if (source_of(one.bone) != source_of(bones.front().bone) || hu.transform() != first.hu->transform() ||
         hu.background() != first.hu->background()) {
       fail("spine: expected bones of one CT, found that ", name, " is of another than ",
@@ -58,8 +57,8 @@ void check_bones(std::span<const SpineBone> bones) {
 }
 
 /// All CT numbers. Where bones share voxels, these are the same CT's.
-FloatGrid::Ptr shared_hu(const std::vector<const SpineBone*>& bones) {
-  FloatGrid::Ptr hu = bones.front()->bone.grids().hu->deepCopy();
+openvdb::FloatGrid::Ptr shared_hu(const std::vector<const SpineBone*>& bones) {
+  openvdb::FloatGrid::Ptr hu = bones.front()->bone.grids().hu->deepCopy();
   for (const SpineBone* one : bones) openvdb::tools::compReplace(hu->tree(), one->bone.grids().hu->tree());
   for (const SpineBone* one : bones) {
     const auto shared = hu->getConstAccessor();
@@ -75,8 +74,8 @@ FloatGrid::Ptr shared_hu(const std::vector<const SpineBone*>& bones) {
 }
 
 /// A copy that shares the voxels, with metadata of its own.
-FloatGrid::Ptr named_sdf(const SpineBone& one) {
-  auto copy = std::const_pointer_cast<FloatGrid>(one.bone.grids().sdf)->copy();
+openvdb::FloatGrid::Ptr named_sdf(const SpineBone& one) {
+  auto copy = std::const_pointer_cast<openvdb::FloatGrid>(one.bone.grids().sdf)->copy();
   copy->clearMetadata();
   copy->setName(sdf_name(one.level));
   copy->setGridClass(openvdb::GRID_LEVEL_SET);
@@ -126,10 +125,10 @@ std::vector<Level> levels_of(const detail::NamedGrids& file, const fs::path& pat
 }
 
 /// The numbers of one bone as they were before they were put together with the others'.
-FloatGrid::Ptr own_hu(detail::NamedGrids& file, Level level, const fs::path& path) {
+openvdb::FloatGrid::Ptr own_hu(detail::NamedGrids& file, Level level, const fs::path& path) {
   const MaskGrid::Ptr part = file.read_mask(part_name(level));
   const openvdb::CoordBBox box = part->evalActiveVoxelBoundingBox();
-  const FloatGrid::Ptr shared = file.read_floats("hu", box);
+  const openvdb::FloatGrid::Ptr shared = file.read_floats("hu", box);
   if (part->transform() != shared->transform()) {
     fail("expected the grid ", part_name(level), " on the voxels of hu in ", path.string());
   }
@@ -142,20 +141,20 @@ FloatGrid::Ptr own_hu(detail::NamedGrids& file, Level level, const fs::path& pat
     }
     value.setValue(number.getValue(value.getCoord()));
   }
-  auto grid = FloatGrid::create(tree);
+  auto grid = openvdb::FloatGrid::create(tree);
   grid->setTransform(shared->transform().copy());
   grid->setName("hu");
   return grid;
 }
 
-void check_sdf(const FloatGrid& sdf, const std::string& name, const fs::path& path) {
+void check_sdf(const openvdb::FloatGrid& sdf, const std::string& name, const fs::path& path) {
   if (sdf.getGridClass() != openvdb::GRID_LEVEL_SET || sdf.activeVoxelCount() == 0 || !sdf.transform().isLinear() ||
       !sdf.hasUniformVoxels()) {
     fail("expected the grid ", name, " to be a level set of cubic voxels that is not empty in ", path.string());
   }
 }
 
-LevelNotes notes_of(const FloatGrid& sdf) {
+LevelNotes notes_of(const openvdb::FloatGrid& sdf) {
   LevelNotes notes;
   const auto text = [&](const char* name) {
     const auto meta = sdf.getMetadata<openvdb::StringMetadata>(kNotePrefix + name);
@@ -172,9 +171,9 @@ LevelNotes notes_of(const FloatGrid& sdf) {
 
 SpineBone read_level(detail::NamedGrids& file, Level level, const fs::path& path) {
   auto grids = std::make_shared<detail::BoneGrids>();
-  const FloatGrid::Ptr sdf = file.read_floats(sdf_name(level));
+  const openvdb::FloatGrid::Ptr sdf = file.read_floats(sdf_name(level));
   check_sdf(*sdf, sdf_name(level), path);
-  const FloatGrid::Ptr hu = own_hu(file, level, path);
+  const openvdb::FloatGrid::Ptr hu = own_hu(file, level, path);
   if (!hu->transform().isLinear()) fail("expected the grid hu without perspective in ", path.string());
   grids->metadata = detail::metadata_of(*sdf, path);
   const LevelNotes notes = notes_of(*sdf);

@@ -1,8 +1,6 @@
 #include "vdb/picture/render.h"
 
-#include <openvdb/math/Ray.h>
 #include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/RayIntersector.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -12,19 +10,19 @@
 
 #include "core/base/error.h"
 #include "core/base/hu_colour.h"
-#include "vdb/detail/bone_grids.h"
+#include "vdb/picture/detail/bone_ray.h"
 #include "vdb/picture/detail/drawn_solid.h"
 
 namespace spinaltap {
 namespace {
 
-using Intersector = openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid>;
 using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 using Colour = Eigen::Array3d;
+using detail::BoneRay;
 using detail::DrawnSolid;
 
 /// Parallel projection onto a rectangle that holds the bone seen from `from`.
-struct Camera {
+struct Projection {
   Vec3 forward;
   Vec3 right;
   Vec3 up;
@@ -32,7 +30,7 @@ struct Camera {
   double mm_per_pixel = 0.0;
   double reach_mm = 0.0;
 
-  Camera(const openvdb::FloatGrid& grid, const RenderOptions& options)
+  Projection(const openvdb::FloatGrid& grid, const RenderOptions& options)
       : forward(-options.from.normalized()), right(forward.cross(options.up).normalized()), up(right.cross(forward)) {
     constexpr double kMargin = 1.06;
     // The leaves of the narrow band lie along the whole surface.
@@ -63,22 +61,12 @@ struct Camera {
 struct Scene {
   const BoneModel& bone;
   const RenderOptions& options;
-  /// What is seen: the first without the second, each with its own surface, so that the rim between them is sharp.
-  openvdb::FloatGrid::ConstPtr bone_grid;
-  openvdb::FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
-  Camera camera;
-  Intersector to_bone;
-  std::optional<Intersector> to_hole = {};
+  detail::DrawnBone drawn;
+  Projection camera;
   std::vector<DrawnSolid> solids;
 
   Scene(const BoneModel& shown, const RenderOptions& how)
-      : bone(shown),
-        options(how),
-        bone_grid(shown.grids().before ? shown.grids().before : shown.grids().sdf),
-        hole_grid(shown.grids().hole),
-        camera(*bone_grid, how),
-        to_bone(*bone_grid) {
-    if (hole_grid && hole_grid->activeVoxelCount() > 0) to_hole.emplace(*hole_grid);
+      : bone(shown), options(how), drawn(shown), camera(*drawn.bone_grid, how) {
     constexpr double kRodMm = 0.7;
     const Colour steel(0.55, 0.60, 0.68), green(0.10, 0.62, 0.28);
     if (how.bit) solids.emplace_back(how.bit->bit, how.bit->pose, steel);
@@ -95,19 +83,10 @@ class Tracer {
  public:
   explicit Tracer(const Scene& scene)
       : scene_(scene),
-        to_bone_(scene.to_bone),
-        to_hole_(scene.to_hole),
-        bone_accessor_(scene.bone_grid->getConstAccessor()),
-        bone_(bone_accessor_, scene.bone_grid->transform()),
-        // Never asked where there is no hole.
-        hole_accessor_((scene.hole_grid ? scene.hole_grid : scene.bone_grid)->getConstAccessor()),
-        hole_(hole_accessor_, scene.bone_grid->transform()),
+        ray_(scene.drawn, scene.options.cut),
         hu_accessor_(scene.bone.grids().hu->getConstAccessor()),
         hu_(hu_accessor_, scene.bone.grids().hu->transform()),
-        cut_(scene.options.cut),
-        step_mm_(scene.bone.voxel_mm()) {
-    if (cut_) cut_->normal.normalize();
-  }
+        step_mm_(scene.bone.voxel_mm()) {}
 
   /// The colour at the end of a ray: what surfaces keep back of the light from behind, from the eye on.
   Colour trace(const Vec3& start_mm) {
@@ -124,15 +103,15 @@ class Tracer {
     }
     Colour colour = Colour::Zero();
     double light = 1.0;
-    begin_ray(start_mm);
+    ray_.begin(start_mm, forward, false);
     for (int n = 0; n < kMaxSurfaces; ++n) {
-      const Surface surface = next_surface(start_mm);
+      const BoneRay::Surface surface = ray_.next_surface();
       if (!(surface.way_mm < solid_mm)) break;
       const Vec3 p_mm = start_mm + surface.way_mm * forward;
-      const bool is_new = surface.kind != Kind::bone;
+      const bool is_new = surface.kind != BoneRay::Kind::bone;
       const double kept = is_new ? std::max(scene_.options.opacity, kNewOpacity) : scene_.options.opacity;
       if (kept > 0.0) {
-        colour += light * kept * shade(is_new ? cut_colour(p_mm) : kBone, normal(p_mm, surface.kind), p_mm);
+        colour += light * kept * shade(is_new ? cut_colour(p_mm) : kBone, ray_.normal(p_mm, surface.kind), p_mm);
       }
       light *= 1.0 - kept;
       if (light < kMinLight) return colour;
@@ -147,78 +126,7 @@ class Tracer {
   static constexpr double kNewOpacity = 0.75;
   static constexpr double kMinLight = 1e-3;
 
-  /// Where a ray goes into what is left of the bone, or out of it.
-  enum class Kind { bone, wall, cut };
-  struct Surface {
-    double way_mm = DrawnSolid::kMissed;
-    Kind kind = Kind::bone;
-  };
-
   static Colour background() { return {1.0, 1.0, 1.0}; }
-
-  double next_crossing_mm(Intersector& intersector, const Vec3& start_mm, double begin_mm) const {
-    using Ray = openvdb::math::Ray<double>;
-    const Ray ray(detail::to_vdb(start_mm), detail::to_vdb(scene_.camera.forward), begin_mm);
-    openvdb::Vec3d hit;
-    if (!intersector.intersectsWS(ray, hit)) return DrawnSolid::kMissed;
-    return (detail::from_vdb(hit) - start_mm).dot(scene_.camera.forward);
-  }
-
-  /// From outside of everything, or from where the ray goes through the cut.
-  void begin_ray(const Vec3& start_mm) {
-    begin_mm_ = 0.0;
-    end_mm_ = DrawnSolid::kMissed;
-    if (cut_) {
-      const double above_mm = (start_mm - cut_->point_mm).dot(cut_->normal);
-      const double rise = scene_.camera.forward.dot(cut_->normal);
-      if (rise < 0.0) begin_mm_ = std::max(0.0, -above_mm / rise);
-      if (rise > 0.0) end_mm_ = -above_mm / rise;
-      if (rise == 0.0 && above_mm > 0.0) end_mm_ = 0.0;
-    }
-    is_left_ = false;
-    bone_crossing_mm_ = begin_mm_ > 0.0 ? begin_mm_ : next_crossing_mm(to_bone_, start_mm, 0.0);
-    hole_crossing_mm_ = DrawnSolid::kMissed;
-    // A hole without bone around is not seen.
-    const bool may_see_hole = to_hole_ && bone_crossing_mm_ < DrawnSolid::kMissed;
-    if (may_see_hole) hole_crossing_mm_ = next_crossing_mm(*to_hole_, start_mm, begin_mm_);
-  }
-
-  Surface next_surface(const Vec3& start_mm) {
-    // A little further on, so that the same surface is not met again. What is there is looked up and not counted: the
-    // hole is kept only near the bone, so that not all ways into it are met.
-    const double further_mm = 0.02 * step_mm_;
-    while (true) {
-      const bool is_wall = hole_crossing_mm_ < bone_crossing_mm_;
-      double& crossing_mm = is_wall ? hole_crossing_mm_ : bone_crossing_mm_;
-      const double way_mm = crossing_mm;
-      if (!(way_mm < end_mm_)) return {};
-      crossing_mm = next_crossing_mm(is_wall ? *to_hole_ : to_bone_, start_mm, way_mm + further_mm);
-      const bool was_left = is_left_;
-      is_left_ = distance_mm(start_mm + (way_mm + further_mm) * scene_.camera.forward) < 0.0;
-      const bool is_cut = begin_mm_ > 0.0 && way_mm == begin_mm_;
-      if (is_left_ != was_left) return {way_mm, is_cut ? Kind::cut : is_wall ? Kind::wall : Kind::bone};
-    }
-  }
-
-  double bone_mm(const Vec3& p_mm) { return static_cast<double>(bone_.wsSample(detail::to_vdb(p_mm))); }
-  double hole_mm(const Vec3& p_mm) { return static_cast<double>(hole_.wsSample(detail::to_vdb(p_mm))); }
-  double distance_mm(const Vec3& p_mm) {
-    double distance_mm = bone_mm(p_mm);
-    if (to_hole_) distance_mm = std::max(distance_mm, -hole_mm(p_mm));
-    if (cut_) distance_mm = std::max(distance_mm, (p_mm - cut_->point_mm).dot(cut_->normal));
-    return distance_mm;
-  }
-
-  Vec3 normal(const Vec3& p_mm, Kind kind) {
-    if (kind == Kind::cut) return cut_->normal;
-    const bool is_wall = kind == Kind::wall;
-    Vec3 slope;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 step = step_mm_ * Vec3::Unit(axis);
-      slope[axis] = is_wall ? hole_mm(p_mm - step) - hole_mm(p_mm + step) : bone_mm(p_mm + step) - bone_mm(p_mm - step);
-    }
-    return slope.norm() > 0.0 ? slope.normalized() : Vec3(-scene_.camera.forward);
-  }
 
   /// Share of a few steps outward that are free of bone: hollows come out darker.
   double openness(const Vec3& p_mm, const Vec3& n) {
@@ -226,14 +134,14 @@ class Tracer {
     double blocked = 0.0;
     for (int i = 1; i <= kSteps; ++i) {
       const double way_mm = 0.7 * i * step_mm_;
-      blocked += std::max(0.0, way_mm - distance_mm(p_mm + way_mm * n)) / way_mm;
+      blocked += std::max(0.0, way_mm - ray_.distance_mm(p_mm + way_mm * n)) / way_mm;
     }
     return 1.0 - 0.6 * blocked / kSteps;
   }
 
   /// Light of two lamps on a surface, whichever side is seen.
   double light_on(Vec3 n) const {
-    const Camera& camera = scene_.camera;
+    const Projection& camera = scene_.camera;
     if (n.dot(camera.forward) > 0.0) n = -n;
     const Vec3 key = (-camera.forward + 0.6 * camera.up - 0.5 * camera.right).normalized();
     const Vec3 fill = (-camera.forward - 0.3 * camera.up + 0.8 * camera.right).normalized();
@@ -246,26 +154,15 @@ class Tracer {
 
   /// Close to the bone's surface the CT holds what is outside too: there it is that of a little deeper.
   Colour cut_colour(const Vec3& p_mm) {
-    const double missing_mm = 1.5 * step_mm_ + bone_mm(p_mm);
-    const Vec3 deep_mm = missing_mm > 0.0 ? Vec3(p_mm - missing_mm * normal(p_mm, Kind::bone)) : p_mm;
+    const double missing_mm = 1.5 * step_mm_ + ray_.bone_mm(p_mm);
+    const Vec3 deep_mm = missing_mm > 0.0 ? Vec3(p_mm - missing_mm * ray_.normal(p_mm, BoneRay::Kind::bone)) : p_mm;
     return hu_colour(static_cast<double>(hu_.wsSample(detail::to_vdb(deep_mm))));
   }
 
   const Scene& scene_;
-  Intersector to_bone_;
-  std::optional<Intersector> to_hole_;
-  double bone_crossing_mm_ = 0.0;  ///< where the ray next goes through the surface; kMissed: nowhere
-  double hole_crossing_mm_ = 0.0;
-  double begin_mm_ = 0.0;  ///< of the ray that is seen: from here
-  double end_mm_ = 0.0;    ///< to here
-  bool is_left_ = false;   ///< whether there is bone where the ray has got to
-  openvdb::FloatGrid::ConstAccessor bone_accessor_;
-  Sampler bone_;
-  openvdb::FloatGrid::ConstAccessor hole_accessor_;
-  Sampler hole_;
+  BoneRay ray_;
   openvdb::FloatGrid::ConstAccessor hu_accessor_;
   Sampler hu_;
-  std::optional<CutPlane> cut_;
   double step_mm_;
 };
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/tool/bit_profile.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/remaining/swept_along.h"
 
 namespace spinaltap {
 namespace {
@@ -77,47 +77,30 @@ Box3 grown(const Box3& box, double margin_mm) {
   return {box.min() - Vec3::Constant(margin_mm), box.max() + Vec3::Constant(margin_mm)};
 }
 
-/// A bit at a pose, lengthened backwards by its way.
-struct SweptAlong {
-  BitProfile profile;
-  Pose pose;
-
-  SweptAlong(const DrillBit& bit, const Pose& start, const Pose& end) : profile(bit), pose(end) {
-    if (!(std::abs(end.axis.norm() - 1.0) < 1e-6)) fail("subtracting the bit: expected an axis of length 1");
-    const double way_mm = (end.tip_mm - start.tip_mm).dot(end.axis);
-    if (!((start.axis - end.axis).norm() < 1e-9) || !((start.tip_mm + way_mm * end.axis - end.tip_mm).norm() < 1e-6)) {
-      fail("subtracting the bit: expected a move along the bit's own axis");
-    }
-    profile = profile.lengthened(std::abs(way_mm));
-    if (way_mm < 0.0) pose = start;
-  }
-  double distance_mm(const Vec3& p_mm) const { return bit_distance_mm(profile, pose, p_mm); }
-};
-
 /// What some bits took.
 class SweptBits {
  public:
-  explicit SweptBits(std::vector<const SweptAlong*> bits) : bits_(std::move(bits)) {}
+  explicit SweptBits(std::vector<const BitBody*> bits) : bits_(std::move(bits)) {}
 
   /// To the nearest of them, negative within.
   double distance_mm(const Vec3& p_mm) const {
     double nearest_mm = std::numeric_limits<double>::infinity();
-    for (const SweptAlong* bit : bits_) nearest_mm = std::min(nearest_mm, bit->distance_mm(p_mm));
+    for (const BitBody* bit : bits_) nearest_mm = std::min(nearest_mm, bit->distance_mm(p_mm));
     return nearest_mm;
   }
   /// The same for places within `reach_mm` of p. A distance changes by no more than the way: bits further than the
   /// nearest by twice the reach are never nearest.
   SweptBits near(const Vec3& p_mm, double reach_mm) const {
     const double nearest_mm = distance_mm(p_mm);
-    std::vector<const SweptAlong*> kept;
-    for (const SweptAlong* bit : bits_) {
+    std::vector<const BitBody*> kept;
+    for (const BitBody* bit : bits_) {
       if (bit->distance_mm(p_mm) <= nearest_mm + 2.0 * reach_mm) kept.push_back(bit);
     }
     return SweptBits(std::move(kept));
   }
 
  private:
-  std::vector<const SweptAlong*> bits_;
+  std::vector<const BitBody*> bits_;
 };
 
 /// The hole with what bits took more, near the bone as it was before; leaves that changed go to `changed`.
@@ -148,18 +131,36 @@ openvdb::FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordB
 
 }  // namespace
 
+BitBody swept_along(const DrillBit& bit, const BitWay& way) {
+  const Pose& end = way.end;
+  if (!(std::abs(end.axis.norm() - 1.0) < 1e-6)) fail("subtracting the bit: expected an axis of length 1");
+  const double way_mm = (end.tip_mm - way.start.tip_mm).dot(end.axis);
+  if (!((way.start.axis - end.axis).norm() < 1e-9) ||
+      !((way.start.tip_mm + way_mm * end.axis - end.tip_mm).norm() < 1e-6)) {
+    fail("subtracting the bit: expected a move along the bit's own axis");
+  }
+  return {BitProfile(bit).lengthened(std::abs(way_mm)), way_mm < 0.0 ? way.start : end};
+}
+
+std::vector<BitBody> swept_along(const DrillBit& bit, std::span<const BitWay> ways) {
+  std::vector<BitBody> bodies;
+  bodies.reserve(ways.size());
+  for (const BitWay& way : ways) bodies.push_back(swept_along(bit, way));
+  return bodies;
+}
+
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways) {
   check_bit(bit);
-  std::vector<SweptAlong> swept;
-  std::vector<const SweptAlong*> reaching;
+  std::vector<BitBody> swept;
+  std::vector<const BitBody*> reaching;
   swept.reserve(ways.size());
   Box3 box_mm;
   const Box3 bone_mm = bone.bounds_mm();
   const double margin_mm = bit.radius_mm() + 2.0 * bone.band_mm();
   for (const BitWay& way : ways) {
-    const SweptAlong& bit_way = swept.emplace_back(bit, way.start, way.end);
-    Box3 around_mm(bit_way.pose.tip_mm);
-    around_mm.extend(bit_way.pose.tip_mm - bit_way.profile.length_mm() * bit_way.pose.axis);
+    const BitBody& bit_way = swept.emplace_back(swept_along(bit, way));
+    Box3 around_mm(bit_way.pose().tip_mm);
+    around_mm.extend(bit_way.pose().tip_mm - bit_way.profile().length_mm() * bit_way.pose().axis);
     around_mm = grown(around_mm, margin_mm).intersection(bone_mm);
     if (around_mm.isEmpty()) continue;
     box_mm.extend(around_mm);

@@ -7,6 +7,7 @@
 #include "vdb/grid/bone_hash.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/isosurface.h"
+#include "vdb/picture/view.h"
 
 namespace spinaltap {
 
@@ -75,6 +76,8 @@ HuSampler Bone::hu_sampler() const {
 }
 
 TriangleMesh Bone::surface() const { return bone_surface(model()); }
+
+View Bone::view(const Camera& camera) const { return view_bone(model(), camera); }
 
 // Tri-quadratic values are the distance up to one voxel from the surface; see BoneModel::distance().
 const BoneShape& Bone::shape(const Progress& progress) const {

@@ -9,6 +9,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/triangle_mesh.h"
+#include "core/base/view.h"
 #include "core/ct/level.h"
 #include "core/ct/read_ct.h"
 #include "core/plan/grade.h"
@@ -58,6 +59,8 @@ class Bone {
   HuSampler hu_sampler() const;
   /// Triangles, outward, patient LPS, mm.
   TriangleMesh surface() const;
+  /// What a camera sees of it: depth, normals, a mask. See view_bone().
+  View view(const Camera& camera) const;
 
   /// Samples of its surface.
   const BoneShape& shape(const Progress& progress = {}) const;

@@ -1,16 +1,26 @@
 #include "vdb/sim/session.h"
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
 
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
+#include "vdb/picture/view.h"
 #include "vdb/remaining/live_mesh.h"
+#include "vdb/remaining/swept_along.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
+
+namespace {
+
+/// Other poses are rejected, and the bit stays where it was: as DrillSession has it.
+bool is_place(const Pose& pose) { return pose.tip_mm.allFinite() && std::abs(pose.axis.norm() - 1.0) <= 0.01; }
+
+}  // namespace
 
 struct Session::State {
   State(Bone its_bone, const SessionSetup& its_setup, const Progress& progress)
@@ -21,6 +31,9 @@ struct Session::State {
   BuiltSession built;
   std::vector<ToolInput> inputs;  ///< of this hole
   std::unique_ptr<RecordWriter> record;
+  std::optional<StraightWays> seen;  ///< of this hole, for views
+  std::size_t seen_inputs = 0;       ///< that `seen` has
+  std::optional<Pose> bit_pose;      ///< after these
   std::optional<LiveMesh> live;
   std::size_t shown = 0;  ///< of `inputs`, in the live mesh
   struct LiveHole {
@@ -38,6 +51,16 @@ struct Session::State {
       blocks.erase(update.block);
     }
     changes[update.block] = update;
+  }
+  /// What this hole took, up to the last cycle, for views; each input is looked at once.
+  std::vector<BitWay> ways_so_far() {
+    if (!seen) seen.emplace(setup.path.bit, setup.options.max_jump_mm);
+    for (; seen_inputs < inputs.size(); ++seen_inputs) {
+      seen->add(inputs[seen_inputs]);
+      const Pose& pose = inputs[seen_inputs].pose;
+      if (is_place(pose)) bit_pose = Pose{pose.tip_mm, pose.axis.normalized()};
+    }
+    return seen->ways();
   }
   /// Brings the live mesh up to the last cycle.
   void show() {
@@ -80,6 +103,9 @@ struct Session::State {
     built = std::move(fresh);
     inputs.clear();
     shown = 0;
+    seen.reset();
+    seen_inputs = 0;
+    bit_pose.reset();
   }
   void note(const Cycle& cycle) {
     inputs.push_back(cutting_input(cycle, setup.options));
@@ -140,10 +166,10 @@ const Cycle& Session::last() const { return state_->built.session->last(); }
 std::span<const SessionEvent> Session::events() const { return state_->built.session->events(); }
 bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
 
-void Session::record(const std::filesystem::path& file) {
+void Session::record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames) {
   if (!state_->inputs.empty())
     fail("expected a record from the first cycle on, found ", state_->inputs.size(), " done");
-  state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup));
+  state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup), false, frames);
 }
 
 void Session::end_record() {
@@ -173,6 +199,26 @@ bool Session::undo() {
   if (state.inputs.empty()) state.setup.holes.pop_back();
   state.rebuild();
   return true;
+}
+
+View Session::view(const Camera& camera) {
+  State& state = *state_;
+  std::vector<BitBody> removed = swept_along(state.setup.path.bit, state.ways_so_far());
+  for (const DrilledHole& hole : state.setup.holes) {
+    for (const BitWay& way : hole.ways) removed.push_back(swept_along(hole.bit, way));
+  }
+  ViewOptions options;
+  options.removed = removed;
+  if (state.bit_pose) options.bit = RenderedBit{state.setup.path.bit, *state.bit_pose};
+  return view_bone(state.bone.model(), camera, options);
+}
+
+View Session::record_view(const Camera& camera) {
+  if (!state_->record) fail("expected a record to put a view into; begin one first");
+  if (state_->inputs.empty()) fail("expected a view after the first cycle, found none done");
+  View seen = view(camera);
+  state_->record->add_frame({last().index, last().time_s, seen});
+  return seen;
 }
 
 std::vector<SurfaceUpdate> Session::surface_changes() {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,8 +49,9 @@ class Session {
   bool is_stopped() const;
 
   /// From here on each cycle goes to a record, an HDF5 file that replay() and `spinaltap replay` run again. Throws
-  /// Error after the first cycle, and where the file cannot be made or is there already.
-  void record(const std::filesystem::path& file);
+  /// Error after the first cycle, and where the file cannot be made or is there already. `frames`: the record also
+  /// takes what cameras of this size see, with record_view().
+  void record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames = {});
   /// Writes what is left, and marks the record as whole. Throws Error when the disk is full.
   void end_record();
 
@@ -58,6 +60,13 @@ class Session {
   /// Puts the bone back to before the last hole, or to before what this one was drilled so far. False where nothing was
   /// drilled. Throws Error while a record runs: it would not know.
   bool undo();
+
+  /// What a camera sees of the remaining bone, as drilled() would have it, and of the bit where it now is; the bit of a
+  /// hole that has no cycle yet is nowhere. See view_bone().
+  View view(const Camera& camera);
+  /// The same, and puts it into the record, beside the last cycle. Throws Error where there is no record that takes
+  /// frames of this size, and before the first cycle.
+  View record_view(const Camera& camera);
 
   /// Blocks of the remaining bone's surface that changed since the last call; the first time all of them. Vertices of
   /// what they point to never change. A block without a surface is gone.

@@ -90,6 +90,8 @@ inline hid_t in_memory(Hdf5Number number) {
       return H5T_NATIVE_UINT64;
     case Hdf5Number::i64:
       return H5T_NATIVE_INT64;
+    case Hdf5Number::f32:
+      return H5T_NATIVE_FLOAT;
     case Hdf5Number::f64:
       return H5T_NATIVE_DOUBLE;
   }
@@ -106,16 +108,19 @@ inline hid_t in_file(Hdf5Number number) {
       return H5T_STD_U64LE;
     case Hdf5Number::i64:
       return H5T_STD_I64LE;
+    case Hdf5Number::f32:
+      return H5T_IEEE_F32LE;
     case Hdf5Number::f64:
       return H5T_IEEE_F64LE;
   }
   fail("no such kind of number");
 }
 
-/// Of a table with so many rows: one dimension where a row is one number, two otherwise.
-inline std::vector<hsize_t> dimensions(std::uint64_t rows, std::uint64_t width) {
-  if (width == 1) return {rows};
-  return {rows, width};
+/// Of a table with so many rows: one for the rows, and those of a row.
+inline std::vector<hsize_t> dimensions(std::uint64_t rows, const Hdf5Row& row) {
+  std::vector<hsize_t> size{rows};
+  size.insert(size.end(), row.shape().begin(), row.shape().end());
+  return size;
 }
 
 }  // namespace spinaltap::detail
@@ -125,7 +130,7 @@ namespace spinaltap {
 struct Hdf5Table::Handle {
   detail::Id dataset;
   hid_t number;  ///< in memory
-  std::uint64_t width;
+  Hdf5Row row;
   std::uint64_t rows;
   std::filesystem::path path;
 };

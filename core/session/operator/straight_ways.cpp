@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "core/tool/drill_path.h"
 
@@ -26,8 +27,6 @@ struct LineStretch {
 bool is_sound(const ToolInput& input) {
   return input.pose.tip_mm.allFinite() && input.pose.axis.allFinite() && input.pose.axis.squaredNorm() > 0.25;
 }
-
-bool takes_bone(const ToolInput& input) { return input.spindle_on && is_sound(input); }
 
 /// Whether a pose further along a line always covers those behind it, but for what the bit's base has left.
 bool widens_towards_base(const DrillBit& bit) {
@@ -98,36 +97,54 @@ Pose between(const Pose& from, const Pose& to, double share) {
 
 }  // namespace
 
+struct StraightWays::State {
+  DrillBit bit;
+  double max_jump_mm = 0.0;
+  double tolerance_mm = 0.0;
+  std::optional<Lines> lines = {};  ///< from the first pose that took bone on
+  std::optional<Pose> before = {};  ///< that took bone, and that the next way begins at
+};
+
+StraightWays::StraightWays(const DrillBit& bit, double max_jump_mm, double tolerance_mm)
+    : state_(std::make_unique<State>(State{bit, max_jump_mm, tolerance_mm})) {}
+StraightWays::~StraightWays() = default;
+StraightWays::StraightWays(StraightWays&&) noexcept = default;
+StraightWays& StraightWays::operator=(StraightWays&&) noexcept = default;
+
+void StraightWays::add(const ToolInput& input) {
+  State& state = *state_;
+  if (!is_sound(input)) return;
+  if (!input.spindle_on) {
+    state.before.reset();
+    return;
+  }
+  const Pose pose{input.pose.tip_mm, input.pose.axis.normalized()};
+  if (!state.lines) state.lines.emplace(pose, state.bit, state.tolerance_mm);
+  if (state.before) {
+    const Pose& from = *state.before;
+    const Vec3 way_mm = pose.tip_mm - from.tip_mm;
+    const Vec3 base_way_mm = way_mm - state.bit.length_mm * (pose.axis - from.axis);
+    if (std::max(way_mm.norm(), base_way_mm.norm()) <= state.max_jump_mm) {
+      // What of the way is not along the axis goes in steps of the tolerance, the rest in steps that are bridged.
+      const double along_mm = way_mm.dot(pose.axis);
+      const double aside_mm =
+          (way_mm - along_mm * pose.axis).norm() + (pose.axis - from.axis).norm() * state.bit.length_mm;
+      const double steps =
+          std::ceil(std::max(aside_mm / state.tolerance_mm, std::abs(along_mm) / state.lines->bridged_mm()));
+      for (double n = 1.0; n < steps; ++n) state.lines->add(between(from, pose, n / steps));
+    }
+  }
+  state.lines->add(pose);
+  state.before = pose;
+}
+
+std::vector<BitWay> StraightWays::ways() const { return state_->lines ? state_->lines->ways() : std::vector<BitWay>(); }
+
 std::vector<BitWay> straight_ways(std::span<const ToolInput> inputs, const DrillBit& bit, double max_jump_mm,
                                   double tolerance_mm) {
-  const auto first = std::find_if(inputs.begin(), inputs.end(), takes_bone);
-  if (first == inputs.end()) return {};
-  const auto unit = [](const Pose& pose) { return Pose{pose.tip_mm, pose.axis.normalized()}; };
-  Lines lines(unit(first->pose), bit, tolerance_mm);
-  const ToolInput* before = nullptr;
-  for (const ToolInput& input : inputs) {
-    if (!is_sound(input)) continue;
-    if (!input.spindle_on) {
-      before = nullptr;
-      continue;
-    }
-    const Pose pose = unit(input.pose);
-    if (before != nullptr) {
-      const Pose from = unit(before->pose);
-      const Vec3 way_mm = pose.tip_mm - from.tip_mm;
-      const Vec3 base_way_mm = way_mm - bit.length_mm * (pose.axis - from.axis);
-      if (std::max(way_mm.norm(), base_way_mm.norm()) <= max_jump_mm) {
-        // What of the way is not along the axis goes in steps of the tolerance, the rest in steps that are bridged.
-        const double along_mm = way_mm.dot(pose.axis);
-        const double aside_mm = (way_mm - along_mm * pose.axis).norm() + (pose.axis - from.axis).norm() * bit.length_mm;
-        const double steps = std::ceil(std::max(aside_mm / tolerance_mm, std::abs(along_mm) / lines.bridged_mm()));
-        for (double n = 1.0; n < steps; ++n) lines.add(between(from, pose, n / steps));
-      }
-    }
-    lines.add(pose);
-    before = &input;
-  }
-  return lines.ways();
+  StraightWays ways(bit, max_jump_mm, tolerance_mm);
+  for (const ToolInput& input : inputs) ways.add(input);
+  return ways.ways();
 }
 
 }  // namespace spinaltap

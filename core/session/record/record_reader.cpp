@@ -6,6 +6,7 @@
 #include "core/base/file_stream.h"
 #include "core/base/staged_output.h"
 #include "core/session/drill_state.h"
+#include "core/session/record/detail/frame_tables.h"
 #include "core/session/record/detail/record_columns.h"
 #include "core/session/record/detail/record_layout.h"
 #include "core/session/record/session_record.h"
@@ -14,6 +15,9 @@ namespace spinaltap {
 namespace {
 
 namespace fs = std::filesystem;
+
+// No compression does better: what claims to has no such rows.
+constexpr std::uint64_t kMaxToOne = 1100;
 
 RecordProgress read_progress(const Hdf5File& file, const fs::path& path) {
   const Hdf5Table table = file.open_table("/progress", Hdf5Number::u64, RecordProgress::kNumbers);
@@ -29,8 +33,6 @@ RecordProgress read_progress(const Hdf5File& file, const fs::path& path) {
 template <class Row>
 std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::span<const RecordColumn<Row>> columns,
                            std::uint64_t count, std::uint64_t file_bytes, const fs::path& path) {
-  // No compression does better: what claims to has no such rows.
-  constexpr std::uint64_t kMaxToOne = 1100;
   constexpr std::uint64_t kBatch = 65536;
   if (count > kMaxToOne * file_bytes) {
     fail("cannot read ", path.string(), ": expected ", count, " rows, found ", file_bytes, " bytes");
@@ -67,9 +69,8 @@ void check_numbers(const SessionRecord& record, const fs::path& path) {
   }
 }
 
-SessionRecord read_once(const fs::path& path) {
-  const std::uint64_t bytes = regular_file_size(path);
-  const Hdf5File file = Hdf5File::open(path);
+Hdf5File open_record(const fs::path& path) {
+  Hdf5File file = Hdf5File::open(path);
   const std::map<std::string, std::string> head = file.read_texts("/");
   const auto text = [&](const char* name) {
     const auto found = head.find(name);
@@ -80,6 +81,12 @@ SessionRecord read_once(const fs::path& path) {
     fail(path.string(), ": this is a version ", text("version").empty() ? "1" : text("version"), " record; version ",
          kRecordVersion, " is expected: drill again");
   }
+  return file;
+}
+
+SessionRecord read_once(const fs::path& path) {
+  const std::uint64_t bytes = regular_file_size(path);
+  const Hdf5File file = open_record(path);
   // Before the tables: they may grow meanwhile, and hold what this counts.
   const RecordProgress progress = read_progress(file, path);
   SessionRecord record;
@@ -88,13 +95,28 @@ SessionRecord read_once(const fs::path& path) {
   record.events = read_rows(file, "/events", event_columns(), progress.events, bytes, path);
   record.lost = progress.lost;
   record.is_whole = progress.is_whole != 0;
+  if (const std::optional<FrameTables> frames = FrameTables::open(file, path)) record.frame_count = frames->count();
   check_numbers(record, path);
   return record;
 }
 
-}  // namespace
+std::vector<RecordedFrame> read_frames_once(const fs::path& path, std::uint64_t first, std::uint64_t count) {
+  const std::uint64_t bytes = regular_file_size(path);
+  const Hdf5File file = open_record(path);
+  const std::optional<FrameTables> tables = FrameTables::open(file, path);
+  const std::uint64_t there = tables ? tables->count() : 0;
+  if (first >= there) return {};
+  if (there * tables->frame_bytes() > kMaxToOne * bytes) {
+    fail("cannot read ", path.string(), ": expected ", there, " frames, found ", bytes, " bytes");
+  }
+  std::vector<RecordedFrame> frames;
+  for (std::uint64_t row = first; row < there && row - first < count; ++row) frames.push_back(tables->read(row, path));
+  return frames;
+}
 
-SessionRecord read_record(const std::filesystem::path& path) {
+/// Calls `read()`, which gives what it read.
+template <class Read>
+auto patiently(const fs::path& path, const Read& read) {
   // While a file is written, rows may be found half changed; then it is looked at again. A file that nobody changes is
   // rejected at once.
   constexpr int kAttempts = 5;
@@ -102,12 +124,22 @@ SessionRecord read_record(const std::filesystem::path& path) {
     std::error_code no_time;
     const fs::file_time_type before = fs::last_write_time(path, no_time);
     try {
-      return read_once(path);
+      return read();
     } catch (const Error&) {
       std::this_thread::sleep_for(std::chrono::milliseconds(attempt < kAttempts ? 20 : 0));
       if (attempt == kAttempts || no_time || fs::last_write_time(path, no_time) == before) throw;
     }
   }
+}
+
+}  // namespace
+
+SessionRecord read_record(const std::filesystem::path& path) {
+  return patiently(path, [&] { return read_once(path); });
+}
+
+std::vector<RecordedFrame> read_frames(const std::filesystem::path& path, std::uint64_t first, std::uint64_t count) {
+  return patiently(path, [&] { return read_frames_once(path, first, count); });
 }
 
 }  // namespace spinaltap

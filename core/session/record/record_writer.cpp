@@ -6,12 +6,14 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <thread>
 
 #include "core/base/error.h"
 #include "core/session/record/detail/event_handover.h"
+#include "core/session/record/detail/frame_tables.h"
 #include "core/session/record/detail/record_layout.h"
 #include "core/session/record/session_record.h"
 
@@ -58,7 +60,8 @@ class UnfinishedFile {
 }  // namespace
 
 struct RecordWriter::State {
-  State(const std::filesystem::path& path, const std::map<std::string, std::string>& setup, bool may_replace);
+  State(const std::filesystem::path& path, const std::map<std::string, std::string>& setup, bool may_replace,
+        const std::optional<FrameFormat>& format);
 
   /// The writing thread's life.
   void run();
@@ -66,6 +69,7 @@ struct RecordWriter::State {
   void write(bool ends);
   void take_events();
   void write_events();
+  void write_frames();
   void say_progress(bool is_whole);
 
   std::filesystem::path path;
@@ -73,6 +77,7 @@ struct RecordWriter::State {
   UnfinishedFile unfinished;
   RowTables<RecordedCycle> cycles;
   RowTables<SessionEvent> events;
+  std::optional<FrameTables> frames;
   Hdf5Table progress;
 
   RingBuffer<RecordedCycle> line{kRoom};
@@ -93,17 +98,19 @@ struct RecordWriter::State {
   std::condition_variable wakes;
   bool ends = false;
   std::string trouble;
+  std::deque<RecordedFrame> waiting_frames;
   bool is_closed = false;
   std::thread thread;
 };
 
 RecordWriter::State::State(const std::filesystem::path& where, const std::map<std::string, std::string>& setup,
-                           bool may_replace)
+                           bool may_replace, const std::optional<FrameFormat>& format)
     : path(where),
       file(new_file(where, may_replace)),
       unfinished(where),
       cycles(file, "/cycles", cycle_columns(), kCycleChunk, true),
       events(file, "/events", event_columns(), kEventChunk, false),
+      frames(format ? std::optional(FrameTables::make(file, *format)) : std::nullopt),
       progress(file.make_row("/progress", Hdf5Number::u64, RecordProgress::kNumbers)) {
   file.write_text("/", "format", kRecordFormat);
   file.write_text("/", "version", kRecordVersion);
@@ -118,6 +125,7 @@ void RecordWriter::State::say_progress(bool is_whole) {
   file.flush();
   const RecordProgress now{cycles.written(), written_events, rejected.load(), is_whole ? 1U : 0U};
   progress.write(0, 1, now.numbers().data());
+  if (frames) frames->say_progress();
   file.flush();
   cycles_sure = cycles.written();
   last_flush = Clock::now();
@@ -147,9 +155,24 @@ void RecordWriter::State::write_events() {
   has_unflushed = true;
 }
 
+void RecordWriter::State::write_frames() {
+  while (frames) {
+    RecordedFrame frame;
+    {
+      const std::lock_guard lock(mutex);
+      if (waiting_frames.empty()) return;
+      frame = std::move(waiting_frames.front());
+      waiting_frames.pop_front();
+    }
+    frames->write(frame);
+    has_unflushed = true;
+  }
+}
+
 void RecordWriter::State::write(bool all) {
   constexpr std::size_t kBatch = 4 * kCycleChunk;
   take_events();
+  write_frames();
   std::size_t taken = 0;
   do {
     if (cycles.waiting() == 0) oldest_wait = Clock::now();
@@ -186,8 +209,8 @@ void RecordWriter::State::run() {
 }
 
 RecordWriter::RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
-                           bool may_replace)
-    : state_(std::make_unique<State>(path, setup, may_replace)) {
+                           bool may_replace, const std::optional<FrameFormat>& frames)
+    : state_(std::make_unique<State>(path, setup, may_replace, frames)) {
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 
@@ -218,6 +241,31 @@ bool RecordWriter::add_waiting(const Cycle& cycle) {
 }
 
 void RecordWriter::add_events(std::span<const SessionEvent> events) noexcept { state_->handover.hand_over(events); }
+
+bool RecordWriter::add_frame(RecordedFrame frame) {
+  State& state = *state_;
+  const View& view = frame.view;
+  if (!state.frames) fail("expected a record that takes frames, found none in ", state.path.string());
+  const FrameFormat& format = state.frames->format();
+  const std::size_t pixels = view.pixel(0, view.camera.height);
+  if (view.camera.width != format.width || view.camera.height != format.height || view.depth_mm.size() != pixels ||
+      view.mask.size() != pixels || (format.has_normals && view.normals.size() != 3 * pixels)) {
+    fail("expected frames of ", format.width, " x ", format.height, " pixels in ", state.path.string(), ", found ",
+         view.camera.width, " x ", view.camera.height);
+  }
+  check_camera(view.camera);
+  while (!state.has_failed) {
+    {
+      const std::lock_guard lock(state.mutex);
+      if (state.waiting_frames.size() < kFrameRoom) {
+        state.waiting_frames.push_back(std::move(frame));
+        return true;
+      }
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
 
 std::uint64_t RecordWriter::lost() const noexcept {
   const std::uint64_t rejected = state_->rejected;

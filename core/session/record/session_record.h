@@ -5,11 +5,13 @@
 #include <iosfwd>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/session/drill_session.h"
+#include "core/session/record/recorded_frames.h"
 
 namespace spinaltap {
 
@@ -49,9 +51,9 @@ class RecordWriter {
 
   /// Makes the file and starts the thread. `setup`: what it takes to run the session again (names and texts; the
   /// program's business), stored as attributes. Throws Error where the file cannot be made, and where there is one
-  /// already, unless it `may_replace` it.
+  /// already, unless it `may_replace` it. `frames`: it also takes frames, all of this format.
   RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
-               bool may_replace = false);
+               bool may_replace = false, const std::optional<FrameFormat>& frames = {});
   /// Closes as close() does, without a word.
   ~RecordWriter();
   RecordWriter(const RecordWriter&) = delete;
@@ -65,6 +67,12 @@ class RecordWriter {
   /// Hands over what is new or has changed in the session's events so far: after add(), from the same thread and under
   /// the same promises. Cycles that were lost become events of their own, EventKind::record_lost.
   void add_events(std::span<const SessionEvent> events) noexcept;
+
+  /// Hands over what a camera saw. Allocates, and waits while kFrameRoom frames are still to be written: not for a
+  /// thread in real time. False where the disk rejected. Throws Error where the record takes no frames, or of another
+  /// size.
+  bool add_frame(RecordedFrame frame);
+  static constexpr std::size_t kFrameRoom = 8;
 
   /// Cycles that add() was given and that are not, or will not be, in the file.
   std::uint64_t lost() const noexcept;
@@ -85,12 +93,13 @@ struct SessionRecord {
   std::vector<RecordedCycle> cycles;
   /// In the order in which they began. Of a record that was cut short: those known at its last flush.
   std::vector<SessionEvent> events;
-  bool is_whole = false;   ///< closed in order
-  std::uint64_t lost = 0;  ///< cycles that did not get into it
+  bool is_whole = false;          ///< closed in order
+  std::uint64_t lost = 0;         ///< cycles that did not get into it
+  std::uint64_t frame_count = 0;  ///< of what cameras saw: read_frames()
 };
 
-/// A fingerprint of all cycles and events, to the last bit: of the same drilling the same, whoever recorded it. 16
-/// hexadecimal digits.
+/// A fingerprint of all cycles and events, to the last bit: of the same drilling the same, whoever recorded it. Frames
+/// follow from them, and do not count. 16 hexadecimal digits.
 std::string hash_of(const SessionRecord& record);
 
 /// Also while it is being written, and after a kill. Throws Error on a file that is no record, a newer layout, or

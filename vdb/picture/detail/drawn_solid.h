@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "core/tool/bit_profile.h"
+#include "core/tool/bit_ray.h"
 
 namespace spinaltap::detail {
 
@@ -14,17 +14,15 @@ class DrawnSolid {
   /// Throws Error on a bad bit.
   DrawnSolid(const DrillBit& bit, const Pose& pose, const Eigen::Array3d& colour);
 
-  /// How far along a ray (patient LPS, mm; unit direction) its surface lies, from outside; kMissed: nowhere.
+  /// How far along a ray (patient LPS, mm; unit direction) its surface lies, from outside; kMissed: nowhere, and where
+  /// the ray starts within it.
   double way_mm(const Vec3& start_mm, const Vec3& direction) const;
   /// Unit, outward, at a place of its surface.
-  Vec3 normal(const Vec3& p_mm) const;
+  Vec3 normal(const Vec3& p_mm) const { return body_.normal(p_mm); }
   const Eigen::Array3d& colour() const { return colour_; }
 
  private:
-  double distance_mm(const Vec3& p_mm) const;
-
-  BitProfile profile_;
-  Pose pose_;
+  BitBody body_;
   Eigen::Array3d colour_;
 };
 

@@ -10,9 +10,8 @@
 namespace spinaltap::detail {
 namespace {
 
-using openvdb::FloatGrid;
 using openvdb::Vec3d;
-using Sampler = openvdb::tools::GridSampler<FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
+using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 
 /// By central differences. Within the hole, where these reach over the middle, as in a tip, they come out too small:
 /// there by differences towards the nearest wall.
@@ -36,10 +35,10 @@ Vec3 slope(const Sampler& sampler, const Vec3d& p_mm, float distance_mm, double 
 }
 
 /// Null where no voxel of the block lies in the hole's band.
-std::shared_ptr<HoleBlock> sample_block(const FloatGrid& hole, const BlockLattice& lattice, std::size_t block,
+std::shared_ptr<HoleBlock> sample_block(const openvdb::FloatGrid& hole, const BlockLattice& lattice, std::size_t block,
                                         float band_mm) {
   constexpr int kSide = BlockLattice::kSide;
-  const FloatGrid::ConstAccessor accessor = hole.getConstAccessor();  // the sampler only points to it
+  const openvdb::FloatGrid::ConstAccessor accessor = hole.getConstAccessor();  // the sampler only points to it
   const Sampler sampler(accessor, hole.transform());
   const double step_mm = hole.voxelSize()[0];
   const Vec3 corner_mm = lattice.corner_mm(lattice.block(block));
@@ -64,7 +63,7 @@ std::shared_ptr<HoleBlock> sample_block(const FloatGrid& hole, const BlockLattic
 
 }  // namespace
 
-std::vector<std::pair<std::size_t, std::shared_ptr<HoleBlock>>> sample_hole(const FloatGrid& hole,
+std::vector<std::pair<std::size_t, std::shared_ptr<HoleBlock>>> sample_hole(const openvdb::FloatGrid& hole,
                                                                             const ResampledBone& bone) {
   const BlockLattice& lattice = bone.lattice;
   const Box3 hole_mm = active_box_mm(hole);

@@ -100,6 +100,7 @@ std::span<const RecordColumn<SessionEvent>> event_columns() {
 std::size_t bytes_of(Hdf5Number number) {
   return number == Hdf5Number::u8    ? sizeof(std::uint8_t)
          : number == Hdf5Number::u32 ? sizeof(std::uint32_t)
+         : number == Hdf5Number::f32 ? sizeof(float)
                                      : sizeof(double);
 }
 
@@ -127,6 +128,9 @@ void append_number(Hdf5Number number, const void* from, std::string& text) {
       break;
     case Hdf5Number::i64:
       text += std::to_string(number_at<std::int64_t>(from));
+      break;
+    case Hdf5Number::f32:
+      append_number(static_cast<double>(number_at<float>(from)), text);
       break;
     case Hdf5Number::f64:
       append_number(number_at<double>(from), text);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 
 #include "core/base/error.h"
@@ -44,6 +45,31 @@ TEST(Bone, ComesBackFromAFileTheSameWithItsWarnings) {
   EXPECT_FALSE(back.warnings());
   EXPECT_NE(Bone(test::bake_ball({kPlainBall.centre_mm, 9.05}, 0.3)).hash(), bone.hash());
   EXPECT_THROW(Bone::load(folder.path() / "none.vdb"), Error);
+}
+
+TEST(Bone, IsSeenWhereItsSurfaceIs) {
+  const Vertebra vertebra;
+  const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
+  const Vec3 middle_mm = bone.model().bounds_mm().center();
+  for (const Vec3& from : {Vec3(0.0, 1.0, 0.3), Vec3(1.0, -0.4, 0.8)}) {
+    const View view =
+        bone.view(look_at(middle_mm + 180.0 * from.normalized(), middle_mm, Vec3::UnitZ(), 0.5, 320, 240));
+    std::vector<Vec3> points_mm;
+    for (int row = 0; row < 240; ++row) {
+      for (int column = 0; column < 320; ++column) {
+        if (view.mask[view.pixel(column, row)] != 0) points_mm.push_back(view.point_mm(column, row));
+      }
+    }
+    ASSERT_GT(points_mm.size(), 10000U);
+    // On the baked surface, and, to the bake's own error, on the solid it was baked from.
+    double sum_mm = 0.0, true_mm = 0.0;
+    for (const float one : bone.distance(points_mm)) sum_mm += std::abs(static_cast<double>(one));
+    std::vector<double> values_mm(points_mm.size());
+    vertebra.evaluate(points_mm, values_mm, {});
+    for (const double one : values_mm) true_mm += std::abs(one);
+    EXPECT_LT(sum_mm / static_cast<double>(points_mm.size()), 1e-4);
+    EXPECT_LT(true_mm / static_cast<double>(points_mm.size()), 0.05);
+  }
 }
 
 TEST(Bone, OfABallHasNoLandmarksButAnOuterWall) {

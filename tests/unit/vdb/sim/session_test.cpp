@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -22,16 +23,16 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const test::Ball kDrilledBall{Vec3(3.0, -4.0, 5.0), 9.0};
+const test::Ball kSessionBall{Vec3(3.0, -4.0, 5.0), 9.0};
 
 const Bone& ball() {
-  static const Bone bone(test::bake_ball(kDrilledBall, 0.3));
+  static const Bone bone(test::bake_ball(kSessionBall, 0.3));
   return bone;
 }
 
 DrillPath path() {
   const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
-  const Vec3 entry_mm = kDrilledBall.centre_mm - kDrilledBall.radius_mm * axis;
+  const Vec3 entry_mm = kSessionBall.centre_mm - kSessionBall.radius_mm * axis;
   return {"slanting", entry_mm, entry_mm + 8.0 * axis, {2.0, 30.0, 2.0}};
 }
 
@@ -84,7 +85,7 @@ TEST(Session, GivesTheSameForManyPosesAtOnceAndForAnOperator) {
 TEST(Session, OutlivesTheBoneAndThePathItWasMadeFrom) {
   std::unique_ptr<Session> session;
   {
-    const Bone bone(test::bake_ball(kDrilledBall, 0.3));
+    const Bone bone(test::bake_ball(kSessionBall, 0.3));
     const DrillPath line = path();
     session = std::make_unique<Session>(bone, line, setup());
   }
@@ -137,7 +138,7 @@ TEST(Session, TellsWhatChangesOfTheSurfaceThroughHolesAndUndo) {
   Blocks blocks;
   take(session.surface_changes(), blocks);
   const double whole_mm3 = measure_mesh(mesh_of(blocks)).volume_mm3;
-  EXPECT_NEAR(whole_mm3, kDrilledBall.volume_mm3(), 0.01 * kDrilledBall.volume_mm3());
+  EXPECT_NEAR(whole_mm3, kSessionBall.volume_mm3(), 0.01 * kSessionBall.volume_mm3());
   EXPECT_TRUE(session.surface_changes().empty());
 
   session.run(straight_in(300));
@@ -180,7 +181,7 @@ TEST(Session, KeepsARecordThatReplayFindsTheSameOnItsBoneOnly) {
   }
   EXPECT_THAT(
       [&] {
-        replay(file, Bone(test::bake_ball({kDrilledBall.centre_mm, 9.1}, 0.3)));
+        replay(file, Bone(test::bake_ball({kSessionBall.centre_mm, 9.1}, 0.3)));
       },
       ThrowsMessage<Error>(HasSubstr("expected the bone that was drilled in")));
 
@@ -194,6 +195,93 @@ TEST(Session, KeepsARecordThatReplayFindsTheSameOnItsBoneOnly) {
   changed.cycles[200].thrust_n = std::nextafter(changed.cycles[200].thrust_n, 1e9);
   EXPECT_NE(hash_of(changed), hash_of(record));
   EXPECT_THAT([&] { session.record(folder.path() / "late.h5"); }, ThrowsMessage<Error>(HasSubstr("first cycle on")));
+}
+
+/// From beside the path's begin, onto its entry.
+Camera camera_at_entry() {
+  const DrillPath line = path();
+  const Vec3 aside = line.direction().cross(Vec3::UnitZ()).normalized();
+  return look_at(line.entry_mm - 25.0 * line.direction() + 12.0 * aside, line.entry_mm, Vec3::UnitZ(), 0.5, 120, 90);
+}
+
+std::size_t count(const View& view, Seen seen) {
+  return static_cast<std::size_t>(std::count(view.mask.begin(), view.mask.end(), static_cast<std::uint8_t>(seen)));
+}
+
+/// Mean |distance| of what is seen of the bone to the bone as drilled() has it.
+double mean_off_mm(const View& view, const Bone& drilled) {
+  std::vector<Vec3> points_mm;
+  for (int row = 0; row < view.camera.height; ++row) {
+    for (int column = 0; column < view.camera.width; ++column) {
+      const std::uint8_t seen = view.mask[view.pixel(column, row)];
+      if (seen != 0 && seen != static_cast<std::uint8_t>(Seen::bit)) points_mm.push_back(view.point_mm(column, row));
+    }
+  }
+  double sum_mm = 0.0;
+  for (const float one : drilled.distance(points_mm)) sum_mm += std::abs(static_cast<double>(one));
+  return sum_mm / static_cast<double>(points_mm.size());
+}
+
+TEST(Session, SeesItsHoleAndItsBit) {
+  Session session(ball(), path(), setup());
+  const Camera camera = camera_at_entry();
+  const View before = session.view(camera);
+  EXPECT_EQ(before.mask, ball().view(camera).mask);
+  EXPECT_EQ(before.depth_mm, ball().view(camera).depth_mm);
+  session.run(straight_in(300));
+  const View drilling = session.view(camera);
+  EXPECT_GT(count(drilling, Seen::bit), 100U);
+  // Out again, and away: the hole without the bit. A trembling operator beside it, with the spindle on.
+  std::vector<ToolInput> inputs = straight_in(300);
+  std::reverse(inputs.begin(), inputs.end());
+  for (ToolInput& input : inputs) input.pose.tip_mm += 0.2 * std::sin(input.pose.tip_mm.x() * 40.0) * Vec3::UnitZ();
+  session.run(inputs);
+  session.step({path().entry_mm - 40.0 * path().direction(), path().direction()});
+  const View view = session.view(camera);
+  EXPECT_EQ(count(view, Seen::bit), 0U);
+  EXPECT_GT(count(view, Seen::wall), 50U);
+  const Bone drilled = session.drilled();
+  EXPECT_LT(mean_off_mm(view, drilled), 0.005);
+  EXPECT_LT(mean_off_mm(drilled.view(camera), drilled), 0.005);
+
+  // The next hole's bit comes from nowhere; the last hole stays.
+  session.end_hole();
+  EXPECT_EQ(session.view(camera).mask, view.mask);
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.view(camera).mask, before.mask);
+}
+
+TEST(Session, PutsViewsIntoItsRecordBesideTheCycles) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "run.h5";
+  const Camera camera = camera_at_entry();
+  Session session(ball(), path(), setup());
+  EXPECT_THAT([&] { session.record_view(camera); }, ThrowsMessage<Error>(HasSubstr("begin one first")));
+  session.record(file, FrameFormat{camera.width, camera.height});
+  EXPECT_THAT([&] { session.record_view(camera); }, ThrowsMessage<Error>(HasSubstr("after the first cycle")));
+  std::vector<View> seen;
+  for (const ToolInput& input : straight_in(300)) {
+    session.step_input(input);
+    if (session.last().index % 100 == 99) seen.push_back(session.record_view(camera));
+  }
+  session.end_record();
+  EXPECT_EQ(read_record(file).frame_count, 3U);
+  const std::vector<RecordedFrame> frames = read_frames(file);
+  ASSERT_EQ(frames.size(), 3U);
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    EXPECT_EQ(frames[n].cycle, 100 * n + 99);
+    EXPECT_EQ(frames[n].view.depth_mm, seen[n].depth_mm);
+    EXPECT_EQ(frames[n].view.normals, seen[n].normals);
+    EXPECT_EQ(frames[n].view.mask, seen[n].mask);
+  }
+  EXPECT_TRUE(replay(file, ball()).is_same());
+
+  Session blind(ball(), path(), setup());
+  blind.record(folder.path() / "blind.h5");
+  blind.run(straight_in(300));
+  EXPECT_THAT([&] { blind.record_view(camera); }, ThrowsMessage<Error>(HasSubstr("takes frames")));
+  blind.end_record();
+  EXPECT_EQ(hash_of(read_record(folder.path() / "blind.h5")), hash_of(read_record(file)));
 }
 
 TEST(Session, RejectsAPathThatMissesTheBone) {

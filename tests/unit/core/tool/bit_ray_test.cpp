@@ -1,0 +1,86 @@
+#include "core/tool/bit_ray.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "core/base/random.h"
+
+namespace spinaltap {
+namespace {
+
+const std::vector<DrillBit> kRayBits{DrillBit{3.0, 20.0, 4.0}, twist_drill(3.2, 20.0, 118.0, 0.4),
+                                     DrillBit{4.0, 15.0, 1.0, BitShape::round_burr, 0.0, 2.0},
+                                     DrillBit{3.6, 15.0, 4.0, BitShape::conical_burr, 1.0, 2.0},
+                                     DrillBit{5.5, 20.0, 4.0, BitShape::tapered_screw, 4.0}};
+
+Vec3 random_vector(std::uint64_t seed, std::uint64_t index) {
+  return {random_normal(seed, 3 * index), random_normal(seed, 3 * index + 1), random_normal(seed, 3 * index + 2)};
+}
+
+/// Rays that pass a bit askew, across its axis, along it and along its cone.
+Vec3 direction_of(std::uint64_t n, const Pose& pose) {
+  const Vec3 any = random_vector(2, n).normalized();
+  switch (n % 4) {
+    case 0:
+      return pose.axis;
+    case 1:
+      return (any - any.dot(pose.axis) * pose.axis).normalized();
+    case 2:
+      return (pose.axis + 0.02 * any).normalized();
+    default:
+      return any;
+  }
+}
+
+TEST(BitBody, HasARayWithinItWhereTheRaysPointsAre) {
+  const Pose pose{Vec3(12.0, -30.0, 105.0), Vec3(0.3, -0.8, 0.4).normalized()};
+  for (const DrillBit& bit : kRayBits) {
+    for (const double way_mm : {0.0, 7.5}) {
+      const BitBody body(BitProfile(bit).lengthened(way_mm), pose);
+      const Vec3 middle_mm = pose.tip_mm - 0.5 * bit.length_mm * pose.axis;
+      std::size_t met = 0;
+      for (std::uint64_t n = 0; n < 400; ++n) {
+        const Vec3 direction = direction_of(n, pose);
+        const Vec3 start_mm = middle_mm + 1.5 * random_vector(1, n) - 60.0 * direction;
+        std::vector<RayStretch> stretches;
+        body.append_stretches(start_mm, direction, stretches);
+        join_stretches(stretches);
+        met += stretches.size();
+        for (const RayStretch& stretch : stretches) {
+          for (const double end_mm : {stretch.begin_mm, stretch.end_mm}) {
+            ASSERT_NEAR(body.distance_mm(start_mm + end_mm * direction), 0.0, 1e-6) << "ray " << n;
+          }
+        }
+        for (double t = 0.0; t < 120.0; t += 0.05) {
+          const double distance_mm = body.distance_mm(start_mm + t * direction);
+          if (std::abs(distance_mm) < 1e-6) continue;
+          bool is_within = false;
+          for (const RayStretch& stretch : stretches) is_within |= stretch.begin_mm < t && t < stretch.end_mm;
+          ASSERT_EQ(is_within, distance_mm < 0.0) << "ray " << n << " at " << t << " mm, " << distance_mm;
+        }
+      }
+      EXPECT_GT(met, 150U);
+    }
+  }
+}
+
+TEST(BitBody, HasNormalsThatPointOut) {
+  const BitBody body(BitProfile(kRayBits[0]), {Vec3::Zero(), -Vec3::UnitZ()});
+  EXPECT_NEAR((body.normal({1.5, 0.0, 10.0}) - Vec3::UnitX()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((body.normal({0.0, -0.75, 2.0}) - Vec3(0.0, -4.0, -1.5).normalized()).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((body.normal({0.3, 0.3, 20.0}) - Vec3::UnitZ()).norm(), 0.0, 1e-9);
+}
+
+TEST(JoinStretches, MakesOneOfThoseThatTouch) {
+  std::vector<RayStretch> stretches{{5.0, 6.0}, {1.0, 2.0}, {2.0 + 1e-9, 3.0}, {5.5, 5.7}};
+  join_stretches(stretches);
+  ASSERT_EQ(stretches.size(), 2U);
+  EXPECT_EQ(stretches[0].begin_mm, 1.0);
+  EXPECT_EQ(stretches[0].end_mm, 3.0);
+  EXPECT_EQ(stretches[1].end_mm, 6.0);
+}
+
+}  // namespace
+}  // namespace spinaltap

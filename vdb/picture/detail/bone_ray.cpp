@@ -1,0 +1,183 @@
+#include "vdb/picture/detail/bone_ray.h"
+
+#include <openvdb/math/Ray.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace spinaltap::detail {
+
+DrawnBone::DrawnBone(const BoneModel& bone, std::span<const BitBody> more_removed)
+    : bone_grid(bone.grids().before ? bone.grids().before : bone.grids().sdf),
+      hole_grid(bone.grids().hole),
+      to_bone(*bone_grid),
+      removed(more_removed) {
+  if (hole_grid && hole_grid->activeVoxelCount() > 0) to_hole.emplace(*hole_grid);
+}
+
+BoneRay::BoneRay(const DrawnBone& bone, const std::optional<CutPlane>& cut)
+    : drawn_(bone),
+      to_bone_(bone.to_bone),
+      to_hole_(bone.to_hole),
+      bone_accessor_(bone.bone_grid->getConstAccessor()),
+      bone_(bone_accessor_, bone.bone_grid->transform()),
+      // Never asked where there is no hole.
+      hole_accessor_((bone.hole_grid ? bone.hole_grid : bone.bone_grid)->getConstAccessor()),
+      hole_(hole_accessor_, bone.bone_grid->transform()),
+      cut_(cut),
+      step_mm_(bone.bone_grid->voxelSize()[0]) {
+  if (cut_) cut_->normal.normalize();
+}
+
+double BoneRay::next_crossing_mm(DrawnBone::Intersector& intersector, double begin_mm) const {
+  const openvdb::math::Ray<double> ray(to_vdb(start_mm_), to_vdb(direction_), begin_mm);
+  openvdb::Vec3d hit;
+  if (!intersector.intersectsWS(ray, hit)) return kMissed;
+  return (from_vdb(hit) - start_mm_).dot(direction_);
+}
+
+void BoneRay::find_removed() {
+  removed_.clear();
+  for (const BitBody& bit : drawn_.removed) bit.append_stretches(start_mm_, direction_, removed_);
+  join_stretches(removed_);
+}
+
+double BoneRay::next_removed_mm(double begin_mm) const {
+  for (const RayStretch& stretch : removed_) {
+    if (stretch.begin_mm > begin_mm) return stretch.begin_mm;
+    if (stretch.end_mm > begin_mm) return stretch.end_mm;
+  }
+  return kMissed;
+}
+
+bool BoneRay::is_removed(double way_mm) const {
+  return std::any_of(removed_.begin(), removed_.end(),
+                     [&](const RayStretch& stretch) { return stretch.begin_mm <= way_mm && way_mm <= stretch.end_mm; });
+}
+
+void BoneRay::begin(const Vec3& start_mm, const Vec3& direction, bool is_in_bone) {
+  start_mm_ = start_mm;
+  direction_ = direction;
+  begin_mm_ = 0.0;
+  end_mm_ = kMissed;
+  if (cut_) {
+    const double above_mm = (start_mm - cut_->point_mm).dot(cut_->normal);
+    const double rise = direction.dot(cut_->normal);
+    if (rise < 0.0) begin_mm_ = std::max(0.0, -above_mm / rise);
+    if (rise > 0.0) end_mm_ = -above_mm / rise;
+    if (rise == 0.0 && above_mm > 0.0) end_mm_ = 0.0;
+  }
+  is_in_bone_ = is_in_bone;
+  find_bone_from_mm_ = find_hole_from_mm_ = -1.0;
+  bone_crossing_mm_ = begin_mm_ > 0.0 ? begin_mm_ : next_crossing_mm(to_bone_, 0.0);
+  hole_crossing_mm_ = kMissed;
+  removed_crossing_mm_ = kMissed;
+  removed_.clear();
+  // A hole without bone around is not seen.
+  if (!(bone_crossing_mm_ < kMissed)) return;
+  if (to_hole_) hole_crossing_mm_ = next_crossing_mm(*to_hole_, begin_mm_);
+  if (drawn_.removed.empty()) return;
+  find_removed();
+  removed_crossing_mm_ = next_removed_mm(begin_mm_);
+}
+
+BoneRay::Surface BoneRay::next_surface() {
+  // A little further on, so that the same surface is not met again. What is there is looked up and not counted: the
+  // hole is kept only near the bone, so that not all ways into it are met.
+  const double further_mm = 0.02 * step_mm_;
+  while (true) {
+    if (find_bone_from_mm_ >= 0.0) bone_crossing_mm_ = next_crossing_mm(to_bone_, find_bone_from_mm_);
+    if (find_hole_from_mm_ >= 0.0) hole_crossing_mm_ = next_crossing_mm(*to_hole_, find_hole_from_mm_);
+    find_bone_from_mm_ = find_hole_from_mm_ = -1.0;
+    const double way_mm = std::min({bone_crossing_mm_, hole_crossing_mm_, removed_crossing_mm_});
+    const bool is_wall = way_mm < bone_crossing_mm_;
+    if (!(way_mm < end_mm_)) return {};
+    const bool was_in_bone = is_in_bone_;
+    const double beyond_mm = way_mm + further_mm;
+    if (removed_crossing_mm_ == way_mm) {
+      removed_crossing_mm_ = next_removed_mm(way_mm);
+    } else if (is_wall) {
+      find_hole_from_mm_ = beyond_mm;
+    } else {
+      find_bone_from_mm_ = beyond_mm;
+    }
+    is_in_bone_ = grids_mm(at(beyond_mm)) < 0.0 && !is_removed(beyond_mm);
+    const bool is_cut = begin_mm_ > 0.0 && way_mm == begin_mm_;
+    if (is_in_bone_ != was_in_bone) return {way_mm, is_cut ? Kind::cut : is_wall ? Kind::wall : Kind::bone};
+  }
+}
+
+double BoneRay::refined_mm(const Surface& surface) {
+  constexpr double kCloseMm = 1e-6;
+  constexpr int kMaxSteps = 12;
+  if (surface.kind == Kind::cut) return surface.way_mm;
+  if (surface.kind == Kind::wall) {
+    // Bits are met exactly.
+    for (const RayStretch& stretch : removed_) {
+      if (stretch.end_mm == surface.way_mm || stretch.begin_mm == surface.way_mm) return surface.way_mm;
+    }
+  }
+  const auto value_mm = [&](double way_mm) {
+    return surface.kind == Kind::bone ? bone_mm(at(way_mm)) : hole_mm(at(way_mm));
+  };
+  // The secant through the last two places, no further than a voxel from the first.
+  double before_mm = surface.way_mm;
+  double before = value_mm(before_mm);
+  double best_mm = before_mm;
+  double best = std::abs(before);
+  double now_mm = before_mm + 0.05 * step_mm_;
+  for (int n = 0; n < kMaxSteps && best > kCloseMm; ++n) {
+    const double now = value_mm(now_mm);
+    if (std::abs(now) < best) {
+      best = std::abs(now);
+      best_mm = now_mm;
+    }
+    const double next_mm = now_mm - now * (now_mm - before_mm) / (now - before);
+    if (!(std::abs(next_mm - surface.way_mm) < step_mm_)) break;
+    before_mm = now_mm;
+    before = now;
+    now_mm = next_mm;
+  }
+  return best_mm;
+}
+
+double BoneRay::removed_mm(const Vec3& p_mm, const BitBody*& nearest) const {
+  double nearest_mm = kMissed;
+  for (const BitBody& bit : drawn_.removed) {
+    const double one_mm = bit.distance_mm(p_mm);
+    if (!(one_mm < nearest_mm)) continue;
+    nearest_mm = one_mm;
+    nearest = &bit;
+  }
+  return nearest_mm;
+}
+
+double BoneRay::grids_mm(const Vec3& p_mm) {
+  double distance_mm = bone_mm(p_mm);
+  if (to_hole_) distance_mm = std::max(distance_mm, -hole_mm(p_mm));
+  if (cut_) distance_mm = std::max(distance_mm, (p_mm - cut_->point_mm).dot(cut_->normal));
+  return distance_mm;
+}
+
+double BoneRay::distance_mm(const Vec3& p_mm) {
+  const BitBody* nearest = nullptr;
+  return std::max(grids_mm(p_mm), -removed_mm(p_mm, nearest));
+}
+
+Vec3 BoneRay::normal(const Vec3& p_mm, Kind kind) {
+  if (kind == Kind::cut) return cut_->normal;
+  const bool is_wall = kind == Kind::wall;
+  if (is_wall && !drawn_.removed.empty()) {
+    const BitBody* nearest = nullptr;
+    const double bits_mm = removed_mm(p_mm, nearest);
+    if (!to_hole_ || bits_mm < hole_mm(p_mm)) return -nearest->normal(p_mm);
+  }
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = step_mm_ * Vec3::Unit(axis);
+    slope[axis] = is_wall ? hole_mm(p_mm - step) - hole_mm(p_mm + step) : bone_mm(p_mm + step) - bone_mm(p_mm - step);
+  }
+  return slope.norm() > 0.0 ? slope.normalized() : Vec3(-direction_);
+}
+
+}  // namespace spinaltap::detail
