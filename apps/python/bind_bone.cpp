@@ -171,6 +171,8 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
             return arrays_of(std::move(mesh));
           },
           "Vertices (n, 3), float32, mm, and triangles (m, 3), uint32, outward.")
+      .def("view", &Bone::view, "camera"_a, py::call_guard<py::gil_scoped_release>(),
+           "What a camera sees of it: depth, normals and a mask.")
       .def("landmarks", &landmarks_of, "progress"_a = py::none(),
            "Canal, body and pedicles, as dictionaries; positions in patient LPS, mm. Raises Error where it is no whole "
            "vertebra.")

@@ -68,6 +68,7 @@ void bind_record(py::module_& module) {
           },
           "A row for each event, of dtype EVENT; shows the record's own memory.")
       .def_readonly("is_whole", &SessionRecord::is_whole, "It was closed in order.")
+      .def_readonly("frame_count", &SessionRecord::frame_count, "Of what cameras saw: read_frames().")
       .def_readonly("lost", &SessionRecord::lost, "Cycles that did not get into it.")
       .def_property_readonly(
           "hash", [](const SessionRecord& record) { return hash_of(record); },

@@ -2,7 +2,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -254,9 +256,24 @@ Ctrl-C cancels; the cycles until then are done.)")
           "In the order in which they began, of dtype EVENT; `kind` counts through EVENT_KINDS.")
       .def_property_readonly("is_stopped", [](OwnedSession& self) { return self.take()->is_stopped(); })
       .def(
-          "record", [](OwnedSession& self, const std::filesystem::path& file) { self.take()->record(file); }, "file"_a,
-          "From here on each cycle goes to a record, an HDF5 file. Raises Error after the first cycle, and where the "
-          "file is there already.")
+          "record",
+          [](OwnedSession& self, const std::filesystem::path& file, const std::optional<std::array<int, 2>>& frames,
+             bool frame_normals) {
+            std::optional<FrameFormat> format;
+            if (frames) format = FrameFormat{(*frames)[0], (*frames)[1], frame_normals};
+            self.take()->record(file, format);
+          },
+          "file"_a, py::kw_only(), "frames"_a = py::none(), "frame_normals"_a = true,
+          "From here on each cycle goes to a record, an HDF5 file. `frames`: width and height of what record_view() "
+          "adds. Raises Error after the first cycle, and where the file is there already.")
+      .def(
+          "view", [](OwnedSession& self, const Camera& camera) { return self.take()->view(camera); }, "camera"_a,
+          py::call_guard<py::gil_scoped_release>(), "What a camera sees of the remaining bone, and of the bit.")
+      .def(
+          "record_view", [](OwnedSession& self, const Camera& camera) { return self.take()->record_view(camera); },
+          "camera"_a, py::call_guard<py::gil_scoped_release>(),
+          "The same, and puts it into the record, beside the last cycle. Raises Error where no record takes frames of "
+          "this size.")
       .def(
           "end_record", [](OwnedSession& self) { self.take()->end_record(); }, py::call_guard<py::gil_scoped_release>(),
           "Writes what is left, and marks the record as whole.")

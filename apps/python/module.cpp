@@ -50,6 +50,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = version();
   bind_errors(module);
   bind_plan(module);
+  bind_view(module);
   bind_bone(module);
   bind_record(module);
   bind_session(module);
