@@ -1,6 +1,6 @@
 // robot BONE PLAN POSES.csv RECORD.h5: the poses that a robot's drill takes, against the bone. Stops where the bit
 // comes within 0.5 mm of a wall, as the robot must, and tells what happened; the record is run again to the last bit.
-#include <spinaltap/core/session/operator/pose_csv.h>
+#include <spinaltap/core/session/operator/recorded_motion.h>
 #include <spinaltap/spinaltap.h>
 
 #include <algorithm>

@@ -227,7 +227,7 @@ The drilling of one hole is one session: it begins at time 0 and cycle 0; end_ho
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results. rpm: of the
 spindle; 0: off. clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes
-true. material, density: files of laws; the shipped ones by default. Raises Error where the path misses the bone.)")
+true. material, density: files of cutting models and density calibrations; the shipped ones by default. Raises Error where the path misses the bone.)")
       .def(
           "step",
           [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on) {

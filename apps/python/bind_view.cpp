@@ -34,7 +34,7 @@ Eigen::Matrix4d pose_of(const Square& numbers) {
   return pose;
 }
 
-py::array_t<double> array_of(const Eigen::Matrix4d& m) {
+py::array_t<double> pose_array(const Eigen::Matrix4d& m) {
   py::array_t<double> array({4, 4});
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) array.mutable_at(row, column) = m(row, column);
@@ -95,7 +95,7 @@ forward. The middle of the pixel in column u and row v, from 0, is (u, v). to_pa
       .def_property_readonly(
           "matrix", [](const Camera& camera) { return array_of(camera.matrix()); }, "Intrinsic, K: (3, 3), pixels.")
       .def_property_readonly(
-          "to_patient", [](const Camera& camera) { return array_of(camera.to_patient); },
+          "to_patient", [](const Camera& camera) { return pose_array(camera.to_patient); },
           "(4, 4); the inverse of OpenCV's extrinsic matrix.")
       .def_property_readonly("eye_mm", [](const Camera& camera) { return array_of(camera.eye_mm()); });
 }

@@ -59,7 +59,7 @@ PYBIND11_MODULE(_core, module) {
   module.def("set_threads", &set_threads, py::arg("threads"),
              "How many threads everything may use; 0, as at first: one a core. Results do not depend on it.");
   module.def("set_data_folder", &set_data_folder, py::arg("folder"),
-             "Where the shipped files (anatomy, laws, sizes) are; an empty path takes it back.");
+             "Where the shipped files (anatomy, cutting models, sizes) are; an empty path takes it back.");
   module.def(
       "_add_data_folder", [](const std::filesystem::path& folder) { add_data_folder(folder); }, py::arg("folder"));
 }

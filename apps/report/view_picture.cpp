@@ -4,19 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "apps/report/slice_marks.h"
+
 namespace spinaltap {
 namespace {
-
-using Pixel = std::array<std::uint8_t, 3>;
-
-constexpr Pixel kWhite{255, 255, 255};
 
 std::uint8_t byte_of(double share) { return static_cast<std::uint8_t>(std::lround(255.0 * share)); }
 
 }  // namespace
 
 Image view_picture(const View& view) {
-  constexpr std::array<Pixel, 4> kSeen{kWhite, Pixel{214, 200, 172}, Pixel{196, 54, 44}, Pixel{60, 104, 168}};
+  constexpr std::array<Colour, 4> kSeen{kWhite, Colour{214, 200, 172}, Colour{196, 54, 44}, Colour{60, 104, 168}};
   constexpr double kNearest = 0.95;
   constexpr double kFurthest = 0.15;
   double near_mm = 0.0;
@@ -33,7 +31,7 @@ Image view_picture(const View& view) {
   for (int row = 0; row < view.camera.height; ++row) {
     for (int column = 0; column < width; ++column) {
       const std::size_t pixel = view.pixel(column, row);
-      std::array<Pixel, 3> panes{kWhite, kWhite, kSeen[view.mask[pixel]]};
+      std::array<Colour, 3> panes{kWhite, kWhite, kSeen[view.mask[pixel]]};
       if (view.mask[pixel] != 0) {
         const double share = (static_cast<double>(view.depth_mm[pixel]) - near_mm) / std::max(far_mm - near_mm, 1e-9);
         panes[0].fill(byte_of(kNearest + share * (kFurthest - kNearest)));

@@ -33,7 +33,7 @@ std::vector<Pose> tremor_poses() {
   const DrillPath path = workload_path(3.0);
   const PathFrame from(path.entry_mm, path.direction());
   const PathFrame to(vertebra.to_patient(pedicle.isthmus_mm - kBeforeIsthmusMm * along), vertebra.rotation() * along);
-  std::vector<Pose> poses = workload_poses(WorkloadMotion::tool_operator);
+  std::vector<Pose> poses = workload_poses(WorkloadMotion::tremor);
   for (Pose& pose : poses) pose = to.to_patient(from.to_path(pose));
   return poses;
 }

@@ -19,7 +19,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const std::filesystem::path kShipped = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/densities/vertebra.json";
+const std::filesystem::path kShippedDensity =
+    std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/densities/vertebra.json";
 
 class DensityFile : public testing::Test {
  protected:
@@ -39,11 +40,11 @@ class DensityFile : public testing::Test {
 };
 
 TEST_F(DensityFile, ShipsTheDefaultsWithTheirSources) {
-  const DensityCalibration shipped = read_density_calibration(kShipped);
+  const DensityCalibration shipped = read_density_calibration(kShippedDensity);
   EXPECT_EQ(shipped.line.at_0_hu, HuToDensity().at_0_hu);
   EXPECT_EQ(shipped.line.per_hu, HuToDensity().per_hu);
   EXPECT_EQ(shipped.rms_residual_g_cm3, 0.0);
-  EXPECT_FALSE(read_json(kShipped).at("sources").empty());
+  EXPECT_FALSE(read_json(kShippedDensity).at("sources").empty());
 }
 
 TEST_F(DensityFile, ReadsALine) {
@@ -75,7 +76,8 @@ TEST_F(DensityFile, IsRejectedWithFileAndFaultNamed) {
   expect_rejected(R"({"calibration": [[0, 0.2], [100, 0.1]]})", "rise");
 }
 
-const std::filesystem::path kShipped = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/materials/vertebra.json";
+const std::filesystem::path kShippedMaterial =
+    std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/materials/vertebra.json";
 
 /// Every key, and the member that it is for.
 const std::map<std::string, double Material::*> kMembers{
@@ -91,7 +93,7 @@ const std::map<std::string, double Material::*> kMembers{
     {"contact_exponent", &Material::contact_exponent}};
 
 TEST(MaterialFile, ShipsTheDefaults) {
-  const Material shipped = read_material(kShipped, {});
+  const Material shipped = read_material(kShippedMaterial, {});
   for (const auto& [key, member] : kMembers) EXPECT_EQ(shipped.*member, Material().*member) << key;
 }
 
@@ -114,7 +116,7 @@ TEST(MaterialFile, IsRejectedWithFileAndKeyNamed) {
   for (const auto& [key, member] : kMembers) {
     // Missing, of the wrong type, and without sense.
     for (const Json& value : {Json(), Json("1"), Json(-1e6)}) {
-      Json json = read_json(kShipped);
+      Json json = read_json(kShippedMaterial);
       if (value.is_null()) {
         json.erase(key);
       } else {
@@ -131,7 +133,7 @@ TEST(MaterialFile, IsRejectedWithFileAndKeyNamed) {
 TEST(MaterialFile, IsRejectedWhereItHoldsWhatIsReadElsewhere) {
   const test::TemporaryFolder folder;
   for (const char* key : {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3"}) {
-    Json json = read_json(kShipped);
+    Json json = read_json(kShippedMaterial);
     json[key] = 0.002;
     std::ofstream(folder.path() / "m.json", std::ios::trunc) << json.dump();
     EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },
@@ -141,7 +143,7 @@ TEST(MaterialFile, IsRejectedWhereItHoldsWhatIsReadElsewhere) {
 
 TEST(MaterialFile, OfVersionOneIsRejectedByName) {
   const test::TemporaryFolder folder;
-  Json json = read_json(kShipped);
+  Json json = read_json(kShippedMaterial);
   json["version"] = 1;
   std::ofstream(folder.path() / "m.json") << json.dump();
   EXPECT_THAT([&] { read_material(folder.path() / "m.json", {}); },

@@ -67,7 +67,7 @@ TEST(BitBody, HasARayWithinItWhereTheRaysPointsAre) {
 }
 
 TEST(BitBody, HasNormalsThatPointOut) {
-  const BitBody body(BitProfile(kRayBits[0]), {Vec3::Zero(), -Vec3::UnitZ()});
+  const BitBody body(BitProfile{kRayBits[0]}, {Vec3::Zero(), -Vec3::UnitZ()});
   EXPECT_NEAR((body.normal({1.5, 0.0, 10.0}) - Vec3::UnitX()).norm(), 0.0, 1e-9);
   EXPECT_NEAR((body.normal({0.0, -0.75, 2.0}) - Vec3(0.0, -4.0, -1.5).normalized()).norm(), 0.0, 1e-9);
   EXPECT_NEAR((body.normal({0.3, 0.3, 20.0}) - Vec3::UnitZ()).norm(), 0.0, 1e-9);

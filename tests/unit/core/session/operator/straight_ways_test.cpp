@@ -104,7 +104,7 @@ double difference_mm(const std::vector<ToolInput>& inputs, const std::vector<Bit
 }
 
 TEST(StraightWays, OfATremblingOperatorAreFewAndTakeWhatItsPosesTake) {
-  const std::vector<Pose> all = workload_poses(WorkloadMotion::tool_operator);
+  const std::vector<Pose> all = workload_poses(WorkloadMotion::tremor);
   const std::vector<ToolInput> inputs = inputs_of({all.begin(), all.begin() + 8000});
   const std::vector<BitWay> ways = straight_ways(inputs, kDrill, kNoLimit);
   EXPECT_LT(ways.size(), inputs.size() / 10);
