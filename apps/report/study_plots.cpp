@@ -35,7 +35,7 @@ StudyTitle title_of(StudyColumn column) {
     case StudyColumn::max_torque_n_mm:
       return {"max torque", "N·mm"};
     case StudyColumn::plunge_depth_mm:
-      return {"plunge", "mm"};
+      return {"plunge depth", "mm"};
     case StudyColumn::depth_mm:
       return {"depth reached", "mm"};
     case StudyColumn::time_s:

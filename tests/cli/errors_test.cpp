@@ -225,7 +225,7 @@ TEST_F(Errors, NamesFileAndKeyOfABadPlan) {
       << R"({"format": "spinaltap-plan", "version": 2, "frame": "LPS", "unit": "mm", "paths": [
     {"name": "p", "entry_mm": [1, 2], "target_mm": [3, 0, 0], "bit": {}}]})";
   const std::string error = rejected("drill ../bone.vdb ../plan.json -o out");
-  EXPECT_THAT(error, HasSubstr("\"entry\""));
+  EXPECT_THAT(error, HasSubstr("\"entry_mm\""));
   EXPECT_THAT(error, HasSubstr("plan.json"));
 }
 

@@ -13,6 +13,7 @@ foreach(folder core vdb/sim mesh)  # vdb's grids are templates of OpenVDB's, and
   endforeach()
 endforeach()
 file(WRITE ${WORK_DIR}/all.cpp "${text}${MORE}")
+list(REMOVE_ITEM INCLUDES /usr/include)  # the compiler knows it, and in what order
 list(TRANSFORM INCLUDES PREPEND "-isystem")
 execute_process(COMMAND ${CXX} -std=c++20 -O3 -mavx2 -mfma -fkeep-inline-functions -DEIGEN_MAX_ALIGN_BYTES=16 -w
                         -I${SOURCE_DIR} ${INCLUDES} -c ${WORK_DIR}/all.cpp -o ${WORK_DIR}/all.o

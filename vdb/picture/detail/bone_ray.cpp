@@ -7,12 +7,21 @@
 
 namespace spinaltap::detail {
 
-DrawnBone::DrawnBone(const BoneModel& bone, std::span<const BitBody> more_removed)
-    : bone_grid(bone.grids().before ? bone.grids().before : bone.grids().sdf),
+DrawnBone::DrawnBone(const BoneModel& its_bone, std::span<const BitBody> more_removed)
+    : bone(its_bone),
+      bone_grid(bone.grids().before ? bone.grids().before : bone.grids().sdf),
       hole_grid(bone.grids().hole),
       to_bone(*bone_grid),
       removed(more_removed) {
   if (hole_grid && hole_grid->activeVoxelCount() > 0) to_hole.emplace(*hole_grid);
+  for (const BitBody& bit : removed) {
+    const Vec3 around = Vec3::Constant(bit.profile().radius_mm());
+    const Vec3& tip_mm = bit.pose().tip_mm;
+    for (const Vec3& end_mm : {tip_mm, Vec3(tip_mm - bit.profile().length_mm() * bit.pose().axis)}) {
+      removed_box_mm.extend(end_mm - around);
+      removed_box_mm.extend(end_mm + around);
+    }
+  }
 }
 
 BoneRay::BoneRay(const DrawnBone& bone, const std::optional<CutPlane>& cut)
@@ -36,10 +45,13 @@ double BoneRay::next_crossing_mm(DrawnBone::Intersector& intersector, double beg
   return (from_vdb(hit) - start_mm_).dot(direction_);
 }
 
-void BoneRay::find_removed() {
-  removed_.clear();
+/// Those from a place on where the ray is in the bone as it was: elsewhere holes are not seen.
+void BoneRay::find_holes(double begin_mm) {
+  knows_holes_ = true;
+  if (to_hole_) hole_crossing_mm_ = next_crossing_mm(*to_hole_, begin_mm);
   for (const BitBody& bit : drawn_.removed) bit.append_stretches(start_mm_, direction_, removed_);
   join_stretches(removed_);
+  removed_crossing_mm_ = next_removed_mm(begin_mm);
 }
 
 double BoneRay::next_removed_mm(double begin_mm) const {
@@ -51,6 +63,12 @@ double BoneRay::next_removed_mm(double begin_mm) const {
 }
 
 bool BoneRay::is_removed(double way_mm) const {
+  if (!knows_holes_) {
+    const Vec3 p_mm = at(way_mm);
+    return drawn_.removed_box_mm.contains(p_mm) &&
+           std::any_of(drawn_.removed.begin(), drawn_.removed.end(),
+                       [&](const BitBody& bit) { return bit_contains(bit.profile(), bit.pose(), p_mm); });
+  }
   return std::any_of(removed_.begin(), removed_.end(),
                      [&](const RayStretch& stretch) { return stretch.begin_mm <= way_mm && way_mm <= stretch.end_mm; });
 }
@@ -73,12 +91,9 @@ void BoneRay::begin(const Vec3& start_mm, const Vec3& direction, bool is_in_bone
   hole_crossing_mm_ = kMissed;
   removed_crossing_mm_ = kMissed;
   removed_.clear();
-  // A hole without bone around is not seen.
-  if (!(bone_crossing_mm_ < kMissed)) return;
-  if (to_hole_) hole_crossing_mm_ = next_crossing_mm(*to_hole_, begin_mm_);
-  if (drawn_.removed.empty()) return;
-  find_removed();
-  removed_crossing_mm_ = next_removed_mm(begin_mm_);
+  knows_holes_ = false;
+  passed_mm_ = begin_mm_;
+  if (bone_crossing_mm_ < kMissed && begin_mm_ == 0.0 && bone_mm(start_mm) < 0.0) find_holes(0.0);
 }
 
 BoneRay::Surface BoneRay::next_surface() {
@@ -86,6 +101,7 @@ BoneRay::Surface BoneRay::next_surface() {
   // hole is kept only near the bone, so that not all ways into it are met.
   const double further_mm = 0.02 * step_mm_;
   while (true) {
+    if (is_in_bone_ && !knows_holes_) find_holes(passed_mm_);
     if (find_bone_from_mm_ >= 0.0) bone_crossing_mm_ = next_crossing_mm(to_bone_, find_bone_from_mm_);
     if (find_hole_from_mm_ >= 0.0) hole_crossing_mm_ = next_crossing_mm(*to_hole_, find_hole_from_mm_);
     find_bone_from_mm_ = find_hole_from_mm_ = -1.0;
@@ -101,7 +117,10 @@ BoneRay::Surface BoneRay::next_surface() {
     } else {
       find_bone_from_mm_ = beyond_mm;
     }
-    is_in_bone_ = grids_mm(at(beyond_mm)) < 0.0 && !is_removed(beyond_mm);
+    passed_mm_ = beyond_mm;
+    const Vec3 beyond = at(beyond_mm);
+    is_in_bone_ = grids_mm(beyond) < 0.0 && !is_removed(beyond_mm);
+    if (!is_in_bone_ && !knows_holes_ && bone_mm(beyond) < 0.0) find_holes(beyond_mm);
     const bool is_cut = begin_mm_ > 0.0 && way_mm == begin_mm_;
     if (is_in_bone_ != was_in_bone) return {way_mm, is_cut ? Kind::cut : is_wall ? Kind::wall : Kind::bone};
   }
@@ -150,6 +169,14 @@ double BoneRay::removed_mm(const Vec3& p_mm, const BitBody*& nearest) const {
     nearest = &bit;
   }
   return nearest_mm;
+}
+
+double BoneRay::bone_mm(const Vec3& p_mm) {
+  if (drawn_.hole_grid) return static_cast<double>(bone_.wsSample(to_vdb(p_mm)));
+  // The same number, quicker.
+  float distance_mm = 0.0F;
+  drawn_.bone.sample({&p_mm, 1}, {&distance_mm, 1}, {});
+  return static_cast<double>(distance_mm);
 }
 
 double BoneRay::grids_mm(const Vec3& p_mm) {

@@ -19,13 +19,15 @@ namespace spinaltap::detail {
 struct DrawnBone {
   using Intersector = openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid>;
 
+  BoneModel bone;
   openvdb::FloatGrid::ConstPtr bone_grid;
   openvdb::FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
   Intersector to_bone;
   std::optional<Intersector> to_hole = {};
   std::span<const BitBody> removed = {};  ///< must outlive this
+  Box3 removed_box_mm = {};
 
-  explicit DrawnBone(const BoneModel& bone, std::span<const BitBody> removed = {});
+  explicit DrawnBone(const BoneModel& its_bone, std::span<const BitBody> more_removed = {});
 };
 
 /// One thread's rays into a bone, one after the other.
@@ -53,7 +55,7 @@ class BoneRay {
   double refined_mm(const Surface& surface);
 
   /// Distance to the bone's own surface.
-  double bone_mm(const Vec3& p_mm) { return static_cast<double>(bone_.wsSample(to_vdb(p_mm))); }
+  double bone_mm(const Vec3& p_mm);
   /// Of what is left of the bone, mm, negative within.
   double distance_mm(const Vec3& p_mm);
   /// Unit, out of what is left of the bone, at a place of its surface; against the ray where it has none.
@@ -67,7 +69,7 @@ class BoneRay {
   double removed_mm(const Vec3& p_mm, const BitBody*& nearest) const;
   double next_crossing_mm(DrawnBone::Intersector& intersector, double begin_mm) const;
   double next_removed_mm(double begin_mm) const;
-  void find_removed();
+  void find_holes(double begin_mm);
   bool is_removed(double way_mm) const;
   Vec3 at(double way_mm) const { return start_mm_ + way_mm * direction_; }
 
@@ -89,6 +91,8 @@ class BoneRay {
   /// Not looked for before it is asked for: from here on; below 0: found.
   double find_bone_from_mm_ = -1.0;
   double find_hole_from_mm_ = -1.0;
+  bool knows_holes_ = false;         ///< not looked for before the ray is in the bone as it was
+  double passed_mm_ = 0.0;           ///< just behind the last surface
   std::vector<RayStretch> removed_;  ///< of this ray, joined
   double begin_mm_ = 0.0;            ///< of the ray that is seen: from here
   double end_mm_ = 0.0;              ///< to here

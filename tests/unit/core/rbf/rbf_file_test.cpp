@@ -92,7 +92,7 @@ TEST_F(RbfFile, HasTheBytesThatItsDescriptionPromises) {
     std::memcpy(&number, bytes.data() + at, sizeof number);
     return number;
   };
-  EXPECT_EQ(bytes.substr(0, 16), std::string("STAPRBF\n\1\0\0\0\3\0\0\0", 16));
+  EXPECT_EQ(bytes.substr(0, 16), std::string("STAPRBF\n\2\0\0\0\3\0\0\0", 16));
   EXPECT_EQ(number_at(16), 0.1);
   EXPECT_EQ(number_at(24), model.origin_mm.x());
   EXPECT_EQ(bytes.substr(48, 16), std::string("\2\0\0\0\0\0\0\0\12\0\0\0\0\0\0\0", 16));
