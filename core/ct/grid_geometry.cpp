@@ -32,4 +32,8 @@ void check_geometry(const GridGeometry& geometry, const char* what, std::size_t 
   }
 }
 
+Vec3 GridGeometry::to_index(const Vec3& p_patient) const {
+  return (directions.inverse() * (p_patient - origin_mm)).cwiseQuotient(spacing_mm);
+}
+
 }  // namespace spinaltap

@@ -145,4 +145,8 @@ BodyCylinder refine_body_cylinder(const WallProbe& probe, const BodyCylinder& st
   return best;
 }
 
+double WallProbe::hu(const Vec3& p_patient) const {
+  return sample_clamped(hu_, to_index_ * (p_patient - hu_.geometry.origin_mm));
+}
+
 }  // namespace spinaltap

@@ -51,9 +51,7 @@ class WallProbe {
   /// just inside to just outside, and only where soft tissue lies outside.
   double edge(const Vec3& p_patient, const Vec3& outward) const;
   /// The CT number, tri-linear; beyond the CT, the border's.
-  double hu(const Vec3& p_patient) const {
-    return sample_clamped(hu_, to_index_ * (p_patient - hu_.geometry.origin_mm));
-  }
+  double hu(const Vec3& p_patient) const;
   const GridGeometry& geometry() const { return hu_.geometry; }
 
  private:
