@@ -31,11 +31,11 @@ class SweptBit {
   bool contains(const Vec3& p) const noexcept;
   /// The same within loops, compiled with its caller's flags, which may round otherwise: for the library's own.
   [[gnu::always_inline]] bool contains_inlined(const Vec3& p) const noexcept {
-    const Vec3 at_end = to_rows_ * (p - to_.tip_mm);
+    const Vec3 at_end = seen_by(to_rows_, p, to_.tip_mm);
     const double off_axis_squared = at_end.x() * at_end.x() + at_end.y() * at_end.y();
     if (profile_->contains_inlined(at_end.z(), off_axis_squared)) return true;
     if (is_beyond(at_end.z(), off_axis_squared)) return false;
-    return chord_meets(from_rows_ * (p - from_.tip_mm), at_end);
+    return chord_meets(seen_by(from_rows_, p, from_.tip_mm), at_end);
   }
 
   /// How far, at most, a point that the bit reaches on its way moves across the bit's axis and back along it, seen from
@@ -50,6 +50,12 @@ class SweptBit {
   double highest_z_mm() const { return highest_z_mm_; }
 
  private:
+  /// rows * (p - tip). Eigen's own product is a function, of which a linker may take the one from a user's compiler.
+  [[gnu::always_inline]] static Vec3 seen_by(const Mat3& rows, const Vec3& p, const Vec3& tip_mm) noexcept {
+    const double x = p[0] - tip_mm[0], y = p[1] - tip_mm[1], z = p[2] - tip_mm[2];
+    return {rows(0, 0) * x + rows(0, 1) * y + rows(0, 2) * z, rows(1, 0) * x + rows(1, 1) * y + rows(1, 2) * z,
+            rows(2, 0) * x + rows(2, 1) * y + rows(2, 2) * z};
+  }
   [[gnu::always_inline]] bool is_beyond(double back_mm, double off_axis_squared_mm2) const noexcept {
     if (back_mm < min_back_mm_ || back_mm > max_back_mm_ || off_axis_squared_mm2 > max_off_axis_squared_mm2_) {
       return true;
