@@ -39,7 +39,9 @@ BoneRay::BoneRay(const DrawnBone& bone, const std::optional<CutPlane>& cut)
 }
 
 double BoneRay::next_crossing_mm(DrawnBone::Intersector& intersector, double begin_mm) const {
-  const openvdb::math::Ray<double> ray(to_vdb(start_mm_), to_vdb(direction_), begin_mm);
+  // OpenVDB's rays begin after their eye, which may lie in a voxel.
+  const double after_eye_mm = std::max(begin_mm, openvdb::math::Delta<double>::value());
+  const openvdb::math::Ray<double> ray(to_vdb(start_mm_), to_vdb(direction_), after_eye_mm);
   openvdb::Vec3d hit;
   if (!intersector.intersectsWS(ray, hit)) return kMissed;
   return (from_vdb(hit) - start_mm_).dot(direction_);
