@@ -52,6 +52,7 @@ std::unique_ptr<OwnedTask> make_task(const std::vector<std::pair<Bone, DrillPath
     throw py::type_error("unexpected option \"" + std::string(py::str(name)) + "\" of a drill task");
   }
   std::vector<BonePath> paths;
+  paths.reserve(holes.size());
   for (const auto& [bone, path] : holes) paths.push_back({bone, path});
   return std::make_unique<OwnedTask>(
       long_call(progress, [&](const Progress& heard) { return DrillTask(paths, count, task, threads, heard); }));

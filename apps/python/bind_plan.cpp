@@ -30,14 +30,14 @@ DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, co
 }
 
 PedicleScrew make_screw(double diameter_mm, double length_mm, double tip_length_mm, const std::string& name) {
-  const PedicleScrew screw{name, diameter_mm, length_mm, tip_length_mm};
+  PedicleScrew screw{name, diameter_mm, length_mm, tip_length_mm};
   check_screw(screw);
   return screw;
 }
 
 DrillPath make_path(const Numbers& entry_mm, const Numbers& target_mm, const DrillBit& bit, const std::string& name,
                     const std::optional<PedicleScrew>& screw) {
-  const DrillPath path{name, vec3_of(entry_mm, "entry_mm"), vec3_of(target_mm, "target_mm"), bit, screw};
+  DrillPath path{name, vec3_of(entry_mm, "entry_mm"), vec3_of(target_mm, "target_mm"), bit, screw};
   check_path(path);
   return path;
 }

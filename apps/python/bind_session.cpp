@@ -170,7 +170,7 @@ void bind_cycle(py::module_& module) {
 }
 
 void bind_operators(py::module_& module) {
-  py::class_<PlannedOperator>(module, "Operator", "What moves the tool; Session.drill() takes it.");
+  const py::class_<PlannedOperator> any_operator(module, "Operator", "What moves the tool; Session.drill() takes it.");
   py::class_<MotionPlan, PlannedOperator>(
       module, "PlannedMotion", "Goes its planned way, whatever it feels: beside the path or tilted, with a tremor.")
       .def(py::init([](const DrillPath& path, double feed_mm_s, double rate_hz, double lead_in_mm, double offset_mm,

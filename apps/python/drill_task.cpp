@@ -37,7 +37,7 @@ Vec3 direction_in(const PathFrame& frame, const Vec3& v) { return frame.to_path(
 
 /// Tilted no further than bits can be told apart from what drills sideways.
 Vec3 limited(const Vec3& axis) {
-  const Vec3 unit = axis.normalized();
+  Vec3 unit = axis.normalized();
   const double sine = std::hypot(unit.x(), unit.y());
   const double limit = std::sin(kMaxTiltDeg * kDegree);
   if (sine <= limit && unit.z() > 0.0) return unit;

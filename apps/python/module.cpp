@@ -32,6 +32,7 @@ void set_threads(int threads) {
 void bind_errors(py::module_& module) {
   static const py::handle error = py::exception<Error>(module, "Error", PyExc_RuntimeError).release();
   error.attr("__doc__") = "What was expected, what was found and where, in one line that a person can act on.";
+  // pybind11 asks for it by value. NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

@@ -12,9 +12,9 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::array<std::string_view, kStudyFactors> kNames{"entry_left_mm",  "entry_head_mm",   "angle_left_deg",
-                                                             "angle_head_deg", "bit_diameter_mm", "push_n",
-                                                             "feed_mm_s",      "tremor_mm",       "density_scale"};
+constexpr std::array<std::string_view, kStudyFactors> kFactorNames{
+    "entry_left_mm", "entry_head_mm", "angle_left_deg", "angle_head_deg", "bit_diameter_mm",
+    "push_n",        "feed_mm_s",     "tremor_mm",      "density_scale"};
 
 // Streams of random numbers of one study: no two share a seed of the counter.
 enum class Stream : std::uint64_t { tremor = 0, draws = 16, strata = 32 };
@@ -59,7 +59,7 @@ std::vector<std::uint32_t> shuffled(std::size_t count, std::uint64_t seed) {
 
 }  // namespace
 
-std::string_view name_of(StudyFactor factor) { return kNames.at(static_cast<std::size_t>(factor)); }
+std::string_view name_of(StudyFactor factor) { return kFactorNames.at(static_cast<std::size_t>(factor)); }
 
 StudyRuns::StudyRuns(StudyDesign design) : design_(std::move(design)), count_(design_.runs) {
   std::array<bool, kStudyFactors> met{};

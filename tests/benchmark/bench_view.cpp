@@ -43,8 +43,7 @@ void view_frame(benchmark::State& state) {
   constexpr double kNearMm = 20.0;
   constexpr double kLongestJumpMm = 50.0;
   const auto width = static_cast<int>(state.range(0));
-  const std::vector<ToolInput> drilled =
-      inputs(state.range(2) == 1 ? WorkloadMotion::tremor : WorkloadMotion::on_path);
+  const std::vector<ToolInput> drilled = inputs(state.range(2) == 1 ? WorkloadMotion::tremor : WorkloadMotion::on_path);
   const DrillBit bit = workload_path(3.0).bit;
   const std::vector<BitBody> removed = swept_along(bit, straight_ways(drilled, bit, kLongestJumpMm));
   ViewOptions options;
