@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "core/files/detail/tool_json.h"
 #include "core/files/json_file.h"
 
 namespace spinaltap {
@@ -31,12 +32,13 @@ std::vector<PedicleScrew> read_screws(const std::filesystem::path& path) {
   const Json json = read_json(path);
   check_format(json, kScrewsFormat, path);
   const JsonObject object(json, path);
+  const ScrewHead head = object.has("head") ? read_screw_head(object.at("head"), path) : ScrewHead();
   std::vector<PedicleScrew> screws;
   for (const double diameter_mm : rising_numbers(object, "diameters_mm", path)) {
     for (const double length_mm : rising_numbers(object, "lengths_mm", path)) {
       std::ostringstream name;
       name << diameter_mm << " x " << length_mm << " mm";
-      screws.push_back({name.str(), diameter_mm, length_mm, object.number("tip_length_mm")});
+      screws.push_back({name.str(), diameter_mm, length_mm, object.number("tip_length_mm"), head});
       try {
         check_screw(screws.back());
       } catch (const Error& error) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/base/error.h"
@@ -42,28 +43,17 @@ std::vector<double> depths_of(double length_mm, double step_mm) {
   return depths_mm;
 }
 
-/// How many rows belong to the entry opening: until the whole section is in bone for the first time, and then until
-/// what is nearest of the outer surface is no longer the entry opening itself, but lies as deep as that section or
-/// deeper; at the latest 4 mm before the pedicle's isthmus.
-std::size_t rows_of_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
-                          std::span<const GradeRow> rows, std::span<const WallDistance::Walls> axis, int ring_points) {
-  constexpr double kBeforeIsthmusMm = 4.0;
-  const Vec3 entry_mm = tool.axis_mm(0.0);
-  const double latest_mm = (sides.pedicle().isthmus_mm - entry_mm).dot(tool.direction()) - kBeforeIsthmusMm;
-  double whole_mm = std::numeric_limits<double>::infinity();  // depth of the first section that is all in bone
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    if (!(rows[n].depth_mm < latest_mm)) return n;
-    if (!(axis[n].nearer_mm() > 0.0)) continue;
-    if (!std::isfinite(whole_mm)) {
-      const Vec3 towards = SideNames::towards(tool.axis_mm(rows[n].depth_mm), axis[n].outer);
-      const std::vector<Vec3> ring = ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, ring_points);
-      const std::vector<std::uint8_t> inside = inside_bone(walls.bone(), ring);
-      if (!std::all_of(inside.begin(), inside.end(), [](std::uint8_t one) { return one != 0; })) continue;
-      whole_mm = rows[n].depth_mm;
-    }
-    if ((axis[n].outer.nearest_mm - entry_mm).dot(tool.direction()) >= whole_mm) return n;
-  }
-  return rows.size();
+/// How much deeper than where the axis enters bone the entry opening may go: a plane surface at 50 degrees to a tool's
+/// axis is pierced by its last place at 1.2 radii; half a millimetre for the bone's roughness.
+double opening_limit_mm(const GradedTool& tool) { return 1.2 * tool.widest_mm() + 0.5; }
+
+bool is_whole(const WallDistance& walls, const GradedTool& tool, const GradeRow& row, const WallDistance::Walls& axis,
+              int ring_points) {
+  if (!(axis.nearer_mm() > 0.0)) return false;
+  const Vec3 towards = SideNames::towards(tool.axis_mm(row.depth_mm), axis.outer);
+  const std::vector<std::uint8_t> inside =
+      inside_bone(walls.bone(), ring_mm(tool, row.depth_mm, row.radius_mm, towards, ring_points));
+  return std::all_of(inside.begin(), inside.end(), [](std::uint8_t one) { return one != 0; });
 }
 
 /// What the tool's axis meets on its way.
@@ -71,11 +61,48 @@ struct Walk {
   std::vector<GradeRow> rows;  ///< without CT numbers
   std::vector<WallDistance::Walls> axis;
   std::size_t entry_rows = 0;
+  double opening_end_mm = 0.0;
+  double bearing_mm = std::numeric_limits<double>::infinity();
 
   double entry_end_mm(const GradedTool& tool) const {
     return entry_rows < rows.size() ? rows[entry_rows].depth_mm : tool.length_mm();
   }
 };
+
+/// Finds where bone first bears the whole section, the end of the entry opening, and of the rows whose nearest place of
+/// the outer surface is the surface around it: until that lies as deep as the first whole section or deeper; at the
+/// latest 4 mm before the pedicle's isthmus.
+void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides, int ring_points,
+                Walk& walk) {
+  constexpr double kBeforeIsthmusMm = 4.0;
+  const Vec3 entry_mm = tool.axis_mm(0.0);
+  const double latest_mm = (sides.pedicle().isthmus_mm - entry_mm).dot(tool.direction()) - kBeforeIsthmusMm;
+  double limit_mm = 0.0;  // a tool whose axis never enters bone makes no opening
+  bool is_in = false;
+  for (std::size_t n = 0; n < walk.rows.size(); ++n) {
+    const GradeRow& row = walk.rows[n];
+    if (!is_in && walk.axis[n].nearer_mm() > 0.0) {
+      is_in = true;
+      limit_mm = row.depth_mm + opening_limit_mm(tool);
+    }
+    if (!is_in || !is_whole(walls, tool, row, walk.axis[n], ring_points)) continue;
+    walk.bearing_mm = row.depth_mm;
+    break;
+  }
+  walk.opening_end_mm = std::min(limit_mm, walk.bearing_mm);
+  for (GradeRow& row : walk.rows) row.is_opening = row.depth_mm < walk.opening_end_mm;
+
+  walk.entry_rows = walk.rows.size();
+  for (std::size_t n = 0; n < walk.rows.size(); ++n) {
+    const double deep_mm = (walk.axis[n].outer.nearest_mm - entry_mm).dot(tool.direction());
+    const bool has_left =
+        walk.rows[n].depth_mm >= walk.bearing_mm && walk.axis[n].nearer_mm() > 0.0 && deep_mm >= walk.bearing_mm;
+    if (walk.rows[n].depth_mm < latest_mm && !has_left) continue;
+    walk.entry_rows = n;
+    break;
+  }
+  for (std::size_t n = 0; n < walk.entry_rows; ++n) walk.rows[n].is_entry = true;
+}
 
 Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
                 const GradeOptions& options) {
@@ -93,13 +120,199 @@ Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNam
     row.canal_side = sides.of(p_mm, at.canal);
     walk.rows.push_back(row);
   }
-  walk.entry_rows = rows_of_entry(walls, tool, sides, walk.rows, walk.axis, options.ring_points);
-  for (std::size_t n = 0; n < walk.entry_rows; ++n) walk.rows[n].is_entry = true;
+  find_entry(walls, tool, sides, options.ring_points, walk);
   return walk;
+}
+
+/// The samples of one wall near a tool, along it. Sections nearer to the wall than 3 mm ask them how near they are: the
+/// axis alone knows that of walls beside the tool, not of those ahead of a section.
+class WallAlongTool {
+ public:
+  static constexpr double kNearMm = 3.0;
+
+  WallAlongTool(const WallDistance& walls, const GradedTool& tool, bool is_canal) : walls_(walls), tool_(tool) {
+    const BoneShape& bone = walls.bone();
+    const std::vector<std::uint8_t>& is_canal_wall = walls.landmarks().is_canal_wall;
+    const Vec3 entry_mm = tool.axis_mm(0.0);
+    const double reach_mm = tool.widest_mm() + kNearMm + 1.0;
+    for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
+      if ((is_canal_wall[n] != 0) != is_canal) continue;
+      const Vec3 from_mm = bone.points_mm()[n] - entry_mm;
+      const double along_mm = from_mm.dot(tool.direction());
+      if (along_mm < -reach_mm || along_mm > tool.length_mm() + reach_mm) continue;
+      const double off_squared = from_mm.squaredNorm() - along_mm * along_mm;
+      if (off_squared > reach_mm * reach_mm) continue;
+      samples_.push_back({along_mm, std::sqrt(std::max(0.0, off_squared)), n});
+    }
+    std::stable_sort(samples_.begin(), samples_.end(),
+                     [](const Sample& a, const Sample& b) { return a.along_mm < b.along_mm; });
+  }
+
+  /// How far the section at a depth is from the wall, `axis_mm`: its middle is.
+  double clearance_mm(double depth_mm, double radius_mm, double axis_mm) const {
+    constexpr double kCrossingMm = 0.5 * BoneShape::kSampleMm;
+    double best_squared = (axis_mm + 0.1) * (axis_mm + 0.1);
+    const Sample* best = nullptr;
+    auto from = std::lower_bound(samples_.begin(), samples_.end(), depth_mm - std::sqrt(best_squared),
+                                 [](const Sample& one, double value) { return one.along_mm < value; });
+    for (; from != samples_.end(); ++from) {
+      const double ahead_mm = from->along_mm - depth_mm;
+      if (ahead_mm > 0.0 && ahead_mm * ahead_mm > best_squared) break;
+      const double beside_mm = std::max(0.0, from->off_mm - radius_mm);
+      if (beside_mm == 0.0 && std::abs(ahead_mm) < kCrossingMm) return axis_mm - radius_mm;  // the wall crosses it
+      const double squared = beside_mm * beside_mm + ahead_mm * ahead_mm;
+      if (squared < best_squared) {
+        best_squared = squared;
+        best = &*from;
+      }
+    }
+    if (best == nullptr) return axis_mm - radius_mm;
+    const Vec3& sample_mm = walls_.bone().points_mm()[best->index];
+    const Vec3 centre_mm = tool_.axis_mm(depth_mm);
+    const Vec3 across_mm = sample_mm - centre_mm - (best->along_mm - depth_mm) * tool_.direction();
+    const double off_mm = across_mm.norm();
+    const Vec3 nearest_mm =
+        off_mm > radius_mm ? Vec3(centre_mm + radius_mm / off_mm * across_mm) : Vec3(centre_mm + across_mm);
+    return without_sampling_error_mm(nearest_mm, sample_mm, walls_.bone().normals()[best->index], BoneShape::kSampleMm);
+  }
+
+ private:
+  struct Sample {
+    double along_mm, off_mm;
+    std::size_t index;
+  };
+  const WallDistance& walls_;
+  const GradedTool& tool_;
+  std::vector<Sample> samples_;
+};
+
+/// Makes near clearances those of the sections instead of bounds by their middles: never less than the bound.
+void sharpen_clearances(const WallDistance& walls, const GradedTool& tool, Walk& walk) {
+  const WallAlongTool outer(walls, tool, false), canal(walls, tool, true);
+  for (std::size_t n = 0; n < walk.rows.size(); ++n) {
+    GradeRow& row = walk.rows[n];
+    const auto sharpen = [&](double& clearance_mm, double axis_mm, const WallAlongTool& wall) {
+      // Where bone ends before the rim does, the rings say by how much.
+      if (!(axis_mm > 0.0) || clearance_mm > WallAlongTool::kNearMm) return;
+      clearance_mm = std::max(clearance_mm, wall.clearance_mm(row.depth_mm, row.radius_mm, axis_mm));
+    };
+    sharpen(row.outer_mm, walk.axis[n].outer.distance_mm, outer);
+    sharpen(row.canal_mm, walk.axis[n].canal.distance_mm, canal);
+  }
 }
 
 Approach nearest_of(Approach so_far, double clearance_mm, double depth_mm, PathSide side) {
   return clearance_mm < so_far.clearance_mm ? Approach{clearance_mm, depth_mm, side} : so_far;
+}
+
+std::string tenths(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.1f", value);
+  return text.data();
+}
+
+/// The grade, and words for it. A nearest approach and the breach have one sign: places of rings decide.
+void add_breach(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
+                const FoundBreaches& breaches, std::span<const WallDistance::Walls> axis, PathGrade& graded) {
+  const auto agree = [&](Approach& approach, const FoundBreach& breach, const char* wall) {
+    if (breach.breach_mm > 0.0) {
+      if (-breach.breach_mm < approach.clearance_mm) {
+        approach = {-breach.breach_mm, breach.depth_mm, sides.of(breach.place_mm, breach.wall)};
+      }
+      return;
+    }
+    if (!(approach.clearance_mm < 0.0)) return;
+    Finding hollow{InstrumentPart::tool,
+                   VertebraPart::pedicle,
+                   -approach.clearance_mm,
+                   approach.depth_mm,
+                   tool.axis_mm(approach.depth_mm),
+                   false,
+                   ""};
+    hollow.words = "a hollow of the " + std::string(wall) + " lies in the tool's volume at " +
+                   tenths(approach.depth_mm) + " mm of depth; its surface stays in bone";
+    graded.findings.push_back(hollow);
+    approach.clearance_mm = 0.0;
+  };
+  agree(graded.outer, breaches.outer, "outer surface");
+  agree(graded.canal, breaches.canal, "canal's wall");
+  const FoundBreach& breach = breaches.larger();
+  graded.breach_mm = breach.breach_mm;
+  graded.grade = gertzbein_robbins(breach.breach_mm);
+  graded.side_breach_mm = side_breaches(walls, tool, sides, graded.rows, axis, breaches);
+  if (!(breach.breach_mm > 0.0)) return;
+  graded.breach_depth_mm = breach.depth_mm;
+  graded.breaches_canal = breach.is_canal;
+  graded.breach_side = sides.of(breach.place_mm, breach.wall);
+  const VertebraPart part = walls.parts().at(breach.wall.nearest_mm, breach.wall.normal);
+  Finding finding{InstrumentPart::tool, part, breach.breach_mm, breach.depth_mm, breach.place_mm, true, ""};
+  finding.words = "stands " + tenths(breach.breach_mm) + " mm out of the " + name_of(part) +
+                  (breach.is_canal ? " into the canal" : "") + ", " + name_of(graded.breach_side) + ", at " +
+                  tenths(breach.depth_mm) + " mm of depth";
+  graded.findings.push_back(finding);
+}
+
+/// How the tool meets the surface at its entry.
+void add_entry(const WallDistance& walls, const DrillPath& path, const GradedTool& tool, PathGrade& graded) {
+  constexpr double kWalksDeg = 45.0, kSlantsDeg = 30.0, kNearMm = 3.0;
+  const BoneShape& bone = walls.bone();
+  // Over what the bit stands on when it begins to turn.
+  const double around_mm = std::max(1.0, path.bit.radius_mm());
+  Vec3 normal = Vec3::Zero();
+  double nearest_mm = kNearMm;
+  Vec3 nearest = Vec3::Zero();
+  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
+    const double away_mm = (bone.points_mm()[n] - path.entry_mm).norm();
+    if (away_mm < nearest_mm) {
+      nearest_mm = away_mm;
+      nearest = bone.normals()[n];
+    }
+    if (away_mm < around_mm) normal += bone.normals()[n];
+  }
+  if (!(normal.norm() > 0.0)) normal = nearest;
+  graded.entry_slant_deg = std::numeric_limits<double>::quiet_NaN();
+  if (normal.norm() > 0.0) {
+    graded.entry_slant_deg = std::acos(std::clamp(-normal.normalized().dot(tool.direction()), -1.0, 1.0)) / kDegree;
+  }
+  if (graded.entry_slant_deg > kSlantsDeg) {
+    const bool walks = graded.entry_slant_deg > kWalksDeg;
+    const double burr_mm = path.bit.radius_mm() * std::tan(std::min(graded.entry_slant_deg, 80.0) * kDegree);
+    Finding finding{InstrumentPart::tool, VertebraPart::lamina, burr_mm, 0.0, path.entry_mm, walks, ""};
+    finding.structure = walls.parts().at(path.entry_mm, normal.normalized());
+    finding.words = "the surface at the entry slants by " + tenths(graded.entry_slant_deg) + " degrees" +
+                    (walks ? ", where a bit walks" : "") + ": flatten it with a burr, " + tenths(burr_mm) + " mm deep";
+    graded.findings.push_back(finding);
+  }
+  // Bone that begins to bear the section late, though the opening ended before: said even where it is graded already.
+  if (graded.bearing_mm > graded.opening_end_mm && graded.breach_mm > 0.0) {
+    Finding finding{InstrumentPart::tool, VertebraPart::lamina, 0.0, graded.opening_end_mm, path.entry_mm, false, ""};
+    finding.words = std::isfinite(graded.bearing_mm)
+                        ? "bone bears the whole section only from " + tenths(graded.bearing_mm) + " mm of depth on"
+                        : std::string("bone bears the whole section nowhere");
+    graded.findings.push_back(finding);
+  }
+}
+
+void add_scales(const WallDistance& walls, const DrillPath& path, const FoundBreaches& breaches, PathGrade& graded) {
+  constexpr double kEndangersMm = 4.0;
+  graded.rampersaud = rampersaud(graded.breach_mm);
+  graded.facet = babu(graded.instrument);
+  const auto beyond = [&](PathSide side) { return graded.side_breach_mm[static_cast<std::size_t>(side)] > 0.0; };
+  const Landmarks& marks = walls.landmarks();
+  const double back_of_body_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
+  const bool tip_is_in_body =
+      walls.bone().is_inside(path.target_mm) && marks.to_own(path.target_mm).y() < back_of_body_mm;
+  const bool is_in_body = breaches.outer.breach_mm > 0.0 && marks.to_own(breaches.outer.place_mm).y() < back_of_body_mm;
+  if (breaches.canal.breach_mm >= kEndangersMm) {
+    graded.heary = Heary::V;
+  } else if (breaches.canal.breach_mm > 0.0 || beyond(PathSide::medial) || beyond(PathSide::caudal) ||
+             beyond(PathSide::cranial)) {
+    graded.heary = Heary::IV;
+  } else if (beyond(PathSide::anterior) || (beyond(PathSide::lateral) && (is_in_body || !tip_is_in_body))) {
+    graded.heary = Heary::III;
+  } else {
+    graded.heary = beyond(PathSide::lateral) ? Heary::II : Heary::I;
+  }
 }
 
 }  // namespace
@@ -112,6 +325,25 @@ Grade gertzbein_robbins(double breach_mm) {
   return breach_mm < 6.0 ? Grade::D : Grade::E;
 }
 
+char rampersaud(double breach_mm) {
+  if (!(breach_mm >= 0.0)) fail("grade: expected a breach of 0 mm or more, found ", breach_mm, " mm");
+  if (breach_mm == 0.0) return 'A';
+  if (breach_mm <= 2.0) return 'B';
+  return breach_mm <= 4.0 ? 'C' : 'D';
+}
+
+const char* name_of(Heary grade) {
+  constexpr std::array<const char*, 5> kNames{"I", "II", "III", "IV", "V"};
+  return kNames[static_cast<std::size_t>(grade)];
+}
+
+int babu(const InstrumentContacts& contacts) {
+  constexpr double kWithinMm = 1.0;
+  if (contacts.joint_depth_mm > kWithinMm) return 3;
+  if (contacts.joint_depth_mm > 0.0) return 2;
+  return contacts.is_beside_joint ? 1 : 0;
+}
+
 char letter_of(Grade grade) { return static_cast<char>('A' + static_cast<int>(grade)); }
 
 PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
@@ -122,9 +354,12 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   const GradedTool tool(path);
   const SideNames sides(walls.landmarks(), path);
   Walk walk = walk_along(walls, tool, sides, options);
+  sharpen_clearances(walls, tool, walk);
 
   PathGrade graded;
   graded.is_left = sides.is_left();
+  graded.opening_end_mm = walk.opening_end_mm;
+  graded.bearing_mm = walk.bearing_mm;
   graded.entry_end_mm = walk.entry_end_mm(tool);
   graded.rows = std::move(walk.rows);
   std::vector<double> depths_mm;
@@ -144,14 +379,14 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   graded.hu = sections.mean_hu();
   graded.hu_band_shares = sections.band_shares();
 
-  const FoundBreach breach = find_breach(walls, tool, graded.rows, walk.axis, options.ring_points);
-  graded.breach_mm = breach.breach_mm;
-  graded.grade = gertzbein_robbins(breach.breach_mm);
-  if (breach.breach_mm > 0.0) {
-    graded.breach_depth_mm = breach.depth_mm;
-    graded.breaches_canal = breach.is_canal;
-    graded.breach_side = sides.of(breach.place_mm, breach.wall);
-  }
+  const FoundBreaches breaches = find_breaches(walls, tool, graded.rows, walk.axis, options.ring_points);
+  graded.instrument = instrument_contacts(walls, path, opening_limit_mm(tool));
+  add_breach(walls, tool, sides, breaches, walk.axis, graded);
+  add_entry(walls, path, tool, graded);
+  add_scales(walls, path, breaches, graded);
+  for (const Finding& finding : graded.instrument.findings) graded.findings.push_back(finding);
+  std::stable_partition(graded.findings.begin(), graded.findings.end(),
+                        [](const Finding& finding) { return finding.is_warning; });
   return graded;
 }
 
@@ -165,7 +400,7 @@ double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOp
   check_options(options);
   const GradedTool tool(path);
   const Walk walk = walk_along(walls, tool, SideNames(walls.landmarks(), path), options);
-  return find_breach(walls, tool, walk.rows, walk.axis, options.ring_points).breach_mm;
+  return find_breaches(walls, tool, walk.rows, walk.axis, options.ring_points).larger().breach_mm;
 }
 
 }  // namespace spinaltap

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <span>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "core/force/drill_forces.h"
+#include "core/plan/instrument.h"
 #include "core/plan/path_side.h"
 #include "core/plan/wall_distance.h"
 #include "core/points/material.h"
@@ -20,6 +22,21 @@ enum class Grade { A, B, C, D, E };
 Grade gertzbein_robbins(double breach_mm);
 /// 'A' to 'E'.
 char letter_of(Grade grade);
+
+/// Rampersaud et al. 2005: A within the bone, B up to 2 mm beyond it, C to 4 mm, D more. Throws as gertzbein_robbins().
+char rampersaud(double breach_mm);
+
+/// Heary, Bono & Black 2004, made for thoracic screws: I within the bone; II through the pedicle's lateral wall, with
+/// the tip in the body; III the tip through the body's front or side; IV through the pedicle's medial or caudal wall
+/// (the cranial one, which the scale does not name, counts here too); V cord, root or great vessel endangered, which a
+/// person decides: told from a canal breach of 4 mm on.
+enum class Heary { I, II, III, IV, V };
+const char* name_of(Heary grade);
+
+/// Babu et al. 2012, of screw and head in the superior articular process: 0 not in the facet; 1 in its lateral part,
+/// not in the joint; 2 the joint surface is penetrated; 3 the screw runs within the joint, here told from 1 mm of depth
+/// on.
+int babu(const InstrumentContacts& contacts);
 
 /// CT numbers (HU) at positions (patient LPS, mm).
 using HuSampler = std::function<void(std::span<const Vec3>, std::span<float>)>;
@@ -36,11 +53,14 @@ struct GradeOptions {
 struct GradeRow {
   double depth_mm = 0.0;   ///< from the entry
   double radius_mm = 0.0;  ///< of the tool there, its tip at the target
-  double outer_mm = 0.0;   ///< clearance of the tool's surface to the outer surface; negative: breach
-  double canal_mm = 0.0;   ///< to the canal; infinite where the bone has none
+  /// Clearance of the tool's section to the outer surface; negative: that far beyond it. From 3 mm on the axis' own
+  /// clearance less the radius, which is at most that.
+  double outer_mm = 0.0;
+  double canal_mm = 0.0;  ///< to the canal; infinite where the bone has none
   PathSide outer_side = PathSide::lateral;
   PathSide canal_side = PathSide::medial;
-  bool is_entry = false;               ///< still in the entry opening: the outer surface does not count
+  bool is_opening = false;             ///< in the entry opening: the outer surface is pierced there on purpose
+  bool is_entry = false;               ///< so near to it that what is nearest is the surface around the opening
   double hu = 0.0;                     ///< mean over the tool's section; NaN where no bone is
   std::vector<double> hu_band_shares;  ///< of the bone in that section, as PathGrade's; 0 where no bone is
   double thrust_n = 0.0;               ///< predicted, of drilling the hole with the path's bit, its tip there
@@ -55,14 +75,24 @@ struct Approach {
 
 struct PathGrade {
   Grade grade = Grade::A;
-  double breach_mm = 0.0;        ///< of the tool's surface beyond the bone's, the entry opening not counted
+  double breach_mm = 0.0;        ///< of the tool's surface beyond the bone's, behind the entry opening's end
   double breach_depth_mm = 0.0;  ///< where it is; of no meaning without one, as the next two
   PathSide breach_side = PathSide::lateral;
-  bool breaches_canal = false;         ///< the breach is into the canal
-  Approach outer, canal;               ///< nearest approaches; the one that is negative and lower is the breach
-  bool is_left = true;                 ///< graded as a path through the left pedicle, the nearer one
-  double entry_end_mm = 0.0;           ///< depth from which on the outer surface counts
-  double hu = 0.0;                     ///< mean of the tool's volume in bone; NaN where there is none
+  bool breaches_canal = false;             ///< the breach is into the canal
+  std::array<double, 5> side_breach_mm{};  ///< the largest breach to each PathSide
+  char rampersaud = 'A';
+  Heary heary = Heary::I;
+  int facet = 0;  ///< babu()
+  /// Nearest approaches of the tool's surface; negative where, and only where, it breaches that wall.
+  Approach outer, canal;
+  InstrumentContacts instrument;  ///< of all behind the entry
+  std::vector<Finding> findings;  ///< of it, of the entry and of the breach, warnings first
+  bool is_left = true;            ///< graded as a path through the left pedicle, the nearer one
+  double opening_end_mm = 0.0;    ///< depth from which on whatever stands out of the bone is a breach
+  double bearing_mm = 0.0;        ///< depth from which on bone bears the whole section; infinite where it never does
+  double entry_slant_deg = 0.0;   ///< between the path and the surface's normal at the entry; NaN away from bone
+  double entry_end_mm = 0.0;      ///< depth from which on the nearest approach to the outer surface counts
+  double hu = 0.0;                ///< mean of the tool's volume in bone; NaN where there is none
   std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
   double max_thrust_n = 0.0;
   std::vector<GradeRow> rows;
@@ -73,8 +103,8 @@ struct PathGrade {
 PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
                      const GradeOptions& options = {});
 
-/// Only grade_path()'s entry_end_mm: the depth from which on the outer surface counts, for the path's screw or, where
-/// it has none, its bit. The path's length where it never does.
+/// Only grade_path()'s entry_end_mm, for the path's screw or, where it has none, its bit. The path's length where the
+/// outer surface never counts.
 double entry_end_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options = {});
 
 /// Only the breach of grade_path(), mm, in a fraction of its time: 0 when the tool stays in the bone.

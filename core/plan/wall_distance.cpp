@@ -39,7 +39,8 @@ WallDistance::Samples WallDistance::samples_of(const BoneShape& bone, const Land
   return samples;
 }
 
-WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks) : bone_(bone), landmarks_(landmarks) {
+WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks)
+    : bone_(bone), landmarks_(landmarks), parts_(bone, landmarks) {
   if (landmarks.is_canal_wall.size() != bone.points_mm().size()) {
     fail("walls: expected landmarks of this bone, which flag its ", bone.points_mm().size(), " points, found ",
          landmarks.is_canal_wall.size(), " flags");

@@ -5,6 +5,7 @@
 
 #include "core/plan/bone_shape.h"
 #include "core/plan/landmarks.h"
+#include "core/plan/vertebra_parts.h"
 
 namespace spinaltap {
 
@@ -42,6 +43,7 @@ class WallDistance {
 
   const BoneShape& bone() const { return bone_; }
   const Landmarks& landmarks() const { return landmarks_; }
+  const VertebraParts& parts() const { return parts_; }
 
  private:
   /// The samples of one wall.
@@ -54,6 +56,7 @@ class WallDistance {
 
   const BoneShape& bone_;
   const Landmarks& landmarks_;
+  VertebraParts parts_;
   Samples outer_, canal_;
 };
 

@@ -1,5 +1,7 @@
 #include "core/tool/drill_path.h"
 
+#include <cmath>
+
 #include "core/base/error.h"
 
 namespace spinaltap {
@@ -10,6 +12,38 @@ void check_screw(const PedicleScrew& screw) {
   } catch (const Error& error) {
     fail("screw \"", screw.name, "\": ", error.what());
   }
+  const auto within = [&](double value, double lowest, double highest, const char* what) {
+    if (!(value >= lowest && value <= highest)) {
+      fail("screw \"", screw.name, "\": expected ", what, " from ", lowest, " to ", highest, ", found ", value);
+    }
+  };
+  const ScrewHead& head = screw.head;
+  within(head.diameter_mm, 0.0, 50.0, "a head's diameter (mm)");
+  if (head.diameter_mm > 0.0) within(head.length_mm, 0.5 * head.diameter_mm, 100.0, "a head's length (mm)");
+  within(head.driver_diameter_mm, 0.0, 50.0, "a driver's diameter (mm)");
+  if (!(head.driver_diameter_mm > 0.0)) return;
+  within(head.driver_cone_deg, 0.0, 45.0, "the half angle of a driver's cone (degrees)");
+  within(head.driver_length_mm, 1.0, 500.0, "a driver's length (mm)");
+}
+
+std::optional<BodyBehind> head_of(const DrillPath& path) {
+  if (!path.screw || !(path.screw->head.diameter_mm > 0.0)) return std::nullopt;
+  const ScrewHead& head = path.screw->head;
+  DrillBit outline{head.diameter_mm, head.length_mm, 0.5 * head.diameter_mm, BitShape::round_burr};
+  outline.shank_diameter_mm = head.diameter_mm;
+  return BodyBehind{outline, {path.target_mm - path.screw->length_mm * path.direction(), path.direction()}};
+}
+
+std::optional<BodyBehind> driver_of(const DrillPath& path) {
+  if (!path.screw || !(path.screw->head.driver_diameter_mm > 0.0)) return std::nullopt;
+  constexpr double kBluntMm = 0.01;  // a frustum begins with a tip
+  const ScrewHead& head = path.screw->head;
+  const double base_mm =
+      head.driver_diameter_mm + 2.0 * head.driver_length_mm * std::tan(head.driver_cone_deg * kDegree);
+  DrillBit outline{base_mm, head.driver_length_mm, kBluntMm, BitShape::tapered_screw};
+  outline.tip_diameter_mm = head.driver_diameter_mm;
+  const double behind_mm = path.screw->length_mm + (head.diameter_mm > 0.0 ? head.length_mm : 0.0);
+  return BodyBehind{outline, {path.target_mm - behind_mm * path.direction(), path.direction()}};
 }
 
 double DrillPath::length_mm() const { return (target_mm - entry_mm).norm(); }

@@ -20,7 +20,24 @@ Json to_json(const PedicleScrew& screw) {
   return {{"name", screw.name},
           {"diameter_mm", screw.diameter_mm},
           {"length_mm", screw.length_mm},
-          {"tip_length_mm", screw.tip_length_mm}};
+          {"tip_length_mm", screw.tip_length_mm},
+          {"head", to_json(screw.head)}};
+}
+
+Json to_json(const ScrewHead& head) {
+  return {{"diameter_mm", head.diameter_mm},
+          {"length_mm", head.length_mm},
+          {"driver_diameter_mm", head.driver_diameter_mm},
+          {"driver_cone_deg", head.driver_cone_deg},
+          {"driver_length_mm", head.driver_length_mm}};
+}
+
+ScrewHead read_screw_head(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"diameter_mm", "length_mm", "driver_diameter_mm", "driver_cone_deg", "driver_length_mm"}, file,
+             "a screw's head");
+  const JsonObject object(json, file);
+  return {object.number("diameter_mm"), object.number("length_mm"), object.number("driver_diameter_mm"),
+          object.number("driver_cone_deg"), object.number("driver_length_mm")};
 }
 
 DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
@@ -42,8 +59,10 @@ DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
 
 PedicleScrew read_screw(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
-  return {object.text("name"), object.number("diameter_mm"), object.number("length_mm"),
-          object.number("tip_length_mm")};
+  PedicleScrew screw{object.text("name"), object.number("diameter_mm"), object.number("length_mm"),
+                     object.number("tip_length_mm")};
+  if (object.has("head")) screw.head = read_screw_head(object.at("head"), file);
+  return screw;
 }
 
 Json to_json(const DrillPath& path) {

@@ -7,11 +7,13 @@ namespace spinaltap {
 
 /// A bit, a screw and a path as plan files hold them; docs/plan-file.md.
 Json to_json(const DrillBit& bit);
+Json to_json(const ScrewHead& head);
 Json to_json(const PedicleScrew& screw);
 Json to_json(const DrillPath& path);
 
 /// Read what to_json() made. Throw Error that names the file and the key at fault; do not check the path.
 DrillBit read_bit(const Json& json, const std::filesystem::path& file);
+ScrewHead read_screw_head(const Json& json, const std::filesystem::path& file);
 PedicleScrew read_screw(const Json& json, const std::filesystem::path& file);
 DrillPath read_path(const Json& json, const std::filesystem::path& file);
 

@@ -43,8 +43,8 @@ std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius
   return ring;
 }
 
-FoundBreach find_breach(const WallDistance& walls, const GradedTool& tool, std::span<const GradeRow> rows,
-                        std::span<const WallDistance::Walls> axis, int ring_points) {
+FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, std::span<const GradeRow> rows,
+                            std::span<const WallDistance::Walls> axis, int ring_points) {
   // A place of the ring is beyond the bone by at most the radius less what its centre lies in it. The most promising
   // rings come first, and those that cannot beat the best are left out.
   struct Candidate {
@@ -53,29 +53,63 @@ FoundBreach find_breach(const WallDistance& walls, const GradedTool& tool, std::
   };
   std::vector<Candidate> candidates;
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    const double radius_mm = rows[n].radius_mm;
-    const double max_mm = radius_mm - axis[n].nearer_mm();
-    if (!(max_mm > 0.0)) continue;
-    if (rows[n].is_entry && std::abs(axis[n].canal.distance_mm) > radius_mm + max_mm) continue;
-    candidates.push_back({max_mm, n});
+    const double max_mm = rows[n].radius_mm - axis[n].nearer_mm();
+    if (max_mm > 0.0) candidates.push_back({max_mm, n});
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.max_mm > b.max_mm; });
-  FoundBreach best;
+  FoundBreaches best;
   for (const Candidate& candidate : candidates) {
-    if (!(candidate.max_mm > best.breach_mm)) break;
     const GradeRow& row = rows[candidate.row];
     const WallDistance::Walls& seen = axis[candidate.row];
+    const bool may_be_outer = !row.is_opening && candidate.max_mm > best.outer.breach_mm;
+    const bool may_be_canal =
+        candidate.max_mm > best.canal.breach_mm && std::abs(seen.canal.distance_mm) <= row.radius_mm + candidate.max_mm;
+    if (!may_be_outer && !may_be_canal) continue;
     const bool nearer_is_canal = seen.canal.distance_mm < seen.outer.distance_mm;
     const Vec3 towards = SideNames::towards(tool.axis_mm(row.depth_mm), nearer_is_canal ? seen.canal : seen.outer);
     for (const Vec3& p_mm : ring_mm(tool, row.depth_mm, row.radius_mm, towards, ring_points)) {
       if (walls.bone().lattice_mm(p_mm) < -kSureLatticeMm) continue;
       const WallDistance::Beyond beyond = walls.beyond(p_mm);
-      if (!(beyond.distance_mm > best.breach_mm) || (row.is_entry && !beyond.is_canal)) continue;
-      best = {beyond.distance_mm, row.depth_mm, beyond.is_canal, p_mm, beyond.wall};
+      if (row.is_opening && !beyond.is_canal) continue;
+      FoundBreach& of_wall = beyond.is_canal ? best.canal : best.outer;
+      if (!(beyond.distance_mm > of_wall.breach_mm)) continue;
+      of_wall = {beyond.distance_mm, row.depth_mm, beyond.is_canal, p_mm, beyond.wall};
     }
   }
   return best;
+}
+
+std::array<double, 5> side_breaches(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
+                                    std::span<const GradeRow> rows, std::span<const WallDistance::Walls> axis,
+                                    const FoundBreaches& found) {
+  constexpr double kApartMm = 1.0;
+  constexpr int kRingPoints = 16;
+  std::array<double, 5> breach_mm{};
+  if (!(found.larger().breach_mm > 0.0)) return breach_mm;
+  const auto add = [&](double mm, const Vec3& place_mm, const WallDistance::Wall& wall) {
+    double& side_mm = breach_mm[static_cast<std::size_t>(sides.of(place_mm, wall))];
+    side_mm = std::max(side_mm, mm);
+  };
+  for (const FoundBreach& known : {found.outer, found.canal}) {
+    if (known.breach_mm > 0.0) add(known.breach_mm, known.place_mm, known.wall);
+  }
+  double next_mm = 0.0;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    if (rows[n].depth_mm < next_mm && n + 1 < rows.size()) continue;
+    next_mm = rows[n].depth_mm + kApartMm - 1e-9;
+    if (!(rows[n].radius_mm - axis[n].nearer_mm() > 0.0)) continue;
+    const bool nearer_is_canal = axis[n].canal.distance_mm < axis[n].outer.distance_mm;
+    const Vec3 towards =
+        SideNames::towards(tool.axis_mm(rows[n].depth_mm), nearer_is_canal ? axis[n].canal : axis[n].outer);
+    for (const Vec3& p_mm : ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, kRingPoints)) {
+      if (walls.bone().lattice_mm(p_mm) < -kSureLatticeMm) continue;
+      const WallDistance::Beyond beyond = walls.beyond(p_mm);
+      if (!(beyond.distance_mm > 0.0) || (rows[n].is_opening && !beyond.is_canal)) continue;
+      add(beyond.distance_mm, p_mm, beyond.wall);
+    }
+  }
+  return breach_mm;
 }
 
 }  // namespace spinaltap

@@ -1,0 +1,208 @@
+#include "core/plan/instrument.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "core/tool/bit_profile.h"
+
+namespace spinaltap {
+namespace {
+
+/// A part of the instrument as a body of revolution about the path.
+struct Body {
+  InstrumentPart part;
+  BitProfile profile;
+  double tip_mm;  ///< where along the path its tip is
+
+  /// Signed, to its surface.
+  double distance_mm(double along_mm, double off_axis_mm) const {
+    return profile.distance_mm(tip_mm - along_mm, off_axis_mm);
+  }
+};
+
+std::vector<Body> bodies_of(const DrillPath& path, double opening_mm) {
+  constexpr double kWayInMm = 60.0;  // beyond it nothing of a vertebra lies
+  constexpr double kBluntMm = 1e-3;
+  std::vector<Body> bodies;
+  const DrillBit tool = path.screw ? path.screw->outline() : path.bit;
+  const DrillBit way_in{tool.diameter_mm, kWayInMm, kBluntMm, BitShape::tapered_screw, tool.diameter_mm};
+  bodies.push_back({InstrumentPart::way_in, BitProfile(way_in), -opening_mm});
+  const auto add = [&](InstrumentPart part, const std::optional<BodyBehind>& body) {
+    if (!body) return;
+    bodies.push_back({part, BitProfile(body->outline), (body->pose.tip_mm - path.entry_mm).dot(path.direction())});
+  };
+  add(InstrumentPart::head, head_of(path));
+  add(InstrumentPart::driver, driver_of(path));
+  return bodies;
+}
+
+/// A place of the surface and how far it is from a body.
+struct Touch {
+  double distance_mm = std::numeric_limits<double>::infinity();
+  Vec3 place_mm = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+};
+
+class PathLine {
+ public:
+  explicit PathLine(const DrillPath& path) : entry_mm_(path.entry_mm), direction_(path.direction()) {}
+  double along_mm(const Vec3& p_mm) const { return (p_mm - entry_mm_).dot(direction_); }
+  double off_mm(const Vec3& p_mm, double along_mm) const { return (p_mm - entry_mm_ - along_mm * direction_).norm(); }
+  double distance_mm(const Body& body, const Vec3& p_mm) const {
+    const double along = along_mm(p_mm);
+    return body.distance_mm(along, off_mm(p_mm, along));
+  }
+
+ private:
+  Vec3 entry_mm_, direction_;
+};
+
+/// The surface's place nearest to the body, or deepest in it, around a sample of it.
+Touch refined(const BoneShape& bone, const PathLine& line, const Body& body, Touch best) {
+  constexpr int kAround = 8, kHalvings = 4;
+  double step_mm = 0.5 * BoneShape::kSampleMm;
+  for (int halving = 0; halving < kHalvings; ++halving, step_mm *= 0.5) {
+    const Vec3 u = any_perpendicular(best.normal);
+    const Vec3 v = best.normal.cross(u);
+    std::array<Vec3, kAround> places_mm;
+    for (int n = 0; n < kAround; ++n) {
+      const double angle = 2.0 * std::numbers::pi * n / kAround;
+      places_mm[static_cast<std::size_t>(n)] = best.place_mm + step_mm * (std::cos(angle) * u + std::sin(angle) * v);
+    }
+    std::array<double, kAround> values_mm{};
+    std::array<Vec3, kAround> gradients;
+    bone.surface().evaluate(places_mm, values_mm, gradients);
+    for (std::size_t n = 0; n < kAround; ++n) {
+      const double squared = gradients[n].squaredNorm();
+      if (!(squared > 0.01)) continue;
+      const Vec3 place_mm = places_mm[n] - values_mm[n] / squared * gradients[n];
+      const double distance_mm = line.distance_mm(body, place_mm);
+      if (distance_mm < best.distance_mm) best = {distance_mm, place_mm, gradients[n] / std::sqrt(squared)};
+    }
+  }
+  return best;
+}
+
+std::string millimetres(double mm) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.1f mm", mm);
+  return text.data();
+}
+
+Finding finding_of(const DrillPath& path, const Body& body, VertebraPart structure, const Touch& touch,
+                   double along_mm) {
+  Finding finding{body.part, structure, -touch.distance_mm, along_mm, touch.place_mm, false, ""};
+  const bool is_joint = structure == VertebraPart::superior_joint;
+  const std::string name = name_of(structure);
+  const std::string deep = millimetres(finding.depth_mm);
+  const std::string behind = millimetres(-along_mm) + " behind the entry";
+  switch (body.part) {
+    case InstrumentPart::way_in:
+      finding.is_warning = true;
+      finding.words = "on its way in the " + name_of(InstrumentPart::tool, path) + " cuts " + deep + " into the " +
+                      name + ", " + behind;
+      break;
+    case InstrumentPart::head:
+      finding.is_warning = is_joint || finding.depth_mm > kSeatMm;
+      finding.words = "the screw's head stands " + deep + " in the " + name + ", " + behind +
+                      (is_joint             ? ": back it out or choose another entry"
+                       : finding.is_warning ? ": back it out, or cut a deep seat for it"
+                                            : ": a seat is cut for it with a burr");
+      break;
+    default:
+      finding.is_warning = true;
+      finding.words = "the driver stands " + deep + " in the " + name + ", " + behind;
+      break;
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::string name_of(InstrumentPart part, const DrillPath& path) {
+  switch (part) {
+    case InstrumentPart::tool:
+      return path.screw ? "screw" : "bit";
+    case InstrumentPart::way_in:
+      return "way in";
+    case InstrumentPart::head:
+      return "head";
+    case InstrumentPart::driver:
+      break;
+  }
+  return "driver";
+}
+
+InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPath& path, double opening_mm) {
+  constexpr double kNearMm = 1.0;  // samples further from a body than its nearest plus this are not refined
+  constexpr std::size_t kStructures = 8;
+  const BoneShape& bone = walls.bone();
+  const PathLine line(path);
+  const std::vector<Body> bodies = bodies_of(path, opening_mm);
+  const DrillBit tool = path.screw ? path.screw->outline() : path.bit;
+  const Body thread{InstrumentPart::tool, BitProfile(tool), path.length_mm()};
+  double widest_mm = 0.0;
+  for (const Body& body : bodies) widest_mm = std::max(widest_mm, body.profile.radius_mm());
+
+  struct OfBody {
+    Touch nearest;
+    std::array<Touch, kStructures> touches;
+  };
+  std::vector<OfBody> found(bodies.size());
+  InstrumentContacts contacts;
+  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
+    const Vec3& p_mm = bone.points_mm()[n];
+    const double along_mm = line.along_mm(p_mm);
+    const double off_mm = line.off_mm(p_mm, along_mm);
+    if (off_mm > widest_mm + 25.0) continue;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const double distance_mm = bodies[b].distance_mm(along_mm, off_mm);
+      if (distance_mm < found[b].nearest.distance_mm) found[b].nearest = {distance_mm, p_mm, bone.normals()[n]};
+      if (!(distance_mm < 0.0)) continue;
+      const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);
+      Touch& touch = found[b].touches[static_cast<std::size_t>(structure)];
+      if (distance_mm < touch.distance_mm) touch = {distance_mm, p_mm, bone.normals()[n]};
+      if (bodies[b].part != InstrumentPart::head) continue;
+      if (structure == VertebraPart::superior_joint) {
+        contacts.joint_depth_mm = std::max(contacts.joint_depth_mm, -distance_mm);
+      }
+      contacts.is_beside_joint |= structure == VertebraPart::superior_articular_process;
+    }
+    const double in_thread_mm = -thread.distance_mm(along_mm, off_mm);
+    if (!(in_thread_mm > 0.0) || !path.screw) continue;
+    const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);
+    if (structure == VertebraPart::superior_joint) {
+      contacts.joint_depth_mm = std::max(contacts.joint_depth_mm, in_thread_mm);
+    }
+    contacts.is_beside_joint |= structure == VertebraPart::superior_articular_process;
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    OfBody& of_body = found[b];
+    if (!std::isfinite(of_body.nearest.distance_mm)) continue;
+    if (of_body.nearest.distance_mm < kNearMm) {
+      of_body.nearest = refined(bone, line, bodies[b], of_body.nearest);
+    }
+    const double clearance_mm = of_body.nearest.distance_mm;
+    if (bodies[b].part == InstrumentPart::head) contacts.head_clearance_mm = clearance_mm;
+    if (bodies[b].part == InstrumentPart::driver) contacts.driver_clearance_mm = clearance_mm;
+    if (bodies[b].part == InstrumentPart::way_in) contacts.cut_behind_mm = std::max(0.0, -clearance_mm);
+    for (std::size_t s = 0; s < kStructures; ++s) {
+      Touch touch = of_body.touches[s];
+      if (!(touch.distance_mm < 0.0)) continue;
+      touch = refined(bone, line, bodies[b], touch);
+      const auto structure = static_cast<VertebraPart>(s);
+      const bool counts = -touch.distance_mm > kTouchMm ||
+                          (structure == VertebraPart::superior_joint && bodies[b].part == InstrumentPart::head);
+      if (!counts) continue;
+      contacts.findings.push_back(finding_of(path, bodies[b], structure, touch, line.along_mm(touch.place_mm)));
+    }
+  }
+  std::stable_sort(contacts.findings.begin(), contacts.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.depth_mm > b.depth_mm; });
+  return contacts;
+}
+
+}  // namespace spinaltap
