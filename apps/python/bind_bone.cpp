@@ -78,6 +78,23 @@ void bind_grade(py::module_& module) {
           "Gertzbein and Robbins: \"A\" (no breach) to \"E\" (6 mm and more).")
       .def_readonly("breach_mm", &PathGrade::breach_mm)
       .def_readonly("breach_depth_mm", &PathGrade::breach_depth_mm)
+      .def_readonly("bearing_mm", &PathGrade::bearing_mm, "Depth from which on bone bears the whole section, mm.")
+      .def_readonly("entry_slant_deg", &PathGrade::entry_slant_deg)
+      .def_property_readonly(
+          "rampersaud", [](const PathGrade& grade) { return std::string(1, grade.rampersaud); }, "\"A\" to \"D\".")
+      .def_property_readonly(
+          "heary", [](const PathGrade& grade) { return std::string(name_of(grade.heary)); }, "\"I\" to \"V\".")
+      .def_readonly("facet", &PathGrade::facet, "Babu's, 0 to 3.")
+      .def_property_readonly(
+          "warnings",
+          [](const PathGrade& grade) {
+            std::vector<std::string> words;
+            for (const Finding& finding : grade.findings) {
+              if (finding.is_warning) words.push_back(finding.words);
+            }
+            return words;
+          },
+          "What the instrument touches where it should not, a line each.")
       .def_readonly("breaches_canal", &PathGrade::breaches_canal)
       .def_property_readonly("clearance_outer_mm", [](const PathGrade& grade) { return grade.outer.clearance_mm; })
       .def_property_readonly("clearance_canal_mm", [](const PathGrade& grade) { return grade.canal.clearance_mm; })
@@ -94,6 +111,12 @@ void bind_grade(py::module_& module) {
           [](const Suggestion& it) { return it.best ? std::optional<PathGrade>(it.best->grade) : std::nullopt; })
       .def_property_readonly(
           "score", [](const Suggestion& it) { return it.best ? it.best->score : std::nan(""); }, "NaN without a path.")
+      .def_property_readonly(
+          "technique", [](const Suggestion& it) { return it.best ? name_of(it.best->technique) : std::string(); },
+          "\"pedicle\", \"in-out-in\" or \"cortical\"; empty without a path.")
+      .def_property_readonly(
+          "reasons", [](const Suggestion& it) { return it.best ? it.best->reasons : std::vector<std::string>(); },
+          "Why this path and no other, a sentence each.")
       .def_readonly("why_none", &Suggestion::rejection, "Empty where there is a path.");
 }
 
@@ -178,14 +201,23 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
            "vertebra.")
       .def(
           "suggest",
-          [](const Bone& bone, double margin_mm, const DrillBit& bit, const py::object& progress) {
-            return long_call(progress, [&](const Progress& heard) {
-              return bone.suggest({.screws = {}, .rules = {}, .margin_mm = margin_mm, .bit = bit}, heard);
-            });
+          [](const Bone& bone, std::optional<double> margin_mm, const DrillBit& bit, bool bicortical,
+             const std::string& trajectory, const std::string& technique, const py::object& progress) {
+            AutoPlanOptions options;
+            options.margin_mm = margin_mm;
+            options.is_bicortical = bicortical;
+            options.bit = bit;
+            options.sagittal = named(sagittal_references(), trajectory, "a trajectory");
+            if (!technique.empty()) options.technique = named(techniques(), technique, "a technique");
+            return long_call(progress, [&](const Progress& heard) { return bone.suggest(options, heard); });
           },
-          py::kw_only(), "margin_mm"_a = 0.0, "bit"_a = DrillBit{}, "progress"_a = py::none(),
-          "A screw and a path for each pedicle, with its grade. `margin_mm`: of bone around the screw; 0: that of the "
-          "shipped rules. Raises Error without landmarks.")
+          py::kw_only(), "margin_mm"_a = py::none(), "bit"_a = DrillBit{}, "bicortical"_a = false,
+          "trajectory"_a = "anatomic", "technique"_a = "", "progress"_a = py::none(),
+          "A screw and a path for each pedicle, with its grade. `margin_mm`: of bone around the screw, this and no "
+          "less; "
+          "None: that of the shipped rules, less in narrow pedicles. `trajectory`: \"anatomic\" or "
+          "\"straight-forward\". `technique`: \"pedicle\", \"in-out-in\" or \"cortical\"; empty: what the vertebra "
+          "needs. Raises Error without landmarks.")
       .def(
           "grade",
           [](const Bone& bone, const DrillPath& path, const py::object& progress) {

@@ -16,17 +16,21 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   check_format(json, kRulesFormat, path);
   const JsonObject rules(json, path);
   check_keys(json,
-             {"format", "version", "name", "sources", "margin_mm", "front_margin_mm", "widest_share", "furthest_share",
-              "max_turn_deg", "weights"},
+             {"format", "version", "name", "sources", "margin_mm", "min_margin_mm", "front_margin_mm", "widest_share",
+              "furthest_share", "max_turn_deg", "lateral_breach_mm", "max_back_out_mm", "weights"},
              path, "a rule of planning");
   SuggestOptions options;
   options.margin_mm = rules.number("margin_mm");
+  options.min_margin_mm = rules.number("min_margin_mm");
+  options.lateral_breach_mm = rules.number("lateral_breach_mm");
+  options.max_back_out_mm = rules.number("max_back_out_mm");
   options.front_margin_mm = rules.number("front_margin_mm");
   options.widest_share = rules.number("widest_share");
   options.furthest_share = rules.number("furthest_share");
   options.max_turn_deg = rules.number("max_turn_deg");
   const JsonObject weights(rules.at("weights"), path);
-  check_keys(rules.at("weights"), {"length", "diameter", "clearance", "canal", "endplates", "density", "along_axis"},
+  check_keys(rules.at("weights"),
+             {"length", "diameter", "clearance", "canal", "endplates", "density", "along_axis", "approach", "alike"},
              path, "a weight of planning");
   options.weights.length = weights.number("length");
   options.weights.diameter = weights.number("diameter");
@@ -34,6 +38,8 @@ SuggestOptions read_planning_rules(const std::filesystem::path& path) {
   options.weights.canal = weights.number("canal");
   options.weights.endplates = weights.number("endplates");
   options.weights.density = weights.number("density");
+  options.weights.approach = weights.number("approach");
+  options.weights.alike = weights.number("alike");
   options.weights.along_axis = weights.number("along_axis");
   return options;
 }

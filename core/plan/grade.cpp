@@ -43,10 +43,6 @@ std::vector<double> depths_of(double length_mm, double step_mm) {
   return depths_mm;
 }
 
-/// How much deeper than where the axis enters bone the entry opening may go: a plane surface at 50 degrees to a tool's
-/// axis is pierced by its last place at 1.2 radii; half a millimetre for the bone's roughness.
-double opening_limit_mm(const GradedTool& tool) { return 1.2 * tool.widest_mm() + 0.5; }
-
 bool is_whole(const WallDistance& walls, const GradedTool& tool, const GradeRow& row, const WallDistance::Walls& axis,
               int ring_points) {
   if (!(axis.nearer_mm() > 0.0)) return false;
@@ -83,7 +79,7 @@ void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNam
     const GradeRow& row = walk.rows[n];
     if (!is_in && walk.axis[n].nearer_mm() > 0.0) {
       is_in = true;
-      limit_mm = row.depth_mm + opening_limit_mm(tool);
+      limit_mm = row.depth_mm + opening_limit_mm(tool.widest_mm());
     }
     if (!is_in || !is_whole(walls, tool, row, walk.axis[n], ring_points)) continue;
     walk.bearing_mm = row.depth_mm;
@@ -380,7 +376,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   graded.hu_band_shares = sections.band_shares();
 
   const FoundBreaches breaches = find_breaches(walls, tool, graded.rows, walk.axis, options.ring_points);
-  graded.instrument = instrument_contacts(walls, path, opening_limit_mm(tool));
+  graded.instrument = instrument_contacts(walls, path, opening_limit_mm(tool.widest_mm()));
   add_breach(walls, tool, sides, breaches, walk.axis, graded);
   add_entry(walls, path, tool, graded);
   add_scales(walls, path, breaches, graded);

@@ -136,7 +136,10 @@ std::string name_of(InstrumentPart part, const DrillPath& path) {
   return "driver";
 }
 
-InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPath& path, double opening_mm) {
+double opening_limit_mm(double tool_radius_mm) { return 1.2 * tool_radius_mm + 0.5; }
+
+InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPath& path, double opening_mm,
+                                       double reach_mm) {
   constexpr double kNearMm = 1.0;  // samples further from a body than its nearest plus this are not refined
   constexpr std::size_t kStructures = 8;
   const BoneShape& bone = walls.bone();
@@ -144,8 +147,13 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   const std::vector<Body> bodies = bodies_of(path, opening_mm);
   const DrillBit tool = path.screw ? path.screw->outline() : path.bit;
   const Body thread{InstrumentPart::tool, BitProfile(tool), path.length_mm()};
+  const double length_mm = path.length_mm();
   double widest_mm = 0.0;
-  for (const Body& body : bodies) widest_mm = std::max(widest_mm, body.profile.radius_mm());
+  double foremost_mm = -opening_mm;
+  for (const Body& body : bodies) {
+    widest_mm = std::max(widest_mm, body.profile.radius_mm());
+    foremost_mm = std::max(foremost_mm, body.tip_mm);
+  }
 
   struct OfBody {
     Touch nearest;
@@ -156,9 +164,11 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
     const Vec3& p_mm = bone.points_mm()[n];
     const double along_mm = line.along_mm(p_mm);
+    const bool is_in_front = along_mm > foremost_mm + reach_mm;
+    if (is_in_front && along_mm > length_mm) continue;
     const double off_mm = line.off_mm(p_mm, along_mm);
-    if (off_mm > widest_mm + 25.0) continue;
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (off_mm > widest_mm + reach_mm) continue;
+    for (std::size_t b = 0; b < bodies.size() && !is_in_front; ++b) {
       const double distance_mm = bodies[b].distance_mm(along_mm, off_mm);
       if (distance_mm < found[b].nearest.distance_mm) found[b].nearest = {distance_mm, p_mm, bone.normals()[n]};
       if (!(distance_mm < 0.0)) continue;
@@ -171,8 +181,9 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
       }
       contacts.is_beside_joint |= structure == VertebraPart::superior_articular_process;
     }
+    if (!path.screw || off_mm > thread.profile.radius_mm() || along_mm < -opening_mm) continue;
     const double in_thread_mm = -thread.distance_mm(along_mm, off_mm);
-    if (!(in_thread_mm > 0.0) || !path.screw) continue;
+    if (!(in_thread_mm > 0.0)) continue;
     const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);
     if (structure == VertebraPart::superior_joint) {
       contacts.joint_depth_mm = std::max(contacts.joint_depth_mm, in_thread_mm);
@@ -181,7 +192,7 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     OfBody& of_body = found[b];
-    if (!std::isfinite(of_body.nearest.distance_mm)) continue;
+    if (of_body.nearest.distance_mm > reach_mm) continue;
     if (of_body.nearest.distance_mm < kNearMm) {
       of_body.nearest = refined(bone, line, bodies[b], of_body.nearest);
     }

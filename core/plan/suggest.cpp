@@ -1,9 +1,12 @@
 #include "core/plan/suggest.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -23,44 +26,301 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
     }
   };
   within(options.margin_mm, 0.0, 5.0, "a margin around the screw (mm)");
+  within(options.min_margin_mm, 0.0, options.margin_mm, "a least margin (mm)");
+  within(options.lateral_breach_mm, 0.0, 6.0, "a lateral breach of in-out-in screws (mm)");
+  within(options.max_back_out_mm, 0.0, 10.0, "a way that screws may stand out (mm)");
   within(options.front_margin_mm, 0.0, 30.0, "a margin ahead of the tip (mm)");
   within(options.widest_share, 0.1, 1.0, "a share of the pedicle's width");
   within(options.furthest_share, 0.2, 1.0, "a share of the body's depth");
   within(options.max_turn_deg, 0.0, 45.0, "a turn from the pedicle's axis (degrees)");
   const SuggestWeights& weights = options.weights;
   for (const double weight : {weights.length, weights.diameter, weights.clearance, weights.canal, weights.endplates,
-                              weights.density, weights.along_axis}) {
+                              weights.density, weights.along_axis, weights.alike, weights.approach}) {
     within(weight, 0.0, 100.0, "weights");
   }
 }
 
-Suggestion suggest_side(const WallDistance& walls, const HuSampler& hu, const Material& material,
-                        std::span<const PedicleScrew> screws, const SuggestOptions& options, double side,
-                        const Progress& progress) {
-  constexpr std::size_t kMaxRefined = 6;
-  Suggestion suggestion;
-  suggestion.side = side > 0.0 ? "left" : "right";
-  detail::TrajectorySearch search(walls, hu, screws, options, side);
-  const std::vector<detail::ScrewCandidate> ways = search.find(kMaxRefined, progress);
-  for (const detail::ScrewCandidate& way : ways) {
-    SuggestedPath best;
-    best.path = way.path;
-    best.grade = grade_path(walls, hu, material, way.path, options.grade);
-    if (best.grade.grade != Grade::A) continue;
-    best.safe = safe_zone(walls, way.path);
-    best.score = way.score;
-    best.angles = path_angles(way.path.direction(), walls.landmarks().axes, side > 0.0);
-    best.trajectories_tried = search.trajectories_tried();
-    suggestion.best = best;
-    return suggestion;
+std::string short_number(double value, int decimals = 1) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(decimals);
+  text << value;
+  std::string digits = text.str();
+  if (digits.find('.') == std::string::npos) return digits;
+  while (digits.back() == '0') digits.pop_back();
+  if (digits.back() == '.') digits.pop_back();
+  return digits;
+}
+
+/// What is tried, in order, until something of grade A is found. Margins below 0 let a screw breach: the last resort.
+std::vector<detail::Attempt> attempts_of(const SuggestOptions& options, double pedicle_width_mm) {
+  constexpr double kNarrowMm = 5.0;
+  const auto margins = [&] {
+    std::vector<double> steps{options.margin_mm};
+    for (const double mm : {0.5, 0.25, 0.0}) {
+      if (mm < options.margin_mm && mm >= options.min_margin_mm) steps.push_back(mm);
+    }
+    return steps;
+  }();
+  const int rank = level_rank(options.level);
+  const bool is_known = options.level != Level::kNone;
+  const bool is_lumbar = is_known && rank >= level_rank(Level::kL1) && options.level != Level::kT13;
+  const bool is_thoracic = is_known && !is_lumbar && rank >= level_rank(Level::kT1);
+  std::vector<detail::Attempt> attempts;
+  const auto add = [&](Technique technique) {
+    for (const double mm : margins) {
+      // A narrow pedicle is filled more, as far as the margin lets it.
+      attempts.push_back({technique, mm, mm < options.margin_mm ? 1.0 : options.widest_share});
+    }
+  };
+  if (options.technique) {
+    if (*options.technique == Technique::in_out_in) {
+      attempts.push_back({Technique::in_out_in, std::min(options.margin_mm, 0.5), 1.0});
+    } else {
+      add(*options.technique);
+    }
+    return attempts;
   }
-  std::ostringstream why;
-  why.precision(3);
-  why << "no screw of the table keeps " << options.margin_mm << " mm of bone around it on any straight trajectory of "
-      << search.trajectories_tried() << " through the " << suggestion.side << " pedicle, which is "
-      << search.pedicle().width_mm << " mm wide";
-  suggestion.rejection = why.str();
-  return suggestion;
+  add(Technique::pedicle);
+  if (is_thoracic || (!is_known && pedicle_width_mm < kNarrowMm)) {
+    attempts.push_back({Technique::in_out_in, std::clamp(0.5, options.min_margin_mm, options.margin_mm), 1.0});
+  }
+  if (is_lumbar) add(Technique::cortical);
+  if (options.min_margin_mm > 0.0) return attempts;
+  for (const double mm : {-0.5, -1.0, -1.9}) attempts.push_back({Technique::pedicle, mm, 2.0});
+  return attempts;
+}
+
+/// Backs a screw out until its head neither presses deep into bone nor stands on the joint: by as little as does it, or
+/// as helps most.
+DrillPath with_head_clear(const WallDistance& walls, const DrillPath& path, double max_mm) {
+  constexpr double kStepMm = 0.5;
+  DrillPath best = path;
+  double least = std::numeric_limits<double>::infinity();
+  for (double out_mm = 0.0; out_mm <= max_mm + 1e-9; out_mm += kStepMm) {
+    DrillPath other = path;
+    other.target_mm -= out_mm * path.direction();
+    const InstrumentContacts contacts =
+        instrument_contacts(walls, other, opening_limit_mm(path.screw->radius_mm()), 0.0);
+    double harm = 10.0 * contacts.joint_depth_mm;
+    for (const Finding& finding : contacts.findings) {
+      if (finding.part == InstrumentPart::head) harm += std::max(0.0, finding.depth_mm - kSeatMm);
+    }
+    if (harm < least - 1e-9) {
+      least = harm;
+      best = other;
+    }
+    if (harm == 0.0) break;
+  }
+  return best;
+}
+
+/// A candidate graded in full, with what its findings take from its score.
+struct Graded {
+  detail::ScrewCandidate candidate;
+  SuggestedPath path;
+  double worth = 0.0;
+};
+
+class SideSearch {
+ public:
+  SideSearch(const WallDistance& walls, const HuSampler& hu, const Material& material,
+             std::span<const PedicleScrew> screws, const SuggestOptions& options, double side)
+      : walls_(walls),
+        hu_(hu),
+        material_(material),
+        screws_(screws),
+        options_(options),
+        side_(side),
+        search_(walls, hu, screws, options, side) {}
+
+  void run(const Progress& progress) {
+    constexpr std::size_t kMaxRefined = 6;
+    for (const detail::Attempt& attempt : attempts_of(options_, search_.pedicle().width_mm)) {
+      std::vector<Graded> graded;
+      for (const detail::ScrewCandidate& candidate : search_.find(attempt, kMaxRefined, progress)) {
+        graded.push_back(grade(candidate, attempt));
+      }
+      std::erase_if(graded, [&](const Graded& one) { return !is_acceptable(one.path, attempt); });
+      if (graded.empty()) continue;
+      std::stable_sort(graded.begin(), graded.end(), [&](const Graded& a, const Graded& b) { return is_better(a, b); });
+      found_ = std::move(graded);
+      attempt_ = attempt;
+      return;
+    }
+  }
+
+  bool has_path() const { return !found_.empty(); }
+  const Graded& best() const { return found_.front(); }
+  const detail::Attempt& attempt() const { return attempt_; }
+
+  /// The best with a screw no wider and longer than `largest`; nothing where that is not of grade A.
+  std::optional<Graded> smaller(const PedicleScrew& largest) {
+    const std::optional<detail::ScrewCandidate> candidate = search_.with_smaller(best().candidate, attempt_, largest);
+    if (!candidate) return std::nullopt;
+    Graded one = grade(*candidate, attempt_);
+    if (!is_acceptable(one.path, attempt_) || one.path.grade.grade != best().path.grade.grade) return std::nullopt;
+    return one;
+  }
+  void take(const Graded& other, const std::string& reason) {
+    found_.insert(found_.begin(), other);
+    alike_ = reason;
+  }
+
+  Suggestion suggestion() const {
+    Suggestion result;
+    result.side = side_ > 0.0 ? "left" : "right";
+    if (!has_path()) {
+      result.rejection = rejection(result.side);
+      return result;
+    }
+    for (std::size_t n = 1; n < found_.size(); ++n) result.others.push_back(found_[n].path);
+    SuggestedPath chosen = best().path;
+    chosen.safe = safe_zone(walls_, chosen.path);
+    chosen.trajectories_tried = search_.trajectories_tried();
+    chosen.reasons = reasons();
+    result.best = std::move(chosen);
+    return result;
+  }
+
+ private:
+  Graded grade(const detail::ScrewCandidate& candidate, const detail::Attempt& attempt) const {
+    Graded one{candidate, {}, 0.0};
+    one.path.path = with_head_clear(walls_, candidate.path, options_.max_back_out_mm);
+    one.path.grade = grade_path(walls_, hu_, material_, one.path.path, options_.grade);
+    one.path.score = candidate.score;
+    one.path.angles = path_angles(candidate.path.direction(), walls_.landmarks().axes, side_ > 0.0);
+    one.path.technique = attempt.technique;
+    one.path.margin_mm = attempt.margin_mm;
+    const InstrumentContacts& contacts = one.path.grade.instrument;
+    one.worth = candidate.score - contacts.cut_behind_mm - 2.0 * contacts.joint_depth_mm -
+                0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm);
+    return one;
+  }
+
+  /// In its technique's sense: all in bone, or out only where that is meant.
+  bool is_acceptable(const SuggestedPath& path, const detail::Attempt& attempt) const {
+    const PathGrade& grade = path.grade;
+    if (attempt.technique == Technique::in_out_in) {
+      const auto beyond = [&](PathSide side) { return grade.side_breach_mm[static_cast<std::size_t>(side)] > 0.0; };
+      return !beyond(PathSide::medial) && !beyond(PathSide::anterior) && !(grade.canal.clearance_mm < 0.0) &&
+             grade.breach_mm <= options_.lateral_breach_mm;
+    }
+    // A breach that is put up with stays below 2 mm.
+    return attempt.margin_mm < 0.0 ? grade.grade <= Grade::B : grade.grade == Grade::A;
+  }
+
+  static bool is_better(const Graded& a, const Graded& b) {
+    if (a.path.grade.grade != b.path.grade.grade) return a.path.grade.grade < b.path.grade.grade;
+    return a.worth > b.worth;
+  }
+
+  std::string rejection(const std::string& side) const {
+    double thinnest_mm = screws_.front().diameter_mm;
+    for (const PedicleScrew& screw : screws_) thinnest_mm = std::min(thinnest_mm, screw.diameter_mm);
+    const double least_mm = options_.min_margin_mm;
+    return "no screw of the table keeps " + short_number(least_mm, 2) + " mm of bone around it on any straight " +
+           "trajectory of " + std::to_string(search_.trajectories_tried()) + " through the " + side +
+           " pedicle, which is " + short_number(search_.pedicle().width_mm, 2) + " mm wide and " +
+           short_number(search_.pedicle().height_mm, 2) + " mm high; the thinnest screw has " +
+           short_number(thinnest_mm, 2) + " mm";
+  }
+
+  std::vector<std::string> reasons() const {
+    const SuggestedPath& chosen = best().path;
+    const PedicleScrew& screw = *chosen.path.screw;
+    const double width_mm = search_.pedicle().width_mm;
+    std::vector<std::string> words;
+    const std::string wide = "the pedicle is " + short_number(width_mm) + " mm wide";
+    if (attempt_.technique == Technique::in_out_in) {
+      words.push_back(wide + ", too narrow for a screw: in-out-in, between pedicle and rib, with the tip in the body");
+    } else if (attempt_.technique == Technique::cortical) {
+      words.push_back(wide + ": a cortical trajectory, upwards and outwards from the pars");
+    } else if (attempt_.margin_mm < 0.0) {
+      words.push_back(wide + ", narrower than the screw and its margins: the thinnest breach of its wall");
+    } else if (attempt_.margin_mm < options_.margin_mm) {
+      words.push_back(wide + ": " + short_number(attempt_.margin_mm, 2) +
+                      " mm of bone around the screw is looked for " + "instead of " +
+                      short_number(options_.margin_mm, 2) + " mm");
+    }
+    words.push_back("fills " + short_number(100.0 * screw.diameter_mm / width_mm, 0) + " % of the pedicle's width");
+    const double out_mm = screw.length_mm - chosen.path.length_mm();
+    if (out_mm > 0.1) {
+      words.push_back("stands " + short_number(out_mm) + " mm out of its hole so that its head is clear of the bone " +
+                      "behind the entry");
+    }
+    if (!alike_.empty()) words.push_back(alike_);
+    add_comparison(words);
+    return words;
+  }
+
+  /// Against the widest of the others, and against the straightest.
+  void add_comparison(std::vector<std::string>& words) const {
+    const SuggestedPath& chosen = best().path;
+    const Vec3& axis = search_.pedicle().axis;
+    const auto turned_deg = [&](const SuggestedPath& path) {
+      return std::acos(std::clamp(path.path.direction().dot(axis), -1.0, 1.0)) / kDegree;
+    };
+    for (const Graded& other : found_) {
+      const double thinner_mm = other.path.path.screw->diameter_mm - chosen.path.screw->diameter_mm;
+      const double straighter_deg = turned_deg(other.path) - turned_deg(chosen);
+      if (thinner_mm > 0.0 && straighter_deg > 0.5) {
+        words.push_back(short_number(thinner_mm) + " mm thinner than could be, for a way " +
+                        short_number(straighter_deg, 0) + " degrees straighter");
+        return;
+      }
+      if (thinner_mm < 0.0 && straighter_deg < -0.5) {
+        words.push_back(short_number(-thinner_mm) + " mm thicker than the straightest way, for " +
+                        short_number(-straighter_deg, 0) + " degrees");
+        return;
+      }
+    }
+  }
+
+  const WallDistance& walls_;
+  const HuSampler& hu_;
+  const Material& material_;
+  std::span<const PedicleScrew> screws_;
+  const SuggestOptions& options_;
+  double side_;
+  detail::TrajectorySearch search_;
+  std::vector<Graded> found_;  ///< best first
+  detail::Attempt attempt_;
+  std::string alike_;
+};
+
+/// Gives both sides one size of screw where the sum of their worths falls by `weights.alike` at most.
+void make_alike(SideSearch& left, SideSearch& right, const SuggestOptions& options) {
+  if (!left.has_path() || !right.has_path()) return;
+  if (left.attempt().technique == Technique::in_out_in || right.attempt().technique == Technique::in_out_in) return;
+  const PedicleScrew& a = *left.best().path.path.screw;
+  const PedicleScrew& b = *right.best().path.path.screw;
+  PedicleScrew both = a;
+  both.diameter_mm = std::min(a.diameter_mm, b.diameter_mm);
+  both.length_mm = std::min(a.length_mm, b.length_mm);
+  const auto is_alike = [&](const PedicleScrew& screw) {
+    return screw.diameter_mm == both.diameter_mm && screw.length_mm == both.length_mm;
+  };
+  if (is_alike(a) && is_alike(b)) return;
+  struct Change {
+    SideSearch* side;
+    std::optional<Graded> to;
+  };
+  std::vector<Change> changes;
+  double lost = 0.0;
+  for (SideSearch* side : {&left, &right}) {
+    if (is_alike(*side->best().path.path.screw)) continue;
+    std::optional<Graded> to = side->smaller(both);
+    if (!to || !is_alike(*to->path.path.screw)) return;
+    lost += side->best().worth - to->worth;
+    changes.push_back({side, std::move(to)});
+  }
+  if (lost > options.weights.alike) return;
+  for (const Change& change : changes) {
+    const PedicleScrew& was = *change.side->best().path.path.screw;
+    change.side->take(*change.to, "could be " + short_number(was.diameter_mm) + " x " + short_number(was.length_mm, 0) +
+                                      " mm; made alike the other side's");
+  }
 }
 
 /// How large an error may be: the last that does no harm before the first that does, to within `max` / 1000.
@@ -86,15 +346,35 @@ double max_harmless(double max, const Harms& harms) {
 
 }  // namespace
 
+const std::map<std::string, Technique>& techniques() {
+  static const std::map<std::string, Technique> names{
+      {"pedicle", Technique::pedicle}, {"in-out-in", Technique::in_out_in}, {"cortical", Technique::cortical}};
+  return names;
+}
+
+const std::string& name_of(Technique technique) {
+  for (const auto& [name, known] : techniques()) {
+    if (known == technique) return name;
+  }
+  fail("no such technique");
+}
+
+const std::map<std::string, SagittalReference>& sagittal_references() {
+  static const std::map<std::string, SagittalReference> names{
+      {"anatomic", SagittalReference::anatomic}, {"straight-forward", SagittalReference::straight_forward}};
+  return names;
+}
+
 std::vector<Suggestion> suggest_paths(const WallDistance& walls, const HuSampler& hu, const Material& material,
                                       std::span<const PedicleScrew> screws, const SuggestOptions& options,
                                       const Progress& progress) {
   check_options(screws, options);
+  SideSearch left(walls, hu, material, screws, options, 1.0);
+  SideSearch right(walls, hu, material, screws, options, -1.0);
+  tbb::parallel_invoke([&] { left.run(progress); }, [&] { right.run(progress); });
+  make_alike(left, right, options);
   std::vector<Suggestion> sides(2);
-  tbb::parallel_for(0, 2, [&](int n) {
-    sides[static_cast<std::size_t>(n)] =
-        suggest_side(walls, hu, material, screws, options, n == 0 ? 1.0 : -1.0, progress);
-  });
+  tbb::parallel_invoke([&] { sides[0] = left.suggestion(); }, [&] { sides[1] = right.suggestion(); });
   return sides;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/ct/level.h"
 #include "core/plan/grade.h"
 #include "core/plan/path_side.h"
 
@@ -18,16 +20,43 @@ struct SuggestWeights {
   double canal = 1.0;       ///< of the path's axis to the canal
   double endplates = 0.5;   ///< of the path's axis to the nearer endplate
   double density = 0.5;     ///< of the bone along the screw
-  double along_axis = 1.0;  ///< how little the path is turned from the pedicle's axis
+  double along_axis = 1.0;  ///< how little the path is turned from its reference: see Trajectory
+  double alike = 0.35;      ///< so much may both sides' paths lose together for one size of screw
+  double approach = 1.0;    ///< how little the tool cuts behind its entry, and how flat the bone is there
 };
 
+/// How a straight way through a pedicle is found.
+enum class Technique {
+  pedicle,    ///< all in the pedicle
+  in_out_in,  ///< thoracic: through the transverse process, out at the pedicle's side beside the rib, into the body
+  cortical    ///< lumbar: from the pars upwards and outwards, along dense bone
+};
+/// "pedicle", "in-out-in", "cortical": names and what they stand for.
+const std::map<std::string, Technique>& techniques();
+const std::string& name_of(Technique technique);
+
+/// What a path through a pedicle is wanted to run along, seen from the side.
+enum class SagittalReference {
+  anatomic,         ///< the pedicle's axis
+  straight_forward  ///< the upper endplate
+};
+/// "anatomic" and "straight-forward".
+const std::map<std::string, SagittalReference>& sagittal_references();
+
 struct SuggestOptions {
-  double margin_mm = 1.0;        ///< of bone around the screw, from the entry opening to its tip
-  double front_margin_mm = 5.0;  ///< of bone left ahead of the tip
-  double widest_share = 0.8;     ///< of the pedicle's width that a screw may fill
-  double furthest_share = 0.8;   ///< of the body's depth that the tip may reach
-  double max_turn_deg = 16.0;    ///< between the path and the pedicle's axis, to each side
-  DrillBit bit;                  ///< for the hole
+  double margin_mm = 1.0;          ///< of bone around the screw, from the entry opening to its tip
+  double min_margin_mm = 0.0;      ///< to which it may be lessened in narrow pedicles, step by step; at most margin_mm
+  double front_margin_mm = 5.0;    ///< of bone left ahead of the tip
+  double widest_share = 0.8;       ///< of the pedicle's width that a screw may fill; more with a lessened margin
+  double furthest_share = 0.8;     ///< of the body's depth that the tip may reach
+  double max_turn_deg = 16.0;      ///< between the path and the pedicle's axis, to each side
+  double lateral_breach_mm = 4.0;  ///< that an in-out-in screw may stand out at the pedicle's side
+  double max_back_out_mm = 4.0;    ///< a screw may stand out of its hole so that its head is clear
+  bool is_bicortical = false;      ///< the tip goes to the far cortex, not through it
+  SagittalReference sagittal = SagittalReference::anatomic;
+  Level level = Level::kNone;               ///< of the vertebra: which techniques there are for it
+  std::optional<Technique> technique = {};  ///< only this one
+  DrillBit bit;                             ///< for the hole
   SuggestWeights weights;
   GradeOptions grade;
 };
@@ -40,24 +69,30 @@ struct SafeZone {
 };
 
 struct SuggestedPath {
-  DrillPath path;  ///< with its screw
+  DrillPath path;  ///< with its screw; shorter than it where that is backed out
   PathGrade grade;
   SafeZone safe;
   double score = 0.0;  ///< sum of weights times terms
   PathAngles angles;   ///< to the vertebra's own planes
+  Technique technique = Technique::pedicle;
+  double margin_mm = 0.0;  ///< that it was looked for with
   std::size_t trajectories_tried = 0;
+  std::vector<std::string> reasons;  ///< for this one and no other, a sentence each without a full stop
 };
 
 /// A side's path, or why there is none.
 struct Suggestion {
   std::string side;  ///< "left" or "right", the patient's
   std::optional<SuggestedPath> best;
+  std::vector<SuggestedPath> others;  ///< the next best, for a rod; without safe zones and reasons
   std::string rejection;
 };
 
 /// For each side the path through the pedicle and the screw of the table that are worth most among those that keep the
 /// margins. Ways go through a lattice of places of the isthmus in a lattice of directions about the pedicle's axis; the
-/// best are refined, and graded in full. Throws Error without screws or on margins without sense.
+/// best are refined, and graded in full. Where none is of grade A the margin is lessened in steps; then another
+/// technique of the level is tried, or what breaches least is taken, as its grade and reasons say. Screws of both sides
+/// are made alike where that costs little. Throws Error without screws or on margins without sense.
 std::vector<Suggestion> suggest_paths(const WallDistance& walls, const HuSampler& hu, const Material& material,
                                       std::span<const PedicleScrew> screws, const SuggestOptions& options = {},
                                       const Progress& progress = {});

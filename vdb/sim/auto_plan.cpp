@@ -12,8 +12,11 @@ std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu
                                   const Progress& progress) {
   SuggestOptions settings =
       read_planning_rules(options.rules.empty() ? data_file("planning/pedicle.json") : options.rules);
-  if (!(options.margin_mm >= 0.0)) fail("expected a margin from 0 mm on, found ", options.margin_mm, " mm");
-  if (options.margin_mm > 0.0) settings.margin_mm = options.margin_mm;
+  if (options.margin_mm) settings.margin_mm = settings.min_margin_mm = *options.margin_mm;
+  settings.is_bicortical = options.is_bicortical;
+  settings.sagittal = options.sagittal;
+  settings.technique = options.technique;
+  settings.level = options.level;
   settings.bit = options.bit;
   const std::vector<PedicleScrew> screws =
       read_screws(options.screws.empty() ? data_file("screws/pedicle.json") : options.screws);

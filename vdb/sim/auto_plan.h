@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -11,8 +12,13 @@ namespace spinaltap {
 struct AutoPlanOptions {
   std::filesystem::path screws = {};  ///< table of sizes; empty: the shipped screws/pedicle.json
   std::filesystem::path rules = {};   ///< margins and weights; empty: the shipped planning/pedicle.json
-  double margin_mm = 0.0;             ///< of bone around the screw; 0: that of the rules
-  DrillBit bit = {};                  ///< for the holes
+  /// Of bone around the screw: this and no less; nothing: that of the rules, less in narrow pedicles.
+  std::optional<double> margin_mm = {};
+  bool is_bicortical = false;  ///< see SuggestOptions, as the next four
+  SagittalReference sagittal = SagittalReference::anatomic;
+  std::optional<Technique> technique = {};
+  Level level = Level::kNone;  ///< kNone: Bone::suggest() takes the bone's own
+  DrillBit bit = {};           ///< for the holes
 };
 
 /// suggest_paths() with tables and models from files.

@@ -53,6 +53,11 @@ const std::string& Bone::hash() const {
 
 std::optional<LevelWarnings> Bone::warnings() const { return warnings_in(model().metadata()); }
 
+Level Bone::level() const {
+  const auto recorded = model().metadata().find("level");
+  return recorded == model().metadata().end() ? Level::kNone : level_from_name(recorded->second).value_or(Level::kNone);
+}
+
 std::vector<float> Bone::distance(std::span<const Vec3> points_mm) const {
   std::vector<float> distance_mm(points_mm.size());
   model().sample(points_mm, distance_mm, {});
@@ -116,7 +121,9 @@ const WallDistance& Bone::walls(const Progress& progress) const {
 
 std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Progress& progress) const {
   landmarks(progress);
-  return auto_plan(walls(progress), hu_sampler(), options, progress);
+  AutoPlanOptions settings = options;
+  if (settings.level == Level::kNone) settings.level = level();
+  return auto_plan(walls(progress), hu_sampler(), settings, progress);
 }
 
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options, const Material& material,

@@ -50,6 +50,9 @@ class Bone {
   /// What whoever marked it thinks of it; nothing where it was marked by hand.
   std::optional<LevelWarnings> warnings() const;
 
+  /// Which vertebra it is; kNone where the file does not say.
+  Level level() const;
+
   /// At places (patient LPS, mm): distance to the surface (mm, negative inside, at most the band's width), CT number
   /// (HU), and unit normals (outward; zero further than the band). See BoneModel.
   std::vector<float> distance(std::span<const Vec3> points_mm) const;

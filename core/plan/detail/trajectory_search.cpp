@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <numbers>
 
 namespace spinaltap::detail {
 namespace {
@@ -38,11 +40,44 @@ std::vector<double> depths_until_out(const BoneShape& bone, const Vec3& start_mm
   return depths_mm;
 }
 
-/// Whether a straight tool can come to the entry from behind.
-bool is_open_behind(const BoneShape& bone, const Vec3& entry_mm, const Vec3& direction) {
+/// Places around an axis for tests of the lattice's sign.
+std::array<Vec3, 8> rim_of(const Vec3& direction, double radius_mm) {
+  const Vec3 u = any_perpendicular(direction);
+  const Vec3 v = direction.cross(u);
+  std::array<Vec3, 8> rim;
+  for (int n = 0; n < 8; ++n) {
+    const double angle = std::numbers::pi / 4.0 * n;
+    rim[static_cast<std::size_t>(n)] = radius_mm * (std::cos(angle) * u + std::sin(angle) * v);
+  }
+  return rim;
+}
+
+/// Whether a straight tool's core, half as wide as it, can come to the entry from behind.
+bool is_open_behind(const BoneShape& bone, const Vec3& entry_mm, const Vec3& direction, double radius_mm) {
   constexpr double kReachMm = 60.0;
+  const std::array<Vec3, 8> rim_mm = rim_of(direction, 0.5 * radius_mm);
+  const double opening_mm = opening_limit_mm(radius_mm);
   for (double way_mm = 2.0 * kStepMm; way_mm <= kReachMm; way_mm += kStepMm) {
-    if (bone.lattice_mm(entry_mm - way_mm * direction) < 0.0) return false;
+    const Vec3 p_mm = entry_mm - way_mm * direction;
+    if (bone.lattice_mm(p_mm) < 0.0) return false;
+    if (way_mm < opening_mm) continue;
+    if (std::any_of(rim_mm.begin(), rim_mm.end(), [&](const Vec3& r) { return bone.lattice_mm(p_mm + r) < 0.0; })) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Whether the tool's whole section is in bone between two places along it, by the lattice.
+bool is_borne(const BoneShape& bone, const Vec3& entry_mm, const Vec3& direction, double radius_mm, double from_mm,
+              double to_mm) {
+  constexpr double kApartMm = 1.0;
+  const std::array<Vec3, 8> rim_mm = rim_of(direction, radius_mm);
+  for (double at_mm = from_mm; at_mm <= to_mm; at_mm += kApartMm) {
+    const Vec3 p_mm = entry_mm + at_mm * direction;
+    if (std::any_of(rim_mm.begin(), rim_mm.end(), [&](const Vec3& r) { return bone.lattice_mm(p_mm + r) > 0.0; })) {
+      return false;
+    }
   }
   return true;
 }
@@ -72,6 +107,12 @@ bool are_neighbours(const Trajectory& a, const Trajectory& b) {
 
 }  // namespace
 
+/// A trajectory as a line through the bone.
+struct TrajectorySearch::Line {
+  Vec3 crossing_mm;  ///< of the isthmus
+  Vec3 direction;
+};
+
 TrajectorySearch::TrajectorySearch(const WallDistance& walls, const HuSampler& hu, std::span<const PedicleScrew> screws,
                                    const SuggestOptions& options, double side)
     : walls_(walls),
@@ -79,16 +120,29 @@ TrajectorySearch::TrajectorySearch(const WallDistance& walls, const HuSampler& h
       screws_(screws),
       options_(options),
       side_(side),
-      pedicle_(side > 0.0 ? walls.landmarks().left_pedicle : walls.landmarks().right_pedicle) {}
+      pedicle_(side > 0.0 ? walls.landmarks().left_pedicle : walls.landmarks().right_pedicle),
+      reference_(pedicle_.axis) {
+  if (options.sagittal == SagittalReference::anatomic) return;
+  // In the plane of the upper endplate, as far inward as the pedicle's axis.
+  const Vec3& plate = walls.landmarks().body.upper.normal;
+  const Vec3 level = pedicle_.axis - pedicle_.axis.dot(plate) * plate;
+  if (!(level.norm() > 0.5)) return;
+  reference_ = level.normalized();
+  reference_rise_deg_ = std::atan2(reference_.dot(pedicle_.height_axis), reference_.dot(pedicle_.axis)) / kDegree;
+}
 
-std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& trajectory) const {
+TrajectorySearch::Line TrajectorySearch::line_of(const Trajectory& trajectory) const {
+  return {pedicle_.isthmus_mm + trajectory.across_mm * pedicle_.width_axis + trajectory.up_mm * pedicle_.height_axis,
+          (pedicle_.axis + std::tan(trajectory.turn_deg * kDegree) * pedicle_.width_axis +
+           std::tan(trajectory.rise_deg * kDegree) * pedicle_.height_axis)
+              .normalized()};
+}
+
+std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& trajectory, const Attempt& attempt,
+                                                           const PedicleScrew* largest) const {
   const BoneShape& bone = walls_.bone();
   const Landmarks& marks = walls_.landmarks();
-  const Vec3 direction = (pedicle_.axis + std::tan(trajectory.turn_deg * kDegree) * pedicle_.width_axis +
-                          std::tan(trajectory.rise_deg * kDegree) * pedicle_.height_axis)
-                             .normalized();
-  const Vec3 crossing_mm =
-      pedicle_.isthmus_mm + trajectory.across_mm * pedicle_.width_axis + trajectory.up_mm * pedicle_.height_axis;
+  const auto [crossing_mm, direction] = line_of(trajectory);
   DepthLine line;
   line.ahead_mm = depths_until_out(bone, crossing_mm, kStepMm * direction);
   line.behind_mm = depths_until_out(bone, crossing_mm - kStepMm * direction, -kStepMm * direction);
@@ -99,22 +153,37 @@ std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& tra
       std::min(*std::min_element(line.behind_mm.begin(), line.behind_mm.begin() + kEntryOpening),
                *std::min_element(line.ahead_mm.begin(), line.ahead_mm.begin() + kThrough));
   const double widest_mm =
-      std::min(2.0 * (pedicle_depth_mm - options_.margin_mm), options_.widest_share * pedicle_.width_mm * (1.0 + 1e-9));
+      std::min(2.0 * (pedicle_depth_mm - attempt.margin_mm), attempt.widest_share * pedicle_.width_mm * (1.0 + 1e-9));
+  const Vec3 outside_mm = crossing_mm + (line.entry_mm() - kStepMm) * direction;
+  const Vec3 entry_mm = surface_between(bone, outside_mm, outside_mm + 2.0 * kStepMm * direction);
+  const double entry_at_mm = (entry_mm - crossing_mm).dot(direction);
   double diameter_mm = 0.0;
   for (const PedicleScrew& screw : screws_) {
-    if (screw.diameter_mm <= widest_mm) diameter_mm = std::max(diameter_mm, screw.diameter_mm);
+    if (largest != nullptr && screw.diameter_mm > largest->diameter_mm) continue;
+    if (screw.diameter_mm > widest_mm || screw.diameter_mm <= diameter_mm) continue;
+    // Bone bears the whole section from the opening's end on.
+    if (attempt.margin_mm >= 0.0 && !is_borne(bone, entry_mm, direction, screw.radius_mm(),
+                                              opening_limit_mm(screw.radius_mm()), -entry_at_mm - kEntryOpeningMm)) {
+      continue;
+    }
+    diameter_mm = screw.diameter_mm;
   }
   if (!(diameter_mm > 0.0)) return std::nullopt;
   const double radius_mm = 0.5 * diameter_mm;
 
   // As far ahead as bone around the screw, bone before its tip, the body's depth and the midsagittal plane allow.
+  constexpr double kFarCortexMm = 0.5;
+  const double front_margin_mm = options_.is_bicortical ? kFarCortexMm : options_.front_margin_mm;
+  const double furthest_share = options_.is_bicortical ? 1.0 : options_.furthest_share;
   const double back_of_body_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
-  const double furthest_y_mm = back_of_body_mm - options_.furthest_share * marks.body.depth_mm;
+  const double furthest_y_mm = back_of_body_mm - furthest_share * marks.body.depth_mm;
   double tip_mm = 0.0;
   for (std::size_t n = 0; n < line.ahead_mm.size(); ++n) {
     const double at_mm = kStepMm * static_cast<double>(n);
     const Vec3 own_mm = marks.to_own(crossing_mm + at_mm * direction);
-    if (line.ahead_mm[n] < radius_mm + options_.margin_mm || at_mm > line.exit_mm() - options_.front_margin_mm ||
+    // Near the far cortex the tip is a cone.
+    const bool is_tip = options_.is_bicortical && at_mm > line.exit_mm() - radius_mm - attempt.margin_mm - 1.0;
+    if ((!is_tip && line.ahead_mm[n] < radius_mm + attempt.margin_mm) || at_mm > line.exit_mm() - front_margin_mm ||
         own_mm.y() < furthest_y_mm || side_ * own_mm.x() < radius_mm) {
       break;
     }
@@ -122,23 +191,130 @@ std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& tra
   }
   const PedicleScrew* screw = nullptr;
   for (const PedicleScrew& other : screws_) {
-    if (other.diameter_mm != diameter_mm || line.entry_mm() + other.length_mm > tip_mm) continue;
+    if (other.diameter_mm != diameter_mm || entry_at_mm + other.length_mm > tip_mm) continue;
+    if (largest != nullptr && other.length_mm > largest->length_mm) continue;
     if (screw == nullptr || other.length_mm > screw->length_mm) screw = &other;
   }
   // A screw that ends in the pedicle holds nothing.
-  if (screw == nullptr || line.entry_mm() + screw->length_mm < kPedicleMm) return std::nullopt;
-  const Vec3 outside_mm = crossing_mm + (line.entry_mm() - kStepMm) * direction;
-  const Vec3 entry_mm = surface_between(bone, outside_mm, outside_mm + 2.0 * kStepMm * direction);
-  if (!is_open_behind(bone, entry_mm, direction)) return std::nullopt;
+  if (screw == nullptr || entry_at_mm + screw->length_mm < kPedicleMm) return std::nullopt;
+  const PointTree::Nearest at_entry = bone.nearest(entry_mm);
+  if (walls_.parts().is_joint(entry_mm, bone.normals()[at_entry.index])) return std::nullopt;
+  if (!is_open_behind(bone, entry_mm, direction, radius_mm)) return std::nullopt;
   ScrewCandidate found;
   found.trajectory = trajectory;
   found.path = {side_ > 0.0 ? "left" : "right", entry_mm, entry_mm + screw->length_mm * direction, options_.bit,
                 *screw};
-  found.score = score(found.path, pedicle_depth_mm);
+  found.score = score(found.path, pedicle_depth_mm, attempt);
   return found;
 }
 
-double TrajectorySearch::score(const DrillPath& path, double pedicle_depth_mm) const {
+std::optional<ScrewCandidate> TrajectorySearch::beside_pedicle(const Trajectory& trajectory,
+                                                               const Attempt& attempt) const {
+  constexpr double kBehindMm = 40.0, kEntryBoneMm = 4.0, kThickestMm = 5.5;
+  const BoneShape& bone = walls_.bone();
+  const Landmarks& marks = walls_.landmarks();
+  const auto [crossing_mm, direction] = line_of(trajectory);
+  // The entry: the hindmost bone of the line.
+  double entry_at_mm = 1.0;
+  for (double at_mm = -kBehindMm; at_mm <= 0.0; at_mm += kStepMm) {
+    if (!(bone.lattice_mm(crossing_mm + at_mm * direction) < 0.0)) continue;
+    entry_at_mm = at_mm;
+    break;
+  }
+  if (entry_at_mm > 0.0) return std::nullopt;
+  const Vec3 first_mm = crossing_mm + entry_at_mm * direction;
+  const Vec3 entry_mm = surface_between(bone, first_mm - kStepMm * direction, first_mm);
+  entry_at_mm = (entry_mm - crossing_mm).dot(direction);
+  for (double at_mm = kStepMm; at_mm < kEntryBoneMm; at_mm += kStepMm) {
+    if (bone.lattice_mm(entry_mm + at_mm * direction) > 0.0) return std::nullopt;
+  }
+  const PointTree::Nearest at_entry = bone.nearest(entry_mm);
+  if (walls_.parts().is_joint(entry_mm, bone.normals()[at_entry.index])) return std::nullopt;
+  // Nothing towards the canal but bone of the margin.
+  double canal_mm = std::numeric_limits<double>::infinity();
+  for (double at_mm = entry_at_mm; at_mm <= 1.5 * kPedicleMm; at_mm += 1.0) {
+    canal_mm = std::min(canal_mm, walls_.canal(crossing_mm + at_mm * direction).distance_mm);
+  }
+  const double back_of_body_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
+  const double furthest_y_mm = back_of_body_mm - options_.furthest_share * marks.body.depth_mm;
+  std::optional<ScrewCandidate> best;
+  for (const PedicleScrew& screw : screws_) {
+    const double radius_mm = screw.radius_mm();
+    if (screw.diameter_mm > kThickestMm || canal_mm < radius_mm + attempt.margin_mm) continue;
+    const double tip_at_mm = entry_at_mm + screw.length_mm;
+    const Vec3 tip_mm = crossing_mm + tip_at_mm * direction;
+    const Vec3 own_mm = marks.to_own(tip_mm);
+    if (own_mm.y() < furthest_y_mm || own_mm.y() > back_of_body_mm - 5.0 || side_ * own_mm.x() < radius_mm) continue;
+    // The front of the screw is all in the body.
+    constexpr double kInBodyMm = 8.0;
+    bool holds = true;
+    for (double back_mm = 0.0; back_mm <= kInBodyMm && holds; back_mm += 1.0) {
+      holds = bone.lattice_mm(tip_mm - back_mm * direction) < -(radius_mm + attempt.margin_mm);
+    }
+    for (double ahead_mm = 0.0; ahead_mm <= options_.front_margin_mm && holds; ahead_mm += 1.0) {
+      holds = bone.lattice_mm(tip_mm + ahead_mm * direction) < 0.0;
+    }
+    if (!holds || !is_open_behind(bone, entry_mm, direction, radius_mm)) continue;
+    // Of the whole screw the share that bone holds, and none of the rim out on any side but the lateral one.
+    const std::array<Vec3, 8> rim_mm = rim_of(direction, radius_mm);
+    const Vec3 lateral = side_ * marks.left();
+    int in = 0, all = 0;
+    double out_mm = 0.0;
+    for (double at_mm = opening_limit_mm(radius_mm); at_mm <= screw.length_mm - screw.tip_length_mm && holds;
+         at_mm += 1.0) {
+      const Vec3 p_mm = entry_mm + at_mm * direction;
+      for (const Vec3& r : rim_mm) {
+        const double value_mm = bone.lattice_mm(p_mm + r);
+        ++all;
+        in += value_mm < 0.0 ? 1 : 0;
+        if (!(value_mm > 0.0)) continue;
+        holds = r.dot(lateral) > -0.2 * radius_mm && entry_at_mm + at_mm < kPedicleMm + 4.0;
+        out_mm = std::max(out_mm, value_mm);
+        if (!holds) break;
+      }
+    }
+    if (!holds || out_mm > options_.lateral_breach_mm) continue;
+    ScrewCandidate found{
+        trajectory,
+        {side_ > 0.0 ? "left" : "right", entry_mm, entry_mm + screw.length_mm * direction, options_.bit, screw},
+        0.0};
+    found.score = 5.0 * in / std::max(all, 1) - out_mm + share(screw.diameter_mm, kThickestMm) +
+                  share(back_of_body_mm - own_mm.y(), options_.furthest_share * marks.body.depth_mm);
+    if (!best || found.score > best->score) best = found;
+  }
+  return best;
+}
+
+/// 1: nothing is cut behind the entry, and bone meets the tool flat; 0: 2 mm are cut, or the surface slants by 45
+/// degrees.
+double TrajectorySearch::approach(const DrillPath& path) const {
+  constexpr double kDeepMm = 2.0, kSlantsDeg = 45.0, kReachMm = 30.0;
+  const BoneShape& bone = walls_.bone();
+  const Vec3 direction = path.direction();
+  const double radius_mm = path.screw->radius_mm();
+  double cut_mm = 0.0;
+  for (const double radius_share : {0.75, 1.0}) {
+    const std::array<Vec3, 8> rim_mm = rim_of(direction, radius_share * radius_mm);
+    for (double way_mm = opening_limit_mm(radius_mm); way_mm <= kReachMm && cut_mm == 0.0; way_mm += 1.0) {
+      const Vec3 p_mm = path.entry_mm - way_mm * direction;
+      if (std::any_of(rim_mm.begin(), rim_mm.end(), [&](const Vec3& r) { return bone.lattice_mm(p_mm + r) < 0.0; })) {
+        cut_mm = (1.0 - radius_share) * radius_mm + 0.25 * radius_mm;
+      }
+    }
+  }
+  // The surface's slope over the bit's width, from the lattice's gradient at the entry.
+  constexpr double kAcrossMm = 0.75;
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = kAcrossMm * Vec3::Unit(axis);
+    slope[axis] = bone.lattice_mm(path.entry_mm + step) - bone.lattice_mm(path.entry_mm - step);
+  }
+  const double slant_deg =
+      slope.norm() > 0.0 ? std::acos(std::clamp(-slope.normalized().dot(direction), -1.0, 1.0)) / kDegree : kSlantsDeg;
+  return (1.0 - share(cut_mm, kDeepMm)) * (1.0 - 0.5 * share(slant_deg * slant_deg, kSlantsDeg * kSlantsDeg));
+}
+
+double TrajectorySearch::score(const DrillPath& path, double pedicle_depth_mm, const Attempt& attempt) const {
   // Of the axis, not of the thread: else thin screws would be worth more.
   const double half_width_mm = 0.5 * pedicle_.width_mm;
   const double enough_to_canal_mm = 1.2 * half_width_mm;
@@ -182,19 +358,24 @@ double TrajectorySearch::score(const DrillPath& path, double pedicle_depth_mm) c
   double sum_hu = 0.0;
   for (const float value : hu) sum_hu += static_cast<double>(value);
 
-  const double turned_deg = std::acos(std::clamp(direction.dot(pedicle_.axis), -1.0, 1.0)) / kDegree;
+  // A cortical path has another way to go than the pedicle's axis.
+  const bool is_cortical = attempt.technique == Technique::cortical;
+  const double turned_deg = is_cortical ? 0.0 : std::acos(std::clamp(direction.dot(reference_), -1.0, 1.0)) / kDegree;
   return weights.length * share(in_body_mm, options_.furthest_share * body.depth_mm) +
-         weights.diameter * share(path.screw->diameter_mm, options_.widest_share * pedicle_.width_mm) +
+         weights.diameter * share(path.screw->diameter_mm, attempt.widest_share * pedicle_.width_mm) +
          weights.clearance * share(pedicle_depth_mm, half_width_mm) +
          weights.canal * share(canal_mm, enough_to_canal_mm) +
          weights.endplates * share(endplate_mm, kEnoughToEndplateMm) +
          weights.density * share(sum_hu / static_cast<double>(hu.size()), kDenseHu) +
-         weights.along_axis * (1.0 - share(turned_deg * turned_deg, kTurnedDeg * kTurnedDeg));
+         weights.along_axis * (1.0 - share(turned_deg * turned_deg, kTurnedDeg * kTurnedDeg)) +
+         (weights.approach > 0.0 ? weights.approach * approach(path) : 0.0);
 }
 
-ScrewCandidate TrajectorySearch::refined(ScrewCandidate best, std::size_t& looked_at) const {
+ScrewCandidate TrajectorySearch::refined(ScrewCandidate best, const Attempt& attempt, const PedicleScrew* largest,
+                                         std::size_t& looked_at) const {
   constexpr int kHalvings = 4;
   Trajectory step{0.5, 0.75, 2.0, 2.0};
+  const double rise_deg = attempt.technique == Technique::cortical ? 90.0 : options_.max_turn_deg;
   for (int halving = 0; halving < kHalvings; ++halving) {
     for (bool goes_on = true; goes_on;) {
       goes_on = false;
@@ -203,9 +384,12 @@ ScrewCandidate TrajectorySearch::refined(ScrewCandidate best, std::size_t& looke
         for (const double sign : {-1.0, 1.0}) {
           Trajectory trajectory = best.trajectory;
           trajectory.*of += sign * step.*of;
-          if (std::max(std::abs(trajectory.turn_deg), std::abs(trajectory.rise_deg)) > options_.max_turn_deg) continue;
+          if (std::abs(trajectory.turn_deg) > std::max(options_.max_turn_deg, std::abs(best.trajectory.turn_deg)) ||
+              std::abs(trajectory.rise_deg - reference_rise_deg_) > rise_deg) {
+            continue;
+          }
           ++looked_at;
-          const std::optional<ScrewCandidate> other = with_screw(trajectory);
+          const std::optional<ScrewCandidate> other = with_screw(trajectory, attempt, largest);
           if (!other || !(other->score > best.score + 1e-6)) continue;
           best = *other;
           goes_on = true;
@@ -219,30 +403,67 @@ ScrewCandidate TrajectorySearch::refined(ScrewCandidate best, std::size_t& looke
   return best;
 }
 
-std::vector<ScrewCandidate> TrajectorySearch::find(std::size_t max, const Progress& progress) {
+std::optional<ScrewCandidate> TrajectorySearch::with_smaller(const ScrewCandidate& found, const Attempt& attempt,
+                                                             const PedicleScrew& largest) {
+  ++looked_at_;
+  const std::optional<ScrewCandidate> smaller = with_screw(found.trajectory, attempt, &largest);
+  if (!smaller) return std::nullopt;
+  return refined(*smaller, attempt, &largest, looked_at_);
+}
+
+std::vector<Trajectory> TrajectorySearch::lattice(const Attempt& attempt) const {
   constexpr int kAcross = 3;  // to each side
   constexpr int kUp = 4;
   constexpr double kTurnStepDeg = 4.0;
-  const int turns = static_cast<int>(options_.max_turn_deg / kTurnStepDeg);
+  const double outward = side_;  // of width_axis, which points to the patient's left
   std::vector<Trajectory> trajectories;
-  for (int across = -kAcross; across <= kAcross; ++across) {
-    for (int up = -kUp; up <= kUp; ++up) {
-      const double x = static_cast<double>(across) / kAcross;
-      const double y = static_cast<double>(up) / kUp;
-      if (x * x + y * y > 1.0) continue;
-      for (int turn = -turns; turn <= turns; ++turn) {
-        for (int rise = -turns; rise <= turns; ++rise) {
-          trajectories.push_back(
-              {0.3 * pedicle_.width_mm * x, 0.35 * pedicle_.height_mm * y, kTurnStepDeg * turn, kTurnStepDeg * rise});
+  if (attempt.technique == Technique::in_out_in) {
+    for (double out_mm = 0.0; out_mm <= 0.5 * pedicle_.width_mm + 4.0; out_mm += 0.5) {
+      for (int up = -2; up <= 2; ++up) {
+        for (double turn_deg = 0.0; turn_deg <= 32.0; turn_deg += kTurnStepDeg) {
+          for (double rise_deg = -16.0; rise_deg <= 16.0; rise_deg += kTurnStepDeg) {
+            trajectories.push_back({outward * out_mm, 0.1 * pedicle_.height_mm * up, -outward * turn_deg, rise_deg});
+          }
         }
       }
     }
+    return trajectories;
   }
+  const auto over_isthmus = [&](double low_turn_deg, double high_turn_deg, double low_rise_deg, double high_rise_deg) {
+    for (int across = -kAcross; across <= kAcross; ++across) {
+      for (int up = -kUp; up <= kUp; ++up) {
+        const double x = static_cast<double>(across) / kAcross;
+        const double y = static_cast<double>(up) / kUp;
+        if (x * x + y * y > 1.0) continue;
+        for (double turn_deg = low_turn_deg; turn_deg <= high_turn_deg; turn_deg += kTurnStepDeg) {
+          for (double rise_deg = low_rise_deg; rise_deg <= high_rise_deg; rise_deg += kTurnStepDeg) {
+            trajectories.push_back({0.3 * pedicle_.width_mm * x, 0.35 * pedicle_.height_mm * y, turn_deg, rise_deg});
+          }
+        }
+      }
+    }
+  };
+  if (attempt.technique == Technique::cortical) {
+    // Outwards by about 10 and upwards by about 25 degrees of the vertebra's own planes.
+    const PathAngles axis = path_angles(pedicle_.axis, walls_.landmarks().axes, side_ > 0.0);
+    const double turn_deg = outward * (axis.convergence_deg + 10.0);
+    const double rise_deg = 25.0 - axis.inclination_deg;
+    over_isthmus(turn_deg - 8.0, turn_deg + 8.0, rise_deg - 8.0, rise_deg + 8.0);
+    return trajectories;
+  }
+  const double max_deg = kTurnStepDeg * static_cast<int>(options_.max_turn_deg / kTurnStepDeg);
+  over_isthmus(-max_deg, max_deg, reference_rise_deg_ - max_deg, reference_rise_deg_ + max_deg);
+  return trajectories;
+}
+
+std::vector<ScrewCandidate> TrajectorySearch::find(const Attempt& attempt, std::size_t max, const Progress& progress) {
+  const std::vector<Trajectory> trajectories = lattice(attempt);
+  const bool is_beside = attempt.technique == Technique::in_out_in;
   looked_at_ += trajectories.size();
   std::vector<std::optional<ScrewCandidate>> found(trajectories.size());
   ProgressCounter counter(progress, "looking for paths", trajectories.size());
   tbb::parallel_for(std::size_t{0}, trajectories.size(), [&](std::size_t n) {
-    found[n] = with_screw(trajectories[n]);
+    found[n] = is_beside ? beside_pedicle(trajectories[n], attempt) : with_screw(trajectories[n], attempt, nullptr);
     counter.add();
   });
   std::vector<ScrewCandidate> good;
@@ -258,9 +479,10 @@ std::vector<ScrewCandidate> TrajectorySearch::find(std::size_t max, const Progre
     });
     if (is_new) chosen.push_back(one);
   }
+  if (is_beside) return chosen;
   std::vector<std::size_t> looked_at(chosen.size(), 0);
   tbb::parallel_for(std::size_t{0}, chosen.size(),
-                    [&](std::size_t n) { chosen[n] = refined(chosen[n], looked_at[n]); });
+                    [&](std::size_t n) { chosen[n] = refined(chosen[n], attempt, nullptr, looked_at[n]); });
   for (const std::size_t count : looked_at) looked_at_ += count;
   std::sort(chosen.begin(), chosen.end(), is_better);
   return chosen;

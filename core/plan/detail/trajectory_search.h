@@ -15,6 +15,13 @@ struct Trajectory {
   double rise_deg = 0.0;   ///< towards the height's
 };
 
+/// What a search asks of a trajectory.
+struct Attempt {
+  Technique technique = Technique::pedicle;
+  double margin_mm = 1.0;
+  double widest_share = 0.8;
+};
+
 /// A trajectory with the best screw for it.
 struct ScrewCandidate {
   Trajectory trajectory;
@@ -29,18 +36,30 @@ class TrajectorySearch {
   TrajectorySearch(const WallDistance& walls, const HuSampler& hu, std::span<const PedicleScrew> screws,
                    const SuggestOptions& options, double side);
 
-  /// The best trajectories that keep the margins, best first, not neighbours of each other.
-  std::vector<ScrewCandidate> find(std::size_t max, const Progress& progress);
+  /// The best trajectories that keep the margins, best first, not neighbours of each other. For in-out-in those that
+  /// stand out least at the pedicle's side, by the lattice only.
+  std::vector<ScrewCandidate> find(const Attempt& attempt, std::size_t max, const Progress& progress);
+  /// Of a found trajectory the best with no screw wider and longer than this one, moved as refining does; none where it
+  /// has none.
+  std::optional<ScrewCandidate> with_smaller(const ScrewCandidate& found, const Attempt& attempt,
+                                             const PedicleScrew& largest);
 
   std::size_t trajectories_tried() const { return looked_at_; }
   const PedicleLandmarks& pedicle() const { return pedicle_; }
 
  private:
-  std::optional<ScrewCandidate> with_screw(const Trajectory& trajectory) const;
+  struct Line;
+  std::vector<Trajectory> lattice(const Attempt& attempt) const;
+  Line line_of(const Trajectory& trajectory) const;
+  std::optional<ScrewCandidate> with_screw(const Trajectory& trajectory, const Attempt& attempt,
+                                           const PedicleScrew* largest) const;
+  std::optional<ScrewCandidate> beside_pedicle(const Trajectory& trajectory, const Attempt& attempt) const;
   /// `pedicle_depth_mm`: how deep the path's axis lies below the surface, at least, on its way through the pedicle.
-  double score(const DrillPath& path, double pedicle_depth_mm) const;
+  double score(const DrillPath& path, double pedicle_depth_mm, const Attempt& attempt) const;
+  double approach(const DrillPath& path) const;
   /// Counts in `looked_at` the trajectories it tries.
-  ScrewCandidate refined(ScrewCandidate best, std::size_t& looked_at) const;
+  ScrewCandidate refined(ScrewCandidate best, const Attempt& attempt, const PedicleScrew* largest,
+                         std::size_t& looked_at) const;
 
   const WallDistance& walls_;
   const HuSampler& hu_;
@@ -48,6 +67,8 @@ class TrajectorySearch {
   const SuggestOptions& options_;
   double side_;
   const PedicleLandmarks& pedicle_;
+  Vec3 reference_ = -Vec3::UnitY();  ///< direction that a path is wanted to run along
+  double reference_rise_deg_ = 0.0;  ///< its turn from the pedicle's axis towards the height's
   std::size_t looked_at_ = 0;
 };
 

@@ -124,7 +124,7 @@ TEST_F(SuggestPaths, AreTheSameAtAnyNumberOfThreads) {
 
 TEST_F(SuggestPaths, GoIntoTheDenserBoneWhereThatIsWorthMost) {
   SuggestOptions options;
-  options.weights = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  options.weights = {0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0};
   const auto mean_height = [&](double sign) {
     const HuSampler denser_to_one_end = [&](std::span<const Vec3> points_mm, std::span<float> hu) {
       for (std::size_t n = 0; n < hu.size(); ++n) {
@@ -140,7 +140,7 @@ TEST_F(SuggestPaths, GoIntoTheDenserBoneWhereThatIsWorthMost) {
 
 TEST_F(SuggestPaths, SayWhyThereIsNone) {
   SuggestOptions wide;
-  wide.margin_mm = 3.0;
+  wide.margin_mm = wide.min_margin_mm = 3.0;
   const std::vector<Suggestion> none = suggest_paths(walls(), hu_of_200, {}, table(), wide);
   for (const Suggestion& suggestion : none) {
     EXPECT_FALSE(suggestion.best);
