@@ -57,7 +57,7 @@ std::vector<detail::Attempt> attempts_of(const SuggestOptions& options, double p
   constexpr double kNarrowMm = 5.0;
   const auto margins = [&] {
     std::vector<double> steps{options.margin_mm};
-    for (const double mm : {0.5, 0.25, 0.0}) {
+    for (const double mm : {0.5, 0.35, 0.2, 0.1, 0.0}) {
       if (mm < options.margin_mm && mm >= options.min_margin_mm) steps.push_back(mm);
     }
     return steps;
@@ -118,6 +118,7 @@ DrillPath with_head_clear(const WallDistance& walls, const DrillPath& path, doub
 /// A candidate graded in full, with what its findings take from its score.
 struct Graded {
   detail::ScrewCandidate candidate;
+  detail::Attempt attempt;
   SuggestedPath path;
   double worth = 0.0;
 };
@@ -136,30 +137,31 @@ class SideSearch {
 
   void run(const Progress& progress) {
     constexpr std::size_t kMaxRefined = 6;
+    constexpr double kHalfMm = 0.5;
     for (const detail::Attempt& attempt : attempts_of(options_, search_.pedicle().width_mm)) {
-      std::vector<Graded> graded;
+      // What was found with more margin is only given up for a better one with half a millimetre still around it.
+      const bool is_second_look = has_path();
+      if (is_second_look && (attempt.technique != best().attempt.technique || attempt.margin_mm < kHalfMm)) return;
       for (const detail::ScrewCandidate& candidate : search_.find(attempt, kMaxRefined, progress)) {
-        graded.push_back(grade(candidate, attempt));
+        Graded one = grade(candidate, attempt);
+        if (is_acceptable(one.path, attempt)) found_.push_back(std::move(one));
       }
-      std::erase_if(graded, [&](const Graded& one) { return !is_acceptable(one.path, attempt); });
-      if (graded.empty()) continue;
-      std::stable_sort(graded.begin(), graded.end(), [&](const Graded& a, const Graded& b) { return is_better(a, b); });
-      found_ = std::move(graded);
-      attempt_ = attempt;
-      return;
+      std::stable_sort(found_.begin(), found_.end(), is_better);
+      if (has_path() && (is_second_look || holds_well(best().path))) return;
     }
   }
 
   bool has_path() const { return !found_.empty(); }
   const Graded& best() const { return found_.front(); }
-  const detail::Attempt& attempt() const { return attempt_; }
+  double width_mm() const { return search_.pedicle().width_mm; }
 
   /// The best with a screw no wider and longer than `largest`; nothing where that is not of grade A.
   std::optional<Graded> smaller(const PedicleScrew& largest) {
-    const std::optional<detail::ScrewCandidate> candidate = search_.with_smaller(best().candidate, attempt_, largest);
+    const std::optional<detail::ScrewCandidate> candidate =
+        search_.with_smaller(best().candidate, best().attempt, largest);
     if (!candidate) return std::nullopt;
-    Graded one = grade(*candidate, attempt_);
-    if (!is_acceptable(one.path, attempt_) || one.path.grade.grade != best().path.grade.grade) return std::nullopt;
+    Graded one = grade(*candidate, best().attempt);
+    if (!is_acceptable(one.path, one.attempt) || one.path.grade.grade != best().path.grade.grade) return std::nullopt;
     return one;
   }
   void take(const Graded& other, const std::string& reason) {
@@ -185,7 +187,7 @@ class SideSearch {
 
  private:
   Graded grade(const detail::ScrewCandidate& candidate, const detail::Attempt& attempt) const {
-    Graded one{candidate, {}, 0.0};
+    Graded one{candidate, attempt, {}, 0.0};
     one.path.path = with_head_clear(walls_, candidate.path, options_.max_back_out_mm);
     one.path.grade = grade_path(walls_, hu_, material_, one.path.path, options_.grade);
     one.path.score = candidate.score;
@@ -193,9 +195,23 @@ class SideSearch {
     one.path.technique = attempt.technique;
     one.path.margin_mm = attempt.margin_mm;
     const InstrumentContacts& contacts = one.path.grade.instrument;
+    const double out_mm = candidate.path.screw->length_mm - one.path.path.length_mm();
+    const double full_mm = options_.furthest_share * walls_.landmarks().body.depth_mm;
     one.worth = candidate.score - contacts.cut_behind_mm - 2.0 * contacts.joint_depth_mm -
-                0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm);
+                0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm) -
+                2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0);
     return one;
+  }
+
+  /// Thick and deep enough that nobody would look further.
+  bool holds_well(const SuggestedPath& path) const {
+    constexpr double kThick = 0.6, kDeep = 0.5;
+    const Landmarks& marks = walls_.landmarks();
+    const double back_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
+    double thickest_mm = 0.0;
+    for (const PedicleScrew& screw : screws_) thickest_mm = std::max(thickest_mm, screw.diameter_mm);
+    return path.path.screw->diameter_mm >= std::min(thickest_mm, kThick * search_.pedicle().width_mm) &&
+           back_mm - marks.to_own(path.path.target_mm).y() >= kDeep * marks.body.depth_mm;
   }
 
   /// In its technique's sense: all in bone, or out only where that is meant.
@@ -232,16 +248,16 @@ class SideSearch {
     const double width_mm = search_.pedicle().width_mm;
     std::vector<std::string> words;
     const std::string wide = "the pedicle is " + short_number(width_mm) + " mm wide";
-    if (attempt_.technique == Technique::in_out_in) {
+    const detail::Attempt& attempt = best().attempt;
+    if (attempt.technique == Technique::in_out_in) {
       words.push_back(wide + ", too narrow for a screw: in-out-in, between pedicle and rib, with the tip in the body");
-    } else if (attempt_.technique == Technique::cortical) {
+    } else if (attempt.technique == Technique::cortical) {
       words.push_back(wide + ": a cortical trajectory, upwards and outwards from the pars");
-    } else if (attempt_.margin_mm < 0.0) {
+    } else if (attempt.margin_mm < 0.0) {
       words.push_back(wide + ", narrower than the screw and its margins: the thinnest breach of its wall");
-    } else if (attempt_.margin_mm < options_.margin_mm) {
-      words.push_back(wide + ": " + short_number(attempt_.margin_mm, 2) +
-                      " mm of bone around the screw is looked for " + "instead of " +
-                      short_number(options_.margin_mm, 2) + " mm");
+    } else if (attempt.margin_mm < options_.margin_mm) {
+      words.push_back(wide + ": " + short_number(attempt.margin_mm, 2) + " mm of bone around the screw is looked for " +
+                      "instead of " + short_number(options_.margin_mm, 2) + " mm");
     }
     words.push_back("fills " + short_number(100.0 * screw.diameter_mm / width_mm, 0) + " % of the pedicle's width");
     const double out_mm = screw.length_mm - chosen.path.length_mm();
@@ -285,14 +301,16 @@ class SideSearch {
   double side_;
   detail::TrajectorySearch search_;
   std::vector<Graded> found_;  ///< best first
-  detail::Attempt attempt_;
   std::string alike_;
 };
 
-/// Gives both sides one size of screw where the sum of their worths falls by `weights.alike` at most.
+/// Gives both sides one size of screw where the sum of their worths falls by `weights.alike` at most, and none becomes
+/// too thin for its pedicle.
 void make_alike(SideSearch& left, SideSearch& right, const SuggestOptions& options) {
+  constexpr double kThin = 0.6;  // of the pedicle's width
   if (!left.has_path() || !right.has_path()) return;
-  if (left.attempt().technique == Technique::in_out_in || right.attempt().technique == Technique::in_out_in) return;
+  if (left.best().attempt.technique == Technique::in_out_in || right.best().attempt.technique == Technique::in_out_in)
+    return;
   const PedicleScrew& a = *left.best().path.path.screw;
   const PedicleScrew& b = *right.best().path.path.screw;
   PedicleScrew both = a;
@@ -310,6 +328,8 @@ void make_alike(SideSearch& left, SideSearch& right, const SuggestOptions& optio
   double lost = 0.0;
   for (SideSearch* side : {&left, &right}) {
     if (is_alike(*side->best().path.path.screw)) continue;
+    if (both.diameter_mm < side->best().path.path.screw->diameter_mm && both.diameter_mm < kThin * side->width_mm())
+      return;
     std::optional<Graded> to = side->smaller(both);
     if (!to || !is_alike(*to->path.path.screw)) return;
     lost += side->best().worth - to->worth;

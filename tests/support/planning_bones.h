@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "core/phantom/vertebra.h"
@@ -12,38 +13,32 @@
 
 namespace spinaltap::test {
 
-/// A block of bone with a round hole along z for a canal, and landmarks that make a vertebra of it: its left is +x, its
-/// back +y, its top +z, pedicles left and right of the hole.
-class Block {
+/// A body of bone by a formula for its distance, with a canal along z and landmarks that make a vertebra of it: its
+/// left is +x, its back +y, its top +z.
+class FormulaBone {
  public:
-  static constexpr double kHalfWidthMm = 30.0;   ///< x
-  static constexpr double kHalfDepthMm = 20.0;   ///< y
-  static constexpr double kHalfHeightMm = 18.0;  ///< z
-  static constexpr double kHoleMm = 8.0;         ///< radius
-  static constexpr double kPedicleMm = 18.0;     ///< |x| of the pedicles
+  using Formula = std::function<double(const Vec3&)>;
 
-  Block() {
-    const Vec3 half(kHalfWidthMm, kHalfDepthMm, kHalfHeightMm);
-    const auto value = [half](const Vec3& p) {
-      const Vec3 q = p.cwiseAbs() - half;
-      const double box_mm = q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
-      return std::max(box_mm, kHoleMm - std::hypot(p.x(), p.y()));
-    };
-    const auto gradient = [value](const Vec3& p) -> Vec3 {
+  FormulaBone(const Formula& value_mm, const Box3& bounds_mm, double canal_radius_mm, double pedicle_mm) {
+    const auto gradient = [value_mm](const Vec3& p) -> Vec3 {
       constexpr double kStepMm = 1e-4;
       Vec3 slope;
       for (int axis = 0; axis < 3; ++axis) {
         const Vec3 step = kStepMm * Vec3::Unit(axis);
-        slope[axis] = (value(p + step) - value(p - step)) / (2.0 * kStepMm);
+        slope[axis] = (value_mm(p + step) - value_mm(p - step)) / (2.0 * kStepMm);
       }
       return slope;
     };
-    bone_ = std::make_unique<BoneShape>(std::make_shared<FormulaField>(value, gradient), Box3(-half, half), 0.75);
+    bone_ = std::make_unique<BoneShape>(std::make_shared<FormulaField>(value_mm, gradient), bounds_mm, 0.75);
     for (const Vec3& p : bone_->points_mm()) {
-      landmarks_.is_canal_wall.push_back(std::hypot(p.x(), p.y()) < kHoleMm + 0.01 ? 1 : 0);
+      landmarks_.is_canal_wall.push_back(std::hypot(p.x(), p.y()) < canal_radius_mm + 0.01 ? 1 : 0);
     }
-    landmarks_.left_pedicle.isthmus_mm = Vec3(kPedicleMm, 0.0, 0.0);
-    landmarks_.right_pedicle.isthmus_mm = Vec3(-kPedicleMm, 0.0, 0.0);
+    landmarks_.left_pedicle.isthmus_mm = Vec3(pedicle_mm, 0.0, 0.0);
+    landmarks_.right_pedicle.isthmus_mm = Vec3(-pedicle_mm, 0.0, 0.0);
+    for (PedicleLandmarks* pedicle : {&landmarks_.left_pedicle, &landmarks_.right_pedicle}) {
+      pedicle->width_mm = 2.0 * (pedicle_mm - canal_radius_mm);
+      pedicle->height_mm = 8.0;
+    }
   }
 
   const BoneShape& bone() const { return *bone_; }
@@ -52,6 +47,33 @@ class Block {
  private:
   std::unique_ptr<BoneShape> bone_;
   Landmarks landmarks_;
+};
+
+inline double box_distance_mm(const Vec3& p, const Vec3& centre, const Vec3& half) {
+  const Vec3 q = (p - centre).cwiseAbs() - half;
+  return q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
+}
+
+inline double capsule_distance_mm(const Vec3& p, const Vec3& a, const Vec3& b, double radius) {
+  const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (p - a - t * (b - a)).norm() - radius;
+}
+
+/// A block of bone with a round hole along z for a canal.
+class Block : public FormulaBone {
+ public:
+  static constexpr double kHalfWidthMm = 30.0;   ///< x
+  static constexpr double kHalfDepthMm = 20.0;   ///< y
+  static constexpr double kHalfHeightMm = 18.0;  ///< z
+  static constexpr double kHoleMm = 8.0;         ///< radius
+  static constexpr double kPedicleMm = 18.0;     ///< |x| of the pedicles
+
+  Block() : FormulaBone(value_mm, Box3(-half(), half()), kHoleMm, kPedicleMm) {}
+
+  static Vec3 half() { return Vec3(kHalfWidthMm, kHalfDepthMm, kHalfHeightMm); }
+  static double value_mm(const Vec3& p) {
+    return std::max(box_distance_mm(p, Vec3::Zero(), half()), kHoleMm - std::hypot(p.x(), p.y()));
+  }
 };
 
 /// Whether a place of the phantom's surface belongs to the canal's wall: it faces the canal's middle from near by.

@@ -120,7 +120,7 @@ TEST_F(GradePath, KnowsClearanceAndDepthOfTheNearestApproach) {
     const double beside_mm = 12.0 - row.radius_mm;
     const double along_mm = std::min(row.depth_mm, y_mm + 20.0);
     const double bound_mm = std::min(beside_mm, along_mm - row.radius_mm);
-    if (std::abs(bound_mm - 3.0) < kGradeToleranceMm) continue;
+    if (row.depth_mm == 0.0 || std::abs(bound_mm - 3.0) < 0.1) continue;  // in the surface; between the two
     const double outer_mm = bound_mm > 3.0 ? bound_mm : std::min(beside_mm, along_mm);
     EXPECT_NEAR(row.outer_mm, outer_mm, kGradeToleranceMm) << row.depth_mm;
   }

@@ -14,20 +14,14 @@
 #include "tests/support/mask_overlap.h"
 #include "tests/support/random_vertebra.h"
 #include "tests/support/stacked_vertebrae.h"
+#include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
 namespace {
 
 using testing::HasSubstr;
 
-std::string error_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
+using test::error_of;
 
 /// Three vertebrae, turned, whose facets are under 1 mm apart, less than the scan resolves.
 class ThreeVertebrae : public ::testing::Test {
