@@ -1,5 +1,7 @@
 #include "core/base/hash.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -25,6 +27,11 @@ std::string WordHash64::hex() const {
     text[static_cast<std::size_t>(15 - digit)] = "0123456789abcdef"[(state_ >> (4 * digit)) & 15];
   }
   return text;
+}
+
+std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before) {
+  if (bytes.empty()) return before;  // zlib would begin anew at a null pointer
+  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace spinaltap

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace spinaltap {
 
@@ -18,5 +19,8 @@ class WordHash64 {
  private:
   std::uint64_t state_ = 0xcbf29ce484222325ULL;
 };
+
+/// CRC-32 as gzip and PNG have it: finds damage, though not malice. `before`: of the bytes before these.
+std::uint32_t crc32_of(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace spinaltap

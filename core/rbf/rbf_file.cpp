@@ -3,8 +3,6 @@
 
 #include "core/rbf/rbf_file.h"
 
-#include <zlib.h>
-
 #include <array>
 #include <bit>
 #include <cstring>
@@ -14,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/file_stream.h"
+#include "core/base/hash.h"
 #include "core/base/staged_output.h"
 
 namespace spinaltap {
@@ -35,11 +34,6 @@ struct Head {
   std::uint64_t polynomial = 0;
 };
 static_assert(sizeof(Head) == 64);
-
-std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
-  if (bytes.empty()) return before;  // zlib would begin anew at a null pointer
-  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 std::string_view bytes_of(std::span<const double> numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
@@ -87,7 +81,7 @@ void write_rbf(const RbfModel& model, const std::filesystem::path& path) {
   for (const std::string_view bytes :
        {std::string_view(reinterpret_cast<const char*>(&head), sizeof head), bytes_of(model.polynomial),
         bytes_of({centres, 3 * model.centres_mm.size()}), bytes_of(model.weights)}) {
-    crc = crc_of(bytes, crc);
+    crc = crc32_of(bytes, crc);
     file.write(bytes);
   }
   file.write({reinterpret_cast<const char*>(&crc), sizeof crc});
@@ -100,7 +94,7 @@ RbfModel read_rbf(const std::filesystem::path& path) {
   const Head head = read_head(bytes, name);
   std::uint32_t crc = 0;
   std::memcpy(&crc, bytes.data() + bytes.size() - sizeof crc, sizeof crc);
-  if (crc != crc_of(std::string_view(bytes).substr(0, bytes.size() - sizeof crc))) {
+  if (crc != crc32_of(std::string_view(bytes).substr(0, bytes.size() - sizeof crc))) {
     fail("expected a whole file, found a damaged one (its checksum differs): ", name);
   }
   RbfModel model;

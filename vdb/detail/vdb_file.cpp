@@ -1,13 +1,14 @@
 #include "vdb/detail/vdb_file.h"
 
 #include <openvdb/io/File.h>
-#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include <cctype>
-#include <fstream>
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
 
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 #include "vdb/detail/bone_grids.h"
 
 namespace spinaltap {
@@ -19,6 +20,8 @@ void initialize_openvdb() { openvdb::initialize(); }
 namespace spinaltap::detail {
 namespace {
 
+using openvdb::points::PointDataGrid;
+
 /// Throws Error unless it is a file; OpenVDB is ready then.
 void expect_file(const std::filesystem::path& path) {
   initialize_openvdb();
@@ -29,25 +32,26 @@ void expect_file(const std::filesystem::path& path) {
   }
 }
 
-/// OpenVDB puts a random tag into each file's head. One made from the content keeps equal models' files equal.
-void replace_random_tag(const std::filesystem::path& path, const std::string& digits) {
-  constexpr std::streamoff kTagOffset = 8 + 4 + 4 + 4 + 1;  // magic, file version, library version, has-offsets
-  constexpr std::size_t kTagLength = 36;
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-  std::string tag(kTagLength, ' ');
-  file.seekg(kTagOffset);
-  file.read(tag.data(), kTagLength);
-  for (std::size_t i = 0, digit = 0; i < kTagLength; ++i) {
-    const bool dash = i == 8 || i == 13 || i == 18 || i == 23;
-    if (!file || (tag[i] == '-') != dash || (!dash && std::isxdigit(static_cast<unsigned char>(tag[i])) == 0)) {
-      fail("cannot write ", path.string(), ": not the file head that OpenVDB 10 writes");
-    }
-    if (!dash) tag[i] = digits[digit++ % digits.size()];
+constexpr std::size_t kMaxBytes = std::size_t{8} << 30;
+
+bool has_numbers_only(const openvdb::FloatGrid& grid) {
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    const float* const values = leaf->buffer().data();
+    float sum = 0.0F;  // stays so: all but numbers give no number times 0
+    for (openvdb::Index n = 0; n < openvdb::FloatTree::LeafNodeType::SIZE; ++n) sum += 0.0F * values[n];
+    if (!(sum == 0.0F)) return false;
   }
-  file.seekp(kTagOffset);
-  file.write(tag.data(), kTagLength);
-  file.close();
-  if (!file) fail("cannot write ", path.string());
+  auto tile = grid.tree().cbeginValueAll();
+  tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) {
+    if (!std::isfinite(*tile)) return false;
+  }
+  return std::isfinite(grid.background());
+}
+
+std::string bytes_of_vdb(const std::filesystem::path& path) {
+  expect_file(path);
+  return read_whole_file(path, kMaxBytes);
 }
 
 }  // namespace
@@ -59,28 +63,14 @@ std::string printable(const std::string& message) {
   return text;
 }
 
-openvdb::GridPtrVecPtr read_vdb(const std::filesystem::path& path) {
-  expect_file(path);
-  try {
-    // OpenVDB does not look whether it got the bytes that it asked for. This stream throws when they run out, so that a
-    // file cut short is noticed, even by one byte, before garbage is taken for sizes.
-    std::ifstream bytes;
-    bytes.exceptions(std::ios::failbit | std::ios::badbit);
-    bytes.open(path, std::ios::binary);
-    openvdb::io::Stream stream(bytes, false);
-    return stream.getGrids();
-  } catch (const std::exception& error) {
-    fail("cannot read ", path.string(), ": ", printable(error.what()));
-  }
-}
-
-void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const std::string& content_hash,
-               const openvdb::MetaMap& metadata) {
+void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
   initialize_openvdb();
   openvdb::io::File file(path.string());
   file.write(grids, metadata);
   file.close();
-  replace_random_tag(path, content_hash);
+  std::string bytes = read_whole_file(path, kMaxBytes);
+  seal_vdb(bytes);
+  write_whole_file(path, bytes);
 }
 
 bool fits_half_floats(const openvdb::FloatGrid& grid) {
@@ -111,65 +101,121 @@ std::map<std::string, std::string> metadata_of(const openvdb::FloatGrid& sdf, co
   return metadata;
 }
 
-NamedGrids::NamedGrids(const std::filesystem::path& path) : path_(path) {
-  expect_file(path);
+MemoryBuffer::MemoryBuffer(std::string bytes) : bytes_(std::move(bytes)) {
+  setg(bytes_.data(), bytes_.data(), bytes_.data() + bytes_.size());
+}
+
+MemoryBuffer::pos_type MemoryBuffer::seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode) {
+  off_type at = offset;
+  if (from == std::ios::cur) at += gptr() - eback();
+  if (from == std::ios::end) at += egptr() - eback();
+  if (at < 0 || at > egptr() - eback()) return pos_type(off_type(-1));
+  setg(eback(), eback() + at, egptr());
+  return pos_type(at);
+}
+
+VdbFile::VdbFile(const std::filesystem::path& path) : VdbFile(path, bytes_of_vdb(path)) {}
+
+VdbFile::VdbFile(const std::filesystem::path& path, std::string bytes)
+    : path_(path), buffer_(std::move(bytes)), stream_(&buffer_) {
   try {
-    bytes_.exceptions(std::ios::failbit | std::ios::badbit);
-    bytes_.open(path, std::ios::binary);
+    layout_ = check_vdb(buffer_.bytes());
+    // OpenVDB does not look whether it got the bytes that it asked for.
+    stream_.exceptions(std::ios::failbit | std::ios::badbit);
     stream_metadata_.reset(new openvdb::io::StreamMetadata);
-    openvdb::io::setStreamMetadataPtr(bytes_, stream_metadata_, /*transfer=*/false);
-    readHeader(bytes_);
-    setFormatVersion(bytes_);
-    setLibraryVersion(bytes_);
-    setDataCompression(bytes_);
-    metadata_.readMeta(bytes_);
-    if (!inputHasGridOffsets()) return;
-    constexpr std::int32_t kMaxGrids = 1000;
-    const std::int32_t count = readGridCount(bytes_);
-    if (count < 0 || count > kMaxGrids) fail("expected at most ", kMaxGrids, " grids, found ", count);
-    for (std::int32_t n = 0; n < count; ++n) {
-      openvdb::io::GridDescriptor place;
-      place.read(bytes_);
-      places_[place.gridName()] = place;
-      place.seekToEnd(bytes_);
-    }
+    openvdb::io::setStreamMetadataPtr(stream_, stream_metadata_, /*transfer=*/false);
+    readHeader(stream_);
+    setFormatVersion(stream_);
+    setLibraryVersion(stream_);
+    setDataCompression(stream_);
+    metadata_.readMeta(stream_);
   } catch (const std::exception& error) {
     fail("cannot read ", path.string(), ": ", printable(error.what()));
   }
 }
 
-template <class GridType>
-typename GridType::Ptr NamedGrids::read(const std::string& name, const openvdb::CoordBBox* box) {
-  const auto found = places_.find(name);
-  if (found == places_.end()) fail("expected a grid ", name, " in ", path_.string(), ", found none");
-  const openvdb::io::GridDescriptor& place = found->second;
-  if (place.gridType() != GridType::gridType() || place.isInstance()) {
-    fail("expected the grid ", name, " of another kind in ", path_.string(), ", found ", printable(place.gridType()));
+std::vector<std::string> VdbFile::names() const {
+  std::vector<std::string> names;
+  for (const VdbGrid& grid : layout_.grids) names.push_back(grid.name);
+  return names;
+}
+
+const VdbGrid* VdbFile::find(const std::string& name) const {
+  for (const VdbGrid& grid : layout_.grids) {
+    if (grid.name == name) return &grid;
   }
+  return nullptr;
+}
+
+const VdbGrid& VdbFile::expect(const std::string& name, std::string_view type, const char* kind) const {
+  const VdbGrid* const found = find(name);
+  if (found == nullptr) fail("expected a grid ", name, " in ", path_.string(), ", found none");
+  if (found->type != type) {
+    fail("expected ", kind, " as the grid ", name, " in ", path_.string(), ", found ", printable(found->type));
+  }
+  return *found;
+}
+
+template <class GridType>
+typename GridType::Ptr VdbFile::read(const VdbGrid& place, const openvdb::CoordBBox* box) {
   try {
+    if constexpr (!std::is_same_v<GridType, PointDataGrid>) check_vdb_grid(buffer_.bytes(), place);
     auto grid = GridType::create();
-    grid->setName(name);
-    grid->setSaveFloatAsHalf(place.saveFloatAsHalf());
-    place.seekToGrid(bytes_);
+    grid->setName(place.name);
+    openvdb::io::GridDescriptor descriptor(place.unique_name, place.type);
+    descriptor.setInstanceParentName(place.parent);
+    stream_.clear();
+    stream_.seekg(static_cast<std::streamoff>(place.begin));
     if (box != nullptr) {
-      readGrid(grid, place, bytes_, *box);
+      readGrid(grid, descriptor, stream_, *box);
     } else {
-      readGrid(grid, place, bytes_);
+      readGrid(grid, descriptor, stream_);
     }
     return grid;
   } catch (const std::exception& error) {
-    fail("cannot read the grid ", name, " in ", path_.string(), ": ", printable(error.what()));
+    fail("cannot read the grid ", printable(place.name), " in ", path_.string(), ": ", printable(error.what()));
   }
 }
 
-openvdb::FloatGrid::Ptr NamedGrids::read_floats(const std::string& name) {
-  return read<openvdb::FloatGrid>(name, nullptr);
+openvdb::FloatGrid::Ptr VdbFile::read_floats(const VdbGrid& place, const openvdb::CoordBBox* box) {
+  const openvdb::FloatGrid::Ptr grid = read<openvdb::FloatGrid>(place, box);
+  if (!place.parent.empty()) {
+    const auto parent = std::find_if(layout_.grids.begin(), layout_.grids.end(),
+                                     [&](const VdbGrid& one) { return one.unique_name == place.parent; });
+    if (parent == layout_.grids.end() || !parent->parent.empty() || parent->type != kFloatGridType) {
+      fail("expected the grid whose values ", printable(place.name), " shares in ", path_.string(), ", found none");
+    }
+    grid->setTree(read<openvdb::FloatGrid>(*parent, box)->treePtr());
+  }
+  return grid;
 }
 
-openvdb::FloatGrid::Ptr NamedGrids::read_floats(const std::string& name, const openvdb::CoordBBox& box) {
-  return read<openvdb::FloatGrid>(name, &box);
+openvdb::FloatGrid::Ptr VdbFile::read_floats(const std::string& name, const openvdb::CoordBBox* box) {
+  const openvdb::FloatGrid::Ptr grid = read_floats(expect(name, kFloatGridType, "floats"), box);
+  if (!has_numbers_only(*grid)) {
+    fail("expected numbers in the grid ", name, " in ", path_.string(), ", found a value that is none");
+  }
+  return grid;
 }
 
-openvdb::MaskGrid::Ptr NamedGrids::read_mask(const std::string& name) { return read<openvdb::MaskGrid>(name, nullptr); }
+std::vector<openvdb::FloatGrid::Ptr> VdbFile::read_all_floats() {
+  std::vector<openvdb::FloatGrid::Ptr> grids;
+  for (const VdbGrid& grid : layout_.grids) {
+    if (grid.type == kFloatGridType) grids.push_back(read_floats(grid, nullptr));
+  }
+  return grids;
+}
+
+openvdb::MaskGrid::Ptr VdbFile::read_mask(const std::string& name) {
+  return read<openvdb::MaskGrid>(expect(name, kMaskGridType, "a mask"));
+}
+
+PointDataGrid::Ptr VdbFile::read_points(const std::string& name) {
+  const VdbGrid& place = expect(name, PointDataGrid::gridType(), "a grid of points");
+  if (!layout_.is_sealed) {
+    fail("expected points that SpinalTap wrote, with a checksum, found none in ", path_.string());
+  }
+  return read<PointDataGrid>(place);
+}
 
 }  // namespace spinaltap::detail

@@ -8,7 +8,6 @@
 #include <openvdb/tools/PointIndexGrid.h>
 
 #include "core/base/error.h"
-#include "core/base/hash.h"
 #include "core/base/staged_output.h"
 #include "core/points/living_bits.h"
 #include "vdb/detail/bone_grids.h"
@@ -83,13 +82,6 @@ void add_metadata(PointDataGrid& grid, const PointVolume& volume, const DrillPat
   add("radius_mm", openvdb::DoubleMetadata(volume.pattern().ring_count() * spacing_mm));
 }
 
-std::string hash_of(const LivingPoints& living) {
-  WordHash64 hash;
-  hash.add(living.positions_mm.data(), living.positions_mm.size() * sizeof(living.positions_mm[0]));
-  hash.add(living.hu.data(), living.hu.size() * sizeof(living.hu[0]));
-  return hash.hex();
-}
-
 /// Calls read(handle, place) for each point of the leaf. Throws Error where the leaf has no such attribute.
 template <class Value, class Read>
 void read_attribute(const PointDataGrid::TreeType::LeafNodeType& leaf, const char* name, const Read& read) {
@@ -112,9 +104,9 @@ void write_points(const PointVolume& volume, const DrillPath& path, const std::f
   StagedOutput output;
   const std::filesystem::path staged = output.stage(file);
   try {
-    detail::write_vdb(staged, {grid}, hash_of(living));
+    detail::write_vdb(staged, {grid});
     // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
-    detail::read_vdb(staged);
+    detail::VdbFile(staged).read_points(kGridName);
   } catch (const std::exception&) {
     fail("cannot write ", file.string(), ": is the disk full, or the folder not writable?");
   }
@@ -122,9 +114,9 @@ void write_points(const PointVolume& volume, const DrillPath& path, const std::f
 }
 
 SavedPoints read_points(const std::filesystem::path& file) {
-  const auto found = openvdb::findGridByName(*detail::read_vdb(file), kGridName);
-  const auto grid = found ? openvdb::gridPtrCast<PointDataGrid>(found) : nullptr;
-  if (!grid) fail("expected a grid of points named ", kGridName, " in ", file.string());
+  detail::VdbFile in(file);
+  if (!in.has(kGridName)) fail("expected a grid of points named ", kGridName, " in ", file.string());
+  const PointDataGrid::Ptr grid = in.read_points(kGridName);
   SavedPoints saved;
   const std::string prefix = detail::kMetadataPrefix;
   for (auto meta = grid->beginMeta(); meta != grid->endMeta(); ++meta) {

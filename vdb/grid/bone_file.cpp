@@ -1,5 +1,4 @@
 #include "core/base/error.h"
-#include "core/base/hash.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/grid/bone_model.h"
@@ -26,18 +25,6 @@ void check_level(const BoneModel& bone, Level wanted, const std::filesystem::pat
   }
 }
 
-std::string hash_of(const BoneModel& bone) {
-  WordHash64 hash;
-  for (const auto& grid : {bone.grids().sdf, bone.grids().hu, bone.grids().before, bone.grids().hole}) {
-    if (grid == nullptr) continue;
-    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
-      hash.add(leaf->origin().data(), 3 * sizeof(openvdb::Int32));
-      hash.add(leaf->buffer().data(), openvdb::FloatTree::LeafNodeType::SIZE * sizeof(float));
-    }
-  }
-  return hash.hex();
-}
-
 }  // namespace
 
 void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
@@ -60,7 +47,7 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
     add("hole", *bone.grids().hole)->setGridClass(openvdb::GRID_LEVEL_SET);
   }
   try {
-    detail::write_vdb(path, written, hash_of(bone));
+    detail::write_vdb(path, written);
     // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
     read_bone(path);
   } catch (const std::exception&) {
@@ -70,20 +57,17 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
 }
 
 BoneModel read_bone(const std::filesystem::path& path, Level level) {
-  const std::vector<Level> levels = levels_in(path);
-  if (!levels.empty()) {
+  detail::VdbFile file(path);
+  if (file.metadata()[detail::kLevelsKey]) {
+    const std::vector<Level> levels = levels_in(path);
     return read_spine_level(path, level == Level::kNone ? only_level(levels, path) : level).bone;
   }
-  const openvdb::GridPtrVecPtr found = detail::read_vdb(path);
-  const auto grid = [&](const char* name) {
-    const auto at = openvdb::findGridByName(*found, name);
-    if (!at) fail("expected the grids sdf and hu in ", path.string(), ", found no ", name);
-    return openvdb::gridPtrCast<openvdb::FloatGrid>(at);
-  };
+  for (const char* name : {"sdf", "hu"}) {
+    if (!file.has(name)) fail("expected the grids sdf and hu in ", path.string(), ", found no ", name);
+  }
   auto grids = std::make_shared<detail::BoneGrids>();
-  grids->sdf = grid("sdf");
-  grids->hu = grid("hu");
-  if (!grids->sdf || !grids->hu) fail("expected grids of floats in ", path.string());
+  grids->sdf = file.read_floats("sdf");
+  grids->hu = file.read_floats("hu");
   if (grids->sdf->getGridClass() != openvdb::GRID_LEVEL_SET || grids->sdf->activeVoxelCount() == 0) {
     fail("expected the grid sdf to be a level set that is not empty in ", path.string());
   }
@@ -91,10 +75,9 @@ BoneModel read_bone(const std::filesystem::path& path, Level level) {
     fail("expected the grid sdf to have cubic voxels, and no perspective, in ", path.string());
   }
   const auto level_set = [&](const char* name) -> openvdb::FloatGrid::ConstPtr {
-    const auto at = openvdb::findGridByName(*found, name);
-    if (!at) return nullptr;
-    const auto set = openvdb::gridPtrCast<openvdb::FloatGrid>(at);
-    if (!set || set->getGridClass() != openvdb::GRID_LEVEL_SET || set->transform() != grids->sdf->transform() ||
+    if (!file.has(name)) return nullptr;
+    const openvdb::FloatGrid::Ptr set = file.read_floats(name);
+    if (set->getGridClass() != openvdb::GRID_LEVEL_SET || set->transform() != grids->sdf->transform() ||
         set->background() != grids->sdf->background()) {
       fail("expected the grid ", name, " to be a level set on the voxels of sdf in ", path.string());
     }

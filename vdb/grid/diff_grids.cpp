@@ -160,10 +160,7 @@ using NamedGrids = std::map<std::pair<std::string, int>, openvdb::FloatGrid::Con
 NamedGrids read_float_grids(const std::filesystem::path& path) {
   NamedGrids grids;
   std::map<std::string, int> seen;
-  const openvdb::GridPtrVecPtr all = detail::read_vdb(path);
-  for (const openvdb::GridBase::Ptr& any : *all) {
-    const openvdb::FloatGrid::ConstPtr grid = openvdb::gridConstPtrCast<openvdb::FloatGrid>(any);
-    if (!grid) continue;
+  for (const openvdb::FloatGrid::Ptr& grid : detail::VdbFile(path).read_all_floats()) {
     if (!grid->transform().isLinear()) fail("expected grids without perspective in ", path.string());
     grids[{grid->getName(), seen[grid->getName()]++}] = grid;
   }

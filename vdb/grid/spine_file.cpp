@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "core/base/error.h"
-#include "core/base/hash.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 
@@ -20,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using openvdb::MaskGrid;
 
-constexpr const char* kLevelsKey = "spinaltap:levels";  ///< of the file: "T11 T12"
 constexpr const char* kSourceKey = "spinaltap:source_hash";
 /// Before the names of a level's notes, in its `sdf`.
 const std::string kNotePrefix = "spinaltap-level:";
@@ -93,23 +91,8 @@ openvdb::FloatGrid::Ptr named_sdf(const SpineBone& one) {
   return copy;
 }
 
-std::string content_hash(const std::vector<const SpineBone*>& bones) {
-  WordHash64 hash;
-  for (const SpineBone* one : bones) {
-    const std::string name = level_name(one->level);
-    hash.add(name.data(), name.size());
-    for (const auto& grid : {one->bone.grids().sdf, one->bone.grids().hu}) {
-      for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
-        hash.add(leaf->origin().data(), 3 * sizeof(openvdb::Int32));
-        hash.add(leaf->buffer().data(), openvdb::FloatTree::LeafNodeType::SIZE * sizeof(float));
-      }
-    }
-  }
-  return hash.hex();
-}
-
-std::vector<Level> levels_of(const detail::NamedGrids& file, const fs::path& path) {
-  const auto listed = file.metadata().getMetadata<openvdb::StringMetadata>(kLevelsKey);
+std::vector<Level> levels_of(const detail::VdbFile& file, const fs::path& path) {
+  const auto listed = file.metadata().getMetadata<openvdb::StringMetadata>(detail::kLevelsKey);
   if (!listed) return {};
   std::istringstream names(listed->value());
   std::vector<Level> levels;
@@ -125,10 +108,10 @@ std::vector<Level> levels_of(const detail::NamedGrids& file, const fs::path& pat
 }
 
 /// The numbers of one bone as they were before they were put together with the others'.
-openvdb::FloatGrid::Ptr own_hu(detail::NamedGrids& file, Level level, const fs::path& path) {
+openvdb::FloatGrid::Ptr own_hu(detail::VdbFile& file, Level level, const fs::path& path) {
   const MaskGrid::Ptr part = file.read_mask(part_name(level));
   const openvdb::CoordBBox box = part->evalActiveVoxelBoundingBox();
-  const openvdb::FloatGrid::Ptr shared = file.read_floats("hu", box);
+  const openvdb::FloatGrid::Ptr shared = file.read_floats("hu", &box);
   if (part->transform() != shared->transform()) {
     fail("expected the grid ", part_name(level), " on the voxels of hu in ", path.string());
   }
@@ -169,7 +152,7 @@ LevelNotes notes_of(const openvdb::FloatGrid& sdf) {
   return notes;
 }
 
-SpineBone read_level(detail::NamedGrids& file, Level level, const fs::path& path) {
+SpineBone read_level(detail::VdbFile& file, Level level, const fs::path& path) {
   auto grids = std::make_shared<detail::BoneGrids>();
   const openvdb::FloatGrid::Ptr sdf = file.read_floats(sdf_name(level));
   check_sdf(*sdf, sdf_name(level), path);
@@ -215,21 +198,22 @@ void write_spine(std::span<const SpineBone> bones, const fs::path& path) {
   }
   grids.push_back(shared_hu(sorted));
   openvdb::MetaMap metadata;
-  metadata.insertMeta(kLevelsKey, openvdb::StringMetadata(levels));
+  metadata.insertMeta(detail::kLevelsKey, openvdb::StringMetadata(levels));
   metadata.insertMeta(kSourceKey, openvdb::StringMetadata(source_of(sorted.front()->bone)));
   try {
-    detail::write_vdb(path, grids, content_hash(sorted), metadata);
+    detail::write_vdb(path, grids, metadata);
     // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
-    for (const SpineBone* one : sorted) read_spine_level(path, one->level);
+    detail::VdbFile written(path);
+    for (const SpineBone* one : sorted) read_level(written, one->level, path);
   } catch (const std::exception&) {
     fail("cannot write ", path.filename().string(), ": is the disk full, or the folder not writable?");
   }
 }
 
-std::vector<Level> levels_in(const fs::path& path) { return levels_of(detail::NamedGrids(path), path); }
+std::vector<Level> levels_in(const fs::path& path) { return levels_of(detail::VdbFile(path), path); }
 
 SpineBone read_spine_level(const fs::path& path, Level level) {
-  detail::NamedGrids file(path);
+  detail::VdbFile file(path);
   const std::vector<Level> levels = levels_of(file, path);
   if (levels.empty()) fail("expected a file of several bones, found another .vdb: ", path.string());
   if (std::find(levels.begin(), levels.end(), level) == levels.end()) {
@@ -240,7 +224,7 @@ SpineBone read_spine_level(const fs::path& path, Level level) {
 }
 
 std::vector<SpineBone> read_spine(const fs::path& path) {
-  detail::NamedGrids file(path);
+  detail::VdbFile file(path);
   const std::vector<Level> levels = levels_of(file, path);
   if (levels.empty()) fail("expected a file of several bones, found another .vdb: ", path.string());
   std::vector<SpineBone> bones;

@@ -119,14 +119,14 @@ TEST_F(BoneFile, IsRejectedWithHalfOfWhatADrilledBoneHas) {
   write("sdf", *half.sdf, grids);
   write("hu", *half.hu, grids);
   write("hole", *half.hole, grids);
-  detail::write_vdb(file("half.vdb"), grids, "0123");
+  detail::write_vdb(file("half.vdb"), grids);
   EXPECT_THAT([&] { read_bone(file("half.vdb")); },
               ThrowsMessage<Error>(AllOf(HasSubstr("half.vdb"), HasSubstr("before and hole"))));
   // On other voxels than the bone's.
   const auto moved = half.before->deepCopy();
   moved->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
   write("before", *moved, grids);
-  detail::write_vdb(file("moved.vdb"), grids, "0123");
+  detail::write_vdb(file("moved.vdb"), grids);
   EXPECT_THAT([&] { read_bone(file("moved.vdb")); },
               ThrowsMessage<Error>(AllOf(HasSubstr("moved.vdb"), HasSubstr("before"))));
 }

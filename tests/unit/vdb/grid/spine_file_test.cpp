@@ -59,6 +59,13 @@ const std::vector<SpineBone>& two_bones() {
   return bones;
 }
 
+/// As OpenVDB itself reads them.
+openvdb::GridPtrVecPtr grids_in(const fs::path& path) {
+  openvdb::io::File in(path.string());
+  in.open();
+  return in.getGrids();
+}
+
 class SpineFile : public testing::Test {
  protected:
   fs::path file(const char* name) const { return folder_.path() / name; }
@@ -112,7 +119,7 @@ TEST_F(SpineFile, IsABoneAloneToThoseWhoTakeOne) {
 }
 
 TEST_F(SpineFile, KeepsTheNumbersThatBonesShareOnce) {
-  const openvdb::GridPtrVecPtr grids = detail::read_vdb(written());
+  const openvdb::GridPtrVecPtr grids = grids_in(written());
   std::vector<std::string> names;
   for (const auto& grid : *grids) names.push_back(grid->getName());
   EXPECT_THAT(names, testing::UnorderedElementsAre("sdf_T11", "part_T11", "sdf_T12", "part_T12", "hu"));
@@ -178,7 +185,7 @@ TEST_F(SpineFile, SaysWhatIsWrongWithADamagedFile) {
 }
 
 TEST_F(SpineFile, SaysWhichGridOrListIsMissing) {
-  const openvdb::GridPtrVecPtr grids = detail::read_vdb(written());
+  const openvdb::GridPtrVecPtr grids = grids_in(written());
   const auto with = [&](const std::string& levels, const std::string& without) {
     openvdb::GridCPtrVec some;
     for (const auto& grid : *grids) {
@@ -186,7 +193,7 @@ TEST_F(SpineFile, SaysWhichGridOrListIsMissing) {
     }
     openvdb::MetaMap metadata;
     metadata.insertMeta("spinaltap:levels", openvdb::StringMetadata(levels));
-    detail::write_vdb(file("made.vdb"), some, "0123", metadata);
+    detail::write_vdb(file("made.vdb"), some, metadata);
     return file("made.vdb");
   };
   for (const char* name : {"sdf_T12", "part_T12", "hu"}) {
