@@ -222,8 +222,8 @@ class SideSearch {
       return !beyond(PathSide::medial) && !beyond(PathSide::anterior) && !(grade.canal.clearance_mm < 0.0) &&
              grade.breach_mm <= options_.lateral_breach_mm;
     }
-    // A breach that is put up with stays below 2 mm.
-    return attempt.margin_mm < 0.0 ? grade.grade <= Grade::B : grade.grade == Grade::A;
+    // The last resort puts up with a breach below 2 mm; nothing else with one, or with a screw in the joint.
+    return attempt.margin_mm < 0.0 ? grade.grade <= Grade::B : grade.grade == Grade::A && grade.facet <= 1;
   }
 
   static bool is_better(const Graded& a, const Graded& b) {

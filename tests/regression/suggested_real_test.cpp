@@ -68,8 +68,13 @@ bool exhaustive_finds(const Bone& bone, const PedicleLandmarks& pedicle, double 
     for (double at_mm = opening_limit_mm(radius_mm) + 0.5; at_mm < 60.0; at_mm += kStepMm) {
       if (!all_around(-at_mm, 0.5 * radius_mm, false)) return false;
     }
-    const PointTree::Nearest near = shape.nearest(entry_mm);
-    return !bone.walls().parts().is_joint(entry_mm, shape.normals()[near.index]);
+    for (int n = 0; n < 16; ++n) {
+      const double angle = std::numbers::pi / 8.0 * n;
+      const PointTree::Nearest near = shape.nearest(entry_mm + radius_mm * (std::cos(angle) * u + std::sin(angle) * v));
+      if (bone.walls().parts().is_joint(shape.points_mm()[near.index], shape.normals()[near.index])) return false;
+      if (-shape.normals()[near.index].dot(direction) < 0.5) return false;  // steeper than 60 degrees
+    }
+    return true;
   };
   for (double x = -1.0; x <= 1.0; x += 1.0 / 6.0) {
     for (double y = -1.0; y <= 1.0; y += 1.0 / 8.0) {

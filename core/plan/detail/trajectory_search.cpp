@@ -17,6 +17,10 @@ constexpr double kStepMm = 0.5;
 constexpr double kEntryOpeningMm = 4.0;
 /// So far behind and ahead of the isthmus a pedicle and its canal go.
 constexpr double kPedicleMm = 10.0;
+/// No bit begins on a surface that slants more.
+constexpr double kSteepestDeg = 60.0;
+/// So far from the joint surface a screw enters.
+constexpr double kBesideJointMm = 0.75;
 
 double share(double value, double full) { return std::clamp(value / full, 0.0, 1.0); }
 
@@ -91,6 +95,18 @@ Vec3 surface_between(const BoneShape& bone, Vec3 outside_mm, Vec3 inside_mm) {
   return inside_mm;
 }
 
+/// Between a direction and the surface's normal at a place, over the bit's width, from the lattice's gradient.
+double slant_deg(const BoneShape& bone, const Vec3& p_mm, const Vec3& direction) {
+  constexpr double kAcrossMm = 0.75;
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = kAcrossMm * Vec3::Unit(axis);
+    slope[axis] = bone.lattice_mm(p_mm + step) - bone.lattice_mm(p_mm - step);
+  }
+  if (!(slope.norm() > 0.0)) return 90.0;
+  return std::acos(std::clamp(-slope.normalized().dot(direction), -1.0, 1.0)) / kDegree;
+}
+
 /// Ways that are better come first; of equal ones that of the first place in the lattice.
 bool is_better(const ScrewCandidate& a, const ScrewCandidate& b) {
   const auto key = [](const ScrewCandidate& w) {
@@ -136,6 +152,18 @@ TrajectorySearch::Line TrajectorySearch::line_of(const Trajectory& trajectory) c
           (pedicle_.axis + std::tan(trajectory.turn_deg * kDegree) * pedicle_.width_axis +
            std::tan(trajectory.rise_deg * kDegree) * pedicle_.height_axis)
               .normalized()};
+}
+
+bool TrajectorySearch::is_on_joint(const Vec3& entry_mm, const Vec3& direction, double radius_mm) const {
+  const BoneShape& bone = walls_.bone();
+  const auto is_joint = [&](const Vec3& p_mm) {
+    const PointTree::Nearest near = bone.nearest(p_mm);
+    return walls_.parts().is_joint(bone.points_mm()[near.index], bone.normals()[near.index]);
+  };
+  if (is_joint(entry_mm)) return true;
+  if (!(radius_mm > 0.0)) return false;
+  const std::array<Vec3, 8> rim_mm = rim_of(direction, radius_mm);
+  return std::any_of(rim_mm.begin(), rim_mm.end(), [&](const Vec3& r) { return is_joint(entry_mm + r); });
 }
 
 std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& trajectory, const Attempt& attempt,
@@ -197,8 +225,10 @@ std::optional<ScrewCandidate> TrajectorySearch::with_screw(const Trajectory& tra
   }
   // A screw that ends in the pedicle holds nothing.
   if (screw == nullptr || entry_at_mm + screw->length_mm < kPedicleMm) return std::nullopt;
-  const PointTree::Nearest at_entry = bone.nearest(entry_mm);
-  if (walls_.parts().is_joint(entry_mm, bone.normals()[at_entry.index])) return std::nullopt;
+  if (attempt.margin_mm >= 0.0 && (is_on_joint(entry_mm, direction, radius_mm + kBesideJointMm) ||
+                                   slant_deg(bone, entry_mm, direction) > kSteepestDeg)) {
+    return std::nullopt;
+  }
   if (!is_open_behind(bone, entry_mm, direction, radius_mm)) return std::nullopt;
   ScrewCandidate found;
   found.trajectory = trajectory;
@@ -228,8 +258,7 @@ std::optional<ScrewCandidate> TrajectorySearch::beside_pedicle(const Trajectory&
   for (double at_mm = kStepMm; at_mm < kEntryBoneMm; at_mm += kStepMm) {
     if (bone.lattice_mm(entry_mm + at_mm * direction) > 0.0) return std::nullopt;
   }
-  const PointTree::Nearest at_entry = bone.nearest(entry_mm);
-  if (walls_.parts().is_joint(entry_mm, bone.normals()[at_entry.index])) return std::nullopt;
+  if (is_on_joint(entry_mm, direction, 0.0)) return std::nullopt;
   // Nothing towards the canal but bone of the margin.
   double canal_mm = std::numeric_limits<double>::infinity();
   for (double at_mm = entry_at_mm; at_mm <= 1.5 * kPedicleMm; at_mm += 1.0) {
@@ -302,16 +331,8 @@ double TrajectorySearch::approach(const DrillPath& path) const {
       }
     }
   }
-  // The surface's slope over the bit's width, from the lattice's gradient at the entry.
-  constexpr double kAcrossMm = 0.75;
-  Vec3 slope;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 step = kAcrossMm * Vec3::Unit(axis);
-    slope[axis] = bone.lattice_mm(path.entry_mm + step) - bone.lattice_mm(path.entry_mm - step);
-  }
-  const double slant_deg =
-      slope.norm() > 0.0 ? std::acos(std::clamp(-slope.normalized().dot(direction), -1.0, 1.0)) / kDegree : kSlantsDeg;
-  return (1.0 - share(cut_mm, kDeepMm)) * (1.0 - 0.5 * share(slant_deg * slant_deg, kSlantsDeg * kSlantsDeg));
+  const double turned_deg = slant_deg(bone, path.entry_mm, direction);
+  return (1.0 - share(cut_mm, kDeepMm)) * (1.0 - 0.5 * share(turned_deg * turned_deg, kSlantsDeg * kSlantsDeg));
 }
 
 double TrajectorySearch::score(const DrillPath& path, double pedicle_depth_mm, const Attempt& attempt) const {

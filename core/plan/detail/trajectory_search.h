@@ -56,6 +56,8 @@ class TrajectorySearch {
   std::optional<ScrewCandidate> beside_pedicle(const Trajectory& trajectory, const Attempt& attempt) const;
   /// `pedicle_depth_mm`: how deep the path's axis lies below the surface, at least, on its way through the pedicle.
   double score(const DrillPath& path, double pedicle_depth_mm, const Attempt& attempt) const;
+  /// Whether a tool's section at its entry meets the joint surface.
+  bool is_on_joint(const Vec3& entry_mm, const Vec3& direction, double radius_mm) const;
   double approach(const DrillPath& path) const;
   /// Counts in `looked_at` the trajectories it tries.
   ScrewCandidate refined(ScrewCandidate best, const Attempt& attempt, const PedicleScrew* largest,
