@@ -140,7 +140,6 @@ double opening_limit_mm(double tool_radius_mm) { return 1.2 * tool_radius_mm + 0
 
 InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPath& path, double opening_mm,
                                        double reach_mm) {
-  constexpr double kNearMm = 1.0;  // samples further from a body than its nearest plus this are not refined
   constexpr std::size_t kStructures = 8;
   const BoneShape& bone = walls.bone();
   const PathLine line(path);
@@ -193,9 +192,7 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     OfBody& of_body = found[b];
     if (of_body.nearest.distance_mm > reach_mm) continue;
-    if (of_body.nearest.distance_mm < kNearMm) {
-      of_body.nearest = refined(bone, line, bodies[b], of_body.nearest);
-    }
+    of_body.nearest = refined(bone, line, bodies[b], of_body.nearest);
     const double clearance_mm = of_body.nearest.distance_mm;
     if (bodies[b].part == InstrumentPart::head) contacts.head_clearance_mm = clearance_mm;
     if (bodies[b].part == InstrumentPart::driver) contacts.driver_clearance_mm = clearance_mm;

