@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
@@ -29,6 +30,63 @@ Json json_of(const Approach& approach) {
   if (!std::isfinite(approach.clearance_mm)) return nullptr;
   return {{"clearance_mm", approach.clearance_mm}, {"depth_mm", approach.depth_mm}, {"side", name_of(approach.side)}};
 }
+
+Json json_of(const Interval& interval) { return {interval.low, interval.high}; }
+
+Json json_of(const Probability& probability) {
+  return {{"share", probability.share}, {"interval_95", json_of(probability.interval)}};
+}
+
+Json json_of(const CrossErrors& errors) {
+  return {{"medial", {{"mean", errors.medial_bias}, {"sd", errors.medial}}},
+          {"cranial", {{"mean", errors.cranial_bias}, {"sd", errors.cranial}}},
+          {"shape", errors.shape}};
+}
+
+Json json_of(const PlacementErrors& errors) {
+  return {{"name", errors.name},
+          {"title", errors.title},
+          {"entry_mm", json_of(errors.entry_mm)},
+          {"direction_deg", json_of(errors.direction_deg)},
+          {"along_mm", {{"mean", errors.along_bias_mm}, {"sd", errors.along_mm}}},
+          {"correlation", errors.correlation},
+          {"sources", errors.sources}};
+}
+
+Json json_of(const BreachLattice& lattice) { return {{"errors", lattice.errors}, {"breach_mm", lattice.breach_mm}}; }
+
+Json json_of(const PlacedGrade& placed, bool with_map) {
+  Json grades = Json::object();
+  for (std::size_t n = 0; n < placed.odds.grades.size(); ++n) {
+    grades[std::string(1, letter_of(static_cast<Grade>(n)))] = json_of(placed.odds.grades[n]);
+  }
+  Json json{{"errors", json_of(placed.errors)},
+            {"draws", placed.odds.draws},
+            {"seed", placed.odds.seed},
+            {"grades", grades},
+            {"a_or_b", json_of(placed.odds.acceptable)},
+            {"canal_breach", json_of(placed.odds.canal)},
+            {"mean_breach_mm", placed.odds.mean_breach_mm},
+            {"p95_breach_mm", placed.odds.p95_breach_mm}};
+  if (with_map) {
+    json["map"] = {{"entry_shift_mm", json_of(placed.map.shift_mm)}, {"turn_deg", json_of(placed.map.turn_deg)}};
+  }
+  return json;
+}
+
+Json json_of(const CtSurfaceError& surface, const PathGrade& grade) {
+  Json json{{"standard_error_mm", surface.standard_error_mm()}, {"ct_noise_hu", surface.noise_hu},
+            {"ct_voxel_mm", to_json(surface.voxel_mm)},         {"edge_hu_per_mm", surface.edge_hu_per_mm},
+            {"noise_part_mm", surface.noise_part_mm},           {"sampling_part_mm", surface.sampling_part_mm}};
+  for (const auto& [name, approach] :
+       {std::pair{"outer_band_95_mm", &grade.outer}, std::pair{"canal_band_95_mm", &grade.canal}}) {
+    json[name] = std::isfinite(approach->clearance_mm) ? json_of(surface.band(approach->clearance_mm)) : Json(nullptr);
+  }
+  return json;
+}
+
+/// Whole percents from 10 on, else with one digit.
+std::string percents(double share) { return readable_number(100.0 * share, share < 0.1 ? 1 : 0); }
 
 std::vector<std::string> cells_of(const Approach& approach) {
   if (!std::isfinite(approach.clearance_mm)) return {"none", "", ""};
@@ -57,6 +115,42 @@ std::vector<std::string> band_names(const std::vector<double>& hu_bands) {
   return names;
 }
 
+std::string probability_in_words(const Probability& probability) {
+  return percents(probability.share) + " % (" + percents(probability.interval.low) + " to " +
+         percents(probability.interval.high) + ")";
+}
+
+std::string odds_in_words(const PlacedGrade& placed) {
+  constexpr double kSmallest = 1e-3;
+  std::string words;
+  for (std::size_t n = 0; n < placed.odds.grades.size(); ++n) {
+    if (n > 0 && placed.odds.grades[n].share < kSmallest) continue;
+    words += (words.empty() ? "" : ", ") + std::string(1, letter_of(static_cast<Grade>(n))) + " " +
+             probability_in_words(placed.odds.grades[n]);
+  }
+  return words + "; breach into the canal " + probability_in_words(placed.odds.canal) + "; by " + placed.errors.name +
+         ", " + std::to_string(placed.odds.draws) + " draws";
+}
+
+std::string surface_in_words(const GradedPath& graded) {
+  const CtSurfaceError& surface = *graded.surface;
+  const bool nearer_is_canal = graded.grade.canal.clearance_mm < graded.grade.outer.clearance_mm;
+  const double clearance_mm = std::min(graded.grade.canal.clearance_mm, graded.grade.outer.clearance_mm);
+  std::string words = "found to " + readable_number(surface.standard_error_mm(), 2) + " mm (standard error)";
+  if (!std::isfinite(clearance_mm)) return words;
+  const Interval band = surface.band(clearance_mm);
+  return words + ": clearance to the " + (nearer_is_canal ? "canal " : "outer surface ") +
+         readable_number(clearance_mm, 2) + " mm is " + readable_number(band.low, 2) + " to " +
+         readable_number(band.high, 2) + " mm";
+}
+
+Json uncertainty_json(const GradedPath& graded, bool with_map) {
+  Json json = Json::object();
+  if (graded.placed) json["placement"] = json_of(*graded.placed, with_map);
+  if (graded.surface) json["surface"] = json_of(*graded.surface, graded.grade);
+  return json;
+}
+
 Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool with_rows) {
   const PathGrade& grade = graded.grade;
   Json json{{"name", graded.path.name},
@@ -83,6 +177,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
     json["hu_bands"].push_back({{"band", names[n]}, {"share", grade.hu_band_shares.at(n)}});
   }
   json["max_thrust_n"] = grade.max_thrust_n;
+  json.update(uncertainty_json(graded, with_rows));
   if (!with_rows) return json;
   json["rows"] = Json::array();
   for (const GradeRow& row : grade.rows) {

@@ -5,15 +5,26 @@
 #include <vector>
 
 #include "core/files/json_file.h"
+#include "core/plan/ct_surface_error.h"
+#include "core/plan/placement_odds.h"
 #include "core/plan/suggest.h"
 
 namespace spinaltap {
+
+/// What becomes of a path where screws err.
+struct PlacedGrade {
+  PlacementErrors errors;
+  GradeOdds odds;
+  BreachMap map;
+};
 
 /// A path and what it was graded as.
 struct GradedPath {
   DrillPath path;
   PathGrade grade;
-  std::optional<SafeZone> safe = {};  ///< where it was worked out
+  std::optional<SafeZone> safe = {};           ///< where it was worked out
+  std::optional<PlacedGrade> placed = {};      ///< the same
+  std::optional<CtSurfaceError> surface = {};  ///< of the CT that shows the bone, where it is known
 };
 
 /// "screw 6.5 x 45 mm" or "bit of 3 mm".
@@ -23,6 +34,17 @@ std::string breach_of(const PathGrade& grade);
 /// "below 135 HU", "135 to 375 HU", "375 HU and above".
 std::vector<std::string> band_names(const std::vector<double>& hu_bands);
 
+/// "93 % (91 to 95)": a probability and its interval.
+std::string probability_in_words(const Probability& probability);
+/// "A 93 % (91 to 95), B 6 % (5 to 8); breach into the canal 2 % (1 to 3); by robot_726, 1024 draws": grades below 0.1
+/// % are left out.
+std::string odds_in_words(const PlacedGrade& placed);
+/// "found to 0.12 mm (standard error): clearance to the canal 1.31 mm is 1.07 to 1.55 mm", of the nearer wall.
+std::string surface_in_words(const GradedPath& graded);
+
+/// Odds and map where errors are known, and how well the surface is: "placement" and "surface". Without the map only
+/// figures.
+Json uncertainty_json(const GradedPath& graded, bool with_map = false);
 /// All figures of a path, with its rows where asked. What is not finite is null.
 Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool with_rows);
 /// The rows of all paths, with a head line; units are in the names of the columns. What is not finite is empty.

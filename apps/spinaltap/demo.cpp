@@ -9,6 +9,7 @@
 #include "apps/spinaltap/mesh_figures.h"
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/phantom_options.h"
+#include "apps/spinaltap/placement_options.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "mesh/mesh_io.h"
@@ -66,9 +67,11 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     paths = {*given};
   } else if (paths.empty()) {
     const std::vector<Suggestion> suggestions = bone.suggest({.bit = options.path.bit}, progress);
-    figures["plan"] = report_suggestions(bone, suggestions);
+    std::vector<GradedPath> graded = graded_paths(suggestions);
+    add_uncertainty(bone, PlacementOptions().model(), graded, progress);
+    figures["plan"] = report_suggestions(bone, suggestions, graded);
     paths = paths_of(suggestions);
-    write_planning_report("Suggested paths", bone, suggestions, options.folder / "plan.html");
+    write_planning_report("Suggested paths", bone, graded, options.folder / "plan.html");
   }
   figures["plan"].update(report_paths(paths));
   write_plan(paths, options.folder / "plan.json");

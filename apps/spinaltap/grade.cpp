@@ -7,6 +7,7 @@
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_output.h"
+#include "apps/spinaltap/placement_options.h"
 #include "core/base/staged_output.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
@@ -24,6 +25,7 @@ struct GradeCommandOptions {
   double screw_diameter_mm = std::nan("");
   double screw_length_mm = std::nan("");
   GradeOptions grade;
+  PlacementOptions placement;
   std::filesystem::path folder = "graded";
   bool fails_on_breach = false;
 };
@@ -49,12 +51,14 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   const Material material =
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
+  const std::optional<PlacementErrors> errors = options.placement.model();
   const Bone bone = Bone::load(options.bone, options.level);
   std::vector<GradedPath> graded;
   graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
     graded.push_back({path, grade(bone, path, options.grade, material, progress)});
   }
+  add_uncertainty(bone, errors, graded, progress);
   const auto is_breach = [](const GradedPath& one) { return one.grade.breach_mm > 0.0; };
   if (options.fails_on_breach && std::any_of(graded.begin(), graded.end(), is_breach)) exit_code = kAnswerIsNo;
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
@@ -72,6 +76,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
                                                              &bone.landmarks(), &ct, bone.model().bounds_mm()}));
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
+  print_uncertainty(graded);
   for (const std::string& warning : bone.landmarks().warnings) print_figure("warning", warning);
   print_figure("report", (options.folder / "report.html").string());
   return figures;
@@ -109,6 +114,7 @@ void add_grade(CLI::App& program, Command& command) {
   app->add_option("--step", options->grade.step_mm, "Depth from row to row, mm")
       ->capture_default_str()
       ->type_name("MM");
+  options->placement.add_to(*app);
   app->add_flag("--fail-on-breach", options->fails_on_breach, "Exit with 1 where a path breaches, with all written");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
   command.run = [options, &command](const Progress& progress) { return grade(*options, progress, command.exit_code); };

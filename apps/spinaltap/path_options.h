@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/report/grade_output.h"
 #include "core/files/json_file.h"
 #include "core/tool/drill_path.h"
 #include "vdb/sim/auto_plan.h"
@@ -30,11 +31,16 @@ struct PathOptions {
 /// Prints paths and gives them as JSON.
 Json report_paths(const std::vector<DrillPath>& paths);
 
-/// Prints what was found of a vertebra and suggested for it, and gives it as JSON.
-Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions);
+/// The paths of those sides that have one, with their grades and safe zones.
+std::vector<GradedPath> graded_paths(const std::vector<Suggestion>& suggestions);
+
+/// Prints what was found of a vertebra and suggested for it, and gives it as JSON. `graded`: graded_paths(), with what
+/// is known of their uncertainty.
+Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions,
+                        const std::vector<GradedPath>& graded);
 
 /// Writes the report on suggested paths: the vertebra, and each path's grade, safe zone, slices and plots.
-void write_planning_report(const std::string& title, const Bone& bone, const std::vector<Suggestion>& suggestions,
+void write_planning_report(const std::string& title, const Bone& bone, const std::vector<GradedPath>& graded,
                            const std::filesystem::path& file);
 
 }  // namespace spinaltap

@@ -6,6 +6,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/path_options.h"
+#include "apps/spinaltap/placement_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/bit_file.h"
@@ -120,23 +121,33 @@ void print_landmarks(const Landmarks& marks) {
 
 }  // namespace
 
-Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions) {
+std::vector<GradedPath> graded_paths(const std::vector<Suggestion>& suggestions) {
+  std::vector<GradedPath> graded;
+  for (const Suggestion& suggestion : suggestions) {
+    if (suggestion.best) graded.push_back({suggestion.best->path, suggestion.best->grade, suggestion.best->safe});
+  }
+  return graded;
+}
+
+Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions,
+                        const std::vector<GradedPath>& graded) {
   print_landmarks(bone.landmarks());
   Json list = Json::array();
   for (const Suggestion& suggestion : suggestions) {
     print_suggestion(suggestion);
     list.push_back(to_json(suggestion));
+    for (const GradedPath& one : graded) {
+      if (suggestion.best && one.path.name == suggestion.best->path.name) list.back().update(uncertainty_json(one));
+    }
   }
+  print_uncertainty(graded);
   return {{"landmarks", to_json(bone.landmarks())}, {"suggestions", list}};
 }
 
-void write_planning_report(const std::string& title, const Bone& bone, const std::vector<Suggestion>& suggestions,
+void write_planning_report(const std::string& title, const Bone& bone, const std::vector<GradedPath>& graded,
                            const std::filesystem::path& file) {
   const CtVolume ct = ct_of_bone(bone.model());
-  GradeReportData data{title, {}, GradeOptions().hu_bands, &bone.landmarks(), &ct, bone.model().bounds_mm()};
-  for (const Suggestion& suggestion : suggestions) {
-    if (suggestion.best) data.paths.push_back({suggestion.best->path, suggestion.best->grade, suggestion.best->safe});
-  }
+  const GradeReportData data{title, graded, GradeOptions().hu_bands, &bone.landmarks(), &ct, bone.model().bounds_mm()};
   StagedOutput output;
   output.write(file, grade_report(data));
   output.commit();
@@ -152,6 +163,7 @@ void add_plan(CLI::App& program, Command& command) {
     PathOptions path;
     bool is_auto = false;
     AutoPlanOptions suggest;
+    PlacementOptions placement;
     std::filesystem::path report;
   };
   const auto options = std::make_shared<Options>();
@@ -169,10 +181,12 @@ void add_plan(CLI::App& program, Command& command) {
       ->excludes("--name");
   options->path.add_to(*app);
   add_auto_plan(*app, options->suggest);
+  options->placement.add_to(*app);
   app->add_option("--report", options->report, "Also write a page with slices, plots, grades and safe zones")
       ->type_name("FILE");
   app->get_option("--auto")->excludes("--entry");
-  for (const char* name : {"--screws", "--rules", "--margin", "--report"}) app->get_option(name)->needs("--auto");
+  for (const char* name : {"--screws", "--rules", "--margin", "--errors", "--report"})
+    app->get_option(name)->needs("--auto");
 
   command.run = [options](const Progress& progress) {
     Json figures = Json::object();
@@ -183,10 +197,13 @@ void add_plan(CLI::App& program, Command& command) {
       paths = {*path};
     } else if (options->is_auto) {
       options->suggest.bit = options->path.bit;
+      const std::optional<PlacementErrors> errors = options->placement.model();
       const std::vector<Suggestion> suggestions = bone.suggest(options->suggest, progress);
-      figures = report_suggestions(bone, suggestions);
+      std::vector<GradedPath> graded = graded_paths(suggestions);
+      add_uncertainty(bone, errors, graded, progress);
+      figures = report_suggestions(bone, suggestions, graded);
       paths = paths_of(suggestions);
-      if (!options->report.empty()) write_planning_report("Suggested paths", bone, suggestions, options->report);
+      if (!options->report.empty()) write_planning_report("Suggested paths", bone, graded, options->report);
     } else {
       fail("expected --entry and --target, or --auto");
     }

@@ -8,6 +8,8 @@
 #include "core/base/hash.h"
 #include "core/base/version.h"
 #include "core/ct/label_map.h"
+#include "core/segment/bone_levels.h"
+#include "vdb/sim/detail/bone_surface_error.h"
 
 namespace spinaltap {
 
@@ -135,8 +137,9 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"program", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
+      {kCtNoise, text(estimate_noise_hu(ct))},
       {"ct_size", text(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
-      {"ct_spacing_mm", text(geometry.spacing_mm.transpose())},
+      {kCtSpacing, text(geometry.spacing_mm.transpose())},
       {"ct_origin_mm", text(geometry.origin_mm.transpose())},
       {"ct_directions", text(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
                              geometry.directions.col(2).transpose())},

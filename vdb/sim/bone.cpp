@@ -8,6 +8,7 @@
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/picture/view.h"
+#include "vdb/sim/detail/bone_surface_error.h"
 
 namespace spinaltap {
 
@@ -15,12 +16,13 @@ struct Bone::State {
   explicit State(BoneModel bone) : model(std::move(bone)) {}
 
   BoneModel model;
-  std::once_flag has_hash, has_shape, has_landmarks, has_walls;
+  std::once_flag has_hash, has_shape, has_landmarks, has_walls, has_surface_error;
   std::string hash;
   std::optional<BoneShape> shape;
   Landmarks landmarks;
   std::string no_landmarks;
   std::optional<WallDistance> walls;
+  std::optional<CtSurfaceError> surface_error;
 };
 
 Bone::Bone(BoneModel model) : state_(std::make_shared<State>(std::move(model))) {}
@@ -117,6 +119,11 @@ const WallDistance& Bone::walls(const Progress& progress) const {
   no_landmarks(progress);
   std::call_once(state_->has_walls, [&] { state_->walls.emplace(*state_->shape, state_->landmarks); });
   return *state_->walls;
+}
+
+std::optional<CtSurfaceError> Bone::surface_error() const {
+  std::call_once(state_->has_surface_error, [&] { state_->surface_error = bone_surface_error(model(), shape()); });
+  return state_->surface_error;
 }
 
 std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Progress& progress) const {

@@ -12,6 +12,7 @@
 #include "core/base/view.h"
 #include "core/ct/level.h"
 #include "core/ct/read_ct.h"
+#include "core/plan/ct_surface_error.h"
 #include "core/plan/grade.h"
 #include "core/plan/landmarks.h"
 #include "core/plan/suggest.h"
@@ -73,6 +74,9 @@ class Bone {
   const std::string& no_landmarks(const Progress& progress = {}) const;
   /// Distances to the outer surface and, where there are landmarks, to the canal.
   const WallDistance& walls(const Progress& progress = {}) const;
+
+  /// How well the CT that it was baked from shows its surface; nothing where the CT's noise is not known.
+  std::optional<CtSurfaceError> surface_error() const;
 
   /// A screw and a path for each pedicle, with its grade, or why there is none. Throws Error without landmarks.
   std::vector<Suggestion> suggest(const AutoPlanOptions& options = {}, const Progress& progress = {}) const;

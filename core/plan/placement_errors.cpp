@@ -1,0 +1,234 @@
+#include "core/plan/placement_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/base/quasi_random.h"
+#include "core/plan/path_side.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kSmallestShape = 0.5, kLargestShape = 50.0;
+
+/// A pair of standard normal numbers, its length replaced by a Weibull law's of this shape, with variances of 1.
+struct Pair {
+  double medial, cranial;
+};
+Pair reshaped(const Pair& normal, double shape) {
+  if (shape == 2.0) return normal;
+  const double length = std::hypot(normal.medial, normal.cranial);
+  if (!(length > 0.0)) return normal;
+  // exp(-length²/2) is uniform, and minus its logarithm to the power of 1/shape has the Weibull law. The mean square of
+  // the length is 2.
+  const double scale = std::sqrt(2.0 / std::tgamma(1.0 + 2.0 / shape));
+  const double factor = scale * std::pow(0.5 * length * length, 1.0 / shape) / length;
+  return {factor * normal.medial, factor * normal.cranial};
+}
+
+/// Where `falling`, a function that falls with the shape, has this value.
+template <class Falling>
+double shape_where(double value, const Falling& falling) {
+  double low = kSmallestShape, high = kLargestShape;
+  for (int round = 0; round < 100; ++round) {
+    const double middle = 0.5 * (low + high);
+    (falling(middle) > value ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Deviation over mean of a Weibull law.
+double variation_of_length(double shape) {
+  const double mean = std::tgamma(1.0 + 1.0 / shape);
+  return std::sqrt(std::max(0.0, std::tgamma(1.0 + 2.0 / shape) / (mean * mean) - 1.0));
+}
+
+/// Share of errors that are larger than `size` to one side or its opposite, where the variance of that side is 1.
+double share_beyond(double size, double shape) {
+  constexpr int kAngles = 2000;
+  const double scale = std::sqrt(2.0 / std::tgamma(1.0 + 2.0 / shape));
+  double sum = 0.0;
+  for (int n = 0; n < kAngles; ++n) {
+    const double cosine = std::cos(0.5 * std::numbers::pi * (n + 0.5) / kAngles);
+    sum += std::exp(-std::pow(size / (scale * cosine), shape));
+  }
+  return sum / kAngles;
+}
+
+double size_with_share_beyond(double share, double shape) {
+  double low = 0.0, high = 50.0;
+  for (int round = 0; round < 60; ++round) {
+    const double middle = 0.5 * (low + high);
+    (share_beyond(middle, shape) > share ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+void check_cross(const CrossErrors& errors, const char* what) {
+  constexpr double kLargest = 100.0;
+  for (const double bias : {errors.medial_bias, errors.cranial_bias}) {
+    if (!(std::abs(bias) <= kLargest))
+      fail("placement errors: expected a bias of the ", what, " up to ", kLargest, ", found ", bias);
+  }
+  for (const double spread : {errors.medial, errors.cranial}) {
+    if (!(spread >= 0.0 && spread <= kLargest)) {
+      fail("placement errors: expected a spread of the ", what, " of 0 to ", kLargest, ", found ", spread);
+    }
+  }
+  if (!(errors.shape >= kSmallestShape && errors.shape <= kLargestShape)) {
+    fail("placement errors: expected a shape of the ", what, "'s law of ", kSmallestShape, " to ", kLargestShape,
+         ", found ", errors.shape);
+  }
+}
+
+}  // namespace
+
+void check_errors(const PlacementErrors& errors) {
+  constexpr double kFurthestMm = 100.0;
+  check_cross(errors.entry_mm, "entry");
+  check_cross(errors.direction_deg, "direction");
+  if (!(std::abs(errors.along_bias_mm) <= kFurthestMm)) {
+    fail("placement errors: expected a bias along the path up to ", kFurthestMm, " mm, found ", errors.along_bias_mm);
+  }
+  if (!(errors.along_mm >= 0.0 && errors.along_mm <= kFurthestMm)) {
+    fail("placement errors: expected a spread along the path of 0 to ", kFurthestMm, " mm, found ", errors.along_mm);
+  }
+  if (!(std::abs(errors.correlation) <= 1.0)) {
+    fail("placement errors: expected a correlation of -1 to 1, found ", errors.correlation);
+  }
+}
+
+PlacementErrors plain_errors(double entry_mm, double direction_deg) {
+  PlacementErrors errors;
+  std::ostringstream name;
+  name << entry_mm << " mm, " << direction_deg << " degrees";
+  errors.name = name.str();
+  errors.title = "Standard deviations to each side, normal";
+  errors.entry_mm.medial = errors.entry_mm.cranial = entry_mm;
+  errors.direction_deg.medial = errors.direction_deg.cranial = direction_deg;
+  check_errors(errors);
+  return errors;
+}
+
+CrossErrors errors_of_length(const MeanAndDeviation& length) {
+  constexpr double kFewest = 0.5, kMost = 40.0;
+  if (!(length.mean > 0.0 && length.deviation > 0.0 && length.mean >= kFewest * length.deviation &&
+        length.mean <= kMost * length.deviation)) {
+    fail("placement errors: expected a mean of ", kFewest, " to ", kMost, " standard deviations, found ", length.mean,
+         " with ", length.deviation);
+  }
+  CrossErrors errors;
+  errors.shape = shape_where(length.deviation / length.mean, variation_of_length);
+  errors.medial = errors.cranial = std::sqrt(0.5) * std::hypot(length.mean, length.deviation);
+  return errors;
+}
+
+CrossErrors errors_of_sides(const MedianAndP95& medial, const MedianAndP95& cranial) {
+  constexpr double kFewest = 2.0, kMost = 20.0;
+  for (const MedianAndP95& side : {medial, cranial}) {
+    if (!(side.median > 0.0 && side.p95 >= kFewest * side.median && side.p95 <= kMost * side.median)) {
+      fail("placement errors: expected a 95th percentile of ", kFewest, " to ", kMost, " medians, found ", side.p95,
+           " with ", side.median);
+    }
+  }
+  constexpr double kHalf = 0.5, kTwentieth = 0.05;
+  const double ratio = std::sqrt(medial.p95 / medial.median * cranial.p95 / cranial.median);
+  CrossErrors errors;
+  errors.shape = shape_where(ratio, [](double shape) {
+    return size_with_share_beyond(kTwentieth, shape) / size_with_share_beyond(kHalf, shape);
+  });
+  const double of_unit =
+      std::sqrt(size_with_share_beyond(kHalf, errors.shape) * size_with_share_beyond(kTwentieth, errors.shape));
+  errors.medial = std::sqrt(medial.median * medial.p95) / of_unit;
+  errors.cranial = std::sqrt(cranial.median * cranial.p95) / of_unit;
+  return errors;
+}
+
+double correlation_by_tip(const CrossErrors& entry_mm, const CrossErrors& direction_deg, const MeanAndDeviation& tip_mm,
+                          double screw_length_mm) {
+  if (!(screw_length_mm > 0.0) || !(tip_mm.mean > 0.0 && tip_mm.deviation >= 0.0)) {
+    fail("placement errors: expected a tip's error and a screw's length above 0, found ", tip_mm.mean, " mm and ",
+         screw_length_mm, " mm");
+  }
+  constexpr std::uint32_t kDraws = 4096;
+  constexpr std::uint64_t kSeed = 1;
+  PlacementErrors errors;
+  errors.entry_mm = entry_mm;
+  errors.direction_deg = direction_deg;
+  const auto mean_square = [&](double correlation) {
+    errors.correlation = correlation;
+    double sum = 0.0;
+    for (std::uint32_t n = 0; n < kDraws; ++n) {
+      const PlacementError one = draw_error(errors, kSeed, n);
+      const double turn = std::hypot(one.medial_deg, one.cranial_deg) * kDegree;
+      const double per_degree_mm = turn > 0.0 ? screw_length_mm * std::sin(turn) / turn * kDegree : 0.0;
+      const double medial_mm = one.medial_mm + per_degree_mm * one.medial_deg;
+      const double cranial_mm = one.cranial_mm + per_degree_mm * one.cranial_deg;
+      sum += medial_mm * medial_mm + cranial_mm * cranial_mm;
+    }
+    return sum / kDraws;
+  };
+  const double wanted = tip_mm.mean * tip_mm.mean + tip_mm.deviation * tip_mm.deviation;
+  double low = -1.0, high = 1.0;
+  if (!(wanted >= mean_square(low) && wanted <= mean_square(high))) {
+    fail("placement errors: expected a tip that errs by ", std::sqrt(mean_square(low)), " to ",
+         std::sqrt(mean_square(high)), " mm (root mean square) for such entries and directions, found ",
+         std::sqrt(wanted), " mm");
+  }
+  for (int round = 0; round < 40; ++round) {
+    const double middle = 0.5 * (low + high);
+    (mean_square(middle) < wanted ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+PlacementError error_of(const PlacementErrors& errors, const std::array<double, 5>& normals) {
+  const double alone = std::sqrt(std::max(0.0, 1.0 - errors.correlation * errors.correlation));
+  const Pair entry = reshaped({normals[0], normals[1]}, errors.entry_mm.shape);
+  const Pair turn = reshaped(
+      {errors.correlation * normals[0] + alone * normals[2], errors.correlation * normals[1] + alone * normals[3]},
+      errors.direction_deg.shape);
+  PlacementError error;
+  error.medial_mm = errors.entry_mm.medial_bias + errors.entry_mm.medial * entry.medial;
+  error.cranial_mm = errors.entry_mm.cranial_bias + errors.entry_mm.cranial * entry.cranial;
+  error.along_mm = errors.along_bias_mm + errors.along_mm * normals[4];
+  error.medial_deg = errors.direction_deg.medial_bias + errors.direction_deg.medial * turn.medial;
+  error.cranial_deg = errors.direction_deg.cranial_bias + errors.direction_deg.cranial * turn.cranial;
+  return error;
+}
+
+PlacementError draw_error(const PlacementErrors& errors, std::uint64_t seed, std::uint32_t index) {
+  std::array<double, 5> normals{};
+  for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = sobol_normal(seed, index, static_cast<int>(n));
+  return error_of(errors, normals);
+}
+
+ErrorFrame error_frame(const Landmarks& landmarks, const DrillPath& path) {
+  ErrorFrame frame;
+  frame.along = path.direction();
+  const Vec3 inward = SideNames(landmarks, path).is_left() ? Vec3(-landmarks.left()) : landmarks.left();
+  Vec3 medial = inward - inward.dot(frame.along) * frame.along;
+  frame.medial = medial.norm() > 1e-6 ? Vec3(medial.normalized()) : any_perpendicular(frame.along);
+  frame.cranial = frame.along.cross(frame.medial);
+  if (frame.cranial.dot(landmarks.superior()) < 0.0) frame.cranial = -frame.cranial;
+  return frame;
+}
+
+DrillPath erred_path(const DrillPath& path, const ErrorFrame& frame, const PlacementError& error) {
+  const double turn = std::hypot(error.medial_deg, error.cranial_deg);
+  Vec3 direction = frame.along;
+  if (turn > 0.0) {
+    const Vec3 to = (error.medial_deg * frame.medial + error.cranial_deg * frame.cranial) / turn;
+    direction = std::cos(turn * kDegree) * frame.along + std::sin(turn * kDegree) * to;
+  }
+  DrillPath erred = path;
+  erred.entry_mm += error.medial_mm * frame.medial + error.cranial_mm * frame.cranial + error.along_mm * frame.along;
+  erred.target_mm = erred.entry_mm + path.length_mm() * direction;
+  return erred;
+}
+
+}  // namespace spinaltap
