@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/plan/detail/fast_breach.h"
 
 namespace spinaltap {
 namespace {
@@ -40,6 +41,7 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
   check_errors(errors);
   check_path(path);
   check_odds_options(options);
+  breach_mm(walls, path, options.grade);  // rejects options without sense
   const ErrorFrame frame = error_frame(walls.landmarks(), path);
   const auto draws = static_cast<std::size_t>(options.draws);
   std::vector<double> breaches_mm(draws);
@@ -47,7 +49,9 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
   ProgressCounter counter(progress, "grading erred paths", draws);
   tbb::parallel_for(std::size_t{0}, draws, [&](std::size_t n) {
     const PlacementError error = draw_error(errors, options.seed, static_cast<std::uint32_t>(n));
-    breaches_mm[n] = breach_mm(walls, erred_path(path, frame, error), options.grade);
+    const FastBreach::Breaches found = FastBreach(walls, erred_path(path, frame, error), options.grade).breaches();
+    breaches_mm[n] = found.larger_mm();
+    into_canal[n] = found.canal_mm > 0.0 ? 1 : 0;
     counter.add();
   });
 
@@ -73,7 +77,7 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
 
 BreachMap breach_map(const WallDistance& walls, const DrillPath& path, const BreachMapOptions& options,
                      const Progress& progress) {
-  check_path(path);
+  breach_mm(walls, path, options.grade);  // rejects paths and options without sense
   BreachMap map;
   map.shift_mm.errors = lattice_of(options.max_shift_mm, options.shift_step_mm, "shifts (mm)");
   map.turn_deg.errors = lattice_of(options.max_turn_deg, options.turn_step_deg, "turns (degrees)");
@@ -91,7 +95,9 @@ BreachMap breach_map(const WallDistance& walls, const DrillPath& path, const Bre
     const double cranial = lattice.errors[place / lattice.errors.size()];
     const PlacementError error =
         is_shift ? PlacementError{medial, cranial, 0.0, 0.0, 0.0} : PlacementError{0.0, 0.0, 0.0, medial, cranial};
-    lattice.breach_mm[place] = breach_mm(walls, erred_path(path, frame, error), options.grade);
+    const FastBreach fast(walls, erred_path(path, frame, error), options.grade);
+    const double breach_mm = fast.breaches().larger_mm();
+    lattice.breach_mm[place] = breach_mm > 0.0 ? breach_mm : -fast.clearance_mm();
     counter.add();
   });
   return map;
