@@ -1,6 +1,7 @@
 #include "apps/report/grade_output.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -30,6 +31,27 @@ Json json_of(const Approach& approach) {
   if (!std::isfinite(approach.clearance_mm)) return nullptr;
   return {{"clearance_mm", approach.clearance_mm}, {"depth_mm", approach.depth_mm}, {"side", name_of(approach.side)}};
 }
+
+Json json_of(const Finding& finding, const DrillPath& path) {
+  return {{"part", name_of(finding.part, path)},
+          {"structure", name_of(finding.structure)},
+          {"is_warning", finding.is_warning},
+          {"depth_mm", finding.depth_mm},
+          {"at_mm", finding.at_mm},
+          {"place_mm", to_json(finding.place_mm)},
+          {"words", finding.words}};
+}
+
+Json json_of(const InstrumentContacts& instrument) {
+  return {{"head_clearance_mm", number_or_null(instrument.head_clearance_mm)},
+          {"driver_clearance_mm", number_or_null(instrument.driver_clearance_mm)},
+          {"cut_behind_mm", instrument.cut_behind_mm},
+          {"joint_depth_mm", instrument.joint_depth_mm},
+          {"is_beside_joint", instrument.is_beside_joint}};
+}
+
+constexpr std::array kPathSides{PathSide::medial, PathSide::lateral, PathSide::cranial, PathSide::caudal,
+                                PathSide::anterior};
 
 Json json_of(const Interval& interval) { return {interval.low, interval.high}; }
 
@@ -167,6 +189,19 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   } else {
     json["breach"] = nullptr;
   }
+  json["rampersaud"] = std::string(1, grade.rampersaud);
+  json["heary"] = name_of(grade.heary);
+  json["facet_babu"] = grade.facet;
+  json["side_breach_mm"] = Json::object();
+  for (const PathSide side : kPathSides) {
+    json["side_breach_mm"][name_of(side)] = grade.side_breach_mm.at(static_cast<std::size_t>(side));
+  }
+  json["findings"] = Json::array();
+  for (const Finding& finding : grade.findings) json["findings"].push_back(json_of(finding, graded.path));
+  json["instrument"] = json_of(grade.instrument);
+  json["opening_end_mm"] = grade.opening_end_mm;
+  json["bearing_mm"] = number_or_null(grade.bearing_mm);
+  json["entry_slant_deg"] = number_or_null(grade.entry_slant_deg);
   json["outer"] = json_of(grade.outer);
   json["canal"] = json_of(grade.canal);
   json["entry_end_mm"] = grade.entry_end_mm;
@@ -187,6 +222,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
                             {"outer_side", name_of(row.outer_side)},
                             {"clearance_canal_mm", number_or_null(row.canal_mm)},
                             {"canal_side", name_of(row.canal_side)},
+                            {"is_opening", row.is_opening},
                             {"is_entry", row.is_entry},
                             {"hu", number_or_null(row.hu)},
                             {"hu_band_shares", row.hu_band_shares},
@@ -198,7 +234,8 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
 std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
   std::ostringstream csv;
   csv.precision(7);
-  csv << "path,depth_mm,radius_mm,clearance_outer_mm,outer_side,clearance_canal_mm,canal_side,is_entry,hu,thrust_n";
+  csv << "path,depth_mm,radius_mm,clearance_outer_mm,outer_side,clearance_canal_mm,canal_side,is_opening,is_entry,hu,"
+         "thrust_n";
   for (std::string name : band_names(hu_bands)) {
     std::replace(name.begin(), name.end(), ' ', '_');
     csv << ",share_" << name;
@@ -216,7 +253,7 @@ std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<d
       field(row.outer_mm);
       csv << name_of(row.outer_side) << ',';
       field(row.canal_mm);
-      csv << name_of(row.canal_side) << ',' << (row.is_entry ? 1 : 0) << ',';
+      csv << name_of(row.canal_side) << ',' << (row.is_opening ? 1 : 0) << ',' << (row.is_entry ? 1 : 0) << ',';
       field(row.hu);
       csv << row.thrust_n;
       for (const double share : row.hu_band_shares) csv << ',' << share;
@@ -242,6 +279,16 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
   for (const std::string& name : band_names(hu_bands)) columns.push_back({name, "%"});
   columns.push_back({"max thrust", "N"});
   TextTable bone(columns);
+  TextTable scales({{"path", "", false},
+                    {"Gertzbein-Robbins", "", false},
+                    {"Rampersaud", "", false},
+                    {"Heary", "", false},
+                    {"facet (Babu)", ""},
+                    {"bone to head", "mm"},
+                    {"to driver", "mm"},
+                    {"cut behind entry", "mm"},
+                    {"entry slants", "°"}});
+  std::string findings;
   for (const GradedPath& graded : paths) {
     const PathGrade& grade = graded.grade;
     std::vector<std::string> cells{graded.path.name, tool_of(graded.path), std::string(1, letter_of(grade.grade)),
@@ -254,8 +301,17 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
     for (const double share : grade.hu_band_shares) cells.push_back(readable_number(100.0 * share, 1));
     cells.push_back(readable_number(grade.max_thrust_n, 1));
     bone.add_row(cells);
+    const InstrumentContacts& instrument = grade.instrument;
+    scales.add_row({graded.path.name, std::string(1, letter_of(grade.grade)), std::string(1, grade.rampersaud),
+                    name_of(grade.heary), std::to_string(grade.facet), readable_number(instrument.head_clearance_mm, 2),
+                    readable_number(instrument.driver_clearance_mm, 2), readable_number(instrument.cut_behind_mm, 2),
+                    readable_number(grade.entry_slant_deg, 0)});
+    for (const Finding& finding : grade.findings) {
+      findings += graded.path.name + (finding.is_warning ? ", warning: " : ": ") + name_of(finding.part, graded.path) +
+                  " " + finding.words + "\n";
+    }
   }
-  return walls.aligned() + "\n" + bone.aligned();
+  return walls.aligned() + "\n" + scales.aligned() + "\n" + bone.aligned() + (findings.empty() ? "" : "\n") + findings;
 }
 
 }  // namespace spinaltap

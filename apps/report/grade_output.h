@@ -49,7 +49,8 @@ Json uncertainty_json(const GradedPath& graded, bool with_map = false);
 Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool with_rows);
 /// The rows of all paths, with a head line; units are in the names of the columns. What is not finite is empty.
 std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands);
-/// For a terminal: a line of each path on its walls, and one on its bone.
+/// For a terminal: a line of each path on its walls, on scales and instrument, and on its bone; then what was found, a
+/// line each.
 std::string grades_table(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands);
 
 }  // namespace spinaltap

@@ -81,8 +81,18 @@ void add_auto_plan(CLI::App& app, AutoPlanOptions& options) {
       ->type_name("FILE");
   app.add_option("--rules", options.rules, "Margins and weights; default: the shipped planning/pedicle.json")
       ->type_name("FILE");
-  app.add_option("--margin", options.margin_mm, "Bone to keep around the screw, mm; default: that of the rules")
+  app.add_option("--margin", options.margin_mm,
+                 "Bone to keep around the screw, mm, and no less; default: that of the rules, less in narrow pedicles")
       ->type_name("MM");
+  app.add_flag("--bicortical", options.is_bicortical, "Let the tip go to the far cortex");
+  app.add_option("--sagittal", options.sagittal,
+                 "Seen from the side, along the pedicle's axis or the upper endplate: anatomic (default), "
+                 "straight-forward")
+      ->transform(CLI::CheckedTransformer(sagittal_references()))
+      ->type_name("NAME");
+  app.add_option("--technique", options.technique, "Only this one: pedicle, in-out-in, cortical; default: as fits")
+      ->transform(CLI::CheckedTransformer(techniques()))
+      ->type_name("NAME");
 }
 
 std::string degrees_and_mm(double mm, double deg) {
@@ -100,6 +110,12 @@ void print_suggestion(const Suggestion& suggestion) {
   const SuggestedPath& best = *suggestion.best;
   print_figure(suggestion.side + " screw", best.path.screw->name);
   print_figure(suggestion.side + " grade", std::string(1, letter_of(best.grade.grade)));
+  print_figure(suggestion.side + " technique", name_of(best.technique));
+  for (const std::string& reason : best.reasons) print_figure(suggestion.side + " because", reason);
+  for (const Finding& finding : best.grade.findings) {
+    print_figure(suggestion.side + (finding.is_warning ? " warning" : " note"),
+                 name_of(finding.part, best.path) + " " + finding.words);
+  }
   print_figure(suggestion.side + " clearance, outer surface", best.grade.outer.clearance_mm, "mm");
   print_figure(suggestion.side + " clearance, canal", best.grade.canal.clearance_mm, "mm");
   print_figure(suggestion.side + " convergence", best.angles.convergence_deg, "°", 1);
@@ -185,7 +201,8 @@ void add_plan(CLI::App& program, Command& command) {
   app->add_option("--report", options->report, "Also write a page with slices, plots, grades and safe zones")
       ->type_name("FILE");
   app->get_option("--auto")->excludes("--entry");
-  for (const char* name : {"--screws", "--rules", "--margin", "--errors", "--report"})
+  for (const char* name :
+       {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors", "--report"})
     app->get_option(name)->needs("--auto");
 
   command.run = [options](const Progress& progress) {

@@ -43,7 +43,7 @@ constexpr std::array<Directions, kSobolDimensions> make_directions() {
   return all;
 }
 
-constexpr std::array<Directions, kSobolDimensions> kDirections = make_directions();
+constexpr std::array<Directions, kSobolDimensions> kSobolDirections = make_directions();
 
 constexpr std::uint32_t reversed(std::uint32_t x) {
   x = ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
@@ -70,7 +70,7 @@ double sobol_uniform(std::uint64_t seed, std::uint32_t index, int dimension) {
   if (dimension < 0 || dimension >= kSobolDimensions) {
     fail("Sobol sequence: expected dimension 0 to ", kSobolDimensions - 1, ", found ", dimension);
   }
-  const Directions& directions = kDirections[static_cast<std::size_t>(dimension)];
+  const Directions& directions = kSobolDirections[static_cast<std::size_t>(dimension)];
   std::uint32_t x = 0;
   for (std::uint32_t rest = index; rest != 0; rest &= rest - 1) {
     x ^= directions[static_cast<std::size_t>(std::countr_zero(rest))];

@@ -34,7 +34,7 @@ Pair reshaped(const Pair& normal, double shape) {
 template <class Falling>
 double shape_where(double value, const Falling& falling) {
   double low = kSmallestShape, high = kLargestShape;
-  for (int round = 0; round < 100; ++round) {
+  for (int round = 0; round < 50; ++round) {
     const double middle = 0.5 * (low + high);
     (falling(middle) > value ? low : high) = middle;
   }
@@ -49,7 +49,7 @@ double variation_of_length(double shape) {
 
 /// Share of errors that are larger than `size` to one side or its opposite, where the variance of that side is 1.
 double share_beyond(double size, double shape) {
-  constexpr int kAngles = 2000;
+  constexpr int kAngles = 250;
   const double scale = std::sqrt(2.0 / std::tgamma(1.0 + 2.0 / shape));
   double sum = 0.0;
   for (int n = 0; n < kAngles; ++n) {
@@ -61,11 +61,17 @@ double share_beyond(double size, double shape) {
 
 double size_with_share_beyond(double share, double shape) {
   double low = 0.0, high = 50.0;
-  for (int round = 0; round < 60; ++round) {
+  for (int round = 0; round < 45; ++round) {
     const double middle = 0.5 * (low + high);
     (share_beyond(middle, shape) > share ? low : high) = middle;
   }
   return 0.5 * (low + high);
+}
+
+std::array<double, 5> normals_of(std::uint64_t seed, std::uint32_t index) {
+  std::array<double, 5> normals{};
+  for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = sobol_normal(seed, index, static_cast<int>(n));
+  return normals;
 }
 
 void check_cross(const CrossErrors& errors, const char* what) {
@@ -159,11 +165,13 @@ double correlation_by_tip(const CrossErrors& entry_mm, const CrossErrors& direct
   PlacementErrors errors;
   errors.entry_mm = entry_mm;
   errors.direction_deg = direction_deg;
+  std::vector<std::array<double, 5>> draws;
+  for (std::uint32_t n = 0; n < kDraws; ++n) draws.push_back(normals_of(kSeed, n));
   const auto mean_square = [&](double correlation) {
     errors.correlation = correlation;
     double sum = 0.0;
-    for (std::uint32_t n = 0; n < kDraws; ++n) {
-      const PlacementError one = draw_error(errors, kSeed, n);
+    for (const std::array<double, 5>& normals : draws) {
+      const PlacementError one = error_of(errors, normals);
       const double turn = std::hypot(one.medial_deg, one.cranial_deg) * kDegree;
       const double per_degree_mm = turn > 0.0 ? screw_length_mm * std::sin(turn) / turn * kDegree : 0.0;
       const double medial_mm = one.medial_mm + per_degree_mm * one.medial_deg;
@@ -179,7 +187,7 @@ double correlation_by_tip(const CrossErrors& entry_mm, const CrossErrors& direct
          std::sqrt(mean_square(high)), " mm (root mean square) for such entries and directions, found ",
          std::sqrt(wanted), " mm");
   }
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 30; ++round) {
     const double middle = 0.5 * (low + high);
     (mean_square(middle) < wanted ? low : high) = middle;
   }
@@ -202,9 +210,7 @@ PlacementError error_of(const PlacementErrors& errors, const std::array<double, 
 }
 
 PlacementError draw_error(const PlacementErrors& errors, std::uint64_t seed, std::uint32_t index) {
-  std::array<double, 5> normals{};
-  for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = sobol_normal(seed, index, static_cast<int>(n));
-  return error_of(errors, normals);
+  return error_of(errors, normals_of(seed, index));
 }
 
 ErrorFrame error_frame(const Landmarks& landmarks, const DrillPath& path) {

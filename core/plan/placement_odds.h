@@ -12,9 +12,9 @@
 namespace spinaltap {
 
 struct OddsOptions {
-  int draws = 1024;        ///< of a scrambled Sobol sequence, which is evenest in whole powers of two
-  std::uint64_t seed = 1;  ///< of its scrambling
-  GradeOptions grade;      ///< step and ring points are used
+  int draws = 1024;         ///< of a scrambled Sobol sequence, which is evenest in whole powers of two
+  std::uint64_t seed = 1;   ///< of its scrambling
+  GradeOptions grade = {};  ///< step and ring points are used
 };
 
 /// A probability, from draws, and its 95 % interval by Wilson. The draws are spread more evenly than random ones, so
@@ -43,7 +43,7 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
 struct BreachMapOptions {
   double max_shift_mm = 5.0, shift_step_mm = 0.5;
   double max_turn_deg = 10.0, turn_step_deg = 1.0;
-  GradeOptions grade;  ///< step and ring points are used
+  GradeOptions grade = {};  ///< step and ring points are used
 };
 
 /// Breaches over a square lattice of errors.

@@ -7,8 +7,8 @@
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/version.h"
+#include "core/ct/ct_noise.h"
 #include "core/ct/label_map.h"
-#include "core/segment/bone_levels.h"
 #include "vdb/sim/detail/bone_surface_error.h"
 
 namespace spinaltap {
@@ -137,7 +137,6 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"program", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
-      {kCtNoise, text(estimate_noise_hu(ct))},
       {"ct_size", text(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
       {kCtSpacing, text(geometry.spacing_mm.transpose())},
       {"ct_origin_mm", text(geometry.origin_mm.transpose())},
@@ -157,6 +156,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"rbf_max_residual_mm", text(fit.max_residual_mm)},
       {"hu_margin_mm", text(options.bake.hu_margin_mm)},
   };
+  if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = text(*noise_hu);
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
   return metadata;

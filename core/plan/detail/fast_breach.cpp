@@ -6,14 +6,12 @@
 #include <queue>
 
 #include "core/plan/detail/inside_bone.h"
+#include "core/plan/instrument.h"
 
 namespace spinaltap {
 namespace {
 
-/// As grading has it: see grade.cpp.
-double fast_opening_limit_mm(const GradedTool& tool) { return 1.2 * tool.widest_mm() + 0.5; }
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -50,7 +48,7 @@ void FastBreach::find_opening() {
   while (first_in_ < rows_.size() && !is_in(rows_[first_in_])) ++first_in_;
   opening_rows_ = 0;
   if (first_in_ == rows_.size()) return;
-  const double end_mm = rows_[first_in_].depth_mm + fast_opening_limit_mm(tool_);
+  const double end_mm = rows_[first_in_].depth_mm + opening_limit_mm(tool_.widest_mm());
   opening_rows_ = first_in_;
   while (opening_rows_ < rows_.size() && rows_[opening_rows_].depth_mm < end_mm && !is_whole(rows_[opening_rows_])) {
     ++opening_rows_;
@@ -90,7 +88,7 @@ FastBreach::Breaches FastBreach::breaches() const {
   for (std::size_t n = 0; n < rows_.size(); ++n) {
     const double lattice_mm = rows_[n].lattice_mm;
     // Outside, the lattice has no more than the sign.
-    const double max_mm = lattice_mm > -kSureLatticeMm ? kInfinity : rows_[n].radius_mm + lattice_mm + kSureLatticeMm;
+    const double max_mm = lattice_mm > -kSureLatticeMm ? kUnbounded : rows_[n].radius_mm + lattice_mm + kSureLatticeMm;
     if (max_mm > 0.0) queue.push({max_mm, n, false, {}});
   }
   Breaches best;
@@ -138,7 +136,7 @@ double FastBreach::clearance_mm() const {
     const Vec3 nearest_mm = walls_.outer(tool_.axis_mm(rows_[first].depth_mm)).nearest_mm;
     if ((nearest_mm - entry_mm).dot(tool_.direction()) >= rows_[bearing].depth_mm) break;
   }
-  double clearance_mm = kInfinity;
+  double clearance_mm = kUnbounded;
   for (std::size_t n = first; n < rows_.size(); ++n) {
     clearance_mm = std::min(clearance_mm, -rows_[n].lattice_mm - rows_[n].radius_mm);
   }

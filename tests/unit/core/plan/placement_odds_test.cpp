@@ -170,13 +170,16 @@ void expect_fast_as_slow(const WallDistance& walls, const DrillPath& plan, int c
 TEST_F(PlacementOdds, TakeBreachesThatAreThoseOfGrading) {
   expect_fast_as_slow(walls(), path(1.0), 60);
   expect_fast_as_slow(walls(), path(-2.0), 60);
+}
+
+TEST(PlacementOddsPhantom, TakesBreachesThatAreThoseOfGrading) {
   const test::PhantomBone phantom;
-  const WallDistance its_walls(phantom.bone, phantom.landmarks);
+  const WallDistance walls(phantom.bone, phantom.landmarks);
   for (const PedicleLandmarks& pedicle : {phantom.landmarks.left_pedicle, phantom.landmarks.right_pedicle}) {
     DrillPath plan{"", pedicle.isthmus_mm - 18.0 * pedicle.axis, pedicle.isthmus_mm + 27.0 * pedicle.axis, {}};
-    expect_fast_as_slow(its_walls, plan, 100);
+    expect_fast_as_slow(walls, plan, 100);
     plan.screw = PedicleScrew();
-    expect_fast_as_slow(its_walls, plan, 200);
+    expect_fast_as_slow(walls, plan, 200);
   }
 }
 
