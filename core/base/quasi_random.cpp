@@ -10,28 +10,28 @@
 namespace spinaltap {
 namespace {
 
-constexpr int kBits = 32;
-using Directions = std::array<std::uint32_t, kBits>;
+constexpr int kSobolBits = 32;
+using SobolNumbers = std::array<std::uint32_t, kSobolBits>;
 
 /// A primitive polynomial's degree and coefficients, and the first odd numbers, as Joe & Kuo's table has them.
-struct Polynomial {
+struct SobolPolynomial {
   int degree;
   std::uint32_t coefficients;
   std::array<std::uint32_t, 4> first;
 };
-constexpr std::array<Polynomial, kSobolDimensions - 1> kPolynomials{
+constexpr std::array<SobolPolynomial, kSobolDimensions - 1> kSobolPolynomials{
     {{1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}}};
 
-constexpr std::array<Directions, kSobolDimensions> make_directions() {
-  std::array<Directions, kSobolDimensions> all{};
-  for (int bit = 0; bit < kBits; ++bit) all[0][static_cast<std::size_t>(bit)] = 1U << (kBits - 1 - bit);
-  for (std::size_t n = 0; n < kPolynomials.size(); ++n) {
-    const Polynomial& one = kPolynomials[n];
-    Directions& to = all[n + 1];
+constexpr std::array<SobolNumbers, kSobolDimensions> make_sobol_directions() {
+  std::array<SobolNumbers, kSobolDimensions> all{};
+  for (int bit = 0; bit < kSobolBits; ++bit) all[0][static_cast<std::size_t>(bit)] = 1U << (kSobolBits - 1 - bit);
+  for (std::size_t n = 0; n < kSobolPolynomials.size(); ++n) {
+    const SobolPolynomial& one = kSobolPolynomials[n];
+    SobolNumbers& to = all[n + 1];
     const auto degree = static_cast<std::size_t>(one.degree);
     for (std::size_t bit = 0; bit < to.size(); ++bit) {
       if (bit < degree) {
-        to[bit] = one.first[bit] << (kBits - 1 - bit);
+        to[bit] = one.first[bit] << (kSobolBits - 1 - bit);
         continue;
       }
       to[bit] = to[bit - degree] ^ (to[bit - degree] >> degree);
@@ -43,9 +43,9 @@ constexpr std::array<Directions, kSobolDimensions> make_directions() {
   return all;
 }
 
-constexpr std::array<Directions, kSobolDimensions> kSobolDirections = make_directions();
+constexpr std::array<SobolNumbers, kSobolDimensions> kSobolDirections = make_sobol_directions();
 
-constexpr std::uint32_t reversed(std::uint32_t x) {
+constexpr std::uint32_t bits_reversed(std::uint32_t x) {
   x = ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
   x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
   x = ((x >> 4) & 0x0f0f0f0fU) | ((x & 0x0f0f0f0fU) << 4);
@@ -55,13 +55,13 @@ constexpr std::uint32_t reversed(std::uint32_t x) {
 
 /// Each bit is flipped, or not, by a hash of the bits above it.
 constexpr std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
-  x = reversed(x);
+  x = bits_reversed(x);
   x += seed;
   x ^= x * 0x6c50b47cU;
   x ^= x * 0xb82f1e52U;
   x ^= x * 0xc7afe638U;
   x ^= x * 0x8d22f6e6U;
-  return reversed(x);
+  return bits_reversed(x);
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ double sobol_uniform(std::uint64_t seed, std::uint32_t index, int dimension) {
   if (dimension < 0 || dimension >= kSobolDimensions) {
     fail("Sobol sequence: expected dimension 0 to ", kSobolDimensions - 1, ", found ", dimension);
   }
-  const Directions& directions = kSobolDirections[static_cast<std::size_t>(dimension)];
+  const SobolNumbers& directions = kSobolDirections[static_cast<std::size_t>(dimension)];
   std::uint32_t x = 0;
   for (std::uint32_t rest = index; rest != 0; rest &= rest - 1) {
     x ^= directions[static_cast<std::size_t>(std::countr_zero(rest))];
