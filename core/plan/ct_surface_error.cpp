@@ -36,9 +36,8 @@ CtSurfaceError ct_surface_error(double noise_hu, const Vec3& voxel_mm, std::span
     fail("surface error: expected CT numbers that fall at the surface, found a slope of ", error.edge_hu_per_mm,
          " HU/mm");
   }
-  // Between voxels, tri-linear weights leave (2/3)³ of a voxel's variance in the mean over a cell.
-  constexpr double kInterpolated = 8.0 / 27.0;
-  error.noise_part_mm = std::sqrt(kInterpolated) * noise_hu / error.edge_hu_per_mm;
+  // Scanners blur their noise as they blur the image: neighbours err together, and interpolation takes nothing off.
+  error.noise_part_mm = noise_hu / error.edge_hu_per_mm;
   // A straight edge in a row of partial volumes, found at half its height between them: off by (p - 1/2)(1 - p) / p of
   // a voxel, p being the share of bone in the voxel that it cuts; root mean square over all p.
   constexpr double kPartialVolume = 0.0624;
