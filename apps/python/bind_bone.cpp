@@ -202,20 +202,20 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
       .def(
           "suggest",
           [](const Bone& bone, std::optional<double> margin_mm, const DrillBit& bit, bool bicortical,
-             const std::string& trajectory, const std::string& technique, const py::object& progress) {
+             const std::string& sagittal, const std::string& technique, const py::object& progress) {
             AutoPlanOptions options;
             options.margin_mm = margin_mm;
             options.is_bicortical = bicortical;
             options.bit = bit;
-            options.sagittal = named(sagittal_references(), trajectory, "a trajectory");
+            options.sagittal = named(sagittal_references(), sagittal, "a sagittal reference");
             if (!technique.empty()) options.technique = named(techniques(), technique, "a technique");
             return long_call(progress, [&](const Progress& heard) { return bone.suggest(options, heard); });
           },
           py::kw_only(), "margin_mm"_a = py::none(), "bit"_a = DrillBit{}, "bicortical"_a = false,
-          "trajectory"_a = "anatomic", "technique"_a = "", "progress"_a = py::none(),
+          "sagittal"_a = "anatomic", "technique"_a = "", "progress"_a = py::none(),
           "A screw and a path for each pedicle, with its grade. `margin_mm`: of bone around the screw, this and no "
           "less; "
-          "None: that of the shipped rules, less in narrow pedicles. `trajectory`: \"anatomic\" or "
+          "None: that of the shipped rules, less in narrow pedicles. `sagittal`: \"anatomic\" or "
           "\"straight-forward\". `technique`: \"pedicle\", \"in-out-in\" or \"cortical\"; empty: what the vertebra "
           "needs. Raises Error without landmarks.")
       .def(

@@ -307,8 +307,7 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
                     readable_number(instrument.driver_clearance_mm, 2), readable_number(instrument.cut_behind_mm, 2),
                     readable_number(grade.entry_slant_deg, 0)});
     for (const Finding& finding : grade.findings) {
-      findings += graded.path.name + (finding.is_warning ? ", warning: " : ": ") + name_of(finding.part, graded.path) +
-                  " " + finding.words + "\n";
+      findings += graded.path.name + (finding.is_warning ? ", warning: " : ": ") + finding.words + "\n";
     }
   }
   return walls.aligned() + "\n" + scales.aligned() + "\n" + bone.aligned() + (findings.empty() ? "" : "\n") + findings;

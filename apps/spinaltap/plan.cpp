@@ -113,8 +113,7 @@ void print_suggestion(const Suggestion& suggestion) {
   print_figure(suggestion.side + " technique", name_of(best.technique));
   for (const std::string& reason : best.reasons) print_figure(suggestion.side + " because", reason);
   for (const Finding& finding : best.grade.findings) {
-    print_figure(suggestion.side + (finding.is_warning ? " warning" : " note"),
-                 name_of(finding.part, best.path) + " " + finding.words);
+    print_figure(suggestion.side + (finding.is_warning ? " warning" : " note"), finding.words);
   }
   print_figure(suggestion.side + " clearance, outer surface", best.grade.outer.clearance_mm, "mm");
   print_figure(suggestion.side + " clearance, canal", best.grade.canal.clearance_mm, "mm");

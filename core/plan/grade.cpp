@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/plan/detail/graded_tool.h"
@@ -242,7 +243,7 @@ void add_breach(const WallDistance& walls, const GradedTool& tool, const SideNam
   graded.breach_side = sides.of(breach.place_mm, breach.wall);
   const VertebraPart part = walls.parts().at(breach.wall.nearest_mm, breach.wall.normal);
   Finding finding{InstrumentPart::tool, part, breach.breach_mm, breach.depth_mm, breach.place_mm, true, ""};
-  finding.words = "stands " + tenths(breach.breach_mm) + " mm out of the " + name_of(part) +
+  finding.words = "the " + tool.name() + " stands " + tenths(breach.breach_mm) + " mm out of the " + name_of(part) +
                   (breach.is_canal ? " into the canal" : "") + ", " + name_of(graded.breach_side) + ", at " +
                   tenths(breach.depth_mm) + " mm of depth";
   graded.findings.push_back(finding);
@@ -251,21 +252,24 @@ void add_breach(const WallDistance& walls, const GradedTool& tool, const SideNam
 /// How the tool meets the surface at its entry.
 void add_entry(const WallDistance& walls, const DrillPath& path, const GradedTool& tool, PathGrade& graded) {
   constexpr double kWalksDeg = 45.0, kSlantsDeg = 30.0, kNearMm = 3.0;
+  constexpr int kAround = 12;
   const BoneShape& bone = walls.bone();
-  // Over what the bit stands on when it begins to turn.
-  const double around_mm = std::max(1.0, path.bit.radius_mm());
+  // The mean over what the bit stands on when it begins to turn.
+  const PointTree::Nearest nearest = bone.nearest(path.entry_mm);
   Vec3 normal = Vec3::Zero();
-  double nearest_mm = kNearMm;
-  Vec3 nearest = Vec3::Zero();
-  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
-    const double away_mm = (bone.points_mm()[n] - path.entry_mm).norm();
-    if (away_mm < nearest_mm) {
-      nearest_mm = away_mm;
-      nearest = bone.normals()[n];
+  if (nearest.distance_mm < kNearMm) {
+    normal = bone.normals()[nearest.index];
+    const double around_mm = std::max(1.0, path.bit.radius_mm());
+    const Vec3 u = any_perpendicular(normal), v = normal.cross(u);
+    const Vec3 middle_mm = bone.points_mm()[nearest.index];
+    for (const double share : {0.5, 1.0}) {
+      for (int n = 0; n < kAround; ++n) {
+        const double angle = 2.0 * std::numbers::pi * n / kAround;
+        const Vec3 p_mm = middle_mm + share * around_mm * (std::cos(angle) * u + std::sin(angle) * v);
+        normal += bone.normals()[bone.nearest(p_mm).index];
+      }
     }
-    if (away_mm < around_mm) normal += bone.normals()[n];
   }
-  if (!(normal.norm() > 0.0)) normal = nearest;
   graded.entry_slant_deg = std::numeric_limits<double>::quiet_NaN();
   if (normal.norm() > 0.0) {
     graded.entry_slant_deg = std::acos(std::clamp(-normal.normalized().dot(tool.direction()), -1.0, 1.0)) / kDegree;

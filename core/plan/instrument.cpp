@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <optional>
 
 #include "core/tool/bit_profile.h"
@@ -168,6 +169,9 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
     const double off_mm = line.off_mm(p_mm, along_mm);
     if (off_mm > widest_mm + reach_mm) continue;
     for (std::size_t b = 0; b < bodies.size() && !is_in_front; ++b) {
+      // What lies beside the body's widest part or ahead of its tip is at least so far from it.
+      const double bound_mm = std::max(off_mm - bodies[b].profile.radius_mm(), along_mm - bodies[b].tip_mm);
+      if (bound_mm > std::max(0.0, found[b].nearest.distance_mm)) continue;
       const double distance_mm = bodies[b].distance_mm(along_mm, off_mm);
       if (distance_mm < found[b].nearest.distance_mm) found[b].nearest = {distance_mm, p_mm, bone.normals()[n]};
       if (!(distance_mm < 0.0)) continue;

@@ -233,7 +233,7 @@ class Bone:
         margin_mm: float | None = None,
         bit: Bit = ...,
         bicortical: bool = False,
-        trajectory: str = "anatomic",
+        sagittal: str = "anatomic",
         technique: str = "",
         progress: _Progress = None,
     ) -> list[Suggestion]: ...

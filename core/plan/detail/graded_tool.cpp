@@ -18,6 +18,7 @@ BitProfile profile_of(const DrillPath& path) {
 
 GradedTool::GradedTool(const DrillPath& path)
     : profile_(profile_of(path)),
+      name_(path.screw ? "screw" : "bit"),
       entry_mm_(path.entry_mm),
       target_mm_(path.target_mm),
       direction_(path.direction()),

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/plan/grade.h"
@@ -25,9 +26,12 @@ class GradedTool {
   /// The hole's radius there; 0 beyond the tip.
   double radius_mm(double depth_mm) const;
   double widest_mm() const { return profile_.radius_mm(); }
+  /// "screw" or "bit".
+  const std::string& name() const { return name_; }
 
  private:
   BitProfile profile_;
+  std::string name_;
   Vec3 entry_mm_, target_mm_, direction_;
   double length_mm_;
 };
