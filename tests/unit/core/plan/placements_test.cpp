@@ -15,7 +15,7 @@ namespace {
 using test::Block;
 
 constexpr double kPlacedMm = 0.05;
-constexpr double kRadiusMm = 3.0;
+constexpr double kThreadRadiusMm = 3.0;
 constexpr double kCapsuleMm = 3.0, kRidgeMm = 2.0;
 const Vec3 kProcess(18.0, 23.0, 29.0);  // the upper end of the articular process' middle line; its tip is 3 mm higher
 const Vec3 kRidge(18.0, 60.0, -8.0);    // behind the screw's head, along x
@@ -61,7 +61,7 @@ class Placements : public ::testing::Test {
   /// Straight forward from the back at x and z to y. A screw of 6 mm whose head does not count.
   static DrillPath placed(double x_mm, double z_mm, double to_y_mm = -12.0) {
     DrillPath path{"", Vec3(x_mm, Block::kHalfDepthMm, z_mm), Vec3(x_mm, to_y_mm, z_mm), {}};
-    path.screw = PedicleScrew{"", 2.0 * kRadiusMm, path.length_mm(), 4.0};
+    path.screw = PedicleScrew{"", 2.0 * kThreadRadiusMm, path.length_mm(), 4.0};
     path.screw->head = {0.0, 0.0, 0.0, 0.0, 0.0};
     return path;
   }
@@ -97,12 +97,14 @@ TEST_F(Placements, BreachToAllSidesByAllGrades) {
         bool is_canal;
         Heary heary;
       };
-      const double inward_mm = Block::kHoleMm + kRadiusMm - breach_mm;  // the canal is met at y = 0
+      const double inward_mm = Block::kHoleMm + kThreadRadiusMm - breach_mm;  // the canal is met at y = 0
       std::vector<Case> cases{
-          {placed(side * (Block::kHalfWidthMm - kRadiusMm + breach_mm), 0.0), PathSide::lateral, false,
-           breach_mm < kRadiusMm ? Heary::II : Heary::III},
-          {placed(side * 18.0, Block::kHalfHeightMm - kRadiusMm + breach_mm), PathSide::cranial, false, Heary::IV},
-          {placed(side * 18.0, -(Block::kHalfHeightMm - kRadiusMm + breach_mm)), PathSide::caudal, false, Heary::IV},
+          {placed(side * (Block::kHalfWidthMm - kThreadRadiusMm + breach_mm), 0.0), PathSide::lateral, false,
+           breach_mm < kThreadRadiusMm ? Heary::II : Heary::III},
+          {placed(side * 18.0, Block::kHalfHeightMm - kThreadRadiusMm + breach_mm), PathSide::cranial, false,
+           Heary::IV},
+          {placed(side * 18.0, -(Block::kHalfHeightMm - kThreadRadiusMm + breach_mm)), PathSide::caudal, false,
+           Heary::IV},
           {placed(side * 18.0, 0.0, -(Block::kHalfDepthMm + breach_mm)), PathSide::anterior, false, Heary::III},
           {placed(side * inward_mm, 0.0), PathSide::medial, true, breach_mm >= 4.0 ? Heary::V : Heary::IV}};
       for (const Case& one : cases) {
@@ -157,7 +159,7 @@ TEST_F(Placements, ForgiveTheOpeningOfASurfaceThatSlants) {
     const PathGrade graded = grade(bones().in_block, path);
     EXPECT_EQ(graded.grade, Grade::A) << slant_deg;
     EXPECT_NEAR(graded.entry_slant_deg, slant_deg, 1.0);
-    EXPECT_NEAR(graded.bearing_mm, kRadiusMm * std::tan(angle), 0.26);
+    EXPECT_NEAR(graded.bearing_mm, kThreadRadiusMm * std::tan(angle), 0.26);
     const bool is_said = slant_deg > 30.0;
     EXPECT_EQ(graded.findings.size(), is_said ? 1U : 0U);
     if (is_said) {
@@ -214,7 +216,7 @@ TEST_F(Placements, MeasureTheWayInThroughBoneBehindTheEntry) {
   // The ridge lies 40 mm behind; its lower and upper edges are 2 mm from its middle at z = -8.
   for (const double off_mm : {4.4, 4.0, 3.0, 2.0, 0.0, -4.0, -5.5}) {
     const PathGrade graded = grade(bones().in_processes, placed(18.0, kRidge.z() + off_mm));
-    const double cut_mm = std::min(kRadiusMm, kRadiusMm + kRidgeMm - std::abs(off_mm));
+    const double cut_mm = std::min(kThreadRadiusMm, kThreadRadiusMm + kRidgeMm - std::abs(off_mm));
     SCOPED_TRACE(off_mm);
     EXPECT_NEAR(graded.instrument.cut_behind_mm, std::max(0.0, cut_mm), kPlacedMm);
     const Finding* found = of_part(graded, InstrumentPart::way_in);
