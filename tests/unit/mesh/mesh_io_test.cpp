@@ -169,6 +169,59 @@ TEST(MeshFiles, CanBeAsciiStlAndOff) {
   EXPECT_NEAR(measure_mesh(read_mesh(folder.path() / "face.off")).area_mm2, 3.0, 1e-6);
 }
 
+TEST(MeshFiles, CanHaveFacesOfManyCornersAndCountBack) {
+  const test::TemporaryFolder folder;
+  const auto area_of = [&](const char* name, const std::string& text) {
+    std::ofstream(folder.path() / name) << text;
+    return measure_mesh(read_mesh(folder.path() / name)).area_mm2;
+  };
+  const std::string corners = "v 0 0 0\nv 2 0 0 0.5 0.5 0.5\nv 2 3 0\nv 0 3 0\n";
+  EXPECT_NEAR(area_of("a.obj", "# made\n" + corners + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n"), 6.0, 1e-6);
+  EXPECT_NEAR(area_of("b.obj", corners + "f -4/1/1 -3/1/1 -2/1/1\n"), 3.0, 1e-6);
+  EXPECT_NEAR(area_of("c.off", "OFF # made\n4 1 0\n0 0 0\n2 0 0\n\n2 3 0\n0 3 0\n4 0 1 2 3 255 0 0\n"), 6.0, 1e-6);
+  EXPECT_NEAR(area_of("d.ply",
+                      "ply\nformat ascii 1.0\nelement face 1\nproperty uchar red\nproperty list uchar int "
+                      "vertex_index\nelement vertex 4\nproperty float y\nproperty double x\nproperty short z\n"
+                      "end_header\n7 4 3 2 1 0\n0 0 0\n0 2 0\n3 2 0\n3 0 0\n"),
+              6.0, 1e-6);
+}
+
+// OpenMesh's readers took gigabytes, did not end, or crashed on such files.
+TEST(MeshFiles, AreRejectedWhereCountsAndCornersAreNotTheirs) {
+  const test::TemporaryFolder folder;
+  const auto expect_rejected = [&](const char* name, const std::string& text, const char* said) {
+    std::ofstream(folder.path() / name, std::ios::binary | std::ios::trunc) << text;
+    EXPECT_THAT([&] { read_mesh(folder.path() / name); }, ThrowsMessage<Error>(AllOf(HasSubstr(name), HasSubstr(said))))
+        << text;
+  };
+  const std::string corners = "v 0 0 0\nv 2 0 0\nv 0 3 0\n";
+  expect_rejected("far.obj", corners + "f 1 2 2000000000\n", "vertex 2000000000");
+  expect_rejected("back.obj", corners + "f 1 2 -4\n", "vertex's number");
+  expect_rejected("zero.obj", corners + "f 0 1 2\n", "vertex's number");
+  expect_rejected("two.obj", corners + "f 1 2\n", "three corners");
+  expect_rejected("nan.obj", "v 0 0 nan\n" + corners + "f 1 2 3\n", "no number");
+  expect_rejected("large.obj", "v 0 0 1e300\n" + corners + "f 1 2 3\n", "no number");
+  expect_rejected("short.obj", "v 0 0\n" + corners + "f 1 2 3\n", "three numbers");
+  expect_rejected("one.obj", corners + "f 1 2 1\n", "found none");
+  expect_rejected("many.off", "OFF\n2000000000 1 0\n0 0 0\n2 0 0\n0 3 0\n3 0 1 2\n", "no room");
+  expect_rejected("corners.off", "OFF\n3 1 0\n0 0 0\n2 0 0\n0 3 0\n2000000000 0 1 2\n", "corners");
+  expect_rejected("binary.off", "OFF BINARY\n", "OFF file of text");
+  const auto ply = [](const std::string& vertices, const std::string& list) {
+    return "ply\nformat binary_little_endian 1.0\nelement vertex " + vertices +
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list " + list +
+           " int vertex_indices\nend_header\n" + std::string(36, '\0');
+  };
+  expect_rejected("many.ply", ply("4000000000", "uchar"), "found room for");
+  expect_rejected("list.ply", ply("3", "uint") + std::string(3, '\0') + "\x7f" + std::string(12, '\0'),
+                  "list that fits");
+  expect_rejected("no.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n", "x, y and z");
+  std::string stl(84, 'x');
+  stl.replace(80, 4, "\xff\xff\xff\x7f");
+  expect_rejected("many.stl", stl, "cut short");
+  expect_rejected("open.stl", "solid s\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n" + std::string(40, ' '),
+                  "cut short");
+}
+
 TEST(MeshFiles, PrintNothing) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path() / "text.ply") << "hello\n";
