@@ -23,24 +23,43 @@ std::uint64_t seed_of_stream(std::uint64_t seed, Stream stream, StudyFactor fact
   return mix_bits(mix_bits(seed) + static_cast<std::uint64_t>(stream) + static_cast<std::uint64_t>(factor));
 }
 
+/// Factors are mm, degrees, N and mm/s. What spreads less than this, and more than nothing, is a slip, and no axis of a
+/// chart can show it.
+constexpr double kMinSpread = 1e-12;
+constexpr double kMaxSize = 1e12;
+
+/// `spread`: between the ends, or two levels.
+bool is_sound(double value, double spread) {
+  return std::abs(value) <= kMaxSize && spread <= kMaxSize && (spread == 0.0 || spread >= kMinSpread);
+}
+
 void check(const FactorDistribution& distribution) {
   const std::string_view name = name_of(distribution.factor);
   switch (distribution.kind) {
-    case FactorDistribution::Kind::levels:
+    case FactorDistribution::Kind::levels: {
       if (distribution.levels.empty()) fail(name, ": expected one level or more, found none");
-      for (const double level : distribution.levels) {
+      std::vector<double> sorted = distribution.levels;
+      for (const double level : sorted) {
         if (!std::isfinite(level)) fail(name, ": expected finite levels, found ", level);
       }
+      std::sort(sorted.begin(), sorted.end());
+      for (std::size_t n = 0; n < sorted.size(); ++n) {
+        if (is_sound(sorted[n], n > 0 ? sorted[n] - sorted[n - 1] : 0.0)) continue;
+        fail(name, ": expected levels within ", kMaxSize, " that differ by ", kMinSpread, " or more, found ",
+             sorted[n]);
+      }
       return;
+    }
     case FactorDistribution::Kind::normal:
-      if (!std::isfinite(distribution.a) || !(distribution.b >= 0.0) || !std::isfinite(distribution.b)) {
-        fail(name, ": expected a finite mean and a deviation of 0 or more, found ", distribution.a, " and ",
-             distribution.b);
+      if (!(distribution.b >= 0.0) || !is_sound(distribution.a, distribution.b)) {
+        fail(name, ": expected a mean within ", kMaxSize, " and a deviation of 0, or of ", kMinSpread,
+             " or more, found ", distribution.a, " and ", distribution.b);
       }
       return;
     case FactorDistribution::Kind::uniform:
-      if (!std::isfinite(distribution.a) || !(distribution.b >= distribution.a) || !std::isfinite(distribution.b)) {
-        fail(name, ": expected a low end and a high one not below it, found ", distribution.a, " and ", distribution.b);
+      if (!(distribution.b >= distribution.a) || !is_sound(distribution.a, distribution.b - distribution.a)) {
+        fail(name, ": expected a low end within ", kMaxSize, " and a high one that is the same, or higher by ",
+             kMinSpread, " or more, found ", distribution.a, " and ", distribution.b);
       }
       return;
   }

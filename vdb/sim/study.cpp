@@ -71,6 +71,8 @@ std::vector<StudyRow> Study::run(const StudyShard& shard, const Progress& progre
 StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard& shard,
                           const Progress& progress) const {
   std::vector<std::size_t> left = state_->runs_of(shard);
+  // What makes no sense leaves no files behind. In a folder that is this study's, it made sense before.
+  if (!std::filesystem::exists(folder) || std::filesystem::is_empty(folder)) state_->bench(progress);
   open_study_folder(folder, state_->identity);
   StudyRows done;
   read_study_parts(folder, state_->identity, done);

@@ -154,6 +154,10 @@ TEST(StudyDesign, RejectsWhatMakesNoSense) {
   rejects([](StudyDesign& d) { d.distributions[2].a = kNan; }, "entry_left_mm");
   rejects([](StudyDesign& d) { d.distributions[3].b = -4.0; }, "angle_head_deg");
   rejects([](StudyDesign& d) { d.distributions[3].b = kNan; }, "angle_head_deg");
+  rejects([](StudyDesign& d) { d.distributions[2].b = 5e-324; }, "entry_left_mm");  // a report of it did not end
+  rejects([](StudyDesign& d) { d.distributions[2].a = 1e300; }, "entry_left_mm");
+  rejects([](StudyDesign& d) { d.distributions[3].b = std::nextafter(d.distributions[3].a, 1e3); }, "angle_head_deg");
+  rejects([](StudyDesign& d) { d.distributions[0].levels = {0.0, 5e-324}; }, "bit_diameter_mm: expected levels within");
   rejects([](StudyDesign& d) { d.runs = 0; }, "none");
   rejects([](StudyDesign& d) { d.runs = StudyRuns::kMaxRuns; }, "more");
   rejects([](StudyDesign& d) { d.runs = std::numeric_limits<std::size_t>::max(); }, "more");

@@ -84,6 +84,9 @@ TEST(Study, RejectsAPathThatMissesTheBone) {
   beside.path.entry_mm.x() += 40.0;
   beside.path.target_mm.x() += 40.0;
   EXPECT_THROW(Study(beside).run(), Error);
+  // Nor does it leave a folder that looks like a study's.
+  EXPECT_THROW(Study(beside).run_into(folder.path() / "beside"), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "beside"));
 }
 
 }  // namespace
