@@ -11,9 +11,6 @@ namespace {
 
 constexpr int kAround = 96;  ///< points around the bit: 1 - cos(pi / 96) = 0.05% of the radius
 
-/// A convex part of the bit: circles around its axis from tip to base, in pixels, depth third.
-using Rims = std::vector<std::vector<Vec3>>;
-
 /// How far back from the tip a piece's outline is followed: a ball's at 24 places, a straight one at its ends.
 std::vector<double> stations_mm(const ProfilePiece& piece) {
   const int steps = piece.ball_radius_mm > 0.0 ? 24 : 1;
@@ -26,25 +23,23 @@ std::vector<double> stations_mm(const ProfilePiece& piece) {
   return stations;
 }
 
-std::vector<Rims> convex_parts(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
+/// Circles around the axis from the tip on, in pixels, depth third.
+using Rims = std::vector<std::vector<Vec3>>;
+
+Rims rims_of(const SliceFrame& frame, const ToolPart& part, const Pose& pose) {
   const Vec3 back = -pose.axis.normalized();
   const Vec3 side = any_perpendicular(back);
   const Vec3 other = back.cross(side);
-  std::vector<Rims> parts;
-  const BitProfile profile(bit);
-  for (const ProfilePiece& piece : profile.pieces()) {
-    if (parts.empty() || !profile.is_cone_and_cylinder()) parts.emplace_back();
-    for (const double back_mm : stations_mm(piece)) {
-      const double radius_mm = std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm)));
-      std::vector<Vec3>& rim = parts.back().emplace_back();
-      for (int i = 0; i < kAround; ++i) {
-        const double angle = 2.0 * std::numbers::pi * i / kAround;
-        const Vec3 out = radius_mm * (std::cos(angle) * side + std::sin(angle) * other);
-        rim.push_back(frame.to_pixel(pose.tip_mm + back_mm * back + out));
-      }
+  Rims rims;
+  for (const Eigen::Vector2d& station : part) {
+    std::vector<Vec3>& rim = rims.emplace_back();
+    for (int i = 0; i < kAround; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kAround;
+      const Vec3 out = station.y() * (std::cos(angle) * side + std::sin(angle) * other);
+      rim.push_back(frame.to_pixel(pose.tip_mm + station.x() * back + out));
     }
   }
-  return parts;
+  return rims;
 }
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
@@ -87,30 +82,49 @@ void add_crossing(const Vec3& a, const Vec3& b, std::vector<Eigen::Vector2d>& po
 
 }  // namespace
 
-std::vector<PixelPolygon> bit_projection(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
-  // A convex part's shadow is the hull of its rims' shadows.
-  std::vector<PixelPolygon> polygons;
-  for (const Rims& rims : convex_parts(frame, bit, pose)) {
-    std::vector<Eigen::Vector2d> points;
-    for (const std::vector<Vec3>& rim : rims) {
-      for (const Vec3& p : rim) points.push_back(p.head<2>());
+std::vector<ToolPart> tool_parts(const DrillBit& bit) {
+  std::vector<ToolPart> parts;
+  const BitProfile profile(bit);
+  for (const ProfilePiece& piece : profile.pieces()) {
+    if (parts.empty() || !profile.is_cone_and_cylinder()) parts.emplace_back();
+    for (const double back_mm : stations_mm(piece)) {
+      parts.back().emplace_back(back_mm, std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm))));
     }
-    polygons.push_back(convex_hull(std::move(points)));
   }
+  return parts;
+}
+
+PixelPolygon part_projection(const SliceFrame& frame, const ToolPart& part, const Pose& pose) {
+  // A convex part's shadow is the hull of its rims' shadows.
+  std::vector<Eigen::Vector2d> points;
+  for (const std::vector<Vec3>& rim : rims_of(frame, part, pose)) {
+    for (const Vec3& p : rim) points.push_back(p.head<2>());
+  }
+  return convex_hull(std::move(points));
+}
+
+PixelPolygon part_section(const SliceFrame& frame, const ToolPart& part, const Pose& pose) {
+  const Rims rims = rims_of(frame, part, pose);
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t n = 0; n < rims.size(); ++n) {
+    for (std::size_t i = 0; i < rims[n].size(); ++i) {
+      add_crossing(rims[n][i], rims[n][(i + 1) % rims[n].size()], points);
+      if (n > 0) add_crossing(rims[n - 1][i], rims[n][i], points);
+    }
+  }
+  return convex_hull(std::move(points));
+}
+
+std::vector<PixelPolygon> bit_projection(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
+  std::vector<PixelPolygon> polygons;
+  for (const ToolPart& part : tool_parts(bit)) polygons.push_back(part_projection(frame, part, pose));
   return polygons;
 }
 
 std::vector<PixelPolygon> bit_section(const SliceFrame& frame, const DrillBit& bit, const Pose& pose) {
   std::vector<PixelPolygon> polygons;
-  for (const Rims& rims : convex_parts(frame, bit, pose)) {
-    std::vector<Eigen::Vector2d> points;
-    for (std::size_t n = 0; n < rims.size(); ++n) {
-      for (std::size_t i = 0; i < rims[n].size(); ++i) {
-        add_crossing(rims[n][i], rims[n][(i + 1) % rims[n].size()], points);
-        if (n > 0) add_crossing(rims[n - 1][i], rims[n][i], points);
-      }
-    }
-    PixelPolygon polygon = convex_hull(std::move(points));
+  for (const ToolPart& part : tool_parts(bit)) {
+    PixelPolygon polygon = part_section(frame, part, pose);
     if (!polygon.empty()) polygons.push_back(std::move(polygon));
   }
   return polygons;

@@ -9,13 +9,24 @@ namespace spinaltap {
 /// A convex polygon in the pixels of a picture (column, row), its corners in one turning sense, the first not repeated.
 using PixelPolygon = std::vector<Eigen::Vector2d>;
 
-/// The outline of the bit at `pose` (patient LPS, mm) projected at right angles onto the picture's plane: of each
-/// convex part of it, which for a drill is all.
+/// A convex body of revolution around a tool's axis: (back from the tip, off the axis), mm, from the tip on.
+using ToolPart = std::vector<Eigen::Vector2d>;
+
+/// The convex parts of a bit: of a drill all is one.
+std::vector<ToolPart> tool_parts(const DrillBit& bit);
+
+/// The outline of a part at `pose` (patient LPS, mm) projected at right angles onto the picture's plane.
+PixelPolygon part_projection(const SliceFrame& frame, const ToolPart& part, const Pose& pose);
+
+/// Where the picture's plane cuts the part at `pose`: an ellipse across a shaft, a conic across a tip, the full outline
+/// where the plane holds the axis; empty where it misses. Corners lie on the part's surface to rounding; between them
+/// the polygon stays within 0.06% of the radius inside it.
+PixelPolygon part_section(const SliceFrame& frame, const ToolPart& part, const Pose& pose);
+
+/// The projection of each convex part of a bit.
 std::vector<PixelPolygon> bit_projection(const SliceFrame& frame, const DrillBit& bit, const Pose& pose);
 
-/// Where the picture's plane cuts the bit at `pose`, part by part: an ellipse across the shaft, a conic across the tip,
-/// the bit's full outline where the plane holds its axis. Parts that the plane misses are left out. Corners lie on the
-/// bit's surface to rounding; between them the polygon stays within 0.06% of the radius inside it.
+/// The sections of a bit's parts, without those that the plane misses.
 std::vector<PixelPolygon> bit_section(const SliceFrame& frame, const DrillBit& bit, const Pose& pose);
 
 }  // namespace spinaltap

@@ -14,6 +14,7 @@
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
+#include "core/plan/path_side.h"
 
 namespace spinaltap {
 namespace {
@@ -81,12 +82,18 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   rows.push_back({"Entry (x, y, z)", position(path.entry_mm), "mm"});
   rows.push_back({"Target (x, y, z)", position(path.target_mm), "mm"});
   const double across = direction.head<2>().norm();
-  if (across > 1e-6) {
+  if (data.bone != nullptr && data.bone->no_landmarks().empty()) {
+    const Landmarks& marks = data.bone->landmarks();
+    const bool is_left = (path.entry_mm - marks.origin_mm).dot(marks.left()) > 0.0;
+    const PathAngles angles = path_angles(direction, marks.axes, is_left);
+    rows.push_back({"Convergence, to the vertebra's midline", readable_number(angles.convergence_deg, 1) + "°", ""});
+    rows.push_back({"Inclination, to its transverse plane", readable_number(angles.inclination_deg, 1) + "°", ""});
+  } else if (across > 1e-6) {
     // Seen from the feet: away from the sagittal plane, whether the path runs forward or back.
-    rows.push_back(
-        {"Leans in the axial plane", lean(std::atan2(direction.x(), std::abs(direction.y())), "left", "right"), ""});
+    rows.push_back({"Leans in the CT's axial plane",
+                    lean(std::atan2(direction.x(), std::abs(direction.y())), "left", "right"), ""});
   }
-  rows.push_back({"Leans out of the axial plane", lean(std::atan2(direction.z(), across), "head", "feet"), ""});
+  rows.push_back({"Leans out of the CT's axial plane", lean(std::atan2(direction.z(), across), "head", "feet"), ""});
   rows.push_back({"Bit, diameter × length",
                   readable_number(path.bit.diameter_mm, 1) + " × " + readable_number(path.bit.length_mm, 1), "mm"});
   rows.push_back({"Bit, conical tip", readable_number(path.bit.tip_length_mm, 1), "mm"});
@@ -105,8 +112,8 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   const auto add = [&](const char* name, double value, int decimals, const char* unit) {
     if (std::isfinite(value)) rows.push_back({name, readable_number(value, decimals), unit});
   };
-  add("Median density", spread(data.hu).median, 0, "HU");
-  add("Median density", spread(data.density_g_cm3).median, 2, "g/cm³");
+  add("Median CT number of the bone removed", spread(data.hu).median, 0, "HU");
+  add("Median density of the bone removed", spread(data.density_g_cm3).median, 2, "g/cm³");
   add("Max thrust", spread(data.thrust_n).max, 1, "N");
   add("Max torque", spread(data.torque_n_mm).max, 0, "N·mm");
   add("Min clearance to the outer surface", spread(data.clearance_outer_mm).min, 2, "mm");
@@ -122,8 +129,17 @@ void add_slices(const DrillReportData& data, HtmlReport& report) {
       "solid: "
       "where the plane cuts the bit at the target, at its true width. Dashed: the bit projected onto the plane. Axial "
       "is "
-      "seen from the feet, coronal from the front, sagittal from the patient's left.");
-  report.add_svgs(path_slices(*data.ct, data.path, data.bone_bounds_mm));
+      "seen from the feet, coronal from the front, sagittal from the patient's left. Yellow: the bone's surface; pink: "
+      "the canal's wall.");
+  SliceScene scene;
+  scene.path = data.path;
+  scene.path.screw.reset();  // what is drilled
+  OutlinedBone outline;
+  if (data.bone != nullptr) {
+    outline = outlined(*data.bone);
+    scene.bone = &outline;
+  }
+  report.add_svgs(path_slices(*data.ct, scene, data.bone_bounds_mm));
 }
 
 class DepthPlots {
@@ -199,6 +215,7 @@ void add_speed(const DrillReportData& data, HtmlReport& report) {
 std::string drill_report(const DrillReportData& data) {
   check(data);
   HtmlReport report(data.title);
+  report.add_made(data.date, data.command);
   report.add_heading("Summary");
   report.add_table(summary(data));
   for (const std::string& note : data.notes) report.add_note(note);
@@ -208,12 +225,12 @@ std::string drill_report(const DrillReportData& data) {
     report.add_pictures(data.renders);
   }
   if (!data.hu.empty() || !data.density_g_cm3.empty() || !data.thrust_n.empty() || !data.removed_points.empty()) {
-    report.add_heading("Density, forces and clearances along the depth");
+    report.add_heading("Forces, bone and clearances along the depth");
     DepthPlots plots(data, report);
     plots.add("Thrust", "thrust", "N", data.thrust_n, true, true);
     plots.add("Torque", "torque", "N·mm", data.torque_n_mm, true, true);
     plots.add("Lateral force", "lateral force", "N", data.lateral_n);
-    plots.add("Density of the bone removed", "density", "HU", data.hu);
+    plots.add("CT number of the bone removed", "CT number", "HU", data.hu);
     plots.add("Density of the bone removed", "density", "g/cm³", data.density_g_cm3);
     plots.add("Clearance to the outer surface, beyond the entry opening", "clearance", "mm",
               where_known(data.clearance_outer_mm));

@@ -10,6 +10,7 @@
 #include "core/session/real_time/real_time.h"
 #include "core/session/session_event.h"
 #include "core/tool/drill_path.h"
+#include "vdb/sim/bone.h"
 
 namespace spinaltap {
 
@@ -17,6 +18,9 @@ namespace spinaltap {
 struct DrillReportData {
   std::string title;
   const CtVolume* ct = nullptr;  ///< for the slices; none without it
+  std::string command = {};
+  std::string date = {};
+  const Bone* bone = nullptr;  ///< for its outline on them, and the path's angles where it has landmarks
   DrillPath path;
   Box3 bone_bounds_mm;  ///< patient LPS; empty: a box around the path
 

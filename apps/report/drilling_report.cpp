@@ -51,6 +51,7 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   DrillReportData data;
   data.title = title;
   data.ct = ct;
+  data.bone = &figures.bone;
   data.path = figures.setup.path;
   data.bone_bounds_mm = figures.bone.model().bounds_mm();
   for (const DepthRow& row : drilling.rows) {

@@ -1,11 +1,12 @@
 #include "apps/report/grade_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "apps/report/grade_sheet.h"
 #include "apps/report/html_report.h"
-#include "apps/report/slice_figure.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
 
@@ -13,6 +14,8 @@ namespace spinaltap {
 namespace {
 
 constexpr double kGradePlotHeight = 260.0;
+constexpr const char* kOuterColour = "#0072B2";
+constexpr const char* kCanalPlotColour = "#B0307A";
 
 Plot empty_plot(const GradedPath& graded, const std::string& title, const std::string& y_label,
                 const std::string& y_unit) {
@@ -96,12 +99,6 @@ std::vector<ReportRow> figures_of(const Landmarks& landmarks) {
           {"Body, height", readable_number(body.height_mm, 1), "mm"}};
 }
 
-/// What is graded, where drawings show the bit.
-DrillPath with_its_tool(DrillPath path) {
-  if (path.screw) path.bit = path.screw->outline();
-  return path;
-}
-
 }  // namespace
 
 std::string meaning_of(Grade grade) {
@@ -121,25 +118,36 @@ std::string meaning_of(Grade grade) {
 }
 
 Plot clearance_plot(const GradedPath& graded) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   Plot plot = empty_plot(graded, "Clearance", "clearance", "mm");
   PlotSeries outer{"outer surface", {}, {}};
   PlotSeries canal{"canal", {}, {}};
-  PlotSeries entry_opening{"outer surface at the entry, not counted", {}, {}};
+  PlotSeries entry_opening{"entry opening", {}, {}};
+  outer.colour = kOuterColour;
+  canal.colour = kCanalPlotColour;
+  entry_opening.colour = "#7a858e";
+  entry_opening.dashed = true;
+  double lowest = 0.0;
   for (const GradeRow& row : graded.grade.rows) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     for (PlotSeries* series : {&outer, &canal, &entry_opening}) series->x.push_back(row.depth_mm);
     outer.y.push_back(row.is_entry ? kNone : row.outer_mm);
     entry_opening.y.push_back(row.is_entry ? row.outer_mm : kNone);
     canal.y.push_back(row.canal_mm);
+    if (!row.is_entry) lowest = std::fmin(lowest, std::fmin(row.outer_mm, row.canal_mm));
   }
-  // A line without a name has no place in the legend: where the tool touches the wall.
-  const PlotSeries touching{"", {0.0, graded.path.length_mm()}, {0.0, 0.0}};
-  plot.series = {outer, canal, entry_opening, touching};
-  plot.markers = {{graded.grade.outer.depth_mm, "Nearest to the outer surface"},
-                  {graded.grade.canal.depth_mm, "Nearest to the canal"}};
-  if (!std::isfinite(graded.grade.canal.clearance_mm)) plot.markers.pop_back();
-  if (!std::isfinite(graded.grade.outer.clearance_mm)) plot.markers.erase(plot.markers.begin());
-  if (plot.markers.size() == 2 && plot.markers[1].x < plot.markers[0].x) std::swap(plot.markers[0], plot.markers[1]);
+  plot.series = {outer, canal, entry_opening};
+  plot.names_at_curves = true;
+  // Where decisions lie; a breach is shown whole, up to what makes the worst grade.
+  plot.y_low = lowest < 0.0 ? std::max(-6.0, std::floor(lowest)) : -1.0;
+  plot.y_high = 5.0;
+  plot.zones = {{-100.0, 0.0, "breach", "#c62828"}};
+  const auto mark = [&](const Approach& approach, const std::string& wall) {
+    if (!std::isfinite(approach.clearance_mm)) return;
+    plot.markers.push_back(
+        {approach.depth_mm, wall + " " + readable_number(approach.clearance_mm, 2) + " mm, " + name_of(approach.side)});
+  };
+  mark(graded.grade.outer, "outer");
+  mark(graded.grade.canal, "canal");
   return plot;
 }
 
@@ -159,6 +167,7 @@ Plot bands_plot(const GradedPath& graded, const std::vector<double>& hu_bands) {
     }
     plot.series.push_back(series);
   }
+  plot.names_at_curves = true;
   return plot;
 }
 
@@ -166,12 +175,15 @@ Plot predicted_thrust_plot(const GradedPath& graded) {
   return plot_of(graded, "Predicted thrust", "thrust", "N", [](const GradeRow& row) { return row.thrust_n; });
 }
 
-std::string grade_report(const GradeReportData& data) {
-  if (data.paths.empty()) fail("grade report: expected one path or more, found none");
+std::string grade_report(const GradeReportData& data, const Progress& progress) {
+  if (data.paths.empty() && data.missing.empty()) fail("grade report: expected one path or more, found none");
+  if (!data.missing.empty() && data.landmarks == nullptr) {
+    fail("grade report: expected landmarks of a vertebra with a pedicle without a path, found none");
+  }
   HtmlReport report(data.title);
-  report.add_note("Research and training software, not a medical device: a person must judge what it says.");
+  report.add_made(data.date, data.command);
+  for (const ReportSheet& sheet : grade_sheets(data, progress)) report.add_sheet(sheet);
   if (data.landmarks != nullptr) {
-    for (const std::string& warning : data.landmarks->warnings) report.add_note(warning);
     report.add_heading("The vertebra");
     report.add_table(figures_of(*data.landmarks));
   }
@@ -179,11 +191,18 @@ std::string grade_report(const GradeReportData& data) {
       "Clearance is from the tool's surface to the wall; below 0 the tool is nearer than its radius. The breach is how "
       "far the tool stands out of the bone. The outer surface that is pierced on purpose at the entry does not count.");
   for (const GradedPath& graded : data.paths) {
-    report.add_heading(graded.path.name.empty() ? "Path" : graded.path.name);
+    report.add_heading("All figures: " + (graded.path.name.empty() ? std::string("path") : graded.path.name));
     report.add_table(figures_of(graded, data.hu_bands));
-    if (data.ct != nullptr) report.add_svgs(path_slices(*data.ct, with_its_tool(graded.path), data.bone_bounds_mm));
-    for (const Plot& plot :
-         {clearance_plot(graded), hu_plot(graded), bands_plot(graded, data.hu_bands), predicted_thrust_plot(graded)}) {
+    if (graded.placed) report.add_text("Grades to expect: " + odds_in_words(*graded.placed) + ".");
+    if (graded.surface) report.add_text("Surface " + surface_in_words(graded) + ".");
+    for (const Finding& finding : graded.grade.findings) {
+      if (finding.is_warning) {
+        report.add_note(finding.words + ".");
+      } else {
+        report.add_text(finding.words + ".");
+      }
+    }
+    for (const Plot& plot : {hu_plot(graded), bands_plot(graded, data.hu_bands), predicted_thrust_plot(graded)}) {
       report.add_svg(svg_plot(plot));
     }
   }

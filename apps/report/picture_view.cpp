@@ -1,9 +1,11 @@
 #include "apps/report/picture_view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
@@ -86,6 +88,40 @@ CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneMod
   if (name == "path") return cut_along_path(path_for(path, "the cut \"path\""));
   if (name == "upright") return upright_cut(path_for(path, "the cut \"upright\""), bone);
   fail("cut: expected axial, sagittal, coronal, path or upright; found \"", name, "\"");
+}
+
+std::vector<ReportPicture> planned_pictures(const BoneModel& bone, const std::vector<DrillPath>& paths,
+                                            const Progress& progress) {
+  RenderOptions options;
+  options.width = 480;
+  options.height = 300;
+  options.opacity = 0.55;
+  Box3 shown_mm = bone.bounds_mm();
+  for (const DrillPath& path : paths) {
+    options.tools.push_back({path.screw ? path.screw->outline() : path.bit, {path.target_mm, path.direction()}});
+    if (const std::optional<BodyBehind> head = head_of(path)) {
+      options.tools.push_back({head->outline, head->pose});
+      const Vec3 end_mm = head->pose.tip_mm - head->outline.length_mm * head->pose.axis;
+      for (const Vec3& p_mm : {head->pose.tip_mm, end_mm}) {
+        const Vec3 around_mm = Vec3::Constant(0.5 * head->outline.diameter_mm);
+        shown_mm.extend(Box3(Vec3(p_mm - around_mm), Vec3(p_mm + around_mm)));
+      }
+    }
+  }
+  std::vector<ReportPicture> pictures;
+  for (const auto& [name, caption] :
+       {std::pair{"behind", "From behind"}, std::pair{"left", "From the patient's left"},
+        std::pair{"right", "From the patient's right"}, std::pair{"above", "From above"}}) {
+    const PictureView view = named_view(name, nullptr, bone);
+    options.from = view.from;
+    options.up = view.up;
+    const Vec3 right = view.up.cross(view.from).cwiseAbs();
+    const double wide_mm = right.dot(shown_mm.sizes());
+    const double high_mm = view.up.cwiseAbs().dot(shown_mm.sizes());
+    options.close_up = CloseUp{shown_mm.center(), 1.04 * std::max(wide_mm, high_mm * options.width / options.height)};
+    pictures.push_back({render_bone(bone, options, progress), caption});
+  }
+  return pictures;
 }
 
 std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,

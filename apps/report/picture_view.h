@@ -33,6 +33,10 @@ PictureView named_view(const std::string& name, const DrillPath* path, const Bon
 /// above. Throws Error on other names, and where there is no path.
 CutPlane named_cut(const std::string& name, const DrillPath* path, const BoneModel& bone);
 
+/// The bone, half transparent, with the paths' screws or bits in place: from behind, the left, the right and above.
+std::vector<ReportPicture> planned_pictures(const BoneModel& bone, const std::vector<DrillPath>& paths,
+                                            const Progress& progress = {});
+
 /// The bone before and after drilling, from behind and from the side of the hole, then cut open along the path in two
 /// planes.
 std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel& drilled, const DrillPath& path,

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
+#include "apps/report/curve_names.h"
 #include "apps/report/label_place.h"
 #include "apps/report/plot_ticks.h"
 #include "apps/report/text.h"
@@ -20,7 +22,9 @@ constexpr double kColumn = 0.5;  ///< of a thinned curve, drawing units
 constexpr double kLeft = 76.0;
 constexpr double kRight = 18.0;
 constexpr double kTop = 34.0;
+constexpr double kTopWithoutTitle = 8.0;
 constexpr double kMarkerRow = 18.0;
+constexpr double kMarkerGap = 4.0;  ///< between a marker's line and its label
 constexpr double kTitleSize = 15.0;
 constexpr double kLegendRow = 18.0;
 constexpr double kLegendGap = 14.0;  ///< between two names
@@ -105,24 +109,32 @@ class PlotDrawing {
     const Range xs = x_range(plot);
     const Range ys = y_range(plot);
     x_ticks_ = linear_ticks(xs.low(), xs.high(), plot.width < 480.0 ? 6 : 12);
+    const double y_low = std::isfinite(plot.y_low) ? plot.y_low : ys.low();
+    const double y_high = std::isfinite(plot.y_high) ? plot.y_high : ys.high();
     y_ticks_ = plot.log_y ? log_ticks(ys.empty() ? 1.0 : ys.low(), ys.empty() ? 10.0 : ys.high())
-                          : linear_ticks(ys.low(), ys.high(), plot.height < 240.0 ? 4 : 6);
+                          : linear_ticks(y_low, y_high, plot.height < 240.0 ? 4 : 6);
     // The curve fills the width, though it may not end on a tick.
     const bool fills = xs.high() > xs.low();
     x_ = {fills ? xs.low() : x_ticks_.low, fills ? xs.high() : x_ticks_.high, kLeft, plot.width - kRight, false};
-    lay_out_legend();
-    const double top = kTop + (plot.markers.empty() ? 0.0 : kMarkerRow) + legend_rows_ * kLegendRow;
+    if (!plot.names_at_curves) lay_out_legend();
+    const double top =
+        (plot.title.empty() ? kTopWithoutTitle : kTop) + lay_out_markers() * kMarkerRow + legend_rows_ * kLegendRow;
     y_ = {y_ticks_.low, y_ticks_.high, plot.height - kBottom, top, plot.log_y};
+    if (std::isfinite(plot.y_low)) y_.low = plot.y_low;
+    if (std::isfinite(plot.y_high)) y_.high = plot.y_high;
   }
 
   PlotAxes axes() const { return {x_, y_}; }
 
   std::string draw() {
+    add_zones();
     add_grid();
     for (std::size_t i = 0; i < plot_.bands.size(); ++i) add_band(plot_.bands[i], colour(i));
     add_markers();
-    for (std::size_t i = 0; i < plot_.series.size(); ++i) add_series(plot_.series[i], colour(i));
+    for (std::size_t i = 0; i < plot_.series.size(); ++i) add_series(plot_.series[i], colour_of(i));
     add_frame_and_titles();
+    add_zone_names();
+    if (plot_.names_at_curves) add_names();
     add_legend();
     return std::move(svg_);
   }
@@ -131,9 +143,11 @@ class PlotDrawing {
   void add_grid() {
     const auto step = [](const AxisTicks& ticks) { return ticks.major[1] - ticks.major[0]; };
     for (const double value : y_ticks_.minor) {
+      if (!is_in_height(value)) continue;
       svg_ += line(x_.from, y_(value), x_.to, y_(value), "stroke=\"#eef1f3\"");
     }
     for (const double value : y_ticks_.major) {
+      if (!is_in_height(value)) continue;
       svg_ += line(x_.from, y_(value), x_.to, y_(value), "stroke=\"#d9dee2\"");
       svg_ += label(x_.from - 8.0, y_(value) + 4.5, "end", tick_label(value, plot_.log_y ? 0.0 : step(y_ticks_)));
     }
@@ -170,32 +184,96 @@ class PlotDrawing {
     flush();
   }
 
-  void add_markers() {
-    double taken_to = 0.0;
+  /// How many rows their labels take.
+  int lay_out_markers() {
     for (const PlotMarker& marker : plot_.markers) {
       if (!x_.shows(marker.x)) continue;
-      const double x = x_(marker.x);
-      svg_ += line(x, y_.from, x, y_.to - 4.0, "stroke=\"#333b42\" stroke-width=\"1.2\" stroke-dasharray=\"5 4\"");
-      const double half = 0.5 * text_width(marker.label, kFontSize);
-      const double middle = std::min(std::max(x, taken_to + half + 8.0), plot_.width - half - 2.0);
-      taken_to = middle + half;
-      svg_ += label(middle, y_.to - 9.0, "middle", marker.label, "fill=\"#333b42\"");
+      marker_labels_.push_back({x_(marker.x), text_width(marker.label, kFontSize)});
+      marker_texts_.push_back(marker.label);
     }
+    lay_out_line_labels(marker_labels_, plot_.width, kMarkerGap);
+    int rows = 0;
+    for (const LineLabel& label : marker_labels_) rows = std::max(rows, label.row + 1);
+    return rows;
+  }
+
+  void add_markers() {
+    for (std::size_t n = 0; n < marker_labels_.size(); ++n) {
+      const LineLabel& at = marker_labels_[n];
+      const double base = y_.to - 6.0 - at.row * kMarkerRow;
+      svg_ += line(at.x, y_.from, at.x, base - 9.0, "stroke=\"#333b42\" stroke-width=\"1.2\" stroke-dasharray=\"5 4\"");
+      svg_ += label(at.x + (at.is_left ? -kMarkerGap : kMarkerGap), base, at.is_left ? "end" : "start",
+                    marker_texts_[n], "fill=\"#333b42\"");
+      taken_.emplace_back(Eigen::Vector2d(at.x, y_.to), Eigen::Vector2d(at.x, y_.from));
+    }
+  }
+
+  bool is_in_height(double value) const {
+    const double slack = 1e-9 * (y_.high - y_.low);
+    return value >= y_.low - slack && value <= y_.high + slack;
+  }
+
+  void add_zones() {
+    for (const PlotZone& zone : plot_.zones) {
+      const double low = std::max(zone.low, y_.low), high = std::min(zone.high, y_.high);
+      if (!(high > low)) continue;
+      svg_ += "<rect x=\"" + svg_number(x_.from) + "\" y=\"" + svg_number(y_(high)) + "\" width=\"" +
+              svg_number(x_.to - x_.from) + "\" height=\"" + svg_number(y_(low) - y_(high)) + "\" fill=\"" +
+              escape_html(zone.colour) + "\" fill-opacity=\"0.16\"/>\n";
+    }
+  }
+
+  /// In the zone's lower right corner.
+  void add_zone_names() {
+    for (const PlotZone& zone : plot_.zones) {
+      const double low = std::max(zone.low, y_.low), high = std::min(zone.high, y_.high);
+      if (!(high > low) || zone.name.empty()) continue;
+      const Eigen::Vector2d corner(x_.to - 6.0, y_(low) - 3.0);
+      const Eigen::Vector2d size(text_width(zone.name, kFontSize), kFontSize);
+      svg_ += label(corner.x(), corner.y() - 1.0, "end", zone.name,
+                    "font-weight=\"600\" fill=\"" + escape_html(zone.colour) + "\"");
+      taken_.emplace_back(Eigen::Vector2d(corner - size), corner);
+    }
+  }
+
+  void add_names() {
+    std::vector<NamedCurve> curves;
+    for (const PlotSeries& series : plot_.series) curves.push_back({series.name, runs_of(series)});
+    const Eigen::AlignedBox2d room(Eigen::Vector2d(x_.from, y_.to), Eigen::Vector2d(x_.to, y_.from));
+    const std::vector<Eigen::AlignedBox2d> places = place_curve_names(curves, room, kFontSize, taken_);
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      if (places[n].isEmpty()) continue;
+      svg_ += label(places[n].min().x(), places[n].max().y() - 0.25 * kFontSize, "start", curves[n].name,
+                    "font-weight=\"600\" fill=\"" + escape_html(colour_of(n)) + "\"");
+    }
+  }
+
+  std::vector<PlotRun> runs_of(const PlotSeries& series) const {
+    std::vector<PlotRun> runs = curve_runs(series.x, series.y, x_, y_);
+    if (series.step) {
+      for (PlotRun& run : runs) run = stepped(run);
+    }
+    return std::isfinite(plot_.y_low) || std::isfinite(plot_.y_high) ? cut_to_heights(runs, y_.to, y_.from) : runs;
+  }
+
+  std::string_view colour_of(std::size_t series) const {
+    const std::string& own = plot_.series[series].colour;
+    return own.empty() ? colour(series) : std::string_view(own);
   }
 
   void add_series(const PlotSeries& series, std::string_view stroke) {
     std::string data;
-    for (const PlotRun& run : curve_runs(series.x, series.y, x_, y_)) {
+    for (const PlotRun& run : runs_of(series)) {
       if (series.points) {
         for (const Eigen::Vector2d& p : run) data += path_data({p});
       } else {
-        data += path_data(thinned(series.step ? stepped(run) : run, kColumn));
+        data += path_data(thinned(run, kColumn));
       }
     }
     if (data.empty()) return;
     drew_ = true;
-    svg_ += "<path d=\"" + data + "\" fill=\"none\" stroke=\"" + std::string(stroke) + "\" stroke-width=\"" +
-            (series.points ? "5\" stroke-opacity=\"0.6" : "1.6") +
+    svg_ += "<path d=\"" + data + "\" fill=\"none\" stroke=\"" + escape_html(stroke) + "\" stroke-width=\"" +
+            (series.points ? "5\" stroke-opacity=\"0.6" : "1.6") + (series.dashed ? "\" stroke-dasharray=\"4 4" : "") +
             "\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
   }
 
@@ -205,7 +283,8 @@ class PlotDrawing {
     svg_ += "<rect x=\"" + svg_number(x_.from) + "\" y=\"" + svg_number(y_.to) + "\" width=\"" +
             svg_number(x_.to - x_.from) + "\" height=\"" + svg_number(y_.from - y_.to) +
             "\" fill=\"none\" stroke=\"#5b6670\"/>\n";
-    svg_ += label(x_.from, 18.0, "start", plot_.title, "font-weight=\"600\" font-size=\"15\" fill=\"#1a2026\"");
+    if (!plot_.title.empty())
+      svg_ += label(x_.from, 18.0, "start", plot_.title, "font-weight=\"600\" font-size=\"15\" fill=\"#1a2026\"");
     svg_ += label(x_middle, y_.from + 40.0, "middle", with_unit(plot_.x_label, plot_.x_unit));
     svg_ += label(0.0, 0.0, "middle", with_unit(plot_.y_label, plot_.y_unit),
                   "transform=\"translate(18 " + svg_number(y_middle) + ") rotate(-90)\"");
@@ -214,7 +293,8 @@ class PlotDrawing {
 
   /// On the title's line, ending on the right; where that is too short, on lines of its own below it.
   void lay_out_legend() {
-    for (std::size_t i = 0; i < plot_.series.size(); ++i) legend_.push_back({plot_.series[i].name, colour(i), false});
+    for (std::size_t i = 0; i < plot_.series.size(); ++i)
+      legend_.push_back({plot_.series[i].name, colour_of(i), false});
     for (std::size_t i = 0; i < plot_.bands.size(); ++i) legend_.push_back({plot_.bands[i].name, colour(i), true});
     std::erase_if(legend_, [](const LegendEntry& entry) { return entry.name.empty(); });
     if (legend_.size() < 2) legend_.clear();
@@ -258,7 +338,10 @@ class PlotDrawing {
   const Plot& plot_;
   bool drew_ = false;  ///< any curve or band
   std::vector<LegendEntry> legend_;
-  int legend_rows_ = 0;  ///< of its own
+  std::vector<LineLabel> marker_labels_;
+  std::vector<std::string_view> marker_texts_;
+  std::vector<Eigen::AlignedBox2d> taken_;  ///< by text within the frame
+  int legend_rows_ = 0;                     ///< of its own
   AxisTicks x_ticks_;
   AxisTicks y_ticks_;
   AxisScale x_;

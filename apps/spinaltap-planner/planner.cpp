@@ -130,6 +130,7 @@ void Planner::save_report(const std::filesystem::path& path) {
   data.landmarks = bone.landmarks();
   data.ct = &bone.ct;
   data.bone_bounds_mm = bone.model().bounds_mm();
+  data.bone = &*bone.bone;
   StagedOutput output;
   output.write(path, grade_report(data));
   output.commit();

@@ -10,6 +10,7 @@
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/report_options.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "mesh/mesh_io.h"
@@ -26,7 +27,12 @@ struct DemoOptions {
   PathOptions path;
   DrillOptions drill;
   PhantomCommandOptions phantom;
+  std::string command;  ///< as the reports show it
 };
+
+std::string level_or(Level level, const std::string& otherwise) {
+  return level == Level::kNone ? otherwise : level_name(level);
+}
 
 void heading(const char* text) { std::printf("%s\n", text); }
 
@@ -45,9 +51,9 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   }
 
   heading("CT to bone");
-  const CtVolume ct = options.ct.read(progress);
-  const BakedCt baked = options.ct.make_bone(ct, progress);
-  figures["bake"] = report_baked(ct, baked);
+  const std::optional<CtVolume> ct = options.ct.read(progress);
+  const BakedCt baked = options.ct.make_bone(*ct, progress);
+  figures["bake"] = report_baked(*ct, baked);
   const TriangleMesh mesh = bone_surface(baked.bone);
   figures["mesh"] = report_mesh(measure_mesh(mesh));
   if (phantom) {
@@ -70,15 +76,22 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     std::vector<GradedPath> graded = graded_paths(suggestions);
     add_uncertainty(bone, PlacementOptions().model(), graded, progress);
     figures["plan"] = report_suggestions(bone, suggestions, graded);
+    CtVolume kept;
+    write_planning_report(report_head(level_or(baked.level, "Suggested paths"), options.command, bone, ct, kept),
+                          suggestions, graded, {}, options.folder / "plan.html", progress);
+    if (graded.empty()) {  // nothing to drill
+      exit_code = kAnswerIsNo;
+      return figures;
+    }
     paths = paths_of(suggestions);
-    write_planning_report("Suggested paths", bone, graded, options.folder / "plan.html");
   }
   figures["plan"].update(report_paths(paths));
   write_plan(paths, options.folder / "plan.json");
 
   heading("Drilling");
-  const std::string title = phantom ? "Drilling the phantom" : "Drilling " + options.ct.folder.filename().string();
-  figures["drill"] = run_drill(title, &ct, bone, paths.front(), options.drill, options.folder, progress);
+  const std::string title = "Drilling " + (phantom ? "the phantom" : level_or(baked.level, paths.front().name));
+  figures["drill"] =
+      run_drill({title, options.command, &*ct}, bone, paths.front(), options.drill, options.folder, progress);
   if (baked.warnings) {
     exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
   }
@@ -101,6 +114,7 @@ void add_demo(CLI::App& program, Command& command) {
   options->path.add_to(*app);
   options->drill.add_to(*app);
 
+  app->parse_complete_callback([options, app] { options->command = shown_command(*app); });
   command.run = [options, &command](const Progress& progress) { return demo(*options, progress, command.exit_code); };
 }
 

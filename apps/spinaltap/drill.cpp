@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "apps/spinaltap/command.h"
-#include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/drill_run.h"
 #include "apps/spinaltap/level_output.h"
+#include "apps/spinaltap/report_options.h"
 #include "core/files/plan_file.h"
 #include "core/session/session_event.h"
 
@@ -20,7 +20,7 @@ void add_drill(CLI::App& program, Command& command) {
     std::filesystem::path plan;
     std::string path_name;
     std::filesystem::path folder = "drilled";
-    CtOptions ct;
+    PageOptions page;
     DrillOptions drill;
   };
   const auto options = std::make_shared<Options>();
@@ -35,8 +35,7 @@ void add_drill(CLI::App& program, Command& command) {
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
-  app->add_option("--ct", options->ct.folder, "The CT, for the report's slices")->type_name("PATH");
-  options->ct.add_reading(*app);
+  options->page.add_to(*app);
   options->drill.add_to(*app);
   options->drill.add_session_to(*app);
 
@@ -45,10 +44,10 @@ void add_drill(CLI::App& program, Command& command) {
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
     const Bone bone = Bone::load(options->bone, options->level);
-    std::optional<CtVolume> ct;
-    if (!options->ct.folder.empty()) ct = options->ct.read(progress);
+    const std::optional<CtVolume> ct = options->page.read(bone, progress);
     Json figures =
-        run_drill("Drilling " + path.name, ct ? &*ct : nullptr, bone, path, options->drill, options->folder, progress);
+        run_drill({options->page.title_of(bone, "Drilling " + path.name), options->page.command, ct ? &*ct : nullptr},
+                  bone, path, options->drill, options->folder, progress);
     const auto is_breach = [](const Json& event) { return event["event"] == name_of(EventKind::stop_breach); };
     if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach)) command.exit_code = kAnswerIsNo;
     return figures;

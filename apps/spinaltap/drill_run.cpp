@@ -12,6 +12,7 @@
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/mesh_figures.h"
+#include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/data_files.h"
@@ -218,8 +219,8 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
   return json;
 }
 
-Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, const DrillPath& path,
-               const DrillOptions& options, const std::filesystem::path& folder, const Progress& progress) {
+Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, const DrillOptions& options,
+               const std::filesystem::path& folder, const Progress& progress) {
   options.check();
   SessionSetup setup = options.setup;
   setup.path = path;
@@ -252,7 +253,9 @@ Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, c
   progress.report("meshing", 0.0);
   const MeshQuality quality = measure_mesh(surface);
   const DrillFigures figures{drilling, bone, setup, tool_operator.words, quality, recording.lost()};
-  DrillReportData data = report_data(title, ct, figures);
+  DrillReportData data = report_data(page.title, page.ct, figures);
+  data.command = page.command;
+  data.date = today();
   data.renders = drill_pictures(bone.model(), drilling.drilled, path, progress);
 
   StagedOutput output;

@@ -16,10 +16,17 @@ namespace spinaltap {
 void print_drilling(const DrillFigures& figures, const DensityCalibration& density);
 Json drilling_json(const DrillFigures& figures, const DensityCalibration& density);
 
+/// What a drilling's report says of itself, and shows.
+struct DrillPage {
+  std::string title;
+  std::string command;           ///< as the report shows it
+  const CtVolume* ct = nullptr;  ///< for the slices; none without it
+};
+
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
 /// points.vdb into a folder: all of them or none. A record grows where its option says, and stays whatever happens.
-/// `ct` is for the report's slices and may be null. Prints the figures and gives them as JSON.
-Json run_drill(const std::string& title, const CtVolume* ct, const Bone& bone, const DrillPath& path,
-               const DrillOptions& options, const std::filesystem::path& folder, const Progress& progress);
+/// Prints the figures and gives them as JSON.
+Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, const DrillOptions& options,
+               const std::filesystem::path& folder, const Progress& progress);
 
 }  // namespace spinaltap

@@ -2,12 +2,14 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "apps/report/grade_output.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/report_options.h"
 #include "core/base/staged_output.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
@@ -26,6 +28,7 @@ struct GradeCommandOptions {
   double screw_length_mm = std::nan("");
   GradeOptions grade;
   PlacementOptions placement;
+  PageOptions page;
   std::filesystem::path folder = "graded";
   bool fails_on_breach = false;
 };
@@ -71,9 +74,12 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   StagedOutput output;
   output.write(options.folder / "grade.json", whole.dump(2) + "\n");
   output.write(options.folder / "grade.csv", grades_csv(graded, options.grade.hu_bands));
-  const CtVolume ct = ct_of_bone(bone.model());
-  output.write(options.folder / "report.html", grade_report({"Paths graded", graded, options.grade.hu_bands,
-                                                             &bone.landmarks(), &ct, bone.model().bounds_mm()}));
+  CtVolume kept;
+  const std::optional<CtVolume> ct = options.page.read(bone, progress);
+  GradeReportData data = report_head(options.page.title_of(bone, "Graded paths"), options.page.command, bone, ct, kept);
+  data.paths = graded;
+  data.hu_bands = options.grade.hu_bands;
+  output.write(options.folder / "report.html", grade_report(data, progress));
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   print_uncertainty(graded);
@@ -115,6 +121,7 @@ void add_grade(CLI::App& program, Command& command) {
       ->capture_default_str()
       ->type_name("MM");
   options->placement.add_to(*app);
+  options->page.add_to(*app);
   app->add_flag("--fail-on-breach", options->fails_on_breach, "Exit with 1 where a path breaches, with all written");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
   command.run = [options, &command](const Progress& progress) { return grade(*options, progress, command.exit_code); };

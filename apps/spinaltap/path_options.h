@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/report/grade_output.h"
+#include "apps/report/grade_report.h"
 #include "core/files/json_file.h"
 #include "core/tool/drill_path.h"
 #include "vdb/sim/auto_plan.h"
@@ -39,8 +40,10 @@ std::vector<GradedPath> graded_paths(const std::vector<Suggestion>& suggestions)
 Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions,
                         const std::vector<GradedPath>& graded);
 
-/// Writes the report on suggested paths: the vertebra, and each path's grade, safe zone, slices and plots.
-void write_planning_report(const std::string& title, const Bone& bone, const std::vector<GradedPath>& graded,
-                           const std::filesystem::path& file);
+/// Writes the report on suggested paths, and on pedicles without one. `head`: of report_head(); `screws`: the table
+/// that they were chosen from, empty: the shipped one.
+void write_planning_report(GradeReportData head, const std::vector<Suggestion>& suggestions,
+                           const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
+                           const std::filesystem::path& file, const Progress& progress);
 
 }  // namespace spinaltap

@@ -7,11 +7,14 @@
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/bit_file.h"
+#include "core/files/data_files.h"
 #include "core/files/plan_file.h"
 #include "core/files/planning_json.h"
+#include "core/files/screw_file.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"
 #include "vdb/sim/bone_path.h"
@@ -159,12 +162,22 @@ Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggest
   return {{"landmarks", to_json(bone.landmarks())}, {"suggestions", list}};
 }
 
-void write_planning_report(const std::string& title, const Bone& bone, const std::vector<GradedPath>& graded,
-                           const std::filesystem::path& file) {
-  const CtVolume ct = ct_of_bone(bone.model());
-  const GradeReportData data{title, graded, GradeOptions().hu_bands, &bone.landmarks(), &ct, bone.model().bounds_mm()};
+void write_planning_report(GradeReportData head, const std::vector<Suggestion>& suggestions,
+                           const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
+                           const std::filesystem::path& file, const Progress& progress) {
+  head.paths = graded;
+  head.hu_bands = GradeOptions().hu_bands;
+  for (const Suggestion& suggestion : suggestions) {
+    if (suggestion.best) {
+      head.reasons.push_back(suggestion.best->reasons);
+      continue;
+    }
+    MissingPath missing{suggestion.side == "left", suggestion.rejection};
+    missing.smallest = read_screws(screws.empty() ? data_file("screws/pedicle.json") : screws).front();
+    head.missing.push_back(missing);
+  }
   StagedOutput output;
-  output.write(file, grade_report(data));
+  output.write(file, grade_report(head, progress));
   output.commit();
   print_figure("report", file.string());
 }
@@ -180,11 +193,13 @@ void add_plan(CLI::App& program, Command& command) {
     AutoPlanOptions suggest;
     PlacementOptions placement;
     std::filesystem::path report;
+    PageOptions page;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* app =
       add_command(program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
                   "Examples: spinaltap plan bone.vdb --auto -o plan.json --report plan.html\n"
+                  "          spinaltap plan spine.vdb --level L3 --auto --ct ct/ --report l3.html\n"
                   "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
                   "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
                   "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
@@ -199,12 +214,15 @@ void add_plan(CLI::App& program, Command& command) {
   options->placement.add_to(*app);
   app->add_option("--report", options->report, "Also write a page with slices, plots, grades and safe zones")
       ->type_name("FILE");
+  options->page.add_to(*app);
   app->get_option("--auto")->excludes("--entry");
   for (const char* name :
-       {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors", "--report"})
+       {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors", "--report"}) {
     app->get_option(name)->needs("--auto");
+  }
+  for (const char* name : {"--ct", "--title"}) app->get_option(name)->needs("--report");
 
-  command.run = [options](const Progress& progress) {
+  command.run = [options, &command](const Progress& progress) {
     Json figures = Json::object();
     const Bone bone = Bone::load(options->bone, options->level);
     std::vector<DrillPath> paths;
@@ -218,8 +236,18 @@ void add_plan(CLI::App& program, Command& command) {
       std::vector<GradedPath> graded = graded_paths(suggestions);
       add_uncertainty(bone, errors, graded, progress);
       figures = report_suggestions(bone, suggestions, graded);
+      if (!options->report.empty()) {
+        CtVolume kept;
+        const std::optional<CtVolume> ct = options->page.read(bone, progress);
+        write_planning_report(
+            report_head(options->page.title_of(bone, "Suggested paths"), options->page.command, bone, ct, kept),
+            suggestions, graded, options->suggest.screws, options->report, progress);
+      }
+      if (graded.empty()) {  // all is written that there is
+        command.exit_code = kAnswerIsNo;
+        return figures;
+      }
       paths = paths_of(suggestions);
-      if (!options->report.empty()) write_planning_report("Suggested paths", bone, graded, options->report);
     } else {
       fail("expected --entry and --target, or --auto");
     }

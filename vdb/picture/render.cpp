@@ -68,8 +68,9 @@ struct Scene {
   Scene(const BoneModel& shown, const RenderOptions& how)
       : bone(shown), options(how), drawn(shown), camera(*drawn.bone_grid, how) {
     constexpr double kRodMm = 0.7;
-    const Colour steel(0.55, 0.60, 0.68), green(0.10, 0.62, 0.28);
+    const Colour steel(0.55, 0.60, 0.68), green(0.10, 0.62, 0.28), blue(0.10, 0.36, 0.72);
     if (how.bit) solids.emplace_back(how.bit->bit, how.bit->pose, steel);
+    for (const RenderedBit& tool : how.tools) solids.emplace_back(tool.bit, tool.pose, blue);
     for (const DrillPath& path : how.paths) {
       check_path(path);
       const double tip_mm = std::min(kRodMm, 0.5 * path.length_mm());

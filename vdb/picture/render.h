@@ -40,7 +40,8 @@ struct RenderOptions {
   double opacity = 1.0;
   std::optional<CloseUp> close_up = {};  ///< otherwise the whole bone is seen
   std::optional<RenderedBit> bit = {};
-  std::vector<DrillPath> paths = {};  ///< drawn as thin rods from entry to target
+  std::vector<RenderedBit> tools = {};  ///< further ones, such as screws: in blue
+  std::vector<DrillPath> paths = {};    ///< drawn as thin rods from entry to target
 };
 
 /// A shaded picture of the bone by parallel projection, traced against the distance grids (no display server needed).

@@ -10,12 +10,15 @@
 #include "apps/report/slice_figure.h"
 #include "core/base/error.h"
 #include "core/base/version.h"
+#include "tests/unit/apps/report/balanced_html.h"
 #include "tests/unit/apps/report/times_in.h"
 
 namespace spinaltap {
 namespace {
 
+using test::expect_balanced;
 using test::times_in;
+using test::without_pictures;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -52,30 +55,6 @@ DrillReportData full_data(const CtVolume& ct) {
   return data;
 }
 
-/// Every opened element is closed in order (void elements aside).
-void expect_balanced(const std::string& html) {
-  std::vector<std::string> open;
-  for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
-    const std::size_t end = html.find('>', at);
-    ASSERT_NE(end, std::string::npos);
-    const bool closes = html[at + 1] == '/';
-    const std::size_t begin = at + (closes ? 2 : 1);
-    if (std::isalnum(static_cast<unsigned char>(html[begin])) == 0) continue;  // <!doctype>
-    std::size_t name_end = begin;
-    while (std::isalnum(static_cast<unsigned char>(html[name_end])) != 0) ++name_end;
-    const std::string name = html.substr(begin, name_end - begin);
-    if (html[end - 1] == '/' || name == "meta" || name == "img") continue;
-    if (!closes) {
-      open.push_back(name);
-      continue;
-    }
-    ASSERT_FALSE(open.empty()) << "closes " << name;
-    ASSERT_EQ(open.back(), name);
-    open.pop_back();
-  }
-  EXPECT_TRUE(open.empty());
-}
-
 /// Whether a number was printed that is none.
 bool shows_no_number(const std::string& html) {
   const auto is_letter = [&](std::size_t at) {
@@ -87,17 +66,6 @@ bool shows_no_number(const std::string& html) {
     }
   }
   return false;
-}
-
-/// The report without its embedded pictures, whose letters mean nothing.
-std::string without_pictures(const std::string& html) {
-  std::string rest;
-  std::size_t from = 0;
-  for (std::size_t at = html.find("base64,"); at != std::string::npos; at = html.find("base64,", from)) {
-    rest += html.substr(from, at - from);
-    from = html.find('"', at);
-  }
-  return rest + html.substr(from);
 }
 
 TEST(DrillReport, ShowsEveryPart) {
@@ -188,10 +156,11 @@ TEST(DrillReport, RejectsCurvesOfAnotherLengthAndAPathWithoutLength) {
 TEST(SliceFigure, DrawsTheProjectionOnlyWhereThePlaneDoesNotHoldThePath) {
   const CtVolume ct = small_ct();
   const DrillReportData data = full_data(ct);
-  const std::string along = slice_svg(ct_slice(ct, path_frame(data.path, data.bone_bounds_mm)), data.path, "along");
+  const std::string along =
+      slice_svg(ct_slice(ct, path_frame(data.path, data.bone_bounds_mm)), {.path = data.path}, "along");
   const Vec3 middle = 0.5 * (data.path.entry_mm + data.path.target_mm);
-  const std::string coronal =
-      slice_svg(ct_slice(ct, plane_frame(Plane::kCoronal, middle, data.bone_bounds_mm)), data.path, "coronal");
+  const std::string coronal = slice_svg(ct_slice(ct, plane_frame(Plane::kCoronal, middle, data.bone_bounds_mm)),
+                                        {.path = data.path}, "coronal");
   // Each outline is a dark polygon under a bright one.
   EXPECT_EQ(times_in(along, "<polygon"), 2U);
   EXPECT_EQ(times_in(coronal, "<polygon"), 4U);
@@ -200,12 +169,54 @@ TEST(SliceFigure, DrawsTheProjectionOnlyWhereThePlaneDoesNotHoldThePath) {
   }
 }
 
+TEST(SliceFigure, DrawsTheHeadBehindTheThread) {
+  const CtVolume ct = small_ct();
+  DrillPath path = full_data(ct).path;
+  path.screw = PedicleScrew{"", 5.0, 28.0, 4.0};
+  const Box3 box(Vec3(-40, -40, -20), Vec3(40, 60, 20));
+  const SliceFrame frame = path_frame(path, box);
+  // Round below, then the tulip: two parts more, a dark and a bright polygon each.
+  EXPECT_EQ(times_in(slice_svg(ct_slice(ct, frame), {.path = path}, ""), "<polygon"), 6U);
+  const std::optional<BodyBehind> head = head_of(path);
+  ASSERT_TRUE(head);
+  double furthest_mm = 0.0, widest_mm = 0.0;
+  const Vec3 along = path.direction();
+  for (const ToolPart& part : tool_parts(head->outline)) {
+    for (const Eigen::Vector2d& corner : part_section(frame, part, head->pose)) {
+      const Vec3 place = frame.to_patient(Vec3(corner.x(), corner.y(), 0.0)) - path.target_mm;
+      furthest_mm = std::max(furthest_mm, -place.dot(along));
+      widest_mm = std::max(widest_mm, (place - place.dot(along) * along).norm());
+    }
+  }
+  EXPECT_NEAR(furthest_mm, 28.0 + path.screw->head.length_mm, 1e-6) << "the tulip's end";
+  // The plane holds the axis: the outline is the body's own, to a polygon of 96 corners around it.
+  EXPECT_NEAR(widest_mm, 0.5 * path.screw->head.diameter_mm, 0.01);
+  path.screw->head.diameter_mm = 0.0;
+  EXPECT_EQ(times_in(slice_svg(ct_slice(ct, frame), {.path = path}, ""), "<polygon"), 2U);
+}
+
+TEST(SliceFigure, ReddensWhatOfTheToolLiesBeyondTheBone) {
+  const CtVolume ct = small_ct();
+  const DrillPath path{"left", Vec3(0, 15, 0), Vec3(0, -10, 0), DrillBit{4.0, 30.0, 4.0}};
+  // Bone where x is below 1 mm: a strip of 1 mm of the bit stands out of it.
+  const OutlinedBone bone{[](std::span<const Vec3> places, std::span<float> distances) {
+    for (std::size_t n = 0; n < places.size(); ++n) distances[n] = static_cast<float>(places[n].x() - 1.0);
+  }};
+  const SliceFrame frame = cross_frame(path, 12.0, {10.0, 10.0}, 0.1);
+  const auto red_share = [&](double from_mm) {
+    const std::string svg = slice_svg(ct_slice(ct, frame), {.path = path, .bone = &bone, .red_from_mm = from_mm}, "");
+    return svg.size();
+  };
+  // Grey pictures have one channel: a red one is larger. From deeper on nothing here counts.
+  EXPECT_GT(red_share(5.0), red_share(20.0));
+}
+
 TEST(SliceFigure, RejectsAPictureThatDoesNotFitItsFrame) {
   const CtVolume ct = small_ct();
   const DrillReportData data = full_data(ct);
   CtSlice slice = ct_slice(ct, path_frame(data.path, data.bone_bounds_mm));
   slice.frame.width += 1;
-  EXPECT_THROW(slice_svg(slice, data.path, ""), Error);
+  EXPECT_THROW(slice_svg(slice, {.path = data.path}, ""), Error);
 }
 
 }  // namespace

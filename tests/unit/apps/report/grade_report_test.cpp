@@ -8,6 +8,7 @@
 
 #include "apps/report/grade_output.h"
 #include "core/base/error.h"
+#include "tests/unit/apps/report/balanced_html.h"
 #include "tests/unit/apps/report/times_in.h"
 
 namespace spinaltap {
@@ -50,25 +51,94 @@ GradedPath graded(double breach_mm) {
   return made;
 }
 
-TEST(GradeReport, ShowsGradeBreachApproachesAndFourPlotsOfEachPath) {
-  Landmarks odd;
-  odd.warnings = {"an odd vertebra"};
-  odd.left_pedicle.width_mm = 8.76;
+/// A pedicle on the patient's left and one on the right, along y.
+Landmarks two_pedicles() {
+  Landmarks marks;
+  marks.left_pedicle.isthmus_mm = Vec3(12.0, -15.0, 0.0);
+  marks.right_pedicle.isthmus_mm = Vec3(-12.0, -15.0, 0.0);
+  marks.left_pedicle.width_mm = 8.76;
+  marks.right_pedicle.width_mm = 4.32;
+  return marks;
+}
+
+CtVolume grey_ct() {
+  const GridGeometry geometry{{60, 80, 40}, Vec3(-30.0, -60.0, -20.0), Vec3::Ones(), Mat3::Identity()};
+  return make_ct_volume(geometry, std::vector<std::int16_t>(geometry.voxel_count(), 300));
+}
+
+TEST(GradeReport, HasASheetWithBothSidesAndThenAllFigures) {
+  Landmarks marks = two_pedicles();
+  marks.warnings = {"an odd vertebra"};
   GradedPath safe = graded(0.0);
+  safe.grade.is_left = false;
+  safe.path.name = "right";
   safe.safe = SafeZone{.medial_mm = 1.23, .caudal_deg = 4.56};
-  const GridGeometry geometry{{20, 60, 20}, Vec3(-10.0, -50.0, -10.0), Vec3::Ones(), Mat3::Identity()};
-  const CtVolume ct = make_ct_volume(geometry, std::vector<std::int16_t>(geometry.voxel_count(), 300));
-  const Box3 box(Vec3(-10.0, -50.0, -10.0), Vec3(10.0, 10.0, 10.0));
-  const std::string html = grade_report({"L3", {graded(2.5), safe}, kBands, &odd, &ct, box});
-  for (const char* part : {"C: breach of 2 to below 4 mm", "A: no breach", "canal, medial",
-                           "lateral, at 17.5 mm of depth", "240", "75.0", "135 to 375 HU", "34.5", "an odd vertebra",
-                           "not a medical device", "screw 6.5 x 45 mm", "8.8", "1.2 mm or", "or 4.6°"}) {
+  GradedPath bad = graded(2.5);
+  bad.grade.findings = {{.is_warning = true, .words = "the head stands in the joint"}};
+  const CtVolume ct = grey_ct();
+  const Box3 box(Vec3(-20.0, -50.0, -10.0), Vec3(20.0, 10.0, 10.0));
+  GradeReportData data{"L3", {bad, safe}, kBands, &marks, &ct, box};
+  data.command = "spinaltap grade bone.vdb plan.json";
+  data.date = "2026-11-24";
+  data.reasons = {{"thinner for a straighter way"}};
+  const std::string html = grade_report(data);
+  for (const char* part : {"Left pedicle: screw 6.5 x 45 mm",
+                           "Right pedicle: screw 6.5 x 45 mm",
+                           "breach of 2 to below 4 mm",
+                           "2.50 mm into canal, medial",
+                           "lateral, at 17.5 mm of depth",
+                           "240",
+                           "75.0",
+                           "135 to 375 HU",
+                           "34.5",
+                           "an odd vertebra",
+                           "not a medical device",
+                           "8.8",
+                           "1.2 mm",
+                           "4.6°",
+                           "Convergence",
+                           "Inclination",
+                           "the head stands in the joint",
+                           "thinner for a straighter way",
+                           "2026-11-24",
+                           "spinaltap grade bone.vdb plan.json",
+                           "Isthmus, 15.0 mm",
+                           "Tip, 40.0 mm",
+                           ">breach<"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
-  EXPECT_EQ(times_in(html, "<svg class=\"plot\""), 8U);
-  EXPECT_EQ(times_in(html, "data:image/png"), 8U) << "four slices of each path";
+  EXPECT_EQ(times_in(html, "<section class=\"sheet\">"), 1U);
+  EXPECT_LT(html.find("Right pedicle:"), html.find("Left pedicle:")) << "as on an axial slice";
+  EXPECT_EQ(times_in(html, "<svg class=\"plot\""), 8U) << "clearances on the sheet; three further plots of each path";
+  EXPECT_EQ(times_in(html, "aria-label=\"clearance over"), 2U) << "no plot twice";
+  EXPECT_EQ(times_in(html, "data:image/png"), 10U) << "five slices of each path";
+  EXPECT_EQ(times_in(html, "<li class=\"warning\">"), 1U);
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
+  test::expect_balanced(test::without_pictures(html));
+}
+
+TEST(GradeReport, ShowsTheIsthmusOfAPedicleWithoutAPath) {
+  const Landmarks marks = two_pedicles();
+  const CtVolume ct = grey_ct();
+  GradeReportData data{"T6", {}, kBands, &marks, &ct, Box3(Vec3(-20.0, -50.0, -10.0), Vec3(20.0, 10.0, 10.0))};
+  data.missing = {{false, "too narrow by 2 mm", PedicleScrew{"", 3.5, 25.0, 4.0}}};
+  const std::string html = grade_report(data);
+  for (const char* part : {"Right pedicle", "no path", "too narrow by 2 mm", ">4.3 mm<", "3.5", "at its isthmus"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  EXPECT_EQ(times_in(html, "data:image/png"), 2U);
+  test::expect_balanced(test::without_pictures(html));
+  data.landmarks = nullptr;
+  EXPECT_THROW(grade_report(data), Error);
+}
+
+TEST(GradeReport, CutsTheClearancesWhereDecisionsLie) {
+  GradedPath safe = graded(0.0);
+  EXPECT_EQ(clearance_plot(safe).y_low, -1.0);
+  EXPECT_EQ(clearance_plot(safe).y_high, 5.0);
+  safe.grade.rows[100].canal_mm = -2.5;
+  EXPECT_EQ(clearance_plot(safe).y_low, -3.0);
 }
 
 TEST(GradeReport, EscapesNamesFromFiles) {

@@ -1,0 +1,99 @@
+#include "apps/report/breach_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "apps/report/text.h"
+
+namespace spinaltap {
+namespace {
+
+constexpr double kWidth = 488.0;
+constexpr double kSide = 112.0;  ///< of the map
+constexpr double kLeft = 64.0;
+constexpr double kTop = 24.0;
+constexpr double kHeight = kTop + kSide + 33.0;
+constexpr double kBarsLeft = kLeft + kSide + 50.0;
+
+// From safe to bad; A in two: with over 1 mm of bone left, and with less.
+constexpr std::string_view kFarInside = "#1b7837";
+constexpr std::array<std::string_view, 5> kGrades{"#8fc98f", "#fee08b", "#fdae61", "#e8603c", "#a50026"};
+
+std::string_view colour_of(double breach_mm) {
+  if (breach_mm < -1.0) return kFarInside;
+  return kGrades[static_cast<std::size_t>(gertzbein_robbins(std::max(0.0, breach_mm)))];
+}
+
+std::string text(double x, double y, std::string_view anchor, std::string_view words, std::string_view style = "") {
+  return "<text x=\"" + svg_number(x) + "\" y=\"" + svg_number(y) + "\" text-anchor=\"" + std::string(anchor) + "\" " +
+         std::string(style) + ">" + escape_html(words) + "</text>\n";
+}
+
+std::string box(double x, double y, double width, double height, std::string_view fill) {
+  return "<rect x=\"" + svg_number(x) + "\" y=\"" + svg_number(y) + "\" width=\"" + svg_number(width) + "\" height=\"" +
+         svg_number(height) + "\" fill=\"" + std::string(fill) + "\"/>\n";
+}
+
+std::string map(const BreachLattice& lattice) {
+  const std::size_t count = lattice.errors.size();
+  const double cell = kSide / static_cast<double>(count);
+  std::string svg;
+  for (std::size_t cranial = 0; cranial < count; ++cranial) {
+    for (std::size_t medial = 0; medial < count; ++medial) {
+      // A little larger, so that no gaps show.
+      svg += box(kLeft + cell * static_cast<double>(medial), kTop + cell * static_cast<double>(count - 1 - cranial),
+                 cell + 0.3, cell + 0.3, colour_of(lattice.at(medial, cranial)));
+    }
+  }
+  const double low = lattice.errors.front(), high = lattice.errors.back();
+  const double per_mm = (kSide - cell) / (high - low);
+  const auto x = [&](double mm) { return kLeft + 0.5 * cell + per_mm * (mm - low); };
+  const auto y = [&](double mm) { return kTop + kSide - 0.5 * cell - per_mm * (mm - low); };
+  for (double mm = std::ceil(low); mm <= high; mm += 1.0) {
+    const bool is_named = std::fmod(std::abs(mm), 2.0) == 0.0;
+    if (!is_named) continue;
+    svg += text(x(mm), kTop + kSide + 14.0, "middle", svg_number(mm));
+    svg += text(kLeft - 6.0, y(mm) + 4.5, "end", svg_number(mm));
+  }
+  svg += "<path d=\"M" + svg_number(x(0.0) - 5.0) + " " + svg_number(y(0.0)) + "h10m-5 -5v10\" stroke=\"#000\" " +
+         "stroke-width=\"1.6\" fill=\"none\"/>\n";
+  svg += text(kLeft + 0.5 * kSide, kTop + kSide + 30.0, "middle", "lateral ◂ mm ▸ medial");
+  svg += text(0.0, 0.0, "middle", "caudal ◂ mm ▸ cranial",
+              "font-size=\"12\" transform=\"translate(30 " + svg_number(kTop + 0.5 * kSide) + ") rotate(-90)\"");
+  return svg;
+}
+
+std::string bars(const GradeOdds& odds) {
+  constexpr double kRow = 16.0;
+  constexpr double kBar = 84.0;
+  std::string svg;
+  for (std::size_t n = 0; n < odds.grades.size(); ++n) {
+    const double y = kTop + 4.0 + kRow * static_cast<double>(n);
+    const double width = std::max(1.0, kBar * odds.grades[n].share);
+    svg += text(kBarsLeft, y + 11.0, "start", std::string(1, letter_of(static_cast<Grade>(n))), "font-weight=\"600\"");
+    svg += box(kBarsLeft + 16.0, y, width, 12.0, kGrades[n]);
+    svg += text(kBarsLeft + 16.0 + kBar + 6.0, y + 11.0, "start", probability_in_words(odds.grades[n]));
+  }
+  const double below = kTop + 4.0 + kRow * 5.0;
+  svg += text(kBarsLeft, below + 10.0, "start", "into the canal " + probability_in_words(odds.canal));
+  return svg;
+}
+
+}  // namespace
+
+std::string breach_map_svg(const PlacedGrade& placed) {
+  if (placed.map.shift_mm.errors.size() < 2) return {};
+  return "<svg class=\"map\" role=\"img\" aria-label=\"Breach by error of the entry\" viewBox=\"0 0 " +
+         svg_number(kWidth) + " " + svg_number(kHeight) + "\" font-size=\"13\" fill=\"#3d464e\">\n" +
+         text(0.0, 14.0, "start", "Grade where the entry errs",
+              "font-weight=\"600\" font-size=\"14\" fill=\"#1a2026\"") +
+         text(kBarsLeft, 14.0, "start", "Grades to expect: " + placed.errors.name,
+              "font-weight=\"600\" font-size=\"14\" fill=\"#1a2026\"") +
+         map(placed.map.shift_mm) + bars(placed.odds) +
+         text(kBarsLeft, kTop + kSide + 12.0, "start", "95 % intervals; dark green: over") +
+         text(kBarsLeft, kTop + kSide + 28.0, "start", "1 mm of bone left, then A to E") + "</svg>\n";
+}
+
+}  // namespace spinaltap
