@@ -52,7 +52,8 @@ TEST_F(PlanAuto, WritesAPathWithAScrewForEachSideThatGradeCallsA) {
   }
   std::ostringstream html;
   html << std::ifstream(in("plan.html")).rdbuf();
-  for (const char* part : {"Suggested paths", "Left pedicle", "A: no breach", "until it breaches", "<svg"}) {
+  for (const char* part :
+       {"Suggested paths", "Left pedicle", "A: no breach", "until it breaches", "<svg", "plan bone.vdb"}) {
     EXPECT_THAT(html.str(), HasSubstr(part));
   }
 
@@ -61,6 +62,22 @@ TEST_F(PlanAuto, WritesAPathWithAScrewForEachSideThatGradeCallsA) {
   for (const Json& path : read_json(in("graded.json"))["paths"]) {
     EXPECT_EQ(path["grade"], "A");
     EXPECT_EQ(path["pedicle"], path["name"]);
+  }
+}
+
+TEST_F(PlanAuto, AnswersNoWithAReportWhereThereIsNoPath) {
+  const test::ProgramRun planned = run(
+      "plan bone.vdb --auto --margin 4 -o no_plan.json --report secret_report.html --json no_out.json --title Second");
+  EXPECT_EQ(planned.exit_code, 1) << planned.errors;
+  EXPECT_FALSE(std::filesystem::exists(in("no_plan.json")));
+  EXPECT_EQ(read_json(in("no_out.json"))["suggestions"].size(), 2U);
+  std::ostringstream html;
+  html << std::ifstream(in("secret_report.html")).rdbuf();
+  for (const char* part : {"<title>Second<", "no path", "4 mm of bone", "at its isthmus", ">9.0 mm<"}) {
+    EXPECT_THAT(html.str(), HasSubstr(part));
+  }
+  for (const std::string& name : {std::string("secret"), std::string("no_plan"), in("").string()}) {
+    EXPECT_THAT(html.str(), ::testing::Not(HasSubstr(name))) << "names of files are nobody's business";
   }
 }
 
@@ -94,7 +111,6 @@ TEST_F(PlanAuto, SaysInOneLineWhatIsWrongAndWritesNothing) {
   rejected("ball.vdb --auto", "canal");
   rejected("bone.vdb", "--auto");
   rejected("bone.vdb --auto --entry 1,2,3 --target 4,5,6", "--auto");
-  rejected("bone.vdb --auto --margin 4", "4 mm of bone");
   rejected("bone.vdb --auto --margin -1", "margin");
   rejected("bone.vdb --auto --screws missing.json", "missing.json");
   rejected("bone.vdb --margin 1 --entry 1,2,3 --target 4,5,6", "--auto");
