@@ -40,9 +40,14 @@ std::vector<GradedPath> graded_paths(const std::vector<Suggestion>& suggestions)
 Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggestions,
                         const std::vector<GradedPath>& graded);
 
-/// Writes the report on suggested paths, and on pedicles without one. `head`: of report_head(); `screws`: the table
+/// The report on suggested paths, and on pedicles without one, as HTML. `head`: of report_head(); `screws`: the table
 /// that they were chosen from, empty: the shipped one.
-void write_planning_report(GradeReportData head, const std::vector<Suggestion>& suggestions,
+std::string planning_report(GradeReportData head, const std::vector<Suggestion>& suggestions,
+                            const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
+                            const Progress& progress);
+
+/// Writes it.
+void write_planning_report(const GradeReportData& head, const std::vector<Suggestion>& suggestions,
                            const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
                            const std::filesystem::path& file, const Progress& progress);
 

@@ -7,6 +7,7 @@
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/plan_levels.h"
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -162,9 +163,9 @@ Json report_suggestions(const Bone& bone, const std::vector<Suggestion>& suggest
   return {{"landmarks", to_json(bone.landmarks())}, {"suggestions", list}};
 }
 
-void write_planning_report(GradeReportData head, const std::vector<Suggestion>& suggestions,
-                           const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
-                           const std::filesystem::path& file, const Progress& progress) {
+std::string planning_report(GradeReportData head, const std::vector<Suggestion>& suggestions,
+                            const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
+                            const Progress& progress) {
   head.paths = graded;
   head.hu_bands = GradeOptions().hu_bands;
   for (const Suggestion& suggestion : suggestions) {
@@ -176,8 +177,14 @@ void write_planning_report(GradeReportData head, const std::vector<Suggestion>& 
     missing.smallest = read_screws(screws.empty() ? data_file("screws/pedicle.json") : screws).front();
     head.missing.push_back(missing);
   }
+  return grade_report(head, progress);
+}
+
+void write_planning_report(const GradeReportData& head, const std::vector<Suggestion>& suggestions,
+                           const std::vector<GradedPath>& graded, const std::filesystem::path& screws,
+                           const std::filesystem::path& file, const Progress& progress) {
   StagedOutput output;
-  output.write(file, grade_report(head, progress));
+  output.write(file, planning_report(head, suggestions, graded, screws, progress));
   output.commit();
   print_figure("report", file.string());
 }
@@ -186,6 +193,7 @@ void add_plan(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
     Level level = Level::kNone;
+    std::vector<std::string> levels;
     std::filesystem::path output = "plan.json";
     std::string name = "path";
     PathOptions path;
@@ -200,11 +208,19 @@ void add_plan(CLI::App& program, Command& command) {
       add_command(program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
                   "Examples: spinaltap plan bone.vdb --auto -o plan.json --report plan.html\n"
                   "          spinaltap plan spine.vdb --level L3 --auto --ct ct/ --report l3.html\n"
+                  "          spinaltap plan spine.vdb --auto --levels T9,T10,T11 -o plans/\n"
                   "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
                   "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
                   "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
   app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
-  add_level(*app, options->level);
+  CLI::Option* level = add_level(*app, options->level);
+  app->add_option(
+         "--levels", options->levels,
+         "Plan these levels of a spine.vdb, or all, with heads in line for a rod; -o is then a folder, for a plan "
+         "and a report of each and rods.json")
+      ->delimiter(',')
+      ->type_name("LEVEL,..")
+      ->excludes(level);
   app->add_option("-o,--output", options->output, "The plan to write")->capture_default_str()->type_name("FILE");
   app->add_option("--name", options->name, "Name of the given path")->capture_default_str();
   app->add_flag("--auto", options->is_auto, "Find the pedicles and suggest a path and a screw through each")
@@ -216,14 +232,21 @@ void add_plan(CLI::App& program, Command& command) {
       ->type_name("FILE");
   options->page.add_to(*app);
   app->get_option("--auto")->excludes("--entry");
-  for (const char* name :
-       {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors", "--report"}) {
+  for (const char* name : {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors",
+                           "--report", "--levels"}) {
     app->get_option(name)->needs("--auto");
   }
+  app->get_option("--report")->excludes("--levels");
   for (const char* name : {"--ct", "--title"}) app->get_option(name)->needs("--report");
 
   command.run = [options, &command](const Progress& progress) {
     Json figures = Json::object();
+    if (!options->levels.empty()) {
+      options->suggest.bit = options->path.bit;
+      return plan_levels({options->bone, options->levels, options->output, options->suggest, options->placement,
+                          options->page.command},
+                         command.exit_code, progress);
+    }
     const Bone bone = Bone::load(options->bone, options->level);
     std::vector<DrillPath> paths;
     if (const std::optional<DrillPath> path = options->path.given_path(options->name)) {
