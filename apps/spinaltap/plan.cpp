@@ -37,7 +37,7 @@ void PathOptions::add_to(CLI::App& app) {
       ->capture_default_str()
       ->type_name("MM");
   app.add_option("--shape", bit.shape, "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw")
-      ->transform(CLI::CheckedTransformer(bit_shapes()))
+      ->transform(one_of(bit_shapes()))
       ->type_name("NAME");
   app.add_option("--tip-diameter", bit.tip_diameter_mm,
                  "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end")
