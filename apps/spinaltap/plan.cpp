@@ -88,10 +88,10 @@ void add_auto_plan(CLI::App& app, AutoPlanOptions& options) {
   app.add_option("--sagittal", options.sagittal,
                  "Seen from the side, along the pedicle's axis or the upper endplate: anatomic (default), "
                  "straight-forward")
-      ->transform(CLI::CheckedTransformer(sagittal_references()))
+      ->transform(one_of(sagittal_references()))
       ->type_name("NAME");
   app.add_option("--technique", options.technique, "Only this one: pedicle, in-out-in, cortical; default: as fits")
-      ->transform(CLI::CheckedTransformer(techniques()))
+      ->transform(one_of(techniques()))
       ->type_name("NAME");
 }
 
