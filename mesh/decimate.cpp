@@ -1,18 +1,16 @@
 #include "mesh/decimate.h"
 
-#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModAspectRatioT.hh>
-#include <OpenMesh/Tools/Decimater/ModHausdorffT.hh>
-#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
-#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
-#include <string>
+#include <map>
 #include <vector>
 
 #include "core/base/error.h"
+#include "mesh/detail/collapse_edges.h"
 #include "mesh/detail/half_edge_mesh.h"
 #include "mesh/mesh_distance.h"
 #include "mesh/mesh_quality.h"
@@ -21,158 +19,168 @@
 namespace spinaltap {
 namespace {
 
-namespace decimater = OpenMesh::Decimater;
-using detail::HalfEdgeMesh;
+using detail::CollapsedMesh;
 
-TriangleMesh from_half_edges(const HalfEdgeMesh& mesh) {
-  TriangleMesh result;
-  result.vertices_mm.reserve(mesh.n_vertices());
-  for (const auto vertex : mesh.vertices()) {
-    const auto& p = mesh.point(vertex);
-    result.vertices_mm.emplace_back(p[0], p[1], p[2]);
-  }
-  result.triangles.reserve(mesh.n_faces());
-  for (const auto face : mesh.faces()) {
-    std::array<std::uint32_t, 3> corners{};
-    std::size_t n = 0;
-    for (const auto vertex : mesh.fv_range(face)) corners[n++] = static_cast<std::uint32_t>(vertex.idx());
-    result.triangles.push_back(corners);
-  }
-  return result;
+double mean_edge_mm(const TriangleMesh& mesh) {
+  double sum_mm = 0.0;
+  for (const auto& t : mesh.triangles)
+    sum_mm += static_cast<double>((mesh.vertices_mm[t[0]] - mesh.vertices_mm[t[1]]).norm());
+  return sum_mm / static_cast<double>(mesh.triangles.size());
 }
 
-double distance_to_segment(const HalfEdgeMesh::Point& p, const HalfEdgeMesh::Point& a, const HalfEdgeMesh::Point& b) {
-  const HalfEdgeMesh::Point along = b - a;
-  const float length = along.sqrnorm();
-  const float share = length > 0.0F ? std::clamp(((p - a) | along) / length, 0.0F, 1.0F) : 0.0F;
-  return static_cast<double>((a + share * along - p).norm());
+/// The triangles of a mesh by cubes that their middles lie in; cubes in order.
+std::vector<std::vector<std::uint32_t>> triangles_by_cube(const TriangleMesh& mesh, double side_mm) {
+  std::map<std::array<int, 3>, std::vector<std::uint32_t>> cubes;
+  for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
+    const auto& [a, b, c] = mesh.triangles[n];
+    const Vec3 middle_mm = (mesh.vertices_mm[a] + mesh.vertices_mm[b] + mesh.vertices_mm[c]).cast<double>() / 3.0;
+    const Eigen::Array3i at = (middle_mm / side_mm).array().floor().cast<int>();
+    cubes[{at.x(), at.y(), at.z()}].push_back(n);
+  }
+  std::vector<std::vector<std::uint32_t>> parts;
+  for (auto& [at, triangles] : cubes) parts.push_back(std::move(triangles));
+  return parts;
 }
 
-/// Lets a vertex on a crease go along it only, and one where creases meet or end not at all. What was on a crease stays
-/// within a distance of it.
-template <class Mesh>
-class ModCrease : public decimater::ModBaseT<Mesh> {
- public:
-  using Handle = decimater::ModHandleT<ModCrease>;
-  using Base = decimater::ModBaseT<Mesh>;
-  using CollapseInfo = typename Base::CollapseInfo;
-  using Points = std::vector<typename Mesh::Point>;
-
-  explicit ModCrease(Mesh& mesh) : Base(mesh, true) {
-    mesh.add_property(is_on_crease_);
-    mesh.add_property(passed_);
+/// Some triangles of a mesh as a mesh of their own, with vertices in ascending order.
+CollapsedMesh part_of(const TriangleMesh& mesh, const std::vector<std::uint32_t>& triangles) {
+  CollapsedMesh part;
+  for (const std::uint32_t n : triangles) {
+    part.originals.insert(part.originals.end(), mesh.triangles[n].begin(), mesh.triangles[n].end());
   }
-  ~ModCrease() override {
-    Base::mesh().remove_property(is_on_crease_);
-    Base::mesh().remove_property(passed_);
+  std::sort(part.originals.begin(), part.originals.end());
+  part.originals.erase(std::unique(part.originals.begin(), part.originals.end()), part.originals.end());
+  for (const std::uint32_t vertex : part.originals) part.mesh.vertices_mm.push_back(mesh.vertices_mm[vertex]);
+  const auto number = [&](std::uint32_t vertex) {
+    return static_cast<std::uint32_t>(std::lower_bound(part.originals.begin(), part.originals.end(), vertex) -
+                                      part.originals.begin());
+  };
+  for (const std::uint32_t n : triangles) {
+    const auto& [a, b, c] = mesh.triangles[n];
+    part.mesh.triangles.push_back({number(a), number(b), number(c)});
   }
-  ModCrease(const ModCrease&) = delete;
-  ModCrease& operator=(const ModCrease&) = delete;
+  part.passed_mm.resize(triangles.size());
+  return part;
+}
 
-  void set_tolerance(double mm) { tolerance_mm_ = mm; }
-  const std::string& name() const override {
-    static const std::string kName = "Crease";
-    return kName;
+/// Parts as one mesh again; vertices of one original number are one.
+CollapsedMesh joined(const TriangleMesh& mesh, const std::vector<CollapsedMesh>& parts) {
+  constexpr std::uint32_t kNone = ~0U;
+  std::vector<std::uint32_t> number(mesh.vertices_mm.size(), kNone);
+  for (const CollapsedMesh& part : parts) {
+    for (const std::uint32_t vertex : part.originals) number[vertex] = 0;
   }
-
-  void initialize() override {
-    for (std::size_t n = 0; n < Base::mesh().n_vertices(); ++n) {
-      Base::mesh().property(is_on_crease_, OpenMesh::VertexHandle(static_cast<int>(n))) = false;
+  CollapsedMesh whole;
+  for (std::uint32_t vertex = 0; vertex < number.size(); ++vertex) {
+    if (number[vertex] == kNone) continue;
+    number[vertex] = static_cast<std::uint32_t>(whole.originals.size());
+    whole.originals.push_back(vertex);
+    whole.mesh.vertices_mm.push_back(mesh.vertices_mm[vertex]);
+  }
+  for (const CollapsedMesh& part : parts) {
+    for (const auto& [a, b, c] : part.mesh.triangles) {
+      whole.mesh.triangles.push_back({number[part.originals[a]], number[part.originals[b]], number[part.originals[c]]});
     }
-    for (std::size_t n = 0; n < Base::mesh().n_edges(); ++n) {
-      const OpenMesh::EdgeHandle edge(static_cast<int>(n));
-      if (!is_crease(edge)) continue;
-      for (const unsigned side : {0U, 1U}) {
-        const OpenMesh::HalfedgeHandle half = Base::mesh().halfedge_handle(edge, side);
-        Base::mesh().property(is_on_crease_, Base::mesh().to_vertex_handle(half)) = true;
+    whole.passed_mm.insert(whole.passed_mm.end(), part.passed_mm.begin(), part.passed_mm.end());
+  }
+  return whole;
+}
+
+/// A mesh in parts that are made coarser side by side, then along their borders, and again where vertices are to stay.
+class Decimation {
+ public:
+  Decimation(const TriangleMesh& mesh, double tolerance_mm)
+      : mesh_(mesh),
+        tolerance_mm_(tolerance_mm),
+        edge_mm_(mean_edge_mm(mesh)),
+        cubes_(triangles_by_cube(mesh, kSideEdges * edge_mm_)),
+        parts_(cubes_.size()),
+        is_stale_(cubes_.size(), 1),
+        is_kept_(mesh.vertices_mm.size(), 0),
+        is_border_(mesh.vertices_mm.size(), 0) {
+    constexpr std::uint32_t kNone = ~0U;
+    std::vector<std::uint32_t> cube_of(mesh.vertices_mm.size(), kNone);
+    for (std::uint32_t cube = 0; cube < cubes_.size(); ++cube) {
+      for (const std::uint32_t triangle : cubes_[cube]) {
+        for (const std::uint32_t vertex : mesh.triangles[triangle]) {
+          if (cube_of[vertex] == kNone) cube_of[vertex] = cube;
+          if (cube_of[vertex] != cube) is_border_[vertex] = 1;
+        }
       }
     }
   }
 
-  float collapse_priority(const CollapseInfo& collapse) override {
-    if (!Base::mesh().property(is_on_crease_, collapse.v0)) return Base::LEGAL_COLLAPSE;
-    if (!find_crease(collapse)) return Base::ILLEGAL_COLLAPSE;
-    const auto& begin = Base::mesh().point(before_);
-    for (const auto& p : moved_) {
-      if (distance_to_segment(p, begin, collapse.p1) > tolerance_mm_) return Base::ILLEGAL_COLLAPSE;
+  double edge_mm() const { return edge_mm_; }
+
+  /// Keeps the vertices within a distance of any of some places.
+  void keep_near(const std::vector<Vec3>& places_mm, double distance_mm) {
+    std::vector<std::uint8_t> is_new(is_kept_.size(), 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, is_kept_.size(), 4096), [&](const auto& range) {
+      for (std::size_t n = range.begin(); n < range.end(); ++n) {
+        if (is_kept_[n] != 0) continue;
+        const Vec3 p_mm = mesh_.vertices_mm[n].cast<double>();
+        is_new[n] = std::any_of(places_mm.begin(), places_mm.end(), [&](const Vec3& place_mm) {
+          return (place_mm - p_mm).squaredNorm() <= distance_mm * distance_mm;
+        });
+      }
+    });
+    for (std::size_t cube = 0; cube < cubes_.size(); ++cube) {
+      for (const std::uint32_t triangle : cubes_[cube]) {
+        for (const std::uint32_t vertex : mesh_.triangles[triangle]) {
+          if (is_new[vertex] != 0) is_stale_[cube] = 1;
+        }
+      }
     }
-    return Base::LEGAL_COLLAPSE;
+    for (std::size_t n = 0; n < is_kept_.size(); ++n) {
+      if (is_new[n] != 0) is_kept_[n] = 1;
+    }
   }
 
-  void preprocess_collapse(const CollapseInfo& collapse) override {
-    moved_.clear();
-    if (Base::mesh().property(is_on_crease_, collapse.v0)) find_crease(collapse);
-  }
-
-  void postprocess_collapse(const CollapseInfo& collapse) override {
-    if (moved_.empty()) return;
-    const OpenMesh::HalfedgeHandle joined(Base::mesh().find_halfedge(before_, collapse.v1).idx());
-    if (joined.is_valid()) Base::mesh().property(passed_, Base::mesh().edge_handle(joined)) = moved_;
+  TriangleMesh result() {
+    const detail::CollapseOptions within{tolerance_mm_, tolerance_mm_};
+    tbb::parallel_for(std::size_t{0}, cubes_.size(), [&](std::size_t cube) {
+      if (is_stale_[cube] == 0) return;
+      parts_[cube] = part_of(mesh_, cubes_[cube]);
+      detail::collapse_edges(parts_[cube], kept(parts_[cube], is_kept_), within);
+      is_stale_[cube] = 0;
+    });
+    CollapsedMesh whole = joined(mesh_, parts_);
+    // Only the borders are left to do, and what lies beside them.
+    std::vector<std::uint8_t> is_free(whole.originals.size(), 0);
+    for (const auto& t : whole.mesh.triangles) {
+      const bool is_at_border =
+          std::any_of(t.begin(), t.end(), [&](std::uint32_t n) { return is_border_[whole.originals[n]] != 0; });
+      for (const std::uint32_t corner : t) {
+        if (is_at_border) is_free[corner] = 1;
+      }
+    }
+    std::vector<std::uint8_t> stays = kept(whole, is_kept_);
+    for (std::size_t n = 0; n < stays.size(); ++n) {
+      if (is_free[n] == 0) stays[n] = 1;
+    }
+    if (!detail::collapse_edges(whole, stays, {tolerance_mm_, 0.5 * tolerance_mm_})) {
+      fail("decimating: expected parts that fit together");
+    }
+    return std::move(whole.mesh);
   }
 
  private:
-  bool is_crease(OpenMesh::EdgeHandle edge) {
-    constexpr double kSmallestTurn = 0.5;  // rad
-    return std::abs(static_cast<double>(Base::mesh().calc_dihedral_angle(edge))) > kSmallestTurn;
+  static constexpr double kSideEdges = 96.0;  ///< side of a cube, in edges: some ten thousand triangles in each
+
+  static std::vector<std::uint8_t> kept(const CollapsedMesh& part, const std::vector<std::uint8_t>& is_kept) {
+    std::vector<std::uint8_t> of_part;
+    for (const std::uint32_t vertex : part.originals) of_part.push_back(is_kept[vertex]);
+    return of_part;
   }
 
-  /// Where the crease that the collapse goes along comes from, and the places that its two edges, which become one,
-  /// stand for; false where it does not go along a crease.
-  bool find_crease(const CollapseInfo& collapse) {
-    moved_.clear();
-    const OpenMesh::EdgeHandle along = Base::mesh().edge_handle(collapse.v0v1);
-    if (!is_crease(along)) return false;
-    OpenMesh::EdgeHandle other;
-    int creases = 0;
-    for (const auto& each : Base::mesh().voh_range(collapse.v0)) {
-      const OpenMesh::HalfedgeHandle out(each.idx());
-      const OpenMesh::EdgeHandle edge = Base::mesh().edge_handle(out);
-      if (!is_crease(edge)) continue;
-      ++creases;
-      if (edge == along) continue;
-      other = edge;
-      before_ = Base::mesh().to_vertex_handle(out);
-    }
-    if (creases != 2) return false;
-    for (const auto edge : {along, other}) {
-      const Points& passed = Base::mesh().property(passed_, edge);
-      moved_.insert(moved_.end(), passed.begin(), passed.end());
-    }
-    moved_.push_back(collapse.p0);
-    return true;
-  }
-
-  double tolerance_mm_ = 0.0;
-  OpenMesh::VPropHandleT<bool> is_on_crease_;
-  OpenMesh::EPropHandleT<Points> passed_;  ///< places on the crease that an edge stands for
-  OpenMesh::VertexHandle before_;
-  Points moved_;
+  const TriangleMesh& mesh_;
+  double tolerance_mm_;
+  double edge_mm_;
+  std::vector<std::vector<std::uint32_t>> cubes_;
+  std::vector<CollapsedMesh> parts_;
+  std::vector<std::uint8_t> is_stale_;             ///< of each part
+  std::vector<std::uint8_t> is_kept_, is_border_;  ///< of each vertex
 };
-
-/// Collapses all it may.
-TriangleMesh collapsed(HalfEdgeMesh mesh, double tolerance_mm) {
-  constexpr float kLargestTurnDeg = 45.0F;  // of a triangle's normal by one collapse
-  decimater::DecimaterT<HalfEdgeMesh> collapser(mesh);
-  decimater::ModQuadricT<HalfEdgeMesh>::Handle quadric;
-  decimater::ModHausdorffT<HalfEdgeMesh>::Handle distance;
-  decimater::ModNormalFlippingT<HalfEdgeMesh>::Handle turn;
-  ModCrease<HalfEdgeMesh>::Handle crease;
-  collapser.add(quadric);
-  collapser.add(crease);
-  collapser.add(distance);
-  collapser.add(turn);
-  collapser.module(quadric).unset_max_err();  // it only says which collapse comes first
-  collapser.module(crease).set_tolerance(tolerance_mm);
-  collapser.module(distance).set_tolerance(static_cast<float>(tolerance_mm));
-  collapser.module(turn).set_max_normal_deviation(kLargestTurnDeg);
-  decimater::ModAspectRatioT<HalfEdgeMesh>::Handle shape;
-  collapser.add(shape);
-  collapser.module(shape).set_aspect_ratio(15.0F);
-  collapser.initialize();
-  collapser.decimate();
-  mesh.garbage_collection();
-  return from_half_edges(mesh);
-}
 
 std::vector<Vec3> vertices_of(const TriangleMesh& mesh) {
   std::vector<Vec3> points_mm;
@@ -181,40 +189,54 @@ std::vector<Vec3> vertices_of(const TriangleMesh& mesh) {
   return points_mm;
 }
 
+/// Measures, and gives the places where what was asked is missed.
+std::vector<Vec3> missed_places_mm(const TriangleMesh& result, const TriangleMesh& mesh, double max_error_mm,
+                                   RemeshReport& found) {
+  std::vector<Vec3> missed_mm;
+  const auto measure = [&](const std::vector<Vec3>& places_mm, const TriangleMesh& to) {
+    const std::vector<double> distances_mm = detail::point_distances_mm(places_mm, to);
+    for (std::size_t n = 0; n < places_mm.size(); ++n) {
+      if (distances_mm[n] > max_error_mm) missed_mm.push_back(places_mm[n]);
+    }
+    return detail::figures_of(distances_mm);
+  };
+  const std::vector<Vec3> places_mm = detail::places_of_triangles_mm(result);
+  found.to_surface = measure(places_mm, mesh);
+  found.from_surface = measure(vertices_of(mesh), result);
+  const auto crossings = self_intersections(result);
+  found.self_intersections = crossings.size();
+  for (const auto& pair : crossings) {
+    for (const std::uint32_t triangle : pair) {
+      const auto first = places_mm.begin() + static_cast<std::ptrdiff_t>(triangle * detail::kDistancesOfTriangle);
+      missed_mm.insert(missed_mm.end(), first, first + detail::kDistancesOfTriangle);
+    }
+  }
+  found.reached = missed_mm.empty();
+  return missed_mm;
+}
+
 }  // namespace
 
 TriangleMesh decimate(const TriangleMesh& mesh, double max_error_mm, RemeshReport* report, const Progress& progress) {
-  constexpr std::size_t kMaxRounds = 5;
-  constexpr double kFirst = 0.8;  // between vertices the mesh lies further off
-  constexpr double kSmaller = 0.7;
+  constexpr std::size_t kMaxRounds = 8;
+  constexpr double kFirst = 0.7;  // between vertices the mesh lies further off
   if (!(max_error_mm > 0.0)) fail("decimating: expected an error above 0 mm, found ", max_error_mm);
   const detail::SilencedOutput silenced;
-  detail::HalfEdgeResult edges = detail::to_half_edges(mesh);
-  const MeshQuality quality = measure_mesh(mesh);
-  if (mesh.triangles.empty() || !quality.closed() || edges.rejected_faces != 0) {
+  if (mesh.triangles.empty() || !measure_mesh(mesh).closed() || detail::to_half_edges(mesh).rejected_faces != 0) {
     fail("decimating: expected a mesh that is closed and manifold");
   }
-  edges.mesh.request_vertex_status();
-  edges.mesh.request_edge_status();
-  edges.mesh.request_halfedge_status();
-  edges.mesh.request_face_status();
-  edges.mesh.request_face_normals();
-  edges.mesh.update_face_normals();
-  const std::vector<Vec3> surface_mm = vertices_of(mesh);
+  Decimation decimation(mesh, kFirst * max_error_mm);
   TriangleMesh result;
   RemeshReport found;
-  double tolerance_mm = kFirst * max_error_mm;
-  for (found.rounds = 1; found.rounds <= kMaxRounds; ++found.rounds, tolerance_mm *= kSmaller) {
+  for (found.rounds = 1;; ++found.rounds) {
     progress.report("decimating", static_cast<double>(found.rounds - 1) / static_cast<double>(kMaxRounds));
-    result = collapsed(edges.mesh, tolerance_mm);
-    found.to_surface = surface_to_mesh(detail::places_of_triangles_mm(result), mesh);
-    found.from_surface = surface_to_mesh(surface_mm, result);
-    found.reached = found.to_surface.max_mm <= max_error_mm && found.from_surface.max_mm <= max_error_mm;
+    result = decimation.result();
+    const std::vector<Vec3> missed_mm = missed_places_mm(result, mesh, max_error_mm, found);
     if (found.reached || found.rounds == kMaxRounds) break;
+    decimation.keep_near(missed_mm, 2.0 * static_cast<double>(found.rounds) * decimation.edge_mm());
   }
   progress.report("decimating", 1.0);
   found.smallest_angle_deg = measure_mesh(result).smallest_angle_deg;
-  found.self_intersections = self_intersections(result).size();
   if (report != nullptr) *report = found;
   return result;
 }

@@ -88,6 +88,7 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
       bake_levels(ct, marked.labels,
                   {.bake = options.ct.bake, .warnings = marked.warnings, .is_strict = options.is_strict}, progress);
   write_levels(baked, target, output);
+  if (target.extension() != ".vdb") output.list_in(target);
   output.commit();
   std::vector<std::string> suspect;
   Json figures{{"ct_hash", ct.source_hash}, {"levels", Json::array()}, {"skipped", Json::array()}};
@@ -169,6 +170,16 @@ void add_bake(CLI::App& program, Command& command) {
   all->excludes("--label")->excludes("--crop-margin");
   app->add_flag("--strict", options->is_strict, "With --all: write nothing where a vertebra would be left out")
       ->needs(all);
+  command.outputs = [options]() -> std::vector<std::filesystem::path> {
+    const std::filesystem::path output = options->output_or_default();
+    if (!options->is_all || output.extension() == ".vdb") return {output};
+    std::vector<std::filesystem::path> levels;
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(output, none)) {
+      if (entry.path().extension() == ".vdb") levels.push_back(entry.path());
+    }
+    return levels;
+  };
   command.run = [options, &command](const Progress& progress) { return bake(*options, progress, command.exit_code); };
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/files/json_file.h"
@@ -18,11 +19,14 @@ constexpr int kAnswerIsNo = 1;       ///< all was done and written: what was ask
 constexpr int kUsageOrInput = 2;     ///< nothing was done: of what is thrown
 constexpr int kCancelled = 128 + 2;  ///< as shells have it for SIGINT
 
-/// What every subcommand has: --json and --threads, and what main() runs after parsing.
+/// What every subcommand has: --json, --force and --threads, and what main() runs after parsing.
 struct Command {
   CLI::App* app = nullptr;
   std::filesystem::path json_file;
+  bool is_forced = false;  ///< outputs that are there may be replaced
   int threads = 0;
+  /// What it will write, where its -o alone does not tell.
+  std::function<std::vector<std::filesystem::path>()> outputs;
   /// Does the work and returns the figures for --json.
   std::function<Json(const Progress&)> run;
   int exit_code = kDone;  ///< of the program after run(), which may set it
@@ -53,6 +57,22 @@ void add_diff(CLI::App& program, Command& command);
 void add_compare(CLI::App& program, Command& command);
 void add_demo(CLI::App& program, Command& command);
 void add_bench(CLI::App& program, Command& command);
+
+/// The files that a command is about to write, and of folders made anew their names.
+std::vector<std::filesystem::path> outputs_of(const Command& command);
+/// Before the work: throws Error on an output that is there already, unless --force was given, and where --json cannot
+/// be written.
+void check_outputs(const Command& command);
+
+/// Takes a name and makes it the value that a map has for it; help shows the names only.
+template <class Map>
+CLI::CheckedTransformer one_of(const Map& values) {
+  std::string names;
+  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + std::string(name);
+  CLI::CheckedTransformer transformer(values);
+  transformer.description(names + "}");
+  return transformer;
+}
 
 /// Prints "name value unit" in columns on standard output.
 void print_figure(const std::string& name, double value, const std::string& unit, int digits = 2);

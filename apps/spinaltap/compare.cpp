@@ -75,7 +75,7 @@ void add_compare(CLI::App& program, Command& command) {
       ->type_name("FILE");
   app->add_option("--method", options->comparison.methods, "Methods to compare: pixels, normals, contours")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(point_methods()))
+      ->transform(one_of(point_methods()))
       ->type_name("NAME,...");
   app->add_option("--smoothing", options->comparison.smoothings_mm, "Smoothings to compare, mm")
       ->delimiter(',')

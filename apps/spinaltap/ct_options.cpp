@@ -102,12 +102,12 @@ void add_convention(CLI::App& app, LabelConvention& convention, CLI::Option* lab
   app.add_option("--convention", convention,
                  "What the map's numbers mean: automatic (default), names, verse, totalsegmentator, "
                  "totalsegmentator_v1; docs/label-maps.md")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, LabelConvention>{{"automatic", LabelConvention::automatic},
-                                                 {"names", LabelConvention::names},
-                                                 {"verse", LabelConvention::verse},
-                                                 {"totalsegmentator", LabelConvention::totalsegmentator},
-                                                 {"totalsegmentator_v1", LabelConvention::totalsegmentator_v1}}))
+      ->transform(
+          one_of(std::map<std::string, LabelConvention>{{"automatic", LabelConvention::automatic},
+                                                        {"names", LabelConvention::names},
+                                                        {"verse", LabelConvention::verse},
+                                                        {"totalsegmentator", LabelConvention::totalsegmentator},
+                                                        {"totalsegmentator_v1", LabelConvention::totalsegmentator_v1}}))
       ->needs(labels)
       ->type_name("NAME");
 }

@@ -13,6 +13,7 @@
 #include "apps/spinaltap/report_options.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
+#include "mesh/display_mesh.h"
 #include "mesh/mesh_io.h"
 #include "mesh/surface_comparison.h"
 #include "vdb/grid/isosurface.h"
@@ -54,31 +55,33 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   const std::optional<CtVolume> ct = options.ct.read(progress);
   const BakedCt baked = options.ct.make_bone(*ct, progress);
   figures["bake"] = report_baked(*ct, baked);
-  const TriangleMesh mesh = bone_surface(baked.bone);
+  const TriangleMesh surface = bone_surface(baked.bone);
+  const TriangleMesh mesh = options.drill.writes_full_mesh ? surface : display_mesh(baked.bone, {}, nullptr, progress);
   figures["mesh"] = report_mesh(measure_mesh(mesh));
   if (phantom) {
-    const SurfaceError error = surface_error(mesh, *phantom->solid);
+    const SurfaceError error = surface_error(surface, *phantom->solid);
     print_figure("distance to the ground truth, mean", error.mean_mm, "mm", 3);
     print_figure("distance to the ground truth, 99 %", error.p99_mm, "mm", 3);
     figures["ground_truth"] = {{"mean_mm", error.mean_mm}, {"p99_mm", error.p99_mm}, {"bias_mm", error.bias_mm}};
   }
-  StagedOutput output;
+  StagedOutput output;  // of the whole demonstration: each part is shown when it is there
   write_bone(baked.bone, output.stage(options.folder / "bone.vdb"));
   write_mesh(mesh, output.stage(options.folder / "bone.stl"));
-  output.commit();
 
   const Bone bone(baked.bone);
   heading("Plan");
   if (const std::optional<DrillPath> given = options.path.given_path("given")) {
     paths = {*given};
   } else if (paths.empty()) {
-    const std::vector<Suggestion> suggestions = bone.suggest({.bit = options.path.bit}, progress);
+    const std::vector<Suggestion> suggestions = bone.suggest(
+        {.bit = options.path.bit, .density = options.drill.density, .material = options.drill.material}, progress);
     std::vector<GradedPath> graded = graded_paths(suggestions);
     add_uncertainty(bone, PlacementOptions().model(), graded, progress);
     figures["plan"] = report_suggestions(bone, suggestions, graded);
     CtVolume kept;
     write_planning_report(report_head(level_or(baked.level, "Suggested paths"), options.command, bone, ct, kept),
                           suggestions, graded, {}, options.folder / "plan.html", progress);
+    output.also_list(options.folder / "plan.html");
     if (graded.empty()) {  // nothing to drill
       exit_code = kAnswerIsNo;
       return figures;
@@ -87,11 +90,12 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   }
   figures["plan"].update(report_paths(paths));
   write_plan(paths, options.folder / "plan.json");
+  output.also_list(options.folder / "plan.json");
 
   heading("Drilling");
-  const std::string title = "Drilling " + (phantom ? "the phantom" : level_or(baked.level, paths.front().name));
+  const std::string title = "Drilling " + (phantom ? "the phantom" : level_or(baked.level, "a vertebra"));
   figures["drill"] =
-      run_drill({title, options.command, &*ct}, bone, paths.front(), options.drill, options.folder, progress);
+      run_drill({title, options.command, &*ct}, bone, paths.front(), options.drill, options.folder, output, progress);
   if (baked.warnings) {
     exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
   }

@@ -39,15 +39,18 @@ void add_drill(CLI::App& program, Command& command) {
   options->drill.add_to(*app);
   options->drill.add_session_to(*app);
 
+  command.outputs = [options] { return std::vector{options->drill.record}; };
   command.run = [options, &command](const Progress& progress) {
     options->drill.check();  // before anything is read
+    options->drill.may_replace_record = command.is_forced;
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
     const Bone bone = Bone::load(options->bone, options->level);
     const std::optional<CtVolume> ct = options->page.read(bone, progress);
+    StagedOutput output;
     Json figures =
         run_drill({options->page.title_of(bone, "Drilling " + path.name), options->page.command, ct ? &*ct : nullptr},
-                  bone, path, options->drill, options->folder, progress);
+                  bone, path, options->drill, options->folder, output, progress);
     const auto is_breach = [](const Json& event) { return event["event"] == name_of(EventKind::stop_breach); };
     if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach)) command.exit_code = kAnswerIsNo;
     return figures;

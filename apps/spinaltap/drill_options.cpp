@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "apps/spinaltap/command.h"
 #include "core/base/error.h"
 #include "core/engine/drill_engine.h"
 
@@ -60,11 +61,11 @@ void DrillOptions::add_to(CLI::App& app) {
       ->capture_default_str()
       ->type_name("MM");
   app.add_option("--hu-bits", volume.hu_bits, "Bits for a point's CT number: 8 (steps of 16 HU) or 16 (default)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, HuBits>{{"8", HuBits::eight}, {"16", HuBits::sixteen}}))
+      ->transform(one_of(std::map<std::string, HuBits>{{"8", HuBits::eight}, {"16", HuBits::sixteen}}))
       ->type_name("BITS");
   app.add_option("--subdivision", volume.subdivision, "How discs are divided: rings (default) or hexagons")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, DiscSubdivision>{
-          {"rings", DiscSubdivision::rings}, {"hexagons", DiscSubdivision::hexagons}}))
+      ->transform(one_of(std::map<std::string, DiscSubdivision>{{"rings", DiscSubdivision::rings},
+                                                                {"hexagons", DiscSubdivision::hexagons}}))
       ->type_name("NAME");
   app.add_option("--jitter", volume.jitter, "Random displacement of points, share of the spacing, 0 to 0.5")
       ->capture_default_str()
@@ -74,8 +75,10 @@ void DrillOptions::add_to(CLI::App& app) {
                  "A surface that `fit` wrote: decides exactly which points are bone, in place of the grid; slower")
       ->type_name("FILE");
   app.add_option("--engine", setup.engine, "Drilling engine: ring (default), leaf, arc, reference; same result")
-      ->transform(CLI::CheckedTransformer(engine_kinds()))
+      ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
+  app.add_flag("--full-mesh", writes_full_mesh,
+               "Write surfaces with triangles of a voxel's size, not display meshes within 0.05 mm of them");
   app.add_flag("--points", writes_points, "Also write the points left as points.vdb, for Houdini, Blender, ParaView");
   app.add_flag(
       "--splats", writes_splats,
@@ -101,8 +104,7 @@ void DrillOptions::add_session_to(CLI::App& app) {
   app.add_flag("--stop-on-breach", stop.on_breach,
                "Ask it to stop where the bit breaks through either wall; the exit code is then 1");
   app.add_flag("--no-clearances", leaves_clearances, "Do not look for the bone's walls: begins sooner; no breaches");
-  app.add_option("--record", record, "Write every cycle into this HDF5 file, which must not be there; see `replay`")
-      ->type_name("FILE");
+  app.add_option("--record", record, "Write every cycle into this HDF5 file; see `replay`")->type_name("FILE");
   app.add_flag("--real-time", is_real_time,
                "By the clock, with threads for operator, collisions and display; prints their latencies");
   app.add_option("--seconds", seconds, "With --real-time: how long at most, s; default: 600")->type_name("S");

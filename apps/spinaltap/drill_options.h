@@ -29,6 +29,8 @@ struct DrillOptions {
   SessionSetup setup;  ///< but for the path, the material and the bone's hash
   OperatorChoice tool_operator;
   std::filesystem::path record;  ///< empty: none
+  bool may_replace_record = false;
+  bool writes_full_mesh = false;
   bool is_real_time = false;
   std::optional<double> seconds;
   std::optional<double> output_rate_hz;

@@ -22,6 +22,7 @@
 #include "core/rbf/rbf_file.h"
 #include "core/session/record/session_record.h"
 #include "mesh/cut_out.h"
+#include "mesh/display_mesh.h"
 #include "mesh/mesh_io.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/engine/points_file.h"
@@ -103,7 +104,7 @@ class Recording {
   Recording(const DrillOptions& options, const SessionSetup& setup, const OperatorPlan& tool_operator) {
     if (options.record.empty()) return;
     const std::string pace = options.is_real_time ? "real time" : "as fast as it goes";
-    writer_.emplace(options.record, record_words(setup, tool_operator.words, pace));
+    writer_.emplace(options.record, record_words(setup, tool_operator.words, pace), options.may_replace_record);
   }
   RecordWriter* writer() { return writer_ ? &*writer_ : nullptr; }
   /// What goes wrong is kept: a full disk shall not cost the other results.
@@ -220,7 +221,7 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
 }
 
 Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, const DrillOptions& options,
-               const std::filesystem::path& folder, const Progress& progress) {
+               const std::filesystem::path& folder, StagedOutput& output, const Progress& progress) {
   options.check();
   SessionSetup setup = options.setup;
   setup.path = path;
@@ -247,8 +248,9 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
     how.display = [&live](const Cycle& cycle) { live->update(cycle.input); };
   }
   const Drilling drilling = drill_bone(bone, setup, *tool_operator.tool_operator, how, progress);
-  const TriangleMesh surface = sharp_surface(drilling.drilled);
   recording.close(drilling.events);
+  const TriangleMesh surface = options.writes_full_mesh ? sharp_surface(drilling.drilled)
+                                                        : display_mesh(drilling.drilled, {}, nullptr, progress);
 
   progress.report("meshing", 0.0);
   const MeshQuality quality = measure_mesh(surface);
@@ -256,9 +258,8 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   DrillReportData data = report_data(page.title, page.ct, figures);
   data.command = page.command;
   data.date = today();
-  data.renders = drill_pictures(bone.model(), drilling.drilled, path, progress);
+  data.renders = drill_pictures(drilling.before, drilling.drilled, path, progress);
 
-  StagedOutput output;
   stage_drilling(drilling, surface, data, folder, output);
   for (std::size_t n = 0; options.writes_points && n < drilling.volumes.size(); ++n) {
     const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
@@ -272,6 +273,7 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
     write_mesh(cut_out_cylinder(bone.model(), path, radius_mm, setup.volume.lead_in_mm),
                output.stage(folder / "around.ply"));
   }
+  output.list_in(folder);
   output.commit();
 
   print_drilling(figures, density);

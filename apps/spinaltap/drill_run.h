@@ -6,6 +6,7 @@
 #include "apps/report/drilling_report.h"
 #include "apps/spinaltap/drill_options.h"
 #include "core/base/progress.h"
+#include "core/base/staged_output.h"
 #include "core/ct/ct_volume.h"
 #include "core/files/json_file.h"
 #include "vdb/sim/bone.h"
@@ -24,9 +25,9 @@ struct DrillPage {
 };
 
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
-/// points.vdb into a folder: all of them or none. A record grows where its option says, and stays whatever happens.
-/// Prints the figures and gives them as JSON.
+/// points.vdb into a folder, with what `output` holds already: all of them or none. A record grows where its option
+/// says, and stays whatever happens. Prints the figures and gives them as JSON.
 Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, const DrillOptions& options,
-               const std::filesystem::path& folder, const Progress& progress);
+               const std::filesystem::path& folder, StagedOutput& output, const Progress& progress);
 
 }  // namespace spinaltap

@@ -53,7 +53,7 @@ void add_fit(CLI::App& program, Command& command) {
                                                     {"triharmonic", RadialKernel::triharmonic}};
   app->add_option("--kernel", options->fit.kernel,
                   "biharmonic (default): r, with a linear polynomial; triharmonic: r^3, with a quadratic one")
-      ->transform(CLI::CheckedTransformer(kernels))
+      ->transform(one_of(kernels))
       ->type_name("NAME");
   app->add_option("--accuracy", options->fit.accuracy_mm,
                   "Largest difference, at any point, from what the equations ask there, mm")

@@ -154,10 +154,13 @@ Json info_of_series(const SeriesInfo& series) {
        << (series.uid.empty() ? "none" : series.uid);
   print_figure(name, text.str());
   print_figure("  stored as", series.transfer_syntax);
-  Json json{{"number", series.number},     {"uid", series.uid},
-            {"modality", series.modality}, {"files", series.files.size()},
-            {"slices", series.slices},     {"columns", series.columns},
-            {"rows", series.rows},         {"transfer_syntax", series.transfer_syntax}};
+  Json json{{"number", series.number},
+            {"modality", series.modality},
+            {"files", series.files.size()},
+            {"slices", series.slices},
+            {"columns", series.columns},
+            {"rows", series.rows},
+            {"transfer_syntax", series.transfer_syntax}};
   if (!series.layout) {
     print_figure("  slices", "without a place in space, or only one");
     return json;

@@ -23,6 +23,7 @@ CLI::App* add_command(CLI::App& program, Command& command, const std::string& na
   CLI::App* app = program.add_subcommand(name, description);
   app->footer(footer);
   app->add_option("--json", command.json_file, "Write the figures to this file as JSON")->type_name("FILE");
+  app->add_flag("--force", command.is_forced, "Replace outputs that are there; without it they are an error");
   app->add_option("--threads", command.threads, "Threads to use; 0: one for each core")
       ->check(CLI::Range(0, 1024))
       ->type_name("N");
@@ -90,6 +91,7 @@ int run_program(int argc, char** argv) {
   }
   for (const Command& command : commands) {
     if (!command.app->parsed()) continue;
+    check_outputs(command);
     std::unique_ptr<tbb::global_control> limit;
     if (command.threads > 0) {
       limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,

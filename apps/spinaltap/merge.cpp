@@ -32,6 +32,11 @@ void add_merge(CLI::App& program, Command& command) {
                               "Example: spinaltap merge one/ two/ -o study/");
   app->add_option("folders", options->folders, "Folders that study wrote")->required()->type_name("FOLDER");
   app->add_option("-o,--output", options->folder, "Folder for the results; default: the first")->type_name("FOLDER");
+  command.outputs = [options]() -> std::vector<std::filesystem::path> {
+    if (!options->folder.empty()) return {};
+    const std::filesystem::path& folder = options->folders.front();
+    return {folder / "runs.csv", folder / "summary.json", folder / "report.html"};
+  };
   command.run = [options](const Progress&) { return merge(*options); };
 }
 

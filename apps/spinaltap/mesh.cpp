@@ -75,7 +75,7 @@ void add_mesh(CLI::App& program, Command& command) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
 
-  command.run = [options](const Progress& progress) {
+  command.run = [options, &command](const Progress& progress) {
     const BoneModel bone = read_bone(options->bone, options->level);
     RemeshReport remeshed;
     const TriangleMesh mesh = display_mesh(bone, options->surface, &remeshed, progress);
@@ -84,6 +84,7 @@ void add_mesh(CLI::App& program, Command& command) {
     output.commit();
     Json figures = report_mesh(measure_mesh(mesh));
     report_remeshing(remeshed, figures);
+    if (!remeshed.reached) command.exit_code = kAnswerIsNo;
     print_figure("written", options->output.string());
     return figures;
   };

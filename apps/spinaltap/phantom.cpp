@@ -84,6 +84,7 @@ void add_phantom(CLI::App& program, Command& command) {
   options->spine.add_to(*app);
   const CLI::Option* slices = app->get_option("--slices");
 
+  command.outputs = [options] { return std::vector{options->folder}; };
   command.run = [options, slices](const Progress& progress) -> Json {
     options->spine.meshes = options->phantom.named_meshes();
     options->spine.mesh_frame = options->phantom.mesh_frame;

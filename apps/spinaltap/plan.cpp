@@ -41,7 +41,7 @@ void PathOptions::add_to(CLI::App& app) {
       ->capture_default_str()
       ->type_name("MM");
   app.add_option("--shape", bit.shape, "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw")
-      ->transform(CLI::CheckedTransformer(bit_shapes()))
+      ->transform(one_of(bit_shapes()))
       ->type_name("NAME");
   app.add_option("--tip-diameter", bit.tip_diameter_mm,
                  "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end")
@@ -92,10 +92,10 @@ void add_auto_plan(CLI::App& app, AutoPlanOptions& options) {
   app.add_option("--sagittal", options.sagittal,
                  "Seen from the side, along the pedicle's axis or the upper endplate: anatomic (default), "
                  "straight-forward")
-      ->transform(CLI::CheckedTransformer(sagittal_references()))
+      ->transform(one_of(sagittal_references()))
       ->type_name("NAME");
   app.add_option("--technique", options.technique, "Only this one: pedicle, in-out-in, cortical; default: as fits")
-      ->transform(CLI::CheckedTransformer(techniques()))
+      ->transform(one_of(techniques()))
       ->type_name("NAME");
 }
 

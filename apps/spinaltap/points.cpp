@@ -26,7 +26,7 @@ void add_points(CLI::App& program, Command& command) {
   app->add_option("--method", options->sample.method,
                   "pixels: voxel centres and their neighbours; normals: voxel centres and estimated normals; contours "
                   "(default): sub-pixel edges")
-      ->transform(CLI::CheckedTransformer(point_methods()))
+      ->transform(one_of(point_methods()))
       ->type_name("NAME");
   app->add_option("--off-surface", options->sample.off_surface_mm,
                   "Distance of off-surface points along normals, mm; less where another part is near")

@@ -127,16 +127,17 @@ Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, 
   const double last = std::ceil(hole.end_s() / step_s);
   if (!(last < kMaxFrames)) fail("frames: expected fewer than ", kMaxFrames, ", found ", last);
   const auto count = static_cast<std::size_t>(last) + 1;
+  StagedOutput output;
   for (std::size_t n = 0; n < count; ++n) {
     progress.report("drawing frames", static_cast<double>(n) / static_cast<double>(count));
     hole.go_to(static_cast<double>(n) * step_s);
     painter.show(bit, hole.pose());
     std::ostringstream name;
     name << std::setw(5) << std::setfill('0') << n + 1 << ".png";
-    StagedOutput output;
     output.write(options.frames / name.str(), painter.png(hole.drilled(), {}));
-    output.commit();
   }
+  output.list_in(options.frames);
+  output.commit();
   progress.report("drawing frames", 1.0);
   print_figure("frames", static_cast<double>(count), "", 0);
   print_figure("written", options.frames.string());
@@ -159,7 +160,7 @@ Json render(const Options& options, const Progress& progress) {
   Painter painter(options, before, paths_of(options, recorded));
   if (!recorded) return write_picture(options, painter, bone, progress);
   const DrillBit& bit = recorded->setup.path.bit;
-  RecordedHole hole(bone, recorded->record, bit, recorded->setup.options.max_jump_mm);
+  RecordedHole hole(bone, recorded->record, recorded->setup);
   if (!options.frames.empty()) return write_frames(options, painter, hole, bit, progress);
   hole.go_to(options.at_s.value_or(hole.end_s()));
   painter.show(bit, hole.pose());
@@ -218,6 +219,10 @@ void add_render(CLI::App& program, Command& command) {
       ->needs(frames)
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  command.outputs = [options]() -> std::vector<std::filesystem::path> {
+    if (options->frames.empty()) return {options->output};
+    return {options->frames / "00001.png", options->frames / StagedOutput::kListName};
+  };
   command.run = [options](const Progress& progress) { return render(*options, progress); };
 }
 

@@ -46,7 +46,7 @@ void add_replay(CLI::App& program, Command& command) {
   add_level(*app, options->level);
   app->add_option("--engine", options->engine,
                   "Drilling engine: ring, leaf, arc, reference (default: that of the record); same result")
-      ->transform(CLI::CheckedTransformer(engine_kinds()))
+      ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
   command.run = [options, &command](const Progress& progress) { return replay(*options, progress, command.exit_code); };
 }

@@ -241,6 +241,7 @@ void add_segment(CLI::App& program, Command& command) {
       "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb\n"
       "Or paint strokes there, in segments named T11, T12 and exclude, and add --strokes strokes.seg.nrrd.");
   add_options(*app, *options);
+  command.outputs = [options] { return std::vector{options->output_or_default()}; };
   command.run = [options, &command](const Progress& progress) {
     return segment(*options, progress, command.exit_code);
   };

@@ -88,6 +88,8 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
   const QuietHdf5 quiet;
   const Id access(checked(H5Pcreate(H5P_FILE_ACCESS), "open", path), H5Pclose);
   checked(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "open", path);
+  // HDF5's own driver does not open a file where the file system has no locks.
+  checked(H5Pset_driver(access.get(), hdf5_stopping_driver(), nullptr), "open", path);
   unsigned flags = H5F_ACC_RDONLY;
   if (has_writer) {
     // What looks damaged may be half written and is read again, with waits that double. HDF5's own 100 times take

@@ -1,13 +1,19 @@
 #include "core/base/staged_output.h"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <stdio.h>  // renameat2
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <locale>
+#include <set>
+#include <sstream>
 #include <system_error>
 
 #include "core/base/error.h"
@@ -67,6 +73,125 @@ void remove_stale(const fs::path& parent, const std::string& prefix) {
   for (const fs::path& path : stale) fs::remove_all(path, ignored);
 }
 
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+/// Whether a relative path stays below the folder that it begins in.
+bool is_below(const fs::path& name) {
+  return !name.empty() && name.is_relative() && std::none_of(name.begin(), name.end(), [](const fs::path& part) {
+    return part == ".." || part == "." || part.empty();
+  });
+}
+
+/// A file that gets its final name. What had that name before is kept beside the new one until all is sure.
+class Move {
+ public:
+  Move(fs::path from, fs::path to) : from_(std::move(from)), to_(std::move(to)), old_(from_.string() + ".old") {}
+
+  std::error_code go() {
+    std::error_code error;
+    fs::create_hard_link(to_, old_, error);  // none where nothing was there, or the file system has no links
+    has_old_ = !error;
+    fs::rename(from_, to_, error);
+    is_done_ = !error;
+    return error;
+  }
+  void take_back() {
+    std::error_code ignored;
+    if (is_done_ && has_old_) {
+      fs::rename(to_, from_, ignored);
+      fs::rename(old_, to_, ignored);
+    } else if (is_done_) {
+      fs::rename(to_, from_, ignored);
+    } else if (has_old_) {
+      fs::remove(old_, ignored);
+    }
+  }
+  void keep() {
+    std::error_code ignored;
+    if (has_old_) fs::remove(old_, ignored);
+  }
+
+ private:
+  fs::path from_, to_, old_;
+  bool has_old_ = false, is_done_ = false;
+};
+
+constexpr std::string_view kListHead = "spinaltap-files ";
+
+/// The list of a set of files: StagedOutput::list_in().
+class FileList {
+ public:
+  FileList(const fs::path& folder, std::vector<fs::path> names)
+      : folder_(folder), file_(folder / StagedOutput::kListName), names_(std::move(names)) {
+    std::error_code error;
+    if (!fs::is_regular_file(file_, error)) return;
+    before_ = read_whole_file(file_);
+    if (!before_->starts_with(kListHead))
+      fail("expected a list of files in ", file_.string(), ", found something else");
+    std::istringstream lines(*before_);
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+      const std::size_t space = line.find(' ');
+      if (space == std::string::npos) continue;
+      const fs::path name = line.substr(space + 1);
+      if (is_below(name) && !std::binary_search(names_.begin(), names_.end(), name)) leftovers_.push_back(name);
+    }
+  }
+
+  /// Before the files are moved: names also those that are to go, so that another run can go on.
+  void begin() const {
+    std::vector<fs::path> all = names_;
+    all.insert(all.end(), leftovers_.begin(), leftovers_.end());
+    put(text("unfinished", all));
+  }
+  /// After it.
+  void end() const {
+    std::error_code ignored;
+    for (const fs::path& name : leftovers_) fs::remove(folder_ / name, ignored);
+    put(text("whole", names_));
+  }
+  void take_back() const {
+    std::error_code ignored;
+    if (before_) {
+      put(*before_);
+    } else {
+      fs::remove(file_, ignored);
+    }
+  }
+
+ private:
+  std::string text(std::string_view state, const std::vector<fs::path>& names) const {
+    std::ostringstream lines;
+    lines.imbue(std::locale::classic());
+    lines << kListHead << state << '\n';
+    for (const fs::path& name : names) {
+      std::error_code error;
+      const std::uintmax_t bytes = fs::file_size(folder_ / name, error);
+      lines << (error ? 0 : bytes) << ' ' << name.string() << '\n';
+    }
+    return lines.str();
+  }
+  void put(const std::string& content) const {
+    const fs::path temporary = partial_path(folder_, ".spinaltap-list-");
+    write_whole_file(temporary, content);
+    sync_to_disk(temporary);
+    std::error_code error;
+    fs::rename(temporary, file_, error);
+    if (error) {
+      std::error_code ignored;
+      fs::remove(temporary, ignored);
+      fail("cannot write ", file_.string(), ": ", error.message());
+    }
+    sync_to_disk(folder_);
+  }
+
+  fs::path folder_, file_;
+  std::vector<fs::path> names_;      ///< sorted
+  std::vector<fs::path> leftovers_;  ///< of an earlier list
+  std::optional<std::string> before_;
+};
+
 }  // namespace
 
 StagedOutput::~StagedOutput() {
@@ -102,15 +227,46 @@ void StagedOutput::write(const fs::path& final_path, std::string_view content) {
   write_whole_file(stage(final_path), content);
 }
 
+std::vector<fs::path> StagedOutput::listed_files() const {
+  std::vector<fs::path> names;
+  const auto add = [&](const fs::path& file) {
+    const fs::path name = file.lexically_relative(*list_folder_);
+    if (is_below(name)) names.push_back(name);
+  };
+  for (const Entry& entry : entries_) add(entry.final_path);
+  for (const fs::path& file : also_listed_) add(file);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 void StagedOutput::commit() {
   std::error_code error;
   for (const Entry& entry : entries_) {
     if (!fs::is_regular_file(entry.temporary, error)) fail("was not written: ", entry.final_path.string());
   }
-  for (const Entry& entry : entries_) {
-    fs::rename(entry.temporary, entry.final_path, error);
-    if (error) fail("cannot write ", entry.final_path.string(), ": ", error.message());
+  for (const Entry& entry : entries_) sync_to_disk(entry.temporary);
+  std::set<fs::path> folders;
+  for (const Entry& entry : entries_) folders.insert(folder_of(entry.final_path));
+  for (const fs::path& folder : made_folders_) folders.insert(folder_of(folder));
+
+  std::optional<FileList> list;
+  if (list_folder_) {
+    list.emplace(*list_folder_, listed_files());
+    list->begin();
   }
+  std::vector<Move> moves;
+  for (const Entry& entry : entries_) {
+    Move& move = moves.emplace_back(entry.temporary, entry.final_path);
+    if (const std::error_code failed = move.go()) {
+      for (auto done = moves.rbegin(); done != moves.rend(); ++done) done->take_back();
+      if (list) list->take_back();
+      fail("cannot write ", entry.final_path.string(), ": ", failed.message());
+    }
+  }
+  for (Move& move : moves) move.keep();
+  for (const fs::path& folder : folders) sync_to_disk(folder);
+  if (list) list->end();
   entries_.clear();
   for (const fs::path& folder : staging_folders_) fs::remove(folder, error);
   staging_folders_.clear();
@@ -148,18 +304,42 @@ StagedFolder::~StagedFolder() {
 void StagedFolder::commit() {
   if (temporary_.empty()) fail("the folder is written already: ", final_path_.string());
   std::error_code error;
-  const fs::path old = temporary_.string() + ".old";
-  const bool replaces = fs::exists(final_path_, error);
-  if (replaces) fs::rename(final_path_, old, error);
-  if (!error) {
-    fs::rename(temporary_, final_path_, error);
-    std::error_code ignored;
-    if (error && replaces) fs::rename(old, final_path_, ignored);
+  for (const auto& entry : fs::recursive_directory_iterator(temporary_, error)) {
+    if (entry.is_regular_file(error) || entry.is_directory(error)) sync_to_disk(entry.path());
   }
-  if (error) fail("cannot write the folder ", final_path_.string(), ": ", error.message());
+  const bool replaces = fs::exists(final_path_, error);
+  fs::path old;
+  if (replaces && ::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, final_path_.c_str(), RENAME_EXCHANGE) == 0) {
+    old = temporary_;
+  } else {
+    old = temporary_.string() + ".old";
+    if (replaces) fs::rename(final_path_, old, error);
+    if (!error) {
+      fs::rename(temporary_, final_path_, error);
+      std::error_code ignored;
+      if (error && replaces) fs::rename(old, final_path_, ignored);
+    }
+    if (error) fail("cannot write the folder ", final_path_.string(), ": ", error.message());
+  }
+  std::set<fs::path> folders{folder_of(final_path_)};
+  for (const fs::path& folder : made_folders_) folders.insert(folder_of(folder));
+  for (const fs::path& folder : folders) sync_to_disk(folder);
   temporary_.clear();
   made_folders_.clear();
   if (replaces) fs::remove_all(old, error);
+}
+
+void sync_to_disk(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail("cannot open ", path.string(), ": ", std::strerror(errno));
+  int status = 0;
+  do {
+    status = ::fsync(descriptor);
+  } while (status != 0 && errno == EINTR);
+  const int error = status != 0 ? errno : 0;
+  ::close(descriptor);
+  const bool cannot_sync = error == EINVAL || error == EROFS || error == ENOTSUP || error == ENOSYS;
+  if (error != 0 && !cannot_sync) fail("cannot write ", path.string(), ": ", std::strerror(error));
 }
 
 void write_whole_file(const fs::path& path, std::string_view content) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -9,11 +10,17 @@ namespace spinaltap {
 
 /// Files that appear together or not at all.
 ///
-/// Each file is written into a temporary folder beside its final place; commit() moves them all. Without commit() the
-/// destructor removes what was written, and the folders it made, so a failed run leaves the old files or none. What a
-/// killed run left in the temporary folder is removed by the next one that writes beside it.
+/// Each file is written into a temporary folder beside its final place; commit() syncs them to the disk and moves them
+/// all. Without commit(), and where it fails, the old files are left or none, and none of the folders made for the new
+/// ones. What a killed run left in the temporary folder is removed by the next one that writes beside it.
+///
+/// A kill while commit() moves them can leave some new files among old ones: a set with a list tells. See list_in().
 class StagedOutput {
  public:
+  /// Name of the list: a first line "spinaltap-files whole", or "spinaltap-files unfinished" while files are moved;
+  /// then a line for each file: its bytes, a space, its name below the folder.
+  static constexpr const char* kListName = "files.txt";
+
   StagedOutput() = default;
   ~StagedOutput();
   StagedOutput(const StagedOutput&) = delete;
@@ -26,7 +33,14 @@ class StagedOutput {
   /// As stage(), and writes `content` there. Throws Error when the disk is full.
   void write(const std::filesystem::path& final_path, std::string_view content);
 
-  /// Gives every staged file its final name, replacing old ones. Throws Error when one is missing or cannot be renamed.
+  /// Makes the files one set of `folder`, which gets their list, the last thing that commit() writes. Files that an
+  /// earlier list there names and that are not of this set are removed then.
+  void list_in(const std::filesystem::path& folder) { list_folder_ = folder; }
+  /// Counts a file that is there already as one of the set.
+  void also_list(const std::filesystem::path& final_path) { also_listed_.push_back(final_path); }
+
+  /// Gives every staged file its final name, replacing old ones. Throws Error when one is missing or cannot be renamed,
+  /// and puts back those that were.
   void commit();
 
  private:
@@ -34,12 +48,17 @@ class StagedOutput {
     std::filesystem::path temporary;
     std::filesystem::path final_path;
   };
+  std::vector<std::filesystem::path> listed_files() const;
+
   std::vector<Entry> entries_;
   std::vector<std::filesystem::path> made_folders_;
   std::vector<std::filesystem::path> staging_folders_;  ///< those of made_folders_ that are temporary
+  std::optional<std::filesystem::path> list_folder_;
+  std::vector<std::filesystem::path> also_listed_;
 };
 
-/// A folder that appears whole or not at all: filled under a temporary name beside its own, then renamed.
+/// A folder that appears whole or not at all: filled under a temporary name beside its own, synced to the disk,
+/// renamed.
 class StagedFolder {
  public:
   /// Makes the temporary folder. An existing `final_path` is replaced on commit() only where it holds `marker`, a file
@@ -58,6 +77,10 @@ class StagedFolder {
   std::filesystem::path temporary_;
   std::vector<std::filesystem::path> made_folders_;
 };
+
+/// Hands a file, or a folder's list of names, to the disk itself, so that it outlives a crash of the machine. Throws
+/// Error where the disk rejects it; file systems that cannot sync are left alone.
+void sync_to_disk(const std::filesystem::path& path);
 
 /// Writes `content` to `path` (already a temporary name). Throws Error when the disk is full or the path not writable.
 void write_whole_file(const std::filesystem::path& path, std::string_view content);

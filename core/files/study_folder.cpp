@@ -1,16 +1,18 @@
 #include "core/files/study_folder.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <string_view>
 #include <utility>
 
+#include "core/base/code_fingerprint.h"
 #include "core/base/error.h"
+#include "core/base/file_lock.h"
 #include "core/base/hash.h"
 #include "core/base/staged_output.h"
 #include "core/base/version.h"
@@ -120,9 +122,11 @@ StudyPart::StudyPart(const std::filesystem::path& folder, const std::string& nam
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file_ < 0) fail("cannot open ", path_.string(), " to write");
   try {
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    const FileLock lock = try_lock(file_, true);
+    if (lock == FileLock::taken) {
       fail("another process works on ", path_.string(), ": wait for it, or take another shard");
     }
+    if (lock == FileLock::failed) fail("cannot lock ", path_.string(), ": ", std::strerror(errno));
     const std::string text = read_whole_file(path_);
     const std::size_t last_line = text.rfind('\n');
     const std::size_t whole = last_line == std::string::npos ? 0 : last_line + 1;
@@ -137,7 +141,10 @@ StudyPart::StudyPart(const std::filesystem::path& folder, const std::string& nam
   }
 }
 
-StudyPart::~StudyPart() { ::close(file_); }
+StudyPart::~StudyPart() {
+  ::fsync(file_);
+  ::close(file_);
+}
 
 void StudyPart::append(const std::string& row) { write(row + "," + hash_of(row) + "\n"); }
 
@@ -160,6 +167,7 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const
   setup.volume = spec.volume;
   setup.options = spec.options;
   const Json study{{"program", version()},
+                   {"code", code_fingerprint(CodeStage::drilling)},
                    {"name", spec.name},
                    {"session", to_json(setup)},
                    {"lead_out_mm", spec.lead_out_mm},

@@ -18,9 +18,11 @@ class NearestSoFar {
   /// Looks for points nearer than this only.
   explicit NearestSoFar(double squared_mm2) : squared_mm2_(squared_mm2) {}
 
-  // Names as nanoflann asks for them.
+  // Names as nanoflann asks for them; sort() since its version 1.6.
+  using DistanceType = double;
   double worstDist() const { return squared_mm2_; }
   bool full() const { return true; }
+  void sort() {}
   bool addPoint(double squared_mm2, std::size_t leaf_place) {
     if (squared_mm2 < squared_mm2_) {
       squared_mm2_ = squared_mm2;
@@ -36,6 +38,16 @@ class NearestSoFar {
   double squared_mm2_ = std::numeric_limits<double>::max();
   std::size_t leaf_place_ = kNowhere;
 };
+
+/// The points' numbers in the order of the tree's leaves: `vAcc` up to nanoflann 1.4, `vAcc_` since.
+template <class Index>
+auto& leaf_order(Index& index) {
+  if constexpr (requires { index.vAcc_; }) {
+    return index.vAcc_;
+  } else {
+    return index.vAcc;
+  }
+}
 
 }  // namespace
 
@@ -56,9 +68,10 @@ struct PointTree::Tree {
     if (points.empty()) return;
     index.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(12));
     // The points of a leaf side by side: a search spends most of its time on fetching them.
-    originals = std::move(index->vAcc);
-    index->vAcc.resize(originals.size());
-    std::iota(index->vAcc.begin(), index->vAcc.end(), 0U);
+    auto& order = leaf_order(*index);
+    originals = std::move(order);
+    order.resize(originals.size());
+    std::iota(order.begin(), order.end(), 0U);
     in_leaves.reserve(points.size());
     for (const std::uint32_t original : originals) in_leaves.push_back(points[original]);
     seen = in_leaves.data();
@@ -70,7 +83,7 @@ struct PointTree::Tree {
   Nearest search(const Vec3& p_mm, NearestSoFar result) const {
     Nearest found;
     if (!index || !p_mm.allFinite()) return found;
-    index->findNeighbors(result, p_mm.data(), nanoflann::SearchParams());
+    index->findNeighbors(result, p_mm.data(), {});
     if (result.leaf_place() == NearestSoFar::kNowhere) return found;
     found.index = originals[result.leaf_place()];
     found.distance_mm = std::sqrt(result.worstDist());

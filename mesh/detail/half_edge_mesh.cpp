@@ -7,8 +7,9 @@
 namespace spinaltap::detail {
 
 SilencedOutput::SilencedOutput() : errors_were_on_(omerr().is_enabled()), log_was_on_(omlog().is_enabled()) {
-  omerr().disable();
-  omlog().disable();
+  // Not again within a scope that silences them already, in which other threads may be at work.
+  if (errors_were_on_) omerr().disable();
+  if (log_was_on_) omlog().disable();
 }
 
 SilencedOutput::~SilencedOutput() {

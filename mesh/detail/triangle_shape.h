@@ -32,6 +32,9 @@ inline double agreement(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
 /// A triangle's normal may differ by 60 degrees from its corners' normals; by more only where it did before.
 constexpr double kMinAgreement = 0.5;
 
+/// Square of the distance from p to a triangle, mm².
+double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Of each vertex: the sum over its triangles of twice their area along their normal, mm². Indices must be in range.
 std::vector<Vec3> area_normals(const TriangleMesh& mesh);
 

@@ -42,7 +42,7 @@ class Drill : public ::testing::Test {
 
   static Json drill(const std::string& options, const std::string& plan = "plan.json", int exit_code = 0) {
     const test::ProgramRun run = test::run_program(
-        "drill bone.vdb " + plan + " --radius 2 --spacing 0.2 --step 0.01 -o out --json out.json " + options,
+        "drill bone.vdb " + plan + " --radius 2 --spacing 0.2 --step 0.01 -o out --force --json out.json " + options,
         folder_->path());
     EXPECT_EQ(run.exit_code, exit_code) << options << "\n" << run.errors;
     return read_json(folder_->path() / "out.json");
@@ -134,14 +134,15 @@ TEST_F(Drill, TakesEveryOperator) {
   EXPECT_EQ(drill("--operator tilted --tilt 5")["operator"]["tilt"], "5 degrees");
   EXPECT_EQ(drill("--operator tremor --seed 7")["operator"]["tremor"], "0.1 mm, seed 7");
   const test::ProgramRun pushed = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --json out.json --operator push --push 30",
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --force --json out.json --operator push --push 30",
       folder_->path());
   ASSERT_EQ(pushed.exit_code, 0) << pushed.errors;
   EXPECT_EQ(read_json(folder_->path() / "out.json")["operator"]["push"], "30 N");
   // Feed over rate is the step: the same poses either way, and the same bone.
   const Json by_step = drill("");
   const test::ProgramRun by_rate = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --feed 1 --rate 100 -o out --json out.json", folder_->path());
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --feed 1 --rate 100 -o out --force --json out.json",
+      folder_->path());
   ASSERT_EQ(by_rate.exit_code, 0) << by_rate.errors;
   EXPECT_EQ(read_json(folder_->path() / "out.json")["removed"], by_step["removed"]);
   EXPECT_EQ(read_json(folder_->path() / "out.json")["max_thrust_n"], by_step["max_thrust_n"]);
@@ -159,7 +160,8 @@ TEST_F(Drill, FollowsPosesFromAFile) {
   }
   csv.close();
   const test::ProgramRun run = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --operator poses.csv -o out --json out.json", folder_->path());
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --operator poses.csv -o out --force --json out.json",
+      folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const Json figures = read_json(folder_->path() / "out.json");
   EXPECT_EQ(figures["cycles"], 700);
@@ -173,7 +175,7 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
       "drill bone.vdb plan.json --radius 2 --spacing 0.2 --operator tremor --feed 10 --rate 500 --real-time --seconds "
       "1 "
       "--output-rate 2000 --record run.h5 -o out --json out.json";
-  const test::ProgramRun run = test::run_program(options, folder_->path());
+  const test::ProgramRun run = test::run_program(options + " --force", folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const Json figures = read_json(folder_->path() / "out.json");
   const Json& collision = figures["real_time"]["collision"];
@@ -184,7 +186,7 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
   EXPECT_GT(figures["real_time"]["display"]["cycles"].get<int>(), 0);
   EXPECT_GT(figures["real_time"]["output"]["cycles"].get<int>(), 500);
   EXPECT_NE(run.output.find("collision, work, CPU"), std::string::npos) << run.output;
-  // A record is not written over; and it brings the same again.
+  // Nothing is written over unasked; and it brings the same again.
   const test::ProgramRun again = test::run_program(options, folder_->path());
   EXPECT_NE(again.exit_code, 0);
   EXPECT_NE(again.errors.find("run.h5"), std::string::npos) << again.errors;

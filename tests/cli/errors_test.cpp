@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #include "core/base/staged_output.h"
+#include "core/ct/dicom_read.h"
 #include "core/ct/dicom_write.h"
 #include "core/ct/label_map.h"
 #include "tests/cli/program.h"
@@ -22,6 +24,7 @@ using test::ProgramRun;
 using test::run_program;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 namespace fs = std::filesystem;
 
 constexpr int kCtSide = 32;
@@ -96,7 +99,7 @@ class Errors : public ::testing::Test {
 
   /// Runs the program in the empty folder work/, and expects one line of error, an exit that is not 0, and no file.
   std::string rejected(const std::string& arguments, const std::string& before = "") {
-    const ProgramRun run = run_program(arguments, work(), before);
+    const ProgramRun run = run_program(arguments + " --force", work(), before);
     EXPECT_NE(run.exit_code, 0) << arguments;
     EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
     EXPECT_THAT(run.errors, ::testing::StartsWith("spinaltap: "));
@@ -247,7 +250,7 @@ TEST_F(Errors, LeavesNothingOfAnyOutputOnAFullDisk) {
 TEST_F(Errors, KeepsTheOldFileWhenTheDiskIsFull) {
   take_bone();
   const auto size = fs::file_size(in("bone.vdb"));
-  const ProgramRun run = run_program(std::string(kBakeCt) + " -o bone.vdb", folder_.path(), "ulimit -f 8;");
+  const ProgramRun run = run_program(std::string(kBakeCt) + " -o bone.vdb --force", folder_.path(), "ulimit -f 8;");
   EXPECT_NE(run.exit_code, 0);
   EXPECT_EQ(fs::file_size(in("bone.vdb")), size);
 }
@@ -260,12 +263,42 @@ TEST_F(Errors, RejectsAnUnknownOptionWithAWordAboutHelp) {
 TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
   const test::TemporaryFolder folder;
   for (const char* name : {"demo", "phantom", "info", "segment", "points", "fit", "eval", "bake", "plan", "drill",
-                           "mesh", "diff", "compare"}) {
+                           "mesh", "diff", "compare", "replay"}) {
     const ProgramRun run = run_program(std::string(name) + " --help", folder.path());
     EXPECT_EQ(run.exit_code, 0) << name;
     EXPECT_THAT(run.output, HasSubstr("Example")) << name;
     EXPECT_THAT(run.output, HasSubstr("--json")) << name;
+    EXPECT_THAT(run.output, HasSubstr("--force")) << name;
     EXPECT_THAT(run.output, HasSubstr("--threads")) << name;
+    EXPECT_THAT(run.output, Not(HasSubstr("->"))) << name << ": values are named, not numbered";
+  }
+}
+
+TEST_F(Errors, NothingThatIsWrittenTellsWhoseCtItIs) {
+  fs::rename(in("ct"), in("jane_doe"));
+  fs::rename(in("ball.nrrd"), in("jane_doe.nrrd"));
+  const std::vector<SeriesInfo> series = list_dicom_series(in("jane_doe"));
+  ASSERT_EQ(series.size(), 1U);
+  for (
+      const char* arguments :
+      {"info ../jane_doe --json info.json --contact-sheet ct.png",
+       "bake ../jane_doe --labels ../jane_doe.nrrd --voxel 0.5 --cache cache -o bone.vdb --json bake.json",
+       "demo ../jane_doe --labels ../jane_doe.nrrd --voxel 0.5 --entry 16,26,16 --target 16,18,16 --radius 2 --spacing "
+       "0.2 --step 0.02 -o demo --json demo.json",
+       "drill bone.vdb demo/plan.json --ct ../jane_doe --radius 2 --spacing 0.2 --step 0.02 --record run.h5 -o drilled "
+       "--json drill.json",
+       "segment ../jane_doe --labels ../jane_doe.nrrd -o map.seg.nrrd --picture map.png --json segment.json"}) {
+    const ProgramRun run = run_program(arguments, work());
+    EXPECT_EQ(run.exit_code, 0) << arguments << "\n" << run.errors;
+  }
+  const std::vector<std::string> names = everything_in(work());
+  EXPECT_GE(names.size(), 20U);
+  for (const std::string& name : names) {
+    EXPECT_THAT(name, Not(HasSubstr("jane_doe")));
+    if (!fs::is_regular_file(work() / name)) continue;
+    const std::string content = read_whole_file(work() / name);
+    EXPECT_EQ(content.find("jane_doe"), std::string::npos) << name;
+    EXPECT_EQ(content.find(series.front().uid), std::string::npos) << name;
   }
 }
 

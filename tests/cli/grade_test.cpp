@@ -58,9 +58,10 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
 
 TEST_F(Grade, TellsABreachThatWasAskedForByItsExitCode) {
   const auto exit_code_of = [&](const char* diameter_mm) {
-    return test::run_program(std::string("grade bone.vdb plan.json --fail-on-breach -o asked --screw-length 45 ") +
-                                 "--screw-diameter " + diameter_mm,
-                             folder_->path())
+    return test::run_program(
+               std::string("grade bone.vdb plan.json --fail-on-breach --force -o asked --screw-length 45 ") +
+                   "--screw-diameter " + diameter_mm,
+               folder_->path())
         .exit_code;
   };
   // The isthmus is 9 mm wide.

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-const std::string kFineBake = "bake ../ct --labels ../ball.nrrd --label 2 --voxel 0.15 -o bone.vdb";
+const std::string kFineBake = "bake ../ct --labels ../ball.nrrd --label 2 --voxel 0.15 --force -o bone.vdb";
 
 /// A ball of bone of 4 mm in water, and its label map: the whole chain in a second.
 void write_ball(const fs::path& folder) {

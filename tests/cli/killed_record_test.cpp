@@ -138,7 +138,8 @@ TEST(KilledRecord, OpensHoldsAllButTheLastSecondAndReplays) {
 
     const std::string how = std::string(" --engine ") + kEngines[static_cast<std::size_t>(n) % kEngines.size()] +
                             " --threads " + std::to_string(1 + n / 4 % 2);
-    const test::ProgramRun replay = test::run_program("replay run.h5 ../bone.vdb --json replay.json" + how, here);
+    const test::ProgramRun replay =
+        test::run_program("replay run.h5 ../bone.vdb --force --json replay.json" + how, here);
     ASSERT_EQ(replay.exit_code, 0) << name << how << "\n" << replay.output << replay.errors;
     const Json figures = read_json(here / "replay.json");
     EXPECT_EQ(figures["cycles"], record.cycles.size()) << name;

@@ -35,7 +35,9 @@ class Levels : public testing::Test {
   static void TearDownTestSuite() { delete folder_; }
   void SetUp() override { ASSERT_EQ(baked_.exit_code, 0) << baked_.errors; }
 
-  static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
+  static test::ProgramRun run(const std::string& arguments) {
+    return test::run_program(arguments + " --force", folder_->path());
+  }
   static std::filesystem::path in(const std::string& name) { return folder_->path() / name; }
 
   static const test::TemporaryFolder* folder_;

@@ -26,7 +26,9 @@ class PlanAuto : public ::testing::Test {
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
+  static test::ProgramRun run(const std::string& arguments) {
+    return test::run_program(arguments + " --force", folder_->path());
+  }
   static std::filesystem::path in(const char* name) { return folder_->path() / name; }
 
   static const test::TemporaryFolder* folder_;

@@ -67,7 +67,7 @@ TEST_F(RbfErrors, LeaveTheOldFilesOnAFullDisk) {
   EXPECT_THAT(rejected("eval ../surface.rbf ../ball.csv -o a.ply", "ulimit -f 8;"), HasSubstr("cannot write"));
   EXPECT_THAT(rejected("eval ../surface.rbf --grid 1 -o a.nrrd", "ulimit -f 8;"), HasSubstr("cannot write"));
   const std::string old = read_whole_file(in("surface.rbf"));
-  EXPECT_NE(run_program("fit ball.csv --kernel triharmonic", folder_.path(), "ulimit -f 8;").exit_code, 0);
+  EXPECT_NE(run_program("fit ball.csv --kernel triharmonic --force", folder_.path(), "ulimit -f 8;").exit_code, 0);
   EXPECT_EQ(read_whole_file(in("surface.rbf")), old);
 }
 

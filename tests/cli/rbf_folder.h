@@ -70,7 +70,7 @@ class RbfFolder : public testing::Test {
   void write(const std::string& name, const std::string& bytes) const { write_whole_file(in(name), bytes); }
 
   std::string run(const std::string& arguments) const {
-    const ProgramRun done = run_program(arguments, folder_.path());
+    const ProgramRun done = run_program(arguments + " --force", folder_.path());
     EXPECT_EQ(done.exit_code, 0) << arguments << ": " << done.errors;
     EXPECT_THAT(done.errors, testing::IsEmpty());
     return done.output;
@@ -78,7 +78,7 @@ class RbfFolder : public testing::Test {
 
   /// Expects one line of error, an exit that is not 0, and no file in the empty folder work/.
   std::string rejected(const std::string& arguments, const std::string& before = "") const {
-    const ProgramRun done = run_program(arguments, in("work"), before);
+    const ProgramRun done = run_program(arguments + " --force", in("work"), before);
     EXPECT_NE(done.exit_code, 0) << arguments;
     EXPECT_EQ(std::count(done.errors.begin(), done.errors.end(), '\n'), 1) << done.errors;
     EXPECT_THAT(done.errors, testing::StartsWith("spinaltap: "));

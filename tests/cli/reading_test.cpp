@@ -33,7 +33,7 @@ class Reading : public testing::Test {
   }
   /// Runs the program and gives its figures.
   Json figures_of(const std::string& arguments) {
-    const test::ProgramRun run = run_program(arguments + " --json figures.json", folder_.path());
+    const test::ProgramRun run = run_program(arguments + " --force --json figures.json", folder_.path());
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     EXPECT_EQ(run.errors, "");
     output_ = run.output;

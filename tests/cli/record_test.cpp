@@ -40,7 +40,9 @@ class Record : public ::testing::Test {
     return test::run_program("drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --operator tremor -o out " + options,
                              folder_->path());
   }
-  static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
+  static test::ProgramRun run(const std::string& arguments) {
+    return test::run_program(arguments + " --force", folder_->path());
+  }
 
   static const test::TemporaryFolder* folder_;
 };

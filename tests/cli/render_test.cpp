@@ -48,7 +48,9 @@ class Render : public ::testing::Test {
     EXPECT_EQ(drilled.exit_code, 0) << drilled.errors;
   }
   static void TearDownTestSuite() { delete folder_; }
-  static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
+  static test::ProgramRun run(const std::string& arguments) {
+    return test::run_program(arguments + " --force", folder_->path());
+  }
   static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
 
   static const test::TemporaryFolder* folder_;

@@ -32,7 +32,9 @@ class Segment : public testing::Test {
   static void TearDownTestSuite() { delete folder_; }
   void SetUp() override { ASSERT_EQ(made_.exit_code, 0) << made_.errors; }
 
-  static test::ProgramRun run(const std::string& arguments) { return test::run_program(arguments, folder_->path()); }
+  static test::ProgramRun run(const std::string& arguments) {
+    return test::run_program(arguments + " --force", folder_->path());
+  }
   static fs::path in(const std::string& name) { return folder_->path() / name; }
   static GridGeometry grid() { return read_ct(in("spine/ct")).geometry; }
   static LabelVolume map(const std::string& name) { return read_label_volume(in(name), grid()); }

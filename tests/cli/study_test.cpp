@@ -84,7 +84,7 @@ class Study : public ::testing::Test {
   static fs::path in(const std::string& name) { return folder_->path() / name; }
   static void write(const Json& spec, const std::string& name) { std::ofstream(in(name)) << spec.dump(2); }
   static test::ProgramRun run(const std::string& arguments, const std::string& before = "") {
-    return test::run_program(arguments, folder_->path(), before);
+    return test::run_program(arguments + " --force", folder_->path(), before);
   }
   static void expect_done(const std::string& arguments) {
     const test::ProgramRun done = run(arguments);

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -77,30 +78,54 @@ Box3 grown(const Box3& box, double margin_mm) {
   return {box.min() - Vec3::Constant(margin_mm), box.max() + Vec3::Constant(margin_mm)};
 }
 
-/// What some bits took.
+/// No place's distances to two swept bits of one shape differ by more, mm.
+double max_difference_mm(const BitBody& a, const BitBody& b) {
+  const double length_mm = std::max(a.profile().length_mm(), b.profile().length_mm());
+  const double longer_mm = std::abs(a.profile().length_mm() - b.profile().length_mm());
+  return (a.pose().tip_mm - b.pose().tip_mm).norm() + length_mm * (a.pose().axis - b.pose().axis).norm() +
+         2.0 * longer_mm;
+}
+
+/// What a bit took on some ways, one after the other. Ways that follow each other lie near each other: of a stretch of
+/// them one way tells how near the others can be.
 class SweptBits {
  public:
-  explicit SweptBits(std::vector<const BitBody*> bits) : bits_(std::move(bits)) {}
+  explicit SweptBits(std::vector<const BitBody*> bits) : bits_(std::move(bits)) { add_stretch(0, bits_.size()); }
 
-  /// To the nearest of them, negative within.
-  double distance_mm(const Vec3& p_mm) const {
-    double nearest_mm = std::numeric_limits<double>::infinity();
-    for (const BitBody* bit : bits_) nearest_mm = std::min(nearest_mm, bit->distance_mm(p_mm));
-    return nearest_mm;
-  }
-  /// The same for places within `reach_mm` of p. A distance changes by no more than the way: bits further than the
-  /// nearest by twice the reach are never nearest.
-  SweptBits near(const Vec3& p_mm, double reach_mm) const {
-    const double nearest_mm = distance_mm(p_mm);
-    std::vector<const BitBody*> kept;
-    for (const BitBody* bit : bits_) {
-      if (bit->distance_mm(p_mm) <= nearest_mm + 2.0 * reach_mm) kept.push_back(bit);
-    }
-    return SweptBits(std::move(kept));
-  }
+  /// To the nearest of them, mm, negative within; `beyond_mm` where none is nearer than that.
+  double distance_mm(const Vec3& p_mm, double beyond_mm) const { return nearest_mm(0, p_mm, beyond_mm); }
 
  private:
+  struct Stretch {
+    std::size_t middle = 0;               ///< the way that stands for the others
+    double spread_mm = 0.0;               ///< how much nearer one of them can be
+    std::array<std::size_t, 2> halves{};  ///< 0: the stretch is one way
+  };
+
+  std::size_t add_stretch(std::size_t begin, std::size_t end) {
+    const std::size_t number = stretches_.size();
+    stretches_.emplace_back();
+    Stretch stretch{.middle = begin + (end - begin) / 2};
+    for (std::size_t n = begin; n < end; ++n) {
+      stretch.spread_mm = std::max(stretch.spread_mm, max_difference_mm(*bits_[stretch.middle], *bits_[n]));
+    }
+    if (end - begin > 1) stretch.halves = {add_stretch(begin, stretch.middle), add_stretch(stretch.middle, end)};
+    stretches_[number] = stretch;
+    return number;
+  }
+
+  double nearest_mm(std::size_t number, const Vec3& p_mm, double nearest) const {
+    constexpr double kRoundingMm = 1e-9;
+    const Stretch& stretch = stretches_[number];
+    const double middle_mm = bits_[stretch.middle]->distance_mm(p_mm);
+    nearest = std::min(nearest, middle_mm);
+    if (stretch.halves[1] == 0 || middle_mm - stretch.spread_mm > nearest + kRoundingMm) return nearest;
+    for (const std::size_t half : stretch.halves) nearest = nearest_mm(half, p_mm, nearest);
+    return nearest;
+  }
+
   std::vector<const BitBody*> bits_;
+  std::vector<Stretch> stretches_;  ///< the whole first
 };
 
 /// The hole with what bits took more, near the bone as it was before; leaves that changed go to `changed`.
@@ -118,12 +143,14 @@ openvdb::FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordB
   }
   const double reach_mm = leaf_reach_mm(before);
   const double band_mm = static_cast<double>(before.background());
+  const double wanted_mm = band_mm + reach_mm;
   changed = leaves_with_bone(before, box, [&](const Coord& origin) {
-    return bits.distance_mm(middle_mm(before, origin)) < band_mm + reach_mm;
+    return bits.distance_mm(middle_mm(before, origin), wanted_mm) < wanted_mm;
   });
-  change_leaves(*hole, changed, [&](const Coord& origin) {
-    return [&hole, near = bits.near(middle_mm(*hole, origin), reach_mm)](float value, const Coord& voxel) {
-      return std::min(value, static_cast<float>(near.distance_mm(detail::from_vdb(hole->indexToWorld(voxel)))));
+  change_leaves(*hole, changed, [&](const Coord&) {
+    return [&](float value, const Coord& voxel) {
+      const Vec3 p_mm = detail::from_vdb(hole->indexToWorld(voxel));
+      return static_cast<float>(bits.distance_mm(p_mm, static_cast<double>(value)));
     };
   });
   return hole;

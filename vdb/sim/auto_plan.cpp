@@ -20,8 +20,10 @@ std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu
   settings.bit = options.bit;
   const std::vector<PedicleScrew> screws =
       read_screws(options.screws.empty() ? data_file("screws/pedicle.json") : options.screws);
-  const HuToDensity density = read_density_calibration(data_file("densities/vertebra.json")).line;
-  const Material material = read_material(data_file("materials/vertebra.json"), density);
+  const HuToDensity density =
+      read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density).line;
+  const Material material =
+      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density);
   return suggest_paths(walls, hu, material, screws, settings, progress);
 }
 

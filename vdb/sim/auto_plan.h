@@ -17,8 +17,10 @@ struct AutoPlanOptions {
   bool is_bicortical = false;  ///< see SuggestOptions, as the next four
   SagittalReference sagittal = SagittalReference::anatomic;
   std::optional<Technique> technique = {};
-  Level level = Level::kNone;  ///< kNone: Bone::suggest() takes the bone's own
-  DrillBit bit = {};           ///< for the holes
+  Level level = Level::kNone;           ///< kNone: Bone::suggest() takes the bone's own
+  DrillBit bit = {};                    ///< for the holes
+  std::filesystem::path density = {};   ///< calibration; empty: the shipped densities/vertebra.json
+  std::filesystem::path material = {};  ///< cutting model; empty: the shipped materials/vertebra.json
 };
 
 /// suggest_paths() with tables and models from files.

@@ -4,12 +4,13 @@
 #include <map>
 #include <sstream>
 
+#include "core/base/code_fingerprint.h"
 #include "core/base/error.h"
-#include "core/base/hash.h"
 #include "core/base/version.h"
 #include "core/ct/ct_noise.h"
 #include "core/ct/label_map.h"
 #include "vdb/sim/detail/bone_surface_error.h"
+#include "vdb/sim/detail/stage_key.h"
 
 namespace spinaltap {
 
@@ -58,45 +59,9 @@ std::string text(const Parts&... parts) {
   return out.str();
 }
 
-/// Names a stage's result by all that it depends on. Numbers count by all their digits.
-class StageKey {
- public:
-  explicit StageKey(const CtVolume& ct) { add(std::string(version()), ct.source_hash); }
-
-  template <class... Parts>
-  StageKey& add(const Parts&... parts) {
-    (add_one(parts), ...);
-    return *this;
-  }
-  std::string hex() const { return hash_.hex(); }
-
- private:
-  void add_one(const std::string& part) {
-    add_one(part.size());
-    hash_.add(part.data(), part.size());
-  }
-  template <class Number>
-  void add_one(Number number) {
-    static_assert(std::is_arithmetic_v<Number>);
-    hash_.add(&number, sizeof number);
-  }
-  void add_one(const std::optional<double>& number) { number ? add(true, *number) : add(false); }
-  void add_one(const std::optional<Vec3>& place) { place ? add(true, place->x(), place->y(), place->z()) : add(false); }
-
-  WordHash64 hash_;
-};
-
-std::string mask_key(const CtVolume& ct, const SegmentOptions& options) {
-  StageKey key(ct);
-  key.add(options.seed_mm, options.threshold_hu, options.names.size());
-  for (const LevelPoint& name : options.names) key.add(level_name(name.level), std::optional(name.p_mm));
-  for (const Correction& one : options.corrections) key.add(level_name(one.level), std::optional(one.p_mm));
-  return key.hex();
-}
-
 MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const BakeCache& cache, bool& from_cache,
                     const Progress& progress) {
-  const std::string key = mask_key(ct, options.segment);
+  const std::string key = detail::mask_key(code_fingerprint(CodeStage::mask), ct.source_hash, options.segment);
   if (!options.labels) {
     if (std::optional<MaskStage> kept = cache.find_mask(key, ct.geometry)) {
       from_cache = true;
@@ -115,18 +80,14 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
 
 SurfaceFit make_fit(const CtVolume& ct, const BoneMask& mask, const SurfacePoints& surface,
                     const BakeCtOptions& options, const BakeCache& cache, bool& from_cache, const Progress& progress) {
-  StageKey key(ct);
-  WordHash64 mask_hash;
-  mask_hash.add(mask.inside.data(), mask.inside.size());
-  key.add(mask_hash.value(), options.surface.smooth_mm, options.surface.refine_by_hu);
-  key.add(options.rbf.spacing_mm, options.rbf.off_surface_mm, options.rbf.smoothing_mm, options.rbf.accuracy_mm,
-          options.rbf.reduction_mm);
-  if (std::optional<SurfaceFit> kept = cache.find_fit(key.hex())) {
+  const std::string key =
+      detail::fit_key(code_fingerprint(CodeStage::fit), ct.source_hash, mask, options.surface, options.rbf);
+  if (std::optional<SurfaceFit> kept = cache.find_fit(key)) {
     from_cache = true;
     return *std::move(kept);
   }
   SurfaceFit fit = fit_surface(surface, options.rbf, progress);
-  cache.keep_fit(key.hex(), fit);
+  cache.keep_fit(key, fit);
   return fit;
 }
 

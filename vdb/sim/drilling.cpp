@@ -153,9 +153,9 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
     drilling.max_torque_n_mm = std::max(drilling.max_torque_n_mm, row.torque_n_mm);
   }
   progress.report("cutting the hole", 0.0);
-  std::vector<DrilledHole> holes = setup.holes;
-  holes.push_back(hole_of(inputs.inputs(), setup));
-  drilling.drilled = without_holes(std::move(drilling.drilled), holes);
+  drilling.before = without_holes(std::move(drilling.before), setup.holes);
+  const DrilledHole hole = hole_of(inputs.inputs(), setup);
+  drilling.drilled = without_holes(drilling.before, {&hole, 1});
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());

@@ -46,11 +46,12 @@ struct Drilling {
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;
-  BoneModel drilled;               ///< the bone without the hole
+  BoneModel before;                ///< the bone without the setup's earlier holes
+  BoneModel drilled;               ///< and without this one
   std::vector<PointSplat> splats;  ///< of all volumes, where asked for
   std::vector<DepthRow> rows;
 
-  explicit Drilling(BoneModel bone) : drilled(std::move(bone)) {}
+  explicit Drilling(BoneModel bone) : before(bone), drilled(std::move(bone)) {}
 };
 
 /// Fills a point volume along the path, lets an operator drill it, and cuts the hole of all its poses out of the

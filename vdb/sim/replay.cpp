@@ -105,8 +105,12 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, co
   return result;
 }
 
-RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit, double max_jump_mm)
-    : bone_(bone), record_(record), bit_(bit), longest_jump_mm_(max_jump_mm), drilled_(bone) {
+RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, const SessionSetup& setup)
+    : bone_(without_holes(bone, setup.holes)),
+      record_(record),
+      bit_(setup.path.bit),
+      longest_jump_mm_(setup.options.max_jump_mm),
+      drilled_(bone_) {
   if (record.cycles.empty()) fail("the record holds no cycle: nothing was drilled yet");
 }
 

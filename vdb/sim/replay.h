@@ -9,6 +9,7 @@
 #include "core/engine/drill_engine.h"
 #include "core/session/drill_session.h"
 #include "core/session/record/session_record.h"
+#include "core/session/session_setup.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/sim/bone.h"
 
@@ -44,9 +45,9 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, co
 /// The bone at any moment of a recorded drilling.
 class RecordedHole {
  public:
-  /// `bone`: as it was before, the one that was drilled. Bone and record must outlive this. `max_jump_mm`: as
-  /// SessionOptions has it. Throws Error on a record without cycles.
-  RecordedHole(const BoneModel& bone, const SessionRecord& record, const DrillBit& bit, double max_jump_mm);
+  /// `bone`: the one that the session was built on; holes that the setup names are drilled first. The record must
+  /// outlive this. Throws Error on a record without cycles.
+  RecordedHole(const BoneModel& bone, const SessionRecord& record, const SessionSetup& setup);
 
   double end_s() const { return record_.cycles.back().time_s; }
   /// Drills on, or begins again, up to the last cycle that is not later than `time_s`.
@@ -57,7 +58,7 @@ class RecordedHole {
   Pose pose() const;
 
  private:
-  const BoneModel& bone_;
+  BoneModel bone_;  ///< when the session began
   const SessionRecord& record_;
   DrillBit bit_;
   double longest_jump_mm_;

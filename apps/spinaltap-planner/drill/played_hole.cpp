@@ -112,13 +112,14 @@ void write_report(const DoneDrilling& drilling, const std::filesystem::path& fol
   const MeshQuality quality = measure_mesh(surface);
   DrillReportData data = report_data("Drilling " + path.name, &drilling.bone->ct,
                                      {again, *drilling.bone->bone, drilling.setup, drilling.operator_words, quality});
-  data.renders = drill_pictures(drilling.bone->model(), again.drilled, path, progress);
+  data.renders = drill_pictures(again.before, again.drilled, path, progress);
   data.notes.emplace_back("Drilled in the planner. Rates are those of the same cycles run again as fast as they go.");
   if (!drilling.setup.holes.empty()) {
     data.notes.push_back("Holes that were in the bone before: " + std::to_string(drilling.setup.holes.size()) + ".");
   }
   StagedOutput output;
   stage_drilling(again, surface, data, folder, output);
+  output.list_in(folder);
   output.commit();
 }
 

@@ -2,7 +2,7 @@
 
 #include <fcntl.h>
 #include <hdf5.h>
-#include <sys/file.h>
+#include <sys/file.h>  // flock
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,6 +14,8 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "core/base/file_lock.h"
 
 namespace spinaltap {
 namespace {
@@ -150,16 +152,18 @@ herr_t cut(H5FD_t* file, hid_t /*transfer*/, hbool_t /*closing*/) {
 }
 
 /// Some file systems know no locks; they do without.
-herr_t change_lock(H5FD_t* file, int operation) {
-  return ::flock(own(file).descriptor, operation) == 0 || errno == ENOSYS || errno == EOPNOTSUPP ? 0 : -1;
-}
 herr_t lock(H5FD_t* file, hbool_t for_writing) {
-  return change_lock(file, (for_writing ? LOCK_EX : LOCK_SH) | LOCK_NB);
+  const FileLock lock = try_lock(own(file).descriptor, for_writing);
+  return lock == FileLock::held || lock == FileLock::no_locking ? 0 : -1;
 }
-herr_t unlock(H5FD_t* file) { return change_lock(file, LOCK_UN); }
+herr_t unlock(H5FD_t* file) {
+  ::flock(own(file).descriptor, LOCK_UN);  // fails only where there was nothing to unlock
+  return 0;
+}
 
 H5FD_class_t stopping_driver() {
   H5FD_class_t driver{};
+  detail::set_driver_version(driver);
   driver.name = "stopping";
   driver.maxaddr = (haddr_t{1} << 62) - 1;
   driver.fc_degree = H5F_CLOSE_STRONG;

@@ -14,4 +14,16 @@ std::int64_t hdf5_stopping_driver();
 /// What the disk said first of an open file (its HDF5 identifier) of that driver: an errno; 0 while all is well.
 int hdf5_write_error(std::int64_t file);
 
+namespace detail {
+
+/// From HDF5 1.14 on a driver says which layout of its table it was compiled for, and its number: one of those that are
+/// left to programs.
+template <class Driver>
+void set_driver_version(Driver& driver) {
+  constexpr int kOfPrograms = 256;
+  if constexpr (requires { driver.version; }) driver.version = 1;
+  if constexpr (requires { driver.value; }) driver.value = kOfPrograms;
+}
+
+}  // namespace detail
 }  // namespace spinaltap

@@ -1,5 +1,7 @@
 #include "core/session/real_time/real_time.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -94,6 +96,8 @@ class RealTimeRun {
   std::atomic<std::uint64_t> asked_{0};  ///< for progress
   std::atomic<double> clock_s_{0.0};     ///< likewise
 
+  /// Of the collision thread alone: a step shares nothing out to ordinary threads, for which it would have to wait.
+  tbb::task_arena alone_{1};
   TimedInput operator_at_;  ///< the tool thread's
   TimedInput bit_at_;       ///< the collision thread's
   RealTimeReport report_;
@@ -208,7 +212,8 @@ double RealTimeRun::share_done() const {
 RealTimeReport RealTimeRun::run(const Progress& progress) {
   std::vector<ThreadPart> parts{
       {kToolPriority, [this] { put_tool(); }, [this](std::int64_t start_ns) { run_tool(start_ns); }},
-      {kCollisionPriority, [this] { put_bit(); }, [this](std::int64_t start_ns) { run_collision(start_ns); }}};
+      {kCollisionPriority, [this] { alone_.execute([this] { put_bit(); }); },
+       [this](std::int64_t start_ns) { alone_.execute([this, start_ns] { run_collision(start_ns); }); }}};
   if (display_) parts.push_back({kNoPriority, {}, [this](std::int64_t start_ns) { run_display(start_ns); }});
   if (options_.output_rate_hz > 0.0) {
     parts.push_back({kOutputPriority, {}, [this](std::int64_t start_ns) { run_output(start_ns); }});

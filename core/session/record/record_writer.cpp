@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 #include "core/session/record/detail/event_handover.h"
 #include "core/session/record/detail/frame_tables.h"
 #include "core/session/record/detail/record_layout.h"
@@ -296,6 +297,7 @@ void RecordWriter::close(std::span<const SessionEvent> events) {
     try {
       state.say_progress(true);
       state.file.close();
+      sync_to_disk(state.path);
       return;
     } catch (const std::exception& error) {
       const std::lock_guard lock(state.mutex);

@@ -1,6 +1,7 @@
 #include "mesh/decimate.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <limits>
@@ -100,6 +101,38 @@ TEST(Decimate, KeepsATorusWithinTheError) {
     const double off_mm = std::hypot(std::hypot(p.x(), p.y()) - kRingMm, p.z()) - kTubeMm;
     ASSERT_LT(std::abs(off_mm), kMaxErrorMm + 0.02);
   }
+}
+
+// Waves so steep that a collapse on one sheet reaches the next: what misses is done again until nothing does.
+TEST(Decimate, KeepsTheErrorAndMeetsItselfNowhereWhereSheetsAreNear) {
+  constexpr double kMaxErrorMm = 0.25;
+  TriangleMesh fine = test::torus_mesh(10.0, 4.0, 400, 120);
+  for (Eigen::Vector3f& p : fine.vertices_mm) {
+    const float along = std::atan2(p.y(), p.x());
+    p.z() *= 1.0F + 0.35F * std::sin(60.0F * along);
+  }
+  RemeshReport report;
+  const TriangleMesh mesh = decimate(fine, kMaxErrorMm, &report);
+  EXPECT_TRUE(report.reached);
+  EXPECT_LE(report.to_surface.max_mm, kMaxErrorMm);
+  EXPECT_LE(report.from_surface.max_mm, kMaxErrorMm);
+  EXPECT_TRUE(self_intersections(mesh).empty());
+  const MeshQuality quality = measure_mesh(mesh);
+  EXPECT_TRUE(quality.closed());
+  EXPECT_EQ(quality.euler_number, 0);
+  EXPECT_LT(mesh.triangles.size(), fine.triangles.size());
+}
+
+TEST(Decimate, GivesTheSameBitsAtAnyNumberOfThreads) {
+  const TriangleMesh fine = test::torus_mesh(20.0, 6.0, 400, 120);  // of several parts
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return decimate(fine, 0.05);
+  };
+  const TriangleMesh one = with_threads(1);
+  const TriangleMesh two = with_threads(2);
+  EXPECT_EQ(one.vertices_mm, two.vertices_mm);
+  EXPECT_EQ(one.triangles, two.triangles);
 }
 
 TEST(Decimate, RejectsWhatIsNotClosed) {

@@ -3,12 +3,30 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <functional>
+#include <vector>
 
 #include "core/base/error.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+/// Sees each fsync() of this program, in place of the C library, and gives what it comes to; none: the library's.
+std::function<int(const std::filesystem::path&)> on_sync;
+
+}  // namespace
+}  // namespace spinaltap
+
+extern "C" int fsync(int descriptor) {
+  if (!spinaltap::on_sync) return static_cast<int>(::syscall(SYS_fsync, descriptor));
+  return spinaltap::on_sync(std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor)));
+}
 
 namespace spinaltap {
 namespace {
@@ -115,6 +133,127 @@ TEST(StagedOutput, LeavesTheOldFileWhenTheDiskIsFull) {
   EXPECT_THAT(message, HasSubstr("cannot write"));
   EXPECT_EQ(read_whole_file(folder.path() / "a.txt"), "old");
   EXPECT_EQ(count_in(folder.path()), 1);
+}
+
+TEST(StagedOutput, PutsTheOldFilesBackWhereOneCannotBeMoved) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "a.txt", "old");
+  {
+    StagedOutput output;
+    output.write(folder.path() / "a.txt", "new");
+    output.write(folder.path() / "b.txt", "new");
+    output.write(folder.path() / "c.txt", "new");
+    output.list_in(folder.path());
+    fs::create_directory(folder.path() / "c.txt");
+    EXPECT_THAT(error_of([&] { output.commit(); }), HasSubstr("c.txt"));
+  }
+  EXPECT_EQ(read_whole_file(folder.path() / "a.txt"), "old");
+  EXPECT_EQ(count_in(folder.path()), 2) << "a.txt, and the folder c.txt";
+}
+
+void write_set(const fs::path& folder, std::initializer_list<const char*> names) {
+  StagedOutput output;
+  for (const char* name : names) output.write(folder / name, name);
+  output.list_in(folder);
+  output.commit();
+}
+
+TEST(StagedOutput, LeavesNoFileOfAnEarlierSetAmongThoseOfAList) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "thesis.txt", "years of work");
+  write_set(folder.path(), {"a.txt", "points_1.vdb", "deep/points_2.vdb"});
+  EXPECT_EQ(read_whole_file(folder.path() / "files.txt"),
+            "spinaltap-files whole\n5 a.txt\n17 deep/points_2.vdb\n12 points_1.vdb\n");
+  write_set(folder.path(), {"a.txt", "b.txt"});
+  EXPECT_EQ(read_whole_file(folder.path() / "files.txt"), "spinaltap-files whole\n5 a.txt\n5 b.txt\n");
+  EXPECT_FALSE(fs::exists(folder.path() / "points_1.vdb"));
+  EXPECT_FALSE(fs::exists(folder.path() / "deep" / "points_2.vdb"));
+  EXPECT_EQ(read_whole_file(folder.path() / "thesis.txt"), "years of work");
+}
+
+TEST(StagedOutput, GoesOnAfterASetWhoseMovingWasKilledAndStaysInItsFolder) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directory(out);
+  write_whole_file(folder.path() / "outside.txt", "not ours");
+  write_whole_file(out / "half.txt", "of the killed one");
+  write_whole_file(out / "files.txt", "spinaltap-files unfinished\n0 half.txt\n0 ../outside.txt\n0 " +
+                                          (folder.path() / "outside.txt").string() + "\n0 .\n");
+  write_set(out, {"a.txt"});
+  EXPECT_FALSE(fs::exists(out / "half.txt"));
+  EXPECT_TRUE(fs::exists(folder.path() / "outside.txt"));
+  write_whole_file(out / "files.txt", "my own list");
+  EXPECT_THAT(error_of([&] { write_set(out, {"a.txt"}); }), HasSubstr("found something else"));
+}
+
+/// Whether a file was there, and its list whole, when something was synced.
+struct Synced {
+  std::string name;
+  bool is_there;
+  bool is_listed;
+};
+
+TEST(StagedOutput, IsOnTheDiskBeforeItIsSeenAndItsListLast) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "a.txt", list = folder.path() / "files.txt";
+  std::vector<Synced> synced;
+  on_sync = [&](const fs::path& path) {
+    const bool is_listed = fs::exists(list) && read_whole_file(list).starts_with("spinaltap-files whole");
+    synced.push_back({path.filename().string(), fs::exists(file), is_listed});
+    return 0;
+  };
+  write_set(folder.path(), {"a.txt"});
+  on_sync = nullptr;
+  ASSERT_GE(synced.size(), 4U);
+  EXPECT_EQ(synced.front().name, "a.txt");
+  EXPECT_FALSE(synced.front().is_there);
+  EXPECT_EQ(synced.back().name, folder.path().filename());
+  EXPECT_TRUE(synced.back().is_listed);
+  for (const Synced& one : synced) EXPECT_TRUE(!one.is_listed || one.is_there);
+  const auto folder_with_file = std::find_if(synced.begin(), synced.end(), [&](const Synced& one) {
+    return one.name == folder.path().filename() && one.is_there && !one.is_listed;
+  });
+  EXPECT_NE(folder_with_file, synced.end()) << "the names are on the disk before the list says so";
+}
+
+TEST(StagedOutput, LeavesTheOldFileWhereTheDiskRejectsTheSync) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "a.txt", "old");
+  on_sync = [](const fs::path&) {
+    errno = EIO;
+    return -1;
+  };
+  {
+    StagedOutput output;
+    output.write(folder.path() / "a.txt", "new");
+    EXPECT_THAT(error_of([&] { output.commit(); }), HasSubstr("cannot write"));
+  }
+  on_sync = nullptr;
+  EXPECT_EQ(read_whole_file(folder.path() / "a.txt"), "old");
+  EXPECT_EQ(count_in(folder.path()), 1);
+}
+
+TEST(StagedFolder, IsOnTheDiskBeforeItIsSeenAndIsNeverGone) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  for (const bool replaces : {false, true}) {
+    SCOPED_TRACE(replaces);
+    std::vector<std::string> synced;
+    on_sync = [&](const fs::path& path) {
+      synced.push_back(path.filename().string());
+      EXPECT_EQ(fs::exists(out), replaces || path == folder.path());
+      return 0;
+    };
+    StagedFolder staged(out, "mine.json");
+    write_whole_file(staged.temporary() / "mine.json", replaces ? "new" : "old");
+    staged.commit();
+    on_sync = nullptr;
+    ASSERT_GE(synced.size(), 2U);
+    EXPECT_EQ(synced.front(), "mine.json");
+    EXPECT_EQ(synced.back(), folder.path().filename());
+    EXPECT_EQ(read_whole_file(out / "mine.json"), replaces ? "new" : "old");
+  }
+  EXPECT_EQ(count_in(folder.path()), 2);
 }
 
 TEST(StagedFolder, AppearsWholeOnCommitAndNotBefore) {

@@ -3,9 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/base/error.h"
+#include "core/files/data_files.h"
+#include "core/files/json_file.h"
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/temporary_folder.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
@@ -39,6 +44,27 @@ TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
   options.margin_mm = 4.0;
   EXPECT_THAT([&] { paths_of(auto_plan(bone.walls(), bone.hu_sampler(), options)); },
               ThrowsMessage<Error>(AllOf(HasSubstr("left"), HasSubstr("right"), HasSubstr("4 mm of bone"))));
+}
+
+TEST(AutoPlan, PredictsThrustsWithTheGivenDensityAndCuttingModel) {
+  const Bone bone(bake_solid(Vertebra(), {.voxel_mm = 0.5}, 40.0));
+  const test::TemporaryFolder folder;
+  const auto thrust_n = [&](double density_g_cm3, double cutting) {
+    const AutoPlanOptions options{.density = folder.path() / "density.json", .material = folder.path() / "model.json"};
+    Json density = read_json(data_file("densities/vertebra.json"));
+    density["density_at_0_hu_g_cm3"] = density_g_cm3;
+    density["density_per_hu_g_cm3"] = 1e-6;  // the least that is taken
+    write_json(density, options.density);
+    Json model = read_json(data_file("materials/vertebra.json"));
+    for (const char* key : {"specific_cutting_energy_mpa", "chisel_mpa"})
+      model[key] = cutting * model[key].get<double>();
+    write_json(model, options.material);
+    return bone.suggest(options).front().best.value().grade.max_thrust_n;
+  };
+  const double reference_n = thrust_n(0.5, 1.0);
+  ASSERT_GT(reference_n, 1.0);
+  EXPECT_NEAR(thrust_n(1.0, 1.0) / reference_n, 4.0, 0.05) << "both exponents of density are 2";
+  EXPECT_NEAR(thrust_n(0.5, 3.0) / reference_n, 3.0, 0.05) << "the model is linear in both";
 }
 
 TEST(AutoPlan, SaysThatABallIsNoVertebra) {

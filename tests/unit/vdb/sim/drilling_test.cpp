@@ -216,6 +216,22 @@ TEST(DrillBone, CutsTheHoleOfATremblingOperatorOutOfTheGrid) {
   EXPECT_GT(grid_mm3, 1.1 * steady_mm3);  // a hole wider by twice the tremor
 }
 
+TEST(DrillBone, KeepsTheBoneAsItWasBeforeWithEarlierHolesInIt) {
+  SessionSetup setup = setup_of(diameter_path());
+  const DrillPath& path = setup.path;
+  const Vec3 aside_mm = 8.0 * path.direction().unitOrthogonal();
+  const Pose out{path.entry_mm + aside_mm - 5.0 * path.direction(), path.direction()};
+  const Pose in{path.entry_mm + aside_mm + 15.0 * path.direction(), path.direction()};
+  setup.holes = {{path.bit, {{out, in}}}};
+  const Drilling drilling = drill(setup, motion_of(setup, 0.5));
+  const std::array<Vec3, 2> middles_mm{in.tip_mm - 8.0 * path.direction(), path.entry_mm + 7.0 * path.direction()};
+  std::array<std::uint8_t, 2> before{}, after{};
+  drilling.before.inside(middles_mm, before);
+  drilling.drilled.inside(middles_mm, after);
+  EXPECT_THAT(before, testing::ElementsAre(0, 1));
+  EXPECT_THAT(after, testing::ElementsAre(0, 0));
+}
+
 TEST(DrillBone, InRealTimeCountsItsCyclesAndRemovesWhatTheOperatorReached) {
   SessionSetup setup = setup_of(diameter_path());
   setup.volume.spacing_mm = 0.2;

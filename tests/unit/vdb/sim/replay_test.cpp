@@ -115,11 +115,17 @@ TEST(Replay, GoesAsFarAsTheFirstGap) {
 }
 
 const DrillBit kRecordedBit{4.0, 40.0, 2.0};
-constexpr double kRecordedJumpMm = 1.0;
 
 const BoneModel& undrilled_ball() {
   static const BoneModel bone = test::bake_ball(kBall, 0.25);
   return bone;
+}
+
+SessionSetup recorded_setup_of_the_hole() {
+  SessionSetup setup;
+  setup.path.bit = kRecordedBit;
+  setup.options.max_jump_mm = 1.0;
+  return setup;
 }
 
 /// Down through the middle at 10 mm/s, 100 cycles a second, from 12 mm above to 4 mm below it.
@@ -153,7 +159,7 @@ double bottom_mm(const BoneModel& bone) {
 
 TEST(RecordedHole, IsAsDeepAsTheTipWasAtAnyMoment) {
   const SessionRecord record = record_of_a_straight_hole();
-  RecordedHole hole(undrilled_ball(), record, kRecordedBit, kRecordedJumpMm);
+  RecordedHole hole(undrilled_ball(), record, recorded_setup_of_the_hole());
   EXPECT_DOUBLE_EQ(hole.end_s(), 1.6);
   EXPECT_TRUE(is_left(hole.drilled(), 9.5));
   // Forward, backward, beyond the end and before the begin.
@@ -170,8 +176,8 @@ TEST(RecordedHole, IsAsDeepAsTheTipWasAtAnyMoment) {
 
 TEST(RecordedHole, IsTheSameForwardAndAfterGoingBack) {
   const SessionRecord record = record_of_a_straight_hole();
-  RecordedHole forward(undrilled_ball(), record, kRecordedBit, kRecordedJumpMm);
-  RecordedHole restless(undrilled_ball(), record, kRecordedBit, kRecordedJumpMm);
+  RecordedHole forward(undrilled_ball(), record, recorded_setup_of_the_hole());
+  RecordedHole restless(undrilled_ball(), record, recorded_setup_of_the_hole());
   forward.go_to(1.2);
   for (const double time_s : {1.5, 0.3, 1.2}) restless.go_to(time_s);
   std::size_t differ = 0;
@@ -183,9 +189,24 @@ TEST(RecordedHole, IsTheSameForwardAndAfterGoingBack) {
   EXPECT_EQ(differ, 0U);
 }
 
+TEST(RecordedHole, BeginsWithTheHolesThatWereDrilledEarlier) {
+  SessionSetup setup = recorded_setup_of_the_hole();
+  const Vec3 beside_mm = kBall.centre_mm + Vec3(5.0, 0.0, 0.0);
+  const auto pose = [&](double z_mm) { return Pose{beside_mm + Vec3(0.0, 0.0, z_mm), -Vec3::UnitZ()}; };
+  setup.holes = {{kRecordedBit, {{pose(12.0), pose(-2.0)}}}};
+  const SessionRecord record = record_of_a_straight_hole();
+  RecordedHole hole(undrilled_ball(), record, setup);
+  for (const double time_s : {0.0, 1.6, 0.5}) {
+    hole.go_to(time_s);
+    std::uint8_t is_left = 1;
+    hole.drilled().inside({&beside_mm, 1}, {&is_left, 1});
+    EXPECT_EQ(is_left, 0) << "at " << time_s << " s";
+  }
+}
+
 TEST(RecordedHole, NeedsACycle) {
   const SessionRecord none;
-  EXPECT_THROW(RecordedHole(undrilled_ball(), none, kRecordedBit, kRecordedJumpMm), Error);
+  EXPECT_THROW(RecordedHole(undrilled_ball(), none, recorded_setup_of_the_hole()), Error);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/resource.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -11,6 +12,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include "core/base/error.h"
@@ -209,6 +212,22 @@ TEST(RealTime, LetsTheOperatorKnowThatItShallStop) {
   run_real_time(*drilling.session, tool_operator, {.longest_s = 5.0});
   EXPECT_TRUE(drilling.session->is_stopped());
   EXPECT_LT(tool_operator.given(), 2000U);
+}
+
+TEST(RealTime, SharesNoCycleOutToOrdinaryThreads) {
+  SmallDrilling drilling;
+  StraightOperator tool_operator(50);
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  run_real_time(*drilling.session, tool_operator, {.rate_hz = 100.0, .tool_rate_hz = 100.0}, [&](const Cycle&) {
+    // As a long step of an engine does, on the thread that steps.
+    tbb::parallel_for(0, 64, [&](int) {
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+      const std::lock_guard lock(mutex);
+      threads.insert(std::this_thread::get_id());
+    });
+  });
+  EXPECT_EQ(threads.size(), 1U);
 }
 
 TEST(RealTime, DoesNotWaitForASlowDisplay) {
