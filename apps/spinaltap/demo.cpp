@@ -83,6 +83,7 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
                           suggestions, graded, {}, options.folder / "plan.html", progress);
     output.also_list(options.folder / "plan.html");
     if (graded.empty()) {  // nothing to drill
+      output.commit();
       exit_code = kAnswerIsNo;
       return figures;
     }
