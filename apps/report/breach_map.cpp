@@ -59,8 +59,8 @@ std::string map(const BreachLattice& lattice) {
   }
   svg += "<path d=\"M" + svg_number(x(0.0) - 5.0) + " " + svg_number(y(0.0)) + "h10m-5 -5v10\" stroke=\"#000\" " +
          "stroke-width=\"1.6\" fill=\"none\"/>\n";
-  svg += text(kLeft + 0.5 * kSide, kTop + kSide + 30.0, "middle", "lateral ◂ mm ▸ medial");
-  svg += text(0.0, 0.0, "middle", "caudal ◂ mm ▸ cranial",
+  svg += text(kLeft + 0.5 * kSide, kTop + kSide + 30.0, "middle", "mm medial");
+  svg += text(0.0, 0.0, "middle", "mm cranial",
               "font-size=\"12\" transform=\"translate(30 " + svg_number(kTop + 0.5 * kSide) + ") rotate(-90)\"");
   return svg;
 }

@@ -122,7 +122,7 @@ Plot clearance_plot(const GradedPath& graded) {
   Plot plot = empty_plot(graded, "Clearance", "clearance", "mm");
   PlotSeries outer{"outer surface", {}, {}};
   PlotSeries canal{"canal", {}, {}};
-  PlotSeries entry_opening{"entry opening", {}, {}};
+  PlotSeries entry_opening{"entry", {}, {}};
   outer.colour = kOuterColour;
   canal.colour = kCanalPlotColour;
   entry_opening.colour = "#7a858e";
@@ -190,7 +190,8 @@ std::string grade_report(const GradeReportData& data, const Progress& progress) 
   report.add_text(
       "Clearance is from the tool's surface to the wall; below 0 the tool is nearer than its radius. The breach is how "
       "far the tool stands out of the bone. The outer surface that is pierced on purpose at the entry does not count.");
-  for (const GradedPath& graded : data.paths) {
+  for (std::size_t n = 0; n < data.paths.size(); ++n) {
+    const GradedPath& graded = data.paths[n];
     report.add_heading("All figures: " + (graded.path.name.empty() ? std::string("path") : graded.path.name));
     report.add_table(figures_of(graded, data.hu_bands));
     if (graded.placed) report.add_text("Grades to expect: " + odds_in_words(*graded.placed) + ".");
@@ -201,6 +202,9 @@ std::string grade_report(const GradeReportData& data, const Progress& progress) 
       } else {
         report.add_text(finding.words + ".");
       }
+    }
+    for (const std::string& reason : n < data.reasons.size() ? data.reasons[n] : std::vector<std::string>()) {
+      report.add_text("Why this path: " + reason + ".");
     }
     for (const Plot& plot : {hu_plot(graded), bands_plot(graded, data.hu_bands), predicted_thrust_plot(graded)}) {
       report.add_svg(svg_plot(plot));
