@@ -73,7 +73,7 @@ TEST_F(Bench, RepeatsItsTremorBySeed) {
   const auto hash = [&](const std::string& seed) {
     const test::ProgramRun run = run_program(
         "bench drill --spacing 0.5 --motion tremor --diameter 3.0 --engine ring "
-        "--threads 1 --json bench.json --seed " +
+        "--threads 1 --json bench.json --force --seed " +
             seed,
         folder_.path());
     EXPECT_EQ(run.exit_code, 0) << run.errors;

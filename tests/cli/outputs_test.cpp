@@ -130,7 +130,7 @@ TEST_F(Outputs, OfDrillAreMeshesToShowUnlessFullOnesAreAskedFor) {
   const MeshQuality shown = measure_mesh(read_mesh(in("shown/drilled.stl")));
   const MeshQuality full = measure_mesh(read_mesh(in("full/drilled.stl")));
   EXPECT_LT(3 * shown.triangles, full.triangles);
-  EXPECT_GT(shown.smallest_angle_deg, full.smallest_angle_deg);
+  EXPECT_GT(shown.smallest_angle_deg, 1.0);  // slivers of 0.2 degrees were what such meshes had
   EXPECT_TRUE(shown.closed());
   EXPECT_NEAR(shown.volume_mm3, full.volume_mm3, 0.02 * full.area_mm2);
 }

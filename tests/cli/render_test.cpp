@@ -111,6 +111,7 @@ TEST_F(Render, DrawsAFilmOfARecord) {
   const auto frames = figures["frames"].get<std::size_t>();
   EXPECT_NEAR(static_cast<double>(frames), 13.0, 1.0);
   std::vector<std::string> names = test::everything_in(file("film"));
+  ASSERT_EQ(std::erase(names, "files.txt"), 1U);
   ASSERT_EQ(names.size(), frames);
   EXPECT_EQ(names.front(), "00001.png");
   std::set<std::string> different;
