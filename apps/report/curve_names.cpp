@@ -15,6 +15,7 @@ using Rectangle = Eigen::AlignedBox2d;
 
 constexpr double kDense = 2.5;  ///< between points that stand for a curve, drawing units
 constexpr double kAir = 2.0;    ///< around a name
+constexpr double kBold = 1.15;  ///< bold text is so much wider
 
 /// Points of the runs, no further from each other than kDense.
 std::vector<Point> dense_points(const std::vector<PlotRun>& runs, const Rectangle& room) {
@@ -54,7 +55,7 @@ class NamePlaces {
   Rectangle place(const std::string& name, std::size_t curve) {
     Rectangle best;
     if (name.empty() || points_[curve].empty()) return best;
-    const Point size(text_width(name, font_size_), 1.15 * font_size_);
+    const Point size(kBold * text_width(name, font_size_), 1.15 * font_size_);
     double best_cost = std::numeric_limits<double>::infinity();
     for (double y = room_.min().y() + kAir; y + size.y() + kAir <= room_.max().y(); y += 4.0) {
       for (double x = room_.min().x() + 2.0 * kAir; x + size.x() + 2.0 * kAir <= room_.max().x(); x += 9.0) {

@@ -165,7 +165,10 @@ class SliceDrawing {
     svg_ += "<path d=\"" + bar +
             "\" fill=\"none\" stroke=\"#000\" stroke-opacity=\"0.5\" stroke-width=\"5\"/><path d=\"" + bar +
             "\" fill=\"none\" stroke=\"#fff\" stroke-width=\"2\"/>\n";
-    add_text(svg_number(length_mm) + " mm", left + Point(0.5 * length, -12), "middle", "#fff");
+    // Centred over the bar, as far as the picture's edge allows.
+    const std::string words = svg_number(length_mm) + " mm";
+    const double half = 0.6 * text_width(words, kLabelSize);
+    add_text(words, Point(std::max(left.x() + 0.5 * length, half + 4.0), left.y() - 12), "middle", "#fff");
     placer_.avoid({left + Point(-4, -24), left + Point(length + 4, 6)});
   }
 
