@@ -78,7 +78,8 @@ TEST(SvgPlot, ThinsLongCurvesButKeepsTheirPeaks) {
   }
   const std::string svg = svg_plot(plot);
   EXPECT_LT(svg.size(), 200000U);
-  // The highest value reaches the frame's upper edge, 8 units from the top without a title: 100 is a tick and the axis' end.
+  // The highest value reaches the frame's upper edge, 8 units from the top without a title: 100 is a tick and the axis'
+  // end.
   EXPECT_THAT(curve_data(svg), HasSubstr(" 8L"));
 }
 
