@@ -25,7 +25,7 @@ struct PlannedLevel {
 };
 
 std::vector<Level> levels_of(const PlanLevelsOptions& options) {
-  const std::vector<Level> there = levels_in(options.spine);
+  std::vector<Level> there = levels_in(options.spine);
   if (options.levels.size() == 1 && options.levels.front() == "all") return there;
   std::vector<Level> wanted;
   for (const std::string& name : options.levels) {
@@ -128,6 +128,7 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
                                  graded, options.suggest.screws, progress));
     if (!graded.empty()) {
       std::vector<DrillPath> paths;
+      paths.reserve(graded.size());
       for (const GradedPath& one : graded) paths.push_back(one.path);
       write_plan(paths, output.stage(options.folder / (name + ".json")));
     }

@@ -18,7 +18,7 @@ std::string placeholder(const CLI::Option& option) {
       {"--series", "UID"},  {"--title", "TITLE"},  {"--output", "OUTPUT"}, {"--report", "report.html"},
       {"--path", "PATH"},   {"--name", "NAME"}};
   if (const auto found = kByOption.find(option.get_name(false)); found != kByOption.end()) return found->second;
-  const std::string type = option.get_type_name();
+  std::string type = option.get_type_name();
   for (const char* hidden : {"FILE", "FOLDER", "PATH", "TEXT", "NAME", "LABEL"}) {
     if (type == hidden) return type;
   }

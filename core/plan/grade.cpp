@@ -88,6 +88,9 @@ void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNam
   }
   walk.opening_end_mm = std::min(limit_mm, walk.bearing_mm);
   for (GradeRow& row : walk.rows) row.is_opening = row.depth_mm < walk.opening_end_mm;
+  const auto first =
+      std::find_if(walk.rows.begin(), walk.rows.end(), [](const GradeRow& row) { return !row.is_opening; });
+  walk.opening_end_mm = first == walk.rows.end() ? tool.length_mm() : first->depth_mm;
 
   walk.entry_rows = walk.rows.size();
   for (std::size_t n = 0; n < walk.rows.size(); ++n) {

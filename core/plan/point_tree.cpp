@@ -69,8 +69,7 @@ struct PointTree::Tree {
     index.emplace(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(12));
     // The points of a leaf side by side: a search spends most of its time on fetching them.
     auto& order = leaf_order(*index);
-    originals = std::move(order);
-    order.resize(originals.size());
+    originals.assign(order.begin(), order.end());
     std::iota(order.begin(), order.end(), 0U);
     in_leaves.reserve(points.size());
     for (const std::uint32_t original : originals) in_leaves.push_back(points[original]);

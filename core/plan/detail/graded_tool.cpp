@@ -44,6 +44,36 @@ std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius
   return ring;
 }
 
+namespace {
+
+/// The distance of a breach without what its nearest sample lies beside the surface's nearest place: that is looked for
+/// along the tangent planes.
+void sharpen(const BoneShape& bone, FoundBreach& breach) {
+  constexpr int kRounds = 6;
+  if (!(breach.breach_mm > bone.trusted_band_mm())) return;
+  const PointTree::Nearest near = bone.nearest(breach.place_mm);
+  Vec3 at_mm = bone.points_mm()[near.index];
+  Vec3 normal = bone.normals()[near.index];
+  double nearest_mm = near.distance_mm;
+  for (int round = 0; round < kRounds; ++round) {
+    // Half-way only: across an edge the whole step would overshoot.
+    const Vec3 way_mm = breach.place_mm - at_mm;
+    const Vec3 step_mm = 0.5 * (way_mm - way_mm.dot(normal) * normal);
+    const Vec3 next_mm = at_mm + (step_mm.norm() > 0.25 ? Vec3(0.25 * step_mm.normalized()) : step_mm);
+    double value_mm = 0.0;
+    Vec3 gradient = Vec3::Zero();
+    bone.surface().evaluate({&next_mm, 1}, {&value_mm, 1}, {&gradient, 1});
+    if (!(gradient.squaredNorm() > 0.01)) break;
+    at_mm = next_mm - value_mm / gradient.squaredNorm() * gradient;
+    normal = gradient.normalized();
+    nearest_mm = std::min(nearest_mm, (breach.place_mm - at_mm).norm());
+  }
+  breach.breach_mm = nearest_mm;
+  breach.wall.distance_mm = -nearest_mm;
+}
+
+}  // namespace
+
 FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, std::span<const GradeRow> rows,
                             std::span<const WallDistance::Walls> axis, int ring_points) {
   // A place of the ring is beyond the bone by at most the radius less what its centre lies in it. The most promising
@@ -78,6 +108,8 @@ FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, s
       of_wall = {beyond.distance_mm, row.depth_mm, beyond.is_canal, p_mm, beyond.wall};
     }
   }
+  sharpen(walls.bone(), best.outer);
+  sharpen(walls.bone(), best.canal);
   return best;
 }
 
