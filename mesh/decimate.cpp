@@ -38,6 +38,7 @@ std::vector<std::vector<std::uint32_t>> triangles_by_cube(const TriangleMesh& me
     cubes[{at.x(), at.y(), at.z()}].push_back(n);
   }
   std::vector<std::vector<std::uint32_t>> parts;
+  parts.reserve(cubes.size());
   for (auto& [at, triangles] : cubes) parts.push_back(std::move(triangles));
   return parts;
 }
