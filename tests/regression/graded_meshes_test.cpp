@@ -52,10 +52,10 @@ DenseSurface dense_surface(const Bone& bone, const Box3& box) {
   return dense;
 }
 
-/// The least signed distance from the surface to a body: of places 0.03 mm apart around those samples that may hold it.
+/// The least signed distance from the surface to a body: of places 0.05 mm apart around those samples that may hold it.
 double nearest_mm(const Bone& bone, const BodyBehind& body) {
-  constexpr double kStepMm = 0.03, kMayMm = 0.5;
-  constexpr int kAside = 5;
+  constexpr double kStepMm = 0.05, kMayMm = 0.5;
+  constexpr int kAside = 3;
   const BitProfile profile(body.outline);
   const BoneShape& shape = bone.shape();
   const auto distance_mm = [&](const Vec3& p_mm) { return bit_distance_mm(profile, body.pose, p_mm); };
@@ -79,12 +79,12 @@ double nearest_mm(const Bone& bone, const BodyBehind& body) {
   return nearest;
 }
 
-/// How far the screw's surface stands out of bone from a depth on, of places 0.2 mm and 2 degrees apart.
+/// How far the screw's surface stands out of bone from a depth on, of places 0.1 mm and 2 degrees apart.
 double breach_by_brute_force_mm(const Bone& bone, const PointTree& surface, const DrillPath& path, double from_mm) {
   const BitProfile profile(path.screw->outline());
   const Vec3 axis = path.direction(), u = any_perpendicular(axis), v = axis.cross(u);
   double breach_mm = 0.0;
-  for (double depth_mm = from_mm; depth_mm <= path.length_mm() + 1e-9; depth_mm += 0.2) {
+  for (double depth_mm = from_mm; depth_mm <= path.length_mm() + 1e-9; depth_mm += 0.1) {
     const double radius_mm = std::max(0.0, profile.widest_mm(0.0, path.length_mm() - depth_mm));
     for (int degree = 0; degree < 360; degree += 2) {
       const double angle = degree * kDegree;
