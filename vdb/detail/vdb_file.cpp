@@ -178,7 +178,7 @@ typename GridType::Ptr VdbFile::read(const VdbGrid& place, const openvdb::CoordB
 }
 
 openvdb::FloatGrid::Ptr VdbFile::read_floats(const VdbGrid& place, const openvdb::CoordBBox* box) {
-  const openvdb::FloatGrid::Ptr grid = read<openvdb::FloatGrid>(place, box);
+  openvdb::FloatGrid::Ptr grid = read<openvdb::FloatGrid>(place, box);
   if (!place.parent.empty()) {
     const auto parent = std::find_if(layout_.grids.begin(), layout_.grids.end(),
                                      [&](const VdbGrid& one) { return one.unique_name == place.parent; });
@@ -191,7 +191,7 @@ openvdb::FloatGrid::Ptr VdbFile::read_floats(const VdbGrid& place, const openvdb
 }
 
 openvdb::FloatGrid::Ptr VdbFile::read_floats(const std::string& name, const openvdb::CoordBBox* box) {
-  const openvdb::FloatGrid::Ptr grid = read_floats(expect(name, kFloatGridType, "floats"), box);
+  openvdb::FloatGrid::Ptr grid = read_floats(expect(name, kFloatGridType, "floats"), box);
   if (!has_numbers_only(*grid)) {
     fail("expected numbers in the grid ", name, " in ", path_.string(), ", found a value that is none");
   }
