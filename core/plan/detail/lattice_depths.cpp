@@ -60,33 +60,33 @@ double min_mm(const Points& points, const Vec3& p_mm) {
 }
 
 /// A cube of the lattice's samples, cut off where the lattice ends.
-struct Block {
+struct SampleCube {
   std::array<int, 3> low;
   int side;
 };
 
-/// Goes down from large blocks to small ones. What is nearest to a place of a block is nearly as near to the block's
-/// middle, so each block looks only at what its parent leaves over: for neighbours at one go what a tree would look up
+/// Goes down from large cubes to small ones. What is nearest to a place of a cube is nearly as near to the cube's
+/// middle, so each cube looks only at what its parent leaves over: for neighbours at one go what a tree would look up
 /// for each of them, which deep in the bone, where very many points are about as near, is most of them.
 class DepthSearch {
  public:
   DepthSearch(FloatGrid& lattice, const PointTree& surface, double trusted_band_mm)
       : lattice_(lattice), surface_(surface), trusted_band_mm_(trusted_band_mm) {}
 
-  void measure(const Block& block, const Points& around) {
-    if (!has_bone(block)) return;
+  void measure(const SampleCube& cube, const Points& around) {
+    if (!has_bone(cube)) return;
     const double step_mm = lattice_.geometry.spacing_mm.x();
-    const double half_mm = 0.5 * (block.side - 1) * step_mm;
+    const double half_mm = 0.5 * (cube.side - 1) * step_mm;
     const double reach_mm = std::numbers::sqrt3 * half_mm + 1e-6;  // from the middle to the furthest sample, and some
-    const Vec3 middle_mm = place_mm(block.low[0], block.low[1], block.low[2]) + Vec3::Constant(half_mm);
+    const Vec3 middle_mm = place_mm(cube.low[0], cube.low[1], cube.low[2]) + Vec3::Constant(half_mm);
     squared_mm2_.resize(around.size());
     for (std::size_t n = 0; n < around.size(); ++n) squared_mm2_[n] = around.squared_mm2(n, middle_mm);
     const auto nearest = std::min_element(squared_mm2_.begin(), squared_mm2_.end());
     const double nearest_mm = std::sqrt(*nearest);
-    if (near_ == kNone || block.side > kSmallSide)
+    if (near_ == kNone || cube.side > kSmallSide)
       near_ = around.index[static_cast<std::size_t>(nearest - squared_mm2_.begin())];
     if (nearest_mm + reach_mm < kShallowMm) {
-      for_each_in_bone(block, [&](const Vec3& p_mm) { return shallow_mm(p_mm); });
+      for_each_in_bone(cube, [&](const Vec3& p_mm) { return shallow_mm(p_mm); });
       return;
     }
     const double furthest_mm = nearest_mm + 2.0 * reach_mm;
@@ -95,17 +95,17 @@ class DepthSearch {
       if (squared_mm2_[n] <= furthest_mm * furthest_mm)
         left.add(around.x[n], around.y[n], around.z[n], around.index[n]);
     }
-    if (block.side <= kSmallSide) {
-      for_each_in_bone(block, [&](const Vec3& p_mm) {
+    if (cube.side <= kSmallSide) {
+      for_each_in_bone(cube, [&](const Vec3& p_mm) {
         const double depth_mm = min_mm(left, p_mm);
         return depth_mm < kShallowMm ? shallow_mm(p_mm) : depth_mm;
       });
       return;
     }
-    const int half = block.side / 2;
+    const int half = cube.side / 2;
     for (int part = 0; part < 8; ++part) {
       measure(
-          {{block.low[0] + (part & 1) * half, block.low[1] + (part >> 1 & 1) * half, block.low[2] + (part >> 2) * half},
+          {{cube.low[0] + (part & 1) * half, cube.low[1] + (part >> 1 & 1) * half, cube.low[2] + (part >> 2) * half},
            half},
           left);
     }
@@ -119,16 +119,16 @@ class DepthSearch {
     return lattice_.geometry.origin_mm + lattice_.geometry.spacing_mm.x() * Vec3(i, j, k);
   }
 
-  /// Calls `visit(i, j, k, value)` for the block's samples in the bone until it returns false.
+  /// Calls `visit(i, j, k, value)` for the cube's samples in the bone until it returns false.
   template <class Visit>
-  void visit_bone(const Block& block, const Visit& visit) {
+  void visit_bone(const SampleCube& cube, const Visit& visit) {
     std::array<int, 3> end{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      end[axis] = std::min(block.low[axis] + block.side, lattice_.geometry.size[axis]);
+      end[axis] = std::min(cube.low[axis] + cube.side, lattice_.geometry.size[axis]);
     }
-    for (int k = block.low[2]; k < end[2]; ++k) {
-      for (int j = block.low[1]; j < end[1]; ++j) {
-        for (int i = block.low[0]; i < end[0]; ++i) {
+    for (int k = cube.low[2]; k < end[2]; ++k) {
+      for (int j = cube.low[1]; j < end[1]; ++j) {
+        for (int i = cube.low[0]; i < end[0]; ++i) {
           float& value = lattice_.values[lattice_.geometry.offset(i, j, k)];
           if (static_cast<double>(value) > -trusted_band_mm_) continue;
           if (!visit(i, j, k, value)) return;
@@ -137,9 +137,9 @@ class DepthSearch {
     }
   }
 
-  bool has_bone(const Block& block) {
+  bool has_bone(const SampleCube& cube) {
     bool has = false;
-    visit_bone(block, [&](int, int, int, float&) {
+    visit_bone(cube, [&](int, int, int, float&) {
       has = true;
       return false;
     });
@@ -147,8 +147,8 @@ class DepthSearch {
   }
 
   template <class Depth>
-  void for_each_in_bone(const Block& block, const Depth& depth_mm) {
-    visit_bone(block, [&](int i, int j, int k, float& value) {
+  void for_each_in_bone(const SampleCube& cube, const Depth& depth_mm) {
+    visit_bone(cube, [&](int i, int j, int k, float& value) {
       value = -static_cast<float>(depth_mm(place_mm(i, j, k)));
       return true;
     });
@@ -172,16 +172,16 @@ class DepthSearch {
 FloatGrid with_depths(FloatGrid lattice, const PointTree& surface, double trusted_band_mm, const Progress& progress) {
   constexpr int kSide = 16;
   const Points few = few_of(surface.points_mm());
-  std::vector<Block> blocks;
+  std::vector<SampleCube> cubes;
   const auto& size = lattice.geometry.size;
   for (int k = 0; k < size[2]; k += kSide) {
     for (int j = 0; j < size[1]; j += kSide) {
-      for (int i = 0; i < size[0]; i += kSide) blocks.push_back({{i, j, k}, kSide});
+      for (int i = 0; i < size[0]; i += kSide) cubes.push_back({{i, j, k}, kSide});
     }
   }
-  ProgressCounter counter(progress, "measuring the bone's depth", blocks.size());
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t n) {
-    DepthSearch(lattice, surface, trusted_band_mm).measure(blocks[n], few);
+  ProgressCounter counter(progress, "measuring the bone's depth", cubes.size());
+  tbb::parallel_for(std::size_t{0}, cubes.size(), [&](std::size_t n) {
+    DepthSearch(lattice, surface, trusted_band_mm).measure(cubes[n], few);
     counter.add();
   });
   return lattice;
