@@ -1,5 +1,6 @@
 #include "apps/spinaltap-planner/background_job.h"
 
+#include <QEventLoop>
 #include <QMetaObject>
 #include <exception>
 #include <new>
@@ -49,6 +50,13 @@ void BackgroundJob::cancel() {
   if (!is_running()) return;
   is_cancelled_ = true;
   progress_.cancel();
+}
+
+void BackgroundJob::wait() {
+  if (!is_running()) return;
+  QEventLoop loop;
+  connect(this, &BackgroundJob::finished, &loop, &QEventLoop::quit);
+  loop.exec(QEventLoop::ExcludeUserInputEvents);
 }
 
 void BackgroundJob::finish(const std::function<void()>& deliver, const QString& trouble, bool was_cancelled) {

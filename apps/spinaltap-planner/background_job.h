@@ -25,6 +25,8 @@ class BackgroundJob : public QObject {
   const QString& what() const { return what_; }
   /// Asks the work to stop: finished() comes when it has.
   void cancel();
+  /// Until it has, with the window at work meanwhile but deaf to mouse and keys.
+  void wait();
 
  Q_SIGNALS:
   void started(const QString& what);

@@ -48,8 +48,9 @@ int run_window(const PlannerOptions& options) {
   if (options.script.empty() && options.screenshot.empty()) {
     // Boxes want a running event loop.
     QTimer::singleShot(0, &window, [&] {
+      if (window.offer_lost_work()) return;
       for (const std::string& file : options.files) {
-        window.open(file, *level);
+        window.open(file, {.level = *level});
         while (window.planner().job().is_running()) QApplication::processEvents(QEventLoop::WaitForMoreEvents);
       }
     });

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/ct/read_ct.h"
+#include "core/files/bake_cache.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/remaining_surface.h"
 #include "vdb/sim/bake_ct.h"
@@ -29,20 +30,16 @@ void add_bone(BoneModel model, OpenedBone& opened, const Progress& progress) {
   for (const auto& block : RemainingSurface(remaining).blocks()) opened.surface.push_back({block->block, block});
   opened.bone.emplace(std::move(model));
   opened.bone->walls(progress);
+  opened.bone->hash();  // autosaves ask for it
 }
 
-std::shared_ptr<const OpenedBone> baked(const std::filesystem::path& file, CtVolume ct,
-                                        const std::optional<Vec3>& seed_mm, const std::filesystem::path& cache,
-                                        const Progress& progress) {
-  auto opened = std::make_shared<OpenedBone>();
-  opened->file = file;
-  opened->ct = std::move(ct);
-  opened->is_whole_ct = true;
+/// Bakes a vertebra of the CT that `opened` has.
+void bake_into(OpenedBone& opened, const std::filesystem::path& cache, const Progress& progress) {
   BakeCtOptions options;
-  options.segment.seed_mm = seed_mm;
+  options.segment.seed_mm = opened.options.seed_mm;
   options.cache = cache;
-  add_bone(bake_ct(opened->ct, options, progress).bone, *opened, progress);
-  return opened;
+  add_bone(bake_ct(opened.ct, options, progress).bone, opened, progress);
+  BakeCache(cache).prune(kCacheBytes, kCacheDays);
 }
 
 }  // namespace
@@ -50,6 +47,7 @@ std::shared_ptr<const OpenedBone> baked(const std::filesystem::path& file, CtVol
 std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress, Level level) {
   auto opened = std::make_shared<OpenedBone>();
   opened->file = file;
+  opened->options.level = level;
   progress.report("reading", 0.0);
   BoneModel model = read_bone(file, level);
   progress.report("reading", 0.5);
@@ -58,14 +56,51 @@ std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, c
   return opened;
 }
 
-std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const std::filesystem::path& cache,
-                                          const Progress& progress) {
-  return baked(path, read_ct(path, {}, progress), std::nullopt, cache, progress);
+std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const OpenOptions& options,
+                                          const std::filesystem::path& cache, const Progress& progress) {
+  auto opened = std::make_shared<OpenedBone>();
+  opened->file = path;
+  opened->options = options;
+  opened->ct = read_ct(path, options.reading, progress);
+  opened->is_whole_ct = true;
+  try {
+    bake_into(*opened, cache, progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
+    if (options.seed_mm) throw;
+    opened->no_bone = error.what();
+    opened->bone.reset();
+    opened->surface.clear();
+  }
+  return opened;
 }
 
 std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
                                                    const std::filesystem::path& cache, const Progress& progress) {
-  return baked(ct.file, ct.ct, seed_mm, cache, progress);
+  auto opened = std::make_shared<OpenedBone>();
+  opened->file = ct.file;
+  opened->options = ct.options;
+  opened->options.seed_mm = seed_mm;
+  opened->ct = ct.ct;
+  opened->is_whole_ct = true;
+  bake_into(*opened, cache, progress);
+  return opened;
+}
+
+Box3 OpenedBone::bounds_mm() const {
+  if (bone) return model().bounds_mm();
+  Box3 box;
+  const GridGeometry& geometry = ct.geometry;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 p_index;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int last = geometry.size[static_cast<std::size_t>(axis)] - 1;
+      p_index[axis] = (corner >> axis & 1) != 0 ? last : 0;
+    }
+    box.extend(geometry.to_patient(p_index));
+  }
+  return box;
 }
 
 Vec3 stick_to_surface(const OpenedBone& bone, const Vec3& p_mm) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -8,6 +9,8 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
+#include "core/ct/level.h"
+#include "core/ct/read_ct.h"
 #include "core/tool/drill_path.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/surface_block.h"
@@ -18,10 +21,19 @@ namespace spinaltap {
 /// Of the grid that is meshed for 3D: fine enough to look smooth, coarse enough for a processor to draw.
 inline constexpr double kSurfaceVoxelMm = 0.5;
 
+/// Which bone of a file, and how the file is read. The defaults fit files with one bone, and CTs without gaps.
+struct OpenOptions {
+  Level level = Level::kNone;     ///< of a spine.vdb
+  CtReadOptions reading{};        ///< of a CT
+  std::optional<Vec3> seed_mm{};  ///< in the body of the vertebra that is baked, patient LPS; without it the largest
+};
+
 /// A bone that the window shows: all of it is made in the background and then only read, from any thread.
 struct OpenedBone {
   std::filesystem::path file;  ///< that was opened: a CT or a bone.vdb
-  std::optional<Bone> bone;    ///< grids, and walls with landmarks where they were found
+  OpenOptions options;         ///< with which it was
+  std::optional<Bone> bone;    ///< grids, and walls with landmarks where they were found; none: see `no_bone`
+  std::string no_bone;         ///< why a CT is all there is: no vertebra was found in it without a seed
   CtVolume ct;                 ///< for slices: the CT itself, or what the bone keeps of it
   bool is_whole_ct = false;    ///< the first of these: there may be other vertebrae in it
 
@@ -31,7 +43,9 @@ struct OpenedBone {
 
   const BoneModel& model() const { return bone->model(); }
   /// Null where none were found.
-  const Landmarks* landmarks() const { return bone->no_landmarks().empty() ? &bone->landmarks() : nullptr; }
+  const Landmarks* landmarks() const { return bone && bone->no_landmarks().empty() ? &bone->landmarks() : nullptr; }
+  /// What there is to look at: the bone, or without one the CT.
+  Box3 bounds_mm() const;
 };
 
 /// What files hold, in the order in which a window takes them.
@@ -44,12 +58,15 @@ FileKind kind_of_file(const std::filesystem::path& path);
 std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, const Progress& progress = {},
                                             Level level = Level::kNone);
 
-/// Reads a CT and bakes its largest vertebra; keeps the stages of the bake in `cache` (empty: keeps nothing). Throws
-/// Error as read_ct() and bake_ct() do.
-std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const std::filesystem::path& cache,
-                                          const Progress& progress = {});
+/// Reads a CT and bakes a vertebra of it; keeps the stages of the bake in `cache` (empty: keeps nothing), which holds
+/// no more than kCacheBytes, for kCacheDays. Where no vertebra is found without a seed, the CT alone is what opens.
+/// Throws Error as read_ct() does, and with a seed as bake_ct().
+std::shared_ptr<const OpenedBone> open_ct(const std::filesystem::path& path, const OpenOptions& options,
+                                          const std::filesystem::path& cache, const Progress& progress = {});
+inline constexpr std::uint64_t kCacheBytes = std::uint64_t{1} << 30U;
+inline constexpr int kCacheDays = 60;
 
-/// Bakes the vertebra of an opened CT whose body holds a place (patient LPS, mm), as open_ct() does.
+/// Bakes the vertebra of an opened CT whose body holds a place (patient LPS, mm). Throws Error as bake_ct() does.
 std::shared_ptr<const OpenedBone> bake_vertebra_at(const OpenedBone& ct, const Vec3& seed_mm,
                                                    const std::filesystem::path& cache, const Progress& progress = {});
 

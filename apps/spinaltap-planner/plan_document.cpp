@@ -55,7 +55,8 @@ std::string unlike(const std::vector<DrillPath>& paths, const std::string& name)
 PlanDocument::PlanDocument(QObject* parent) : QObject(parent) {}
 
 void PlanDocument::set_bone(std::shared_ptr<const OpenedBone> bone) {
-  bone_ = std::move(bone);
+  opened_ = std::move(bone);
+  bone_ = opened_ && opened_->bone ? opened_ : nullptr;
   Q_EMIT bone_changed();
   set_paths({});
 }
@@ -129,6 +130,7 @@ bool PlanDocument::move_end(int index, PathEnd end, const Vec3& p_mm, std::uint6
 
 void PlanDocument::take_paths(std::vector<DrillPath> paths, int chosen) {
   paths_ = std::move(paths);
+  ++revision_;
   const bool is_other = chosen != chosen_;
   chosen_ = std::min(chosen, static_cast<int>(paths_.size()) - 1);
   Q_EMIT paths_changed();

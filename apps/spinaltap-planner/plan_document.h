@@ -22,9 +22,11 @@ class PlanDocument : public QObject {
  public:
   explicit PlanDocument(QObject* parent = nullptr);
 
-  /// Null: nothing is open.
+  /// Null: there is none, or only a CT in which none was found.
   const std::shared_ptr<const OpenedBone>& bone() const { return bone_; }
-  /// Another bone: an empty plan, nothing to undo. With `paths`, those of a plan that goes with it.
+  /// The same, or a CT without a bone: what slices are of. Null: nothing is open.
+  const std::shared_ptr<const OpenedBone>& opened() const { return opened_; }
+  /// Another bone, or a CT without one: an empty plan, nothing to undo.
   void set_bone(std::shared_ptr<const OpenedBone> bone);
   /// Another plan for this bone, as read from a file: nothing to undo. Throws Error where a path is bad.
   void set_paths(std::vector<DrillPath> paths);
@@ -34,6 +36,8 @@ class PlanDocument : public QObject {
   int chosen() const { return chosen_; }
   const DrillPath* chosen_path() const;
   void choose(int index);
+  /// Counts the plan's changes, undo and redo among them: another number, another plan.
+  std::uint64_t revision() const { return revision_; }
 
   /// Changes, each one step back. All throw Error where the path would be bad (check_path()); then nothing changed.
   /// Returns the new path's index and chooses it; the name is made unlike the others'.
@@ -63,9 +67,10 @@ class PlanDocument : public QObject {
   friend class ReplacePaths;
   void take_paths(std::vector<DrillPath> paths, int chosen);
 
-  std::shared_ptr<const OpenedBone> bone_;
+  std::shared_ptr<const OpenedBone> opened_, bone_;
   std::vector<DrillPath> paths_;
   int chosen_ = -1;
+  std::uint64_t revision_ = 0;
   QUndoStack undo_stack_;
   std::uint64_t last_drag_ = 0;
 };

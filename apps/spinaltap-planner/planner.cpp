@@ -1,5 +1,8 @@
 #include "apps/spinaltap-planner/planner.h"
 
+#include <QDir>
+#include <QFile>
+#include <QFileInfo>
 #include <QStandardPaths>
 #include <algorithm>
 #include <utility>
@@ -16,8 +19,12 @@
 namespace spinaltap {
 namespace {
 
+/// Empty where the user has none that can be written: a bake then keeps nothing.
 std::filesystem::path bake_cache_folder() {
-  return QStandardPaths::writableLocation(QStandardPaths::CacheLocation).toStdString() + "/bakes";
+  const QString folder = QStandardPaths::writableLocation(QStandardPaths::CacheLocation) + "/bakes";
+  if (!QDir().mkpath(folder) || !QFileInfo(folder).isWritable()) return {};
+  QFile::setPermissions(folder, QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);  // it holds anatomy
+  return folder.toStdString();
 }
 
 bool meets(const DrillPath& path, const BoneModel& bone) {
@@ -37,6 +44,18 @@ Planner::Planner(QObject* parent) : QObject(parent), player_(document_) {
   connect(&job_, &BackgroundJob::finished, this, [this](bool, const QString& why) {
     if (!why.isEmpty()) Q_EMIT trouble(job_.what(), why);
   });
+  connect(&document_, &PlanDocument::chosen_changed, this, &Planner::show_chosen_path);
+}
+
+/// Slices go to the path that is chosen, unless they show it already.
+void Planner::show_chosen_path() {
+  constexpr double kShownMm = 1.0;
+  const DrillPath* path = document_.chosen_path();
+  if (path == nullptr) return;
+  const double depth_mm =
+      std::clamp((view_.crosshair_mm() - path->entry_mm).dot(path->direction()), 0.0, path->length_mm());
+  const Vec3 nearest_mm = path->entry_mm + depth_mm * path->direction();
+  if ((view_.crosshair_mm() - nearest_mm).norm() > kShownMm) view_.set_crosshair(path->entry_mm);
 }
 
 std::optional<PathFigures> Planner::figures() const {
@@ -45,36 +64,70 @@ std::optional<PathFigures> Planner::figures() const {
   return grader_.figures(*document_.bone(), *path);
 }
 
-void Planner::open(const std::filesystem::path& path, Level level) {
+void Planner::open(const std::filesystem::path& path, const OpenOptions& options) {
   const FileKind kind = kind_of_file(path);
   if (kind == FileKind::plan) {
     open_plan(path);
     return;
   }
-  job_.start(tr("Opening %1").arg(name_of_file(path)), [this, path, kind, level](const Progress& progress) {
-    std::shared_ptr<const OpenedBone> bone =
-        kind == FileKind::bone ? open_bone(path, progress, level) : open_ct(path, bake_cache_folder(), progress);
-    return [this, bone = std::move(bone)] { show_bone(bone); };
-  });
+  job_.start(tr("Opening %1").arg(name_of_file(path)),
+             [this, path, kind, options](const Progress& progress) -> std::function<void()> {
+               try {
+                 std::shared_ptr<const OpenedBone> bone = kind == FileKind::bone
+                                                              ? open_bone(path, progress, options.level)
+                                                              : open_ct(path, options, bake_cache_folder(), progress);
+                 return [this, bone = std::move(bone)] { offer_bone(bone); };
+               } catch (const SeveralSeries& several) {
+                 return [this, path, options, several] {
+                   if (!questions_.which_series) throw SeveralSeries(several);
+                   questions_.which_series(path, options, several);
+                 };
+               } catch (const UnevenSlices& uneven) {
+                 return [this, path, options, uneven] {
+                   if (!questions_.whether_to_resample) throw UnevenSlices(uneven);
+                   questions_.whether_to_resample(path, options, uneven);
+                 };
+               }
+             });
 }
 
 void Planner::bake_here() {
-  const std::shared_ptr<const OpenedBone> bone = document_.bone();
-  if (!bone || !bone->is_whole_ct) fail("expected an open CT, found none: a baked bone holds but one vertebra");
-  job_.start(tr("Baking the vertebra here"), [this, bone, seed_mm = view_.crosshair_mm()](const Progress& progress) {
-    std::shared_ptr<const OpenedBone> other = bake_vertebra_at(*bone, seed_mm, bake_cache_folder(), progress);
-    return [this, other = std::move(other)] { show_bone(other); };
+  const std::shared_ptr<const OpenedBone> opened = document_.opened();
+  if (!opened || !opened->is_whole_ct) fail("expected an open CT, found none: a baked bone holds but one vertebra");
+  job_.start(tr("Baking the vertebra here"), [this, opened, seed_mm = view_.crosshair_mm()](const Progress& progress) {
+    std::shared_ptr<const OpenedBone> other = bake_vertebra_at(*opened, seed_mm, bake_cache_folder(), progress);
+    return [this, other = std::move(other)] { offer_bone(other); };
   });
 }
 
+/// Shows it, where the person agrees to what goes with that.
+void Planner::offer_bone(const std::shared_ptr<const OpenedBone>& bone) {
+  const auto show = [this, bone] { show_bone(bone); };
+  questions_.before_replacing ? questions_.before_replacing(show) : show();
+}
+
 void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
-  plan_file_.clear();
+  take_plan_file({});
   document_.set_bone(bone);
-  view_.set_crosshair(bone->model().bounds_mm().center());
+  view_.set_crosshair(bone->options.seed_mm.value_or(bone->bounds_mm().center()));
   const QString file = text_of(bone->file.string());
-  const std::string& warning = bone->bone->no_landmarks();
+  const std::string warning = bone->bone ? bone->bone->no_landmarks() : "no vertebra was found in it";
   Q_EMIT said(warning.empty() ? tr("Opened %1").arg(file) : tr("Opened %1; %2").arg(file, text_of(warning)));
   Q_EMIT opened(file);
+  if (!bone->bone) Q_EMIT no_bone(text_of(bone->no_bone));
+}
+
+void Planner::take_plan_file(const std::filesystem::path& file) {
+  plan_file_ = file;
+  std::error_code none;
+  const std::filesystem::file_time_type time = std::filesystem::last_write_time(file, none);
+  plan_file_time_ = none ? std::nullopt : std::optional(time);
+}
+
+bool Planner::is_plan_file_foreign() const {
+  std::error_code none;
+  const std::filesystem::file_time_type time = std::filesystem::last_write_time(plan_file_, none);
+  return !none && plan_file_time_ != time;
 }
 
 void Planner::open_plan(const std::filesystem::path& file) {
@@ -90,7 +143,7 @@ void Planner::open_plan(const std::filesystem::path& file) {
   }
   document_.set_paths(std::move(paths));
   const bool is_ours = !file.string().ends_with(".mrk.json");
-  plan_file_ = is_ours ? file : std::filesystem::path();
+  take_plan_file(is_ours ? file : std::filesystem::path());
   view_.set_crosshair(document_.chosen_path()->entry_mm);
   const auto beside = static_cast<std::ptrdiff_t>(document_.paths().size()) - met;
   Q_EMIT said(beside == 0 ? tr("Opened %1").arg(name_of_file(file))
@@ -102,7 +155,7 @@ void Planner::save_plan(const std::filesystem::path& path) {
   if (document_.paths().empty()) fail("expected a path to save, found none: add one, or let paths be suggested");
   write_plan(document_.paths(), path);
   if (!path.string().ends_with(".mrk.json")) {
-    plan_file_ = path;
+    take_plan_file(path);
     document_.undo_stack().setClean();
   }
   Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
@@ -153,9 +206,13 @@ void Planner::write_drilling(const QString& what, const std::filesystem::path& p
                              const std::function<void(const DoneDrilling&, const Progress&)>& write) {
   std::optional<DoneDrilling> drilling = player_.done();
   if (!drilling) fail("expected a drilling that stands still: drill a path, or stop the drilling first");
-  job_.start(what, [this, path, write, drilling = *std::move(drilling)](const Progress& progress) {
+  job_.start(what, [this, path, write, drilling = *std::move(drilling),
+                    written = player_.progresses()](const Progress& progress) {
     write(drilling, progress);
-    return [this, path] { Q_EMIT said(tr("Saved %1").arg(text_of(path.string()))); };
+    return [this, path, written] {
+      player_.mark_saved(written);
+      Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+    };
   });
 }
 

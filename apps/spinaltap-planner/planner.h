@@ -5,14 +5,25 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "apps/spinaltap-planner/background_job.h"
 #include "apps/spinaltap-planner/drill/drill_player.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/plan_document.h"
 #include "apps/spinaltap-planner/view_state.h"
+#include "core/ct/dicom_read.h"
 
 namespace spinaltap {
+
+/// What a person is asked. Without answers what is ready is shown, and what is not clear is trouble: for scripts.
+struct Questions {
+  /// A bone is ready, for which `show` gives up the plan and the drilling: now, later or not at all.
+  std::function<void(std::function<void()> show)> before_replacing;
+  /// The file could be opened with other options.
+  std::function<void(const std::filesystem::path&, const OpenOptions&, const SeveralSeries&)> which_series;
+  std::function<void(const std::filesystem::path&, const OpenOptions&, const UnevenSlices&)> whether_to_resample;
+};
 
 /// All of the program but its window: the plan, what the panes show, the drilling, files and long work. A window and
 /// scripts do the same through it.
@@ -27,13 +38,14 @@ class Planner : public QObject {
   DrillPlayer& player() { return player_; }
   BackgroundJob& job() { return job_; }
   const PathGrader& grader() const { return grader_; }
+  void set_questions(Questions questions) { questions_ = std::move(questions); }
   /// Of the chosen path; nothing without a bone or a path.
   std::optional<PathFigures> figures() const;
 
   /// Opens a CT, a baked bone, or a plan for the bone that is open. CTs and bones take a while: opened() tells when
-  /// they are there. Throws Error where the file cannot be; what was open then stays.
-  /// `level` says which bone of a spine.vdb is meant; a file with one needs none.
-  void open(const std::filesystem::path& path, Level level = Level::kNone);
+  /// they are there. Throws Error where the file cannot be; what was open then stays. A CT in which no vertebra is
+  /// found opens alone, which no_bone() tells.
+  void open(const std::filesystem::path& path, const OpenOptions& options = {});
   /// Bakes the vertebra of the open CT whose body the crosshair is in, as open() does. Throws Error where no CT is
   /// open.
   void bake_here();
@@ -53,25 +65,33 @@ class Planner : public QObject {
 
   /// The file that the plan was read from or saved to; empty: none yet.
   const std::filesystem::path& plan_file() const { return plan_file_; }
+  /// Another program has changed that file since.
+  bool is_plan_file_foreign() const;
   bool has_unsaved_changes() const { return !document_.undo_stack().isClean(); }
 
  Q_SIGNALS:
   void opened(const QString& file);  ///< is there, and the panes show it
   void said(const QString& what);    ///< for the status bar
   void trouble(const QString& what, const QString& why);
+  void no_bone(const QString& why);  ///< in the CT that was opened: its slices are all there is
 
  private:
   void write_drilling(const QString& what, const std::filesystem::path& path,
                       const std::function<void(const DoneDrilling&, const Progress&)>& write);
+  void offer_bone(const std::shared_ptr<const OpenedBone>& bone);
   void show_bone(const std::shared_ptr<const OpenedBone>& bone);
+  void show_chosen_path();
+  void take_plan_file(const std::filesystem::path& file);
   void open_plan(const std::filesystem::path& file);
 
   PathGrader grader_;
   PlanDocument document_;
   ViewState view_;
   DrillPlayer player_;
-  BackgroundJob job_;  ///< last: it ends before what it works for
+  Questions questions_;
   std::filesystem::path plan_file_;
+  std::optional<std::filesystem::file_time_type> plan_file_time_;
+  BackgroundJob job_;  ///< last: it ends before what it works for
 };
 
 }  // namespace spinaltap

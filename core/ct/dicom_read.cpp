@@ -33,9 +33,13 @@ void reject_several(const std::vector<ScannedSeries>& found, const std::filesyst
   const bool one_uid = std::all_of(found.begin(), found.end(), [&](const ScannedSeries& series) {
     return series.info.uid == found.front().info.uid && series.info.modality == found.front().info.modality;
   });
-  fail(one_uid ? "expected slices of one size and orientation, found " : "expected one series, found ", found.size(),
-       one_uid ? " sets in " : " in ", folder.string(), "; choose one by number ", one_uid ? "" : "or UID ",
-       "with CtReadOptions::series: ", list_for_people(found));
+  std::ostringstream text;
+  text << (one_uid ? "expected slices of one size and orientation, found " : "expected one series, found ")
+       << found.size() << (one_uid ? " sets in " : " in ") << folder.string() << "; choose one by number "
+       << (one_uid ? "" : "or UID ") << "with CtReadOptions::series: " << list_for_people(found);
+  std::vector<SeriesInfo> series;
+  for (const ScannedSeries& one : found) series.push_back(one.info);
+  throw SeveralSeries(text.str(), std::move(series));
 }
 
 ScannedSeries choose_series(const std::vector<ScannedSeries>& all, const std::string& wanted,

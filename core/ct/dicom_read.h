@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/geometry.h"
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
@@ -36,6 +38,21 @@ struct SeriesInfo {
   std::vector<std::filesystem::path> files;  ///< in the order of the names
 };
 
+/// What read_dicom() throws where a choice is missing: of several series, or of several sets of pictures of one.
+class SeveralSeries : public Error {
+ public:
+  SeveralSeries(const std::string& what, std::vector<SeriesInfo> found) : Error(what), series(std::move(found)) {}
+  std::vector<SeriesInfo> series;  ///< to choose from
+};
+
+/// What read_dicom() throws where DicomReadOptions::resample would read what is there.
+class UnevenSlices : public Error {
+ public:
+  UnevenSlices(const std::string& what_is_uneven, const std::string& advice)
+      : Error(what_is_uneven + " (" + advice + ")"), found(what_is_uneven) {}
+  std::string found;  ///< without the advice, which names the option
+};
+
 /// The DICOM image series below a folder, or in one file, ordered by UID (then orientation, stack and size, which split
 /// a series whose pictures do not fit into one volume). Files without the mark of a DICOM file ("DICM" after 128
 /// bytes), DICOM objects without pixels and what cannot be opened are passed over; links to folders are not followed.
@@ -53,9 +70,9 @@ struct DicomReadOptions {
 /// rescaled to HU, clamped to 16 bit, padding made air. The step is the mean over the positions. The grid is
 /// right-handed: k grows along the normal, columns' direction x rows' direction. Slices of a tilted gantry, which drift
 /// sideways evenly, are resampled onto an orthogonal grid (resample_stack()).
-/// Throws Error on a path without DICOM, a series that is not CT, several series and none chosen (the message lists
-/// them), a doubled slice, slices of unequal size or orientation, without `resample` a missing slice, unequal steps and
-/// uneven drift, one slice alone, and files that cannot be decoded.
+/// Throws Error on a path without DICOM, a series that is not CT, several series and none chosen (SeveralSeries), a
+/// doubled slice, slices of unequal size or orientation, without `resample` a missing slice, unequal steps and uneven
+/// drift (UnevenSlices where they can be interpolated), one slice alone, and files that cannot be decoded.
 CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options = {},
                     const Progress& progress = {});
 

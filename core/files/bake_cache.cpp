@@ -1,5 +1,8 @@
 #include "core/files/bake_cache.h"
 
+#include <algorithm>
+#include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -38,6 +41,17 @@ auto if_whole(const Read& read) -> std::optional<decltype(read())> {
   }
 }
 
+bool is_stage(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.starts_with("mask-") || name.starts_with("fit-");
+}
+
+/// A stage's files have one age: when it was last found, or kept. A cache that cannot be written to has no ages.
+void note_found(const fs::path& file) {
+  std::error_code ignored;
+  fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);
+}
+
 }  // namespace
 
 fs::path BakeCache::file(const char* stage, const std::string& key, const char* ending) const {
@@ -58,6 +72,7 @@ std::optional<MaskStage> BakeCache::find_mask(const std::string& key, const Grid
           LevelWarnings{warnings.at("warnings").get<std::vector<std::string>>(), warnings.at("severity").get<double>()};
     }
     stage.mask = read_label_map(file("mask", key, ".nrrd"), 1, geometry);
+    note_found(file("mask", key, ".json"));
     return stage;
   });
 }
@@ -80,7 +95,9 @@ std::optional<SurfaceFit> BakeCache::find_fit(const std::string& key) const {
     const Json json = read_json(file("fit", key, ".json"));
     SurfaceFitReport report;
     for_each_figure(report, [&](const char* name, auto& figure) { json.at(name).get_to(figure); });
-    return SurfaceFit{RbfField(read_rbf(file("fit", key, ".rbf"))), report};
+    SurfaceFit fit{RbfField(read_rbf(file("fit", key, ".rbf"))), report};
+    note_found(file("fit", key, ".json"));
+    return fit;
   });
 }
 
@@ -94,13 +111,42 @@ void BakeCache::keep_fit(const std::string& key, const SurfaceFit& fit) const {
   output.commit();
 }
 
+void BakeCache::prune(std::uint64_t max_bytes, int max_days) const {
+  if (folder_.empty()) return;
+  struct Stage {
+    fs::file_time_type found{fs::file_time_type::min()};
+    std::uint64_t bytes = 0;
+    std::vector<fs::path> files;
+  };
+  std::map<std::string, Stage> stages;  // by name without ending
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
+    if (!is_stage(entry.path()) || !entry.is_regular_file(ignored)) continue;
+    Stage& stage = stages[entry.path().stem().string()];
+    const fs::file_time_type time = entry.last_write_time(ignored);
+    if (!ignored) stage.found = std::max(stage.found, time);
+    if (const std::uint64_t bytes = entry.file_size(ignored); !ignored) stage.bytes += bytes;
+    stage.files.push_back(entry.path());
+  }
+  std::vector<const Stage*> newest_first;
+  for (const auto& [name, stage] : stages) newest_first.push_back(&stage);
+  std::stable_sort(newest_first.begin(), newest_first.end(),
+                   [](const Stage* a, const Stage* b) { return a->found > b->found; });
+  const fs::file_time_type oldest = fs::file_time_type::clock::now() - std::chrono::hours(24) * max_days;
+  std::uint64_t kept = 0;
+  for (const Stage* stage : newest_first) {
+    kept += stage->bytes;
+    if (kept <= max_bytes && stage->found >= oldest) continue;
+    for (const fs::path& path : stage->files) fs::remove(path, ignored);
+  }
+}
+
 void BakeCache::remove() const {
   if (folder_.empty()) return;
   std::error_code ignored;
   std::vector<fs::path> ours;
   for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with("mask-") || name.starts_with("fit-")) ours.push_back(entry.path());
+    if (is_stage(entry.path())) ours.push_back(entry.path());
   }
   for (const fs::path& path : ours) fs::remove(path, ignored);
   fs::remove(folder_, ignored);  // an empty one only

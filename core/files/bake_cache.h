@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -21,7 +22,8 @@ struct MaskStage {
 
 /// A folder of finished stages, so that a bake that was stopped goes on where it was, and one with other options for
 /// its last stages does not begin anew. Files appear whole or not at all, under names that hold the stage's key: a hash
-/// of everything that it depends on. A damaged file counts as none. Masks are label maps, fits are .rbf files.
+/// of everything that it depends on. A damaged file counts as none. Masks are label maps, fits are .rbf files; nothing
+/// in them or in their names comes from a CT's header but its grid.
 class BakeCache {
  public:
   /// An empty name: keeps and finds nothing. The folder is made when the first stage is kept.
@@ -32,6 +34,10 @@ class BakeCache {
 
   std::optional<SurfaceFit> find_fit(const std::string& key) const;
   void keep_fit(const std::string& key, const SurfaceFit& fit) const;
+
+  /// Removes stages until no more than `max_bytes` are kept, and those that nobody has looked for in `max_days`: the
+  /// least lately found first. Files that are not stages stay. For caches that many bakes share.
+  void prune(std::uint64_t max_bytes, int max_days) const;
 
   /// Removes the files that were kept here, and the folder when nothing else is in it.
   void remove() const;

@@ -8,14 +8,37 @@
 #include "core/base/staged_output.h"
 
 namespace spinaltap {
+namespace {
+
+/// The library's words without its own name for the mistake: "[json.exception.parse_error.101] parse error at line 1,
+/// column 3: syntax error while parsing value - invalid literal; last read: '{n'".
+std::string json_mistake(const nlohmann::json::exception& error) {
+  std::string words = error.what();
+  if (const std::size_t end = words.find("] "); words.starts_with('[') && end != std::string::npos) {
+    words.erase(0, end + 2);
+  }
+  for (const std::string_view head : {"parse error at ", "parse error: "}) {
+    if (words.starts_with(head)) words.erase(0, head.size());
+  }
+  if (const std::size_t syntax = words.find("syntax error "); syntax != std::string::npos) {
+    words.erase(syntax, std::string_view("syntax error ").size());
+  }
+  return words;
+}
+
+}  // namespace
 
 Json read_json(const std::filesystem::path& path) {
   constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
   const std::string text = read_whole_file(path, kMaxBytes);
+  return parse_json(text, path.string());
+}
+
+Json parse_json(const std::string& text, const std::string& what) {
   try {
     return Json::parse(text);
   } catch (const nlohmann::json::exception& error) {
-    fail("cannot read ", path.string(), " as JSON: ", error.what());
+    fail("cannot read ", what, " as JSON: ", json_mistake(error));
   }
 }
 

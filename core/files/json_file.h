@@ -16,6 +16,8 @@ using Json = nlohmann::ordered_json;
 
 /// Parses a JSON file. Throws Error with the file and the place of the mistake.
 Json read_json(const std::filesystem::path& path);
+/// The same of a text; `what` it is, for the complaint.
+Json parse_json(const std::string& text, const std::string& what);
 
 /// Writes a staged JSON file and gives it its name.
 void write_json(const Json& json, const std::filesystem::path& path);

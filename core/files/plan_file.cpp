@@ -25,30 +25,37 @@ std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::pa
   return paths;
 }
 
-}  // namespace
-
-void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
-  if (path.string().ends_with(".mrk.json")) {
-    write_json(markups_of(paths), path);
-    return;
-  }
-  Json plan = format_head(kPlanFormat);
-  plan.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}});
-  for (const DrillPath& drill_path : paths) plan["paths"].push_back(to_json(drill_path));
-  write_json(plan, path);
-}
-
-std::vector<DrillPath> read_plan(const std::filesystem::path& path) {
-  const Json json = read_json(path);
-  std::vector<DrillPath> paths = is_markups(json) ? paths_of_markups(json, path) : paths_of_plan(json, path);
+std::vector<DrillPath> paths_of(const Json& json, const std::filesystem::path& file) {
+  std::vector<DrillPath> paths = is_markups(json) ? paths_of_markups(json, file) : paths_of_plan(json, file);
   for (const DrillPath& drill_path : paths) {
     try {
       check_path(drill_path);
     } catch (const Error& error) {
-      fail(path.string(), ": path \"", drill_path.name, "\": ", error.what());
+      fail(file.string(), ": path \"", drill_path.name, "\": ", error.what());
     }
   }
   return paths;
+}
+
+Json plan_of(const std::vector<DrillPath>& paths) {
+  Json plan = format_head(kPlanFormat);
+  plan.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}});
+  for (const DrillPath& drill_path : paths) plan["paths"].push_back(to_json(drill_path));
+  return plan;
+}
+
+}  // namespace
+
+void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path& path) {
+  write_json(path.string().ends_with(".mrk.json") ? markups_of(paths) : plan_of(paths), path);
+}
+
+std::vector<DrillPath> read_plan(const std::filesystem::path& path) { return paths_of(read_json(path), path); }
+
+std::string plan_text(const std::vector<DrillPath>& paths) { return plan_of(paths).dump(2) + "\n"; }
+
+std::vector<DrillPath> paths_of_text(const std::string& text, const std::filesystem::path& file) {
+  return paths_of(parse_json(text, file.string()), file);
 }
 
 const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::string& name) {

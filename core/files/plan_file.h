@@ -16,6 +16,10 @@ void write_plan(const std::vector<DrillPath>& paths, const std::filesystem::path
 /// fault.
 std::vector<DrillPath> read_plan(const std::filesystem::path& path);
 
+/// The same as text: all of a plan file but its name, which `file` is in complaints.
+std::string plan_text(const std::vector<DrillPath>& paths);
+std::vector<DrillPath> paths_of_text(const std::string& text, const std::filesystem::path& file);
+
 /// The path called `name`, or the first when `name` is empty. Throws Error that lists the names.
 const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::string& name);
 

@@ -22,13 +22,7 @@ SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, con
   if (session == setup.end()) {
     fail("expected a record of the program's own in ", file.string(), ", found none of its setup");
   }
-  Json json;
-  try {
-    json = Json::parse(session->second);
-  } catch (const nlohmann::json::exception& error) {
-    fail("cannot read the setup in ", file.string(), " as JSON: ", error.what());
-  }
-  return read_session_setup(json, file);
+  return read_session_setup(parse_json(session->second, "the setup in " + file.string()), file);
 }
 
 }  // namespace spinaltap

@@ -56,6 +56,8 @@ class PlannerWindow : public testing::Test {
   static double mm_per_pixel(const SliceView& view) { return view.frame().pixel_mm * view.devicePixelRatioF(); }
   QString status() { return child<QLabel>("hover").text(); }
 
+  /// There is no window manager to give the keyboard back when a dialog has closed.
+  void take_keyboard_back() { input.show(*window); }
   /// Does something in the next dialog that opens; it holds up whoever opened it.
   void in_the_next_dialog(std::function<void()> work, int tries = 2000) {
     QTimer::singleShot(5, &timer_, [this, work = std::move(work), tries] {

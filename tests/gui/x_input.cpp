@@ -73,6 +73,50 @@ void XInput::show(QWidget& window) {
   if (!wait_until([&] { return window.isActiveWindow(); })) throw std::runtime_error("the window got no keyboard");
 }
 
+namespace {
+
+QString title_of(Display* display, Window window) {
+  Atom type = 0;
+  int format = 0;
+  unsigned long count = 0, rest = 0;
+  unsigned char* text = nullptr;
+  const Atom name = XInternAtom(display, "_NET_WM_NAME", False), utf8 = XInternAtom(display, "UTF8_STRING", False);
+  constexpr long kMaxWords = 256;
+  if (XGetWindowProperty(display, window, name, 0, kMaxWords, False, utf8, &type, &format, &count, &rest, &text) !=
+          Success ||
+      text == nullptr) {
+    return {};
+  }
+  const QString title = QString::fromUtf8(reinterpret_cast<const char*>(text), static_cast<int>(count));
+  XFree(text);
+  return title;
+}
+
+/// Windows come and go while they are looked at.
+int pass_over_errors(Display* /*display*/, XErrorEvent* /*error*/) { return 0; }
+
+}  // namespace
+
+QString XInput::give_keyboard(const QString& words) {
+  const auto before = XSetErrorHandler(pass_over_errors);
+  Window root = 0, parent = 0, *windows = nullptr;
+  unsigned count = 0;
+  QString found;
+  XQueryTree(state_->display, DefaultRootWindow(state_->display), &root, &parent, &windows, &count);
+  for (unsigned n = count; n > 0 && found.isEmpty(); --n) {  // from the top down
+    XWindowAttributes attributes;
+    if (XGetWindowAttributes(state_->display, windows[n - 1], &attributes) == 0) continue;
+    const QString title = title_of(state_->display, windows[n - 1]);
+    if (attributes.map_state != IsViewable || !title.contains(words)) continue;
+    XSetInputFocus(state_->display, windows[n - 1], RevertToParent, CurrentTime);
+    found = title;
+  }
+  if (windows != nullptr) XFree(windows);
+  state_->sync();
+  XSetErrorHandler(before);
+  return found;
+}
+
 void XInput::move(QWidget& widget, const QPoint& to) {
   const QPoint place = widget.mapToGlobal(to) * widget.devicePixelRatioF();
   const QPoint from = QCursor::pos() * widget.devicePixelRatioF();

@@ -26,6 +26,9 @@ class XInput {
 
   /// Shows the window and waits until it has the keyboard.
   void show(QWidget& window);
+  /// Gives the keyboard to the topmost window, of any program, whose title holds these words. Returns its title; empty:
+  /// there is none.
+  QString give_keyboard(const QString& words);
   /// Moves the pointer, in steps as a hand does.
   void move(QWidget& widget, const QPoint& to);
   /// Moves it at one go.

@@ -1,5 +1,6 @@
 #include "apps/spinaltap-planner/drill/drill_panel.h"
 
+#include <QAction>
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -154,34 +155,22 @@ QWidget* DrillPanel::make_choices() {
   return choices;
 }
 
-QToolButton* DrillPanel::make_button(const char* name, const QString& text, const QString& tip,
-                                     const QKeySequence& key) {
-  auto* button = new QToolButton;
-  button->setObjectName(QString::fromLatin1(name));
-  button->setText(text);
-  button->setFocusPolicy(Qt::StrongFocus);
-  button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-  button->setShortcut(key);
-  button->setToolTip(QStringLiteral("%1 (%2)").arg(tip, key.toString(QKeySequence::NativeText)));
-  return button;
+QAction* DrillPanel::make_action(const char* name, const QString& text, const QString& tip, const QKeySequence& key,
+                                 const std::function<void()>& work) {
+  auto* action = new QAction(text, this);
+  action->setObjectName(QString::fromLatin1(name) + "_action");
+  action->setShortcut(key);
+  action->setToolTip(QStringLiteral("%1 (%2)").arg(tip, key.toString(QKeySequence::NativeText)));
+  connect(action, &QAction::triggered, this, work);
+  return action;
 }
 
 QWidget* DrillPanel::make_buttons() {
-  drill_ = make_button("drill_start", tr("Drill"), tr("Drill a new hole along the chosen path"), tr("F6"));
-  go_on_ = make_button("drill_go_on", tr("Stop"), tr("Stop where the drill is, or go on from there"), tr("F7"));
-  back_ = make_button("drill_back", tr("Back 1 s"), tr("Bone and drill as they were a second ago"), tr("F8"));
-  undo_ = make_button("drill_undo_hole", tr("Undo hole"), tr("Put the bone of the last hole back"), tr("F9"));
-  redo_ = make_button("drill_redo_hole", tr("Redo hole"), tr("Take the bone of the undone hole away again"),
-                      tr("Shift+F9"));
-  record_ = make_button("drill_save_record", tr("Save record…"),
-                        tr("Save every cycle of the hole, for `spinaltap replay`"), tr("Ctrl+Alt+S"));
-  report_ = make_button("drill_write_report", tr("Write report…"),
-                        tr("Write a report, the drilled bone and its tables into a folder"), tr("Ctrl+Alt+R"));
-  connect(drill_, &QToolButton::clicked, this, [this] {
+  drill_ = make_action("drill_start", tr("Drill"), tr("Drill a new hole along the chosen path"), tr("F6"), [this] {
     trouble_->hide();
     player_.start(plan());
   });
-  connect(go_on_, &QToolButton::clicked, this, [this] {
+  go_on_ = make_action("drill_go_on", tr("Stop"), tr("Stop where the drill is, or go on from there"), tr("F7"), [this] {
     trouble_->hide();
     if (player_.can_go_on()) {
       player_.go_on();
@@ -189,23 +178,39 @@ QWidget* DrillPanel::make_buttons() {
       player_.stop();
     }
   });
-  connect(back_, &QToolButton::clicked, this, [this] { player_.step_back(kStepBackS); });
-  connect(undo_, &QToolButton::clicked, &player_, &DrillPlayer::undo_hole);
-  connect(redo_, &QToolButton::clicked, &player_, &DrillPlayer::redo_hole);
-  connect(record_, &QToolButton::clicked, this, &DrillPanel::save_record_wanted);
-  connect(report_, &QToolButton::clicked, this, &DrillPanel::write_report_wanted);
+  back_ = make_action("drill_back", tr("Back 1 s"), tr("Bone and drill as they were a second ago"), tr("F8"),
+                      [this] { player_.step_back(kStepBackS); });
+  undo_ = make_action("drill_undo_hole", tr("Undo hole"), tr("Put the bone of the last hole back"), tr("F9"),
+                      [this] { player_.undo_hole(); });
+  redo_ = make_action("drill_redo_hole", tr("Redo hole"), tr("Take the bone of the undone hole away again"),
+                      tr("Shift+F9"), [this] { player_.redo_hole(); });
+  record_ =
+      make_action("drill_save_record", tr("Save record…"), tr("Save every cycle of the hole, for `spinaltap replay`"),
+                  tr("Ctrl+Alt+S"), [this] { Q_EMIT save_record_wanted(); });
+  report_ = make_action("drill_write_report", tr("Write report…"),
+                        tr("Write a report, the drilled bone and its tables into a folder"), tr("Ctrl+Alt+R"),
+                        [this] { Q_EMIT write_report_wanted(); });
 
   auto* buttons = new QWidget;
   auto* grid = new QGridLayout(buttons);
   grid->setContentsMargins(0, 0, 0, 0);
   grid->setSpacing(4);
-  grid->addWidget(drill_, 0, 0, 1, 2);
-  grid->addWidget(go_on_, 0, 2, 1, 2);
-  grid->addWidget(back_, 0, 4, 1, 2);
-  grid->addWidget(undo_, 1, 0, 1, 3);
-  grid->addWidget(redo_, 1, 3, 1, 3);
-  grid->addWidget(record_, 2, 0, 1, 3);
-  grid->addWidget(report_, 2, 3, 1, 3);
+  const auto add = [grid](const char* name, QAction* action, int row, int column, int columns) {
+    auto* button = new QToolButton;
+    button->setObjectName(QString::fromLatin1(name));
+    button->setDefaultAction(action);
+    button->setToolButtonStyle(Qt::ToolButtonTextOnly);
+    button->setFocusPolicy(Qt::StrongFocus);
+    button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+    grid->addWidget(button, row, column, 1, columns);
+  };
+  add("drill_start", drill_, 0, 0, 2);
+  add("drill_go_on", go_on_, 0, 2, 2);
+  add("drill_back", back_, 0, 4, 2);
+  add("drill_undo_hole", undo_, 1, 0, 3);
+  add("drill_redo_hole", redo_, 1, 3, 3);
+  add("drill_save_record", record_, 2, 0, 3);
+  add("drill_write_report", report_, 2, 3, 3);
   return buttons;
 }
 
@@ -238,12 +243,7 @@ void DrillPanel::enable() {
   const bool is_busy = state == State::drilling || state == State::preparing;
   drill_->setEnabled(!is_busy && document_.bone() && document_.chosen_path() != nullptr);
   go_on_->setEnabled(is_busy || player_.can_go_on());
-  const QString text = player_.can_go_on() ? tr("Go on") : tr("Stop");
-  if (go_on_->text() != text) {
-    const QKeySequence key = go_on_->shortcut();  // which a new text takes away
-    go_on_->setText(text);
-    go_on_->setShortcut(key);
-  }
+  go_on_->setText(player_.can_go_on() ? tr("Go on") : tr("Stop"));
   back_->setEnabled(player_.can_step_back());
   undo_->setEnabled(player_.can_undo_hole());
   redo_->setEnabled(player_.can_redo_hole());

@@ -2,15 +2,17 @@
 
 #include <QWidget>
 #include <cstddef>
+#include <functional>
+#include <vector>
 
 #include "apps/spinaltap-planner/drill/drill_player.h"
 
+class QAction;
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
 class QListWidget;
-class QToolButton;
 
 namespace spinaltap {
 
@@ -27,6 +29,8 @@ class DrillPanel : public QWidget {
 
   /// As chosen in the panel.
   DrillPlan plan() const;
+  /// What the buttons do, for a menu: their keys then work on every page.
+  std::vector<QAction*> drilling_actions() const { return {drill_, go_on_, back_, undo_, redo_, record_, report_}; }
 
  Q_SIGNALS:
   void save_record_wanted();
@@ -36,7 +40,8 @@ class DrillPanel : public QWidget {
   QWidget* make_choices();
   void show_plan();
   QWidget* make_buttons();
-  QToolButton* make_button(const char* name, const QString& text, const QString& tip, const QKeySequence& key);
+  QAction* make_action(const char* name, const QString& text, const QString& tip, const QKeySequence& key,
+                       const std::function<void()>& work);
   void enable();
   void show_progress();
   void show_plot();
@@ -49,8 +54,8 @@ class DrillPanel : public QWidget {
   QDoubleSpinBox* push_ = nullptr;
   QComboBox* speed_ = nullptr;
   QCheckBox* stops_ = nullptr;
-  QToolButton *drill_ = nullptr, *go_on_ = nullptr, *back_ = nullptr;
-  QToolButton *undo_ = nullptr, *redo_ = nullptr, *record_ = nullptr, *report_ = nullptr;
+  QAction *drill_ = nullptr, *go_on_ = nullptr, *back_ = nullptr;
+  QAction *undo_ = nullptr, *redo_ = nullptr, *record_ = nullptr, *report_ = nullptr;
   DrillFiguresView* figures_ = nullptr;
   QComboBox* curve_ = nullptr;
   PlotView* plot_ = nullptr;

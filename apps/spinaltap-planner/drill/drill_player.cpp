@@ -1,6 +1,7 @@
 #include "apps/spinaltap-planner/drill/drill_player.h"
 
 #include <QMetaObject>
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -49,7 +50,7 @@ void DrillPlayer::start(const DrillPlan& plan) {
     if (!undone_.empty()) known = undone_.back().played;
     prepare(
         tr("Preparing"),
-        [this, setup, tool_operator, earlier, known, bone = document_.bone(),
+        [this, plan, setup, tool_operator, earlier, known, bone = document_.bone(),
          mesh = mesh_](const Progress& progress) -> std::function<void()> {
           SessionSetup whole = setup;
           for (const auto& hole : earlier) whole.holes.push_back(hole->drilled());
@@ -59,11 +60,11 @@ void DrillPlayer::start(const DrillPlan& plan) {
               mesh ? mesh
                    : std::make_shared<LiveMesh>(
                          bone->model(), RemainingBoneOptions{.voxel_mm = kSurfaceVoxelMm, .undo_bytes = kUndoBytes});
-          return [this, hole, bone, drilled_mesh] {
+          return [this, plan, hole, bone, drilled_mesh] {
             bone_ = bone;
             mesh_ = drilled_mesh;
             mesh_->end_hole();
-            drilled_.push_back({hole, mesh_->holes_to_undo()});
+            drilled_.push_back({hole, plan, mesh_->holes_to_undo()});
             drill_on();
           };
         });
@@ -207,6 +208,7 @@ void DrillPlayer::drill_on() {
   rows_ = hole.rows();
   rates_ = {std::chrono::steady_clock::now(), hole.inputs().size(), 0};
   cycles_per_s_ = surface_updates_per_s_ = 0.0;
+  known_cycles_ = hole.inputs().size();
   threads_ = std::make_unique<DrillThreads>(hole, *mesh_, plan_.speed, [this, run = ++run_] {
     QMetaObject::invokeMethod(
         this,
@@ -242,6 +244,7 @@ void DrillPlayer::look() {
   last_ = news.last;
   events_ = std::move(news.events);
   removed_ = news.removed;
+  known_cycles_ = news.cycles;
   Q_EMIT progressed();
 }
 
@@ -290,6 +293,80 @@ double DrillPlayer::spindle_rpm() const {
 std::optional<DoneDrilling> DrillPlayer::done() const {
   if (state_ != State::stopped || !last_) return std::nullopt;
   return drilled_.back().played->done();
+}
+
+DrillPlayer::Progresses DrillPlayer::progresses() const {
+  Progresses all;
+  for (const Hole& hole : drilled_) {
+    const bool is_under_way = threads_ && &hole == &drilled_.back();
+    all.emplace_back(hole.played, is_under_way ? 0 : hole.played->inputs().size());
+  }
+  return all;
+}
+
+void DrillPlayer::mark_saved(const Progresses& written) {
+  for (std::vector<Hole>* holes : {&drilled_, &undone_}) {
+    for (Hole& hole : *holes) {
+      for (const auto& [played, cycles] : written) {
+        if (hole.played == played) hole.saved_cycles = cycles;
+      }
+    }
+  }
+}
+
+bool DrillPlayer::has_unsaved() const {
+  if (threads_) return true;
+  return std::any_of(drilled_.begin(), drilled_.end(),
+                     [](const Hole& hole) { return hole.saved_cycles != hole.played->inputs().size(); });
+}
+
+std::vector<HoleOrder> DrillPlayer::orders() const {
+  std::vector<HoleOrder> orders;
+  for (const Hole& hole : drilled_) {
+    const bool is_under_way = threads_ && &hole == &drilled_.back();
+    const std::size_t cycles = is_under_way ? known_cycles_ : hole.played->inputs().size();
+    if (cycles > 0) orders.push_back({hole.played->setup().path, hole.plan, cycles});
+  }
+  return orders;
+}
+
+void DrillPlayer::drill_again(const std::vector<HoleOrder>& orders) {
+  guard([&] {
+    reset();
+    if (!document_.bone()) fail("expected a bone to drill: open a CT or a bone first");
+    if (orders.empty()) return;
+    prepare(tr("Drilling again"), [this, orders, bone = document_.bone()](const Progress& progress) {
+      const auto mesh = std::make_shared<LiveMesh>(
+          bone->model(), RemainingBoneOptions{.voxel_mm = kSurfaceVoxelMm, .undo_bytes = kUndoBytes});
+      std::vector<Hole> holes;
+      std::vector<DrilledHole> earlier;
+      std::vector<SurfaceUpdate> changed;
+      for (const HoleOrder& order : orders) {
+        SessionSetup setup = session_setup(order.path, order.plan);
+        setup.holes = earlier;
+        const auto hole =
+            std::make_shared<PlayedHole>(bone, std::move(setup), operator_choice(order.plan), nullptr, progress);
+        ProgressCounter counter(progress, "drilling again", order.cycles);
+        while (hole->inputs().size() < order.cycles && hole->step()) counter.add();
+        if (hole->inputs().empty()) continue;
+        mesh->end_hole();
+        holes.push_back({hole, order.plan, mesh->holes_to_undo()});
+        mesh->take_bit(hole->setup().path.bit, hole->setup().options.max_jump_mm);
+        mesh->update(hole->inputs());
+        changed.insert(changed.end(), mesh->updates().begin(), mesh->updates().end());
+        earlier.push_back(hole->drilled());
+      }
+      return [this, bone, mesh, holes, changed] {
+        bone_ = bone;
+        mesh_ = mesh;
+        drilled_ = holes;
+        if (!holes.empty()) plan_ = holes.back().plan;
+        surface_.give(changed);
+        show_hole();
+        set_state(drilled_.empty() ? State::idle : State::stopped);
+      };
+    });
+  });
 }
 
 void DrillPlayer::set_state(State state) {

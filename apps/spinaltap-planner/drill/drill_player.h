@@ -22,6 +22,13 @@ class DrillThreads;
 struct DrillNews;
 class LiveMesh;
 
+/// All that it takes to drill a hole again: every pace has the same cycles.
+struct HoleOrder {
+  DrillPath path;
+  DrillPlan plan;
+  std::size_t cycles = 0;  ///< that were drilled of it
+};
+
 /// Drills the document's chosen path on threads of its own, and keeps the holes that were drilled, to be undone. All
 /// that is asked and told is on the owner's thread. Every pace has the same cycles: the clock only says when they run.
 ///
@@ -81,6 +88,19 @@ class DrillPlayer : public QObject {
   double surface_updates_per_s() const { return surface_updates_per_s_; }
   bool is_over() const;  ///< its operator has ended
 
+  /// How far holes have come, one number of cycles each: for mark_saved(). Of one that is being drilled, 0.
+  using Progresses = std::vector<std::pair<std::shared_ptr<const PlayedHole>, std::size_t>>;
+  Progresses progresses() const;
+  /// A record or a report of the holes as they then were is written.
+  void mark_saved(const Progresses& written);
+  /// A hole stands, or is being drilled, of which there is no record and no report.
+  bool has_unsaved() const;
+
+  /// The holes, the first first; of one that is being drilled what is known, up to 33 ms ago.
+  std::vector<HoleOrder> orders() const;
+  /// Drills holes again, in place of those that stand, as fast as it goes; then it stands still.
+  void drill_again(const std::vector<HoleOrder>& orders);
+
   /// The hole with all that it takes to write it from any thread (played_hole.h); nothing while it is drilled and
   /// where there is none.
   std::optional<DoneDrilling> done() const;
@@ -97,8 +117,10 @@ class DrillPlayer : public QObject {
  private:
   struct Hole {
     std::shared_ptr<PlayedHole> played;
+    DrillPlan plan;
     std::size_t mesh_before = 0;  ///< holes of the mesh when it began
     std::size_t mesh_holes = 0;   ///< how many of them it was when it was undone
+    std::size_t saved_cycles = 0;
   };
   struct Rates {
     std::chrono::steady_clock::time_point since;
@@ -134,6 +156,7 @@ class DrillPlayer : public QObject {
   std::optional<Cycle> last_;
   std::vector<SessionEvent> events_;
   std::size_t removed_ = 0;
+  std::size_t known_cycles_ = 0;
   double cycles_per_s_ = 0.0;
   double surface_updates_per_s_ = 0.0;
   Rates rates_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <map>
@@ -89,7 +90,10 @@ class PlayedHole {
 /// Throws Error as RecordWriter does.
 void write_record(const DoneDrilling& drilling, const std::filesystem::path& path, const Progress& progress = {});
 
-/// Writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv into a folder, as `spinaltap drill` does.
+/// Names of what write_report() writes.
+inline constexpr std::array kDrillReportFiles{"report.html", "drilled.vdb", "drilled.stl", "log.csv", "events.csv"};
+
+/// Writes kDrillReportFiles into a folder, as `spinaltap drill` does.
 /// Earlier holes are in the drilled bone, too. Throws Error where the folder cannot be written.
 void write_report(const DoneDrilling& drilling, const std::filesystem::path& folder, const Progress& progress = {});
 

@@ -28,6 +28,18 @@ void add_breach(const std::string& wall, const Approach& approach, double margin
   }
 }
 
+/// `longer_mm`: the screw than its path, from the entry to the target.
+void add_length(double longer_mm, std::vector<PathWarning>& warnings) {
+  constexpr double kSameMm = 0.5;
+  if (longer_mm > kSameMm) {
+    warnings.push_back({WarningLevel::caution, "the screw is " + mm_text(longer_mm) +
+                                                   " longer than the path: its tip goes beyond the target"});
+  } else if (longer_mm < -kSameMm) {
+    warnings.push_back({WarningLevel::caution, "the screw is " + mm_text(-longer_mm) +
+                                                   " shorter than the path: its tip does not come to the target"});
+  }
+}
+
 /// How far a place is from the bone's surface, mm, either side.
 double off_surface_mm(const OpenedBone& bone, const Vec3& p_mm) { return (stick_to_surface(bone, p_mm) - p_mm).norm(); }
 
@@ -62,6 +74,7 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   std::vector<PathWarning>& warnings = figures.warnings;
   add_breach("the canal", grade.canal, margin_mm_, warnings);
   add_breach("the outer surface", grade.outer, margin_mm_, warnings);
+  if (path.screw) add_length(path.screw->length_mm - path.length_mm(), warnings);
   if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
     warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
   }

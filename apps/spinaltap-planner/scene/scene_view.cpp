@@ -42,7 +42,7 @@ struct SceneView::Scene {
       : document(plan),
         state(view_state),
         pages(new QStackedLayout(&view)),
-        hint(new QLabel(tr("Open a CT or a bone to see it here"), &view)),
+        hint(new QLabel(&view)),
         pane(new ScenePane(&view)),
         interaction(*pane, camera, document, state),
         bone(stage.bone()),
@@ -136,6 +136,9 @@ struct SceneView::Scene {
     updates.clear();
     bone.set_bone(opened() == nullptr ? nullptr : &opened()->model());
     bit.reset();
+    hint->setText(document.opened() == nullptr
+                      ? tr("Open a CT or a bone to see it here")
+                      : tr("No bone yet: put the crosshair into a vertebral body, then press Ctrl+B"));
     interaction.offer_handles(true);
     pages->setCurrentWidget(opened() == nullptr ? static_cast<QWidget*>(hint) : pane);
     if (opened() != nullptr) bone.update(opened()->surface);

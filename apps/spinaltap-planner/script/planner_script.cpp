@@ -166,7 +166,7 @@ class ScriptRun {
         [this](const Words& w) {
           const std::optional<Level> level = w.size() > 1 ? level_from_name(w[1]) : Level::kNone;
           if (!level) fail("expected a vertebra such as L3, found \"", w[1], "\"");
-          planner().open(w[0], *level);
+          planner().open(w[0], {.level = *level});
           wait_for_job();
         }}},
       {"bake",
@@ -298,8 +298,7 @@ std::string script_help() {
 
 void run_script(MainWindow& window, const std::vector<ScriptLine>& lines, const std::string& file) {
   // What goes wrong ends the script: no box waits for a person.
-  QObject::disconnect(&window.planner(), &Planner::trouble, &window, nullptr);
-  QObject::disconnect(&window.planner().player(), &DrillPlayer::failed, &window, nullptr);
+  window.run_alone();
   ScriptRun run(&window);
   for (const ScriptLine& line : lines) {
     try {

@@ -83,10 +83,10 @@ void SliceView::update_surface(std::span<const SurfaceUpdate> updates) {
   update();
 }
 
-bool SliceView::has_ct() const { return document_.bone() && !document_.bone()->ct.hu.empty(); }
+bool SliceView::has_ct() const { return document_.opened() && !document_.opened()->ct.hu.empty(); }
 
 Vec3 SliceView::shown_crosshair() const {
-  return has_ct() ? clamped_to_grid(document_.bone()->ct.geometry, state_.crosshair_mm()) : state_.crosshair_mm();
+  return has_ct() ? clamped_to_grid(document_.opened()->ct.geometry, state_.crosshair_mm()) : state_.crosshair_mm();
 }
 
 std::optional<PanePlane> SliceView::plane() const {
@@ -117,7 +117,7 @@ QString SliceView::caption() const {
 void SliceView::put_crosshair(const Vec3& p_mm) {
   // The depth down the path is this pane's own where it moves the crosshair itself: the CT may end before the path.
   is_putting_crosshair_ = true;
-  state_.set_crosshair(clamped_to_grid(document_.bone()->ct.geometry, p_mm));
+  state_.set_crosshair(clamped_to_grid(document_.opened()->ct.geometry, p_mm));
   is_putting_crosshair_ = false;
 }
 
@@ -141,7 +141,7 @@ void SliceView::step(int count) {
     return;
   }
   const Vec3 into = plane()->into();
-  put_crosshair(shown_crosshair() + count * slice_step_mm(document_.bone()->ct.geometry, into) * into);
+  put_crosshair(shown_crosshair() + count * slice_step_mm(document_.opened()->ct.geometry, into) * into);
 }
 
 void SliceView::fit() {
@@ -149,7 +149,7 @@ void SliceView::fit() {
   if (kind_ == SliceKind::down_path) {
     view_ = view_down_path(pane_size());
   } else if (const auto shown = plane()) {
-    view_ = fitted_view(*shown, document_.bone()->model().bounds_mm(), pane_size());
+    view_ = fitted_view(*shown, document_.opened()->bounds_mm(), pane_size());
   }
   look_again();
 }
@@ -183,7 +183,7 @@ void SliceView::paintEvent(QPaintEvent* /*event*/) {
                           grip_.end ? std::optional(grip_.end->hit()) : hot_,
                           bit_,
                           walls_};
-    const QImage& image = image_.of(document_.bone(), scene.frame, state_.window());
+    const QImage& image = image_.of(document_.opened(), scene.frame, state_.window());
     painter.drawImage(QRectF(QPointF(0.0, 0.0), scene.size()), image);
     painter.setRenderHint(QPainter::Antialiasing);
     paint_crosshair(painter, scene);

@@ -153,7 +153,7 @@ void SliceView::point_at(const QPointF& place, Qt::KeyboardModifiers keys) {
   std::optional<Vec3> p_mm;
   if (plane() && rect().contains(place.toPoint())) {
     p_mm = position_at(place);
-    if (!is_in_grid(document_.bone()->ct.geometry, *p_mm)) p_mm.reset();
+    if (!is_in_grid(document_.opened()->ct.geometry, *p_mm)) p_mm.reset();
     hot_ = hit_path(frame(), devicePixelRatioF(), document_.paths(), document_.chosen(), place);
   }
   if (hot_ != before) update();

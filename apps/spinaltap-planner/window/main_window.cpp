@@ -1,16 +1,12 @@
 #include "apps/spinaltap-planner/window/main_window.h"
 
 #include <QApplication>
-#include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
-#include <QFileDialog>
-#include <QInputDialog>
 #include <QLabel>
 #include <QMessageBox>
 #include <QMimeData>
 #include <QProgressBar>
-#include <QPushButton>
 #include <QScrollArea>
 #include <QSettings>
 #include <QStatusBar>
@@ -19,16 +15,17 @@
 #include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <utility>
 
 #include "apps/spinaltap-planner/drill/drill_panel.h"
 #include "apps/spinaltap-planner/figures/figures_panel.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/slices/slice_view.h"
+#include "apps/spinaltap-planner/window/elided_label.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/path_panel.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
-#include "vdb/grid/spine_file.h"
 
 namespace spinaltap {
 namespace {
@@ -56,6 +53,8 @@ MainWindow::MainWindow() {
   make_menus();
   make_status_bar();
   connect_player();
+  connect_questions();
+  autosave_ = std::make_unique<Autosave>(planner_);
 
   figures_due_.setSingleShot(true);
   connect(&figures_due_, &QTimer::timeout, this, &MainWindow::show_figures);
@@ -81,6 +80,7 @@ MainWindow::MainWindow() {
 }
 
 MainWindow::~MainWindow() {
+  autosave_.reset();
   // What draws goes before what it draws, and nobody listens to threads that end.
   for (QObject* speaker :
        {static_cast<QObject*>(&planner_), static_cast<QObject*>(&planner_.player()),
@@ -120,27 +120,29 @@ void MainWindow::make_pages() {
 }
 
 void MainWindow::make_status_bar() {
-  hover_ = new QLabel;
-  hover_->setObjectName("hover");
-  statusBar()->addPermanentWidget(hover_);
-  working_ = new QLabel;
+  // Permanent parts stay where messages come and go; the message has what they leave.
+  working_ = new ElidedLabel;
+  working_->setObjectName("working");
   progress_ = new QProgressBar;
   progress_->setObjectName("progress");
   progress_->setRange(0, 100);
-  progress_->setFixedWidth(160);
+  progress_->setFixedWidth(120);
   cancel_ = new QToolButton;
   cancel_->setObjectName("cancel");
   cancel_->setText(tr("Cancel"));
   cancel_->setFocusPolicy(Qt::StrongFocus);
   for (QWidget* part :
        {static_cast<QWidget*>(working_), static_cast<QWidget*>(progress_), static_cast<QWidget*>(cancel_)}) {
-    statusBar()->addWidget(part);
+    statusBar()->addPermanentWidget(part);
     part->hide();
   }
+  hover_ = new QLabel;
+  hover_->setObjectName("hover");
+  statusBar()->addPermanentWidget(hover_);
   BackgroundJob& job = planner_.job();
   connect(cancel_, &QToolButton::clicked, this, [this] { planner_.job().cancel(); });
   connect(&job, &BackgroundJob::started, this, [this](const QString& what) {
-    working_->setText(what);
+    working_->set_text(what);
     progress_->setValue(0);
     working_->show();
     progress_->show();
@@ -148,7 +150,7 @@ void MainWindow::make_status_bar() {
     update_actions();
   });
   connect(&job, &BackgroundJob::progressed, this, [this](const QString& stage, double share) {
-    working_->setText(planner_.job().what() + ": " + stage);
+    working_->set_text(planner_.job().what() + ": " + stage);
     progress_->setValue(static_cast<int>(100.0 * share));
   });
   connect(&job, &BackgroundJob::finished, this, [this](bool is_done, const QString& why) {
@@ -156,6 +158,9 @@ void MainWindow::make_status_bar() {
     progress_->hide();
     cancel_->hide();
     if (!is_done && why.isEmpty()) statusBar()->showMessage(tr("%1: cancelled").arg(planner_.job().what()), 8000);
+    given_up_.reset();
+    const std::function<void()> after = std::exchange(after_job_, nullptr);
+    if (is_done && after) QTimer::singleShot(0, this, after);
     update_actions();
   });
   connect(&planner_.view(), &ViewState::hovered_changed, this, &MainWindow::update_hover);
@@ -175,23 +180,18 @@ void MainWindow::connect_player() {
   connect(&player, &DrillPlayer::progressed, this, show_bit);
   connect(&player, &DrillPlayer::state_changed, this, show_bit);
   connect(&player, &DrillPlayer::failed, this, [this](const QString& why) { tell(tr("Drilling"), why); });
-  connect(drill_, &DrillPanel::save_record_wanted, this, [this] {
-    ask_and_save(tr("Save the record"), "drilling.h5", tr("Records (*.h5)"),
-                 [this](const std::filesystem::path& file) { planner_.save_record(file); });
-  });
-  connect(drill_, &DrillPanel::write_report_wanted, this, [this] {
-    const QString folder = QFileDialog::getExistingDirectory(this, tr("Folder for the report on the drilling"));
-    if (folder.isEmpty()) return;
-    attempt(tr("Cannot write the report"), [&] { planner_.write_drill_report(folder.toStdString()); });
-  });
+  connect(drill_, &DrillPanel::save_record_wanted, this, &MainWindow::save_record);
+  connect(drill_, &DrillPanel::write_report_wanted, this, &MainWindow::write_drill_report);
 }
 
-void MainWindow::attempt(const QString& what, const std::function<void()>& work) {
+bool MainWindow::attempt(const QString& what, const std::function<void()>& work) {
   try {
     work();
+    return true;
   } catch (const std::exception& error) {
     tell(what, QString::fromUtf8(error.what()));
   }
+  return false;
 }
 
 void MainWindow::tell(const QString& what, const QString& why) {
@@ -200,27 +200,6 @@ void MainWindow::tell(const QString& what, const QString& why) {
   box.setInformativeText(why);
   box.setTextInteractionFlags(Qt::TextSelectableByMouse);
   box.exec();
-}
-
-std::optional<Level> MainWindow::ask_level(const std::filesystem::path& path) {
-  const std::vector<Level> levels = levels_in(path);
-  if (levels.size() < 2) return Level::kNone;
-  QStringList names;
-  for (const Level level : levels) names += text_of(level_name(level));
-  bool is_chosen = false;
-  const QString name = QInputDialog::getItem(this, tr("SpinalTap planner"), tr("Which vertebra of this file?"), names,
-                                             0, false, &is_chosen);
-  if (!is_chosen) return std::nullopt;
-  return levels[static_cast<std::size_t>(names.indexOf(name))];
-}
-
-void MainWindow::open(const std::filesystem::path& path, Level level) {
-  if (!may_lose_plan()) return;
-  attempt(tr("Cannot open %1").arg(text_of(path.string())), [&] {
-    const bool asks = level == Level::kNone && kind_of_file(path) == FileKind::bone;
-    const std::optional<Level> chosen = asks ? ask_level(path) : level;
-    if (chosen) planner_.open(path, *chosen);
-  });
 }
 
 void MainWindow::show_page(const QString& name) {
@@ -263,7 +242,7 @@ void MainWindow::update_title() {
 
 void MainWindow::update_hover() {
   const std::optional<Vec3>& p = planner_.view().hovered_mm();
-  if (!p || !planner_.document().bone()) {
+  if (!p || !planner_.document().opened()) {
     hover_->clear();
     return;
   }
@@ -272,50 +251,7 @@ void MainWindow::update_hover() {
   };
   hover_->setText(tr("%1  %2  %3 mm   %4 HU")
                       .arg(axis(p->x(), "L", "R"), axis(p->y(), "P", "A"), axis(p->z(), "S", "I"))
-                      .arg(sample_hu(planner_.document().bone()->ct, *p), 0, 'f', 0));
-}
-
-bool MainWindow::may_lose_plan() {
-  if (!planner_.has_unsaved_changes()) return true;
-  QMessageBox box(QMessageBox::Question, tr("SpinalTap planner"), tr("The plan has changes that are not saved."),
-                  QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel, this);
-  box.setObjectName("unsaved");
-  box.setDefaultButton(QMessageBox::Save);
-  switch (box.exec()) {
-    case QMessageBox::Save:
-      return save_plan();
-    case QMessageBox::Discard:
-      return true;
-    default:
-      return false;
-  }
-}
-
-void MainWindow::closeEvent(QCloseEvent* event) {
-  if (planner_.job().is_running()) {
-    QMessageBox box(QMessageBox::Question, tr("SpinalTap planner"),
-                    tr("%1 is still running.").arg(planner_.job().what()), QMessageBox::NoButton, this);
-    box.setObjectName("running");
-    box.setInformativeText(
-        tr("No file is left half written, and a bake goes on next time from the stages that are finished."));
-    QPushButton* stop = box.addButton(tr("Stop it and close"), QMessageBox::DestructiveRole);
-    box.addButton(tr("Keep the window open"), QMessageBox::RejectRole);
-    box.exec();
-    if (box.clickedButton() != stop) {
-      event->ignore();
-      return;
-    }
-    planner_.job().cancel();
-  }
-  if (!may_lose_plan()) {
-    event->ignore();
-    return;
-  }
-  planner_.player().stop();
-  QSettings settings;
-  settings.setValue("geometry", saveGeometry());
-  settings.setValue("boneOpacity", planner_.view().bone_opacity());
-  event->accept();
+                      .arg(sample_hu(planner_.document().opened()->ct, *p), 0, 'f', 0));
 }
 
 void MainWindow::dragEnterEvent(QDragEnterEvent* event) {

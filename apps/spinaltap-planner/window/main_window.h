@@ -2,10 +2,14 @@
 
 #include <QMainWindow>
 #include <QTimer>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 
+#include "apps/spinaltap-planner/autosave.h"
 #include "apps/spinaltap-planner/planner.h"
 
 class QAction;
@@ -18,6 +22,7 @@ class QToolButton;
 namespace spinaltap {
 
 class DrillPanel;
+class ElidedLabel;
 class FiguresPanel;
 class FourPanes;
 class PathPanel;
@@ -34,9 +39,14 @@ class MainWindow : public QMainWindow {
   Planner& planner() { return planner_; }
   FourPanes& panes() { return *panes_; }
 
-  /// As Planner::open(), but asks first where a plan would be lost, and which bone of several is meant where `level`
-  /// does not say it, and shows what is wrong in a box.
-  void open(const std::filesystem::path& path, Level level = Level::kNone);
+  /// As Planner::open(), but asks first where a plan or a drilling would be lost, and which bone of several is meant
+  /// where the options do not say it, and shows what is wrong in a box.
+  void open(const std::filesystem::path& path, const OpenOptions& options = {});
+  /// Offers the plans that crashed windows left behind (autosave.h), one after the other, until one is to be brought
+  /// back; false: none is.
+  bool offer_lost_work();
+  /// Nobody sits at the window: no question is asked, nothing is kept for after a crash.
+  void run_alone();
   /// A picture of the window, or of one of its panes: "axial", "coronal", "sagittal", "3d", "path". Throws Error on
   /// other names, and where the file cannot be written.
   void save_picture(const std::filesystem::path& file, const QString& pane = {});
@@ -67,15 +77,39 @@ class MainWindow : public QMainWindow {
                   const std::function<bool(const ViewState&)>& is_on,
                   const std::function<void(ViewState&, bool)>& turn);
 
-  /// Runs what may throw; shows what went wrong in a box.
-  void attempt(const QString& what, const std::function<void()>& work);
+  /// Runs what may throw; shows what went wrong in a box. False: something did.
+  bool attempt(const QString& what, const std::function<void()>& work);
   void tell(const QString& what, const QString& why);
+  // main_window_guard.cpp
+  /// Plan and drilling as they are: another value, other work.
+  struct Work {
+    std::uint64_t plan_revision = 0;
+    DrillPlayer::Progresses holes;
+    bool operator==(const Work&) const = default;
+  };
+  Work current_work() { return {planner_.document().revision(), planner_.player().progresses()}; }
   /// Whether the plan may be lost: saved, or the person said so.
   bool may_lose_plan();
+  /// The same of plan and drilling. A drilling takes a while to be saved: then it is false, and `again`, which asks
+  /// again, is called when that is done.
+  bool may_lose_work(const std::function<void()>& again);
+  bool may_lose_drilling(const std::function<void()>& again);
+  void offer_what_opened(const std::function<void()>& show);
+  void connect_questions();
+  void ask_series(const std::filesystem::path& path, OpenOptions options, const SeveralSeries& several);
+  void ask_resampling(const std::filesystem::path& path, OpenOptions options, const UnevenSlices& uneven);
+  void open_at_once(const std::filesystem::path& path, const OpenOptions& options);
+  void bring_back(const LostWork& lost);
+  void take_back();
   bool save_plan();
   bool save_plan_as();
-  void ask_and_save(const QString& title, const QString& name, const QString& filter,
+  /// Whether it was saved, or is being saved. Asks before a file is replaced.
+  bool ask_and_save(const QString& title, const QString& name, const QString& filter,
                     const std::function<void(const std::filesystem::path&)>& save);
+  /// Asks whether a file, or files of a folder, may be replaced.
+  bool may_replace(const QString& what, const QString& where);
+  bool save_record();
+  void write_drill_report();
   void add_path_here();
   void update_figures();
   void show_figures();
@@ -94,10 +128,14 @@ class MainWindow : public QMainWindow {
   DrillPanel* drill_ = nullptr;
   QMenu* recent_ = nullptr;
   QLabel* hover_ = nullptr;
-  QLabel* working_ = nullptr;
+  ElidedLabel* working_ = nullptr;
   QProgressBar* progress_ = nullptr;
   QToolButton* cancel_ = nullptr;
   std::map<QString, QAction*> actions_;
+  std::optional<Work> given_up_;        ///< what the person said may go when the bone that is opened is there
+  std::function<void()> after_job_;     ///< the next that ends well
+  std::optional<LostWork> lost_;        ///< waits for its bone
+  std::unique_ptr<Autosave> autosave_;  ///< last: it looks at the rest
   QTimer figures_due_;
 };
 

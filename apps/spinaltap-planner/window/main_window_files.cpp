@@ -1,7 +1,9 @@
 #include <QFileDialog>
+#include <QFileInfo>
 #include <QMenuBar>
 #include <QSettings>
 
+#include "apps/spinaltap-planner/drill/played_hole.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/slices/slice_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
@@ -36,7 +38,11 @@ void MainWindow::make_file_menu() {
     open(name.toStdString());
   });
   add_action(file, tr("Bake the &vertebra at the crosshair"), QKeySequence("Ctrl+B"), "bakeHere", [this] {
-    if (may_lose_plan()) attempt(tr("Cannot bake here"), [this] { planner_.bake_here(); });
+    if (!may_lose_work([this] { actions_["bakeHere"]->trigger(); })) return;
+    attempt(tr("Cannot bake here"), [this] {
+      planner_.bake_here();
+      given_up_ = current_work();
+    });
   });
   recent_ = file->addMenu(tr("&Recent"));
   connect(file, &QMenu::aboutToShow, this, &MainWindow::fill_recent);
@@ -70,19 +76,28 @@ void MainWindow::make_file_menu() {
   add_action(file, tr("&Quit"), QKeySequence::Quit, "quit", [this] { close(); });
 }
 
-void MainWindow::ask_and_save(const QString& title, const QString& name, const QString& filter,
+bool MainWindow::ask_and_save(const QString& title, const QString& name, const QString& filter,
                               const std::function<void(const std::filesystem::path&)>& save) {
   const QString folder = last_folder();
-  QString file = QFileDialog::getSaveFileName(this, title, folder.isEmpty() ? name : folder + "/" + name, filter);
-  if (file.isEmpty()) return;
   const QString ending = name.mid(name.indexOf('.'));
-  if (QFileInfo(file).suffix().isEmpty()) file += ending;
+  QString file = folder.isEmpty() ? name : folder + "/" + name;
+  do {
+    // The dialog does not know of the ending that is added: the question comes after that.
+    file = QFileDialog::getSaveFileName(this, title, file, filter, nullptr, QFileDialog::DontConfirmOverwrite);
+    if (file.isEmpty()) return false;
+    if (!file.endsWith(ending, Qt::CaseInsensitive)) file += ending;
+  } while (QFileInfo::exists(file) &&
+           !may_replace(QFileInfo(file).fileName(), tr("A file of this name is there already.")));
   keep_folder(file);
-  attempt(tr("Cannot save %1").arg(file), [&] { save(file.toStdString()); });
+  return attempt(tr("Cannot save %1").arg(file), [&] { save(file.toStdString()); });
 }
 
 bool MainWindow::save_plan() {
   if (planner_.plan_file().empty()) return save_plan_as();
+  if (planner_.is_plan_file_foreign() && !may_replace(text_of(planner_.plan_file().filename().string()),
+                                                      tr("Another program has changed this file since."))) {
+    return false;
+  }
   attempt(tr("Cannot save the plan"), [this] { planner_.save_plan(planner_.plan_file()); });
   return !planner_.has_unsaved_changes();
 }
@@ -94,6 +109,23 @@ bool MainWindow::save_plan_as() {
     update_title();
   });
   return !planner_.has_unsaved_changes();
+}
+
+bool MainWindow::save_record() {
+  return ask_and_save(tr("Save the record"), "drilling.h5", tr("Records (*.h5)"),
+                      [this](const std::filesystem::path& file) { planner_.save_record(file); });
+}
+
+void MainWindow::write_drill_report() {
+  const QString folder =
+      QFileDialog::getExistingDirectory(this, tr("Folder for the report on the drilling"), last_folder());
+  if (folder.isEmpty()) return;
+  QStringList there;
+  for (const char* name : kDrillReportFiles) {
+    if (QFileInfo::exists(folder + "/" + name)) there += name;
+  }
+  if (!there.isEmpty() && !may_replace(there.join(", "), tr("They are in this folder already."))) return;
+  attempt(tr("Cannot write the report"), [&] { planner_.write_drill_report(folder.toStdString()); });
 }
 
 void MainWindow::save_picture(const std::filesystem::path& file, const QString& pane) {

@@ -10,6 +10,7 @@
 #include <QWidgetAction>
 #include <array>
 
+#include "apps/spinaltap-planner/drill/drill_panel.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/main_window.h"
@@ -60,8 +61,10 @@ void MainWindow::make_menus() {
   make_file_menu();
   make_edit_menu();
   make_view_menu();
+  QMenu* drilling = menuBar()->addMenu(tr("Dri&lling"));
+  for (QAction* action : drill_->drilling_actions()) drilling->addAction(action);
   QMenu* help = menuBar()->addMenu(tr("&Help"));
-  add_action(help, tr("&Mouse and keys"), QKeySequence("F12"), "help", [this] {
+  add_action(help, tr("&Mouse and keys"), QKeySequence::HelpContents, "help", [this] {
     QMessageBox box(this);
     box.setObjectName("keys");
     box.setWindowTitle(tr("Mouse and keys"));
@@ -78,11 +81,12 @@ void MainWindow::make_menus() {
            "1 to 6: from behind, front, left, right, above, below; 7: towards the hole; R: all of it<br>"
            "Double click: crosshair there. Ctrl+T: bone see-through; Ctrl+H: without bits and screws<br>"
            "<h3>The page Plan</h3>"
-           "In the list of paths: a new name, typed<br>"
-           "<h3>The page Drill</h3>"
+           "In the list of paths: a new name, typed. Delete: remove the path<br>"
+           "<h3>Drilling, on every page</h3>"
            "F6: drill; F7: stop, go on; F8: back 1 s; F9, Shift+F9: undo, redo the hole<br>"
            "<h3>Everywhere</h3>"
-           "Tab: next pane. F1 to F4: one pane alone; F5: all four. Escape: put back what is being moved"));
+           "F1: this help. Tab: next pane. F2 to F5: one pane alone; F12: all four. Escape: put back what is being "
+           "moved"));
     box.exec();
   });
   add_action(help, tr("&About"), {}, "about", [this] {
@@ -111,6 +115,7 @@ void MainWindow::make_edit_menu() {
   QAction* remove = add_action(edit, tr("Re&move path"), QKeySequence("Ctrl+Backspace"), "remove", [this] {
     attempt(tr("Cannot remove the path"), [this] { planner_.document().remove_path(planner_.document().chosen()); });
   });
+  remove->setShortcuts({QKeySequence::Delete, QKeySequence("Ctrl+Backspace")});
   add_action(edit, tr("&Next path"), QKeySequence("Ctrl+E"), "next", [this] {
     PlanDocument& document = planner_.document();
     if (document.chosen() >= 0) document.choose((document.chosen() + 1) % static_cast<int>(document.paths().size()));
@@ -166,13 +171,13 @@ void MainWindow::make_view_menu() {
                [this, name] { attempt(tr("Cannot look from there"), [&] { panes_->scene().look_from(name); }); });
   }
   view->addSeparator();
-  int pane_key = Qt::Key_F1;
+  int pane_key = Qt::Key_F2;
   for (const char* name : {"axial", "coronal", "sagittal", "3d"}) {
     const QString object = QString("only%1").arg(name);
     add_action(view, tr("Only %1").arg(QLatin1String(name)), QKeySequence(pane_key++), object.toLatin1().constData(),
                [this, name] { panes_->show_only(name); });
   }
-  add_action(view, tr("All &four panes"), QKeySequence(Qt::Key_F5), "fourPanes", [this] { panes_->show_only({}); });
+  add_action(view, tr("All &four panes"), QKeySequence(Qt::Key_F12), "fourPanes", [this] { panes_->show_only({}); });
   add_action(view, tr("Full screen"), QKeySequence(Qt::Key_F11), "fullScreen",
              [this] { setWindowState(windowState() ^ Qt::WindowFullScreen); });
 }
@@ -202,7 +207,7 @@ void MainWindow::update_actions() {
   const bool is_free = !planner_.job().is_running();
   for (const char* name : {"openFolder", "open"}) actions_[name]->setEnabled(is_free);
   for (const char* name : {"saveBone", "add"}) actions_[name]->setEnabled(has_bone);
-  actions_["bakeHere"]->setEnabled(has_bone && document.bone()->is_whole_ct && is_free);
+  actions_["bakeHere"]->setEnabled(document.opened() && document.opened()->is_whole_ct && is_free);
   actions_["suggest"]->setEnabled(has_bone && is_free);
   for (const char* name : {"save", "saveAs", "exportMarkups", "report", "remove", "next", "hole"}) {
     actions_[name]->setEnabled(has_bone && has_path);

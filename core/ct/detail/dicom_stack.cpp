@@ -134,12 +134,13 @@ Steps judge_steps(const std::vector<Placed>& slices, bool resample) {
     if (resample && step_mm <= kMaxGapMm) continue;
     const double count = std::round(step_mm / usual_mm);
     const bool is_gap = count >= 2.0 && std::abs(step_mm - count * usual_mm) <= std::max(0.1 * usual_mm, tolerance_mm);
-    std::ostringstream advice;
-    if (!resample && step_mm <= kMaxGapMm) advice << " (CtReadOptions::resample interpolates)";
-    if (resample) advice << ", which is more than the " << kMaxGapMm << " mm across which slices are interpolated";
-    fail(is_gap ? (count > 2.0 ? "slices are missing" : "a slice is missing") : "slices are unevenly spaced",
-         ": expected a step of ", usual_mm, " mm, found ", step_mm, " mm between ", name_of(slices[k - 1]), " and ",
-         path_of(slices[k].header), advice.str());
+    std::ostringstream found;
+    found << (is_gap ? (count > 2.0 ? "slices are missing" : "a slice is missing") : "slices are unevenly spaced")
+          << ": expected a step of " << usual_mm << " mm, found " << step_mm << " mm between " << name_of(slices[k - 1])
+          << " and " << path_of(slices[k].header);
+    if (!resample && step_mm <= kMaxGapMm) throw UnevenSlices(found.str(), "CtReadOptions::resample interpolates");
+    if (resample) found << ", which is more than the " << kMaxGapMm << " mm across which slices are interpolated";
+    throw Error(found.str());
   }
   const double mean_mm = slices.back().place.along_mm / static_cast<double>(slices.size() - 1);
   return {without_dust(are_unequal ? usual_mm : mean_mm), are_unequal};
@@ -173,10 +174,11 @@ bool judge_drift(const std::vector<Placed>& slices, double pixel_mm, bool resamp
          tilt_of(slices) * 180.0 / std::numbers::pi, " degrees in ", slices.front().header.file.parent_path().string());
   }
   if (!is_even && !resample) {
-    fail("expected slices stacked along their normal, found ", path_of(slices[worst].header), " shifted sideways by ",
-         (slices[worst].place.sideways_mm - slices[worst - 1].place.sideways_mm).norm(),
-         " mm from the slice before and ", slices[worst].place.sideways_mm.norm(),
-         " mm from the first (CtReadOptions::resample shifts them back)");
+    std::ostringstream found;
+    found << "expected slices stacked along their normal, found " << path_of(slices[worst].header)
+          << " shifted sideways by " << (slices[worst].place.sideways_mm - slices[worst - 1].place.sideways_mm).norm()
+          << " mm from the slice before and " << slices[worst].place.sideways_mm.norm() << " mm from the first";
+    throw UnevenSlices(found.str(), "CtReadOptions::resample shifts them back");
   }
   return true;
 }

@@ -173,6 +173,13 @@ TEST(ReadDicom, ListsSeveralSeriesAndReadsTheChosenOne) {
   EXPECT_THAT(error_of([&] { read_dicom(folder.path()); }),
               AllOf(HasSubstr("found 2"), HasSubstr("CtReadOptions::series"),
                     HasSubstr("1 = 1.2.3 (CT, 4 x 3, 3 files)"), HasSubstr("2 = 1.2.9 (CT, 4 x 3, 3 files)")));
+  try {
+    read_dicom(folder.path());
+    ADD_FAILURE() << "several series were read";
+  } catch (const SeveralSeries& several) {
+    ASSERT_EQ(several.series.size(), 2U);
+    EXPECT_EQ(several.series[1].uid, "1.2.9");
+  }
   EXPECT_EQ(read_dicom(folder.path(), {.series = "1"}).at(1, 0, 0), -1024);
   EXPECT_EQ(read_dicom(folder.path(), {.series = "1.2.9"}).at(1, 0, 0), 101 - 1024);
   EXPECT_THAT(error_of([&] { read_dicom(folder.path(), {.series = "3"}); }),

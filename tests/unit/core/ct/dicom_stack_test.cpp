@@ -14,6 +14,7 @@ namespace {
 using test::error_of;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Slices named a, b, c, ... at the given z, mm.
 std::vector<DicomHeader> slices_at(const std::vector<double>& z_mm) {
@@ -91,6 +92,12 @@ TEST(StackSlices, InterpolatesUnequalStepsAndGapsOnlyWhereAskedTo) {
   EXPECT_EQ(stack.geometry.spacing_mm.z(), 1.0);  // the usual step
   EXPECT_EQ(stack.places[3].along_mm, 4.5);
   EXPECT_THAT(error_at({0, 1, 2, 4, 5}), HasSubstr("CtReadOptions::resample"));
+  try {
+    stack_slices(slices_at({0, 1, 2, 4, 5}), false);
+    ADD_FAILURE() << "a gap was read";
+  } catch (const UnevenSlices& uneven) {
+    EXPECT_THAT(uneven.found, AllOf(HasSubstr("a slice is missing"), Not(HasSubstr("CtReadOptions"))));
+  }
   EXPECT_THAT(error_of([&] {
                 stack_slices(slices_at({0, 1, 2, 9, 10}), true);
               }),

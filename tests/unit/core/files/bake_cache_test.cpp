@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 
 #include "core/base/staged_output.h"
 #include "tests/support/analytic_bodies.h"
@@ -91,6 +93,37 @@ TEST(BakeCache, TakesADamagedFileForNone) {
     EXPECT_EQ(cache.find_mask("a", mask.geometry).has_value(), damaged[0] != 'm') << damaged;
     EXPECT_EQ(cache.find_fit("a").has_value(), damaged[0] != 'f') << damaged;
   }
+}
+
+TEST(BakeCache, IsPrunedToASizeTheLeastLatelyFoundFirst) {
+  const test::TemporaryFolder folder;
+  const BakeCache cache(folder.path());
+  const SurfaceFit fit = made_fit();
+  const auto age = [&](const char* key, int hours) {
+    for (const char* ending : {".rbf", ".json"}) {
+      fs::last_write_time(folder.path() / (std::string("fit-") + key + ending),
+                          fs::file_time_type::clock::now() - std::chrono::hours(hours));
+    }
+  };
+  for (const char* key : {"a", "b", "c"}) cache.keep_fit(key, fit);
+  write_whole_file(folder.path() / "notes.txt", "mine");
+  age("a", 72);
+  age("b", 48);
+  age("c", 24);
+  ASSERT_TRUE(cache.find_fit("a").has_value());  // now it is the newest
+  const std::uint64_t one = fs::file_size(folder.path() / "fit-a.rbf") + fs::file_size(folder.path() / "fit-a.json");
+  cache.prune(10 * one, 30);
+  EXPECT_TRUE(fs::exists(folder.path() / "fit-b.rbf"));
+  cache.prune(2 * one, 30);
+  EXPECT_TRUE(cache.find_fit("a").has_value());
+  EXPECT_TRUE(cache.find_fit("c").has_value());
+  EXPECT_FALSE(fs::exists(folder.path() / "fit-b.rbf"));
+  EXPECT_FALSE(fs::exists(folder.path() / "fit-b.json"));
+  age("c", 31 * 24);
+  cache.prune(10 * one, 30);
+  EXPECT_FALSE(cache.find_fit("c").has_value());
+  EXPECT_TRUE(cache.find_fit("a").has_value());
+  EXPECT_TRUE(fs::exists(folder.path() / "notes.txt"));
 }
 
 TEST(BakeCache, RemovesItsOwnFilesOnly) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 #include "core/files/json_file.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
@@ -16,6 +17,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 /// Two paths whose numbers need all digits of a double.
@@ -136,6 +138,21 @@ TEST_F(PlanFile, IsRejectedWhenItIsNoJson) {
   std::ofstream(path(), std::ios::trunc) << "[1, 2]";
   EXPECT_THAT([&] { read_plan(path()); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("object"))));
   EXPECT_THAT([&] { read_plan(folder() / "none.json"); }, ThrowsMessage<Error>(HasSubstr("no such file")));
+}
+
+TEST_F(PlanFile, SaysWhereItIsNoJsonInWordsOfItsOwn) {
+  std::ofstream(path()) << "{\n  \"format\": nonsense}";
+  EXPECT_THAT(
+      [&] { read_plan(path()); },
+      ThrowsMessage<Error>(AllOf(HasSubstr("line 2, column 14: while parsing value"), HasSubstr("invalid literal"),
+                                 Not(HasSubstr("exception")), Not(HasSubstr("[")))));
+}
+
+TEST_F(PlanFile, IsTheSameAsText) {
+  write_plan(two_paths(), path());
+  EXPECT_EQ(read_whole_file(path()), plan_text(two_paths()));
+  EXPECT_EQ(plan_text(paths_of_text(plan_text(two_paths()), "text")), plan_text(two_paths()));
+  EXPECT_THAT([] { paths_of_text("{}", "kept.json"); }, ThrowsMessage<Error>(HasSubstr("kept.json")));
 }
 
 TEST_F(PlanFile, LeavesTheOldOneOnAFullDisk) {

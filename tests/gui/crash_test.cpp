@@ -1,0 +1,157 @@
+// The program is killed, and started again.
+#include <gmock/gmock.h>
+
+#include <signal.h>
+
+#include <QProcess>
+#include <QProcessEnvironment>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/spinaltap-planner/window/words.h"
+#include "core/base/staged_output.h"
+#include "core/files/json_file.h"
+#include "core/files/plan_file.h"
+#include "core/session/record/session_record.h"
+#include "tests/gui/phantom_bone.h"
+#include "tests/gui/x_input.h"
+#include "tests/support/temporary_folder.h"
+
+namespace spinaltap::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The program with a home of its own, and a keyboard.
+class PlannerCrash : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder.path() / "Doe, Jane");
+    bone = folder.path() / "Doe, Jane" / "secret.vdb";
+    fs::copy_file(phantom_file(), bone);
+    plan = folder.path() / "plan.json";
+    write_plan(phantom_paths(), plan);
+  }
+
+  void start(QProcess& program, const QStringList& files) const {
+    QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
+    for (const char* name : {"XDG_STATE_HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_RUNTIME_DIR"}) {
+      fs::create_directory(folder.path() / name);
+      fs::permissions(folder.path() / name, fs::perms::owner_all);
+      environment.insert(name, text_of((folder.path() / name).string()));
+    }
+    program.setProcessEnvironment(environment);
+    program.setProcessChannelMode(QProcess::ForwardedErrorChannel);
+    program.start(SPINALTAP_PLANNER_PROGRAM, files);
+    ASSERT_TRUE(program.waitForStarted());
+  }
+  /// Waits for a window and gives it the keyboard.
+  bool window(const QString& title) {
+    return wait_until([&] { return !input.give_keyboard(title).isEmpty(); }, 60000);
+  }
+  std::vector<fs::path> kept() const {
+    std::vector<fs::path> files;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder.path() / "XDG_STATE_HOME/spinaltap-planner", none)) {
+      files.push_back(entry.path());
+    }
+    return files;
+  }
+  /// What is kept for after a crash; null where nothing is.
+  Json kept_work() const {
+    for (const fs::path& file : kept()) {
+      if (file.extension() == ".json") return read_json(file);
+    }
+    return nullptr;
+  }
+  void name_file(const fs::path& file, const QString& dialog) {
+    ASSERT_TRUE(window(dialog));
+    input.key("ctrl+a");
+    input.type(text_of(file.string()));
+    input.key("Return");
+    ASSERT_TRUE(wait_until([&] { return fs::exists(file); }, 60000)) << file;
+  }
+
+  TemporaryFolder folder;
+  XInput input;
+  fs::path bone, plan;
+};
+
+TEST_F(PlannerCrash, BringsBackPathsAndHolesOfAKilledProgram) {
+  std::size_t cycles = 0;
+  {
+    QProcess program;
+    start(program, {text_of(bone.string()), text_of(plan.string())});
+    ASSERT_TRUE(window("plan.json - SpinalTap planner"));
+    input.key("Delete");
+    ASSERT_TRUE(window("plan.json* - SpinalTap planner"));
+    ASSERT_TRUE(wait_until([&] { return !kept_work().is_null(); }));
+    EXPECT_EQ(kept_work()["paths"].size(), 1U);
+    input.key("F6");
+    // Kept while it drills.
+    ASSERT_TRUE(wait_until([&] { return kept_work()["session"]["holes"].size() == 1; }, 60000));
+    input.key("F7");
+    // And when it stands still: then it no longer grows.
+    ASSERT_TRUE(wait_until(
+        [&] {
+          const std::size_t before = cycles;
+          cycles = kept_work()["session"]["holes"][0]["cycles"].get<std::size_t>();
+          let_work(700);
+          return cycles > 0 && cycles == before;
+        },
+        60000));
+    const std::string text = kept_work().dump();
+    for (const char* name : {"Doe", "Jane", "secret", "vdb", "plan.json", "spinaltap-test"}) {
+      EXPECT_EQ(text.find(name), std::string::npos) << name;
+    }
+    EXPECT_EQ(fs::status(kept().front().parent_path()).permissions(), fs::perms::owner_all);
+    ::kill(static_cast<pid_t>(program.processId()), SIGKILL);
+    ASSERT_TRUE(program.waitForFinished());
+  }
+  ASSERT_FALSE(kept_work().is_null());
+
+  QProcess program;
+  start(program, {});
+  ASSERT_TRUE(window("SpinalTap planner"));
+  let_work(500);
+  ASSERT_TRUE(window("SpinalTap planner"));  // the question, on top
+  input.key("Return");
+  ASSERT_TRUE(window("New plan* - SpinalTap planner"));
+  ASSERT_TRUE(wait_until([&] { return kept().size() == 2; }));  // its own in place of the lost, with a lock
+  input.key("ctrl+s");
+  const fs::path saved = folder.path() / "saved.json";
+  name_file(saved, "Save the plan");
+  const std::vector<DrillPath> paths = read_plan(saved);
+  ASSERT_EQ(paths.size(), 1U);
+  EXPECT_EQ(paths[0].name, phantom_paths()[1].name);
+  EXPECT_EQ(paths[0].entry_mm, phantom_paths()[1].entry_mm);
+  EXPECT_EQ(paths[0].target_mm, phantom_paths()[1].target_mm);
+
+  ASSERT_TRUE(window("saved.json - SpinalTap planner"));
+  const fs::path record = folder.path() / "record.h5";
+  // The hole is drilled again, which takes a moment.
+  ASSERT_TRUE(wait_until(
+      [&] {
+        if (!input.give_keyboard("Save the record").isEmpty()) return true;
+        if (input.give_keyboard("saved.json - SpinalTap planner").isEmpty()) return false;
+        input.key("ctrl+alt+s");
+        let_work(500);
+        return false;
+      },
+      120000));
+  name_file(record, "Save the record");
+  EXPECT_EQ(read_record(record).cycles.size(), cycles);
+
+  // A clean end leaves nothing.
+  ASSERT_TRUE(window("saved.json - SpinalTap planner"));
+  let_work(500);
+  input.key("ctrl+q");
+  ASSERT_TRUE(program.waitForFinished());
+  EXPECT_EQ(program.exitStatus(), QProcess::NormalExit);
+  EXPECT_EQ(program.exitCode(), 0);
+  EXPECT_THAT(kept(), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace spinaltap::test

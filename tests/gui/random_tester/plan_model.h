@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/tool/drill_path.h"
+
+namespace spinaltap {
+class MainWindow;
+}
+
+namespace spinaltap::test {
+
+/// What an action may do to the plan.
+enum class Effect {
+  none,     ///< nothing: it looks, drills or saves
+  edit,     ///< any change, one step back each
+  undo,     ///< to the plan before, where there is one
+  redo,     ///< to the plan after
+  replaces  ///< another plan or bone, in place of what was saved or given up
+};
+
+/// The history of the plan as a person would tell it: each plan that was seen, in a row, and which of them is now. Says
+/// where the window does not agree.
+class PlanModel {
+ public:
+  explicit PlanModel(MainWindow& window) : window_(window) { begin(); }
+
+  /// What was opened is another plan.
+  void begin();
+  /// The person was asked, and gave up what was not saved.
+  void give_up() { is_given_up_ = true; }
+  /// The window has closed. Empty: what was not saved was given up.
+  std::string check_closed() const;
+  /// After an action, when the window has settled. Empty: all agrees.
+  std::string check(Effect effect);
+  /// The list, the numbers, the title and the menu show the plan. Empty: they do.
+  std::string check_window() const;
+  /// What is kept for after a crash in a folder is the plan, where that is not saved.
+  std::string check_kept(const std::filesystem::path& folder) const;
+  /// A file that was saved holds the plan.
+  std::string check_file(const std::filesystem::path& file) const;
+
+ private:
+  std::string follow(Effect effect);
+
+  MainWindow& window_;
+  std::vector<std::optional<std::vector<DrillPath>>> plans_;  ///< nothing: not seen, between two changes at once
+  int now_ = 0;
+  const void* bone_ = nullptr;
+  bool was_clean_ = true;
+  bool is_given_up_ = false;
+};
+
+bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b);
+
+}  // namespace spinaltap::test
