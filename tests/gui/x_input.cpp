@@ -37,8 +37,10 @@ void let_work(int ms) {
 struct XInput::State {
   Display* display = nullptr;
 
+  /// Until the window has all events that the server made of ours, also where the machine is busy.
   void sync() {
     XSync(display, False);
+    QGuiApplication::sync();
     let_work(8);
   }
   void key(KeySym symbol, bool is_down) {
@@ -198,6 +200,7 @@ void XInput::key(const QString& name) {
   state_->key(symbol, true);
   state_->key(symbol, false);
   for (const QString& modifier : parts) state_->key(modifier_symbol(modifier), false);
+  state_->sync();
   let_work(25);
 }
 
@@ -218,6 +221,7 @@ void XInput::type(const QString& text) {
     state_->key(symbol, false);
     if (is_shifted) state_->key(XK_Shift_L, false);
   }
+  state_->sync();
   let_work(25);
 }
 

@@ -19,7 +19,8 @@ std::string words_of_plan(const std::vector<DrillPath>& paths) {
   std::ostringstream text;
   text << paths.size() << " paths:";
   for (const DrillPath& path : paths) {
-    text << " \"" << path.name << "\" " << path.entry_mm.transpose() << " to " << path.target_mm.transpose() << ";";
+    text << " \"" << path.name << "\" " << path.entry_mm.transpose() << " to " << path.target_mm.transpose() << ", bit "
+         << path.bit.diameter_mm << " x " << path.bit.length_mm << (path.screw ? ", " + path.screw->name : "") << ";";
   }
   return text.str();
 }
@@ -39,10 +40,11 @@ bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b) 
 
 void PlanModel::begin() {
   const PlanDocument& document = window_.planner().document();
-  plans_ = {document.paths()};
-  now_ = 0;
+  plans_.assign(static_cast<std::size_t>(document.undo_stack().count()) + 1, std::nullopt);
+  now_ = document.undo_stack().index();
+  plans_[static_cast<std::size_t>(now_)] = document.paths();
   bone_ = document.opened().get();
-  was_clean_ = true;
+  was_clean_ = !window_.planner().has_unsaved_changes();
   is_given_up_ = false;
 }
 

@@ -83,6 +83,7 @@ class RandomTester {
  private:
   static constexpr int kDeadlockS = 60;
   static constexpr int kMaxTroubles = 10;
+  static constexpr int kLateMs = 2000;  ///< within which a key must have done what it does
 
   int below(int count) { return std::uniform_int_distribution<int>(0, count - 1)(random_); }
   bool chance(double share) { return std::uniform_real_distribution<double>(0.0, 1.0)(random_) < share; }
@@ -263,13 +264,19 @@ class RandomTester {
 
   void undo() {
     effect_ = Effect::undo;
+    const QUndoStack& stack = planner().document().undo_stack();
+    const int expected = std::max(stack.index() - 1, 0);
     focus(random_slice());
     input_.key("ctrl+z");
+    wait_until([&] { return stack.index() == expected; }, kLateMs);
   }
   void redo() {
     effect_ = Effect::redo;
+    const QUndoStack& stack = planner().document().undo_stack();
+    const int expected = std::min(stack.index() + 1, stack.count());
     focus(random_slice());
     input_.key(chance(0.5) ? "ctrl+y" : "ctrl+shift+z");
+    wait_until([&] { return stack.index() == expected; }, kLateMs);
   }
   void nudge() {
     effect_ = Effect::edit;
