@@ -30,32 +30,37 @@ GridGeometry lattice_over(std::span<const Vec3> points_mm, double spacing_mm) {
 ValueRange write_field_volume(const ScalarField& field, const GridGeometry& lattice, const std::filesystem::path& path,
                               const Progress& progress) {
   check_geometry(lattice, "lattice");
-  // Large enough for any method of summation, small enough to be stopped between two.
-  constexpr std::size_t kPiece = 1'000'000;
-  const auto columns = static_cast<std::size_t>(lattice.size[0]);
-  const auto rows = static_cast<std::size_t>(lattice.size[1]);
-  const std::size_t count = lattice.voxel_count();
+  // Whole slices, or rows of one, at a time: enough for any method of summation, few enough to be stopped between two,
+  // and a lattice by themselves, which some fields are quicker on.
+  constexpr int kPiece = 1'000'000;
+  const auto [columns, rows, slices] = lattice.size;
+  const int rows_at_once = std::clamp(kPiece / columns, 1, rows);
+  const int slices_at_once = rows_at_once < rows ? 1 : std::clamp(kPiece / columns / rows, 1, slices);
+  const auto count = static_cast<double>(lattice.voxel_count());
   ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   std::vector<Vec3> points_mm;
   std::vector<double> values_mm;
   std::vector<float> floats;
+  double done = 0.0;
   FileWriter file(path);
   file.write(nrrd_head(lattice, "float", "raw") + "\n");
-  for (std::size_t begin = 0; begin < count; begin += kPiece) {
-    progress.report("evaluating", static_cast<double>(begin) / static_cast<double>(count));
-    points_mm.clear();
-    for (std::size_t v = begin; v < std::min(begin + kPiece, count); ++v) {
-      const std::size_t row = v / columns;
-      const std::size_t slice = row / rows;
-      points_mm.push_back(lattice.to_patient(
-          Vec3(static_cast<double>(v % columns), static_cast<double>(row % rows), static_cast<double>(slice))));
+  for (int slice = 0; slice < slices; slice += slices_at_once) {
+    for (int row = 0; row < rows; row += rows_at_once) {
+      progress.report("evaluating", done / count);
+      points_mm.clear();
+      for (int k = slice; k < std::min(slice + slices_at_once, slices); ++k) {
+        for (int j = row; j < std::min(row + rows_at_once, rows); ++j) {
+          for (int i = 0; i < columns; ++i) points_mm.push_back(lattice.to_patient(Vec3(i, j, k)));
+        }
+      }
+      values_mm.resize(points_mm.size());
+      field.evaluate(points_mm, values_mm, {});
+      const auto [min, largest] = std::minmax_element(values_mm.begin(), values_mm.end());
+      range = {std::min(range.min_mm, *min), std::max(range.largest_mm, *largest)};
+      floats.assign(values_mm.begin(), values_mm.end());
+      file.write({reinterpret_cast<const char*>(floats.data()), floats.size() * sizeof(float)});
+      done += static_cast<double>(points_mm.size());
     }
-    values_mm.resize(points_mm.size());
-    field.evaluate(points_mm, values_mm, {});
-    const auto [min, largest] = std::minmax_element(values_mm.begin(), values_mm.end());
-    range = {std::min(range.min_mm, *min), std::max(range.largest_mm, *largest)};
-    floats.assign(values_mm.begin(), values_mm.end());
-    file.write({reinterpret_cast<const char*>(floats.data()), floats.size() * sizeof(float)});
   }
   file.close();
   progress.report("evaluating", 1.0);

@@ -15,20 +15,27 @@ namespace {
 
 constexpr std::size_t kMaxDirect = 2000;  // centres: with more of them, fast sums pay from 20,000 places on
 constexpr std::size_t kFieldLeafSize = 64;
+constexpr std::size_t kFieldBesideSize = 512;  // anywhere costs no more than near, and preparing hardly more
 constexpr int kFirstOrder = 5;
 
-/// Places to check the sums at: beside centres, up to a hundredth of the whole away.
+/// Places to check the sums at: beside centres, up to a hundredth of the whole away, and all over their box.
 std::vector<Vec3> sample_places(const std::vector<Vec3>& centres_mm) {
   constexpr std::size_t kSamples = 512;
+  constexpr std::size_t kAnywhere = 256;
   constexpr std::uint64_t kSeed = 0x5bf0;
   constexpr double kReach = 0.01;
-  const double reach_mm = kReach * bounds_of(centres_mm).sizes().maxCoeff();
+  const Box3 bounds = bounds_of(centres_mm);
+  const double reach_mm = kReach * bounds.sizes().maxCoeff();
   std::vector<Vec3> places_mm;
   for (std::uint64_t i = 0; i < kSamples; ++i) {
     const auto part = static_cast<double>(i) / static_cast<double>(kSamples);
     const Vec3& centre = centres_mm[static_cast<std::size_t>(part * static_cast<double>(centres_mm.size()))];
     const auto shift = [&](std::uint64_t axis) { return 2.0 * random_uniform(kSeed + axis, i) - 1.0; };
     places_mm.emplace_back(centre + reach_mm * Vec3(shift(0), shift(1), shift(2)));
+  }
+  for (std::uint64_t i = kSamples; i < kSamples + kAnywhere; ++i) {
+    const auto part = [&](std::uint64_t axis) { return random_uniform(kSeed + axis, i); };
+    places_mm.emplace_back(bounds.min() + bounds.sizes().cwiseProduct(Vec3(part(0), part(1), part(2))));
   }
   return places_mm;
 }
@@ -54,7 +61,7 @@ RbfField::RbfField(RbfModel model, double accuracy_mm, bool with_gradients) {
   for (int order = kFirstOrder; order <= detail::kMaxOrder;) {
     const auto fast = std::make_shared<detail::FastSum>(
         model_->kernel, model_->low_pass_mm, model_->centres_mm,
-        detail::FastSumOptions{.order = order, .leaf_size = kFieldLeafSize, .anywhere = true});
+        detail::FastSumOptions{.order = order, .leaf_size = kFieldLeafSize, .beside_size = kFieldBesideSize});
     fast->set_weights(model_->weights);
     fast->evaluate(places_mm, values, gradients);
     value_error_mm_ = 0.0;

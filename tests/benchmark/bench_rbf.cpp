@@ -148,6 +148,63 @@ BENCHMARK(evaluate_near)
     ->Unit(benchmark::kSecond)
     ->UseRealTime();
 
+/// The same count of values anywhere in the centres' box; and with their gradients.
+void evaluate_anywhere(benchmark::State& state, bool wants_gradients) {
+  if (peer_values("one_off").points_mm.empty()) return state.SkipWithError("set SPINALTAP_TEST_DATA");
+  const RbfField field(peer_model());
+  const Box3 box = bounds_of(peer_model().centres_mm);
+  constexpr std::uint64_t kSeed = 30;
+  std::vector<Vec3> places_mm(static_cast<std::size_t>(state.range(0)));
+  for (std::size_t i = 0; i < places_mm.size(); ++i) {
+    const Vec3 part(random_uniform(kSeed, i), random_uniform(kSeed + 1, i), random_uniform(kSeed + 2, i));
+    places_mm[i] = box.min() + box.sizes().cwiseProduct(part);
+  }
+  std::vector<double> values_mm(places_mm.size());
+  std::vector<Vec3> gradients(wants_gradients ? places_mm.size() : 0);
+  reset_peak();
+  for (auto _ : state) field.evaluate(places_mm, values_mm, gradients);
+  state.counters["peak_MB"] = peak_mb();
+  state.counters["value_error_mm"] = field.value_error_mm();
+}
+BENCHMARK_CAPTURE(evaluate_anywhere, values, false)
+    ->Arg(1'000'000)
+    ->Iterations(1)
+    ->Repetitions(3)
+    ->Unit(benchmark::kSecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(evaluate_anywhere, gradients, true)
+    ->Arg(1'000'000)
+    ->Iterations(1)
+    ->Repetitions(3)
+    ->Unit(benchmark::kSecond)
+    ->UseRealTime();
+
+/// As many values on a lattice over the centres' box.
+void evaluate_lattice(benchmark::State& state) {
+  if (peer_values("one_off").points_mm.empty()) return state.SkipWithError("set SPINALTAP_TEST_DATA");
+  const RbfField field(peer_model());
+  const Box3 box = bounds_of(peer_model().centres_mm);
+  const double step_mm = std::cbrt(box.volume() / static_cast<double>(state.range(0)));
+  std::vector<Vec3> places_mm;
+  for (double z = box.min().z(); z <= box.max().z(); z += step_mm) {
+    for (double y = box.min().y(); y <= box.max().y(); y += step_mm) {
+      for (double x = box.min().x(); x <= box.max().x(); x += step_mm) places_mm.emplace_back(x, y, z);
+    }
+  }
+  std::vector<double> values_mm(places_mm.size());
+  reset_peak();
+  for (auto _ : state) field.evaluate(places_mm, values_mm, {});
+  state.counters["values"] = static_cast<double>(values_mm.size());
+  state.counters["peak_MB"] = peak_mb();
+}
+BENCHMARK(evaluate_lattice)
+    ->Arg(1'000'000)
+    ->Arg(10'000'000)
+    ->Iterations(1)
+    ->Repetitions(3)
+    ->Unit(benchmark::kSecond)
+    ->UseRealTime();
+
 /// Sums term by term, one thread: pairs of a place and a centre a second.
 void direct_pairs(benchmark::State& state, bool gradient) {
   const detail::SimdKernels& simd = detail::simd_kernels()[static_cast<std::size_t>(state.range(0))];

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace spinaltap::detail {
 namespace {
@@ -23,6 +24,36 @@ TargetPack pack(std::size_t count, const PointAt& point_at) {
     }
   }
   return targets;
+}
+
+/// The coordinates along each axis where the points are all those of a lattice, x fastest, that grows along each axis.
+std::optional<std::array<std::vector<double>, 3>> axes_of_lattice(std::span<const Vec3> points_mm) {
+  constexpr std::size_t kMinPoints = 64;
+  if (points_mm.size() < kMinPoints) return std::nullopt;
+  std::array<std::vector<double>, 3> axes_mm;
+  std::array<std::size_t, 3> steps{1, 0, 0};  // from a point to its neighbour along each axis
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    std::vector<double>& list = axes_mm[axis];
+    for (std::size_t i = 0; i < points_mm.size(); i += steps[axis]) {
+      const double at_mm = points_mm[i][a];
+      if (!list.empty() && !(at_mm > list.back())) break;
+      list.push_back(at_mm);
+    }
+    if (axis < 2) steps[axis + 1] = steps[axis] * list.size();
+  }
+  const auto& [x_mm, y_mm, z_mm] = axes_mm;
+  if (x_mm.size() * y_mm.size() * z_mm.size() != points_mm.size()) return std::nullopt;
+  std::size_t n = 0;
+  for (const double z : z_mm) {
+    for (const double y : y_mm) {
+      for (const double x : x_mm) {
+        const Vec3& p = points_mm[n++];
+        if (!(p.x() == x && p.y() == y && p.z() == z)) return std::nullopt;
+      }
+    }
+  }
+  return axes_mm;
 }
 
 }  // namespace
@@ -61,7 +92,7 @@ FastSum::FastSum(RadialKernel kernel, double low_pass_mm, std::span<const Vec3> 
       options_(options),
       simd_(options.simd != nullptr ? *options.simd : best_simd_kernels()),
       grid_(options.order),
-      tree_(centres_mm, options.leaf_size),
+      tree_(centres_mm, options.leaf_size, options.beside_size),
       far_field_(kernel, c2_, options.order, simd_),
       multipole_slot_(tree_.boxes().size(), Octree::kNone),
       local_slot_(tree_.boxes().size(), Octree::kNone) {
@@ -200,6 +231,10 @@ void FastSum::leaf_sums(std::uint32_t leaf, const double* targets, bool gradient
   }
   simd_.interpolate(grid_.order(), gradient, places.at, local_.data() + local_slot_[leaf] * grid_.node_count(),
                     grid_.inverse(), per_mm, sums);
+  beside_sums(leaf, targets, gradient, sums);
+}
+
+void FastSum::beside_sums(std::uint32_t leaf, const double* targets, bool gradient, LaneSums& sums) const {
   for (const std::uint32_t* f = lists_.finer.begin(leaf); f != lists_.finer.end(leaf); ++f) {
     expansion_sums(*f, targets, gradient, sums);
   }
@@ -243,6 +278,16 @@ void FastSum::at_centres(std::span<double> values) const {
 }
 
 void FastSum::evaluate(std::span<const Vec3> points_mm, std::span<double> values, std::span<Vec3> gradients) const {
+  if (gradients.empty()) {
+    if (const auto axes_mm = axes_of_lattice(points_mm)) {
+      return evaluate_lattice({(*axes_mm)[0], (*axes_mm)[1], (*axes_mm)[2]}, values);
+    }
+  }
+  evaluate_each(points_mm, values, gradients);
+}
+
+void FastSum::evaluate_each(std::span<const Vec3> points_mm, std::span<double> values,
+                            std::span<Vec3> gradients) const {
   constexpr std::size_t kBlock = std::size_t{1} << 20;  // bounds the memory that sorting takes
   constexpr std::uint32_t kOutside = Octree::kNone;
   const bool gradient = !gradients.empty();
@@ -297,6 +342,138 @@ void FastSum::evaluate(std::span<const Vec3> points_mm, std::span<double> values
         }
       }
     });
+  }
+}
+
+void FastSum::evaluate_lattice(const LatticeAxes& axes_mm, std::span<double> values) const {
+  // What lies outside the cube is no box's.
+  LatticePart whole{0, {}, {}};
+  const Vec3 centre = tree_.centre_mm(tree_.boxes()[0]);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto is_in = [&](double at_mm) {
+      Vec3 p = centre;
+      p[static_cast<Eigen::Index>(axis)] = at_mm;
+      return tree_.contains(p);
+    };
+    const std::span<const double> list = axes_mm[axis];
+    const auto first = std::find_if(list.begin(), list.end(), is_in);
+    const auto last = std::find_if_not(first, list.end(), is_in);
+    whole.begin[axis] = static_cast<std::size_t>(first - list.begin());
+    whole.end[axis] = static_cast<std::size_t>(last - list.begin());
+  }
+  std::vector<LatticePart> parts;
+  divide_lattice(axes_mm, whole, parts);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t n) { lattice_sums(axes_mm, parts[n], values); });
+
+  std::vector<Vec3> outside_mm;
+  std::vector<std::size_t> at;
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < axes_mm[2].size(); ++k) {
+    for (std::size_t j = 0; j < axes_mm[1].size(); ++j) {
+      const bool row_is_in = k >= whole.begin[2] && k < whole.end[2] && j >= whole.begin[1] && j < whole.end[1];
+      for (std::size_t i = 0; i < axes_mm[0].size(); ++i, ++n) {
+        if (row_is_in && i >= whole.begin[0] && i < whole.end[0]) continue;
+        outside_mm.emplace_back(axes_mm[0][i], axes_mm[1][j], axes_mm[2][k]);
+        at.push_back(n);
+      }
+    }
+  }
+  std::vector<double> outside(at.size());
+  evaluate_each(outside_mm, outside, {});
+  for (std::size_t o = 0; o < at.size(); ++o) values[at[o]] = outside[o];
+}
+
+void FastSum::divide_lattice(const LatticeAxes& axes_mm, const LatticePart& part,
+                             std::vector<LatticePart>& parts) const {
+  constexpr std::size_t kMaxPlaces = 4096;  // so that threads share large boxes
+  std::array<std::size_t, 3> counts{};
+  for (std::size_t axis = 0; axis < 3; ++axis) counts[axis] = part.end[axis] - part.begin[axis];
+  if (counts[0] == 0 || counts[1] == 0 || counts[2] == 0) return;
+  const Octree::Box& box = tree_.boxes()[part.leaf];
+  if (box.is_leaf()) {
+    if (counts[0] * counts[1] * counts[2] <= kMaxPlaces) {
+      parts.push_back(part);
+      return;
+    }
+    const auto axis = static_cast<std::size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+    LatticePart lower = part;
+    LatticePart upper = part;
+    lower.end[axis] = upper.begin[axis] = part.begin[axis] + counts[axis] / 2;
+    divide_lattice(axes_mm, lower, parts);
+    divide_lattice(axes_mm, upper, parts);
+    return;
+  }
+  // As Octree::leaf_at() goes: the middle is the upper half's.
+  const Vec3 centre = tree_.centre_mm(box);
+  std::array<std::size_t, 3> middle{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto begin = axes_mm[axis].begin();
+    middle[axis] = static_cast<std::size_t>(std::lower_bound(begin + static_cast<std::ptrdiff_t>(part.begin[axis]),
+                                                             begin + static_cast<std::ptrdiff_t>(part.end[axis]),
+                                                             centre[static_cast<Eigen::Index>(axis)]) -
+                                            begin);
+  }
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    LatticePart child{box.first_child + octant, part.begin, part.end};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      (((octant >> axis) & 1U) != 0 ? child.begin : child.end)[axis] = middle[axis];
+    }
+    divide_lattice(axes_mm, child, parts);
+  }
+}
+
+void FastSum::lattice_sums(const LatticeAxes& axes_mm, const LatticePart& part, std::span<double> values) const {
+  const Octree::Box& box = tree_.boxes()[part.leaf];
+  const Vec3 centre = tree_.centre_mm(box);
+  const double per_mm = 1.0 / tree_.half_width_mm(box);
+  struct Scratch {
+    std::array<std::vector<double>, 3> places;
+    std::vector<double> work;
+    std::vector<double> sums;
+  };
+  thread_local Scratch scratch;
+  std::array<std::size_t, 3> counts{};
+  std::array<std::size_t, 3> filled{};
+  std::array<const double*, 3> places{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    counts[axis] = part.end[axis] - part.begin[axis];
+    filled[axis] = (counts[axis] + kLanes - 1) / kLanes * kLanes;
+    scratch.places[axis].resize(filled[axis]);
+    for (std::size_t i = 0; i < filled[axis]; ++i) {
+      const double at_mm = axes_mm[axis][part.begin[axis] + std::min(i, counts[axis] - 1)];
+      scratch.places[axis][i] = (at_mm - centre[static_cast<Eigen::Index>(axis)]) * per_mm;
+    }
+    places[axis] = scratch.places[axis].data();
+  }
+  scratch.work.resize((filled[1] + filled[2]) * static_cast<std::size_t>(grid_.order()));
+  scratch.sums.resize(filled[0] * counts[1] * counts[2]);
+  simd_.interpolate_lattice(grid_.order(), counts.data(), places.data(),
+                            local_.data() + local_slot_[part.leaf] * grid_.node_count(), grid_.inverse(),
+                            scratch.work.data(), scratch.sums.data());
+  const auto index_of = [&](std::size_t n) {
+    return std::array<std::size_t, 3>{n % counts[0], n / counts[0] % counts[1], n / counts[0] / counts[1]};
+  };
+  const bool is_alone = lists_.finer.count(part.leaf) == 0 && lists_.near.count(part.leaf) == 0;
+  const std::size_t count = counts[0] * counts[1] * counts[2];
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t size = std::min(kLanes, count - first);
+    LaneSums sums{};
+    for (std::size_t l = 0; l < size; ++l) {
+      const auto [i, j, k] = index_of(first + l);
+      sums.value[l] += scratch.sums[(k * counts[1] + j) * filled[0] + i];
+    }
+    if (!is_alone) {
+      const TargetPack targets = pack(size, [&](std::size_t l) {
+        const auto [i, j, k] = index_of(first + l);
+        return Vec3(axes_mm[0][part.begin[0] + i], axes_mm[1][part.begin[1] + j], axes_mm[2][part.begin[2] + k]);
+      });
+      beside_sums(part.leaf, targets.at, false, sums);
+    }
+    for (std::size_t l = 0; l < size; ++l) {
+      const auto [i, j, k] = index_of(first + l);
+      values[((part.begin[2] + k) * axes_mm[1].size() + part.begin[1] + j) * axes_mm[0].size() + part.begin[0] + i] =
+          sums.value[l];
+    }
   }
 }
 

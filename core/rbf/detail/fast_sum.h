@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,9 +13,12 @@
 namespace spinaltap::detail {
 
 struct FastSumOptions {
-  int order = 7;                      ///< nodes along a box's edge; each more gives about half a digit
-  std::size_t leaf_size = 128;        ///< most centres of a box that is not divided
-  bool anywhere = true;               ///< false: only at_centres() is wanted
+  int order = 7;                ///< nodes along a box's edge; each more gives about half a digit
+  std::size_t leaf_size = 128;  ///< most centres of a box that is not divided
+  bool anywhere = true;         ///< false: only at_centres() is wanted
+  /// A box that touches one with more centres than this is divided as it is: places far from centres cost less then,
+  /// and what is made beforehand more. None: only boxes with too many centres of their own.
+  std::size_t beside_size = Octree::kNone;
   const SimdKernels* simd = nullptr;  ///< null: the fastest here
 };
 
@@ -22,6 +26,9 @@ struct FastSumOptions {
 void direct_sums(RadialKernel kernel, double low_pass_mm, std::span<const Vec3> centres_mm,
                  std::span<const double> weights, std::span<const Vec3> points_mm, std::span<double> values,
                  std::span<Vec3> gradients, const SimdKernels& simd = best_simd_kernels());
+
+/// Coordinates along x, y and z.
+using LatticeAxes = std::array<std::span<const double>, 3>;
 
 /// Sums sum_j w_j phi(|x - c_j|) and their gradients at many places: a fast multipole method that interpolates the
 /// kernel on even grids in the boxes of an octree (kernel-independent, so that phi may be low-pass filtered; Fong &
@@ -37,14 +44,30 @@ class FastSum {
   /// The sums at the centres themselves.
   void at_centres(std::span<double> values) const;
 
-  /// The sums anywhere; `gradients` may be empty. Safe to call from many threads at once.
+  /// The sums anywhere; `gradients` may be empty. Safe to call from many threads at once. Where gradients are not
+  /// wanted and the points are those of a lattice along the axes, x fastest, its boxes are done as a whole.
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values, std::span<Vec3> gradients) const;
 
+  /// The sums at all places with one of each axis' coordinates, x fastest, with the bits of evaluate(); each list
+  /// grows.
+  void evaluate_lattice(const LatticeAxes& axes_mm, std::span<double> values) const;
+
  private:
+  /// The places of a lattice in one leaf: [begin, end) along each axis.
+  struct LatticePart {
+    std::uint32_t leaf;
+    std::array<std::size_t, 3> begin;
+    std::array<std::size_t, 3> end;
+  };
+  void evaluate_each(std::span<const Vec3> points_mm, std::span<double> values, std::span<Vec3> gradients) const;
+  void divide_lattice(const LatticeAxes& axes_mm, const LatticePart& part, std::vector<LatticePart>& parts) const;
+  void lattice_sums(const LatticeAxes& axes_mm, const LatticePart& part, std::span<double> values) const;
   void spread_weights();
   void translate();
   void pass_down();
   void leaf_sums(std::uint32_t leaf, const double* targets, bool gradient, LaneSums& sums) const;
+  /// What leaf_sums() adds to the leaf's own polynomial.
+  void beside_sums(std::uint32_t leaf, const double* targets, bool gradient, LaneSums& sums) const;
   void outside_sums(std::uint32_t box, const double* targets, const Vec3& p_mm, bool gradient, LaneSums& sums) const;
   /// Adds the sums over a box's nodes, taken as sources.
   void expansion_sums(std::uint32_t box, const double* targets, bool gradient, LaneSums& sums) const;

@@ -12,7 +12,7 @@ int octant_of(const Vec3& p, const Vec3& centre) {
 
 }  // namespace
 
-Octree::Octree(std::span<const Vec3> points_mm, std::size_t leaf_size) {
+Octree::Octree(std::span<const Vec3> points_mm, std::size_t leaf_size, std::size_t beside_size) {
   constexpr double kPadding = 1.1;  // fields are asked a little beyond their centres too
   const Box3 bounds = bounds_of(points_mm);
   size_mm_ = std::max(bounds.sizes().maxCoeff() * kPadding, 1e-9);
@@ -27,9 +27,10 @@ Octree::Octree(std::span<const Vec3> points_mm, std::size_t leaf_size) {
   for (std::uint32_t begin = 0; begin < boxes_.size();) {
     const auto end = static_cast<std::uint32_t>(boxes_.size());
     level_begin_.push_back(end);
+    const std::vector<bool> is_beside = beside_crowds(begin, beside_size);
     for (std::uint32_t b = begin; b < end; ++b) {
       const Box box = boxes_[b];
-      if (box.count() <= leaf_size || box.level == kDeepest) continue;
+      if ((box.count() <= leaf_size && !is_beside[b - begin]) || box.level == kDeepest) continue;
       const Vec3 centre = centre_mm(box);
       std::array<std::uint32_t, 9> start{};
       for (std::uint32_t i = box.begin; i < box.end; ++i) {
@@ -57,6 +58,36 @@ Octree::Octree(std::span<const Vec3> points_mm, std::size_t leaf_size) {
     }
     begin = end;
   }
+}
+
+std::vector<bool> Octree::beside_crowds(std::uint32_t begin, std::size_t beside_size) const {
+  std::vector<bool> is_beside(boxes_.size() - begin, false);
+  for (std::size_t b = begin; b < boxes_.size(); ++b) {
+    const Box& box = boxes_[b];
+    if (box.count() <= beside_size) continue;
+    for (int n = 0; n < 27; ++n) {
+      // Every neighbour within the root exists: its parent is the crowded box's own or touches it, and was divided.
+      const std::uint32_t other =
+          box_at(box.level, {box.at[0] + n % 3 - 1, box.at[1] + n / 3 % 3 - 1, box.at[2] + n / 9 - 1});
+      if (other != kNone) is_beside[other - begin] = true;
+    }
+  }
+  return is_beside;
+}
+
+std::uint32_t Octree::box_at(int level, const std::array<int, 3>& at) const {
+  for (const int a : at) {
+    if (a < 0 || a >= 1 << level) return kNone;
+  }
+  std::uint32_t box = 0;
+  for (int shift = level; shift-- > 0;) {
+    if (boxes_[box].is_leaf()) return kNone;
+    std::uint32_t octant = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      octant |= ((static_cast<std::uint32_t>(at[axis]) >> shift) & 1U) << axis;
+    box = boxes_[box].first_child + octant;
+  }
+  return box;
 }
 
 Vec3 Octree::centre_mm(const Box& box) const {

@@ -10,7 +10,8 @@
 namespace spinaltap::detail {
 
 /// An adaptive octree over points. A box with more than `leaf_size` of them has eight children, empty ones too, so that
-/// every place of the root cube lies in exactly one leaf.
+/// every place of the root cube lies in exactly one leaf. With a `beside_size` (`leaf_size` or more) the boxes that
+/// touch one with more points than that are divided as it is: places without points are then near few points as well.
 class Octree {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -28,7 +29,7 @@ class Octree {
   };
 
   /// Points must be finite and at least one.
-  Octree(std::span<const Vec3> points_mm, std::size_t leaf_size);
+  Octree(std::span<const Vec3> points_mm, std::size_t leaf_size, std::size_t beside_size = kNone);
 
   /// Level by level, the root first.
   const std::vector<Box>& boxes() const { return boxes_; }
@@ -45,6 +46,11 @@ class Octree {
   std::uint32_t leaf_at(const Vec3& p_mm) const;
 
  private:
+  /// Which of the last level's boxes, from `begin` on, touch one with more than `beside_size` points.
+  std::vector<bool> beside_crowds(std::uint32_t begin, std::size_t beside_size) const;
+  /// The box at a position among those of a level; kNone where the tree does not go so deep.
+  std::uint32_t box_at(int level, const std::array<int, 3>& at) const;
+
   Vec3 low_mm_;
   double size_mm_ = 0.0;
   std::vector<Box> boxes_;

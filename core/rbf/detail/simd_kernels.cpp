@@ -35,16 +35,17 @@ namespace avx512 {
 
 const std::vector<SimdKernels>& simd_kernels() {
   static const std::vector<SimdKernels> all = [] {
-    std::vector<SimdKernels> found{{"portable", portable::near_sum, portable::interpolate, portable::multiply_spectra,
+    std::vector<SimdKernels> found{{"portable", portable::near_sum, portable::interpolate,
+                                    portable::interpolate_lattice, portable::multiply_spectra,
                                     portable::multiply_complex, portable::local_functions}};
 #ifdef SPINALTAP_X86_KERNELS
     if (__builtin_cpu_supports("avx2") != 0) {
-      found.push_back({"avx2", avx2::near_sum, avx2::interpolate, avx2::multiply_spectra, avx2::multiply_complex,
-                       avx2::local_functions});
+      found.push_back({"avx2", avx2::near_sum, avx2::interpolate, avx2::interpolate_lattice, avx2::multiply_spectra,
+                       avx2::multiply_complex, avx2::local_functions});
     }
     if (__builtin_cpu_supports("avx512f") != 0) {
-      found.push_back({"avx512", avx512::near_sum, avx512::interpolate, avx512::multiply_spectra,
-                       avx512::multiply_complex, avx512::local_functions});
+      found.push_back({"avx512", avx512::near_sum, avx512::interpolate, avx512::interpolate_lattice,
+                       avx512::multiply_spectra, avx512::multiply_complex, avx512::local_functions});
     }
 #endif
     return found;

@@ -46,6 +46,13 @@ struct SimdKernels {
   void (*interpolate)(int order, bool gradient, const double* places, const double* nodes, const double* inverse,
                       double scale, LaneSums& sums);
 
+  /// The same polynomial's values on a lattice of counts[0] x counts[1] x counts[2] places; `places` are the axes'
+  /// coordinates (-1..1), each list filled up to a multiple of kLanes. Writes rows of counts[0] values, filled up to
+  /// such a multiple: out[(k * counts[1] + j) * row + i], the bits that interpolate() adds at each place. `work` holds
+  /// `order` numbers for each y and z of the filled lists.
+  void (*interpolate_lattice)(int order, const std::size_t* counts, const double* const* places, const double* nodes,
+                              const double* inverse, double* work, double* out);
+
   /// out = sum over pairs of table[pair.table] * source[pair.source], complex numbers in chunks of eight: re[8] im[8].
   void (*multiply_spectra)(const SpectrumPair* pairs, std::size_t count, const double* table, const double* source,
                            double* out);

@@ -160,6 +160,53 @@ void interpolate(int order, bool gradient, const double* places, const double* n
   }
 }
 
+/// See simd_kernels.h. One axis after the other, with the sums in the order that interpolate_with() has them in.
+void interpolate_lattice(int order, const std::size_t* counts, const double* const* places, const double* nodes,
+                         const double* inverse, double* work, double* out) {
+  const auto size = static_cast<std::size_t>(order);
+  Lanes basis[kMaxOrder];
+  Lanes slope[kMaxOrder];  // not wanted
+  double* along[2] = {work, work + (counts[1] + kLanes - 1) / kLanes * kLanes * size};
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    for (std::size_t first = 0; first < counts[axis]; first += kWidth) {
+      Lanes t;
+      load(places[axis] + first, t);
+      lagrange_lanes(order, t, inverse, false, basis, slope);
+      for (std::size_t l = 0; l < kWidth; ++l) {
+        for (std::size_t k = 0; k < size; ++k) along[axis - 1][(first + l) * size + k] = basis[k][l];
+      }
+    }
+  }
+  const std::size_t row_size = (counts[0] + kLanes - 1) / kLanes * kLanes;
+  Lanes rows[kMaxOrder * kMaxOrder];
+  Lanes planes[kMaxOrder];
+  for (std::size_t first = 0; first < counts[0]; first += kWidth) {
+    Lanes t;
+    load(places[0] + first, t);
+    lagrange_lanes(order, t, inverse, false, basis, slope);
+    const double* node = nodes;
+    for (std::size_t r = 0; r < size * size; ++r) {
+      Lanes row{};
+      for (std::size_t i = 0; i < size; ++i, ++node) row += *node * basis[i];
+      rows[r] = row;
+    }
+    for (std::size_t j = 0; j < counts[1]; ++j) {
+      const double* y = along[0] + j * size;
+      for (std::size_t k = 0; k < size; ++k) {
+        Lanes plane{};
+        for (std::size_t q = 0; q < size; ++q) plane += rows[k * size + q] * y[q];
+        planes[k] = plane;
+      }
+      for (std::size_t m = 0; m < counts[2]; ++m) {
+        const double* z = along[1] + m * size;
+        Lanes value{};
+        for (std::size_t k = 0; k < size; ++k) value += planes[k] * z[k];
+        store(value, out + (m * counts[1] + j) * row_size + first);
+      }
+    }
+  }
+}
+
 void multiply_spectra(const SpectrumPair* pairs, std::size_t count, const double* table, const double* source,
                       double* out) {
   constexpr std::size_t kChunk = 2 * kLanes;

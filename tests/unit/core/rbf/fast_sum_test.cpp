@@ -18,6 +18,7 @@ using test::PlainSum;
 
 constexpr std::uint64_t kSumSeed = 71;
 constexpr std::size_t kSummed = 1500;
+constexpr std::size_t kNowhere = Octree::kNone;  // no box is divided for its neighbours' sake
 
 struct CentreSet {
   const char* name;
@@ -96,15 +97,18 @@ TEST(FastSum, AgreesWithTheSumTermByTerm) {
       for (const double width_mm : {0.0, 0.8}) {
         SCOPED_TRACE(::testing::Message() << one.name << ", " << (kernel == RadialKernel::biharmonic ? "bi" : "tri")
                                           << "harmonic, low pass " << width_mm << " mm");
-        FastSum fast(kernel, width_mm, one.centres_mm, {.order = 8, .leaf_size = 20});
-        fast.set_weights(weights);
-        const Found found = evaluate(fast, places_mm);
-        for (std::size_t i = 0; i < places_mm.size(); ++i) {
-          const PlainSum sum = plain_sum(kernel, width_mm, one.centres_mm, weights, places_mm[i]);
-          // Half a digit for each of 8 nodes, of the terms' magnitudes; gradients lose one of the nodes.
-          EXPECT_NEAR(found.values[i], sum.value, 1e-4 * sum.size) << i << " at " << places_mm[i].transpose();
-          EXPECT_LT((found.gradients[i] - sum.gradient).norm(), 3e-4 * sum.gradient_size)
-              << i << " at " << places_mm[i].transpose();
+        for (const std::size_t beside_size : {std::size_t{20}, std::size_t{60}, kNowhere}) {
+          SCOPED_TRACE(beside_size);
+          FastSum fast(kernel, width_mm, one.centres_mm, {.order = 8, .leaf_size = 20, .beside_size = beside_size});
+          fast.set_weights(weights);
+          const Found found = evaluate(fast, places_mm);
+          for (std::size_t i = 0; i < places_mm.size(); ++i) {
+            const PlainSum sum = plain_sum(kernel, width_mm, one.centres_mm, weights, places_mm[i]);
+            // Half a digit for each of 8 nodes, of the terms' magnitudes; gradients lose one of the nodes.
+            EXPECT_NEAR(found.values[i], sum.value, 1e-4 * sum.size) << i << " at " << places_mm[i].transpose();
+            EXPECT_LT((found.gradients[i] - sum.gradient).norm(), 3e-4 * sum.gradient_size)
+                << i << " at " << places_mm[i].transpose();
+          }
         }
       }
     }
@@ -173,7 +177,7 @@ TEST(FastSum, GivesTheSumsAtItsCentresInTheirOrder) {
 TEST(FastSum, GivesAPlaceTheSameBitsWhateverElseIsAskedFor) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
   for (const CentreSet& one : centre_sets()) {
-    FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm, {.order = 6, .leaf_size = 20});
+    FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm, {.order = 6, .leaf_size = 20, .beside_size = 20});
     fast.set_weights(test::random_weights(kSummed, kSumSeed + 1));
     std::vector<Vec3> places_mm = places(one.centres_mm);
     const Found together = evaluate(fast, places_mm);
@@ -193,17 +197,65 @@ TEST(FastSum, GivesAPlaceTheSameBitsWhateverElseIsAskedFor) {
   }
 }
 
+TEST(FastSum, GivesALatticeTheBitsOfItsPlaces) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
+  for (const CentreSet& one : centre_sets()) {
+    const Box3 bounds = bounds_of(one.centres_mm);
+    // Sparser and denser than leaves; across the cube and beyond its sides, or beside all of it; one place; none.
+    const auto axis = [&](int a, double begin, double end, std::size_t count) {
+      std::vector<double> list;
+      for (std::size_t i = 0; i < count; ++i) {
+        const double part = begin + (end - begin) * (static_cast<double>(i) + 0.5) / static_cast<double>(count);
+        list.push_back(bounds.min()[a] + part * bounds.sizes()[a]);
+      }
+      return list;
+    };
+    const std::array<std::vector<double>, 3> lattices[] = {
+        {axis(0, 0.0, 1.0, 23), axis(1, 0.0, 1.0, 9), axis(2, 0.0, 1.0, 14)},
+        {axis(0, 0.4, 0.5, 40), axis(1, 0.4, 0.5, 31), axis(2, 0.3, 0.5, 25)},
+        {axis(0, -0.5, 1.5, 11), axis(1, -0.5, 1.5, 12), axis(2, 0.2, 1.5, 10)},
+        {axis(0, 2.0, 3.0, 3), axis(1, 0.0, 1.0, 3), axis(2, 0.0, 1.0, 3)},
+        {axis(0, 0.2, 0.3, 1), axis(1, 0.2, 0.3, 1), axis(2, 0.9, 1.0, 1)},
+        {axis(0, 0.0, 1.0, 3), {}, axis(2, 0.0, 1.0, 3)}};
+    for (const std::size_t beside_size : {std::size_t{20}, kNowhere}) {
+      for (const SimdKernels& simd : simd_kernels()) {
+        FastSum fast(RadialKernel::biharmonic, 0.0, one.centres_mm,
+                     {.order = 7, .leaf_size = 20, .beside_size = beside_size, .simd = &simd});
+        fast.set_weights(test::random_weights(kSummed, kSumSeed + 1));
+        for (const auto& [x_mm, y_mm, z_mm] : lattices) {
+          std::vector<Vec3> places_mm;
+          for (const double z : z_mm) {
+            for (const double y : y_mm) {
+              for (const double x : x_mm) places_mm.emplace_back(x, y, z);
+            }
+          }
+          std::vector<double> values(places_mm.size(), std::nan(""));
+          fast.evaluate_lattice({x_mm, y_mm, z_mm}, values);
+          EXPECT_EQ(values, evaluate(fast, places_mm).values) << one.name << " " << simd.name;
+        }
+      }
+    }
+  }
+}
+
 TEST(FastSum, GivesTheSameBitsAtAnyNumberOfThreadsAndWithAnyInstructionSet) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSumSeed);
   for (const CentreSet& one : centre_sets()) {
     const std::vector<Vec3> places_mm = places(one.centres_mm);
     const auto all = [&](std::size_t threads, const SimdKernels& simd) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      FastSum fast(RadialKernel::triharmonic, 0.3, one.centres_mm, {.order = 5, .leaf_size = 20, .simd = &simd});
+      FastSum fast(RadialKernel::triharmonic, 0.3, one.centres_mm,
+                   {.order = 5, .leaf_size = 20, .beside_size = 20, .simd = &simd});
       fast.set_weights(test::random_weights(kSummed, kSumSeed + 1));
       Found found = evaluate(fast, places_mm);
       found.values.resize(places_mm.size() + kSummed);
       fast.at_centres(std::span(found.values).subspan(places_mm.size()));
+      // Two thirds of a lattice's places lie in the cube.
+      std::vector<double> axis(20);
+      for (std::size_t i = 0; i < axis.size(); ++i) axis[i] = static_cast<double>(i) - 12.0;
+      const std::size_t before = found.values.size();
+      found.values.resize(before + axis.size() * axis.size() * axis.size());
+      fast.evaluate_lattice({axis, axis, axis}, std::span(found.values).subspan(before));
       return found;
     };
     const Found expected = all(1, simd_kernels().front());

@@ -29,13 +29,16 @@ template <class Check>
 void for_each_case(const Check& check) {
   SCOPED_TRACE(::testing::Message() << "seed " << kListSeed);
   for (const PointSet& one : listed_sets()) {
-    const Octree tree(one.points_mm, 15);
-    for (const bool anywhere : {false, true}) {
-      for (const std::size_t few : {1U, 8U, 200U}) {
-        SCOPED_TRACE(::testing::Message() << one.name << ", anywhere " << anywhere << ", few " << few);
-        std::vector<bool> is_target;
-        for (const Octree::Box& box : tree.boxes()) is_target.push_back(anywhere || box.count() > 0);
-        check(tree, is_target, few, make_lists(tree, is_target, few));
+    for (const std::uint32_t beside : {15U, 40U, Octree::kNone}) {
+      const Octree tree(one.points_mm, 15, beside);
+      for (const bool anywhere : {false, true}) {
+        for (const std::size_t few : {1U, 8U, 200U}) {
+          SCOPED_TRACE(::testing::Message()
+                       << one.name << ", beside " << beside << ", anywhere " << anywhere << ", few " << few);
+          std::vector<bool> is_target;
+          for (const Octree::Box& box : tree.boxes()) is_target.push_back(anywhere || box.count() > 0);
+          check(tree, is_target, few, make_lists(tree, is_target, few));
+        }
       }
     }
   }
@@ -101,6 +104,24 @@ TEST(InteractionLists, UseExpansionsOnlyWhereBoxesAreApart) {
           }
         }
       });
+}
+
+TEST(InteractionLists, KeepSourcesFewWhereBoxesBesideCrowdsAreDivided) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kListSeed);
+  constexpr std::size_t kLeafSize = 15;
+  for (const std::vector<Vec3>& points_mm :
+       {test::random_points(2500, kListSeed), test::ball_points(2500), test::clustered_points(2500, kListSeed)}) {
+    const Octree tree(points_mm, kLeafSize, kLeafSize);
+    const InteractionLists lists = make_lists(tree, std::vector<bool>(tree.boxes().size(), true), 8);
+    for (std::uint32_t b = 0; b < tree.boxes().size(); ++b) {
+      if (!tree.boxes()[b].is_leaf()) continue;
+      ASSERT_LT(tree.boxes()[b].level, Octree::kDeepest);
+      // No box beside it is crowded: none is divided further for its own points' sake.
+      for (const std::uint32_t* f = lists.finer.begin(b); f != lists.finer.end(b); ++f) {
+        ASSERT_LE(tree.boxes()[*f].count(), kLeafSize);
+      }
+    }
+  }
 }
 
 TEST(InteractionLists, UseEveryKindWhereDensitiesDiffer) {

@@ -49,6 +49,33 @@ TEST(Octree, DividesBoxesThatHoldTooManyAndNoOthers) {
   }
 }
 
+TEST(Octree, DividesBoxesBesideCrowdsAsWell) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kOctreeSeed);
+  constexpr std::size_t kLeafSize = 30;
+  std::size_t for_others = 0;  // of evenly spread points all boxes are full themselves
+  for (const std::vector<Vec3>& points_mm : sets_to_sort()) {
+    for (const std::size_t beside_size : {kLeafSize, 3 * kLeafSize}) {
+      const Octree tree(points_mm, kLeafSize, beside_size);
+      for (std::uint32_t level = 0; level + 1 < tree.level_begin().size(); ++level) {
+        for (std::uint32_t a = tree.level_begin()[level]; a < tree.level_begin()[level + 1]; ++a) {
+          bool is_beside = false;
+          for (std::uint32_t b = tree.level_begin()[level]; b < tree.level_begin()[level + 1]; ++b) {
+            const Octree::Box& other = tree.boxes()[b];
+            is_beside = is_beside || (other.count() > beside_size && are_adjacent(tree.boxes()[a], other));
+          }
+          const bool is_full = tree.boxes()[a].count() > kLeafSize;
+          ASSERT_EQ(tree.boxes()[a].is_leaf(), !is_full && !is_beside) << "level " << level;
+          if (!is_full && is_beside) ++for_others;
+        }
+      }
+      std::size_t points = 0;
+      for (const Octree::Box& box : tree.boxes()) points += box.is_leaf() ? box.count() : 0;
+      EXPECT_EQ(points, points_mm.size());
+    }
+  }
+  EXPECT_GT(for_others, 100U);
+}
+
 TEST(Octree, NumbersBoxesLevelByLevelAndChildrenByOctant) {
   const Octree tree(test::clustered_points(3000, kOctreeSeed), 20);
   const auto& boxes = tree.boxes();

@@ -106,6 +106,50 @@ TEST(RbfField, IsWithinItsAccuracyOfTheSumTermByTerm) {
   }
 }
 
+TEST(RbfField, IsAsAccurateFarFromItsCentresAsBesideThem) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kFieldSeed);
+  // A ball's surface of 10 mm and a small one in a corner of the box: most of the box is far from both.
+  RbfModel model = model_of(6000);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    model.centres_mm.push_back(0.1 * model.centres_mm[2 * i] + Vec3::Constant(30.0));
+    model.weights.push_back((i % 2 == 0 ? 1.0 : -1.0) * 0.01);
+  }
+  for (const double accuracy_mm : {1e-3, 1e-5}) {
+    const RbfField field(model, accuracy_mm);
+    EXPECT_GT(field.value_error_mm(), 0.0);  // by fast sums
+    std::vector<Vec3> places_mm;
+    for (std::uint64_t n = 0; n < 400; ++n) {
+      places_mm.emplace_back(Vec3::Constant(10.0) + test::random_place(kFieldSeed + 5, n, 21.0));
+      places_mm.emplace_back(Vec3::Constant(10.0) + test::random_place(kFieldSeed + 6, n, 60.0));
+    }
+    std::vector<double> values(places_mm.size());
+    std::vector<Vec3> gradients(places_mm.size());
+    field.evaluate(places_mm, values, gradients);
+    for (std::size_t i = 0; i < places_mm.size(); ++i) {
+      const auto sum = test::plain_sum(model.kernel, 0.0, model.centres_mm, model.weights, places_mm[i]);
+      EXPECT_NEAR(values[i], sum.value + test::plain_polynomial(model, places_mm[i]), accuracy_mm);
+      EXPECT_LT((gradients[i] - sum.gradient - Vec3::Constant(0.1)).norm(), accuracy_mm);
+    }
+  }
+}
+
+TEST(RbfField, GivesALatticeTheBitsOfItsPlaces) {
+  for (const std::size_t count : {603U, 2500U}) {  // term by term, and by fast sums
+    const RbfField field(model_of(count));
+    std::vector<Vec3> places_mm;
+    for (const double z : {-8.0, 0.0, 1.0}) {
+      for (const double y : {-2.0, 3.0, 3.5}) {
+        for (const double x : {-13.0, -4.0, 0.5, 6.0, 9.0, 9.25, 9.5, 20.0}) places_mm.emplace_back(x, y, z);
+      }
+    }
+    std::vector<double> each(places_mm.size());
+    std::vector<double> lattice(places_mm.size());
+    for (std::size_t i = 0; i < each.size(); ++i) field.evaluate({&places_mm[i], 1}, {&each[i], 1}, {});
+    field.evaluate(places_mm, lattice, {});
+    EXPECT_EQ(lattice, each);
+  }
+}
+
 TEST(RbfField, HasTheGradientThatDifferencesOfItsValuesGive) {
   SCOPED_TRACE(::testing::Message() << "seed " << kFieldSeed);
   const RbfField field(model_of(1000));

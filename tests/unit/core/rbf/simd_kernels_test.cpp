@@ -178,6 +178,41 @@ TEST(SimdKernels, InterpolateAsLagrangeDoes) {
   }
 }
 
+TEST(SimdKernels, InterpolateOnALatticeWithTheBitsOfItsPlaces) {
+  SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
+  constexpr std::size_t kCounts[3] = {11, 3, 9};
+  for (int order = kMinOrder; order <= kMaxOrder; ++order) {
+    SCOPED_TRACE(::testing::Message() << "order " << order);
+    const LagrangeGrid grid(order);
+    const std::vector<double> nodes = random_weights(grid.node_count(), kSimdSeed + 3);
+    const std::vector<double> axes[3] = {random_weights(16, 1), random_weights(8, 2), random_weights(16, 3)};
+    const double* const places[3] = {axes[0].data(), axes[1].data(), axes[2].data()};
+    const std::vector<double> found = same_on_all([&](const SimdKernels& simd) {
+      std::vector<double> work(static_cast<std::size_t>(order) * (8 + 16));
+      std::vector<double> out(16 * kCounts[1] * kCounts[2], 99.0);
+      simd.interpolate_lattice(order, kCounts, places, nodes.data(), grid.inverse(), work.data(), out.data());
+      std::vector<double> rows;  // without what fills them up
+      for (std::size_t row = 0; row < kCounts[1] * kCounts[2]; ++row) {
+        rows.insert(rows.end(), out.data() + row * 16, out.data() + row * 16 + kCounts[0]);
+      }
+      return rows;
+    });
+    for (std::size_t k = 0; k < kCounts[2]; ++k) {
+      for (std::size_t j = 0; j < kCounts[1]; ++j) {
+        for (std::size_t i = 0; i < kCounts[0]; ++i) {
+          double place[3 * kLanes];
+          std::fill_n(place, kLanes, axes[0][i]);
+          std::fill_n(place + kLanes, kLanes, axes[1][j]);
+          std::fill_n(place + 2 * kLanes, kLanes, axes[2][k]);
+          LaneSums sums{};
+          simd_kernels().front().interpolate(order, false, place, nodes.data(), grid.inverse(), 1.0, sums);
+          ASSERT_EQ(found[(k * kCounts[1] + j) * kCounts[0] + i], sums.value[0]);
+        }
+      }
+    }
+  }
+}
+
 TEST(SimdKernels, MultiplySpectraAsComplexNumbers) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSimdSeed);
   constexpr std::size_t kChunk = 2 * kLanes;
