@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 
 #include <QApplication>
+#include <QLocale>
 #include <QTimer>
+#include <clocale>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -102,6 +104,9 @@ int run_planner(int argc, char** argv) {
   QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
   QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
   const QApplication application(argc, argv);
+  // Qt has taken the user's locale for all of the process: numbers are read and written the same way under any.
+  std::setlocale(LC_NUMERIC, "C");
+  QLocale::setDefault(QLocale::c());
   QApplication::setOrganizationName("SpinalTap");
   QApplication::setApplicationName("spinaltap-planner");
   return run_window(options);
