@@ -50,6 +50,7 @@ struct SceneView::Scene {
         handles(stage.front()),
         guides(stage.scene()) {
     hint->setAlignment(Qt::AlignCenter);
+    hint->setWordWrap(true);  // the pane may be narrower than the words
     hint->setStyleSheet("background: #2b323b; color: #aeb8c4;");
     pages->addWidget(hint);
     pages->addWidget(pane);
