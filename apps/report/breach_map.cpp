@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "apps/report/label_place.h"
 #include "apps/report/text.h"
 
 namespace spinaltap {
@@ -81,19 +85,37 @@ std::string bars(const GradeOdds& odds) {
   return svg;
 }
 
+/// "Errors: Robot, 726 screws", in two lines where it is longer than one.
+std::vector<std::string> title_lines(const PlacementErrors& errors) {
+  std::vector<std::string> lines{"Errors:"};
+  std::istringstream words(errors.title.empty() ? errors.name : errors.title);
+  for (std::string word; words >> word;) {
+    const bool fits = lines.size() == 2 || text_width(lines.back() + " " + word, 13.0) < kWidth - kBarsLeft;
+    if (fits) {
+      lines.back() += " " + word;
+    } else {
+      lines.push_back(word);
+    }
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string breach_map_svg(const PlacedGrade& placed) {
   if (placed.map.shift_mm.errors.size() < 2) return {};
-  return "<svg class=\"map\" role=\"img\" aria-label=\"Breach by error of the entry\" viewBox=\"0 0 " +
-         svg_number(kWidth) + " " + svg_number(kHeight) + "\" font-size=\"13\" fill=\"#3d464e\">\n" +
-         text(0.0, 14.0, "start", "Grade where the entry errs",
-              "font-weight=\"600\" font-size=\"14\" fill=\"#1a2026\"") +
-         text(kBarsLeft, 14.0, "start", "Grades to expect: " + placed.errors.name,
-              "font-weight=\"600\" font-size=\"14\" fill=\"#1a2026\"") +
-         map(placed.map.shift_mm) + bars(placed.odds) +
-         text(kBarsLeft, kTop + kSide + 12.0, "start", "95 % intervals; dark green: over") +
-         text(kBarsLeft, kTop + kSide + 28.0, "start", "1 mm of bone left, then A to E") + "</svg>\n";
+  constexpr std::string_view kHead = "font-weight=\"600\" font-size=\"14\" fill=\"#1a2026\"";
+  std::string svg = "<svg class=\"map\" role=\"img\" aria-label=\"Breach by error of the entry\" viewBox=\"0 0 " +
+                    svg_number(kWidth) + " " + svg_number(kHeight) + "\" font-size=\"13\" fill=\"#3d464e\">\n" +
+                    text(0.0, 14.0, "start", "Grade where the entry errs", kHead) +
+                    text(kBarsLeft, 14.0, "start", "Grades to expect, 95 % intervals", kHead) +
+                    map(placed.map.shift_mm) + bars(placed.odds);
+  double y = kTop + kSide + 12.0;
+  for (const std::string& line : title_lines(placed.errors)) {
+    svg += text(kBarsLeft, y, "start", line);
+    y += 16.0;
+  }
+  return svg + "</svg>\n";
 }
 
 }  // namespace spinaltap

@@ -154,6 +154,12 @@ std::string odds_in_words(const PlacedGrade& placed) {
          ", " + std::to_string(placed.odds.draws) + " draws";
 }
 
+bool hides_breach(const GradedPath& graded) {
+  if (!graded.surface || graded.grade.breach_mm > 0.0) return false;
+  const double clearance_mm = std::min(graded.grade.canal.clearance_mm, graded.grade.outer.clearance_mm);
+  return std::isfinite(clearance_mm) && graded.surface->band(clearance_mm).low < 0.0;
+}
+
 std::string surface_in_words(const GradedPath& graded) {
   const CtSurfaceError& surface = *graded.surface;
   const bool nearer_is_canal = graded.grade.canal.clearance_mm < graded.grade.outer.clearance_mm;
@@ -163,7 +169,7 @@ std::string surface_in_words(const GradedPath& graded) {
   const Interval band = surface.band(clearance_mm);
   return words + ": clearance to the " + (nearer_is_canal ? "canal " : "outer surface ") +
          readable_number(clearance_mm, 2) + " mm is " + readable_number(band.low, 2) + " to " +
-         readable_number(band.high, 2) + " mm";
+         readable_number(band.high, 2) + " mm" + (hides_breach(graded) ? ": a breach may hide in the CT's error" : "");
 }
 
 Json uncertainty_json(const GradedPath& graded, bool with_map) {

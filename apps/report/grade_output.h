@@ -36,6 +36,9 @@ std::vector<std::string> band_names(const std::vector<double>& hu_bands);
 
 /// "93 % (91 to 95)": a probability and its interval.
 std::string probability_in_words(const Probability& probability);
+/// Whether the path is graded as without a breach, and the surface is not known well enough to say so: the clearance's
+/// 95 % band goes below 0.
+bool hides_breach(const GradedPath& graded);
 /// "A 93 % (91 to 95), B 6 % (5 to 8); breach into the canal 2 % (1 to 3); by robot_726, 1024 draws": grades below 0.1
 /// % are left out.
 std::string odds_in_words(const PlacedGrade& placed);

@@ -73,7 +73,7 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
     rows.push_back({"Share " + names[n], readable_number(100.0 * grade.hu_band_shares[n], 1), "%"});
   }
   rows.push_back({"Max predicted thrust", readable_number(grade.max_thrust_n, 1), "N"});
-  if (graded.safe) {
+  if (graded.safe && !(grade.breach_mm > 0.0)) {  // else there is nothing left to err by
     const SafeZone& safe = *graded.safe;
     const auto add_error = [&](const std::string& to, double mm, double degrees) {
       rows.push_back({"May be off " + to + " until it breaches",
@@ -188,8 +188,8 @@ std::string grade_report(const GradeReportData& data, const Progress& progress) 
     report.add_table(figures_of(*data.landmarks));
   }
   report.add_text(
-      "Clearance is from the tool's surface to the wall; below 0 the tool is nearer than its radius. The breach is how "
-      "far the tool stands out of the bone. The outer surface that is pierced on purpose at the entry does not count.");
+      "Clearance is from the tool's surface to the wall; below 0 the tool is through it. The breach is how far the "
+      "tool stands out of the bone. The outer surface that is pierced on purpose at the entry does not count.");
   for (std::size_t n = 0; n < data.paths.size(); ++n) {
     const GradedPath& graded = data.paths[n];
     report.add_heading("All figures: " + (graded.path.name.empty() ? std::string("path") : graded.path.name));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -52,7 +53,7 @@ std::vector<ReportRow> sheet_figures(const GradedPath& graded, const Landmarks* 
   if (std::isfinite(grade.hu)) rows.push_back({"Bone in it", readable_number(grade.hu, 0), "HU"});
   rows.push_back({"Entry", place(path.entry_mm), "mm"});
   rows.push_back({"Target", place(path.target_mm), "mm"});
-  rows.push_back({"Length", readable_number(path.length_mm(), 1), "mm"});
+  rows.push_back({"Path", readable_number(path.length_mm(), 1), "mm"});
   rows.push_back({"Thrust", readable_number(grade.max_thrust_n, 0), "N"});
   return rows;
 }
@@ -68,12 +69,12 @@ ReportLines shortened(ReportLines lines, std::size_t max) {
   return lines;
 }
 
-ReportLines findings_of(const PathGrade& grade) {
+ReportLines findings_of(const PathGrade& grade, std::size_t max) {
   ReportLines lines{"What stands out", {}, {}};
   for (const Finding& finding : grade.findings) {
     (finding.is_warning ? lines.warnings : lines.lines).push_back(finding.words);
   }
-  return shortened(std::move(lines), 3);
+  return shortened(std::move(lines), max);
 }
 
 class Sheets {
@@ -85,7 +86,7 @@ class Sheets {
   ReportSheet sheet(const std::vector<Slot>& slots, bool is_first) const {
     ReportSheet made;
     if (!is_first) made.heading = data_.title;
-    if (data_.landmarks != nullptr && is_first) made.notes = data_.landmarks->warnings;
+    if (is_first) made.notes = notes();
     for (const Slot& slot : slots) {
       made.columns.push_back(slot.graded != nullptr ? column(*slot.graded, slots) : column(*slot.missing));
     }
@@ -101,6 +102,21 @@ class Sheets {
   }
 
  private:
+  /// What is wrong with the bone itself: all that stands below rests on it.
+  std::vector<std::string> notes() const {
+    std::vector<std::string> lines;
+    const std::optional<LevelWarnings> bone = data_.bone != nullptr ? data_.bone->warnings() : std::nullopt;
+    if (bone && !bone->warnings.empty()) {
+      std::string line = bone->is_suspect() ? "This bone is SUSPECT, look at it before its paths: " : "The bone: ";
+      for (std::size_t n = 0; n < bone->warnings.size(); ++n) line += (n == 0 ? "" : "; ") + bone->warnings[n];
+      lines.push_back(line);
+    }
+    if (data_.landmarks != nullptr) {
+      lines.insert(lines.end(), data_.landmarks->warnings.begin(), data_.landmarks->warnings.end());
+    }
+    return lines;
+  }
+
   SheetColumn column(const GradedPath& graded, const std::vector<Slot>& slots) const {
     const PathGrade& grade = graded.grade;
     SheetColumn made;
@@ -120,7 +136,7 @@ class Sheets {
                     std::to_string(grade.facet);
     if (data_.ct != nullptr) {
       SliceScene scene = scene_of(graded.path);
-      scene.red_from_mm = grade.entry_end_mm;
+      scene.red_from_mm = grade.opening_end_mm;  // from where on the grade counts
       for (const Slot& other : slots) {
         if (other.graded != nullptr && other.graded != &graded) scene.others.push_back(other.graded->path);
       }
@@ -128,7 +144,7 @@ class Sheets {
       made.narrow_from = 3;
     }
     made.figures = sheet_figures(graded, data_.landmarks);
-    if (graded.safe && !graded.placed) {  // the map tells more
+    if (graded.safe && !graded.placed && !(grade.breach_mm > 0.0)) {  // the map tells more
       const SafeZone& safe = *graded.safe;
       const auto mm = [](double value) { return readable_number(value, 1) + " mm"; };
       const auto degrees = [](double value) { return readable_number(value, 1) + "°"; };
@@ -143,10 +159,15 @@ class Sheets {
     plot.height = kSheetPlotHeight;
     made.plots.push_back({svg_plot(plot), ""});
     if (graded.placed) made.plots.push_back({breach_map_svg(*graded.placed), ""});
-    made.lists.push_back(findings_of(grade));
-    if (graded.surface) made.lists.back().lines.push_back("Surface " + surface_in_words(graded));
+    const std::size_t max_lines = notes().empty() ? 3 : 2;  // what the bone is told to lack needs the room
+    made.lists.push_back(findings_of(grade, max_lines));
+    if (graded.surface) {
+      ReportLines& list = made.lists.back();
+      (hides_breach(graded) ? list.warnings : list.lines).push_back("Surface " + surface_in_words(graded));
+    }
     const auto index = static_cast<std::size_t>(&graded - data_.paths.data());
-    if (index < data_.reasons.size()) made.lists.push_back(shortened({"Why this path", {}, data_.reasons[index]}, 3));
+    if (index < data_.reasons.size())
+      made.lists.push_back(shortened({"Why this path", {}, data_.reasons[index]}, max_lines));
     return made;
   }
 
@@ -191,6 +212,11 @@ class Sheets {
     return (pedicle.isthmus_mm - graded.path.entry_mm).dot(graded.path.direction());
   }
 
+  bool has_map() const {
+    return std::any_of(data_.paths.begin(), data_.paths.end(),
+                       [](const GradedPath& one) { return one.placed.has_value(); });
+  }
+
   std::string key() const {
     std::string text;
     if (data_.ct != nullptr) {
@@ -202,6 +228,7 @@ class Sheets {
     }
     if (data_.bone != nullptr) text += "Yellow: the bone's surface. Pink: the canal's wall. Red: beyond the bone. ";
     if (data_.landmarks != nullptr) {
+      if (has_map()) text += "Map: dark green where over 1 mm of bone is left, then A to E. ";
       text += "Convergence is towards the midline, inclination towards the head, both to the vertebra's own planes.";
     }
     return text;

@@ -46,7 +46,7 @@ void add_drill(CLI::App& program, Command& command) {
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
     const Bone bone = Bone::load(options->bone, options->level);
-    const std::optional<CtVolume> ct = options->page.read(bone, progress);
+    const std::optional<CtVolume> ct = options->page.read({&bone, 1}, progress);
     StagedOutput output;
     Json figures =
         run_drill({options->page.title_of(bone, "Drilling " + path.name), options->page.command, ct ? &*ct : nullptr},

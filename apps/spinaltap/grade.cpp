@@ -75,7 +75,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   output.write(options.folder / "grade.json", whole.dump(2) + "\n");
   output.write(options.folder / "grade.csv", grades_csv(graded, options.grade.hu_bands));
   CtVolume kept;
-  const std::optional<CtVolume> ct = options.page.read(bone, progress);
+  const std::optional<CtVolume> ct = options.page.read({&bone, 1}, progress);
   GradeReportData data = report_head(options.page.title_of(bone, "Graded paths"), options.page.command, bone, ct, kept);
   data.paths = graded;
   data.hu_bands = options.grade.hu_bands;

@@ -208,7 +208,7 @@ void add_plan(CLI::App& program, Command& command) {
       add_command(program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
                   "Examples: spinaltap plan bone.vdb --auto -o plan.json --report plan.html\n"
                   "          spinaltap plan spine.vdb --level L3 --auto --ct ct/ --report l3.html\n"
-                  "          spinaltap plan spine.vdb --auto --levels T9,T10,T11 -o plans/\n"
+                  "          spinaltap plan spine.vdb --auto --levels T9,T10,T11 --ct ct/ -o plans/\n"
                   "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
                   "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
                   "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
@@ -237,15 +237,17 @@ void add_plan(CLI::App& program, Command& command) {
     app->get_option(name)->needs("--auto");
   }
   app->get_option("--report")->excludes("--levels");
-  for (const char* name : {"--ct", "--title"}) app->get_option(name)->needs("--report");
 
   command.run = [options, &command](const Progress& progress) {
     Json figures = Json::object();
     if (!options->levels.empty()) {
       options->suggest.bit = options->path.bit;
-      return plan_levels({options->bone, options->levels, options->output, options->suggest, options->placement,
-                          options->page.command},
-                         command.exit_code, progress);
+      return plan_levels(
+          {options->bone, options->levels, options->output, options->suggest, options->placement, options->page},
+          command.exit_code, progress);
+    }
+    if (options->report.empty() && !(options->page.ct.folder.empty() && options->page.title.empty())) {
+      fail("--ct and --title are for a report: expected --report or --levels too");
     }
     const Bone bone = Bone::load(options->bone, options->level);
     std::vector<DrillPath> paths;
@@ -261,7 +263,7 @@ void add_plan(CLI::App& program, Command& command) {
       figures = report_suggestions(bone, suggestions, graded);
       if (!options->report.empty()) {
         CtVolume kept;
-        const std::optional<CtVolume> ct = options->page.read(bone, progress);
+        const std::optional<CtVolume> ct = options->page.read({&bone, 1}, progress);
         write_planning_report(
             report_head(options->page.title_of(bone, "Suggested paths"), options->page.command, bone, ct, kept),
             suggestions, graded, options->suggest.screws, options->report, progress);

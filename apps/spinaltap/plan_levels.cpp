@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/report/text.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/path_options.h"
-#include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
@@ -61,7 +61,13 @@ Json lay_rod(std::vector<PlannedLevel>& levels, std::size_t side) {
       SuggestedPath other = *choices[n].choices[chosen[n]];
       other.safe = safe_zone(planned[n]->bone.walls(), other.path);
       other.trajectories_tried = suggestion.best->trajectories_tried;
-      other.reasons = {"not the best alone: its head lies in line with its neighbours' for a rod"};
+      other.reasons = {"not the best alone, which is a " + suggestion.best->path.screw->name +
+                       " screw: its head lies in line with its neighbours' for a rod"};
+      const Landmarks& marks = planned[n]->bone.landmarks();
+      const double width_mm = (side == 0 ? marks.left_pedicle : marks.right_pedicle).width_mm;
+      other.reasons.push_back("fills " + readable_number(100.0 * other.path.screw->diameter_mm / width_mm, 0) +
+                              " % of the pedicle's width of " + readable_number(width_mm, 1) +
+                              " mm; technique: " + name_of(other.technique));
       suggestion.others[chosen[n] - 1] = std::move(*suggestion.best);
       suggestion.best = std::move(other);
     }
@@ -95,8 +101,14 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
   const std::optional<PlacementErrors> errors = options.placement.model();
   std::vector<PlannedLevel> levels;
   Json figures{{"levels", Json::array()}, {"rods", Json::array()}};
-  for (const Level level : levels_of(options)) {
-    const Bone bone = Bone::load(options.spine, level);
+  const std::vector<Level> wanted = levels_of(options);
+  std::vector<Bone> bones;
+  bones.reserve(wanted.size());
+  for (const Level level : wanted) bones.push_back(Bone::load(options.spine, level));
+  const std::optional<CtVolume> ct = options.page.read(bones, progress);
+  for (std::size_t n = 0; n < wanted.size(); ++n) {
+    const Level level = wanted[n];
+    const Bone& bone = bones[n];
     if (const std::string& why = bone.no_landmarks(progress); !why.empty()) {
       print_figure(level_name(level), "left out: " + why);
       figures["levels"].push_back({{"level", level_name(level)}, {"rejection", why}});
@@ -112,6 +124,7 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
   Json rods = format_head({.name = "spinaltap-rods"});
   rods.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"rods", figures["rods"]}});
   StagedOutput output;
+  output.list_in(options.folder);  // a plan of an earlier run must not stand beside new rods
   output.write(options.folder / "rods.json", rods.dump(2) + "\n");
   for (PlannedLevel& level : levels) {
     const std::string name = level_name(level.level);
@@ -123,8 +136,9 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
     figures["levels"].push_back(std::move(json));
     if (graded.size() < level.suggestions.size()) exit_code = kAnswerIsNo;
     CtVolume kept;
+    const std::string title = options.page.title.empty() ? name : options.page.title + ", " + name;
     output.write(options.folder / (name + ".html"),
-                 planning_report(report_head(name, options.command, level.bone, std::nullopt, kept), level.suggestions,
+                 planning_report(report_head(title, options.page.command, level.bone, ct, kept), level.suggestions,
                                  graded, options.suggest.screws, progress));
     if (!graded.empty()) {
       std::vector<DrillPath> paths;

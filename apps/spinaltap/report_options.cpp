@@ -35,15 +35,17 @@ void PageOptions::add_to(CLI::App& app) {
   app.parse_complete_callback([this, &app] { command = shown_command(app); });
 }
 
-std::optional<CtVolume> PageOptions::read(const Bone& bone, const Progress& progress) const {
+std::optional<CtVolume> PageOptions::read(std::span<const Bone> bones, const Progress& progress) const {
   if (ct.folder.empty()) return std::nullopt;
   CtVolume volume = ct.read(progress);
-  const Vec3 centre_mm = bone.model().bounds_mm().center();
-  const Vec3 index = volume.geometry.to_index(centre_mm);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (index[axis] < 0.0 || index[axis] > volume.geometry.size[static_cast<std::size_t>(axis)] - 1) {
-      fail("--ct: expected the CT that the bone was made of, found one that does not hold the bone's middle, ",
-           centre_mm.x(), ", ", centre_mm.y(), ", ", centre_mm.z(), " mm");
+  for (const Bone& bone : bones) {
+    const Vec3 centre_mm = bone.model().bounds_mm().center();
+    const Vec3 index = volume.geometry.to_index(centre_mm);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (index[axis] < 0.0 || index[axis] > volume.geometry.size[static_cast<std::size_t>(axis)] - 1) {
+        fail("--ct: expected the CT that the bone was made of, found one that does not hold the bone's middle, ",
+             centre_mm.x(), ", ", centre_mm.y(), ", ", centre_mm.z(), " mm");
+      }
     }
   }
   return volume;

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "apps/report/grade_report.h"
@@ -19,8 +20,8 @@ struct PageOptions {
 
   /// Adds --ct, --series, --resample, --crop and --title; `command` becomes what is shown of the command line.
   void add_to(CLI::App& app);
-  /// The CT, where one was given. Throws Error where it does not hold the bone.
-  std::optional<CtVolume> read(const Bone& bone, const Progress& progress) const;
+  /// The CT, where one was given. Throws Error where it does not hold each of the bones.
+  std::optional<CtVolume> read(std::span<const Bone> bones, const Progress& progress) const;
   /// The title: as given, else the bone's level, else `otherwise`.
   std::string title_of(const Bone& bone, const std::string& otherwise) const;
 };

@@ -246,9 +246,10 @@ void add_breach(const WallDistance& walls, const GradedTool& tool, const SideNam
   graded.breach_side = sides.of(breach.place_mm, breach.wall);
   const VertebraPart part = walls.parts().at(breach.wall.nearest_mm, breach.wall.normal);
   Finding finding{InstrumentPart::tool, part, breach.breach_mm, breach.depth_mm, breach.place_mm, true, ""};
-  finding.words = "the " + tool.name() + " stands " + tenths(breach.breach_mm) + " mm out of the " + name_of(part) +
-                  (breach.is_canal ? " into the canal" : "") + ", " + name_of(graded.breach_side) + ", at " +
-                  tenths(breach.depth_mm) + " mm of depth";
+  finding.words = "the " + tool.name() + " stands " +
+                  (breach.breach_mm < 0.05 ? std::string("less than 0.1") : tenths(breach.breach_mm)) +
+                  " mm out of the " + name_of(part) + (breach.is_canal ? " into the canal" : "") + ", " +
+                  name_of(graded.breach_side) + ", at " + tenths(breach.depth_mm) + " mm of depth";
   graded.findings.push_back(finding);
 }
 

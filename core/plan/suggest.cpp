@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/plan/convergence.h"
 #include "core/plan/detail/trajectory_search.h"
 
 namespace spinaltap {
@@ -176,7 +177,17 @@ class SideSearch {
       result.rejection = rejection(result.side);
       return result;
     }
-    for (std::size_t n = 1; n < found_.size(); ++n) result.others.push_back(found_[n].path);
+    // For a rod: none that is graded worse, or of which there is more to warn.
+    const auto warnings = [](const SuggestedPath& path) {
+      return std::count_if(path.grade.findings.begin(), path.grade.findings.end(),
+                           [](const Finding& finding) { return finding.is_warning; });
+    };
+    for (std::size_t n = 1; n < found_.size(); ++n) {
+      const SuggestedPath& other = found_[n].path;
+      if (other.grade.grade == best().path.grade.grade && warnings(other) <= warnings(best().path)) {
+        result.others.push_back(other);
+      }
+    }
     SuggestedPath chosen = best().path;
     chosen.safe = safe_zone(walls_, chosen.path);
     chosen.trajectories_tried = search_.trajectories_tried();
@@ -194,6 +205,7 @@ class SideSearch {
     one.path.angles = path_angles(candidate.path.direction(), walls_.landmarks().axes, side_ > 0.0);
     one.path.technique = attempt.technique;
     one.path.margin_mm = attempt.margin_mm;
+    add_convergence(one.path);
     const InstrumentContacts& contacts = one.path.grade.instrument;
     const double out_mm = candidate.path.screw->length_mm - one.path.path.length_mm();
     const double full_mm = options_.furthest_share * walls_.landmarks().body.depth_mm;
@@ -201,6 +213,22 @@ class SideSearch {
                 0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm) -
                 2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0);
     return one;
+  }
+
+  /// A warning where a path converges as none published for its level does: then the level, the bone's planes or the
+  /// path are not what they should be. Cortical trajectories run outwards.
+  void add_convergence(SuggestedPath& path) const {
+    const std::optional<ConvergenceRange> range = published_convergence(options_.level);
+    const double deg = path.angles.convergence_deg;
+    if (!range || path.technique == Technique::cortical || (deg >= range->low_deg && deg <= range->high_deg)) return;
+    Finding finding{InstrumentPart::tool, VertebraPart::pedicle, 0.0, 0.0, path.path.entry_mm, true, ""};
+    finding.words = "converges by " + short_number(deg) + " degrees; published for " + level_name(options_.level) +
+                    " are " + short_number(range->low_deg, 0) + " to " + short_number(range->high_deg, 0) +
+                    ": check the level and the bone";
+    std::vector<Finding>& findings = path.grade.findings;
+    const auto note =
+        std::find_if(findings.begin(), findings.end(), [](const Finding& one) { return !one.is_warning; });
+    findings.insert(note, finding);
   }
 
   /// Of the body's depth, how much the screw reaches into.
@@ -227,7 +255,7 @@ class SideSearch {
     if (attempt.technique == Technique::in_out_in) {
       const auto beyond = [&](PathSide side) { return grade.side_breach_mm[static_cast<std::size_t>(side)] > 0.0; };
       return !beyond(PathSide::medial) && !beyond(PathSide::anterior) && !(grade.canal.clearance_mm < 0.0) &&
-             grade.breach_mm <= options_.lateral_breach_mm;
+             grade.breach_mm <= options_.lateral_breach_mm && grade.facet <= 1;
     }
     // The last resort puts up with a breach below 2 mm; nothing else with one, or with a screw in the joint.
     return attempt.margin_mm < 0.0 ? grade.grade <= Grade::B : grade.grade == Grade::A && grade.facet <= 1;
@@ -277,26 +305,47 @@ class SideSearch {
     return words;
   }
 
-  /// Against the widest of the others, and against the straightest.
+  /// What the chosen one has more of than another; empty where there is nothing to tell.
+  std::string gains_over(const SuggestedPath& other) const {
+    const SuggestedPath& chosen = best().path;
+    std::string words;
+    const auto add = [&](double gain, double least, const std::string& told) {
+      if (gain >= least) words += (words.empty() ? "" : ", ") + told;
+    };
+    const auto around_mm = [](const SuggestedPath& path) {
+      return std::min(path.grade.outer.clearance_mm, path.grade.canal.clearance_mm);
+    };
+    const auto turned_deg = [&](const SuggestedPath& path) {
+      return std::acos(std::clamp(path.path.direction().dot(search_.pedicle().axis), -1.0, 1.0)) / kDegree;
+    };
+    const auto sunk_mm = [](const SuggestedPath& path) {
+      return std::max(0.0, -path.grade.instrument.head_clearance_mm);
+    };
+    const double more_mm = around_mm(chosen) - around_mm(other);
+    // Half of what it is thinner by goes without saying.
+    const double thinner_mm = other.path.screw->diameter_mm - chosen.path.screw->diameter_mm;
+    add(more_mm - 0.5 * std::max(0.0, thinner_mm), 0.1, short_number(more_mm) + " mm more of bone around it");
+    const double straighter_deg = turned_deg(other) - turned_deg(chosen);
+    const std::string degrees = short_number(straighter_deg, 0);
+    add(straighter_deg, 1.0, "a way " + degrees + (degrees == "1" ? " degree" : " degrees") + " straighter");
+    const double shallower_mm = sunk_mm(other) - sunk_mm(chosen);
+    add(shallower_mm, 0.3, "a head " + short_number(shallower_mm) + " mm less deep in bone");
+    const double deeper_mm = walls_.landmarks().body.depth_mm * (body_share(chosen) - body_share(other));
+    add(deeper_mm, 1.0, "a tip " + short_number(deeper_mm) + " mm deeper in the body");
+    const double flatter_deg = other.grade.entry_slant_deg - chosen.grade.entry_slant_deg;
+    add(flatter_deg, 5.0, "an entry " + short_number(flatter_deg, 0) + " degrees flatter");
+    return words;
+  }
+
+  /// Against the first of the others with a thicker screw: what the thinner one is for.
   void add_comparison(std::vector<std::string>& words) const {
     const SuggestedPath& chosen = best().path;
-    const Vec3& axis = search_.pedicle().axis;
-    const auto turned_deg = [&](const SuggestedPath& path) {
-      return std::acos(std::clamp(path.path.direction().dot(axis), -1.0, 1.0)) / kDegree;
-    };
     for (const Graded& other : found_) {
       const double thinner_mm = other.path.path.screw->diameter_mm - chosen.path.screw->diameter_mm;
-      const double straighter_deg = turned_deg(other.path) - turned_deg(chosen);
-      if (thinner_mm > 0.0 && straighter_deg > 0.5) {
-        words.push_back(short_number(thinner_mm) + " mm thinner than could be, for a way " +
-                        short_number(straighter_deg, 0) + " degrees straighter");
-        return;
-      }
-      if (thinner_mm < 0.0 && straighter_deg < -0.5) {
-        words.push_back(short_number(-thinner_mm) + " mm thicker than the straightest way, for " +
-                        short_number(-straighter_deg, 0) + " degrees");
-        return;
-      }
+      const std::string gains = thinner_mm > 0.0 ? gains_over(other.path) : "";
+      if (gains.empty()) continue;
+      words.push_back(short_number(thinner_mm) + " mm thinner than could be, for " + gains);
+      return;
     }
   }
 

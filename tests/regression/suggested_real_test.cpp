@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "core/ct/read_ct.h"
+#include "core/plan/convergence.h"
 #include "core/segment/segment_spine.h"
 #include "tests/support/real_meshes.h"
 #include "vdb/bake/bake.h"
@@ -19,23 +20,6 @@
 
 namespace spinaltap {
 namespace {
-
-/// How much screws converge at a level by published rules and series, degrees. Lumbar: 5 degrees times the level's
-/// number (Dickman et al. 1992), 10 to either side for people's differences. Thoracic: means of CT series that fall
-/// steadily from T1 to T12: from 35.4 +- 2.2 to -9.8 +- 2.4 (Kaur et al. 2016), from 33 to 3 (Demiroz & Erdem 2020),
-/// from 23.4 +- 3.2 to 4.0 +- 2.2 (Chughtai et al. 2021); what lies between the lowest and the highest of them and two
-/// deviations.
-struct Range {
-  double low_deg, high_deg;
-};
-Range published_convergence(Level level) {
-  constexpr double kAsideDeg = 10.0;
-  const int lumbar = static_cast<int>(level) - static_cast<int>(Level::kL1) + 1;
-  if (lumbar >= 1) return {5.0 * lumbar - kAsideDeg, 5.0 * lumbar + kAsideDeg};
-  const double share = (static_cast<int>(level) - static_cast<int>(Level::kT1)) / 11.0;
-  const auto between = [share](double first, double last) { return first + share * (last - first); };
-  return {between(23.4 - 6.4, -9.8 - 4.8), between(35.4 + 4.4, 4.0 + 4.4)};
-}
 
 /// Whether a straight screw of a diameter keeps a margin through the pedicle, is borne from its entry opening on,
 /// enters beside the joint, has a free way in and ends well in the body, on any trajectory of a lattice twice as fine
@@ -136,7 +120,7 @@ void expect_signed_for(const Bone& bone, const std::string& name, Level level) {
     EXPECT_FALSE(best.grade.breaches_canal);
     EXPECT_LE(best.grade.facet, 1) << "no entry and no head on the joint";
     EXPECT_LT(behind.cut_behind_mm, 1.0);
-    const Range range = published_convergence(level);
+    const ConvergenceRange range = published_convergence(level).value();
     EXPECT_GE(best.angles.convergence_deg, range.low_deg);
     EXPECT_LE(best.angles.convergence_deg, range.high_deg);
   }

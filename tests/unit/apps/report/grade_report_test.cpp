@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/report/breach_map.h"
 #include "apps/report/grade_output.h"
 #include "core/base/error.h"
+#include "core/segment/warning_metadata.h"
+#include "tests/support/made_bone.h"
 #include "tests/unit/apps/report/balanced_html.h"
 #include "tests/unit/apps/report/times_in.h"
 
@@ -131,6 +135,48 @@ TEST(GradeReport, ShowsTheIsthmusOfAPedicleWithoutAPath) {
   test::expect_balanced(test::without_pictures(html));
   data.landmarks = nullptr;
   EXPECT_THROW(grade_report(data), Error);
+}
+
+TEST(GradeReport, SaysAboveAllThatTheBoneIsSuspect) {
+  const auto ball = [](const Vec3& p_mm) { return p_mm.norm() - 8.0; };
+  const auto grids = std::make_shared<detail::BoneGrids>(
+      test::made_bone(ball, Box3(Vec3::Constant(-10.0), Vec3::Constant(10.0)), 0.5).grids());
+  add_warnings({{"a rib may have stayed on", "a cut is a guess"}, 0.77}, grids->metadata);
+  const Bone bone{BoneModel(grids)};
+  GradeReportData data{"T1", {graded(0.0)}, kBands, nullptr, nullptr, {}};
+  data.bone = &bone;
+  const std::string html = grade_report(data);
+  EXPECT_THAT(html, HasSubstr("This bone is SUSPECT, look at it before its paths: a rib may have stayed on; a cut is"));
+  EXPECT_LT(html.find("SUSPECT"), html.find("Left pedicle:"));
+}
+
+TEST(GradeReport, WarnsWhereTheCtIsTooCoarseToTellABreach) {
+  GradedPath coarse = graded(0.0);
+  coarse.grade.canal = {3.0, 20.0, PathSide::medial};
+  coarse.surface = CtSurfaceError{.noise_part_mm = 0.9};  // 1.25 mm of clearance is -0.51 to 3.01 mm
+  EXPECT_TRUE(hides_breach(coarse));
+  const std::string html = grade_report({"L3", {coarse}, kBands, nullptr, nullptr, {}});
+  EXPECT_THAT(html, HasSubstr("<li class=\"warning\">Surface found to 0.90 mm"));
+  EXPECT_THAT(html, HasSubstr("a breach may hide in the CT&#39;s error"));
+  coarse.surface->noise_part_mm = 0.3;
+  EXPECT_FALSE(hides_breach(coarse));
+  GradedPath breaching = graded(1.0);
+  breaching.surface = CtSurfaceError{.noise_part_mm = 0.9};
+  EXPECT_FALSE(hides_breach(breaching)) << "it is told already";
+}
+
+TEST(GradeReport, NamesTheErrorsOfItsOddsAsPeopleDo) {
+  GradedPath placed = graded(0.0);
+  placed.placed.emplace();
+  placed.placed->errors.name = "robot_726";
+  placed.placed->errors.title = "Robot, 726 screws, lumbosacral";
+  placed.placed->map.shift_mm = {{-1.0, 0.0, 1.0}, std::vector<double>(9, -0.5)};
+  const std::string map = breach_map_svg(*placed.placed);
+  EXPECT_THAT(map, HasSubstr(">Errors: Robot, 726 screws,"));
+  EXPECT_THAT(map, HasSubstr("lumbosacral<"));
+  EXPECT_THAT(map, Not(HasSubstr("robot_726")));
+  placed.placed->errors.title.clear();
+  EXPECT_THAT(breach_map_svg(*placed.placed), HasSubstr("Errors: robot_726"));
 }
 
 TEST(GradeReport, CutsTheClearancesWhereDecisionsLie) {

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/plan/convergence.h"
 #include "core/plan/suggest.h"
 #include "tests/support/planning_bones.h"
 
@@ -101,6 +103,45 @@ TEST_F(SuggestPaths, KeepTheirMarginsOfTheTrueSurface) {
       EXPECT_LT(value_mm(best.path.target_mm + ahead_mm * direction), 0.0) << ahead_mm;
     }
   }
+}
+
+TEST_F(SuggestPaths, WarnWhereTheyConvergeAsNonePublishedForTheLevelDoes) {
+  // The phantom's pedicles converge by 12 degrees: much for a T12, little for a T1, and as an L3's do.
+  int warned = 0;
+  for (const Level level : {Level::kT1, Level::kT12, *level_from_name("L3")}) {
+    SuggestOptions options;
+    options.level = level;
+    const ConvergenceRange range = published_convergence(level).value();
+    for (const Suggestion& suggestion : suggest_paths(walls(), hu_of_200, {}, table(), options)) {
+      ASSERT_TRUE(suggestion.best);
+      const double deg = suggestion.best->angles.convergence_deg;
+      const std::vector<Finding>& findings = suggestion.best->grade.findings;
+      const auto tells = [](const Finding& finding) {
+        return finding.is_warning && finding.words.starts_with("converges by ");
+      };
+      const auto count = std::count_if(findings.begin(), findings.end(), tells);
+      EXPECT_EQ(count, deg < range.low_deg || deg > range.high_deg ? 1 : 0) << level_name(level) << ' ' << deg;
+      warned += static_cast<int>(count);
+    }
+  }
+  EXPECT_GT(warned, 0);
+  EXPECT_LT(warned, 6);
+}
+
+TEST_F(SuggestPaths, OfferForARodNoneThatIsWorseThanTheBest) {
+  const auto warnings = [](const SuggestedPath& path) {
+    const std::vector<Finding>& findings = path.grade.findings;
+    return std::count_if(findings.begin(), findings.end(), [](const Finding& one) { return one.is_warning; });
+  };
+  std::size_t offered = 0;
+  for (const Suggestion& suggestion : suggested()) {
+    for (const SuggestedPath& other : suggestion.others) {
+      EXPECT_EQ(other.grade.grade, suggestion.best->grade.grade);
+      EXPECT_LE(warnings(other), warnings(*suggestion.best));
+    }
+    offered += suggestion.others.size();
+  }
+  EXPECT_GT(offered, 0U);
 }
 
 TEST_F(SuggestPaths, OfAVertebraThatMirrorsItselfMirrorEachOther) {
@@ -229,6 +270,28 @@ TEST(SafeZone, IsNothingAroundAPathThatBreaches) {
   for (const double error : {zone.medial_mm, zone.lateral_mm, zone.cranial_mm, zone.caudal_mm, zone.medial_deg,
                              zone.lateral_deg, zone.cranial_deg, zone.caudal_deg}) {
     EXPECT_EQ(error, 0.0);
+  }
+}
+
+TEST(PublishedConvergence, GrowsDownTheLumbarSpineAndFallsDownTheThoracic) {
+  // 5 degrees times the level's number, 10 to either side.
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kL1)->low_deg, -5.0);
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kL5)->low_deg, 15.0);
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kL5)->high_deg, 35.0);
+  // The ends of the series, less and more two deviations.
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kT1)->low_deg, 17.0);
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kT1)->high_deg, 39.8);
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kT12)->low_deg, -14.6);
+  EXPECT_DOUBLE_EQ(published_convergence(Level::kT12)->high_deg, 8.4);
+  for (Level level = Level::kT1; level != Level::kT12; level = level_below(level)) {
+    EXPECT_GT(published_convergence(level)->low_deg, published_convergence(level_below(level))->low_deg);
+    EXPECT_GT(published_convergence(level)->high_deg, published_convergence(level_below(level))->high_deg);
+  }
+}
+
+TEST(PublishedConvergence, IsNotToldOfOtherLevels) {
+  for (const Level level : {Level::kNone, Level::kC7, Level::kL6, Level::kSacrum, Level::kT13}) {
+    EXPECT_FALSE(published_convergence(level).has_value()) << level_name(level);
   }
 }
 
