@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
@@ -39,7 +40,7 @@ std::vector<NamedBit> read_bits(const std::filesystem::path& path) {
     try {
       check_bit(bits.back().bit);
     } catch (const Error& error) {
-      fail(path.string(), ", \"", bits.back().name, "\": ", error.what());
+      fail(path.string(), ", ", in_quotes(bits.back().name), ": ", error.what());
     }
   }
   return bits;

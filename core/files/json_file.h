@@ -14,10 +14,14 @@ namespace spinaltap {
 /// json.hpp. Headers that name it are for files of this room and for programs, and are not installed.
 using Json = nlohmann::ordered_json;
 
-/// Parses a JSON file. Throws Error with the file and the place of the mistake.
+/// Parses a JSON file. Throws Error with the file and the place of the mistake, and where arrays and objects lie more
+/// than 64 deep in one another: what walks through them calls itself.
 Json read_json(const std::filesystem::path& path);
 /// The same of a text; `what` it is, for the complaint.
 Json parse_json(const std::string& text, const std::string& what);
+
+/// The start of a value, for a message.
+std::string shown_value(const Json& value);
 
 /// Writes a staged JSON file and gives it its name.
 void write_json(const Json& json, const std::filesystem::path& path);

@@ -25,8 +25,7 @@ std::vector<CalibrationPair> pairs_of(const Json& list, const std::filesystem::p
   if (!list.is_array()) fail("expected a list for \"", kCalibration, "\" in ", path.string());
   for (const Json& pair : list) {
     if (!pair.is_array() || pair.size() != 2 || !finite(pair[0]) || !finite(pair[1])) {
-      fail("expected pairs [HU, g/cm3] for \"", kCalibration, "\" in ", path.string(), ", found ",
-           pair.dump().substr(0, 60));
+      fail("expected pairs [HU, g/cm3] for \"", kCalibration, "\" in ", path.string(), ", found ", shown_value(pair));
     }
     pairs.push_back({pair[0].get<double>(), pair[1].get<double>()});
   }

@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "core/base/error.h"
-#include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/files/json_file.h"
 
 namespace spinaltap {
@@ -111,54 +111,54 @@ struct Place {
   std::string file, key;
 };
 
-double number(const nlohmann::json& value, const Place& place) {
+double number(const Json& value, const Place& place) {
   if (!value.is_number() || !std::isfinite(value.get<double>())) {
-    fail(place.file, ": ", place.key, ": a finite number expected, found ", value.dump());
+    fail(place.file, ": ", place.key, ": a finite number expected, found ", shown_value(value));
   }
   return value.get<double>();
 }
 
-const nlohmann::json& list(const nlohmann::json& value, std::size_t count, const Place& place) {
+const Json& list(const Json& value, std::size_t count, const Place& place) {
   if (!value.is_array() || value.size() != count) {
-    fail(place.file, ": ", place.key, ": a list of ", count, " expected, found ", value.dump());
+    fail(place.file, ": ", place.key, ": a list of ", count, " expected, found ", shown_value(value));
   }
   return value;
 }
 
-void read(const nlohmann::json& value, double* target, const Place& place) { *target = number(value, place); }
+void read(const Json& value, double* target, const Place& place) { *target = number(value, place); }
 
-void read(const nlohmann::json& value, Vec3* target, const Place& place) {
+void read(const Json& value, Vec3* target, const Place& place) {
   list(value, 3, place);
   for (std::size_t n = 0; n < 3; ++n) (*target)[static_cast<Eigen::Index>(n)] = number(value[n], place);
 }
 
-void read(const nlohmann::json& value, Outline* target, const Place& place) {
+void read(const Json& value, Outline* target, const Place& place) {
   list(value, target->size(), place);
   for (std::size_t n = 0; n < target->size(); ++n) {
-    const nlohmann::json& corner = list(value[n], 2, place);
+    const Json& corner = list(value[n], 2, place);
     (*target)[n] = Eigen::Vector2d(number(corner[0], place), number(corner[1], place));
   }
 }
 
-void read(const nlohmann::json& value, std::uint64_t* target, const Place& place) {
+void read(const Json& value, std::uint64_t* target, const Place& place) {
   if (!value.is_number_unsigned()) {
-    fail(place.file, ": ", place.key, ": a whole number not below 0 expected, found ", value.dump());
+    fail(place.file, ": ", place.key, ": a whole number not below 0 expected, found ", shown_value(value));
   }
   *target = value.get<std::uint64_t>();
 }
 
-void read_group(const nlohmann::json& object, Group& group, const Place& place) {
-  if (!object.is_object()) fail(place.file, ": ", place.key, ": an object expected, found ", object.dump());
+void read_group(const Json& object, Group& group, const Place& place) {
+  if (!object.is_object()) fail(place.file, ": ", place.key, ": an object expected, found ", shown_value(object));
   for (const auto& item : object.items()) {
     const std::string& key = item.key();
-    const nlohmann::json& value = item.value();
+    const Json& value = item.value();
     const Place inner{place.file, place.key + "." + key};
     if (key == "source") {
-      if (!value.is_string()) fail(place.file, ": ", inner.key, ": a text expected, found ", value.dump());
+      if (!value.is_string()) fail(place.file, ": ", inner.key, ": a text expected, found ", shown_value(value));
       continue;
     }
     const auto found = group.find(key);
-    if (found == group.end()) fail(place.file, ": unknown key ", inner.key);
+    if (found == group.end()) fail(place.file, ": unknown key ", place.key, ".", shown(key));
     std::visit([&](auto* target) { read(value, target, inner); }, found->second);
   }
 }
@@ -166,27 +166,20 @@ void read_group(const nlohmann::json& object, Group& group, const Place& place) 
 }  // namespace
 
 VertebraAnatomy read_anatomy(const std::filesystem::path& path) {
-  constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
   const std::string file = path.string();
-  const std::string text = read_whole_file(path, kMaxBytes);
-  nlohmann::json whole;
-  try {
-    whole = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& error) {
-    fail(file, ": not JSON: ", error.what());
-  }
+  const Json whole = read_json(path);
   if (!whole.is_object()) fail(file, ": an object expected");
-  check_format(Json(whole), kAnatomyFormat, path);
+  check_format(whole, kAnatomyFormat, path);
   VertebraAnatomy anatomy;
   std::map<std::string, Group> groups = groups_of(anatomy);
   for (const auto& [key, value] : whole.items()) {
     if (key == "right_pedicle" || key == "format" || key == "version") continue;
     if (key == "name" || key == "source") {
-      if (!value.is_string()) fail(file, ": ", key, ": a text expected, found ", value.dump());
+      if (!value.is_string()) fail(file, ": ", key, ": a text expected, found ", shown_value(value));
       continue;
     }
     const auto found = groups.find(key);
-    if (found == groups.end()) fail(file, ": unknown key ", key);
+    if (found == groups.end()) fail(file, ": unknown key ", shown(key));
     read_group(value, found->second, {file, key});
   }
   // What it leaves out is as in the left one, so that one is read first.

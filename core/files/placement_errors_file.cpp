@@ -72,7 +72,7 @@ PlacementErrors errors_in(const Json& json, const std::filesystem::path& path) {
   const Json& sources = object.at("sources");
   if (!sources.is_array() || sources.empty()) fail("expected a list of texts for \"sources\" in ", path.string());
   for (const Json& source : sources) {
-    if (!source.is_string()) fail("expected a text in \"sources\" of ", path.string(), ", found ", source.dump());
+    if (!source.is_string()) fail("expected a text in \"sources\" of ", path.string(), ", found ", shown_value(source));
     errors.sources.push_back(source.get<std::string>());
   }
   errors.entry_mm = cross_errors_of(object.at("entry"), kEntryKeys, path);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/files/detail/markups_file.h"
 #include "core/files/detail/tool_json.h"
 
@@ -31,7 +32,7 @@ std::vector<DrillPath> paths_of(const Json& json, const std::filesystem::path& f
     try {
       check_path(drill_path);
     } catch (const Error& error) {
-      fail(file.string(), ": path \"", drill_path.name, "\": ", error.what());
+      fail(file.string(), ": path ", in_quotes(drill_path.name), ": ", error.what());
     }
   }
   return paths;
@@ -62,9 +63,10 @@ const DrillPath& choose_path(const std::vector<DrillPath>& paths, const std::str
   std::string names;
   for (const DrillPath& path : paths) {
     if (name.empty() || path.name == name) return path;
-    names += names.empty() ? path.name : ", " + path.name;
+    constexpr std::size_t kMaxNames = 400;
+    if (names.size() < kMaxNames) names += (names.empty() ? "" : ", ") + shown(path.name);
   }
-  fail("expected the name of a path in the plan, found \"", name, "\"; it has: ", names);
+  fail("expected the name of a path in the plan, found ", in_quotes(name), "; it has: ", names);
 }
 
 }  // namespace spinaltap

@@ -20,7 +20,7 @@ std::vector<double> rising_numbers(const JsonObject& object, const char* key, co
     if (item.is_number()) numbers.push_back(item.get<double>());
   }
   if (numbers.empty() || numbers.size() != list.size()) {
-    fail("expected one number or more for \"", key, "\" in ", path.string(), ", found ", list.dump());
+    fail("expected one number or more for \"", key, "\" in ", path.string(), ", found ", shown_value(list));
   }
   std::sort(numbers.begin(), numbers.end());
   return numbers;

@@ -1,10 +1,12 @@
 #include "core/files/study_spec_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/files/data_files.h"
 #include "core/files/detail/study_json.h"
 #include "core/files/detail/tool_json.h"
@@ -17,6 +19,10 @@ namespace {
 constexpr FileFormat kSpecFormat{"spinaltap-study", "study", "see docs/studies.md for the names of its keys"};
 
 std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
+  constexpr std::size_t kMaxName = 500;  // messages repeat it
+  const bool is_name =
+      name.size() <= kMaxName && std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; });
+  if (!is_name) fail("expected the name of a file in ", file.string(), ", found ", in_quotes(name));
   return (file.parent_path() / name).lexically_normal();
 }
 
@@ -74,7 +80,7 @@ StopRules read_stop(const Json& json, const std::filesystem::path& file) {
   if (object.has("on_breach")) {
     const Json& flag = object.at("on_breach");
     if (!flag.is_boolean()) {
-      fail("expected true or false for \"on_breach\" in ", file.string(), ", found ", flag.dump());
+      fail("expected true or false for \"on_breach\" in ", file.string(), ", found ", shown_value(flag));
     }
     stop.on_breach = flag.get<bool>();
   }
@@ -107,8 +113,8 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   if (object.has("level")) {
     const std::optional<Level> level = level_from_name(object.text("level"));
     if (!level) {
-      fail("expected a vertebra such as \"L3\" for \"level\" in ", file.string(), ", found \"", object.text("level"),
-           "\"");
+      fail("expected a vertebra such as \"L3\" for \"level\" in ", file.string(), ", found ",
+           in_quotes(object.text("level")));
     }
     spec.level = *level;
   }

@@ -52,11 +52,13 @@ StudyBin bin_of(const Pointers& rows, std::size_t begin, std::size_t end, StudyF
   return bin;
 }
 
-/// One bin a level, or bins of equally many runs.
+/// One bin a level, or bins of equally many runs. A run without the factor, as in a table that was changed, is in none.
 StudySummary::ByFactor by_factor(const Rows& rows, const FactorDistribution& distribution) {
   StudySummary::ByFactor result{distribution.factor, {}};
   Pointers sorted;
-  for (const StudyRow& row : rows) sorted.push_back(&row);
+  for (const StudyRow& row : rows) {
+    if (!std::isnan(row[distribution.factor])) sorted.push_back(&row);
+  }
   std::stable_sort(sorted.begin(), sorted.end(), [&](const StudyRow* a, const StudyRow* b) {
     return (*a)[distribution.factor] < (*b)[distribution.factor];
   });

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
@@ -35,14 +36,15 @@ Vec3 scale_to_lps_mm(const JsonObject& markup, const std::filesystem::path& file
   if (frame == "RAS") {
     scale = Vec3(-1.0, -1.0, 1.0);
   } else if (frame != "LPS") {
-    fail("expected \"coordinateSystem\" to be LPS or RAS in ", file.string(), ", found \"", frame, "\"");
+    fail("expected \"coordinateSystem\" to be LPS or RAS in ", file.string(), ", found ", in_quotes(frame));
   }
   if (!markup.has("coordinateUnits")) return scale;
   // A word, or a term of a dictionary whose first part is that word.
   const Json& units = markup.at("coordinateUnits");
   const Json& unit = units.is_array() && !units.empty() ? units.front() : units;
   if (unit == "um") return 1e-3 * scale;
-  if (unit != "mm") fail("expected \"coordinateUnits\" to be mm or um in ", file.string(), ", found ", units.dump());
+  if (unit != "mm")
+    fail("expected \"coordinateUnits\" to be mm or um in ", file.string(), ", found ", shown_value(units));
   return scale;
 }
 
@@ -59,14 +61,14 @@ DrillPath path_of_line(const Json& json, const std::string& name, const std::fil
   const Vec3 scale = scale_to_lps_mm(markup, file);
   const Json& points = markup.at("controlPoints");
   if (!points.is_array() || points.size() != 2) {
-    fail("expected line \"", name, "\" to have two points in ", file.string(), ", found ",
+    fail("expected line ", in_quotes(name), " to have two points in ", file.string(), ", found ",
          points.is_array() ? points.size() : 0);
   }
   std::array<Vec3, 2> ends_mm;
   for (std::size_t n = 0; n < 2; ++n) {
     const JsonObject point(points[n], file);
     if (point.has("positionStatus") && point.text("positionStatus") != "defined") {
-      fail("expected both points of line \"", name, "\" to be placed in ", file.string());
+      fail("expected both points of line ", in_quotes(name), " to be placed in ", file.string());
     }
     ends_mm[n] = point.vector("position").cwiseProduct(scale);
   }

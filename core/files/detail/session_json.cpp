@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/files/detail/material_json.h"
 #include "core/files/detail/tool_json.h"
 
@@ -15,14 +16,15 @@ namespace fs = std::filesystem;
 
 JsonObject part_of(const JsonObject& object, const char* key, const fs::path& file) {
   const Json& part = object.at(key);
-  if (!part.is_object()) fail("expected a JSON object for \"", key, "\" in ", file.string(), ", found ", part.dump());
+  if (!part.is_object())
+    fail("expected a JSON object for \"", key, "\" in ", file.string(), ", found ", shown_value(part));
   return {part, file};
 }
 
 bool flag(const JsonObject& object, const char* key, const fs::path& file) {
   const Json& value = object.at(key);
   if (!value.is_boolean()) {
-    fail("expected true or false for \"", key, "\" in ", file.string(), ", found ", value.dump());
+    fail("expected true or false for \"", key, "\" in ", file.string(), ", found ", shown_value(value));
   }
   return value.get<bool>();
 }
@@ -30,7 +32,7 @@ bool flag(const JsonObject& object, const char* key, const fs::path& file) {
 std::uint64_t whole_number(const JsonObject& object, const char* key, const fs::path& file) {
   const Json& value = object.at(key);
   if (!value.is_number_unsigned()) {
-    fail("expected a whole number of 0 or more for \"", key, "\" in ", file.string(), ", found ", value.dump());
+    fail("expected a whole number of 0 or more for \"", key, "\" in ", file.string(), ", found ", shown_value(value));
   }
   return value.get<std::uint64_t>();
 }
@@ -64,7 +66,7 @@ PointVolumeOptions read_volume_part(const JsonObject& object, const fs::path& fi
   volume.hu_bits = bits == 8 ? HuBits::eight : HuBits::sixteen;
   const std::string subdivision = object.text("subdivision");
   if (subdivision != "rings" && subdivision != "hexagons") {
-    fail("expected rings or hexagons for \"subdivision\" in ", file.string(), ", found \"", subdivision, "\"");
+    fail("expected rings or hexagons for \"subdivision\" in ", file.string(), ", found ", in_quotes(subdivision));
   }
   volume.subdivision = subdivision == "rings" ? DiscSubdivision::rings : DiscSubdivision::hexagons;
   volume.jitter = object.number("jitter");
@@ -113,7 +115,7 @@ Json json_of(const DrilledHole& hole) {
 
 const Json& list_of(const JsonObject& object, const char* key, const fs::path& file) {
   const Json& list = object.at(key);
-  if (!list.is_array()) fail("expected an array for \"", key, "\" in ", file.string(), ", found ", list.dump());
+  if (!list.is_array()) fail("expected an array for \"", key, "\" in ", file.string(), ", found ", shown_value(list));
   return list;
 }
 
@@ -163,7 +165,7 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   const std::string engine = object.text("engine");
   const auto kind = engine_kinds().find(engine);
   if (kind == engine_kinds().end()) {
-    fail("expected the name of a drilling engine for \"engine\" in ", file.string(), ", found \"", engine, "\"");
+    fail("expected the name of a drilling engine for \"engine\" in ", file.string(), ", found ", in_quotes(engine));
   }
   setup.engine = kind->second;
   setup.options = read_options_part(part_of(object, "options", file), file);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {
@@ -40,7 +41,7 @@ StudyFactor factor_called(const std::string& name, const std::filesystem::path& 
     if (name_of(factor) == name) return factor;
     known += (known.empty() ? "" : ", ") + std::string(name_of(factor));
   }
-  fail("expected the name of a factor in ", file.string(), ", found \"", name, "\"; there are: ", known);
+  fail("expected the name of a factor in ", file.string(), ", found ", in_quotes(name), "; there are: ", known);
 }
 
 FactorDistribution read_distribution(StudyFactor factor, const Json& json, const std::filesystem::path& file) {
@@ -49,7 +50,7 @@ FactorDistribution read_distribution(StudyFactor factor, const Json& json, const
     fail("expected one of \"levels\", \"normal\" and \"uniform\" for \"", name, "\" in ", file.string(), ", found ",
          found);
   };
-  if (!json.is_object() || json.size() != 1) reject(json.dump().substr(0, 60));
+  if (!json.is_object() || json.size() != 1) reject(shown_value(json));
   const JsonObject object(json, file);
   FactorDistribution distribution{factor};
   if (object.has("levels")) {
@@ -57,7 +58,7 @@ FactorDistribution read_distribution(StudyFactor factor, const Json& json, const
     if (!levels.is_array()) fail("expected a list for \"levels\" of \"", name, "\" in ", file.string());
     for (const Json& level : levels) {
       if (!level.is_number()) {
-        fail("expected numbers for \"levels\" of \"", name, "\" in ", file.string(), ", found ", level.dump());
+        fail("expected numbers for \"levels\" of \"", name, "\" in ", file.string(), ", found ", shown_value(level));
       }
       distribution.levels.push_back(level.get<double>());
     }
@@ -74,7 +75,7 @@ FactorDistribution read_distribution(StudyFactor factor, const Json& json, const
     distribution.a = uniform.number("low");
     distribution.b = uniform.number("high");
   } else {
-    reject("\"" + json.begin().key() + "\"");
+    reject(in_quotes(json.begin().key()));
   }
   return distribution;
 }
@@ -125,7 +126,7 @@ StudyOperator read_study_operator(const Json& json, const std::filesystem::path&
     tool_operator.reaction_s = not_negative_or(object, "reaction_s", tool_operator.reaction_s, file);
     tool_operator.noticed_share = not_negative_or(object, "noticed_share", tool_operator.noticed_share, file);
   } else {
-    fail("expected \"feed\" or \"push\" for \"kind\" of \"operator\" in ", file.string(), ", found \"", kind, "\"");
+    fail("expected \"feed\" or \"push\" for \"kind\" of \"operator\" in ", file.string(), ", found ", in_quotes(kind));
   }
   tool_operator.tremor_mm = not_negative_or(object, "tremor_mm", tool_operator.tremor_mm, file);
   return tool_operator;
@@ -151,8 +152,8 @@ StudyDesign read_study_design(const Json& json, const std::filesystem::path& fil
     const std::string sampling = object.text("sampling");
     design.is_latin = sampling == "latin-hypercube";
     if (!design.is_latin && sampling != "random") {
-      fail("expected \"random\" or \"latin-hypercube\" for \"sampling\" in ", file.string(), ", found \"", sampling,
-           "\"");
+      fail("expected \"random\" or \"latin-hypercube\" for \"sampling\" in ", file.string(), ", found ",
+           in_quotes(sampling));
     }
   }
   if (object.has("factors")) {

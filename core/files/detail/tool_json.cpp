@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/files/bit_file.h"
 
 namespace spinaltap {
@@ -48,7 +49,7 @@ DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
     const auto shape = bit_shapes().find(name);
     if (shape == bit_shapes().end()) {
       fail("expected the bit's shape to be drill, round-burr, conical-burr or tapered-screw in ", file.string(),
-           ", found \"", name, "\"");
+           ", found ", in_quotes(name));
     }
     bit.shape = shape->second;
   }

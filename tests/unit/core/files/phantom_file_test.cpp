@@ -111,7 +111,7 @@ TEST_F(PhantomFile, NamesFileAndKeyOfWhatItRejects) {
   EXPECT_THAT(message(R"({"spinous": {"outline_mm": [[1, 2]]}})"), names("spinous.outline_mm"));
   EXPECT_THAT(message(R"({"cancellous": {"texture_seed": -1}})"), names("cancellous.texture_seed"));
   EXPECT_THAT(message(R"({"body": {"source": 3}})"), names("body.source"));
-  EXPECT_THAT(message("{"), names("not JSON"));
+  EXPECT_THAT(message("{"), names("as JSON"));
   EXPECT_THAT(message("[]"), HasSubstr("bone.json"));
   EXPECT_THROW(read_anatomy(path().parent_path() / "missing.json"), Error);
 }
