@@ -12,6 +12,7 @@
 #include <QSettings>
 #include <QTableWidget>
 #include <QToolButton>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdio>
@@ -139,13 +140,14 @@ class RandomTester {
 
   /// Boxes and dialogs, at random: they hold up whoever opened them.
   void answer() {
-    if (is_answering_) return;
     QWidget* dialog = QApplication::activeModalWidget();
+    // A dialog that is being answered may open another, from within the key that answers it.
+    if (std::find(answering_.begin(), answering_.end(), dialog) != answering_.end()) return;
     if (dialog == nullptr || !dialog->isVisible()) {
       answered_ = nullptr;
       return;
     }
-    is_answering_ = true;
+    answering_.push_back(dialog);
     if (auto* box = qobject_cast<QMessageBox*>(dialog)) {
       answer_box(*box);
     } else if (qobject_cast<QFileDialog*>(dialog) != nullptr && dialog != answered_) {
@@ -162,10 +164,10 @@ class RandomTester {
     } else if (auto* choice = qobject_cast<QInputDialog*>(dialog); choice != nullptr && chance(0.7)) {
       choice->accept();
     } else {
-      answered_ = dialog;
-      input_.key("Escape");
+      // No key: after a box of its own it has no keyboard, for want of a window manager.
+      dialog->close();
     }
-    is_answering_ = false;
+    answering_.pop_back();
   }
 
   void answer_box(QMessageBox& box) {
@@ -242,7 +244,7 @@ class RandomTester {
   void settle() {
     wait_until([] { return QApplication::activeModalWidget() == nullptr; }, 30000);
     while (QApplication::activePopupWidget() != nullptr) {
-      input_.key("Escape");
+      QApplication::activePopupWidget()->close();
       let_work(20);
     }
     // There is no window manager to give the keyboard back.
@@ -464,7 +466,7 @@ class RandomTester {
   Effect effect_ = Effect::none;
   QString next_file_;
   const QWidget* answered_ = nullptr;
-  bool is_answering_ = false;
+  std::vector<const QWidget*> answering_;
   std::mutex mutex_;
   std::deque<std::string> last_;
   std::map<std::string, int> counts_;
