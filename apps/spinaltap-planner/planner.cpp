@@ -61,7 +61,9 @@ void Planner::show_chosen_path() {
 std::optional<PathFigures> Planner::figures() const {
   const DrillPath* path = document_.chosen_path();
   if (!document_.bone() || path == nullptr) return std::nullopt;
-  return grader_.figures(*document_.bone(), *path);
+  PathFigures figures = grader_.figures(*document_.bone(), *path);
+  add_reasons(suggested_, figures);
+  return figures;
 }
 
 void Planner::open(const std::filesystem::path& path, const OpenOptions& options) {
@@ -108,6 +110,7 @@ void Planner::offer_bone(const std::shared_ptr<const OpenedBone>& bone) {
 
 void Planner::show_bone(const std::shared_ptr<const OpenedBone>& bone) {
   take_plan_file({});
+  suggested_.clear();
   document_.set_bone(bone);
   view_.set_crosshair(bone->options.seed_mm.value_or(bone->bounds_mm().center()));
   const QString file = text_of(bone->file.string());
@@ -175,9 +178,11 @@ void Planner::save_report(const std::filesystem::path& path) {
   GradeReportData data;
   data.title = "Planned paths";
   for (const DrillPath& one : document_.paths()) {
-    const PathFigures figures = grader_.figures(bone, one);
+    PathFigures figures = grader_.figures(bone, one);
     if (!figures.is_graded) fail(figures.warnings.front().text);
+    add_reasons(suggested_, figures);
     data.paths.push_back(figures.graded);
+    data.reasons.push_back(figures.reasons);
   }
   data.hu_bands = grader_.hu_bands();
   data.landmarks = bone.landmarks();
@@ -227,9 +232,11 @@ void Planner::suggest() {
       if (document_.bone() != bone) return;  // another one was opened meanwhile
       QStringList rejections;
       std::vector<DrillPath> paths;
+      suggested_.clear();
       for (const Suggestion& suggestion : suggestions) {
         if (suggestion.best) {
           paths.push_back(suggestion.best->path);
+          suggested_.push_back(*suggestion.best);
         } else {
           rejections += text_of(suggestion.rejection);
         }

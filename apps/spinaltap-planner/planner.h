@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "apps/spinaltap-planner/background_job.h"
 #include "apps/spinaltap-planner/drill/drill_player.h"
@@ -90,6 +91,7 @@ class Planner : public QObject {
   DrillPlayer player_;
   Questions questions_;
   std::filesystem::path plan_file_;
+  std::vector<SuggestedPath> suggested_;  ///< for this bone, last; for the reasons of paths that are still among them
   std::optional<std::filesystem::file_time_type> plan_file_time_;
   BackgroundJob job_;  ///< last: it ends before what it works for
 };

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/gui/phantom_bone.h"
 
@@ -46,6 +48,49 @@ TEST(PathFigures, SayWhatIsWrongWithABadPath) {
   figures = grader.figures(bone, path);
   EXPECT_FALSE(figures.is_graded);
   EXPECT_TRUE(warns(figures, WarningLevel::danger, "misses the bone"));
+}
+
+TEST(PathFigures, TellWhatTheInstrumentBehindTheEntryMeets) {
+  const OpenedBone& bone = *test::phantom_bone();
+  DrillPath path = test::phantom_paths().front();
+  // A screw of half the path's length, its tip at the target, has its head in the pedicle.
+  path.screw = PedicleScrew{"short", 4.5, 0.5 * path.length_mm(), 4.0};
+  const PathFigures figures = PathGrader().figures(bone, path);
+  ASSERT_TRUE(figures.is_graded);
+  EXPECT_LT(figures.graded.grade.instrument.head_clearance_mm, -kTouchMm);
+  EXPECT_TRUE(warns(figures, WarningLevel::note, "head") || warns(figures, WarningLevel::caution, "head"));
+  // Every finding is there once, a breach as that of its wall.
+  for (const Finding& finding : figures.graded.grade.findings) {
+    const bool is_breach = finding.part == InstrumentPart::tool && finding.words.starts_with("the screw stands");
+    const auto tells = [&](const PathWarning& warning) { return warning.text == finding.words; };
+    EXPECT_EQ(std::count_if(figures.warnings.begin(), figures.warnings.end(), tells), is_breach ? 0 : 1)
+        << finding.words;
+  }
+}
+
+TEST(PathFigures, HaveReasonsOnlyAsLongAsThePathIsTheSuggestedOne) {
+  const OpenedBone& bone = *test::phantom_bone();
+  SuggestedPath suggested;
+  suggested.path = test::phantom_paths().front();
+  suggested.path.screw = PedicleScrew{"6.5 x 45", 6.5, 45.0, 4.0};
+  suggested.technique = Technique::cortical;
+  suggested.reasons = {"the only one"};
+  PathFigures figures = PathGrader().figures(bone, suggested.path);
+  add_reasons({&suggested, 1}, figures);
+  EXPECT_EQ(figures.technique, Technique::cortical);
+  EXPECT_THAT(figures.reasons, testing::ElementsAre("the only one"));
+  DrillPath moved = suggested.path;
+  moved.target_mm.z() += 0.1;
+  DrillPath thinner = suggested.path;
+  thinner.screw->diameter_mm = 5.5;
+  DrillPath bare = suggested.path;
+  bare.screw.reset();
+  for (const DrillPath& other : {moved, thinner, bare}) {
+    figures = PathGrader().figures(bone, other);
+    add_reasons({&suggested, 1}, figures);
+    EXPECT_FALSE(figures.technique.has_value());
+    EXPECT_TRUE(figures.reasons.empty());
+  }
 }
 
 }  // namespace

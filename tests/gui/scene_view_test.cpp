@@ -259,6 +259,22 @@ TEST_F(SceneViewTest, ATransparentBoneShowsWhatIsInIt) {
   EXPECT_FALSE(is_bone(colour_at(test::phantom_bone()->model().bounds_mm().center() - 15.0 * Vec3::UnitY())));
 }
 
+TEST_F(SceneViewTest, DrawsAScrewsHead) {
+  std::vector<DrillPath> paths{test::phantom_paths()[0]};
+  paths[0].screw = PedicleScrew{"6.5 x 45", 6.5, 45.0, 4.0};
+  document_.set_paths(paths);
+  view_.look_from("behind");
+  state_.set_bone_opacity(0.0);
+  settle();
+  // Beside bit and thread, within the tulip.
+  const Vec3 in_tulip = paths[0].target_mm - 55.0 * paths[0].direction() + 5.0 * Vec3::UnitZ();
+  const QColor with_head = colour_at(in_tulip);
+  paths[0].screw->head.diameter_mm = 0.0;
+  document_.set_paths(paths);
+  settle();
+  EXPECT_NE(with_head, colour_at(in_tulip));
+}
+
 TEST_F(SceneViewTest, ToolsCanBeHiddenSoThatAHoleIsSeenInto) {
   document_.set_paths(test::phantom_paths());
   view_.look_from("behind");

@@ -83,6 +83,29 @@ TEST_F(SliceViewTest, DrawsTheBitAsWideAsItIs) {
   }
 }
 
+TEST_F(SliceViewTest, DrawsAScrewsHeadBehindIt) {
+  open(SliceKind::axial);
+  DrillPath changed = path();
+  changed.screw = PedicleScrew{"6.5 x 45", 6.5, 45.0, 4.0};
+  changed.screw->head.diameter_mm = 0.0;
+  document_.change_path(0, changed, "screw");
+  const QImage headless = picture();
+  changed.screw->head.diameter_mm = 13.0;
+  document_.change_path(0, changed, "screw");
+  const QImage whole = picture();
+  // On the tulip's side, beyond bit and thread, its outline is drawn: 10 mm behind its underside.
+  const Vec3 across = path().direction().cross(Vec3::UnitZ());
+  const Vec3 middle = path().target_mm - 55.0 * path().direction();
+  int changed_px = 0;
+  for (double off_mm = 5.5; off_mm <= 7.5; off_mm += 0.05) {
+    const QPoint at = view_->place_of(middle + off_mm * across).toPoint();
+    changed_px += whole.pixel(at) != headless.pixel(at) ? 1 : 0;
+  }
+  EXPECT_GT(changed_px, 4);
+  const QPoint beyond = view_->place_of(middle + 10.0 * across).toPoint();
+  EXPECT_EQ(whole.pixel(beyond), headless.pixel(beyond));
+}
+
 TEST_F(SliceViewTest, DrawsTheDrillingBitInPlaceOfThePaths) {
   open(SliceKind::axial);
   view_->zoom(4.0, view_->place_of(middle_mm()));

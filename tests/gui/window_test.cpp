@@ -172,6 +172,23 @@ TEST_F(PlannerWindowTest, WarnsInWordsWhenAPathBreachesTheCanal) {
   EXPECT_THAT(child<QLabel>("warnings").text().toStdString(), testing::HasSubstr("breaches the canal by"));
 }
 
+TEST_F(PlannerWindowTest, TellsBesideTheGradeWhatStandsOutAndWhyThePathWasSuggested) {
+  show_phantom(false);
+  input.key("ctrl+g");
+  ASSERT_TRUE(wait_until([&] { return document().paths().size() == 2; }, 60000));
+  let_work(100);
+  const auto text = [&](const char* name) { return child<QLabel>(name).text().toStdString(); };
+  const PathFigures suggested = planner().figures().value();
+  ASSERT_FALSE(suggested.reasons.empty());
+  EXPECT_THAT(text("reasons"), testing::HasSubstr("technique: pedicle"));
+  for (const std::string& reason : suggested.reasons) EXPECT_THAT(text("reasons"), testing::HasSubstr(reason));
+  EXPECT_THAT(text("walls"), testing::AllOf(testing::HasSubstr("Heary I,"), testing::HasSubstr("facet (Babu) 0"),
+                                            testing::HasSubstr("way in free"), testing::HasSubstr("head ")));
+  for (const Finding& finding : suggested.graded.grade.findings) {
+    EXPECT_THAT(text("warnings"), testing::HasSubstr(finding.words));
+  }
+}
+
 TEST_F(PlannerWindowTest, NumbersAndToolsAreSetByTheKeyboardAlone) {
   show_phantom();
   auto& screw = child<QComboBox>("screw");

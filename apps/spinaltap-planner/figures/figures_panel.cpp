@@ -59,6 +59,43 @@ QString walls_text(const PathGrade& grade, const std::vector<double>& hu_bands) 
   return text + FiguresPanel::tr("<br>Max thrust, predicted: %1 N").arg(grade.max_thrust_n, 0, 'f', 1);
 }
 
+/// "1.2 mm clear", "1.2 mm deep in bone"; empty where there is no such part near.
+QString part_text(const QString& name, double clearance_mm) {
+  if (!std::isfinite(clearance_mm)) return {};
+  const QString words =
+      clearance_mm < 0.0 ? FiguresPanel::tr("%1 %2 mm deep in bone") : FiguresPanel::tr("%1 %2 mm clear of bone");
+  return words.arg(name).arg(std::abs(clearance_mm), 0, 'f', 1);
+}
+
+/// The other scales, and all that lies behind the entry.
+QString instrument_text(const PathGrade& grade) {
+  const InstrumentContacts& behind = grade.instrument;
+  QStringList parts;
+  if (std::isfinite(grade.entry_slant_deg)) {
+    parts += FiguresPanel::tr("surface slants by %1\u00b0").arg(grade.entry_slant_deg, 0, 'f', 0);
+  }
+  parts += behind.cut_behind_mm >= kTouchMm
+               ? FiguresPanel::tr("way in cuts %1 mm deep").arg(behind.cut_behind_mm, 0, 'f', 1)
+               : FiguresPanel::tr("way in free");
+  parts += part_text(FiguresPanel::tr("head"), behind.head_clearance_mm);
+  parts += part_text(FiguresPanel::tr("driver"), behind.driver_clearance_mm);
+  parts.removeAll(QString());
+  return FiguresPanel::tr("<br>Heary %1, Rampersaud %2, facet (Babu) %3<br>At the entry: %4")
+      .arg(QString::fromLatin1(name_of(grade.heary)))
+      .arg(QChar::fromLatin1(grade.rampersaud))
+      .arg(grade.facet)
+      .arg(parts.join(", "));
+}
+
+QString reasons_text(const PathFigures& figures) {
+  if (!figures.technique) return {};
+  QString text = FiguresPanel::tr("<b>Suggested, technique: %1</b>").arg(text_of(name_of(*figures.technique)));
+  for (const std::string& reason : figures.reasons) {
+    text += QStringLiteral("<br>\u2022 ") + text_of(reason).toHtmlEscaped();
+  }
+  return text;
+}
+
 QLabel* wrapped_label(const char* name, QLayout* layout) {
   auto* label = new QLabel;
   label->setObjectName(QString::fromLatin1(name));
@@ -77,6 +114,7 @@ FiguresPanel::FiguresPanel(QWidget* parent) : QWidget(parent) {
   grade_ = wrapped_label("grade", layout);
   walls_ = wrapped_label("walls", layout);
   warnings_ = wrapped_label("warnings", layout);
+  reasons_ = wrapped_label("reasons", layout);
   choice_ = new QComboBox;
   choice_->setObjectName("plotChoice");
   choice_->setAccessibleName(tr("What is plotted along the depth"));
@@ -96,12 +134,13 @@ void FiguresPanel::show_figures(const PathFigures* figures, const std::vector<do
     grade_->setText(tr("No path chosen"));
     walls_->clear();
     warnings_->clear();
+    reasons_->clear();
   } else {
     const PathGrade& grade = figures->graded.grade;
     if (figures->is_graded) {
       grade_->setText(QString("<b style='font-size:large;color:%1'>%2</b>")
                           .arg(colour_of(grade.grade), text_of(meaning_of(grade.grade)).toHtmlEscaped()));
-      walls_->setText(walls_text(grade, hu_bands));
+      walls_->setText(walls_text(grade, hu_bands) + instrument_text(grade));
       plots_ = {clearance_plot(figures->graded), hu_plot(figures->graded), bands_plot(figures->graded, hu_bands),
                 predicted_thrust_plot(figures->graded)};
       for (Plot& plot : plots_) plot.title.clear();  // the choice says it
@@ -114,9 +153,11 @@ void FiguresPanel::show_figures(const PathFigures* figures, const std::vector<do
       lines += sign_of(warning.level) + text_of(warning.text).toHtmlEscaped() + "</b>";
     }
     warnings_->setText(lines.join("<br>"));
+    reasons_->setText(reasons_text(*figures));
   }
   walls_->setVisible(!walls_->text().isEmpty());
   warnings_->setVisible(!warnings_->text().isEmpty());
+  reasons_->setVisible(!reasons_->text().isEmpty());
   show_plot();
 }
 

@@ -13,7 +13,7 @@ namespace spinaltap {
 struct PathFigures;
 class PlotView;
 
-/// The chosen path's grade, warnings and plots along its depth.
+/// The chosen path's grade, what stands out, why it was suggested, and plots along its depth.
 class FiguresPanel : public QWidget {
   Q_OBJECT
  public:
@@ -28,6 +28,7 @@ class FiguresPanel : public QWidget {
   QLabel* grade_ = nullptr;
   QLabel* walls_ = nullptr;
   QLabel* warnings_ = nullptr;
+  QLabel* reasons_ = nullptr;
   QComboBox* choice_ = nullptr;
   PlotView* plot_ = nullptr;
   std::vector<Plot> plots_;  ///< as the choice lists them

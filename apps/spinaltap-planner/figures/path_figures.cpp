@@ -40,6 +40,16 @@ void add_length(double longer_mm, std::vector<PathWarning>& warnings) {
   }
 }
 
+/// What the grade found; its breach is told by walls already.
+void add_findings(const PathGrade& grade, std::vector<PathWarning>& warnings) {
+  for (const Finding& finding : grade.findings) {
+    const bool is_breach = finding.part == InstrumentPart::tool && finding.is_warning && grade.breach_mm > 0.0 &&
+                           finding.depth_mm == grade.breach_mm && finding.at_mm == grade.breach_depth_mm;
+    if (is_breach) continue;
+    warnings.push_back({finding.is_warning ? WarningLevel::caution : WarningLevel::note, finding.words});
+  }
+}
+
 /// How far a place is from the bone's surface, mm, either side.
 double off_surface_mm(const OpenedBone& bone, const Vec3& p_mm) { return (stick_to_surface(bone, p_mm) - p_mm).norm(); }
 
@@ -75,8 +85,14 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   add_breach("the canal", grade.canal, margin_mm_, warnings);
   add_breach("the outer surface", grade.outer, margin_mm_, warnings);
   if (path.screw) add_length(path.screw->length_mm - path.length_mm(), warnings);
+  add_findings(grade, warnings);
   if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
     warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
+  }
+  if (const std::optional<LevelWarnings> marked = bone.bone->warnings()) {
+    for (const std::string& warning : marked->warnings) {
+      warnings.push_back({marked->is_suspect() ? WarningLevel::caution : WarningLevel::note, "the bone: " + warning});
+    }
   }
   if (landmarks == nullptr) {
     warnings.push_back({WarningLevel::caution, "no canal is known here: " + bone.bone->no_landmarks()});
@@ -92,6 +108,20 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   std::stable_sort(warnings.begin(), warnings.end(),
                    [](const PathWarning& a, const PathWarning& b) { return a.level > b.level; });
   return figures;
+}
+
+void add_reasons(std::span<const SuggestedPath> suggested, PathFigures& figures) {
+  const DrillPath& path = figures.graded.path;
+  const auto same = [&](const SuggestedPath& one) {
+    return one.path.entry_mm == path.entry_mm && one.path.target_mm == path.target_mm &&
+           one.path.screw.has_value() == path.screw.has_value() &&
+           (!path.screw || (one.path.screw->diameter_mm == path.screw->diameter_mm &&
+                            one.path.screw->length_mm == path.screw->length_mm));
+  };
+  const auto found = std::find_if(suggested.begin(), suggested.end(), same);
+  if (found == suggested.end()) return;
+  figures.technique = found->technique;
+  figures.reasons = found->reasons;
 }
 
 }  // namespace spinaltap

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "apps/report/grade_output.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/plan/path_side.h"
+#include "core/plan/suggest.h"
 #include "core/points/material.h"
 
 namespace spinaltap {
@@ -23,9 +26,14 @@ struct PathFigures {
   GradedPath graded;
   PathAngles angles;  ///< to the vertebra's own planes where its landmarks are known, else to the patient's
   bool angles_are_the_vertebras = false;
-  bool is_graded = false;             ///< the path goes through the bone
-  std::vector<PathWarning> warnings;  ///< the worst first
+  bool is_graded = false;                   ///< the path goes through the bone
+  std::vector<PathWarning> warnings;        ///< the worst first; the grade's findings are among them
+  std::optional<Technique> technique = {};  ///< of a path that is as it was suggested
+  std::vector<std::string> reasons = {};    ///< why it was, likewise
 };
+
+/// Adds technique and reasons where the path is one of those suggested: same ends, same screw.
+void add_reasons(std::span<const SuggestedPath> suggested, PathFigures& figures);
 
 /// Works out figures of paths; reads material and rules once, from the shipped files.
 class PathGrader {

@@ -11,6 +11,7 @@
 #include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/scene/tool_actor.h"
@@ -33,6 +34,7 @@ QColor faint_colour(const QColor& colour) {
 struct PathActors::PathShape {
   ToolActor bit;
   ToolActor screw;
+  ToolActor head;
   vtkNew<vtkLineSource> line;
   vtkNew<vtkActor> axis;
   vtkNew<vtkActor> axis_in_bone;
@@ -50,7 +52,7 @@ struct PathActors::PathShape {
     }
     // Blended at once: these lines lie behind nothing that would need sorting.
     axis_in_bone->ForceOpaqueOn();
-    screw.actor()->GetProperty()->SetOpacity(kScrewOpacity);
+    for (ToolActor* part : {&screw, &head}) part->actor()->GetProperty()->SetOpacity(kScrewOpacity);
     vtkTextProperty* text = name->GetTextProperty();
     text->SetFontFamilyToArial();
     text->SetJustificationToCentered();
@@ -58,6 +60,7 @@ struct PathActors::PathShape {
     text->SetBackgroundColor(0.10, 0.12, 0.15);
     scene.AddActor(bit.actor());
     scene.AddActor(screw.actor());
+    scene.AddActor(head.actor());
     scene.AddActor(axis);
     front.AddActor(axis_in_bone);
     front.AddActor(name);
@@ -65,6 +68,7 @@ struct PathActors::PathShape {
   ~PathShape() {
     scene.RemoveActor(bit.actor());
     scene.RemoveActor(screw.actor());
+    scene.RemoveActor(head.actor());
     scene.RemoveActor(axis);
     front.RemoveActor(axis_in_bone);
     front.RemoveActor(name);
@@ -81,6 +85,12 @@ struct PathActors::PathShape {
     if (path.screw) {
       screw.show(path.screw->outline(), pose);
       screw.set_colour(colour);
+    }
+    const std::optional<BodyBehind> behind = head_of(path);
+    head.actor()->SetVisibility(behind.has_value());
+    if (behind) {
+      head.show(behind->outline, behind->pose);
+      head.set_colour(colour);
     }
     const double tool_mm = std::max(path.bit.length_mm, path.screw ? path.screw->length_mm : 0.0);
     const double back_mm = std::max(path.length_mm(), tool_mm) + kAxisBeyondMm;
@@ -102,6 +112,7 @@ struct PathActors::PathShape {
   void hide_tools() {
     bit.actor()->VisibilityOff();
     screw.actor()->VisibilityOff();
+    head.actor()->VisibilityOff();
   }
 
   void prepare(const SceneCamera& camera, double height_px, double pixel_ratio) {

@@ -4,6 +4,7 @@
 #include <QFontMetricsF>
 #include <QPainter>
 #include <cmath>
+#include <optional>
 
 #include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/slices/haloed.h"
@@ -107,6 +108,9 @@ void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlace
   const double strength = is_chosen ? 1.0 : kFaint;
   const Pose at_target{path.target_mm, path.direction()};
   if (path.screw) paint_tool(painter, scene, path.screw->outline(), at_target, kScrewRgb, strength, labels);
+  if (const std::optional<BodyBehind> head = head_of(path)) {
+    paint_tool(painter, scene, head->outline, head->pose, kScrewRgb, strength, labels);
+  }
   if (!(is_chosen && scene.bit)) {
     paint_tool(painter, scene, path.bit, at_target, path_colour(static_cast<std::size_t>(index)).rgb(), strength,
                labels);
