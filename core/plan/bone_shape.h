@@ -37,6 +37,8 @@ class BoneShape {
   bool is_inside(const Vec3& p_mm) const;
   /// The nearest of points_mm().
   PointTree::Nearest nearest(const Vec3& p_mm) const { return tree_.nearest(p_mm); }
+  /// Of points_mm().
+  const PointTree& tree() const { return tree_; }
 
   /// Distances at voxels of kLatticeMm around the bone: inside as distance_mm(), deeper than 3 mm up to 0.1 mm more;
   /// outside at least the right sign. For searches.

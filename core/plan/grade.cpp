@@ -130,23 +130,29 @@ class WallAlongTool {
  public:
   static constexpr double kNearMm = 3.0;
 
-  WallAlongTool(const WallDistance& walls, const GradedTool& tool, bool is_canal) : walls_(walls), tool_(tool) {
+  /// `near`: places of the surface's samples around the tool, at least those that reach_mm() goes to.
+  WallAlongTool(const WallDistance& walls, const GradedTool& tool, std::span<const std::size_t> near, bool is_canal)
+      : walls_(walls), tool_(tool) {
     const BoneShape& bone = walls.bone();
     const std::vector<std::uint8_t>& is_canal_wall = walls.landmarks().is_canal_wall;
     const Vec3 entry_mm = tool.axis_mm(0.0);
-    const double reach_mm = tool.widest_mm() + kNearMm + 1.0;
-    for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
+    const double far_mm = reach_mm(tool);
+    for (const std::size_t n : near) {
       if ((is_canal_wall[n] != 0) != is_canal) continue;
       const Vec3 from_mm = bone.points_mm()[n] - entry_mm;
       const double along_mm = from_mm.dot(tool.direction());
-      if (along_mm < -reach_mm || along_mm > tool.length_mm() + reach_mm) continue;
+      if (along_mm < -far_mm || along_mm > tool.length_mm() + far_mm) continue;
       const double off_squared = from_mm.squaredNorm() - along_mm * along_mm;
-      if (off_squared > reach_mm * reach_mm) continue;
+      if (off_squared > far_mm * far_mm) continue;
       samples_.push_back({along_mm, std::sqrt(std::max(0.0, off_squared)), n});
     }
-    std::stable_sort(samples_.begin(), samples_.end(),
-                     [](const Sample& a, const Sample& b) { return a.along_mm < b.along_mm; });
+    std::sort(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
+      return a.along_mm != b.along_mm ? a.along_mm < b.along_mm : a.index < b.index;
+    });
   }
+
+  /// How far from the axis, and beyond the tool's ends, samples can matter.
+  static double reach_mm(const GradedTool& tool) { return tool.widest_mm() + kNearMm + 1.0; }
 
   /// How far the section at a depth is from the wall, `axis_mm`: its middle is.
   double clearance_mm(double depth_mm, double radius_mm, double axis_mm) const {
@@ -188,7 +194,10 @@ class WallAlongTool {
 
 /// Makes near clearances those of the sections instead of bounds by their middles: never less than the bound.
 void sharpen_clearances(const WallDistance& walls, const GradedTool& tool, Walk& walk) {
-  const WallAlongTool outer(walls, tool, false), canal(walls, tool, true);
+  const double reach_mm = WallAlongTool::reach_mm(tool);
+  const std::vector<std::size_t> near = walls.bone().tree().along(
+      {tool.axis_mm(0.0), tool.direction(), -reach_mm, tool.length_mm() + reach_mm, reach_mm});
+  const WallAlongTool outer(walls, tool, near, false), canal(walls, tool, near, true);
   for (std::size_t n = 0; n < walk.rows.size(); ++n) {
     GradeRow& row = walk.rows[n];
     const auto sharpen = [&](double& clearance_mm, double axis_mm, const WallAlongTool& wall) {

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numbers>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/tool/bit_profile.h"
 
@@ -145,53 +147,62 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   const BoneShape& bone = walls.bone();
   const PathLine line(path);
   const std::vector<Body> bodies = bodies_of(path, opening_mm);
-  const DrillBit tool = path.screw ? path.screw->outline() : path.bit;
-  const Body thread{InstrumentPart::tool, BitProfile(tool), path.length_mm()};
-  const double length_mm = path.length_mm();
-  double widest_mm = 0.0;
-  double foremost_mm = -opening_mm;
-  for (const Body& body : bodies) {
-    widest_mm = std::max(widest_mm, body.profile.radius_mm());
-    foremost_mm = std::max(foremost_mm, body.tip_mm);
-  }
+  InstrumentContacts contacts;
+  const auto note_process = [&](VertebraPart structure, double depth_mm) {
+    if (structure == VertebraPart::superior_joint)
+      contacts.joint_depth_mm = std::max(contacts.joint_depth_mm, depth_mm);
+    contacts.is_beside_joint |= structure == VertebraPart::superior_articular_process;
+  };
 
   struct OfBody {
     Touch nearest;
     std::array<Touch, kStructures> touches;
   };
   std::vector<OfBody> found(bodies.size());
-  InstrumentContacts contacts;
-  for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
-    const Vec3& p_mm = bone.points_mm()[n];
-    const double along_mm = line.along_mm(p_mm);
-    const bool is_in_front = along_mm > foremost_mm + reach_mm;
-    if (is_in_front && along_mm > length_mm) continue;
-    const double off_mm = line.off_mm(p_mm, along_mm);
-    if (off_mm > widest_mm + reach_mm) continue;
-    for (std::size_t b = 0; b < bodies.size() && !is_in_front; ++b) {
-      // What lies beside the body's widest part or ahead of its tip is at least so far from it.
-      const double bound_mm = std::max(off_mm - bodies[b].profile.radius_mm(), along_mm - bodies[b].tip_mm);
-      if (bound_mm > std::max(0.0, found[b].nearest.distance_mm)) continue;
-      const double distance_mm = bodies[b].distance_mm(along_mm, off_mm);
-      if (distance_mm < found[b].nearest.distance_mm) found[b].nearest = {distance_mm, p_mm, bone.normals()[n]};
-      if (!(distance_mm < 0.0)) continue;
-      const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);
-      Touch& touch = found[b].touches[static_cast<std::size_t>(structure)];
-      if (distance_mm < touch.distance_mm) touch = {distance_mm, p_mm, bone.normals()[n]};
-      if (bodies[b].part != InstrumentPart::head) continue;
-      if (structure == VertebraPart::superior_joint) {
-        contacts.joint_depth_mm = std::max(contacts.joint_depth_mm, -distance_mm);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Body& body = bodies[b];
+    Touch& nearest = found[b].nearest;
+    // What lies beside the body's widest part or ahead of its tip is at least so far from it.
+    const auto bound_mm = [&](double along_mm, double off_mm) {
+      return std::max(off_mm - body.profile.radius_mm(), along_mm - body.tip_mm);
+    };
+    const auto counts = [&](double least_mm) {
+      return !(least_mm > std::max(0.0, std::min(reach_mm, nearest.distance_mm)));
+    };
+    std::vector<std::pair<double, const PointTree::Group*>> groups;  // the nearest come first
+    for (const PointTree::Group& group : bone.tree().groups()) {
+      const double along_mm = line.along_mm(group.middle_mm);
+      const double least_mm = bound_mm(along_mm, line.off_mm(group.middle_mm, along_mm)) - group.radius_mm;
+      if (counts(least_mm)) groups.emplace_back(least_mm, &group);
+    }
+    std::sort(groups.begin(), groups.end());
+    for (const auto& [least_mm, group] : groups) {
+      if (!counts(least_mm)) break;
+      for (const std::size_t n : group->points) {
+        const Vec3& p_mm = bone.points_mm()[n];
+        const double along_mm = line.along_mm(p_mm);
+        const double off_mm = line.off_mm(p_mm, along_mm);
+        if (!counts(bound_mm(along_mm, off_mm))) continue;
+        const double distance_mm = body.distance_mm(along_mm, off_mm);
+        if (distance_mm < nearest.distance_mm) nearest = {distance_mm, p_mm, bone.normals()[n]};
+        if (!(distance_mm < 0.0)) continue;
+        const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);
+        Touch& touch = found[b].touches[static_cast<std::size_t>(structure)];
+        if (distance_mm < touch.distance_mm) touch = {distance_mm, p_mm, bone.normals()[n]};
+        if (body.part == InstrumentPart::head) note_process(structure, -distance_mm);
       }
-      contacts.is_beside_joint |= structure == VertebraPart::superior_articular_process;
     }
-    if (!path.screw || off_mm > thread.profile.radius_mm() || along_mm < -opening_mm) continue;
-    const double in_thread_mm = -thread.distance_mm(along_mm, off_mm);
-    if (!(in_thread_mm > 0.0)) continue;
-    const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);
-    if (structure == VertebraPart::superior_joint) {
-      contacts.joint_depth_mm = std::max(contacts.joint_depth_mm, in_thread_mm);
+  }
+  if (path.screw) {
+    const Body thread{InstrumentPart::tool, BitProfile(path.screw->outline()), path.length_mm()};
+    for (const std::size_t n : bone.tree().along(
+             {path.entry_mm, path.direction(), -opening_mm, path.length_mm(), thread.profile.radius_mm()})) {
+      const Vec3& p_mm = bone.points_mm()[n];
+      const double along_mm = line.along_mm(p_mm);
+      if (along_mm < -opening_mm) continue;
+      const double in_thread_mm = -thread.distance_mm(along_mm, line.off_mm(p_mm, along_mm));
+      if (in_thread_mm > 0.0) note_process(walls.parts().at(p_mm, bone.normals()[n]), in_thread_mm);
     }
-    contacts.is_beside_joint |= structure == VertebraPart::superior_articular_process;
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     OfBody& of_body = found[b];

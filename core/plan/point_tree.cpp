@@ -1,5 +1,6 @@
 #include "core/plan/point_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <nanoflann.hpp>
@@ -74,10 +75,20 @@ struct PointTree::Tree {
     in_leaves.reserve(points.size());
     for (const std::uint32_t original : originals) in_leaves.push_back(points[original]);
     seen = in_leaves.data();
+    for (std::size_t first = 0; first < in_leaves.size(); first += kGroup) groups.push_back(group_at(first));
   }
   Tree(const Tree&) = delete;
   Tree& operator=(const Tree&) = delete;
   ~Tree() = default;
+
+  /// In the order of the leaves what follows each other lies side by side.
+  static constexpr std::size_t kGroup = 64;
+  Group group_at(std::size_t first) const {
+    const std::size_t count = std::min(in_leaves.size() - first, kGroup);
+    Box3 box;
+    for (std::size_t n = 0; n < count; ++n) box.extend(in_leaves[first + n]);
+    return {box.center(), 0.5 * box.diagonal().norm(), std::span(originals).subspan(first, count)};
+  }
 
   Nearest search(const Vec3& p_mm, NearestSoFar result) const {
     Nearest found;
@@ -93,6 +104,7 @@ struct PointTree::Tree {
   std::vector<Vec3> in_leaves;           ///< the same points in the order of the tree's leaves
   std::vector<std::uint32_t> originals;  ///< of each of in_leaves, its place in points
   const Vec3* seen;                      ///< what the index numbers its points by
+  std::vector<Group> groups;             ///< of in_leaves
   std::optional<Index> index;
 };
 
@@ -112,6 +124,21 @@ PointTree::Nearest PointTree::nearest(const Vec3& p_mm, std::size_t guess) const
   const double squared_mm2 = way_mm.x() * way_mm.x() + way_mm.y() * way_mm.y() + way_mm.z() * way_mm.z();
   const Nearest nearer = tree_->search(p_mm, NearestSoFar(squared_mm2));
   return nearer.index < tree_->points.size() ? nearer : Nearest{guess, std::sqrt(squared_mm2)};
+}
+
+const std::vector<PointTree::Group>& PointTree::groups() const { return tree_->groups; }
+
+std::vector<std::size_t> PointTree::along(const Stretch& stretch) const {
+  std::vector<std::size_t> found;
+  for (const Group& group : groups()) {
+    const Vec3 way_mm = group.middle_mm - stretch.origin_mm;
+    const double along_mm = way_mm.dot(stretch.direction);
+    if (along_mm < stretch.from_mm - group.radius_mm || along_mm > stretch.to_mm + group.radius_mm) continue;
+    const double near_mm = stretch.reach_mm + group.radius_mm;
+    if (way_mm.squaredNorm() - along_mm * along_mm > near_mm * near_mm + 1e-6) continue;
+    found.insert(found.end(), group.points.begin(), group.points.end());
+  }
+  return found;
 }
 
 }  // namespace spinaltap

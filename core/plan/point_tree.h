@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/geometry.h"
 
 namespace spinaltap {
 
-/// Finds the nearest of many points: a k-d tree over points that do not change. Safe to ask from many threads.
+/// Finds the nearest of many points, and those along a line: a k-d tree over points that do not change. Safe to ask
+/// from many threads.
 class PointTree {
  public:
   /// Throws Error when a point is not finite.
@@ -28,6 +31,25 @@ class PointTree {
   Nearest nearest(const Vec3& p_mm) const;
   /// The same, sooner where points_mm()[guess] is about as near. Of several points at one distance it may find another.
   Nearest nearest(const Vec3& p_mm, std::size_t guess) const;
+
+  /// Points that are neighbours, and a ball around them.
+  struct Group {
+    Vec3 middle_mm;
+    double radius_mm;
+    std::span<const std::uint32_t> points;  ///< places in points_mm()
+  };
+  /// All points, each in one group: for searches that can pass over most of them.
+  const std::vector<Group>& groups() const;
+
+  /// A stretch of a straight line and what lies around it: a cylinder.
+  struct Stretch {
+    Vec3 origin_mm, direction;  ///< direction: unit
+    double from_mm, to_mm;      ///< along it, from the origin
+    double reach_mm;            ///< to all sides
+  };
+  /// Places in points_mm() of all that lie in the stretch, and of some that lie near it, in an order that depends on
+  /// the points alone.
+  std::vector<std::size_t> along(const Stretch& stretch) const;
 
  private:
   struct Tree;

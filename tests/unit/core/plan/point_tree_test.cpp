@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "core/base/random.h"
@@ -36,6 +37,40 @@ TEST(PointTree, FindsTheNearestWithAnyGuess) {
       EXPECT_NEAR(tree.nearest(p_mm, guess).distance_mm, ground_truth_mm, 1e-12);
     }
   }
+}
+
+TEST(PointTree, HoldsAllPointsAlongALine) {
+  const PointTree tree(random_points(5000));
+  for (std::uint64_t n = 0; n < 50; ++n) {
+    const Vec3 origin_mm = 1.4 * random_point(3, n) - Vec3::Constant(2.0);
+    const Vec3 direction = (random_point(4, n) - Vec3::Constant(5.0)).normalized();
+    const PointTree::Stretch stretch{origin_mm, direction, -1.0, 6.0 * random_uniform(5, n), random_uniform(6, n)};
+    std::vector<std::size_t> near = tree.along(stretch);
+    std::sort(near.begin(), near.end());
+    EXPECT_EQ(std::adjacent_find(near.begin(), near.end()), near.end());  // none twice
+    EXPECT_LT(near.size(), tree.points_mm().size() / 2);
+    for (std::size_t place = 0; place < tree.points_mm().size(); ++place) {
+      const Vec3 way_mm = tree.points_mm()[place] - origin_mm;
+      const double along_mm = way_mm.dot(direction);
+      const bool is_in = along_mm >= stretch.from_mm && along_mm <= stretch.to_mm &&
+                         (way_mm - along_mm * direction).norm() <= stretch.reach_mm;
+      EXPECT_TRUE(!is_in || std::binary_search(near.begin(), near.end(), place)) << "line " << n << ", point " << place;
+    }
+  }
+}
+
+TEST(PointTree, HasEachPointInOneGroupWhoseBallHoldsIt) {
+  const PointTree tree(random_points(1000));
+  std::vector<int> times(tree.points_mm().size(), 0);
+  for (const PointTree::Group& group : tree.groups()) {
+    EXPECT_LT(group.radius_mm, 6.0);  // neighbours: of 10 mm by 10 mm by 10 mm a sixteenth each
+    for (const std::uint32_t place : group.points) {
+      ++times[place];
+      EXPECT_LE((tree.points_mm()[place] - group.middle_mm).norm(), group.radius_mm + 1e-12);
+    }
+  }
+  EXPECT_EQ(std::count(times.begin(), times.end(), 1), 1000);
+  EXPECT_TRUE(PointTree(std::vector<Vec3>{}).groups().empty());
 }
 
 }  // namespace
