@@ -28,8 +28,10 @@
 #include "tests/fuzz/readers.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/allocator_interface.h>
 #include <sanitizer/lsan_interface.h>
+// GCC's runtime has it, and no header for it.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
+                                                         void (*on_free)(const volatile void*));
 // What was freed is kept from use for a while: not so much that it hides what readers take.
 extern "C" const char* __asan_default_options() { return "max_allocation_size_mb=1000:quarantine_size_mb=32"; }
 // What it loses of a damaged file is not ours to free; of other libraries, see tests/leaks.supp.
