@@ -4,6 +4,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace spinaltap::test {
@@ -104,7 +105,7 @@ class JsonMutator {
         repeat_in(node);
         break;
       case 3:
-        std::swap(node, *nodes[below(nodes.size())]);
+        swap_apart(node, *nodes[below(nodes.size())]);
         break;
       case 4:
         take_from_other(node);
@@ -120,6 +121,15 @@ class JsonMutator {
  private:
   std::size_t below(std::size_t count) { return count > 0 ? random_() % count : 0; }
 
+  /// Neither may be in the other, which would hold itself then.
+  static void swap_apart(OrderedJson& a, OrderedJson& b) {
+    for (const auto& [outer, inner] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
+      std::vector<OrderedJson*> within;
+      gather(*outer, within);
+      if (std::find(within.begin(), within.end(), inner) != within.end()) return;
+    }
+    std::swap(a, b);
+  }
   void remove_from(OrderedJson& node) {
     if (!node.is_structured() || node.empty()) return;
     node.erase(std::next(node.begin(), static_cast<std::ptrdiff_t>(below(node.size()))));
