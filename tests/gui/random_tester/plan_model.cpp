@@ -46,18 +46,35 @@ void PlanModel::begin() {
   bone_ = document.opened().get();
   was_clean_ = !window_.planner().has_unsaved_changes();
   is_given_up_ = false;
+  saved_in_.clear();
 }
 
 std::string PlanModel::check(Effect effect) {
   std::string trouble = follow(effect);
   was_clean_ = !window_.planner().has_unsaved_changes();
-  if (was_clean_ || !window_.planner().job().is_running()) is_given_up_ = false;
+  if (was_clean_ || !window_.planner().job().is_running()) {
+    is_given_up_ = false;
+    saved_in_.clear();
+  }
   return trouble.empty() ? check_window() : trouble;
 }
 
 std::string PlanModel::check_closed() const {
   return window_.planner().has_unsaved_changes() && !is_given_up_ ? "closed without a question, with changes not saved"
                                                                   : "";
+}
+
+bool PlanModel::is_saved(const std::vector<DrillPath>& paths) const {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(saved_in_, none)) {
+    if (entry.path().extension() != ".json") continue;
+    try {
+      if (are_same(read_plan(entry.path()), paths)) return true;
+    } catch (const Error&) {  // no plan: there are broken files too
+      continue;
+    }
+  }
+  return false;
 }
 
 std::string PlanModel::follow(Effect effect) {
@@ -71,7 +88,7 @@ std::string PlanModel::follow(Effect effect) {
   const bool is_replaced = document.opened().get() != bone_ || (stack.count() == 0 && plans_.size() > 1) ||
                            (stack.count() == 0 && effect == Effect::replaces && !are_same(paths, before));
   if (is_replaced) {
-    if (!was_clean_ && !is_given_up_) return differs("a question before the plan is replaced");
+    if (!was_clean_ && !is_given_up_ && !is_saved(before)) return differs("a question before the plan is replaced");
     begin();
     return {};
   }

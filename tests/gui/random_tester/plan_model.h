@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/tool/drill_path.h"
@@ -32,6 +33,8 @@ class PlanModel {
   void begin();
   /// The person was asked, and gave up what was not saved.
   void give_up() { is_given_up_ = true; }
+  /// The person was asked, and had it saved: to a file of this folder.
+  void save_first(std::filesystem::path folder) { saved_in_ = std::move(folder); }
   /// The window has closed. Empty: what was not saved was given up.
   std::string check_closed() const;
   /// After an action, when the window has settled. Empty: all agrees.
@@ -45,6 +48,8 @@ class PlanModel {
 
  private:
   std::string follow(Effect effect);
+  /// A file of the folder that the person had it saved to has these paths.
+  bool is_saved(const std::vector<DrillPath>& paths) const;
 
   MainWindow& window_;
   std::vector<std::optional<std::vector<DrillPath>>> plans_;  ///< nothing: not seen, between two changes at once
@@ -52,6 +57,7 @@ class PlanModel {
   const void* bone_ = nullptr;
   bool was_clean_ = true;
   bool is_given_up_ = false;
+  std::filesystem::path saved_in_;  ///< empty: nobody asked
 };
 
 bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b);

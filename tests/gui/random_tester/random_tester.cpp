@@ -178,7 +178,10 @@ class RandomTester {
       tell("a box speaks of exceptions: " + box.informativeText().toStdString());
       ++troubles_;
     }
-    if (box.objectName() == "unsaved" && box.standardButton(button) == QMessageBox::Discard) model_->give_up();
+    if (box.objectName() == "unsaved") {
+      if (box.standardButton(button) == QMessageBox::Discard) model_->give_up();
+      if (box.standardButton(button) == QMessageBox::Save) model_->save_first(folder_.path());
+    }
     button->click();
   }
 
