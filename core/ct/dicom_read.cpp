@@ -38,6 +38,7 @@ void reject_several(const std::vector<ScannedSeries>& found, const std::filesyst
        << found.size() << (one_uid ? " sets in " : " in ") << folder.string() << "; choose one by number "
        << (one_uid ? "" : "or UID ") << "with CtReadOptions::series: " << list_for_people(found);
   std::vector<SeriesInfo> series;
+  series.reserve(found.size());
   for (const ScannedSeries& one : found) series.push_back(one.info);
   throw SeveralSeries(text.str(), std::move(series));
 }

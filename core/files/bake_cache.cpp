@@ -129,6 +129,7 @@ void BakeCache::prune(std::uint64_t max_bytes, int max_days) const {
     stage.files.push_back(entry.path());
   }
   std::vector<const Stage*> newest_first;
+  newest_first.reserve(stages.size());
   for (const auto& [name, stage] : stages) newest_first.push_back(&stage);
   std::stable_sort(newest_first.begin(), newest_first.end(),
                    [](const Stage* a, const Stage* b) { return a->found > b->found; });

@@ -53,7 +53,14 @@ Json to_json(const Suggestion& suggestion) {
   if (!suggestion.best) return {{"side", suggestion.side}, {"rejection", suggestion.rejection}};
   const SuggestedPath& best = *suggestion.best;
   const SafeZone& safe = best.safe;
+  std::vector<std::string> warnings;
+  for (const Finding& finding : best.grade.findings) {
+    if (finding.is_warning) warnings.push_back(finding.words);
+  }
   return {{"side", suggestion.side},
+          {"grade", std::string(1, letter_of(best.grade.grade))},
+          {"breach_mm", best.grade.breach_mm},
+          {"warnings", warnings},
           {"entry_mm", to_json(best.path.entry_mm)},
           {"target_mm", to_json(best.path.target_mm)},
           {"screw", to_json(*best.path.screw)},
