@@ -32,11 +32,13 @@ void add_breach(const std::string& wall, const Approach& approach, double margin
 void add_length(double longer_mm, std::vector<PathWarning>& warnings) {
   constexpr double kSameMm = 0.5;
   if (longer_mm > kSameMm) {
-    warnings.push_back({WarningLevel::caution, "the screw is " + mm_text(longer_mm) +
-                                                   " longer than the path: its tip goes beyond the target"});
+    warnings.push_back(
+        {WarningLevel::caution, "the screw is " + mm_text(longer_mm) +
+                                    " longer than the path: with its tip at the target it stands out of its hole"});
   } else if (longer_mm < -kSameMm) {
-    warnings.push_back({WarningLevel::caution, "the screw is " + mm_text(-longer_mm) +
-                                                   " shorter than the path: its tip does not come to the target"});
+    warnings.push_back(
+        {WarningLevel::caution, "the screw is " + mm_text(-longer_mm) +
+                                    " shorter than the path: with its tip at the target its head lies in the hole"});
   }
 }
 
