@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 
 namespace spinaltap {
 namespace {
@@ -92,7 +93,7 @@ double quantile(std::span<const double> ascending, double share) {
   const double place = share * static_cast<double>(ascending.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   const std::size_t above = std::min(below + 1, ascending.size() - 1);
-  return std::lerp(ascending[below], ascending[above], place - static_cast<double>(below));
+  return lerp(ascending[below], ascending[above], place - static_cast<double>(below));
 }
 
 }  // namespace spinaltap

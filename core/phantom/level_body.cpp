@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/lerp.h"
 #include "core/phantom/detail/shapes.h"
 
 namespace spinaltap {
@@ -59,7 +60,7 @@ double LevelBody::hu(const Vec3& p_patient, double distance_mm, double aperture_
   if (screws_.empty()) return bone;
   const double value = screw_value_mm(p_patient);
   const double metal = aperture_mm > 0.0 ? std::clamp(0.5 - value / aperture_mm, 0.0, 1.0) : (value < 0.0 ? 1.0 : 0.0);
-  return std::lerp(bone, kMetalHu, metal);
+  return lerp(bone, kMetalHu, metal);
 }
 
 }  // namespace spinaltap

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 #include "core/base/random.h"
 #include "core/phantom/detail/shapes.h"
 #include "core/phantom/detail/texture.h"
@@ -55,7 +56,7 @@ SoftTissue::Station SoftTissue::at_height(double z_mm) const {
     const Station& b = stations_[n];
     if (z_mm < b.centre_mm.z()) continue;
     const double t = (a.centre_mm.z() - z_mm) / (a.centre_mm.z() - b.centre_mm.z());
-    const auto mix = [&](double x, double y) { return std::lerp(x, y, t); };
+    const auto mix = [&](double x, double y) { return lerp(x, y, t); };
     return {(1.0 - t) * a.centre_mm + t * b.centre_mm,
             t < 0.5 ? a.rotation : b.rotation,
             mix(a.half_width_mm, b.half_width_mm),
@@ -78,38 +79,38 @@ double SoftTissue::hu(const Vec3& p) const {
   // Muscle, with patches of fat.
   static const Vec3 kGrain(9.0, 9.0, 14.0);
   const Texture patches(kGrain, options_.seed);
-  double hu = std::lerp(options_.muscle_hu, options_.fat_hu, 0.8 * shapes::smooth_step(0.9, 1.5, patches.at(p)));
+  double hu = lerp(options_.muscle_hu, options_.fat_hu, 0.8 * shapes::smooth_step(0.9, 1.5, patches.at(p)));
   // Fat in front of the column, between the organs.
   const double in_front = inside(y + here.half_depth_mm + 4.0, 4.0) * (1.0 - here.lung);
-  hu = std::lerp(hu, options_.fat_hu, 0.75 * in_front);
+  hu = lerp(hu, options_.fat_hu, 0.75 * in_front);
   // Lungs: beside and in front of the bodies, the mediastinum between them.
   if (here.lung > 0.0) {
     const double mediastinum = 24.0 + 0.35 * std::max(0.0, -y - here.half_depth_mm);
     const double lung = std::max({mediastinum - side, ellipse_mm(side - 50.0, y + 45.0, 62.0, 85.0), y - 26.0});
-    hu = std::lerp(hu, options_.lung_hu, inside(lung, 1.5) * here.lung);
+    hu = lerp(hu, options_.lung_hu, inside(lung, 1.5) * here.lung);
   }
   // Fat under the skin, the skin, air behind it.
   const double depth = here.back_mm + options_.skin_mm - y - 0.0025 * side * side;
-  hu = std::lerp(hu, options_.fat_hu, inside(depth - 0.6 * options_.skin_mm, 2.0));
-  hu = std::lerp(hu, 30.0, inside(depth - 2.0));
-  hu = std::lerp(hu, kAirHu, inside(depth));
+  hu = lerp(hu, options_.fat_hu, inside(depth - 0.6 * options_.skin_mm, 2.0));
+  hu = lerp(hu, 30.0, inside(depth - 2.0));
+  hu = lerp(hu, kAirHu, inside(depth));
   // The aorta, to the left in front.
   constexpr double kAortaMm = 11.5;
   const double aorta = std::hypot(x - 11.0, y + here.half_depth_mm + kAortaMm + 1.5) - kAortaMm;
-  hu = std::lerp(hu, options_.aorta_hu, inside(aorta));
+  hu = lerp(hu, options_.aorta_hu, inside(aorta));
   // Muscle next to the bodies in front of the ribs: ligaments and vessels rather than lung.
   const double cuff = ellipse_mm(x, y, here.half_width_mm + 3.0, here.half_depth_mm + 3.0);
-  if (aorta > 0.0) hu = std::lerp(hu, 50.0, inside(cuff));
+  if (aorta > 0.0) hu = lerp(hu, 50.0, inside(cuff));
   for (const Disc& disc : discs_) {
     if (std::fabs(p.z() - disc.centre_mm.z()) > 40.0) continue;
     const Vec3 q = disc.rotation.transpose() * (p - disc.centre_mm);
     // Endplates are hollow, so a disc is thicker in its middle than between the rims; bone lies over the rest.
     const double wall = ellipse_mm(q.x(), q.y(), disc.half_width_mm + 0.5, disc.half_depth_mm + 0.5);
     const double height = std::fabs(q.z()) - disc.half_height_mm - 4.0;
-    hu = std::lerp(hu, options_.disc_hu, inside(std::max(wall, height)));
+    hu = lerp(hu, options_.disc_hu, inside(std::max(wall, height)));
   }
   const double canal = ellipse_mm(x, y - here.canal_y_mm, here.canal_half_width_mm, here.canal_half_depth_mm);
-  return std::lerp(hu, options_.canal_hu, inside(canal));
+  return lerp(hu, options_.canal_hu, inside(canal));
 }
 
 }  // namespace spinaltap

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 #include "core/phantom/detail/shape_solid.h"
 #include "core/phantom/detail/texture.h"
 #include "core/phantom/detail/vertebra_parts.h"
@@ -224,11 +225,11 @@ double Vertebra::hu(const Vec3& p_patient, double distance_mm, double aperture_m
   const double behind_body = smooth_step(half_depth - 1.5 - kBorder, half_depth - 1.5 + kBorder, p.y());
   const double in_arch = smooth_step(arch_y - kBorder, arch_y + kBorder, p.y());
   const auto blend = [&](double body, double pedicle, double arch) {
-    return std::lerp(std::lerp(body, pedicle, behind_body), arch, in_arch);
+    return lerp(lerp(body, pedicle, behind_body), arch, in_arch);
   };
   const double hollow = std::max(anatomy_.body.superior_hollow_mm, anatomy_.body.inferior_hollow_mm);
   const double at_endplate = smooth_step(half_height - hollow - 3.0, half_height - hollow - 1.0, std::fabs(p.z()));
-  const double wall = std::lerp(cortex.body_wall_mm, cortex.endplate_mm, at_endplate);
+  const double wall = lerp(cortex.body_wall_mm, cortex.endplate_mm, at_endplate);
   const double shell = blend(wall, cortex.pedicle_mm, cortex.posterior_mm);
   const double depth = -distance_mm;
   const double cortical =
@@ -236,7 +237,7 @@ double Vertebra::hu(const Vec3& p_patient, double distance_mm, double aperture_m
   if (cortical >= 1.0) return cortex.hu;
   const double core =
       blend(bone.body_hu, bone.pedicle_hu, bone.posterior_hu) + bone.texture_hu * inside_->texture.at(p);
-  return std::lerp(core, cortex.hu, cortical);
+  return lerp(core, cortex.hu, cortical);
 }
 
 Vec3 Vertebra::to_patient(const Vec3& p_own) const { return rotation_ * p_own + anatomy_.placement.position_mm; }

@@ -1,6 +1,6 @@
 #include "core/plan/convergence.h"
 
-#include <cmath>
+#include "core/base/lerp.h"
 
 namespace spinaltap {
 
@@ -14,7 +14,7 @@ std::optional<ConvergenceRange> published_convergence(Level level) {
   }
   if (level < Level::kT1 || level > Level::kT12) return std::nullopt;
   const double share = number_from(Level::kT1) / 11.0;
-  return ConvergenceRange{std::lerp(23.4 - 6.4, -9.8 - 4.8, share), std::lerp(35.4 + 4.4, 4.0 + 4.4, share)};
+  return ConvergenceRange{lerp(23.4 - 6.4, -9.8 - 4.8, share), lerp(35.4 + 4.4, 4.0 + 4.4, share)};
 }
 
 }  // namespace spinaltap

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 
 namespace spinaltap {
 namespace {
@@ -16,7 +17,7 @@ double threshold_for(double noise_hu) {
   constexpr double kQuietNoise = 30.0;
   constexpr double kNoisyNoise = 70.0;
   const double share = std::clamp((noise_hu - kQuietNoise) / (kNoisyNoise - kQuietNoise), 0.0, 1.0);
-  return std::lerp(kQuietHu, kNoisyHu, share);
+  return lerp(kQuietHu, kNoisyHu, share);
 }
 
 }  // namespace

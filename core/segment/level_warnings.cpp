@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "core/base/lerp.h"
 #include "core/segment/detail/connected_parts.h"
 #include "core/segment/distance_transform.h"
 
@@ -186,7 +187,7 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
     if (std::abs(side) > kMinSideMm && std::abs(side) < body.half_mm.x() + 8.0 &&
         std::abs(p.z()) < 1.1 * body.half_mm.z()) {
       for (std::size_t n = 0; n < kSlabs; ++n) {
-        const double y = std::lerp(body.half_mm.y(), canal.y() + 2.0, static_cast<double>(n) / (kSlabs - 1));
+        const double y = lerp(body.half_mm.y(), canal.y() + 2.0, static_cast<double>(n) / (kSlabs - 1));
         const double covered = std::clamp((0.5 * kSlabMm - std::abs(p.y() - y)) / voxel_depth_mm + 0.5, 0.0, max);
         sections[side > 0.0 ? 0 : 1][n] += covered * voxel_mm3 / kSlabMm;
       }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 #include "core/segment/detail/binned_ct.h"
 
 namespace spinaltap {
@@ -177,9 +178,9 @@ ColumnSection SpineColumn::at(double s_mm) const {
   ColumnSection mixed;
   mixed.centre_mm = (1.0 - t) * a.centre_mm + t * b.centre_mm;
   mixed.axes = Eigen::Quaterniond(a.axes).slerp(t, Eigen::Quaterniond(b.axes)).toRotationMatrix();
-  mixed.half_width_mm = std::lerp(a.half_width_mm, b.half_width_mm, t);
-  mixed.half_depth_mm = std::lerp(a.half_depth_mm, b.half_depth_mm, t);
-  mixed.wall = std::lerp(a.wall, b.wall, t);
+  mixed.half_width_mm = lerp(a.half_width_mm, b.half_width_mm, t);
+  mixed.half_depth_mm = lerp(a.half_depth_mm, b.half_depth_mm, t);
+  mixed.wall = lerp(a.wall, b.wall, t);
   return mixed;
 }
 

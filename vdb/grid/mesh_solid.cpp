@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 
@@ -41,7 +42,7 @@ class MeshSolid final : public Solid {
   double hu(const Vec3&, double distance_mm, double aperture_mm) const override {
     // The share of the aperture that lies in the shell.
     const double in_core = std::clamp(0.5 - (distance_mm + options_.cortex_mm) / aperture_mm, 0.0, 1.0);
-    return std::lerp(options_.cortex_hu, options_.trabecular_hu, in_core);
+    return lerp(options_.cortex_hu, options_.trabecular_hu, in_core);
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/lerp.h"
 #include "core/phantom/detail/shapes.h"
 
 namespace spinaltap {
@@ -20,21 +21,21 @@ struct Plan {
 
   explicit Plan(const LevelMeasures& m) : lumbar(m.lumbar_share) {
     const double half_depth = 0.5 * m.body_depth_mm;
-    const double below_rim = std::lerp(0.5, 3.3, lumbar);
-    isthmus_mm = Vec3(0.5 * (m.canal_width_mm + m.pedicle_width_mm), half_depth + std::lerp(3.2, 4.0, lumbar),
+    const double below_rim = lerp(0.5, 3.3, lumbar);
+    isthmus_mm = Vec3(0.5 * (m.canal_width_mm + m.pedicle_width_mm), half_depth + lerp(3.2, 4.0, lumbar),
                       0.5 * (m.body_height_mm - m.pedicle_height_mm) - below_rim);
     // The isthmus of a pedicle that converges reaches back on its inner side.
     const double turned = 0.5 * m.pedicle_width_mm * std::fabs(std::sin(m.pedicle_convergence_deg * kDegree));
-    arch_y_mm = isthmus_mm.y() + std::lerp(7.5, 9.0, lumbar) + turned;
+    arch_y_mm = isthmus_mm.y() + lerp(7.5, 9.0, lumbar) + turned;
     canal_back_mm = half_depth - 1.3 + m.canal_depth_mm + 0.8;
-    side_mm = Eigen::Vector2d(std::lerp(0.95, 0.8, lumbar) * isthmus_mm.x(), arch_y_mm - std::lerp(0.0, 0.5, lumbar));
-    ridge_y_mm = canal_back_mm + std::lerp(3.0, 5.5, lumbar);
-    const double top = isthmus_mm.z() + std::lerp(1.0, 1.5, lumbar);
+    side_mm = Eigen::Vector2d(lerp(0.95, 0.8, lumbar) * isthmus_mm.x(), arch_y_mm - lerp(0.0, 0.5, lumbar));
+    ridge_y_mm = canal_back_mm + lerp(3.0, 5.5, lumbar);
+    const double top = isthmus_mm.z() + lerp(1.0, 1.5, lumbar);
     lamina_z_mm = top - 0.5 * m.lamina_height_mm;
   }
 
   /// y of the lamina's middle plane, at its centre's height.
-  double lamina_y_mm(double x) const { return std::lerp(ridge_y_mm, side_mm.y(), x / side_mm.x()); }
+  double lamina_y_mm(double x) const { return lerp(ridge_y_mm, side_mm.y(), x / side_mm.x()); }
 };
 
 VertebraAnatomy::Body make_body(const LevelMeasures& m) {
@@ -63,25 +64,25 @@ VertebraAnatomy::Pedicle make_pedicle(const LevelMeasures& m, const Plan& plan) 
   pedicle.flare_length_mm = 5.0;
   pedicle.anterior_length_mm = 0.33 * m.body_depth_mm + 2.0;
   pedicle.posterior_length_mm = plan.arch_y_mm - plan.isthmus_mm.y() + 1.0;
-  pedicle.blend_mm = std::lerp(1.8, 2.4, plan.lumbar);
+  pedicle.blend_mm = lerp(1.8, 2.4, plan.lumbar);
   return pedicle;
 }
 
 VertebraAnatomy::Process make_transverse(const LevelMeasures& m, const Plan& plan) {
-  const double root_mm = std::lerp(6.4, 5.4, plan.lumbar), tip_mm = std::lerp(6.8, 4.0, plan.lumbar);
-  const double wide = std::lerp(1.25, 2.1, plan.lumbar);
+  const double root_mm = lerp(6.4, 5.4, plan.lumbar), tip_mm = lerp(6.8, 4.0, plan.lumbar);
+  const double wide = lerp(1.25, 2.1, plan.lumbar);
   const Vec3 root(plan.isthmus_mm.x() + 2.0, plan.arch_y_mm - 0.2, plan.isthmus_mm.z() + m.transverse_rise_mm);
   // Its round end is as long as half its width.
   const double end_mm = 0.5 * wide * tip_mm * std::cos(m.transverse_back_deg * kDegree);
   const double tip_x = std::max(0.5 * m.transverse_span_mm - end_mm, root.x() + 4.0);
   const double run = tip_x - root.x();
   const Vec3 tip(tip_x, root.y() + run * std::tan(m.transverse_back_deg * kDegree),
-                 root.z() + std::lerp(0.06, 0.1, plan.lumbar) * run);
-  return {root, tip, Vec3(-0.25, 1.0, 0.1), root_mm, tip_mm, wide, std::lerp(2.2, 3.2, plan.lumbar)};
+                 root.z() + lerp(0.06, 0.1, plan.lumbar) * run);
+  return {root, tip, Vec3(-0.25, 1.0, 0.1), root_mm, tip_mm, wide, lerp(2.2, 3.2, plan.lumbar)};
 }
 
 VertebraAnatomy::Process make_pars(const LevelMeasures& m, const Plan& plan) {
-  const double thick_mm = std::lerp(5.5, 8.0, plan.lumbar);
+  const double thick_mm = lerp(5.5, 8.0, plan.lumbar);
   const double x = 0.7 * plan.isthmus_mm.x();
   const Vec3 root(plan.isthmus_mm.x() + 0.6, plan.arch_y_mm + 0.8, plan.isthmus_mm.z() - 2.0);
   const Vec3 tip(x, plan.lamina_y_mm(x) + 0.5, plan.lamina_z_mm - 0.1 * m.lamina_height_mm);
@@ -95,15 +96,15 @@ VertebraAnatomy::Spinous make_spinous(const LevelMeasures& m, const Plan& plan) 
   const double root_y = plan.canal_back_mm - 0.5;
   const double drop = m.spinous_drop_deg * kDegree;
   const Eigen::Vector2d along(std::cos(drop), -std::sin(drop)), across(std::sin(drop), std::cos(drop));
-  const Eigen::Vector2d start(plan.canal_back_mm, std::lerp(upper_z, lower_z, std::lerp(0.42, 0.5, plan.lumbar)));
+  const Eigen::Vector2d start(plan.canal_back_mm, lerp(upper_z, lower_z, lerp(0.42, 0.5, plan.lumbar)));
   const Eigen::Vector2d end = start + m.spinous_length_mm * along;
   const double half = 0.5 * m.spinous_tip_height_mm;
   spinous.outline_mm = {Eigen::Vector2d(root_y, upper_z), end + half * across, end + std::min(0.6 * half, 3.0) * along,
                         end - half * across, Eigen::Vector2d(root_y, lower_z)};
-  spinous.rounding_mm = std::lerp(3.0, 4.0, plan.lumbar);
-  spinous.root_thickness_mm = std::lerp(5.0, 6.0, plan.lumbar);
-  spinous.tip_thickness_mm = std::lerp(5.5, 9.0, plan.lumbar);
-  spinous.blend_mm = std::lerp(3.5, 5.0, plan.lumbar);
+  spinous.rounding_mm = lerp(3.0, 4.0, plan.lumbar);
+  spinous.root_thickness_mm = lerp(5.0, 6.0, plan.lumbar);
+  spinous.tip_thickness_mm = lerp(5.5, 9.0, plan.lumbar);
+  spinous.blend_mm = lerp(3.5, 5.0, plan.lumbar);
   return spinous;
 }
 
@@ -111,16 +112,16 @@ VertebraAnatomy::Spinous make_spinous(const LevelMeasures& m, const Plan& plan) 
 void make_superior(VertebraAnatomy& anatomy, const LevelMeasures& m, const Plan& plan) {
   const FacetPlace facet = superior_facet(m);
   const double inward = std::clamp(m.facet_inward_deg / 45.0, 0.0, 1.0);  // 1 where the facet is hollow
-  anatomy.facet = {std::lerp(300.0, 15.0, inward), std::lerp(0.3, 1.6, inward)};
-  const double root_mm = std::lerp(4.8, 8.4, inward), tip_mm = std::lerp(4.4, 7.4, inward);
+  anatomy.facet = {lerp(300.0, 15.0, inward), lerp(0.3, 1.6, inward)};
+  const double root_mm = lerp(4.8, 8.4, inward), tip_mm = lerp(4.4, 7.4, inward);
   const Vec3 tip = facet.centre_mm - (0.5 * tip_mm - anatomy.facet.hollow_mm) * facet.normal +
-                   std::lerp(1.5, 0.5, inward) * Vec3::UnitZ();
-  const Vec3 root(std::lerp(facet.centre_mm.x(), plan.isthmus_mm.x() + 1.8, inward),
-                  plan.arch_y_mm + std::lerp(-0.6, 1.2, inward), plan.isthmus_mm.z() + 0.5);
-  anatomy.superior_articular = {root, tip, facet.normal, root_mm, tip_mm, std::lerp(2.2, 1.5, inward), 2.2};
-  anatomy.mammillary = {facet.centre_mm + std::lerp(0.0, 1.0, inward) * Vec3(4.0, 0.4, -3.3) +
-                            std::lerp(1.0, 0.0, inward) * Vec3(2.0, -2.5, -6.0),
-                        std::lerp(1.5, 3.0, inward), 2.5};
+                   lerp(1.5, 0.5, inward) * Vec3::UnitZ();
+  const Vec3 root(lerp(facet.centre_mm.x(), plan.isthmus_mm.x() + 1.8, inward),
+                  plan.arch_y_mm + lerp(-0.6, 1.2, inward), plan.isthmus_mm.z() + 0.5);
+  anatomy.superior_articular = {root, tip, facet.normal, root_mm, tip_mm, lerp(2.2, 1.5, inward), 2.2};
+  anatomy.mammillary = {
+      facet.centre_mm + lerp(0.0, 1.0, inward) * Vec3(4.0, 0.4, -3.3) + lerp(1.0, 0.0, inward) * Vec3(2.0, -2.5, -6.0),
+      lerp(1.5, 3.0, inward), 2.5};
 }
 
 }  // namespace
@@ -130,8 +131,8 @@ FacetPlace superior_facet(const LevelMeasures& m) {
   const double inward = m.facet_inward_deg * kDegree, upward = m.facet_upward_deg * kDegree;
   const Vec3 normal(-std::sin(inward) * std::cos(upward), std::cos(inward) * std::cos(upward), std::sin(upward));
   const double share = std::clamp(m.facet_inward_deg / 45.0, 0.0, 1.0);
-  const double behind = std::lerp(1.2, 3.6, share);
-  return {Vec3(m.facet_x_mm, plan.arch_y_mm + behind, 0.5 * m.body_height_mm + std::lerp(3.6, 2.5, share)),
+  const double behind = lerp(1.2, 3.6, share);
+  return {Vec3(m.facet_x_mm, plan.arch_y_mm + behind, 0.5 * m.body_height_mm + lerp(3.6, 2.5, share)),
           normal.normalized()};
 }
 
@@ -140,23 +141,19 @@ VertebraAnatomy level_anatomy(const LevelMeasures& m) {
   VertebraAnatomy anatomy;
   anatomy.body = make_body(m);
   anatomy.pedicle = make_pedicle(m, plan);
-  anatomy.canal = {m.canal_width_mm - 3.8,
-                   0.5 * m.body_depth_mm - 1.3,
-                   plan.canal_back_mm,
-                   std::lerp(40.0, 47.0, plan.lumbar),
-                   std::lerp(5.0, 6.0, plan.lumbar),
-                   std::lerp(1.3, 1.7, plan.lumbar)};
+  anatomy.canal = {m.canal_width_mm - 3.8,        0.5 * m.body_depth_mm - 1.3, plan.canal_back_mm,
+                   lerp(40.0, 47.0, plan.lumbar), lerp(5.0, 6.0, plan.lumbar), lerp(1.3, 1.7, plan.lumbar)};
   anatomy.transverse = make_transverse(m, plan);
   anatomy.pars = make_pars(m, plan);
   VertebraAnatomy::Lamina& lamina = anatomy.lamina;
-  lamina.thickness_mm = std::lerp(5.4, 6.5, plan.lumbar);
+  lamina.thickness_mm = lerp(5.4, 6.5, plan.lumbar);
   const double rise = plan.ridge_y_mm - plan.side_mm.y();
   lamina.slope_deg = std::atan2(rise, plan.side_mm.x()) / kDegree;
   lamina.length_mm = std::hypot(rise, plan.side_mm.x()) + 2.0;
   lamina.centre_mm = Vec3(0.5 * plan.side_mm.x(), plan.lamina_y_mm(0.5 * plan.side_mm.x()), plan.lamina_z_mm);
   lamina.height_mm = m.lamina_height_mm;
-  lamina.lean_deg = std::lerp(17.0, 14.0, plan.lumbar);
-  lamina.blend_mm = std::lerp(2.6, 3.3, plan.lumbar);
+  lamina.lean_deg = lerp(17.0, 14.0, plan.lumbar);
+  lamina.blend_mm = lerp(2.6, 3.3, plan.lumbar);
   anatomy.spinous = make_spinous(m, plan);
   make_superior(anatomy, m, plan);
   FacetPlace below = superior_facet(m);
@@ -167,17 +164,17 @@ VertebraAnatomy level_anatomy(const LevelMeasures& m) {
 
 void aim_inferior_processes(VertebraAnatomy& anatomy, const FacetPlace& facet, double overlap_mm) {
   const double inward = std::clamp(-facet.normal.x() / std::sin(45.0 * kDegree), 0.0, 1.0);
-  const double root_mm = std::lerp(5.2, 8.0, inward), tip_mm = std::lerp(5.0, 7.4, inward);
+  const double root_mm = lerp(5.2, 8.0, inward), tip_mm = lerp(5.0, 7.4, inward);
   const VertebraAnatomy::Lamina& lamina = anatomy.lamina;
   const double x = 0.7 * anatomy.pedicle.isthmus_mm.x();
   const double slope = std::tan(lamina.slope_deg * kDegree), lean = std::tan(lamina.lean_deg * kDegree);
   const double z = lamina.centre_mm.z() - 0.12 * lamina.height_mm;
   const Vec3 root(x, lamina.centre_mm.y() - (x - lamina.centre_mm.x()) * slope + (lamina.centre_mm.z() - z) * lean, z);
   const Vec3 behind = (0.5 * tip_mm - overlap_mm) * facet.normal;
-  Vec3 tip = facet.centre_mm + behind - std::lerp(1.0, 0.5, inward) * Vec3::UnitZ();
+  Vec3 tip = facet.centre_mm + behind - lerp(1.0, 0.5, inward) * Vec3::UnitZ();
   tip.z() = std::min(tip.z(), root.z() - 2.0);
   anatomy.inferior_articular = {
-      root, tip, -facet.normal, root_mm, tip_mm, std::lerp(2.0, 1.6, inward), std::lerp(3.0, 4.5, inward)};
+      root, tip, -facet.normal, root_mm, tip_mm, lerp(2.0, 1.6, inward), lerp(3.0, 4.5, inward)};
 }
 
 LevelMeasures scaled(const LevelMeasures& measures, double by) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/lerp.h"
+
 namespace spinaltap {
 namespace {
 
@@ -169,7 +171,7 @@ class PlainEdge {
   double miss(const Vector& q, int i, Vector& slope) const {
     const NormalTable::Value outer = normal(profile_.beyond(i, q[0]));
     slope = Vector((q[1] - q[2]) * outer.pdf / profile_.blur_mm(), 1.0 - outer.cdf, outer.cdf);
-    return profile_.hu(i) - std::lerp(q[1], q[2], outer.cdf);
+    return profile_.hu(i) - lerp(q[1], q[2], outer.cdf);
   }
 
  private:
