@@ -67,10 +67,14 @@ void check_outputs(const Command& command);
 /// Takes a name and makes it the value that a map has for it; help shows the names only.
 template <class Map>
 CLI::CheckedTransformer one_of(const Map& values) {
-  std::string names;
-  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + std::string(name);
+  std::string names, by_value;
+  for (const auto& [name, value] : values) {
+    names += (names.empty() ? "{" : ",") + std::string(name);
+    by_value += ";" + CLI::detail::value_string(value) + "=" + std::string(name);
+  }
   CLI::CheckedTransformer transformer(values);
   transformer.description(names + "}");
+  transformer.name(by_value + ";");  // CLI11 keeps the value only: shown_command() finds the name again
   return transformer;
 }
 

@@ -25,6 +25,23 @@ std::string placeholder(const CLI::Option& option) {
   return {};
 }
 
+/// The name that was given for an option's value where one_of() made that of a name; else the value.
+std::string given_name(CLI::Option& option, const std::string& value) {
+  for (int n = 0;; ++n) {
+    const CLI::Validator* known = nullptr;
+    try {
+      known = option.get_validator(n);
+    } catch (const CLI::OptionNotFound&) {
+      return value;
+    }
+    const std::string& names = known->get_name();
+    const std::size_t found = names.find(";" + value + "=");
+    if (found == std::string::npos) continue;
+    const std::size_t begin = found + value.size() + 2;
+    return names.substr(begin, names.find(';', begin) - begin);
+  }
+}
+
 }  // namespace
 
 void PageOptions::add_to(CLI::App& app) {
@@ -57,17 +74,19 @@ std::string PageOptions::title_of(const Bone& bone, const std::string& otherwise
   return found == bone.model().metadata().end() || found->second.empty() ? otherwise : found->second;
 }
 
-std::string shown_command(const CLI::App& app) {
+std::string shown_command(CLI::App& app) {
   std::string text = "spinaltap " + app.get_name();
   std::string options;
-  for (const CLI::Option* option : app.get_options()) {
+  for (CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || option->get_name(false) == "--json" || option->get_name(false) == "--threads") continue;
     std::string words;
     const std::string hidden = placeholder(*option);
     if (!hidden.empty()) {
       words = " " + hidden;
     } else if (option->get_items_expected_max() > 0) {
-      for (const std::string& value : option->results()) words += (words.empty() ? " " : ",") + value;
+      for (const std::string& value : option->results()) {
+        words += (words.empty() ? " " : ",") + given_name(*option, value);
+      }
     }
     if (option->get_positional()) {
       text += words;

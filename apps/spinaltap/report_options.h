@@ -27,7 +27,7 @@ struct PageOptions {
 };
 
 /// A command line as a report may show it: files, folders, series and names by what they are, not by their names.
-std::string shown_command(const CLI::App& app);
+std::string shown_command(CLI::App& app);
 
 /// "2026-11-24", by the machine's clock and zone.
 std::string today();

@@ -1,10 +1,12 @@
 #include "core/plan/grade.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "core/base/error.h"
 #include "core/plan/detail/graded_tool.h"
@@ -109,7 +111,7 @@ Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNam
   Walk walk;
   for (const double depth_mm : depths_of(tool.length_mm(), options.step_mm)) {
     const Vec3 p_mm = tool.axis_mm(depth_mm);
-    walk.axis.push_back(walls.walls(p_mm));
+    walk.axis.push_back(walk.axis.empty() ? walls.walls(p_mm) : walls.walls(p_mm, walk.axis.back()));
     const WallDistance::Walls& at = walk.axis.back();
     GradeRow row;
     row.depth_mm = depth_mm;
@@ -130,25 +132,39 @@ class WallAlongTool {
  public:
   static constexpr double kNearMm = 3.0;
 
-  /// `near`: places of the surface's samples around the tool, at least those that reach_mm() goes to.
-  WallAlongTool(const WallDistance& walls, const GradedTool& tool, std::span<const std::size_t> near, bool is_canal)
-      : walls_(walls), tool_(tool) {
+  struct Sample {
+    double along_mm, off_mm;  ///< from the entry, and from the axis
+    std::size_t index;
+  };
+
+  /// `near`: the wall's, at least those that near_tool() finds.
+  WallAlongTool(const WallDistance& walls, const GradedTool& tool, std::span<const Sample> near)
+      : walls_(walls), tool_(tool), first_mm_(-reach_mm(tool)) {
+    // By slices: sections ask those beside them first, and most of the others never.
+    slice_begins_.resize(slice_of(tool.length_mm() + reach_mm(tool)) + 2);
+    for (const Sample& sample : near) ++slice_begins_[slice_of(sample.along_mm)];
+    std::partial_sum(slice_begins_.begin(), slice_begins_.end(), slice_begins_.begin());
+    samples_.resize(near.size());
+    for (const Sample& sample : near) samples_[--slice_begins_[slice_of(sample.along_mm)]] = sample;
+  }
+
+  /// Those of the outer surface and those of the canal's wall.
+  static std::array<std::vector<Sample>, 2> near_tool(const WallDistance& walls, const GradedTool& tool) {
     const BoneShape& bone = walls.bone();
-    const std::vector<std::uint8_t>& is_canal_wall = walls.landmarks().is_canal_wall;
     const Vec3 entry_mm = tool.axis_mm(0.0);
     const double far_mm = reach_mm(tool);
-    for (const std::size_t n : near) {
-      if ((is_canal_wall[n] != 0) != is_canal) continue;
+    std::array<std::vector<Sample>, 2> found;
+    for (const std::size_t n :
+         bone.tree().along({entry_mm, tool.direction(), -far_mm, tool.length_mm() + far_mm, far_mm})) {
       const Vec3 from_mm = bone.points_mm()[n] - entry_mm;
       const double along_mm = from_mm.dot(tool.direction());
       if (along_mm < -far_mm || along_mm > tool.length_mm() + far_mm) continue;
       const double off_squared = from_mm.squaredNorm() - along_mm * along_mm;
       if (off_squared > far_mm * far_mm) continue;
-      samples_.push_back({along_mm, std::sqrt(std::max(0.0, off_squared)), n});
+      found[walls.landmarks().is_canal_wall[n] != 0 ? 1 : 0].push_back(
+          {along_mm, std::sqrt(std::max(0.0, off_squared)), n});
     }
-    std::sort(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
-      return a.along_mm != b.along_mm ? a.along_mm < b.along_mm : a.index < b.index;
-    });
+    return found;
   }
 
   /// How far from the axis, and beyond the tool's ends, samples can matter.
@@ -159,17 +175,24 @@ class WallAlongTool {
     constexpr double kCrossingMm = 0.5 * BoneShape::kSampleMm;
     double best_squared = (axis_mm + 0.1) * (axis_mm + 0.1);
     const Sample* best = nullptr;
-    auto from = std::lower_bound(samples_.begin(), samples_.end(), depth_mm - std::sqrt(best_squared),
-                                 [](const Sample& one, double value) { return one.along_mm < value; });
-    for (; from != samples_.end(); ++from) {
-      const double ahead_mm = from->along_mm - depth_mm;
-      if (ahead_mm > 0.0 && ahead_mm * ahead_mm > best_squared) break;
-      const double beside_mm = std::max(0.0, from->off_mm - radius_mm);
-      if (beside_mm == 0.0 && std::abs(ahead_mm) < kCrossingMm) return axis_mm - radius_mm;  // the wall crosses it
-      const double squared = beside_mm * beside_mm + ahead_mm * ahead_mm;
-      if (squared < best_squared) {
+    const std::size_t slices = slice_begins_.size() - 1;
+    std::size_t below = slice_of(depth_mm) + 1, above = below;  // looked at so far: from below on, up to above
+    while (true) {
+      const double behind_mm = below > 0 ? depth_mm - edge_mm(below) : std::numeric_limits<double>::infinity();
+      const double ahead_mm = above < slices ? edge_mm(above) - depth_mm : std::numeric_limits<double>::infinity();
+      const double gap_mm = std::max(0.0, std::min(behind_mm, ahead_mm));
+      if (gap_mm > kCrossingMm && gap_mm * gap_mm > best_squared) break;
+      const std::size_t slice = behind_mm <= ahead_mm ? --below : above++;
+      for (std::size_t n = slice_begins_[slice]; n < slice_begins_[slice + 1]; ++n) {
+        const Sample& one = samples_[n];
+        const double away_mm = one.along_mm - depth_mm;
+        const double beside_mm = std::max(0.0, one.off_mm - radius_mm);
+        if (beside_mm == 0.0 && std::abs(away_mm) < kCrossingMm) return axis_mm - radius_mm;  // the wall crosses it
+        const double squared = beside_mm * beside_mm + away_mm * away_mm;
+        if (squared > best_squared || (squared == best_squared && (best == nullptr || best->index < one.index)))
+          continue;
         best_squared = squared;
-        best = &*from;
+        best = &one;
       }
     }
     if (best == nullptr) return axis_mm - radius_mm;
@@ -183,21 +206,21 @@ class WallAlongTool {
   }
 
  private:
-  struct Sample {
-    double along_mm, off_mm;
-    std::size_t index;
-  };
+  static constexpr double kSliceMm = 0.25;
+  std::size_t slice_of(double along_mm) const { return static_cast<std::size_t>((along_mm - first_mm_) / kSliceMm); }
+  double edge_mm(std::size_t slice) const { return first_mm_ + kSliceMm * static_cast<double>(slice); }
+
   const WallDistance& walls_;
   const GradedTool& tool_;
+  double first_mm_;                        ///< where along the tool the first slice begins
+  std::vector<std::size_t> slice_begins_;  ///< of each slice, the first of samples_; and where the last ends
   std::vector<Sample> samples_;
 };
 
 /// Makes near clearances those of the sections instead of bounds by their middles: never less than the bound.
 void sharpen_clearances(const WallDistance& walls, const GradedTool& tool, Walk& walk) {
-  const double reach_mm = WallAlongTool::reach_mm(tool);
-  const std::vector<std::size_t> near = walls.bone().tree().along(
-      {tool.axis_mm(0.0), tool.direction(), -reach_mm, tool.length_mm() + reach_mm, reach_mm});
-  const WallAlongTool outer(walls, tool, near, false), canal(walls, tool, near, true);
+  const auto near = WallAlongTool::near_tool(walls, tool);
+  const WallAlongTool outer(walls, tool, near[0]), canal(walls, tool, near[1]);
   for (std::size_t n = 0; n < walk.rows.size(); ++n) {
     GradeRow& row = walk.rows[n];
     const auto sharpen = [&](double& clearance_mm, double axis_mm, const WallAlongTool& wall) {

@@ -20,6 +20,9 @@ struct Body {
   BitProfile profile;
   double tip_mm;  ///< where along the path its tip is
 
+  bool contains(double along_mm, double off_axis_squared_mm2) const {
+    return profile.contains(tip_mm - along_mm, off_axis_squared_mm2);
+  }
   /// Signed, to its surface.
   double distance_mm(double along_mm, double off_axis_mm) const {
     return profile.distance_mm(tip_mm - along_mm, off_axis_mm);
@@ -53,7 +56,10 @@ class PathLine {
  public:
   explicit PathLine(const DrillPath& path) : entry_mm_(path.entry_mm), direction_(path.direction()) {}
   double along_mm(const Vec3& p_mm) const { return (p_mm - entry_mm_).dot(direction_); }
-  double off_mm(const Vec3& p_mm, double along_mm) const { return (p_mm - entry_mm_ - along_mm * direction_).norm(); }
+  double off_squared_mm2(const Vec3& p_mm, double along_mm) const {
+    return (p_mm - entry_mm_ - along_mm * direction_).squaredNorm();
+  }
+  double off_mm(const Vec3& p_mm, double along_mm) const { return std::sqrt(off_squared_mm2(p_mm, along_mm)); }
   double distance_mm(const Body& body, const Vec3& p_mm) const {
     const double along = along_mm(p_mm);
     return body.distance_mm(along, off_mm(p_mm, along));
@@ -162,28 +168,30 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Body& body = bodies[b];
     Touch& nearest = found[b].nearest;
-    // What lies beside the body's widest part or ahead of its tip is at least so far from it.
-    const auto bound_mm = [&](double along_mm, double off_mm) {
-      return std::max(off_mm - body.profile.radius_mm(), along_mm - body.tip_mm);
-    };
-    const auto counts = [&](double least_mm) {
-      return !(least_mm > std::max(0.0, std::min(reach_mm, nearest.distance_mm)));
-    };
+    // Of the way in it matters only how deep bone lies in it, which a sample beside it may still lead to.
+    const double within_mm = body.part == InstrumentPart::way_in ? std::min(reach_mm, BoneShape::kSampleMm) : reach_mm;
+    const auto limit_mm = [&] { return std::max(0.0, std::min(within_mm, nearest.distance_mm)); };
     std::vector<std::pair<double, const PointTree::Group*>> groups;  // the nearest come first
     for (const PointTree::Group& group : bone.tree().groups()) {
+      // What lies beside the body's widest part or ahead of its tip is at least so far from it.
       const double along_mm = line.along_mm(group.middle_mm);
-      const double least_mm = bound_mm(along_mm, line.off_mm(group.middle_mm, along_mm)) - group.radius_mm;
-      if (counts(least_mm)) groups.emplace_back(least_mm, &group);
+      const double least_mm = std::max(line.off_mm(group.middle_mm, along_mm) - body.profile.radius_mm(),  //
+                                       along_mm - body.tip_mm) -
+                              group.radius_mm;
+      if (least_mm <= limit_mm()) groups.emplace_back(least_mm, &group);
     }
     std::sort(groups.begin(), groups.end());
     for (const auto& [least_mm, group] : groups) {
-      if (!counts(least_mm)) break;
+      if (least_mm > limit_mm()) break;
       for (const std::size_t n : group->points) {
         const Vec3& p_mm = bone.points_mm()[n];
         const double along_mm = line.along_mm(p_mm);
-        const double off_mm = line.off_mm(p_mm, along_mm);
-        if (!counts(bound_mm(along_mm, off_mm))) continue;
-        const double distance_mm = body.distance_mm(along_mm, off_mm);
+        if (along_mm - body.tip_mm > limit_mm()) continue;
+        const double off_squared_mm2 = line.off_squared_mm2(p_mm, along_mm);
+        const double far_mm = body.profile.radius_mm() + limit_mm();
+        if (off_squared_mm2 > far_mm * far_mm) continue;
+        if (nearest.distance_mm < 0.0 && !body.contains(along_mm, off_squared_mm2)) continue;
+        const double distance_mm = body.distance_mm(along_mm, std::sqrt(off_squared_mm2));
         if (distance_mm < nearest.distance_mm) nearest = {distance_mm, p_mm, bone.normals()[n]};
         if (!(distance_mm < 0.0)) continue;
         const VertebraPart structure = walls.parts().at(p_mm, bone.normals()[n]);

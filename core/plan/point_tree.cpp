@@ -119,11 +119,11 @@ PointTree::Nearest PointTree::nearest(const Vec3& p_mm) const { return tree_->se
 
 PointTree::Nearest PointTree::nearest(const Vec3& p_mm, std::size_t guess) const {
   if (guess >= tree_->points.size()) return nearest(p_mm);
-  // Summed as the tree does, so that equal ways are equal.
-  const Vec3 way_mm = p_mm - tree_->points[guess];
-  const double squared_mm2 = way_mm.x() * way_mm.x() + way_mm.y() * way_mm.y() + way_mm.z() * way_mm.z();
-  const Nearest nearer = tree_->search(p_mm, NearestSoFar(squared_mm2));
-  return nearer.index < tree_->points.size() ? nearer : Nearest{guess, std::sqrt(squared_mm2)};
+  // The tree goes the same way with any bound and only passes over more: it meets the guess itself, or one as near that
+  // comes first, just within this.
+  constexpr double kJustBeyond = 1.0 + 1e-12;
+  const double squared_mm2 = (p_mm - tree_->points[guess]).squaredNorm();
+  return tree_->search(p_mm, NearestSoFar(squared_mm2 * kJustBeyond + std::numeric_limits<double>::min()));
 }
 
 const std::vector<PointTree::Group>& PointTree::groups() const { return tree_->groups; }

@@ -29,7 +29,7 @@ class PointTree {
   };
   /// Nothing for positions that are not finite.
   Nearest nearest(const Vec3& p_mm) const;
-  /// The same, sooner where points_mm()[guess] is about as near. Of several points at one distance it may find another.
+  /// The same, also of several points at one distance, and sooner where points_mm()[guess] is about as near.
   Nearest nearest(const Vec3& p_mm, std::size_t guess) const;
 
   /// Points that are neighbours, and a ball around them.

@@ -124,6 +124,9 @@ struct Graded {
   double worth = 0.0;
 };
 
+/// Screws that fill less of a pedicle's width hold less than they could.
+constexpr double kThin = 0.6;
+
 class SideSearch {
  public:
   SideSearch(const WallDistance& walls, const HuSampler& hu, const Material& material,
@@ -178,10 +181,6 @@ class SideSearch {
       return result;
     }
     // For a rod: none that is graded worse, or of which there is more to warn.
-    const auto warnings = [](const SuggestedPath& path) {
-      return std::count_if(path.grade.findings.begin(), path.grade.findings.end(),
-                           [](const Finding& finding) { return finding.is_warning; });
-    };
     for (std::size_t n = 1; n < found_.size(); ++n) {
       const SuggestedPath& other = found_[n].path;
       if (other.grade.grade == best().path.grade.grade && warnings(other) <= warnings(best().path)) {
@@ -208,10 +207,13 @@ class SideSearch {
     add_convergence(one.path);
     const InstrumentContacts& contacts = one.path.grade.instrument;
     const double out_mm = candidate.path.screw->length_mm - one.path.path.length_mm();
+    const double screw_mm = candidate.path.screw->diameter_mm;
     const double full_mm = options_.furthest_share * walls_.landmarks().body.depth_mm;
     one.worth = candidate.score - contacts.cut_behind_mm - 2.0 * contacts.joint_depth_mm -
                 0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm) -
-                2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0);
+                2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0) -
+                2.0 * options_.weights.diameter * std::max(0.0, thick_mm() - screw_mm) / search_.pedicle().width_mm -
+                0.3 * static_cast<double>(warnings(one.path));
     return one;
   }
 
@@ -238,13 +240,22 @@ class SideSearch {
     return (back_mm - marks.to_own(path.path.target_mm).y()) / marks.body.depth_mm;
   }
 
-  /// Thick and deep enough that nobody would look further.
-  bool holds_well(const SuggestedPath& path) const {
-    constexpr double kThick = 0.6, kDeep = 0.5;
+  /// Screws as thick as this are thick enough for the pedicle, or the thickest there are.
+  double thick_mm() const {
     double thickest_mm = 0.0;
     for (const PedicleScrew& screw : screws_) thickest_mm = std::max(thickest_mm, screw.diameter_mm);
-    return path.path.screw->diameter_mm >= std::min(thickest_mm, kThick * search_.pedicle().width_mm) &&
-           body_share(path) >= kDeep;
+    return std::min(thickest_mm, kThin * search_.pedicle().width_mm);
+  }
+
+  /// Thick and deep enough that nobody would look further.
+  bool holds_well(const SuggestedPath& path) const {
+    constexpr double kDeep = 0.5;
+    return path.path.screw->diameter_mm >= thick_mm() && body_share(path) >= kDeep;
+  }
+
+  static std::ptrdiff_t warnings(const SuggestedPath& path) {
+    return std::count_if(path.grade.findings.begin(), path.grade.findings.end(),
+                         [](const Finding& finding) { return finding.is_warning; });
   }
 
   /// In its technique's sense: all in bone, or out only where that is meant.
@@ -363,7 +374,6 @@ class SideSearch {
 /// Gives both sides one size of screw where the sum of their worths falls by `weights.alike` at most, and none becomes
 /// too thin for its pedicle.
 void make_alike(SideSearch& left, SideSearch& right, const SuggestOptions& options) {
-  constexpr double kThin = 0.6;  // of the pedicle's width
   if (!left.has_path() || !right.has_path()) return;
   if (left.best().attempt.technique == Technique::in_out_in || right.best().attempt.technique == Technique::in_out_in)
     return;

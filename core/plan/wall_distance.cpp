@@ -49,28 +49,29 @@ WallDistance::WallDistance(const BoneShape& bone, const Landmarks& landmarks)
   canal_ = samples_of(bone, landmarks, true);
 }
 
-WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_mm) {
-  const PointTree::Nearest found = samples.tree.nearest(p_mm);
-  if (found.index >= samples.normals.size()) {
-    return Wall{std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()};
-  }
-  return wall_at(p_mm, samples.tree.points_mm()[found.index], samples.normals[found.index]);
+WallDistance::Wall WallDistance::nearest(const Samples& samples, const Vec3& p_mm, std::size_t guess) {
+  const PointTree::Nearest found = samples.tree.nearest(p_mm, guess);
+  Wall wall{std::numeric_limits<double>::infinity(), p_mm, Vec3::Zero()};
+  if (found.index >= samples.normals.size()) return wall;
+  wall = wall_at(p_mm, samples.tree.points_mm()[found.index], samples.normals[found.index]);
+  wall.sample = found.index;
+  return wall;
 }
 
 WallDistance::Wall WallDistance::canal(const Vec3& p_mm) const {
   // Deeper than the surface's value is sure, both walls are ahead, and none of them is nearer than that.
-  if (surface_value_mm(bone_, p_mm) <= -bone_.trusted_band_mm()) return nearest(canal_, p_mm);
+  if (surface_value_mm(bone_, p_mm) <= -bone_.trusted_band_mm()) return nearest(canal_, p_mm, Wall{}.sample);
   return walls(p_mm).canal;
 }
 
-WallDistance::Walls WallDistance::walls(const Vec3& p_mm) const {
+WallDistance::Walls WallDistance::walls(const Vec3& p_mm, const Walls& beside) const {
   Walls both;
   if (!p_mm.allFinite()) {
     both.outer.distance_mm = both.canal.distance_mm = std::numeric_limits<double>::quiet_NaN();
     return both;
   }
-  both.outer = nearest(outer_, p_mm);
-  both.canal = nearest(canal_, p_mm);
+  both.outer = nearest(outer_, p_mm, beside.outer.sample);
+  both.canal = nearest(canal_, p_mm, beside.canal.sample);
   Wall& nearer = both.canal.distance_mm < both.outer.distance_mm ? both.canal : both.outer;
   const double value_mm = surface_value_mm(bone_, p_mm);
   if (std::abs(value_mm) < bone_.trusted_band_mm()) nearer.distance_mm = std::abs(value_mm);
@@ -78,14 +79,23 @@ WallDistance::Walls WallDistance::walls(const Vec3& p_mm) const {
   return both;
 }
 
-WallDistance::Beyond WallDistance::beyond(const Vec3& p_mm) const {
+WallDistance::Beyond WallDistance::beyond(const Vec3& p_mm, const Beyond& beside, double least_mm) const {
+  const std::size_t guess = beside.wall.sample;
   Beyond result;
+  result.wall.sample = guess;
   const double value_mm = surface_value_mm(bone_, p_mm);
   if (!(value_mm > 0.0)) return result;
-  const PointTree::Nearest found = bone_.nearest(p_mm);
+  double most_mm = value_mm;
+  if (value_mm >= bone_.trusted_band_mm()) {
+    most_mm = guess < bone_.points_mm().size() ? (p_mm - bone_.points_mm()[guess]).norm()
+                                               : std::numeric_limits<double>::infinity();
+  }
+  if (most_mm <= least_mm) return result;
+  const PointTree::Nearest found = bone_.tree().nearest(p_mm, guess);
   if (found.index >= bone_.normals().size()) return result;
   result.is_canal = landmarks_.is_canal_wall[found.index] != 0;
   result.wall = wall_at(p_mm, bone_.points_mm()[found.index], bone_.normals()[found.index]);
+  result.wall.sample = found.index;
   result.distance_mm = value_mm < bone_.trusted_band_mm() ? value_mm : result.wall.distance_mm;
   result.wall.distance_mm = -result.distance_mm;
   return result;

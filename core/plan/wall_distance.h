@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "core/plan/bone_shape.h"
@@ -21,6 +22,7 @@ class WallDistance {
     double distance_mm = 0.0;        ///< signed; infinite where the bone has no such wall
     Vec3 nearest_mm = Vec3::Zero();  ///< place of the wall, to about 0.2 mm the nearest, patient LPS
     Vec3 normal = Vec3::Zero();      ///< there: unit, out of the bone; zero where there is no wall
+    std::size_t sample = std::numeric_limits<std::size_t>::max();  ///< the nearest: where the next search begins
   };
   struct Walls {
     Wall outer, canal;
@@ -28,7 +30,9 @@ class WallDistance {
     double nearer_mm() const { return std::min(outer.distance_mm, canal.distance_mm); }
   };
   /// Both at one go, for little more than one. Right to about 0.02 mm. Not a number where the position is not.
-  Walls walls(const Vec3& p_mm) const;
+  Walls walls(const Vec3& p_mm) const { return walls(p_mm, Walls{}); }
+  /// The same, sooner where `beside` are those of a place close by.
+  Walls walls(const Vec3& p_mm, const Walls& beside) const;
   Wall outer(const Vec3& p_mm) const { return walls(p_mm).outer; }
   /// Quicker than walls() in the bone.
   Wall canal(const Vec3& p_mm) const;
@@ -39,7 +43,9 @@ class WallDistance {
     bool is_canal = false;     ///< beyond the canal's wall
     Wall wall;                 ///< where distance_mm is above 0: what it is beyond
   };
-  Beyond beyond(const Vec3& p_mm) const;
+  Beyond beyond(const Vec3& p_mm) const { return beyond(p_mm, Beyond{}); }
+  /// The same, sooner where `beside` is that of a place close by; distances up to `least_mm` may be told as 0.
+  Beyond beyond(const Vec3& p_mm, const Beyond& beside, double least_mm = 0.0) const;
 
   const BoneShape& bone() const { return bone_; }
   const Landmarks& landmarks() const { return landmarks_; }
@@ -51,7 +57,7 @@ class WallDistance {
     PointTree tree{std::vector<Vec3>{}};
     std::vector<Vec3> normals;
   };
-  static Wall nearest(const Samples& samples, const Vec3& p_mm);
+  static Wall nearest(const Samples& samples, const Vec3& p_mm, std::size_t guess);
   static Samples samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal);
 
   const BoneShape& bone_;

@@ -9,28 +9,31 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-/// Distance from q to the segment a-b, in the plane.
-double segment_distance(const Vec2& q, const Vec2& a, const Vec2& b) {
+/// Squared distance from q to the segment a-b, in the plane.
+double to_segment_squared(const Vec2& q, const Vec2& a, const Vec2& b) {
   const Vec2 along = b - a;
   const double squared = along.squaredNorm();
-  if (!(squared > 0.0)) return (q - a).norm();
+  if (!(squared > 0.0)) return (q - a).squaredNorm();
   const double t = std::clamp((q - a).dot(along) / squared, 0.0, 1.0);
-  return (q - a - t * along).norm();
+  return (q - a - t * along).squaredNorm();
 }
 
-/// Distance from q to a piece's own stretch of outline.
-double piece_distance(const Vec2& q, const ProfilePiece& piece) {
+/// Squared distance from q to a piece's own stretch of outline.
+double to_piece_squared(const Vec2& q, const ProfilePiece& piece) {
   const Vec2 begin(piece.begin_mm, piece.begin_radius_mm);
   const Vec2 end(piece.end_mm, piece.end_radius_mm);
-  if (piece.ball_radius_mm == 0.0) return segment_distance(q, begin, end);
+  if (piece.ball_radius_mm == 0.0) return to_segment_squared(q, begin, end);
   const Vec2 centre(piece.ball_centre_mm, 0.0);
   const double to_centre_mm = (q - centre).norm();
   // The way out from the centre meets the circle within the stretch, or one of its ends is nearest.
   const double meets_mm =
       to_centre_mm > 0.0 ? piece.ball_centre_mm + piece.ball_radius_mm * (q.x() - piece.ball_centre_mm) / to_centre_mm
                          : piece.begin_mm;
-  if (meets_mm >= piece.begin_mm && meets_mm <= piece.end_mm) return std::abs(to_centre_mm - piece.ball_radius_mm);
-  return std::min((q - begin).norm(), (q - end).norm());
+  if (meets_mm >= piece.begin_mm && meets_mm <= piece.end_mm) {
+    const double off_mm = to_centre_mm - piece.ball_radius_mm;
+    return off_mm * off_mm;
+  }
+  return std::min((q - begin).squaredNorm(), (q - end).squaredNorm());
 }
 
 }  // namespace
@@ -176,16 +179,19 @@ double BitProfile::widest_mm(double from_back_mm, double to_back_mm) const noexc
 double BitProfile::distance_mm(double back_mm, double off_axis_mm) const noexcept {
   const Vec2 q(back_mm, off_axis_mm);
   // Flat ends, and the step where a piece begins with another radius than the one before ended with.
-  double distance_mm = std::numeric_limits<double>::infinity();
+  double squared_mm2 = std::numeric_limits<double>::infinity();
   double before_mm = 0.0;
   for (const ProfilePiece& piece : pieces()) {
-    const Vec2 begin(piece.begin_mm, piece.begin_radius_mm);
-    distance_mm =
-        std::min({distance_mm, segment_distance(q, Vec2(piece.begin_mm, before_mm), begin), piece_distance(q, piece)});
+    if (piece.begin_radius_mm != before_mm) {
+      const Vec2 begin(piece.begin_mm, piece.begin_radius_mm);
+      squared_mm2 = std::min(squared_mm2, to_segment_squared(q, Vec2(piece.begin_mm, before_mm), begin));
+    }
+    squared_mm2 = std::min(squared_mm2, to_piece_squared(q, piece));
     before_mm = piece.end_radius_mm;
   }
   const double base_mm = pieces().back().end_mm;
-  distance_mm = std::min(distance_mm, segment_distance(q, Vec2(base_mm, before_mm), Vec2(base_mm, 0.0)));
+  squared_mm2 = std::min(squared_mm2, to_segment_squared(q, Vec2(base_mm, before_mm), Vec2(base_mm, 0.0)));
+  const double distance_mm = std::sqrt(squared_mm2);
   return contains(back_mm, off_axis_mm * off_axis_mm) ? -distance_mm : distance_mm;
 }
 

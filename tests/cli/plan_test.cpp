@@ -68,14 +68,16 @@ TEST_F(PlanAuto, WritesAPathWithAScrewForEachSideThatGradeCallsA) {
 }
 
 TEST_F(PlanAuto, AnswersNoWithAReportWhereThereIsNoPath) {
-  const test::ProgramRun planned = run(
-      "plan bone.vdb --auto --margin 4 -o no_plan.json --report secret_report.html --json no_out.json --title Second");
+  const test::ProgramRun planned =
+      run("plan bone.vdb --auto --margin 4 --technique pedicle -o no_plan.json --report secret_report.html "
+          "--json no_out.json --title Second");
   EXPECT_EQ(planned.exit_code, 1) << planned.errors;
   EXPECT_FALSE(std::filesystem::exists(in("no_plan.json")));
   EXPECT_EQ(read_json(in("no_out.json"))["suggestions"].size(), 2U);
   std::ostringstream html;
   html << std::ifstream(in("secret_report.html")).rdbuf();
-  for (const char* part : {"<title>Second<", "no path", "4 mm of bone", "at its isthmus", ">9.0 mm<"}) {
+  for (const char* part :
+       {"<title>Second<", "no path", "4 mm of bone", "at its isthmus", ">9.0 mm<", "--margin 4 --technique pedicle"}) {
     EXPECT_THAT(html.str(), HasSubstr(part));
   }
   for (const std::string& name : {std::string("secret"), std::string("no_plan"), in("").string()}) {

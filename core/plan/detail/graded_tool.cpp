@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/plan/detail/inside_bone.h"
@@ -90,18 +91,23 @@ FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, s
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.max_mm > b.max_mm; });
   FoundBreaches best;
+  WallDistance::Beyond beyond;
   for (const Candidate& candidate : candidates) {
     const GradeRow& row = rows[candidate.row];
     const WallDistance::Walls& seen = axis[candidate.row];
-    const bool may_be_outer = !row.is_opening && candidate.max_mm > best.outer.breach_mm;
-    const bool may_be_canal =
-        candidate.max_mm > best.canal.breach_mm && std::abs(seen.canal.distance_mm) <= row.radius_mm + candidate.max_mm;
+    const double within_mm = row.radius_mm + candidate.max_mm;
+    const bool may_be_outer =
+        !row.is_opening && candidate.max_mm > best.outer.breach_mm && std::abs(seen.outer.distance_mm) <= within_mm;
+    const bool may_be_canal = candidate.max_mm > best.canal.breach_mm && std::abs(seen.canal.distance_mm) <= within_mm;
     if (!may_be_outer && !may_be_canal) continue;
     const bool nearer_is_canal = seen.canal.distance_mm < seen.outer.distance_mm;
     const Vec3 towards = SideNames::towards(tool.axis_mm(row.depth_mm), nearer_is_canal ? seen.canal : seen.outer);
     for (const Vec3& p_mm : ring_mm(tool, row.depth_mm, row.radius_mm, towards, ring_points)) {
       if (walls.bone().lattice_mm(p_mm) < -kSureLatticeMm) continue;
-      const WallDistance::Beyond beyond = walls.beyond(p_mm);
+      constexpr double kNever = std::numeric_limits<double>::infinity();
+      const double least_mm = std::min(may_be_outer ? best.outer.breach_mm : kNever,  //
+                                       may_be_canal ? best.canal.breach_mm : kNever);
+      beyond = walls.beyond(p_mm, beyond, least_mm);
       if (row.is_opening && !beyond.is_canal) continue;
       FoundBreach& of_wall = beyond.is_canal ? best.canal : best.outer;
       if (!(beyond.distance_mm > of_wall.breach_mm)) continue;
@@ -128,6 +134,7 @@ std::array<double, 5> side_breaches(const WallDistance& walls, const GradedTool&
     if (known.breach_mm > 0.0) add(known.breach_mm, known.place_mm, known.wall);
   }
   double next_mm = 0.0;
+  WallDistance::Beyond beyond;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (rows[n].depth_mm < next_mm && n + 1 < rows.size()) continue;
     next_mm = rows[n].depth_mm + kApartMm - 1e-9;
@@ -137,7 +144,7 @@ std::array<double, 5> side_breaches(const WallDistance& walls, const GradedTool&
         SideNames::towards(tool.axis_mm(rows[n].depth_mm), nearer_is_canal ? axis[n].canal : axis[n].outer);
     for (const Vec3& p_mm : ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, kRingPoints)) {
       if (walls.bone().lattice_mm(p_mm) < -kSureLatticeMm) continue;
-      const WallDistance::Beyond beyond = walls.beyond(p_mm);
+      beyond = walls.beyond(p_mm, beyond);
       if (!(beyond.distance_mm > 0.0) || (rows[n].is_opening && !beyond.is_canal)) continue;
       add(beyond.distance_mm, p_mm, beyond.wall);
     }
