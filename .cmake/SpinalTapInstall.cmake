@@ -24,4 +24,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/SpinalTapConfig.cmake.in
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/SpinalTapConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/SpinalTapConfig.cmake ${CMAKE_BINARY_DIR}/SpinalTapConfigVersion.cmake
               ${CMAKE_CURRENT_LIST_DIR}/FindNifti2.cmake ${CMAKE_CURRENT_LIST_DIR}/FindHdf5C.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/ImportedLibrary.cmake
         DESTINATION ${config_dir})
