@@ -37,6 +37,8 @@ Hdf5File new_file(const std::filesystem::path& path, bool may_replace) {
     }
     // Not written over: somebody may be reading it.
     if (!std::filesystem::remove(path, error)) fail("cannot replace ", path.string(), ": ", error.message());
+  } else if (path.has_parent_path()) {
+    std::filesystem::create_directories(path.parent_path(), error);  // what goes wrong, making the file tells
   }
   return Hdf5File::create(path);
 }

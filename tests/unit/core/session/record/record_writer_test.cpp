@@ -268,8 +268,14 @@ TEST(RecordWriter, RejectsAFileThatIsThereUnlessItMayReplaceIt) {
               testing::HasSubstr("expected a file"));
   { RecordWriter writer(file, {{"session", "new"}}, true); }
   EXPECT_EQ(read_record(file).setup.at("session"), "new");
-  EXPECT_THAT(test::error_of([&] { RecordWriter writer(folder.path() / "none" / "a.h5", {}); }),
-              testing::HasSubstr("No such file"));
+  EXPECT_THAT(test::error_of([&] { RecordWriter writer(file / "a.h5", {}); }), testing::HasSubstr("Not a directory"));
+}
+
+TEST(RecordWriter, MakesTheFoldersThatItsFileLiesIn) {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "of" / "today" / "a.h5";
+  { RecordWriter writer(file, {{"session", "new"}}); }
+  EXPECT_EQ(read_record(file).setup.at("session"), "new");
 }
 
 TEST(ReadRecord, RejectsWhatIsNoRecord) {
