@@ -166,10 +166,12 @@ void Planner::save_plan(const std::filesystem::path& path) {
 
 void Planner::save_bone(const std::filesystem::path& path) {
   if (!document_.bone()) fail("expected a bone to save, found none");
-  StagedOutput output;
-  write_bone(document_.bone()->model(), output.stage(path));
-  output.commit();
-  Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+  job_.start(tr("Saving the bone"), [this, path, bone = document_.bone()](const Progress&) {
+    StagedOutput output;
+    write_bone(bone->model(), output.stage(path));
+    output.commit();
+    return [this, path] { Q_EMIT said(tr("Saved %1").arg(text_of(path.string()))); };
+  });
 }
 
 void Planner::save_report(const std::filesystem::path& path) {
@@ -189,10 +191,14 @@ void Planner::save_report(const std::filesystem::path& path) {
   data.ct = &bone.ct;
   data.bone_bounds_mm = bone.model().bounds_mm();
   data.bone = &*bone.bone;
-  StagedOutput output;
-  output.write(path, grade_report(data));
-  output.commit();
-  Q_EMIT said(tr("Saved %1").arg(text_of(path.string())));
+  // `data` looks into the bone, which the work keeps.
+  job_.start(tr("Writing the report"),
+             [this, path, data = std::move(data), kept = document_.bone()](const Progress& progress) {
+               StagedOutput output;
+               output.write(path, grade_report(data, progress));
+               output.commit();
+               return [this, path] { Q_EMIT said(tr("Saved %1").arg(text_of(path.string()))); };
+             });
 }
 
 void Planner::save_record(const std::filesystem::path& path) {

@@ -53,12 +53,13 @@ class Planner : public QObject {
   /// Throws Error where it cannot be written. A name that ends in ".mrk.json" makes 3D Slicer's markups: a copy, which
   /// does not become the plan's file.
   void save_plan(const std::filesystem::path& path);
+  /// Written while the window goes on. Throw Error where there is nothing to write, or other such work goes on.
+  ///
   /// The baked bone, so that it need not be baked again.
   void save_bone(const std::filesystem::path& path);
   /// The report on all paths of the plan, as `spinaltap grade` writes it.
   void save_report(const std::filesystem::path& path);
-  /// The record and the report of the drilling that stands, written while the window goes on (played_hole.h). Throw
-  /// Error where there is none.
+  /// The record and the report of the drilling that stands (played_hole.h).
   void save_record(const std::filesystem::path& path);
   void write_drill_report(const std::filesystem::path& folder);
   /// Adds what suggest_paths() finds, as one step back; in the background. Throws Error without a bone with landmarks.

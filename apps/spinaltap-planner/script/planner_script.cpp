@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
@@ -15,6 +14,7 @@
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
 #include "core/files/data_files.h"
 #include "core/files/screw_file.h"
@@ -267,8 +267,18 @@ class ScriptRun {
       {"redo-hole", {0, 0, "redo-hole", [this](const Words&) { planner().player().redo_hole(); }}},
       {"save",
        {1, 1, "save FILE: the plan; .mrk.json for 3D Slicer", [this](const Words& w) { planner().save_plan(w[0]); }}},
-      {"save-bone", {1, 1, "save-bone FILE.vdb", [this](const Words& w) { planner().save_bone(w[0]); }}},
-      {"report", {1, 1, "report FILE.html: on the paths", [this](const Words& w) { planner().save_report(w[0]); }}},
+      {"save-bone",
+       {1, 1, "save-bone FILE.vdb",
+        [this](const Words& w) {
+          planner().save_bone(w[0]);
+          wait_for_job();
+        }}},
+      {"report",
+       {1, 1, "report FILE.html: on the paths",
+        [this](const Words& w) {
+          planner().save_report(w[0]);
+          wait_for_job();
+        }}},
       {"record",
        {1, 1, "record FILE.h5: of the drilling",
         [this](const Words& w) {
@@ -290,7 +300,7 @@ class ScriptRun {
 }  // namespace
 
 std::string script_help() {
-  std::ostringstream help;
+  TextWriter help;
   const ScriptRun none(nullptr);
   for (const auto& [name, command] : none.commands()) help << "  " << command.help << "\n";
   return help.str();
