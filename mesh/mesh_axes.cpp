@@ -4,9 +4,9 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/plan/body_landmarks.h"
 #include "core/plan/bone_shape.h"
 #include "core/plan/canal_search.h"
@@ -219,7 +219,7 @@ MeshAxes find_mesh_axes(const TriangleMesh& mesh) {
 std::vector<std::string> check_mesh_axes(const TriangleMesh& mesh) {
   const MeshAxes found = find_mesh_axes(mesh);
   std::vector<std::string> warnings;
-  std::ostringstream text;
+  TextWriter text;
   if (found.axes != "LPS") {
     text << "the mesh does not lie along LPS (x left, y back, z up): its canal runs along "
          << side_name(found.superior).substr(1) << ", its back is at " << side_name(found.posterior)

@@ -4,11 +4,12 @@
 #include <OpenMesh/Core/IO/MeshIO.hh>
 //
 #include <algorithm>
-#include <sstream>
 #include <string>
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 #include "mesh/detail/half_edge_mesh.h"
 #include "mesh/detail/parse_mesh.h"
 
@@ -17,12 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
+std::string lower_extension(const fs::path& path) { return lower_case(path.extension().string()); }
 
 void require_extension(const fs::path& path, std::initializer_list<const char*> allowed) {
   const std::string extension = lower_extension(path);
@@ -57,7 +53,7 @@ void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
   if (lower_extension(path) != ".obj") options += OpenMesh::IO::Options::Binary;
   constexpr std::streamsize kDigits = 9;  // enough to give each float back
   // OpenMesh does not look whether its bytes reach the disk, so it writes to memory.
-  std::ostringstream bytes(std::ios::binary);
+  TextStream bytes;
   if (!OpenMesh::IO::write_mesh(linked.mesh, bytes, lower_extension(path), options, kDigits)) {
     fail("cannot write ", path.string());
   }

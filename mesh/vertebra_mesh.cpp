@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "mesh/mesh_io.h"
 
 namespace spinaltap {
@@ -30,12 +30,12 @@ bool plausible(const Vec3& sides_mm, const VertebraExtents& extents) {
 }
 
 std::string units_that_fit(const Vec3& sides, const VertebraExtents& extents) {
-  std::ostringstream text;
+  TextWriter text;
   for (const NamedUnit& one : kUnits) {
     if (!plausible(one.mm * sides, extents)) continue;
-    text << (text.tellp() == 0 ? "it looks like " : ", or ") << one.plural << ": scale it by " << one.mm;
+    text << (text.str().empty() ? "it looks like " : ", or ") << one.plural << ": scale it by " << one.mm;
   }
-  if (text.tellp() == 0) return "it fits in no common unit: is it one whole vertebra?";
+  if (text.str().empty()) return "it fits in no common unit: is it one whole vertebra?";
   return text.str();
 }
 
@@ -74,8 +74,7 @@ void check_mesh_units(const TriangleMesh& mesh, Level level) {
   const Vec3 sides = box.sizes();
   const VertebraExtents extents = vertebra_extents(level);
   if (plausible(sides, extents)) return;
-  std::ostringstream size;
-  size.precision(3);
+  TextWriter size(3);
   size << sides.x() << " x " << sides.y() << " x " << sides.z();
   fail("the mesh is ", size.str(), "; ", level == Level::kNone ? "a vertebra" : level_name(level), " is ",
        extents.min_longest_mm, " to ", extents.max_longest_mm, " mm long at its longest and ", extents.min_shortest_mm,

@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "apps/python/bindings.h"
 #include "apps/python/names.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
 #include "core/files/plan_file.h"
 #include "core/tool/drill_path.h"
@@ -43,7 +43,7 @@ DrillPath make_path(const Numbers& entry_mm, const Numbers& target_mm, const Dri
 }
 
 std::string text_of(const Vec3& v) {
-  std::ostringstream text;
+  TextWriter text;
   text << '(' << v.x() << ", " << v.y() << ", " << v.z() << ')';
   return text.str();
 }

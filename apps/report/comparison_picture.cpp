@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdio>
 #include <string>
 
 #include "apps/report/slice_marks.h"
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 #include "core/surface/surface_samples.h"
 #include "vdb/picture/render.h"
 
@@ -29,14 +30,10 @@ struct Tile {
 };
 
 std::string figures_text(const SurfaceFigures& figures, bool is_ground_truth) {
-  std::array<char, 96> text{};
-  if (is_ground_truth) {
-    std::snprintf(text.data(), text.size(), "ROUGHNESS %.1f", figures.roughness_deg);
-  } else {
-    std::snprintf(text.data(), text.size(), "ROUGHNESS %.1f VOLUME %.1f %.2f mm", figures.roughness_deg,
-                  100.0 * figures.volume_change, figures.mean_mm);
-  }
-  return text.data();
+  const std::string roughness = "ROUGHNESS " + fixed_text(figures.roughness_deg, 1);
+  if (is_ground_truth) return roughness;
+  return roughness + " VOLUME " + fixed_text(100.0 * figures.volume_change, 1) + " " + fixed_text(figures.mean_mm, 2) +
+         " mm";
 }
 
 }  // namespace
@@ -48,12 +45,8 @@ Image comparison_picture(const Comparison& comparison, const Progress& progress)
                                                       [&](const auto& surface) { return surface.method == first; }));
   std::vector<Tile> tiles;
   for (const ComparedSurface& surface : comparison.surfaces) {
-    std::string name = name_of(surface.method);
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    std::array<char, 64> title{};
-    std::snprintf(title.data(), title.size(), "%s, SMOOTHING %g mm", name.c_str(), surface.smoothing_mm);
-    tiles.push_back({surface.bone ? &*surface.bone : nullptr, title.data(),
+    const std::string name = upper_case(name_of(surface.method));
+    tiles.push_back({surface.bone ? &*surface.bone : nullptr, joined(name, ", SMOOTHING ", surface.smoothing_mm, " mm"),
                      surface.bone ? figures_text(surface.figures, false) : "NO SURFACE"});
   }
   tiles.push_back({&comparison.ground_truth, "GROUND TRUTH", figures_text(comparison.ground_truth_figures, true)});

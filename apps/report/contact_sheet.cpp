@@ -7,6 +7,7 @@
 
 #include "apps/report/slice_marks.h"
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -109,9 +110,8 @@ Image contact_sheet(const CtVolume& ct, const ContactSheetOptions& options) {
     const int y = layout.tile_y(static_cast<int>(n));
     paste(slice_picture(ct, slices[n], layout, options.window), sheet, x, y);
     const double along_mm = ct.geometry.directions.col(2).dot(ct.geometry.to_patient(Vec3(0.0, 0.0, slices[n])));
-    char text[64];
-    std::snprintf(text, sizeof text, "k %d  %s %.1f mm", slices[n],
-                  orientation_letters(ct.geometry.directions.col(2)).c_str(), along_mm);
+    const std::string text = joined("k ", slices[n], "  ", orientation_letters(ct.geometry.directions.col(2)), " ",
+                                    fixed_text(along_mm, 1), " mm");
     const int scale = pixel_text_width(text, kScale) <= layout.width ? kScale : 1;
     draw_text(sheet, x, y - kLabelHeight + 4, text, scale, kWhite);
     const PictureArea area{x, y, layout.width, layout.height};

@@ -1,20 +1,13 @@
 #include "apps/report/drilling_report.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <sstream>
 
+#include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
 #include "mesh/mesh_io.h"
 
 namespace spinaltap {
 namespace {
-
-std::string fixed(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
 
 /// Mean cycles per second over a part of the rows, from their times; 0 where none was measured.
 double rate(const std::vector<DepthRow>& rows, std::size_t begin, std::size_t end) {
@@ -31,7 +24,7 @@ double rate(const std::vector<DepthRow>& rows, std::size_t begin, std::size_t en
 std::string events_csv(const std::vector<SessionEvent>& events) {
   SessionRecord record;
   record.events = events;
-  std::ostringstream csv;
+  TextStream csv;
   write_events_csv(record, csv);
   return csv.str();
 }
@@ -71,29 +64,30 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   data.real_time = drilling.real_time;
   const auto count = [](std::size_t value) { return std::to_string(value); };
   for (const auto& [name, value] : figures.operator_words) data.figures.push_back({"Operator, " + name, value, ""});
-  data.figures.insert(data.figures.end(), {{"Spindle", fixed(figures.setup.options.spindle.rpm, 0), "rpm"},
+  data.figures.insert(data.figures.end(), {{"Spindle", fixed_text(figures.setup.options.spindle.rpm, 0), "rpm"},
                                            {"Discs", count(static_cast<std::size_t>(drilling.discs)), ""},
                                            {"Points per disc", count(drilling.points_per_disc), ""},
                                            {"Points in the cylinder", count(drilling.points), ""},
                                            {"Points in bone", count(drilling.points_in_bone), ""},
                                            {"Points removed", count(drilling.removed), ""},
                                            {"Cycles", count(drilling.cycles), ""},
-                                           {"Drilled for", fixed(drilling.session_s, 2), "s"}});
+                                           {"Drilled for", fixed_text(drilling.session_s, 2), "s"}});
   if (!drilling.real_time) {
     const DrillRates rates = drill_rates(drilling.rows);
-    data.figures.insert(data.figures.end(), {{"Time of all cycles", fixed(drilling.seconds, 2), "s"},
-                                             {"Rate, first tenth of the path", fixed(rates.first_tenth, 0), "cycles/s"},
-                                             {"Rate, middle tenth", fixed(rates.middle_tenth, 0), "cycles/s"},
-                                             {"Rate, last tenth", fixed(rates.last_tenth, 0), "cycles/s"}});
+    data.figures.insert(data.figures.end(),
+                        {{"Time of all cycles", fixed_text(drilling.seconds, 2), "s"},
+                         {"Rate, first tenth of the path", fixed_text(rates.first_tenth, 0), "cycles/s"},
+                         {"Rate, middle tenth", fixed_text(rates.middle_tenth, 0), "cycles/s"},
+                         {"Rate, last tenth", fixed_text(rates.last_tenth, 0), "cycles/s"}});
   }
   data.figures.insert(data.figures.end(),
-                      {{"Max thrust", fixed(drilling.max_thrust_n, 2), "N"},
-                       {"Max torque", fixed(drilling.max_torque_n_mm, 1), "N·mm"},
-                       {"First bone at depth", fixed(drilling.entry_depth_mm, 2), "mm"},
+                      {{"Max thrust", fixed_text(drilling.max_thrust_n, 2), "N"},
+                       {"Max torque", fixed_text(drilling.max_torque_n_mm, 1), "N·mm"},
+                       {"First bone at depth", fixed_text(drilling.entry_depth_mm, 2), "mm"},
                        {"Drilled mesh, triangles", count(figures.mesh.triangles), ""},
                        {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
                        {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
-                       {"Drilled mesh, volume", fixed(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
+                       {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
   if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
     data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());
   }

@@ -4,20 +4,14 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
-
-std::string shortest(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
 
 /// A field of a CSV file: in quotes where it needs them.
 std::string csv_field(const std::string& text) {
@@ -118,8 +112,8 @@ std::vector<std::string> cells_of(const Approach& approach) {
 }  // namespace
 
 std::string tool_of(const DrillPath& path) {
-  if (!path.screw) return "bit of " + shortest(path.bit.diameter_mm) + " mm";
-  return "screw " + shortest(path.screw->diameter_mm) + " x " + shortest(path.screw->length_mm) + " mm";
+  if (!path.screw) return "bit of " + short_text(path.bit.diameter_mm) + " mm";
+  return "screw " + short_text(path.screw->diameter_mm) + " x " + short_text(path.screw->length_mm) + " mm";
 }
 
 std::string breach_of(const PathGrade& grade) {
@@ -129,11 +123,11 @@ std::string breach_of(const PathGrade& grade) {
 
 std::vector<std::string> band_names(const std::vector<double>& hu_bands) {
   if (hu_bands.empty()) return {"all HU"};
-  std::vector<std::string> names{"below " + shortest(hu_bands.front()) + " HU"};
+  std::vector<std::string> names{"below " + short_text(hu_bands.front()) + " HU"};
   for (std::size_t n = 1; n < hu_bands.size(); ++n) {
-    names.push_back(shortest(hu_bands[n - 1]) + " to " + shortest(hu_bands[n]) + " HU");
+    names.push_back(short_text(hu_bands[n - 1]) + " to " + short_text(hu_bands[n]) + " HU");
   }
-  names.push_back(shortest(hu_bands.back()) + " HU and above");
+  names.push_back(short_text(hu_bands.back()) + " HU and above");
   return names;
 }
 
@@ -238,8 +232,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
 }
 
 std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
-  std::ostringstream csv;
-  csv.precision(7);
+  TextWriter csv(7);
   csv << "path,depth_mm,radius_mm,clearance_outer_mm,outer_side,clearance_canal_mm,canal_side,is_opening,is_entry,hu,"
          "thrust_n";
   for (std::string name : band_names(hu_bands)) {

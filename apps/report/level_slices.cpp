@@ -1,13 +1,14 @@
 #include "apps/report/level_slices.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <set>
 
 #include "apps/report/slice_marks.h"
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -111,9 +112,7 @@ LevelSlices::LevelSlices(const CtVolume& ct, const LabelVolume& labels, const Le
 std::string LevelSlices::title(const PictureLevel& level) const {
   const auto found = labels_.names.find(level.label);
   const bool named = found != labels_.names.end() && !found->second.name.empty();
-  std::string title = named ? found->second.name : "label " + std::to_string(level.label);
-  std::transform(title.begin(), title.end(), title.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string title = upper_case(named ? found->second.name : "label " + std::to_string(level.label));
   return level.suspect ? title + " ?" : title;
 }
 
@@ -225,9 +224,7 @@ LevelSlice LevelSlices::level_slice(Plane plane, const PictureLevel& level, doub
   draw_seed(slice, 5.0);
   const int axis = plane == Plane::kSagittal ? 0 : plane == Plane::kCoronal ? 1 : 2;
   const char* name = plane == Plane::kSagittal ? "SAGITTAL X" : plane == Plane::kCoronal ? "CORONAL Y" : "AXIAL Z";
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%s %.1f MM", name, through_mm[axis]);
-  slice.caption = text.data();
+  slice.caption = std::string(name) + " " + fixed_text(through_mm[axis], 1) + " MM";
   return slice;
 }
 

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "apps/report/level_slices.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {
@@ -85,8 +86,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t columns) {
   std::istringstream words(text);
   std::vector<std::string> lines;
   for (std::string word; words >> word;) {
-    std::transform(word.begin(), word.end(), word.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    word = upper_case(word);
     for (; !word.empty(); word.erase(0, columns)) {
       const std::string part = word.substr(0, columns);
       if (lines.empty() || lines.back().size() + 1 + part.size() > columns) {

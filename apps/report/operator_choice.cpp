@@ -8,6 +8,7 @@
 #include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/operator/recorded_motion.h"
@@ -114,8 +115,8 @@ void OperatorChoice::add_planned_motion(const DrillPath& path, const GuideLine& 
   motion.feed.withdraw_mm_s = withdraw_mm_s.value_or(0.0);
   plan.rate_hz = motion.rate_hz;
   plan.words["feed"] =
-      motion.feed.steps.size() > 1 ? feed + " mm/s" : short_number(motion.feed.steps.front().mm_s) + " mm/s";
-  if (peck_mm) plan.words["peck"] = short_number(*peck_mm) + " mm";
+      motion.feed.steps.size() > 1 ? feed + " mm/s" : short_text(motion.feed.steps.front().mm_s) + " mm/s";
+  if (peck_mm) plan.words["peck"] = short_text(*peck_mm) + " mm";
   plan.tool_operator = std::make_unique<PlannedMotion>(path, motion);
 }
 
@@ -128,7 +129,7 @@ void OperatorChoice::add_force_controlled(const DrillPath& path, const GuideLine
                            .seed = seed.value_or(1)};
   push.push_n = push_n.value_or(push.push_n);
   plan.rate_hz = push.rate_hz;
-  plan.words["push"] = short_number(push.push_n) + " N";
+  plan.words["push"] = short_text(push.push_n) + " N";
   plan.tool_operator = std::make_unique<ForceControlled>(path, push);
 }
 
@@ -146,10 +147,10 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
     const GuideLine line{.lead_in_mm = lead_in_mm,
                          .offset_mm = offset_mm.value_or(name == "off-path" ? kOffPathMm : 0.0),
                          .tilt_deg = tilt_deg.value_or(name == "tilted" ? kTiltDeg : 0.0)};
-    if (line.offset_mm != 0.0) plan.words["offset"] = short_number(line.offset_mm) + " mm";
-    if (line.tilt_deg != 0.0) plan.words["tilt"] = short_number(line.tilt_deg) + " degrees";
+    if (line.offset_mm != 0.0) plan.words["offset"] = short_text(line.offset_mm) + " mm";
+    if (line.tilt_deg != 0.0) plan.words["tilt"] = short_text(line.tilt_deg) + " degrees";
     if (tremor_or_default_mm() != 0.0) {
-      plan.words["tremor"] = short_number(tremor_or_default_mm()) + " mm, seed " + std::to_string(seed.value_or(1));
+      plan.words["tremor"] = short_text(tremor_or_default_mm()) + " mm, seed " + std::to_string(seed.value_or(1));
     }
     if (name == "push") {
       add_force_controlled(path, line, spindle, plan);
@@ -158,7 +159,7 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
     }
   }
   plan.cycle_rate_hz = is_file(name) ? rate_hz.value_or(plan.rate_hz) : plan.rate_hz;
-  plan.words["rate"] = short_number(plan.rate_hz) + " Hz";
+  plan.words["rate"] = short_text(plan.rate_hz) + " Hz";
   return plan;
 }
 

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <string>
 
 #include "apps/report/slice_frame.h"
+#include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -54,7 +55,7 @@ const Glyph* find_glyph(char letter) {
     return std::find_if(kFont.begin(), kFont.end(), [c](const Glyph& glyph) { return glyph.letter == c; });
   };
   auto glyph = known(letter);
-  if (glyph == kFont.end()) glyph = known(static_cast<char>(std::toupper(static_cast<unsigned char>(letter))));
+  if (glyph == kFont.end()) glyph = known(upper_case({&letter, 1}).front());
   return glyph != kFont.end() ? &*glyph : nullptr;
 }
 
@@ -127,12 +128,10 @@ double round_bar_mm(double length_mm) {
 void draw_scale_bar(Image& image, const PictureArea& area, double pixel_mm) {
   const double bar_mm = round_bar_mm(area.width * pixel_mm);
   const int width = static_cast<int>(std::lround(bar_mm / pixel_mm));
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g mm", bar_mm);
   const int bottom = area.y + area.height - 6;
   fill_rectangle(image, area.x + 5, bottom - 4, width + 2, 5, {0, 0, 0});
   fill_rectangle(image, area.x + 6, bottom - 3, width, 3, kWhite);
-  draw_text(image, area.x + 6, bottom - 8 - kTextHeight, text.data(), 1, kWhite);
+  draw_text(image, area.x + 6, bottom - 8 - kTextHeight, short_text(bar_mm) + " mm", 1, kWhite);
 }
 
 void draw_cross(Image& image, int x, int y) {

@@ -42,8 +42,7 @@ std::vector<ReportRow> shares_of(const StudySummary& summary) {
 std::vector<ReportRow> spread_rows(const StudySpread& spread) {
   const auto number = [](double value) { return readable_number(value, 2); };
   const StudyTitle title = title_of(spread.column);
-  std::string name = title.name;
-  name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+  const std::string name = upper_case(title.name.substr(0, 1)) + title.name.substr(1);
   return {{name + ", median", number(spread.quantiles[3]), title.unit},
           {"5 % to 95 %", number(spread.quantiles[1]) + " to " + number(spread.quantiles[5]), title.unit},
           {"min to max", number(spread.quantiles[0]) + " to " + number(spread.quantiles[6]), title.unit}};
@@ -74,8 +73,7 @@ std::string text_of(double number) {
 
 ReportRow row_of(const FactorDistribution& distribution) {
   const StudyTitle title = title_of(distribution.factor);
-  std::string name = title.name;
-  name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+  const std::string name = upper_case(title.name.substr(0, 1)) + title.name.substr(1);
   switch (distribution.kind) {
     case FactorDistribution::Kind::normal:
       return {name, "normal, mean " + text_of(distribution.a) + ", deviation " + text_of(distribution.b), title.unit};

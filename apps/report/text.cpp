@@ -1,21 +1,16 @@
 #include "apps/report/text.h"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
 
 std::string fixed(double value, int decimals) {
-  std::array<char, 400> buffer{};  // the largest double has 309 digits before the point
-  const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals);
-  std::string text(buffer.data(), end.ptr);
+  std::string text = fixed_text(value, decimals);
   const bool is_zero = text.find_first_of("123456789") == std::string::npos;
   if (is_zero && text.front() == '-') text.erase(0, 1);
   return text;
@@ -99,12 +94,6 @@ std::string readable_number(double value, int decimals) {
     text.insert(i, 1, ',');
   }
   return text;
-}
-
-std::string short_number(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 }  // namespace spinaltap

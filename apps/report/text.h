@@ -17,7 +17,4 @@ std::string svg_number(double value, int decimals = 2);
 /// "n/a" when the value is not finite.
 std::string readable_number(double value, int decimals);
 
-/// A number with at most six digits, as short as it can be: "0.1".
-std::string short_number(double value);
-
 }  // namespace spinaltap

@@ -1,13 +1,13 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <sstream>
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/files/bake_cache.h"
 #include "vdb/sim/bake_levels.h"
 
@@ -55,7 +55,7 @@ MarkedLevels find_levels(const CtVolume& ct, const FindingOptions& finding, cons
   std::string unnamed;
   for (const LevelReport& level : found.levels) {
     if (level.level == Level::kNone) {
-      std::ostringstream text;
+      TextWriter text;
       const Vec3& p = level.body_centre_mm;
       text << level.name << " at " << std::lround(p.x()) << ',' << std::lround(p.y()) << ',' << std::lround(p.z());
       unnamed += (unnamed.empty() ? "" : ", ") + text.str();

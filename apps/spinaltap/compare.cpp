@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <sstream>
 
 #include "apps/report/comparison_picture.h"
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/phantom/scanner.h"
 #include "core/surface/surface_samples.h"
 #include "mesh/surface_comparison.h"
@@ -29,8 +29,9 @@ Json json_of(const SurfaceFigures& figures) {
 }
 
 void print_row(const char* name, const SurfaceFigures& figures) {
-  std::printf("  %-22s %9.2f %9.2f %9.3f %9.3f %9.3f %7zu\n", name, figures.roughness_deg,
-              100.0 * figures.volume_change, figures.mean_mm, figures.p99_mm, figures.max_mm, figures.pieces);
+  std::printf("  %-22s %9s %9s %9s %9s %9s %7zu\n", name, fixed_text(figures.roughness_deg, 2).c_str(),
+              fixed_text(100.0 * figures.volume_change, 2).c_str(), fixed_text(figures.mean_mm, 3).c_str(),
+              fixed_text(figures.p99_mm, 3).c_str(), fixed_text(figures.max_mm, 3).c_str(), figures.pieces);
 }
 
 Json report(const Comparison& comparison) {
@@ -40,7 +41,7 @@ Json report(const Comparison& comparison) {
   print_row("ground truth", comparison.ground_truth_figures);
   Json surfaces = Json::array();
   for (const ComparedSurface& surface : comparison.surfaces) {
-    std::ostringstream name;
+    TextWriter name;
     name << name_of(surface.method) << ", " << surface.smoothing_mm;
     Json one{
         {"method", name_of(surface.method)}, {"smoothing_mm", surface.smoothing_mm}, {"rbf_centres", surface.centres}};

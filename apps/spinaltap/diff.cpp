@@ -2,15 +2,15 @@
 
 #include <cmath>
 #include <memory>
-#include <sstream>
 
 #include "apps/spinaltap/command.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
 
 std::string text_of(const std::array<int, 3>& index) {
-  std::ostringstream text;
+  TextWriter text;
   text << '(' << index[0] << ", " << index[1] << ", " << index[2] << ')';
   return text.str();
 }
@@ -45,7 +45,7 @@ Json json_of(const GridDifference& grid) {
 }
 
 void print_active(const std::string& which, const ActiveVoxels& active) {
-  std::ostringstream text;
+  TextWriter text;
   text << active.count << " from " << text_of(active.low) << " to " << text_of(active.high);
   print_figure("  active voxels of " + which, text.str());
 }
@@ -71,7 +71,7 @@ void print(const GridDifference& grid) {
   print_figure("  L-infinity, largest", grid.linf, "", 9);
   if (grid.first) {
     const VoxelDifference& first = *grid.first;
-    std::ostringstream text;
+    TextWriter text;
     text << text_of(first.index) << " at " << first.position_mm.x() << ", " << first.position_mm.y() << ", "
          << first.position_mm.z() << " mm: " << first.a << " and " << first.b;
     print_figure("  first that differs", text.str());

@@ -15,6 +15,7 @@
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/points/neighbour_distances.h"
@@ -91,8 +92,9 @@ void print_events(const Drilling& drilling) {
   constexpr std::size_t kMax = 24;
   for (std::size_t n = 0; n < std::min(drilling.events.size(), kMax); ++n) {
     const SessionEvent& event = drilling.events[n];
-    std::printf("  %9.3f s  at %7.2f mm  %-14s %s\n", event.time_s, event.depth_mm,
-                std::string(name_of(event.kind)).c_str(), value_text(event).c_str());
+    std::printf("  %9s s  at %7s mm  %-14s %s\n", fixed_text(event.time_s, 3).c_str(),
+                fixed_text(event.depth_mm, 2).c_str(), std::string(name_of(event.kind)).c_str(),
+                value_text(event).c_str());
   }
   const std::size_t further = drilling.events.size() + drilling.events_lost - std::min(drilling.events.size(), kMax);
   if (further > 0) std::printf("  and %zu further events: see events.csv\n", further);

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 #include <numbers>
-#include <sstream>
 
 #include "apps/report/contact_sheet.h"
 #include "apps/report/png.h"
@@ -11,6 +10,7 @@
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/ct/dicom_read.h"
 #include "core/segment/bone_levels.h"
 #include "core/session/record/session_record.h"
@@ -20,7 +20,7 @@ namespace spinaltap {
 namespace {
 
 std::string triple(const Vec3& v, const char* unit) {
-  std::ostringstream text;
+  TextWriter text;
   text << v.x() << ", " << v.y() << ", " << v.z() << ' ' << unit;
   return text.str();
 }
@@ -93,7 +93,7 @@ Json info_of_record(const std::filesystem::path& file) {
   if (record.lost > 0) print_figure("cycles lost", static_cast<double>(record.lost), "", 0);
   Json events = Json::array();
   for (const SessionEvent& event : record.events) {
-    std::ostringstream text;
+    TextWriter text;
     text << event.time_s << " s, depth " << event.depth_mm << " mm, value " << event.value;
     print_figure(std::string(name_of(event.kind)), text.str());
     events.push_back({{"kind", name_of(event.kind)},
@@ -115,7 +115,7 @@ Json info_of_record(const std::filesystem::path& file) {
 Json info_of_ct(const CtVolume& ct) {
   const GridGeometry& geometry = ct.geometry;
   const auto [lowest, highest] = std::minmax_element(ct.hu.begin(), ct.hu.end());
-  std::ostringstream size;
+  TextWriter size;
   size << geometry.size[0] << " x " << geometry.size[1] << " x " << geometry.size[2];
   const Vec3 far_corner(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1);
   const std::string plane = plane_name(geometry.directions.col(2));
@@ -148,7 +148,7 @@ Json info_of_ct(const CtVolume& ct) {
 /// One series of a folder, from its headers alone.
 Json info_of_series(const SeriesInfo& series) {
   const std::string name = "series " + std::to_string(series.number);
-  std::ostringstream text;
+  TextWriter text;
   text << series.modality << ", " << series.slices << " slices of " << series.columns << " x " << series.rows << " in "
        << series.files.size() << (series.files.size() == 1 ? " file" : " files") << ", UID "
        << (series.uid.empty() ? "none" : series.uid);
@@ -168,7 +168,7 @@ Json info_of_series(const SeriesInfo& series) {
   const StackLayout& layout = *series.layout;
   const std::string plane = plane_name(layout.directions.col(2));
   const double tilt_deg = layout.tilt_rad * 180.0 / std::numbers::pi;
-  std::ostringstream step;
+  TextWriter step;
   step << layout.min_step_mm << " mm";
   if (layout.max_step_mm > layout.min_step_mm) step << " to " << layout.max_step_mm << " mm";
   print_figure("  slices", plane + ", columns grow to " + orientation_letters(layout.directions.col(0)) + ", rows to " +

@@ -2,12 +2,12 @@
 
 #include <cstdio>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -56,7 +56,7 @@ CLI::Option* add_level(CLI::App& app, Level& level) {
 std::string words_of(NameSource source, std::span<const LevelPoint> given) {
   if (source == NameSource::hint) return "a hint from the sacrum or the last ribs: check it";
   if (source == NameSource::counted) return "counted from the top";
-  std::ostringstream text;
+  TextWriter text;
   text << "counted from ";
   for (std::size_t n = 0; n < given.size(); ++n) {
     const Vec3& p = given[n].p_mm;
@@ -89,7 +89,7 @@ void print_levels(std::span<const LevelReport> levels) {
   std::printf("  Middle (patient LPS) and size of the bodies:\n%s", table.aligned().c_str());
   for (const LevelReport& level : levels) {
     for (const LevelWarning& warning : level.warnings) {
-      std::printf("  %s: %s (%.2f)\n", level.name.c_str(), warning.text.c_str(), warning.severity);
+      std::printf("  %s: %s (%s)\n", level.name.c_str(), warning.text.c_str(), fixed_text(warning.severity, 2).c_str());
     }
   }
 }

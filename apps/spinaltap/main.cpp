@@ -14,6 +14,7 @@
 #include "apps/spinaltap/terminal_progress.h"
 #include "core/base/error.h"
 #include "core/base/process_changes.h"
+#include "core/base/text_writer.h"
 #include "core/base/version.h"
 
 namespace spinaltap {
@@ -32,7 +33,7 @@ CLI::App* add_command(CLI::App& program, Command& command, const std::string& na
 }
 
 void print_figure(const std::string& name, double value, const std::string& unit, int digits) {
-  std::printf("  %-34s %14.*f %s\n", name.c_str(), digits, value, unit.c_str());
+  std::printf("  %-34s %14s %s\n", name.c_str(), fixed_text(value, digits).c_str(), unit.c_str());
 }
 
 void print_figure(const std::string& name, const std::string& value) {

@@ -1,6 +1,5 @@
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
@@ -11,6 +10,7 @@
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
 #include "core/files/data_files.h"
 #include "core/files/plan_file.h"
@@ -64,8 +64,7 @@ std::optional<DrillPath> PathOptions::given_path(const std::string& name) const 
 Json report_paths(const std::vector<DrillPath>& paths) {
   Json list = Json::array();
   for (const DrillPath& path : paths) {
-    std::ostringstream text;
-    text.precision(4);
+    TextWriter text(4);
     text << "(" << path.entry_mm.x() << ", " << path.entry_mm.y() << ", " << path.entry_mm.z() << ") to ("
          << path.target_mm.x() << ", " << path.target_mm.y() << ", " << path.target_mm.z() << "), " << path.length_mm()
          << " mm";
@@ -100,8 +99,7 @@ void add_auto_plan(CLI::App& app, AutoPlanOptions& options) {
 }
 
 std::string degrees_and_mm(double mm, double deg) {
-  std::ostringstream text;
-  text.precision(3);
+  TextWriter text(3);
   text << mm << " mm, " << deg << "°";
   return text.str();
 }

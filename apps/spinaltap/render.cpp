@@ -1,10 +1,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <iomanip>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include "apps/report/picture_view.h"
 #include "apps/report/png.h"
@@ -13,6 +11,7 @@
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/files/plan_file.h"
 #include "core/files/recorded_setup.h"
 #include "vdb/grid/bone_hash.h"
@@ -132,9 +131,7 @@ Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, 
     progress.report("drawing frames", static_cast<double>(n) / static_cast<double>(count));
     hole.go_to(static_cast<double>(n) * step_s);
     painter.show(bit, hole.pose());
-    std::ostringstream name;
-    name << std::setw(5) << std::setfill('0') << n + 1 << ".png";
-    output.write(options.frames / name.str(), painter.png(hole.drilled(), {}));
+    output.write(options.frames / (padded_number(n + 1, 5) + ".png"), painter.png(hole.drilled(), {}));
   }
   output.list_in(options.frames);
   output.commit();

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <string>
 
+#include "core/base/text_writer.h"
+
 namespace spinaltap {
 namespace {
 
@@ -33,9 +35,10 @@ class Bar {
     if (!slow || (drawn_ && now - drawn_at_ < std::chrono::milliseconds(100))) return;
     constexpr int kWidth = 30;
     const int filled = static_cast<int>(kWidth * std::clamp(fraction, 0.0, 1.0));
-    std::fprintf(stderr, "\r%-34s [%s%s] %3.0f %%", std::string(stage).c_str(),
+    std::fprintf(stderr, "\r%-34s [%s%s] %3s %%", std::string(stage).c_str(),
                  std::string(static_cast<std::size_t>(filled), '#').c_str(),
-                 std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), 100.0 * fraction);
+                 std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(),
+                 fixed_text(100.0 * fraction, 0).c_str());
     std::fflush(stderr);
     drawn_ = true;
     drawn_at_ = now;

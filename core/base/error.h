@@ -1,8 +1,9 @@
 #pragma once
 
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 
@@ -22,9 +23,7 @@ class Cancelled : public Error {
 /// Throws Error with its arguments written one after the other: fail("expected ", n, " slices, found ", m).
 template <class... Parts>
 [[noreturn]] void fail(const Parts&... parts) {
-  std::ostringstream message;
-  (message << ... << parts);
-  throw Error(message.str());
+  throw Error(joined(parts...));
 }
 
 }  // namespace spinaltap

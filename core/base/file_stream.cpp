@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {
@@ -87,6 +88,20 @@ bool FileReader::skip(std::uint64_t count) {
   }
   return true;
 }
+
+bool TextLines::next(std::string_view& line) {
+  ++number_;
+  return file_.line(line);
+}
+
+bool TextLines::next_filled(std::string_view& line) {
+  while (next(line)) {
+    if (!trimmed(line).empty()) return true;
+  }
+  return false;
+}
+
+std::string TextLines::place() const { return file_.name() + ", line " + std::to_string(number_); }
 
 FileWriter::FileWriter(const std::filesystem::path& path) : path_(path) {
   errno = 0;

@@ -62,6 +62,23 @@ class FileReader {
   std::size_t end_ = 0;
 };
 
+/// The lines of a text file that is read from its beginning, counted for messages.
+class TextLines {
+ public:
+  explicit TextLines(FileReader& file) : file_(file) {}
+
+  /// The next line; false when there is none.
+  bool next(std::string_view& line);
+  /// The next one that is more than blanks.
+  bool next_filled(std::string_view& line);
+  /// "points.csv, line 12": the last line read.
+  std::string place() const;
+
+ private:
+  FileReader& file_;
+  std::uint64_t number_ = 0;
+};
+
 /// Writes a file from front to back, piece by piece, for content that is too large to hold twice. `path` is a staged
 /// (temporary) name: without close() half a file stays there. Throws Error when the disk is full.
 class FileWriter {

@@ -17,6 +17,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace fs = std::filesystem;
@@ -162,8 +163,7 @@ class FileList {
 
  private:
   std::string text(std::string_view state, const std::vector<fs::path>& names) const {
-    std::ostringstream lines;
-    lines.imbue(std::locale::classic());
+    TextWriter lines;
     lines << kListHead << state << '\n';
     for (const fs::path& name : names) {
       std::error_code error;

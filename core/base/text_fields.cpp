@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 
 namespace spinaltap {
@@ -29,6 +28,18 @@ void append_number(double number, std::string& text) {
   text.append(digits.data(), end);
 }
 
+std::string lower_case(std::string_view text) {
+  std::string small(text);
+  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return small;
+}
+
+std::string upper_case(std::string_view text) {
+  std::string capital(text);
+  for (char& c : capital) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return capital;
+}
+
 std::string shown(std::string_view text) {
   constexpr std::size_t kMax = 40;
   std::string printable(text.substr(0, kMax));
@@ -52,10 +63,7 @@ bool CsvFields::next(std::string_view& field) {
 std::string csv_column_name(std::string_view field) {
   field = trimmed(field);
   if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
-  std::string name(trimmed(field));
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name;
+  return lower_case(trimmed(field));
 }
 
 std::string_view without_byte_order_mark(std::string_view line) {

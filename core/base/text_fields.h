@@ -16,6 +16,10 @@ void append_number(double number, std::string& text);
 /// Without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
+/// With the letters A to Z (a to z) made small (capital), whatever the locale; other bytes as they are.
+std::string lower_case(std::string_view text);
+std::string upper_case(std::string_view text);
+
 /// Text out of a file for a message: printable, 40 characters at most.
 std::string shown(std::string_view text);
 /// As shown(), in quotes.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/ct/detail/dicom_parallel.h"
 #include "core/ct/detail/dicom_scan.h"
 #include "core/ct/detail/dicom_slice.h"
@@ -16,7 +16,7 @@ namespace {
 
 /// "1 = 1.2.3 (CT, 512 x 512, 70 files); 2 = ..."
 std::string list_for_people(const std::vector<ScannedSeries>& all) {
-  std::ostringstream text;
+  TextWriter text;
   for (const ScannedSeries& series : all) {
     const SeriesInfo& info = series.info;
     text << (info.number == all.front().info.number ? "" : "; ") << info.number << " = "
@@ -33,7 +33,7 @@ void reject_several(const std::vector<ScannedSeries>& found, const std::filesyst
   const bool one_uid = std::all_of(found.begin(), found.end(), [&](const ScannedSeries& series) {
     return series.info.uid == found.front().info.uid && series.info.modality == found.front().info.modality;
   });
-  std::ostringstream text;
+  TextWriter text;
   text << (one_uid ? "expected slices of one size and orientation, found " : "expected one series, found ")
        << found.size() << (one_uid ? " sets in " : " in ") << folder.string() << "; choose one by number "
        << (one_uid ? "" : "or UID ") << "with CtReadOptions::series: " << list_for_people(found);

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <sstream>
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/ct/detail/dicom_parallel.h"
 #include "core/ct/detail/dicom_silence.h"
 #include "core/ct/detail/dicom_uid.h"
@@ -135,7 +135,7 @@ std::string encode_slice(const CtVolume& ct, const SeriesText& series, int k) {
   put(meta, {0x0002, 0x0010}, gdcm::VR::UI, kExplicitLittleEndian);
   put(meta, {0x0002, 0x0012}, gdcm::VR::UI, dicom_uid_of("SpinalTap"));  // ImplementationClassUID
   put(meta, {0x0002, 0x0013}, gdcm::VR::SH, "SPINALTAP");                // not GDCM's version: the bytes stay the same
-  std::ostringstream stream;
+  TextStream stream;
   writer.SetStream(stream);
   if (!writer.Write() || !stream) fail("cannot encode slice ", k + 1, " as DICOM");
   return std::move(stream).str();
@@ -182,9 +182,7 @@ void write_dicom(const CtVolume& ct, const std::filesystem::path& folder, const 
   StagedOutput output;
   std::vector<std::filesystem::path> files;
   for (int k = 0; k < slices; ++k) {
-    char name[32];
-    std::snprintf(name, sizeof name, "%04d.dcm", k + 1);
-    files.push_back(output.stage(folder / name));
+    files.push_back(output.stage(folder / (padded_number(static_cast<std::uint64_t>(k) + 1, 4) + ".dcm")));
   }
   for_each_file(files.size(), "writing slices", progress,
                 [&](std::size_t k) { write_whole_file(files[k], encode_slice(ct, series, static_cast<int>(k))); });

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/gzip.h"
+#include "core/base/text_writer.h"
 #include "core/ct/detail/label_file.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/nrrd_head.h"
@@ -45,11 +46,12 @@ std::string voxel_bytes(const BoneMask& mask, int label) {
 
 /// The names as an extension of NIfTI's: a label table in XML.
 std::string nifti_extension(const std::vector<Segment>& segments) {
-  std::ostringstream xml;
+  TextWriter xml;
   xml << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CaretExtension>\n<VolumeInformation "
          "Index=\"0\">\n<LabelTable>\n";
   for (const Segment& segment : segments) {
     std::istringstream colour(segment.colour);
+    colour.imbue(std::locale::classic());
     double red = 0.0, green = 0.0, blue = 0.0;
     colour >> red >> green >> blue;
     xml << "<Label Key=\"" << segment.label << "\" Red=\"" << red << "\" Green=\"" << green << "\" Blue=\"" << blue
@@ -98,7 +100,7 @@ std::string nifti_header(const GridGeometry& geometry, bool is_wide, const std::
 }
 
 std::string nrrd_header(const GridGeometry& geometry, bool is_wide, const std::vector<Segment>& segments) {
-  std::ostringstream text;
+  TextWriter text;
   text << nrrd_head(geometry, is_wide ? "short" : "unsigned char", "gzip");
   int number = 0;
   for (const Segment& segment : segments) {
@@ -141,15 +143,13 @@ std::string colour_of(int number) {
   constexpr double kGoldenSection = 0.6180339887498949;
   constexpr double kPale = 0.35;
   const double hue = 6.0 * std::fmod(kGoldenSection * number, 1.0);
-  std::ostringstream text;
-  text.precision(2);
-  text << std::fixed;
+  std::string text;
   for (const double shift : {0.0, 4.0, 2.0}) {  // red, green, blue: of HSV, value 0.95
     const double x = std::fmod(hue + shift, 6.0);
     const double ramp = std::clamp(std::abs(x - 3.0) - 1.0, 0.0, 1.0);
-    text << (shift == 0.0 ? "" : " ") << 0.95 * (kPale + (1.0 - kPale) * ramp);
+    text += (shift == 0.0 ? "" : " ") + fixed_text(0.95 * (kPale + (1.0 - kPale) * ramp), 2);
   }
-  return text.str();
+  return text;
 }
 
 }  // namespace

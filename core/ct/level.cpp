@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 namespace {
@@ -39,9 +40,7 @@ std::string level_name(Level level) {
 }
 
 std::optional<Level> level_from_name(std::string_view name) {
-  std::string upper(name);
-  std::transform(upper.begin(), upper.end(), upper.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::string upper = upper_case(name);
   if (upper == "SACRUM" || upper == "S" || upper == "S1") return Level::kSacrum;
   if (upper.starts_with("TH")) upper.erase(1, 1);
   if (upper == "T13") return Level::kT13;

@@ -1,12 +1,11 @@
 #include "core/ct/nrrd_head.h"
 
-#include <sstream>
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 
 std::string nrrd_head(const GridGeometry& geometry, const std::string& type, const std::string& encoding) {
-  std::ostringstream text;
-  text.precision(17);
+  TextWriter text(17);
   const auto vector = [&](const Vec3& v) { text << '(' << v.x() << ',' << v.y() << ',' << v.z() << ')'; };
   text << "NRRD0004\ntype: " << type << "\ndimension: 3\nspace: left-posterior-superior\nsizes: " << geometry.size[0]
        << ' ' << geometry.size[1] << ' ' << geometry.size[2] << "\nspace directions:";

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/files/detail/tool_json.h"
 #include "core/files/json_file.h"
 
@@ -36,9 +36,8 @@ std::vector<PedicleScrew> read_screws(const std::filesystem::path& path) {
   std::vector<PedicleScrew> screws;
   for (const double diameter_mm : rising_numbers(object, "diameters_mm", path)) {
     for (const double length_mm : rising_numbers(object, "lengths_mm", path)) {
-      std::ostringstream name;
-      name << diameter_mm << " x " << length_mm << " mm";
-      screws.push_back({name.str(), diameter_mm, length_mm, object.number("tip_length_mm"), head});
+      screws.push_back(
+          {joined(diameter_mm, " x ", length_mm, " mm"), diameter_mm, length_mm, object.number("tip_length_mm"), head});
       try {
         check_screw(screws.back());
       } catch (const Error& error) {

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"
@@ -237,11 +238,7 @@ Approach nearest_of(Approach so_far, double clearance_mm, double depth_mm, PathS
   return clearance_mm < so_far.clearance_mm ? Approach{clearance_mm, depth_mm, side} : so_far;
 }
 
-std::string tenths(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f", value);
-  return text.data();
-}
+std::string tenths(double value) { return fixed_text(value, 1); }
 
 /// The grade, and words for it. A nearest approach and the breach have one sign: places of rings decide.
 void add_breach(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,

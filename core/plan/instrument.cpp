@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text_writer.h"
 #include "core/tool/bit_profile.h"
 
 namespace spinaltap {
@@ -95,11 +96,7 @@ Touch refined(const BoneShape& bone, const PathLine& line, const Body& body, Tou
   return best;
 }
 
-std::string millimetres(double mm) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f mm", mm);
-  return text.data();
-}
+std::string millimetres(double mm) { return fixed_text(mm, 1) + " mm"; }
 
 Finding finding_of(const DrillPath& path, const Body& body, VertebraPart structure, const Touch& touch,
                    double along_mm) {

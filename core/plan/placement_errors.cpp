@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "core/base/error.h"
 #include "core/base/quasi_random.h"
+#include "core/base/text_writer.h"
 #include "core/plan/path_side.h"
 
 namespace spinaltap {
@@ -110,9 +110,7 @@ void check_errors(const PlacementErrors& errors) {
 
 PlacementErrors plain_errors(double entry_mm, double direction_deg) {
   PlacementErrors errors;
-  std::ostringstream name;
-  name << entry_mm << " mm, " << direction_deg << " degrees";
-  errors.name = name.str();
+  errors.name = joined(entry_mm, " mm, ", direction_deg, " degrees");
   errors.title = "Standard deviations to each side, normal";
   errors.entry_mm.medial = errors.entry_mm.cranial = entry_mm;
   errors.direction_deg.medial = errors.direction_deg.cranial = direction_deg;

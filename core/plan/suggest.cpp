@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/plan/convergence.h"
 #include "core/plan/detail/trajectory_search.h"
 
@@ -42,11 +42,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
 }
 
 std::string short_number(double value, int decimals = 1) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(decimals);
-  text << value;
-  std::string digits = text.str();
+  std::string digits = fixed_text(value, decimals);
   if (digits.find('.') == std::string::npos) return digits;
   while (digits.back() == '0') digits.pop_back();
   if (digits.back() == '.') digits.pop_back();

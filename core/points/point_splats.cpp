@@ -6,10 +6,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <sstream>
 
 #include "core/base/error.h"
 #include "core/base/hu_colour.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -115,7 +115,7 @@ std::size_t PointSplats::update(const PointVolume& volume, const DrillBit& bit, 
 std::string splats_ply(std::span<const PointSplat> splats) {
   const auto shown =
       std::count_if(splats.begin(), splats.end(), [](const PointSplat& splat) { return splat.alpha > 0.0F; });
-  std::ostringstream head;
+  TextWriter head;
   head << "ply\nformat binary_little_endian 1.0\ncomment SpinalTap: points that show, patient LPS, mm\nelement vertex "
        << shown << "\n";
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "radius"}) head << "property float " << name << "\n";

@@ -1,17 +1,13 @@
 #include "core/rbf/value_file.h"
 
-#include <algorithm>
-#include <cctype>
-
+#include "core/base/text_fields.h"
 #include "core/rbf/detail/value_rows.h"
 
 namespace spinaltap {
 namespace {
 
 RbfValues read(const std::filesystem::path& path, bool wants_values) {
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower_case(path.filename().string());
   const bool is_ply = name.ends_with(".ply");
   if (!is_ply && !name.ends_with(".csv") && !name.ends_with(".csv.gz")) {
     fail("expected points in a file that ends in .csv, .csv.gz or .ply, found ", path.string());

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
 #include "core/base/lerp.h"
+#include "core/base/text_writer.h"
 #include "core/segment/detail/connected_parts.h"
 #include "core/segment/distance_transform.h"
 
@@ -131,8 +131,7 @@ const char* name_of(Contact contact) {
 
 template <class... Parts>
 std::string words(const Parts&... parts) {
-  std::ostringstream text;
-  text.precision(3);
+  TextWriter text(3);
   (text << ... << parts);
   return text.str();
 }

@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/segment/cut_levels.h"
 
 namespace spinaltap {
 namespace {
 
-std::string in_words(const Vec3& p_mm) {
-  std::ostringstream text;
-  text << '(' << p_mm.x() << ", " << p_mm.y() << ", " << p_mm.z() << ") mm";
-  return text.str();
-}
+std::string in_words(const Vec3& p_mm) { return joined('(', p_mm.x(), ", ", p_mm.y(), ", ", p_mm.z(), ") mm"); }
 
 /// Rejects a point outside the CT or in air. `what` begins the message.
 void check_point(const CtVolume& ct, const std::string& what, const Vec3& p_mm) {

@@ -3,6 +3,8 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 
@@ -17,9 +19,7 @@ LevelWarnings warnings_of(const LevelReport& report) {
 }
 
 void add_warnings(const LevelWarnings& warnings, std::map<std::string, std::string>& metadata) {
-  std::ostringstream number;
-  number << warnings.severity;
-  metadata["severity"] = number.str();
+  metadata["severity"] = short_text(warnings.severity);
   std::string lines;
   for (const std::string& warning : warnings.warnings) lines += (lines.empty() ? "" : "\n") + warning;
   if (!lines.empty()) metadata["warnings"] = lines;
@@ -29,9 +29,9 @@ std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string
   const auto severity = metadata.find("severity");
   if (severity == metadata.end()) return std::nullopt;
   LevelWarnings warnings;
-  std::istringstream number(severity->second);
-  if (!(number >> warnings.severity))
-    fail("expected a number as the metadata \"severity\", found \"", severity->second, "\"");
+  const std::optional<double> number = parse_number(severity->second);
+  if (!number) fail("expected a number as the metadata \"severity\", found \"", severity->second, "\"");
+  warnings.severity = *number;
   if (const auto found = metadata.find("warnings"); found != metadata.end()) {
     std::istringstream lines(found->second);
     for (std::string line; std::getline(lines, line);) warnings.warnings.push_back(line);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -86,8 +86,7 @@ std::vector<DepthRow> DepthLog::finish() {
 }
 
 std::string log_csv(const std::vector<DepthRow>& rows) {
-  std::ostringstream csv;
-  csv.precision(7);
+  TextWriter csv(7);
   csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
          "mean_lateral_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n";
   const auto number = [&](double value) {

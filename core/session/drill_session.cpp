@@ -25,16 +25,11 @@ class ExactSum {
   double rest_ = 0.0;
 };
 
-/// The input's pose with a unit axis, where it makes sense.
-std::optional<Pose> sound_pose(const ToolInput& input, const Vec3& near_mm) noexcept {
-  constexpr double kEnginesReachMm = 1e4;  // as far as engines go
-  constexpr double kUnitTolerance = 0.01;  // devices give floats
-  const Pose& pose = input.pose;
-  const double length = pose.axis.norm();
-  const bool is_near = (pose.tip_mm - near_mm).cwiseAbs().maxCoeff() < kEnginesReachMm && pose.tip_mm.allFinite();
-  if (!is_near || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
-  // A unit axis stays what it is, to the last bit.
-  return std::abs(length - 1.0) < 1e-9 ? pose : Pose{pose.tip_mm, pose.axis / length};
+/// The input's pose with a unit axis, where it makes sense and engines reach.
+std::optional<Pose> reachable_pose(const ToolInput& input, const Vec3& near_mm) noexcept {
+  constexpr double kEnginesReachMm = 1e4;
+  const std::optional<Pose> pose = sound_pose(input.pose);
+  return pose && (pose->tip_mm - near_mm).cwiseAbs().maxCoeff() < kEnginesReachMm ? pose : std::nullopt;
 }
 
 bool is_sound_time(double dt_s) noexcept {
@@ -163,7 +158,7 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   cycle_.input = input;
   cycle_.step = {};
   cycle_.force = {};
-  const std::optional<Pose> pose = sound_pose(input, path_.entry_mm);
+  const std::optional<Pose> pose = reachable_pose(input, path_.entry_mm);
   if (pose && has_time) {
     cycle_.depth_mm = (pose->tip_mm - path_.entry_mm).dot(path_.direction());
     place(*pose, input);

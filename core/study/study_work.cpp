@@ -11,6 +11,8 @@
 #include <ctime>
 #include <mutex>
 
+#include "core/base/text_writer.h"
+
 namespace spinaltap {
 namespace {
 
@@ -27,9 +29,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 /// "runs: 18.2 a second, 32 s left"
 std::string stage_of(double seconds, std::size_t done, std::size_t all) {
   const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
-  char text[96];
-  std::snprintf(text, sizeof text, "runs: %.3g a second, %.0f s left", rate, static_cast<double>(all - done) / rate);
-  return text;
+  return "runs: " + short_text(rate, 3) + " a second, " + fixed_text(static_cast<double>(all - done) / rate, 0) +
+         " s left";
 }
 
 }  // namespace

@@ -50,4 +50,12 @@ void check_bit(const DrillBit& bit) {
   }
 }
 
+std::optional<Pose> sound_pose(const Pose& pose) noexcept {
+  constexpr double kUnitTolerance = 0.01;
+  const double length = pose.axis.norm();
+  if (!pose.tip_mm.allFinite() || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
+  // A unit axis stays what it is, to the last bit.
+  return std::abs(length - 1.0) < 1e-9 ? pose : Pose{pose.tip_mm, pose.axis / length};
+}
+
 }  // namespace spinaltap

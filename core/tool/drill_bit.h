@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/base/geometry.h"
 
 namespace spinaltap {
@@ -36,5 +38,9 @@ struct Pose {
   Vec3 tip_mm = Vec3::Zero();
   Vec3 axis = Vec3::UnitZ();  ///< unit, from the base to the tip
 };
+
+/// The pose that a device or a file gave, with a unit axis; nothing where a number is not finite or the axis not a unit
+/// one within 0.01, which is more than floats round.
+std::optional<Pose> sound_pose(const Pose& pose) noexcept;
 
 }  // namespace spinaltap

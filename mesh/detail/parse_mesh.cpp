@@ -111,23 +111,7 @@ class MeshRows {
   std::unordered_map<std::array<std::uint32_t, 3>, std::size_t, KeyHash> numbers_;
 };
 
-/// Counts lines, for messages.
-class MeshLines {
- public:
-  explicit MeshLines(const fs::path& path) : file_(path) {}
-  bool next(std::string_view& line) {
-    ++number_;
-    return file_.line(line);
-  }
-  std::string place() const { return file_.name() + ", line " + std::to_string(number_); }
-  const FileReader& file() const { return file_; }
-
- private:
-  FileReader file_;
-  std::uint64_t number_ = 0;
-};
-
-std::array<double, 3> three_numbers(Words& words, const MeshLines& lines) {
+std::array<double, 3> three_numbers(Words& words, const TextLines& lines) {
   std::array<double, 3> numbers{};
   for (double& number : numbers) {
     const std::string_view word = words.next();
@@ -162,7 +146,8 @@ TriangleMesh parse_binary_stl(const fs::path& path) {
 }
 
 TriangleMesh parse_text_stl(const fs::path& path) {
-  MeshLines lines(path);
+  FileReader file(path);
+  TextLines lines(file);
   MeshRows rows;
   std::vector<double> corners;
   bool has_ended = false;
@@ -255,7 +240,8 @@ TriangleMesh parse_ply(const fs::path& path) {
 }
 
 TriangleMesh parse_obj(const fs::path& path) {
-  MeshLines lines(path);
+  FileReader file(path);
+  TextLines lines(file);
   MeshRows rows;
   std::vector<double> corners;
   for (std::string_view line; lines.next(line);) {
@@ -285,7 +271,8 @@ TriangleMesh parse_obj(const fs::path& path) {
 }
 
 TriangleMesh parse_off(const fs::path& path) {
-  MeshLines lines(path);
+  FileReader file(path);
+  TextLines lines(file);
   std::string_view line;
   const auto next = [&] {
     for (;;) {
@@ -305,7 +292,7 @@ TriangleMesh parse_off(const fs::path& path) {
   words = next();
   const std::array<double, 3> counts = three_numbers(words, lines);
   // A vertex takes six bytes, a face eight.
-  const auto bytes = static_cast<double>(lines.file().max_bytes_left());
+  const auto bytes = static_cast<double>(file.max_bytes_left());
   if (!(counts[0] >= 0.0 && counts[1] >= 0.0 && 6.0 * counts[0] + 8.0 * counts[1] <= bytes + 2.0)) {
     fail("expected ", counts[0], " vertices and ", counts[1], " faces, found no room for them (cut short?) in ",
          path.string());

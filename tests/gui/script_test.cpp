@@ -8,9 +8,11 @@
 
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "core/session/record/session_record.h"
 #include "tests/gui/planner_window.h"
+#include "tests/support/german_locale.h"
 
 namespace spinaltap::test {
 namespace {
@@ -49,7 +51,8 @@ TEST_F(PlannerScript, OpensPlansDrillsAndSaves) {
        << "view hole\nopacity 0.5\nguide axial on\ntools off\ntools on\nwindow 2000 400\npage path\npane 3d\npane all\n"
        << "drill feed=5 speed=0\nwait\n"
        << "record " << here << "run.h5\nundo-hole\n"
-       << "save " << here << "plan.json\nsave " << here << "plan.mrk.json\nreport " << here << "plan.html\n"
+       << "save " << here << "plan.json\nsave " << here << "plan.mrk.json\nreport " << here << "plan.html\nsave-bone "
+       << here << "bone.vdb\n"
        << "picture " << here << "window.png\npicture " << here << "3d.png 3d\npicture " << here << "path.png path\n";
   run_script(*window, script(text.str()), "test.txt");
   const std::vector<DrillPath> saved = read_plan(folder.path() / "plan.json");
@@ -64,7 +67,7 @@ TEST_F(PlannerScript, OpensPlansDrillsAndSaves) {
   EXPECT_NEAR(record.cycles.back().depth_mm, path.length_mm(), 0.01);
   const QImage picture(text_of(here + "window.png"));
   EXPECT_EQ(picture.size(), window->size() * window->devicePixelRatioF());
-  for (const char* name : {"3d.png", "path.png", "plan.html", "plan.mrk.json"}) {
+  for (const char* name : {"3d.png", "path.png", "plan.html", "plan.mrk.json", "bone.vdb"}) {
     EXPECT_GT(std::filesystem::file_size(folder.path() / name), 200U) << name;
   }
 }
@@ -88,9 +91,9 @@ TEST_F(PlannerScript, NamesTheLineThatCannotBeDone) {
 }
 
 /// The program itself, as from a shell.
-QProcess& run_program(QProcess& process, const QStringList& arguments) {
+QProcess& run_program(QProcess& process, const QStringList& arguments,
+                      QProcessEnvironment environment = QProcessEnvironment::systemEnvironment()) {
   const TemporaryFolder runtime;  // Qt says a word where there is none
-  QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
   environment.insert("XDG_RUNTIME_DIR", text_of(runtime.path().string()));
   process.setProcessEnvironment(environment);
   process.start(SPINALTAP_PLANNER_PROGRAM, arguments);
@@ -107,6 +110,35 @@ TEST(PlannerProgram, SavesAScreenshotAndEnds) {
               {text_of(phantom_file().string()), text_of(plan.string()), "--screenshot", text_of(picture.string())});
   EXPECT_EQ(process.exitCode(), 0) << process.readAllStandardError().toStdString();
   EXPECT_FALSE(QImage(text_of(picture.string())).isNull());
+}
+
+TEST(PlannerProgram, ShowsTheSameNumbersUnderAGermanLocale) {
+  const GermanLocale german;
+  SPINALTAP_NEED_GERMAN(german);
+  const TemporaryFolder folder;
+  const std::filesystem::path plan = folder.path() / "plan.json";
+  write_plan(phantom_paths(), plan);
+  const std::filesystem::path script = folder.path() / "script.txt";
+  write_whole_file(script, "save " + (folder.path() / "saved.json").string() + "\n");
+  const auto in = [&](const char* locale) {
+    QProcessEnvironment environment = QProcessEnvironment::systemEnvironment();
+    environment.insert("LC_ALL", locale);
+    environment.insert("LOCPATH", text_of(german.path()));
+    const std::filesystem::path picture = folder.path() / "window.png";
+    QProcess process;
+    run_program(process,
+                {text_of(phantom_file().string()), text_of(plan.string()), "--script", text_of(script.string()),
+                 "--screenshot", text_of(picture.string())},
+                environment);
+    EXPECT_EQ(process.exitCode(), 0) << process.readAllStandardError().toStdString();
+    std::vector<std::string> files{read_whole_file(picture), read_whole_file(folder.path() / "saved.json")};
+    std::filesystem::remove(picture);
+    std::filesystem::remove(folder.path() / "saved.json");
+    return files;
+  };
+  // Panes and boxes show positions, lengths and angles.
+  const std::vector<std::string> plain = in("C.UTF-8");
+  EXPECT_EQ(in(GermanLocale::kName), plain);
 }
 
 TEST(PlannerProgram, SaysInALineWhatIsWrong) {

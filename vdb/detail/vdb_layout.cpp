@@ -8,12 +8,12 @@
 #include <cstring>
 #include <iomanip>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/hash.h"
 #include "core/base/text_fields.h"
+#include "core/base/text_writer.h"
 
 // The format: OpenVDB 10.0's io/Archive.cc, io/Compression.h and tree/*Node.h.
 
@@ -331,7 +331,7 @@ std::size_t walk_grid(std::string& bytes, const VdbGrid& grid) {
 std::string seal_of(std::string_view bytes) {
   std::uint32_t crc = crc32_of(bytes.substr(0, kTagOffset));
   crc = crc32_of(bytes.substr(kTagOffset + kTagLength), crc);
-  std::ostringstream digits;
+  TextStream digits;
   digits << std::hex << std::setfill('0') << std::setw(8) << crc << std::setw(14) << bytes.size();
   const std::string d = digits.str();
   return std::string(kSealMark) + d.substr(0, 4) + "-8" + d.substr(4, 3) + "-8" + d.substr(7, 3) + "-" + d.substr(10);

@@ -3,13 +3,6 @@
 #include <algorithm>
 
 namespace spinaltap {
-namespace {
-
-bool is_sound(const Pose& pose) {
-  return pose.tip_mm.allFinite() && pose.axis.allFinite() && pose.axis.squaredNorm() > 0.25;
-}
-
-}  // namespace
 
 LiveMesh::LiveMesh(const BoneModel& bone, const RemainingBoneOptions& options) {
   one_thread_.execute([&] {
@@ -32,8 +25,9 @@ void LiveMesh::update(std::span<const ToolInput> inputs) {
   std::vector<Pose> way;
   if (last_) way.push_back(*last_);
   for (const ToolInput& input : inputs) {
-    if (!is_sound(input.pose)) continue;
-    const Pose pose{input.pose.tip_mm, input.pose.axis.normalized()};
+    const std::optional<Pose> sound = sound_pose(input.pose);
+    if (!sound) continue;
+    const Pose& pose = *sound;
     if (!way.empty()) {
       const Vec3 tip_way_mm = pose.tip_mm - way.back().tip_mm;
       const Vec3 base_way_mm = tip_way_mm - bit_.length_mm * (pose.axis - way.back().axis);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "core/base/code_fingerprint.h"
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/base/version.h"
 #include "core/ct/ct_noise.h"
 #include "core/ct/label_map.h"
@@ -52,13 +52,6 @@ ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& lab
 
 namespace {
 
-template <class... Parts>
-std::string text(const Parts&... parts) {
-  std::ostringstream out;
-  (out << ... << parts);
-  return out.str();
-}
-
 MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const BakeCache& cache, bool& from_cache,
                     const Progress& progress) {
   const std::string key = detail::mask_key(code_fingerprint(CodeStage::mask), ct.source_hash, options.segment);
@@ -71,7 +64,7 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
   ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
   MaskStage stage{
       std::move(chosen.mask),
-      chosen.found ? text("threshold ", chosen.found->bone.threshold_hu, " HU") : text("label ", chosen.label),
+      chosen.found ? joined("threshold ", chosen.found->bone.threshold_hu, " HU") : joined("label ", chosen.label),
       chosen.level, std::nullopt};
   if (chosen.found) stage.warnings = warnings_of(chosen.found->report);
   if (!options.labels) cache.keep_mask(key, stage);
@@ -98,26 +91,26 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"program", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
       {"source_hash", ct.source_hash},
-      {"ct_size", text(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
-      {kCtSpacing, text(geometry.spacing_mm.transpose())},
-      {"ct_origin_mm", text(geometry.origin_mm.transpose())},
-      {"ct_directions", text(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
-                             geometry.directions.col(2).transpose())},
+      {"ct_size", joined(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
+      {kCtSpacing, joined(geometry.spacing_mm.transpose())},
+      {"ct_origin_mm", joined(geometry.origin_mm.transpose())},
+      {"ct_directions", joined(geometry.directions.col(0).transpose(), " ", geometry.directions.col(1).transpose(), " ",
+                               geometry.directions.col(2).transpose())},
       {"mask", mask.method},
-      {"surface_points", text(fit.points)},
-      {"off_surface_points", text(fit.off_surface_points)},
-      {"rbf_centres", text(fit.centres)},
-      {"point_spacing_mm", text(options.rbf.spacing_mm)},
-      {"off_surface_mm", text(options.rbf.off_surface_mm)},
-      {"smoothing_mm", text(options.rbf.smoothing_mm)},
-      {"rbf_accuracy_mm", text(options.rbf.accuracy_mm)},
-      {"rbf_reduction_mm", text(options.rbf.reduction_mm)},
-      {"rbf_mean_residual_mm", text(fit.mean_residual_mm)},
-      {"rbf_p99_residual_mm", text(fit.p99_residual_mm)},
-      {"rbf_max_residual_mm", text(fit.max_residual_mm)},
-      {"hu_margin_mm", text(options.bake.hu_margin_mm)},
+      {"surface_points", joined(fit.points)},
+      {"off_surface_points", joined(fit.off_surface_points)},
+      {"rbf_centres", joined(fit.centres)},
+      {"point_spacing_mm", joined(options.rbf.spacing_mm)},
+      {"off_surface_mm", joined(options.rbf.off_surface_mm)},
+      {"smoothing_mm", joined(options.rbf.smoothing_mm)},
+      {"rbf_accuracy_mm", joined(options.rbf.accuracy_mm)},
+      {"rbf_reduction_mm", joined(options.rbf.reduction_mm)},
+      {"rbf_mean_residual_mm", joined(fit.mean_residual_mm)},
+      {"rbf_p99_residual_mm", joined(fit.p99_residual_mm)},
+      {"rbf_max_residual_mm", joined(fit.max_residual_mm)},
+      {"hu_margin_mm", joined(options.bake.hu_margin_mm)},
   };
-  if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = text(*noise_hu);
+  if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = joined(*noise_hu);
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
   return metadata;

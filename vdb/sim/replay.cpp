@@ -1,10 +1,10 @@
 #include "vdb/sim/replay.h"
 
 #include <algorithm>
-#include <sstream>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/operator/straight_ways.h"
 #include "core/session/real_time/timing.h"
@@ -15,8 +15,7 @@ namespace spinaltap {
 namespace {
 
 std::string said(const SessionEvent& event) {
-  std::ostringstream text;
-  text.precision(17);
+  TextWriter text(17);
   text << name_of(event.kind) << " at cycle " << event.cycle << ", " << event.time_s << " s, depth " << event.depth_mm
        << " mm, place " << event.place_mm.x() << ' ' << event.place_mm.y() << ' ' << event.place_mm.z() << " mm, value "
        << event.value;

@@ -7,6 +7,7 @@
 #include "apps/report/drilling_report.h"
 #include "apps/report/picture_view.h"
 #include "apps/report/text.h"
+#include "core/base/text_writer.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/session/operator/recorded_motion.h"
@@ -33,7 +34,7 @@ OperatorChoice operator_choice(const DrillPlan& plan) {
   if (plan.tool_operator == "push") {
     choice.push_n = plan.push_n;
   } else {
-    choice.feed = short_number(plan.feed_mm_s);
+    choice.feed = short_text(plan.feed_mm_s);
   }
   return choice;
 }

@@ -6,13 +6,13 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <thread>
 
 #include "apps/spinaltap/bench/bench_results.h"
 #include "apps/spinaltap/command.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_writer.h"
 #include "core/base/version.h"
 
 namespace spinaltap {
@@ -115,7 +115,7 @@ class Bench {
         for (const int threads : options_.threads) {
           const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(threads));
-          std::ostringstream stage;
+          TextWriter stage;
           stage << engine.name << ", " << name_of(motion) << ", " << diameter_mm << " mm";
           BenchResult result{engine.name,          motion, diameter_mm, spacing_mm, engine.uses_threads ? threads : 1,
                              volume.point_count(), {}};

@@ -4,6 +4,7 @@
 #include "apps/report/svg_plot.h"
 #include "apps/report/text.h"
 #include "apps/spinaltap/bench/bench_results.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -57,12 +58,12 @@ std::string bench_page(const BenchResults& results, const std::string& machine) 
       });
       if (run.diameter_mm == diameter_mm && is_first) runs.push_back(run);
     }
-    report.add_text("Bit of " + short_number(diameter_mm) +
+    report.add_text("Bit of " + short_text(diameter_mm) +
                     " mm, 0.001 mm a cycle. The paper's computers made 400 cycles a "
                     "second at the end of its path, on a Pentium 4 of 1.4 GHz, at 0.1 mm.");
     report.add_heading("Figure 20: on the path");
     for (const double spacing_mm : distinct(runs, [](const BenchResult& run) { return run.spacing_mm; })) {
-      Plot plot = empty_plot("On-path, points " + short_number(spacing_mm) + " mm apart");
+      Plot plot = empty_plot("On-path, points " + short_text(spacing_mm) + " mm apart");
       for (const BenchResult& run : runs) {
         if (run.motion == WorkloadMotion::on_path && run.spacing_mm == spacing_mm) {
           plot.series.push_back(curve(run, run.engine));
@@ -76,8 +77,7 @@ std::string bench_page(const BenchResults& results, const std::string& machine) 
       for (const BenchResult& run : runs) {
         if (run.engine != engine) continue;
         if (run.motion != WorkloadMotion::on_path && run.motion != WorkloadMotion::off_path) continue;
-        plot.series.push_back(
-            curve(run, std::string(name_of(run.motion)) + ", " + short_number(run.spacing_mm) + " mm"));
+        plot.series.push_back(curve(run, std::string(name_of(run.motion)) + ", " + short_text(run.spacing_mm) + " mm"));
       }
       if (!plot.series.empty()) report.add_svg(svg_plot(plot));
     }

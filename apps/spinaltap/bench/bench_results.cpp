@@ -6,24 +6,17 @@
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
+#include "core/base/text_writer.h"
 #include "vdb/engine/make_engine.h"
 
 namespace spinaltap {
 namespace {
 
-std::string plain(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 /// Three digits at least.
 std::string rounded(double value) { return readable_number(value, value < 10.0 ? 2 : value < 100.0 ? 1 : 0); }
 
 std::string workload(const BenchResult& result) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%s, %.2f", std::string(name_of(result.motion)).c_str(), result.diameter_mm);
-  return text;
+  return joined(name_of(result.motion), ", ", fixed_text(result.diameter_mm, 2));
 }
 
 double per_cycle(std::size_t sum, const Stretch& stretch) {
@@ -58,7 +51,7 @@ TextTable rates_table(const BenchResults& results) {
     const EngineMeasurement& measured = result.measured;
     const BenchResult* reference = reference_of(results, result);
     table.add_row(
-        {workload(result), plain(result.spacing_mm), starred(result), std::to_string(result.threads),
+        {workload(result), short_text(result.spacing_mm), starred(result), std::to_string(result.threads),
          readable_number(measured.first_tenth.cycles_per_cpu_s(), 0),
          readable_number(measured.middle_tenth.cycles_per_cpu_s(), 0),
          readable_number(measured.last_tenth.cycles_per_cpu_s(), 0),
@@ -87,7 +80,7 @@ TextTable times_table(const BenchResults& results) {
   for (const BenchResult& result : results.runs) {
     const TimeSpread& cpu = result.measured.cpu;
     const TimeSpread& wall = result.measured.wall;
-    table.add_row({workload(result), plain(result.spacing_mm), starred(result), std::to_string(result.threads),
+    table.add_row({workload(result), short_text(result.spacing_mm), starred(result), std::to_string(result.threads),
                    readable_number(static_cast<double>(result.measured.cycles), 0), rounded(cpu.p50_us),
                    rounded(cpu.p99_us), rounded(cpu.p999_us), rounded(cpu.max_us), rounded(wall.p50_us),
                    rounded(wall.p99_us), rounded(wall.p999_us), rounded(wall.max_us)});
@@ -118,7 +111,7 @@ TextTable steps_table(const BenchResults& results) {
                    {"removed", "points"},
                    {"tested", "points"}});
   for (const BenchStepResult& result : results.steps) {
-    table.add_row({result.step, plain(result.spacing_mm), result.engine, std::to_string(result.threads),
+    table.add_row({result.step, short_text(result.spacing_mm), result.engine, std::to_string(result.threads),
                    rounded(result.median_wall_ms()), rounded(result.min_wall_ms()), rounded(result.median_cpu_ms()),
                    readable_number(speed_up(results, result), 2) + "x",
                    readable_number(static_cast<double>(result.repeats[0].removed), 0),

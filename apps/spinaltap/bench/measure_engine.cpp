@@ -66,7 +66,7 @@ std::unique_ptr<DrillEngine> placed(const EngineFactory& make_engine, PointVolum
   return engine;
 }
 
-Stretch joined(const std::vector<Stretch>& stretches, std::size_t begin, std::size_t end) {
+Stretch stretch_of(const std::vector<Stretch>& stretches, std::size_t begin, std::size_t end) {
   Stretch sum = stretches[begin];
   for (std::size_t n = begin + 1; n < end; ++n) sum.add(stretches[n]);
   return sum;
@@ -132,10 +132,10 @@ EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, 
     result.curve.push_back(time_together(engine, run.poses, begin, end, costs));
   });
   result.alive_hash = hash_of(volume);
-  result.first_tenth = joined(result.curve, 0, 10);
-  result.middle_tenth = joined(result.curve, 45, 55);
-  result.last_tenth = joined(result.curve, 90, 100);
-  result.all = joined(result.curve, 0, kHundred);
+  result.first_tenth = stretch_of(result.curve, 0, 10);
+  result.middle_tenth = stretch_of(result.curve, 45, 55);
+  result.last_tenth = stretch_of(result.curve, 90, 100);
+  result.all = stretch_of(result.curve, 0, kHundred);
 
   std::vector<std::int64_t> samples_ns;
   samples_ns.reserve(cycles);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <tuple>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
@@ -134,7 +134,7 @@ Steps judge_steps(const std::vector<Placed>& slices, bool resample) {
     if (resample && step_mm <= kMaxGapMm) continue;
     const double count = std::round(step_mm / usual_mm);
     const bool is_gap = count >= 2.0 && std::abs(step_mm - count * usual_mm) <= std::max(0.1 * usual_mm, tolerance_mm);
-    std::ostringstream found;
+    TextWriter found;
     found << (is_gap ? (count > 2.0 ? "slices are missing" : "a slice is missing") : "slices are unevenly spaced")
           << ": expected a step of " << usual_mm << " mm, found " << step_mm << " mm between " << name_of(slices[k - 1])
           << " and " << path_of(slices[k].header);
@@ -174,7 +174,7 @@ bool judge_drift(const std::vector<Placed>& slices, double pixel_mm, bool resamp
          tilt_of(slices) * 180.0 / std::numbers::pi, " degrees in ", slices.front().header.file.parent_path().string());
   }
   if (!is_even && !resample) {
-    std::ostringstream found;
+    TextWriter found;
     found << "expected slices stacked along their normal, found " << path_of(slices[worst].header)
           << " shifted sideways by " << (slices[worst].place.sideways_mm - slices[worst - 1].place.sideways_mm).norm()
           << " mm from the slice before and " << slices[worst].place.sideways_mm.norm() << " mm from the first";

@@ -3,9 +3,9 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap::detail {
 
@@ -54,7 +54,7 @@ void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
 std::string list_for_people(const std::set<long long>& labels) {
   constexpr int kMax = 40;
   if (labels.empty()) return "none";
-  std::ostringstream text;
+  TextWriter text;
   int count = 0;
   for (const long long label : labels) {
     if (++count > kMax) {

@@ -204,6 +204,7 @@ std::optional<Vec3> vector_of(std::string word, const std::string& what) {
   std::replace_if(
       word.begin(), word.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
   std::istringstream in(word);
+  in.imbue(std::locale::classic());
   Vec3 vector;
   std::string rest;
   if (!(in >> vector.x() >> vector.y() >> vector.z()) || in >> rest) {

@@ -8,6 +8,7 @@
 #include <cctype>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap::detail {
 namespace {
@@ -23,7 +24,7 @@ std::vector<std::string> words_of_name(std::string_view text) {
     const auto byte = static_cast<unsigned char>(c);
     const bool is_part = std::isalnum(byte) != 0 || byte >= 0x80;
     if (is_part && !in_word) words.emplace_back();
-    if (is_part) words.back() += static_cast<char>(std::tolower(byte));
+    if (is_part) words.back() += lower_case({&c, 1});
     in_word = is_part;
   }
   return words;

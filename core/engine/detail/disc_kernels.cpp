@@ -1,5 +1,7 @@
 #include "core/engine/detail/disc_kernels.h"
 
+#include "core/base/instruction_set.h"
+
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define SPINALTAP_X86_KERNELS
 // GCC 12's header passes a register on purpose that nothing has written.
@@ -41,11 +43,9 @@ const std::vector<DiscKernels>& disc_kernels() {
   static const std::vector<DiscKernels> all = [] {
     std::vector<DiscKernels> found{{"portable", portable::check, portable::gap_squares}};
 #ifdef SPINALTAP_X86_KERNELS
-    if (__builtin_cpu_supports("avx2")) found.push_back({"AVX2", avx2::check, avx2::gap_squares});
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512dq")) {
-      found.push_back({"AVX-512", avx512::check, avx512::gap_squares});
-    }
+    const InstructionSet set = instruction_set();
+    if (set >= InstructionSet::avx2) found.push_back({"AVX2", avx2::check, avx2::gap_squares});
+    if (set >= InstructionSet::avx512) found.push_back({"AVX-512", avx512::check, avx512::gap_squares});
 #endif
     return found;
   }();

@@ -1,7 +1,6 @@
 #include "core/files/detail/markups_file.h"
 
 #include <array>
-#include <cctype>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -50,9 +49,7 @@ Vec3 scale_to_lps_mm(const JsonObject& markup, const std::filesystem::path& file
 
 bool is_called(const JsonObject& point, std::string_view name) {
   if (!point.has("label") || !point.at("label").is_string()) return false;
-  std::string label = point.text("label");
-  for (char& letter : label) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return label == name;
+  return lower_case(point.text("label")) == name;
 }
 
 DrillPath path_of_line(const Json& json, const std::string& name, const std::filesystem::path& file,

@@ -8,17 +8,16 @@
 #include <cstdint>
 #include <functional>
 #include <numbers>
-#include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 
 namespace spinaltap {
 namespace {
 
 template <class... Parts>
 std::string line(const Parts&... parts) {
-  std::ostringstream text;
-  text.precision(3);
+  TextWriter text(3);
   (text << ... << parts);
   return text.str();
 }

@@ -1,5 +1,6 @@
 #include "core/rbf/detail/simd_kernels.h"
 
+#include "core/base/instruction_set.h"
 #include "core/rbf/detail/lagrange_grid.h"
 
 namespace spinaltap::detail {
@@ -39,11 +40,11 @@ const std::vector<SimdKernels>& simd_kernels() {
                                     portable::interpolate_lattice, portable::multiply_spectra,
                                     portable::multiply_complex, portable::local_functions}};
 #ifdef SPINALTAP_X86_KERNELS
-    if (__builtin_cpu_supports("avx2") != 0) {
+    if (instruction_set() >= InstructionSet::avx2) {
       found.push_back({"avx2", avx2::near_sum, avx2::interpolate, avx2::interpolate_lattice, avx2::multiply_spectra,
                        avx2::multiply_complex, avx2::local_functions});
     }
-    if (__builtin_cpu_supports("avx512f") != 0) {
+    if (instruction_set() >= InstructionSet::avx512) {
       found.push_back({"avx512", avx512::near_sum, avx512::interpolate, avx512::interpolate_lattice,
                        avx512::multiply_spectra, avx512::multiply_complex, avx512::local_functions});
     }

@@ -14,32 +14,21 @@ struct Columns {
 
 class CsvReader {
  public:
-  CsvReader(FileReader& file, ValueRows& rows) : file_(file), rows_(rows) {}
+  CsvReader(FileReader& file, ValueRows& rows) : lines_(file), rows_(rows) {}
 
   void read() {
     std::string_view line;
-    if (!next_line(line)) return;
+    if (!lines_.next_filled(line)) return;
     line = without_byte_order_mark(line);
     std::string_view first;
     CsvFields(line).next(first);
     const bool has_header = !parse_number(first);
     const Columns columns = has_header ? named_columns(line) : ordered_columns(line);
     if (!has_header) add(line, columns);
-    while (next_line(line)) add(line, columns);
+    while (lines_.next_filled(line)) add(line, columns);
   }
 
  private:
-  std::string place() const { return file_.name() + ", line " + std::to_string(line_number_); }
-
-  /// The next line that is not empty.
-  bool next_line(std::string_view& line) {
-    while (file_.line(line)) {
-      ++line_number_;
-      if (!trimmed(line).empty()) return true;
-    }
-    return false;
-  }
-
   Columns named_columns(std::string_view header) const {
     Columns columns;
     std::array<bool, kValueColumns.size()> found{};
@@ -50,13 +39,13 @@ class CsvReader {
       const auto role = static_cast<std::size_t>(match - kValueColumns.begin());
       columns.role.push_back(role < rows_.taken() ? role : kNoColumn);
       if (role >= rows_.taken()) continue;
-      if (found[role]) fail("expected one column ", name, ", found two in ", place());
+      if (found[role]) fail("expected one column ", name, ", found two in ", lines_.place());
       found[role] = true;
     }
     for (std::size_t role = 0; role < rows_.needed(); ++role) {
       if (!found[role]) {
         fail("expected numbers or a header with the columns ", needed_columns(rows_), ", found ", in_quotes(header),
-             " in ", place());
+             " in ", lines_.place());
       }
     }
     columns.has_error_bars = found[kErrorBar];
@@ -70,7 +59,7 @@ class CsvReader {
     const std::size_t max = rows_.needed() == 3 ? count : kValueColumns.size();
     if (count < rows_.needed() || count > max) {
       fail("expected ", rows_.needed() == 3 ? "at least 3" : "4 or 5", " numbers with commas between them (",
-           needed_columns(rows_), "), or a header, found ", in_quotes(line), " in ", place());
+           needed_columns(rows_), "), or a header, found ", in_quotes(line), " in ", lines_.place());
     }
     Columns columns;
     for (std::size_t c = 0; c < count; ++c) columns.role.push_back(c < rows_.taken() ? c : kNoColumn);
@@ -86,18 +75,18 @@ class CsvReader {
       const std::size_t role = count < columns.role.size() ? columns.role[count] : kNoColumn;
       if (role == kNoColumn) continue;
       const std::optional<double> number = parse_number(field);
-      if (!number) fail("expected a number as ", kValueColumns[role], ", found ", in_quotes(field), " in ", place());
+      if (!number)
+        fail("expected a number as ", kValueColumns[role], ", found ", in_quotes(field), " in ", lines_.place());
       row[role] = *number;
     }
     if (count != columns.role.size()) {
-      fail("expected ", columns.role.size(), " columns, found ", count, " in ", place());
+      fail("expected ", columns.role.size(), " columns, found ", count, " in ", lines_.place());
     }
-    rows_.add(row, columns.has_error_bars, [this] { return place(); });
+    rows_.add(row, columns.has_error_bars, [this] { return lines_.place(); });
   }
 
-  FileReader& file_;
+  TextLines lines_;
   ValueRows& rows_;
-  std::size_t line_number_ = 0;
 };
 
 }  // namespace

@@ -25,9 +25,9 @@ class PoseCsvReader {
 
   std::vector<ToolInput> read() {
     std::string_view line;
-    if (!next_line(line)) fail("expected poses with a line of column names, found nothing in ", file_.name());
+    if (!lines_.next_filled(line)) fail("expected poses with a line of column names, found nothing in ", file_.name());
     take_header(without_byte_order_mark(line));
-    while (next_line(line)) add(line);
+    while (lines_.next_filled(line)) add(line);
     if (inputs_.empty()) fail("expected a pose at least, found none in ", file_.name());
     // The first pose has no way: the time before it is as good as that after it.
     inputs_.front().dt_s = inputs_.size() > 1 ? inputs_[1].dt_s : ToolInput{}.dt_s;
@@ -35,16 +35,6 @@ class PoseCsvReader {
   }
 
  private:
-  std::string place() const { return file_.name() + ", line " + std::to_string(line_number_); }
-
-  bool next_line(std::string_view& line) {
-    while (file_.line(line)) {
-      ++line_number_;
-      if (!trimmed(line).empty()) return true;
-    }
-    return false;
-  }
-
   void take_header(std::string_view header) {
     std::array<bool, kColumns> found{};
     CsvFields fields(header);
@@ -53,11 +43,11 @@ class PoseCsvReader {
           static_cast<std::size_t>(std::find(kNames.begin(), kNames.end(), csv_column_name(field)) - kNames.begin());
       role_.push_back(role);
       if (role == kColumns) continue;
-      if (found[role]) fail("expected one column ", kNames[role], ", found two in ", place());
+      if (found[role]) fail("expected one column ", kNames[role], ", found two in ", lines_.place());
       found[role] = true;
     }
     for (std::size_t role = 0; role < kNeeded; ++role) {
-      if (!found[role]) fail("expected a column ", kNames[role], ", found ", in_quotes(header), " in ", place());
+      if (!found[role]) fail("expected a column ", kNames[role], ", found ", in_quotes(header), " in ", lines_.place());
     }
   }
 
@@ -70,20 +60,20 @@ class PoseCsvReader {
       const std::size_t role = count < role_.size() ? role_[count] : kColumns;
       if (role == kColumns) continue;
       const std::optional<double> number = parse_number(field);
-      if (!number) fail("expected a number as ", kNames[role], ", found ", in_quotes(field), " in ", place());
+      if (!number) fail("expected a number as ", kNames[role], ", found ", in_quotes(field), " in ", lines_.place());
       row[role] = *number;
     }
-    if (count != role_.size()) fail("expected ", role_.size(), " columns, found ", count, " in ", place());
+    if (count != role_.size()) fail("expected ", role_.size(), " columns, found ", count, " in ", lines_.place());
     add(row);
   }
 
   void add(const std::array<double, kColumns>& row) {
     const double time_s = row[0];
     if (!std::isfinite(time_s) || (!inputs_.empty() && !(time_s > time_s_))) {
-      fail("expected times that rise, found ", time_s, " s after ", time_s_, " s in ", place());
+      fail("expected times that rise, found ", time_s, " s after ", time_s_, " s in ", lines_.place());
     }
     if (row[kSpindle] != 0.0 && row[kSpindle] != 1.0) {
-      fail("expected 0 or 1 as spindle_on, found ", row[kSpindle], " in ", place());
+      fail("expected 0 or 1 as spindle_on, found ", row[kSpindle], " in ", lines_.place());
     }
     ToolInput input;
     input.pose = {Vec3(row[1], row[2], row[3]), Vec3(row[4], row[5], row[6])};
@@ -94,15 +84,15 @@ class PoseCsvReader {
     if (is_good) input.pose.axis /= length;
     if (!is_good && !options_.lets_bad_poses_pass) {
       fail("expected a tip and an axis that are finite, and an axis that is not zero, found (", row[1], ", ", row[2],
-           ", ", row[3], ") and (", row[4], ", ", row[5], ", ", row[6], ") in ", place());
+           ", ", row[3], ") and (", row[4], ", ", row[5], ", ", row[6], ") in ", lines_.place());
     }
     time_s_ = time_s;
     inputs_.push_back(input);
   }
 
   FileReader file_;
+  TextLines lines_{file_};
   PoseCsvOptions options_;
-  std::size_t line_number_ = 0;
   std::vector<std::size_t> role_;  ///< of each column of the file: which of kNames it is; kColumns: none
   std::vector<ToolInput> inputs_;
   double time_s_ = 0.0;

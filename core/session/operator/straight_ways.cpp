@@ -23,11 +23,6 @@ struct LineStretch {
   Pose to;
 };
 
-/// Sessions reject others: they do nothing, and the way goes on after them.
-bool is_sound(const ToolInput& input) {
-  return input.pose.tip_mm.allFinite() && input.pose.axis.allFinite() && input.pose.axis.squaredNorm() > 0.25;
-}
-
 /// Whether a pose further along a line always covers those behind it, but for what the bit's base has left.
 bool widens_towards_base(const DrillBit& bit) {
   return bit.shape == BitShape::drill || bit.shape == BitShape::tapered_screw;
@@ -113,12 +108,14 @@ StraightWays& StraightWays::operator=(StraightWays&&) noexcept = default;
 
 void StraightWays::add(const ToolInput& input) {
   State& state = *state_;
-  if (!is_sound(input)) return;
+  // Sessions reject others: they do nothing, and the way goes on after them.
+  const std::optional<Pose> sound = sound_pose(input.pose);
+  if (!sound) return;
   if (!input.spindle_on) {
     state.before.reset();
     return;
   }
-  const Pose pose{input.pose.tip_mm, input.pose.axis.normalized()};
+  const Pose& pose = *sound;
   if (!state.lines) state.lines.emplace(pose, state.bit, state.tolerance_mm);
   if (state.before) {
     const Pose& from = *state.before;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/instruction_set.h"
+
 namespace spinaltap::detail {
 
 /// A line as certificates hold it, and what checks need beside.
@@ -60,7 +62,7 @@ template <class Line>
   check_boxes(c, at, begin, count, left);
 }
 
-const bool kHasAvx2 = __builtin_cpu_supports("avx2");
+const bool kHasAvx2 = instruction_set() >= InstructionSet::avx2;
 #endif
 
 }  // namespace

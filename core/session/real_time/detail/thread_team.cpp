@@ -16,9 +16,9 @@
 #include <latch>
 #include <mutex>
 #include <optional>
-#include <sstream>
 #include <thread>
 
+#include "core/base/text_writer.h"
 #include "core/session/real_time/timing.h"
 
 namespace spinaltap {
@@ -29,10 +29,8 @@ std::string limit_text(rlim_t limit, rlim_t unit) {
 }
 
 std::string warning_of(const std::string& what, int error, const std::string& limit, const std::string& name) {
-  std::ostringstream warning;
-  warning << what << " not allowed for this user (" << limit << "; " << std::strerror(error)
-          << "): run as root, or give the user \"" << name << "\" in /etc/security/limits.conf";
-  return warning.str();
+  return joined(what, " not allowed for this user (", limit, "; ", std::strerror(error),
+                "): run as root, or give the user \"", name, "\" in /etc/security/limits.conf");
 }
 
 /// Of this program, as the kernel counts it; 0 where it does not say.

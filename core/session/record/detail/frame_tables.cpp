@@ -124,7 +124,7 @@ RecordedFrame FrameTables::read(std::uint64_t row, const std::filesystem::path& 
   view.mask.resize(pixels);
   mask_.read(row, 1, view.mask.data());
   const auto last = static_cast<std::uint8_t>(Seen::bit);
-  if (std::any_of(view.mask.begin(), view.mask.end(), [last](std::uint8_t seen) { return seen > last; })) {
+  if (std::any_of(view.mask.begin(), view.mask.end(), [](std::uint8_t seen) { return seen > last; })) {
     fail("cannot read ", path.string(), ": frame ", row, " has a mask of something unknown");
   }
   return frame;

@@ -33,6 +33,11 @@ TEST(NumberText, GivesEveryDoubleBack) {
   }
 }
 
+TEST(NumberText, HasLettersOfOneCase) {
+  EXPECT_EQ(lower_case("L3.SEG.NRRD \xC4 9_"), "l3.seg.nrrd \xC4 9_");  // bytes beyond ASCII are no letters here
+  EXPECT_EQ(upper_case("th12, \xE4"), "TH12, \xE4");
+}
+
 TEST(NumberText, IsQuotedOnOneShortLine) {
   EXPECT_EQ(in_quotes("x,y"), "\"x,y\"");
   EXPECT_EQ(in_quotes(std::string_view("a\n\0\xff", 4)), "\"a???\"");
