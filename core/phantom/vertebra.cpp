@@ -12,6 +12,16 @@
 namespace spinaltap::shapes {
 namespace {
 
+/// A shape, the ball that holds it with room to spare, and the reach of its fillet. The part's value is the larger
+/// one of the shape's and the ball's, so that leaving the shape out where its ball is far changes nothing.
+template <class Shape>
+struct Part {
+  Shape shape;
+  Vec3 centre = Vec3::Zero();
+  double radius = 0.0;
+  double reach = 0.0;
+};
+
 /// The whole vertebra in its own frame: parts joined by smooth minima, less the canal.
 class VertebraShape {
  public:
@@ -48,16 +58,6 @@ class VertebraShape {
 
  private:
   static constexpr double kLaminaRidge = 1.5;
-
-  /// A shape, the ball that holds it with room to spare, and the reach of its fillet. The part's value is the larger
-  /// one of the shape's and the ball's, so that leaving the shape out where its ball is far changes nothing.
-  template <class Shape>
-  struct Part {
-    Shape shape;
-    Vec3 centre = Vec3::Zero();
-    double radius = 0.0;
-    double reach = 0.0;
-  };
 
   template <class Shape>
   Part<Shape> make_part(const Shape& shape, double reach, bool mirrored);
@@ -113,7 +113,7 @@ RoundPlate make_lamina(const VertebraAnatomy::Lamina& lamina) {
 }
 
 template <class Shape>
-VertebraShape::Part<Shape> VertebraShape::make_part(const Shape& shape, double reach, bool mirrored) {
+Part<Shape> VertebraShape::make_part(const Shape& shape, double reach, bool mirrored) {
   // Fillets reach at most reach/4 beyond the parts.
   const Box3 box = shape.bounds();
   const Vec3 room = Vec3::Constant(0.25 * reach);
