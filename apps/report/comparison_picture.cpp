@@ -30,7 +30,7 @@ struct Tile {
 };
 
 std::string figures_text(const SurfaceFigures& figures, bool is_ground_truth) {
-  const std::string roughness = "ROUGHNESS " + fixed_text(figures.roughness_deg, 1);
+  std::string roughness = "ROUGHNESS " + fixed_text(figures.roughness_deg, 1);
   if (is_ground_truth) return roughness;
   return roughness + " VOLUME " + fixed_text(100.0 * figures.volume_change, 1) + " " + fixed_text(figures.mean_mm, 2) +
          " mm";
