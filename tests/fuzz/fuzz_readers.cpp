@@ -27,7 +27,7 @@
 #include "core/base/error.h"
 #include "tests/fuzz/readers.h"
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
 #include <sanitizer/lsan_interface.h>
 // GCC's runtime has it, and no header for it.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*on_malloc)(const volatile void*, std::size_t),
@@ -99,7 +99,7 @@ Arguments arguments_of(int argc, char** argv) {
   return arguments;
 }
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
 std::atomic<std::size_t> max_allocation{0};
 
 void look_at_allocation(const volatile void*, std::size_t bytes) {
@@ -169,7 +169,7 @@ class ReaderRun {
 int fuzz(const Reader& reader, const Arguments& arguments) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   ReaderRun run(reader, arguments.seed);
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
   if (reader.loses_memory) __lsan_disable();
   max_allocation = reader.max_allocation;
   __sanitizer_install_malloc_and_free_hooks(look_at_allocation, [](const volatile void*) {});

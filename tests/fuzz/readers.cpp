@@ -10,7 +10,7 @@
 #include "tests/fuzz/mutate.h"
 #include "tests/support/temporary_folder.h"
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
 constexpr double kMaxSeconds = 5.0;
 #else
 constexpr double kMaxSeconds = 1.0;

@@ -91,7 +91,7 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
   EXPECT_GT(removed, alive_at_first / 200);
 }
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
 constexpr std::uint64_t kSeeds = 60;  // each takes ten times as long
 #else
 constexpr std::uint64_t kSeeds = 240;

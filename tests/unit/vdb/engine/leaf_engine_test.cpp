@@ -114,7 +114,7 @@ void expect_equal(const StepResult& a, const StepResult& b) {
 TEST(LeafEngine, RemovesTheSamePointsAsTheReferenceInAnyMotionOfAnyTool) {
   std::size_t removed = 0;
   int steps = 0;
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
   constexpr std::uint64_t kSeeds = 20;  // each takes ten times as long
 #else
   constexpr std::uint64_t kSeeds = 70;

@@ -318,7 +318,7 @@ TEST(RealTime, GivesBackPriorityAndMemoryAndSaysWhatItHad) {
   EXPECT_TRUE(without.warnings.empty());
 }
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SPINALTAP_ADDRESS_SANITIZER
 constexpr bool kLocksMemory = true;  // the sanitizer's mlockall() does nothing, and says that it did
 #else
 constexpr bool kLocksMemory = false;
