@@ -181,6 +181,7 @@ void write_dicom(const CtVolume& ct, const std::filesystem::path& folder, const 
   const int slices = ct.geometry.size[2];
   StagedOutput output;
   std::vector<std::filesystem::path> files;
+  files.reserve(static_cast<std::size_t>(slices));
   for (int k = 0; k < slices; ++k) {
     files.push_back(output.stage(folder / (padded_number(static_cast<std::uint64_t>(k) + 1, 4) + ".dcm")));
   }
