@@ -10,7 +10,8 @@ namespace {
 
 std::string mixed_bytes(std::size_t count) {
   std::string bytes(count, '\0');
-  for (std::size_t i = 0; i < count; i += 3) bytes[i] = static_cast<char>(static_cast<int>(255.0 * random_uniform(3, i)));
+  for (std::size_t i = 0; i < count; i += 3)
+    bytes[i] = static_cast<char>(static_cast<int>(255.0 * random_uniform(3, i)));
   return bytes;
 }
 
