@@ -61,7 +61,8 @@ TEST_F(PlanAuto, WritesAPathWithAScrewForEachSideThatGradeCallsA) {
 
   const test::ProgramRun graded = run("grade bone.vdb plan.json -o graded --json graded.json");
   ASSERT_EQ(graded.exit_code, 0) << graded.errors;
-  for (const Json& path : read_json(in("graded.json"))["paths"]) {
+  const Json grades = read_json(in("graded.json"));
+  for (const Json& path : grades.at("paths")) {
     EXPECT_EQ(path["grade"], "A");
     EXPECT_EQ(path["pedicle"], path["name"]);
   }

@@ -59,7 +59,7 @@ class PlannerWindow : public testing::Test {
   /// There is no window manager to give the keyboard back when a dialog has closed.
   void take_keyboard_back() { input.show(*window); }
   /// Does something in the next dialog that opens; it holds up whoever opened it.
-  void in_the_next_dialog(std::function<void()> work, int tries = 2000) {
+  void in_the_next_dialog(std::function<void()> work, int tries = 24000) {
     QTimer::singleShot(5, &timer_, [this, work = std::move(work), tries] {
       const QWidget* dialog = QApplication::activeModalWidget();
       if (dialog != nullptr && dialog->isActiveWindow()) {
