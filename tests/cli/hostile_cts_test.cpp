@@ -58,7 +58,9 @@ TEST_P(HostileCtGivenToTheProgram, IsRejectedInTimeAndLittleMemory) {
   EXPECT_THAT(run.errors, testing::StartsWith("spinaltap: "));
   EXPECT_THAT(run.errors, testing::HasSubstr(GetParam().word));
   EXPECT_LT(run.seconds, 1.0);
+#if !defined(SPINALTAP_ADDRESS_SANITIZER)  // which keeps what is freed
   EXPECT_LT(run.peak_mb, 200.0);
+#endif
   std::printf("%-40s %6.3f s %6.1f MB\n", GetParam().name.c_str(), run.seconds, run.peak_mb);
 }
 

@@ -318,8 +318,8 @@ TEST(RealTime, GivesBackPriorityAndMemoryAndSaysWhatItHad) {
   EXPECT_TRUE(without.warnings.empty());
 }
 
-#ifdef SPINALTAP_ADDRESS_SANITIZER
-constexpr bool kLocksMemory = true;  // the sanitizer's mlockall() does nothing, and says that it did
+#if defined(SPINALTAP_ADDRESS_SANITIZER) || defined(SPINALTAP_THREAD_SANITIZER)
+constexpr bool kLocksMemory = true;  // a sanitizer's mlockall() does nothing, and says that it did
 #else
 constexpr bool kLocksMemory = false;
 #endif
