@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
 
 namespace spinaltap {
@@ -16,36 +17,6 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
-unsigned byte_at(std::string_view text, std::size_t i) {
-  return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
-}
-
-/// Length of the valid UTF-8 sequence at `i` (Unicode 15, table 3-7), 0 where there is none.
-std::size_t utf8_length(std::string_view text, std::size_t i) {
-  const auto follows = [&](std::size_t n, unsigned low, unsigned high) {
-    const unsigned byte = byte_at(text, i + n);
-    return byte >= low && byte <= high;
-  };
-  const unsigned lead = byte_at(text, i);
-  if (lead < 0x80) return 1;
-  if (lead >= 0xC2 && lead <= 0xDF) return follows(1, 0x80, 0xBF) ? 2 : 0;
-  if (lead >= 0xE0 && lead <= 0xEF) {
-    const bool second = follows(1, lead == 0xE0 ? 0xA0 : 0x80, lead == 0xED ? 0x9F : 0xBF);
-    return second && follows(2, 0x80, 0xBF) ? 3 : 0;
-  }
-  if (lead >= 0xF0 && lead <= 0xF4) {
-    const bool second = follows(1, lead == 0xF0 ? 0x90 : 0x80, lead == 0xF4 ? 0x8F : 0xBF);
-    return second && follows(2, 0x80, 0xBF) && follows(3, 0x80, 0xBF) ? 4 : 0;
-  }
-  return 0;
-}
-
-bool is_control(std::string_view character) {
-  const unsigned lead = byte_at(character, 0);
-  if (character.size() == 1) return (lead < 0x20 && lead != '\n' && lead != '\t') || lead == 0x7F;
-  return character.size() == 2 && lead == 0xC2 && byte_at(character, 1) < 0xA0;
-}
-
 }  // namespace
 
 std::string escape_html(std::string_view text) {
@@ -56,7 +27,7 @@ std::string escape_html(std::string_view text) {
     const std::size_t length = utf8_length(text, i);
     const std::string_view character = text.substr(i, length == 0 ? 1 : length);
     i += character.size();
-    if (length == 0 || is_control(character)) {
+    if (length == 0 || (is_control(character) && character != "\n" && character != "\t")) {
       safe += kReplacement;
     } else if (character == "&") {
       safe += "&amp;";

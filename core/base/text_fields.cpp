@@ -5,6 +5,13 @@
 #include <charconv>
 
 namespace spinaltap {
+namespace {
+
+unsigned byte_at(std::string_view text, std::size_t i) {
+  return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+}
+
+}  // namespace
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -40,12 +47,42 @@ std::string upper_case(std::string_view text) {
   return capital;
 }
 
+std::size_t utf8_length(std::string_view text, std::size_t i) {
+  const auto follows = [&](std::size_t n, unsigned low, unsigned high) {
+    const unsigned byte = byte_at(text, i + n);
+    return byte >= low && byte <= high;
+  };
+  const unsigned lead = byte_at(text, i);
+  if (lead < 0x80) return 1;
+  if (lead >= 0xC2 && lead <= 0xDF) return follows(1, 0x80, 0xBF) ? 2 : 0;
+  if (lead >= 0xE0 && lead <= 0xEF) {
+    const bool second = follows(1, lead == 0xE0 ? 0xA0 : 0x80, lead == 0xED ? 0x9F : 0xBF);
+    return second && follows(2, 0x80, 0xBF) ? 3 : 0;
+  }
+  if (lead >= 0xF0 && lead <= 0xF4) {
+    const bool second = follows(1, lead == 0xF0 ? 0x90 : 0x80, lead == 0xF4 ? 0x8F : 0xBF);
+    return second && follows(2, 0x80, 0xBF) && follows(3, 0x80, 0xBF) ? 4 : 0;
+  }
+  return 0;
+}
+
+bool is_control(std::string_view character) {
+  const unsigned lead = byte_at(character, 0);
+  if (character.size() == 1) return lead < 0x20 || lead == 0x7F;
+  return character.size() == 2 && lead == 0xC2 && byte_at(character, 1) < 0xA0;
+}
+
 std::string shown(std::string_view text) {
-  constexpr std::size_t kMax = 40;
-  std::string printable(text.substr(0, kMax));
-  std::replace_if(
-      printable.begin(), printable.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text.size() > kMax ? printable + "..." : printable;
+  constexpr int kMax = 40;
+  std::string printable;
+  std::size_t i = 0;
+  for (int n = 0; n < kMax && i < text.size(); ++n) {
+    const std::size_t length = utf8_length(text, i);
+    const std::string_view character = text.substr(i, length == 0 ? 1 : length);
+    printable += length == 0 || is_control(character) ? "?" : character;
+    i += character.size();
+  }
+  return i < text.size() ? printable + "..." : printable;
 }
 
 std::string in_quotes(std::string_view text) { return '"' + shown(text) + '"'; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,7 +21,12 @@ std::string_view trimmed(std::string_view text);
 std::string lower_case(std::string_view text);
 std::string upper_case(std::string_view text);
 
-/// Text out of a file for a message: printable, 40 characters at most.
+/// Length of the valid UTF-8 sequence at `i` (Unicode 15, table 3-7), 0 where there is none.
+std::size_t utf8_length(std::string_view text, std::size_t i);
+/// Whether a UTF-8 character is one of ASCII's or Latin-1's that steer a terminal; newline and tab are.
+bool is_control(std::string_view character);
+
+/// Text out of a file for a message: 40 characters at most, "?" for what is none of UTF-8 or steers a terminal.
 std::string shown(std::string_view text);
 /// As shown(), in quotes.
 std::string in_quotes(std::string_view text);

@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
 #include "core/ct/detail/dicom_parallel.h"
 #include "core/ct/detail/dicom_silence.h"
@@ -156,8 +157,8 @@ void check_writable(const CtVolume& ct, const std::filesystem::path& folder, con
   const auto is_allowed = [](char c) { return c != '\\' && static_cast<unsigned char>(c) >= ' '; };
   if (options.series_description.size() > 64 ||
       !std::all_of(options.series_description.begin(), options.series_description.end(), is_allowed)) {
-    fail("expected a series description of at most 64 characters without backslash, found \"",
-         options.series_description, "\"");
+    fail("expected a series description of at most 64 characters without backslash, found ",
+         in_quotes(options.series_description));
   }
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) fail("no such folder to write into: ", folder.string());

@@ -138,7 +138,7 @@ PlacementErrors placement_errors_of(const std::string& text) {
   if (numbers.size() == kNumbers && text.back() != ',') return plain_errors(numbers[0], numbers[1]);
   std::string known;
   for (const std::string& model : models) known += (known.empty() ? "" : ", ") + model;
-  fail("placement errors: expected MM,DEG or one of ", known, ", found \"", text, "\"");
+  fail("placement errors: expected MM,DEG or one of ", known, ", found ", in_quotes(text));
 }
 
 }  // namespace spinaltap

@@ -15,6 +15,7 @@
 #include "core/base/file_lock.h"
 #include "core/base/hash.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/base/version.h"
 #include "core/files/detail/session_json.h"
 #include "core/files/detail/study_json.h"
@@ -70,8 +71,8 @@ void open_study_folder(const std::filesystem::path& folder, const StudyIdentity&
     const Json study = Json::parse(identity.study);
     for (const auto& item : study.items()) {
       if (known_study.contains(item.key()) && known_study[item.key()] == item.value()) continue;
-      fail("expected the same study as in ", folder.string(), ", found another \"", item.key(),
-           "\": take another folder, or the specification that this one was made with");
+      fail("expected the same study as in ", folder.string(), ", found another ", in_quotes(item.key()),
+           ": take another folder, or the specification that this one was made with");
     }
     fail("expected the same study as in ", folder.string(), ", found another: take another folder");
   }

@@ -30,7 +30,7 @@ std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string
   if (severity == metadata.end()) return std::nullopt;
   LevelWarnings warnings;
   const std::optional<double> number = parse_number(severity->second);
-  if (!number) fail("expected a number as the metadata \"severity\", found \"", severity->second, "\"");
+  if (!number) fail("expected a number as the metadata \"severity\", found ", in_quotes(severity->second));
   warnings.severity = *number;
   if (const auto found = metadata.find("warnings"); found != metadata.end()) {
     std::istringstream lines(found->second);

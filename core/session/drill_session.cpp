@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/session/detail/session_watch.h"
 
 namespace spinaltap {
@@ -43,13 +44,14 @@ void check_volumes(const DrillPath& path, std::span<const PointVolume> volumes) 
   std::size_t alive = 0;
   for (const PointVolume& volume : volumes) alive += volume.alive_count();
   if (alive == 0) {
-    fail("path \"", path.name, "\": expected bone around it, found none: it misses the bone, or all is drilled away");
+    fail("path ", in_quotes(path.name),
+         ": expected bone around it, found none: it misses the bone, or all is drilled away");
   }
   for (const Vec3& end_mm : {path.entry_mm, path.target_mm}) {
     const Vec3 own = extent.to_own(end_mm);
     const double aside_mm = std::hypot(own.x(), own.y());
     if (!(aside_mm <= extent.radius_mm()) || !(own.z() <= extent.length_mm() + extent.spacing_mm())) {
-      fail("path \"", path.name, "\": expected it within the point volume, a cylinder of ", extent.length_mm(),
+      fail("path ", in_quotes(path.name), ": expected it within the point volume, a cylinder of ", extent.length_mm(),
            " mm and a radius of ", extent.radius_mm(), " mm, found an end ", aside_mm, " mm off its axis at ", own.z(),
            " mm along it");
     }

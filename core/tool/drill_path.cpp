@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 
@@ -10,11 +11,11 @@ void check_screw(const PedicleScrew& screw) {
   try {
     check_bit(screw.outline());
   } catch (const Error& error) {
-    fail("screw \"", screw.name, "\": ", error.what());
+    fail("screw ", in_quotes(screw.name), ": ", error.what());
   }
   const auto within = [&](double value, double lowest, double highest, const char* what) {
     if (!(value >= lowest && value <= highest)) {
-      fail("screw \"", screw.name, "\": expected ", what, " from ", lowest, " to ", highest, ", found ", value);
+      fail("screw ", in_quotes(screw.name), ": expected ", what, " from ", lowest, " to ", highest, ", found ", value);
     }
   };
   const ScrewHead& head = screw.head;
@@ -54,12 +55,12 @@ void check_path(const DrillPath& path) {
   constexpr double kShortestMm = 0.1;
   constexpr double kLongestMm = 500.0;
   if (!path.entry_mm.allFinite() || !path.target_mm.allFinite()) {
-    fail("path \"", path.name, "\": entry and target must be finite numbers");
+    fail("path ", in_quotes(path.name), ": entry and target must be finite numbers");
   }
   const double length_mm = path.length_mm();
   if (!(length_mm >= kShortestMm && length_mm <= kLongestMm)) {
-    fail("path \"", path.name, "\": expected ", kShortestMm, " to ", kLongestMm, " mm from entry to target, found ",
-         length_mm, " mm");
+    fail("path ", in_quotes(path.name), ": expected ", kShortestMm, " to ", kLongestMm,
+         " mm from entry to target, found ", length_mm, " mm");
   }
   check_bit(path.bit);
   if (path.screw) check_screw(*path.screw);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 
 namespace spinaltap {
 
@@ -20,8 +21,8 @@ void check_path_meets_bone(const DrillPath& path, const BoneModel& bone) {
   if (std::any_of(distance_mm.begin(), distance_mm.end(), [](float value) { return value < 0.0F; })) return;
   const Box3 bounds_mm = bone.bounds_mm();
   const Eigen::IOFormat format(4, Eigen::DontAlignCols, ", ", ", ");
-  fail("path \"", path.name, "\" misses the bone: it runs from (", path.entry_mm.transpose().format(format), ") to (",
-       path.target_mm.transpose().format(format), "), the bone lies within (",
+  fail("path ", in_quotes(path.name), " misses the bone: it runs from (", path.entry_mm.transpose().format(format),
+       ") to (", path.target_mm.transpose().format(format), "), the bone lies within (",
        bounds_mm.min().transpose().format(format), ") and (", bounds_mm.max().transpose().format(format), ") mm");
 }
 

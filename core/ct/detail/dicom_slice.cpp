@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/ct/detail/dicom_codec.h"
 
 namespace spinaltap {
@@ -22,10 +23,11 @@ struct Rescale {
 void check_pixel_format(const DicomHeader& header) {
   const std::string file = path_of(header);
   if (!is_known_syntax(header.transfer_syntax)) {
-    fail("expected a DICOM transfer syntax for pictures, found \"", header.transfer_syntax, "\" in ", file);
+    fail("expected a DICOM transfer syntax for pictures, found ", in_quotes(header.transfer_syntax), " in ", file);
   }
   if (header.samples != 1 || !header.photometric.starts_with("MONOCHROME")) {
-    fail("expected a grey picture, found ", header.photometric, " with ", header.samples, " values a pixel in ", file);
+    fail("expected a grey picture, found ", shown(header.photometric), " with ", header.samples, " values a pixel in ",
+         file);
   }
   const int bits = header.bits_allocated;
   if ((bits != 8 && bits != 16 && bits != 32) || header.bits_stored < 1 || header.bits_stored > bits ||

@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/gzip.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/ct/detail/label_file.h"
 
 namespace spinaltap::detail {
@@ -162,7 +163,7 @@ Stored stored_as(const std::string& type, const std::string& what) {
                                                     {"float", Stored::kFloat32},
                                                     {"double", Stored::kFloat64}};
   const auto found = kTypes.find(type);
-  if (found == kTypes.end()) fail("expected labels stored as numbers, found NRRD type \"", type, "\" in ", what);
+  if (found == kTypes.end()) fail("expected labels stored as numbers, found NRRD type ", in_quotes(type), " in ", what);
   return found->second;
 }
 
@@ -183,8 +184,8 @@ std::array<int, 3> sizes_of(const Header& header, const std::string& what) {
     long long size = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), size);
     if (error != std::errc{} || end != word.data() + word.size() || size < 1 || size > kMaxVoxels / voxels) {
-      fail("expected at most ", kMaxVoxels, " voxels, found NRRD sizes \"", field(header, "sizes", what), "\" in ",
-           what);
+      fail("expected at most ", kMaxVoxels, " voxels, found NRRD sizes ", in_quotes(field(header, "sizes", what)),
+           " in ", what);
     }
     voxels *= size;
     sizes.push_back(size);
@@ -208,7 +209,7 @@ std::optional<Vec3> vector_of(std::string word, const std::string& what) {
   Vec3 vector;
   std::string rest;
   if (!(in >> vector.x() >> vector.y() >> vector.z()) || in >> rest) {
-    fail("expected an NRRD vector of three numbers, found \"", word, "\" in ", what);
+    fail("expected an NRRD vector of three numbers, found ", in_quotes(word), " in ", what);
   }
   return vector;
 }
@@ -235,7 +236,7 @@ void set_transform(const Header& header, const std::string& what, LabelFile& lab
   const std::string& space = field(header, "space", what);
   const auto to_lps = kToLps.find(space);
   if (to_lps == kToLps.end()) {
-    fail("expected an NRRD space of LPS, RAS or LAS, found \"", space, "\" in ", what);
+    fail("expected an NRRD space of LPS, RAS or LAS, found ", in_quotes(space), " in ", what);
   }
   Eigen::Index axis = 0;
   for (const std::string& word : vectors_of(field(header, "space directions", what))) {
@@ -247,7 +248,8 @@ void set_transform(const Header& header, const std::string& what, LabelFile& lab
   if (axis != 3) fail("expected three NRRD space directions, found ", axis, " in ", what);
   const std::vector<std::string> origin = vectors_of(field(header, "space origin", what));
   const std::optional<Vec3> origin_mm = origin.size() == 1 ? vector_of(origin.front(), what) : std::nullopt;
-  if (!origin_mm) fail("expected one NRRD space origin, found \"", field(header, "space origin", what), "\" in ", what);
+  if (!origin_mm)
+    fail("expected one NRRD space origin, found ", in_quotes(field(header, "space origin", what)), " in ", what);
   labels.origin_mm = origin_mm->cwiseProduct(to_lps->second);
   check_transform(labels, what);
 }
@@ -258,8 +260,8 @@ std::string voxel_bytes(const Header& header, const std::string& content, std::s
   for (const char* rejected : {"data file", "datafile", "byte skip", "byteskip", "line skip", "lineskip"}) {
     const auto found = header.fields.find(rejected);
     if (found != header.fields.end() && found->second != "0") {
-      fail("expected header and voxels in one NRRD file, one after the other, found \"", rejected, ": ", found->second,
-           "\" in ", what);
+      fail("expected header and voxels in one NRRD file, one after the other, found ",
+           in_quotes(std::string(rejected) + ": " + found->second), " in ", what);
     }
   }
   const std::size_t wanted = voxel_count * bytes_of(stored);
@@ -267,7 +269,8 @@ std::string voxel_bytes(const Header& header, const std::string& content, std::s
   const std::string& encoding = field(header, "encoding", what);
   // Deflate shrinks by a factor of 1032 at most.
   const bool is_gzip = encoding == "gzip" || encoding == "gz";
-  if (!is_gzip && encoding != "raw") fail("expected NRRD encoding raw or gzip, found \"", encoding, "\" in ", what);
+  if (!is_gzip && encoding != "raw")
+    fail("expected NRRD encoding raw or gzip, found ", in_quotes(encoding), " in ", what);
   if (wanted > there * (is_gzip ? 1032 : 1)) {
     fail("expected ", wanted, " bytes of voxels, found ", there, " (cut short?): ", what);
   }
@@ -299,7 +302,7 @@ std::map<long long, std::string> segment_names(const Header& header, const std::
     long long value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size()) {
-      fail("expected a number as ", key, ", found \"", text, "\" in ", what);
+      fail("expected a number as ", key, ", found ", in_quotes(text), " in ", what);
     }
     const auto name = header.pairs.find(key.substr(0, key.size() - kValue.size()) + "_Name");
     const auto [at, is_new] = names.emplace(value, name == header.pairs.end() ? "" : name->second);

@@ -41,7 +41,13 @@ TEST(NumberText, HasLettersOfOneCase) {
 TEST(NumberText, IsQuotedOnOneShortLine) {
   EXPECT_EQ(in_quotes("x,y"), "\"x,y\"");
   EXPECT_EQ(in_quotes(std::string_view("a\n\0\xff", 4)), "\"a???\"");
+  EXPECT_EQ(in_quotes(std::string(40, 'x')), '"' + std::string(40, 'x') + '"');
   EXPECT_EQ(in_quotes(std::string(50, 'x')), '"' + std::string(40, 'x') + "...\"");
+  EXPECT_EQ(in_quotes("p\u00e9dicule"), "\"p\u00e9dicule\"");
+  EXPECT_EQ(in_quotes("\x1b[2J\u009b\x7f\xc3"), "\"?[2J???\"");  // neither steers the terminal, nor is cut short
+  std::string long_name;
+  for (int n = 0; n < 41; ++n) long_name += "\u690e";
+  EXPECT_EQ(in_quotes(long_name), '"' + long_name.substr(0, 40 * std::string("\u690e").size()) + "...\"");
 }
 
 }  // namespace
