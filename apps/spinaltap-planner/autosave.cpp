@@ -87,7 +87,7 @@ LostWork read_work(const std::filesystem::path& file) {
   if (const Json& paths = JsonObject(json, file).at("paths"); !paths.empty())
     lost.paths = paths_of_text(json.dump(), file);
   const Json& session = json.at(kSession);
-  lost.chosen = session.at("chosen").get<int>();
+  lost.chosen = static_cast<int>(std::clamp(JsonObject(session, file).number("chosen"), -1.0, 1e6));
   const Json& opened = session.at("opened");
   lost.file = opened.at("file").get<std::string>();
   lost.bone = opened.at("bone").get<std::string>();
@@ -101,7 +101,7 @@ LostWork read_work(const std::filesystem::path& file) {
     order.plan = {hole.at("operator").get<std::string>(), hole.at("feed_mm_s").get<double>(),
                   hole.at("push_n").get<double>(), hole.at("stops_on_breach").get<bool>(),
                   hole.at("speed").get<double>()};
-    order.cycles = hole.at("cycles").get<std::size_t>();
+    order.cycles = JsonObject(hole, file).whole_number("cycles");
     lost.holes.push_back(std::move(order));
   }
   return lost;

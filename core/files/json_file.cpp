@@ -97,6 +97,17 @@ double JsonObject::number(const char* key) const {
 
 double JsonObject::number_or(const char* key, double fallback) const { return has(key) ? number(key) : fallback; }
 
+std::uint64_t JsonObject::whole_number(const char* key) const {
+  constexpr double kExact = 0x1.0p53;
+  const Json& value = at(key);
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  const double number = value.is_number_float() ? value.get<double>() : -1.0;
+  if (!(number >= 0.0 && number <= kExact && number == std::floor(number))) {
+    fail("expected a whole number of 0 or more for \"", key, "\" in ", file_.string(), ", found ", shown_value(value));
+  }
+  return static_cast<std::uint64_t>(number);
+}
+
 std::string JsonObject::text(const char* key) const {
   const Json& value = at(key);
   if (!value.is_string()) fail("expected text for \"", key, "\" in ", file_.string(), ", found ", shown_value(value));

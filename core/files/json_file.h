@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
@@ -34,6 +35,8 @@ class JsonObject {
   /// Throws Error when the key is missing or not a finite number.
   double number(const char* key) const;
   double number_or(const char* key, double fallback) const;
+  /// Of 0 or more: any that fits 64 bits, or one written as 1e6 as far as doubles are exact (2^53).
+  std::uint64_t whole_number(const char* key) const;
   std::string text(const char* key) const;
   /// An array of three numbers.
   Vec3 vector(const char* key) const;

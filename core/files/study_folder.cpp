@@ -88,7 +88,7 @@ StudyIdentity read_study_identity(const std::filesystem::path& folder) {
   const Json json = read_json(file);
   const JsonObject object(json, file);
   check_format(json, kFolderFormat, file);
-  StudyIdentity identity{object.at("study").dump(), static_cast<std::size_t>(object.number("runs"))};
+  StudyIdentity identity{object.at("study").dump(), object.whole_number("runs")};
   if (identity.hash() != object.text("hash")) fail("expected ", file.string(), " as it was written, found it changed");
   return identity;
 }

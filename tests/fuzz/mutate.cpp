@@ -146,7 +146,9 @@ class JsonMutator {
     if (!node.is_array() || node.empty()) return;
     const OrderedJson one = node[below(node.size())];
     constexpr std::array<std::size_t, 4> kTimes{1, 2, 100, 3000};
-    for (std::size_t left = kTimes[below(kTimes.size())]; left > 0; --left) node.push_back(one);
+    constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // the fuzzer itself has little memory
+    const std::size_t most = kMaxBytes / one.dump().size();
+    for (std::size_t left = std::min(kTimes[below(kTimes.size())], most); left > 0; --left) node.push_back(one);
   }
   void take_from_other(OrderedJson& node) {
     OrderedJson copy = other_;

@@ -29,14 +29,6 @@ bool flag(const JsonObject& object, const char* key, const fs::path& file) {
   return value.get<bool>();
 }
 
-std::uint64_t whole_number(const JsonObject& object, const char* key, const fs::path& file) {
-  const Json& value = object.at(key);
-  if (!value.is_number_unsigned()) {
-    fail("expected a whole number of 0 or more for \"", key, "\" in ", file.string(), ", found ", shown_value(value));
-  }
-  return value.get<std::uint64_t>();
-}
-
 /// JSON has no infinity: a limit that is one is left out.
 void add_limit(Json& json, const char* key, double value) {
   if (!std::isinf(value)) json[key] = value;
@@ -61,7 +53,7 @@ PointVolumeOptions read_volume_part(const JsonObject& object, const fs::path& fi
   volume.radius_mm = object.number("radius_mm");
   volume.spacing_mm = object.number("spacing_mm");
   volume.lead_in_mm = object.number("lead_in_mm");
-  const std::uint64_t bits = whole_number(object, "hu_bits", file);
+  const std::uint64_t bits = object.whole_number("hu_bits");
   if (bits != 8 && bits != 16) fail("expected 8 or 16 for \"hu_bits\" in ", file.string(), ", found ", bits);
   volume.hu_bits = bits == 8 ? HuBits::eight : HuBits::sixteen;
   const std::string subdivision = object.text("subdivision");
@@ -70,7 +62,7 @@ PointVolumeOptions read_volume_part(const JsonObject& object, const fs::path& fi
   }
   volume.subdivision = subdivision == "rings" ? DiscSubdivision::rings : DiscSubdivision::hexagons;
   volume.jitter = object.number("jitter");
-  volume.jitter_seed = whole_number(object, "jitter_seed", file);
+  volume.jitter_seed = object.whole_number("jitter_seed");
   return volume;
 }
 

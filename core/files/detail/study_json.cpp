@@ -1,6 +1,5 @@
 #include "core/files/detail/study_json.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -9,18 +8,6 @@
 
 namespace spinaltap {
 namespace {
-
-/// A whole number of 0 or more, as far as JSON's readers keep it.
-std::uint64_t whole_number_or(const JsonObject& object, const char* key, std::uint64_t fallback,
-                              const std::filesystem::path& file) {
-  constexpr double kMax = 0x1.0p53;
-  if (!object.has(key)) return fallback;
-  const double number = object.number(key);
-  if (!(number >= 0.0) || !(number <= kMax) || number != std::floor(number)) {
-    fail("expected a whole number of 0 or more for \"", key, "\" in ", file.string(), ", found ", number);
-  }
-  return static_cast<std::uint64_t>(number);
-}
 
 double positive_or(const JsonObject& object, const char* key, double fallback, const std::filesystem::path& file) {
   const double number = object.number_or(key, fallback);
@@ -146,8 +133,8 @@ StudyDesign read_study_design(const Json& json, const std::filesystem::path& fil
   const JsonObject object(json, file);
   check_keys(json, {"runs", "sampling", "seed", "factors"}, file, kStudyKey);
   StudyDesign design;
-  design.runs = static_cast<std::size_t>(whole_number_or(object, "runs", design.runs, file));
-  design.seed = whole_number_or(object, "seed", design.seed, file);
+  if (object.has("runs")) design.runs = object.whole_number("runs");
+  if (object.has("seed")) design.seed = object.whole_number("seed");
   if (object.has("sampling")) {
     const std::string sampling = object.text("sampling");
     design.is_latin = sampling == "latin-hypercube";

@@ -163,6 +163,17 @@ TEST_F(StudyFolder, LetsOneProcessWriteAPartAtATime) {
   const StudyPart again(path_, "part-1-of-2.csv", kStudy);
 }
 
+TEST_F(StudyFolder, TakesNoNumberOfRunsThatIsNone) {
+  const std::string text = read_whole_file(path_ / "study.json");
+  for (const char* runs : {"-1e308", "1e308", "-1", "0.5", "1e19", "18446744073709551616", "\"100\"", "null"}) {
+    std::string damaged = text;
+    damaged.replace(damaged.find("\"runs\": 100"), 11, std::string("\"runs\": ") + runs);
+    write_whole_file(path_ / "study.json", damaged);
+    EXPECT_THAT([&] { read_study_identity(path_); }, ThrowsMessage<Error>(HasSubstr("a whole number of 0 or more")))
+        << runs;
+  }
+}
+
 TEST_F(StudyFolder, NoticesWhenStudyJsonWasChanged) {
   EXPECT_EQ(read_study_identity(path_).study, kStudy.study);
   EXPECT_EQ(read_study_identity(path_).runs, 100U);
