@@ -4,6 +4,8 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "core/base/error.h"
@@ -103,8 +105,9 @@ void use_bone(const BoneModel& bone) {
   bone.distance(points_mm, values, slopes, Interpolation::quadratic);
   bone.hu(points_mm, values, slopes, Interpolation::quadratic);
   if (is_drilled(bone)) static_cast<void>(before_drilling(bone).active_voxels());
-  // Coarse: a box of 2^28 voxels of 0.4 mm, which it lets pass, takes 4 s.
-  static_cast<void>(ct_of_bone(bone, 2.0));
+  // Coarse where damage has made the box vast: it lets 2^28 voxels pass, which take 4 s.
+  constexpr double kVoxels = 1e6;
+  static_cast<void>(ct_of_bone(bone, std::max(2.0, std::cbrt(box_mm.volume() / kVoxels))));
 }
 
 void read_bones(const fs::path& folder) {
