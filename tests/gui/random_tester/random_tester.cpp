@@ -60,8 +60,11 @@ class RandomTester {
         random_(options.seed),
         deadlock_(kDeadlockS, [this] { tell("the window does not come back"); }) {
     make_files();
-    QObject::connect(&answers_, &QTimer::timeout, &answers_, [this] { answer(); });
-    answers_.start(40);
+    QObject::connect(&answers_, &QTimer::timeout, &answers_, [this] {
+      answers_.start(kAnswerMs);  // anew: Qt does not fire a timer within itself, and an answer may open another dialog
+      answer();
+    });
+    answers_.start(kAnswerMs);
     open_window();
   }
 
@@ -83,6 +86,7 @@ class RandomTester {
 
  private:
   static constexpr int kDeadlockS = 60;
+  static constexpr int kAnswerMs = 40;
   static constexpr int kMaxTroubles = 10;
   static constexpr int kLateMs = 2000;  ///< within which a key must have done what it does
 
