@@ -21,6 +21,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <sstream>
 
@@ -55,11 +56,9 @@ struct TesterOptions {
 
 class RandomTester {
  public:
-  explicit RandomTester(const TesterOptions& options)
-      : options_(options),
-        random_(options.seed),
-        deadlock_(kDeadlockS, [this] { tell("the window does not come back"); }) {
-    make_files();
+  explicit RandomTester(const TesterOptions& options) : options_(options), random_(options.seed) {
+    make_files();  // bakes a bone
+    deadlock_.emplace(kDeadlockS, [this] { tell("the window does not come back"); });
     QObject::connect(&answers_, &QTimer::timeout, &answers_, [this] {
       answers_.start(kAnswerMs);  // anew: Qt does not fire a timer within itself, and an answer may open another dialog
       answer();
@@ -263,6 +262,15 @@ class RandomTester {
     static const std::array<const char*, 3> names{"axial", "coronal", "sagittal"};
     return dynamic_cast<SliceView&>(*window_->panes().pane(one_of(names)));
   }
+  /// The keyboard leaves whatever box or list had it, for a pane that is seen: keys are the window's then.
+  void focus_a_pane() {
+    QWidgetList panes;
+    for (const char* name : {"axial", "coronal", "sagittal", "3d"}) {
+      if (QWidget* pane = window_->panes().pane(name); pane->isVisible()) panes.push_back(pane);
+    }
+    if (panes.empty()) fail("the window shows no pane");
+    focus(*panes[below(panes.size())]);
+  }
   void focus(QWidget& widget) {
     widget.setFocus(Qt::TabFocusReason);
     let_work(5);
@@ -275,7 +283,7 @@ class RandomTester {
     effect_ = Effect::undo;
     const QUndoStack& stack = planner().document().undo_stack();
     const int expected = std::max(stack.index() - 1, 0);
-    focus(random_slice());
+    focus_a_pane();
     input_.key("ctrl+z");
     wait_until([&] { return stack.index() == expected; }, kLateMs);
   }
@@ -283,13 +291,13 @@ class RandomTester {
     effect_ = Effect::redo;
     const QUndoStack& stack = planner().document().undo_stack();
     const int expected = std::min(stack.index() + 1, stack.count());
-    focus(random_slice());
+    focus_a_pane();
     input_.key(chance(0.5) ? "ctrl+y" : "ctrl+shift+z");
     wait_until([&] { return stack.index() == expected; }, kLateMs);
   }
   void nudge() {
     effect_ = Effect::edit;
-    focus(random_slice());
+    focus_a_pane();
     const QString arrow = one_of(std::array<const char*, 4>{"Left", "Right", "Up", "Down"});
     input_.key(QString(chance(0.5) ? "ctrl+" : "alt+") + (chance(0.3) ? "shift+" : "") + arrow);
   }
@@ -331,14 +339,14 @@ class RandomTester {
         "2",      "3",      "4",      "5",      "6",      "7",       "r",         "plus",    "minus", "0",     "Tab",
         "Up",     "Down",   "Escape", "alt+f",  "alt+v",  "Page_Up", "Page_Down", "shift+F9"};
     // Letters and digits are names where the list has the keyboard.
-    chance(0.5) ? focus(random_slice()) : focus(*window_->panes().pane("3d"));
+    focus_a_pane();
     const QString one = one_of(keys);
     note(one.toStdString());
     input_.key(one);
   }
   void add() {
     effect_ = Effect::edit;
-    focus(random_slice());
+    focus_a_pane();
     if (chance(0.5) && planner().document().opened()) {
       SliceView& pane = random_slice();
       if (pane.isVisible()) input_.click(pane, pane.rect().center() + QPoint(below(81) - 40, below(81) - 40));
@@ -347,7 +355,7 @@ class RandomTester {
   }
   void remove() {
     effect_ = Effect::edit;
-    focus(random_slice());
+    focus_a_pane();
     input_.key("Delete");
   }
   template <class Widget>
@@ -386,13 +394,13 @@ class RandomTester {
     input_.key(chance(0.5) ? "Up" : "Down");
   }
   void suggest() {
-    focus(random_slice());
+    focus_a_pane();
     input_.key("ctrl+g");
     if (chance(0.5)) wait_until([&] { return !planner().job().is_running(); }, 60000);
   }
   void save() {
     const bool was_dirty = planner().has_unsaved_changes();
-    focus(random_slice());
+    focus_a_pane();
     input_.key(chance(0.5) ? "ctrl+s" : "ctrl+shift+s");
     settle();
     const fs::path file = planner().plan_file();
@@ -402,7 +410,7 @@ class RandomTester {
   }
   void open() {
     effect_ = Effect::replaces;
-    focus(random_slice());
+    focus_a_pane();
     const char* name = one_of(std::array<const char*, 7>{"bone.vdb", "plan.json", "other.mrk.json", "broken.json",
                                                          "broken.vdb", "none.vdb", "ct"});
     note(name);
@@ -413,7 +421,7 @@ class RandomTester {
     if (chance(0.5)) wait_until([&] { return !planner().job().is_running(); }, 120000);
   }
   void drill() {
-    focus(random_slice());
+    focus_a_pane();
     switch (below(5)) {
       case 0:
         child<QComboBox>("drill_speed").setCurrentIndex(below(6));
@@ -466,7 +474,7 @@ class RandomTester {
   TemporaryFolder folder_;
   XInput input_;
   HangWatch hangs_;
-  DeadlockGuard deadlock_;
+  std::optional<DeadlockGuard> deadlock_;
   QTimer answers_;
   std::unique_ptr<MainWindow> window_;
   std::optional<PlanModel> model_;
