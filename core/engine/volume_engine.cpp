@@ -49,48 +49,12 @@ void VolumeEngine::account_moved(int disc, std::size_t index, std::int64_t press
 }
 
 VolumeEngine::VolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material)
-    : volume_(volume),
-      profile_(bit),
-      grown_(profile_.grown(SweptBit::kSkinMm)),
+    : SweptEngine(bit, volume.frame()),
+      volume_(volume),
       pressure_(pressures_in(volume, material)),
       parts_(volume.pattern()),
-      places_(volume, pressure_) {}
-
-StepResult VolumeEngine::step(const Pose& pose) noexcept {
-  constexpr double kFarthestMm = 1e4;
-  Pose target = volume_.frame().to_path(pose);
-  const double axis_length = target.axis.norm();
-  const bool is_near = target.tip_mm.allFinite() && target.tip_mm.cwiseAbs().maxCoeff() <= kFarthestMm;
-  if (!is_near || !(std::abs(axis_length - 1.0) < 1e-6)) return {};
-  target.axis /= axis_length;
-  const Pose start = is_placed_ ? pose_ : target;
-  is_placed_ = true;
-  pose_ = target;
-
-  Removal removal;
-  const BitMotion motion(profile_, start, target);
-  for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) {
-    remove(SweptBit(profile_, grown_, motion.pose(piece), motion.pose(piece + 1)), removal);
-  }
-  return result_of(removal, target.tip_mm);
-}
-
-StepResult VolumeEngine::result_of(const Removal& removal, const Vec3& tip_path_mm) const noexcept {
-  StepResult result;
-  result.removed = removal.removed;
-  result.tested = removal.tested;
-  if (removal.removed == 0) return result;
-  result.removed_hu = removal.hu;
-  result.removed_mm3 = static_cast<double>(removal.parts) * parts_.part_mm3;
-  const double unit_n_mm = PressureTable::kUnitMpa * parts_.part_mm3;
-  result.work_n_mm = static_cast<double>(removal.pressure) * unit_n_mm;
-  Vec3 moment;
-  for (int n = 0; n < 3; ++n) {
-    moment[n] = static_cast<double>(removal.moment[static_cast<std::size_t>(n)]) * (unit_n_mm / places_.per_mm);
-  }
-  moment -= result.work_n_mm * tip_path_mm;
-  result.moment_n_mm2 = volume_.frame().to_patient(Pose{tip_path_mm, moment}).axis;
-  return result;
+      places_(volume, pressure_) {
+  set_units({parts_.part_mm3, places_.per_mm});
 }
 
 std::size_t VolumeEngine::memory_bytes() const {

@@ -3,29 +3,9 @@
 #include <array>
 #include <vector>
 
-#include "core/engine/drill_engine.h"
-#include "core/tool/swept_bit.h"
+#include "core/engine/swept_engine.h"
 
 namespace spinaltap {
-
-/// Sums over removed points. Whole numbers: neither order nor threads change them.
-struct Removal {
-  std::size_t removed = 0;
-  std::size_t tested = 0;
-  std::int64_t hu = 0;
-  std::int64_t parts = 0;                ///< of volume, see PointParts
-  std::int64_t pressure = 0;             ///< parts times units of PressureTable
-  std::array<std::int64_t, 3> moment{};  ///< those times whole places, path-local
-
-  void add(const Removal& other) {
-    removed += other.removed;
-    tested += other.tested;
-    hu += other.hu;
-    parts += other.parts;
-    pressure += other.pressure;
-    for (std::size_t n = 0; n < 3; ++n) moment[n] += other.moment[n];
-  }
-};
 
 /// What points stand for, in whole parts: the volumes of a disc's centre and of any other point are as 3 to 4 on rings
 /// (see DiscPattern), and the same on hexagons.
@@ -45,20 +25,15 @@ struct PointPlaces {
   std::vector<std::int32_t> of_discs;                  ///< z
 };
 
-/// What all engines on one PointVolume share: poses, pieces of the way, and what removing comes to.
-class VolumeEngine : public DrillEngine {
+/// What all engines on one PointVolume share.
+class VolumeEngine : public SweptEngine {
  public:
   /// Throws Error on a bad bit or material.
   VolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material);
 
-  StepResult step(const Pose& pose) noexcept final;
-  void reset_motion() noexcept final { is_placed_ = false; }
   std::size_t memory_bytes() const override;
 
  protected:
-  /// Removes every living point that the bit passes (path-local coordinates).
-  virtual void remove(const SweptBit& bit, Removal& removal) noexcept = 0;
-
   void kill(int disc, std::size_t index, Removal& removal) noexcept {
     volume_.set_alive(disc, index, false);
     account(disc, index, removal);
@@ -86,15 +61,10 @@ class VolumeEngine : public DrillEngine {
  private:
   /// The moment of a point that is not where its indices say: a jittered one.
   void account_moved(int disc, std::size_t index, std::int64_t pressure, Removal& removal) const noexcept;
-  StepResult result_of(const Removal& removal, const Vec3& tip_path_mm) const noexcept;
 
-  BitProfile profile_;
-  BitProfile grown_;
   PressureTable pressure_;
   PointParts parts_;
   PointPlaces places_;
-  Pose pose_;  ///< path-local
-  bool is_placed_ = false;
 };
 
 }  // namespace spinaltap

@@ -40,7 +40,7 @@ PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& option
   if (options.hu_bits == HuBits::sixteen) {
     hu16_.assign(point_count(), 0);
   } else {
-    hu8_.assign(point_count(), -kLowestHu / kHuStep);
+    hu8_.assign(point_count(), -kLowestHuOfByte / kHuOfByteStep);
   }
 }
 
@@ -62,7 +62,7 @@ void PointVolume::set_hu(int disc, std::size_t index, double hu) {
   if (hu8_.empty()) {
     hu16_[n] = static_cast<std::int16_t>(std::lround(std::clamp(hu, -32768.0, 32767.0)));
   } else {
-    hu8_[n] = static_cast<std::uint8_t>(std::lround(std::clamp((hu - kLowestHu) / kHuStep, 0.0, 255.0)));
+    hu8_[n] = byte_of_hu(hu);
   }
 }
 
@@ -85,8 +85,8 @@ std::pair<Number, Number> range_of(const std::vector<Number>& numbers) {
 std::pair<std::int16_t, std::int16_t> PointVolume::hu_range() const {
   if (hu8_.empty()) return range_of(hu16_);
   const auto [lowest, highest] = range_of(hu8_);
-  return {static_cast<std::int16_t>(kLowestHu + kHuStep * lowest),
-          static_cast<std::int16_t>(kLowestHu + kHuStep * highest)};
+  return {static_cast<std::int16_t>(kLowestHuOfByte + kHuOfByteStep * lowest),
+          static_cast<std::int16_t>(kLowestHuOfByte + kHuOfByteStep * highest)};
 }
 
 Vec3 PointVolume::jitter(int disc, std::size_t index) const {

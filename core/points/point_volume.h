@@ -7,6 +7,7 @@
 
 #include "core/base/progress.h"
 #include "core/points/disc_pattern.h"
+#include "core/points/hu_byte.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
@@ -77,7 +78,7 @@ class PointVolume {
   /// Of a point, as stored.
   std::int16_t hu(int disc, std::size_t index) const {
     const std::size_t n = static_cast<std::size_t>(disc) * pattern_.point_count() + index;
-    return hu8_.empty() ? hu16_[n] : static_cast<std::int16_t>(kLowestHu + kHuStep * hu8_[n]);
+    return hu8_.empty() ? hu16_[n] : hu_of_byte(hu8_[n]);
   }
   /// Stores the nearest number that there is. Engines take the range of the numbers when they are made: fill first.
   void set_hu(int disc, std::size_t index, double hu);
@@ -85,9 +86,6 @@ class PointVolume {
   std::pair<std::int16_t, std::int16_t> hu_range() const;
 
  private:
-  static constexpr int kLowestHu = -1024;
-  static constexpr int kHuStep = 16;
-
   std::size_t word_index(int disc, std::size_t index) const {
     return static_cast<std::size_t>(disc) * words_per_disc_ + index / 64;
   }

@@ -68,6 +68,8 @@ class PathFrame {
   PathFrame() = default;
   /// `origin_mm` in patient LPS; `direction` need not be a unit vector but must not be zero.
   PathFrame(const Vec3& origin_mm, const Vec3& direction);
+  /// With the patient's own axes.
+  explicit PathFrame(const Vec3& origin_mm) : origin_mm_(origin_mm) {}
 
   Vec3 to_path(const Vec3& p_patient) const;
   Vec3 to_patient(const Vec3& p_path) const;

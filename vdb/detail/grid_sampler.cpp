@@ -260,6 +260,118 @@ void GridSampler::quadratic_of(std::span<const Vec3> points_mm, std::span<Value>
   });
 }
 
+/// A box of values, z fastest, and where in it a lattice's positions lie.
+struct GridSampler::Region {
+  static constexpr unsigned kMaxSide = 20;
+  Place first;
+  std::array<unsigned, 3> size;
+  std::array<std::array<unsigned, LatticeBlock::kSide>, 3> cell;  ///< of each coordinate, from `first`
+  std::array<std::array<double, LatticeBlock::kSide>, 3> weight;
+};
+
+bool GridSampler::find_region(const LatticeBlock& block, Region& region) const {
+  if (!map_.axis_aligned || !(map_.per_mm.minCoeff() > 0.0)) return false;
+  Vec3 low, high;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[static_cast<Eigen::Index>(axis)] = block.at_mm[axis].front();
+    high[static_cast<Eigen::Index>(axis)] = block.at_mm[axis].back();
+  }
+  if (!holds(map_.to_index(low)) || !holds(map_.to_index(high))) return false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    std::array<int, LatticeBlock::kSide> floors{};
+    for (std::size_t n = 0; n < LatticeBlock::kSide; ++n) {
+      const double index = (block.at_mm[axis][n] - map_.origin_mm[at]) * map_.per_mm[at];
+      floors[n] = floor_of(index);
+      region.weight[axis][n] = index - floors[n];
+    }
+    region.first[axis] = static_cast<unsigned>(floors.front() - table_.low[axis]);
+    for (std::size_t n = 0; n < LatticeBlock::kSide; ++n) {
+      region.cell[axis][n] = static_cast<unsigned>(floors[n] - floors.front());
+    }
+    region.size[axis] = region.cell[axis].back() + 2;
+    if (region.size[axis] > Region::kMaxSide) return false;
+  }
+  return true;
+}
+
+namespace {
+
+/// Calls visit(x, y, row) with the values of each row along z.
+template <class Visit>
+void for_each_row(const BlockTable& table, const Place& first, const std::array<unsigned, 3>& size,
+                  const Visit& visit) {
+  constexpr unsigned kMaxSide = 20;
+  std::array<float, kMaxSide> row;
+  for (unsigned x = 0; x < size[0]; ++x) {
+    for (unsigned y = 0; y < size[1]; ++y) {
+      Place at{first[0] + x, first[1] + y, first[2]};
+      const unsigned in_block = (at[0] % kTableSide * kTableSide + at[1] % kTableSide) * kTableSide;
+      for (unsigned z = 0; z < size[2];) {
+        const unsigned from = at[2] % kTableSide;
+        const unsigned count = std::min(kTableSide - from, size[2] - z);
+        std::copy_n(table.blocks[block_at(table, at)] + in_block + from, count, row.data() + z);
+        z += count;
+        at[2] += count;
+      }
+      visit(x, y, row.data());
+    }
+  }
+}
+
+}  // namespace
+
+int GridSampler::sign(const LatticeBlock& block) const {
+  Region region;
+  if (!find_region(block, region)) return 0;
+  bool some_negative = false;
+  bool some_not = false;
+  for_each_row(table_, region.first, region.size, [&](unsigned, unsigned, const float* row) {
+    for (unsigned z = 0; z < region.size[2]; ++z) {
+      some_negative |= row[z] < 0.0F;
+      some_not |= !(row[z] < 0.0F);
+    }
+  });
+  // What lies between values has their sign.
+  return some_negative && some_not ? 0 : some_negative ? -1 : 1;
+}
+
+void GridSampler::linear(const LatticeBlock& block, std::span<float, 512> values) const {
+  constexpr std::size_t kSide = LatticeBlock::kSide;
+  Region region;
+  if (!find_region(block, region)) {
+    std::array<Vec3, 512> points_mm;
+    for (std::size_t n = 0; n < points_mm.size(); ++n) {
+      points_mm[n] = {block.at_mm[0][n / 64], block.at_mm[1][n / 8 % 8], block.at_mm[2][n % 8]};
+    }
+    return linear(points_mm, values, {});
+  }
+  // Axis by axis, in linear_value()'s order: what it would work out again for every position is worked out once.
+  std::array<float, Region::kMaxSide * Region::kMaxSide * kSide> along_z;
+  for_each_row(table_, region.first, region.size, [&](unsigned x, unsigned y, const float* row) {
+    float* const out = &along_z[(x * region.size[1] + y) * kSide];
+    for (std::size_t k = 0; k < kSide; ++k) {
+      const unsigned cell = region.cell[2][k];
+      out[k] = between(row[cell], row[cell + 1], region.weight[2][k]);
+    }
+  });
+  std::array<float, Region::kMaxSide * kSide * kSide> along_y;
+  for (unsigned x = 0; x < region.size[0]; ++x) {
+    for (std::size_t j = 0; j < kSide; ++j) {
+      const float* const low = &along_z[(x * region.size[1] + region.cell[1][j]) * kSide];
+      float* const out = &along_y[(x * kSide + j) * kSide];
+      for (std::size_t k = 0; k < kSide; ++k) out[k] = between(low[k], low[kSide + k], region.weight[1][j]);
+    }
+  }
+  for (std::size_t i = 0; i < kSide; ++i) {
+    const float* const low = &along_y[region.cell[0][i] * kSide * kSide];
+    float* const out = &values[i * kSide * kSide];
+    for (std::size_t n = 0; n < kSide * kSide; ++n) {
+      out[n] = between(low[n], low[kSide * kSide + n], region.weight[0][i]);
+    }
+  }
+}
+
 void GridSampler::quadratic(std::span<const Vec3> points_mm, std::span<float> values, std::span<Vec3> gradients) const {
   quadratic_of(points_mm, values, gradients);
 }

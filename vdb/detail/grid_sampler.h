@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -34,6 +36,12 @@ struct IndexMap {
   }
 };
 
+/// A lattice of 8 x 8 x 8 positions along the patient's axes: the coordinates of each axis, rising, mm.
+struct LatticeBlock {
+  static constexpr std::size_t kSide = 8;
+  std::array<std::array<double, kSide>, 3> at_mm;
+};
+
 /// Samples one grid of floats, from any number of threads at once. The grid must outlive it. Beyond the grid's content,
 /// and at positions that are not numbers, it finds the background value and no slope. All spans of a call have one
 /// length; `gradients` (per mm, patient LPS) may be empty instead.
@@ -43,6 +51,11 @@ class GridSampler {
 
   /// Tri-linear: OpenVDB's BoxSampler, bit for bit. The gradient is the interpolant's own: it jumps from cell to cell.
   void linear(std::span<const Vec3> points_mm, std::span<float> values, std::span<Vec3> gradients) const;
+
+  /// As linear() at a lattice's positions, z fastest, bit for bit and several times as fast.
+  void linear(const LatticeBlock& block, std::span<float, 512> values) const;
+  /// Whether the lattice's tri-linear values are all negative (-1), none is (1), or that was not found out (0): quick.
+  int sign(const LatticeBlock& block) const;
 
   /// Tri-quadratic: along each axis the parabola through the nearest voxel and its two neighbours. Exact for
   /// quadratics; half-way between voxels value and gradient jump by terms of third order. (OpenVDB's QuadraticSampler
@@ -57,6 +70,10 @@ class GridSampler {
  private:
   struct Stencil;
   struct Batch;
+  struct Region;
+
+  /// The voxels that a lattice's values come from; false where they do not lie in the table, are many, or lie askew.
+  bool find_region(const LatticeBlock& block, Region& region) const;
 
   template <unsigned Size, class Even>
   void locate(std::span<const Vec3> points_mm, Batch& batch, const Even& even) const;

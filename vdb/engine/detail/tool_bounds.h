@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "core/tool/swept_bit.h"
 #include "vdb/engine/detail/move_certificates.h"
@@ -33,14 +34,18 @@ class ToolBounds {
   /// What bounds must exceed before SweptBit, which grows the bit by a skin, surely holds nothing.
   double margin_mm() const { return margin_mm_; }
 
- private:
   struct Piece {
     double begin_mm, end_mm;
     double ball_centre_mm, ball_radius_mm;   ///< radius 0: a frustum
     double per_off, per_back, at_origin_mm;  ///< distance from the frustum's side
   };
+  static constexpr std::size_t kMaxPieces = 3;
+  std::span<const Piece> pieces() const { return {pieces_.data(), count_}; }
+  double radius_mm() const { return radius_mm_; }
+  double cone_offset_mm() const { return cone_offset_mm_; }
 
-  std::array<Piece, 3> pieces_{};
+ private:
+  std::array<Piece, kMaxPieces> pieces_{};
   std::size_t count_ = 0;
   double radius_mm_, cone_slope_, cone_offset_mm_;
   bool has_cone_;
@@ -66,6 +71,9 @@ class SweptBounds {
   bool may_reach(double from_cylinder_mm, double from_cone_mm) const {
     return from_cylinder_mm <= across_mm_ && from_cone_mm <= cone_mm_;
   }
+  double across_mm() const { return across_mm_; }
+  double cone_mm() const { return cone_mm_; }
+  double whole_mm() const { return whole_mm_; }
   /// How far the bit may move before it can touch a ball around `at` that it has not passed: nothing where it may have
   /// passed it, or where that is less than `min_mm`.
   FreeMove free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const;

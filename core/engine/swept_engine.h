@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/engine/drill_engine.h"
+#include "core/tool/drill_path.h"
+#include "core/tool/swept_bit.h"
+
+namespace spinaltap {
+
+/// Sums over what was removed. Whole numbers: neither order nor threads change them.
+struct Removal {
+  std::size_t removed = 0;
+  std::size_t tested = 0;
+  std::int64_t hu = 0;
+  std::int64_t parts = 0;                ///< of volume, see RemovalUnits
+  std::int64_t pressure = 0;             ///< parts times units of PressureTable
+  std::array<std::int64_t, 3> moment{};  ///< those times whole places, in the engine's frame
+
+  void add(const Removal& other) {
+    removed += other.removed;
+    tested += other.tested;
+    hu += other.hu;
+    parts += other.parts;
+    pressure += other.pressure;
+    for (std::size_t n = 0; n < 3; ++n) moment[n] += other.moment[n];
+  }
+};
+
+/// What the whole numbers of a Removal stand for.
+struct RemovalUnits {
+  double part_mm3 = 0.0;
+  double places_per_mm = 1.0;
+};
+
+/// What all engines share, whatever they keep bone in: poses, pieces of the way, and what removing comes to.
+class SweptEngine : public DrillEngine {
+ public:
+  StepResult step(const Pose& pose) noexcept final;
+  void reset_motion() noexcept final { is_placed_ = false; }
+
+ protected:
+  /// Bits are taken into `frame`, where numbers are small. Throws Error on a bad bit.
+  SweptEngine(const DrillBit& bit, const PathFrame& frame);
+
+  /// Removes all living bone that the bit passes; coordinates of the frame.
+  virtual void remove(const SweptBit& bit, Removal& removal) noexcept = 0;
+
+  void set_units(const RemovalUnits& units) { units_ = units; }
+  const BitProfile& profile() const { return profile_; }
+  const PathFrame& frame() const { return frame_; }
+
+ private:
+  StepResult result_of(const Removal& removal, const Vec3& tip_mm) const noexcept;
+
+  BitProfile profile_;
+  BitProfile grown_;
+  PathFrame frame_;
+  RemovalUnits units_;
+  Pose pose_;  ///< in the frame
+  bool is_placed_ = false;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,419 @@
+#include "vdb/engine/voxel_engine.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/base/error.h"
+#include "core/points/hu_byte.h"
+#include "core/points/material.h"
+#include "core/tool/swept_bit.h"
+#include "tests/support/analytic_bodies.h"
+#include "tests/support/made_bone.h"
+#include "vdb/detail/bone_samplers.h"
+#include "vdb/engine/detail/word_kernels.h"
+
+namespace spinaltap {
+namespace {
+
+using Eigen::Vector3i;
+using test::kBall;
+using test::kSmallBall;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : generator_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(generator_() >> 11) * 0x1.0p-53;
+  }
+  Vec3 direction() { return Vec3((*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)).normalized(); }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+const Vec3 kMiddleMm(31.3, 212.1, -618.7);
+
+/// A rounded block with CT numbers that differ from place to place.
+BoneModel block(double half_mm = 2.5) {
+  const Box3 box_mm(kMiddleMm - Vec3::Constant(half_mm + 2.0), kMiddleMm + Vec3::Constant(half_mm + 2.0));
+  const auto distance_mm = [&](const Vec3& p) {
+    const Vec3 beyond = (p - kMiddleMm).cwiseAbs() - Vec3::Constant(half_mm - 0.5);
+    return beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0) - 0.5;
+  };
+  auto grids = std::make_shared<detail::BoneGrids>();
+  grids->sdf = test::made_sdf(distance_mm, box_mm, 0.25);
+  auto hu = openvdb::FloatGrid::create(-1024.0F);
+  hu->setTransform(openvdb::math::Transform::createLinearTransform(0.4));
+  hu->setName("hu");
+  auto accessor = hu->getAccessor();
+  for (const openvdb::Coord& voxel : openvdb::CoordBBox(openvdb::Coord::floor(detail::to_vdb(box_mm.min() / 0.4)),
+                                                        openvdb::Coord::ceil(detail::to_vdb(box_mm.max() / 0.4)))) {
+    accessor.setValue(voxel,
+                      static_cast<float>(((voxel.x() * 31 + voxel.y() * 57 + voxel.z() * 7) % 1500 + 1500) % 1500));
+  }
+  grids->hu = hu;
+  return BoneModel(grids);
+}
+
+/// All shapes.
+DrillBit tool(std::uint64_t n) {
+  switch (n % 6) {
+    case 0:
+      return {2.0, 8.0, 2.0};
+    case 1:
+      return {1.5, 8.0, 1.0, BitShape::round_burr, 0.0, 0.6};
+    case 2:
+      return twist_drill(1.6, 8.0, 118, 0.2);
+    case 3:
+      return {2.2, 3.0, 1.0, BitShape::round_burr, 0.0, 0.0};
+    case 4:
+      return {1.5, 8.0, 1.5, BitShape::conical_burr, 0.4, 0.7};
+    default:
+      return {2.0, 8.0, 1.0, BitShape::tapered_screw, 1.2, 0.0};
+  }
+}
+
+/// Poses that wander through and around the block, from all sides, with turns, jumps, and ways out and in again.
+std::vector<Pose> wander(std::uint64_t seed, int steps, double half_mm = 2.5) {
+  Random random(seed);
+  const double speed_mm = std::pow(10.0, random(-2.5, -0.3));
+  const double turn = seed % 3 == 0 ? 0.0 : std::pow(10.0, random(-5.0, -1.5));
+  Vec3 axis = random.direction();
+  Vec3 tip = -half_mm * axis + Vec3(random(-1, 1), random(-1, 1), random(-1, 1));
+  Vec3 way = axis;
+  std::vector<Pose> poses;
+  for (int step = 0; step < steps; ++step) {
+    if (step % 20 == 10) way = random.direction();
+    if (tip.cwiseAbs().maxCoeff() > half_mm + 0.5) way = -tip.normalized();
+    if (seed % 7 == 6 && step % 40 == 30) tip = (half_mm + 1.0) * random.direction();  // out, and in again
+    if (seed % 5 == 4 && step == steps / 2) axis = random.direction();                 // at once
+    tip += speed_mm * way;
+    axis = (axis + turn * random.direction()).normalized();
+    poses.push_back({kMiddleMm + tip, axis});
+  }
+  return poses;
+}
+
+/// Every living voxel put to SweptBit: what the engine must do, without any of its haste.
+class BruteForce {
+ public:
+  BruteForce(const VoxelBone& bone, const DrillBit& bit, const Material& material)
+      : profile_(bit), grown_(profile_.grown(SweptBit::kSkinMm)), pressures_(material), voxel_mm_(bone.voxel_mm()) {
+    bone.for_each_alive([&](const Vector3i& voxel) { alive_.push_back({voxel, bone.hu(voxel)}); });
+    // Numbers near the tool are small, as the engine's are: at a voxel, so that they are as exact.
+    Vec3 low = Vec3::Constant(1e9), high = -low;
+    for (const Voxel& one : alive_) {
+      const Vec3 leaf_low = (one.at.cast<double>() / 8.0).array().floor() * 8.0;
+      low = low.cwiseMin(leaf_low);
+      high = high.cwiseMax(leaf_low + Vec3::Constant(7.0));
+    }
+    for (int axis = 0; axis < 3; ++axis) middle_[axis] = static_cast<int>(low[axis] + high[axis]) / 2;
+  }
+
+  StepResult step(const Pose& pose) {
+    const Vec3 middle_mm = voxel_mm_ * middle_.cast<double>();
+    Pose target{pose.tip_mm - middle_mm, pose.axis};
+    target.axis /= target.axis.norm();
+    const Pose start = is_placed_ ? pose_ : target;
+    is_placed_ = true;
+    pose_ = target;
+    StepResult result;
+    double moment_n = 0.0;
+    const BitMotion motion(profile_, start, target);
+    for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) {
+      const SweptBit bit(profile_, grown_, motion.pose(piece), motion.pose(piece + 1));
+      std::erase_if(alive_, [&](const Voxel& voxel) {
+        const Vec3 p = voxel_mm_ * (voxel.at - middle_).cast<double>();
+        if (!bit.contains(p)) return false;
+        ++result.removed;
+        result.removed_hu += voxel.hu;
+        const double energy = static_cast<double>(pressures_.units(voxel.hu)) * PressureTable::kUnitMpa * voxel_mm_ *
+                              voxel_mm_ * voxel_mm_;
+        result.work_n_mm += energy;
+        result.moment_n_mm2 += energy * (p - target.tip_mm);
+        moment_n += energy * (p - target.tip_mm).norm();
+        return true;
+      });
+    }
+    result.removed_mm3 = static_cast<double>(result.removed) * voxel_mm_ * voxel_mm_ * voxel_mm_;
+    moment_scale = moment_n;
+    return result;
+  }
+  void reset_motion() { is_placed_ = false; }
+
+  bool is_same_as(const VoxelBone& bone) const {
+    return bone.alive_count() == alive_.size() &&
+           std::ranges::all_of(alive_, [&](const Voxel& voxel) { return bone.is_alive(voxel.at); });
+  }
+  double moment_scale = 0.0;
+
+ private:
+  struct Voxel {
+    Vector3i at;
+    std::int16_t hu;
+  };
+  BitProfile profile_, grown_;
+  PressureTable pressures_;
+  double voxel_mm_;
+  std::vector<Voxel> alive_;
+  Vector3i middle_;
+  Pose pose_;
+  bool is_placed_ = false;
+};
+
+void expect_equal(const StepResult& a, const StepResult& b) {
+  EXPECT_EQ(a.removed, b.removed);
+  EXPECT_EQ(a.tested, b.tested);
+  EXPECT_EQ(a.removed_hu, b.removed_hu);
+  EXPECT_EQ(a.work_n_mm, b.work_n_mm);
+  EXPECT_EQ(a.removed_mm3, b.removed_mm3);
+  EXPECT_EQ(a.moment_n_mm2, b.moment_n_mm2);
+}
+
+TEST(VoxelBone, HoldsWhatLiesInTheBoneAndItsNumbers) {
+  const BoneModel bone = block();
+  for (const double voxel_mm : {0.1, 0.13, 0.5}) {
+    SCOPED_TRACE(voxel_mm);
+    const VoxelBone voxels(bone, {.voxel_mm = voxel_mm});
+    std::size_t alive = 0;
+    const Vector3i low = ((kMiddleMm - Vec3::Constant(3.0)) / voxel_mm).array().floor().matrix().cast<int>();
+    const Vector3i high = ((kMiddleMm + Vec3::Constant(3.0)) / voxel_mm).array().ceil().matrix().cast<int>();
+    for (int x = low.x(); x <= high.x(); ++x) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int z = low.z(); z <= high.z(); ++z) {
+          const Vector3i voxel(x, y, z);
+          const Vec3 p = voxels.centre_mm(voxel);
+          std::uint8_t is_inside = 0;
+          bone.inside({&p, 1}, {&is_inside, 1});
+          ASSERT_EQ(voxels.is_alive(voxel), is_inside == 1) << voxel.transpose();
+          if (is_inside == 0) continue;
+          ++alive;
+          ASSERT_EQ(voxels.hu(voxel), hu_of_byte(byte_of_hu(test::hu_at(bone, p))));
+        }
+      }
+    }
+    EXPECT_EQ(voxels.alive_count(), alive);
+    EXPECT_GT(alive, 500U);
+  }
+}
+
+TEST(VoxelBone, MeasuresABall) {
+  const BoneModel bone = test::bake_ball(kBall);
+  const VoxelBone voxels(bone);
+  EXPECT_NEAR(1e-3 * static_cast<double>(voxels.alive_count()), kBall.volume_mm3(), 5e-4 * kBall.volume_mm3());
+  // A byte of CT number and a bit of life, and what leaves cost that the surface cuts.
+  EXPECT_LT(voxels.memory_bytes(), 2 * voxels.alive_count());
+}
+
+TEST(VoxelBone, IsCutToARegion) {
+  const BoneModel bone = test::bake_ball(kSmallBall);
+  const Box3 region_mm(kSmallBall.centre_mm, kSmallBall.centre_mm + Vec3::Constant(20.0));
+  const VoxelBone voxels(bone, {.region_mm = region_mm});
+  std::size_t inside = 0;
+  VoxelBone(bone).for_each_alive([&](const Vector3i& voxel) {
+    const bool is_within = region_mm.contains(voxels.centre_mm(voxel));
+    inside += is_within ? 1 : 0;
+    ASSERT_EQ(voxels.is_alive(voxel), is_within);
+  });
+  EXPECT_EQ(voxels.alive_count(), inside);
+}
+
+TEST(VoxelBone, HoldsSeveralBones) {
+  const std::array bones{test::bake_ball({Vec3(0, 0, 0), 3.0}, 0.25, 200),
+                         test::bake_ball({Vec3(5, 0, 0), 3.0}, 0.25, 600)};
+  const VoxelBone both(bones, {.voxel_mm = 0.2});
+  const VoxelBone first(bones[0], {.voxel_mm = 0.2});
+  const VoxelBone second(bones[1], {.voxel_mm = 0.2});
+  std::size_t in_either = 0;
+  both.for_each_alive([&](const Vector3i& voxel) {
+    ++in_either;
+    ASSERT_TRUE(first.is_alive(voxel) || second.is_alive(voxel));
+    ASSERT_EQ(both.hu(voxel), first.is_alive(voxel) ? first.hu(voxel) : second.hu(voxel));
+  });
+  first.for_each_alive([&](const Vector3i& voxel) { ASSERT_TRUE(both.is_alive(voxel)); });
+  second.for_each_alive([&](const Vector3i& voxel) { ASSERT_TRUE(both.is_alive(voxel)); });
+  EXPECT_LT(in_either, first.alive_count() + second.alive_count());  // they overlap
+}
+
+TEST(VoxelBone, RejectsWhatIsNone) {
+  const BoneModel bone = test::bake_ball(kSmallBall);
+  EXPECT_THAT([&] { VoxelBone(bone, {.voxel_mm = 0.0}); }, ThrowsMessage<Error>(HasSubstr("0.02 to 5 mm")));
+  EXPECT_THAT([&] { VoxelBone(bone, {.voxel_mm = std::nan("")}); }, ThrowsMessage<Error>(HasSubstr("0.02 to 5 mm")));
+  EXPECT_THAT([&] { VoxelBone(std::span<const BoneModel>()); }, ThrowsMessage<Error>(HasSubstr("at least one bone")));
+  EXPECT_THAT(
+      [&] {
+        VoxelBone(bone, {.region_mm = {Vec3::Constant(900.0), Vec3::Constant(901.0)}});
+      },
+      ThrowsMessage<Error>(HasSubstr("region with bone")));
+  const Vec3 corner = kSmallBall.centre_mm + Vec3::Constant(5.9);
+  EXPECT_THAT(
+      [&] {
+        VoxelBone(bone, {.region_mm = {corner, corner + Vec3::Constant(0.05)}});
+      },
+      ThrowsMessage<Error>(HasSubstr("no voxel")));
+}
+
+TEST(LatticeBlock, HasTheValuesOfItsPositionsBitForBit) {
+  const BoneModel bone = block();
+  Random random(11);
+  int with_sign = 0;
+  for (int n = 0; n < 300; ++n) {
+    const double step_mm = std::pow(10.0, random(-1.5, -0.2));
+    const Vec3 first = kMiddleMm + Vec3(random(-5, 5), random(-5, 5), random(-5, 5));
+    detail::LatticeBlock lattice;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < 8; ++k) {
+        lattice.at_mm[axis][k] = first[static_cast<Eigen::Index>(axis)] + step_mm * static_cast<double>(k);
+      }
+    }
+    std::vector<Vec3> points_mm;
+    for (std::size_t i = 0; i < 512; ++i) {
+      points_mm.push_back({lattice.at_mm[0][i / 64], lattice.at_mm[1][i / 8 % 8], lattice.at_mm[2][i % 8]});
+    }
+    for (const detail::GridSampler* sampler : {&bone.samplers().distance, &bone.samplers().hu}) {
+      std::array<float, 512> found;
+      std::vector<float> expected(512);
+      sampler->linear(lattice, found);
+      sampler->linear(points_mm, expected, {});
+      ASSERT_TRUE(std::ranges::equal(found, expected)) << n;
+      const int sign = sampler->sign(lattice);
+      with_sign += sign != 0 ? 1 : 0;
+      const auto [least, most] = std::ranges::minmax_element(expected);
+      ASSERT_TRUE(sign >= 0 || *most < 0.0F);
+      ASSERT_TRUE(sign <= 0 || *least >= 0.0F);
+    }
+  }
+  EXPECT_GT(with_sign, 100);
+}
+
+TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
+  constexpr std::uint64_t kSeeds = 20;  // each takes ten times as long
+#else
+  constexpr std::uint64_t kSeeds = 200;
+#endif
+  const BoneModel bone = block();
+  std::size_t removed = 0, tested = 0;
+  int steps = 0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const DrillBit bit = tool(seed);
+    VoxelBone found(bone, {.voxel_mm = seed % 2 == 0 ? 0.2 : 0.14});
+    BruteForce expected(found, bit, {});
+    const auto& kernels = detail::word_kernels();
+    const auto engine = make_voxel_engine(found, bit, {}, {.kernels = &kernels[seed % kernels.size()]});
+    for (const Pose& pose : wander(seed, 100)) {
+      if (++steps % 23 == 0) {
+        expected.reset_motion();
+        engine->reset_motion();
+      }
+      const StepResult a = engine->step(pose), b = expected.step(pose);
+      ASSERT_EQ(a.removed, b.removed);
+      ASSERT_EQ(a.removed_hu, b.removed_hu);
+      ASSERT_NEAR(a.removed_mm3, b.removed_mm3, 1e-9 * b.removed_mm3);
+      ASSERT_NEAR(a.work_n_mm, b.work_n_mm, 1e-9 * b.work_n_mm);
+      ASSERT_LE((a.moment_n_mm2 - b.moment_n_mm2).norm(), 1e-9 * (expected.moment_scale + 100.0 * b.work_n_mm));
+      removed += a.removed;
+      tested += a.tested;
+    }
+    ASSERT_TRUE(expected.is_same_as(found));
+  }
+  EXPECT_GT(removed, kSeeds * 300U);
+  EXPECT_GT(tested, removed / 20);
+}
+
+TEST(VoxelEngine, IsTheSameWithAllInstructionsAndAtAnyNumberOfThreads) {
+  const BoneModel bone = test::bake_ball(kBall);
+  const VoxelBone before(bone, {.voxel_mm = 0.12});
+  const auto run = [&](std::size_t threads, const VoxelEngineOptions& options) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    VoxelBone voxels(before);
+    const auto engine = make_voxel_engine(voxels, {6.0, 20.0, 3.0, BitShape::round_burr, 0.0, 2.5}, {}, options);
+    std::vector<StepResult> results;
+    Random random(5);
+    for (int step = 0; step < 60; ++step) {
+      const Vec3 axis = Vec3(random(-0.3, 0.3), random(-0.3, 0.3), -1.0).normalized();
+      results.push_back(engine->step({kBall.centre_mm + Vec3(random(-6, 6), random(-6, 6), 9.0 - 0.2 * step), axis}));
+    }
+    std::vector<Vector3i> left;
+    voxels.for_each_alive([&](const Vector3i& voxel) { left.push_back(voxel); });
+    return std::pair(results, left);
+  };
+  const auto expected = run(1, {.shares_work = false});
+  std::size_t removed = 0;
+  for (const StepResult& step : expected.first) removed += step.removed;
+  EXPECT_GT(removed, 300'000U);
+  for (const detail::WordKernels& kernels : detail::word_kernels()) {
+    SCOPED_TRACE(kernels.name);
+    for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
+      const auto found = run(threads, {.kernels = &kernels});
+      ASSERT_EQ(found.first.size(), expected.first.size());
+      for (std::size_t n = 0; n < found.first.size(); ++n) expect_equal(found.first[n], expected.first[n]);
+      EXPECT_EQ(found.second, expected.second);
+    }
+  }
+}
+
+TEST(VoxelEngine, MillsTheExactVolume) {
+  const BoneModel bone = block(4.0);
+  const DrillBit burr{3.0, 30.0, 1.5, BitShape::round_burr, 0.0, 1.0};
+  const auto milled_mm3 = [&](std::span<const Pose> poses) {
+    VoxelBone voxels(bone);
+    const auto engine = make_voxel_engine(voxels, burr, {});
+    double sum = 0.0;
+    for (const Pose& pose : poses) sum += engine->step(pose).removed_mm3;
+    return sum;
+  };
+  // A ball in the block's middle alone: what the shank would take is dead already.
+  const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(1.5, 3);
+  const Vec3 axis = Vec3(0.2, -0.3, -1.0).normalized();
+  const auto at = [&](const Vec3& offset) { return Pose{kMiddleMm + offset + 1.5 * axis, axis}; };
+  // From outside to the middle, then on: the slot that 2 mm more of it are, a half ball at both ends.
+  const std::array<Pose, 2> in{at(-8.0 * axis), at(Vec3::Zero())};
+  const Vec3 side = any_perpendicular(axis);
+  const std::array<Pose, 3> and_on{in[0], in[1], at(1.2 * axis)};
+  const double on_mm3 = milled_mm3(and_on) - milled_mm3(in);
+  EXPECT_NEAR(on_mm3, std::numbers::pi * 1.5 * 1.5 * 1.2, 0.002 * on_mm3);  // a cylinder's worth
+  // Sideways: the section of the ball and the neck within the block, swept.
+  const std::array<Pose, 3> sideways{in[0], in[1], at(1.0 * side)};
+  EXPECT_GT(milled_mm3(sideways), milled_mm3(in) + 0.5 * ball_mm3 / 3.0 * 1.0 / 1.5);
+}
+
+TEST(VoxelEngine, ChangesNothingOnPosesThatAreNone) {
+  const BoneModel bone = test::bake_ball(kSmallBall);
+  VoxelBone voxels(bone, {.voxel_mm = 0.3});
+  const std::size_t alive = voxels.alive_count();
+  const auto engine = make_voxel_engine(voxels, tool(0), {});
+  engine->step({Vec3::Constant(std::nan("")), Vec3::UnitZ()});
+  engine->step({kSmallBall.centre_mm, Vec3(0, 0, 2)});
+  engine->step({kSmallBall.centre_mm + Vec3(2e4, 0, 0), Vec3::UnitZ()});
+  EXPECT_EQ(voxels.alive_count(), alive);
+  EXPECT_GT(engine->step({kSmallBall.centre_mm, Vec3::UnitZ()}).removed, 0U);
+}
+
+TEST(VoxelEngine, LeavesNothingWhereAllIsMilled) {
+  const BoneModel bone = test::bake_ball(kSmallBall);
+  VoxelBone voxels(bone, {.voxel_mm = 0.15});
+  const std::size_t alive = voxels.alive_count();
+  const auto engine = make_voxel_engine(voxels, {14.0, 20.0, 1.0}, {});
+  std::size_t removed = 0;
+  for (double z = -10.0; z < 20.0; z += 0.1) {
+    removed += engine->step({kSmallBall.centre_mm + Vec3(0, 0, z), Vec3::UnitZ()}).removed;
+  }
+  EXPECT_EQ(removed, alive);
+  EXPECT_EQ(voxels.alive_count(), 0U);
+  EXPECT_EQ(engine->step({kSmallBall.centre_mm, Vec3::UnitZ()}).removed, 0U);
+}
+
+}  // namespace
+}  // namespace spinaltap

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace spinaltap::detail {
+
+/// A tool in float, as leaves of voxels are looked at: bounds as ToolBounds has them, and how near a voxel's lower
+/// bound must be for the tool to have reached it on its way.
+struct WordTool {
+  struct Piece {
+    float begin, end;
+    float ball_centre, ball_radius;  ///< radius 0: a frustum
+    float per_off, per_back, at_origin;
+  };
+  std::array<Piece, 3> pieces;
+  std::size_t piece_count;
+  float radius, cone_offset, cone_slope;
+  float across, cone, whole;  ///< of reach
+  float spare;                ///< what rounding may hide, mm
+};
+
+/// Where a leaf's voxels lie, seen from the tool: two directions across its axis, and back along it; mm.
+struct LeafPlace {
+  std::array<float, 3> first;                ///< of the voxel of the first word's bit 0
+  std::array<float, 3> per_x, per_y, per_z;  ///< a word, 8 bits and 1 bit further
+};
+
+/// What a word of 64 voxels came to.
+struct WordResult {
+  std::uint64_t unsure;  ///< of the living: the tool may have reached them
+  std::uint64_t inside;  ///< the tool holds them at the end of its way
+  // Least bounds of the other living voxels; 1e30 without any.
+  float cylinder, cone, body;
+};
+
+struct LeafArguments {
+  const WordTool* tool;
+  LeafPlace begin, end;  ///< of the tool's way
+  const std::uint64_t* words;
+  unsigned due;  ///< bit x: look at word x
+};
+
+/// One set of instructions. All sets do the same operations: their results are the same bits.
+struct WordKernels {
+  const char* name;
+  void (*look)(const LeafArguments& leaf, WordResult* words);
+};
+
+/// The sets that this machine can run; portable ones first, the fastest last.
+const std::vector<WordKernels>& word_kernels();
+
+}  // namespace spinaltap::detail

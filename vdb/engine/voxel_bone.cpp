@@ -1,0 +1,184 @@
+#include "vdb/engine/voxel_bone.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/points/hu_byte.h"
+#include "vdb/detail/bone_samplers.h"
+#include "vdb/engine/detail/voxel_leaves.h"
+
+namespace spinaltap {
+namespace {
+
+using detail::LatticeBlock;
+using detail::VoxelLeafNode;
+using openvdb::Coord;
+
+constexpr int kSide = static_cast<int>(VoxelLeafNode::DIM);
+
+/// Whole numbers from a box in mm: those of leaves that may hold living voxels.
+struct LeafRange {
+  Coord first, last;
+  std::size_t count() const {
+    std::size_t product = 1;
+    for (unsigned axis = 0; axis < 3; ++axis) product *= static_cast<std::size_t>(last[axis] - first[axis] + 1);
+    return product;
+  }
+};
+
+LeafRange leaves_within(const Box3& box_mm, double voxel_mm) {
+  constexpr double kFarthest = 1e8;
+  LeafRange range;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double low = std::floor(box_mm.min()[axis] / voxel_mm / kSide) - 1.0;
+    const double high = std::floor(box_mm.max()[axis] / voxel_mm / kSide) + 1.0;
+    if (!(low > -kFarthest && high < kFarthest)) fail("voxels: expected a bone near the origin, found one at ", low);
+    range.first[axis] = static_cast<int>(low);
+    range.last[axis] = static_cast<int>(high);
+  }
+  return range;
+}
+
+/// Fills leaves from one or several bones.
+class LeafFiller {
+ public:
+  LeafFiller(std::span<const BoneModel> bones, const VoxelBoneOptions& options) : bones_(bones), options_(options) {}
+
+  /// Null where nothing lives there.
+  std::unique_ptr<VoxelLeafNode> filled(const Coord& leaf) const {
+    const Coord origin(leaf.x() * kSide, leaf.y() * kSide, leaf.z() * kSide);
+    LatticeBlock block;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (int n = 0; n < kSide; ++n) {
+        block.at_mm[axis][static_cast<std::size_t>(n)] = options_.voxel_mm * (origin[axis] + n);
+      }
+    }
+    const VoxelLeafNode::NodeMaskType within = within_region(block);
+    if (within.isOff()) return nullptr;
+    std::unique_ptr<VoxelLeafNode> node;
+    for (const BoneModel& bone : bones_) add(bone, block, within, origin, node);
+    return node;
+  }
+
+ private:
+  VoxelLeafNode::NodeMaskType within_region(const LatticeBlock& block) const {
+    VoxelLeafNode::NodeMaskType within(true);
+    if (options_.region_mm.isEmpty()) return within;
+    const Vec3 low(block.at_mm[0].front(), block.at_mm[1].front(), block.at_mm[2].front());
+    const Vec3 high(block.at_mm[0].back(), block.at_mm[1].back(), block.at_mm[2].back());
+    if (options_.region_mm.contains(Box3(low, high))) return within;
+    for (openvdb::Index n = 0; n < VoxelLeafNode::SIZE; ++n) {
+      const Vec3 centre(block.at_mm[0][n / 64], block.at_mm[1][n / 8 % 8], block.at_mm[2][n % 8]);
+      if (!options_.region_mm.contains(centre)) within.setOff(n);
+    }
+    return within;
+  }
+
+  static void add(const BoneModel& bone, const LatticeBlock& block, const VoxelLeafNode::NodeMaskType& within,
+                  const Coord& origin, std::unique_ptr<VoxelLeafNode>& node) {
+    const int sign = bone.samplers().distance.sign(block);
+    if (sign > 0) return;
+    VoxelLeafNode::NodeMaskType alive = within;
+    std::array<float, VoxelLeafNode::SIZE> values;
+    if (sign == 0) {
+      bone.samplers().distance.linear(block, values);
+      for (openvdb::Index n = 0; n < VoxelLeafNode::SIZE; ++n) {
+        if (!(values[n] < 0.0F)) alive.setOff(n);
+      }
+    }
+    if (node) alive -= node->getValueMask();  // minus
+    if (alive.isOff()) return;
+    if (!node) node = std::make_unique<VoxelLeafNode>(origin, std::uint8_t{0}, false);
+    bone.samplers().hu.linear(block, values);
+    std::uint8_t* const bytes = node->buffer().data();
+    for (openvdb::Index n = 0; n < VoxelLeafNode::SIZE; ++n) {
+      if (alive.isOff(n)) continue;
+      bytes[n] = byte_of_hu(std::isnan(values[n]) ? 0.0 : static_cast<double>(values[n]));
+    }
+    node->setValueMask(node->getValueMask() | alive);
+  }
+
+  std::span<const BoneModel> bones_;
+  const VoxelBoneOptions& options_;
+};
+
+}  // namespace
+
+VoxelBone::VoxelBone(std::span<const BoneModel> bones, const VoxelBoneOptions& options, const Progress& progress)
+    : leaves_(std::make_unique<detail::VoxelLeaves>()) {
+  if (!(options.voxel_mm >= 0.02 && options.voxel_mm <= 5.0)) {
+    fail("voxels: expected a size from 0.02 to 5 mm, found ", options.voxel_mm, " mm");
+  }
+  if (bones.empty()) fail("voxels: expected at least one bone");
+  Box3 box_mm;
+  for (const BoneModel& bone : bones) box_mm.extend(bone.bounds_mm());
+  if (!options.region_mm.isEmpty()) box_mm = box_mm.intersection(options.region_mm);
+  if (box_mm.isEmpty()) fail("voxels: expected a region with bone in it, found none there");
+  const LeafRange range = leaves_within(box_mm, options.voxel_mm);
+  // 2^31 voxels in 2^22 leaves and as many again that are empty; a box beyond that is no bone's.
+  constexpr double kMaxLeaves = 0x1.0p27;
+  if (!(static_cast<double>(range.count()) <= kMaxLeaves)) {
+    fail("voxels: expected a box of at most 2^36 voxels, found one of ", (box_mm.sizes() / options.voxel_mm).prod());
+  }
+  leaves_->voxel_mm = options.voxel_mm;
+  const LeafFiller filler(bones, options);
+  const std::size_t layers = static_cast<std::size_t>(range.last.x() - range.first.x() + 1);
+  std::vector<std::vector<std::unique_ptr<VoxelLeafNode>>> found(layers);
+  std::atomic<std::size_t> alive{0};
+  constexpr std::size_t kMaxVoxels = std::size_t{1} << 31;
+  ProgressCounter counter(progress, "filling voxels", layers);
+  tbb::parallel_for(std::size_t{0}, layers, [&](std::size_t layer) {
+    std::size_t count = 0;
+    for (int y = range.first.y(); y <= range.last.y(); ++y) {
+      for (int z = range.first.z(); z <= range.last.z(); ++z) {
+        auto node = filler.filled(Coord(range.first.x() + static_cast<int>(layer), y, z));
+        if (!node) continue;
+        count += node->onVoxelCount();
+        found[layer].push_back(std::move(node));
+      }
+    }
+    if (alive.fetch_add(count) + count > kMaxVoxels) {
+      fail("voxels: expected at most 2^31 voxels of bone: take larger ones than ", options.voxel_mm,
+           " mm, or a region");
+    }
+    counter.add();
+  });
+  if (alive == 0) fail("voxels: expected bone, found no voxel of ", options.voxel_mm, " mm within");
+  for (auto& layer : found) {
+    for (auto& node : layer) leaves_->tree.addLeaf(node.release());
+  }
+}
+
+VoxelBone::~VoxelBone() = default;
+VoxelBone::VoxelBone(VoxelBone&&) noexcept = default;
+VoxelBone::VoxelBone(const VoxelBone& other) : leaves_(std::make_unique<detail::VoxelLeaves>(*other.leaves_)) {}
+
+double VoxelBone::voxel_mm() const { return leaves_->voxel_mm; }
+
+bool VoxelBone::is_alive(const Eigen::Vector3i& voxel) const {
+  return leaves_->tree.isValueOn(Coord(voxel.x(), voxel.y(), voxel.z()));
+}
+
+std::int16_t VoxelBone::hu(const Eigen::Vector3i& voxel) const {
+  return hu_of_byte(leaves_->tree.getValue(Coord(voxel.x(), voxel.y(), voxel.z())));
+}
+
+void VoxelBone::for_each_alive(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const {
+  for (auto leaf = leaves_->tree.cbeginLeaf(); leaf; ++leaf) {
+    for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
+      const Coord at = voxel.getCoord();
+      visit({at.x(), at.y(), at.z()});
+    }
+  }
+}
+
+std::size_t VoxelBone::alive_count() const { return static_cast<std::size_t>(leaves_->tree.activeVoxelCount()); }
+
+std::size_t VoxelBone::memory_bytes() const { return static_cast<std::size_t>(leaves_->tree.memUsage()); }
+
+}  // namespace spinaltap

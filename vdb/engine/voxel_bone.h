@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "core/base/geometry.h"
+#include "core/base/progress.h"
+#include "vdb/grid/bone_model.h"
+
+namespace spinaltap {
+
+namespace detail {
+struct VoxelLeaves;
+}
+
+struct VoxelBoneOptions {
+  double voxel_mm = 0.1;  ///< 0.02 to 5
+  Box3 region_mm = {};    ///< voxels with their centre in it, patient LPS; empty: the whole of the bones
+};
+
+/// Bones as sparse voxels that any tool can mill anywhere: an OpenVDB tree with, for each voxel, whether it is alive
+/// and its CT number in eight bits. Voxel (i, j, k) has its centre at (i, j, k) voxel_mm, patient LPS, so that bones of
+/// one patient share one lattice.
+class VoxelBone {
+ public:
+  /// A voxel lives where the sign of a bone's tri-linear distance is negative at its centre (BoneModel::inside()); its
+  /// CT number is that of the first bone that holds it. Throws Error on bad options, where nothing lives, and on more
+  /// than 2^31 voxels.
+  explicit VoxelBone(std::span<const BoneModel> bones, const VoxelBoneOptions& options = {},
+                     const Progress& progress = {});
+  explicit VoxelBone(const BoneModel& bone, const VoxelBoneOptions& options = {}, const Progress& progress = {})
+      : VoxelBone(std::span(&bone, 1), options, progress) {}
+  ~VoxelBone();
+  VoxelBone(VoxelBone&&) noexcept;
+  /// The same voxels, living and dead, in a tree of its own.
+  VoxelBone(const VoxelBone& other);
+
+  double voxel_mm() const;
+  Vec3 centre_mm(const Eigen::Vector3i& voxel) const { return voxel_mm() * voxel.cast<double>(); }
+  bool is_alive(const Eigen::Vector3i& voxel) const;
+  /// Of a voxel that lives or has lived, as stored: steps of 16 HU from -1024 to 3056.
+  std::int16_t hu(const Eigen::Vector3i& voxel) const;
+  /// In the order of the tree.
+  void for_each_alive(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const;
+
+  std::size_t alive_count() const;
+  /// Of all that is stored.
+  std::size_t memory_bytes() const;
+
+  detail::VoxelLeaves& leaves() { return *leaves_; }
+  const detail::VoxelLeaves& leaves() const { return *leaves_; }
+
+ private:
+  std::unique_ptr<detail::VoxelLeaves> leaves_;
+};
+
+}  // namespace spinaltap

@@ -1,0 +1,466 @@
+// Boxes within boxes: branches of the tree, their nodes, leaves. Each has a certificate of how far the tool may move
+// before it can touch a living voxel there (see MoveCertificates); a step looks only where one has run out. What is due
+// at the end are leaves, whose words are looked at 64 voxels at a time: most are out of reach or held by the tool, and
+// the few that float cannot decide are put to SweptBit, as in every engine.
+
+#include "vdb/engine/voxel_engine.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/engine/swept_engine.h"
+#include "core/points/hu_byte.h"
+#include "vdb/engine/detail/move_certificates.h"
+#include "vdb/engine/detail/tool_bounds.h"
+#include "vdb/engine/detail/voxel_leaves.h"
+#include "vdb/engine/detail/word_kernels.h"
+
+namespace spinaltap {
+namespace detail {
+namespace {
+
+using Index3 = std::array<std::int32_t, 3>;
+
+/// What has living voxels, on one level of the tree; what has no more is dropped, and the last of its parent takes its
+/// place.
+struct TreeLevel {
+  MoveCertificates certificates;
+  std::vector<float> left_mm;               ///< of certificates, where they were checked in this step
+  std::vector<std::uint8_t> is_stale;       ///< left_mm of the children are of an earlier step
+  std::vector<std::uint32_t> begin, count;  ///< children, on the level below
+  std::vector<std::uint32_t> due;           ///< in this step
+  std::size_t due_count = 0;
+
+  TreeLevel() = default;
+  TreeLevel(std::span<const Vec3> centres_mm, double half_mm)
+      : certificates(centres_mm, half_mm),
+        left_mm(centres_mm.size()),
+        is_stale(centres_mm.size()),
+        due(centres_mm.size()) {}
+  std::size_t memory_bytes() const {
+    return certificates.memory_bytes() + left_mm.size() * sizeof(float) + is_stale.size() +
+           (begin.size() + count.size() + due.size()) * sizeof(std::uint32_t);
+  }
+};
+
+struct LivingLeaf {
+  std::uint64_t* words;  ///< of living bits, one for each x
+  const std::uint8_t* hu;
+  Index3 origin;  ///< voxels from the engine's middle
+  std::uint32_t alive;
+  std::uint8_t counts;           ///< what its certificate counts, see Counts
+  float free_mm;                 ///< its certificate when it was made
+  std::array<float, 8> word_mm;  ///< and of each word alone
+};
+
+/// What of the tool's moves a certificate counts, from few to all: those across the axis; of the advance, a cone's
+/// slope too; all, and no less of the advance than the cone's slope. One that counts few holds as well where more are
+/// counted.
+enum Counts : std::uint8_t { kAcross, kAcrossCone, kAll };
+
+/// Middle of a box of `voxels` to a side, in voxels, and half its diagonal from centre to centre.
+Vec3 middle_of(const openvdb::Coord& origin, const openvdb::Coord& zero, int voxels) {
+  const openvdb::Coord at = origin - zero;
+  return Vec3(at.x(), at.y(), at.z()) + Vec3::Constant(0.5 * (voxels - 1));
+}
+
+/// Left of a certificate that was not checked at every step.
+constexpr float kUnknownMm = 1e30F;
+
+class VoxelEngine final : public SweptEngine {
+ public:
+  VoxelEngine(VoxelBone& bone, const DrillBit& bit, const Material& material, const VoxelEngineOptions& options)
+      : VoxelEngine(bone, bit, material, options, middle_voxel(bone)) {}
+
+  std::size_t memory_bytes() const override {
+    std::size_t bytes = sizeof(*this) + leaves_.size() * sizeof(LivingLeaf);
+    for (const TreeLevel& level : levels_) bytes += level.memory_bytes();
+    return bytes;
+  }
+
+ private:
+  // Levels, from the leaves up.
+  static constexpr std::size_t kLeaves = 0, kNodes = 1, kBranches = 2;
+  static constexpr int kLeafSide = VoxelLeafNode::DIM, kNodeSide = VoxelNode::DIM, kBranchSide = VoxelBranch::DIM;
+
+  VoxelEngine(VoxelBone& bone, const DrillBit& bit, const Material& material, const VoxelEngineOptions& options,
+              const openvdb::Coord& middle)
+      : SweptEngine(bit, PathFrame(bone.centre_mm({middle.x(), middle.y(), middle.z()}))),
+        bounds_(profile()),
+        voxel_mm_(bone.voxel_mm()),
+        options_(options),
+        kernels_(options.kernels != nullptr ? *options.kernels : word_kernels().back()) {
+    const PressureTable pressures(material, hu_of_byte(0), hu_of_byte(255));
+    for (unsigned n = 0; n < 256; ++n) pressure_[n] = pressures.units(hu_of_byte(static_cast<std::uint8_t>(n)));
+    list_tree(bone.leaves().tree, middle);
+    const double places = 1.0 + static_cast<double>(farthest_);
+    if (!(places * static_cast<double>(pressures.highest_units()) * static_cast<double>(alive_) < 0x1.0p62)) {
+      fail("voxel engine: expected fewer voxels of less hard bone: their moment does not fit 64 bits");
+    }
+    set_units({voxel_mm_ * voxel_mm_ * voxel_mm_, 1.0 / voxel_mm_});
+  }
+
+  static openvdb::Coord middle_voxel(const VoxelBone& bone) {
+    openvdb::CoordBBox box;
+    bone.leaves().tree.evalLeafBoundingBox(box);
+    if (box.empty()) return openvdb::Coord(0);
+    const openvdb::Coord sum = box.min() + box.max();
+    return {sum.x() / 2, sum.y() / 2, sum.z() / 2};
+  }
+
+  void list_tree(VoxelTree& tree, const openvdb::Coord& middle) {
+    std::vector<VoxelBranch*> branches;
+    tree.getNodes(branches);
+    std::array<std::vector<Vec3>, 3> centres_mm;
+    std::array<std::vector<std::uint32_t>, 3> begin, count;
+    const auto list = [&](std::size_t level, const auto& node, int side) {
+      centres_mm[level].push_back(voxel_mm_ * middle_of(node.origin(), middle, side));
+    };
+    for (VoxelBranch* branch : branches) {
+      const std::size_t first_node = centres_mm[kNodes].size();
+      for (auto node = branch->beginChildOn(); node; ++node) {
+        const std::size_t first_leaf = leaves_.size();
+        for (auto leaf = node->beginChildOn(); leaf; ++leaf) {
+          const auto alive = static_cast<std::uint32_t>(leaf->onVoxelCount());
+          if (alive == 0) continue;
+          const openvdb::Coord at = leaf->origin() - middle;
+          leaves_.push_back({&leaf->getValueMask().template getWord<std::uint64_t>(0),
+                             leaf->buffer().data(),
+                             {at.x(), at.y(), at.z()},
+                             alive,
+                             kAcross,
+                             -1.0F,
+                             {}});
+          alive_ += alive;
+          for (unsigned axis = 0; axis < 3; ++axis) farthest_ = std::max(farthest_, std::abs(at[axis]) + kLeafSide);
+          list(kLeaves, *leaf, kLeafSide);
+        }
+        if (leaves_.size() == first_leaf) continue;
+        list(kNodes, *node, kNodeSide);
+        begin[kNodes].push_back(static_cast<std::uint32_t>(first_leaf));
+        count[kNodes].push_back(static_cast<std::uint32_t>(leaves_.size() - first_leaf));
+      }
+      if (centres_mm[kNodes].size() == first_node) continue;
+      list(kBranches, *branch, kBranchSide);
+      begin[kBranches].push_back(static_cast<std::uint32_t>(first_node));
+      count[kBranches].push_back(static_cast<std::uint32_t>(centres_mm[kNodes].size() - first_node));
+    }
+    constexpr std::array<int, 3> kSides{kLeafSide, kNodeSide, kBranchSide};
+    for (std::size_t level = 0; level < levels_.size(); ++level) {
+      levels_[level] = TreeLevel(centres_mm[level], 0.5 * std::sqrt(3.0) * (kSides[level] - 1) * voxel_mm_);
+      levels_[level].begin = std::move(begin[level]);
+      levels_[level].count = std::move(count[level]);
+    }
+    branch_count_ = centres_mm[kBranches].size();
+  }
+
+  void remove(const SweptBit& bit, Removal& removal) noexcept override {
+    const SweptBounds tool(bit, bounds_);
+    const WordTool words = word_tool(tool);
+    to_rows_ = rows_of(bit.to().axis, any_perpendicular(bit.to().axis));
+    from_rows_ = rows_of(bit.from().axis, any_perpendicular(bit.from().axis));
+    for (TreeLevel& level : levels_) level.due_count = 0;
+    list_due(kBranches, 0, branch_count_, tool);
+    TreeLevel& leaves = levels_[kLeaves];
+    // Measured: sharing breaks even at some 20 us of work, a leaf takes 0.2 us.
+    constexpr std::size_t kWorthSharing = 200;
+    if (options_.shares_work && leaves.due_count >= kWorthSharing) {
+      removal.add(tbb::parallel_reduce(
+          tbb::blocked_range<std::size_t>(0, leaves.due_count, kWorthSharing / 4), Removal(),
+          [&](const tbb::blocked_range<std::size_t>& range, Removal sum) {
+            for (std::size_t n = range.begin(); n < range.end(); ++n) look(leaves.due[n], tool, words, sum);
+            return sum;
+          },
+          [](Removal a, const Removal& b) {
+            a.add(b);
+            return a;
+          }));
+    } else {
+      for (std::size_t n = 0; n < leaves.due_count; ++n) look(leaves.due[n], tool, words, removal);
+    }
+    // From the last, so that what moves into a dropped one's place has been finished.
+    for (const std::size_t level : {kNodes, kBranches}) {
+      for (std::size_t n = levels_[level].due_count; n-- > 0;) finish(level, levels_[level].due[n], tool);
+    }
+  }
+
+  /// Of [begin, end) of a level: certificates that hold, those that can be renewed, and, below the rest, the leaves
+  /// that are due.
+  void list_due(std::size_t number, std::size_t begin, std::size_t end, const SweptBounds& tool) noexcept {
+    TreeLevel& level = levels_[number];
+    level.certificates.check(tool.line(), begin, end, level.left_mm.data() + begin);
+    list_failed(number, begin, end, tool);
+  }
+  void list_failed(std::size_t number, std::size_t begin, std::size_t end, const SweptBounds& tool) noexcept {
+    TreeLevel& level = levels_[number];
+    const double half_mm = level.certificates.half_mm();
+    for (std::size_t n = begin; n < end; ++n) {
+      if (level.left_mm[n] > 0.0F) continue;
+      if (number == kLeaves) {
+        level.due[level.due_count++] = static_cast<std::uint32_t>(n);
+        continue;
+      }
+      const FreeMove free = tool.free_of_ball(tool.place(level.certificates.centre_mm(n)), half_mm, 0.25 * half_mm);
+      if (free.free_mm > 0.0) {
+        level.certificates.renew(n, tool.line(), free);
+        level.left_mm[n] = static_cast<float>(free.free_mm * (1.0 - 1e-6));
+        level.is_stale[n] = 1;
+        continue;
+      }
+      level.due[level.due_count++] = static_cast<std::uint32_t>(n);
+      const std::size_t first = level.begin[n], last = first + level.count[n];
+      TreeLevel& below = levels_[number - 1];
+      if (level.is_stale[n] != 0) {
+        // The tool may have been anywhere since these were checked.
+        std::fill(below.left_mm.begin() + static_cast<std::ptrdiff_t>(first),
+                  below.left_mm.begin() + static_cast<std::ptrdiff_t>(last), -kUnknownMm);
+        std::fill(below.is_stale.begin() + static_cast<std::ptrdiff_t>(first),
+                  below.is_stale.begin() + static_cast<std::ptrdiff_t>(last), std::uint8_t{1});
+        level.is_stale[n] = 0;
+        list_failed(number - 1, first, last, tool);
+      } else {
+        list_due(number - 1, first, last, tool);
+      }
+    }
+  }
+
+  WordTool word_tool(const SweptBounds& tool) const noexcept {
+    const auto f = [](double value) { return static_cast<float>(value); };
+    WordTool words{};
+    for (const ToolBounds::Piece& piece : bounds_.pieces()) {
+      words.pieces[words.piece_count++] = {f(piece.begin_mm),       f(piece.end_mm),  f(piece.ball_centre_mm),
+                                           f(piece.ball_radius_mm), f(piece.per_off), f(piece.per_back),
+                                           f(piece.at_origin_mm)};
+    }
+    words.radius = f(bounds_.radius_mm());
+    words.cone_offset = f(bounds_.cone_offset_mm());
+    words.cone_slope = f(bounds_.cone_slope());
+    // Float's rounding of places this far from the tip, with room.
+    const double reach_mm = tool.bit().profile().length_mm() + 2.0 * tool.bit().profile().radius_mm() +
+                            tool.whole_mm() + 4.0 * levels_[kLeaves].certificates.half_mm();
+    const double spare_mm = 3e-5 + 2e-6 * reach_mm;
+    const double more_mm = 2.0 * (spare_mm + bounds_.margin_mm());
+    words.spare = f(spare_mm);
+    words.across = f(tool.across_mm() + more_mm);
+    words.cone = f(tool.cone_mm() + more_mm * (1.0 + bounds_.cone_slope()));
+    words.whole = f(tool.whole_mm() + 2.0 * more_mm);
+    return words;
+  }
+
+  Vec3 centre_mm(const LivingLeaf& leaf, std::size_t bit) const noexcept {
+    const auto at = static_cast<std::int32_t>(bit);
+    return voxel_mm_ * Vec3(leaf.origin[0] + at / 64, leaf.origin[1] + at / 8 % 8, leaf.origin[2] + at % 8);
+  }
+
+  void kill(LivingLeaf& leaf, unsigned x, std::uint64_t dead, Removal& removal) noexcept {
+    if (dead == 0) return;
+    leaf.words[x] &= ~dead;
+    const auto count = static_cast<std::uint32_t>(std::popcount(dead));
+    leaf.alive -= count;
+    removal.removed += count;
+    removal.parts += count;
+    std::int64_t bytes = 0, pressure = 0, along_y = 0, along_z = 0;
+    const std::uint8_t* const hu = leaf.hu + std::size_t{x} * 64;
+    for (std::uint64_t left = dead; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      const std::uint8_t byte = hu[bit];
+      bytes += byte;
+      const std::int64_t units = pressure_[byte];
+      pressure += units;
+      along_y += units * (bit >> 3);
+      along_z += units * (bit & 7);
+    }
+    removal.hu += kHuOfByteStep * bytes + std::int64_t{kLowestHuOfByte} * count;
+    removal.pressure += pressure;
+    removal.moment[0] += pressure * (leaf.origin[0] + static_cast<std::int32_t>(x));
+    removal.moment[1] += pressure * leaf.origin[1] + along_y;
+    removal.moment[2] += pressure * leaf.origin[2] + along_z;
+  }
+
+  /// Two directions across the axis, and back along it, in rows.
+  static Mat3 rows_of(const Vec3& axis, const Vec3& side) noexcept {
+    Mat3 rows;
+    rows.row(0) = side;
+    rows.row(1) = axis.cross(side);
+    rows.row(2) = -axis;
+    return rows;
+  }
+  LeafPlace place_of(const LivingLeaf& leaf, const Pose& pose, const Mat3& rows) const noexcept {
+    LeafPlace place;
+    const Vec3 first_mm = rows * (centre_mm(leaf, 0) - pose.tip_mm);
+    for (int n = 0; n < 3; ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      place.first[at] = static_cast<float>(first_mm[n]);
+      place.per_x[at] = static_cast<float>(rows(n, 0) * voxel_mm_);
+      place.per_y[at] = static_cast<float>(rows(n, 1) * voxel_mm_);
+      place.per_z[at] = static_cast<float>(rows(n, 2) * voxel_mm_);
+    }
+    return place;
+  }
+
+  void look(std::size_t number, const SweptBounds& tool, const WordTool& words, Removal& removal) noexcept {
+    LivingLeaf& leaf = leaves_[number];
+    const MoveCertificates& certificates = levels_[kLeaves].certificates;
+    const double half_mm = certificates.half_mm();
+    const BitPlace centre = tool.place(certificates.centre_mm(number));
+    const FreeMove outside = tool.free_of_ball(centre, half_mm, 0.5 * half_mm);
+    if (outside.free_mm > 0.0) {
+      leaf.word_mm.fill(static_cast<float>(outside.free_mm));
+      const Counts counts = outside.backward > 0.0 ? kAll : outside.forward > 0.0 ? kAcrossCone : kAcross;
+      return certify(number, static_cast<float>(outside.free_mm), counts, tool);
+    }
+    if (tool.holds_ball(centre, half_mm)) {
+      for (unsigned x = 0; x < 8; ++x) kill(leaf, x, leaf.words[x], removal);
+      return;
+    }
+    // Words as the certificate left them, less what has been used of it since.
+    const float used_mm = leaf.free_mm - levels_[kLeaves].left_mm[number];
+    LeafArguments arguments;
+    arguments.due = 0;
+    unsigned skipped = 0;
+    for (unsigned x = 0; x < 8; ++x) {
+      if (leaf.words[x] == 0) continue;
+      leaf.word_mm[x] -= used_mm;
+      (leaf.word_mm[x] > 0.0F ? skipped : arguments.due) |= 1U << x;
+    }
+    arguments.tool = &words;
+    arguments.words = leaf.words;
+    arguments.end = place_of(leaf, tool.bit().to(), to_rows_);
+    arguments.begin = place_of(leaf, tool.bit().from(), from_rows_);
+    std::array<WordResult, 8> seen;
+    kernels_.look(arguments, seen.data());
+    std::array<Nearest, 8> nearest;
+    Nearest least;
+    for (unsigned x = 0; x < 8; ++x) {
+      if ((arguments.due >> x & 1U) == 0) continue;
+      std::uint64_t dead = seen[x].inside;
+      nearest[x] = {static_cast<double>(seen[x].cylinder - words.spare),
+                    static_cast<double>(seen[x].cone - words.spare), static_cast<double>(seen[x].body - words.spare)};
+      removal.tested += static_cast<std::size_t>(std::popcount(seen[x].unsure));
+      for (std::uint64_t left = seen[x].unsure; left != 0; left &= left - 1) {
+        const auto bit = static_cast<std::size_t>(std::countr_zero(left));
+        const Vec3 p = centre_mm(leaf, x * 64 + bit);
+        if (tool.bit().contains_inlined(p)) {
+          dead |= std::uint64_t{1} << bit;
+          continue;
+        }
+        const BitPlace at = tool.place(p);
+        nearest[x].take({bounds_.from_cylinder_mm(at), bounds_.from_cone_mm(at), bounds_.from_body_mm(at)});
+      }
+      kill(leaf, x, dead, removal);
+      if (leaf.words[x] != 0) least.take(nearest[x]);
+    }
+    if (leaf.alive == 0) return;
+    Counts counts = what_to_count(least);
+    if (skipped != 0) counts = std::max(counts, static_cast<Counts>(leaf.counts));
+    float free_mm = kUnknownMm;
+    for (unsigned x = 0; x < 8; ++x) {
+      if (leaf.words[x] == 0) continue;
+      if ((arguments.due >> x & 1U) != 0) leaf.word_mm[x] = static_cast<float>(free_of(nearest[x], counts));
+      free_mm = std::min(free_mm, leaf.word_mm[x]);
+    }
+    certify(number, free_mm, counts, tool);
+  }
+
+  /// Least bounds of voxels that live.
+  struct Nearest {
+    double cylinder_mm = 1e30, cone_mm = 1e30, body_mm = 1e30;
+    void take(const Nearest& other) noexcept {
+      cylinder_mm = std::min(cylinder_mm, other.cylinder_mm);
+      cone_mm = std::min(cone_mm, other.cone_mm);
+      body_mm = std::min(body_mm, other.body_mm);
+    }
+  };
+  Counts what_to_count(const Nearest& least) const noexcept {
+    // Behind the cone a bit slides along its own wall: that certificate outlives a much longer one that counts advance.
+    const double margin_mm = bounds_.margin_mm();
+    const double other_mm = bounds_.has_cone() ? least.cone_mm : least.body_mm;
+    if (least.cylinder_mm > std::max(4.0 * margin_mm, 0.25 * other_mm)) return kAcross;
+    return bounds_.has_cone() && least.cone_mm > 4.0 * margin_mm ? kAcrossCone : kAll;
+  }
+  double free_of(const Nearest& nearest, Counts counts) const noexcept {
+    const double bound_mm = counts == kAcross       ? nearest.cylinder_mm
+                            : counts == kAcrossCone ? nearest.cone_mm
+                                                    : nearest.body_mm;
+    return bound_mm - bounds_.margin_mm();
+  }
+  void certify(std::size_t number, float free_mm, Counts counts, const SweptBounds& tool) noexcept {
+    const double slope = bounds_.has_cone() ? bounds_.cone_slope() : 0.0;
+    const double forward = counts == kAll ? std::max(1.0, slope) : counts == kAcrossCone ? slope : 0.0;
+    levels_[kLeaves].certificates.renew(number, tool.line(),
+                                        {static_cast<double>(free_mm), forward, counts == kAll ? 1.0 : 0.0});
+    levels_[kLeaves].left_mm[number] = free_mm;
+    leaves_[number].free_mm = free_mm;
+    leaves_[number].counts = counts;
+  }
+
+  void finish(std::size_t number, std::size_t at, const SweptBounds& tool) noexcept {
+    TreeLevel& level = levels_[number];
+    TreeLevel& below = levels_[number - 1];
+    FreeMove free{std::numeric_limits<double>::infinity(), 0.0, 0.0};
+    const std::size_t first = level.begin[at];
+    for (std::size_t child = first; child < first + level.count[at];) {
+      const bool is_empty = number == kNodes ? leaves_[child].alive == 0 : below.count[child] == 0;
+      if (is_empty) {
+        const std::size_t last = first + --level.count[at];
+        move(number - 1, last, child);
+        continue;
+      }
+      free.free_mm = std::min(free.free_mm, static_cast<double>(below.left_mm[child]));
+      free.forward = std::max(free.forward, below.certificates.forward(child));
+      free.backward = std::max(free.backward, below.certificates.backward(child));
+      ++child;
+    }
+    if (level.count[at] == 0) {
+      if (number == kBranches) move(kBranches, --branch_count_, at);
+      return;
+    }
+    free.free_mm -= 1e-6 * std::abs(free.free_mm);  // rounded down
+    level.certificates.renew(at, tool.line(), free);
+    level.left_mm[at] = static_cast<float>(free.free_mm);
+  }
+
+  /// One of a level takes another's place.
+  void move(std::size_t number, std::size_t from, std::size_t to) noexcept {
+    if (from == to) return;
+    TreeLevel& level = levels_[number];
+    level.certificates.copy(from, to);
+    level.left_mm[to] = level.left_mm[from];
+    level.is_stale[to] = level.is_stale[from];
+    if (number == kLeaves) {
+      leaves_[to] = leaves_[from];
+    } else {
+      level.begin[to] = level.begin[from];
+      level.count[to] = level.count[from];
+    }
+  }
+
+  ToolBounds bounds_;
+  double voxel_mm_;
+  VoxelEngineOptions options_;
+  const WordKernels& kernels_;
+  std::array<std::int64_t, 256> pressure_{};
+  Mat3 from_rows_, to_rows_;  ///< of the bit in this step
+  std::array<TreeLevel, 3> levels_;
+  std::vector<LivingLeaf> leaves_;
+  std::size_t branch_count_ = 0;
+  std::size_t alive_ = 0;
+  std::int32_t farthest_ = 0;
+};
+
+}  // namespace
+}  // namespace detail
+
+std::unique_ptr<DrillEngine> make_voxel_engine(VoxelBone& bone, const DrillBit& bit, const Material& material,
+                                               const VoxelEngineOptions& options) {
+  check_material(material);
+  return std::make_unique<detail::VoxelEngine>(bone, bit, material, options);
+}
+
+}  // namespace spinaltap
