@@ -165,6 +165,8 @@ class VoxelEngine final : public SweptEngine {
     const WordTool words = word_tool(tool);
     to_rows_ = rows_of(bit.to().axis, any_perpendicular(bit.to().axis));
     from_rows_ = rows_of(bit.from().axis, any_perpendicular(bit.from().axis));
+    to_offsets_ = offsets_of(to_rows_);
+    from_offsets_ = offsets_of(from_rows_);
     for (TreeLevel& level : levels_) level.due_count = 0;
     list_due(kBranches, 0, branch_count_, tool);
     TreeLevel& leaves = levels_[kLeaves];
@@ -291,15 +293,26 @@ class VoxelEngine final : public SweptEngine {
     rows.row(2) = -axis;
     return rows;
   }
-  LeafPlace place_of(const LivingLeaf& leaf, const Pose& pose, const Mat3& rows) const noexcept {
+  WordOffsets offsets_of(const Mat3& rows) const noexcept {
+    WordOffsets offsets;
+    for (std::size_t n = 0; n < 3; ++n) {
+      for (std::size_t bit = 0; bit < 64; ++bit) {
+        const auto at = static_cast<Eigen::Index>(n);
+        offsets.of_bits[n][bit] = static_cast<float>(
+            voxel_mm_ * (rows(at, 1) * static_cast<double>(bit / 8) + rows(at, 2) * static_cast<double>(bit % 8)));
+      }
+    }
+    return offsets;
+  }
+  LeafPlace place_of(const LivingLeaf& leaf, const Pose& pose, const Mat3& rows,
+                     const WordOffsets& offsets) const noexcept {
     LeafPlace place;
+    place.offsets = &offsets;
     const Vec3 first_mm = rows * (centre_mm(leaf, 0) - pose.tip_mm);
     for (int n = 0; n < 3; ++n) {
       const auto at = static_cast<std::size_t>(n);
       place.first[at] = static_cast<float>(first_mm[n]);
       place.per_x[at] = static_cast<float>(rows(n, 0) * voxel_mm_);
-      place.per_y[at] = static_cast<float>(rows(n, 1) * voxel_mm_);
-      place.per_z[at] = static_cast<float>(rows(n, 2) * voxel_mm_);
     }
     return place;
   }
@@ -331,8 +344,8 @@ class VoxelEngine final : public SweptEngine {
     }
     arguments.tool = &words;
     arguments.words = leaf.words;
-    arguments.end = place_of(leaf, tool.bit().to(), to_rows_);
-    arguments.begin = place_of(leaf, tool.bit().from(), from_rows_);
+    arguments.end = place_of(leaf, tool.bit().to(), to_rows_, to_offsets_);
+    arguments.begin = place_of(leaf, tool.bit().from(), from_rows_, from_offsets_);
     std::array<WordResult, 8> seen;
     kernels_.look(arguments, seen.data());
     std::array<Nearest, 8> nearest;
@@ -447,6 +460,7 @@ class VoxelEngine final : public SweptEngine {
   const WordKernels& kernels_;
   std::array<std::int64_t, 256> pressure_{};
   Mat3 from_rows_, to_rows_;  ///< of the bit in this step
+  WordOffsets from_offsets_, to_offsets_;
   std::array<TreeLevel, 3> levels_;
   std::vector<LivingLeaf> leaves_;
   std::size_t branch_count_ = 0;

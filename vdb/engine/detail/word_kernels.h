@@ -22,10 +22,17 @@ struct WordTool {
   float spare;                ///< what rounding may hide, mm
 };
 
-/// Where a leaf's voxels lie, seen from the tool: two directions across its axis, and back along it; mm.
+/// How a word's voxels lie to its first, seen from the tool: two directions across its axis, and back along it; mm. The
+/// same for all words of a step.
+struct WordOffsets {
+  alignas(64) std::array<std::array<float, 64>, 3> of_bits;
+};
+
+/// Where a leaf's voxels lie, seen from the tool.
 struct LeafPlace {
-  std::array<float, 3> first;                ///< of the voxel of the first word's bit 0
-  std::array<float, 3> per_x, per_y, per_z;  ///< a word, 8 bits and 1 bit further
+  const WordOffsets* offsets;
+  std::array<float, 3> first;  ///< of the voxel of the first word's bit 0
+  std::array<float, 3> per_x;  ///< a word further
 };
 
 /// What a word of 64 voxels came to.

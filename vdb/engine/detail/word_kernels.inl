@@ -29,9 +29,19 @@ inline Floats less(Floats a, Floats b) { return a < b ? a : b; }
 inline Floats more(Floats a, Floats b) { return a > b ? a : b; }
 
 inline float least_of(Floats lanes) {
+#if SPINALTAP_VECTOR_BYTES > 16
+  // By halves: lane after lane would take as long as all else together.
+  Ints from;
+  for (unsigned half = kLanes / 2; half > 0; half /= 2) {
+    for (unsigned lane = 0; lane < kLanes; ++lane) from[lane] = static_cast<std::int32_t>(lane ^ half);
+    lanes = less(lanes, __builtin_shuffle(lanes, from));
+  }
+  return lanes[0];
+#else
   float least = lanes[0];
   for (unsigned lane = 1; lane < kLanes; ++lane) least = lanes[lane] < least ? lanes[lane] : least;
   return least;
+#endif
 }
 
 /// Lower bounds of the distance from the tool.
@@ -39,10 +49,11 @@ struct Bounds {
   Floats off, back, body, deep;
 };
 
-/// `deep`: below 0 only where the tool holds the place.
-inline Bounds bounds_at(const WordTool& tool, const LeafPlace& place, Floats x, Floats y, Floats z) {
+/// At bits from `bit` on. `deep`: below 0 only where the tool holds the place.
+inline Bounds bounds_at(const WordTool& tool, const LeafPlace& place, float word, unsigned bit) {
   const auto along = [&](std::size_t n) {
-    return ((place.first[n] + x * place.per_x[n]) + y * place.per_y[n]) + z * place.per_z[n];
+    return (place.first[n] + word * place.per_x[n]) +
+           *reinterpret_cast<const Floats*>(place.offsets->of_bits[n].data() + bit);
   };
   const Floats a = along(0), b = along(1), back = along(2);
   const Floats off_square = a * a + b * b;
@@ -70,25 +81,18 @@ void look(const LeafArguments& leaf, WordResult* words) {
   constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
   const WordTool& tool = *leaf.tool;
   const Floats far = Floats{} + 1e30F;
-  Floats lane_y, lane_z;
   Ints lane_bit;
-  for (unsigned lane = 0; lane < kLanes; ++lane) {
-    lane_y[lane] = static_cast<float>(lane / 8);
-    lane_z[lane] = static_cast<float>(lane % 8);
-    lane_bit[lane] = static_cast<std::int32_t>(1U << lane);
-  }
+  for (unsigned lane = 0; lane < kLanes; ++lane) lane_bit[lane] = static_cast<std::int32_t>(1U << lane);
   for (unsigned word = 0; word < 8; ++word) {
     if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
-    const Floats x = Floats{} + static_cast<float>(word);
+    const auto x = static_cast<float>(word);
     Floats least_cylinder = far, least_cone = far, least_body = far;
     std::uint64_t unsure_bits = 0, inside_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
       const auto row = static_cast<std::int32_t>(alive >> bit & kAllLanes);
       if (row == 0) continue;
-      const Floats y = lane_y + static_cast<float>(bit / 8);
-      const Floats z = lane_z + static_cast<float>(bit % 8);
-      const Bounds at = bounds_at(tool, leaf.end, x, y, z);
+      const Bounds at = bounds_at(tool, leaf.end, x, bit);
       const Floats cylinder = at.off - tool.radius;
       const Floats cone = (at.off - tool.cone_offset) - tool.cone_slope * at.back;
       const Ints lives = (lane_bit & row) != 0;
@@ -98,7 +102,7 @@ void look(const LeafArguments& leaf, WordResult* words) {
       std::uint64_t unsure_row = SPINALTAP_BITS(unsure);
       if (unsure_row != 0) {
         // A bound does not fall faster than the tool moves: half of what both ends leave of the way is left between.
-        const Bounds before = bounds_at(tool, leaf.begin, x, y, z);
+        const Bounds before = bounds_at(tool, leaf.begin, x, bit);
         unsure &= at.body + before.body <= tool.whole;
         unsure_row = SPINALTAP_BITS(unsure);
       }
