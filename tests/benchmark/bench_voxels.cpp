@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <vector>
 
 #include "core/phantom/vertebra.h"
-#include "core/points/material.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/phantom_output.h"
@@ -118,12 +118,13 @@ void mill(benchmark::State& state) {
   const DrillBit burr{diameter_mm, 60.0, 1.0, BitShape::round_burr, 0.0, 0.5 * diameter_mm};
   const auto poses = milling(endplate_mm(whole), step_mm, tilt, 60'000);
   std::vector<double> step_us;
-  std::size_t removed = 0, tested = 0;
+  std::size_t removed = 0, tested = 0, bytes = 0;
   for ([[maybe_unused]] const auto _ : state) {
     state.PauseTiming();
     VoxelBone bone(whole);
     const auto engine = make_voxel_engine(bone, burr, {}, {.shares_work = false});
     engine->step(poses.front());
+    bytes = bone.memory_bytes() + engine->memory_bytes();
     step_us.clear();
     removed = tested = 0;
     state.ResumeTiming();
@@ -141,6 +142,7 @@ void mill(benchmark::State& state) {
   state.counters["steps_per_s"] =
       benchmark::Counter(static_cast<double>(poses.size()), benchmark::Counter::kIsIterationInvariantRate);
   state.counters["p99.9_us"] = step_us[step_us.size() * 999 / 1000];
+  state.counters["MB"] = 1e-6 * static_cast<double>(bytes);
   state.counters["removed_per_step"] = static_cast<double>(removed) / static_cast<double>(poses.size());
   state.counters["tested_per_step"] = static_cast<double>(tested) / static_cast<double>(poses.size());
 }

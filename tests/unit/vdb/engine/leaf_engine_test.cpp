@@ -7,27 +7,18 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "core/base/error.h"
 #include "core/tool/swept_bit.h"
+#include "tests/support/random_drilling.h"
 #include "vdb/engine/detail/leaf_volume_engine.h"
 #include "vdb/engine/detail/shared_points.h"
 
 namespace spinaltap {
 namespace {
 
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : generator_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(generator_() >> 11) * 0x1.0p-53;
-  }
-  Vec3 direction() { return Vec3((*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)).normalized(); }
-
- private:
-  std::mt19937_64 generator_;
-};
+using test::expect_same_removal;
+using test::Random;
 
 /// All shapes; the first also with a flat tip, and with a base that comes into the volume.
 DrillBit tool(std::uint64_t n) {
@@ -103,14 +94,6 @@ PointVolumeOptions options_of(std::uint64_t seed) {
   return options;
 }
 
-void expect_equal(const StepResult& a, const StepResult& b) {
-  EXPECT_EQ(a.removed, b.removed);
-  EXPECT_EQ(a.removed_hu, b.removed_hu);
-  EXPECT_EQ(a.work_n_mm, b.work_n_mm);
-  EXPECT_EQ(a.removed_mm3, b.removed_mm3);
-  EXPECT_EQ(a.moment_n_mm2, b.moment_n_mm2);
-}
-
 TEST(LeafEngine, RemovesTheSamePointsAsTheReferenceInAnyMotionOfAnyTool) {
   std::size_t removed = 0;
   int steps = 0;
@@ -134,7 +117,7 @@ TEST(LeafEngine, RemovesTheSamePointsAsTheReferenceInAnyMotionOfAnyTool) {
       }
       const StepResult result = reference->step(pose);
       removed += result.removed;
-      expect_equal(leaf->step(pose), result);
+      expect_same_removal(leaf->step(pose), result);
       ASSERT_TRUE(std::ranges::equal(found.alive_words(), expected.alive_words()));
     }
   }

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include "core/base/error.h"
 #include "core/points/hu_byte.h"
@@ -17,6 +16,7 @@
 #include "core/tool/swept_bit.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/made_bone.h"
+#include "tests/support/random_drilling.h"
 #include "vdb/detail/bone_samplers.h"
 #include "vdb/engine/detail/word_kernels.h"
 
@@ -24,22 +24,12 @@ namespace spinaltap {
 namespace {
 
 using Eigen::Vector3i;
+using test::expect_same_removal;
 using test::kBall;
 using test::kSmallBall;
+using test::Random;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : generator_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(generator_() >> 11) * 0x1.0p-53;
-  }
-  Vec3 direction() { return Vec3((*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1)).normalized(); }
-
- private:
-  std::mt19937_64 generator_;
-};
 
 const Vec3 kMiddleMm(31.3, 212.1, -618.7);
 
@@ -66,7 +56,7 @@ BoneModel block(double half_mm = 2.5) {
 }
 
 /// All shapes.
-DrillBit tool(std::uint64_t n) {
+DrillBit mill(std::uint64_t n) {
   switch (n % 6) {
     case 0:
       return {2.0, 8.0, 2.0};
@@ -84,7 +74,7 @@ DrillBit tool(std::uint64_t n) {
 }
 
 /// Poses that wander through and around the block, from all sides, with turns, jumps, and ways out and in again.
-std::vector<Pose> wander(std::uint64_t seed, int steps, double half_mm = 2.5) {
+std::vector<Pose> wander_around(std::uint64_t seed, int steps, double half_mm = 2.5) {
   Random random(seed);
   const double speed_mm = std::pow(10.0, random(-2.5, -0.3));
   const double turn = seed % 3 == 0 ? 0.0 : std::pow(10.0, random(-5.0, -1.5));
@@ -170,15 +160,6 @@ class BruteForce {
   Pose pose_;
   bool is_placed_ = false;
 };
-
-void expect_equal(const StepResult& a, const StepResult& b) {
-  EXPECT_EQ(a.removed, b.removed);
-  EXPECT_EQ(a.tested, b.tested);
-  EXPECT_EQ(a.removed_hu, b.removed_hu);
-  EXPECT_EQ(a.work_n_mm, b.work_n_mm);
-  EXPECT_EQ(a.removed_mm3, b.removed_mm3);
-  EXPECT_EQ(a.moment_n_mm2, b.moment_n_mm2);
-}
 
 TEST(VoxelBone, HoldsWhatLiesInTheBoneAndItsNumbers) {
   const BoneModel bone = block();
@@ -307,12 +288,12 @@ TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
   int steps = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const DrillBit bit = tool(seed);
+    const DrillBit bit = mill(seed);
     VoxelBone found(bone, {.voxel_mm = seed % 2 == 0 ? 0.2 : 0.14});
     BruteForce expected(found, bit, {});
     const auto& kernels = detail::word_kernels();
     const auto engine = make_voxel_engine(found, bit, {}, {.kernels = &kernels[seed % kernels.size()]});
-    for (const Pose& pose : wander(seed, 100)) {
+    for (const Pose& pose : wander_around(seed, 100)) {
       if (++steps % 23 == 0) {
         expected.reset_motion();
         engine->reset_motion();
@@ -358,7 +339,10 @@ TEST(VoxelEngine, IsTheSameWithAllInstructionsAndAtAnyNumberOfThreads) {
     for (const std::size_t threads : {std::size_t{1}, std::size_t{2}}) {
       const auto found = run(threads, {.kernels = &kernels});
       ASSERT_EQ(found.first.size(), expected.first.size());
-      for (std::size_t n = 0; n < found.first.size(); ++n) expect_equal(found.first[n], expected.first[n]);
+      for (std::size_t n = 0; n < found.first.size(); ++n) {
+        expect_same_removal(found.first[n], expected.first[n]);
+        ASSERT_EQ(found.first[n].tested, expected.first[n].tested);
+      }
       EXPECT_EQ(found.second, expected.second);
     }
   }
@@ -393,7 +377,7 @@ TEST(VoxelEngine, ChangesNothingOnPosesThatAreNone) {
   const BoneModel bone = test::bake_ball(kSmallBall);
   VoxelBone voxels(bone, {.voxel_mm = 0.3});
   const std::size_t alive = voxels.alive_count();
-  const auto engine = make_voxel_engine(voxels, tool(0), {});
+  const auto engine = make_voxel_engine(voxels, mill(0), {});
   engine->step({Vec3::Constant(std::nan("")), Vec3::UnitZ()});
   engine->step({kSmallBall.centre_mm, Vec3(0, 0, 2)});
   engine->step({kSmallBall.centre_mm + Vec3(2e4, 0, 0), Vec3::UnitZ()});
