@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace spinaltap {
@@ -11,7 +12,7 @@ inline constexpr int kHuOfByteStep = 16;
 
 /// The nearest that there is. `hu` must be a number.
 inline std::uint8_t byte_of_hu(double hu) {
-  return static_cast<std::uint8_t>(std::clamp((hu - kLowestHuOfByte) / kHuOfByteStep, 0.0, 255.0) + 0.5);
+  return static_cast<std::uint8_t>(std::lround(std::clamp((hu - kLowestHuOfByte) / kHuOfByteStep, 0.0, 255.0)));
 }
 inline std::int16_t hu_of_byte(std::uint8_t byte) {
   return static_cast<std::int16_t>(kLowestHuOfByte + kHuOfByteStep * byte);

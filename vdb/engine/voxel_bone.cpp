@@ -127,7 +127,8 @@ VoxelBone::VoxelBone(std::span<const BoneModel> bones, const VoxelBoneOptions& o
   }
   leaves_->voxel_mm = options.voxel_mm;
   const LeafFiller filler(bones, options);
-  const std::size_t layers = static_cast<std::size_t>(range.last.x() - range.first.x() + 1);
+  const int layer_count = range.last.x() - range.first.x() + 1;
+  const auto layers = static_cast<std::size_t>(layer_count);
   std::vector<std::vector<std::unique_ptr<VoxelLeafNode>>> found(layers);
   std::atomic<std::size_t> alive{0};
   constexpr std::size_t kMaxVoxels = std::size_t{1} << 31;

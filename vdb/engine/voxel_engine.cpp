@@ -257,7 +257,8 @@ class VoxelEngine final : public SweptEngine {
 
   Vec3 centre_mm(const LivingLeaf& leaf, std::size_t bit) const noexcept {
     const auto at = static_cast<std::int32_t>(bit);
-    return voxel_mm_ * Vec3(leaf.origin[0] + at / 64, leaf.origin[1] + at / 8 % 8, leaf.origin[2] + at % 8);
+    const Eigen::Vector3i voxel(leaf.origin[0] + at / 64, leaf.origin[1] + at / 8 % 8, leaf.origin[2] + at % 8);
+    return voxel_mm_ * voxel.cast<double>();
   }
 
   void kill(LivingLeaf& leaf, unsigned x, std::uint64_t dead, Removal& removal) noexcept {
@@ -295,11 +296,10 @@ class VoxelEngine final : public SweptEngine {
   }
   WordOffsets offsets_of(const Mat3& rows) const noexcept {
     WordOffsets offsets;
-    for (std::size_t n = 0; n < 3; ++n) {
-      for (std::size_t bit = 0; bit < 64; ++bit) {
-        const auto at = static_cast<Eigen::Index>(n);
-        offsets.of_bits[n][bit] = static_cast<float>(
-            voxel_mm_ * (rows(at, 1) * static_cast<double>(bit / 8) + rows(at, 2) * static_cast<double>(bit % 8)));
+    for (unsigned bit = 0; bit < 64; ++bit) {
+      const unsigned y = bit / 8, z = bit % 8;
+      for (unsigned n = 0; n < 3; ++n) {
+        offsets.of_bits[n][bit] = static_cast<float>(voxel_mm_ * (rows(n, 1) * y + rows(n, 2) * z));
       }
     }
     return offsets;
