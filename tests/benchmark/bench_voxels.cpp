@@ -3,7 +3,6 @@
 // 14 mm, 1 mm apart, in layers of 1 mm, at 50 mm/s and 1 kHz, with a tremor of 0.1 mm at 8 to 12 Hz; tilted burrs lie
 // so in the plane of the lines. Steps are timed one by one, on one thread: `p99.9_us` is of single steps.
 #include <benchmark/benchmark.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -33,12 +32,6 @@ const std::filesystem::path& bone_file() {
   return file;
 }
 
-double peak_mib() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
 void fill(benchmark::State& state) {
   const double voxel_mm = 1e-2 * static_cast<double>(state.range(0));
   const auto& file = bone_file();
@@ -46,7 +39,6 @@ void fill(benchmark::State& state) {
     const VoxelBone voxels(read_bone(file), {.voxel_mm = voxel_mm});
     state.counters["voxels"] = static_cast<double>(voxels.alive_count());
     state.counters["tree_MB"] = 1e-6 * static_cast<double>(voxels.memory_bytes());
-    state.counters["peak_MiB"] = peak_mib();
   }
 }
 BENCHMARK(fill)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();

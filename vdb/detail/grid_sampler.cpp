@@ -260,9 +260,15 @@ void GridSampler::quadratic_of(std::span<const Vec3> points_mm, std::span<Value>
   });
 }
 
+namespace {
+
+/// Of the box of values that a lattice needs: bones' voxels are as large as the lattice's, or larger.
+constexpr unsigned kMaxSide = 20;
+
+}  // namespace
+
 /// A box of values, z fastest, and where in it a lattice's positions lie.
 struct GridSampler::Region {
-  static constexpr unsigned kMaxSide = 20;
   Place first;
   std::array<unsigned, 3> size;
   std::array<std::array<unsigned, LatticeBlock::kSide>, 3> cell;  ///< of each coordinate, from `first`
@@ -290,7 +296,7 @@ bool GridSampler::find_region(const LatticeBlock& block, Region& region) const {
       region.cell[axis][n] = static_cast<unsigned>(floors[n] - floors.front());
     }
     region.size[axis] = region.cell[axis].back() + 2;
-    if (region.size[axis] > Region::kMaxSide) return false;
+    if (region.size[axis] > kMaxSide) return false;
   }
   return true;
 }
@@ -301,7 +307,6 @@ namespace {
 template <class Visit>
 void for_each_row(const BlockTable& table, const Place& first, const std::array<unsigned, 3>& size,
                   const Visit& visit) {
-  constexpr unsigned kMaxSide = 20;
   std::array<float, kMaxSide> row;
   for (unsigned x = 0; x < size[0]; ++x) {
     for (unsigned y = 0; y < size[1]; ++y) {
@@ -341,13 +346,11 @@ void GridSampler::linear(const LatticeBlock& block, std::span<float, 512> values
   Region region;
   if (!find_region(block, region)) {
     std::array<Vec3, 512> points_mm;
-    for (std::size_t n = 0; n < points_mm.size(); ++n) {
-      points_mm[n] = {block.at_mm[0][n / 64], block.at_mm[1][n / 8 % 8], block.at_mm[2][n % 8]};
-    }
+    for (std::size_t n = 0; n < points_mm.size(); ++n) points_mm[n] = block.position_mm(n);
     return linear(points_mm, values, {});
   }
   // Axis by axis, in linear_value()'s order: what it would work out again for every position is worked out once.
-  std::array<float, Region::kMaxSide * Region::kMaxSide * kSide> along_z;
+  std::array<float, kMaxSide * kMaxSide * kSide> along_z;
   for_each_row(table_, region.first, region.size, [&](unsigned x, unsigned y, const float* row) {
     float* const out = &along_z[(x * region.size[1] + y) * kSide];
     for (std::size_t k = 0; k < kSide; ++k) {
@@ -355,7 +358,7 @@ void GridSampler::linear(const LatticeBlock& block, std::span<float, 512> values
       out[k] = between(row[cell], row[cell + 1], region.weight[2][k]);
     }
   });
-  std::array<float, Region::kMaxSide * kSide * kSide> along_y;
+  std::array<float, kMaxSide * kSide * kSide> along_y;
   for (unsigned x = 0; x < region.size[0]; ++x) {
     for (std::size_t j = 0; j < kSide; ++j) {
       const float* const low = &along_z[(x * region.size[1] + region.cell[1][j]) * kSide];

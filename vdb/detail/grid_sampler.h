@@ -40,6 +40,9 @@ struct IndexMap {
 struct LatticeBlock {
   static constexpr std::size_t kSide = 8;
   std::array<std::array<double, kSide>, 3> at_mm;
+
+  /// The n-th position, z fastest.
+  Vec3 position_mm(std::size_t n) const { return {at_mm[0][n / 64], at_mm[1][n / 8 % 8], at_mm[2][n % 8]}; }
 };
 
 /// Samples one grid of floats, from any number of threads at once. The grid must outlive it. Beyond the grid's content,

@@ -21,7 +21,7 @@ using openvdb::Coord;
 
 constexpr int kSide = static_cast<int>(VoxelLeafNode::DIM);
 
-/// Whole numbers from a box in mm: those of leaves that may hold living voxels.
+/// Leaves that may hold living voxels: their origins over their side.
 struct LeafRange {
   Coord first, last;
   std::size_t count() const {
@@ -69,12 +69,11 @@ class LeafFiller {
   VoxelLeafNode::NodeMaskType within_region(const LatticeBlock& block) const {
     VoxelLeafNode::NodeMaskType within(true);
     if (options_.region_mm.isEmpty()) return within;
-    const Vec3 low(block.at_mm[0].front(), block.at_mm[1].front(), block.at_mm[2].front());
-    const Vec3 high(block.at_mm[0].back(), block.at_mm[1].back(), block.at_mm[2].back());
-    if (options_.region_mm.contains(Box3(low, high))) return within;
+    if (options_.region_mm.contains(Box3(block.position_mm(0), block.position_mm(VoxelLeafNode::SIZE - 1)))) {
+      return within;
+    }
     for (openvdb::Index n = 0; n < VoxelLeafNode::SIZE; ++n) {
-      const Vec3 centre(block.at_mm[0][n / 64], block.at_mm[1][n / 8 % 8], block.at_mm[2][n % 8]);
-      if (!options_.region_mm.contains(centre)) within.setOff(n);
+      if (!options_.region_mm.contains(block.position_mm(n))) within.setOff(n);
     }
     return within;
   }
@@ -91,7 +90,7 @@ class LeafFiller {
         if (!(values[n] < 0.0F)) alive.setOff(n);
       }
     }
-    if (node) alive -= node->getValueMask();  // minus
+    if (node) alive -= node->getValueMask();
     if (alive.isOff()) return;
     if (!node) node = std::make_unique<VoxelLeafNode>(origin, std::uint8_t{0}, false);
     bone.samplers().hu.linear(block, values);

@@ -64,7 +64,7 @@ struct LivingLeaf {
 /// counted.
 enum Counts : std::uint8_t { kAcross, kAcrossCone, kAll };
 
-/// Middle of a box of `voxels` to a side, in voxels, and half its diagonal from centre to centre.
+/// Middle of a box of `voxels` to a side, in voxels from `zero`.
 Vec3 middle_of(const openvdb::Coord& origin, const openvdb::Coord& zero, int voxels) {
   const openvdb::Coord at = origin - zero;
   return Vec3(at.x(), at.y(), at.z()) + Vec3::Constant(0.5 * (voxels - 1));
@@ -163,8 +163,8 @@ class VoxelEngine final : public SweptEngine {
   void remove(const SweptBit& bit, Removal& removal) noexcept override {
     const SweptBounds tool(bit, bounds_);
     const WordTool words = word_tool(tool);
-    to_rows_ = rows_of(bit.to().axis, any_perpendicular(bit.to().axis));
-    from_rows_ = rows_of(bit.from().axis, any_perpendicular(bit.from().axis));
+    to_rows_ = rows_of(bit.to().axis);
+    from_rows_ = rows_of(bit.from().axis);
     to_offsets_ = offsets_of(to_rows_);
     from_offsets_ = offsets_of(from_rows_);
     for (TreeLevel& level : levels_) level.due_count = 0;
@@ -287,7 +287,8 @@ class VoxelEngine final : public SweptEngine {
   }
 
   /// Two directions across the axis, and back along it, in rows.
-  static Mat3 rows_of(const Vec3& axis, const Vec3& side) noexcept {
+  static Mat3 rows_of(const Vec3& axis) noexcept {
+    const Vec3 side = any_perpendicular(axis);
     Mat3 rows;
     rows.row(0) = side;
     rows.row(1) = axis.cross(side);

@@ -338,8 +338,7 @@ class RandomTester {
         "ctrl+1", "ctrl+2", "ctrl+3", "ctrl+4", "ctrl+t", "ctrl+h",  "ctrl+e",    "alt+p",   "alt+a", "alt+r", "1",
         "2",      "3",      "4",      "5",      "6",      "7",       "r",         "plus",    "minus", "0",     "Tab",
         "Up",     "Down",   "Escape", "alt+f",  "alt+v",  "Page_Up", "Page_Down", "shift+F9"};
-    // Letters and digits are names where the list has the keyboard.
-    focus_a_pane();
+    focus_a_pane();  // letters and digits are names where the list has the keyboard
     const QString one = one_of(keys);
     note(one.toStdString());
     input_.key(one);
