@@ -1,7 +1,7 @@
 # The fingerprints of a small tree change with the code of their own stage only.
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${WORK_DIR})
-foreach(file core/base/a.cpp core/segment/b.cpp core/rbf/c.h vdb/engine/d.cpp core/segment/notes.md)
+foreach(file core/base/a.cpp core/segment/b.cpp core/rbf/c.h core/rbf/k.inl vdb/engine/d.cpp core/segment/notes.md)
   file(WRITE ${WORK_DIR}/${file} "one")
 endforeach()
 
@@ -43,6 +43,7 @@ endfunction()
 
 expect_changed(core/segment/b.cpp "two" "1;0;1")
 expect_changed(core/rbf/c.h "two" "0;1;1")
+expect_changed(core/rbf/k.inl "two" "0;1;1")
 expect_changed(core/base/a.cpp "two" "1;1;1")
 expect_changed(vdb/engine/d.cpp "two" "0;0;1")
 expect_changed(core/segment/e.cpp "new" "1;0;1")
