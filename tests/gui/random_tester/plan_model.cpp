@@ -38,11 +38,20 @@ bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b) 
   return plan_text(a) == plan_text(b);  // every key, every digit
 }
 
+PlanModel::PlanModel(MainWindow& window) : window_(window) {
+  const QUndoStack& stack = window_.planner().document().undo_stack();
+  follows_latest_ = QObject::connect(&stack, &QUndoStack::indexChanged, [this, &stack] {
+    if (stack.count() > 0) latest_ = window_.planner().document().paths();  // none: it is being replaced
+  });
+  begin();
+}
+
 void PlanModel::begin() {
   const PlanDocument& document = window_.planner().document();
   plans_.assign(static_cast<std::size_t>(document.undo_stack().count()) + 1, std::nullopt);
   now_ = document.undo_stack().index();
   plans_[static_cast<std::size_t>(now_)] = document.paths();
+  latest_ = document.paths();
   bone_ = document.opened().get();
   was_clean_ = !window_.planner().has_unsaved_changes();
   is_given_up_ = false;
@@ -77,6 +86,22 @@ bool PlanModel::is_saved(const std::vector<DrillPath>& paths) const {
   return false;
 }
 
+std::string PlanModel::words_of_saved() const {
+  if (saved_in_.empty()) return "nobody asked to save";
+  std::string words;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(saved_in_, none)) {
+    if (entry.path().extension() != ".json") continue;
+    words += "\n  " + entry.path().filename().string() + ": ";
+    try {
+      words += words_of_plan(read_plan(entry.path()));
+    } catch (const Error& error) {
+      words += error.what();
+    }
+  }
+  return words;
+}
+
 std::string PlanModel::follow(Effect effect) {
   const PlanDocument& document = window_.planner().document();
   const QUndoStack& stack = document.undo_stack();
@@ -88,7 +113,10 @@ std::string PlanModel::follow(Effect effect) {
   const bool is_replaced = document.opened().get() != bone_ || (stack.count() == 0 && plans_.size() > 1) ||
                            (stack.count() == 0 && effect == Effect::replaces && !are_same(paths, before));
   if (is_replaced) {
-    if (!was_clean_ && !is_given_up_ && !is_saved(before)) return differs("a question before the plan is replaced");
+    if (!was_clean_ && !is_given_up_ && !is_saved(latest_)) {
+      return differs("a question before the plan is replaced") + "; last " + words_of_plan(latest_) +
+             "; saved: " + words_of_saved();
+    }
     begin();
     return {};
   }

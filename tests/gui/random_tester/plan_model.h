@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QMetaObject>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -27,7 +28,11 @@ enum class Effect {
 /// where the window does not agree.
 class PlanModel {
  public:
-  explicit PlanModel(MainWindow& window) : window_(window) { begin(); }
+  explicit PlanModel(MainWindow& window);
+
+  ~PlanModel() { QObject::disconnect(follows_latest_); }
+  PlanModel(const PlanModel&) = delete;
+  PlanModel& operator=(const PlanModel&) = delete;
 
   /// What was opened is another plan.
   void begin();
@@ -48,12 +53,16 @@ class PlanModel {
 
  private:
   std::string follow(Effect effect);
+  /// What the files of the folder that the person had it saved to hold, for people.
+  std::string words_of_saved() const;
   /// A file of the folder that the person had it saved to has these paths.
   bool is_saved(const std::vector<DrillPath>& paths) const;
 
   MainWindow& window_;
   std::vector<std::optional<std::vector<DrillPath>>> plans_;  ///< nothing: not seen, between two changes at once
   int now_ = 0;
+  std::vector<DrillPath> latest_;  ///< as it stood last before it was replaced: suggestions come while a box is asked
+  QMetaObject::Connection follows_latest_;
   const void* bone_ = nullptr;
   bool was_clean_ = true;
   bool is_given_up_ = false;
