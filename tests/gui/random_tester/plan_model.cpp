@@ -40,7 +40,7 @@ bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b) 
 
 PlanModel::PlanModel(MainWindow& window) : window_(window) {
   const QUndoStack& stack = window_.planner().document().undo_stack();
-  follows_latest_ = QObject::connect(&stack, &QUndoStack::indexChanged, [this, &stack] {
+  follows_ = QObject::connect(&stack, &QUndoStack::indexChanged, [this, &stack] {
     if (stack.count() > 0) latest_ = window_.planner().document().paths();  // none: it is being replaced
   });
   begin();

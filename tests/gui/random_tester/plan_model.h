@@ -1,6 +1,6 @@
 #pragma once
 
-#include <QMetaObject>
+#include <QObject>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -30,7 +30,7 @@ class PlanModel {
  public:
   explicit PlanModel(MainWindow& window);
 
-  ~PlanModel() { QObject::disconnect(follows_latest_); }
+  ~PlanModel() { QObject::disconnect(follows_); }
   PlanModel(const PlanModel&) = delete;
   PlanModel& operator=(const PlanModel&) = delete;
 
@@ -62,7 +62,7 @@ class PlanModel {
   std::vector<std::optional<std::vector<DrillPath>>> plans_;  ///< nothing: not seen, between two changes at once
   int now_ = 0;
   std::vector<DrillPath> latest_;  ///< as it stood last before it was replaced: suggestions come while a box is asked
-  QMetaObject::Connection follows_latest_;
+  QMetaObject::Connection follows_;
   const void* bone_ = nullptr;
   bool was_clean_ = true;
   bool is_given_up_ = false;
