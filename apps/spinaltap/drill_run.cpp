@@ -136,7 +136,7 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   print_figure("points in the cylinder", static_cast<double>(drilling.points), "", 0);
   print_figure("points in bone", static_cast<double>(drilling.points_in_bone), "", 0);
   print_figure("points removed", static_cast<double>(drilling.removed), "", 0);
-  const NeighbourDistances neighbours = neighbour_distances(drilling.volumes.front(), false);
+  const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
   print_figure("nearest neighbours, mean", neighbours.mean_mm, "mm", 4);
   print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
   print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
@@ -176,7 +176,7 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
 Json drilling_json(const DrillFigures& figures, const DensityCalibration& density) {
   const Drilling& drilling = figures.drilling;
   const DrillPath& path = figures.setup.path;
-  const NeighbourDistances neighbours = neighbour_distances(drilling.volumes.front(), false);
+  const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
   Json json{{"path", path.name},
             {"length_mm", path.length_mm()},
             {"operator", figures.operator_words},
@@ -263,14 +263,14 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   data.renders = drill_pictures(drilling.before, drilling.drilled, path, progress);
 
   stage_drilling(drilling, surface, data, folder, output);
-  for (std::size_t n = 0; options.writes_points && n < drilling.volumes.size(); ++n) {
-    const std::string number = drilling.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
-    write_points(drilling.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
+  for (std::size_t n = 0; options.writes_points && n < drilling.left.volumes.size(); ++n) {
+    const std::string number = drilling.left.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
+    write_points(drilling.left.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
                  {.density = density.line});
   }
   if (options.writes_splats) {
     output.write(folder / "splats.ply", splats_ply(drilling.splats));
-    const DiscPattern& pattern = drilling.volumes.front().pattern();
+    const DiscPattern& pattern = drilling.left.volumes.front().pattern();
     const double radius_mm = (pattern.ring_count() - 0.5) * pattern.spacing_mm();  // that the points stand for
     write_mesh(cut_out_cylinder(bone.model(), path, radius_mm, setup.volume.lead_in_mm),
                output.stage(folder / "around.ply"));

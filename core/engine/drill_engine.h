@@ -12,8 +12,9 @@
 
 namespace spinaltap {
 
-/// The drilling engines. All remove the same points; docs/drilling-engine.md says which is fast where.
-enum class EngineKind { reference, arc, ring, leaf };
+/// The drilling engines. All but one remove the same points of a cylinder along the path; `voxel` mills voxels of the
+/// whole bone. docs/drilling-engine.md says which is fast where.
+enum class EngineKind { reference, arc, ring, leaf, voxel };
 
 /// Engines by the names that they have in options and reports.
 const std::map<std::string, EngineKind>& engine_kinds();

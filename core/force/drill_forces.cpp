@@ -9,11 +9,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/force/detail/lattice_section.h"
 #include "core/force/detail/tool_contact.h"
 #include "core/force/detail/way_average.h"
+#include "core/points/bone_points.h"
 
 namespace spinaltap {
 namespace {
@@ -74,10 +76,10 @@ class UncutAdvance {
 class LatticeAreaCorrection {
  public:
   void reset() noexcept { *this = LatticeAreaCorrection(); }
-  double factor(const BonePoints& bone, const Pose& pose, double back_mm, double radius_mm, double way_mm) noexcept {
-    const std::size_t volume = bone.volume_at(pose.tip_mm.z() - back_mm * pose.axis.z());
-    const PointVolume& points = bone.volume(volume);
-    const double spacing_mm = points.pattern().spacing_mm();
+  double factor(const LivingBone& bone, const Pose& pose, double back_mm, double radius_mm, double way_mm) noexcept {
+    const PointVolume* const points = bone.discs_at(pose.tip_mm.z() - back_mm * pose.axis.z());
+    if (points == nullptr) return 1.0;
+    const double spacing_mm = points->pattern().spacing_mm();
     const Eigen::Vector2d place_mm = pose.tip_mm.head<2>();
     still_mm_ += way_mm;
     if (is_placed_ && !((place_mm - anchor_mm_).norm() <= kStill * spacing_mm)) {
@@ -89,12 +91,12 @@ class LatticeAreaCorrection {
       anchor_mm_ = place_mm;
     }
     // Where it moves, or where points are jittered, sections differ from disc to disc and average out.
-    if (still_mm_ < spacing_mm || points.out_of_plane_mm() > 0.0) return 1.0;
-    if (volume != volume_ || !((place_mm - counted_mm_).norm() <= kSameMm)) {
+    if (still_mm_ < spacing_mm || points->out_of_plane_mm() > 0.0) return 1.0;
+    if (points != counted_ || !((place_mm - counted_mm_).norm() <= kSameMm)) {
       counted_mm_ = place_mm;
-      volume_ = volume;
+      counted_ = points;
       factor_ =
-          section_over_points(points.pattern(), radius_mm, place_mm.norm(), std::atan2(place_mm.y(), place_mm.x()));
+          section_over_points(points->pattern(), radius_mm, place_mm.norm(), std::atan2(place_mm.y(), place_mm.x()));
     }
     return factor_;
   }
@@ -107,7 +109,7 @@ class LatticeAreaCorrection {
   double still_mm_ = 1e9;  ///< way since the anchor was left
   Eigen::Vector2d anchor_mm_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d counted_mm_ = Eigen::Vector2d::Constant(1e9);
-  std::size_t volume_ = 0;
+  const PointVolume* counted_ = nullptr;
   double factor_ = 1.0;
 };
 
@@ -141,15 +143,21 @@ FeedResistance resistance_of_block(const DrillBit& bit, const Material& material
 }
 
 struct DrillForces::State {
-  State(std::span<const PointVolume> volumes, const DrillBit& drill_bit, const Material& drilled)
+  State(std::unique_ptr<const LivingBone> own_bone, const DrillBit& drill_bit, const Material& drilled)
+      : State(*own_bone, drill_bit, drilled) {
+    own = std::move(own_bone);
+  }
+  State(const LivingBone& living, const DrillBit& drill_bit, const Material& drilled)
       : bit(drill_bit),
         material(drilled),
-        bone(volumes, drilled),
+        bone(living),
         tip(bone, chisel_radius_mm(drill_bit, drilled)),
         shell(bone, drill_bit),
         boxes(std::max(1.0, std::ceil(kMinBoxMm / bone.widest_spacing_mm() - 1e-9))),
         axial(boxes * bone.widest_spacing_mm(), bins_of(boxes)),
-        across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {}
+        across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {
+    check_material(drilled);
+  }
 
   /// So few that a cycle is short, so many that a disc's points, which count as spread over a bin, come out even.
   static int bins_of(double boxes) { return std::max(48, 8 * static_cast<int>(boxes)); }
@@ -169,7 +177,8 @@ struct DrillForces::State {
 
   DrillBit bit;
   Material material;
-  BonePoints bone;
+  std::unique_ptr<const LivingBone> own;  ///< null: another's
+  const LivingBone& bone;
   ChiselProbe tip;
   ToolContact shell;
   double boxes;  ///< spacings in a box
@@ -215,7 +224,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double fresh_share = std::clamp(1.0 - fresh.retreat_mm() / kFreshMm, 0.0, 1.0);
   const WayAverage::Sums along = fresh_share * axial.per_mm();
   const WayAverage::Sums aside = across.per_mm();
-  const ChiselProbe::Mean ahead = tip.ahead_of(path_pose);
+  const LivingBone::Mean ahead = tip.ahead_of(path_pose);
 
   force.tip_density_g_cm3 = ahead.density_g_cm3;
   force.feed_mm_per_turn = velocity_mm_s.norm() / turns_per_s;
@@ -236,8 +245,10 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   force.lateral_n = -with_turn_n - material.lip_thrust_share * side_n;
 }
 
+DrillForces::DrillForces(const LivingBone& bone, const DrillBit& bit, const Material& material)
+    : state_(std::make_unique<State>(bone, bit, material)) {}
 DrillForces::DrillForces(std::span<const PointVolume> volumes, const DrillBit& bit, const Material& material)
-    : state_(std::make_unique<State>(volumes, bit, material)) {}
+    : state_(std::make_unique<State>(std::make_unique<BonePoints>(volumes, material), bit, material)) {}
 DrillForces::~DrillForces() = default;
 DrillForces::DrillForces(DrillForces&&) noexcept = default;
 

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/engine/drill_engine.h"
+#include "core/points/living_bone.h"
 
 namespace spinaltap {
 
@@ -46,8 +47,9 @@ struct DrillForce {
 /// result is the same for every engine and number of threads.
 class DrillForces {
  public:
-  /// `volumes`: those that the engine drills, end to end along one path; they must outlive this. Throws Error on a bad
-  /// bit or material.
+  /// `bone`: what the engine drills; it must outlive this. Throws Error on a bad bit or material.
+  DrillForces(const LivingBone& bone, const DrillBit& bit, const Material& material);
+  /// Of volumes end to end along one path, as BonePoints takes them.
   DrillForces(std::span<const PointVolume> volumes, const DrillBit& bit, const Material& material);
   ~DrillForces();
   DrillForces(DrillForces&&) noexcept;

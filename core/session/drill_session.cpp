@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/points/bone_points.h"
 #include "core/session/detail/session_watch.h"
 
 namespace spinaltap {
@@ -38,24 +39,9 @@ bool is_sound_time(double dt_s) noexcept {
   return dt_s > 0.0 && dt_s < kLongestS;
 }
 
-/// Rejects what would drill nothing.
-void check_volumes(const DrillPath& path, std::span<const PointVolume> volumes) {
-  const VolumeExtent extent(volumes);
-  std::size_t alive = 0;
-  for (const PointVolume& volume : volumes) alive += volume.alive_count();
-  if (alive == 0) {
-    fail("path ", in_quotes(path.name),
-         ": expected bone around it, found none: it misses the bone, or all is drilled away");
-  }
-  for (const Vec3& end_mm : {path.entry_mm, path.target_mm}) {
-    const Vec3 own = extent.to_own(end_mm);
-    const double aside_mm = std::hypot(own.x(), own.y());
-    if (!(aside_mm <= extent.radius_mm()) || !(own.z() <= extent.length_mm() + extent.spacing_mm())) {
-      fail("path ", in_quotes(path.name), ": expected it within the point volume, a cylinder of ", extent.length_mm(),
-           " mm and a radius of ", extent.radius_mm(), " mm, found an end ", aside_mm, " mm off its axis at ", own.z(),
-           " mm along it");
-    }
-  }
+std::unique_ptr<const LivingBone> checked(std::unique_ptr<const LivingBone> bone) {
+  if (!bone) fail("session: expected a bone to drill, found none");
+  return bone;
 }
 
 }  // namespace
@@ -76,9 +62,8 @@ void check_session_options(const SessionOptions& options) {
 }
 
 struct DrillSession::Tracking {
-  Tracking(const DrillPath& path, std::span<const PointVolume> volumes, const SessionOptions& options,
-           bool has_clearances)
-      : bit(path.bit), watch(path, VolumeExtent(volumes), options, has_clearances) {}
+  Tracking(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances)
+      : bit(path.bit), watch(path, bone, options, has_clearances) {}
 
   BitProfile bit;
   SessionWatch watch;
@@ -91,20 +76,31 @@ struct DrillSession::Tracking {
   bool has_begun = false;
 };
 
-DrillSession::DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
-                           const Material& material, const ClearanceField* clearances, const SessionOptions& options)
+DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBone> bone,
+                           std::unique_ptr<DrillEngine> engine, const Material& material,
+                           const ClearanceField* clearances, const SessionOptions& options)
     : path_(path),
+      bone_(checked(std::move(bone))),
       engine_(std::move(engine)),
-      forces_(volumes, path.bit, material),
+      forces_(*bone_, path.bit, material),
       clearances_(clearances),
       options_(options),
       states_(options.states) {
   check_path(path);
   check_session_options(options);
-  check_volumes(path, volumes);
+  if (bone_->alive_count() == 0) {
+    fail("path ", in_quotes(path.name),
+         ": expected bone around it, found none: it misses the bone, or all is drilled away");
+  }
+  bone_->check_within(path);
   if (!engine_) fail("session: expected a drilling engine, found none");
-  tracking_ = std::make_unique<Tracking>(path, volumes, options, clearances != nullptr);
+  tracking_ = std::make_unique<Tracking>(path, *bone_, options, clearances != nullptr);
 }
+
+DrillSession::DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
+                           const Material& material, const ClearanceField* clearances, const SessionOptions& options)
+    : DrillSession(path, std::make_unique<BonePoints>(volumes, material), std::move(engine), material, clearances,
+                   options) {}
 
 DrillSession::~DrillSession() = default;
 

@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/engine/drill_engine.h"
 #include "core/force/drill_forces.h"
+#include "core/points/living_bone.h"
 #include "core/session/drill_state.h"
 #include "core/session/operator/operator.h"
 #include "core/session/session_event.h"
@@ -50,9 +51,12 @@ struct Cycle {
 /// when to stop. The same inputs bring the same results, whatever the engine, the threads or the pace.
 class DrillSession {
  public:
-  /// `volumes`: filled, end to end along the path; they are drilled in place and must outlive the session, as must
-  /// `clearances`, which may be null: then there are none. `engine` drills them. Throws Error on bad options, and where
-  /// the path runs beside the volumes or they have no bone.
+  /// `engine` drills what `bone` tells of; what both stand on must outlive the session, as must `clearances`, which may
+  /// be null: then there are none. Throws Error on bad options, and where the path leaves the bone's box or cylinder or
+  /// there is no living bone.
+  DrillSession(const DrillPath& path, std::unique_ptr<const LivingBone> bone, std::unique_ptr<DrillEngine> engine,
+               const Material& material, const ClearanceField* clearances, const SessionOptions& options = {});
+  /// `volumes`: filled, end to end along the path; they are drilled in place.
   DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
                const Material& material, const ClearanceField* clearances, const SessionOptions& options = {});
   ~DrillSession();
@@ -81,6 +85,7 @@ class DrillSession {
   void place(const Pose& pose, const ToolInput& input) noexcept;
 
   DrillPath path_;
+  std::unique_ptr<const LivingBone> bone_;
   std::unique_ptr<DrillEngine> engine_;
   DrillForces forces_;
   const ClearanceField* clearances_;

@@ -33,6 +33,8 @@ std::unique_ptr<DrillEngine> make_engine(EngineKind kind, PointVolume& volume, c
       return make_ring_engine(volume, bit, material);
     case EngineKind::leaf:
       return make_leaf_engine(volume, bit, material);
+    case EngineKind::voxel:
+      fail("expected an engine for points, found voxel, which mills a bone's voxels");
   }
   fail("no such drilling engine");
 }

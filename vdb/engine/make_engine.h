@@ -19,7 +19,7 @@ std::unique_ptr<DrillEngine> make_leaf_engine(PointVolume& volume, const DrillBi
 std::unique_ptr<DrillEngine> make_leaf_engine(std::span<PointVolume* const> volumes, const DrillBit& bit,
                                               const Material& material);
 
-/// The engine of a kind, also of those that stand on a VDB tree.
+/// The engine of a kind for points, also of those that stand on a VDB tree. Throws Error for EngineKind::voxel.
 std::unique_ptr<DrillEngine> make_engine(EngineKind kind, PointVolume& volume, const DrillBit& bit,
                                          const Material& material);
 

@@ -125,6 +125,7 @@ VoxelBone::VoxelBone(std::span<const BoneModel> bones, const VoxelBoneOptions& o
     fail("voxels: expected a box of at most 2^36 voxels, found one of ", (box_mm.sizes() / options.voxel_mm).prod());
   }
   leaves_->voxel_mm = options.voxel_mm;
+  leaves_->region_mm = options.region_mm;
   const LeafFiller filler(bones, options);
   const int layer_count = range.last.x() - range.first.x() + 1;
   const auto layers = static_cast<std::size_t>(layer_count);
@@ -159,6 +160,15 @@ VoxelBone::VoxelBone(VoxelBone&&) noexcept = default;
 VoxelBone::VoxelBone(const VoxelBone& other) : leaves_(std::make_unique<detail::VoxelLeaves>(*other.leaves_)) {}
 
 double VoxelBone::voxel_mm() const { return leaves_->voxel_mm; }
+const Box3& VoxelBone::region_mm() const { return leaves_->region_mm; }
+
+void VoxelBone::revive(const VoxelBone& whole) {
+  auto from = whole.leaves_->tree.cbeginLeaf();
+  for (auto leaf = leaves_->tree.beginLeaf(); leaf; ++leaf, ++from) {
+    if (!from || from->origin() != leaf->origin()) fail("voxels: expected a copy of the bone to revive it from");
+    leaf->setValueMask(from->getValueMask());
+  }
+}
 
 bool VoxelBone::is_alive(const Eigen::Vector3i& voxel) const {
   return leaves_->tree.isValueOn(Coord(voxel.x(), voxel.y(), voxel.z()));

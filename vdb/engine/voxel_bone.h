@@ -41,12 +41,17 @@ class VoxelBone {
   VoxelBone(const VoxelBone& other);
 
   double voxel_mm() const;
+  /// That the voxels were made of; empty: the whole of the bones.
+  const Box3& region_mm() const;
   Vec3 centre_mm(const Eigen::Vector3i& voxel) const { return voxel_mm() * voxel.cast<double>(); }
   bool is_alive(const Eigen::Vector3i& voxel) const;
   /// Of a voxel that lives or has lived, as stored: steps of 16 HU from -1024 to 3056.
   std::int16_t hu(const Eigen::Vector3i& voxel) const;
   /// In the order of the tree.
   void for_each_alive(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const;
+
+  /// All voxels live again that live in `whole`: the bone that this is a copy of.
+  void revive(const VoxelBone& whole);
 
   std::size_t alive_count() const;
   /// Of all that is stored.

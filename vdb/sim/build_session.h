@@ -2,24 +2,24 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "core/base/scalar_field.h"
 #include "core/session/drill_session.h"
 #include "core/session/session_setup.h"
 #include "vdb/sim/bone.h"
+#include "vdb/sim/drilled_bone.h"
 
 namespace spinaltap {
 
 /// A session with all it stands on. Not to be moved while it runs.
 struct BuiltSession {
-  std::vector<PointVolume> volumes;
+  DrilledBone bone;
   std::unique_ptr<ClearanceField> clearances;  ///< null where the setup has none
   std::unique_ptr<DrillSession> session;
 };
-/// Fills the volumes and makes the session. `exact` decides which points are bone, in place of
-/// the bone's grid, where it is given. `clearances`: another session's of the same bone and path, which saves working
-/// them out again. Throws Error where the path misses the bone.
+/// Fills what is drilled and makes the session. `exact` decides which points are bone, in place of the bone's grid,
+/// where it is given. `clearances`: another session's of the same bone and path, which saves working them out again.
+/// Throws Error where the path misses the bone.
 BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Progress& progress = {},
                            const ScalarField* exact = nullptr, const ClearanceField* clearances = nullptr);
 

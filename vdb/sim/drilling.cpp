@@ -45,14 +45,15 @@ std::size_t expected_inputs(const Operator& tool_operator, const std::optional<R
 }
 
 void count_points(const BuiltSession& built, Drilling& drilling) {
-  std::size_t bytes = built.session->engine().memory_bytes();
-  for (const PointVolume& volume : built.volumes) {
+  const DrilledBone& bone = built.bone;
+  drilling.points_in_bone = bone.alive_count();
+  if (bone.voxels) drilling.points = drilling.points_in_bone;
+  for (const PointVolume& volume : bone.volumes) {
     drilling.points += volume.point_count();
-    drilling.points_in_bone += volume.alive_count();
     drilling.discs += volume.disc_count();
-    bytes += volume.memory_bytes();
   }
-  drilling.points_per_disc = built.volumes.front().pattern().point_count();
+  if (!bone.volumes.empty()) drilling.points_per_disc = bone.volumes.front().pattern().point_count();
+  const std::size_t bytes = built.session->engine().memory_bytes() + bone.memory_bytes();
   drilling.bytes_per_point = static_cast<double>(bytes) / static_cast<double>(drilling.points);
 }
 
@@ -132,7 +133,7 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
 
   std::vector<PointSplats> splats;
   if (options.makes_splats) {
-    for (const PointVolume& volume : built.volumes) splats.emplace_back(volume, BoneField(bone.model()));
+    for (const PointVolume& volume : built.bone.volumes) splats.emplace_back(volume, BoneField(bone.model()));
   }
   InputLog inputs(expected_inputs(tool_operator, options.real_time));
   Watch watch(session, options, log, inputs, drilling);
@@ -157,10 +158,10 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
   const DrilledHole hole = hole_of(inputs.inputs(), setup);
   drilling.drilled = without_holes(drilling.before, {&hole, 1});
   for (std::size_t n = 0; n < splats.size(); ++n) {
-    splats[n].update(built.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
+    splats[n].update(built.bone.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());
   }
-  drilling.volumes = std::move(built.volumes);  // the points stay where the session knows them
+  drilling.left = std::move(built.bone);  // the points stay where the session knows them
   return drilling;
 }
 

@@ -26,13 +26,13 @@ struct DrillingOptions {
 };
 
 struct Drilling {
-  std::vector<PointVolume> volumes;  ///< after drilling, end to end along the path
-  std::size_t points = 0;            ///< of the whole cylinder
-  std::size_t points_in_bone = 0;    ///< alive before drilling
+  DrilledBone left;                ///< after drilling
+  std::size_t points = 0;          ///< of the whole cylinder; of voxels, those in bone
+  std::size_t points_in_bone = 0;  ///< alive before drilling
   std::size_t removed = 0;
-  int discs = 0;
+  int discs = 0;                    ///< 0: voxels have none
   std::size_t points_per_disc = 0;  ///< of the first volume
-  double bytes_per_point = 0.0;     ///< of the volumes and the engine
+  double bytes_per_point = 0.0;     ///< of the points or voxels and the engine
   std::size_t cycles = 0;           ///< after the first, which puts the bit
   double session_s = 0.0;           ///< the operator's time
   double seconds = 0.0;             ///< of all cycles but the first, where they were not paced; else NaN
@@ -54,8 +54,8 @@ struct Drilling {
   explicit Drilling(BoneModel bone) : before(bone), drilled(std::move(bone)) {}
 };
 
-/// Fills a point volume along the path, lets an operator drill it, and cuts the hole of all its poses out of the
-/// distance grid. Throws Error when the path misses the bone.
+/// Fills points along the path, or the bone's voxels, lets an operator drill it, and cuts the hole of all its poses out
+/// of the distance grid. Throws Error when the path misses the bone.
 Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_operator,
                     const DrillingOptions& options = {}, const Progress& progress = {});
 

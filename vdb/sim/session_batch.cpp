@@ -19,7 +19,7 @@ namespace spinaltap {
 
 namespace {
 
-/// What the members of one hole share: points that nobody drills, and clearances.
+/// What the members of one hole share: bone that nobody drills, and clearances.
 struct Hole {
   SessionSetup setup;
   BuiltSession whole;
@@ -27,24 +27,12 @@ struct Hole {
 
 struct Member {
   const Hole* hole = nullptr;
-  std::vector<PointVolume> volumes;
+  std::unique_ptr<DrilledBone> bone;
   std::unique_ptr<DrillSession> session;
 };
 
-void revive(PointVolume& volume, const PointVolume& whole) {
-  for (int disc = 0; disc < whole.disc_count(); ++disc) {
-    std::ranges::copy(whole.alive_words(disc), volume.alive_words(disc).begin());
-  }
-}
-
 void begin(Member& member) {
-  const SessionSetup& setup = member.hole->setup;
-  std::vector<std::unique_ptr<DrillEngine>> engines;
-  for (PointVolume& volume : member.volumes) {
-    engines.push_back(make_engine(setup.engine, volume, setup.path.bit, setup.material));
-  }
-  member.session = std::make_unique<DrillSession>(setup.path, member.volumes, make_joint_engine(std::move(engines)),
-                                                  setup.material, member.hole->whole.clearances.get(), setup.options);
+  member.session = member.bone->begin_session(member.hole->setup, member.hole->whole.clearances.get());
 }
 
 }  // namespace
@@ -81,7 +69,7 @@ SessionBatch::SessionBatch(std::vector<BonePath> holes, std::size_t count, const
   for (std::size_t n = 0; n < count; ++n) {
     Member& member = state_->members[n];
     member.hole = state_->holes[n % holes.size()].get();
-    member.volumes = member.hole->whole.volumes;
+    member.bone = std::make_unique<DrilledBone>(member.hole->whole.bone);
     begin(member);
   }
 }
@@ -95,10 +83,8 @@ DrillSession& SessionBatch::session(std::size_t n) { return *state_->members.at(
 
 DrillSession& SessionBatch::reset(std::size_t n) {
   Member& member = state_->members.at(n);
-  member.session.reset();  // it holds on to the volumes
-  for (std::size_t k = 0; k < member.volumes.size(); ++k) {
-    revive(member.volumes[k], member.hole->whole.volumes[k]);
-  }
+  member.session.reset();  // it holds on to the bone
+  member.bone->revive(member.hole->whole.bone);
   begin(member);
   return *member.session;
 }

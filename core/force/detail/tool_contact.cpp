@@ -11,7 +11,7 @@ constexpr int kPlacesAround = 16;
 
 }  // namespace
 
-ToolContact::ToolContact(const BonePoints& bone, const DrillBit& bit)
+ToolContact::ToolContact(const LivingBone& bone, const DrillBit& bit)
     : bone_(&bone), section_mm2_(std::numbers::pi * bit.radius_mm() * bit.radius_mm()) {
   const BitProfile profile(bit);
   const double pi = std::numbers::pi;
@@ -65,7 +65,7 @@ void ToolContact::add_ring(double back_mm, double radius_mm, double normal_back,
 
 /// How far bone reaches from `p` inwards into the bit.
 double ToolContact::depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept {
-  const double step_mm = bone_->volume(bone_->volume_at(p.z())).pattern().spacing_mm();
+  const double step_mm = bone_->spacing_mm(p);
   double bone_mm = 0.0;
   while (bone_mm < max_mm && bone_->living_at(p + (bone_mm + step_mm) * inward) != nullptr) bone_mm += step_mm;
   if (bone_mm >= max_mm) return max_mm;
@@ -84,7 +84,7 @@ Vec3 ToolContact::contact_n(const Pose& pose) const noexcept {
   Vec3 force_n = Vec3::Zero();
   for (const Place& place : places_) {
     const Vec3 p = pose.tip_mm - place.back_mm * pose.axis + place.across_x_mm * u + place.across_y_mm * v;
-    const BonePoints::Bone* bone = bone_->living_at(p);
+    const LivingBone::Bone* bone = bone_->living_at(p);
     if (bone == nullptr) continue;
     const Vec3 inward = place.normal_back * pose.axis - place.normal_x * u - place.normal_y * v;
     force_n += place.share * bone->contact_n_mm * depth_mm(p, inward, place.max_mm) * inward;
@@ -92,7 +92,7 @@ Vec3 ToolContact::contact_n(const Pose& pose) const noexcept {
   return force_n;
 }
 
-ChiselProbe::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
+LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   // A centre and six around it stand for equal shares of the disc: radius² of the centre's share is a seventh of the
   // whole, and the six lie at their share's centroid.
   constexpr int kAround = 6;
@@ -100,38 +100,14 @@ ChiselProbe::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   const double off_mm = 0.724 * edge_radius_mm_;
   const Vec3 u = any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
-  Mean mean;
-  const auto add = [&](const Vec3& p, double weight) {
-    const BonePoints::Bone* bone = bone_->living_at(p);
-    if (bone == nullptr) return;
-    mean.density_g_cm3 += weight * bone->density_g_cm3;
-    mean.chisel_mpa += weight * bone->chisel_mpa;
-  };
-  // Axes nearer to the discs' planes than this (cosine) look one spacing ahead; no disc is ahead of them.
-  constexpr double kSteepest = 0.25;
-  const double along = pose.axis.z();
+  LivingBone::Mean mean;
   for (int n = 0; n <= kAround; ++n) {
     Vec3 p = pose.tip_mm;
     if (n > 0) {
       const double angle = 2.0 * std::numbers::pi * n / kAround;
       p += off_mm * (std::cos(angle) * u + std::sin(angle) * v);
     }
-    const std::size_t volume = bone_->volume_at(p.z());
-    const double spacing_mm = bone_->volume(volume).pattern().spacing_mm();
-    if (!(std::abs(along) >= kSteepest)) {
-      add(p + spacing_mm * pose.axis, kShare);
-      continue;
-    }
-    // In discs towards which the bit points. The disc at the tip itself is cut; rounding does not make it the next.
-    const double sign = along > 0.0 ? 1.0 : -1.0;
-    const double at = sign * (p.z() - bone_->start_mm(volume)) / spacing_mm;
-    const double next = std::floor(at + 1e-6) + 1.0;
-    const double nearer = std::clamp(next - at, 0.0, 1.0);
-    const auto on_disc = [&](double disc) -> Vec3 {
-      return p + (disc - at) * spacing_mm / std::abs(along) * pose.axis;
-    };
-    add(on_disc(next), kShare * nearer);
-    add(on_disc(next + 1.0), kShare * (1.0 - nearer));
+    bone_->add_ahead_of(p, pose.axis, kShare, mean);
   }
   return mean;
 }

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "core/points/bone_points.h"
+#include "core/points/living_bone.h"
 #include "core/tool/bit_profile.h"
 
 namespace spinaltap {
@@ -14,7 +14,7 @@ namespace spinaltap {
 class ToolContact {
  public:
   /// Throws Error on a bad bit.
-  ToolContact(const BonePoints& bone, const DrillBit& bit);
+  ToolContact(const LivingBone& bone, const DrillBit& bit);
 
   /// Force on the bit, N; `pose` and force in the bone's coordinates.
   Vec3 contact_n(const Pose& pose) const noexcept;
@@ -32,27 +32,22 @@ class ToolContact {
   void add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2);
   double depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept;
 
-  const BonePoints* bone_;
+  const LivingBone* bone_;
   double section_mm2_;
   std::vector<Place> places_;
 };
 
-/// The bone just ahead of a bit's chisel edge: one spacing ahead of the tip, by a line between the next two discs, so
-/// that it is as smooth as the bone. What is missing counts as bone of no density.
+/// The bone just ahead of a bit's chisel edge, as smooth as the bone is.
 class ChiselProbe {
  public:
   /// `edge_radius_mm`: of the disc that the chisel edge turns over.
-  ChiselProbe(const BonePoints& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
+  ChiselProbe(const LivingBone& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
 
-  struct Mean {
-    double density_g_cm3 = 0.0;
-    double chisel_mpa = 0.0;
-  };
   /// `pose` in the bone's coordinates.
-  Mean ahead_of(const Pose& pose) const noexcept;
+  LivingBone::Mean ahead_of(const Pose& pose) const noexcept;
 
  private:
-  const BonePoints* bone_;
+  const LivingBone* bone_;
   double edge_radius_mm_;
 };
 

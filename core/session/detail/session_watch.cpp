@@ -55,11 +55,11 @@ void RecentMax::add(double depth_mm, double value) noexcept {
   now_ = std::max(now_, value);
 }
 
-SessionWatch::SessionWatch(const DrillPath& path, const VolumeExtent& extent, const SessionOptions& options,
+SessionWatch::SessionWatch(const DrillPath& path, const LivingBone& bone, const SessionOptions& options,
                            bool has_clearances)
     : bit_(path.bit),
       direction_(path.direction()),
-      extent_(extent),
+      bone_(&bone),
       options_(options),
       has_clearances_(has_clearances),
       deepest_mm_(-std::numeric_limits<double>::infinity()) {}
@@ -88,7 +88,7 @@ void SessionWatch::update(const Cycle& cycle, const Pose& pose, double state_beg
   rejected_in_a_row_ = 0;
   if (!has_contact_ && cycle.step.removed > 0) {
     has_contact_ = true;
-    contact_own_mm_ = extent_.to_own(pose.tip_mm).z();
+    contact_mm_ = pose.tip_mm;
     log.add(event_of(cycle, EventKind::contact, pose.tip_mm, 0.0));
   }
   if (cycle.state != state_) {
@@ -120,7 +120,7 @@ void SessionWatch::watch_breaches(const Cycle& cycle, EventLog& log) noexcept {
 
 void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
   // Where the volume ends there is no bone to be seen, which does not mean that there is none.
-  if (!has_contact_ || !(extent_.past_end_mm(pose.tip_mm) < -extent_.spacing_mm())) return;
+  if (!has_contact_ || !(bone_->past_end_mm(pose.tip_mm) < -bone_->widest_spacing_mm())) return;
   if (cycle.force.tip_density_g_cm3 > 0.0) {
     tip_is_in_bone_ = true;
     is_in_air_ = false;
@@ -148,10 +148,10 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
 
 void SessionWatch::watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
   if (!has_contact_) return;
-  double beyond_mm = extent_.beyond_side_mm(bit_, pose, contact_own_mm_);
+  double beyond_mm = bone_->beyond_side_mm(bit_, pose, contact_mm_);
   // Through the far side of the bone, the cylinder's end is not missed.
-  if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, extent_.past_end_mm(pose.tip_mm));
-  volume_.update(beyond_mm, extent_.spacing_mm(), extent_.spacing_mm(),
+  if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, bone_->past_end_mm(pose.tip_mm));
+  volume_.update(beyond_mm, bone_->widest_spacing_mm(), bone_->widest_spacing_mm(),
                  event_of(cycle, EventKind::outside_volume, pose.tip_mm, beyond_mm), log);
 }
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/session/detail/volume_extent.h"
+#include "core/points/living_bone.h"
 #include "core/session/drill_session.h"
 #include "core/session/session_event.h"
 
@@ -89,7 +89,8 @@ class RecentMax {
 /// Makes events of what cycles did, and tells when to stop. Allocates nothing.
 class SessionWatch {
  public:
-  SessionWatch(const DrillPath& path, const VolumeExtent& extent, const SessionOptions& options, bool has_clearances);
+  /// `bone` must outlive this.
+  SessionWatch(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances);
 
   /// After a cycle that moved the bit to `pose`. `state_begin_mm`: where the cycle's state began. `is_cutting`: the
   /// spindle was on.
@@ -113,12 +114,12 @@ class SessionWatch {
 
   BitProfile bit_;
   Vec3 direction_;
-  VolumeExtent extent_;
+  const LivingBone* bone_;
   SessionOptions options_;
   bool has_clearances_;
 
   bool has_contact_ = false;
-  double contact_own_mm_ = 0.0;  ///< depth of the first contact along the volumes' cylinder
+  Vec3 contact_mm_ = Vec3::Zero();  ///< the tip at the first contact
   DrillState state_ = DrillState::initial;
   WatchedExcess outer_, canal_, volume_;
   WatchedPlunge after_stop_, after_breakthrough_;

@@ -19,6 +19,7 @@ using VoxelTree = openvdb::tree::Tree<openvdb::tree::RootNode<openvdb::tree::Int
 /// The tree of a VoxelBone. Active voxels live; values are CT numbers, see hu_byte.h.
 struct VoxelLeaves {
   double voxel_mm = 0.1;
+  Box3 region_mm;
   VoxelTree tree;
 };
 

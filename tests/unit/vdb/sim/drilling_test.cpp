@@ -186,7 +186,7 @@ TEST(DrillBone, CutsTheSameBoneWithFinerPointsNearTheSurface) {
   fine.fine_tip_mm = 2.0;
   const Drilling by_coarse = drill(coarse, motion_of(coarse));
   const Drilling by_fine = drill(fine, motion_of(fine));
-  ASSERT_EQ(by_fine.volumes.size(), 3U);  // around the entry, between, before the target
+  ASSERT_EQ(by_fine.left.volumes.size(), 3U);  // around the entry, between, before the target
   EXPECT_GT(by_fine.points, by_coarse.points * 2);
   // A bit of 15.5 spacings across is cut to 1 % at 0.2 mm, and better at 0.1 mm.
   EXPECT_NEAR(work_n_mm(by_fine), work_n_mm(by_coarse), 0.02 * work_n_mm(by_coarse));
@@ -200,7 +200,7 @@ TEST(DrillBone, CutsTheHoleOfATremblingOperatorOutOfTheGrid) {
   // What the points lost is what the grid lost: both are the union of all poses. A point stands for its share of its
   // ring; the wall cuts points and voxels at random.
   double points_mm3 = 0.0;
-  const PointVolume& volume = drilling.volumes.front();
+  const PointVolume& volume = drilling.left.volumes.front();
   for (int disc = 0; disc < volume.disc_count(); ++disc) {
     for (std::size_t n = 0; n < volume.pattern().point_count(); ++n) {
       const Vec3 p_mm = volume.frame().to_patient(volume.point_in_path_mm(disc, n));

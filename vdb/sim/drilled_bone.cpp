@@ -1,0 +1,92 @@
+#include "vdb/sim/drilled_bone.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/engine/volume_segments.h"
+#include "vdb/engine/living_voxels.h"
+#include "vdb/engine/make_engine.h"
+#include "vdb/engine/voxel_engine.h"
+#include "vdb/sim/detail/bone_volumes.h"
+
+namespace spinaltap {
+namespace {
+
+void drill_out(DrillEngine& engine, const DrilledHole& hole) {
+  for (const BitWay& way : hole.ways) {
+    engine.reset_motion();
+    engine.step(way.start);
+    engine.step(way.end);
+  }
+}
+
+/// What would have no effect is not taken without a word.
+void check_for_voxels(const SessionSetup& setup, const ScalarField* exact) {
+  const auto reject = [](const char* what) { fail("voxels: expected no ", what, ": only engines of points have it"); };
+  if (exact != nullptr) reject("exact surface");
+  if (setup.fine_spacing_mm != 0.0) reject("finer spacing near the surface");
+  if (setup.volume.jitter != 0.0) reject("jitter");
+  if (setup.volume.subdivision != DiscSubdivision::rings) reject("other subdivision of discs");
+}
+
+}  // namespace
+
+DrilledBone::DrilledBone(const BoneModel& bone, const SessionSetup& setup, const ScalarField* exact,
+                         const Progress& progress) {
+  if (setup.engine == EngineKind::voxel) {
+    check_for_voxels(setup, exact);
+    voxels = std::make_unique<VoxelBone>(bone, VoxelBoneOptions{.voxel_mm = setup.volume.spacing_mm}, progress);
+    for (const DrilledHole& hole : setup.holes) drill_out(*make_voxel_engine(*voxels, hole.bit, setup.material), hole);
+    return;
+  }
+  volumes =
+      volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
+  for (PointVolume& volume : volumes) {
+    fill_volume(volume, sampler_of(bone, exact), progress);
+    for (const DrilledHole& hole : setup.holes) {
+      drill_out(*make_engine(setup.engine, volume, hole.bit, setup.material), hole);
+    }
+  }
+}
+
+DrilledBone::DrilledBone(const DrilledBone& other)
+    : volumes(other.volumes), voxels(other.voxels ? std::make_unique<VoxelBone>(*other.voxels) : nullptr) {}
+
+void DrilledBone::revive(const DrilledBone& whole) {
+  if (voxels) voxels->revive(*whole.voxels);
+  for (std::size_t n = 0; n < volumes.size(); ++n) {
+    for (int disc = 0; disc < volumes[n].disc_count(); ++disc) {
+      std::ranges::copy(whole.volumes[n].alive_words(disc), volumes[n].alive_words(disc).begin());
+    }
+  }
+}
+
+std::unique_ptr<DrillSession> DrilledBone::begin_session(const SessionSetup& setup, const ClearanceField* clearances) {
+  const DrillPath& path = setup.path;
+  if (voxels) {
+    return std::make_unique<DrillSession>(path, make_living_bone(*voxels, setup.material),
+                                          make_voxel_engine(*voxels, path.bit, setup.material), setup.material,
+                                          clearances, setup.options);
+  }
+  std::vector<std::unique_ptr<DrillEngine>> engines;
+  for (PointVolume& volume : volumes) {
+    engines.push_back(make_engine(setup.engine, volume, path.bit, setup.material));
+  }
+  return std::make_unique<DrillSession>(path, volumes, make_joint_engine(std::move(engines)), setup.material,
+                                        clearances, setup.options);
+}
+
+std::size_t DrilledBone::alive_count() const {
+  std::size_t alive = voxels ? voxels->alive_count() : 0;
+  for (const PointVolume& volume : volumes) alive += volume.alive_count();
+  return alive;
+}
+
+std::size_t DrilledBone::memory_bytes() const {
+  std::size_t bytes = voxels ? voxels->memory_bytes() : 0;
+  for (const PointVolume& volume : volumes) bytes += volume.memory_bytes();
+  return bytes;
+}
+
+}  // namespace spinaltap

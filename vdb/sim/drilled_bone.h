@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/scalar_field.h"
+#include "core/points/point_volume.h"
+#include "core/session/drill_session.h"
+#include "core/session/session_setup.h"
+#include "vdb/engine/voxel_bone.h"
+#include "vdb/grid/bone_model.h"
+
+namespace spinaltap {
+
+/// What a session drills in place: volumes of points along its path, or, with EngineKind::voxel, voxels of the whole
+/// bone.
+struct DrilledBone {
+  std::vector<PointVolume> volumes;
+  std::unique_ptr<VoxelBone> voxels;
+
+  DrilledBone() = default;
+  /// Filled from a bone, less the setup's holes. `exact` decides which points are bone, in place of the bone's grid,
+  /// where it is given. Throws Error where the setup asks of voxels what only points have.
+  DrilledBone(const BoneModel& bone, const SessionSetup& setup, const ScalarField* exact = nullptr,
+              const Progress& progress = {});
+  DrilledBone(const DrilledBone& other);
+  DrilledBone(DrilledBone&&) noexcept = default;
+  DrilledBone& operator=(DrilledBone&&) noexcept = default;
+
+  /// All lives again that lives in `whole`, which this is a copy of.
+  void revive(const DrilledBone& whole);
+  /// A session that drills it; this and `clearances`, which may be null, must outlive it.
+  std::unique_ptr<DrillSession> begin_session(const SessionSetup& setup, const ClearanceField* clearances);
+
+  std::size_t alive_count() const;
+  std::size_t memory_bytes() const;
+};
+
+}  // namespace spinaltap
