@@ -43,6 +43,9 @@ PlanModel::PlanModel(MainWindow& window) : window_(window) {
   follows_ = QObject::connect(&stack, &QUndoStack::indexChanged, [this, &stack] {
     if (stack.count() > 0) latest_ = window_.planner().document().paths();  // none: it is being replaced
   });
+  follows_saves_ = QObject::connect(&stack, &QUndoStack::cleanChanged, [this, &stack](bool is_clean) {
+    if (is_clean && stack.count() > 0) saved_in_ = window_.planner().plan_file();
+  });
   begin();
 }
 
@@ -61,10 +64,7 @@ void PlanModel::begin() {
 std::string PlanModel::check(Effect effect) {
   std::string trouble = follow(effect);
   was_clean_ = !window_.planner().has_unsaved_changes();
-  if (was_clean_ || !window_.planner().job().is_running()) {
-    is_given_up_ = false;
-    saved_in_.clear();
-  }
+  if (was_clean_ || !window_.planner().job().is_running()) is_given_up_ = false;
   return trouble.empty() ? check_window() : trouble;
 }
 
@@ -74,32 +74,20 @@ std::string PlanModel::check_closed() const {
 }
 
 bool PlanModel::is_saved(const std::vector<DrillPath>& paths) const {
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(saved_in_, none)) {
-    if (entry.path().extension() != ".json") continue;
-    try {
-      if (are_same(read_plan(entry.path()), paths)) return true;
-    } catch (const Error&) {  // no plan: there are broken files too
-      continue;
-    }
+  try {
+    return !saved_in_.empty() && are_same(read_plan(saved_in_), paths);
+  } catch (const Error&) {
+    return false;
   }
-  return false;
 }
 
 std::string PlanModel::words_of_saved() const {
-  if (saved_in_.empty()) return "nobody asked to save";
-  std::string words;
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(saved_in_, none)) {
-    if (entry.path().extension() != ".json") continue;
-    words += "\n  " + entry.path().filename().string() + ": ";
-    try {
-      words += words_of_plan(read_plan(entry.path()));
-    } catch (const Error& error) {
-      words += error.what();
-    }
+  if (saved_in_.empty()) return "nowhere";
+  try {
+    return saved_in_.string() + ", " + words_of_plan(read_plan(saved_in_));
+  } catch (const Error& error) {
+    return error.what();
   }
-  return words;
 }
 
 std::string PlanModel::follow(Effect effect) {

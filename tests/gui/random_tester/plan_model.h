@@ -30,7 +30,10 @@ class PlanModel {
  public:
   explicit PlanModel(MainWindow& window);
 
-  ~PlanModel() { QObject::disconnect(follows_); }
+  ~PlanModel() {
+    QObject::disconnect(follows_);
+    QObject::disconnect(follows_saves_);
+  }
   PlanModel(const PlanModel&) = delete;
   PlanModel& operator=(const PlanModel&) = delete;
 
@@ -38,8 +41,6 @@ class PlanModel {
   void begin();
   /// The person was asked, and gave up what was not saved.
   void give_up() { is_given_up_ = true; }
-  /// The person was asked, and had it saved: to a file of this folder.
-  void save_first(std::filesystem::path folder) { saved_in_ = std::move(folder); }
   /// The window has closed. Empty: what was not saved was given up.
   std::string check_closed() const;
   /// After an action, when the window has settled. Empty: all agrees.
@@ -53,20 +54,20 @@ class PlanModel {
 
  private:
   std::string follow(Effect effect);
-  /// What the files of the folder that the person had it saved to hold, for people.
+  /// What the file that it was saved to last holds, for people.
   std::string words_of_saved() const;
-  /// A file of the folder that the person had it saved to has these paths.
+  /// The file that it was saved to last has these paths.
   bool is_saved(const std::vector<DrillPath>& paths) const;
 
   MainWindow& window_;
   std::vector<std::optional<std::vector<DrillPath>>> plans_;  ///< nothing: not seen, between two changes at once
   int now_ = 0;
   std::vector<DrillPath> latest_;  ///< as it stood last before it was replaced: suggestions come while a box is asked
-  QMetaObject::Connection follows_;
+  QMetaObject::Connection follows_, follows_saves_;
   const void* bone_ = nullptr;
   bool was_clean_ = true;
   bool is_given_up_ = false;
-  std::filesystem::path saved_in_;  ///< empty: nobody asked
+  std::filesystem::path saved_in_;  ///< the plan's file when it was last the plan; empty: since it is open, never
 };
 
 bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b);

@@ -181,10 +181,7 @@ class RandomTester {
       tell("a box speaks of exceptions: " + box.informativeText().toStdString());
       ++troubles_;
     }
-    if (box.objectName() == "unsaved") {
-      if (box.standardButton(button) == QMessageBox::Discard) model_->give_up();
-      if (box.standardButton(button) == QMessageBox::Save) model_->save_first(folder_.path());
-    }
+    if (box.objectName() == "unsaved" && box.standardButton(button) == QMessageBox::Discard) model_->give_up();
     button->click();
   }
 
@@ -240,7 +237,9 @@ class RandomTester {
     if (chance(0.03)) {
       let_work(700);
       check(Effect::none);
-      if (const std::string wrong = model_->check_kept(work_folder()); !wrong.empty()) trouble(wrong);
+      std::string wrong;
+      wait_until([&] { return (wrong = model_->check_kept(work_folder())).empty(); }, kLateMs);
+      if (!wrong.empty()) trouble(wrong);
     }
   }
   void check(Effect effect) {
