@@ -64,13 +64,19 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   data.real_time = drilling.real_time;
   const auto count = [](std::size_t value) { return std::to_string(value); };
   for (const auto& [name, value] : figures.operator_words) data.figures.push_back({"Operator, " + name, value, ""});
-  data.figures.insert(data.figures.end(), {{"Spindle", fixed_text(figures.setup.options.spindle.rpm, 0), "rpm"},
-                                           {"Discs", count(static_cast<std::size_t>(drilling.discs)), ""},
-                                           {"Points per disc", count(drilling.points_per_disc), ""},
-                                           {"Points in the cylinder", count(drilling.points), ""},
-                                           {"Points in bone", count(drilling.points_in_bone), ""},
-                                           {"Points removed", count(drilling.removed), ""},
-                                           {"Cycles", count(drilling.cycles), ""},
+  data.figures.push_back({"Spindle", fixed_text(figures.setup.options.spindle.rpm, 0), "rpm"});
+  if (drilling.left.voxels) {
+    data.figures.insert(data.figures.end(), {{"Voxels", fixed_text(drilling.left.voxels->voxel_mm(), 3), "mm"},
+                                             {"Voxels of bone", count(drilling.points_in_bone), ""},
+                                             {"Voxels removed", count(drilling.removed), ""}});
+  } else {
+    data.figures.insert(data.figures.end(), {{"Discs", count(static_cast<std::size_t>(drilling.discs)), ""},
+                                             {"Points per disc", count(drilling.points_per_disc), ""},
+                                             {"Points in the cylinder", count(drilling.points), ""},
+                                             {"Points in bone", count(drilling.points_in_bone), ""},
+                                             {"Points removed", count(drilling.removed), ""}});
+  }
+  data.figures.insert(data.figures.end(), {{"Cycles", count(drilling.cycles), ""},
                                            {"Drilled for", fixed_text(drilling.session_s, 2), "s"}});
   if (!drilling.real_time) {
     const DrillRates rates = drill_rates(drilling.rows);

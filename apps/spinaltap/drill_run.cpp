@@ -133,13 +133,19 @@ class Recording {
 
 void print_drilling(const DrillFigures& figures, const DensityCalibration& density) {
   const Drilling& drilling = figures.drilling;
-  print_figure("points in the cylinder", static_cast<double>(drilling.points), "", 0);
-  print_figure("points in bone", static_cast<double>(drilling.points_in_bone), "", 0);
-  print_figure("points removed", static_cast<double>(drilling.removed), "", 0);
-  const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
-  print_figure("nearest neighbours, mean", neighbours.mean_mm, "mm", 4);
-  print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
-  print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
+  if (drilling.left.voxels) {
+    print_figure("voxels of bone", static_cast<double>(drilling.points_in_bone), "", 0);
+    print_figure("voxels removed", static_cast<double>(drilling.removed), "", 0);
+    print_figure("memory", drilling.bytes_per_point, "bytes/voxel", 3);
+  } else {
+    print_figure("points in the cylinder", static_cast<double>(drilling.points), "", 0);
+    print_figure("points in bone", static_cast<double>(drilling.points_in_bone), "", 0);
+    print_figure("points removed", static_cast<double>(drilling.removed), "", 0);
+    const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
+    print_figure("nearest neighbours, mean", neighbours.mean_mm, "mm", 4);
+    print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
+    print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
+  }
   for (const auto& [name, value] : figures.operator_words) print_figure("operator, " + name, value);
   print_figure("cycles", static_cast<double>(drilling.cycles), "", 0);
   print_figure("drilled for", drilling.session_s, "s", 3);
@@ -176,21 +182,14 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
 Json drilling_json(const DrillFigures& figures, const DensityCalibration& density) {
   const Drilling& drilling = figures.drilling;
   const DrillPath& path = figures.setup.path;
-  const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
   Json json{{"path", path.name},
             {"length_mm", path.length_mm()},
             {"operator", figures.operator_words},
-            {"discs", drilling.discs},
-            {"points_per_disc", drilling.points_per_disc},
+            {"engine", name_of(figures.setup.engine)},
             {"points", drilling.points},
             {"points_in_bone", drilling.points_in_bone},
             {"removed", drilling.removed},
             {"bytes_per_point", drilling.bytes_per_point},
-            {"nearest_neighbours_mm",
-             {{"min", neighbours.min_mm},
-              {"mean", neighbours.mean_mm},
-              {"deviation", neighbours.deviation_mm},
-              {"max", neighbours.max_mm}}},
             {"cycles", drilling.cycles},
             {"session_s", drilling.session_s},
             {"max_depth_mm", number_or_null(drilling.deepest_mm)},
@@ -207,6 +206,15 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"calibration_rms_g_cm3", density.rms_residual_g_cm3},
             {"calibration_max_g_cm3", density.max_residual_g_cm3},
             {"mesh", report_mesh(figures.mesh)}};
+  if (!drilling.left.voxels) {
+    const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
+    json["discs"] = drilling.discs;
+    json["points_per_disc"] = drilling.points_per_disc;
+    json["nearest_neighbours_mm"] = {{"min", neighbours.min_mm},
+                                     {"mean", neighbours.mean_mm},
+                                     {"deviation", neighbours.deviation_mm},
+                                     {"max", neighbours.max_mm}};
+  }
   Json events = Json::array();
   for (const SessionEvent& event : drilling.events) events.push_back(json_of(event));
   json["events"] = std::move(events);

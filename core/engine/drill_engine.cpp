@@ -1,5 +1,7 @@
 #include "core/engine/drill_engine.h"
 
+#include "core/base/error.h"
+
 namespace spinaltap {
 
 const std::map<std::string, EngineKind>& engine_kinds() {
@@ -9,6 +11,13 @@ const std::map<std::string, EngineKind>& engine_kinds() {
                                                        {"leaf", EngineKind::leaf},
                                                        {"voxel", EngineKind::voxel}};
   return kinds;
+}
+
+std::string name_of(EngineKind kind) {
+  for (const auto& [name, one] : engine_kinds()) {
+    if (one == kind) return name;
+  }
+  fail("no such drilling engine");
 }
 
 }  // namespace spinaltap

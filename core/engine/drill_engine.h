@@ -18,6 +18,7 @@ enum class EngineKind { reference, arc, ring, leaf, voxel };
 
 /// Engines by the names that they have in options and reports.
 const std::map<std::string, EngineKind>& engine_kinds();
+std::string name_of(EngineKind kind);
 
 /// What one move of the bit did.
 struct StepResult {

@@ -126,17 +126,13 @@ DrilledHole read_hole(const Json& json, const fs::path& file) {
 }  // namespace
 
 Json to_json(const SessionSetup& setup) {
-  std::string engine;
-  for (const auto& [name, kind] : engine_kinds()) {
-    if (kind == setup.engine) engine = name;
-  }
   Json json{
       {"bone_hash", setup.bone_hash},
       {"path", to_json(setup.path)},
       {"material", to_json(setup.material)},
       {"volume", json_of(setup.volume)},
       {"fine", {{"spacing_mm", setup.fine_spacing_mm}, {"near_mm", setup.fine_near_mm}, {"tip_mm", setup.fine_tip_mm}}},
-      {"engine", engine},
+      {"engine", name_of(setup.engine)},
       {"options", json_of(setup.options)},
       {"has_clearances", setup.has_clearances}};
   for (const DrilledHole& hole : setup.holes) json["holes"].push_back(json_of(hole));
