@@ -41,7 +41,9 @@ bool are_same(const std::vector<DrillPath>& a, const std::vector<DrillPath>& b) 
 PlanModel::PlanModel(MainWindow& window) : window_(window) {
   const QUndoStack& stack = window_.planner().document().undo_stack();
   follows_ = QObject::connect(&stack, &QUndoStack::indexChanged, [this, &stack] {
-    if (stack.count() > 0) latest_ = window_.planner().document().paths();  // none: it is being replaced
+    if (stack.count() == 0) return;  // it is being replaced
+    seen_.push_back(seen_now());
+    latest_ = seen_.back().paths;
   });
   follows_saves_ = QObject::connect(&stack, &QUndoStack::cleanChanged, [this, &stack](bool is_clean) {
     if (is_clean && stack.count() > 0) saved_in_ = window_.planner().plan_file();
@@ -55,6 +57,7 @@ void PlanModel::begin() {
   now_ = document.undo_stack().index();
   plans_[static_cast<std::size_t>(now_)] = document.paths();
   latest_ = document.paths();
+  seen_.clear();
   bone_ = document.opened().get();
   was_clean_ = !window_.planner().has_unsaved_changes();
   is_given_up_ = false;
@@ -62,7 +65,15 @@ void PlanModel::begin() {
 }
 
 std::string PlanModel::check(Effect effect) {
-  std::string trouble = follow(effect);
+  // Suggestions come when they are ready, also after the key that takes a step back.
+  std::string trouble;
+  const bool takes_steps = effect == Effect::undo || effect == Effect::redo;
+  if (takes_steps && seen_.size() > 1 && seen_.back().is_suggested) {
+    trouble = follow(effect, seen_[seen_.size() - 2]);
+    effect = Effect::none;
+  }
+  if (trouble.empty()) trouble = follow(effect, seen_now());
+  seen_.clear();
   was_clean_ = !window_.planner().has_unsaved_changes();
   if (was_clean_ || !window_.planner().job().is_running()) is_given_up_ = false;
   return trouble.empty() ? check_window() : trouble;
@@ -90,16 +101,21 @@ std::string PlanModel::words_of_saved() const {
   }
 }
 
-std::string PlanModel::follow(Effect effect) {
+PlanModel::Seen PlanModel::seen_now() const {
   const PlanDocument& document = window_.planner().document();
   const QUndoStack& stack = document.undo_stack();
-  const std::vector<DrillPath>& paths = document.paths();
+  return {document.paths(), stack.index(), stack.count(), stack.undoText() == "suggest paths"};
+}
+
+std::string PlanModel::follow(Effect effect, const Seen& stack) {
+  const PlanDocument& document = window_.planner().document();
+  const std::vector<DrillPath>& paths = stack.paths;
   const std::vector<DrillPath> before = plans_[static_cast<std::size_t>(now_)].value_or(paths);
   const auto differs = [&](const std::string& expected) {
     return "expected " + expected + ", found " + words_of_plan(paths) + " after " + words_of_plan(before);
   };
-  const bool is_replaced = document.opened().get() != bone_ || (stack.count() == 0 && plans_.size() > 1) ||
-                           (stack.count() == 0 && effect == Effect::replaces && !are_same(paths, before));
+  const bool is_replaced = document.opened().get() != bone_ || (stack.count == 0 && plans_.size() > 1) ||
+                           (stack.count == 0 && effect == Effect::replaces && !are_same(paths, before));
   if (is_replaced) {
     if (!was_clean_ && !is_given_up_ && !is_saved(latest_)) {
       return differs("a question before the plan is replaced") + "; last " + words_of_plan(latest_) +
@@ -112,27 +128,27 @@ std::string PlanModel::follow(Effect effect) {
   if (effect == Effect::undo) expected = std::max(now_ - 1, 0);
   if (effect == Effect::redo) expected = std::min(now_ + 1, static_cast<int>(plans_.size()) - 1);
   auto& seen = plans_[static_cast<std::size_t>(expected)];
-  if (stack.index() == expected && (!seen || are_same(paths, *seen))) {
+  if (stack.index == expected && (!seen || are_same(paths, *seen))) {
     seen = paths;
     now_ = expected;
     // A drag that was given up had begun a change: there is nothing to redo any more.
-    if (effect == Effect::edit) plans_.resize(static_cast<std::size_t>(stack.count()) + 1);
+    if (effect == Effect::edit) plans_.resize(static_cast<std::size_t>(stack.count) + 1);
     return {};
   }
-  // Suggestions come when they are ready, whatever is done meanwhile.
-  const bool is_suggested = stack.index() == now_ + 1 && stack.undoText() == "suggest paths";
+  // Whatever is done meanwhile.
+  const bool is_suggested = stack.index == now_ + 1 && stack.is_suggested;
   if (effect != Effect::edit && !is_suggested) {
     return differs(effect == Effect::none   ? "the plan as it was"
                    : effect == Effect::undo ? "the plan before"
                                             : "the plan after");
   }
-  if (stack.index() <= now_) return differs("a change with a step back of its own");
+  if (stack.index <= now_) return differs("a change with a step back of its own");
   plans_.resize(static_cast<std::size_t>(now_) + 1);
   // Several at once were made by several keys of one action; what lay between was not seen.
-  plans_.resize(static_cast<std::size_t>(stack.index()));
+  plans_.resize(static_cast<std::size_t>(stack.index));
   plans_.emplace_back(paths);
-  now_ = stack.index();
-  if (stack.count() != now_) return differs("nothing to redo after a change");
+  now_ = stack.index;
+  if (stack.count != now_) return differs("nothing to redo after a change");
   return {};
 }
 

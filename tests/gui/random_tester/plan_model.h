@@ -53,7 +53,14 @@ class PlanModel {
   std::string check_file(const std::filesystem::path& file) const;
 
  private:
-  std::string follow(Effect effect);
+  /// The plan as it stands, or stood after one change.
+  struct Seen {
+    std::vector<DrillPath> paths;
+    int index = 0, count = 0;  ///< of the undo stack
+    bool is_suggested = false;
+  };
+  Seen seen_now() const;
+  std::string follow(Effect effect, const Seen& stack);
   /// What the file that it was saved to last holds, for people.
   std::string words_of_saved() const;
   /// The file that it was saved to last has these paths.
@@ -62,6 +69,7 @@ class PlanModel {
   MainWindow& window_;
   std::vector<std::optional<std::vector<DrillPath>>> plans_;  ///< nothing: not seen, between two changes at once
   int now_ = 0;
+  std::vector<Seen> seen_;         ///< after each change since the last check
   std::vector<DrillPath> latest_;  ///< as it stood last before it was replaced: suggestions come while a box is asked
   QMetaObject::Connection follows_, follows_saves_;
   const void* bone_ = nullptr;
