@@ -1,7 +1,8 @@
 // The whole bone as voxels: how long filling it takes and what it weighs, and how many steps a second a burr in a hand
-// that trembles mills. The phantom of an L3 vertebra in voxels of 0.1 mm, milled from its upper endplate: lines of
-// 14 mm, 1 mm apart, in layers of 1 mm, at 50 mm/s and 1 kHz, with a tremor of 0.1 mm at 8 to 12 Hz; tilted burrs lie
-// so in the plane of the lines. Steps are timed one by one, on one thread: `p99.9_us` is of single steps.
+// that trembles mills, bare and with forces. The phantom of an L3 vertebra in voxels of 0.1 mm, milled from its upper
+// endplate: lines of 14 mm, 1 mm apart, in layers of 1 mm, at 50 mm/s and 1 kHz, with a tremor of 0.1 mm at 8 to 12 Hz;
+// tilted burrs lie so in the plane of the lines. Steps are timed one by one, on one thread: `p99.9_us` is of single
+// steps.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -11,8 +12,10 @@
 #include <numbers>
 #include <vector>
 
+#include "core/force/drill_forces.h"
 #include "core/phantom/vertebra.h"
 #include "tests/support/temporary_folder.h"
+#include "vdb/engine/living_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/phantom_output.h"
 
@@ -107,6 +110,7 @@ void mill(benchmark::State& state) {
   const double step_mm = 1e-3 * static_cast<double>(state.range(1));
   const double tilt = static_cast<double>(state.range(2)) * kDegree;
   const VoxelBone& whole = whole_bone(1e-2 * static_cast<double>(state.range(3)));
+  const bool has_forces = state.range(4) != 0;
   const DrillBit burr{diameter_mm, 60.0, 1.0, BitShape::round_burr, 0.0, 0.5 * diameter_mm};
   const auto poses = milling(endplate_mm(whole), step_mm, tilt, 60'000);
   std::vector<double> step_us;
@@ -115,6 +119,8 @@ void mill(benchmark::State& state) {
     state.PauseTiming();
     VoxelBone bone(whole);
     const auto engine = make_voxel_engine(bone, burr, {}, {.shares_work = false});
+    const auto living = make_living_bone(bone, {});
+    DrillForces forces(*living, burr, {});
     engine->step(poses.front());
     bytes = bone.memory_bytes() + engine->memory_bytes();
     step_us.clear();
@@ -123,6 +129,7 @@ void mill(benchmark::State& state) {
     auto before = std::chrono::steady_clock::now();
     for (const Pose& pose : poses) {
       const StepResult result = engine->step(pose);
+      if (has_forces) benchmark::DoNotOptimize(forces.update(result, pose, 1e-3, {.rpm = 60e3}));
       const auto now = std::chrono::steady_clock::now();
       step_us.push_back(1e-3 * static_cast<double>((now - before).count()));
       before = now;
@@ -138,15 +145,16 @@ void mill(benchmark::State& state) {
   state.counters["removed_per_step"] = static_cast<double>(removed) / static_cast<double>(poses.size());
   state.counters["tested_per_step"] = static_cast<double>(tested) / static_cast<double>(poses.size());
 }
-// Diameter (mm), step (um), tilt (degrees), voxel (0.01 mm).
+// Diameter (mm), step (um), tilt (degrees), voxel (0.01 mm), with forces.
 BENCHMARK(mill)
-    ->Args({4, 50, 0, 10})
-    ->Args({4, 50, 30, 10})
-    ->Args({4, 50, 80, 10})
-    ->Args({4, 10, 0, 10})
-    ->Args({3, 50, 0, 10})
-    ->Args({6, 50, 0, 10})
-    ->Args({4, 50, 0, 20})
+    ->Args({4, 50, 0, 10, 0})
+    ->Args({4, 50, 0, 10, 1})
+    ->Args({4, 50, 30, 10, 0})
+    ->Args({4, 50, 80, 10, 0})
+    ->Args({4, 10, 0, 10, 0})
+    ->Args({3, 50, 0, 10, 0})
+    ->Args({6, 50, 0, 10, 0})
+    ->Args({4, 50, 0, 20, 0})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime();
 
