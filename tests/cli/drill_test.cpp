@@ -1,5 +1,6 @@
 // Drilling from the command line: engines, tools, densities of points, and the files that come of it.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "core/base/random.h"
 #include "core/files/json_file.h"
@@ -24,6 +26,8 @@ namespace {
 
 using test::kBoneCentre;
 using test::kBoneRadiusMm;
+using testing::HasSubstr;
+using testing::Not;
 
 class Drill : public ::testing::Test {
  protected:
@@ -194,6 +198,25 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
   EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
 }
 
+TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
+  const Json points = drill("");
+  const Json voxels = drill("--engine voxel --operator tremor --record voxels.h5");
+  EXPECT_EQ(voxels["engine"], "voxel");
+  EXPECT_FALSE(voxels.contains("points_per_disc"));
+  const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(kBoneRadiusMm, 3);
+  EXPECT_NEAR(0.008 * voxels["points_in_bone"].get<double>(), ball_mm3, 0.01 * ball_mm3);
+  const double thrust_n = points["max_thrust_n"];
+  EXPECT_NEAR(voxels["max_thrust_n"].get<double>(), thrust_n, 0.15 * thrust_n);
+  for (const auto& [engine, exit_code] : {std::pair("voxel", 0), std::pair("ring", 1)}) {
+    const test::ProgramRun replay =
+        test::run_program(std::string("replay voxels.h5 bone.vdb --engine ") + engine, folder_->path());
+    EXPECT_EQ(replay.exit_code, exit_code) << engine << replay.output << replay.errors;
+  }
+  const std::string report = read_whole_file(folder_->path() / "out" / "report.html");
+  EXPECT_THAT(report, HasSubstr("Voxels removed"));
+  EXPECT_THAT(report, Not(HasSubstr("Points in the cylinder")));
+}
+
 TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
   const auto rejected = [&](const std::string& options, const std::string& word) {
     const test::ProgramRun run = test::run_program("drill bone.vdb plan.json -o rejected " + options, folder_->path());
@@ -215,6 +238,8 @@ TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
   rejected("--real-time --seconds 0", "above 0 s");
   rejected("--stop-on-breach --no-clearances", "leave --no-clearances away");
   rejected("--record run2.h5 --rbf none.rbf", "without --rbf");
+  rejected("--engine voxel --points", "an engine of points with --points");
+  rejected("--engine voxel --jitter 0.1", "expected no jitter");
   rejected("--feed 1:x", "expected --feed");
   rejected("--feed 0", "0 mm/s");
   rejected("--tremor -1", "tremor");
