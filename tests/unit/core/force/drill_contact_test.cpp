@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/force/detail/tool_contact.h"
+#include "core/points/bone_points.h"
 #include "tests/unit/core/force/felt_run.h"
 
 namespace spinaltap {

@@ -65,7 +65,7 @@ TEST(BonePoints, AreFoundInAllVolumesEndToEnd) {
     const BonePoints::Bone* found = bone.living_at(Vec3(0.3, -0.7, z_mm));
     ASSERT_NE(found, nullptr) << z_mm;
     // To half a spacing, and half a HU.
-    const double spacing_mm = bone.volume(bone.volume_at(z_mm)).pattern().spacing_mm();
+    const double spacing_mm = bone.discs_at(z_mm)->pattern().spacing_mm();
     EXPECT_NEAR(found->density_g_cm3, material.density.density_g_cm3(100.0 * z_mm),
                 material.density.per_hu * (50.0 * spacing_mm + 1.5))
         << z_mm;
@@ -77,7 +77,7 @@ TEST(BonePoints, AreFoundInAllVolumesEndToEnd) {
   EXPECT_EQ(bone.living_at(Vec3(2.2, 0.0, 3.0)), nullptr);
   EXPECT_EQ(bone.living_at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), nullptr);
   volumes[1].set_alive(0, 0, false);
-  EXPECT_EQ(bone.living_at(Vec3(0.0, 0.0, bone.start_mm(1))), nullptr);
+  EXPECT_EQ(bone.living_at(bone.frame().to_path(volumes[1].frame().to_patient(Vec3::Zero()))), nullptr);
 }
 
 TEST(BonePoints, RejectVolumesThatDoNotLieAlongOnePath) {
