@@ -226,8 +226,10 @@ The drilling of one hole is one session: it begins at time 0 and cycle 0; end_ho
            "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "progress"_a = py::none(),
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; or "voxel", for
-any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points. rpm: of the spindle; 0: off. clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes
-true. material, density: files of cutting models and density calibrations; the shipped ones by default. Raises Error where the path misses the bone.)")
+any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points. rpm: of the spindle; 0: off.
+clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes true. material,
+density: files of cutting models and density calibrations; the shipped ones by default. Raises Error where the path misses
+the bone.)")
       .def(
           "step",
           [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on) {
