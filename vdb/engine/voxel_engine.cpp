@@ -75,8 +75,9 @@ constexpr float kUnknownMm = 1e30F;
 
 class VoxelEngine final : public SweptEngine {
  public:
-  VoxelEngine(VoxelBone& bone, const DrillBit& bit, const Material& material, const VoxelEngineOptions& options)
-      : VoxelEngine(bone, bit, material, options, middle_voxel(bone)) {}
+  VoxelEngine(VoxelBone& bone, const DrillBit& bit, const Material& material, const VoxelEngineOptions& options,
+              const WordKernels& kernels)
+      : VoxelEngine(bone, bit, material, options, kernels, middle_voxel(bone)) {}
 
   std::size_t memory_bytes() const override {
     std::size_t bytes = sizeof(*this) + leaves_.size() * sizeof(LivingLeaf);
@@ -90,12 +91,12 @@ class VoxelEngine final : public SweptEngine {
   static constexpr int kLeafSide = VoxelLeafNode::DIM, kNodeSide = VoxelNode::DIM, kBranchSide = VoxelBranch::DIM;
 
   VoxelEngine(VoxelBone& bone, const DrillBit& bit, const Material& material, const VoxelEngineOptions& options,
-              const openvdb::Coord& middle)
+              const WordKernels& kernels, const openvdb::Coord& middle)
       : SweptEngine(bit, PathFrame(bone.centre_mm({middle.x(), middle.y(), middle.z()}))),
         bounds_(profile()),
         voxel_mm_(bone.voxel_mm()),
         options_(options),
-        kernels_(options.kernels != nullptr ? *options.kernels : word_kernels().back()) {
+        kernels_(kernels) {
     const PressureTable pressures(material, hu_of_byte(0), hu_of_byte(255));
     for (unsigned n = 0; n < 256; ++n) pressure_[n] = pressures.units(hu_of_byte(static_cast<std::uint8_t>(n)));
     list_tree(bone.leaves().tree, middle);
@@ -470,12 +471,18 @@ class VoxelEngine final : public SweptEngine {
 };
 
 }  // namespace
+
+std::unique_ptr<DrillEngine> make_voxel_engine(VoxelBone& bone, const DrillBit& bit, const Material& material,
+                                               const VoxelEngineOptions& options, const WordKernels& kernels) {
+  check_material(material);
+  return std::make_unique<VoxelEngine>(bone, bit, material, options, kernels);
+}
+
 }  // namespace detail
 
 std::unique_ptr<DrillEngine> make_voxel_engine(VoxelBone& bone, const DrillBit& bit, const Material& material,
                                                const VoxelEngineOptions& options) {
-  check_material(material);
-  return std::make_unique<detail::VoxelEngine>(bone, bit, material, options);
+  return detail::make_voxel_engine(bone, bit, material, options, detail::word_kernels().back());
 }
 
 }  // namespace spinaltap
