@@ -199,7 +199,7 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
 }
 
 TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
-  const Json points = drill("");
+  const Json points = drill("--operator tremor");
   const Json voxels = drill("--engine voxel --operator tremor --record voxels.h5");
   EXPECT_EQ(voxels["engine"], "voxel");
   EXPECT_FALSE(voxels.contains("points_per_disc"));
