@@ -11,8 +11,6 @@
 #include <cstddef>
 
 #include "core/base/error.h"
-#include "core/engine/volume_segments.h"
-#include "vdb/engine/make_engine.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
