@@ -70,7 +70,8 @@ class PlannerCrash : public testing::Test {
     input.key("ctrl+a");
     input.type(text_of(file.string()));
     input.key("Return");
-    ASSERT_TRUE(wait_until([&] { return fs::exists(file); }, 180000)) << file;
+    ASSERT_TRUE(wait_until([&] { return fs::exists(file); }, 180000))
+        << file << " is not there; windows: " << input.titles().join(", ").toStdString();
   }
 
   TemporaryFolder folder;

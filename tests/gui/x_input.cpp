@@ -34,8 +34,50 @@ void let_work(int ms) {
   wait_until([&] { return clock.elapsed() >= ms; }, 2 * ms + 100);
 }
 
+namespace {
+
+QString title_of(Display* display, Window window) {
+  Atom type = 0;
+  int format = 0;
+  unsigned long count = 0, rest = 0;
+  unsigned char* text = nullptr;
+  const Atom name = XInternAtom(display, "_NET_WM_NAME", False), utf8 = XInternAtom(display, "UTF8_STRING", False);
+  constexpr long kMaxWords = 256;
+  if (XGetWindowProperty(display, window, name, 0, kMaxWords, False, utf8, &type, &format, &count, &rest, &text) !=
+          Success ||
+      text == nullptr) {
+    return {};
+  }
+  const QString title = QString::fromUtf8(reinterpret_cast<const char*>(text), static_cast<int>(count));
+  XFree(text);
+  return title;
+}
+
+/// Windows come and go while they are looked at.
+int pass_over_errors(Display* /*display*/, XErrorEvent* /*error*/) { return 0; }
+
+}  // namespace
+
 struct XInput::State {
   Display* display = nullptr;
+
+  /// Calls `visit(window, title)` for the windows of all programs that are seen, from the top down, until it returns
+  /// true.
+  template <typename Visit>
+  void windows(const Visit& visit) {
+    const auto before = XSetErrorHandler(pass_over_errors);
+    Window root = 0, parent = 0, *all = nullptr;
+    unsigned count = 0;
+    XQueryTree(display, DefaultRootWindow(display), &root, &parent, &all, &count);
+    for (unsigned n = count; n > 0; --n) {
+      XWindowAttributes attributes;
+      if (XGetWindowAttributes(display, all[n - 1], &attributes) == 0 || attributes.map_state != IsViewable) continue;
+      if (visit(all[n - 1], title_of(display, all[n - 1]))) break;
+    }
+    if (all != nullptr) XFree(all);
+    XSync(display, False);  // errors come late
+    XSetErrorHandler(before);
+  }
 
   /// Until the window has all events that the server made of ours, also where the machine is busy.
   void sync() {
@@ -43,11 +85,12 @@ struct XInput::State {
     QGuiApplication::sync();
     let_work(8);
   }
+  /// Only with sync() is it sent: a key goes down and up in one message. Where a busy machine stood still in between,
+  /// the server would take it for held, and repeat it.
   void key(KeySym symbol, bool is_down) {
     const KeyCode code = XKeysymToKeycode(display, symbol);
     if (code == 0) throw std::runtime_error("the keyboard has no such key");
     XTestFakeKeyEvent(display, code, is_down ? True : False, CurrentTime);
-    XSync(display, False);
   }
 };
 
@@ -75,48 +118,25 @@ void XInput::show(QWidget& window) {
   if (!wait_until([&] { return window.isActiveWindow(); })) throw std::runtime_error("the window got no keyboard");
 }
 
-namespace {
-
-QString title_of(Display* display, Window window) {
-  Atom type = 0;
-  int format = 0;
-  unsigned long count = 0, rest = 0;
-  unsigned char* text = nullptr;
-  const Atom name = XInternAtom(display, "_NET_WM_NAME", False), utf8 = XInternAtom(display, "UTF8_STRING", False);
-  constexpr long kMaxWords = 256;
-  if (XGetWindowProperty(display, window, name, 0, kMaxWords, False, utf8, &type, &format, &count, &rest, &text) !=
-          Success ||
-      text == nullptr) {
-    return {};
-  }
-  const QString title = QString::fromUtf8(reinterpret_cast<const char*>(text), static_cast<int>(count));
-  XFree(text);
-  return title;
+QString XInput::give_keyboard(const QString& words) {
+  QString found;
+  state_->windows([&](Window window, const QString& title) {
+    if (!title.contains(words)) return false;
+    XSetInputFocus(state_->display, window, RevertToParent, CurrentTime);
+    found = title;
+    return true;
+  });
+  state_->sync();
+  return found;
 }
 
-/// Windows come and go while they are looked at.
-int pass_over_errors(Display* /*display*/, XErrorEvent* /*error*/) { return 0; }
-
-}  // namespace
-
-QString XInput::give_keyboard(const QString& words) {
-  const auto before = XSetErrorHandler(pass_over_errors);
-  Window root = 0, parent = 0, *windows = nullptr;
-  unsigned count = 0;
-  QString found;
-  XQueryTree(state_->display, DefaultRootWindow(state_->display), &root, &parent, &windows, &count);
-  for (unsigned n = count; n > 0 && found.isEmpty(); --n) {  // from the top down
-    XWindowAttributes attributes;
-    if (XGetWindowAttributes(state_->display, windows[n - 1], &attributes) == 0) continue;
-    const QString title = title_of(state_->display, windows[n - 1]);
-    if (attributes.map_state != IsViewable || !title.contains(words)) continue;
-    XSetInputFocus(state_->display, windows[n - 1], RevertToParent, CurrentTime);
-    found = title;
-  }
-  if (windows != nullptr) XFree(windows);
-  state_->sync();
-  XSetErrorHandler(before);
-  return found;
+QStringList XInput::titles() {
+  QStringList all;
+  state_->windows([&](Window /*window*/, const QString& title) {
+    all << title;
+    return false;
+  });
+  return all;
 }
 
 void XInput::move(QWidget& widget, const QPoint& to) {
@@ -206,8 +226,10 @@ void XInput::key(const QString& name) {
 
 void XInput::hold(const QString& modifier, const std::function<void()>& work) {
   state_->key(modifier_symbol(modifier), true);
+  state_->sync();
   work();
   state_->key(modifier_symbol(modifier), false);
+  state_->sync();
   let_work(20);
 }
 

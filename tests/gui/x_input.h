@@ -2,6 +2,7 @@
 
 #include <QPoint>
 #include <QString>
+#include <QStringList>
 #include <functional>
 
 class QWidget;
@@ -29,6 +30,8 @@ class XInput {
   /// Gives the keyboard to the topmost window, of any program, whose title holds these words. Returns its title; empty:
   /// there is none.
   QString give_keyboard(const QString& words);
+  /// The titles of all windows that are seen, of any program, the topmost first; empty where one has none.
+  QStringList titles();
   /// Moves the pointer, in steps as a hand does.
   void move(QWidget& widget, const QPoint& to);
   /// Moves it at one go.
