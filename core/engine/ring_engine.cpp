@@ -119,7 +119,8 @@ class RingEngine final : public VolumeEngine {
     const double turn = (bit.to().axis - bit.from().axis).norm() / (approach.along * approach.along);
     const double way_mm = (bit.to().tip_mm - bit.from().tip_mm).norm();
     const double reach_mm = bit.profile().length_mm() + approach.radius_mm;
-    motion.slack_mm = turn * (way_mm + 4.0 * turn * reach_mm) * (1.0 + slope) + 1e-6 * from_reference_mm(line);
+    motion.slack_mm =
+        (turn * (way_mm + 4.0 * turn * reach_mm) + bit.edge_mm()) * (1.0 + slope) + 1e-6 * from_reference_mm(line);
     return motion;
   }
 

@@ -6,8 +6,7 @@
 
 namespace spinaltap {
 
-SweptEngine::SweptEngine(const DrillBit& bit, const PathFrame& frame)
-    : profile_(bit), grown_(profile_.grown(SweptBit::kSkinMm)), frame_(frame) {}
+SweptEngine::SweptEngine(const DrillBit& bit, const PathFrame& frame) : profile_(BitProfile(bit)), frame_(frame) {}
 
 StepResult SweptEngine::step(const Pose& pose) noexcept {
   constexpr double kFarthestMm = 1e4;
@@ -22,9 +21,7 @@ StepResult SweptEngine::step(const Pose& pose) noexcept {
 
   Removal removal;
   const BitMotion motion(profile_, start, target);
-  for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) {
-    remove(SweptBit(profile_, grown_, motion.pose(piece), motion.pose(piece + 1)), removal);
-  }
+  for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) remove(motion.piece(piece), removal);
   return result_of(removal, target.tip_mm);
 }
 

@@ -49,14 +49,13 @@ class SweptEngine : public DrillEngine {
   virtual void remove(const SweptBit& bit, Removal& removal) noexcept = 0;
 
   void set_units(const RemovalUnits& units) { units_ = units; }
-  const BitProfile& profile() const { return profile_; }
+  const BitProfile& profile() const { return profile_.bit; }
   const PathFrame& frame() const { return frame_; }
 
  private:
   StepResult result_of(const Removal& removal, const Vec3& tip_mm) const noexcept;
 
-  BitProfile profile_;
-  BitProfile grown_;
+  SweepProfile profile_;
   PathFrame frame_;
   RemovalUnits units_;
   Pose pose_;  ///< in the frame

@@ -6,7 +6,7 @@
 namespace spinaltap {
 namespace {
 
-/// Rounding and skins, with room: bounds this far out never contradict the exact test.
+/// Rounding and a straight way's skin, with room: bounds this far out never contradict the exact test.
 constexpr double kSpareMm = 1e-5;
 
 /// The smallest rotation that takes unit vector a to b (Rodrigues). Opposite vectors have none: any half turn then.
@@ -24,8 +24,16 @@ Mat3 smallest_rotation(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-SweptBit::SweptBit(const BitProfile& profile, const BitProfile& grown, const Pose& from, const Pose& to) noexcept
-    : profile_(&profile), grown_(&grown), from_(from), to_(to) {
+SweepProfile::SweepProfile(const BitProfile& profile)
+    : bit(profile), straight(profile.grown(kStraightSkinMm)), turning(profile.grown(kTurningSkinMm)) {}
+
+SweptBit::SweptBit(const SweepProfile& outlines, const Pose& from, const Pose& to, Way way_taken) noexcept
+    : profile_(&outlines.bit),
+      grown_(way_taken == Way::turning ? &outlines.turning : &outlines.straight),
+      from_(from),
+      to_(to),
+      edge_mm_(way_taken == Way::turning ? SweepProfile::kEdge * SweepProfile::kTurningSkinMm : 0.0) {
+  const BitProfile& profile = *profile_;
   const Vec3 side = any_perpendicular(from.axis);
   from_rows_.row(0) = side;
   from_rows_.row(1) = from.axis.cross(side);
@@ -36,10 +44,10 @@ SweptBit::SweptBit(const BitProfile& profile, const BitProfile& grown, const Pos
   const double angle = 2.0 * std::asin(std::min(1.0, 0.5 * (to.axis - from.axis).norm()));
   const double way_mm = way.norm();
   const double turned_mm = angle * (profile.length_mm() + profile.radius_mm() + way_mm);
-  across_mm_ = std::hypot(way.x(), way.y()) + turned_mm;
+  across_mm_ = std::hypot(way.x(), way.y()) + turned_mm + edge_mm_;
   // A bit that advances had its points nearer to the tip before: further back, seen from the end, there were none.
-  forth_mm_ = std::max(0.0, way.z()) + turned_mm;
-  back_mm_ = std::max(0.0, -way.z()) + turned_mm;
+  forth_mm_ = std::max(0.0, way.z()) + turned_mm + edge_mm_;
+  back_mm_ = std::max(0.0, -way.z()) + turned_mm + edge_mm_;
   min_back_mm_ = -back_mm_ - kSpareMm;
   max_back_mm_ = profile.length_mm() + forth_mm_ + kSpareMm;
   const double max_off_axis_mm = profile.radius_mm() + across_mm_ + kSpareMm;
@@ -65,8 +73,8 @@ SweptBit::SweptBit(const BitProfile& profile, const BitProfile& grown, const Pos
       }
     }
   }
-  lowest_z_mm_ -= kSpareMm;
-  highest_z_mm_ += kSpareMm;
+  lowest_z_mm_ -= kSpareMm + edge_mm_;
+  highest_z_mm_ += kSpareMm + edge_mm_;
 }
 
 bool SweptBit::contains(const Vec3& p) const noexcept { return contains_inlined(p); }
@@ -100,7 +108,8 @@ bool SweptBit::chord_meets(const Vec3& begin, const Vec3& end) const noexcept {
   return false;
 }
 
-BitMotion::BitMotion(const BitProfile& profile, const Pose& from, const Pose& to) noexcept : from_(from), to_(to) {
+BitMotion::BitMotion(const SweepProfile& profile, const Pose& from, const Pose& to) noexcept
+    : profile_(&profile), from_(from), to_(to) {
   const Vec3 across = to.axis - to.axis.dot(from.axis) * from.axis;
   const double sine = across.norm();
   angle_rad_ = std::atan2(sine, to.axis.dot(from.axis));
@@ -108,19 +117,25 @@ BitMotion::BitMotion(const BitProfile& profile, const Pose& from, const Pose& to
   const Vec3 side = across - across.dot(from.axis) * from.axis;
   turns_to_ = side.norm() > 0.0 ? side.normalized() : any_perpendicular(from.axis);
   // Seen from the bit, a point's second derivative over the whole way is at most angle² r + 2 angle |tip's way|; an
-  // eighth of it is how far chord and arc part. n pieces part by 1 / n² of that.
-  const double reach_mm = profile.length_mm() + profile.radius_mm();
-  const double bend_mm = angle_rad_ * (angle_rad_ * reach_mm + 2.0 * (to.tip_mm - from.tip_mm).norm()) / 8.0;
-  pieces_ = static_cast<std::size_t>(std::clamp(std::ceil(std::sqrt(bend_mm / (0.5 * SweptBit::kSkinMm))), 1.0, 1e5));
+  // eighth of it is how far chord and arc part.
+  const double reach_mm = profile.bit.length_mm() + profile.bit.radius_mm();
+  bend_mm_ = angle_rad_ * (angle_rad_ * reach_mm + 2.0 * (to.tip_mm - from.tip_mm).norm()) / 8.0;
+  if (bend_mm_ <= 0.5 * SweepProfile::kStraightSkinMm) return;
+  way_ = SweptBit::Way::turning;
+  pieces_ = static_cast<std::size_t>(
+      std::clamp(std::ceil(std::sqrt(bend_mm_ / (0.5 * SweepProfile::kTurningSkinMm))), 1.0, 1e5));
 }
 
 Pose BitMotion::pose(std::size_t piece) const noexcept {
   if (piece == 0) return from_;
   if (piece >= pieces_) return to_;
-  const double t = static_cast<double>(piece) / static_cast<double>(pieces_);
-  const double angle = t * angle_rad_;
+  return pose_at(static_cast<double>(piece) / static_cast<double>(pieces_));
+}
+
+Pose BitMotion::pose_at(double share) const noexcept {
+  const double angle = share * angle_rad_;
   const Vec3 axis = std::cos(angle) * from_.axis + std::sin(angle) * turns_to_;
-  return {from_.tip_mm + t * (to_.tip_mm - from_.tip_mm), axis.normalized()};
+  return {from_.tip_mm + share * (to_.tip_mm - from_.tip_mm), axis.normalized()};
 }
 
 }  // namespace spinaltap

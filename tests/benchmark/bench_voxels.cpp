@@ -158,6 +158,48 @@ BENCHMARK(mill)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime();
 
+/// A burr that swings from -5 to 5 degrees and back, a degree a step, about a place behind its tip (the tip is swept
+/// over bone) or its tip itself, and goes 0.1 mm aside after each swing.
+void turn(benchmark::State& state) {
+  const auto behind_mm = static_cast<double>(state.range(0));
+  const VoxelBone& whole = whole_bone(0.1);
+  const DrillBit burr{4.0, 60.0, 1.0, BitShape::round_burr, 0.0, 2.0};
+  const Vec3 start_mm = endplate_mm(whole) - Vec3(0.0, 6.0, 1.0);
+  constexpr int kHalfSwing = 5, kSwings = 120;
+  std::vector<Pose> poses;
+  for (int swing = 0; swing < kSwings; ++swing) {
+    for (int n = -kHalfSwing; n < kHalfSwing; ++n) {
+      const double angle = (swing % 2 == 0 ? n : -n) * kDegree;
+      const Vec3 axis(std::sin(angle), 0.0, -std::cos(angle));
+      poses.push_back({start_mm + Vec3(0.0, 0.1 * swing, 0.0) + behind_mm * (axis + Vec3::UnitZ()), axis});
+    }
+  }
+  std::vector<double> step_us;
+  std::size_t removed = 0;
+  for ([[maybe_unused]] const auto _ : state) {
+    state.PauseTiming();
+    VoxelBone bone(whole);
+    const auto engine = make_voxel_engine(bone, burr, {}, {.shares_work = false});
+    engine->step(poses.front());
+    step_us.clear();
+    removed = 0;
+    state.ResumeTiming();
+    auto before = std::chrono::steady_clock::now();
+    for (const Pose& pose : poses) {
+      removed += engine->step(pose).removed;
+      const auto now = std::chrono::steady_clock::now();
+      step_us.push_back(1e-3 * static_cast<double>((now - before).count()));
+      before = now;
+    }
+  }
+  std::ranges::sort(step_us);
+  state.counters["median_us"] = step_us[step_us.size() / 2];
+  state.counters["p99_us"] = step_us[step_us.size() * 99 / 100];
+  state.counters["removed_per_step"] = static_cast<double>(removed) / static_cast<double>(poses.size());
+}
+// How far behind the tip it turns (mm).
+BENCHMARK(turn)->Arg(50)->Arg(0)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+
 }  // namespace
 }  // namespace spinaltap
 

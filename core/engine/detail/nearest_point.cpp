@@ -81,6 +81,8 @@ std::pair<double, double> NearestPoint::backs_mm() const noexcept {
 double NearestPoint::max_passed_mm() const noexcept {
   const Approach& a = approach_;
   const SweptBit& bit = a.bit;
+  // A turning way takes what a straight one before it left within the thicker skin, wherever the bit goes then.
+  if (bit.edge_mm() > 0.0) return HUGE_VAL;
   const double across_mm = bit.across_mm();
   const auto [first_mm, last_mm] = backs_mm();
   const double neck_mm = (a.radius_mm - a.offset_mm) / a.slope;

@@ -50,7 +50,7 @@ namespace spinaltap::detail {
 
 /// No certificate is longer: to look for a nearest point further out costs more than to look again.
 constexpr double kLongestMm = 0.5;
-/// Rounding and SweptBit's skin, with room.
+/// Rounding and the skin of a straight way, with room; that of a turning one is among what SweptBit says.
 constexpr double kSpareMm = 1e-5;
 /// What certificates are shorter by than the gap: skin, float, and the walk's shortened reach.
 constexpr double kMarginMm = 5e-6;

@@ -27,7 +27,7 @@ double section_over_points(const DiscPattern& pattern, double radius_mm, double 
   const double spacing_mm = pattern.spacing_mm();
   const bool reaches_beyond = offset_mm + radius_mm > (pattern.ring_count() - 0.5) * spacing_mm;
   if (reaches_beyond || pattern.subdivision() != DiscSubdivision::rings) return 1.0;
-  const double grown_mm = radius_mm + SweptBit::kSkinMm;  // as engines have it
+  const double grown_mm = radius_mm + SweepProfile::kStraightSkinMm;  // as engines have it
   double sum_mm2 = offset_mm <= grown_mm ? pattern.point_volume_mm3(0) / spacing_mm : 0.0;
   double points = 0.0;
   for (int ring = 1; ring < pattern.ring_count(); ++ring) {

@@ -66,12 +66,11 @@ TEST(RemainingVolume, IsWhatAnOperatorSweptInSolid) {
     }
     surface.update();
     // Middles of cubes of 0.08 mm: errors at the wall even out to well under 0.1%.
-    const BitProfile profile(bit);
-    const BitProfile grown = profile.grown(SweptBit::kSkinMm);
+    const SweepProfile profile{BitProfile(bit)};
     std::vector<SweptBit> moves;
     constexpr std::size_t kStride = 4;  // 16 um apart, chords of tremor that part by a tenth of a um
     for (std::size_t n = 0; n + 1 < poses.size(); n += kStride) {
-      moves.emplace_back(profile, grown, poses[n], poses[std::min(n + kStride, poses.size() - 1)]);
+      moves.emplace_back(profile, poses[n], poses[std::min(n + kStride, poses.size() - 1)]);
     }
     constexpr double kStepMm = 0.08;
     std::size_t inside = 0;

@@ -11,7 +11,7 @@ namespace spinaltap::detail {
 struct MoveCertificates::Line {
   float axis_x, axis_y, axis_z;
   float foot_x, foot_y, foot_z, turn_x, turn_y, turn_z, back;
-  float turned, half;
+  float turned, half, edge;
   float noise, back_noise;  ///< what rounding may hide, mm: of feet, and of places along the axis
 };
 
@@ -46,7 +46,7 @@ template <class Line>
     const float a = advance * c.forward[n];
     const float b = -advance * c.backward[n];
     const float counted = (a > b ? a : b) + c.forward[n] * at.back_noise;
-    left[i] = c.free[n] - (moved + turn * (1.0F + c.forward[n]) * (at.half + off) + counted + at.noise);
+    left[i] = c.free[n] - (moved + (turn * (at.half + off) + at.edge) * (1.0F + c.forward[n]) + counted + at.noise);
   }
 }
 
@@ -110,6 +110,7 @@ MoveCertificates::Line MoveCertificates::relative(const BitLine& line) const noe
           f(back_mm),
           f(line.turned * 1.00001),
           f(half_mm_),
+          f(line.edge_mm * 1.00001),
           f(kRounding * (foot.norm() + max_mm_ * turn.norm())),
           f(kRounding * (std::abs(back_mm) + max_mm_))};
 }

@@ -20,6 +20,7 @@ struct BitLine {
   Vec3 tip_mm = Vec3::Zero();  ///< path-local
   Vec3 axis = Vec3::UnitZ();   ///< unit, from the base to the tip
   double turned = 0.0;         ///< |difference of the axes| over the step
+  double edge_mm = 0.0;        ///< of the step, see SweptBit
 };
 
 /// For each of many boxes of one size, how far the bit may move before it can touch a living point there.
@@ -29,7 +30,7 @@ struct BitLine {
 ///   |F - F'| + |a - a'| |p - F|,   |p - F| <= h + |c - F|,
 /// and p's place along the axis by at most that of c and h |a - a'|. A step's chord (see SweptBit) between two ends
 /// parts from both by no more than the step's own turn times |p - F|. So the certificate holds while
-///   |F - F'| + (|a - a'| + turned) (1 + forward) (h + |c - F|) + what counts of the way along  <  free.
+///   |F - F'| + ((|a - a'| + turned) (h + |c - F|) + edge) (1 + forward) + what counts of the way along  <  free.
 /// All terms but the turn are convex along a step: what holds at both ends holds between.
 ///
 /// Lines are kept by the foot P of the boxes' middle, so that a bit that slides along its axis does not move at all,

@@ -30,7 +30,7 @@ ToolBounds::ToolBounds(const BitProfile& profile)
     steepest = std::max(steepest, std::abs(slope));
   }
   // A piece of the grown outline stands out of the bit by a few skins, a steep one by as many as it is steep.
-  margin_mm_ = SweptBit::kSkinMm * (3.0 + 4.0 * steepest);
+  margin_mm_ = SweepProfile::kStraightSkinMm * (3.0 + 4.0 * steepest);
 }
 
 double ToolBounds::from_body_mm(const BitPlace& at) const {
@@ -53,13 +53,14 @@ double ToolBounds::from_body_mm(const BitPlace& at) const {
 SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
     : bit_(bit),
       bounds_(bounds),
-      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm()},
+      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm(), bit.edge_mm()},
       across_mm_(bit.across_mm() + kSpareMm),
       cone_mm_(across_mm_ + bounds.cone_slope() * (bit.back_mm() + kSpareMm)) {
   const double way_mm = (bit.to().tip_mm - bit.from().tip_mm).norm();
   const double reach_mm = bit.profile().length_mm() + bit.profile().radius_mm() + way_mm;
   // An angle is at most pi / 2 of its chord.
-  whole_mm_ = way_mm + 1.6 * line_.turned * reach_mm + kSpareMm;
+  // Twice the edge: the bounds at both ends of a way leave one each.
+  whole_mm_ = way_mm + 1.6 * line_.turned * reach_mm + 2.0 * bit.edge_mm() + kSpareMm;
 }
 
 FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const {

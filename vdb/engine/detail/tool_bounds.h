@@ -31,7 +31,7 @@ class ToolBounds {
   double cone_slope() const { return cone_slope_; }
   /// From frusta and balls, of which the tool is made: all moves count.
   double from_body_mm(const BitPlace& at) const;
-  /// What bounds must exceed before SweptBit, which grows the bit by a skin, surely holds nothing.
+  /// What bounds must exceed before SweptBit on a straight way, which grows the bit by a skin, surely holds nothing.
   double margin_mm() const { return margin_mm_; }
 
   struct Piece {

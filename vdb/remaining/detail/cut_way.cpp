@@ -52,6 +52,7 @@ bool is_along_axis(const Pose& from, const Pose& to) {
 std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const Pose> poses, double tolerance_mm,
                                       double longest_mm) {
   const auto outline = std::make_shared<const BitOutline>(profile);
+  const SweepProfile outlines(profile);
   const double reach_mm = profile.length_mm() + profile.radius_mm();
   const std::vector<Pose> needed = fewer_poses(poses, reach_mm, tolerance_mm);
   std::vector<BitSweep> sweeps;
@@ -75,18 +76,11 @@ std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const
       continue;
     }
     const double length_mm = (to.tip_mm - from.tip_mm).norm() + reach_mm * (to.axis - from.axis).norm();
-    const BitMotion motion(profile, from, to);
-    // n pieces of a motion part from their arcs by 1 / n2 of what one would.
-    const double bend_mm = SweptBit::kSkinMm * std::pow(static_cast<double>(motion.piece_count()), 2);
-    const double wanted = std::max(std::sqrt(bend_mm / tolerance_mm), length_mm / longest_mm);
+    const BitMotion motion(outlines, from, to);
+    const double wanted = std::max(std::sqrt(motion.bend_mm() / tolerance_mm), length_mm / longest_mm);
     const auto pieces = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, 1e6));
-    // A straight motion is of one piece, whatever its length.
-    const bool turns = motion.piece_count() > 1;
     for (std::size_t piece = 1; piece <= pieces; ++piece) {
-      const double t = static_cast<double>(piece) / static_cast<double>(pieces);
-      const Pose between = turns ? motion.pose(static_cast<std::size_t>(t * static_cast<double>(motion.piece_count())))
-                                 : Pose{from.tip_mm + t * (to.tip_mm - from.tip_mm), to.axis};
-      way.push_back(piece == pieces ? to : between);
+      way.push_back(piece == pieces ? to : motion.pose_at(static_cast<double>(piece) / static_cast<double>(pieces)));
       way_mm += length_mm / static_cast<double>(pieces);
       if (way_mm >= longest_mm) finish();
     }

@@ -119,7 +119,7 @@ TEST(SectionOverPoints, CountsThePointsThatABitCuts) {
     const Eigen::Vector2d middle_mm = offset_mm * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     double sum_mm2 = 0.0;
     for (std::size_t i = 0; i < pattern.point_count(); ++i) {
-      if ((pattern.point_mm(i) - middle_mm).norm() > radius_mm + SweptBit::kSkinMm) continue;
+      if ((pattern.point_mm(i) - middle_mm).norm() > radius_mm + SweepProfile::kStraightSkinMm) continue;
       sum_mm2 += pattern.point_volume_mm3(DiscPattern::ring_of(i)) / pattern.spacing_mm();
     }
     const double expected = std::numbers::pi * radius_mm * radius_mm / sum_mm2;

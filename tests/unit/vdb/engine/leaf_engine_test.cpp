@@ -268,8 +268,7 @@ TEST_P(OverlappingVolumes, KeepAPointWhereNoEarlierVolumeHasOne) {
 TEST_P(OverlappingVolumes, LoseWhatSweptBitsHoldOfTheKeptPoints) {
   const auto engine = make_leaf_engine(pointers_, kBit, {});
   std::vector<bool> expected = alive();
-  const BitProfile profile(kBit);
-  const BitProfile grown = profile.grown(SweptBit::kSkinMm);
+  const SweepProfile profile{BitProfile(kBit)};
   Pose last;
   std::size_t all_removed = 0;
   for (int step = 0; step <= 40; ++step) {
@@ -287,7 +286,7 @@ TEST_P(OverlappingVolumes, LoseWhatSweptBitsHoldOfTheKeptPoints) {
       from.axis /= from.axis.norm();
       const BitMotion motion(profile, from, to);
       for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) {
-        const SweptBit bit(profile, grown, motion.pose(piece), motion.pose(piece + 1));
+        const SweptBit bit = motion.piece(piece);
         std::size_t n = first;
         for (int disc = 0; disc < volume.disc_count(); ++disc) {
           for (std::size_t i = 0; i < volume.pattern().point_count(); ++i, ++n) {

@@ -98,7 +98,7 @@ std::vector<Pose> wander_around(std::uint64_t seed, int steps, double half_mm = 
 class BruteForce {
  public:
   BruteForce(const VoxelBone& bone, const DrillBit& bit, const Material& material)
-      : profile_(bit), grown_(profile_.grown(SweptBit::kSkinMm)), pressures_(material), voxel_mm_(bone.voxel_mm()) {
+      : profile_(BitProfile(bit)), pressures_(material), voxel_mm_(bone.voxel_mm()) {
     bone.for_each_alive([&](const Vector3i& voxel) { alive_.push_back({voxel, bone.hu(voxel)}); });
     // Numbers near the tool are small, as the engine's are: at a voxel, so that they are as exact.
     Vec3 low = Vec3::Constant(1e9), high = -low;
@@ -121,7 +121,7 @@ class BruteForce {
     double moment_n = 0.0;
     const BitMotion motion(profile_, start, target);
     for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) {
-      const SweptBit bit(profile_, grown_, motion.pose(piece), motion.pose(piece + 1));
+      const SweptBit bit = motion.piece(piece);
       std::erase_if(alive_, [&](const Voxel& voxel) {
         const Vec3 p = voxel_mm_ * (voxel.at - middle_).cast<double>();
         if (!bit.contains(p)) return false;
@@ -152,7 +152,7 @@ class BruteForce {
     Vector3i at;
     std::int16_t hu;
   };
-  BitProfile profile_, grown_;
+  SweepProfile profile_;
   PressureTable pressures_;
   double voxel_mm_;
   std::vector<Voxel> alive_;
