@@ -225,14 +225,17 @@ class RandomTester {
     note(chosen->name);
     ++counts_[chosen->name];
     effect_ = Effect::none;
-    hangs_.take_longest_s();
+    hangs_.take_longest();
     (this->*chosen->run)();
     settle();
     if (chance(0.01)) resize();
     if (chance(0.01)) close_window();
-    const double longest_s = hangs_.take_longest_s();
-    longest_s_ = std::max(longest_s_, longest_s);
-    if (longest_s > options_.max_hang_s) trouble("the window stood still for " + std::to_string(longest_s) + " s");
+    const HangWatch::Standstill still = hangs_.take_longest();
+    longest_s_ = std::max(longest_s_, still.longest_s);
+    if (still.longest_s > options_.max_hang_s) {
+      trouble("the window stood still for " + std::to_string(still.longest_s) + " s, of which it worked " +
+              std::to_string(still.worked_s) + " s" + still.where);
+    }
     check(effect_);
     if (chance(0.03)) {
       let_work(700);
