@@ -9,7 +9,9 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
+#include "core/files/milling_file.h"
 #include "core/session/operator/force_controlled.h"
+#include "core/session/operator/milling.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/operator/recorded_motion.h"
 
@@ -22,7 +24,8 @@ constexpr double kTremorMm = 0.1;
 constexpr double kFeedMmS = 1.0;
 constexpr double kRateHz = 1000.0;
 
-bool is_file(std::string_view name) { return name.ends_with(".csv"); }
+bool is_pose_file(std::string_view name) { return name.ends_with(".csv"); }
+bool is_milling_file(std::string_view name) { return name.ends_with(".json"); }
 
 /// "1.0", or "1,5:0.5": 1 mm/s, and 0.5 mm/s from 5 mm of depth on.
 std::vector<FeedStep> feed_steps(const std::string& text) {
@@ -62,10 +65,12 @@ void OperatorChoice::check(bool is_real_time) const {
     if (given) fail("expected no ", option, " with --operator ", name.empty() ? "on-path" : name, ": ", why);
   };
   const bool is_known = name.empty() || name == "on-path" || name == "off-path" || name == "tilted" ||
-                        name == "tremor" || name == "push" || is_file(name);
+                        name == "tremor" || name == "push" || is_pose_file(name) || is_milling_file(name);
   if (!is_known) {
-    fail("expected --operator on-path, off-path, tilted, tremor, push or a file whose name ends in .csv, found \"",
-         name, "\"");
+    fail(
+        "expected --operator on-path, off-path, tilted, tremor, push or a file whose name ends in .csv (poses) or "
+        ".json (a milling), found \"",
+        name, "\"");
   }
   reject(name == "on-path" && offset_mm, "--offset", "take off-path");
   reject(name == "on-path" && tilt_deg, "--tilt", "take tilted");
@@ -77,12 +82,17 @@ void OperatorChoice::check(bool is_real_time) const {
       reject(given, option, "its feed follows from the bone");
     }
   }
-  if (is_file(name)) {
+  if (is_pose_file(name) || is_milling_file(name)) {
     for (const auto& [given, option] :
          {std::pair{!feed.empty(), "--feed"}, std::pair{step_mm.has_value(), "--step"},
           std::pair{offset_mm.has_value(), "--offset"}, std::pair{tilt_deg.has_value(), "--tilt"},
-          std::pair{tremor_mm.has_value(), "--tremor"}, std::pair{seed.has_value(), "--seed"},
           std::pair{peck_mm.has_value(), "--peck"}, std::pair{withdraw_mm_s.has_value(), "--withdraw"}}) {
+      reject(given, option, "the file says where the bit goes");
+    }
+  }
+  if (is_pose_file(name)) {
+    for (const auto& [given, option] :
+         {std::pair{tremor_mm.has_value(), "--tremor"}, std::pair{seed.has_value(), "--seed"}}) {
       reject(given, option, "the file says where the bit goes");
     }
     reject(rate_hz && !is_real_time, "--rate", "the file says when");
@@ -133,16 +143,39 @@ void OperatorChoice::add_force_controlled(const DrillPath& path, const GuideLine
   plan.tool_operator = std::make_unique<ForceControlled>(path, push);
 }
 
-OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, const Spindle& spindle,
-                                  bool is_real_time) const {
+void OperatorChoice::add_recorded_motion(OperatorPlan& plan) const {
+  std::vector<ToolInput> inputs = read_pose_csv(name);
+  plan.rate_hz = mean_rate_hz(inputs);
+  plan.words["poses"] = std::to_string(inputs.size());
+  plan.tool_operator = std::make_unique<RecordedMotion>(std::move(inputs));
+}
+
+void OperatorChoice::add_milling(const DrillPath& path, const ScalarField* bone, OperatorPlan& plan) const {
+  if (bone == nullptr) fail("expected no milling here: there is no bone whose surface it could follow");
+  const Milling milling = read_milling(name);
+  plan.rate_hz = rate_hz.value_or(kRateHz);
+  try {
+    auto motion = std::make_unique<MillingMotion>(
+        milling, path.bit, *bone,
+        MillingMotionOptions{.rate_hz = plan.rate_hz, .tremor_mm = tremor_mm.value_or(0.0), .seed = seed.value_or(1)});
+    plan.words["milling"] = milling.name;
+    plan.words["milled way"] = short_text(motion->length_mm()) + " mm";
+    plan.words["feed"] = short_text(milling.feed_mm_s) + " mm/s";
+    plan.tool_operator = std::move(motion);
+  } catch (const Error& error) {
+    fail(name, ": ", error.what());
+  }
+}
+
+OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, const Spindle& spindle, bool is_real_time,
+                                  const ScalarField* bone) const {
   check(is_real_time);
   OperatorPlan plan;
-  plan.words["kind"] = name.empty() ? "on-path" : name;
-  if (is_file(name)) {
-    std::vector<ToolInput> inputs = read_pose_csv(name);
-    plan.rate_hz = mean_rate_hz(inputs);
-    plan.words["poses"] = std::to_string(inputs.size());
-    plan.tool_operator = std::make_unique<RecordedMotion>(std::move(inputs));
+  plan.words["kind"] = name.empty() ? "on-path" : is_milling_file(name) ? "milling" : name;
+  if (is_pose_file(name)) {
+    add_recorded_motion(plan);
+  } else if (is_milling_file(name)) {
+    add_milling(path, bone, plan);
   } else {
     const GuideLine line{.lead_in_mm = lead_in_mm,
                          .offset_mm = offset_mm.value_or(name == "off-path" ? kOffPathMm : 0.0),
@@ -158,7 +191,7 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
       add_planned_motion(path, line, plan);
     }
   }
-  plan.cycle_rate_hz = is_file(name) ? rate_hz.value_or(plan.rate_hz) : plan.rate_hz;
+  plan.cycle_rate_hz = is_pose_file(name) ? rate_hz.value_or(plan.rate_hz) : plan.rate_hz;
   plan.words["rate"] = short_text(plan.rate_hz) + " Hz";
   return plan;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/base/scalar_field.h"
 #include "core/session/operator/operator.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/drill_path.h"
@@ -38,11 +39,15 @@ struct OperatorChoice {
 
   /// Throws Error where options do not go together.
   void check(bool is_real_time) const;
-  /// The operator, from `lead_in_mm` before the path's entry. Throws Error on values out of range, and where a file of
-  /// poses cannot be read.
-  OperatorPlan plan(const DrillPath& path, double lead_in_mm, const Spindle& spindle, bool is_real_time) const;
+  /// The operator, from `lead_in_mm` before the path's entry; `bone`: the distance to its surface, which a milling
+  /// follows, asked here only. Throws Error on values out of range, where a file of poses or a milling cannot be read,
+  /// and on a milling without a bone.
+  OperatorPlan plan(const DrillPath& path, double lead_in_mm, const Spindle& spindle, bool is_real_time,
+                    const ScalarField* bone = nullptr) const;
 
  private:
+  void add_recorded_motion(OperatorPlan& plan) const;
+  void add_milling(const DrillPath& path, const ScalarField* bone, OperatorPlan& plan) const;
   void add_planned_motion(const DrillPath& path, const GuideLine& line, OperatorPlan& plan) const;
   void add_force_controlled(const DrillPath& path, const GuideLine& line, const Spindle& spindle,
                             OperatorPlan& plan) const;

@@ -153,8 +153,9 @@ StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::p
   if (std::isfinite(stop.thrust_n)) add("Asked to stop at a thrust of", text_of(stop.thrust_n), "N");
   if (std::isfinite(stop.clearance_mm)) add("Asked to stop at a clearance of", text_of(stop.clearance_mm), "mm");
   if (stop.on_breach) add("Asked to stop", "on a breach", "");
-  add("Points, spacing", text_of(setup.volume.spacing_mm), "mm");
-  add("Points, radius of the cylinder", readable_number(setup.volume.radius_mm, 2), "mm");
+  const bool has_voxels = setup.engine == EngineKind::voxel;
+  add(has_voxels ? "Voxels" : "Points, spacing", text_of(setup.volume.spacing_mm), "mm");
+  add(has_voxels ? "Voxels, radius of the cylinder whose box they fill" : "Points, radius of the cylinder", readable_number(setup.volume.radius_mm, 2), "mm");
   for (const FactorDistribution& distribution : inputs.design.distributions)
     inputs.rows.push_back(row_of(distribution));
   add("Runs", std::to_string(identity.runs), "");

@@ -19,7 +19,8 @@ void add_operator(CLI::App& app, OperatorChoice& tool_operator) {
   app.add_option(
          "--operator", tool_operator.name,
          "Who moves the bit: on-path (default), off-path (by 1.2 mm), tilted (by 3 degrees), tremor (of 0.1 mm, "
-         "8 to 12 Hz), push (with a force: feed follows from the bone), or a file of poses, FILE.csv")
+         "8 to 12 Hz), push (with a force: feed follows from the bone), a file of poses, FILE.csv, or a milling, "
+         "FILE.json")
       ->type_name("NAME");
   app.add_option("--feed", tool_operator.feed,
                  "Feed, mm/s; default: 1. Or by depth: 1,5:0.5 is 1, and 0.5 from 5 mm on")

@@ -236,8 +236,9 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   SessionSetup setup = options.setup;
   setup.path = path;
   setup.has_clearances = !options.leaves_clearances;
+  const BoneField whole(bone.model());
   OperatorPlan tool_operator =
-      options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time);
+      options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);
   const DensityCalibration density =
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   setup.material =

@@ -166,6 +166,7 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const
   setup.path = spec.path;
   setup.material = spec.material;
   setup.volume = spec.volume;
+  setup.engine = spec.engine;
   setup.options = spec.options;
   const Json study{{"program", version()},
                    {"code", code_fingerprint(CodeStage::drilling)},

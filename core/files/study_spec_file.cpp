@@ -104,7 +104,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   const JsonObject object(json, file);
   check_format(json, kSpecFormat, file);
   check_keys(json,
-             {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume",
+             {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume", "engine",
               "spindle_rpm", "stop", "operator", "design"},
              file, kStudyKey);
   StudySpec spec;
@@ -121,6 +121,14 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   spec.path = read_path_of(object, file);
   spec.material = read_material_of(object, file);
   if (object.has("volume")) read_volume(object.at("volume"), file, spec);
+  if (object.has("engine")) {
+    const auto kind = engine_kinds().find(object.text("engine"));
+    if (kind == engine_kinds().end()) {
+      fail("expected an engine such as \"ring\" or \"voxel\" for \"engine\" in ", file.string(), ", found ",
+           in_quotes(object.text("engine")));
+    }
+    spec.engine = kind->second;
+  }
   spec.options.spindle.rpm = object.number_or("spindle_rpm", spec.options.spindle.rpm);
   if (!(spec.options.spindle.rpm > 0.0)) {
     fail("expected a number above 0 for \"spindle_rpm\" in ", file.string(), ", found ", spec.options.spindle.rpm);

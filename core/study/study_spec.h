@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/ct/level.h"
+#include "core/engine/drill_engine.h"
 #include "core/points/material.h"
 #include "core/points/point_volume.h"
 #include "core/session/drill_session.h"
@@ -38,6 +39,8 @@ struct StudySpec {
   /// Of the cylinder around the planned path that every run drills in; a radius of 0: as wide as the runs need.
   PointVolumeOptions volume{.radius_mm = 0.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};
   double lead_out_mm = 5.0;  ///< how far past the target the cylinder goes
+  /// `voxel`: voxels of the bone in the box of that cylinder, its spacing apart, in place of points.
+  EngineKind engine = EngineKind::ring;
   SessionOptions options;
   StudyOperator tool_operator;
   StudyDesign design;

@@ -13,6 +13,7 @@
 
 #include "core/base/random.h"
 #include "core/files/json_file.h"
+#include "core/files/milling_file.h"
 #include "core/files/plan_file.h"
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/rbf_file.h"
@@ -217,6 +218,39 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   EXPECT_THAT(report, Not(HasSubstr("Points in the cylinder")));
 }
 
+TEST_F(Drill, MillsAPatchDownToAFloor) {
+  // From a side that no axis goes along.
+  const Vec3 into = Vec3(-1.0, 2.0, 2.0) / 3.0, aside = into.cross(Vec3::UnitX()).normalized();
+  const Vec3 top_mm = kBoneCentre - kBoneRadiusMm * into;
+  constexpr double kHalfMm = 5.5, kFloorMm = 3.0;
+  Milling milling;
+  milling.name = "cap";
+  for (const auto& [x, y] : {std::pair(-1, -1), std::pair(1, -1), std::pair(1, 1), std::pair(-1, 1)}) {
+    milling.outline_mm.push_back(top_mm + kHalfMm * (x * aside + y * aside.cross(into)));
+  }
+  milling.into = into;
+  milling.depth = Milling::Depth::floor;
+  milling.depth_mm = kFloorMm;
+  milling.apart_mm = 0.5;
+  write_milling(milling, folder_->path() / "cap.json");
+  write_plan({{"cap", top_mm - into, top_mm + 5.0 * into, {3.0, 20.0, 1.0, BitShape::round_burr, 0.0, 1.5}}},
+             folder_->path() / "cap_plan.json");
+  const test::ProgramRun run = test::run_program(
+      "drill bone.vdb cap_plan.json --engine voxel --spacing 0.1 --operator cap.json -o cap --json cap_out.json "
+      "--full-mesh",
+      folder_->path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json figures = read_json(folder_->path() / "cap_out.json");
+  // All that stands on the floor: the patch is wider than the cap there.
+  const double cap_mm3 = std::numbers::pi * kFloorMm * kFloorMm * (kBoneRadiusMm - kFloorMm / 3.0);
+  EXPECT_NEAR(1e-3 * figures["removed"].get<double>(), cap_mm3, 0.02 * cap_mm3);
+  // And so says the mesh, which comes from the distance to the swept tool.
+  const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(kBoneRadiusMm, 3);
+  EXPECT_NEAR(figures["mesh"]["volume_mm3"].get<double>(), ball_mm3 - cap_mm3, 0.02 * cap_mm3);
+  EXPECT_EQ(figures["mesh"]["pieces"], 1);
+  EXPECT_EQ(figures["operator"]["milling"], "cap");
+}
+
 TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
   const auto rejected = [&](const std::string& options, const std::string& word) {
     const test::ProgramRun run = test::run_program("drill bone.vdb plan.json -o rejected " + options, folder_->path());
@@ -229,6 +263,9 @@ TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
   rejected("--operator push --feed 2", "feed follows from the bone");
   rejected("--push 20", "only the operator push");
   rejected("--operator none.csv", "none.csv");
+  rejected("--operator none.json", "none.json");
+  rejected("--operator plan.json", "milling");
+  rejected("--operator cap.json --feed 2", "the file says where");
   rejected("--operator none.csv --tremor 0.1", "the file says where");
   rejected("--step 0.01 --feed 1 --rate 100", "two of --step, --feed and --rate");
   rejected("--real-time --step 0.01", "no --step with --real-time");

@@ -10,6 +10,7 @@
 #include "core/files/ground_truth_file.h"
 #include "core/files/json_file.h"
 #include "core/files/material_file.h"
+#include "core/files/milling_file.h"
 #include "core/files/phantom_file.h"
 #include "core/files/placement_errors_file.h"
 #include "core/files/plan_file.h"
@@ -121,6 +122,27 @@ std::vector<Seed> script_seeds() {
       {"script", {{"a.txt", "# a comment\nopen \"bone 1.vdb\"\n\nchoose left  # the path\nentry 1 -2.5e0 3\nquit\n"}}}};
 }
 
+std::vector<Seed> milling_seeds() {
+  Milling milling;
+  milling.name = "trough";
+  milling.outline_mm = {{1.0 / 3.0, -2e-7, 812.3}, {10.0, -30.1, 800.0}, {12.0, 0.0, 799.0}};
+  milling.into = Vec3::UnitY();
+  const std::string text = bytes_written("milling.json", [&](const fs::path& file) { write_milling(milling, file); });
+  return {{"milling", {json_file("milling.json", text)}}};
+}
+
+/// And the way of it over a plain.
+void read_a_milling(const fs::path& file) {
+  class Plain final : public ScalarField {
+    void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm,
+                  std::span<Vec3> /*gradients*/) const override {
+      for (std::size_t n = 0; n < points_mm.size(); ++n) values_mm[n] = points_mm[n].y();
+    }
+  };
+  const MillingMotion motion(read_milling(file), {4.0, 60.0, 1.0, BitShape::round_burr, 0.0, 2.0}, Plain());
+  static_cast<void>(motion.pose(motion.count() / 2));
+}
+
 void read_planner_script(const fs::path& folder) {
   const fs::path file = only_file(folder);
   std::ifstream text(file);
@@ -131,6 +153,7 @@ void read_planner_script(const fs::path& folder) {
 
 void add_settings_readers(std::vector<Reader>& readers) {
   readers.push_back({"plan", plan_seeds, only_file_by(read_plan)});
+  readers.push_back({"milling", milling_seeds, only_file_by(read_a_milling)});
   readers.push_back({"study-spec", study_seeds, read_study});
   readers.push_back({"material", material_seeds, [](const fs::path& folder) {
                        const DensityCalibration density = read_density_calibration(folder / "density.json");

@@ -245,14 +245,11 @@ class VoxelEngine final : public SweptEngine {
     words.cone_offset = f(bounds_.cone_offset_mm());
     words.cone_slope = f(bounds_.cone_slope());
     // Float's rounding of places this far from the tip, with room.
-    const double reach_mm = tool.bit().profile().length_mm() + 2.0 * tool.bit().profile().radius_mm() +
-                            tool.whole_mm() + 4.0 * levels_[kLeaves].certificates.half_mm();
-    const double spare_mm = 3e-5 + 2e-6 * reach_mm;
-    const double more_mm = 2.0 * (spare_mm + bounds_.margin_mm());
-    words.spare = f(spare_mm);
-    words.across = f(tool.across_mm() + more_mm);
-    words.cone = f(tool.cone_mm() + more_mm * (1.0 + bounds_.cone_slope()));
-    words.whole = f(tool.whole_mm() + 2.0 * more_mm);
+    const BitProfile& outline = tool.bit().profile();
+    const double way_mm = (tool.bit().to().tip_mm - tool.bit().from().tip_mm).norm();
+    const double far_mm =
+        outline.length_mm() + 2.0 * outline.radius_mm() + way_mm + 4.0 * levels_[kLeaves].certificates.half_mm();
+    words.spare = f(3e-5 + 2e-6 * (1.0 + 1.6 * tool.line().turned) * far_mm);
     return words;
   }
 
@@ -345,6 +342,11 @@ class VoxelEngine final : public SweptEngine {
       (leaf.word_mm[x] > 0.0F ? skipped : arguments.due) |= 1U << x;
     }
     arguments.tool = &words;
+    const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
+    const double more_mm = 2.0 * (static_cast<double>(words.spare) + bounds_.margin_mm());
+    arguments.cylinder = static_cast<float>(reach.cylinder + more_mm);
+    arguments.cone = static_cast<float>(reach.cone + more_mm * (1.0 + bounds_.cone_slope()));
+    arguments.body = static_cast<float>(reach.body + 2.0 * more_mm);
     arguments.words = leaf.words;
     arguments.end = place_of(leaf, tool.bit().to(), to_rows_, to_offsets_);
     arguments.begin = place_of(leaf, tool.bit().from(), from_rows_, from_offsets_);

@@ -57,8 +57,8 @@ const StudySpec& Study::spec() const { return state_->spec; }
 const Bone& Study::bone() const { return *state_->bone; }
 std::size_t Study::run_count() const { return state_->runs.count(); }
 const StudyIdentity& Study::identity() const { return state_->identity; }
-std::size_t Study::points() const { return state_->bench({}).volume().point_count(); }
-std::size_t Study::bytes_a_thread() const { return state_->bench({}).volume().memory_bytes(); }
+std::size_t Study::points() const { return state_->bench({}).point_count(); }
+std::size_t Study::bytes_a_thread() const { return state_->bench({}).memory_bytes(); }
 
 std::vector<StudyRow> Study::run(const StudyShard& shard, const Progress& progress) const {
   std::vector<StudyRow> rows;

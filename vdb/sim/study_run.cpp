@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/plan/grade.h"
 #include "core/study/study_task.h"
-#include "vdb/engine/make_engine.h"
+#include "vdb/engine/voxel_bone.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"
 
@@ -29,6 +29,16 @@ struct Removed {
   std::size_t points = 0;
   double mm3 = 0.0;
 };
+
+/// The box of the cylinder that all runs drill in.
+Box3 box_of(const DrillPath& path, const PointVolumeOptions& volume) {
+  const Vec3 first_mm = path.entry_mm - volume.lead_in_mm * path.direction();
+  // A cylinder's circle reaches so far along each of the patient's axes.
+  const Vec3 aside_mm = volume.radius_mm * (Vec3::Ones() - path.direction().cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  Box3 box(first_mm);
+  box.extend(path.target_mm);
+  return {box.min() - aside_mm, box.max() + aside_mm};
+}
 
 /// Counts by ring first: the sum's order is then the same whatever died when.
 Removed removed_from(const PointVolume& before, const PointVolume& after) {
@@ -51,6 +61,12 @@ Removed removed_from(const PointVolume& before, const PointVolume& after) {
     removed.mm3 += static_cast<double>(count) * pattern.point_volume_mm3(ring);
   }
   return removed;
+}
+
+Removed removed_from(const DrilledBone& before, const DrilledBone& after) {
+  if (!before.voxels) return removed_from(before.volumes.front(), after.volumes.front());
+  const std::size_t voxels = before.voxels->alive_count() - after.voxels->alive_count();
+  return {voxels, static_cast<double>(voxels) * std::pow(before.voxels->voxel_mm(), 3)};
 }
 
 /// What a table keeps of a run's cycles.
@@ -148,9 +164,16 @@ double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
 }
 
 StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
-    : spec_(spec), runs_(runs), volume_(with_lead_out(spec.path, spec.lead_out_mm), spec.volume) {
+    : spec_(spec), runs_(runs) {
   check_path_meets_bone(spec.path, bone.model());
-  fill_volume(volume_, sampler_of(bone.model()), progress);
+  const DrillPath longer = with_lead_out(spec.path, spec.lead_out_mm);
+  if (spec.engine == EngineKind::voxel) {
+    whole_.voxels = std::make_unique<VoxelBone>(
+        bone.model(), VoxelBoneOptions{spec.volume.spacing_mm, box_of(longer, spec.volume)}, progress);
+  } else {
+    whole_.volumes.emplace_back(longer, spec.volume);
+    fill_volume(whole_.volumes.front(), sampler_of(bone.model()), progress);
+  }
   progress.report("clearances", 0.0);
   // Where bits may be, and a little more.
   constexpr double kSpareMm = 2.0;
@@ -160,26 +183,33 @@ StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns&
 }
 
 StudyRunner StudyBench::make_runner() const {
-  return [this, volume = volume_](std::size_t n) mutable { return run(n, volume); };
+  return [this, bone = std::make_shared<DrilledBone>(whole_)](std::size_t n) { return run(n, *bone); };
 }
 
-StudyRow StudyBench::run(std::size_t n, PointVolume& volume) const {
+std::size_t StudyBench::point_count() const {
+  return whole_.voxels ? whole_.voxels->alive_count() : whole_.volumes.front().point_count();
+}
+
+StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
   const StudyTask task = study_task(spec_, runs_, n);
-  volume = volume_;
-  DrillPath planned = spec_.path;
-  planned.bit = task.path.bit;
+  bone.revive(whole_);
+  SessionSetup setup;
+  setup.path = spec_.path;
+  setup.path.bit = task.path.bit;
+  setup.material = task.material;
+  setup.engine = spec_.engine;
+  setup.options = spec_.options;
   // Where the bit really goes in is its own entry opening, which it is meant to break.
   std::optional<ClearanceField> clearances;
   if (clearances_) clearances.emplace(clearances_->with_entry_of(task.path));
-  DrillSession session(planned, {&volume, 1}, make_engine(EngineKind::ring, volume, task.path.bit, task.material),
-                       task.material, clearances ? &*clearances : nullptr, spec_.options);
+  const std::unique_ptr<DrillSession> session = bone.begin_session(setup, clearances ? &*clearances : nullptr);
   const std::unique_ptr<Operator> tool_operator =
       make_study_operator(task, spec_.volume.lead_in_mm, spec_.options.spindle);
   Extremes extremes;
-  run_session(session, *tool_operator, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
+  run_session(*session, *tool_operator, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
 
   StudyRow row = empty_row(n, task);
-  add_events(session.events(), row);
+  add_events(session->events(), row);
   const double outer_mm = std::max(0.0, -extremes.min_clearance_outer_mm);
   const double canal_mm = std::max(0.0, -extremes.min_clearance_canal_mm);
   row[StudyColumn::breach] = std::max(outer_mm, canal_mm) > 0.0 ? 1.0 : 0.0;
@@ -191,11 +221,11 @@ StudyRow StudyBench::run(std::size_t n, PointVolume& volume) const {
   row[StudyColumn::max_thrust_n] = extremes.max_thrust_n;
   row[StudyColumn::max_torque_n_mm] = extremes.max_torque_n_mm;
   row[StudyColumn::depth_mm] = extremes.deepest_mm;
-  row[StudyColumn::time_s] = session.last().time_s;
-  const Removed removed = removed_from(volume_, volume);
+  row[StudyColumn::time_s] = session->last().time_s;
+  const Removed removed = removed_from(whole_, bone);
   row[StudyColumn::removed_points] = static_cast<double>(removed.points);
   row[StudyColumn::removed_mm3] = removed.mm3;
-  row[StudyColumn::events_lost] = static_cast<double>(session.events_lost());
+  row[StudyColumn::events_lost] = static_cast<double>(session->events_lost());
   return row;
 }
 

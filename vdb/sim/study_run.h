@@ -6,27 +6,30 @@
 #include "core/study/study_task.h"
 #include "core/study/study_work.h"
 #include "vdb/sim/build_session.h"
+#include "vdb/sim/drilled_bone.h"
 
 namespace spinaltap {
 
-/// What all runs of a study share: the filled points along the planned path, of which each run drills a copy, and the
-/// distances to the bone's walls around it.
+/// What all runs of a study share: the points, or voxels, along the planned path, of which each run drills a copy, and
+/// the distances to the bone's walls around it.
 class StudyBench {
  public:
   /// `bone`, `spec` and `runs` must outlive this. Throws Error where the planned path misses the bone.
   StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress = {});
 
-  /// For one thread: drills runs, one after the other, in a volume of its own.
+  /// For one thread: drills runs, one after the other, in a copy of its own.
   StudyRunner make_runner() const;
 
-  const PointVolume& volume() const { return volume_; }
+  /// Points, or voxels of bone.
+  std::size_t point_count() const;
+  std::size_t memory_bytes() const { return whole_.memory_bytes(); }
 
  private:
-  StudyRow run(std::size_t n, PointVolume& volume) const;
+  StudyRow run(std::size_t n, DrilledBone& bone) const;
 
   const StudySpec& spec_;
   const StudyRuns& runs_;
-  PointVolume volume_;
+  DrilledBone whole_;
   std::unique_ptr<const ClearanceField> clearances_;
 };
 

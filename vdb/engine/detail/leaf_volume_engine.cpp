@@ -130,13 +130,14 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
   double cylinder_mm = kFar;
   double cone_mm = kFar;
   removal.tested += cell.living;
+  const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
   for (std::size_t n = cell.begin; n < cell.begin + cell.living;) {
     const auto [disc, index] = leaves_.point(n);
     const Vec3 p = volume_.point_in_path_mm(disc, index);
     const BitPlace at = tool.place(p);
     const double from_cylinder_mm = bounds_.from_cylinder_mm(at);
     const double from_cone_mm = bounds_.from_cone_mm(at);
-    if (tool.may_reach(from_cylinder_mm, from_cone_mm) && tool.bit().contains_inlined(p)) {
+    if (reach.holds(from_cylinder_mm, from_cone_mm) && tool.bit().contains_inlined(p)) {
       kill_point<sharing>(cell, n, removal);
       continue;
     }

@@ -53,26 +53,35 @@ double ToolBounds::from_body_mm(const BitPlace& at) const {
 SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
     : bit_(bit),
       bounds_(bounds),
-      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm(), bit.edge_mm()},
-      across_mm_(bit.across_mm() + kSpareMm),
-      cone_mm_(across_mm_ + bounds.cone_slope() * (bit.back_mm() + kSpareMm)) {
-  const double way_mm = (bit.to().tip_mm - bit.from().tip_mm).norm();
-  const double reach_mm = bit.profile().length_mm() + bit.profile().radius_mm() + way_mm;
-  // An angle is at most pi / 2 of its chord.
+      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm(), bit.edge_mm()} {
+  const Vec3 way = bit.from().tip_mm - bit.to().tip_mm;
+  const double along_mm = way.dot(line_.axis);
+  way_mm_ = way.norm();
+  across_mm_ = std::sqrt(std::max(0.0, way_mm_ * way_mm_ - along_mm * along_mm));
+  // Where a bit draws back, points were further back before, where a cone is wider.
+  back_mm_ = std::max(0.0, along_mm);
+  angle_ = 1.6 * line_.turned;  // an angle is at most pi / 2 of its chord
+}
+
+SweptBounds::Reach SweptBounds::reach_of_ball(const BitPlace& at, double radius_mm) const {
+  const double from_tip_mm = std::sqrt(at.back_mm * at.back_mm + at.off_mm * at.off_mm) + radius_mm;
+  const double turned_mm = angle_ * (from_tip_mm + way_mm_) + bit_.edge_mm() + kSpareMm;
+  const double across_mm = across_mm_ + turned_mm;
   // Twice the edge: the bounds at both ends of a way leave one each.
-  whole_mm_ = way_mm + 1.6 * line_.turned * reach_mm + 2.0 * bit.edge_mm() + kSpareMm;
+  return {across_mm, across_mm + bounds_.cone_slope() * (back_mm_ + turned_mm), way_mm_ + turned_mm + bit_.edge_mm()};
 }
 
 FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const {
+  const Reach reach = reach_of_ball(at, radius_mm);
   const double cylinder_mm = bounds_.from_cylinder_mm(at) - radius_mm;
-  if (cylinder_mm >= across_mm_ + min_mm) return {cylinder_mm - bounds_.margin_mm(), 0.0, 0.0};
+  if (cylinder_mm >= reach.cylinder + min_mm) return {cylinder_mm - bounds_.margin_mm(), 0.0, 0.0};
   if (bounds_.has_cone()) {
     const double slope = bounds_.cone_slope();
     const double cone_mm = bounds_.from_cone_mm(at) - radius_mm * (1.0 + slope);
-    if (cone_mm >= cone_mm_ + min_mm) return {cone_mm - bounds_.margin_mm(), slope, 0.0};
+    if (cone_mm >= reach.cone + min_mm) return {cone_mm - bounds_.margin_mm(), slope, 0.0};
   }
   const double body_mm = bounds_.from_body_mm(at) - radius_mm;
-  if (body_mm >= whole_mm_ + min_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
+  if (body_mm >= reach.body + min_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
   return {};
 }
 

@@ -67,13 +67,17 @@ class SweptBounds {
     const double back_mm = -q.dot(line_.axis);
     return {back_mm, std::sqrt(std::max(0.0, q.squaredNorm() - back_mm * back_mm))};
   }
-  /// Whether the bit may have passed a point there.
-  bool may_reach(double from_cylinder_mm, double from_cone_mm) const {
-    return from_cylinder_mm <= across_mm_ && from_cone_mm <= cone_mm_;
-  }
-  double across_mm() const { return across_mm_; }
-  double cone_mm() const { return cone_mm_; }
-  double whole_mm() const { return whole_mm_; }
+  /// How near its bounds, in mm, a point must be for the bit to have passed it. By how far it moved, seen from the bit:
+  /// with the tip, and as far as turning takes it, the more the further it lies from the tip.
+  struct Reach {
+    double cylinder, cone;
+    double body;  ///< the bounds at both ends of the way, together
+    bool holds(double from_cylinder_mm, double from_cone_mm) const {
+      return from_cylinder_mm <= cylinder && from_cone_mm <= cone;
+    }
+  };
+  /// Of points within `radius_mm` of `at`.
+  Reach reach_of_ball(const BitPlace& at, double radius_mm) const;
   /// How far the bit may move before it can touch a ball around `at` that it has not passed: nothing where it may have
   /// passed it, or where that is less than `min_mm`.
   FreeMove free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const;
@@ -84,9 +88,10 @@ class SweptBounds {
   const SweptBit& bit_;
   const ToolBounds& bounds_;
   BitLine line_;
-  double across_mm_;  ///< points further from the cylinder are not reached
-  double cone_mm_;    ///< nor are points further from the cone
-  double whole_mm_;   ///< nor are points further from the bit
+  double way_mm_;  ///< of the tip, and its parts across the axis and back along it, at most
+  double across_mm_;
+  double back_mm_;
+  double angle_;  ///< of the turn, at most
 };
 
 }  // namespace spinaltap::detail

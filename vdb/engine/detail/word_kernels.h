@@ -7,8 +7,7 @@
 
 namespace spinaltap::detail {
 
-/// A tool in float, as leaves of voxels are looked at: bounds as ToolBounds has them, and how near a voxel's lower
-/// bound must be for the tool to have reached it on its way.
+/// A tool in float, as leaves of voxels are looked at: bounds as ToolBounds has them.
 struct WordTool {
   struct Piece {
     float begin, end;
@@ -18,8 +17,7 @@ struct WordTool {
   std::array<Piece, 3> pieces;
   std::size_t piece_count;
   float radius, cone_offset, cone_slope;
-  float across, cone, whole;  ///< of reach
-  float spare;                ///< what rounding may hide, mm
+  float spare;  ///< what rounding may hide, mm
 };
 
 /// How a word's voxels lie to its first, seen from the tool: two directions across its axis, and back along it; mm. The
@@ -45,7 +43,8 @@ struct WordResult {
 
 struct LeafArguments {
   const WordTool* tool;
-  LeafPlace begin, end;  ///< of the tool's way
+  LeafPlace begin, end;        ///< of the tool's way
+  float cylinder, cone, body;  ///< how near a voxel's lower bounds must be, see SweptBounds::Reach
   const std::uint64_t* words;
   unsigned due;  ///< bit x: look at word x
 };

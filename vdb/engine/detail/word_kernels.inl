@@ -97,13 +97,13 @@ void look(const LeafArguments& leaf, WordResult* words) {
       const Floats cone = (at.off - tool.cone_offset) - tool.cone_slope * at.back;
       const Ints lives = (lane_bit & row) != 0;
       const Ints inside = lives & (at.deep <= -tool.spare);
-      Ints unsure = lives & ~inside & (cylinder <= tool.across) & (cone <= tool.cone) & (at.body <= tool.whole);
+      Ints unsure = lives & ~inside & (cylinder <= leaf.cylinder) & (cone <= leaf.cone) & (at.body <= leaf.body);
       const std::uint64_t inside_row = SPINALTAP_BITS(inside);
       std::uint64_t unsure_row = SPINALTAP_BITS(unsure);
       if (unsure_row != 0) {
         // A bound does not fall faster than the tool moves: half of what both ends leave of the way is left between.
         const Bounds before = bounds_at(tool, leaf.begin, x, bit);
-        unsure &= at.body + before.body <= tool.whole;
+        unsure &= at.body + before.body <= leaf.body;
         unsure_row = SPINALTAP_BITS(unsure);
       }
       const Ints other = lives & ~inside & ~unsure;

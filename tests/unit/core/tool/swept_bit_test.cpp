@@ -48,7 +48,7 @@ Vec3 point_on_the_edge(const BitProfile& bit, const Pose& from, const Pose& to, 
     const Vec3 between = 0.5 * (outside + inside);
     (test::min_distance_mm(bit, from, to, between, 1e-3) < 0.0 ? inside : outside) = between;
   }
-  return outside + beside_mm * std::pow(10.0, draw(-1.7, 1.3)) * draw.direction();
+  return outside + beside_mm * std::pow(10.0, draw(-1.0, 1.3)) * draw.direction();
 }
 
 /// Compares the swept bit with a dense walk at points by the way. `turn`: how far the axis turns at most.

@@ -368,6 +368,47 @@ TEST(VoxelEngine, MillsTheExactVolume) {
   EXPECT_NEAR(on_mm3, std::numbers::pi * 1.5 * 1.5 * 1.2, 0.002 * on_mm3);
 }
 
+TEST(VoxelEngine, MillsTheVolumeOfABallASlotAndACurvedHole) {
+  constexpr double kRadiusMm = 1.5, kBendMm = 2.2;
+  const BoneModel bone = block(4.5);
+  const DrillBit ball{2.0 * kRadiusMm, 10.0, 1.0, BitShape::round_burr, 0.0, 0.0};
+  const auto milled_mm3 = [&](std::span<const Pose> poses) {
+    VoxelBone voxels(bone);
+    const auto engine = make_voxel_engine(voxels, ball, {});
+    double sum = 0.0;
+    for (const Pose& pose : poses) sum += engine->step(pose).removed_mm3;
+    return sum;
+  };
+  const auto around = [](const Vec3& centre_mm, const Vec3& axis) {
+    return Pose{kMiddleMm + centre_mm + kRadiusMm * axis, axis};
+  };
+  const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(kRadiusMm, 3);
+  const double section_mm2 = std::numbers::pi * kRadiusMm * kRadiusMm;
+  const Vec3 axis = Vec3(0.2, -0.3, -1.0).normalized();
+
+  const std::array<Pose, 1> stands{around(Vec3::Zero(), axis)};
+  EXPECT_NEAR(milled_mm3(stands), ball_mm3, 0.002 * ball_mm3);
+
+  // A slot across the tool's axis, in steps.
+  const Vec3 aside = axis.cross(Vec3(0.3, 1.0, 0.2)).normalized();
+  std::vector<Pose> slot;
+  for (int n = 0; n <= 60; ++n) slot.push_back(around((-1.5 + 0.05 * n) * aside, axis));
+  const double slot_mm3 = ball_mm3 + 3.0 * section_mm2;
+  EXPECT_NEAR(milled_mm3(slot), slot_mm3, 0.002 * slot_mm3);
+
+  // A hole along a circle, 150 degrees of it, the tool turning with its way: as long as its middle line (Pappus).
+  const Vec3 up = axis.cross(aside);
+  constexpr int kSteps = 150;
+  std::vector<Pose> curved;
+  for (int n = 0; n <= kSteps; ++n) {
+    const double angle = std::numbers::pi * (n - 0.5 * kSteps) / 180.0;
+    const Vec3 out = std::cos(angle) * up + std::sin(angle) * aside;
+    curved.push_back(around(kBendMm * out, (std::cos(angle) * aside - std::sin(angle) * up).normalized()));
+  }
+  const double curved_mm3 = ball_mm3 + section_mm2 * kBendMm * std::numbers::pi * kSteps / 180.0;
+  EXPECT_NEAR(milled_mm3(curved), curved_mm3, 0.002 * curved_mm3);
+}
+
 TEST(VoxelEngine, ChangesNothingOnPosesThatAreNone) {
   const BoneModel bone = test::bake_ball(kSmallBall);
   VoxelBone voxels(bone, {.voxel_mm = 0.3});

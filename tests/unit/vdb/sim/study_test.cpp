@@ -63,6 +63,37 @@ TEST(Study, HasEachRunOnceWhateverItsShardAndWhateverIsDoneAlready) {
   for (const auto& [run, text] : table.rows) EXPECT_EQ(text, whole[run]);
 }
 
+TEST(Study, DrillsVoxelsAsItDrillsPoints) {
+  const test::TemporaryFolder folder;
+  StudySpec in_voxels = spec(folder.path());
+  in_voxels.engine = EngineKind::voxel;
+  in_voxels.volume.spacing_mm = 0.1;
+  StudySpec in_points = in_voxels;
+  in_points.engine = EngineKind::ring;
+  const Study study(in_voxels);
+  const std::vector<StudyRow> voxels = study.run(), points = Study(in_points).run();
+  ASSERT_EQ(voxels.size(), points.size());
+  double voxels_mm3 = 0.0, points_mm3 = 0.0;
+  for (std::size_t n = 0; n < voxels.size(); ++n) {
+    SCOPED_TRACE(n);
+    EXPECT_EQ(voxels[n][StudyColumn::min_clearance_outer_mm], points[n][StudyColumn::min_clearance_outer_mm]);
+    EXPECT_EQ(voxels[n][StudyColumn::depth_mm], points[n][StudyColumn::depth_mm]);
+    // Of each hole 1 % of its section is in how the lattice lies.
+    const double hole_mm3 = points[n][StudyColumn::removed_mm3];
+    EXPECT_NEAR(voxels[n][StudyColumn::removed_mm3], hole_mm3, 0.02 * hole_mm3);
+    EXPECT_NEAR(voxels[n][StudyColumn::max_thrust_n], points[n][StudyColumn::max_thrust_n],
+                0.15 * points[n][StudyColumn::max_thrust_n]);
+    voxels_mm3 += voxels[n][StudyColumn::removed_mm3];
+    points_mm3 += hole_mm3;
+  }
+  EXPECT_NEAR(voxels_mm3, points_mm3, 0.005 * points_mm3);
+  // Each run finds the whole bone, whatever was drilled before it, and another study is another.
+  const std::vector<StudyRow> second = study.run({2, 3});
+  ASSERT_EQ(second.size(), 4U);
+  EXPECT_EQ(study_csv(second[0]), study_csv(voxels[1]));
+  EXPECT_NE(study.identity().study, Study(in_points).identity().study);
+}
+
 TEST(Study, RejectsShardsThatThereAreNotAndFoldersOfOtherStudies) {
   const test::TemporaryFolder folder;
   const Study study(spec(folder.path()));
