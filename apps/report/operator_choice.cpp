@@ -1,6 +1,7 @@
 #include "apps/report/operator_choice.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -101,6 +102,12 @@ void OperatorChoice::check(bool is_real_time) const {
     fail("expected two of --step, --feed and --rate: a step is a feed over a rate");
   }
   if (step_mm && is_real_time) fail("expected no --step with --real-time: --feed and --rate say how far a cycle goes");
+}
+
+EngineKind OperatorChoice::best_engine() const {
+  constexpr double kLeavesFromDeg = 20.0;
+  if (is_milling_file(name)) return EngineKind::voxel;
+  return std::abs(tilt_deg.value_or(0.0)) >= kLeavesFromDeg ? EngineKind::leaf : EngineKind::ring;
 }
 
 double OperatorChoice::tremor_or_default_mm() const { return tremor_mm.value_or(name == "tremor" ? kTremorMm : 0.0); }

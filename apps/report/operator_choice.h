@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/scalar_field.h"
+#include "core/engine/drill_engine.h"
 #include "core/session/operator/operator.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/drill_path.h"
@@ -39,6 +40,8 @@ struct OperatorChoice {
 
   /// Throws Error where options do not go together.
   void check(bool is_real_time) const;
+  /// The engine that drills its way fastest of those that may: docs/drilling-engine.md.
+  EngineKind best_engine() const;
   /// The operator, from `lead_in_mm` before the path's entry; `bone`: the distance to its surface, which a milling
   /// follows, asked here only. Throws Error on values out of range, where a file of poses or a milling cannot be read,
   /// and on a milling without a bone.

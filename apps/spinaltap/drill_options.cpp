@@ -76,9 +76,9 @@ void DrillOptions::add_to(CLI::App& app) {
                  "A surface that `fit` wrote: decides exactly which points are bone, in place of the grid; slower")
       ->type_name("FILE");
   app.add_option(
-         "--engine", setup.engine,
-         "Drilling engine: ring (default), leaf, arc, reference: the same result; or voxel: the whole bone's voxels, "
-         "--spacing apart, for any tool and way")
+         "--engine", engine,
+         "Drilling engine: ring, leaf, arc, reference: the same result; or voxel: the whole bone's voxels, --spacing "
+         "apart, for any tool and way. Default: ring; leaf from a --tilt of 20 degrees on; voxel for a milling")
       ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
   app.add_flag("--full-mesh", writes_full_mesh,
@@ -125,8 +125,8 @@ void DrillOptions::check() const {
   if (leaves_clearances && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
     fail("expected clearances with --stop-at-clearance and --stop-on-breach: leave --no-clearances away");
   }
-  if (setup.engine == EngineKind::voxel && (writes_points || writes_splats || !field.empty())) {
-    fail("expected an engine of points with --points, --splats and --rbf, found --engine voxel");
+  if (chosen_engine() == EngineKind::voxel && (writes_points || writes_splats || !field.empty())) {
+    fail("expected an engine of points with --points, --splats and --rbf, found voxels: a milling, or --engine voxel");
   }
   if (!record.empty() && !field.empty()) {
     fail("expected --record without --rbf: a record does not hold the fitted surface, so it could not be replayed");

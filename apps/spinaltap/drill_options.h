@@ -26,7 +26,8 @@ struct DrillOptions {
   bool writes_splats = false;
   bool leaves_clearances = false;
   double log_step_mm = 0.1;
-  SessionSetup setup;  ///< but for the path, the material and the bone's hash
+  SessionSetup setup;                ///< but for the path, the material, the engine and the bone's hash
+  std::optional<EngineKind> engine;  ///< none: the operator's best
   OperatorChoice tool_operator;
   std::filesystem::path record;  ///< empty: none
   bool may_replace_record = false;
@@ -42,6 +43,7 @@ struct DrillOptions {
 
   /// Throws Error where options do not go together.
   void check() const;
+  EngineKind chosen_engine() const { return engine.value_or(tool_operator.best_engine()); }
   /// How the threads are paced; nothing where drilling goes as fast as it goes.
   std::optional<RealTimeOptions> real_time(const OperatorPlan& tool_operator) const;
 };

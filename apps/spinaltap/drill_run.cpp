@@ -146,6 +146,7 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
     print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
     print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
   }
+  print_figure("engine", name_of(figures.setup.engine));
   for (const auto& [name, value] : figures.operator_words) print_figure("operator, " + name, value);
   print_figure("cycles", static_cast<double>(drilling.cycles), "", 0);
   print_figure("drilled for", drilling.session_s, "s", 3);
@@ -236,6 +237,7 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   SessionSetup setup = options.setup;
   setup.path = path;
   setup.has_clearances = !options.leaves_clearances;
+  setup.engine = options.chosen_engine();
   const BoneField whole(bone.model());
   OperatorPlan tool_operator =
       options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);

@@ -218,6 +218,14 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   EXPECT_THAT(report, Not(HasSubstr("Points in the cylinder")));
 }
 
+TEST_F(Drill, TakesTheFastestEngine) {
+  EXPECT_EQ(drill("")["engine"], "ring");
+  const Json leaf = drill("--tilt 20"), ring = drill("--tilt 20 --engine ring");
+  EXPECT_EQ(leaf["engine"], "leaf");
+  EXPECT_EQ(ring["engine"], "ring");
+  EXPECT_EQ(leaf["removed"], ring["removed"]);
+}
+
 TEST_F(Drill, MillsAPatchDownToAFloor) {
   // From a side that no axis goes along.
   const Vec3 into = Vec3(-1.0, 2.0, 2.0) / 3.0, aside = into.cross(Vec3::UnitX()).normalized();
@@ -236,7 +244,7 @@ TEST_F(Drill, MillsAPatchDownToAFloor) {
   write_plan({{"cap", top_mm - into, top_mm + 5.0 * into, {3.0, 20.0, 1.0, BitShape::round_burr, 0.0, 1.5}}},
              folder_->path() / "cap_plan.json");
   const test::ProgramRun run = test::run_program(
-      "drill bone.vdb cap_plan.json --engine voxel --spacing 0.1 --operator cap.json -o cap --json cap_out.json "
+      "drill bone.vdb cap_plan.json --spacing 0.1 --operator cap.json -o cap --json cap_out.json "
       "--full-mesh",
       folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
@@ -249,6 +257,7 @@ TEST_F(Drill, MillsAPatchDownToAFloor) {
   EXPECT_NEAR(figures["mesh"]["volume_mm3"].get<double>(), ball_mm3 - cap_mm3, 0.02 * cap_mm3);
   EXPECT_EQ(figures["mesh"]["pieces"], 1);
   EXPECT_EQ(figures["operator"]["milling"], "cap");
+  EXPECT_EQ(figures["engine"], "voxel");
 }
 
 TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
