@@ -26,7 +26,6 @@ constexpr double kFeedMmS = 1.0;
 constexpr double kRateHz = 1000.0;
 
 bool is_pose_file(std::string_view name) { return name.ends_with(".csv"); }
-bool is_milling_file(std::string_view name) { return name.ends_with(".json"); }
 
 /// "1.0", or "1,5:0.5": 1 mm/s, and 0.5 mm/s from 5 mm of depth on.
 std::vector<FeedStep> feed_steps(const std::string& text) {
@@ -66,7 +65,7 @@ void OperatorChoice::check(bool is_real_time) const {
     if (given) fail("expected no ", option, " with --operator ", name.empty() ? "on-path" : name, ": ", why);
   };
   const bool is_known = name.empty() || name == "on-path" || name == "off-path" || name == "tilted" ||
-                        name == "tremor" || name == "push" || is_pose_file(name) || is_milling_file(name);
+                        name == "tremor" || name == "push" || is_pose_file(name) || is_milling();
   if (!is_known) {
     fail(
         "expected --operator on-path, off-path, tilted, tremor, push or a file whose name ends in .csv (poses) or "
@@ -83,7 +82,7 @@ void OperatorChoice::check(bool is_real_time) const {
       reject(given, option, "its feed follows from the bone");
     }
   }
-  if (is_pose_file(name) || is_milling_file(name)) {
+  if (is_pose_file(name) || is_milling()) {
     for (const auto& [given, option] :
          {std::pair{!feed.empty(), "--feed"}, std::pair{step_mm.has_value(), "--step"},
           std::pair{offset_mm.has_value(), "--offset"}, std::pair{tilt_deg.has_value(), "--tilt"},
@@ -106,7 +105,7 @@ void OperatorChoice::check(bool is_real_time) const {
 
 EngineKind OperatorChoice::best_engine() const {
   constexpr double kLeavesFromDeg = 20.0;
-  if (is_milling_file(name)) return EngineKind::voxel;
+  if (is_milling()) return EngineKind::voxel;
   return std::abs(tilt_deg.value_or(0.0)) >= kLeavesFromDeg ? EngineKind::leaf : EngineKind::ring;
 }
 
@@ -178,10 +177,10 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
                                   const ScalarField* bone) const {
   check(is_real_time);
   OperatorPlan plan;
-  plan.words["kind"] = name.empty() ? "on-path" : is_milling_file(name) ? "milling" : name;
+  plan.words["kind"] = name.empty() ? "on-path" : is_milling() ? "milling" : name;
   if (is_pose_file(name)) {
     add_recorded_motion(plan);
-  } else if (is_milling_file(name)) {
+  } else if (is_milling()) {
     add_milling(path, bone, plan);
   } else {
     const GuideLine line{.lead_in_mm = lead_in_mm,

@@ -40,6 +40,8 @@ struct OperatorChoice {
 
   /// Throws Error where options do not go together.
   void check(bool is_real_time) const;
+  /// A milling takes away the walls that clearances are to.
+  bool is_milling() const { return name.ends_with(".json"); }
   /// The engine that drills its way fastest of those that may: docs/drilling-engine.md.
   EngineKind best_engine() const;
   /// The operator, from `lead_in_mm` before the path's entry; `bone`: the distance to its surface, which a milling

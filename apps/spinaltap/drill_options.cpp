@@ -125,6 +125,9 @@ void DrillOptions::check() const {
   if (leaves_clearances && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
     fail("expected clearances with --stop-at-clearance and --stop-on-breach: leave --no-clearances away");
   }
+  if (tool_operator.is_milling() && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
+    fail("expected no --stop-at-clearance and no --stop-on-breach with a milling: it takes the walls away");
+  }
   if (chosen_engine() == EngineKind::voxel && (writes_points || writes_splats || !field.empty())) {
     fail("expected an engine of points with --points, --splats and --rbf, found voxels: a milling, or --engine voxel");
   }

@@ -236,7 +236,7 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   options.check();
   SessionSetup setup = options.setup;
   setup.path = path;
-  setup.has_clearances = !options.leaves_clearances;
+  setup.has_clearances = !options.leaves_clearances && !options.tool_operator.is_milling();
   setup.engine = options.chosen_engine();
   const BoneField whole(bone.model());
   OperatorPlan tool_operator =

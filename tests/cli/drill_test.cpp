@@ -274,6 +274,7 @@ TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
   rejected("--operator none.csv", "none.csv");
   rejected("--operator none.json", "none.json");
   rejected("--operator plan.json", "milling");
+  rejected("--operator cap.json --stop-on-breach", "takes the walls away");
   rejected("--operator cap.json --feed 2", "the file says where");
   rejected("--operator none.csv --tremor 0.1", "the file says where");
   rejected("--step 0.01 --feed 1 --rate 100", "two of --step, --feed and --rate");

@@ -1,18 +1,22 @@
 #include "tests/gui/x_input.h"
 
+#include <QAbstractNativeEventFilter>
 #include <QApplication>
 #include <QElapsedTimer>
 #include <QEventLoop>
 #include <QThread>
 #include <QWidget>
 #include <QWindow>
+#include <optional>
 #include <stdexcept>
 
 // Last: X11 defines words such as None and Bool.
 #include <X11/XKBlib.h>
+#include <X11/Xatom.h>
 #include <X11/Xlib.h>
 #include <X11/extensions/XTest.h>
 #include <X11/keysym.h>
+#include <xcb/xcb.h>
 
 namespace spinaltap::test {
 
@@ -53,6 +57,56 @@ QString title_of(Display* display, Window window) {
   return title;
 }
 
+/// Notes when the program's own connection to the server has come to a mark, a property of one of its windows: events
+/// come in their order, so all that were made before are here then.
+class Mark final : public QAbstractNativeEventFilter {
+ public:
+  explicit Mark(Display* display) : display_(display), atom_(XInternAtom(display, "SPINALTAP_TEST_MARK", False)) {
+    qApp->installNativeEventFilter(this);
+  }
+  ~Mark() override {
+    if (qApp != nullptr) qApp->removeNativeEventFilter(this);
+  }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+
+  /// Waits for it, where the program has a window.
+  void pass() {
+    WId seen = 0;
+    for (const QWindow* window : QGuiApplication::topLevelWindows()) {
+      if (window->isVisible() && window->handle() != nullptr) seen = window->winId();
+    }
+    if (seen == 0) return;
+    is_passed_ = false;
+    const unsigned char nothing = 0;
+    XChangeProperty(display_, seen, atom_, XA_INTEGER, 8, PropModeReplace, &nothing, 1);
+    XSync(display_, False);
+    constexpr int kLongestMs = 2000;  // a window may close before it hears of it
+    wait_until([this, seen] { return is_passed_ || !has_window(seen); }, kLongestMs);
+  }
+
+  bool nativeEventFilter(const QByteArray& kind, void* message, long* /*result*/) override {
+    if (kind != "xcb_generic_event_t") return false;
+    const auto* event = static_cast<const xcb_generic_event_t*>(message);
+    constexpr unsigned kSentBit = 0x80;
+    if ((event->response_type & ~kSentBit) != XCB_PROPERTY_NOTIFY) return false;
+    is_passed_ |= static_cast<const xcb_property_notify_event_t*>(message)->atom == atom_;
+    return false;
+  }
+
+ private:
+  static bool has_window(WId id) {
+    for (const QWindow* window : QGuiApplication::topLevelWindows()) {
+      if (window->handle() != nullptr && window->winId() == id) return true;
+    }
+    return false;
+  }
+
+  Display* display_;
+  Atom atom_;
+  bool is_passed_ = false;
+};
+
 /// Windows come and go while they are looked at.
 int pass_over_errors(Display* /*display*/, XErrorEvent* /*error*/) { return 0; }
 
@@ -60,6 +114,7 @@ int pass_over_errors(Display* /*display*/, XErrorEvent* /*error*/) { return 0; }
 
 struct XInput::State {
   Display* display = nullptr;
+  std::optional<Mark> mark;
 
   /// Calls `visit(window, title)` for the windows of all programs that are seen, from the top down, until it returns
   /// true.
@@ -81,8 +136,11 @@ struct XInput::State {
 
   /// Until the window has all events that the server made of ours, also where the machine is busy.
   void sync() {
+    const auto before = XSetErrorHandler(pass_over_errors);
     XSync(display, False);
     QGuiApplication::sync();
+    mark->pass();
+    XSetErrorHandler(before);
     let_work(8);
   }
   /// Only with sync() is it sent: a key goes down and up in one message. Where a busy machine stood still in between,
@@ -100,9 +158,11 @@ XInput::XInput() : state_(new State) {
     delete state_;
     throw std::runtime_error("no X display: run the tests under xvfb-run");
   }
+  state_->mark.emplace(state_->display);
 }
 
 XInput::~XInput() {
+  state_->mark.reset();
   XCloseDisplay(state_->display);
   delete state_;
 }

@@ -12,34 +12,34 @@ namespace {
 
 constexpr double kNoSurface = std::numeric_limits<double>::quiet_NaN();
 /// How far from the outline's middle, along the way in, a surface may lie.
-constexpr double kReachMm = 60.0;
+constexpr double kMilledReachMm = 60.0;
 /// Between places of a line.
 constexpr double kSampleMm = 0.25;
 /// Of all lines; of all knots.
 constexpr std::size_t kMaxPlaces = 100'000, kMaxKnots = 4'000'000;
 /// What a column of the bone is looked through by: thinner walls are found where they are no thinner than this.
-constexpr double kLookMm = 0.2;
+constexpr double kColumnStepMm = 0.2;
 
-void check_range(double value, double low, double high, const char* what) {
+void check_milled_range(double value, double low, double high, const char* what) {
   if (!(value >= low && value <= high)) {
     fail("milling: expected ", what, " from ", low, " to ", high, " mm, found ", value);
   }
 }
 
 /// A place of a line, in the milling's frame: z along the way in.
-struct Place {
+struct MilledPlace {
   double x = 0.0, y = 0.0;
   double surface_mm = kNoSurface;  ///< its z
 };
-using Line = std::vector<Place>;
+using MilledLine = std::vector<MilledPlace>;
 
-std::vector<Eigen::Vector2d> flat(const std::vector<Vec3>& corners) {
+std::vector<Eigen::Vector2d> flattened(const std::vector<Vec3>& corners) {
   std::vector<Eigen::Vector2d> all;
   for (const Vec3& corner : corners) all.emplace_back(corner.x(), corner.y());
   return all;
 }
 
-void add_places(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Line& line) {
+void add_places(const Eigen::Vector2d& from, const Eigen::Vector2d& to, MilledLine& line) {
   const auto steps = static_cast<int>(std::ceil((to - from).norm() / kSampleMm));
   for (int n = 0; n <= steps; ++n) {
     const Eigen::Vector2d at = from + (to - from) * (steps > 0 ? static_cast<double>(n) / steps : 0.0);
@@ -52,14 +52,14 @@ void check_places(std::size_t count) {
 }
 
 /// Lines along x, `apart_mm` from one another at most, where they lie within the outline.
-std::vector<Line> raster_lines(const std::vector<Eigen::Vector2d>& outline, double apart_mm) {
+std::vector<MilledLine> raster_lines(const std::vector<Eigen::Vector2d>& outline, double apart_mm) {
   double low = outline[0].y(), high = low;
   for (const auto& corner : outline) {
     low = std::min(low, corner.y());
     high = std::max(high, corner.y());
   }
   const auto count = static_cast<int>(std::max(1.0, std::ceil((high - low) / apart_mm)));
-  std::vector<Line> lines;
+  std::vector<MilledLine> lines;
   std::size_t places = 0;
   for (int n = 0; n < count; ++n) {
     const double y = low + (high - low) * (n + 0.5) / count;
@@ -71,7 +71,7 @@ std::vector<Line> raster_lines(const std::vector<Eigen::Vector2d>& outline, doub
       crossings.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
     }
     std::sort(crossings.begin(), crossings.end());
-    Line line;
+    MilledLine line;
     for (std::size_t pair = 0; pair + 1 < crossings.size(); pair += 2) {
       add_places({crossings[pair], y}, {crossings[pair + 1], y}, line);
     }
@@ -81,8 +81,8 @@ std::vector<Line> raster_lines(const std::vector<Eigen::Vector2d>& outline, doub
   return lines;
 }
 
-Line contour_line(const std::vector<Eigen::Vector2d>& outline) {
-  Line line;
+MilledLine contour_line(const std::vector<Eigen::Vector2d>& outline) {
+  MilledLine line;
   for (std::size_t n = 0; n < outline.size(); ++n) {
     add_places(outline[n], outline[(n + 1) % outline.size()], line);
     check_places(line.size());
@@ -91,27 +91,27 @@ Line contour_line(const std::vector<Eigen::Vector2d>& outline) {
 }
 
 /// Finds where each place's column first meets the bone.
-void find_surface(const PathFrame& frame, const ScalarField& bone, Line& line) {
-  constexpr auto kLooks = static_cast<std::size_t>(2.0 * kReachMm / kLookMm) + 1;
+void find_surface_of(const PathFrame& frame, const ScalarField& bone, MilledLine& line) {
+  constexpr auto kLooks = static_cast<std::size_t>(2.0 * kMilledReachMm / kColumnStepMm) + 1;
   std::vector<Vec3> points(kLooks);
   std::vector<double> values(kLooks);
-  for (Place& place : line) {
+  for (MilledPlace& place : line) {
     for (std::size_t n = 0; n < kLooks; ++n) {
-      points[n] = frame.to_patient(Vec3(place.x, place.y, -kReachMm + kLookMm * static_cast<double>(n)));
+      points[n] = frame.to_patient(Vec3(place.x, place.y, -kMilledReachMm + kColumnStepMm * static_cast<double>(n)));
     }
     bone.evaluate(points, values, {});
     for (std::size_t n = 0; n < kLooks; ++n) {
       if (!(values[n] < 0.0)) continue;
       const double before = n > 0 ? values[n - 1] : 0.0;
       const double share = before > 0.0 ? before / (before - values[n]) : 1.0;
-      place.surface_mm = -kReachMm + kLookMm * (static_cast<double>(n) - 1.0 + share);
+      place.surface_mm = -kMilledReachMm + kColumnStepMm * (static_cast<double>(n) - 1.0 + share);
       break;
     }
   }
 }
 
 /// The outline's middle, the way in along z, and its longest extent along x.
-PathFrame frame_of(const Milling& milling) {
+PathFrame milling_frame(const Milling& milling) {
   const Vec3 middle_mm = std::accumulate(milling.outline_mm.begin(), milling.outline_mm.end(), Vec3(Vec3::Zero())) /
                          static_cast<double>(milling.outline_mm.size());
   return {middle_mm, milling.into};
@@ -148,10 +148,10 @@ Eigen::Vector2d longest_extent(const std::vector<Eigen::Vector2d>& outline) {
 /// Lays the tip's way, in the milling's frame.
 class MillingPlanner {
  public:
-  MillingPlanner(const Milling& milling, const ScalarField& bone) : milling_(milling), frame_(frame_of(milling)) {
+  MillingPlanner(const Milling& milling, const ScalarField& bone) : milling_(milling), frame_(milling_frame(milling)) {
     std::vector<Vec3> corners;
     for (const Vec3& corner : milling.outline_mm) corners.push_back(frame_.to_path(corner));
-    std::vector<Eigen::Vector2d> outline = flat(corners);
+    std::vector<Eigen::Vector2d> outline = flattened(corners);
     along_ = longest_extent(outline);
     for (Eigen::Vector2d& corner : outline) corner = turned(corner, 1.0);
     if (milling.way == Milling::Way::contour) {
@@ -159,14 +159,14 @@ class MillingPlanner {
     } else {
       lines_ = raster_lines(outline, milling.apart_mm);
     }
-    for (Line& line : lines_) {
-      for (Place& place : line) {
+    for (MilledLine& line : lines_) {
+      for (MilledPlace& place : line) {
         const Eigen::Vector2d at = turned({place.x, place.y}, -1.0);
         place.x = at.x();
         place.y = at.y();
       }
-      find_surface(frame_, bone, line);
-      for (const Place& place : line) {
+      find_surface_of(frame_, bone, line);
+      for (const MilledPlace& place : line) {
         if (std::isnan(place.surface_mm)) continue;
         highest_mm_ = std::min(highest_mm_, place.surface_mm);
       }
@@ -183,7 +183,7 @@ class MillingPlanner {
     }
     const auto layers = static_cast<int>(std::ceil(deep_mm / milling_.layer_mm - 1e-9));
     std::size_t places = 0;
-    for (const Line& line : lines_) places += line.size();
+    for (const MilledLine& line : lines_) places += line.size();
     if (places * static_cast<std::size_t>(layers) > kMaxKnots) {
       fail("milling: expected a smaller patch, or thicker layers: its lines are over 1 km");
     }
@@ -192,7 +192,7 @@ class MillingPlanner {
       for (std::size_t n = 0; n < lines_.size(); ++n) {
         // From the last layer's end back, and every other line the other way.
         const bool goes_back = layer % 2 == 0;
-        const Line& line = lines_[goes_back ? lines_.size() - 1 - n : n];
+        const MilledLine& line = lines_[goes_back ? lines_.size() - 1 - n : n];
         mill(line, layer_mm, (n + static_cast<std::size_t>(layer)) % 2 == 0);
       }
     }
@@ -207,9 +207,9 @@ class MillingPlanner {
     return {along_.x() * at.x() + way * along_.y() * at.y(), along_.x() * at.y() - way * along_.y() * at.x()};
   }
 
-  void mill(const Line& line, double layer_mm, bool backwards) {
+  void mill(const MilledLine& line, double layer_mm, bool backwards) {
     for (std::size_t n = 0; n < line.size(); ++n) {
-      const Place& place = line[backwards ? line.size() - 1 - n : n];
+      const MilledPlace& place = line[backwards ? line.size() - 1 - n : n];
       const bool follows = milling_.depth == Milling::Depth::below_surface;
       const double z_mm = (follows ? place.surface_mm : highest_mm_) + layer_mm;
       if (!(place.surface_mm <= z_mm)) continue;  // no bone, or none so high
@@ -258,7 +258,7 @@ class MillingPlanner {
   const Milling& milling_;
   PathFrame frame_;
   Eigen::Vector2d along_;
-  std::vector<Line> lines_;
+  std::vector<MilledLine> lines_;
   double highest_mm_ = std::numeric_limits<double>::infinity();  ///< bone of the patch: its least z
   std::vector<MillingMotion::Knot> knots_;
   Vec3 last_mm_ = Vec3::Zero();
@@ -281,7 +281,7 @@ void check_milling(const Milling& milling, const DrillBit& bit) {
   if (!(std::abs(milling.into.norm() - 1.0) < 1e-6)) fail("milling: expected a direction \"into\" of length 1");
   const double width_mm = 2.0 * bit.radius_mm();
   const bool follows = milling.depth == Milling::Depth::below_surface;
-  check_range(milling.depth_mm, follows ? 0.01 : -kReachMm, kReachMm, "a depth");
+  check_milled_range(milling.depth_mm, follows ? 0.01 : -kMilledReachMm, kMilledReachMm, "a depth");
   if (!(milling.layer_mm >= 0.01 && milling.layer_mm <= width_mm)) {
     fail("milling: expected layers of 0.01 mm up to the tool's width of ", width_mm, " mm, found ", milling.layer_mm);
   }
@@ -292,7 +292,7 @@ void check_milling(const Milling& milling, const DrillBit& bit) {
   for (const double mm_s : {milling.feed_mm_s, milling.travel_mm_s}) {
     if (!(mm_s >= 0.01 && mm_s <= 1000.0)) fail("milling: expected feeds from 0.01 to 1000 mm/s, found ", mm_s);
   }
-  check_range(milling.lift_mm, 0.1, 100.0, "a lift");
+  check_milled_range(milling.lift_mm, 0.1, 100.0, "a lift");
 }
 
 MillingMotion::MillingMotion(const Milling& milling, const DrillBit& bit, const ScalarField& bone,

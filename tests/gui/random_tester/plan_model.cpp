@@ -112,7 +112,10 @@ std::string PlanModel::follow(Effect effect, const Seen& stack) {
   const std::vector<DrillPath>& paths = stack.paths;
   const std::vector<DrillPath> before = plans_[static_cast<std::size_t>(now_)].value_or(paths);
   const auto differs = [&](const std::string& expected) {
-    return "expected " + expected + ", found " + words_of_plan(paths) + " after " + words_of_plan(before);
+    std::string steps;
+    for (const Seen& one : seen_) steps += " " + std::to_string(one.index);
+    return "expected " + expected + ", found " + words_of_plan(paths) + " after " + words_of_plan(before) +
+           " at step " + std::to_string(now_) + ", then" + steps + ", of " + std::to_string(stack.count);
   };
   const bool is_replaced = document.opened().get() != bone_ || (stack.count == 0 && plans_.size() > 1) ||
                            (stack.count == 0 && effect == Effect::replaces && !are_same(paths, before));
