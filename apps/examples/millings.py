@@ -31,10 +31,10 @@ def main(bone_file, folder):
         "laminectomy": dict(outline=patch(half - 4.0, 4.0 - half, 0.4 * height, -1.1 * height, roof),
                             depth="floor", depth_mm=0.25 * canal["depth_mm"], layer_mm=1.0, apart_mm=1.5),
         # The left inferior articular process.
-        "facet_removal": dict(outline=patch(half + 6.0, half - 6.0, -0.6 * height, -1.3 * height, roof),
+        "facet_removal": dict(outline=patch(half + 6.0, half - 4.0, -0.6 * height, -1.3 * height, roof),
                               depth="floor", depth_mm=2.0, layer_mm=0.8, apart_mm=1.2),
         # A millimetre and a half off the left lamina's back, a bed for a graft.
-        "decortication": dict(outline=patch(half - 1.0, 3.0, -0.1 * height, -0.6 * height, roof),
+        "decortication": dict(outline=patch(half + 1.0, 6.5, -0.1 * height, -0.6 * height, roof),
                               depth="below surface", depth_mm=1.5, layer_mm=0.5, apart_mm=1.0),
     }
     folder = pathlib.Path(folder)

@@ -155,7 +155,8 @@ StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::p
   if (stop.on_breach) add("Asked to stop", "on a breach", "");
   const bool has_voxels = setup.engine == EngineKind::voxel;
   add(has_voxels ? "Voxels" : "Points, spacing", text_of(setup.volume.spacing_mm), "mm");
-  add(has_voxels ? "Voxels, radius of the cylinder whose box they fill" : "Points, radius of the cylinder", readable_number(setup.volume.radius_mm, 2), "mm");
+  add(has_voxels ? "Voxels, radius of the cylinder whose box they fill" : "Points, radius of the cylinder",
+      readable_number(setup.volume.radius_mm, 2), "mm");
   for (const FactorDistribution& distribution : inputs.design.distributions)
     inputs.rows.push_back(row_of(distribution));
   add("Runs", std::to_string(identity.runs), "");

@@ -1,6 +1,6 @@
 #include "vdb/remaining/live_mesh.h"
 
-#include <algorithm>
+#include "core/session/operator/cutting_ways.h"
 
 namespace spinaltap {
 
@@ -22,29 +22,10 @@ void LiveMesh::take_bit(const DrillBit& bit, double max_jump_mm) {
 }
 
 void LiveMesh::update(std::span<const ToolInput> inputs) {
-  std::vector<Pose> way;
-  if (last_) way.push_back(*last_);
-  for (const ToolInput& input : inputs) {
-    const std::optional<Pose> sound = sound_pose(input.pose);
-    if (!sound) continue;
-    const Pose& pose = *sound;
-    if (!way.empty()) {
-      const Vec3 tip_way_mm = pose.tip_mm - way.back().tip_mm;
-      const Vec3 base_way_mm = tip_way_mm - bit_.length_mm * (pose.axis - way.back().axis);
-      const bool is_jump = std::max(tip_way_mm.norm(), base_way_mm.norm()) > longest_jump_mm_;
-      if (is_jump || !input.spindle_on) drill(way);
-    }
-    if (input.spindle_on) way.push_back(pose);
+  for (const std::vector<Pose>& way : cutting_ways(inputs, bit_, longest_jump_mm_, last_)) {
+    one_thread_.execute([&] { bone_->drill(bit_, way); });
   }
-  last_ = way.empty() ? std::nullopt : std::optional(way.back());
-  drill(way);
   mesh();
-}
-
-void LiveMesh::drill(std::vector<Pose>& way) {
-  if (way.empty()) return;
-  one_thread_.execute([&] { bone_->drill(bit_, way); });
-  way.clear();
 }
 
 void LiveMesh::mesh() {

@@ -44,7 +44,6 @@ class LiveMesh {
   const RemainingSurface& surface() const { return *surface_; }
 
  private:
-  void drill(std::vector<Pose>& way);
   void mesh();
 
   DrillBit bit_;

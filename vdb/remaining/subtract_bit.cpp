@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
+#include "vdb/remaining/detail/bit_sweep.h"
 #include "vdb/remaining/swept_along.h"
 
 namespace spinaltap {
@@ -128,19 +131,99 @@ class SweptBits {
   std::vector<Stretch> stretches_;  ///< the whole first
 };
 
+/// The bone's hole, or an empty one.
+openvdb::FloatGrid::Ptr hole_of_bone(const detail::BoneGrids& bone) {
+  if (bone.hole) return bone.hole->deepCopy();
+  const openvdb::FloatGrid& before = *(bone.before ? bone.before : bone.sdf);
+  openvdb::FloatGrid::Ptr hole = openvdb::FloatGrid::create(before.background());
+  hole->setTransform(before.transform().copy());
+  hole->setGridClass(openvdb::GRID_LEVEL_SET);
+  hole->setName("hole");
+  return hole;
+}
+
+/// The bone with a hole that was widened in the leaves that `changed`.
+BoneModel with_hole(const BoneModel& bone, const openvdb::FloatGrid::Ptr& hole, const std::vector<Coord>& changed) {
+  const auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
+  const openvdb::FloatGrid::Ptr sdf = bone.grids().sdf->deepCopy();
+  change_leaves(*sdf, changed, [&](const Coord&) {
+    return [hole_values = hole->getConstAccessor()](float value, const Coord& voxel) {
+      return std::max(value, -hole_values.getValue(voxel));
+    };
+  });
+  grids->before = bone.grids().before ? bone.grids().before : bone.grids().sdf;
+  grids->hole = hole;
+  grids->sdf = sdf;
+  return BoneModel(grids);
+}
+
+/// Which sweeps come near a leaf.
+struct LeafSweeps {
+  Coord origin;
+  std::vector<std::size_t> sweeps;
+};
+
+std::vector<LeafSweeps> sweeps_by_leaf(const openvdb::FloatGrid& before, const BoneModel& bone,
+                                       std::span<const detail::BitSweep> sweeps) {
+  std::map<Coord, std::vector<std::size_t>> found;
+  const Box3 bone_mm = bone.bounds_mm();
+  for (std::size_t n = 0; n < sweeps.size(); ++n) {
+    const Box3 box_mm = sweeps[n].bounds_mm(bone.band_mm()).intersection(bone_mm);
+    if (box_mm.isEmpty()) continue;
+    for (const Coord& origin : leaves_with_bone(before, index_box(bone, box_mm), [](const Coord&) { return true; })) {
+      found[origin].push_back(n);
+    }
+  }
+  std::vector<LeafSweeps> leaves;
+  for (auto& [origin, near] : found) leaves.push_back({origin, std::move(near)});
+  return leaves;
+}
+
+/// Lessens a leaf's distances to the hole by what sweeps took.
+class LeafHole {
+ public:
+  explicit LeafHole(const openvdb::FloatGrid& hole)
+      : hole_(hole), band_mm_(static_cast<double>(hole.background())), reach_mm_(leaf_reach_mm(hole)) {}
+
+  std::array<float, Leaf::SIZE> widened(const LeafSweeps& near, std::span<const detail::BitSweep> sweeps) const {
+    std::array<float, Leaf::SIZE> values;
+    std::array<Vec3, Leaf::SIZE> places_mm;
+    const auto accessor = hole_.getConstAccessor();
+    for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+      const Coord voxel = near.origin + Leaf::offsetToLocalCoord(offset);
+      values[offset] = accessor.getValue(voxel);
+      places_mm[offset] = detail::from_vdb(hole_.indexToWorld(voxel));
+    }
+    const Vec3 centre_mm = middle_mm(hole_, near.origin);
+    std::vector<double> changes_mm;
+    for (const std::size_t number : near.sweeps) {
+      const detail::BitSweep& sweep = sweeps[number];
+      const auto highest_mm = static_cast<double>(*std::max_element(values.begin(), values.end()));
+      if (highest_mm <= -band_mm_) break;
+      const double change_mm = sweep.changes_from_middle_mm(centre_mm, reach_mm_, band_mm_, changes_mm);
+      if (sweep.middle_distance_mm(centre_mm) - reach_mm_ - change_mm >= highest_mm) continue;
+      for (std::size_t offset = 0; offset < values.size(); ++offset) {
+        const auto before_mm = static_cast<double>(values[offset]);
+        if (before_mm <= -band_mm_) continue;
+        const double at_middle_mm = sweep.middle_distance_mm(places_mm[offset]);
+        if (at_middle_mm - change_mm >= before_mm) continue;
+        const double now_mm = sweep.nearest_below(places_mm[offset], before_mm, at_middle_mm, changes_mm).distance_mm;
+        values[offset] = std::min(values[offset], static_cast<float>(now_mm));
+      }
+    }
+    return values;
+  }
+
+ private:
+  const openvdb::FloatGrid& hole_;
+  double band_mm_, reach_mm_;
+};
+
 /// The hole with what bits took more, near the bone as it was before; leaves that changed go to `changed`.
 openvdb::FloatGrid::Ptr widened_hole(const detail::BoneGrids& bone, const CoordBBox& box, const SweptBits& bits,
                                      std::vector<Coord>& changed) {
   const openvdb::FloatGrid& before = *(bone.before ? bone.before : bone.sdf);
-  openvdb::FloatGrid::Ptr hole;
-  if (bone.hole) {
-    hole = bone.hole->deepCopy();
-  } else {
-    hole = openvdb::FloatGrid::create(before.background());
-    hole->setTransform(before.transform().copy());
-    hole->setGridClass(openvdb::GRID_LEVEL_SET);
-    hole->setName("hole");
-  }
+  openvdb::FloatGrid::Ptr hole = hole_of_bone(bone);
   const double reach_mm = leaf_reach_mm(before);
   const double band_mm = static_cast<double>(before.background());
   const double wanted_mm = band_mm + reach_mm;
@@ -194,20 +277,42 @@ BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<con
     reaching.push_back(&bit_way);
   }
   if (reaching.empty()) return bone;
-  const auto grids = std::make_shared<detail::BoneGrids>(bone.grids());
   std::vector<Coord> changed;
   const openvdb::FloatGrid::Ptr hole =
       widened_hole(bone.grids(), index_box(bone, box_mm), SweptBits(std::move(reaching)), changed);
-  const openvdb::FloatGrid::Ptr sdf = bone.grids().sdf->deepCopy();
-  change_leaves(*sdf, changed, [&](const Coord&) {
-    return [hole_values = hole->getConstAccessor()](float value, const Coord& voxel) {
-      return std::max(value, -hole_values.getValue(voxel));
-    };
+  return with_hole(bone, hole, changed);
+}
+
+BoneModel subtract_motion(const BoneModel& bone, const DrillBit& bit, std::span<const std::vector<Pose>> ways) {
+  constexpr double kToleranceVoxels = 0.01, kLongestVoxels = 8.0;
+  check_bit(bit);
+  const BitProfile profile(bit);
+  std::vector<detail::BitSweep> sweeps;
+  for (const std::vector<Pose>& way : ways) {
+    if (way.empty()) continue;
+    std::vector<detail::BitSweep> cut =
+        detail::cut_into_sweeps(profile, way, kToleranceVoxels * bone.voxel_mm(), kLongestVoxels * bone.voxel_mm());
+    std::move(cut.begin(), cut.end(), std::back_inserter(sweeps));
+  }
+  const detail::BoneGrids& grids = bone.grids();
+  const std::vector<LeafSweeps> leaves = sweeps_by_leaf(*(grids.before ? grids.before : grids.sdf), bone, sweeps);
+  if (leaves.empty()) return bone;
+  const openvdb::FloatGrid::Ptr hole = hole_of_bone(grids);
+  std::vector<std::array<float, Leaf::SIZE>> values(leaves.size());
+  const LeafHole leaf_hole(*hole);
+  tbb::parallel_for(std::size_t{0}, leaves.size(),
+                    [&](std::size_t n) { values[n] = leaf_hole.widened(leaves[n], sweeps); });
+  std::vector<Coord> changed;
+  std::map<Coord, std::size_t> places;
+  for (std::size_t n = 0; n < leaves.size(); ++n) {
+    changed.push_back(leaves[n].origin);
+    places[leaves[n].origin] = n;
+  }
+  change_leaves(*hole, changed, [&](const Coord& origin) {
+    const auto& its = values[places.at(origin)];
+    return [&its](float /*value*/, const Coord& voxel) { return its[Leaf::coordToOffset(voxel)]; };
   });
-  grids->before = bone.grids().before ? bone.grids().before : bone.grids().sdf;
-  grids->hole = hole;
-  grids->sdf = sdf;
-  return BoneModel(grids);
+  return with_hole(bone, hole, changed);
 }
 
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& start, const Pose& end) {

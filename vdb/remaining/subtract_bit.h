@@ -16,4 +16,8 @@ BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, const Pose& s
 /// The same for many ways, in one go over the bone.
 BoneModel subtract_bit(const BoneModel& bone, const DrillBit& bit, std::span<const BitWay> ways);
 
+/// The bone without what a bit took on its ways through poses (patient LPS, mm), straight from each pose to the next as
+/// seen from the bit, in any direction; as cutting_ways() gives them. To a hundredth of a voxel.
+BoneModel subtract_motion(const BoneModel& bone, const DrillBit& bit, std::span<const std::vector<Pose>> ways);
+
 }  // namespace spinaltap

@@ -6,8 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "core/session/operator/cutting_ways.h"
 #include "core/session/real_time/timing.h"
 #include "vdb/grid/bone_model.h"
+#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -155,8 +157,16 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
   }
   progress.report("cutting the hole", 0.0);
   drilling.before = without_holes(std::move(drilling.before), setup.holes);
-  const DrilledHole hole = hole_of(inputs.inputs(), setup);
-  drilling.drilled = without_holes(drilling.before, {&hole, 1});
+  if (built.bone.voxels) {
+    // Any way, of which the ways along the tool's own axis that a hole is kept as would be a poor likeness.
+    std::optional<Pose> from_nowhere;
+    drilling.drilled =
+        subtract_motion(drilling.before, setup.path.bit,
+                        cutting_ways(inputs.inputs(), setup.path.bit, setup.options.max_jump_mm, from_nowhere));
+  } else {
+    const DrilledHole hole = hole_of(inputs.inputs(), setup);
+    drilling.drilled = without_holes(drilling.before, {&hole, 1});
+  }
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.bone.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());

@@ -102,8 +102,7 @@ void find_surface_of(const PathFrame& frame, const ScalarField& bone, MilledLine
     bone.evaluate(points, values, {});
     for (std::size_t n = 0; n < kLooks; ++n) {
       if (!(values[n] < 0.0)) continue;
-      const double before = n > 0 ? values[n - 1] : 0.0;
-      const double share = before > 0.0 ? before / (before - values[n]) : 1.0;
+      const double share = n > 0 ? values[n - 1] / (values[n - 1] - values[n]) : 1.0;
       place.surface_mm = -kMilledReachMm + kColumnStepMm * (static_cast<double>(n) - 1.0 + share);
       break;
     }

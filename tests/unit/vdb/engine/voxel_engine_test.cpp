@@ -379,7 +379,7 @@ TEST(VoxelEngine, MillsTheVolumeOfABallASlotAndACurvedHole) {
     for (const Pose& pose : poses) sum += engine->step(pose).removed_mm3;
     return sum;
   };
-  const auto around = [](const Vec3& centre_mm, const Vec3& axis) {
+  const auto around = [&](const Vec3& centre_mm, const Vec3& axis) {
     return Pose{kMiddleMm + centre_mm + kRadiusMm * axis, axis};
   };
   const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(kRadiusMm, 3);

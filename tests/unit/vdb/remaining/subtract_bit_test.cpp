@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -93,6 +95,51 @@ TEST(SubtractBit, TakesManyWaysAsOneAfterTheOther) {
     ASSERT_NEAR(test::distance_at(at_once, p), test::distance_at(one_by_one, p), 1e-5) << p.transpose();
   }
   EXPECT_LT(volume_mm3(at_once), volume_mm3(uncut_ball()) - 500.0);
+}
+
+TEST(SubtractMotion, TakesWhatAWayAlongTheAxisDoes) {
+  const Vec3 axis = Vec3(-0.7, 0.2, -0.4).normalized();
+  const Pose start{kLargeBall.centre_mm - 18.0 * axis, axis}, end{kLargeBall.centre_mm + 9.0 * axis, axis};
+  const std::vector<std::vector<Pose>> ways{{start, {kLargeBall.centre_mm, axis}, end}};
+  const BoneModel moved = subtract_motion(uncut_ball(), kBit, ways);
+  const BoneModel subtracted = subtract_bit(uncut_ball(), kBit, start, end);
+  for (std::uint64_t n = 0; n < 20'000; ++n) {
+    const Vec3 p = kLargeBall.centre_mm +
+                   16.0 * (2.0 * Vec3(random_uniform(1, n), random_uniform(2, n), random_uniform(3, n)) - Vec3::Ones());
+    const double distance_mm = test::distance_at(subtracted, p);
+    // Distances on the way are exact outside of the bit and near its surface: deep inside they may be less.
+    if (distance_mm > 0.5 * kCutVoxelMm) continue;
+    ASSERT_NEAR(test::distance_at(moved, p), distance_mm, 0.01 * kCutVoxelMm) << p.transpose();
+  }
+  EXPECT_NEAR(volume_mm3(moved), volume_mm3(subtracted), 1e-3 * (volume_mm3(uncut_ball()) - volume_mm3(subtracted)));
+}
+
+TEST(SubtractMotion, MillsASlotAndJumpsToAnother) {
+  // A ball on no shank that goes sideways, within the bone: what it takes is a capsule.
+  const DrillBit ball{4.0, 10.0, 1.0, BitShape::round_burr, 0.0, 0.0};
+  const Vec3 axis = Vec3(0.2, -0.3, -1.0).normalized(), aside = axis.cross(Vec3::UnitX()).normalized();
+  const auto at = [&](double aside_mm, double up_mm) {
+    const Vec3 middle_mm = kLargeBall.centre_mm + aside_mm * aside + up_mm * axis;
+    return Pose{middle_mm + 2.0 * axis, axis};
+  };
+  std::vector<Pose> slot;
+  for (int n = 0; n <= 100; ++n) slot.push_back(at(-4.0 + 0.05 * n, 0.0));
+  const std::vector<std::vector<Pose>> ways{slot, {at(5.0, 5.0)}};
+  const BoneModel milled = subtract_motion(uncut_ball(), ball, ways);
+  const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * 8.0;
+  const double expected_mm3 = 2.0 * ball_mm3 + std::numbers::pi * 4.0 * 5.0;
+  // Walls of 2 mm radius that lie voxel² / 4R too far in, all around, are worth half a per cent.
+  EXPECT_NEAR(volume_mm3(uncut_ball()) - volume_mm3(milled), expected_mm3, 0.01 * expected_mm3);
+  for (std::uint64_t n = 0; n < 20'000; ++n) {
+    const Vec3 p = kLargeBall.centre_mm +
+                   8.0 * (2.0 * Vec3(random_uniform(1, n), random_uniform(2, n), random_uniform(3, n)) - Vec3::Ones());
+    const Vec3 q = p - kLargeBall.centre_mm;
+    const double along_mm = std::clamp(q.dot(aside), -4.0, 1.0);
+    const double hole_mm = std::min((q - along_mm * aside).norm(), (q - 5.0 * aside - 5.0 * axis).norm()) - 2.0;
+    if (std::abs(hole_mm) > kCutVoxelMm) continue;
+    // Tri-linear values of a ball of 2 mm miss by voxel² / 4R.
+    ASSERT_NEAR(test::distance_at(milled, p), -hole_mm, 0.015) << p.transpose();
+  }
 }
 
 TEST(SubtractBit, MakesATunnelWhereItComesOutAgain) {

@@ -65,7 +65,8 @@ TEST(Milling, FollowsTheSurfaceToItsDepthAndLeavesNoMoreThanItsRidges) {
   const MillingMotion motion(milling, kBurr, bone, {.rate_hz = 200.0});
   const std::vector<Vec3> way = tips(motion);
   for (const Vec3& tip : way) {
-    ASSERT_GE(tip.z(), bone.height_mm(tip.x(), tip.y()) - milling.depth_mm - 0.01);
+    // From line to line, 1 mm, the tool goes straight: an eighth of the waves' curvature below them.
+    ASSERT_GE(tip.z(), bone.height_mm(tip.x(), tip.y()) - milling.depth_mm - 0.25 / 8.0 - 0.002);
     ASSERT_LE(std::abs(tip.x()), 6.0 + 1e-9);
     ASSERT_LE(std::abs(tip.y()), 4.0 + 1e-9);
   }
@@ -104,10 +105,13 @@ TEST(Milling, GoesDownToAFloorWhateverStandsOnIt) {
       ASSERT_FALSE(is_taken(way, {x, y, -0.6}));
     }
   }
-  // Where there is no bone as high, it does not go: the plain is milled in its own layers alone.
-  std::size_t high = 0;
-  for (const Vec3& tip : way) high += tip.z() < 9.0 && tip.z() > 2.0 && std::hypot(tip.x(), tip.y()) > 3.5;
-  EXPECT_LT(high, way.size() / 50) << "of " << way.size();
+  // Where there is no bone as high it goes up, down or over, and does not mill: the plain has its own layers alone.
+  for (std::size_t n = 1; n < way.size(); ++n) {
+    // It comes down to a lift above the layer, and goes on with care.
+    const double high_mm = 1.0 + milling.layer_mm + milling.lift_mm;
+    if (way[n].z() < high_mm || way[n].z() > 9.0 || std::hypot(way[n].x(), way[n].y()) < 3.5) continue;
+    ASSERT_GT((way[n] - way[n - 1]).norm(), 1.5 * milling.feed_mm_s / motion.rate_hz()) << way[n].transpose();
+  }
 }
 
 TEST(Milling, StaysWithinAnOutlineThatIsNotConvexAndOverGapsInTheBone) {
@@ -153,7 +157,8 @@ TEST(Milling, MovesAsFastAsItIsToldAndTrembles) {
   for (std::size_t n = 1; n < way.size(); ++n) {
     const double step_mm = (way[n] - way[n - 1]).norm();
     ASSERT_LE(step_mm, travel_mm * (1.0 + 1e-9));
-    if (std::max(way[n].z(), way[n - 1].z()) < 0.0) {
+    const bool is_lifted = way[n].z() > way[n - 1].z() + 1e-9;  // out of what is milled
+    if (!is_lifted && std::max(way[n].z(), way[n - 1].z()) < 0.0) {
       ASSERT_LE(step_mm, in_bone_mm * (1.0 + 1e-9)) << way[n].transpose();
     }
   }
