@@ -60,7 +60,7 @@ SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
   across_mm_ = std::sqrt(std::max(0.0, way_mm_ * way_mm_ - along_mm * along_mm));
   // Where a bit draws back, points were further back before, where a cone is wider.
   back_mm_ = std::max(0.0, along_mm);
-  angle_ = 1.6 * line_.turned;  // an angle is at most pi / 2 of its chord
+  angle_ = 2.0 * std::asin(std::min(1.0, 0.5 * line_.turned));
 }
 
 SweptBounds::Reach SweptBounds::reach_of_ball(const BitPlace& at, double radius_mm) const {
