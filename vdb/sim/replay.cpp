@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
+#include "core/session/operator/cutting_ways.h"
 #include "core/session/operator/straight_ways.h"
 #include "core/session/real_time/timing.h"
 #include "vdb/remaining/subtract_bit.h"
@@ -109,6 +110,7 @@ RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, c
       record_(record),
       bit_(setup.path.bit),
       longest_jump_mm_(setup.options.max_jump_mm),
+      has_voxels_(setup.engine == EngineKind::voxel),
       drilled_(bone_) {
   if (record.cycles.empty()) fail("the record holds no cycle: nothing was drilled yet");
 }
@@ -125,7 +127,12 @@ void RecordedHole::go_to(double time_s) {
   // The last pose that was drilled begins the way to the next.
   std::vector<ToolInput> inputs;
   for (std::size_t n = cycles_ - 1; n < wanted; ++n) inputs.push_back(input_of(record_.cycles[n]));
-  drilled_ = subtract_bit(drilled_, bit_, straight_ways(inputs, bit_, longest_jump_mm_));
+  if (has_voxels_) {
+    std::optional<Pose> from_nowhere;
+    drilled_ = subtract_motion(drilled_, bit_, cutting_ways(inputs, bit_, longest_jump_mm_, from_nowhere));
+  } else {
+    drilled_ = subtract_bit(drilled_, bit_, straight_ways(inputs, bit_, longest_jump_mm_));
+  }
   cycles_ = wanted;
 }
 

@@ -62,6 +62,7 @@ class RecordedHole {
   const SessionRecord& record_;
   DrillBit bit_;
   double longest_jump_mm_;
+  bool has_voxels_;
   BoneModel drilled_;
   std::size_t cycles_ = 1;  ///< that were drilled
 };

@@ -204,6 +204,35 @@ TEST(RecordedHole, BeginsWithTheHolesThatWereDrilledEarlier) {
   }
 }
 
+TEST(RecordedHole, OfVoxelsIsWhatTheToolSweptInAnyDirection) {
+  // A slot: down beside the ball's middle, and then sideways.
+  SessionSetup setup = recorded_setup_of_the_hole();
+  setup.engine = EngineKind::voxel;
+  SessionRecord record = record_of_a_straight_hole();
+  for (int n = 1; n <= 100; ++n) {
+    RecordedCycle cycle = record.cycles.back();
+    cycle.time_s += 0.01;
+    cycle.tip_mm.x() += 0.04;
+    record.cycles.push_back(cycle);
+  }
+  RecordedHole hole(undrilled_ball(), record, setup);
+  hole.go_to(99.0);
+  const Vec3 tip_mm = record.cycles.back().tip_mm;
+  const auto is_bone = [&](const Vec3& p) {
+    std::uint8_t is_left = 1;
+    hole.drilled().inside({&p, 1}, {&is_left, 1});
+    return is_left != 0;
+  };
+  const double radius_mm = kRecordedBit.radius_mm(), above_mm = kRecordedBit.tip_length_mm + 1.0;
+  for (double x = 0.0; x <= 4.0; x += 0.1) {
+    for (const auto& [aside, is_left] :
+         {std::pair(0.0, false), std::pair(radius_mm - 0.1, false), std::pair(radius_mm + 0.1, true)}) {
+      EXPECT_EQ(is_bone(tip_mm + Vec3(-x, aside, above_mm)), is_left) << x << " " << aside;
+    }
+  }
+  EXPECT_TRUE(is_bone(tip_mm + Vec3(radius_mm + 0.1, 0.0, above_mm)));
+}
+
 TEST(RecordedHole, NeedsACycle) {
   const SessionRecord none;
   EXPECT_THROW(RecordedHole(undrilled_ball(), none, recorded_setup_of_the_hole()), Error);
