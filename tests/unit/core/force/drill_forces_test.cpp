@@ -240,7 +240,7 @@ TEST(DrillForces, AllocateNothingAndTakeBadPosesAsNone) {
   Material bad;
   bad.chisel_mpa = nan;
   EXPECT_THROW(DrillForces({&volume, 1}, {}, bad), Error);
-  EXPECT_THROW(DrillForces({}, {}, {}), Error);
+  EXPECT_THROW(DrillForces(std::span<const PointVolume>(), {}, {}), Error);
 }
 
 TEST(DrillForces, StartAnewWhenReset) {
