@@ -175,6 +175,7 @@ std::vector<LeafSweeps> sweeps_by_leaf(const openvdb::FloatGrid& before, const B
     }
   }
   std::vector<LeafSweeps> leaves;
+  leaves.reserve(found.size());
   for (auto& [origin, near] : found) leaves.push_back({origin, std::move(near)});
   return leaves;
 }

@@ -35,6 +35,7 @@ using MilledLine = std::vector<MilledPlace>;
 
 std::vector<Eigen::Vector2d> flattened(const std::vector<Vec3>& corners) {
   std::vector<Eigen::Vector2d> all;
+  all.reserve(corners.size());
   for (const Vec3& corner : corners) all.emplace_back(corner.x(), corner.y());
   return all;
 }
