@@ -16,7 +16,7 @@ constexpr double kMilledReachMm = 60.0;
 /// Between places of a line.
 constexpr double kSampleMm = 0.25;
 /// Of all lines; of all knots.
-constexpr std::size_t kMaxPlaces = 100'000, kMaxKnots = 4'000'000;
+constexpr std::size_t kMaxPlaces = 40'000, kMaxKnots = 4'000'000;
 /// What a column of the bone is looked through by: thinner walls are found where they are no thinner than this.
 constexpr double kColumnStepMm = 0.2;
 
@@ -49,7 +49,7 @@ void add_places(const Eigen::Vector2d& from, const Eigen::Vector2d& to, MilledLi
 }
 
 void check_places(std::size_t count) {
-  if (count > kMaxPlaces) fail("milling: expected a smaller patch, or lines further apart: its lines are over 25 m");
+  if (count > kMaxPlaces) fail("milling: expected a smaller patch, or lines further apart: its lines are over 10 m");
 }
 
 /// Lines along x, `apart_mm` from one another at most, where they lie within the outline.
