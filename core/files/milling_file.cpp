@@ -1,5 +1,6 @@
 #include "core/files/milling_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -68,6 +69,10 @@ Milling read_milling(const std::filesystem::path& path) {
   }
   Milling milling;
   milling.name = object.text("name");
+  constexpr std::size_t kMaxName = 100;  // reports and records repeat it
+  const bool is_name = milling.name.size() <= kMaxName &&
+                       std::none_of(milling.name.begin(), milling.name.end(), [](unsigned char c) { return c < ' '; });
+  if (!is_name) fail("expected a name of at most 100 letters in ", path.string(), ", found ", in_quotes(milling.name));
   const Json& outline = object.at("outline");
   if (!outline.is_array()) fail("expected corners as \"outline\" in ", path.string());
   for (const Json& corner : outline) {

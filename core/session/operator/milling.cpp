@@ -110,14 +110,14 @@ void find_surface_of(const PathFrame& frame, const ScalarField& bone, MilledLine
   }
 }
 
-/// The outline's middle, the way in along z, and its longest extent along x.
+/// At the outline's middle, with the way in along z.
 PathFrame milling_frame(const Milling& milling) {
   const Vec3 middle_mm = std::accumulate(milling.outline_mm.begin(), milling.outline_mm.end(), Vec3(Vec3::Zero())) /
                          static_cast<double>(milling.outline_mm.size());
   return {middle_mm, milling.into};
 }
 
-/// How far the frame is turned about the way in, so that x is the longest extent: unit.
+/// The direction of the outline's longest extent: unit.
 Eigen::Vector2d longest_extent(const std::vector<Eigen::Vector2d>& outline) {
   // Of the outline's edges, which are even stretches of it, unlike its corners.
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();

@@ -227,6 +227,10 @@ TEST(Milling, FileKeepsAll) {
   EXPECT_EQ(read.depth_mm, milling.depth_mm);
   EXPECT_EQ(read.layer_mm, milling.layer_mm);
   EXPECT_EQ(read.travel_mm_s, milling.travel_mm_s);
+  // Names are repeated in terminals and reports.
+  milling.name = "steers\x1b[2Ja terminal";
+  write_milling(milling, folder.path() / "milling.json");
+  EXPECT_THROW(read_milling(folder.path() / "milling.json"), Error);
 }
 
 }  // namespace
