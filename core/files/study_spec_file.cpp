@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/files/data_files.h"
+#include "core/files/detail/session_json.h"
 #include "core/files/detail/study_json.h"
 #include "core/files/detail/tool_json.h"
 #include "core/files/material_file.h"
@@ -121,14 +122,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   spec.path = read_path_of(object, file);
   spec.material = read_material_of(object, file);
   if (object.has("volume")) read_volume(object.at("volume"), file, spec);
-  if (object.has("engine")) {
-    const auto kind = engine_kinds().find(object.text("engine"));
-    if (kind == engine_kinds().end()) {
-      fail("expected an engine such as \"ring\" or \"voxel\" for \"engine\" in ", file.string(), ", found ",
-           in_quotes(object.text("engine")));
-    }
-    spec.engine = kind->second;
-  }
+  if (object.has("engine")) spec.engine = read_engine(object, file);
   spec.options.spindle.rpm = object.number_or("spindle_rpm", spec.options.spindle.rpm);
   if (!(spec.options.spindle.rpm > 0.0)) {
     fail("expected a number above 0 for \"spindle_rpm\" in ", file.string(), ", found ", spec.options.spindle.rpm);

@@ -105,6 +105,21 @@ std::vector<Pose> milling(const Vec3& start_mm, double step_mm, double tilt, std
   return poses;
 }
 
+/// How long `step` took at each pose, us.
+template <class Step>
+std::vector<double> step_times_us(const std::vector<Pose>& poses, const Step& step) {
+  std::vector<double> times_us;
+  times_us.reserve(poses.size());
+  auto before = std::chrono::steady_clock::now();
+  for (const Pose& pose : poses) {
+    step(pose);
+    const auto now = std::chrono::steady_clock::now();
+    times_us.push_back(1e-3 * static_cast<double>((now - before).count()));
+    before = now;
+  }
+  return times_us;
+}
+
 void mill(benchmark::State& state) {
   const double diameter_mm = static_cast<double>(state.range(0));
   const double step_mm = 1e-3 * static_cast<double>(state.range(1));
@@ -123,19 +138,14 @@ void mill(benchmark::State& state) {
     DrillForces forces(*living, burr, {});
     engine->step(poses.front());
     bytes = bone.memory_bytes() + engine->memory_bytes();
-    step_us.clear();
     removed = tested = 0;
     state.ResumeTiming();
-    auto before = std::chrono::steady_clock::now();
-    for (const Pose& pose : poses) {
+    step_us = step_times_us(poses, [&](const Pose& pose) {
       const StepResult result = engine->step(pose);
       if (has_forces) benchmark::DoNotOptimize(forces.update(result, pose, 1e-3, {.rpm = 60e3}));
-      const auto now = std::chrono::steady_clock::now();
-      step_us.push_back(1e-3 * static_cast<double>((now - before).count()));
-      before = now;
       removed += result.removed;
       tested += result.tested;
-    }
+    });
   }
   std::ranges::sort(step_us);
   state.counters["steps_per_s"] =
@@ -181,16 +191,9 @@ void turn(benchmark::State& state) {
     VoxelBone bone(whole);
     const auto engine = make_voxel_engine(bone, burr, {}, {.shares_work = false});
     engine->step(poses.front());
-    step_us.clear();
     removed = 0;
     state.ResumeTiming();
-    auto before = std::chrono::steady_clock::now();
-    for (const Pose& pose : poses) {
-      removed += engine->step(pose).removed;
-      const auto now = std::chrono::steady_clock::now();
-      step_us.push_back(1e-3 * static_cast<double>((now - before).count()));
-      before = now;
-    }
+    step_us = step_times_us(poses, [&](const Pose& pose) { removed += engine->step(pose).removed; });
   }
   std::ranges::sort(step_us);
   state.counters["median_us"] = step_us[step_us.size() / 2];

@@ -244,7 +244,7 @@ class VoxelEngine final : public SweptEngine {
     words.radius = f(bounds_.radius_mm());
     words.cone_offset = f(bounds_.cone_offset_mm());
     words.cone_slope = f(bounds_.cone_slope());
-    // Float's rounding of places this far from the tip, with room.
+    // Float's rounding of places this far from the tip, and of how far a turn takes them, with room.
     const BitProfile& outline = tool.bit().profile();
     const double way_mm = (tool.bit().to().tip_mm - tool.bit().from().tip_mm).norm();
     const double far_mm =

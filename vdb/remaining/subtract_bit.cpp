@@ -157,26 +157,18 @@ BoneModel with_hole(const BoneModel& bone, const openvdb::FloatGrid::Ptr& hole, 
   return BoneModel(grids);
 }
 
-/// Which sweeps come near a leaf.
-struct LeafSweeps {
-  Coord origin;
-  std::vector<std::size_t> sweeps;
-};
-
-std::vector<LeafSweeps> sweeps_by_leaf(const openvdb::FloatGrid& before, const BoneModel& bone,
-                                       std::span<const detail::BitSweep> sweeps) {
-  std::map<Coord, std::vector<std::size_t>> found;
+/// Which sweeps come near a leaf of the bone, by the leaf's origin.
+std::map<Coord, std::vector<std::size_t>> sweeps_by_leaf(const openvdb::FloatGrid& before, const BoneModel& bone,
+                                                         std::span<const detail::BitSweep> sweeps) {
+  std::map<Coord, std::vector<std::size_t>> leaves;
   const Box3 bone_mm = bone.bounds_mm();
   for (std::size_t n = 0; n < sweeps.size(); ++n) {
     const Box3 box_mm = sweeps[n].bounds_mm(bone.band_mm()).intersection(bone_mm);
     if (box_mm.isEmpty()) continue;
     for (const Coord& origin : leaves_with_bone(before, index_box(bone, box_mm), [](const Coord&) { return true; })) {
-      found[origin].push_back(n);
+      leaves[origin].push_back(n);
     }
   }
-  std::vector<LeafSweeps> leaves;
-  leaves.reserve(found.size());
-  for (auto& [origin, near] : found) leaves.push_back({origin, std::move(near)});
   return leaves;
 }
 
@@ -186,18 +178,19 @@ class LeafHole {
   explicit LeafHole(const openvdb::FloatGrid& hole)
       : hole_(hole), band_mm_(static_cast<double>(hole.background())), reach_mm_(leaf_reach_mm(hole)) {}
 
-  std::array<float, Leaf::SIZE> widened(const LeafSweeps& near, std::span<const detail::BitSweep> sweeps) const {
+  std::array<float, Leaf::SIZE> widened(const Coord& origin, std::span<const std::size_t> near,
+                                        std::span<const detail::BitSweep> sweeps) const {
     std::array<float, Leaf::SIZE> values;
     std::array<Vec3, Leaf::SIZE> places_mm;
     const auto accessor = hole_.getConstAccessor();
     for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
-      const Coord voxel = near.origin + Leaf::offsetToLocalCoord(offset);
+      const Coord voxel = origin + Leaf::offsetToLocalCoord(offset);
       values[offset] = accessor.getValue(voxel);
       places_mm[offset] = detail::from_vdb(hole_.indexToWorld(voxel));
     }
-    const Vec3 centre_mm = middle_mm(hole_, near.origin);
+    const Vec3 centre_mm = middle_mm(hole_, origin);
     std::vector<double> changes_mm;
-    for (const std::size_t number : near.sweeps) {
+    for (const std::size_t number : near) {
       const detail::BitSweep& sweep = sweeps[number];
       const auto highest_mm = static_cast<double>(*std::max_element(values.begin(), values.end()));
       if (highest_mm <= -band_mm_) break;
@@ -296,22 +289,17 @@ BoneModel subtract_motion(const BoneModel& bone, const DrillBit& bit, std::span<
     std::move(cut.begin(), cut.end(), std::back_inserter(sweeps));
   }
   const detail::BoneGrids& grids = bone.grids();
-  const std::vector<LeafSweeps> leaves = sweeps_by_leaf(*(grids.before ? grids.before : grids.sdf), bone, sweeps);
+  const auto leaves = sweeps_by_leaf(*(grids.before ? grids.before : grids.sdf), bone, sweeps);
   if (leaves.empty()) return bone;
-  const openvdb::FloatGrid::Ptr hole = hole_of_bone(grids);
-  std::vector<std::array<float, Leaf::SIZE>> values(leaves.size());
-  const LeafHole leaf_hole(*hole);
-  tbb::parallel_for(std::size_t{0}, leaves.size(),
-                    [&](std::size_t n) { values[n] = leaf_hole.widened(leaves[n], sweeps); });
   std::vector<Coord> changed;
-  std::map<Coord, std::size_t> places;
-  for (std::size_t n = 0; n < leaves.size(); ++n) {
-    changed.push_back(leaves[n].origin);
-    places[leaves[n].origin] = n;
-  }
+  changed.reserve(leaves.size());
+  for (const auto& [origin, near] : leaves) changed.push_back(origin);
+  const openvdb::FloatGrid::Ptr hole = hole_of_bone(grids);
+  const LeafHole leaf_hole(*hole);
   change_leaves(*hole, changed, [&](const Coord& origin) {
-    const auto& its = values[places.at(origin)];
-    return [&its](float /*value*/, const Coord& voxel) { return its[Leaf::coordToOffset(voxel)]; };
+    return [values = leaf_hole.widened(origin, leaves.at(origin), sweeps)](float /*value*/, const Coord& voxel) {
+      return values[Leaf::coordToOffset(voxel)];
+    };
   });
   return with_hole(bone, hole, changed);
 }

@@ -139,6 +139,15 @@ Json to_json(const SessionSetup& setup) {
   return json;
 }
 
+EngineKind read_engine(const JsonObject& object, const std::filesystem::path& file) {
+  const std::string engine = object.text("engine");
+  const auto kind = engine_kinds().find(engine);
+  if (kind == engine_kinds().end()) {
+    fail("expected the name of a drilling engine for \"engine\" in ", file.string(), ", found ", in_quotes(engine));
+  }
+  return kind->second;
+}
+
 SessionSetup read_session_setup(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
   SessionSetup setup;
@@ -150,12 +159,7 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   setup.fine_spacing_mm = fine.number("spacing_mm");
   setup.fine_near_mm = fine.number("near_mm");
   setup.fine_tip_mm = fine.number("tip_mm");
-  const std::string engine = object.text("engine");
-  const auto kind = engine_kinds().find(engine);
-  if (kind == engine_kinds().end()) {
-    fail("expected the name of a drilling engine for \"engine\" in ", file.string(), ", found ", in_quotes(engine));
-  }
-  setup.engine = kind->second;
+  setup.engine = read_engine(object, file);
   setup.options = read_options_part(part_of(object, "options", file), file);
   setup.has_clearances = flag(object, "has_clearances", file);
   if (object.has("holes")) {

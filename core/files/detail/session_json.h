@@ -10,4 +10,7 @@ Json to_json(const SessionSetup& setup);
 /// Throws Error that names the file and the key at fault.
 SessionSetup read_session_setup(const Json& json, const std::filesystem::path& file);
 
+/// The drilling engine under "engine". Throws Error likewise.
+EngineKind read_engine(const JsonObject& object, const std::filesystem::path& file);
+
 }  // namespace spinaltap

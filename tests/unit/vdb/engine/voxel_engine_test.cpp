@@ -349,16 +349,19 @@ TEST(VoxelEngine, IsTheSameWithAllInstructionsAndAtAnyNumberOfThreads) {
   }
 }
 
+/// What the tool takes of the whole bone.
+double volume_milled_mm3(const BoneModel& bone, const DrillBit& tool, std::span<const Pose> poses) {
+  VoxelBone voxels(bone);
+  const auto engine = make_voxel_engine(voxels, tool, {});
+  double sum = 0.0;
+  for (const Pose& pose : poses) sum += engine->step(pose).removed_mm3;
+  return sum;
+}
+
 TEST(VoxelEngine, MillsTheExactVolume) {
   const BoneModel bone = block(4.0);
   const DrillBit burr{3.0, 30.0, 1.5, BitShape::round_burr, 0.0, 1.0};
-  const auto milled_mm3 = [&](std::span<const Pose> poses) {
-    VoxelBone voxels(bone);
-    const auto engine = make_voxel_engine(voxels, burr, {});
-    double sum = 0.0;
-    for (const Pose& pose : poses) sum += engine->step(pose).removed_mm3;
-    return sum;
-  };
+  const auto milled_mm3 = [&](std::span<const Pose> poses) { return volume_milled_mm3(bone, burr, poses); };
   const Vec3 axis = Vec3(0.2, -0.3, -1.0).normalized();
   const auto at = [&](const Vec3& offset) { return Pose{kMiddleMm + offset + 1.5 * axis, axis}; };
   // From outside to the middle, then on: the front half of the ball moves on, which is worth a cylinder.
@@ -372,13 +375,7 @@ TEST(VoxelEngine, MillsTheVolumeOfABallASlotAndACurvedHole) {
   constexpr double kRadiusMm = 1.5, kBendMm = 2.2;
   const BoneModel bone = block(4.5);
   const DrillBit ball{2.0 * kRadiusMm, 10.0, 1.0, BitShape::round_burr, 0.0, 0.0};
-  const auto milled_mm3 = [&](std::span<const Pose> poses) {
-    VoxelBone voxels(bone);
-    const auto engine = make_voxel_engine(voxels, ball, {});
-    double sum = 0.0;
-    for (const Pose& pose : poses) sum += engine->step(pose).removed_mm3;
-    return sum;
-  };
+  const auto milled_mm3 = [&](std::span<const Pose> poses) { return volume_milled_mm3(bone, ball, poses); };
   const auto around = [&](const Vec3& centre_mm, const Vec3& axis) {
     return Pose{kMiddleMm + centre_mm + kRadiusMm * axis, axis};
   };
