@@ -90,7 +90,7 @@ class Painter {
   void show(const DrillBit& bit, const Pose& pose) { render_.bit = RenderedBit{bit, pose}; }
 
   std::string png(const BoneModel& bone, const Progress& progress) const {
-    if (camera_) return encode_png(view_picture(view_bone(bone, *camera_, {.removed = {}, .bit = render_.bit})));
+    if (camera_) return encode_png(view_picture(view_bone(bone, *camera_, render_.bit)));
     return encode_png(render_bone(bone, render_, progress));
   }
 

@@ -113,9 +113,7 @@ ToolFeedback DrillSession::feedback() const noexcept { return {cycle_.time_s, cy
 void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   Tracking& tracking = *tracking_;
   if (tracking.is_placed) {
-    const Vec3 way_mm = pose.tip_mm - tracking.pose.tip_mm;
-    const Vec3 base_way_mm = way_mm - tracking.bit.length_mm() * (pose.axis - tracking.pose.axis);
-    const double longest_mm = std::max(way_mm.norm(), base_way_mm.norm());
+    const double longest_mm = longest_way_mm(tracking.pose, pose, tracking.bit.length_mm());
     if (longest_mm > options_.max_jump_mm) {
       engine_->reset_motion();
       forces_.reset();

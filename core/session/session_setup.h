@@ -6,15 +6,9 @@
 #include "core/engine/drill_engine.h"
 #include "core/points/point_volume.h"
 #include "core/session/drill_session.h"
-#include "core/session/operator/straight_ways.h"
+#include "core/session/operator/drilled_hole.h"
 
 namespace spinaltap {
-
-/// A hole that is in the bone before a session begins.
-struct DrilledHole {
-  DrillBit bit;
-  std::vector<BitWay> ways;
-};
 
 /// All that decides what a session does, but the bone itself and the operator's poses. A record holds it as JSON
 /// (core/files/recorded_setup.h), and replay runs the session from it.

@@ -1,5 +1,6 @@
 #include "core/tool/drill_bit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -56,6 +57,12 @@ std::optional<Pose> sound_pose(const Pose& pose) noexcept {
   if (!pose.tip_mm.allFinite() || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
   // A unit axis stays what it is, to the last bit.
   return std::abs(length - 1.0) < 1e-9 ? pose : Pose{pose.tip_mm, pose.axis / length};
+}
+
+double longest_way_mm(const Pose& from, const Pose& to, double length_mm) noexcept {
+  const Vec3 tip_way_mm = to.tip_mm - from.tip_mm;
+  const Vec3 base_way_mm = tip_way_mm - length_mm * (to.axis - from.axis);
+  return std::max(tip_way_mm.norm(), base_way_mm.norm());
 }
 
 }  // namespace spinaltap

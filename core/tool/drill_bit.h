@@ -43,4 +43,8 @@ struct Pose {
 /// one within 0.01, which is more than floats round.
 std::optional<Pose> sound_pose(const Pose& pose) noexcept;
 
+/// How far a bit's tip moves from one pose to another, or its base, `length_mm` behind it, where that is more: what a
+/// longest jump is held against.
+double longest_way_mm(const Pose& from, const Pose& to, double length_mm) noexcept;
+
 }  // namespace spinaltap

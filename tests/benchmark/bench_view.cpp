@@ -12,7 +12,7 @@
 #include "core/tool/drill_path.h"
 #include "vdb/bake/bake.h"
 #include "vdb/picture/view.h"
-#include "vdb/remaining/swept_along.h"
+#include "vdb/remaining/hole_cutter.h"
 
 namespace spinaltap {
 namespace {
@@ -45,12 +45,12 @@ void view_frame(benchmark::State& state) {
   const auto width = static_cast<int>(state.range(0));
   const std::vector<ToolInput> drilled = inputs(state.range(2) == 1 ? WorkloadMotion::tremor : WorkloadMotion::on_path);
   const DrillBit bit = workload_path(3.0).bit;
-  const std::vector<BitBody> removed = swept_along(bit, straight_ways(drilled, bit, kLongestJumpMm));
-  ViewOptions options;
-  options.removed = removed;
+  HoleCutter cutter(bone());
+  cutter.take_bit(bit, kLongestJumpMm);
+  cutter.add(drilled);
   // Half out again, so that hole and bit are seen.
   const Pose& deepest = drilled.back().pose;
-  options.bit = RenderedBit{bit, {deepest.tip_mm - 30.0 * deepest.axis, deepest.axis}};
+  const RenderedBit shown_bit{bit, {deepest.tip_mm - 30.0 * deepest.axis, deepest.axis}};
   const Vec3 entry_mm = drilled.front().pose.tip_mm;
   const Vec3 target_mm = state.range(1) == 1 ? entry_mm : bone().bounds_mm().center();
   const double width_mm = state.range(1) == 1 ? kNearMm : bone().bounds_mm().diagonal().norm();
@@ -59,13 +59,34 @@ void view_frame(benchmark::State& state) {
                                 Vec3::UnitZ(), kFieldOfView, width, width * 3 / 4);
   std::size_t shown = 0;
   for (auto _ : state) {
-    const View view = view_bone(bone(), camera, options);
+    const View view = view_bone(cutter.hole(), camera, shown_bit);
     shown = 0;
     for (const std::uint8_t seen : view.mask) shown += seen != 0 ? 1U : 0U;
   }
-  state.counters["ways"] = static_cast<double>(removed.size());
   state.counters["shown"] = static_cast<double>(shown) / static_cast<double>(width * (width * 3 / 4));
 }
+/// What a frame in the middle of a drilling costs more: 40 cycles, cut out. Argument: 1: by hand.
+void cut_frame(benchmark::State& state) {
+  constexpr std::size_t kCyclesAFrame = 40;
+  const std::vector<ToolInput> drilled = inputs(state.range(0) == 1 ? WorkloadMotion::tremor : WorkloadMotion::on_path);
+  HoleCutter cutter(bone());
+  cutter.take_bit(workload_path(3.0).bit, 50.0);
+  std::size_t done = drilled.size() / 2;
+  cutter.add(std::span(drilled).first(done));
+  for (auto _ : state) {
+    cutter.add(std::span(drilled).subspan(done, kCyclesAFrame));
+    done += kCyclesAFrame;
+    benchmark::DoNotOptimize(cutter.hole().hole.get());
+  }
+}
+BENCHMARK(cut_frame)
+    ->ArgName("tremor")
+    ->Arg(0)
+    ->Arg(1)
+    ->Iterations(200)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime()
+    ->MeasureProcessCPUTime();
 BENCHMARK(view_frame)
     ->ArgNames({"width", "near", "tremor"})
     ->ArgsProduct({{320, 640}, {0, 1}, {0, 1}})

@@ -12,8 +12,8 @@
 #include "core/tool/drill_bit.h"
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/temporary_folder.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -33,9 +33,9 @@ class Diff : public testing::Test {
     const Vec3 down(0.0, 0.0, -1.0);
     const Pose start{kBall.centre_mm + Vec3(0.0, 0.0, 10.0), down};
     const Pose end{kBall.centre_mm, down};
-    write_bone(subtract_bit(bone, DrillBit{}, start, end), in("drilled.vdb"));
+    write_bone(test::without_hole(bone, DrillBit{}, start, end), in("drilled.vdb"));
     const Pose deeper{kBall.centre_mm + 1.0 * down, down};
-    write_bone(subtract_bit(bone, DrillBit{}, start, deeper), in("deeper.vdb"));
+    write_bone(test::without_hole(bone, DrillBit{}, start, deeper), in("deeper.vdb"));
   }
   std::filesystem::path in(const char* name) const { return folder_.path() / name; }
   ProgramRun diff(const std::string& arguments) const { return run_program("diff " + arguments, folder_.path()); }

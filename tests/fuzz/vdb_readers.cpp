@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "tests/fuzz/readers.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "vdb/bake/bake.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
@@ -18,7 +19,6 @@
 #include "vdb/engine/points_file.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/grid/spine_file.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap::test {
 namespace {
@@ -66,8 +66,8 @@ openvdb::GridPtrVec foreign_grids(const BoneModel& bone) {
 std::vector<Seed> bone_seeds() {
   initialize_openvdb();
   const BoneModel bone = ball_of(3.5, Level::kL1);
-  const BoneModel drilled = subtract_bit(bone, DrillBit{1.0, 10.0, 0.5}, {Vec3(1.5, -2.5, 8.0), -Vec3::UnitZ()},
-                                         {Vec3(1.5, -2.5, 3.0), -Vec3::UnitZ()});
+  const BoneModel drilled = test::without_hole(bone, DrillBit{1.0, 10.0, 0.5}, {Vec3(1.5, -2.5, 8.0), -Vec3::UnitZ()},
+                                               {Vec3(1.5, -2.5, 3.0), -Vec3::UnitZ()});
   const std::vector<SpineBone> bones{
       {Level::kT12, ball_of(9.0, Level::kT12), {{"small"}, 0.25, "{\"frame\": \"LPS\"}", ""}},
       {Level::kL1, bone, {{}, 0.0, "", "no canal"}}};

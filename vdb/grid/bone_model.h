@@ -81,7 +81,7 @@ class BoneModel {
   std::shared_ptr<const detail::BoneSamplers> samplers_;
 };
 
-/// Whether something was taken from the bone with subtract_bit(). Such a bone keeps what it was before and the hole
+/// Whether something was taken from the bone by HoleCutter. Such a bone keeps what it was before and the hole
 /// beside its `sdf`, as level sets of their own: surfaces that are made of both have a sharp rim.
 bool is_drilled(const BoneModel& bone);
 

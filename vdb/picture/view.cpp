@@ -32,13 +32,9 @@ Hit first_hit(BoneRay& ray, const std::optional<DrawnSolid>& bit, const Vec3& ey
   return {};
 }
 
-}  // namespace
-
-View view_bone(const BoneModel& bone, const Camera& camera, const ViewOptions& options) {
-  check_camera(camera);
-  const detail::DrawnBone drawn(bone, options.removed);
-  std::optional<DrawnSolid> bit;
-  if (options.bit) bit.emplace(options.bit->bit, options.bit->pose, Eigen::Array3d::Zero());
+View view_of(const detail::DrawnBone& drawn, const Camera& camera, const std::optional<RenderedBit>& bit) {
+  std::optional<DrawnSolid> drawn_bit;
+  if (bit) drawn_bit.emplace(bit->bit, bit->pose, Eigen::Array3d::Zero());
   View view;
   view.camera = camera;
   const std::size_t pixels = view.pixel(0, camera.height);
@@ -51,7 +47,7 @@ View view_bone(const BoneModel& bone, const Camera& camera, const ViewOptions& o
     BoneRay ray(drawn);
     for (int column = 0; column < camera.width; ++column) {
       const Vec3 direction = (camera.point_mm(column, row, 1.0) - eye_mm).normalized();
-      const Hit hit = first_hit(ray, bit, eye_mm, direction, is_in_bone);
+      const Hit hit = first_hit(ray, drawn_bit, eye_mm, direction, is_in_bone);
       if (hit.seen == Seen::nothing) continue;
       const std::size_t pixel = view.pixel(column, row);
       view.depth_mm[pixel] = static_cast<float>(hit.way_mm * direction.dot(camera.forward()));
@@ -62,6 +58,18 @@ View view_bone(const BoneModel& bone, const Camera& camera, const ViewOptions& o
     }
   });
   return view;
+}
+
+}  // namespace
+
+View view_bone(const BoneModel& bone, const Camera& camera, const std::optional<RenderedBit>& bit) {
+  check_camera(camera);
+  return view_of(detail::DrawnBone(bone), camera, bit);
+}
+
+View view_bone(const CutHole& bone, const Camera& camera, const std::optional<RenderedBit>& bit) {
+  check_camera(camera);
+  return view_of(detail::DrawnBone(bone.bone, bone.hole->hole), camera, bit);
 }
 
 }  // namespace spinaltap

@@ -1,6 +1,6 @@
 #include "vdb/remaining/live_mesh.h"
 
-#include "core/session/operator/cutting_ways.h"
+#include "core/session/operator/drilled_hole.h"
 
 namespace spinaltap {
 

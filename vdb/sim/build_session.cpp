@@ -1,6 +1,5 @@
 #include "vdb/sim/build_session.h"
 
-#include "vdb/remaining/subtract_bit.h"
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
@@ -26,12 +25,7 @@ ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options) {
 }
 
 DrilledHole hole_of(std::span<const ToolInput> inputs, const SessionSetup& setup) {
-  return {setup.path.bit, straight_ways(inputs, setup.path.bit, setup.options.max_jump_mm)};
-}
-
-BoneModel without_holes(BoneModel bone, std::span<const DrilledHole> holes) {
-  for (const DrilledHole& hole : holes) bone = subtract_bit(bone, hole.bit, hole.ways);
-  return bone;
+  return drilled_hole(inputs, setup.path.bit, setup.options.max_jump_mm);
 }
 
 }  // namespace spinaltap

@@ -27,7 +27,5 @@ BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Pr
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options);
 /// The hole that a session's inputs made.
 DrilledHole hole_of(std::span<const ToolInput> inputs, const SessionSetup& setup);
-/// The bone without holes.
-BoneModel without_holes(BoneModel bone, std::span<const DrilledHole> holes);
 
 }  // namespace spinaltap

@@ -14,10 +14,9 @@ namespace spinaltap {
 namespace {
 
 void drill_out(DrillEngine& engine, const DrilledHole& hole) {
-  for (const BitWay& way : hole.ways) {
+  for (const std::vector<Pose>& way : hole.ways) {
     engine.reset_motion();
-    engine.step(way.start);
-    engine.step(way.end);
+    for (const Pose& pose : way) engine.step(pose);
   }
 }
 

@@ -6,10 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "core/session/operator/cutting_ways.h"
 #include "core/session/real_time/timing.h"
 #include "vdb/grid/bone_model.h"
-#include "vdb/remaining/subtract_bit.h"
+#include "vdb/remaining/hole_cutter.h"
 
 namespace spinaltap {
 namespace {
@@ -156,17 +155,12 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
     drilling.max_torque_n_mm = std::max(drilling.max_torque_n_mm, row.torque_n_mm);
   }
   progress.report("cutting the hole", 0.0);
-  drilling.before = without_holes(std::move(drilling.before), setup.holes);
-  if (built.bone.voxels) {
-    // Any way, of which the ways along the tool's own axis that a hole is kept as would be a poor likeness.
-    std::optional<Pose> from_nowhere;
-    drilling.drilled =
-        subtract_motion(drilling.before, setup.path.bit,
-                        cutting_ways(inputs.inputs(), setup.path.bit, setup.options.max_jump_mm, from_nowhere));
-  } else {
-    const DrilledHole hole = hole_of(inputs.inputs(), setup);
-    drilling.drilled = without_holes(drilling.before, {&hole, 1});
-  }
+  HoleCutter cutter(drilling.before);
+  for (const DrilledHole& hole : setup.holes) cutter.add(hole);
+  drilling.before = cutter.bone();
+  cutter.take_bit(setup.path.bit, setup.options.max_jump_mm);
+  cutter.add(inputs.inputs());
+  drilling.drilled = cutter.bone();
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.bone.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());

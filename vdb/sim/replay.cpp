@@ -6,10 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
-#include "core/session/operator/cutting_ways.h"
-#include "core/session/operator/straight_ways.h"
 #include "core/session/real_time/timing.h"
-#include "vdb/remaining/subtract_bit.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
@@ -110,30 +107,30 @@ RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, c
       record_(record),
       bit_(setup.path.bit),
       longest_jump_mm_(setup.options.max_jump_mm),
-      has_voxels_(setup.engine == EngineKind::voxel),
-      drilled_(bone_) {
+      cutter_(bone_) {
   if (record.cycles.empty()) fail("the record holds no cycle: nothing was drilled yet");
+  begin();
+}
+
+void RecordedHole::begin() {
+  cutter_ = HoleCutter(bone_);
+  cutter_.take_bit(bit_, longest_jump_mm_);
+  cycles_ = 0;
+  add_to(1);
+}
+
+void RecordedHole::add_to(std::size_t cycles) {
+  std::vector<ToolInput> inputs;
+  for (; cycles_ < cycles; ++cycles_) inputs.push_back(input_of(record_.cycles[cycles_]));
+  cutter_.add(inputs);
 }
 
 void RecordedHole::go_to(double time_s) {
   const auto later = std::upper_bound(record_.cycles.begin(), record_.cycles.end(), time_s,
                                       [](double time, const RecordedCycle& row) { return time < row.time_s; });
   const auto wanted = std::max<std::size_t>(1, static_cast<std::size_t>(later - record_.cycles.begin()));
-  if (wanted < cycles_) {
-    drilled_ = bone_;
-    cycles_ = 1;
-  }
-  if (wanted == cycles_) return;
-  // The last pose that was drilled begins the way to the next.
-  std::vector<ToolInput> inputs;
-  for (std::size_t n = cycles_ - 1; n < wanted; ++n) inputs.push_back(input_of(record_.cycles[n]));
-  if (has_voxels_) {
-    std::optional<Pose> from_nowhere;
-    drilled_ = subtract_motion(drilled_, bit_, cutting_ways(inputs, bit_, longest_jump_mm_, from_nowhere));
-  } else {
-    drilled_ = subtract_bit(drilled_, bit_, straight_ways(inputs, bit_, longest_jump_mm_));
-  }
-  cycles_ = wanted;
+  if (wanted < cycles_) begin();
+  add_to(wanted);
 }
 
 Pose RecordedHole::pose() const {

@@ -11,6 +11,7 @@
 #include "core/session/record/session_record.h"
 #include "core/session/session_setup.h"
 #include "vdb/grid/bone_model.h"
+#include "vdb/remaining/hole_cutter.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
@@ -53,18 +54,20 @@ class RecordedHole {
   /// Drills on, or begins again, up to the last cycle that is not later than `time_s`.
   void go_to(double time_s);
   /// As it is at that moment.
-  const BoneModel& drilled() const { return drilled_; }
+  const BoneModel& drilled() { return cutter_.bone(); }
   /// Of the bit at that moment.
   Pose pose() const;
 
  private:
+  void begin();
+  void add_to(std::size_t cycles);
+
   BoneModel bone_;  ///< when the session began
   const SessionRecord& record_;
   DrillBit bit_;
   double longest_jump_mm_;
-  bool has_voxels_;
-  BoneModel drilled_;
-  std::size_t cycles_ = 1;  ///< that were drilled
+  HoleCutter cutter_;
+  std::size_t cycles_ = 0;  ///< that were drilled
 };
 
 }  // namespace spinaltap

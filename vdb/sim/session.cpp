@@ -9,18 +9,11 @@
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
 #include "vdb/picture/view.h"
+#include "vdb/remaining/hole_cutter.h"
 #include "vdb/remaining/live_mesh.h"
-#include "vdb/remaining/swept_along.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
-
-namespace {
-
-/// Other poses are rejected, and the bit stays where it was: as DrillSession has it.
-bool is_place(const Pose& pose) { return pose.tip_mm.allFinite() && std::abs(pose.axis.norm() - 1.0) <= 0.01; }
-
-}  // namespace
 
 struct Session::State {
   State(Bone its_bone, const SessionSetup& its_setup, const Progress& progress)
@@ -31,9 +24,8 @@ struct Session::State {
   BuiltSession built;
   std::vector<ToolInput> inputs;  ///< of this hole
   std::unique_ptr<RecordWriter> record;
-  std::optional<StraightWays> seen;  ///< of this hole, for views
-  std::size_t seen_inputs = 0;       ///< that `seen` has
-  std::optional<Pose> bit_pose;      ///< after these
+  std::optional<HoleCutter> cutter;  ///< for views and files
+  std::size_t cut = 0;               ///< of `inputs`, in the cutter
   std::optional<LiveMesh> live;
   std::size_t shown = 0;  ///< of `inputs`, in the live mesh
   struct LiveHole {
@@ -52,15 +44,23 @@ struct Session::State {
     }
     changes[update.block] = update;
   }
-  /// What this hole took, up to the last cycle, for views; each input is looked at once.
-  std::vector<BitWay> ways_so_far() {
-    if (!seen) seen.emplace(setup.path.bit, setup.options.max_jump_mm);
-    for (; seen_inputs < inputs.size(); ++seen_inputs) {
-      seen->add(inputs[seen_inputs]);
-      const Pose& pose = inputs[seen_inputs].pose;
-      if (is_place(pose)) bit_pose = Pose{pose.tip_mm, pose.axis.normalized()};
+  /// The bone without all that was drilled, up to the last cycle; each input is cut out once.
+  HoleCutter& drilled() {
+    if (!cutter) {
+      cutter.emplace(bone.model());
+      for (const DrilledHole& hole : setup.holes) cutter->add(hole);
+      cutter->take_bit(setup.path.bit, setup.options.max_jump_mm);
     }
-    return seen->ways();
+    cutter->add(std::span(inputs).subspan(cut));
+    cut = inputs.size();
+    return *cutter;
+  }
+  /// Where the bit is; nothing before the first sound pose.
+  std::optional<Pose> bit_pose() const {
+    for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
+      if (const std::optional<Pose> pose = sound_pose(input->pose)) return pose;
+    }
+    return std::nullopt;
   }
   /// Brings the live mesh up to the last cycle.
   void show() {
@@ -103,9 +103,8 @@ struct Session::State {
     built = std::move(fresh);
     inputs.clear();
     shown = 0;
-    seen.reset();
-    seen_inputs = 0;
-    bit_pose.reset();
+    cutter.reset();
+    cut = 0;
   }
   void note(const Cycle& cycle) {
     inputs.push_back(cutting_input(cycle, setup.options));
@@ -184,7 +183,13 @@ void Session::end_hole() {
   if (state.inputs.empty()) return;
   if (state.live) state.show();
   state.setup.holes.push_back(hole_of(state.inputs, state.setup));
+  if (state.cutter) state.drilled();
+  std::optional<HoleCutter> cutter = std::move(state.cutter);
   state.rebuild();
+  if (cutter) {
+    cutter->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
+    state.cutter = std::move(cutter);
+  }
   if (!state.live) return;
   state.live->end_hole();
   state.live->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
@@ -203,14 +208,9 @@ bool Session::undo() {
 
 View Session::view(const Camera& camera) {
   State& state = *state_;
-  std::vector<BitBody> removed = swept_along(state.setup.path.bit, state.ways_so_far());
-  for (const DrilledHole& hole : state.setup.holes) {
-    for (const BitWay& way : hole.ways) removed.push_back(swept_along(hole.bit, way));
-  }
-  ViewOptions options;
-  options.removed = removed;
-  if (state.bit_pose) options.bit = RenderedBit{state.setup.path.bit, *state.bit_pose};
-  return view_bone(state.bone.model(), camera, options);
+  std::optional<RenderedBit> bit;
+  if (const std::optional<Pose> pose = state.bit_pose()) bit = RenderedBit{state.setup.path.bit, *pose};
+  return view_bone(state.drilled().hole(), camera, bit);
 }
 
 View Session::record_view(const Camera& camera) {
@@ -230,12 +230,7 @@ std::vector<SurfaceUpdate> Session::surface_changes() {
   return changes;
 }
 
-Bone Session::drilled() const {
-  std::vector<DrilledHole> holes = state_->setup.holes;
-  DrilledHole hole = hole_of(state_->inputs, state_->setup);
-  if (!hole.ways.empty()) holes.push_back(std::move(hole));
-  return Bone(without_holes(state_->bone.model(), holes));
-}
+Bone Session::drilled() { return Bone(state_->drilled().bone()); }
 
 const Bone& Session::bone() const { return state_->bone; }
 const DrillPath& Session::path() const { return state_->setup.path; }

@@ -72,7 +72,7 @@ class Session {
   /// what they point to never change. A block without a surface is gone.
   std::vector<SurfaceUpdate> surface_changes();
   /// The bone without all holes.
-  Bone drilled() const;
+  Bone drilled();
 
   const Bone& bone() const;
   const DrillPath& path() const;

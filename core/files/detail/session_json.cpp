@@ -1,8 +1,10 @@
 #include "core/files/detail/session_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
@@ -97,10 +99,18 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
 }
 
 Json json_of(const DrilledHole& hole) {
+  // A pose is the tip's place, mm, and the axis where it is another than the pose before had.
   Json ways = Json::array();
-  for (const BitWay& way : hole.ways) {
-    ways.push_back(
-        {{"from_mm", to_json(way.start.tip_mm)}, {"to_mm", to_json(way.end.tip_mm)}, {"axis", to_json(way.end.axis)}});
+  for (const std::vector<Pose>& way : hole.ways) {
+    Json poses = Json::array();
+    for (std::size_t n = 0; n < way.size(); ++n) {
+      Json pose = to_json(way[n].tip_mm);
+      if (n == 0 || way[n].axis != way[n - 1].axis) {
+        for (const double one : way[n].axis) pose.push_back(one);
+      }
+      poses.push_back(std::move(pose));
+    }
+    ways.push_back(std::move(poses));
   }
   return {{"bit", to_json(hole.bit)}, {"ways", ways}};
 }
@@ -111,15 +121,37 @@ const Json& list_of(const JsonObject& object, const char* key, const fs::path& f
   return list;
 }
 
+Pose read_pose(const Json& json, const Vec3& axis_before, const fs::path& file) {
+  constexpr double kMaxMm = 1e4;
+  const bool is_pose = json.is_array() && (json.size() == 3 || json.size() == 6) &&
+                       std::ranges::all_of(json, [](const Json& one) { return one.is_number(); });
+  if (!is_pose)
+    fail("expected [x, y, z] or [x, y, z, axis] for a pose in ", file.string(), ", found ", shown_value(json));
+  const auto three = [&](std::size_t first) {
+    return Vec3(json[first].get<double>(), json[first + 1].get<double>(), json[first + 2].get<double>());
+  };
+  const Pose pose{three(0), json.size() == 6 ? three(3) : axis_before};
+  const std::optional<Pose> sound = sound_pose(pose);
+  if (!sound || sound->tip_mm.cwiseAbs().maxCoeff() > kMaxMm) {
+    fail("expected poses within 10 m and with axes of length 1 in ", file.string(), ", found ", shown_value(json));
+  }
+  return *sound;
+}
+
+std::vector<Pose> read_way(const Json& json, const fs::path& file) {
+  std::vector<Pose> way;
+  if (!json.is_array()) fail("expected an array for a way in ", file.string(), ", found ", shown_value(json));
+  for (const Json& pose : json) {
+    way.push_back(read_pose(pose, way.empty() ? Vec3(Vec3::Zero()) : way.back().axis, file));
+  }
+  return way;
+}
+
 DrilledHole read_hole(const Json& json, const fs::path& file) {
   const JsonObject object(json, file);
   DrilledHole hole;
   hole.bit = read_bit(object.at("bit"), file);
-  for (const Json& part : list_of(object, "ways", file)) {
-    const JsonObject way(part, file);
-    const Vec3 axis = way.vector("axis");
-    hole.ways.push_back({{way.vector("from_mm"), axis}, {way.vector("to_mm"), axis}});
-  }
+  for (const Json& way : list_of(object, "ways", file)) hole.ways.push_back(read_way(way, file));
   return hole;
 }
 

@@ -12,9 +12,9 @@
 #include "mesh/display_mesh.h"
 #include "mesh/remaining_mesh.h"
 #include "mesh/self_intersections.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/drilled_ball.h"
 #include "tests/support/mesh_shapes.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -25,7 +25,7 @@ const Pose kHoleStart{kDrilledBall.centre_mm - 20.0 * test::kAslant, test::kAsla
 const Pose kHoleEnd{kDrilledBall.centre_mm + 4.0 * test::kAslant, test::kAslant};
 
 const BoneModel& ball_with_hole() {
-  static const BoneModel bone = subtract_bit(test::ball_to_drill(), test::paper_drill(), kHoleStart, kHoleEnd);
+  static const BoneModel bone = test::without_hole(test::ball_to_drill(), test::paper_drill(), kHoleStart, kHoleEnd);
   return bone;
 }
 

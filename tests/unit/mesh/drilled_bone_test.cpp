@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "core/tool/bit_profile.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/drilled_ball.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/remaining/remaining_bone.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -21,7 +21,7 @@ Pose in_the_middle() { return {kDrilledBall.centre_mm, test::kAslant}; }
 
 const BoneModel& ball_drilled_once() {
   static const BoneModel bone =
-      subtract_bit(test::ball_to_drill(), test::paper_drill(), in_the_middle(), in_the_middle());
+      test::without_hole(test::ball_to_drill(), test::paper_drill(), in_the_middle(), in_the_middle());
   return bone;
 }
 
@@ -62,7 +62,7 @@ TEST(DrilledBone, IsTheLargerOfBothEverywhere) {
 
 TEST(DrilledBone, KnowsAllItsHoles) {
   const Pose beside{kDrilledBall.centre_mm + Vec3(3.0, 1.0, -2.0), Vec3::UnitX()};
-  const BoneModel twice = subtract_bit(ball_drilled_once(), test::ball_burr(), beside, beside);
+  const BoneModel twice = test::without_hole(ball_drilled_once(), test::ball_burr(), beside, beside);
   EXPECT_EQ(twice.grids().before, test::ball_to_drill().grids().sdf);
   const BitProfile first(test::paper_drill());
   const BitProfile second(test::ball_burr());

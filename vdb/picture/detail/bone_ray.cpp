@@ -4,24 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace spinaltap::detail {
 
-DrawnBone::DrawnBone(const BoneModel& its_bone, std::span<const BitBody> more_removed)
+DrawnBone::DrawnBone(const BoneModel& its_bone) : DrawnBone(its_bone, its_bone.grids().hole) {}
+
+DrawnBone::DrawnBone(const BoneModel& its_bone, openvdb::FloatGrid::ConstPtr hole)
     : bone(its_bone),
       bone_grid(bone.grids().before ? bone.grids().before : bone.grids().sdf),
-      hole_grid(bone.grids().hole),
-      to_bone(*bone_grid),
-      removed(more_removed) {
+      hole_grid(std::move(hole)),
+      to_bone(*bone_grid) {
   if (hole_grid && hole_grid->activeVoxelCount() > 0) to_hole.emplace(*hole_grid);
-  for (const BitBody& bit : removed) {
-    const Vec3 around = Vec3::Constant(bit.profile().radius_mm());
-    const Vec3& tip_mm = bit.pose().tip_mm;
-    for (const Vec3& end_mm : {tip_mm, Vec3(tip_mm - bit.profile().length_mm() * bit.pose().axis)}) {
-      removed_box_mm.extend(end_mm - around);
-      removed_box_mm.extend(end_mm + around);
-    }
-  }
 }
 
 BoneRay::BoneRay(const DrawnBone& bone, const std::optional<CutPlane>& cut)
@@ -47,32 +41,10 @@ double BoneRay::next_crossing_mm(DrawnBone::Intersector& intersector, double beg
   return (from_vdb(hit) - start_mm_).dot(direction_);
 }
 
-/// Those from a place on where the ray is in the bone as it was: elsewhere holes are not seen.
-void BoneRay::find_holes(double begin_mm) {
-  knows_holes_ = true;
+/// From a place on where the ray is in the bone as it was: elsewhere the hole is not seen.
+void BoneRay::find_hole(double begin_mm) {
+  knows_hole_ = true;
   if (to_hole_) hole_crossing_mm_ = next_crossing_mm(*to_hole_, begin_mm);
-  for (const BitBody& bit : drawn_.removed) bit.append_stretches(start_mm_, direction_, removed_);
-  join_stretches(removed_);
-  removed_crossing_mm_ = next_removed_mm(begin_mm);
-}
-
-double BoneRay::next_removed_mm(double begin_mm) const {
-  for (const RayStretch& stretch : removed_) {
-    if (stretch.begin_mm > begin_mm) return stretch.begin_mm;
-    if (stretch.end_mm > begin_mm) return stretch.end_mm;
-  }
-  return kMissed;
-}
-
-bool BoneRay::is_removed(double way_mm) const {
-  if (!knows_holes_) {
-    const Vec3 p_mm = at(way_mm);
-    return drawn_.removed_box_mm.contains(p_mm) &&
-           std::any_of(drawn_.removed.begin(), drawn_.removed.end(),
-                       [&](const BitBody& bit) { return bit_contains(bit.profile(), bit.pose(), p_mm); });
-  }
-  return std::any_of(removed_.begin(), removed_.end(),
-                     [&](const RayStretch& stretch) { return stretch.begin_mm <= way_mm && way_mm <= stretch.end_mm; });
 }
 
 void BoneRay::begin(const Vec3& start_mm, const Vec3& direction, bool is_in_bone) {
@@ -91,11 +63,9 @@ void BoneRay::begin(const Vec3& start_mm, const Vec3& direction, bool is_in_bone
   find_bone_from_mm_ = find_hole_from_mm_ = -1.0;
   bone_crossing_mm_ = begin_mm_ > 0.0 ? begin_mm_ : next_crossing_mm(to_bone_, 0.0);
   hole_crossing_mm_ = kMissed;
-  removed_crossing_mm_ = kMissed;
-  removed_.clear();
-  knows_holes_ = false;
+  knows_hole_ = false;
   passed_mm_ = begin_mm_;
-  if (bone_crossing_mm_ < kMissed && begin_mm_ == 0.0 && bone_mm(start_mm) < 0.0) find_holes(0.0);
+  if (bone_crossing_mm_ < kMissed && begin_mm_ == 0.0 && bone_mm(start_mm) < 0.0) find_hole(0.0);
 }
 
 BoneRay::Surface BoneRay::next_surface() {
@@ -103,26 +73,24 @@ BoneRay::Surface BoneRay::next_surface() {
   // hole is kept only near the bone, so that not all ways into it are met.
   const double further_mm = 0.02 * step_mm_;
   while (true) {
-    if (is_in_bone_ && !knows_holes_) find_holes(passed_mm_);
+    if (is_in_bone_ && !knows_hole_) find_hole(passed_mm_);
     if (find_bone_from_mm_ >= 0.0) bone_crossing_mm_ = next_crossing_mm(to_bone_, find_bone_from_mm_);
     if (find_hole_from_mm_ >= 0.0) hole_crossing_mm_ = next_crossing_mm(*to_hole_, find_hole_from_mm_);
     find_bone_from_mm_ = find_hole_from_mm_ = -1.0;
-    const double way_mm = std::min({bone_crossing_mm_, hole_crossing_mm_, removed_crossing_mm_});
+    const double way_mm = std::min(bone_crossing_mm_, hole_crossing_mm_);
     const bool is_wall = way_mm < bone_crossing_mm_;
     if (!(way_mm < end_mm_)) return {};
     const bool was_in_bone = is_in_bone_;
     const double beyond_mm = way_mm + further_mm;
-    if (removed_crossing_mm_ == way_mm) {
-      removed_crossing_mm_ = next_removed_mm(way_mm);
-    } else if (is_wall) {
+    if (is_wall) {
       find_hole_from_mm_ = beyond_mm;
     } else {
       find_bone_from_mm_ = beyond_mm;
     }
     passed_mm_ = beyond_mm;
     const Vec3 beyond = at(beyond_mm);
-    is_in_bone_ = grids_mm(beyond) < 0.0 && !is_removed(beyond_mm);
-    if (!is_in_bone_ && !knows_holes_ && bone_mm(beyond) < 0.0) find_holes(beyond_mm);
+    is_in_bone_ = distance_mm(beyond) < 0.0;
+    if (!is_in_bone_ && !knows_hole_ && bone_mm(beyond) < 0.0) find_hole(beyond_mm);
     const bool is_cut = begin_mm_ > 0.0 && way_mm == begin_mm_;
     if (is_in_bone_ != was_in_bone) return {way_mm, is_cut ? Kind::cut : is_wall ? Kind::wall : Kind::bone};
   }
@@ -132,12 +100,6 @@ double BoneRay::refined_mm(const Surface& surface) {
   constexpr double kCloseMm = 1e-6;
   constexpr int kMaxSteps = 12;
   if (surface.kind == Kind::cut) return surface.way_mm;
-  if (surface.kind == Kind::wall) {
-    // Bits are met exactly.
-    for (const RayStretch& stretch : removed_) {
-      if (stretch.end_mm == surface.way_mm || stretch.begin_mm == surface.way_mm) return surface.way_mm;
-    }
-  }
   const auto value_mm = [&](double way_mm) {
     return surface.kind == Kind::bone ? bone_mm(at(way_mm)) : hole_mm(at(way_mm));
   };
@@ -162,45 +124,24 @@ double BoneRay::refined_mm(const Surface& surface) {
   return best_mm;
 }
 
-double BoneRay::removed_mm(const Vec3& p_mm, const BitBody*& nearest) const {
-  double nearest_mm = kMissed;
-  for (const BitBody& bit : drawn_.removed) {
-    const double one_mm = bit.distance_mm(p_mm);
-    if (!(one_mm < nearest_mm)) continue;
-    nearest_mm = one_mm;
-    nearest = &bit;
-  }
-  return nearest_mm;
-}
-
 double BoneRay::bone_mm(const Vec3& p_mm) {
-  if (drawn_.hole_grid) return static_cast<double>(bone_.wsSample(to_vdb(p_mm)));
+  if (drawn_.bone_grid != drawn_.bone.grids().sdf) return static_cast<double>(bone_.wsSample(to_vdb(p_mm)));
   // The same number, quicker.
   float distance_mm = 0.0F;
   drawn_.bone.sample({&p_mm, 1}, {&distance_mm, 1}, {});
   return static_cast<double>(distance_mm);
 }
 
-double BoneRay::grids_mm(const Vec3& p_mm) {
+double BoneRay::distance_mm(const Vec3& p_mm) {
   double distance_mm = bone_mm(p_mm);
   if (to_hole_) distance_mm = std::max(distance_mm, -hole_mm(p_mm));
   if (cut_) distance_mm = std::max(distance_mm, (p_mm - cut_->point_mm).dot(cut_->normal));
   return distance_mm;
 }
 
-double BoneRay::distance_mm(const Vec3& p_mm) {
-  const BitBody* nearest = nullptr;
-  return std::max(grids_mm(p_mm), -removed_mm(p_mm, nearest));
-}
-
 Vec3 BoneRay::normal(const Vec3& p_mm, Kind kind) {
   if (kind == Kind::cut) return cut_->normal;
   const bool is_wall = kind == Kind::wall;
-  if (is_wall && !drawn_.removed.empty()) {
-    const BitBody* nearest = nullptr;
-    const double bits_mm = removed_mm(p_mm, nearest);
-    if (!to_hole_ || bits_mm < hole_mm(p_mm)) return -nearest->normal(p_mm);
-  }
   Vec3 slope;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 step = step_mm_ * Vec3::Unit(axis);

@@ -5,17 +5,14 @@
 
 #include <limits>
 #include <optional>
-#include <span>
-#include <vector>
 
-#include "core/tool/bit_ray.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/picture/render.h"
 
 namespace spinaltap::detail {
 
-/// What rays meet of a bone: its surface before it was drilled, that of the hole in its grids, and bits that took more.
-/// Each keeps its own surface, so that the rims between them are sharp.
+/// What rays meet of a bone: its surface before it was drilled, and that of the hole in its grids. Each
+/// keeps its own surface, so that the rim between them is sharp.
 struct DrawnBone {
   using Intersector = openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid>;
 
@@ -24,10 +21,10 @@ struct DrawnBone {
   openvdb::FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
   Intersector to_bone;
   std::optional<Intersector> to_hole = {};
-  std::span<const BitBody> removed = {};  ///< must outlive this
-  Box3 removed_box_mm = {};
 
-  explicit DrawnBone(const BoneModel& its_bone, std::span<const BitBody> more_removed = {});
+  explicit DrawnBone(const BoneModel& its_bone);
+  /// Another hole in it.
+  DrawnBone(const BoneModel& its_bone, openvdb::FloatGrid::ConstPtr hole);
 };
 
 /// One thread's rays into a bone, one after the other.
@@ -65,12 +62,8 @@ class BoneRay {
   using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 
   double hole_mm(const Vec3& p_mm) { return static_cast<double>(hole_.wsSample(to_vdb(p_mm))); }
-  double grids_mm(const Vec3& p_mm);
-  double removed_mm(const Vec3& p_mm, const BitBody*& nearest) const;
   double next_crossing_mm(DrawnBone::Intersector& intersector, double begin_mm) const;
-  double next_removed_mm(double begin_mm) const;
-  void find_holes(double begin_mm);
-  bool is_removed(double way_mm) const;
+  void find_hole(double begin_mm);
   Vec3 at(double way_mm) const { return start_mm_ + way_mm * direction_; }
 
   const DrawnBone& drawn_;
@@ -87,15 +80,13 @@ class BoneRay {
   Vec3 direction_ = Vec3::UnitX();
   double bone_crossing_mm_ = 0.0;  ///< where the ray next goes through the surface; kMissed: nowhere
   double hole_crossing_mm_ = 0.0;
-  double removed_crossing_mm_ = 0.0;
   /// Not looked for before it is asked for: from here on; below 0: found.
   double find_bone_from_mm_ = -1.0;
   double find_hole_from_mm_ = -1.0;
-  bool knows_holes_ = false;         ///< not looked for before the ray is in the bone as it was
-  double passed_mm_ = 0.0;           ///< just behind the last surface
-  std::vector<RayStretch> removed_;  ///< of this ray, joined
-  double begin_mm_ = 0.0;            ///< of the ray that is seen: from here
-  double end_mm_ = 0.0;              ///< to here
+  bool knows_hole_ = false;  ///< not looked for before the ray is in the bone as it was
+  double passed_mm_ = 0.0;   ///< just behind the last surface
+  double begin_mm_ = 0.0;    ///< of the ray that is seen: from here
+  double end_mm_ = 0.0;      ///< to here
   bool is_in_bone_ = false;
 };
 

@@ -37,14 +37,20 @@ class Draw {
   explicit Draw(std::uint64_t seed) : seed_(seed) {}
   double operator()(double low, double high) { return low + (high - low) * random_uniform(seed_, next_++); }
   std::uint64_t bits() { return mix_bits(mix_bits(seed_) ^ next_++); }
+  /// In a box. Arguments of one call would be drawn in the compiler's order: the same seed, another test.
+  Vec3 within(const Vec3& low, const Vec3& high) {
+    Vec3 v;
+    for (const int axis : {2, 1, 0}) v[axis] = (*this)(low[axis], high[axis]);
+    return v;
+  }
   Vec3 direction() {
     Vec3 v;
     do {
-      v = Vec3((*this)(-1, 1), (*this)(-1, 1), (*this)(-1, 1));
+      v = within(Vec3::Constant(-1.0), Vec3::Constant(1.0));
     } while (v.norm() > 1.0 || v.norm() < 0.1);
     return v.normalized();
   }
-  Pose pose() { return {Vec3((*this)(-20, 20), (*this)(-20, 20), (*this)(-20, 20)), direction()}; }
+  Pose pose() { return {within(Vec3::Constant(-20.0), Vec3::Constant(20.0)), direction()}; }
 
  private:
   std::uint64_t seed_;

@@ -56,7 +56,7 @@ TEST_P(EngineWays, LeaveNothingInAJumpOfAnyToolThatSmallStepsRemove) {
     SCOPED_TRACE(tool.name);
     std::size_t removed = 0;
     for (int n = 0; n < 6; ++n) {
-      const Vec3 begin_mm(draw(-1.2, 1.2), draw(-1.2, 1.2), draw(-0.5, 3.0));
+      const Vec3 begin_mm = draw.within(Vec3(-1.2, -1.2, -0.5), Vec3(1.2, 1.2, 3.0));
       const Vec3 end_mm = begin_mm + 2.4 * draw.direction();
       const Vec3 axis = (Vec3::UnitZ() + 0.5 * draw.direction()).normalized();
       PointVolume jumped = block(3.0, 1.5, 0.15);
@@ -112,8 +112,8 @@ TEST_P(EngineWays, RemoveTheSameFromOnePoseToAnotherAndBack) {
       const Vec3 axis = (Vec3::UnitZ() + 0.5 * draw.direction()).normalized();
       // Two of three turn.
       const Vec3 turned = n % 3 == 0 ? axis : Vec3((axis + 0.02 * draw.direction()).normalized());
-      const Pose a = pose_at(there, Vec3(draw(-1, 1), draw(-1, 1), draw(0, 3)), axis);
-      const Pose b = pose_at(there, Vec3(draw(-1, 1), draw(-1, 1), draw(0, 3)), turned);
+      const Pose a = pose_at(there, draw.within(Vec3(-1, -1, 0), Vec3(1, 1, 3)), axis);
+      const Pose b = pose_at(there, draw.within(Vec3(-1, -1, 0), Vec3(1, 1, 3)), turned);
       const auto first = engine(there, tool.bit);
       first->step(a);
       first->step(b);
@@ -132,7 +132,7 @@ TEST_P(EngineWays, TakeARingOnWhichTheBitsWallLiesWhateverThePathsDirection) {
   Draw draw(kSeed);
   const DrillBit bit{3.0, 50.0, 1.0};
   for (int n = 0; n < 24; ++n) {
-    const Vec3 entry_mm(draw(-900, 900), draw(-900, 900), draw(-1900, 900));
+    const Vec3 entry_mm = draw.within(Vec3(-900, -900, -1900), Vec3(900, 900, 900));
     PointVolume volume({"any", entry_mm, entry_mm + 4.0 * draw.direction(), bit},
                        {.radius_mm = 2.0, .spacing_mm = 0.1});
     const auto drilling = engine(volume, bit);

@@ -63,7 +63,7 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
   options.subdivision = seed % 5 == 3 ? DiscSubdivision::hexagons : DiscSubdivision::rings;
   options.jitter = seed % 7 < 2 ? draw(0.05, 0.5) : 0.0;
   options.jitter_seed = seed;
-  const Vec3 entry_mm(draw(-100, 100), draw(-100, 100), draw(-900, 900));
+  const Vec3 entry_mm = draw.within(Vec3(-100, -100, -900), Vec3(100, 100, 900));
   PointVolume volume({"any", entry_mm, entry_mm + kLengthMm * draw.direction(), bit}, options);
   fill_some(volume, seed, seed % 8 == 5);
   Bench bench(volume, bit, seed % 4 == 0 ? test::every_engine() : test::three_engines());
@@ -167,7 +167,7 @@ std::vector<StepResult> run(const test::EngineKind& kind, std::size_t threads, s
   Draw draw(7);
   Vec3 tip_mm(-1.5, 0.0, 1.0);
   for (int step = 0; step < 14; ++step) {
-    tip_mm += Vec3(draw(-1.0, 1.0), draw(-1.0, 1.0), draw(0.2, 1.2));
+    tip_mm += draw.within(Vec3(-1.0, -1.0, 0.2), Vec3(1.0, 1.0, 1.2));
     results.push_back(engine->step(test::pose_at(volume, tip_mm, Vec3(0.1, -0.2, 1.0))));
     hashes.push_back(test::hash_of_living(volume));
   }

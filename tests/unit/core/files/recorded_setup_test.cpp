@@ -44,7 +44,9 @@ SessionSetup odd_setup() {
   setup.has_clearances = false;
   const Vec3 axis = Vec3(1.0, 2.0, -3.0).normalized();
   setup.holes = {
-      {DrillBit{2.3, 39.0, 1.0 / 3.0}, {{{Vec3(0.1, 0.2, 1.0 / 7.0), axis}, {Vec3(9.1, 1e-17, 3.0), axis}}}}};
+      {DrillBit{2.3, 39.0, 1.0 / 3.0},
+       {{{Vec3(0.1, 0.2, 1.0 / 7.0), axis}, {Vec3(9.1, 1e-17, 3.0), axis}, {Vec3(9.0, 0.1, 3.0), Vec3::UnitX()}},
+        {{Vec3(1.0, 2.0, 3.0), axis}}}}};
   return setup;
 }
 
@@ -54,10 +56,15 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_EQ(back.bone_hash, setup.bone_hash);
   ASSERT_EQ(back.holes.size(), 1U);
   EXPECT_EQ(back.holes[0].bit.tip_length_mm, 1.0 / 3.0);
-  ASSERT_EQ(back.holes[0].ways.size(), 1U);
-  EXPECT_EQ(back.holes[0].ways[0].start.tip_mm, setup.holes[0].ways[0].start.tip_mm);
-  EXPECT_EQ(back.holes[0].ways[0].end.tip_mm, setup.holes[0].ways[0].end.tip_mm);
-  EXPECT_EQ(back.holes[0].ways[0].start.axis, setup.holes[0].ways[0].end.axis);
+  ASSERT_EQ(back.holes[0].ways.size(), 2U);
+  for (std::size_t way = 0; way < 2; ++way) {
+    const std::vector<Pose>& expected = setup.holes[0].ways[way];
+    ASSERT_EQ(back.holes[0].ways[way].size(), expected.size());
+    for (std::size_t n = 0; n < expected.size(); ++n) {
+      EXPECT_EQ(back.holes[0].ways[way][n].tip_mm, expected[n].tip_mm);
+      EXPECT_EQ(back.holes[0].ways[way][n].axis, expected[n].axis);
+    }
+  }
   EXPECT_EQ(back.path.name, setup.path.name);
   EXPECT_EQ(back.path.entry_mm, setup.path.entry_mm);
   EXPECT_EQ(back.path.target_mm, setup.path.target_mm);

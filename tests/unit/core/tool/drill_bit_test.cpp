@@ -67,7 +67,7 @@ TEST(DrillBit, DoesNotCareHowPointAndPoseAreTurnedAndShiftedTogether) {
     const Pose pose = draw.pose();
     const Vec3 p = test::point_near(bit, pose, draw);
     const Mat3 turn = Eigen::AngleAxisd(draw(0.0, 6.3), draw.direction()).toRotationMatrix();
-    const Vec3 shift_mm(draw(-500, 500), draw(-500, 500), draw(-500, 500));
+    const Vec3 shift_mm = draw.within(Vec3::Constant(-500.0), Vec3::Constant(500.0));
     const Pose moved{turn * pose.tip_mm + shift_mm, turn * pose.axis};
     const double distance_mm = bit_distance_mm(bit, pose, p);
     // Positions of 500 mm carry 1e-13 mm each.

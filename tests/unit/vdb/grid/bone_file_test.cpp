@@ -10,12 +10,12 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/grid/bone_model.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -42,7 +42,7 @@ BoneModel bone_of_many_hu() {
 BoneModel drilled_bone() {
   const Vec3 axis = Vec3(0.3, 0.5, 0.7).normalized();
   const Pose pose{kSmallBall.centre_mm, axis};
-  return subtract_bit(bone_of_many_hu(), DrillBit{}, pose, pose);
+  return test::without_hole(bone_of_many_hu(), DrillBit{}, pose, pose);
 }
 
 class BoneFile : public testing::Test {

@@ -8,13 +8,13 @@
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
 #include "vdb/grid/bone_hash.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -166,7 +166,7 @@ TEST_F(SpineFile, RejectsBonesThatDoNotBelongTogether) {
   const CtVolume other = test::even_ct(kUpper.bounds_mm(), 1.0, 300);
   rejected({lower, {kT11, baked(kUpper, kT11, other), {}}}, "of one CT");
   const Pose pose{kUpper.centre_mm, Vec3::UnitZ()};
-  rejected({{kT11, subtract_bit(two_bones()[1].bone, DrillBit{}, pose, pose), {}}}, "drilled");
+  rejected({{kT11, test::without_hole(two_bones()[1].bone, DrillBit{}, pose, pose), {}}}, "drilled");
   upper = two_bones()[1];
   upper.notes.warnings = {"two\nlines"};
   rejected({upper}, "one line");

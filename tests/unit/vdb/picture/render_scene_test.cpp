@@ -8,9 +8,9 @@
 
 #include "core/base/error.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/picture_colours.h"
 #include "vdb/picture/render.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -56,8 +56,8 @@ TEST(RenderScene, ShowsACloseUpToScale) {
 TEST(RenderScene, KeepsAHolesRimSharp) {
   // Towards the front and out of the ball: a hole of 3 mm radius, seen straight on.
   const Vec3 axis = -Vec3::UnitY();
-  const BoneModel drilled =
-      subtract_bit(cancellous_ball(), {6.0, 60.0, 1.0}, {kBall.centre_mm, axis}, {kBall.centre_mm + 20.0 * axis, axis});
+  const BoneModel drilled = test::without_hole(cancellous_ball(), {6.0, 60.0, 1.0}, {kBall.centre_mm, axis},
+                                               {kBall.centre_mm + 20.0 * axis, axis});
   const Image through = render_bone(drilled, from_behind());
   for (int n = 0; n < 64; ++n) {
     const double turn = 2.0 * std::numbers::pi * n / 64;
@@ -118,7 +118,7 @@ TEST(RenderScene, ShowsBitsAndPathsOutsideTheBoneAndWithinItOnlyThroughIt) {
 TEST(RenderScene, ShowsHolesThroughTheBone) {
   const Pose start{kBall.centre_mm + Vec3(20.0, 0.0, 0.0), -Vec3::UnitX()};
   const Pose end{kBall.centre_mm, -Vec3::UnitX()};
-  const BoneModel drilled = subtract_bit(cancellous_ball(), {4.0, 30.0, 1.0}, start, end);
+  const BoneModel drilled = test::without_hole(cancellous_ball(), {4.0, 30.0, 1.0}, start, end);
   RenderOptions options = from_behind();
   EXPECT_FALSE(is_red(colour_beside(render_bone(drilled, options), 5.0, 0.0)));
   options.opacity = 0.2;

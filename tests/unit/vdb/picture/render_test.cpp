@@ -10,8 +10,8 @@
 
 #include "core/base/error.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/picture_colours.h"
-#include "vdb/remaining/subtract_bit.h"
 
 namespace spinaltap {
 namespace {
@@ -95,7 +95,7 @@ TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
   // Straight into the middle of the picture, 100 HU: cancellous bone, which is red.
   const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};
   const Pose end{kBall.centre_mm, -Vec3::UnitY()};
-  const BoneModel drilled = subtract_bit(shown_ball(), {6.0, 30.0, 1.0}, start, end);
+  const BoneModel drilled = test::without_hole(shown_ball(), {6.0, 30.0, 1.0}, start, end);
   const Image image = render_bone(drilled, options());
   const auto redness = [&](int x, int y) {
     const auto colour = test::pixel_colour(image, x, y);

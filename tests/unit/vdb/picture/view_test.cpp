@@ -10,9 +10,8 @@
 
 #include "core/base/error.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/cut_hole.h"
 #include "tests/support/made_bone.h"
-#include "vdb/remaining/subtract_bit.h"
-#include "vdb/remaining/swept_along.h"
 
 namespace spinaltap {
 namespace {
@@ -39,11 +38,21 @@ const Vec3 kAskew(0.6, 0.7, 0.2);
 const DrillBit kViewedBit{4.0, 30.0, 3.0};
 
 /// Into the ball, 4 mm beside the middle, 8 mm deep.
-BitWay way_into_ball() {
+struct StraightWay {
+  Pose start, end;
+};
+StraightWay way_into_ball() {
   const Vec3 axis = -Vec3(0.5, 0.8, 0.3).normalized();
   const Vec3 aside = axis.cross(Vec3::UnitZ()).normalized();
   const Vec3 entry_mm = kBall.centre_mm - 10.0 * axis + 3.0 * aside;
   return {{entry_mm - 3.0 * axis, axis}, {entry_mm + 8.0 * axis, axis}};
+}
+
+/// The ball without what the bit took on that way.
+const BoneModel& drilled_ball() {
+  static const BoneModel bone =
+      test::without_hole(viewed_ball(), kViewedBit, way_into_ball().start, way_into_ball().end);
+  return bone;
 }
 
 /// Distance along a ray to a ball, from outside; infinite where it is missed.
@@ -108,75 +117,59 @@ TEST(ViewBone, ReprojectsOntoTheGridsOwnSurface) {
 }
 
 TEST(ViewBone, SeesTheWallsOfAHoleAndNothingThatWasRemoved) {
-  const BitWay way = way_into_ball();
-  const BitBody hole = swept_along(kViewedBit, way);
-  ViewOptions options;
-  options.removed = {&hole, 1};
+  const StraightWay way = way_into_ball();
   const Camera eye = camera_from(-way.end.axis + 0.15 * Vec3::UnitZ());
-  const BoneModel cut = subtract_bit(viewed_ball(), kViewedBit, {&way, 1});
-  for (const bool is_in_grid : {false, true}) {
-    const View view = is_in_grid ? view_bone(cut, eye) : view_bone(viewed_ball(), eye, options);
-    // Bodies are met exactly, to the float of a depth of 60 mm. Those in a grid are tri-linear: half a voxel off where
-    // the tip and the edge behind it bend within a voxel, and voxel² / 8 r elsewhere, with r = 2 mm.
-    const double wall_mm = is_in_grid ? 0.006 : 1e-5;
-    const double edge_mm = is_in_grid ? 0.5 * kViewedVoxelMm : 1e-5;
-    const BitProfile profile = BitProfile(kViewedBit).lengthened((way.end.tip_mm - way.start.tip_mm).norm());
-    std::size_t walls = 0, beside = 0;
-    double worst = 1.0;
-    for_each_pixel(view, [&](int column, int row, std::size_t pixel) {
-      if (view.mask[pixel] == 0) return;
-      const Vec3 p_mm = view.point_mm(column, row);
-      const double bit_mm = bit_distance_mm(profile, way.end, p_mm);
-      ASSERT_GT(bit_mm, -edge_mm) << "what was removed is not seen";
-      if (view.mask[pixel] == static_cast<std::uint8_t>(Seen::bone)) {
-        EXPECT_NEAR(kBall.distance_mm(p_mm), 0.0, 2.0 * kOffBallMm + 0.001);
-        ++beside;
-        return;
-      }
-      ASSERT_EQ(view.mask[pixel], static_cast<std::uint8_t>(Seen::wall));
-      ++walls;
-      EXPECT_LT(std::abs(bit_mm), edge_mm);
-      EXPECT_LT(kBall.distance_mm(p_mm), 2.0 * kOffBallMm);
-      // Out of the bone: into the hole.
-      const Vec3 from_tip_mm = p_mm - way.end.tip_mm;
-      const double back_mm = -from_tip_mm.dot(way.end.axis);
-      if (back_mm < kViewedBit.tip_length_mm + 1.0) return;
-      EXPECT_LT(std::abs(bit_mm), wall_mm);
-      const Vec3 inward = -(from_tip_mm + back_mm * way.end.axis).normalized();
-      worst = std::min(worst, normal_at(view, pixel).dot(inward));
-    });
-    EXPECT_GT(walls, 100U);
-    EXPECT_GT(beside, 1000U);
-    EXPECT_GT(worst, std::cos(is_in_grid ? 0.05 : kDegree)) << "of the cylinder's normals";
-  }
+  const View view = view_bone(drilled_ball(), eye);
+  // The grid is tri-linear: half a voxel off where the tip and the edge behind it bend within a voxel, and
+  // voxel² / 8 r elsewhere, with r = 2 mm.
+  const double wall_mm = 0.006;
+  const double edge_mm = 0.5 * kViewedVoxelMm;
+  const BitProfile profile = BitProfile(kViewedBit).lengthened((way.end.tip_mm - way.start.tip_mm).norm());
+  std::size_t walls = 0, beside = 0;
+  double worst = 1.0;
+  for_each_pixel(view, [&](int column, int row, std::size_t pixel) {
+    if (view.mask[pixel] == 0) return;
+    const Vec3 p_mm = view.point_mm(column, row);
+    const double bit_mm = bit_distance_mm(profile, way.end, p_mm);
+    ASSERT_GT(bit_mm, -edge_mm) << "what was removed is not seen";
+    if (view.mask[pixel] == static_cast<std::uint8_t>(Seen::bone)) {
+      EXPECT_NEAR(kBall.distance_mm(p_mm), 0.0, 2.0 * kOffBallMm + 0.001);
+      ++beside;
+      return;
+    }
+    ASSERT_EQ(view.mask[pixel], static_cast<std::uint8_t>(Seen::wall));
+    ++walls;
+    EXPECT_LT(std::abs(bit_mm), edge_mm);
+    EXPECT_LT(kBall.distance_mm(p_mm), 2.0 * kOffBallMm);
+    // Out of the bone: into the hole.
+    const Vec3 from_tip_mm = p_mm - way.end.tip_mm;
+    const double back_mm = -from_tip_mm.dot(way.end.axis);
+    if (back_mm < kViewedBit.tip_length_mm + 1.0) return;
+    EXPECT_LT(std::abs(bit_mm), wall_mm);
+    const Vec3 inward = -(from_tip_mm + back_mm * way.end.axis).normalized();
+    worst = std::min(worst, normal_at(view, pixel).dot(inward));
+  });
+  EXPECT_GT(walls, 100U);
+  EXPECT_GT(beside, 1000U);
+  EXPECT_GT(worst, std::cos(0.05)) << "of the cylinder's normals";
 }
 
-TEST(ViewBone, ToldOfAHoleSeesWhatItSeesOfOneInTheGrid) {
-  const BitWay way = way_into_ball();
-  const BitBody hole = swept_along(kViewedBit, way);
-  ViewOptions options;
-  options.removed = {&hole, 1};
+TEST(ViewBone, SeesTheSameWhileTheHoleIsDrilled) {
+  const StraightWay way = way_into_ball();
+  HoleCutter cutter(viewed_ball());
+  cutter.add(DrilledHole{kViewedBit, {{way.start, way.end}}});
   const Camera eye = camera_from(-way.end.axis);
-  const View exact = view_bone(viewed_ball(), eye, options);
-  const View in_grid = view_bone(subtract_bit(viewed_ball(), kViewedBit, {&way, 1}), eye);
-  std::size_t other = 0;
-  double sum_mm = 0.0;
-  for (std::size_t pixel = 0; pixel < exact.mask.size(); ++pixel) {
-    other += exact.mask[pixel] != in_grid.mask[pixel] ? 1U : 0U;
-    sum_mm += std::abs(static_cast<double>(exact.depth_mm[pixel] - in_grid.depth_mm[pixel]));
-  }
-  EXPECT_LT(other, 30U) << "of 19,200 pixels, at rims";
-  EXPECT_LT(sum_mm / static_cast<double>(exact.mask.size()), 0.01);
+  const View drilling = view_bone(cutter.hole(), eye), drilled = view_bone(cutter.bone(), eye);
+  EXPECT_EQ(drilling.mask, drilled.mask);
+  EXPECT_EQ(drilling.depth_mm, drilled.depth_mm);
+  EXPECT_EQ(drilling.normals, drilled.normals);
+  EXPECT_GT(std::count(drilling.mask.begin(), drilling.mask.end(), static_cast<std::uint8_t>(Seen::wall)), 100);
 }
 
 TEST(ViewBone, SeesTheBitOnItsOwnSurfaceInFrontOfWhatItHides) {
-  const BitWay way = way_into_ball();
-  const BitBody hole = swept_along(kViewedBit, way);
-  ViewOptions options;
-  options.removed = {&hole, 1};
-  options.bit = RenderedBit{kViewedBit, way.end};
-  const View view = view_bone(viewed_ball(), camera_from(Vec3(0.1, 0.9, 0.6)), options);
-  const View without = view_bone(viewed_ball(), view.camera, {.removed = options.removed});
+  const StraightWay way = way_into_ball();
+  const View view = view_bone(drilled_ball(), camera_from(Vec3(0.1, 0.9, 0.6)), RenderedBit{kViewedBit, way.end});
+  const View without = view_bone(drilled_ball(), view.camera);
   const BitProfile profile(kViewedBit);
   std::size_t bits = 0;
   for_each_pixel(view, [&](int column, int row, std::size_t pixel) {
@@ -197,41 +190,31 @@ TEST(ViewBone, SeesTheBitOnItsOwnSurfaceInFrontOfWhatItHides) {
 }
 
 TEST(ViewBone, LooksOutOfAHoleItStandsIn) {
-  const BitWay way = way_into_ball();
-  const BitBody hole = swept_along(kViewedBit, way);
-  ViewOptions options;
-  options.removed = {&hole, 1};
+  const StraightWay way = way_into_ball();
   const Vec3 in_hole_mm = way.end.tip_mm - 5.0 * way.end.axis;
   const Vec3 aside = way.end.axis.cross(Vec3::UnitZ()).normalized();
-  const BoneModel cut = subtract_bit(viewed_ball(), kViewedBit, {&way, 1});
-  const Camera at_wall = look_at(in_hole_mm, in_hole_mm + aside, way.end.axis, 0.3, 32, 24);
-  for (const View& view : {view_bone(viewed_ball(), at_wall, options), view_bone(cut, at_wall)}) {
-    EXPECT_TRUE(std::all_of(view.mask.begin(), view.mask.end(), [](std::uint8_t seen) { return seen == 2; }));
-    EXPECT_NEAR(static_cast<double>(view.depth_mm[view.pixel(16, 12)]), 2.0, 0.05);
-  }
+  const View view = view_bone(drilled_ball(), look_at(in_hole_mm, in_hole_mm + aside, way.end.axis, 0.3, 32, 24));
+  EXPECT_TRUE(std::all_of(view.mask.begin(), view.mask.end(), [](std::uint8_t seen) { return seen == 2; }));
+  EXPECT_NEAR(static_cast<double>(view.depth_mm[view.pixel(16, 12)]), 2.0, 0.05);
   const Camera outward = look_at(in_hole_mm, in_hole_mm - way.end.axis, aside, 0.1, 32, 24);
-  const View sky = view_bone(viewed_ball(), outward, options);
+  const View sky = view_bone(drilled_ball(), outward);
   EXPECT_EQ(std::count(sky.mask.begin(), sky.mask.end(), 0), 32 * 24);
 }
 
 TEST(ViewBone, SeesNothingOfSolidsItStandsIn) {
-  ViewOptions options;
-  options.bit = RenderedBit{kViewedBit, {kBall.centre_mm, -Vec3::UnitZ()}};
+  const RenderedBit bit{kViewedBit, {kBall.centre_mm, -Vec3::UnitZ()}};
   const Camera inside =
       look_at(kBall.centre_mm + Vec3::UnitZ(), kBall.centre_mm + 9.0 * Vec3::UnitX(), Vec3::UnitZ(), 1.0, 32, 24);
-  const View view = view_bone(viewed_ball(), inside, options);
+  const View view = view_bone(viewed_ball(), inside, bit);
   EXPECT_EQ(std::count(view.mask.begin(), view.mask.end(), 0), 32 * 24);
 }
 
 TEST(ViewBone, HasTheSameBitsAtOneAndManyThreads) {
-  const BitWay way = way_into_ball();
-  const BitBody hole = swept_along(kViewedBit, way);
-  ViewOptions options;
-  options.removed = {&hole, 1};
-  options.bit = RenderedBit{kViewedBit, way.end};
-  const View many = view_bone(viewed_ball(), camera_from(kAskew), options);
+  const StraightWay way = way_into_ball();
+  const RenderedBit bit{kViewedBit, way.end};
+  const View many = view_bone(drilled_ball(), camera_from(kAskew), bit);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const View alone = view_bone(viewed_ball(), camera_from(kAskew), options);
+  const View alone = view_bone(drilled_ball(), camera_from(kAskew), bit);
   EXPECT_EQ(alone.mask, many.mask);
   EXPECT_EQ(std::memcmp(alone.depth_mm.data(), many.depth_mm.data(), many.depth_mm.size() * sizeof(float)), 0);
   EXPECT_EQ(std::memcmp(alone.normals.data(), many.normals.data(), many.normals.size() * sizeof(float)), 0);
@@ -241,9 +224,7 @@ TEST(ViewBone, RejectsWhatIsNoCameraAndNoBit) {
   Camera blind = camera_from(kAskew);
   blind.fx = std::nan("");
   EXPECT_THROW(view_bone(viewed_ball(), blind), Error);
-  ViewOptions options;
-  options.bit = RenderedBit{{-1.0, 10.0, 2.0}, {}};
-  EXPECT_THROW(view_bone(viewed_ball(), camera_from(kAskew), options), Error);
+  EXPECT_THROW(view_bone(viewed_ball(), camera_from(kAskew), RenderedBit{{-1.0, 10.0, 2.0}, {}}), Error);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ TEST(MeridianOutline, HasASlopeOfOneThatPredictsTheNextValue) {
 
 /// Poses near the origin, small moves with turns.
 std::vector<Pose> small_way(Draw& draw, std::size_t count) {
-  std::vector<Pose> poses{{Vec3(draw(-1, 1), draw(-1, 1), draw(-1, 1)), draw.direction()}};
+  std::vector<Pose> poses{{draw.within(-Vec3::Ones(), Vec3::Ones()), draw.direction()}};
   while (poses.size() < count) {
     Pose pose = poses.back();
     pose.tip_mm += 0.2 * draw.direction();

@@ -133,6 +133,28 @@ TriangleMesh mesh_of(const Blocks& blocks) {
   return join_blocks(list);
 }
 
+TEST(Session, DrillsEarlierHolesToTheSamePoints) {
+  // An operator that trembles and tilts: the hole is no union of a few ways along the axis.
+  std::vector<ToolInput> inputs = straight_in(400);
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    const double phase = 0.06 * static_cast<double>(n);
+    inputs[n].pose.tip_mm += Vec3(0.1 * std::sin(phase), 0.0, 0.1 * std::cos(1.2 * phase));
+    inputs[n].pose.axis = (inputs[n].pose.axis + Vec3(0.02 * std::sin(0.3 * phase), 0.0, 0.0)).normalized();
+  }
+  for (const EngineKind engine : {EngineKind::ring, EngineKind::voxel}) {
+    SessionSetup whole = setup();
+    whole.path = path();
+    whole.engine = engine;
+    BuiltSession built = build_session(ball(), whole);
+    for (const ToolInput& input : inputs) built.session->step(input);
+    SessionSetup again = whole;
+    again.holes = {drilled_hole(inputs, whole.path.bit, whole.options.max_jump_mm)};
+    const BuiltSession next = build_session(ball(), again);
+    EXPECT_LT(built.bone.alive_count(), build_session(ball(), whole).bone.alive_count());
+    EXPECT_EQ(next.bone.alive_count(), built.bone.alive_count());
+  }
+}
+
 TEST(Session, TellsWhatChangesOfTheSurfaceThroughHolesAndUndo) {
   Session session(ball(), path(), setup());
   Blocks blocks;

@@ -1,6 +1,5 @@
-#include "core/session/operator/cutting_ways.h"
+#include "core/session/operator/drilled_hole.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace spinaltap {
@@ -17,9 +16,7 @@ std::vector<std::vector<Pose>> cutting_ways(std::span<const ToolInput> inputs, c
     const std::optional<Pose> pose = sound_pose(input.pose);
     if (!pose) continue;
     if (!way.empty()) {
-      const Vec3 tip_way_mm = pose->tip_mm - way.back().tip_mm;
-      const Vec3 base_way_mm = tip_way_mm - bit.length_mm * (pose->axis - way.back().axis);
-      const bool is_jump = std::max(tip_way_mm.norm(), base_way_mm.norm()) > max_jump_mm;
+      const bool is_jump = longest_way_mm(way.back(), *pose, bit.length_mm) > max_jump_mm;
       if (is_jump || !input.spindle_on) end_way();
     }
     if (input.spindle_on) way.push_back(*pose);
@@ -27,6 +24,11 @@ std::vector<std::vector<Pose>> cutting_ways(std::span<const ToolInput> inputs, c
   last = way.empty() ? std::nullopt : std::optional(way.back());
   end_way();
   return ways;
+}
+
+DrilledHole drilled_hole(std::span<const ToolInput> inputs, const DrillBit& bit, double max_jump_mm) {
+  std::optional<Pose> from_nowhere;
+  return {bit, cutting_ways(inputs, bit, max_jump_mm, from_nowhere)};
 }
 
 }  // namespace spinaltap
