@@ -23,4 +23,13 @@ TriangleMesh join_blocks(std::span<const std::shared_ptr<const SurfaceBlock>> bl
 /// where holes begin.
 TriangleMesh sharp_surface(const BoneModel& bone);
 
+/// What a tool cut loose on all sides, such as a sliver between two lines of a milling.
+struct LooseChips {
+  std::size_t count = 0;
+  double volume_mm3 = 0.0;
+};
+/// Takes pieces out of a closed mesh that enclose no more than `max_mm3`, but not its largest: as an operator's suction
+/// does. Hollows, which are pieces that face inward, stay.
+LooseChips drop_loose_chips(TriangleMesh& mesh, double max_mm3 = 1.0);
+
 }  // namespace spinaltap

@@ -93,6 +93,7 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
                        {"Drilled mesh, triangles", count(figures.mesh.triangles), ""},
                        {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
                        {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
+                       {"Loose chips left out", count(figures.chips.count), ""},
                        {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
   if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
     data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());

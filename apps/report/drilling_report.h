@@ -11,6 +11,7 @@
 #include "core/ct/ct_volume.h"
 #include "core/ct/hu_to_density.h"
 #include "mesh/mesh_quality.h"
+#include "mesh/remaining_mesh.h"
 #include "vdb/sim/drilling.h"
 
 namespace spinaltap {
@@ -21,7 +22,8 @@ struct DrillFigures {
   const Bone& bone;
   const SessionSetup& setup;
   const std::map<std::string, std::string>& operator_words;  ///< OperatorPlan::words
-  const MeshQuality& mesh;
+  const MeshQuality& mesh;                                   ///< less the chips
+  LooseChips chips = {};
   std::uint64_t cycles_not_recorded = 0;
 };
 

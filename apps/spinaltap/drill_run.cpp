@@ -206,7 +206,12 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"density_per_hu_g_cm3", density.line.per_hu},
             {"calibration_rms_g_cm3", density.rms_residual_g_cm3},
             {"calibration_max_g_cm3", density.max_residual_g_cm3},
+            {"loose_chips", {{"count", figures.chips.count}, {"volume_mm3", figures.chips.volume_mm3}}},
             {"mesh", report_mesh(figures.mesh)}};
+  if (figures.chips.count > 0) {
+    print_figure("loose chips left out of the mesh",
+                 std::to_string(figures.chips.count) + ", " + fixed_text(figures.chips.volume_mm3, 3) + " mm3");
+  }
   if (!drilling.left.voxels) {
     const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
     json["discs"] = drilling.discs;
@@ -262,12 +267,13 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   }
   const Drilling drilling = drill_bone(bone, setup, *tool_operator.tool_operator, how, progress);
   recording.close(drilling.events);
-  const TriangleMesh surface = options.writes_full_mesh ? sharp_surface(drilling.drilled)
-                                                        : display_mesh(drilling.drilled, {}, nullptr, progress);
+  TriangleMesh surface = options.writes_full_mesh ? sharp_surface(drilling.drilled)
+                                                  : display_mesh(drilling.drilled, {}, nullptr, progress);
+  const LooseChips chips = drop_loose_chips(surface);
 
   progress.report("meshing", 0.0);
   const MeshQuality quality = measure_mesh(surface);
-  const DrillFigures figures{drilling, bone, setup, tool_operator.words, quality, recording.lost()};
+  const DrillFigures figures{drilling, bone, setup, tool_operator.words, quality, chips, recording.lost()};
   DrillReportData data = report_data(page.title, page.ct, figures);
   data.command = page.command;
   data.date = today();

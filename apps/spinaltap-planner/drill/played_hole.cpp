@@ -109,10 +109,12 @@ void write_report(const DoneDrilling& drilling, const std::filesystem::path& fol
   RecordedMotion tool_operator(drilling.inputs, false);
   const Drilling again = drill_bone(*drilling.bone->bone, drilling.setup, tool_operator, {}, progress);
   progress.report("meshing", 0.0);
-  const TriangleMesh surface = sharp_surface(again.drilled);
+  TriangleMesh surface = sharp_surface(again.drilled);
+  const LooseChips chips = drop_loose_chips(surface);
   const MeshQuality quality = measure_mesh(surface);
-  DrillReportData data = report_data("Drilling " + path.name, &drilling.bone->ct,
-                                     {again, *drilling.bone->bone, drilling.setup, drilling.operator_words, quality});
+  DrillReportData data =
+      report_data("Drilling " + path.name, &drilling.bone->ct,
+                  {again, *drilling.bone->bone, drilling.setup, drilling.operator_words, quality, chips});
   data.renders = drill_pictures(again.before, again.drilled, path, progress);
   data.notes.emplace_back("Drilled in the planner. Rates are those of the same cycles run again as fast as they go.");
   if (!drilling.setup.holes.empty()) {

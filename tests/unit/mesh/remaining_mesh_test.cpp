@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "tests/support/drilled_ball.h"
+#include "tests/support/mesh_shapes.h"
 
 namespace spinaltap {
 namespace {
@@ -54,6 +55,36 @@ TEST(RemainingMesh, IsTheBoneBeforeDrilling) {
     ASSERT_NEAR(kDrilledBall.distance_mm(p.cast<double>()), 0.0, 0.01);
   }
   EXPECT_EQ(mesh.triangles.size(), 2 * test::cut_edge_count(bone));
+}
+
+TriangleMesh joined_meshes(std::initializer_list<TriangleMesh> parts) {
+  TriangleMesh whole;
+  for (const TriangleMesh& part : parts) {
+    const auto first = static_cast<std::uint32_t>(whole.vertices_mm.size());
+    whole.vertices_mm.insert(whole.vertices_mm.end(), part.vertices_mm.begin(), part.vertices_mm.end());
+    for (const auto& [a, b, c] : part.triangles) whole.triangles.push_back({first + a, first + b, first + c});
+  }
+  return whole;
+}
+
+TEST(LooseChips, AreSmallPiecesAndNeverHollowsOrTheLargest) {
+  const auto box = [](float side_mm, float x_mm) {
+    return test::box_mesh(Eigen::Vector3f::Constant(side_mm), Eigen::Vector3f(x_mm, -300.0F, 900.0F));
+  };
+  TriangleMesh hollow = box(0.5F, 2.0F);
+  for (auto& triangle : hollow.triangles) std::swap(triangle[1], triangle[2]);
+  TriangleMesh mesh = joined_meshes({box(0.2F, 12.0F), box(10.0F, 0.0F), hollow, box(0.9F, 14.0F), box(1.1F, 20.0F)});
+  const LooseChips chips = drop_loose_chips(mesh);
+  EXPECT_EQ(chips.count, 2U);
+  EXPECT_NEAR(chips.volume_mm3, 0.008 + 0.729, 1e-3);
+  const TriangleMesh expected = joined_meshes({box(10.0F, 0.0F), hollow, box(1.1F, 20.0F)});
+  EXPECT_EQ(mesh.vertices_mm, expected.vertices_mm);
+  EXPECT_EQ(mesh.triangles, expected.triangles);
+  TriangleMesh alone = box(0.1F, 0.0F);
+  EXPECT_EQ(drop_loose_chips(alone).count, 0U);
+  EXPECT_EQ(alone.triangles.size(), 12U);
+  TriangleMesh nothing;
+  EXPECT_EQ(drop_loose_chips(nothing).count, 0U);
 }
 
 TEST(RemainingMesh, StaysClosedAndEqualsTheWholeMeshedAtOnceThroughRandomDrilling) {
