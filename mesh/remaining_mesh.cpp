@@ -72,7 +72,9 @@ LooseChips drop_loose_chips(TriangleMesh& mesh, double max_mm3) {
     while (first[vertex] != vertex) vertex = first[vertex] = first[first[vertex]];
     return vertex;
   };
+  std::vector<bool> is_used(mesh.vertices_mm.size(), false);
   for (const auto& [a, b, c] : mesh.triangles) {
+    is_used[a] = is_used[b] = is_used[c] = true;
     for (const std::uint32_t other : {b, c}) {
       const std::uint32_t one = piece_of(a), two = piece_of(other);
       first[std::max(one, two)] = std::min(one, two);
@@ -93,10 +95,6 @@ LooseChips drop_loose_chips(TriangleMesh& mesh, double max_mm3) {
   TriangleMesh kept;
   LooseChips chips;
   std::vector<std::uint32_t> moved(mesh.vertices_mm.size(), kNowhere);
-  std::vector<bool> is_used(mesh.vertices_mm.size(), false);
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
-  }
   for (std::uint32_t n = 0; n < mesh.vertices_mm.size(); ++n) {
     if (!is_used[n]) continue;
     const std::uint32_t piece = piece_of(n);

@@ -33,6 +33,7 @@ Hit first_hit(BoneRay& ray, const std::optional<DrawnSolid>& bit, const Vec3& ey
 }
 
 View view_of(const detail::DrawnBone& drawn, const Camera& camera, const std::optional<RenderedBit>& bit) {
+  check_camera(camera);
   std::optional<DrawnSolid> drawn_bit;
   if (bit) drawn_bit.emplace(bit->bit, bit->pose, Eigen::Array3d::Zero());
   View view;
@@ -63,12 +64,10 @@ View view_of(const detail::DrawnBone& drawn, const Camera& camera, const std::op
 }  // namespace
 
 View view_bone(const BoneModel& bone, const Camera& camera, const std::optional<RenderedBit>& bit) {
-  check_camera(camera);
   return view_of(detail::DrawnBone(bone), camera, bit);
 }
 
 View view_bone(const CutHole& bone, const Camera& camera, const std::optional<RenderedBit>& bit) {
-  check_camera(camera);
   return view_of(detail::DrawnBone(bone.bone, bone.hole->hole), camera, bit);
 }
 
