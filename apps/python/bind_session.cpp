@@ -84,9 +84,10 @@ Material material_of(const std::filesystem::path& material, const std::filesyste
 
 std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& path, double radius_mm, double spacing_mm,
                                            double lead_in_mm, double fine_spacing_mm, const std::string& engine,
-                                           double rpm, bool clearances, double stop_thrust_n, double stop_clearance_mm,
-                                           bool stop_on_breach, const std::filesystem::path& material,
-                                           const std::filesystem::path& density, const py::object& progress) {
+                                           const std::optional<Numbers>& region_mm, double rpm, bool clearances,
+                                           double stop_thrust_n, double stop_clearance_mm, bool stop_on_breach,
+                                           const std::filesystem::path& material, const std::filesystem::path& density,
+                                           const py::object& progress) {
   SessionSetup setup;
   setup.material = material_of(material, density);
   setup.volume.radius_mm = radius_mm;
@@ -94,6 +95,11 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
   setup.volume.lead_in_mm = lead_in_mm;
   setup.fine_spacing_mm = fine_spacing_mm;
   setup.engine = named(engine_kinds(), engine, "an engine");
+  if (region_mm) {
+    const std::vector<Vec3> corners = points_of(*region_mm);
+    if (corners.size() != 2) fail("expected two corners of region_mm, (2, 3), found ", corners.size());
+    setup.region_mm = Box3(corners[0], corners[1]);
+  }
   setup.options.spindle.rpm = rpm;
   setup.options.stop = {stop_thrust_n, stop_clearance_mm, stop_on_breach};
   setup.has_clearances = clearances;
@@ -221,12 +227,14 @@ void bind_session(py::module_& module) {
 
 The drilling of one hole is one session: it begins at time 0 and cycle 0; end_hole() begins the next.)")
       .def(py::init(&make_session), "bone"_a, "path"_a, py::kw_only(), "radius_mm"_a = 3.0, "spacing_mm"_a = 0.1,
-           "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "ring", "rpm"_a = 1250.0,
-           "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
+           "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "auto", "region_mm"_a = py::none(),
+           "rpm"_a = 1250.0, "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
            "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "progress"_a = py::none(),
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
-surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; or "voxel", for
-any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points. rpm: of the spindle; 0: off.
+surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; "voxel", for
+any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" where there is a
+region, else a fast one of points. region_mm: voxels only in this box, its two corners, (2, 3), patient LPS, as
+Bone.bounds_mm has them; an event tells where the tool leaves it. rpm: of the spindle; 0: off.
 clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes true. material,
 density: files of cutting models and density calibrations; the shipped ones by default. Raises Error where the path misses
 the bone.)")
@@ -307,7 +315,10 @@ memory, which never changes.)")
           "drilled", [](OwnedSession& self) { return self.take()->drilled(); },
           py::call_guard<py::gil_scoped_release>(), "The bone without all holes.")
       .def_property_readonly("bone", [](OwnedSession& self) { return self.take()->bone(); })
-      .def_property_readonly("path", [](OwnedSession& self) { return self.take()->path(); });
+      .def_property_readonly("path", [](OwnedSession& self) { return self.take()->path(); })
+      .def_property_readonly(
+          "engine", [](OwnedSession& self) { return name_of(self.take()->setup().engine); },
+          "Its name: what \"auto\" came to, too.");
 }
 
 }  // namespace spinaltap

@@ -65,6 +65,8 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   const auto count = [](std::size_t value) { return std::to_string(value); };
   for (const auto& [name, value] : figures.operator_words) data.figures.push_back({"Operator, " + name, value, ""});
   data.figures.push_back({"Spindle", fixed_text(figures.setup.options.spindle.rpm, 0), "rpm"});
+  data.figures.push_back({"Engine", name_of(figures.setup.engine), ""});
+  if (figures.setup.region_mm) data.figures.push_back({"Region", region_text(*figures.setup.region_mm), ""});
   if (drilling.left.voxels) {
     data.figures.insert(data.figures.end(), {{"Voxels", fixed_text(drilling.left.voxels->voxel_mm(), 3), "mm"},
                                              {"Voxels of bone", count(drilling.points_in_bone), ""},
@@ -102,6 +104,13 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
     data.notes.push_back("The record lacks " + count(figures.cycles_not_recorded) + " cycles.");
   }
   return data;
+}
+
+std::string region_text(const Box3& region_mm) {
+  const auto corner = [](const Vec3& at) {
+    return fixed_text(at.x(), 1) + ", " + fixed_text(at.y(), 1) + ", " + fixed_text(at.z(), 1);
+  };
+  return corner(region_mm.min()) + " to " + corner(region_mm.max()) + " mm";
 }
 
 void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const DrillReportData& data,

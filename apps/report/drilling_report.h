@@ -43,6 +43,9 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
 void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const DrillReportData& data,
                     const std::filesystem::path& folder, StagedOutput& output);
 
+/// "12.0, -3.5, 40.0 to 52.0, 36.5, 80.0 mm"
+std::string region_text(const Box3& region_mm);
+
 /// What a record says of the session, the operator (OperatorPlan::words) and the pace.
 std::map<std::string, std::string> record_words(const SessionSetup& setup,
                                                 const std::map<std::string, std::string>& operator_words,

@@ -103,10 +103,10 @@ void OperatorChoice::check(bool is_real_time) const {
   if (step_mm && is_real_time) fail("expected no --step with --real-time: --feed and --rate say how far a cycle goes");
 }
 
-EngineKind OperatorChoice::best_engine() const {
-  constexpr double kLeavesFromDeg = 20.0;
-  if (is_milling()) return EngineKind::voxel;
-  return std::abs(tilt_deg.value_or(0.0)) >= kLeavesFromDeg ? EngineKind::leaf : EngineKind::ring;
+ExpectedWay OperatorChoice::expected_way() const {
+  return {.max_tilt_deg = tilt_deg.value_or(name == "tilted" ? kTiltDeg : 0.0),
+          .keeps_to_path = !is_milling(),
+          .trembles = is_pose_file(name) || tremor_or_default_mm() > 0.0};
 }
 
 double OperatorChoice::tremor_or_default_mm() const { return tremor_mm.value_or(name == "tremor" ? kTremorMm : 0.0); }
@@ -149,8 +149,12 @@ void OperatorChoice::add_force_controlled(const DrillPath& path, const GuideLine
   plan.tool_operator = std::make_unique<ForceControlled>(path, push);
 }
 
-void OperatorChoice::add_recorded_motion(OperatorPlan& plan) const {
+void OperatorChoice::add_recorded_motion(const DrillPath& path, OperatorPlan& plan) const {
   std::vector<ToolInput> inputs = read_pose_csv(name);
+  for (const ToolInput& input : inputs) {
+    const double cosine = std::clamp(input.pose.axis.dot(path.direction()), -1.0, 1.0);
+    plan.way.max_tilt_deg = std::max(plan.way.max_tilt_deg, std::acos(cosine) / kDegree);
+  }
   plan.rate_hz = mean_rate_hz(inputs);
   plan.words["poses"] = std::to_string(inputs.size());
   plan.tool_operator = std::make_unique<RecordedMotion>(std::move(inputs));
@@ -177,9 +181,10 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
                                   const ScalarField* bone) const {
   check(is_real_time);
   OperatorPlan plan;
+  plan.way = expected_way();
   plan.words["kind"] = name.empty() ? "on-path" : is_milling() ? "milling" : name;
   if (is_pose_file(name)) {
-    add_recorded_motion(plan);
+    add_recorded_motion(path, plan);
   } else if (is_milling()) {
     add_milling(path, bone, plan);
   } else {

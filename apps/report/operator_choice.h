@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/scalar_field.h"
-#include "core/engine/drill_engine.h"
+#include "core/session/choose_engine.h"
 #include "core/session/operator/operator.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/drill_path.h"
@@ -19,6 +19,7 @@ struct OperatorPlan {
   std::unique_ptr<Operator> tool_operator;
   double rate_hz = 1000.0;        ///< poses a second
   double cycle_rate_hz = 1000.0;  ///< collision cycles a second, in real time
+  ExpectedWay way;
   /// What a record says of the operator, by option: it holds the poses themselves.
   std::map<std::string, std::string> words;
 };
@@ -42,8 +43,8 @@ struct OperatorChoice {
   void check(bool is_real_time) const;
   /// A milling takes away the walls that clearances are to.
   bool is_milling() const { return name.ends_with(".json"); }
-  /// The engine that drills its way fastest of those that may: docs/drilling-engine.md.
-  EngineKind best_engine() const;
+  /// As far as it is known before files are read.
+  ExpectedWay expected_way() const;
   /// The operator, from `lead_in_mm` before the path's entry; `bone`: the distance to its surface, which a milling
   /// follows, asked here only. Throws Error on values out of range, where a file of poses or a milling cannot be read,
   /// and on a milling without a bone.
@@ -51,7 +52,7 @@ struct OperatorChoice {
                     const ScalarField* bone = nullptr) const;
 
  private:
-  void add_recorded_motion(OperatorPlan& plan) const;
+  void add_recorded_motion(const DrillPath& path, OperatorPlan& plan) const;
   void add_milling(const DrillPath& path, const ScalarField* bone, OperatorPlan& plan) const;
   void add_planned_motion(const DrillPath& path, const GuideLine& line, OperatorPlan& plan) const;
   void add_force_controlled(const DrillPath& path, const GuideLine& line, const Spindle& spindle,

@@ -1,12 +1,37 @@
 #include "apps/spinaltap/drill_options.h"
 
 #include <map>
+#include <sstream>
+#include <vector>
 
 #include "apps/spinaltap/command.h"
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/engine/drill_engine.h"
+#include "core/session/choose_engine.h"
 
 namespace spinaltap {
+namespace {
+
+/// A distance, or the six numbers of two corners.
+std::vector<double> region_numbers(const std::string& text) {
+  std::vector<double> numbers;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const std::optional<double> number = parse_number(part);
+    if (!number) {
+      numbers.clear();
+      break;
+    }
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != 1 && numbers.size() != 6) {
+    fail("expected --region as a distance from the path, or as X0,Y0,Z0,X1,Y1,Z1, in mm; found \"", text, "\"");
+  }
+  return numbers;
+}
+
+}  // namespace
 
 void add_straight_motion(CLI::App& app, OperatorChoice& tool_operator) {
   app.add_option("--step", tool_operator.step_mm, "Advance a cycle, mm; default: 0.001")->type_name("MM");
@@ -76,11 +101,16 @@ void DrillOptions::add_to(CLI::App& app) {
                  "A surface that `fit` wrote: decides exactly which points are bone, in place of the grid; slower")
       ->type_name("FILE");
   app.add_option(
-         "--engine", engine,
+         "--engine", setup.engine,
          "Drilling engine: ring, leaf, arc, reference: the same result; or voxel: the whole bone's voxels, --spacing "
-         "apart, for any tool and way. Default: ring; leaf from a --tilt of 20 degrees on; voxel for a milling")
+         "apart, for any tool and way. Default: auto: ring or leaf, whichever is faster; voxel for a milling or a "
+         "--region")
       ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
+  app.add_option("--region", region,
+                 "Fill voxels only this near the path, mm, or only in this box, patient LPS, mm; default: the whole "
+                 "bone. An event tells where the tool leaves it")
+      ->type_name("MM|X0,Y0,Z0,X1,Y1,Z1");
   app.add_flag("--full-mesh", writes_full_mesh,
                "Write surfaces with triangles of a voxel's size, not display meshes within 0.05 mm of them");
   app.add_flag("--points", writes_points, "Also write the points left as points.vdb, for Houdini, Blender, ParaView");
@@ -128,12 +158,32 @@ void DrillOptions::check() const {
   if (tool_operator.is_milling() && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
     fail("expected no --stop-at-clearance and no --stop-on-breach with a milling: it takes the walls away");
   }
-  if (chosen_engine() == EngineKind::voxel && (writes_points || writes_splats || !field.empty())) {
-    fail("expected an engine of points with --points, --splats and --rbf, found voxels: a milling, or --engine voxel");
+  SessionSetup session = setup;
+  if (!region.empty()) {
+    region_numbers(region);
+    session.region_mm.emplace();
+    if (setup.engine != EngineKind::automatic && setup.engine != EngineKind::voxel) {
+      fail("expected no --engine ", name_of(setup.engine), " with --region: only voxels can fill one");
+    }
+  }
+  if (chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel &&
+      (writes_points || writes_splats || !field.empty())) {
+    fail(
+        "expected an engine of points with --points, --splats and --rbf, found voxels: a milling, "
+        "a --region, or --engine voxel");
   }
   if (!record.empty() && !field.empty()) {
     fail("expected --record without --rbf: a record does not hold the fitted surface, so it could not be replayed");
   }
+}
+
+std::optional<Box3> DrillOptions::region_mm(const DrillPath& path) const {
+  if (region.empty()) return std::nullopt;
+  const std::vector<double> numbers = region_numbers(region);
+  if (numbers.size() == 1) return region_around(path, setup.volume.lead_in_mm, numbers.front());
+  const Box3 box(Vec3(numbers[0], numbers[1], numbers[2]), Vec3(numbers[3], numbers[4], numbers[5]));
+  check_region(box);
+  return box;
 }
 
 std::optional<RealTimeOptions> DrillOptions::real_time(const OperatorPlan& plan) const {

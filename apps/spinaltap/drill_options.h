@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "apps/report/operator_choice.h"
 #include "core/ct/hu_to_density.h"
@@ -26,8 +27,8 @@ struct DrillOptions {
   bool writes_splats = false;
   bool leaves_clearances = false;
   double log_step_mm = 0.1;
-  SessionSetup setup;                ///< but for the path, the material, the engine and the bone's hash
-  std::optional<EngineKind> engine;  ///< none: the operator's best
+  SessionSetup setup;  ///< but for the path, the material, the region and the bone's hash
+  std::string region;  ///< empty: none
   OperatorChoice tool_operator;
   std::filesystem::path record;  ///< empty: none
   bool may_replace_record = false;
@@ -43,7 +44,8 @@ struct DrillOptions {
 
   /// Throws Error where options do not go together.
   void check() const;
-  EngineKind chosen_engine() const { return engine.value_or(tool_operator.best_engine()); }
+  /// The box of --region; nothing without it.
+  std::optional<Box3> region_mm(const DrillPath& path) const;
   /// How the threads are paced; nothing where drilling goes as fast as it goes.
   std::optional<RealTimeOptions> real_time(const OperatorPlan& tool_operator) const;
 };

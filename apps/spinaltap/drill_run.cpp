@@ -21,6 +21,7 @@
 #include "core/points/neighbour_distances.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_file.h"
+#include "core/session/choose_engine.h"
 #include "core/session/record/session_record.h"
 #include "mesh/cut_out.h"
 #include "mesh/display_mesh.h"
@@ -147,6 +148,7 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
     print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
   }
   print_figure("engine", name_of(figures.setup.engine));
+  if (figures.setup.region_mm) print_figure("region", region_text(*figures.setup.region_mm));
   for (const auto& [name, value] : figures.operator_words) print_figure("operator, " + name, value);
   print_figure("cycles", static_cast<double>(drilling.cycles), "", 0);
   print_figure("drilled for", drilling.session_s, "s", 3);
@@ -208,6 +210,9 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"calibration_max_g_cm3", density.max_residual_g_cm3},
             {"loose_chips", {{"count", figures.chips.count}, {"volume_mm3", figures.chips.volume_mm3}}},
             {"mesh", report_mesh(figures.mesh)}};
+  if (figures.setup.region_mm) {
+    json["region_mm"] = {to_json(figures.setup.region_mm->min()), to_json(figures.setup.region_mm->max())};
+  }
   if (figures.chips.count > 0) {
     print_figure("loose chips left out of the mesh",
                  std::to_string(figures.chips.count) + ", " + fixed_text(figures.chips.volume_mm3, 3) + " mm3");
@@ -242,10 +247,11 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   SessionSetup setup = options.setup;
   setup.path = path;
   setup.has_clearances = !options.leaves_clearances && !options.tool_operator.is_milling();
-  setup.engine = options.chosen_engine();
+  setup.region_mm = options.region_mm(path);
   const BoneField whole(bone.model());
   OperatorPlan tool_operator =
       options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);
+  setup.engine = chosen_engine(setup, tool_operator.way);
   const DensityCalibration density =
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   setup.material =

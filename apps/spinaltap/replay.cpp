@@ -45,7 +45,7 @@ void add_replay(CLI::App& program, Command& command) {
   app->add_option("bone", options->bone, "The bone.vdb or spine.vdb that was drilled")->required()->type_name("BONE");
   add_level(*app, options->level);
   app->add_option("--engine", options->engine,
-                  "Drilling engine: ring, leaf, arc, reference (default: that of the record); same result")
+                  "Drilling engine: ring, leaf, arc, reference (default, and auto: that of the record); same result")
       ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
   command.run = [options, &command](const Progress& progress) { return replay(*options, progress, command.exit_code); };

@@ -5,11 +5,9 @@
 namespace spinaltap {
 
 const std::map<std::string, EngineKind>& engine_kinds() {
-  static const std::map<std::string, EngineKind> kinds{{"reference", EngineKind::reference},
-                                                       {"arc", EngineKind::arc},
-                                                       {"ring", EngineKind::ring},
-                                                       {"leaf", EngineKind::leaf},
-                                                       {"voxel", EngineKind::voxel}};
+  static const std::map<std::string, EngineKind> kinds{
+      {"auto", EngineKind::automatic}, {"reference", EngineKind::reference}, {"arc", EngineKind::arc},
+      {"ring", EngineKind::ring},      {"leaf", EngineKind::leaf},           {"voxel", EngineKind::voxel}};
   return kinds;
 }
 

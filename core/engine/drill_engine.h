@@ -12,9 +12,10 @@
 
 namespace spinaltap {
 
-/// The drilling engines. All but one remove the same points of a cylinder along the path; `voxel` mills voxels of the
-/// whole bone. docs/drilling-engine.md says which is fast where.
-enum class EngineKind { reference, arc, ring, leaf, voxel };
+/// The drilling engines. Those of points remove the same points of a cylinder along the path; `voxel` mills voxels of
+/// the bone; `automatic` ("auto") is one of these, which a session takes by what it is to drill
+/// (core/session/choose_engine.h). docs/drilling-engine.md says which is fast where.
+enum class EngineKind { automatic, reference, arc, ring, leaf, voxel };
 
 /// Engines by the names that they have in options and reports.
 const std::map<std::string, EngineKind>& engine_kinds();

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/geometry.h"
 #include "core/engine/drill_engine.h"
 #include "core/points/point_volume.h"
 #include "core/session/drill_session.h"
@@ -20,10 +22,18 @@ struct SessionSetup {
   double fine_spacing_mm = 0.0;  ///< as FineSpacing has them
   double fine_near_mm = 1.0;
   double fine_tip_mm = 0.0;
-  EngineKind engine = EngineKind::ring;
+  EngineKind engine = EngineKind::automatic;
+  std::optional<Box3> region_mm = {};  ///< of voxels: those with their centre in it, patient LPS; none: the whole bone
   SessionOptions options;
   bool has_clearances = true;
   std::vector<DrilledHole> holes = {};  ///< drilled before: their points are gone when the session begins
 };
+
+/// The box of all that lies within `margin_mm` of a path, from `lead_in_mm` before its entry to its target. Throws
+/// Error unless the margin is above 0 and finite.
+Box3 region_around(const DrillPath& path, double lead_in_mm, double margin_mm);
+
+/// Throws Error where a region is no box with finite corners and with room between them.
+void check_region(const Box3& region_mm);
 
 }  // namespace spinaltap

@@ -40,7 +40,7 @@ struct StudySpec {
   PointVolumeOptions volume{.radius_mm = 0.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};
   double lead_out_mm = 5.0;  ///< how far past the target the cylinder goes
   /// `voxel`: voxels of the bone in the box of that cylinder, its spacing apart, in place of points.
-  EngineKind engine = EngineKind::ring;
+  EngineKind engine = EngineKind::automatic;
   SessionOptions options;
   StudyOperator tool_operator;
   StudyDesign design;

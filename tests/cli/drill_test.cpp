@@ -218,6 +218,36 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   EXPECT_THAT(report, Not(HasSubstr("Points in the cylinder")));
 }
 
+TEST_F(Drill, FillsVoxelsOfARegion) {
+  const Json whole = drill("--engine voxel --operator tremor");
+  const Json near = drill("--region 2.5 --operator tremor --record region.h5");
+  EXPECT_EQ(near["engine"], "voxel");
+  EXPECT_FALSE(whole.contains("region_mm"));
+  ASSERT_TRUE(near.contains("region_mm"));
+  EXPECT_LT(near["points_in_bone"], whole["points_in_bone"]);
+  for (const char* key : {"removed", "max_depth_mm", "mesh"}) EXPECT_EQ(near[key], whole[key]) << key;
+  for (const char* key : {"max_thrust_n", "max_torque_n_mm"}) {
+    EXPECT_NEAR(near[key].get<double>(), whole[key].get<double>(), 1e-9) << key;
+  }
+  ASSERT_EQ(near["events"].size(), whole["events"].size());
+  for (std::size_t n = 0; n < near["events"].size(); ++n) {
+    EXPECT_EQ(near["events"][n]["event"], whole["events"][n]["event"]);
+    EXPECT_EQ(near["events"][n]["cycle"], whole["events"][n]["cycle"]);
+  }
+  // The same as a box.
+  std::string corners;
+  for (const Json& corner : near["region_mm"]) {
+    for (const Json& number : corner) corners += (corners.empty() ? "" : ",") + number.dump();
+  }
+  const Json box = drill("--region=" + corners + " --operator tremor");
+  EXPECT_EQ(box["region_mm"], near["region_mm"]);
+  EXPECT_EQ(box["points_in_bone"], near["points_in_bone"]);
+  EXPECT_EQ(box["removed"], near["removed"]);
+  const test::ProgramRun replay = test::run_program("replay region.h5 bone.vdb", folder_->path());
+  EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
+  EXPECT_THAT(read_whole_file(folder_->path() / "out" / "report.html"), HasSubstr("Region"));
+}
+
 TEST_F(Drill, TakesTheFastestEngine) {
   EXPECT_EQ(drill("")["engine"], "ring");
   const Json leaf = drill("--tilt 20"), ring = drill("--tilt 20 --engine ring");
@@ -287,6 +317,13 @@ TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {
   rejected("--record run2.h5 --rbf none.rbf", "without --rbf");
   rejected("--engine voxel --points", "an engine of points with --points");
   rejected("--engine voxel --jitter 0.1", "expected no jitter");
+  rejected("--region 5 --engine ring", "only voxels can fill one");
+  rejected("--region 5 --points", "an engine of points with --points");
+  rejected("--region 0", "expected a distance from the path above 0 mm");
+  rejected("--region 1,2,3", "expected --region as a distance");
+  rejected("--region near", "found \"near\"");
+  rejected("--region 5,5,5,1,1,1", "whose second corner lies beyond its first");
+  rejected("--region 900,900,900,910,910,910", "expected a region with bone in it");
   rejected("--feed 1:x", "expected --feed");
   rejected("--feed 0", "0 mm/s");
   rejected("--tremor -1", "tremor");

@@ -136,6 +136,19 @@ class Session(unittest.TestCase):
         again = made_bone.session(engine="voxel").run(poses())
         np.testing.assert_array_equal(again, by_voxels)
 
+    def test_drills_voxels_of_a_region(self):
+        whole, corners = made_bone.session(engine="voxel"), made_bone.bone().bounds_mm
+        self.assertEqual(whole.engine, "voxel")
+        self.assertEqual(made_bone.session().engine, "ring")
+        part = made_bone.session(region_mm=corners)
+        self.assertEqual(part.engine, "voxel")
+        np.testing.assert_array_equal(part.run(poses()), whole.run(poses()))
+        for bad, words in [(corners[::-1], "second corner"), (corners[:1], "two corners"), (corners + 900, "with bone")]:
+            with self.assertRaisesRegex(spinaltap.Error, words):
+                made_bone.session(region_mm=bad)
+        with self.assertRaisesRegex(spinaltap.Error, "found ring"):
+            made_bone.session(region_mm=corners, engine="ring")
+
 
 class Record(unittest.TestCase):
     def setUp(self):

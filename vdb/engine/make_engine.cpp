@@ -25,6 +25,8 @@ std::unique_ptr<DrillEngine> make_leaf_engine(std::span<PointVolume* const> volu
 std::unique_ptr<DrillEngine> make_engine(EngineKind kind, PointVolume& volume, const DrillBit& bit,
                                          const Material& material) {
   switch (kind) {
+    case EngineKind::automatic:
+      fail("expected an engine for points, found auto, which is chosen for a session");
     case EngineKind::reference:
       return make_reference_engine(volume, bit, material);
     case EngineKind::arc:

@@ -19,7 +19,8 @@ std::unique_ptr<DrillEngine> make_leaf_engine(PointVolume& volume, const DrillBi
 std::unique_ptr<DrillEngine> make_leaf_engine(std::span<PointVolume* const> volumes, const DrillBit& bit,
                                               const Material& material);
 
-/// The engine of a kind for points, also of those that stand on a VDB tree. Throws Error for EngineKind::voxel.
+/// The engine of a kind for points, also of those that stand on a VDB tree. Throws Error for EngineKind::voxel
+/// and EngineKind::automatic.
 std::unique_ptr<DrillEngine> make_engine(EngineKind kind, PointVolume& volume, const DrillBit& bit,
                                          const Material& material);
 

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/engine/volume_segments.h"
+#include "core/session/choose_engine.h"
 #include "vdb/engine/living_voxels.h"
 #include "vdb/engine/make_engine.h"
 #include "vdb/engine/voxel_engine.h"
@@ -33,18 +34,27 @@ void check_for_voxels(const SessionSetup& setup, const ScalarField* exact) {
 
 DrilledBone::DrilledBone(const BoneModel& bone, const SessionSetup& setup, const ScalarField* exact,
                          const Progress& progress) {
-  if (setup.engine == EngineKind::voxel) {
+  const EngineKind engine = chosen_engine(setup);
+  if (engine == EngineKind::voxel) {
     check_for_voxels(setup, exact);
-    voxels = std::make_unique<VoxelBone>(bone, VoxelBoneOptions{.voxel_mm = setup.volume.spacing_mm}, progress);
+    VoxelBoneOptions options{.voxel_mm = setup.volume.spacing_mm};
+    if (setup.region_mm) {
+      check_region(*setup.region_mm);
+      options.region_mm = *setup.region_mm;
+    }
+    voxels = std::make_unique<VoxelBone>(bone, options, progress);
     for (const DrilledHole& hole : setup.holes) drill_out(*make_voxel_engine(*voxels, hole.bit, setup.material), hole);
     return;
+  }
+  if (setup.region_mm) {
+    fail("region: expected the engine voxel, found ", name_of(engine), ", whose points fill a cylinder along the path");
   }
   volumes =
       volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
   for (PointVolume& volume : volumes) {
     fill_volume(volume, sampler_of(bone, exact), progress);
     for (const DrilledHole& hole : setup.holes) {
-      drill_out(*make_engine(setup.engine, volume, hole.bit, setup.material), hole);
+      drill_out(*make_engine(engine, volume, hole.bit, setup.material), hole);
     }
   }
 }
@@ -70,7 +80,7 @@ std::unique_ptr<DrillSession> DrilledBone::begin_session(const SessionSetup& set
   }
   std::vector<std::unique_ptr<DrillEngine>> engines;
   for (PointVolume& volume : volumes) {
-    engines.push_back(make_engine(setup.engine, volume, path.bit, setup.material));
+    engines.push_back(make_engine(chosen_engine(setup), volume, path.bit, setup.material));
   }
   return std::make_unique<DrillSession>(path, volumes, make_joint_engine(std::move(engines)), setup.material,
                                         clearances, setup.options);

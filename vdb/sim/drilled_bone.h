@@ -14,14 +14,15 @@
 namespace spinaltap {
 
 /// What a session drills in place: volumes of points along its path, or, with EngineKind::voxel, voxels of the whole
-/// bone.
+/// bone or of a region. Where the setup's engine is `automatic`, chosen_engine() says which.
 struct DrilledBone {
   std::vector<PointVolume> volumes;
   std::unique_ptr<VoxelBone> voxels;
 
   DrilledBone() = default;
   /// Filled from a bone, less the setup's holes. `exact` decides which points are bone, in place of the bone's grid,
-  /// where it is given. Throws Error where the setup asks of voxels what only points have.
+  /// where it is given. Throws Error where the setup asks of voxels what only points have, or a region of
+  /// points, and on a region that is empty or without bone.
   DrilledBone(const BoneModel& bone, const SessionSetup& setup, const ScalarField* exact = nullptr,
               const Progress& progress = {});
   DrilledBone(const DrilledBone& other);

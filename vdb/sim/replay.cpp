@@ -94,7 +94,7 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, co
     fail("expected the bone that was drilled in ", file.string(), ", of hash ", setup.bone_hash, "; found one of hash ",
          bone.hash());
   }
-  if (engine) setup.engine = *engine;
+  if (engine && *engine != EngineKind::automatic) setup.engine = *engine;
   const BuiltSession built = build_session(bone, setup, progress);
   const std::int64_t start_ns = wall_ns();
   Replay result = replay_record(*built.session, record, progress);

@@ -35,7 +35,8 @@ struct Replay {
 /// a record that was cut short, events that were still under way may have grown.
 Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress = {});
 
-/// Runs a record again on the bone that it was drilled in, with another engine where one is given. Throws
+/// Runs a record again on the bone that it was drilled in, with another engine where one is given (`automatic`: the
+/// record's own). Throws
 /// Error as read_record() does, on a record that is none of a session, and on another bone.
 Replay replay(const std::filesystem::path& record, const Bone& bone, std::optional<EngineKind> engine = {},
               const Progress& progress = {});

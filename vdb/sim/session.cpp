@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
+#include "core/session/choose_engine.h"
 #include "vdb/picture/view.h"
 #include "vdb/remaining/hole_cutter.h"
 #include "vdb/remaining/live_mesh.h"
@@ -119,6 +120,7 @@ namespace {
 SessionSetup complete(const Bone& bone, const DrillPath& path, SessionSetup setup) {
   setup.bone_hash = bone.hash();
   setup.path = path;
+  setup.engine = chosen_engine(setup);
   return setup;
 }
 

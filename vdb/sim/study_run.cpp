@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/plan/grade.h"
+#include "core/session/choose_engine.h"
 #include "core/study/study_task.h"
 #include "vdb/engine/voxel_bone.h"
 #include "vdb/sim/bone_path.h"
@@ -198,6 +199,9 @@ StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
   setup.path.bit = task.path.bit;
   setup.material = task.material;
   setup.engine = spec_.engine;
+  const double cosine = task.path.direction().dot(spec_.path.direction());
+  setup.engine = chosen_engine(setup, {.max_tilt_deg = std::acos(std::clamp(cosine, -1.0, 1.0)) / kDegree,
+                                       .trembles = task.tool_operator.tremor_mm > 0.0});
   setup.options = spec_.options;
   // Where the bit really goes in is its own entry opening, which it is meant to break.
   std::optional<ClearanceField> clearances;

@@ -356,7 +356,8 @@ class Session:
         spacing_mm: float = 0.1,
         lead_in_mm: float = 3.0,
         fine_spacing_mm: float = 0.0,
-        engine: str = "ring",
+        engine: str = "auto",
+        region_mm: ArrayLike | None = None,
         rpm: float = 1250.0,
         clearances: bool = True,
         stop_thrust_n: float = ...,
@@ -397,6 +398,8 @@ class Session:
     def bone(self) -> Bone: ...
     @property
     def path(self) -> Path: ...
+    @property
+    def engine(self) -> str: ...
 
 class Study:
     @staticmethod

@@ -10,6 +10,7 @@
 #include "core/base/text_writer.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
+#include "core/session/choose_engine.h"
 #include "core/session/operator/recorded_motion.h"
 #include "core/session/record/session_record.h"
 #include "mesh/remaining_mesh.h"
@@ -24,6 +25,12 @@ constexpr double kBeyondTargetMm = 20.0;  // operators may go further than the t
 const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
   const bool is_same = path.entry_mm == other.entry_mm && path.target_mm == other.target_mm;
   return is_same ? built.clearances.get() : nullptr;
+}
+
+/// The setup with the engine that serves the operator best.
+SessionSetup with_engine(SessionSetup setup, const OperatorChoice& tool_operator) {
+  setup.engine = chosen_engine(setup, tool_operator.expected_way());
+  return setup;
 }
 
 }  // namespace
@@ -51,7 +58,7 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
 PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
                        const PlayedHole* other, const Progress& progress)
     : bone_(std::move(bone)),
-      setup_(std::move(setup)),
+      setup_(with_engine(std::move(setup), tool_operator)),
       choice_(std::move(tool_operator)),
       operator_(choice_.plan(setup_.path, setup_.volume.lead_in_mm, setup_.options.spindle, false)),
       built_(

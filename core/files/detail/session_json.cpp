@@ -10,6 +10,7 @@
 #include "core/base/text_fields.h"
 #include "core/files/detail/material_json.h"
 #include "core/files/detail/tool_json.h"
+#include "core/session/choose_engine.h"
 
 namespace spinaltap {
 namespace {
@@ -147,6 +148,22 @@ std::vector<Pose> read_way(const Json& json, const fs::path& file) {
   return way;
 }
 
+Box3 read_region(const JsonObject& object, const fs::path& file) {
+  const Json& corners = list_of(object, "region_mm", file);
+  const auto is_corner = [](const Json& one) {
+    return one.is_array() && one.size() == 3 &&
+           std::ranges::all_of(one, [](const Json& number) { return number.is_number(); });
+  };
+  if (corners.size() != 2 || !std::ranges::all_of(corners, is_corner)) {
+    fail("expected two corners, [[x, y, z], [x, y, z]], for \"region_mm\" in ", file.string(), ", found ",
+         shown_value(corners));
+  }
+  const auto corner = [&](std::size_t n) {
+    return Vec3(corners[n][0].get<double>(), corners[n][1].get<double>(), corners[n][2].get<double>());
+  };
+  return {corner(0), corner(1)};
+}
+
 DrilledHole read_hole(const Json& json, const fs::path& file) {
   const JsonObject object(json, file);
   DrilledHole hole;
@@ -164,9 +181,10 @@ Json to_json(const SessionSetup& setup) {
       {"material", to_json(setup.material)},
       {"volume", json_of(setup.volume)},
       {"fine", {{"spacing_mm", setup.fine_spacing_mm}, {"near_mm", setup.fine_near_mm}, {"tip_mm", setup.fine_tip_mm}}},
-      {"engine", name_of(setup.engine)},
+      {"engine", name_of(chosen_engine(setup))},
       {"options", json_of(setup.options)},
       {"has_clearances", setup.has_clearances}};
+  if (setup.region_mm) json["region_mm"] = {to_json(setup.region_mm->min()), to_json(setup.region_mm->max())};
   for (const DrilledHole& hole : setup.holes) json["holes"].push_back(json_of(hole));
   return json;
 }
@@ -192,6 +210,7 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   setup.fine_near_mm = fine.number("near_mm");
   setup.fine_tip_mm = fine.number("tip_mm");
   setup.engine = read_engine(object, file);
+  if (object.has("region_mm")) setup.region_mm = read_region(object, file);
   setup.options = read_options_part(part_of(object, "options", file), file);
   setup.has_clearances = flag(object, "has_clearances", file);
   if (object.has("holes")) {
@@ -200,6 +219,7 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   try {
     check_path(setup.path);
     check_material(setup.material);
+    if (setup.region_mm) check_region(*setup.region_mm);
     for (const DrilledHole& hole : setup.holes) check_bit(hole.bit);
   } catch (const Error& error) {
     fail(file.string(), ": ", error.what());

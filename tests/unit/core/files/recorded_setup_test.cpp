@@ -37,6 +37,7 @@ SessionSetup odd_setup() {
   setup.fine_near_mm = 1.1;
   setup.fine_tip_mm = 2.2;
   setup.engine = EngineKind::leaf;
+  setup.region_mm = Box3(Vec3(0.1, -1.0 / 3.0, 2e-17), Vec3(10.0, 20.0 / 7.0, 31.0));
   setup.options.spindle = {1111.1, false};
   setup.options.stop = {55.5, 0.1, true};
   setup.options.states = {0.11, 0.66, 0.44, 0.12};
@@ -87,6 +88,9 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_EQ(back.fine_near_mm, 1.1);
   EXPECT_EQ(back.fine_tip_mm, 2.2);
   EXPECT_EQ(back.engine, EngineKind::leaf);
+  ASSERT_TRUE(back.region_mm);
+  EXPECT_EQ(back.region_mm->min(), setup.region_mm->min());
+  EXPECT_EQ(back.region_mm->max(), setup.region_mm->max());
   EXPECT_EQ(back.options.spindle.rpm, 1111.1);
   EXPECT_FALSE(back.options.spindle.is_clockwise);
   EXPECT_EQ(back.options.stop.thrust_n, 55.5);
@@ -98,6 +102,23 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_FALSE(back.has_clearances);
   // What there is beside: every key at once.
   EXPECT_EQ(to_json(back), to_json(setup));
+}
+
+TEST(SessionSetup, OfRecordsWithoutARegionIsTheWholeBone) {
+  Json json = to_json(odd_setup());
+  json.erase("region_mm");
+  EXPECT_FALSE(read_session_setup(json, "run.h5").region_mm);
+  SessionSetup whole = odd_setup();
+  whole.region_mm.reset();
+  EXPECT_FALSE(to_json(whole).contains("region_mm"));
+}
+
+TEST(SessionSetup, HoldsTheEngineThatAutoCameTo) {
+  SessionSetup setup = odd_setup();
+  setup.engine = EngineKind::automatic;
+  EXPECT_EQ(to_json(setup)["engine"], "voxel");
+  setup.region_mm.reset();
+  EXPECT_EQ(to_json(setup)["engine"], "ring");
 }
 
 TEST(SessionSetup, LeavesOutStopRulesThatNeverStop) {
@@ -137,6 +158,9 @@ TEST(SessionSetup, NamesFileAndKeyOfWhatIsWrong) {
   expect("subdivision", [](Json& json) { json["volume"]["subdivision"] = "squares"; });
   expect("specific_cutting_energy_mpa", [](Json& json) { json["material"]["specific_cutting_energy_mpa"] = "hard"; });
   expect("states", [](Json& json) { json["options"]["states"] = 1; });
+  expect("region_mm", [](Json& json) { json["region_mm"] = {1.0, 2.0}; });
+  expect("region_mm", [](Json& json) { json["region_mm"][1][2] = "high"; });
+  expect("region", [](Json& json) { json["region_mm"][1] = json["region_mm"][0]; });
   expect("on_breach", [](Json& json) { json["options"]["stop"]["on_breach"] = 1; });
   expect("path", [](Json& json) { json["path"]["target_mm"] = json["path"]["entry_mm"]; });
   EXPECT_THROW(recorded_setup({}, "run.h5"), Error);

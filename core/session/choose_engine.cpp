@@ -1,0 +1,23 @@
+#include "core/session/choose_engine.h"
+
+#include <cmath>
+
+namespace spinaltap {
+
+// The rule follows `spinaltap bench drill`, whose last table says how far it is from the fastest engine of each row;
+// docs/drilling-benchmarks.md has a run. The numbers here are of points 0.1 mm apart and tools of 3 mm.
+EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
+  if (setup.engine != EngineKind::automatic) return setup.engine;
+  // Points fill a cylinder around the session's one path: a region, and a way that leaves the path, need voxels.
+  if (setup.region_mm || !way.keeps_to_path) return EngineKind::voxel;
+  // Discs across the path are soon in reach of a bit that leans over; boxes do not care how it lies. `ring` was faster
+  // by 2 at 10 degrees, `leaf` by 2 at 20 and by 10 at 60.
+  constexpr double kLeavesFromDeg = 15.0;
+  if (std::abs(way.max_tilt_deg) >= kLeavesFromDeg) return EngineKind::leaf;
+  // Discs are passed over by how near they are to a cone and a cylinder, between which a ball leaves much room. As long
+  // as it only goes forward `ring` was faster by 1.4; in a hand that trembles `leaf` by 2.5. Conical burrs and tapered
+  // screws fill that room: `ring` was faster by 3 to 4 forward, by 1.3 to 2.5 with a tremor.
+  return setup.path.bit.shape == BitShape::round_burr && way.trembles ? EngineKind::leaf : EngineKind::ring;
+}
+
+}  // namespace spinaltap

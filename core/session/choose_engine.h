@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/engine/drill_engine.h"
+#include "core/session/session_setup.h"
+
+namespace spinaltap {
+
+/// What is known of a tool's way when a session is set up.
+struct ExpectedWay {
+  double max_tilt_deg = 0.0;  ///< of the tool's axis against the path
+  bool keeps_to_path = true;  ///< else no cylinder around the path holds it: a milling
+  bool trembles = true;       ///< moves aside as well, as a hand does; else it only goes along its axis
+};
+
+/// The engine of a session: the setup's own, or where that is `automatic`, the fastest of those that serve. What comes
+/// out does not depend on which engine of points it is; voxels are taken only where points cannot serve.
+EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way = {});
+
+}  // namespace spinaltap
