@@ -69,6 +69,40 @@ TEST_F(Bench, FindsTheSamePointsWithEveryEngine) {
   EXPECT_EQ(run.exit_code, 0) << run.errors;
 }
 
+TEST_F(Bench, MeasuresMillingsOfPointsAndVoxels) {
+  const test::ProgramRun run = run_program(
+      "bench drill --motion milling --spacing 0.5 --diameter 4 --engine leaf,voxel --json bench.json", folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("voxel with forces"));
+  EXPECT_THAT(run.output, HasSubstr("volumetric_drilling"));
+  const Json figures = read_json(folder_.path() / "bench.json");
+  // Points: upright, at 30 degrees, in short steps; voxels at 80 degrees and with forces, too.
+  ASSERT_EQ(figures["millings"].size(), 3U + 5U);
+  for (const Json& one : figures["millings"]) {
+    EXPECT_EQ(one["cycles"], 30'000);
+    EXPECT_GT(one["cycles_per_cpu_s"].get<double>(), 0.0);
+    EXPECT_LE(one["cpu_us"]["p99"].get<double>(), one["cpu_us"]["p99.9"].get<double>());
+    EXPECT_GT(one["removed_mm3"].get<double>(), 10.0);
+  }
+  EXPECT_EQ(figures["peers"].size(), 4U);
+}
+
+TEST_F(Bench, SaysWhatAutoComesToBesideTheBest) {
+  const test::ProgramRun run = run_program(
+      "bench drill --motion on-path,tilted-60 --spacing 0.5 --diameter 3 --engine ring,leaf --threads 1 "
+      "--json bench.json",
+      folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json choices = read_json(folder_.path() / "bench.json")["auto"];
+  ASSERT_EQ(choices.size(), 2U);
+  EXPECT_EQ(choices[0]["engine"], "ring");
+  EXPECT_EQ(choices[1]["engine"], "leaf");
+  for (const Json& choice : choices) {
+    EXPECT_GE(choice["to_best"].get<double>(), 1.0);
+    EXPECT_EQ(choice["to_best"] == 1.0, choice["engine"] == choice["best"]);
+  }
+}
+
 TEST_F(Bench, RepeatsItsTremorBySeed) {
   const auto hash = [&](const std::string& seed) {
     const test::ProgramRun run = run_program(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -21,8 +22,8 @@ namespace {
 struct BenchOptions {
   std::vector<std::string> engines;
   std::vector<std::string> motions;
-  std::vector<double> diameters_mm{3.0, 3.06};
-  std::vector<double> spacings_mm;  ///< empty: 0.1, and 0.025 for long steps
+  std::vector<double> diameters_mm;  ///< empty: 3.0 and 3.06, of millings 3, 4 and 6
+  std::vector<double> spacings_mm;   ///< empty: 0.1, and 0.025 for long steps, 0.1 and 0.2 for millings
   std::vector<int> threads{1, 2};
   int hu_bits = 8;
   std::size_t window = 200;
@@ -37,6 +38,8 @@ const std::vector<StepWorkload>& step_workloads() {
   return steps;
 }
 
+constexpr const char* kMilling = "milling";
+
 /// "burr" of "burr 1 mm", as --motion has it.
 std::string first_word(std::string_view name) { return std::string(name.substr(0, name.find(' '))); }
 
@@ -50,6 +53,7 @@ std::vector<std::string> all_motions() {
   std::vector<std::string> names;
   for (const WorkloadMotion motion : workload_motions()) names.emplace_back(name_of(motion));
   for (const StepWorkload& step : step_workloads()) names.push_back(first_word(step.name));
+  names.emplace_back(kMilling);
   return names;
 }
 
@@ -77,20 +81,24 @@ class Bench {
   Bench(const BenchOptions& options, const Progress& progress) : options_(options), progress_(progress) {}
 
   BenchResults run() {
-    const std::vector<double> path_spacings_mm =
-        options_.spacings_mm.empty() ? std::vector<double>{0.1} : options_.spacings_mm;
-    const std::vector<double> step_spacings_mm =
-        options_.spacings_mm.empty() ? std::vector<double>{0.025} : options_.spacings_mm;
-    for (const double spacing_mm : path_spacings_mm) {
+    const auto spacings = [&](const std::vector<double>& without) {
+      return options_.spacings_mm.empty() ? without : options_.spacings_mm;
+    };
+    for (const double spacing_mm : spacings({0.1})) {
       for (const WorkloadMotion motion : workload_motions()) {
         if (has(options_.motions, name_of(motion))) run_motion(spacing_mm, motion);
       }
     }
-    for (const double spacing_mm : step_spacings_mm) {
+    for (const double spacing_mm : spacings({0.025})) {
       for (const StepWorkload& step : step_workloads()) {
         if (has(options_.motions, first_word(step.name))) run_step(spacing_mm, step);
       }
     }
+    volume_.reset();
+    if (!has(options_.motions, kMilling)) return std::move(results_);
+    progress_.report("baking the phantom", 0.0);
+    const BoneModel bone = milling_bone();
+    for (const double spacing_mm : spacings({0.1, 0.2})) run_millings(bone, spacing_mm);
     return std::move(results_);
   }
 
@@ -104,14 +112,19 @@ class Bench {
     return *volume_;
   }
 
+  std::vector<double> diameters(const std::vector<double>& without) const {
+    return options_.diameters_mm.empty() ? without : options_.diameters_mm;
+  }
+
   void run_motion(double spacing_mm, WorkloadMotion motion) {
     PointVolume& volume = volume_of(spacing_mm);
     const std::vector<Pose> poses = workload_poses(motion, options_.seed);
-    for (const double diameter_mm : options_.diameters_mm) {
+    for (const double diameter_mm : diameters({3.0, 3.06})) {
       const std::size_t first = results_.runs.size();
       for (const BenchEngine& engine : bench_engines()) {
-        if (!has(options_.engines, engine.name)) continue;
-        const EngineRun run{engine.make, workload_path(diameter_mm).bit, poses};
+        if (!engine.make || !has(options_.engines, engine.name)) continue;
+        if (!engine.runs_whole_path && !is_of_paper(motion)) continue;
+        const EngineRun run{engine.make, workload_bit(motion, diameter_mm), poses};
         for (const int threads : options_.threads) {
           const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(threads));
@@ -151,7 +164,7 @@ class Bench {
     const std::size_t first = results_.steps.size();
     for (const BenchEngine& engine : bench_engines()) {
       // The others take seconds a step and never share it out.
-      if (!engine.uses_threads || !has(options_.engines, engine.name)) continue;
+      if (!engine.make || !engine.uses_threads || !has(options_.engines, engine.name)) continue;
       const std::size_t own = results_.steps.size();
       for (const int threads : options_.threads) {
         results_.steps.push_back({engine.name, std::string(step.name), spacing_mm, threads, {}});
@@ -171,6 +184,59 @@ class Bench {
           counter.add();
         }
       }
+    }
+  }
+
+  /// What is milled at a spacing: each burr at each tilt, and the 4 mm one upright with forces and in short steps too.
+  std::vector<MillingWorkload> millings(double spacing_mm) const {
+    std::vector<MillingWorkload> workloads;
+    for (const double diameter_mm : diameters({3.0, 4.0, 6.0})) {
+      for (const double tilt_deg : {0.0, 30.0, 80.0}) {
+        workloads.push_back({.diameter_mm = diameter_mm, .tilt_deg = tilt_deg, .spacing_mm = spacing_mm});
+      }
+      if (diameter_mm != 4.0) continue;
+      workloads.push_back({.step_mm = 0.01, .spacing_mm = spacing_mm});
+      workloads.push_back({.spacing_mm = spacing_mm, .has_forces = true});
+    }
+    return workloads;
+  }
+
+  /// On one thread, whatever --threads says.
+  void run_millings(const BoneModel& model, double spacing_mm) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+    const std::size_t first = results_.millings.size();
+    for (const BenchEngine& engine : bench_engines()) {
+      if (!engine.mills || !has(options_.engines, engine.name)) continue;
+      const bool has_points = engine.make != nullptr;
+      const DrilledBone whole = milled_bone(model, has_points ? EngineKind::leaf : EngineKind::voxel, spacing_mm);
+      DrilledBone bone(whole);
+      for (const MillingWorkload& workload : millings(spacing_mm)) {
+        if (has_points && (workload.tilt_deg > kMaxPointTiltDeg || workload.has_forces)) continue;
+        const std::vector<Pose> poses = milling_poses(workload, kMillingCycles, options_.seed);
+        TextWriter stage;
+        stage << engine.name << ", milling, " << workload.diameter_mm << " mm, " << workload.tilt_deg << " degrees";
+        results_.millings.push_back(
+            {engine.name, workload, whole.alive_count(),
+             measure_way(milling_run(bone, whole, workload, poses), costs_, progress_, stage.str())});
+        check_same_hole(first);
+      }
+    }
+  }
+
+  /// Points lie elsewhere than voxels, but the last milling must have taken as much bone as the same one before it.
+  void check_same_hole(std::size_t first) const {
+    const double share = std::max(0.01, 0.05 * results_.millings.back().workload.spacing_mm);  // of coarse points
+    const BenchMillingResult& last = results_.millings.back();
+    for (std::size_t n = first; n + 1 < results_.millings.size(); ++n) {
+      const BenchMillingResult& other = results_.millings[n];
+      const bool is_same = other.workload.diameter_mm == last.workload.diameter_mm &&
+                           other.workload.tilt_deg == last.workload.tilt_deg &&
+                           other.workload.step_mm == last.workload.step_mm;
+      const double mm3 = last.measured.all.removed_mm3, other_mm3 = other.measured.all.removed_mm3;
+      if (!is_same || std::abs(mm3 - other_mm3) <= share * other_mm3) continue;
+      fail("bench: expected the same volume milled by a burr of ", last.workload.diameter_mm, " mm at ",
+           last.workload.tilt_deg, " degrees, found ", mm3, " mm³ by ", last.engine, " and ", other_mm3, " mm³ by ",
+           other.engine);
     }
   }
 
@@ -216,11 +282,12 @@ void add_bench(CLI::App& program, Command& command) {
   CLI::App* bench = program.add_subcommand("bench", "Measure on this machine");
   bench->require_subcommand(1);
   CLI::App* app = add_command(
-      *bench, command, "drill", "Measure the drilling engines on the paper's workload",
+      *bench, command, "drill", "Measure the drilling engines on the paper's workload, and milling",
       "Example: spinaltap bench drill --motion tremor,on-path --diameter 3.06 --json bench.json --plot bench.html\n"
       "The cylinder has a radius of 3 mm and a length of 37.8 mm: 986,958 points at 0.1 mm, 64,775,592 at 0.025 mm\n"
-      "(75 MB). Rates are cycles per second of CPU time; times are microseconds. `reference` and `arc` are slow: they\n"
-      "are timed in windows of --window cycles. With the defaults it takes some minutes.");
+      "(75 MB). Millings are of a whole virtual L3. Rates are cycles per second of CPU time; times are microseconds.\n"
+      "`reference` and `arc` are slow: they are timed in windows of --window cycles, and on the paper's motions only.\n"
+      "With the defaults it takes some minutes.");
   // This command has lists of threads, and writes its JSON together with the plot.
   app->remove_option(app->get_option("--threads"));
   app->remove_option(app->get_option("--json"));
@@ -232,18 +299,18 @@ void add_bench(CLI::App& program, Command& command) {
       ->check(CLI::IsMember(all_engines()))
       ->capture_default_str()
       ->type_name("NAME,...");
-  app->add_option("--motion", options->motions, "Motions along the path, and long steps (burr, sideways)")
+  app->add_option("--motion", options->motions, "Motions along the path, long steps (burr, sideways), and milling")
       ->delimiter(',')
       ->check(CLI::IsMember(all_motions()))
       ->capture_default_str()
       ->type_name("NAME,...");
-  app->add_option("--diameter", options->diameters_mm, "Diameters of the bit, mm")
+  app->add_option("--diameter", options->diameters_mm,
+                  "Diameters of the bit, mm; default: 3.0 and 3.06, of millings 3, 4 and 6")
       ->delimiter(',')
       ->check(CLI::Range(0.1, 6.0))
-      ->capture_default_str()
       ->type_name("MM,...");
   app->add_option("--spacing", options->spacings_mm,
-                  "Distances between points, mm; default: 0.1, and 0.025 for long steps")
+                  "Distances between points, mm; default: 0.1; 0.025 for long steps; 0.1 and 0.2 for millings")
       ->delimiter(',')
       ->check(CLI::Range(0.02, 1.0))
       ->type_name("MM,...");

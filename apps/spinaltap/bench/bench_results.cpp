@@ -1,12 +1,14 @@
 #include "apps/spinaltap/bench/bench_results.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "core/base/text_writer.h"
+#include "core/session/choose_engine.h"
 #include "vdb/engine/make_engine.h"
 
 namespace spinaltap {
@@ -120,6 +122,74 @@ TextTable steps_table(const BenchResults& results) {
   return table;
 }
 
+TextTable millings_table(const BenchResults& results) {
+  TextTable table({{"burr", "mm"},
+                   {"tilt", "degrees"},
+                   {"step", "µm"},
+                   {"spacing", "mm"},
+                   {"engine", "", false},
+                   {"steps a second", "CPU"},
+                   {"p50", "µs, CPU"},
+                   {"p99", "µs"},
+                   {"p99.9", "µs"},
+                   {"wall p50", "µs"},
+                   {"p99", "µs"},
+                   {"p99.9", "µs"},
+                   {"removed", "a step"},
+                   {"tested", "a step"},
+                   {"bone", "points"},
+                   {"memory", "MB"}});
+  for (const BenchMillingResult& result : results.millings) {
+    const MillingWorkload& workload = result.workload;
+    const EngineMeasurement& measured = result.measured;
+    table.add_row({short_text(workload.diameter_mm), short_text(workload.tilt_deg), short_text(1e3 * workload.step_mm),
+                   short_text(workload.spacing_mm), result.engine + (workload.has_forces ? " with forces" : ""),
+                   readable_number(measured.all.cycles_per_cpu_s(), 0), rounded(measured.cpu.p50_us),
+                   rounded(measured.cpu.p99_us), rounded(measured.cpu.p999_us), rounded(measured.wall.p50_us),
+                   rounded(measured.wall.p99_us), rounded(measured.wall.p999_us),
+                   rounded(per_cycle(measured.all.removed, measured.all)),
+                   rounded(per_cycle(measured.all.tested, measured.all)),
+                   readable_number(static_cast<double>(result.points), 0),
+                   rounded(1e-6 * static_cast<double>(measured.memory_bytes))});
+  }
+  return table;
+}
+
+/// What others reach, as it was measured or published: not part of the run.
+struct PeerMilling {
+  const char* system;
+  const char* cycles_a_second;
+  const char* times_ms;  ///< p50 / p99 of a cycle
+  const char* what;
+};
+constexpr std::array kPeers{PeerMilling{"CHAI3D voxel object, removing all contacted voxels, 10 µm a cycle", "900",
+                                        "1.06 / 2.6", "scans a 33³ cube of voxels per pass"},
+                            PeerMilling{"the same, 1 µm a cycle", "1,600", "0.57 / 1.5", ""},
+                            PeerMilling{"CHAI3D example 28", "1,000-1,150", "0.8 / 1.9", "removes one voxel a cycle"},
+                            PeerMilling{"LCSR volumetric_drilling (AMBF), 4 mm burr", "2,100", "0.61 / 1.4",
+                                        "advances 0.2 µm a cycle whatever the hand does; force has no density in it"}};
+
+TextTable peers_table() {
+  TextTable table({{"system", "", false}, {"cycles a second", ""}, {"p50 / p99", "ms"}, {"what it does", "", false}});
+  for (const PeerMilling& peer : kPeers) {
+    table.add_row({peer.system, peer.cycles_a_second, peer.times_ms, peer.what});
+  }
+  return table;
+}
+
+TextTable auto_table(const std::vector<AutoChoice>& choices) {
+  TextTable table({{"workload", "", false},
+                   {"spacing", "mm"},
+                   {"auto", "", false},
+                   {"best", "", false},
+                   {"time to the best's", ""}});
+  for (const AutoChoice& choice : choices) {
+    table.add_row({choice.workload, short_text(choice.spacing_mm), choice.engine, choice.best,
+                   readable_number(choice.to_best, 2) + "x"});
+  }
+  return table;
+}
+
 /// By a member of each repeat, in ns, sorted.
 std::vector<double> sorted_ms(const std::vector<StepMeasurement>& repeats, std::int64_t StepMeasurement::*member) {
   std::vector<double> values;
@@ -176,6 +246,52 @@ Json json_of(const BenchResults& results, const BenchResult& result) {
   return json;
 }
 
+Json json_of(const BenchMillingResult& result) {
+  const MillingWorkload& workload = result.workload;
+  const EngineMeasurement& measured = result.measured;
+  return {{"engine", result.engine},
+          {"with_forces", workload.has_forces},
+          {"diameter_mm", workload.diameter_mm},
+          {"tilt_deg", workload.tilt_deg},
+          {"step_mm", workload.step_mm},
+          {"spacing_mm", workload.spacing_mm},
+          {"points", result.points},
+          {"cycles", measured.cycles},
+          {"cycles_per_cpu_s", measured.all.cycles_per_cpu_s()},
+          {"cycles_per_wall_s", measured.all.cycles_per_wall_s()},
+          {"cpu_us", quantiles_of(measured.cpu)},
+          {"wall_us", quantiles_of(measured.wall)},
+          {"removed_per_cycle", per_cycle(measured.all.removed, measured.all)},
+          {"removed_mm3", measured.all.removed_mm3},
+          {"tested_per_cycle", per_cycle(measured.all.tested, measured.all)},
+          {"bytes", measured.memory_bytes}};
+}
+
+/// The setup and the way of a workload, as far as they decide what auto is.
+std::string auto_engine(const DrillBit& bit, double spacing_mm, const ExpectedWay& way) {
+  SessionSetup setup;
+  setup.path = workload_path(3.0);
+  setup.path.bit = bit;
+  setup.volume.spacing_mm = spacing_mm;
+  return name_of(chosen_engine(setup, way));
+}
+
+/// How long one engine took for a workload.
+struct Taken {
+  std::string engine;
+  double time = 0.0;
+};
+
+/// Adds auto's choice where it is among those that were measured.
+void add_choice(const AutoChoice& workload, const std::vector<Taken>& taken, std::vector<AutoChoice>& choices) {
+  const auto own = std::ranges::find(taken, workload.engine, &Taken::engine);
+  if (own == taken.end() || taken.size() < 2) return;
+  const auto best = std::ranges::min_element(taken, {}, &Taken::time);
+  choices.push_back(workload);
+  choices.back().best = best->engine;
+  choices.back().to_best = own->time / best->time;
+}
+
 }  // namespace
 
 double BenchStepResult::median_wall_ms() const {
@@ -195,7 +311,8 @@ const std::vector<BenchEngine>& bench_engines() {
   static const std::vector<BenchEngine> engines{{"reference", factory(EngineKind::reference), false, false},
                                                 {"arc", factory(EngineKind::arc), false, false},
                                                 {"ring", factory(EngineKind::ring), true, true},
-                                                {"leaf", factory(EngineKind::leaf), true, true}};
+                                                {"leaf", factory(EngineKind::leaf), true, true, true},
+                                                {"voxel", {}, true, true, true}};
   return engines;
 }
 
@@ -205,6 +322,44 @@ const BenchResult* reference_of(const BenchResults& results, const BenchResult& 
            other.diameter_mm == result.diameter_mm && other.spacing_mm == result.spacing_mm;
   });
   return found == results.runs.end() ? nullptr : &*found;
+}
+
+std::vector<AutoChoice> auto_choices(const BenchResults& results) {
+  std::vector<AutoChoice> choices;
+  std::vector<const BenchResult*> runs;
+  for (const BenchResult& run : results.runs) {
+    if (run.measured.is_whole_path && run.threads == results.runs.front().threads) runs.push_back(&run);
+  }
+  while (!runs.empty()) {
+    const BenchResult& first = *runs.front();
+    std::vector<Taken> taken;
+    std::erase_if(runs, [&](const BenchResult* run) {
+      const bool is_same =
+          run->motion == first.motion && run->diameter_mm == first.diameter_mm && run->spacing_mm == first.spacing_mm;
+      if (is_same) taken.push_back({run->engine, static_cast<double>(run->measured.all.cpu_ns)});
+      return is_same;
+    });
+    add_choice(
+        {workload(first), first.spacing_mm,
+         auto_engine(workload_bit(first.motion, first.diameter_mm), first.spacing_mm, workload_way(first.motion))},
+        taken, choices);
+  }
+  std::vector<const BenchStepResult*> steps;
+  for (const BenchStepResult& step : results.steps) {
+    if (step.threads == results.steps.front().threads) steps.push_back(&step);
+  }
+  while (!steps.empty()) {
+    const BenchStepResult& first = *steps.front();
+    std::vector<Taken> taken;
+    std::erase_if(steps, [&](const BenchStepResult* step) {
+      const bool is_same = step->step == first.step && step->spacing_mm == first.spacing_mm;
+      if (is_same) taken.push_back({step->engine, step->median_cpu_ms()});
+      return is_same;
+    });
+    const DrillBit bit = first.step == burr_step().name ? burr_step().bit : sideways_step().bit;
+    add_choice({first.step, first.spacing_mm, auto_engine(bit, first.spacing_mm, {})}, taken, choices);
+  }
+  return choices;
 }
 
 std::string bench_tables(const BenchResults& results, bool markdown) {
@@ -224,11 +379,24 @@ std::string bench_tables(const BenchResults& results, bool markdown) {
     if (!tables.empty()) tables += "\n";
     tables += "One long step, every point alive before:\n\n" + text(steps_table(results));
   }
+  if (!results.millings.empty()) {
+    if (!tables.empty()) tables += "\n";
+    tables +=
+        "A trembling hand mills the phantom's L3 at 50 mm/s with a ball burr, one thread:\n\n" +
+        text(millings_table(results)) +
+        "\nOthers, as they were measured on such a machine, not in this run: a 3 mm tool where not said, voxels of "
+        "0.1 mm, solid bone, the thread's CPU time:\n\n" +
+        text(peers_table());
+  }
+  if (const std::vector<AutoChoice> choices = auto_choices(results); !choices.empty()) {
+    tables += "\nWhat the engine auto comes to, and its CPU time for all of the way against the fastest engine's:\n\n" +
+              text(auto_table(choices));
+  }
   return tables;
 }
 
 Json to_json(const BenchResults& results) {
-  Json json{{"runs", Json::array()}, {"steps", Json::array()}};
+  Json json{{"runs", Json::array()}, {"steps", Json::array()}, {"millings", Json::array()}, {"auto", Json::array()}};
   for (const BenchResult& result : results.runs) json["runs"].push_back(json_of(results, result));
   for (const BenchStepResult& result : results.steps) {
     json["steps"].push_back({{"step", result.step},
@@ -242,6 +410,22 @@ Json to_json(const BenchResults& results) {
                              {"removed", result.repeats[0].removed},
                              {"tested", result.repeats[0].tested},
                              {"alive_hash", hex(result.repeats[0].alive_hash)}});
+  }
+  for (const BenchMillingResult& result : results.millings) json["millings"].push_back(json_of(result));
+  if (!results.millings.empty()) {
+    for (const PeerMilling& peer : kPeers) {
+      json["peers"].push_back({{"system", peer.system},
+                               {"cycles_per_s", peer.cycles_a_second},
+                               {"p50_p99_ms", peer.times_ms},
+                               {"what", peer.what}});
+    }
+  }
+  for (const AutoChoice& choice : auto_choices(results)) {
+    json["auto"].push_back({{"workload", choice.workload},
+                            {"spacing_mm", choice.spacing_mm},
+                            {"engine", choice.engine},
+                            {"best", choice.best},
+                            {"to_best", choice.to_best}});
   }
   return json;
 }

@@ -13,11 +13,30 @@ namespace {
 
 constexpr double kPathMm = 37.8;
 constexpr double kOffPathMm = 1.2;
-constexpr double kTiltDeg = 3.0;
 constexpr double kTremorMm = 0.1;
 
-constexpr std::array kMotions{WorkloadMotion::on_path, WorkloadMotion::off_path, WorkloadMotion::tilted,
-                              WorkloadMotion::tremor, WorkloadMotion::tremor_off_path};
+/// What a motion is, by its place in WorkloadMotion.
+struct MotionKind {
+  std::string_view name;
+  double offset_mm = 0.0;
+  double tilt_deg = 0.0;
+  double tremor_mm = 0.0;
+  bool has_burr = false;
+};
+constexpr std::array kKinds{MotionKind{"on-path"},
+                            MotionKind{"off-path", kOffPathMm},
+                            MotionKind{"tilted", 0.0, 3.0},
+                            MotionKind{"tremor", 0.0, 0.0, kTremorMm},
+                            MotionKind{"tremor-off-path", kOffPathMm, 0.0, kTremorMm},
+                            MotionKind{"tilted-10", 0.0, 10.0},
+                            MotionKind{"tilted-20", 0.0, 20.0},
+                            MotionKind{"tilted-30", 0.0, 30.0},
+                            MotionKind{"tilted-60", 0.0, 60.0},
+                            MotionKind{"on-path-burr", 0.0, 0.0, 0.0, true},
+                            MotionKind{"tremor-burr", 0.0, 0.0, kTremorMm, true},
+                            MotionKind{"tremor-burr-off-path", kOffPathMm, 0.0, kTremorMm, true}};
+
+const MotionKind& kind_of(WorkloadMotion motion) { return kKinds.at(static_cast<std::size_t>(motion)); }
 
 std::vector<Pose> all_poses(const PathMotion& motion) {
   std::vector<Pose> poses(motion.cycle_count() + 1);
@@ -36,28 +55,35 @@ StepWorkload step_sideways(std::string_view name, const DrillBit& bit, double ti
 
 }  // namespace
 
-std::string_view name_of(WorkloadMotion motion) {
-  switch (motion) {
-    case WorkloadMotion::on_path:
-      return "on-path";
-    case WorkloadMotion::off_path:
-      return "off-path";
-    case WorkloadMotion::tilted:
-      return "tilted";
-    case WorkloadMotion::tremor:
-      return "tremor";
-    case WorkloadMotion::tremor_off_path:
-      return "tremor-off-path";
-  }
-  return "";
+std::string_view name_of(WorkloadMotion motion) { return kind_of(motion).name; }
+
+std::span<const WorkloadMotion> workload_motions() {
+  static const auto motions = [] {
+    std::array<WorkloadMotion, kKinds.size()> all{};
+    for (std::size_t n = 0; n < all.size(); ++n) all[n] = static_cast<WorkloadMotion>(n);
+    return all;
+  }();
+  return motions;
 }
 
-std::span<const WorkloadMotion> workload_motions() { return kMotions; }
+bool is_of_paper(WorkloadMotion motion) { return motion <= WorkloadMotion::tremor_off_path; }
+
+ExpectedWay workload_way(WorkloadMotion motion) {
+  return {.max_tilt_deg = kind_of(motion).tilt_deg, .trembles = kind_of(motion).tremor_mm > 0.0};
+}
 
 DrillPath workload_path(double diameter_mm) {
   const Vec3 entry_mm(31.0, 212.0, -618.0);
   const Vec3 direction = Vec3(-0.3, -0.93, 0.2).normalized();
   return {"standard", entry_mm, entry_mm + kPathMm * direction, {diameter_mm, 50.0, 5.0}};
+}
+
+DrillBit workload_bit(WorkloadMotion motion, double diameter_mm) {
+  if (!kind_of(motion).has_burr) return workload_path(diameter_mm).bit;
+  return {.diameter_mm = diameter_mm,
+          .length_mm = 50.0,
+          .shape = BitShape::round_burr,
+          .shank_diameter_mm = 0.5 * diameter_mm};
 }
 
 PointVolume workload_volume(double spacing_mm, HuBits hu_bits) {
@@ -81,14 +107,11 @@ void revive_all(PointVolume& volume) {
 std::vector<Pose> workload_poses(WorkloadMotion motion, std::uint64_t seed) {
   const DrillPath path = workload_path(3.0);
   PathMotionOptions options = in_steps_of(0.001);
-  if (motion == WorkloadMotion::off_path || motion == WorkloadMotion::tremor_off_path) {
-    options.line.offset_mm = kOffPathMm;
-  }
-  if (motion == WorkloadMotion::tilted) options.line.tilt_deg = kTiltDeg;
-  if (motion == WorkloadMotion::tremor || motion == WorkloadMotion::tremor_off_path) {
-    options.tremor_mm = kTremorMm;
-    options.seed = seed;
-  }
+  const MotionKind& kind = kind_of(motion);
+  options.line.offset_mm = kind.offset_mm;
+  options.line.tilt_deg = kind.tilt_deg;
+  options.tremor_mm = kind.tremor_mm;
+  options.seed = seed;
   return all_poses(PathMotion(path, options));
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/points/point_volume.h"
+#include "core/session/choose_engine.h"
 #include "core/tool/drill_path.h"
 
 namespace spinaltap {
@@ -15,19 +16,32 @@ namespace spinaltap {
 
 /// How the bit moves from the entry to the target, in 37,800 cycles.
 enum class WorkloadMotion {
-  on_path,         ///< lock-step, 0.001 mm a cycle
-  off_path,        ///< the same, parallel to the path at 1.2 mm
-  tilted,          ///< the same, tilted by 3 degrees about the path's middle
-  tremor,          ///< 1 mm/s at 1 kHz with a tremor of 0.1 mm (Tremor)
-  tremor_off_path  ///< the same, parallel to the path at 1.2 mm
+  on_path,          ///< lock-step, 0.001 mm a cycle
+  off_path,         ///< the same, parallel to the path at 1.2 mm
+  tilted,           ///< the same, tilted by 3 degrees about the path's middle
+  tremor,           ///< 1 mm/s at 1 kHz with a tremor of 0.1 mm (Tremor)
+  tremor_off_path,  ///< the same, parallel to the path at 1.2 mm
+  tilted_10,        ///< as `tilted`, by 10 degrees
+  tilted_20,
+  tilted_30,
+  tilted_60,
+  on_path_burr,         ///< as `on_path`, with a round burr
+  tremor_burr,          ///< as `tremor`, with a round burr
+  tremor_burr_off_path  ///< the same, parallel to the path at 1.2 mm
 };
 
-/// "on-path", "off-path", "tilted", "tremor", "tremor-off-path".
+/// "on-path", "off-path", "tilted", "tremor", "tremor-off-path", "tilted-10", ..., "tremor-burr", ...
 std::string_view name_of(WorkloadMotion motion);
 std::span<const WorkloadMotion> workload_motions();
+/// The first five, which the paper's own algorithms are measured on too.
+bool is_of_paper(WorkloadMotion motion);
+/// As a session would know it.
+ExpectedWay workload_way(WorkloadMotion motion);
 
 /// 37.8 mm, oblique to all axes and far from the origin, as in a patient. The bit is 50 mm long with a tip of 5 mm.
 DrillPath workload_path(double diameter_mm);
+/// That bit; or a ball of this diameter on a shank half as wide.
+DrillBit workload_bit(WorkloadMotion motion, double diameter_mm);
 
 /// The cylinder around the path: 986,958 points at a spacing of 0.1 mm, 8,029,476 at 0.05, 64,775,592 at 0.025. CT
 /// numbers vary along the path: 300 HU and a sine of 100 HU every 5 mm. Throws Error as PointVolume does.

@@ -18,9 +18,9 @@ std::uint64_t hash_of(const PointVolume& volume) {
   return hash.value();
 }
 
-void check_run(const EngineRun& run) {
-  if (run.poses.size() <= kHundred) {
-    fail("measuring: expected more than ", kHundred, " cycles, found ", run.poses.size(), " poses");
+void check_poses(std::span<const Pose> poses) {
+  if (poses.size() <= kHundred) {
+    fail("measuring: expected more than ", kHundred, " cycles, found ", poses.size(), " poses");
   }
 }
 
@@ -36,6 +36,7 @@ Stretch time_together(DrillEngine& engine, std::span<const Pose> poses, std::siz
     const StepResult result = engine.step(poses[cycle + 1]);
     stretch.removed += result.removed;
     stretch.tested += result.tested;
+    stretch.removed_mm3 += result.removed_mm3;
     if (is_limited && cycle + 1 - begin >= kMinCycles && thread_cpu_ns() - cpu_start > max_ns) {
       stretch.end = cycle + 1;
       break;
@@ -108,22 +109,23 @@ void Stretch::add(const Stretch& next) {
   wall_ns += next.wall_ns;
   removed += next.removed;
   tested += next.tested;
+  removed_mm3 += next.removed_mm3;
 }
 
-EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, const ClockCosts& costs,
-                                     const Progress& progress, const std::string& stage) {
-  check_run(run);
+EngineMeasurement measure_way(const WayRun& run, const ClockCosts& costs, const Progress& progress,
+                              const std::string& stage) {
+  check_poses(run.poses);
   const std::size_t cycles = run.poses.size() - 1;
   const auto border = [&](std::size_t hundredth) { return hundredth * cycles / kHundred; };
   ProgressCounter counter(progress, stage, 3 * kHundred);
   const auto drill = [&](const auto& measure) {
-    revive_all(volume);
-    const auto engine = placed(run.make_engine, volume, run.bit, run.poses[0]);
+    const auto engine = run.begin();
+    engine->step(run.poses[0]);
     for (std::size_t n = 0; n < kHundred; ++n) {
       measure(*engine, border(n), border(n + 1));
       counter.add();
     }
-    return volume.memory_bytes() + engine->memory_bytes();
+    return run.bone_bytes() + engine->memory_bytes();
   };
 
   EngineMeasurement result;
@@ -131,7 +133,7 @@ EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, 
   result.memory_bytes = drill([&](DrillEngine& engine, std::size_t begin, std::size_t end) {
     result.curve.push_back(time_together(engine, run.poses, begin, end, costs));
   });
-  result.alive_hash = hash_of(volume);
+  result.alive_hash = run.alive_hash();
   result.first_tenth = stretch_of(result.curve, 0, 10);
   result.middle_tenth = stretch_of(result.curve, 45, 55);
   result.last_tenth = stretch_of(result.curve, 90, 100);
@@ -148,15 +150,25 @@ EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, 
     time_each(engine, run.poses, begin, end, thread_cpu_ns, costs.cpu_ns, samples_ns);
   });
   result.cpu = spread_of(samples_ns);
-  if (hash_of(volume) != result.alive_hash) fail("measuring: a repeated run left other points alive");
+  if (run.alive_hash() != result.alive_hash) fail("measuring: a repeated run left other points alive");
   return result;
+}
+
+EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, const ClockCosts& costs,
+                                     const Progress& progress, const std::string& stage) {
+  const auto begin = [&] {
+    revive_all(volume);
+    return run.make_engine(volume, run.bit, Material());
+  };
+  return measure_way({begin, [&] { return volume.memory_bytes(); }, [&] { return hash_of(volume); }, run.poses}, costs,
+                     progress, stage);
 }
 
 EngineMeasurement measure_windows(const EngineRun& run, PointVolume& volume, const ClockCosts& costs,
                                   const WindowOptions& options, const Progress& progress, const std::string& stage) {
   // Windows lie around twentieths of the path: odd ones are the middles of tenths, the tenth is the path's middle.
   constexpr std::size_t kTwentieths = 20;
-  check_run(run);
+  check_poses(run.poses);
   const std::size_t cycles = run.poses.size() - 1;
   if (options.cycles < 1 || options.cycles > cycles / kTwentieths) {
     fail("measuring: expected windows of 1 to ", cycles / kTwentieths, " cycles, found ", options.cycles);

@@ -24,6 +24,14 @@ struct EngineRun {
   std::span<const Pose> poses;  ///< patient LPS; the first is where the bit is put, each other one ends a cycle
 };
 
+/// An engine on bone of any kind, and its way.
+struct WayRun {
+  std::function<std::unique_ptr<DrillEngine>()> begin;  ///< makes all bone alive and a new engine for it
+  std::function<std::size_t()> bone_bytes;
+  std::function<std::uint64_t()> alive_hash;
+  std::span<const Pose> poses;  ///< as EngineRun has them
+};
+
 /// Cycles in a row, timed together: each clock read once before and once after them.
 struct Stretch {
   std::size_t begin = 0;  ///< first cycle
@@ -32,6 +40,7 @@ struct Stretch {
   std::int64_t wall_ns = 0;
   std::size_t removed = 0;  ///< points
   std::size_t tested = 0;   ///< points
+  double removed_mm3 = 0.0;
 
   /// Of the calling thread's CPU time.
   double cycles_per_cpu_s() const;
@@ -54,8 +63,12 @@ struct EngineMeasurement {
   std::uint64_t alive_hash = 0;  ///< of the points alive at the end of the path; 0 for windows
 };
 
-/// Drills the whole path three times: once timed in hundredths of the path, once with each cycle's wall time, once with
+/// Goes the whole way three times: once timed in hundredths of the path, once with each cycle's wall time, once with
 /// each cycle's CPU time. No clock is read within the stretches of the first, and the reading's own time is taken off.
+EngineMeasurement measure_way(const WayRun& run, const ClockCosts& costs, const Progress& progress = {},
+                              const std::string& stage = "measuring");
+
+/// The same of points.
 EngineMeasurement measure_whole_path(const EngineRun& run, PointVolume& volume, const ClockCosts& costs,
                                      const Progress& progress = {}, const std::string& stage = "measuring");
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "core/engine/drill_engine.h"
 
@@ -54,12 +55,20 @@ TEST(DrillWorkload, MovesAsItsNamesSay) {
   for (const WorkloadMotion motion : workload_motions()) {
     const std::vector<Pose> poses = workload_poses(motion);
     ASSERT_EQ(poses.size(), 37'801U) << name_of(motion);
-    const bool is_off = motion == WorkloadMotion::off_path || motion == WorkloadMotion::tremor_off_path;
-    const double tremor_mm = motion == WorkloadMotion::tremor || motion == WorkloadMotion::tremor_off_path ? 0.4 : 1e-9;
+    const std::string name(name_of(motion));
+    const bool is_off = name.ends_with("off-path");
+    const double tremor_mm = name.starts_with("tremor") ? 0.4 : 1e-9;
     EXPECT_NEAR(off_path_mm(poses[18'900]), is_off ? 1.2 : 0.0, tremor_mm) << name_of(motion);
     const double degrees = std::acos(std::min(1.0, poses[100].axis.dot(path.direction()))) * 180.0 / std::numbers::pi;
-    EXPECT_NEAR(degrees, motion == WorkloadMotion::tilted ? 3.0 : 0.0, 1e-5) << name_of(motion);
+    const double expected = name == "tilted" ? 3.0 : name.starts_with("tilted-") ? std::stod(name.substr(7)) : 0.0;
+    EXPECT_NEAR(degrees, expected, 1e-5) << name;
+    EXPECT_EQ(workload_way(motion).max_tilt_deg, expected) << name;
+    EXPECT_EQ(workload_way(motion).trembles, name.starts_with("tremor")) << name;
+    const bool is_burr = name.find("burr") != std::string::npos;
+    EXPECT_EQ(workload_bit(motion, 2.5).shape, is_burr ? BitShape::round_burr : BitShape::drill) << name;
+    EXPECT_EQ(workload_bit(motion, 2.5).diameter_mm, 2.5) << name;
   }
+  EXPECT_EQ(std::ranges::count_if(workload_motions(), is_of_paper), 5);
 }
 
 TEST(DrillWorkload, StepsSidewaysWithinTheCylinder) {
