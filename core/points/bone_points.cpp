@@ -125,7 +125,7 @@ double BonePoints::beyond_side_mm(const BitProfile& bit, const Pose& pose, const
     consider(piece.begin_mm, piece.begin_radius_mm);
     consider(piece.end_mm, piece.end_radius_mm);
     if (piece.ball_radius_mm > 0.0) {
-      consider(std::clamp(piece.ball_centre_mm, piece.begin_mm, piece.end_mm), piece.ball_radius_mm);
+      consider(std::clamp(piece.ball_centre_mm, piece.begin_mm, piece.end_mm), piece.widest_mm());
     }
   }
   for (const double depth_mm : {from_depth_mm, length_mm_}) {

@@ -33,15 +33,6 @@ DrillPath with_errors(const DrillPath& planned, const AcrossPath& sides, const F
   return path;
 }
 
-/// A drill of another width with the same point: the tip's length and the chisel edge go along.
-DrillBit of_diameter(DrillBit bit, double diameter_mm) {
-  const double share = diameter_mm / bit.diameter_mm;
-  bit.diameter_mm = diameter_mm;
-  bit.tip_length_mm *= share;
-  bit.tip_diameter_mm *= share;
-  return bit;
-}
-
 double checked_positive(const FactorValues& values, StudyFactor factor) {
   const double value = of(values, factor);
   if (!(value > 0.0) || !std::isfinite(value)) fail(name_of(factor), ": expected a number above 0, found ", value);
@@ -52,7 +43,8 @@ StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorVa
   StudyTask task;
   task.values = values;
   task.path = with_errors(spec.path, sides, values);
-  task.path.bit = of_diameter(spec.path.bit, checked_positive(values, StudyFactor::bit_diameter_mm));
+  task.path.bit =
+      resized(spec.path.bit, checked_positive(values, StudyFactor::bit_diameter_mm), spec.path.bit.length_mm);
   check_path(task.path);
   task.tool_operator = spec.tool_operator;
   if (spec.tool_operator.kind == StudyOperator::Kind::push) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/tool/detail/outline_ball.h"
+
 namespace spinaltap {
 namespace {
 
@@ -63,6 +65,45 @@ void BitProfile::add_ball(double begin_mm, double end_mm, double centre_mm, doub
                        {radius_mm * radius_mm - c * c, 2.0 * c, -1.0}};
 }
 
+void BitProfile::add_outline(std::span<const OutlinePoint> outline) {
+  for (std::size_t n = 1; n < outline.size(); ++n) {
+    const OutlinePoint& from = outline[n - 1];
+    const OutlinePoint& to = outline[n];
+    if (!to.is_arc) {
+      add_frustum(from.back_mm, to.back_mm, from.radius_mm, to.radius_mm);  // a flat face is where pieces differ
+      continue;
+    }
+    const detail::OutlineBall ball = detail::ball_through(from, to);
+    const double at_tip_mm2 = from.radius_mm * from.radius_mm + from.back_mm * (from.back_mm - 2.0 * ball.centre_mm);
+    pieces_[count_++] = {from.back_mm,
+                         to.back_mm,
+                         from.radius_mm,
+                         to.radius_mm,
+                         ball.centre_mm,
+                         ball.radius_mm,
+                         {at_tip_mm2, 2.0 * ball.centre_mm, -1.0}};
+  }
+  // Radii in order from the tip: they rise to the widest and fall from there.
+  double before_mm = 0.0;
+  bool is_past = false;
+  for (const ProfilePiece& piece : pieces()) {
+    for (const double radius_mm : {piece.begin_radius_mm, piece.widest_mm(), piece.end_radius_mm}) {
+      if (radius_mm > before_mm && is_past) widens_to_one_place_ = false;
+      is_past = is_past || radius_mm < before_mm;
+      before_mm = radius_mm;
+    }
+  }
+  // The outline of a drill is bounded like one.
+  const ProfilePiece& tip = pieces_[0];
+  const auto is_straight = [](const ProfilePiece& piece) { return piece.ball_radius_mm == 0.0; };
+  if (count_ == 2 && is_straight(tip) && is_straight(pieces_[1]) && tip.begin_radius_mm < tip.end_radius_mm &&
+      tip.end_radius_mm == pieces_[1].begin_radius_mm && tip.end_radius_mm == pieces_[1].end_radius_mm) {
+    cone_offset_mm_ = tip.begin_radius_mm;
+    cone_slope_ = (radius_mm_ - tip.begin_radius_mm) / tip.end_mm;
+    is_cone_and_cylinder_ = true;
+  }
+}
+
 BitProfile::BitProfile(const DrillBit& bit) : length_mm_(bit.length_mm), radius_mm_(bit.radius_mm()) {
   check_bit(bit);
   const double tip_mm = 0.5 * bit.tip_diameter_mm;
@@ -96,44 +137,67 @@ BitProfile::BitProfile(const DrillBit& bit) : length_mm_(bit.length_mm), radius_
       add_frustum(bit.tip_length_mm, bit.length_mm, tip_mm, radius_mm_);
       break;
     }
+    case BitShape::profile:
+      add_outline(bit.outline);
+      break;
+  }
+}
+
+void BitProfile::add_grown(const ProfilePiece& piece, double skin_mm) {
+  // What lies within a skin of a piece lies below its wall moved out by the skin, and no further out than its wider end
+  // by a skin. A steep wall needs that cap: lengthened by a skin it would reach far beyond.
+  const double begin_mm = piece.begin_mm - skin_mm;
+  const double end_mm = piece.end_mm + skin_mm;
+  const double begin_cap_mm = piece.begin_radius_mm + skin_mm;
+  const double end_cap_mm = piece.end_radius_mm + skin_mm;
+  if (piece.ball_radius_mm > 0.0) {
+    const double centre_mm = piece.ball_centre_mm;
+    const double radius_mm = piece.ball_radius_mm + skin_mm;
+    double ball_begin_mm = begin_mm;
+    double ball_end_mm = end_mm;
+    if (piece.begin_mm - centre_mm > piece.begin_radius_mm) {
+      ball_begin_mm = centre_mm + std::sqrt(radius_mm * radius_mm - begin_cap_mm * begin_cap_mm);
+    }
+    if (centre_mm - piece.end_mm > piece.end_radius_mm) {
+      ball_end_mm = centre_mm - std::sqrt(radius_mm * radius_mm - end_cap_mm * end_cap_mm);
+    }
+    add_frustum(begin_mm, ball_begin_mm, begin_cap_mm, begin_cap_mm);
+    add_ball(ball_begin_mm, ball_end_mm, centre_mm, radius_mm);
+    add_frustum(ball_end_mm, end_mm, end_cap_mm, end_cap_mm);
+    return;
+  }
+  constexpr double kSteep = 1.0;
+  const double slope = (piece.end_radius_mm - piece.begin_radius_mm) / (piece.end_mm - piece.begin_mm);
+  const double out_mm = skin_mm * std::sqrt(1.0 + slope * slope);
+  const double begin_radius_mm = piece.begin_radius_mm - slope * skin_mm + out_mm;
+  const double end_radius_mm = piece.end_radius_mm + slope * skin_mm + out_mm;
+  if (slope > kSteep) {
+    const double cap_mm = piece.end_mm - (out_mm - skin_mm) / slope;
+    add_frustum(begin_mm, cap_mm, begin_radius_mm, end_cap_mm);
+    add_frustum(cap_mm, end_mm, end_cap_mm, end_cap_mm);
+  } else if (slope < -kSteep) {
+    const double cap_mm = piece.begin_mm - (out_mm - skin_mm) / slope;
+    add_frustum(begin_mm, cap_mm, begin_cap_mm, begin_cap_mm);
+    add_frustum(cap_mm, end_mm, begin_cap_mm, end_radius_mm);
+  } else {
+    add_frustum(begin_mm, end_mm, begin_radius_mm, end_radius_mm);
   }
 }
 
 BitProfile BitProfile::grown(double skin_mm) const {
   BitProfile larger;
-  for (const ProfilePiece& piece : pieces()) {
-    if (piece.ball_radius_mm > 0.0) {
-      larger.add_ball(piece.begin_mm - skin_mm, piece.end_mm + skin_mm, piece.ball_centre_mm,
-                      piece.ball_radius_mm + skin_mm);
-      continue;
-    }
-    // What lies within a skin of a frustum lies below its wall moved out by the skin, and no further out than its wider
-    // end by a skin. A steep wall needs that cap: lengthened by a skin it would reach far beyond.
-    constexpr double kSteep = 1.0;
-    const double slope = (piece.end_radius_mm - piece.begin_radius_mm) / (piece.end_mm - piece.begin_mm);
-    const double out_mm = skin_mm * std::sqrt(1.0 + slope * slope);
-    const double begin_mm = piece.begin_mm - skin_mm;
-    const double end_mm = piece.end_mm + skin_mm;
-    const double begin_radius_mm = piece.begin_radius_mm - slope * skin_mm + out_mm;
-    if (slope <= kSteep) {
-      larger.add_frustum(begin_mm, end_mm, begin_radius_mm, piece.end_radius_mm + slope * skin_mm + out_mm);
-    } else {
-      const double cap_mm = piece.end_mm - (out_mm - skin_mm) / slope;
-      larger.add_frustum(begin_mm, cap_mm, begin_radius_mm, piece.end_radius_mm + skin_mm);
-      larger.add_frustum(cap_mm, end_mm, piece.end_radius_mm + skin_mm, piece.end_radius_mm + skin_mm);
-    }
-  }
+  for (const ProfilePiece& piece : pieces()) larger.add_grown(piece, skin_mm);
   larger.length_mm_ = length_mm_ + skin_mm;
   larger.radius_mm_ = 0.0;
   for (const ProfilePiece& piece : larger.pieces()) {
-    larger.radius_mm_ = std::max({larger.radius_mm_, piece.begin_radius_mm, piece.end_radius_mm, piece.ball_radius_mm});
+    larger.radius_mm_ = std::max(larger.radius_mm_, piece.widest_mm());
   }
   larger.cone_offset_mm_ = larger.radius_mm_;
   return larger;
 }
 
 BitProfile BitProfile::lengthened(double way_mm) const {
-  // All bits widen to one place, and are no wider behind it: there a cylinder comes between.
+  // Behind the widest place the bit is no wider again: there a cylinder comes between.
   BitProfile longer;
   const auto add = [&](const ProfilePiece& piece, double begin_mm, double end_mm, double shift_mm) {
     if (!(end_mm > begin_mm)) return;
@@ -145,8 +209,9 @@ BitProfile BitProfile::lengthened(double way_mm) const {
   };
   bool is_past = false;
   for (const ProfilePiece& piece : pieces()) {
-    const bool is_widest = !is_past && (piece.ball_radius_mm > 0.0 || piece.end_radius_mm >= radius_mm_);
-    const double widest_mm = piece.ball_radius_mm > 0.0 ? std::min(piece.ball_centre_mm, piece.end_mm) : piece.end_mm;
+    const bool is_widest = !is_past && piece.widest_mm() >= radius_mm_;
+    double widest_mm = piece.end_radius_mm >= radius_mm_ ? piece.end_mm : piece.begin_mm;
+    if (piece.ball_radius_mm > 0.0) widest_mm = std::clamp(piece.ball_centre_mm, piece.begin_mm, piece.end_mm);
     add(piece, piece.begin_mm, is_widest ? widest_mm : piece.end_mm, is_past ? way_mm : 0.0);
     if (!is_widest) continue;
     longer.add_frustum(widest_mm, widest_mm + way_mm, radius_mm_, radius_mm_);

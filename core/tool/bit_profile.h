@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -8,8 +9,7 @@
 
 namespace spinaltap {
 
-/// A stretch of a bit's outline: a frustum that widens towards the base, or a slice of a ball with its centre on the
-/// axis.
+/// A stretch of a bit's outline: a frustum, or a slice of a ball with its centre on the axis.
 struct ProfilePiece {
   double begin_mm = 0.0;  ///< back from the tip
   double end_mm = 0.0;
@@ -22,6 +22,10 @@ struct ProfilePiece {
 
   [[gnu::always_inline]] double radius_squared_mm2(double back_mm) const {
     return square[0] + back_mm * (square[1] + back_mm * square[2]);
+  }
+  double widest_mm() const {
+    const bool holds_centre = ball_radius_mm > 0.0 && begin_mm <= ball_centre_mm && ball_centre_mm <= end_mm;
+    return holds_centre ? ball_radius_mm : std::max(begin_radius_mm, end_radius_mm);
   }
 };
 
@@ -38,7 +42,10 @@ class BitProfile {
   std::span<const ProfilePiece> pieces() const { return {pieces_.data(), count_}; }
   /// The pieces, larger by `skin_mm` to all sides, at edges by up to 2.7 times as much.
   BitProfile grown(double skin_mm) const;
-  /// What the bit sweeps on a way of `way_mm` forward along its axis, from the tip at the end of the way.
+  /// Whether it is nowhere narrower than before its widest place, and nowhere wider than before behind it.
+  bool widens_to_one_place() const { return widens_to_one_place_; }
+  /// What a bit that widens to one place sweeps on a way of `way_mm` forward along its axis, from the tip at the end of
+  /// the way.
   BitProfile lengthened(double way_mm) const;
 
   /// Whether the bit holds points there. The surface counts as inside.
@@ -71,14 +78,18 @@ class BitProfile {
   BitProfile() = default;
   void add_frustum(double begin_mm, double end_mm, double begin_radius_mm, double end_radius_mm);
   void add_ball(double begin_mm, double end_mm, double centre_mm, double radius_mm);
+  void add_outline(std::span<const OutlinePoint> outline);
+  void add_grown(const ProfilePiece& piece, double skin_mm);
 
-  std::array<ProfilePiece, 5> pieces_{};
   std::size_t count_ = 0;
   double length_mm_ = 0.0;
   double radius_mm_ = 0.0;
   double cone_slope_ = 0.0;
   double cone_offset_mm_ = 0.0;
   bool is_cone_and_cylinder_ = false;
+  bool widens_to_one_place_ = true;
+  /// Of a stretch that is grown there may be two.
+  std::array<ProfilePiece, 2 * kMaxStretches> pieces_{};
 };
 
 /// Whether the bit at `pose` holds point p (same frame as the pose, mm). The surface counts as inside.

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "core/base/geometry.h"
 
@@ -8,10 +10,23 @@ namespace spinaltap {
 
 /// Shapes of rotating tools. All are bodies of revolution: what a turning tool sweeps.
 enum class BitShape {
-  drill,         ///< a cylinder with a conical tip; with a tip diameter: a twist drill, whose chisel edge is that wide
-  round_burr,    ///< a ball on a shank; `tip_length_mm` is not used
-  conical_burr,  ///< a frustum from the tip's diameter to the bit's over the tip's length, on a shank
-  tapered_screw  ///< a cone to the tip's diameter over the tip's length, then a taper to the bit's diameter at the base
+  drill,          ///< a cylinder with a conical tip; with a tip diameter: a twist drill, whose chisel edge is that wide
+  round_burr,     ///< a ball on a shank; `tip_length_mm` is not used
+  conical_burr,   ///< a frustum from the tip's diameter to the bit's over the tip's length, on a shank
+  tapered_screw,  ///< a cone to the tip's diameter over the tip's length, then a taper to the bit's diameter at the
+                  ///< base
+  profile         ///< of any outline, see profile_bit(): match-heads, reamers, taps, probes
+};
+
+/// A place of an outline, mm, and what leads to it from the place before.
+struct OutlinePoint {
+  double back_mm = 0.0;    ///< from the tip
+  double radius_mm = 0.0;  ///< off the axis
+  /// Led to along a ball with its centre on the axis, of which two places leave only one; else by a straight line,
+  /// which is a flat face between places that are as far back.
+  bool is_arc = false;
+
+  bool operator==(const OutlinePoint&) const = default;
 };
 
 /// A rotating tool. Lengths in mm. The defaults are the paper's bit.
@@ -22,15 +37,34 @@ struct DrillBit {
   BitShape shape = BitShape::drill;
   double tip_diameter_mm = 0.0;    ///< drill: of the chisel edge; see BitShape for the others
   double shank_diameter_mm = 0.0;  ///< of burrs, behind the head
+  /// Of a profile, from the tip to the base; the others have none. The sizes above follow from it.
+  std::vector<OutlinePoint> outline = {};
 
   double radius_mm() const { return 0.5 * diameter_mm; }
+  bool operator==(const DrillBit&) const = default;
 };
+
+/// What an outline may have of straight lines, flat faces and arcs.
+inline constexpr std::size_t kMaxStretches = 16;
+
+/// A bit of any outline: its diameter and its length are the outline's, its tip ends where it is first as wide as
+/// anywhere. Throws Error as check_bit does.
+DrillBit profile_bit(std::vector<OutlinePoint> outline);
+
+/// The same tool in another size: tip, chisel edge and shank go with the diameter. A profile is scaled as a whole;
+/// where it ends in a cylinder that makes up the length, and elsewhere the length is scaled too. Throws Error as
+/// check_bit does.
+DrillBit resized(const DrillBit& bit, double diameter_mm, double length_mm);
 
 /// A twist drill's outline. `point_angle_deg`: of the whole tip, 118 for most drills. `chisel_edge_mm`: its width.
 /// Throws Error on angles that are not between 20 and 180 degrees.
 DrillBit twist_drill(double diameter_mm, double length_mm, double point_angle_deg, double chisel_edge_mm);
 
-/// Rejects lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it.
+/// Rejects lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it. Of
+/// profiles, outlines of more than kMaxStretches or that do not begin at the tip and go back from there; places further
+/// than 500 mm back or 100 mm off the axis, and behind the tip those less than 0.01 mm off it, but where an arc closes
+/// the base; straight stretches that widen or narrow by more than 20 mm a mm and are not flat faces, stretches shorter
+/// than 0.001 mm, and arcs of balls larger than 1000 mm.
 void check_bit(const DrillBit& bit);
 
 /// Where a bit is: its tip and the direction it drills in.

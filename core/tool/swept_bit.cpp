@@ -59,17 +59,12 @@ SweptBit::SweptBit(const SweepProfile& outlines, const Pose& from, const Pose& t
     const double along = pose.axis.z();
     const double sine = std::sqrt(std::max(0.0, 1.0 - along * along));
     for (const ProfilePiece& piece : profile.pieces()) {
-      const double radius_mm = std::max({piece.begin_radius_mm, piece.end_radius_mm, piece.ball_radius_mm});
+      const bool is_ball = piece.ball_radius_mm > 0.0;
       for (const auto& [back_mm, rim_mm] :
            {std::pair(piece.begin_mm, piece.begin_radius_mm), std::pair(piece.end_mm, piece.end_radius_mm)}) {
-        const double reach_mm = (piece.ball_radius_mm > 0.0 ? radius_mm : rim_mm) * sine;
+        const double reach_mm = (is_ball ? piece.widest_mm() : rim_mm) * sine;
         lowest_z_mm_ = std::min(lowest_z_mm_, pose.tip_mm.z() - back_mm * along - reach_mm);
         highest_z_mm_ = std::max(highest_z_mm_, pose.tip_mm.z() - back_mm * along + reach_mm);
-      }
-      if (piece.ball_radius_mm > 0.0) {
-        const double centre_mm = pose.tip_mm.z() - piece.ball_centre_mm * along;
-        lowest_z_mm_ = std::min(lowest_z_mm_, centre_mm - radius_mm);
-        highest_z_mm_ = std::max(highest_z_mm_, centre_mm + radius_mm);
       }
     }
   }

@@ -247,8 +247,8 @@ class VoxelEngine final : public SweptEngine {
     // Float's rounding of places this far from the tip, and of how far a turn takes them, with room.
     const BitProfile& outline = tool.bit().profile();
     const double way_mm = (tool.bit().to().tip_mm - tool.bit().from().tip_mm).norm();
-    const double far_mm =
-        outline.length_mm() + 2.0 * outline.radius_mm() + way_mm + 4.0 * levels_[kLeaves].certificates.half_mm();
+    const double far_mm = outline.length_mm() + 2.0 * outline.radius_mm() + way_mm +
+                          4.0 * levels_[kLeaves].certificates.half_mm() + bounds_.larger_ball_mm();
     words.spare = f(3e-5 + 2e-6 * (1.0 + 1.6 * tool.line().turned) * far_mm);
     return words;
   }

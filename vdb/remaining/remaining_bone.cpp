@@ -4,7 +4,6 @@
 #include <cmath>
 #include <deque>
 #include <optional>
-#include <tuple>
 
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
@@ -33,14 +32,6 @@ void check_pose(const Pose& pose) {
     fail("drilling: expected a finite tip and an axis of length 1, found tip ", pose.tip_mm.transpose(), ", axis ",
          pose.axis.transpose());
   }
-}
-
-bool is_same(const DrillBit& a, const DrillBit& b) {
-  const auto all = [](const DrillBit& bit) {
-    return std::tie(bit.diameter_mm, bit.length_mm, bit.tip_length_mm, bit.shape, bit.tip_diameter_mm,
-                    bit.shank_diameter_mm);
-  };
-  return all(a) == all(b);
 }
 
 /// A voxel's block and its place there.
@@ -155,7 +146,7 @@ void RemainingBone::drill(const DrillBit& bit, std::span<const Pose> poses) {
   for (const Pose& pose : poses) check_pose(pose);
   State& state = *state_;
   state.forget_redo();
-  if (state.last_bit && !is_same(*state.last_bit, bit)) state.grid.change_bit();
+  if (state.last_bit && !(*state.last_bit == bit)) state.grid.change_bit();
   state.last_bit = bit;
   if (!state.is_open) {
     state.undo.emplace_back();

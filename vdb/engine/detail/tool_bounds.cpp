@@ -21,6 +21,7 @@ ToolBounds::ToolBounds(const BitProfile& profile)
   for (const ProfilePiece& piece : profile.pieces()) {
     Piece& side = pieces_[count_++];
     side = {piece.begin_mm, piece.end_mm, piece.ball_centre_mm, piece.ball_radius_mm, 0.0, 0.0, 0.0};
+    larger_ball_mm_ = std::max(larger_ball_mm_, piece.ball_radius_mm - radius_mm_);
     if (piece.ball_radius_mm > 0.0) continue;
     const double slope = (piece.end_radius_mm - piece.begin_radius_mm) / (piece.end_mm - piece.begin_mm);
     const double cosine = 1.0 / std::sqrt(1.0 + slope * slope);

@@ -39,17 +39,20 @@ class ToolBounds {
     double ball_centre_mm, ball_radius_mm;   ///< radius 0: a frustum
     double per_off, per_back, at_origin_mm;  ///< distance from the frustum's side
   };
-  static constexpr std::size_t kMaxPieces = 3;
+  static constexpr std::size_t kMaxPieces = kMaxStretches;
   std::span<const Piece> pieces() const { return {pieces_.data(), count_}; }
   double radius_mm() const { return radius_mm_; }
   double cone_offset_mm() const { return cone_offset_mm_; }
+  /// How much larger than the tool's widest radius a ball is that a flat arc is of.
+  double larger_ball_mm() const { return larger_ball_mm_; }
 
  private:
-  std::array<Piece, kMaxPieces> pieces_{};
   std::size_t count_ = 0;
   double radius_mm_, cone_slope_, cone_offset_mm_;
   bool has_cone_;
   double margin_mm_;
+  double larger_ball_mm_ = 0.0;
+  std::array<Piece, kMaxPieces> pieces_{};
 };
 
 /// A swept bit as boxes and points are classified against it.

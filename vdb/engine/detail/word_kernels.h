@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/tool/drill_bit.h"
+
 namespace spinaltap::detail {
 
 /// A tool in float, as leaves of voxels are looked at: bounds as ToolBounds has them.
@@ -14,7 +16,7 @@ struct WordTool {
     float ball_centre, ball_radius;  ///< radius 0: a frustum
     float per_off, per_back, at_origin;
   };
-  std::array<Piece, 3> pieces;
+  std::array<Piece, kMaxStretches> pieces;
   std::size_t piece_count;
   float radius, cone_offset, cone_slope;
   float spare;  ///< what rounding may hide, mm

@@ -66,7 +66,7 @@ std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const
   for (std::size_t n = 0; n + 1 < needed.size(); ++n) {
     const Pose& from = needed[n];
     const Pose& to = needed[n + 1];
-    if (is_along_axis(from, to)) {
+    if (profile.widens_to_one_place() && is_along_axis(from, to)) {
       finish();
       const double along_mm = (to.tip_mm - from.tip_mm).dot(to.axis);
       const Pose& foremost = along_mm >= 0.0 ? to : from;

@@ -28,7 +28,7 @@ class MeridianOutline {
   double distance_mm(double back_mm, double off_mm) const noexcept;
 
  private:
-  static constexpr std::size_t kMaxPieces = 5;
+  static constexpr std::size_t kMaxPieces = kMaxStretches + 2;  // lengthened by a cylinder
   struct Line {
     double back_mm, off_mm;              ///< begin
     double along_back_mm, along_off_mm;  ///< to the end

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/unit/core/engine/every_engine.h"
-#include "tests/unit/core/engine/five_tools.h"
+#include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
 namespace {
@@ -52,7 +52,7 @@ TEST_P(EngineWays, LeaveNothingInAJumpOfAnyToolThatSmallStepsRemove) {
   constexpr std::uint64_t kSeed = 2400;
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   Draw draw(kSeed);
-  for (const test::Tool& tool : test::five_tools()) {
+  for (const test::Tool& tool : test::every_tool()) {
     SCOPED_TRACE(tool.name);
     std::size_t removed = 0;
     for (int n = 0; n < 6; ++n) {
@@ -76,17 +76,29 @@ TEST_P(EngineWays, LeaveNothingInAJumpOfAnyToolThatSmallStepsRemove) {
   }
 }
 
+/// Wider by `more_mm` all along, and longer.
+DrillBit larger(DrillBit bit, double more_mm) {
+  if (bit.shape == BitShape::profile) {
+    for (OutlinePoint& point : bit.outline) {
+      if (point.radius_mm > 0.0) point.radius_mm += 0.5 * more_mm;
+    }
+    bit.outline.back().back_mm += more_mm;
+    return profile_bit(bit.outline);
+  }
+  bit.diameter_mm += more_mm;
+  bit.length_mm += more_mm;
+  if (bit.shank_diameter_mm > 0.0) bit.shank_diameter_mm += 0.5 * more_mm;
+  return bit;
+}
+
 TEST_P(EngineWays, RemoveMoreWithALargerBit) {
   constexpr std::uint64_t kSeed = 333;
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
-  for (const test::Tool& tool : test::five_tools()) {
+  for (const test::Tool& tool : test::every_tool()) {
     SCOPED_TRACE(tool.name);
     std::vector<PointVolume> volumes;
     for (const double more_mm : {0.0, 0.1, 0.35, 1.0}) {
-      DrillBit bit = tool.bit;
-      bit.diameter_mm += more_mm;
-      bit.length_mm += more_mm;
-      if (bit.shank_diameter_mm > 0.0) bit.shank_diameter_mm += 0.5 * more_mm;
+      const DrillBit bit = larger(tool.bit, more_mm);
       volumes.push_back(block(3.0, 1.5, 0.15));
       const auto drilling = engine(volumes.back(), bit);
       test::RandomOperator tool_operator(kSeed, 3.0, 1.0);
@@ -104,7 +116,7 @@ TEST_P(EngineWays, RemoveTheSameFromOnePoseToAnotherAndBack) {
   constexpr std::uint64_t kSeed = 12;
   SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   Draw draw(kSeed);
-  for (const test::Tool& tool : test::five_tools()) {
+  for (const test::Tool& tool : test::every_tool()) {
     SCOPED_TRACE(tool.name);
     for (int n = 0; n < 12; ++n) {
       PointVolume there = block(3.0, 1.5, 0.15);

@@ -7,7 +7,7 @@
 
 #include "tests/unit/core/engine/any_motion.h"
 #include "tests/unit/core/engine/every_engine.h"
-#include "tests/unit/core/engine/five_tools.h"
+#include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
 namespace {
@@ -53,9 +53,12 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
   const std::uint64_t seed = GetParam();
   SCOPED_TRACE(::testing::Message() << "seed " << seed);
   Draw draw(seed + 1'000'000);
-  const std::vector<test::Tool> tools = test::five_tools();
-  // Every sixth is of any size, and mostly wider than the volume or longer.
-  const DrillBit bit = seed % 6 < 5 ? tools[seed % 6].bit : test::random_bit(draw);
+  const std::vector<test::Tool> tools = test::every_tool();
+  // Some are of any size, and mostly wider than the volume or longer.
+  const std::size_t kind = seed % (tools.size() + 2);
+  const DrillBit bit = kind < tools.size()    ? tools[kind].bit
+                       : kind == tools.size() ? test::random_bit(draw)
+                                              : test::random_profile(draw);
   constexpr double kLengthMm = 3.0;
   constexpr double kRadiusMm = 1.5;
   PointVolumeOptions options{.radius_mm = kRadiusMm, .spacing_mm = 0.15};
@@ -89,6 +92,26 @@ TEST_P(EnginesInMotion, RemoveEqualSetsAtEveryStep) {
   }
   EXPECT_EQ(bench.volumes[0].alive_count() + removed, alive_at_first);
   EXPECT_GT(removed, alive_at_first / 200);
+}
+
+TEST(Engines, RemoveByAProfileWhatTheyRemoveByTheShapeThatItRepeats) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(::testing::Message() << "seed " << seed);
+    Draw draw(seed);
+    const std::vector<test::Tool> tools = test::every_tool();
+    const DrillBit bit = seed % 2 == 0 ? tools[seed / 2 % tools.size()].bit : test::random_bit(draw);
+    PointVolume of_shape(test::askew_path(3.0), {.radius_mm = 1.5, .spacing_mm = 0.15});
+    fill_some(of_shape, seed, false);
+    PointVolume of_profile = of_shape;
+    const auto shape = make_ring_engine(of_shape, bit, {});
+    const auto profile = make_ring_engine(of_profile, test::profile_like(bit), {});
+    test::AnyMotion motion(seed, 3.0, 1.5);
+    for (int step = 0; step < 60; ++step) {
+      const Pose pose = of_shape.frame().to_patient(motion.next());
+      ASSERT_NO_FATAL_FAILURE(expect_same(profile->step(pose), shape->step(pose))) << "step " << step;
+    }
+    EXPECT_EQ(test::hash_of_living(of_profile), test::hash_of_living(of_shape));
+  }
 }
 
 #if defined(SPINALTAP_ADDRESS_SANITIZER)

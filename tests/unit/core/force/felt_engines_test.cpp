@@ -11,7 +11,7 @@
 #include "tests/unit/core/engine/any_motion.h"
 #include "tests/unit/core/engine/askew_block.h"
 #include "tests/unit/core/engine/every_engine.h"
-#include "tests/unit/core/engine/five_tools.h"
+#include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
 namespace {
@@ -36,7 +36,7 @@ void fill_with_holes(PointVolume& volume, std::uint64_t seed) {
 }
 
 TEST(FeltEngines, GiveTheSameForcesInAnyMotion) {
-  const std::vector<test::Tool> tools = test::five_tools();
+  const std::vector<test::Tool> tools = test::every_tool();
   int felt_runs = 0;
   for (std::uint64_t seed = 1; seed <= 25; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);

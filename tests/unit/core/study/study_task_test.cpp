@@ -74,6 +74,15 @@ TEST(StudyTask, AWiderDrillKeepsItsPointAngle) {
   EXPECT_EQ(task.path.bit.length_mm, 60.0);
 }
 
+TEST(StudyTask, AWiderProfileIsTheSameToolInAnotherSize) {
+  StudySpec spec = spec_of({{StudyFactor::bit_diameter_mm, Kind::levels, {4.5}}});
+  spec.path.bit = profile_bit({{0.0, 0.0}, {1.5, 1.5, true}, {4.0, 1.5}, {5.0, 1.0}, {60.0, 1.0}});
+  EXPECT_EQ(only_task(spec).path.bit, resized(spec.path.bit, 4.5, 60.0));
+  spec = spec_of({});
+  spec.path.bit = profile_bit({{0.0, 0.0}, {1.5, 1.5, true}, {4.0, 1.5}, {5.0, 1.0}, {60.0, 1.0}});
+  EXPECT_EQ(only_task(spec).path.bit, spec.path.bit);
+}
+
 TEST(StudyTask, ScalesTheDensityBeforeTheModel) {
   const StudySpec spec = spec_of({{StudyFactor::density_scale, Kind::levels, {0.6}}});
   const StudyTask task = only_task(spec);

@@ -10,10 +10,20 @@
 namespace spinaltap {
 namespace {
 
-const std::vector<DrillBit> kRayBits{DrillBit{3.0, 20.0, 4.0}, twist_drill(3.2, 20.0, 118.0, 0.4),
+const std::vector<DrillBit> kRayBits{DrillBit{3.0, 20.0, 4.0},
+                                     twist_drill(3.2, 20.0, 118.0, 0.4),
                                      DrillBit{4.0, 15.0, 1.0, BitShape::round_burr, 0.0, 2.0},
                                      DrillBit{3.6, 15.0, 4.0, BitShape::conical_burr, 1.0, 2.0},
-                                     DrillBit{5.5, 20.0, 4.0, BitShape::tapered_screw, 4.0}};
+                                     DrillBit{5.5, 20.0, 4.0, BitShape::tapered_screw, 4.0},
+                                     profile_bit({{0.0, 0.3}, {2.0, 1.8}, {5.0, 1.8}, {5.0, 1.2}, {15.0, 1.2}}),
+                                     profile_bit({{0.0, 0.0},
+                                                  {1.5, 1.5, true},
+                                                  {4.0, 1.5},
+                                                  {4.5, 0.8},
+                                                  {9.0, 0.8},
+                                                  {10.0, 1.9},
+                                                  {14.0, 1.1, true},
+                                                  {15.0, 1.1}})};
 
 Vec3 random_vector(std::uint64_t seed, std::uint64_t index) {
   return {random_normal(seed, 3 * index), random_normal(seed, 3 * index + 1), random_normal(seed, 3 * index + 2)};
@@ -38,7 +48,8 @@ TEST(BitBody, HasARayWithinItWhereTheRaysPointsAre) {
   const Pose pose{Vec3(12.0, -30.0, 105.0), Vec3(0.3, -0.8, 0.4).normalized()};
   for (const DrillBit& bit : kRayBits) {
     for (const double way_mm : {0.0, 7.5}) {
-      const BitBody body(BitProfile(bit).lengthened(way_mm), pose);
+      const BitProfile profile(bit);
+      const BitBody body(profile.widens_to_one_place() ? profile.lengthened(way_mm) : profile, pose);
       const Vec3 middle_mm = pose.tip_mm - 0.5 * bit.length_mm * pose.axis;
       std::size_t met = 0;
       for (std::uint64_t n = 0; n < 400; ++n) {

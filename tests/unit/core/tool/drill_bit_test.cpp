@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "tests/unit/core/engine/five_tools.h"
+#include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
 namespace {
@@ -63,7 +63,7 @@ TEST(DrillBit, DoesNotCareHowPointAndPoseAreTurnedAndShiftedTogether) {
   SCOPED_TRACE(::testing::Message() << "seed " << kBitSeed);
   test::Draw draw(kBitSeed);
   for (int n = 0; n < 2'000; ++n) {
-    const BitProfile bit(test::random_bit(draw));
+    const BitProfile bit(test::random_tool(draw));
     const Pose pose = draw.pose();
     const Vec3 p = test::point_near(bit, pose, draw);
     const Mat3 turn = Eigen::AngleAxisd(draw(0.0, 6.3), draw.direction()).toRotationMatrix();
@@ -80,7 +80,7 @@ TEST(DrillBit, DoesNotCareHowPointAndPoseAreTurnedAndShiftedTogether) {
 TEST(DrillBit, RejectsLengthsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
-  for (const test::Tool& tool : test::five_tools()) {
+  for (const test::Tool& tool : test::every_tool()) {
     SCOPED_TRACE(tool.name);
     EXPECT_NO_THROW(check_bit(tool.bit));
     const auto rejects = [&](double DrillBit::*length, double bad) {

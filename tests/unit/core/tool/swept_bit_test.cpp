@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "tests/unit/core/engine/dense_walk.h"
-#include "tests/unit/core/engine/five_tools.h"
+#include "tests/unit/core/engine/tools.h"
 
 namespace spinaltap {
 namespace {
@@ -98,7 +98,7 @@ void expect_swept_as_walked(const BitProfile& bit, double max_way_mm, double max
 TEST(SweptBit, TakesWhatADenseWalkTakesOnAStraightWay) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
   Draw draw(kSweepSeed);
-  for (const Tool& tool : test::five_tools()) {
+  for (const Tool& tool : test::every_tool()) {
     SCOPED_TRACE(tool.name);
     expect_swept_as_walked(BitProfile(tool.bit), 5.0, 0.0, 4'000, draw);
   }
@@ -107,7 +107,7 @@ TEST(SweptBit, TakesWhatADenseWalkTakesOnAStraightWay) {
 TEST(SweptBit, TakesWhatADenseWalkTakesWhenTurning) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
   Draw draw(kSweepSeed + 1);
-  for (const Tool& tool : test::five_tools()) {
+  for (const Tool& tool : test::every_tool()) {
     SCOPED_TRACE(tool.name);
     expect_swept_as_walked(BitProfile(tool.bit), 2.0, 0.3, 1'500, draw);
   }
@@ -117,7 +117,7 @@ TEST(SweptBit, IsTheBitItselfWithoutAWay) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
   Draw draw(kSweepSeed + 2);
   for (int n = 0; n < 20'000; ++n) {
-    const BitProfile bit(test::random_bit(draw));
+    const BitProfile bit(test::random_tool(draw));
     const SweepProfile profile(bit);
     const Pose pose = draw.pose();
     const Vec3 p = test::point_near(bit, pose, draw);
@@ -164,7 +164,7 @@ TEST(SweptBit, SaysHowFarItReachesAlongZ) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSweepSeed);
   Draw draw(kSweepSeed + 4);
   for (int n = 0; n < 3'000; ++n) {
-    const BitProfile bit(test::random_bit(draw));
+    const BitProfile bit(test::random_tool(draw));
     const SweepProfile profile(bit);
     const Pose from = draw.pose();
     const Pose to{from.tip_mm + draw(0.0, 3.0) * draw.direction(), from.axis};
@@ -222,7 +222,7 @@ TEST(BitMotion, KeepsChordsWithinHalfASkinOfTheArc) {
   Draw draw(kSweepSeed + 6);
   double max_mm = 0.0;
   for (int n = 0; n < 2'000; ++n) {
-    const BitProfile bit(test::random_bit(draw));
+    const BitProfile bit(test::random_tool(draw));
     const Pose from = draw.pose();
     const Pose to{from.tip_mm + draw(0.0, 2.0) * draw.direction(),
                   (from.axis + draw(0.001, 0.3) * draw.direction()).normalized()};

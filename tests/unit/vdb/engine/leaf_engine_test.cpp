@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/tool/swept_bit.h"
 #include "tests/support/random_drilling.h"
+#include "tests/unit/core/engine/tools.h"
 #include "vdb/engine/detail/leaf_volume_engine.h"
 #include "vdb/engine/detail/shared_points.h"
 
@@ -20,9 +21,9 @@ namespace {
 using test::expect_same_removal;
 using test::Random;
 
-/// All shapes; the first also with a flat tip, and with a base that comes into the volume.
+/// All shapes, and two profiles; the first also with a flat tip, and with a base that comes into the volume.
 DrillBit tool(std::uint64_t n) {
-  switch (n % 7) {
+  switch (n % 9) {
     case 0:
       return {2.0, 8.0, 2.0};
     case 1:
@@ -35,8 +36,12 @@ DrillBit tool(std::uint64_t n) {
       return {1.5, 8.0, 1.5, BitShape::conical_burr, 0.4, 0.7};
     case 5:
       return {2.0, 8.0, 1.0, BitShape::tapered_screw, 1.2, 0.0};
-    default:
+    case 6:
       return {1.8, 2.5, 1.0, BitShape::round_burr, 0.0, 0.0};
+    case 7:
+      return profile_bit({{0.0, 0.0}, {0.8, 0.8, true}, {1.6, 0.8}, {2.0, 0.4}, {3.0, 0.4}, {3.4, 0.7}, {8.0, 0.7}});
+    default:
+      return profile_bit({{0.0, 0.3}, {1.2, 0.9}, {2.2, 0.9, true}, {2.2, 0.5}, {8.0, 0.5}});
   }
 }
 
@@ -122,6 +127,26 @@ TEST(LeafEngine, RemovesTheSamePointsAsTheReferenceInAnyMotionOfAnyTool) {
     }
   }
   EXPECT_GT(removed, kSeeds * 1'500U);
+}
+
+TEST(LeafEngine, RemovesByAProfileWhatItRemovesByTheShapeThatItRepeats) {
+  std::size_t removed = 0;
+  for (std::uint64_t seed = 1; seed <= 14; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const DrillBit bit = tool(seed % 7);
+    PointVolume of_shape = block(path_along(Random(seed).direction(), bit), options_of(seed));
+    PointVolume of_profile = of_shape;
+    const auto shape = make_leaf_engine(of_shape, bit, {});
+    const auto profile = make_leaf_engine(of_profile, test::profile_like(bit), {});
+    for (const Pose& local : wander(seed, 80)) {
+      const Pose pose = of_shape.frame().to_patient(local);
+      const StepResult result = shape->step(pose);
+      expect_same_removal(profile->step(pose), result);
+      removed += result.removed;
+    }
+    EXPECT_TRUE(std::ranges::equal(of_profile.alive_words(), of_shape.alive_words()));
+  }
+  EXPECT_GT(removed, 14U * 1'500U);
 }
 
 TEST(LeafEngine, RemovesTheSameAtOneAndTwoThreads) {
