@@ -3,11 +3,14 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "apps/python/arrays.h"
 #include "apps/python/bindings.h"
 #include "apps/python/names.h"
+#include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
@@ -27,6 +30,25 @@ DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, co
                      tip_diameter_mm, shank_diameter_mm};
   check_bit(bit);
   return bit;
+}
+
+/// Of tuples (back_mm, radius_mm), or (back_mm, radius_mm, is_arc).
+DrillBit make_profile(const std::vector<py::tuple>& outline) {
+  std::vector<OutlinePoint> points;
+  for (const py::tuple& place : outline) {
+    if (place.size() != 2 && place.size() != 3) {
+      fail("outline: expected places of (back_mm, radius_mm) or (back_mm, radius_mm, is_arc), found one of ",
+           place.size());
+    }
+    points.push_back({place[0].cast<double>(), place[1].cast<double>(), place.size() == 3 && place[2].cast<bool>()});
+  }
+  return profile_bit(std::move(points));
+}
+
+std::vector<std::tuple<double, double, bool>> outline_of(const DrillBit& bit) {
+  std::vector<std::tuple<double, double, bool>> places;
+  for (const OutlinePoint& point : bit.outline) places.emplace_back(point.back_mm, point.radius_mm, point.is_arc);
+  return places;
 }
 
 PedicleScrew make_screw(double diameter_mm, double length_mm, double tip_length_mm, const std::string& name) {
@@ -65,12 +87,20 @@ void bind_plan(py::module_& module) {
       .def_static("twist_drill", &twist_drill, "diameter_mm"_a, "length_mm"_a = 50.0, "point_angle_deg"_a = 118.0,
                   py::kw_only(), "chisel_edge_mm"_a,
                   "A twist drill, by the angle of its whole tip and the width of its chisel edge.")
+      .def_static("profile", &make_profile, "outline"_a,
+                  "A bit of any outline: places from the tip to the base, each (back_mm, radius_mm), or with True as a "
+                  "third where a ball's arc leads there. Raises Error on an outline that makes no sense.")
+      .def_static(
+          "read", [](const std::string& name_or_file) { return read_bit_profile(name_or_file).bit; }, "name_or_file"_a,
+          "A bit of any outline: a shipped one by its name, such as \"match-head\", else a file.")
       .def_readonly("diameter_mm", &DrillBit::diameter_mm)
       .def_readonly("length_mm", &DrillBit::length_mm)
       .def_readonly("tip_length_mm", &DrillBit::tip_length_mm)
       .def_property_readonly("shape", [](const DrillBit& bit) { return name_of(bit.shape); })
       .def_readonly("tip_diameter_mm", &DrillBit::tip_diameter_mm)
-      .def_readonly("shank_diameter_mm", &DrillBit::shank_diameter_mm);
+      .def_readonly("shank_diameter_mm", &DrillBit::shank_diameter_mm)
+      .def_property_readonly("outline", &outline_of,
+                             "Of a profile: (back_mm, radius_mm, is_arc) from the tip to the base; else empty.");
 
   py::class_<PedicleScrew>(module, "Screw", "A screw for a pedicle. Lengths in mm. Nothing changes it.")
       .def(py::init(&make_screw), "diameter_mm"_a = 6.5, "length_mm"_a = 45.0, "tip_length_mm"_a = 4.0, "name"_a = "",

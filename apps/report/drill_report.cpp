@@ -96,7 +96,9 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   rows.push_back({"Leans out of the CT's axial plane", lean(std::atan2(direction.z(), across), "head", "feet"), ""});
   rows.push_back({"Bit, diameter × length",
                   readable_number(path.bit.diameter_mm, 1) + " × " + readable_number(path.bit.length_mm, 1), "mm"});
-  rows.push_back({"Bit, conical tip", readable_number(path.bit.tip_length_mm, 1), "mm"});
+  const bool is_profile = path.bit.shape == BitShape::profile;
+  rows.push_back({is_profile ? "Bit, from its tip to its widest place" : "Bit, conical tip",
+                  readable_number(path.bit.tip_length_mm, 1), "mm"});
   if (data.ct != nullptr) {
     const GridGeometry& grid = data.ct->geometry;
     rows.push_back(

@@ -74,7 +74,7 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     paths = {*given};
   } else if (paths.empty()) {
     const std::vector<Suggestion> suggestions = bone.suggest(
-        {.bit = options.path.bit, .density = options.drill.density, .material = options.drill.material}, progress);
+        {.bit = options.path.bit(), .density = options.drill.density, .material = options.drill.material}, progress);
     std::vector<GradedPath> graded = graded_paths(suggestions);
     add_uncertainty(bone, PlacementOptions().model(), graded, progress);
     figures["plan"] = report_suggestions(bone, suggestions, graded);

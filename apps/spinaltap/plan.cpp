@@ -33,30 +33,33 @@ void PathOptions::add_to(CLI::App& app) {
       ->expected(3)
       ->needs(entry_option)
       ->type_name("X,Y,Z");
-  app.add_option("--diameter", bit.diameter_mm, "Diameter of the bit, mm")->capture_default_str()->type_name("MM");
-  app.add_option("--bit-length", bit.length_mm, "Length of the bit, tip included, mm")
-      ->capture_default_str()
-      ->type_name("MM");
-  app.add_option("--tip-length", bit.tip_length_mm, "Length of the bit's conical tip, mm")
-      ->capture_default_str()
-      ->type_name("MM");
-  app.add_option("--shape", bit.shape, "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw")
+  CLI::Option* profile_option =
+      app.add_option(
+             "--bit", profile,
+             "Profile of a bit of any outline, in place of its sizes: a file, or match-head, probe, reamer, tap")
+          ->type_name("FILE");
+  const auto add_size = [&](const std::string& option, double& size_mm, const std::string& what) {
+    app.add_option(option, size_mm, what)->capture_default_str()->type_name("MM")->excludes(profile_option);
+  };
+  add_size("--diameter", sizes.diameter_mm, "Diameter of the bit, mm");
+  add_size("--bit-length", sizes.length_mm, "Length of the bit, tip included, mm");
+  add_size("--tip-length", sizes.tip_length_mm, "Length of the bit's conical tip, mm");
+  app.add_option("--shape", sizes.shape, "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw")
       ->transform(one_of(bit_shapes()))
-      ->type_name("NAME");
-  app.add_option("--tip-diameter", bit.tip_diameter_mm,
-                 "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end")
-      ->capture_default_str()
-      ->type_name("MM");
-  app.add_option("--shank-diameter", bit.shank_diameter_mm, "Diameter of a burr's shank, mm")
-      ->capture_default_str()
-      ->type_name("MM");
+      ->type_name("NAME")
+      ->excludes(profile_option);
+  add_size("--tip-diameter", sizes.tip_diameter_mm,
+           "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end");
+  add_size("--shank-diameter", sizes.shank_diameter_mm, "Diameter of a burr's shank, mm");
 }
+
+DrillBit PathOptions::bit() const { return profile.empty() ? sizes : read_bit_profile(profile).bit; }
 
 std::optional<DrillPath> PathOptions::given_path(const std::string& name) const {
   if (entry_mm.empty()) return std::nullopt;
   if (target_mm.empty()) fail("--entry was given: expected --target x,y,z too");
   DrillPath path{name, Vec3(entry_mm[0], entry_mm[1], entry_mm[2]), Vec3(target_mm[0], target_mm[1], target_mm[2]),
-                 bit};
+                 bit()};
   check_path(path);
   return path;
 }
@@ -239,7 +242,7 @@ void add_plan(CLI::App& program, Command& command) {
   command.run = [options, &command](const Progress& progress) {
     Json figures = Json::object();
     if (!options->levels.empty()) {
-      options->suggest.bit = options->path.bit;
+      options->suggest.bit = options->path.bit();
       return plan_levels(
           {options->bone, options->levels, options->output, options->suggest, options->placement, options->page},
           command.exit_code, progress);
@@ -253,7 +256,7 @@ void add_plan(CLI::App& program, Command& command) {
       check_path_meets_bone(*path, bone.model());
       paths = {*path};
     } else if (options->is_auto) {
-      options->suggest.bit = options->path.bit;
+      options->suggest.bit = options->path.bit();
       const std::optional<PlacementErrors> errors = options->placement.model();
       const std::vector<Suggestion> suggestions = bone.suggest(options->suggest, progress);
       std::vector<GradedPath> graded = graded_paths(suggestions);

@@ -1,15 +1,27 @@
 #include "core/files/bit_file.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/files/data_files.h"
 #include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
 namespace {
 
 constexpr FileFormat kBitsFormat{"spinaltap-bits", "table of bits", "see docs/data-files.md"};
+constexpr FileFormat kProfileFormat{"spinaltap-bit-profile", "profile of a bit", "see docs/data-files.md"};
+
+NamedBit read_profile_file(const std::filesystem::path& path) {
+  const Json json = read_json(path);
+  check_format(json, kProfileFormat, path);
+  check_keys(json, {"format", "version", "unit", "name", "outline", "sources"}, path, "a key of a bit's profile");
+  const JsonObject object(json, path);
+  if (object.text("unit") != "mm") fail("expected \"mm\" as \"unit\" in ", path.string());
+  return {object.text("name"), read_outline(object.at("outline"), path)};
+}
 
 }  // namespace
 
@@ -22,6 +34,8 @@ const std::map<std::string, BitShape>& bit_shapes() {
 }
 
 const std::string& name_of(BitShape shape) {
+  static const std::string profile = "profile";
+  if (shape == BitShape::profile) return profile;
   for (const auto& [name, known] : bit_shapes()) {
     if (known == shape) return name;
   }
@@ -43,6 +57,34 @@ std::vector<NamedBit> read_bits(const std::filesystem::path& path) {
       fail(path.string(), ", ", in_quotes(bits.back().name), ": ", error.what());
     }
   }
+  return bits;
+}
+
+std::vector<std::string> bit_profiles() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(data_file("profiles/match-head.json").parent_path())) {
+    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+NamedBit read_bit_profile(const std::string& name_or_file) {
+  const std::vector<std::string> shipped = bit_profiles();
+  if (std::find(shipped.begin(), shipped.end(), name_or_file) != shipped.end()) {
+    return read_profile_file(data_file("profiles/" + name_or_file + ".json"));
+  }
+  if (!std::filesystem::exists(name_or_file)) {
+    std::string names;
+    for (const std::string& name : shipped) names += (names.empty() ? "" : ", ") + name;
+    fail("expected the profile of a bit (", names, ") or a file, found ", in_quotes(name_or_file));
+  }
+  return read_profile_file(name_or_file);
+}
+
+std::vector<NamedBit> shipped_bits() {
+  std::vector<NamedBit> bits = read_bits(data_file("bits/pedicle.json"));
+  for (const std::string& name : bit_profiles()) bits.push_back(read_bit_profile(name));
   return bits;
 }
 

@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "core/base/random.h"
+#include "core/base/text_writer.h"
+#include "core/files/bit_file.h"
 #include "core/files/json_file.h"
 #include "core/files/milling_file.h"
 #include "core/files/plan_file.h"
@@ -72,6 +74,36 @@ TEST_F(Drill, WritesThePointsThatAreLeft) {
     if (is_beside_cylinder) {
       ASSERT_GT((from_entry - along_mm * drilled.direction()).norm(), 1.0);
     }
+  }
+}
+
+TEST_F(Drill, TakesAToolOfAnyOutlineFromPlanToReplay) {
+  const DrillPath planned = path({});
+  const auto option = [](const char* name, const Vec3& p) {
+    return joined(" ", name, " ", p.x(), ",", p.y(), ",", p.z());
+  };
+  const std::string plan = "plan bone.vdb --force -o headed.json" + option("--entry", planned.entry_mm) +
+                           option("--target", planned.target_mm);
+  ASSERT_EQ(test::run_program(plan + " --bit match-head", folder_->path()).exit_code, 0);
+  EXPECT_EQ(read_plan(folder_->path() / "headed.json")[0].bit, read_bit_profile("match-head").bit);
+  drill("--points --record run.h5", "headed.json");
+  const SavedPoints points = read_points(folder_->path() / "out" / "points.vdb");
+  ASSERT_FALSE(points.positions_mm.empty());
+  // Its round end is as deep as it is wide; where that has passed, the neck leaves nothing.
+  for (const Vec3& p : points.positions_mm) {
+    const Vec3 from_entry = p - planned.entry_mm;
+    const double along_mm = from_entry.dot(planned.direction());
+    if (along_mm < planned.length_mm() - 1.5) {
+      ASSERT_GT((from_entry - along_mm * planned.direction()).norm(), 1.5);
+    }
+  }
+  EXPECT_EQ(test::run_program("replay run.h5 bone.vdb", folder_->path()).exit_code, 0);
+  for (const auto& [options, what] :
+       {std::pair(" --bit spoon", "match-head, probe, reamer, tap"), std::pair(" --bit plan.json", "plan.json"),
+        std::pair(" --bit match-head --diameter 3", "--bit excludes --diameter")}) {
+    const test::ProgramRun run = test::run_program(plan + options, folder_->path());
+    EXPECT_EQ(run.exit_code, 2) << options;
+    EXPECT_THAT(run.errors, HasSubstr(what));
   }
 }
 

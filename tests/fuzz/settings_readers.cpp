@@ -21,6 +21,7 @@
 #include "core/phantom/vertebra.h"
 #include "core/phantom/vertebra_ground_truth.h"
 #include "core/study/study_task.h"
+#include "core/tool/bit_profile.h"
 #include "tests/fuzz/readers.h"
 
 namespace spinaltap::test {
@@ -160,6 +161,12 @@ void add_settings_readers(std::vector<Reader>& readers) {
                        static_cast<void>(read_material(folder / "material.json", density.line));
                      }});
   readers.push_back({"bits", [] { return shipped("bits", {"pedicle.json"}); }, only_file_by(read_bits)});
+  const auto read_profile = [](const fs::path& file) { return BitProfile(read_bit_profile(file.string()).bit); };
+  readers.push_back({"bit-profile",
+                     [] {
+                       return shipped("profiles", {"match-head.json", "probe.json", "reamer.json", "tap.json"});
+                     },
+                     only_file_by(read_profile)});
   readers.push_back({"screws", [] { return shipped("screws", {"pedicle.json"}); }, only_file_by(read_screws)});
   readers.push_back({"rules", [] { return shipped("planning", {"pedicle.json"}); }, only_file_by(read_planning_rules)});
   readers.push_back({"placement-errors", error_seeds, only_file_by(read_placement_errors)});

@@ -16,6 +16,30 @@ def poses(feed_mm_s=20.0):
     return spinaltap.PlannedMotion(made_bone.path(), feed_mm_s=feed_mm_s).poses()
 
 
+class Bit(unittest.TestCase):
+    def test_is_of_any_outline(self):
+        head = spinaltap.Bit.read("match-head")
+        self.assertEqual(head.shape, "profile")
+        self.assertEqual((head.diameter_mm, head.length_mm, head.tip_length_mm), (3.0, 60.0, 1.5))
+        self.assertEqual(head.outline[:2], [(0.0, 0.0, False), (1.5, 1.5, True)])
+        self.assertEqual(spinaltap.Bit.profile(head.outline).outline, head.outline)
+        self.assertEqual(spinaltap.Bit.profile([(0, 1), (40, 1)]).outline, [(0.0, 1.0, False), (40.0, 1.0, False)])
+        self.assertEqual(spinaltap.Bit().outline, [])
+        planned = made_bone.path()
+        with tempfile.TemporaryDirectory() as folder:
+            file = FilePath(folder) / "plan.json"
+            spinaltap.write_plan([spinaltap.Path(planned.entry_mm, planned.target_mm, head)], file)
+            self.assertEqual(spinaltap.read_plan(file)[0].bit.outline, head.outline)
+
+    def test_says_what_is_wrong_with_an_outline(self):
+        with self.assertRaisesRegex(spinaltap.Error, "place 2"):
+            spinaltap.Bit.profile([(0, 1), (-3, 1)])
+        with self.assertRaisesRegex(spinaltap.Error, r"\(back_mm, radius_mm\)"):
+            spinaltap.Bit.profile([(0, 1), (3,)])
+        with self.assertRaisesRegex(spinaltap.Error, "match-head"):
+            spinaltap.Bit.read("spoon")
+
+
 class Session(unittest.TestCase):
     def test_gives_the_same_bits_by_steps_and_by_arrays(self):
         rows = made_bone.session(clearances=True).run(poses())

@@ -139,10 +139,10 @@ class ScriptRun {
     planner().player().start(plan);
   }
   void take_bit(const std::string& name) {
-    for (const NamedBit& bit : read_bits(data_file("bits/pedicle.json"))) {
+    for (const NamedBit& bit : shipped_bits()) {
       if (bit.name == name) return change([&](DrillPath& path) { path.bit = bit.bit; });
     }
-    fail("expected a bit of bits/pedicle.json, found no \"", name, "\"");
+    fail("expected a bit that ships, found no \"", name, "\"");
   }
   void take_screw(const std::string& name) {
     if (name == "none") return change([](DrillPath& path) { path.screw.reset(); });

@@ -60,11 +60,6 @@ QDoubleSpinBox* mm_box(const char* name, double low, double high, double step, i
   return box;
 }
 
-bool same_bit(const DrillBit& a, const DrillBit& b) {
-  return a.diameter_mm == b.diameter_mm && a.length_mm == b.length_mm && a.tip_length_mm == b.tip_length_mm &&
-         a.shape == b.shape && a.tip_diameter_mm == b.tip_diameter_mm && a.shank_diameter_mm == b.shank_diameter_mm;
-}
-
 QString tool_text(const DrillPath& path) { return text_of(tool_of(path)); }
 
 }  // namespace
@@ -72,7 +67,7 @@ QString tool_text(const DrillPath& path) { return text_of(tool_of(path)); }
 PathPanel::PathPanel(PlanDocument& document, QWidget* parent)
     : QWidget(parent),
       document_(document),
-      bits_(read_bits(data_file("bits/pedicle.json"))),
+      bits_(shipped_bits()),
       screws_(read_screws(data_file("screws/pedicle.json"))) {
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(6, 6, 6, 0);
@@ -217,7 +212,7 @@ void PathPanel::fill_form() {
   form_->setEnabled(path != nullptr);
   if (path != nullptr) {
     std::size_t bit = 0;
-    while (bit < bits_.size() && !same_bit(bits_[bit].bit, path->bit)) ++bit;
+    while (bit < bits_.size() && !(bits_[bit].bit == path->bit)) ++bit;
     bit_->setCurrentIndex(static_cast<int>(bit));
     bit_diameter_->setValue(path->bit.diameter_mm);
     bit_length_->setValue(path->bit.length_mm);
@@ -263,13 +258,8 @@ void PathPanel::take_bit_size() {
   const DrillPath* chosen = document_.chosen_path();
   if (is_filling_ || chosen == nullptr) return;
   DrillPath path = *chosen;
-  // The tip keeps its angle.
-  path.bit.tip_length_mm *= bit_diameter_->value() / path.bit.diameter_mm;
-  path.bit.tip_diameter_mm *= bit_diameter_->value() / path.bit.diameter_mm;
-  path.bit.shank_diameter_mm *= bit_diameter_->value() / path.bit.diameter_mm;
-  path.bit.diameter_mm = bit_diameter_->value();
-  path.bit.length_mm = bit_length_->value();
   try {
+    path.bit = resized(path.bit, bit_diameter_->value(), bit_length_->value());
     document_.change_path(document_.chosen(), path, tr("change bit"));
   } catch (const Error&) {  // a tip longer than the bit: the old numbers come back
     fill_form();

@@ -1,6 +1,8 @@
 #include "core/files/detail/tool_json.h"
 
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
@@ -8,7 +10,35 @@
 
 namespace spinaltap {
 
+namespace {
+
+Json outline_point_json(const OutlinePoint& point) {
+  Json json{{"back_mm", point.back_mm}, {"radius_mm", point.radius_mm}};
+  if (point.is_arc) json["arc"] = true;
+  return json;
+}
+
+OutlinePoint read_outline_point(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"back_mm", "radius_mm", "arc"}, file, "\"back_mm\", \"radius_mm\" or \"arc\"");
+  const JsonObject object(json, file);
+  OutlinePoint point{object.number("back_mm"), object.number("radius_mm")};
+  if (object.has("arc")) {
+    const Json& arc = object.at("arc");
+    if (!arc.is_boolean()) fail("expected true or false for \"arc\" in ", file.string(), ", found ", shown_value(arc));
+    point.is_arc = arc.get<bool>();
+  }
+  return point;
+}
+
+}  // namespace
+
 Json to_json(const DrillBit& bit) {
+  if (bit.shape == BitShape::profile) {
+    // Its sizes follow from the outline.
+    Json json{{"shape", name_of(bit.shape)}, {"outline", Json::array()}};
+    for (const OutlinePoint& point : bit.outline) json["outline"].push_back(outline_point_json(point));
+    return json;
+  }
   Json json{{"diameter_mm", bit.diameter_mm}, {"length_mm", bit.length_mm}, {"tip_length_mm", bit.tip_length_mm}};
   // A plain drill stays what programs that know no other shape can read.
   if (bit.shape != BitShape::drill) json["shape"] = name_of(bit.shape);
@@ -41,15 +71,39 @@ ScrewHead read_screw_head(const Json& json, const std::filesystem::path& file) {
           object.number("driver_cone_deg"), object.number("driver_length_mm")};
 }
 
+DrillBit read_outline(const Json& places, const std::filesystem::path& file) {
+  if (!places.is_array()) {
+    fail("expected places as \"outline\" in ", file.string(), ", found ", shown_value(places));
+  }
+  std::vector<OutlinePoint> outline;
+  for (const Json& place : places) {
+    try {
+      outline.push_back(read_outline_point(place, file));
+    } catch (const Error& error) {
+      fail("place ", outline.size() + 1, " of \"outline\": ", error.what());
+    }
+  }
+  try {
+    return profile_bit(std::move(outline));
+  } catch (const Error& error) {
+    fail("\"outline\" in ", file.string(), ": ", error.what());
+  }
+}
+
 DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
+  if (object.has("shape") && object.text("shape") == name_of(BitShape::profile)) {
+    check_keys(json, {"shape", "outline"}, file, "\"shape\" and \"outline\" of a profile");
+    return read_outline(object.at("outline"), file);
+  }
+  if (object.has("outline")) fail("expected \"outline\" of the shape profile only in ", file.string());
   DrillBit bit{object.number("diameter_mm"), object.number("length_mm"), object.number("tip_length_mm")};
   if (object.has("shape")) {
     const std::string name = object.text("shape");
     const auto shape = bit_shapes().find(name);
     if (shape == bit_shapes().end()) {
-      fail("expected the bit's shape to be drill, round-burr, conical-burr or tapered-screw in ", file.string(),
-           ", found ", in_quotes(name));
+      fail("expected the bit's shape to be drill, round-burr, conical-burr, tapered-screw or profile in ",
+           file.string(), ", found ", in_quotes(name));
     }
     bit.shape = shape->second;
   }

@@ -13,6 +13,8 @@ Json to_json(const DrillPath& path);
 
 /// Read what to_json() made. Throw Error that names the file and the key at fault; do not check the path.
 DrillBit read_bit(const Json& json, const std::filesystem::path& file);
+/// The profile of an outline's places, checked.
+DrillBit read_outline(const Json& places, const std::filesystem::path& file);
 ScrewHead read_screw_head(const Json& json, const std::filesystem::path& file);
 PedicleScrew read_screw(const Json& json, const std::filesystem::path& file);
 DrillPath read_path(const Json& json, const std::filesystem::path& file);

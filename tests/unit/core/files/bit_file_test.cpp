@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <string>
 
 #include "core/base/error.h"
 #include "core/files/data_files.h"
@@ -33,6 +35,43 @@ TEST(BitFile, NamesTheBitThatIsNone) {
       << R"({"format": "spinaltap-bits", "version": 2, "bits": [{"name": "flat", "bit": {"diameter_mm": 0, "length_mm": 50, "tip_length_mm": 5}}]})";
   EXPECT_THAT([&] { read_bits(file); }, testing::ThrowsMessage<Error>(testing::AllOf(testing::HasSubstr("flat"),
                                                                                      testing::HasSubstr("bits.json"))));
+}
+
+TEST(BitProfileFile, ShipsTools) {
+  EXPECT_THAT(bit_profiles(), testing::ElementsAre("match-head", "probe", "reamer", "tap"));
+  const std::map<std::string, double> diameters_mm{{"match-head", 3.0}, {"probe", 2.0}, {"reamer", 4.5}, {"tap", 5.5}};
+  for (const auto& [name, diameter_mm] : diameters_mm) {
+    EXPECT_NEAR(read_bit_profile(name).bit.diameter_mm, diameter_mm, 1e-14) << name;
+  }
+  EXPECT_EQ(shipped_bits().size(), read_bits(data_file("bits/pedicle.json")).size() + bit_profiles().size());
+}
+
+TEST(BitProfileFile, SaysWhatIsWrongAndWhere) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "mine.json").string();
+  const auto write = [&](const std::string& more, const std::string& places) {
+    std::ofstream(file) << R"({"format": "spinaltap-bit-profile", "version": 2, "name": "mine", )" << more
+                        << R"("outline": [)" << places << "]}";
+  };
+  const std::string tip = R"({"back_mm": 0, "radius_mm": 0})";
+  write(R"("unit": "mm", )", tip + R"(, {"back_mm": 1, "radius_mm": 1, "arc": true}, {"back_mm": 20, "radius_mm": 1})");
+  const NamedBit mine = read_bit_profile(file);
+  EXPECT_EQ(mine.name, "mine");
+  EXPECT_EQ(mine.bit, profile_bit({{0.0, 0.0}, {1.0, 1.0, true}, {20.0, 1.0}}));
+  const auto rejects = [&](const std::string& more, const std::string& places, const char* what) {
+    write(more, places);
+    EXPECT_THAT([&] { read_bit_profile(file); }, testing::ThrowsMessage<Error>(testing::AllOf(
+                                                     testing::HasSubstr("mine.json"), testing::HasSubstr(what))))
+        << what;
+  };
+  rejects("", tip, "\"unit\"");
+  rejects(R"("unit": "inch", )", tip, "\"unit\"");
+  rejects(R"("unit": "mm", "width": 3, )", tip, "width");
+  rejects(R"("unit": "mm", )", tip + ", 7", "place 2 of \"outline\"");
+  rejects(R"("unit": "mm", )", tip + R"(, {"back_mm": 5})", "\"radius_mm\"");
+  rejects(R"("unit": "mm", )", tip + R"(, {"back_mm": 5, "radius_mm": -1})", "place 2 of the outline");
+  EXPECT_THAT([] { read_bit_profile("spoon"); }, testing::ThrowsMessage<Error>(testing::AllOf(
+                                                     testing::HasSubstr("match-head"), testing::HasSubstr("spoon"))));
 }
 
 }  // namespace

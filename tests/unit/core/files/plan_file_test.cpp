@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
@@ -73,6 +74,36 @@ TEST_F(PlanFile, KeepsEveryShapeOfBit) {
   }
   EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][0]["bit"]["shape"] = "spoon"; }); },
               ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("spoon"), HasSubstr("round-burr"))));
+}
+
+TEST_F(PlanFile, KeepsAProfileBitForBit) {
+  std::vector<DrillPath> paths = two_paths();
+  paths[1].bit = profile_bit({{0.0, 0.0}, {1.0 / 3.0, 0.3, true}, {2.0, 1.1}, {2.0, 0.7}, {50.1, 0.7}});
+  write_plan(paths, path());
+  EXPECT_EQ(read_plan(path())[1].bit, paths[1].bit);
+  const auto rejected = [&](const std::function<void(Json & bit)>& change, const char* what) {
+    EXPECT_THAT(
+        [&] {
+          read_changed([&](Json& json) {
+            json["paths"][1]["bit"] =
+                Json{{"shape", "profile"},
+                     {"outline", {{{"back_mm", 0.0}, {"radius_mm", 1.0}}, {{"back_mm", 9.0}, {"radius_mm", 1.0}}}}};
+            change(json["paths"][1]["bit"]);
+          });
+        },
+        ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(what))))
+        << what;
+  };
+  rejected([](Json& bit) { bit.erase("outline"); }, "outline");
+  rejected([](Json& bit) { bit["outline"] = 3; }, "outline");
+  rejected([](Json& bit) { bit["diameter_mm"] = 2.0; }, "diameter_mm");
+  rejected([](Json& bit) { bit["outline"][1].erase("radius_mm"); }, "radius_mm");
+  rejected([](Json& bit) { bit["outline"][1]["radius_mm"] = "wide"; }, "place 2 of \"outline\"");
+  rejected([](Json& bit) { bit["outline"][1]["arc"] = 1; }, "\"arc\"");
+  rejected([](Json& bit) { bit["outline"][1]["ball"] = true; }, "ball");
+  rejected([](Json& bit) { bit["outline"][1]["back_mm"] = -9.0; }, "place 2 of the outline");
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][1]["bit"]["outline"] = Json::array(); }); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("profile only"))));
 }
 
 TEST_F(PlanFile, SaysItsFrameAndUnit) {
