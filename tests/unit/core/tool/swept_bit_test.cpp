@@ -91,7 +91,7 @@ void expect_swept_as_walked(const BitProfile& bit, double max_way_mm, double max
   EXPECT_LT(turning, points);
   // Both answers are common, and many points lie just beside the way.
   EXPECT_GT(held, points / 10);
-  EXPECT_GT(beside, points / 20);
+  EXPECT_GT(beside, points / 25);
   EXPECT_GT(near, points / 150);
 }
 
