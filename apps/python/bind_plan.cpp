@@ -35,12 +35,14 @@ DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, co
 /// Of tuples (back_mm, radius_mm), or (back_mm, radius_mm, is_arc).
 DrillBit make_profile(const std::vector<py::tuple>& outline) {
   std::vector<OutlinePoint> points;
+  constexpr const char* kExpected = "outline: expected places of (back_mm, radius_mm) or (back_mm, radius_mm, is_arc)";
   for (const py::tuple& place : outline) {
-    if (place.size() != 2 && place.size() != 3) {
-      fail("outline: expected places of (back_mm, radius_mm) or (back_mm, radius_mm, is_arc), found one of ",
-           place.size());
+    if (place.size() != 2 && place.size() != 3) fail(kExpected, ", found one of ", place.size());
+    try {
+      points.push_back({place[0].cast<double>(), place[1].cast<double>(), place.size() == 3 && place[2].cast<bool>()});
+    } catch (const py::cast_error&) {
+      fail(kExpected, ", found ", std::string(py::str(place)));
     }
-    points.push_back({place[0].cast<double>(), place[1].cast<double>(), place.size() == 3 && place[2].cast<bool>()});
   }
   return profile_bit(std::move(points));
 }

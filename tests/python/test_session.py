@@ -36,6 +36,8 @@ class Bit(unittest.TestCase):
             spinaltap.Bit.profile([(0, 1), (-3, 1)])
         with self.assertRaisesRegex(spinaltap.Error, r"\(back_mm, radius_mm\)"):
             spinaltap.Bit.profile([(0, 1), (3,)])
+        with self.assertRaisesRegex(spinaltap.Error, "wide"):
+            spinaltap.Bit.profile([(0, "wide"), (3, 1)])
         with self.assertRaisesRegex(spinaltap.Error, "match-head"):
             spinaltap.Bit.read("spoon")
 
