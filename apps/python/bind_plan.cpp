@@ -41,7 +41,7 @@ DrillBit make_profile(const std::vector<py::tuple>& outline) {
     try {
       points.push_back({place[0].cast<double>(), place[1].cast<double>(), place.size() == 3 && place[2].cast<bool>()});
     } catch (const py::cast_error&) {
-      fail(kExpected, ", found ", std::string(py::str(place)));
+      fail(kExpected, ", found ", py::repr(place).cast<std::string>());
     }
   }
   return profile_bit(std::move(points));

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/base/random.h"
+#include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
 #include "core/files/json_file.h"
