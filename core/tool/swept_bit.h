@@ -41,6 +41,9 @@ class SweptBit {
   const BitProfile& profile() const { return *profile_; }
   const Pose& from() const { return from_; }
   const Pose& to() const { return to_; }
+  /// Two directions across the axis, and back along it, in rows: as the bit sees points at either end of its way.
+  const Mat3& from_rows() const { return from_rows_; }
+  const Mat3& to_rows() const { return to_rows_; }
 
   /// Whether the bit passes p. Quick tests come first; they never differ from the exact one.
   bool contains(const Vec3& p) const noexcept;
@@ -86,7 +89,7 @@ class SweptBit {
   const BitProfile* grown_;
   Pose from_;
   Pose to_;
-  Mat3 from_rows_;  ///< two directions across the axis, and back along it
+  Mat3 from_rows_;
   Mat3 to_rows_;
   double edge_mm_ = 0.0;
   double across_mm_ = 0.0;

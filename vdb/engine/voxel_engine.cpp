@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/engine/swept_engine.h"
@@ -54,8 +54,9 @@ struct LivingLeaf {
   const std::uint8_t* hu;
   Index3 origin;  ///< voxels from the engine's middle
   std::uint32_t alive;
-  std::uint8_t counts;           ///< what its certificate counts, see Counts
-  float free_mm;                 ///< its certificate when it was made
+  std::uint8_t counts;  ///< what its certificate counts, see Counts
+  std::uint8_t basis;   ///< 0: words' certificates are from all of the tool; or 1 + the piece that they are from
+  float free_mm;        ///< its certificate when it was made
   std::array<float, 8> word_mm;  ///< and of each word alone
 };
 
@@ -63,6 +64,24 @@ struct LivingLeaf {
 /// slope too; all, and no less of the advance than the cone's slope. One that counts few holds as well where more are
 /// counted.
 enum Counts : std::uint8_t { kAcross, kAcrossCone, kAll };
+
+/// Voxels as a bit sees them, in whichever way it is turned.
+struct AxisView {
+  Mat3 rows = Mat3::Zero();  ///< as SweptBit has them
+  WordOffsets offsets;
+
+  /// Most steps turn little or not.
+  void take(const Mat3& new_rows, double voxel_mm) noexcept {
+    if (rows == new_rows) return;
+    rows = new_rows;
+    for (unsigned bit = 0; bit < 64; ++bit) {
+      const unsigned y = bit / 8, z = bit % 8;
+      for (unsigned n = 0; n < 3; ++n) {
+        offsets.of_bits[n][bit] = static_cast<float>(voxel_mm * (rows(n, 1) * y + rows(n, 2) * z));
+      }
+    }
+  }
+};
 
 /// Middle of a box of `voxels` to a side, in voxels from `zero`.
 Vec3 middle_of(const openvdb::Coord& origin, const openvdb::Coord& zero, int voxels) {
@@ -72,6 +91,8 @@ Vec3 middle_of(const openvdb::Coord& origin, const openvdb::Coord& zero, int vox
 
 /// Left of a certificate that was not checked at every step.
 constexpr float kUnknownMm = 1e30F;
+/// And of what holds nothing living any more.
+constexpr float kEmptyMm = -1e35F;
 
 class VoxelEngine final : public SweptEngine {
  public:
@@ -136,6 +157,7 @@ class VoxelEngine final : public SweptEngine {
                              {at.x(), at.y(), at.z()},
                              alive,
                              kAcross,
+                             0,
                              -1.0F,
                              {}});
           alive_ += alive;
@@ -164,11 +186,12 @@ class VoxelEngine final : public SweptEngine {
   void remove(const SweptBit& bit, Removal& removal) noexcept override {
     const SweptBounds tool(bit, bounds_);
     const WordTool words = word_tool(tool);
-    to_rows_ = rows_of(bit.to().axis);
-    from_rows_ = rows_of(bit.from().axis);
-    to_offsets_ = offsets_of(to_rows_);
-    from_offsets_ = offsets_of(from_rows_);
-    for (TreeLevel& level : levels_) level.due_count = 0;
+    from_.take(bit.from_rows(), voxel_mm_);
+    to_.take(bit.to_rows(), voxel_mm_);
+    for (TreeLevel& level : levels_) {
+      level.certificates.move_to(tool.line());
+      level.due_count = 0;
+    }
     list_due(kBranches, 0, branch_count_, tool);
     TreeLevel& leaves = levels_[kLeaves];
     // Measured: sharing breaks even at some 20 us of work, a leaf takes 0.2 us.
@@ -189,7 +212,7 @@ class VoxelEngine final : public SweptEngine {
     }
     // From the last, so that what moves into a dropped one's place has been finished.
     for (const std::size_t level : {kNodes, kBranches}) {
-      for (std::size_t n = levels_[level].due_count; n-- > 0;) finish(level, levels_[level].due[n], tool);
+      for (std::size_t n = levels_[level].due_count; n-- > 0;) finish(level, levels_[level].due[n]);
     }
   }
 
@@ -197,7 +220,7 @@ class VoxelEngine final : public SweptEngine {
   /// that are due.
   void list_due(std::size_t number, std::size_t begin, std::size_t end, const SweptBounds& tool) noexcept {
     TreeLevel& level = levels_[number];
-    level.certificates.check(tool.line(), begin, end, level.left_mm.data() + begin);
+    level.certificates.check(begin, end, level.left_mm.data() + begin);
     list_failed(number, begin, end, tool);
   }
   void list_failed(std::size_t number, std::size_t begin, std::size_t end, const SweptBounds& tool) noexcept {
@@ -211,7 +234,7 @@ class VoxelEngine final : public SweptEngine {
       }
       const FreeMove free = tool.free_of_ball(tool.place(level.certificates.centre_mm(n)), half_mm, 0.25 * half_mm);
       if (free.free_mm > 0.0) {
-        level.certificates.renew(n, tool.line(), free);
+        level.certificates.renew(n, free);
         level.left_mm[n] = static_cast<float>(free.free_mm * (1.0 - 1e-6));
         level.is_stale[n] = 1;
         continue;
@@ -249,6 +272,7 @@ class VoxelEngine final : public SweptEngine {
     const double way_mm = (tool.bit().to().tip_mm - tool.bit().from().tip_mm).norm();
     const double far_mm = outline.length_mm() + 2.0 * outline.radius_mm() + way_mm +
                           4.0 * levels_[kLeaves].certificates.half_mm() + bounds_.larger_ball_mm();
+    words.skin = f(tool.bit().edge_mm() > 0.0 ? SweepProfile::kTurningSkinMm : SweepProfile::kStraightSkinMm);
     words.spare = f(3e-5 + 2e-6 * (1.0 + 1.6 * tool.line().turned) * far_mm);
     return words;
   }
@@ -284,34 +308,14 @@ class VoxelEngine final : public SweptEngine {
     removal.moment[2] += pressure * leaf.origin[2] + along_z;
   }
 
-  /// Two directions across the axis, and back along it, in rows.
-  static Mat3 rows_of(const Vec3& axis) noexcept {
-    const Vec3 side = any_perpendicular(axis);
-    Mat3 rows;
-    rows.row(0) = side;
-    rows.row(1) = axis.cross(side);
-    rows.row(2) = -axis;
-    return rows;
-  }
-  WordOffsets offsets_of(const Mat3& rows) const noexcept {
-    WordOffsets offsets;
-    for (unsigned bit = 0; bit < 64; ++bit) {
-      const unsigned y = bit / 8, z = bit % 8;
-      for (unsigned n = 0; n < 3; ++n) {
-        offsets.of_bits[n][bit] = static_cast<float>(voxel_mm_ * (rows(n, 1) * y + rows(n, 2) * z));
-      }
-    }
-    return offsets;
-  }
-  LeafPlace place_of(const LivingLeaf& leaf, const Pose& pose, const Mat3& rows,
-                     const WordOffsets& offsets) const noexcept {
+  LeafPlace place_of(const LivingLeaf& leaf, const Vec3& tip_mm, const AxisView& view) const noexcept {
     LeafPlace place;
-    place.offsets = &offsets;
-    const Vec3 first_mm = rows * (centre_mm(leaf, 0) - pose.tip_mm);
+    place.offsets = &view.offsets;
+    const Vec3 first_mm = view.rows * (centre_mm(leaf, 0) - tip_mm);
     for (int n = 0; n < 3; ++n) {
       const auto at = static_cast<std::size_t>(n);
       place.first[at] = static_cast<float>(first_mm[n]);
-      place.per_x[at] = static_cast<float>(rows(n, 0) * voxel_mm_);
+      place.per_x[at] = static_cast<float>(view.rows(n, 0) * voxel_mm_);
     }
     return place;
   }
@@ -321,19 +325,42 @@ class VoxelEngine final : public SweptEngine {
     const MoveCertificates& certificates = levels_[kLeaves].certificates;
     const double half_mm = certificates.half_mm();
     const BitPlace centre = tool.place(certificates.centre_mm(number));
-    const FreeMove outside = tool.free_of_ball(centre, half_mm, 0.5 * half_mm);
+    const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
+    const PieceBounds from(bounds_, centre, half_mm);
+    const FreeMove outside = tool.free_of_ball(centre, half_mm, from.least_mm, reach, 0.5 * half_mm);
     if (outside.free_mm > 0.0) {
       leaf.word_mm.fill(static_cast<float>(outside.free_mm));
+      leaf.basis = 0;
       const Counts counts = outside.backward > 0.0 ? kAll : outside.forward > 0.0 ? kAcrossCone : kAcross;
-      return certify(number, static_cast<float>(outside.free_mm), counts, tool);
+      if (counts == kAll) {
+        // To all of the leaf, words as well, the one piece's own bound is no less than this.
+        const auto [pieces, rest_mm] = from.within(static_cast<float>(from.least_mm + 0.5 * half_mm));
+        FreeMove one_sided = side_of(number, pieces, tool);
+        if (one_sided.angle_sine < 1.0) {
+          one_sided.free_mm = outside.free_mm;
+          one_sided.rest_mm = static_cast<double>(rest_mm) - bounds_.margin_mm();
+          leaf.basis = static_cast<std::uint8_t>(1 + std::countr_zero(pieces));
+          return certify(number, one_sided, counts);
+        }
+      }
+      return certify(number, static_cast<float>(outside.free_mm), counts);
     }
     if (tool.holds_ball(centre, half_mm)) {
       for (unsigned x = 0; x < 8; ++x) kill(leaf, x, leaf.words[x], removal);
+      levels_[kLeaves].left_mm[number] = kEmptyMm;
       return;
     }
-    // Words as the certificate left them, less what has been used of it since.
-    const float used_mm = leaf.free_mm - levels_[kLeaves].left_mm[number];
     LeafArguments arguments;
+    const double more_mm = 2.0 * (static_cast<double>(words.spare) + bounds_.margin_mm());
+    arguments.cylinder = static_cast<float>(reach.cylinder + more_mm);
+    arguments.cone = static_cast<float>(reach.cone + more_mm * (1.0 + bounds_.cone_slope()));
+    arguments.body = static_cast<float>(reach.body + 2.0 * more_mm);
+    std::tie(arguments.pieces, arguments.rest) = from.within(arguments.body);
+    FreeMove one_sided = side_of(number, arguments.pieces, tool);
+    const auto basis =
+        static_cast<std::uint8_t>(one_sided.angle_sine < 1.0 ? 1 + std::countr_zero(arguments.pieces) : 0);
+    // Words as the certificate left them, less what has been used of it since.
+    const float used_mm = basis == leaf.basis ? leaf.free_mm - levels_[kLeaves].left_mm[number] : kUnknownMm;
     arguments.due = 0;
     unsigned skipped = 0;
     for (unsigned x = 0; x < 8; ++x) {
@@ -341,24 +368,22 @@ class VoxelEngine final : public SweptEngine {
       leaf.word_mm[x] -= used_mm;
       (leaf.word_mm[x] > 0.0F ? skipped : arguments.due) |= 1U << x;
     }
+    // A bound from the cylinder is of use where nothing lies within it.
+    arguments.wants_cylinder = skipped == 0 && centre.off_mm + half_mm > bounds_.radius_mm();
     arguments.tool = &words;
-    const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
-    const double more_mm = 2.0 * (static_cast<double>(words.spare) + bounds_.margin_mm());
-    arguments.cylinder = static_cast<float>(reach.cylinder + more_mm);
-    arguments.cone = static_cast<float>(reach.cone + more_mm * (1.0 + bounds_.cone_slope()));
-    arguments.body = static_cast<float>(reach.body + 2.0 * more_mm);
     arguments.words = leaf.words;
-    arguments.end = place_of(leaf, tool.bit().to(), to_rows_, to_offsets_);
-    arguments.begin = place_of(leaf, tool.bit().from(), from_rows_, from_offsets_);
+    arguments.end = place_of(leaf, tool.bit().to().tip_mm, to_);
+    arguments.begin = place_of(leaf, tool.bit().from().tip_mm, from_);
     std::array<WordResult, 8> seen;
     kernels_.look(arguments, seen.data());
     std::array<Nearest, 8> nearest;
     Nearest least;
     for (unsigned x = 0; x < 8; ++x) {
       if ((arguments.due >> x & 1U) == 0) continue;
-      std::uint64_t dead = seen[x].inside;
+      std::uint64_t dead = seen[x].dead;
       nearest[x] = {static_cast<double>(seen[x].cylinder - words.spare),
                     static_cast<double>(seen[x].cone - words.spare), static_cast<double>(seen[x].body - words.spare)};
+      if (basis == 0) nearest[x].body_mm = std::min(nearest[x].body_mm, static_cast<double>(arguments.rest));
       removal.tested += static_cast<std::size_t>(std::popcount(seen[x].unsure));
       for (std::uint64_t left = seen[x].unsure; left != 0; left &= left - 1) {
         const auto bit = static_cast<std::size_t>(std::countr_zero(left));
@@ -373,17 +398,89 @@ class VoxelEngine final : public SweptEngine {
       kill(leaf, x, dead, removal);
       if (leaf.words[x] != 0) least.take(nearest[x]);
     }
-    if (leaf.alive == 0) return;
+    if (leaf.alive == 0) {
+      levels_[kLeaves].left_mm[number] = kEmptyMm;
+      return;
+    }
     Counts counts = what_to_count(least);
     if (skipped != 0) counts = std::max(counts, static_cast<Counts>(leaf.counts));
+    if (basis != 0) {
+      if (skipped == 0 && counts == kAcross) {
+        leaf.basis = 0;
+      } else {
+        counts = kAll;
+        leaf.basis = basis;
+      }
+    } else {
+      leaf.basis = 0;
+    }
     float free_mm = kUnknownMm;
     for (unsigned x = 0; x < 8; ++x) {
       if (leaf.words[x] == 0) continue;
       if ((arguments.due >> x & 1U) != 0) leaf.word_mm[x] = static_cast<float>(free_of(nearest[x], counts));
       free_mm = std::min(free_mm, leaf.word_mm[x]);
     }
-    certify(number, free_mm, counts, tool);
+    if (leaf.basis == 0) return certify(number, free_mm, counts);
+    one_sided.free_mm = static_cast<double>(free_mm);
+    one_sided.rest_mm = static_cast<double>(arguments.rest) - bounds_.margin_mm();
+    certify(number, one_sided, counts);
   }
+
+  /// A certificate of a leaf that one piece alone can come near to, if that is a ball or a cylinder which the leaf lies
+  /// to one side of: a move aside, or away, uses little of it.
+  FreeMove side_of(std::size_t number, unsigned pieces, const SweptBounds& tool) const noexcept {
+    FreeMove free{-1.0, 1.0, 1.0};
+    if (!std::has_single_bit(pieces)) return free;
+    const ToolBounds::Piece& piece = bounds_.pieces()[static_cast<std::size_t>(std::countr_zero(pieces))];
+    const MoveCertificates& certificates = levels_[kLeaves].certificates;
+    Vec3 from = certificates.centre_mm(number) - tool.line().tip_mm;
+    if (piece.ball_radius_mm > 0.0) {
+      from += piece.ball_centre_mm * tool.line().axis;
+    } else if (piece.per_back == 0.0) {
+      from -= from.dot(tool.line().axis) * tool.line().axis;
+    } else {
+      return free;
+    }
+    const double from_mm = from.norm();
+    const double sine = certificates.half_mm() / from_mm;
+    constexpr double kWorthIt = 0.7;
+    if (!(sine < kWorthIt)) return free;
+    free.side = from / from_mm;
+    free.angle_sine = sine;
+    return free;
+  }
+
+  /// Least bounds of a ball around `at` from each of the tool's pieces.
+  struct PieceBounds {
+    std::array<double, ToolBounds::kMaxPieces> from_mm;
+    unsigned count, nearest = 0;
+    double least_mm = kUnknownMm;
+
+    PieceBounds(const ToolBounds& bounds, const BitPlace& at, double radius_mm)
+        : count(static_cast<unsigned>(bounds.pieces().size())) {
+      for (unsigned n = 0; n < count; ++n) {
+        from_mm[n] = ToolBounds::from_piece_mm(bounds.pieces()[n], at) - radius_mm;
+        if (from_mm[n] < least_mm) {
+          least_mm = from_mm[n];
+          nearest = n;
+        }
+      }
+    }
+    /// The pieces that may lie within `reach_mm`, the nearest at least, and the least bound from the others.
+    std::pair<unsigned, float> within(float reach_mm) const noexcept {
+      unsigned near = 1U << nearest;
+      double rest_mm = kUnknownMm;
+      for (unsigned n = 0; n < count; ++n) {
+        if (n == nearest) continue;
+        if (from_mm[n] <= static_cast<double>(reach_mm)) {
+          near |= 1U << n;
+        } else {
+          rest_mm = std::min(rest_mm, from_mm[n]);
+        }
+      }
+      return {near, static_cast<float>(rest_mm)};
+    }
+  };
 
   /// Least bounds of voxels that live.
   struct Nearest {
@@ -407,39 +504,40 @@ class VoxelEngine final : public SweptEngine {
                                                     : nearest.body_mm;
     return bound_mm - bounds_.margin_mm();
   }
-  void certify(std::size_t number, float free_mm, Counts counts, const SweptBounds& tool) noexcept {
+  void certify(std::size_t number, float free_mm, Counts counts) noexcept {
     const double slope = bounds_.has_cone() ? bounds_.cone_slope() : 0.0;
     const double forward = counts == kAll ? std::max(1.0, slope) : counts == kAcrossCone ? slope : 0.0;
-    levels_[kLeaves].certificates.renew(number, tool.line(),
-                                        {static_cast<double>(free_mm), forward, counts == kAll ? 1.0 : 0.0});
-    levels_[kLeaves].left_mm[number] = free_mm;
-    leaves_[number].free_mm = free_mm;
+    certify(number, {static_cast<double>(free_mm), forward, counts == kAll ? 1.0 : 0.0}, counts);
+  }
+  void certify(std::size_t number, const FreeMove& free, Counts counts) noexcept {
+    levels_[kLeaves].certificates.renew(number, free);
+    levels_[kLeaves].left_mm[number] = static_cast<float>(std::min(free.free_mm, free.rest_mm));
+    leaves_[number].free_mm = static_cast<float>(free.free_mm);
     leaves_[number].counts = counts;
   }
 
-  void finish(std::size_t number, std::size_t at, const SweptBounds& tool) noexcept {
+  void finish(std::size_t number, std::size_t at) noexcept {
     TreeLevel& level = levels_[number];
     TreeLevel& below = levels_[number - 1];
-    FreeMove free{std::numeric_limits<double>::infinity(), 0.0, 0.0};
     const std::size_t first = level.begin[at];
-    for (std::size_t child = first; child < first + level.count[at];) {
-      const bool is_empty = number == kNodes ? leaves_[child].alive == 0 : below.count[child] == 0;
-      if (is_empty) {
-        const std::size_t last = first + --level.count[at];
-        move(number - 1, last, child);
-        continue;
+    FreeMove free = below.certificates.together(first, first + level.count[at], below.left_mm.data());
+    if (free.free_mm <= static_cast<double>(kEmptyMm)) {
+      for (std::size_t child = first; child < first + level.count[at];) {
+        if (below.left_mm[child] > kEmptyMm) {
+          ++child;
+        } else {
+          move(number - 1, first + --level.count[at], child);
+        }
       }
-      free.free_mm = std::min(free.free_mm, static_cast<double>(below.left_mm[child]));
-      free.forward = std::max(free.forward, below.certificates.forward(child));
-      free.backward = std::max(free.backward, below.certificates.backward(child));
-      ++child;
-    }
-    if (level.count[at] == 0) {
-      if (number == kBranches) move(kBranches, --branch_count_, at);
-      return;
+      if (level.count[at] == 0) {
+        level.left_mm[at] = kEmptyMm;
+        if (number == kBranches) move(kBranches, --branch_count_, at);
+        return;
+      }
+      free = below.certificates.together(first, first + level.count[at], below.left_mm.data());
     }
     free.free_mm -= 1e-6 * std::abs(free.free_mm);  // rounded down
-    level.certificates.renew(at, tool.line(), free);
+    level.certificates.renew(at, free);
     level.left_mm[at] = static_cast<float>(free.free_mm);
   }
 
@@ -463,8 +561,7 @@ class VoxelEngine final : public SweptEngine {
   VoxelEngineOptions options_;
   const WordKernels& kernels_;
   std::array<std::int64_t, 256> pressure_{};
-  Mat3 from_rows_, to_rows_;  ///< of the bit in this step
-  WordOffsets from_offsets_, to_offsets_;
+  AxisView from_, to_;  ///< at the ends of this step
   std::array<TreeLevel, 3> levels_;
   std::vector<LivingLeaf> leaves_;
   std::size_t branch_count_ = 0;

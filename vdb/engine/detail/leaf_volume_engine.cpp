@@ -46,7 +46,9 @@ std::size_t LeafVolumeEngine::memory_bytes() const {
 void LeafVolumeEngine::remove(const SweptBit& bit, Removal& removal) noexcept {
   const SweptBounds tool(bit, bounds_);
   const std::size_t leaf_count = leaves_.leaves().size();
-  leaf_certificates_.check(tool.line(), 0, leaf_count, leaf_left_mm_.data());
+  leaf_certificates_.move_to(tool.line());
+  cell_certificates_.move_to(tool.line());
+  leaf_certificates_.check(0, leaf_count, leaf_left_mm_.data());
   due_leaf_count_ = 0;
   due_cell_count_ = 0;
   for (std::size_t leaf = 0; leaf < leaf_count; ++leaf) {
@@ -69,14 +71,14 @@ void LeafVolumeEngine::remove(const SweptBit& bit, Removal& removal) noexcept {
     for (std::size_t n = 0; n < due_cell_count_; ++n) look<Sharing::no>(due_cells_[n], tool, removal);
   }
   // From the last, so that the leaf which moves into a dropped one's place has been finished.
-  for (std::size_t n = due_leaf_count_; n-- > 0;) finish_leaf(due_leaves_[n], tool);
+  for (std::size_t n = due_leaf_count_; n-- > 0;) finish_leaf(due_leaves_[n]);
 }
 
 void LeafVolumeEngine::list_cells(std::size_t number, const SweptBounds& tool) noexcept {
   const double half_mm = leaf_certificates_.half_mm();
   const FreeMove free = tool.free_of_ball(tool.place(leaf_certificates_.centre_mm(number)), half_mm, 0.25 * half_mm);
   if (free.free_mm > 0.0) {
-    leaf_certificates_.renew(number, tool.line(), free);
+    leaf_certificates_.renew(number, free);
     are_cells_stale_[number] = 1;
     return;
   }
@@ -87,7 +89,7 @@ void LeafVolumeEngine::list_cells(std::size_t number, const SweptBounds& tool) n
     std::fill_n(cell_left_mm_.begin() + leaf.begin, leaf.count, -1.0F);
     are_cells_stale_[number] = 0;
   } else {
-    cell_certificates_.check(tool.line(), leaf.begin, leaf.begin + leaf.count, cell_left_mm_.data() + leaf.begin);
+    cell_certificates_.check(leaf.begin, leaf.begin + leaf.count, cell_left_mm_.data() + leaf.begin);
   }
   for (std::uint32_t cell = leaf.begin; cell < leaf.begin + leaf.count; ++cell) {
     if (!(cell_left_mm_[cell] > 0.0F)) due_cells_[due_cell_count_++] = cell;
@@ -112,7 +114,7 @@ template <LeafVolumeEngine::Sharing sharing>
 void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal& removal) noexcept {
   PointLeaves::Cell& cell = leaves_.cell(number);
   const auto certify = [&](const FreeMove& free) {
-    cell_certificates_.renew(number, tool.line(), free);
+    cell_certificates_.renew(number, free);
     cell_left_mm_[number] = static_cast<float>(free.free_mm);
   };
   const double half_mm = cell_certificates_.half_mm();
@@ -160,9 +162,8 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
   certify({body_mm - margin_mm, 1.0, 1.0});
 }
 
-void LeafVolumeEngine::finish_leaf(std::size_t number, const SweptBounds& tool) noexcept {
+void LeafVolumeEngine::finish_leaf(std::size_t number) noexcept {
   const PointLeaves::Leaf& leaf = leaves_.leaves()[number];
-  FreeMove free{std::numeric_limits<double>::infinity(), 0.0, 0.0};
   for (std::size_t cell = leaf.begin; cell < leaf.begin + leaf.count;) {
     if (leaves_.cell(cell).living == 0) {
       const std::size_t moved = leaves_.drop_cell(number, cell);
@@ -170,9 +171,6 @@ void LeafVolumeEngine::finish_leaf(std::size_t number, const SweptBounds& tool) 
       cell_left_mm_[cell] = cell_left_mm_[moved];
       continue;
     }
-    free.free_mm = std::min(free.free_mm, static_cast<double>(cell_left_mm_[cell]));
-    free.forward = std::max(free.forward, cell_certificates_.forward(cell));
-    free.backward = std::max(free.backward, cell_certificates_.backward(cell));
     ++cell;
   }
   if (leaf.count == 0) {
@@ -181,9 +179,10 @@ void LeafVolumeEngine::finish_leaf(std::size_t number, const SweptBounds& tool) 
     are_cells_stale_[number] = are_cells_stale_[moved];
     return;
   }
+  FreeMove free = cell_certificates_.together(leaf.begin, leaf.begin + leaf.count, cell_left_mm_.data());
   // Rounded down.
   free.free_mm -= 1e-6 * std::abs(free.free_mm);
-  leaf_certificates_.renew(number, tool.line(), free);
+  leaf_certificates_.renew(number, free);
 }
 
 }  // namespace spinaltap::detail

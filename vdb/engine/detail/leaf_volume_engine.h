@@ -32,7 +32,7 @@ class LeafVolumeEngine final : public VolumeEngine {
   template <Sharing sharing>
   void kill_point(PointLeaves::Cell& cell, std::size_t place, Removal& removal) noexcept;
   /// Drops what is empty, and certifies the leaf anew.
-  void finish_leaf(std::size_t leaf, const SweptBounds& tool) noexcept;
+  void finish_leaf(std::size_t leaf) noexcept;
 
   ToolBounds bounds_;
   PointLeaves leaves_;

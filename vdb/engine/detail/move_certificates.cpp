@@ -1,24 +1,19 @@
 #include "vdb/engine/detail/move_certificates.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/base/instruction_set.h"
 
 namespace spinaltap::detail {
 
-/// A line as certificates hold it, and what checks need beside.
-struct MoveCertificates::Line {
-  float axis_x, axis_y, axis_z;
-  float foot_x, foot_y, foot_z, turn_x, turn_y, turn_z, back;
-  float turned, half, edge;
-  float noise, back_noise;  ///< what rounding may hide, mm: of feet, and of places along the axis
-};
-
 namespace {
 
 struct Columns {
-  const float *x, *y, *z, *foot_x, *foot_y, *foot_z, *turn_x, *turn_y, *turn_z, *back, *free, *forward, *backward;
+  const float *x, *y, *z, *foot_x, *foot_y, *foot_z, *turn_x, *turn_y, *turn_z, *back, *free, *forward, *backward,
+      *side_x, *side_y, *side_z, *sine, *rest;
 };
 
 /// The same operations in the same order whatever the vectors' length, so that machines agree to the last bit.
@@ -46,7 +41,29 @@ template <class Line>
     const float a = advance * c.forward[n];
     const float b = -advance * c.backward[n];
     const float counted = (a > b ? a : b) + c.forward[n] * at.back_noise;
-    left[i] = c.free[n] - (moved + (turn * (at.half + off) + at.edge) * (1.0F + c.forward[n]) + counted + at.noise);
+    const float to_all_sides = moved + counted;
+    // The move itself: across the old axis, and along it.
+    const float old_x = at.axis_x - ex, old_y = at.axis_y - ey, old_z = at.axis_z - ez;
+    const float forth = advance - (dx * old_x + dy * old_y + dz * old_z);
+    const float mx = dx + forth * old_x, my = dy + forth * old_y, mz = dz + forth * old_z;
+    const float square = mx * mx + my * my + mz * mz;
+    const float towards = c.side_x[n] * mx + c.side_y[n] * my + c.side_z[n] * mz;
+    const float sine = c.sine[n];
+    const float rest_square = square - towards * towards;
+    const float aside = std::sqrt(rest_square > 0.0F ? rest_square : 0.0F);
+    const float cosine = std::sqrt(1.0F - sine * sine);
+    const float whole = std::sqrt(square);
+    // The most of the move that may lead to any of the box's points.
+    const float oblique = towards * cosine + aside * sine;
+    const float of_step = at.way + at.turned * (std::abs(along - at.back) + at.half + off);
+    const float to_one_side =
+        (towards >= cosine * whole ? whole : oblique) + of_step + (4.0F * at.noise + at.back_noise);
+    const float used = sine < 1.0F ? to_one_side : to_all_sides;
+    const float turned = turn * (at.half + off) * (1.0F + 2.0F * c.forward[n]) + at.edge * (1.0F + c.forward[n]);
+    const float less = turned + at.noise;
+    const float left_here = c.free[n] - (used + less);
+    const float left_of_rest = c.rest[n] - (to_all_sides + less);
+    left[i] = left_here < left_of_rest ? left_here : left_of_rest;
   }
 }
 
@@ -70,7 +87,8 @@ const bool kHasAvx2 = instruction_set() >= InstructionSet::avx2;
 template <class Self, class Visit>
 void MoveCertificates::for_each_column(Self& self, const Visit& visit) {
   for (auto* column : {&self.x_, &self.y_, &self.z_, &self.foot_x_, &self.foot_y_, &self.foot_z_, &self.turn_x_,
-                       &self.turn_y_, &self.turn_z_, &self.back_, &self.free_, &self.forward_, &self.backward_}) {
+                       &self.turn_y_, &self.turn_z_, &self.back_, &self.free_, &self.forward_, &self.backward_,
+                       &self.side_x_, &self.side_y_, &self.side_z_, &self.sine_, &self.rest_}) {
     visit(*column);
   }
 }
@@ -79,6 +97,7 @@ MoveCertificates::MoveCertificates(std::span<const Vec3> centres_mm, double half
     : half_mm_(half_mm + 1e-4) {  // centres are rounded to float
   for_each_column(*this, [&](std::vector<float>& column) { column.assign(centres_mm.size(), 0.0F); });
   std::fill(free_.begin(), free_.end(), -1.0F);
+  std::fill(sine_.begin(), sine_.end(), 1.0F);
   if (centres_mm.empty()) return;
   middle_mm_ = bounds_of(centres_mm).center();
   for (std::size_t n = 0; n < centres_mm.size(); ++n) {
@@ -90,7 +109,7 @@ MoveCertificates::MoveCertificates(std::span<const Vec3> centres_mm, double half
   }
 }
 
-MoveCertificates::Line MoveCertificates::relative(const BitLine& line) const noexcept {
+void MoveCertificates::move_to(const BitLine& line) noexcept {
   const Vec3 tip = line.tip_mm - middle_mm_;
   const double back_mm = tip.dot(line.axis);
   const Vec3 foot = tip - back_mm * line.axis;
@@ -98,36 +117,58 @@ MoveCertificates::Line MoveCertificates::relative(const BitLine& line) const noe
   const auto f = [](double value) { return static_cast<float>(value); };
   // 2^-24 of what floats are made of, with room.
   constexpr double kRounding = 3e-7;
-  return {f(line.axis.x()),
-          f(line.axis.y()),
-          f(line.axis.z()),
-          f(foot.x()),
-          f(foot.y()),
-          f(foot.z()),
-          f(turn.x()),
-          f(turn.y()),
-          f(turn.z()),
-          f(back_mm),
-          f(line.turned * 1.00001),
-          f(half_mm_),
-          f(line.edge_mm * 1.00001),
-          f(kRounding * (foot.norm() + max_mm_ * turn.norm())),
-          f(kRounding * (std::abs(back_mm) + max_mm_))};
+  line_ = {f(line.axis.x()),
+           f(line.axis.y()),
+           f(line.axis.z()),
+           f(foot.x()),
+           f(foot.y()),
+           f(foot.z()),
+           f(turn.x()),
+           f(turn.y()),
+           f(turn.z()),
+           f(back_mm),
+           f(line.turned * 1.00001),
+           f(half_mm_),
+           f(line.edge_mm * 1.00001),
+           f(line.turned > 0.0 ? line.way_mm * 1.00001 : 0.0),
+           f(kRounding * (foot.norm() + max_mm_ * turn.norm())),
+           f(kRounding * (std::abs(back_mm) + max_mm_))};
 }
 
-void MoveCertificates::check(const BitLine& line, std::size_t begin, std::size_t end, float* left_mm) const noexcept {
-  const Columns columns{x_.data(),      y_.data(),       z_.data(),       foot_x_.data(), foot_y_.data(),
-                        foot_z_.data(), turn_x_.data(),  turn_y_.data(),  turn_z_.data(), back_.data(),
-                        free_.data(),   forward_.data(), backward_.data()};
-  const Line at = relative(line);
+void MoveCertificates::check(std::size_t begin, std::size_t end, float* left_mm) const noexcept {
+  const Columns columns{x_.data(),      y_.data(),       z_.data(),        foot_x_.data(), foot_y_.data(),
+                        foot_z_.data(), turn_x_.data(),  turn_y_.data(),   turn_z_.data(), back_.data(),
+                        free_.data(),   forward_.data(), backward_.data(), side_x_.data(), side_y_.data(),
+                        side_z_.data(), sine_.data(),    rest_.data()};
 #if defined(__x86_64__)
-  if (kHasAvx2) return check_avx2(columns, at, begin, end - begin, left_mm);
+  if (kHasAvx2) return check_avx2(columns, line_, begin, end - begin, left_mm);
 #endif
-  check_portable(columns, at, begin, end - begin, left_mm);
+  check_portable(columns, line_, begin, end - begin, left_mm);
 }
 
-void MoveCertificates::renew(std::size_t box, const BitLine& line, const FreeMove& free) noexcept {
-  const Line at = relative(line);
+FreeMove MoveCertificates::together(std::size_t begin, std::size_t end, const float* left_mm) const noexcept {
+  // In lanes, as one minimum after the other would wait for each.
+  constexpr std::size_t kLanes = 8;
+  std::array<float, kLanes> left, forward, backward;
+  left.fill(std::numeric_limits<float>::infinity());
+  forward.fill(0.0F);
+  backward.fill(0.0F);
+  const auto take = [&](std::size_t lane, std::size_t n) {
+    left[lane] = std::min(left[lane], left_mm[n]);
+    forward[lane] = std::max(forward[lane], forward_[n]);
+    backward[lane] = std::max(backward[lane], backward_[n]);
+  };
+  std::size_t n = begin;
+  for (; n + kLanes <= end; n += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lane, n + lane);
+  }
+  for (; n < end; ++n) take(0, n);
+  return {static_cast<double>(*std::ranges::min_element(left)), static_cast<double>(*std::ranges::max_element(forward)),
+          static_cast<double>(*std::ranges::max_element(backward))};
+}
+
+void MoveCertificates::renew(std::size_t box, const FreeMove& free) noexcept {
+  const Line& at = line_;
   foot_x_[box] = at.foot_x;
   foot_y_[box] = at.foot_y;
   foot_z_[box] = at.foot_z;
@@ -138,8 +179,14 @@ void MoveCertificates::renew(std::size_t box, const BitLine& line, const FreeMov
   // Shares rounded up, what is free down.
   forward_[box] = static_cast<float>(free.forward * 1.000001);
   backward_[box] = static_cast<float>(free.backward * 1.000001);
-  free_[box] = static_cast<float>(free.free_mm * (free.free_mm > 0.0 ? 1.0 - 1e-6 : 1.0)) -
-               (at.noise + forward_[box] * at.back_noise);
+  const float noise = at.noise + forward_[box] * at.back_noise;
+  const auto rounded_down = [&](double mm) { return static_cast<float>(mm * (mm > 0.0 ? 1.0 - 1e-6 : 1.0)) - noise; };
+  free_[box] = rounded_down(free.free_mm);
+  rest_[box] = rounded_down(free.rest_mm);
+  side_x_[box] = static_cast<float>(free.side.x());
+  side_y_[box] = static_cast<float>(free.side.y());
+  side_z_[box] = static_cast<float>(free.side.z());
+  sine_[box] = static_cast<float>(std::min(1.0, free.angle_sine * 1.000001));
 }
 
 void MoveCertificates::copy(std::size_t from, std::size_t to) noexcept {

@@ -34,27 +34,26 @@ ToolBounds::ToolBounds(const BitProfile& profile)
   margin_mm_ = SweepProfile::kStraightSkinMm * (3.0 + 4.0 * steepest);
 }
 
+double ToolBounds::from_piece_mm(const Piece& piece, const BitPlace& at) {
+  if (piece.ball_radius_mm > 0.0) {
+    const double along_mm = at.back_mm - piece.ball_centre_mm;
+    return std::sqrt(along_mm * along_mm + at.off_mm * at.off_mm) - piece.ball_radius_mm;
+  }
+  const double side_mm = piece.per_off * at.off_mm + piece.per_back * at.back_mm + piece.at_origin_mm;
+  return std::max({side_mm, piece.begin_mm - at.back_mm, at.back_mm - piece.end_mm});
+}
+
 double ToolBounds::from_body_mm(const BitPlace& at) const {
   double nearest_mm = std::numeric_limits<double>::infinity();
-  for (std::size_t n = 0; n < count_; ++n) {
-    const Piece& piece = pieces_[n];
-    double from_mm = 0.0;
-    if (piece.ball_radius_mm > 0.0) {
-      const double along_mm = at.back_mm - piece.ball_centre_mm;
-      from_mm = std::sqrt(along_mm * along_mm + at.off_mm * at.off_mm) - piece.ball_radius_mm;
-    } else {
-      const double side_mm = piece.per_off * at.off_mm + piece.per_back * at.back_mm + piece.at_origin_mm;
-      from_mm = std::max({side_mm, piece.begin_mm - at.back_mm, at.back_mm - piece.end_mm});
-    }
-    nearest_mm = std::min(nearest_mm, from_mm);
-  }
+  for (const Piece& piece : pieces()) nearest_mm = std::min(nearest_mm, from_piece_mm(piece, at));
   return nearest_mm;
 }
 
 SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
     : bit_(bit),
       bounds_(bounds),
-      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm(), bit.edge_mm()} {
+      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm(), bit.edge_mm(),
+            (bit.to().tip_mm - bit.from().tip_mm).norm()} {
   const Vec3 way = bit.from().tip_mm - bit.to().tip_mm;
   const double along_mm = way.dot(line_.axis);
   way_mm_ = way.norm();
@@ -72,8 +71,8 @@ SweptBounds::Reach SweptBounds::reach_of_ball(const BitPlace& at, double radius_
   return {across_mm, across_mm + bounds_.cone_slope() * (back_mm_ + turned_mm), way_mm_ + turned_mm + bit_.edge_mm()};
 }
 
-FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const {
-  const Reach reach = reach_of_ball(at, radius_mm);
+FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double body_mm, const Reach& reach,
+                                   double min_mm) const {
   const double cylinder_mm = bounds_.from_cylinder_mm(at) - radius_mm;
   if (cylinder_mm >= reach.cylinder + min_mm) return {cylinder_mm - bounds_.margin_mm(), 0.0, 0.0};
   if (bounds_.has_cone()) {
@@ -81,7 +80,6 @@ FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double 
     const double cone_mm = bounds_.from_cone_mm(at) - radius_mm * (1.0 + slope);
     if (cone_mm >= reach.cone + min_mm) return {cone_mm - bounds_.margin_mm(), slope, 0.0};
   }
-  const double body_mm = bounds_.from_body_mm(at) - radius_mm;
   if (body_mm >= reach.body + min_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
   return {};
 }

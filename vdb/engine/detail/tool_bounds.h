@@ -39,6 +39,7 @@ class ToolBounds {
     double ball_centre_mm, ball_radius_mm;   ///< radius 0: a frustum
     double per_off, per_back, at_origin_mm;  ///< distance from the frustum's side
   };
+  static double from_piece_mm(const Piece& piece, const BitPlace& at);
   static constexpr std::size_t kMaxPieces = kMaxStretches;
   std::span<const Piece> pieces() const { return {pieces_.data(), count_}; }
   double radius_mm() const { return radius_mm_; }
@@ -83,7 +84,11 @@ class SweptBounds {
   Reach reach_of_ball(const BitPlace& at, double radius_mm) const;
   /// How far the bit may move before it can touch a ball around `at` that it has not passed: nothing where it may have
   /// passed it, or where that is less than `min_mm`.
-  FreeMove free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const;
+  FreeMove free_of_ball(const BitPlace& at, double radius_mm, double min_mm) const {
+    return free_of_ball(at, radius_mm, bounds_.from_body_mm(at) - radius_mm, reach_of_ball(at, radius_mm), min_mm);
+  }
+  /// The same where the ball's bound from the body and its reach are known.
+  FreeMove free_of_ball(const BitPlace& at, double radius_mm, double body_mm, const Reach& reach, double min_mm) const;
   /// Whether the bit holds all of a ball around `at` at the end of its way.
   bool holds_ball(const BitPlace& at, double radius_mm) const;
 

@@ -1,5 +1,6 @@
 #include "vdb/engine/detail/word_kernels.h"
 
+#include <bit>
 #include <cmath>
 
 #include "core/base/instruction_set.h"

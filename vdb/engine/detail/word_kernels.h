@@ -19,6 +19,7 @@ struct WordTool {
   std::array<Piece, kMaxStretches> pieces;
   std::size_t piece_count;
   float radius, cone_offset, cone_slope;
+  float skin;   ///< by which the outline that is swept is larger
   float spare;  ///< what rounding may hide, mm
 };
 
@@ -28,7 +29,7 @@ struct WordOffsets {
   alignas(64) std::array<std::array<float, 64>, 3> of_bits;
 };
 
-/// Where a leaf's voxels lie, seen from the tool.
+/// Where a leaf's voxels lie, seen from the tool: as SweptBit sees them.
 struct LeafPlace {
   const WordOffsets* offsets;
   std::array<float, 3> first;  ///< of the voxel of the first word's bit 0
@@ -38,8 +39,8 @@ struct LeafPlace {
 /// What a word of 64 voxels came to.
 struct WordResult {
   std::uint64_t unsure;  ///< of the living: the tool may have reached them
-  std::uint64_t inside;  ///< the tool holds them at the end of its way
-  // Least bounds of the other living voxels; 1e30 without any.
+  std::uint64_t dead;    ///< the tool holds them at the end of its way, or passed them
+  // Least bounds of the other living voxels; 1e15 or more without any. Of `pieces` alone where that is one.
   float cylinder, cone, body;
 };
 
@@ -47,6 +48,9 @@ struct LeafArguments {
   const WordTool* tool;
   LeafPlace begin, end;        ///< of the tool's way
   float cylinder, cone, body;  ///< how near a voxel's lower bounds must be, see SweptBounds::Reach
+  unsigned pieces;             ///< bit n: piece n may have come near; one at least
+  bool wants_cylinder;         ///< else any bound of it will do
+  float rest;                  ///< the leaf's least bound from the others
   const std::uint64_t* words;
   unsigned due;  ///< bit x: look at word x
 };

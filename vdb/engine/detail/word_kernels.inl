@@ -5,43 +5,152 @@ constexpr unsigned kLanes = SPINALTAP_VECTOR_BYTES / sizeof(float);
 typedef float Floats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 typedef std::int32_t Ints __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 
+inline Floats all(float value) { return Floats{} + value; }
+
 #if SPINALTAP_VECTOR_BYTES == 64
-#define SPINALTAP_ROOTS(squares) reinterpret_cast<Floats>(_mm512_sqrt_ps(reinterpret_cast<__m512>(squares)))
-#define SPINALTAP_BITS(lanes) static_cast<std::uint64_t>(_mm512_movepi32_mask(reinterpret_cast<__m512i>(lanes)))
-#elif SPINALTAP_VECTOR_BYTES == 32
-#define SPINALTAP_ROOTS(squares) reinterpret_cast<Floats>(_mm256_sqrt_ps(reinterpret_cast<__m256>(squares)))
-#define SPINALTAP_BITS(lanes) static_cast<std::uint64_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(lanes)))
-#else
-inline Floats roots(Floats squares) {
-  for (unsigned lane = 0; lane < kLanes; ++lane) squares[lane] = std::sqrt(squares[lane]);
-  return squares;
+/// Those lanes of a row of which something holds.
+using Lanes = std::uint16_t;
+inline Lanes not_above(Floats a, Floats b) {
+  return _mm512_cmp_ps_mask(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b), _CMP_LE_OQ);
 }
-inline std::uint64_t bits(Ints lanes) {
+inline Floats choose(Lanes lanes, Floats there, Floats else_where) {
+  return reinterpret_cast<Floats>(
+      _mm512_mask_blend_ps(lanes, reinterpret_cast<__m512>(else_where), reinterpret_cast<__m512>(there)));
+}
+inline Lanes living(std::uint64_t alive, unsigned bit) { return static_cast<Lanes>(alive >> bit); }
+inline std::uint64_t bits(Lanes lanes) { return lanes; }
+inline Floats roots(Floats squares) {
+  return reinterpret_cast<Floats>(_mm512_sqrt_ps(reinterpret_cast<__m512>(squares)));
+}
+inline Floats less(Floats a, Floats b) {
+  return reinterpret_cast<Floats>(_mm512_min_ps(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b)));
+}
+inline Floats more(Floats a, Floats b) {
+  return reinterpret_cast<Floats>(_mm512_max_ps(reinterpret_cast<__m512>(a), reinterpret_cast<__m512>(b)));
+}
+inline float least_of(Floats lanes) { return _mm512_reduce_min_ps(reinterpret_cast<__m512>(lanes)); }
+#else
+using Lanes = Ints;
+inline Lanes not_above(Floats a, Floats b) { return a <= b; }
+inline Floats choose(Lanes lanes, Floats there, Floats else_where) { return lanes ? there : else_where; }
+inline Lanes living(std::uint64_t alive, unsigned bit) {
+  constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
+  Ints lane_bit;
+  for (unsigned lane = 0; lane < kLanes; ++lane) lane_bit[lane] = static_cast<std::int32_t>(1U << lane);
+  return (lane_bit & static_cast<std::int32_t>(alive >> bit & kAllLanes)) != 0;
+}
+inline Floats less(Floats a, Floats b) { return a < b ? a : b; }
+inline Floats more(Floats a, Floats b) { return a > b ? a : b; }
+#if SPINALTAP_VECTOR_BYTES == 32
+inline std::uint64_t bits(Lanes lanes) {
+  return static_cast<std::uint64_t>(static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(lanes))));
+}
+inline Floats roots(Floats squares) {
+  return reinterpret_cast<Floats>(_mm256_sqrt_ps(reinterpret_cast<__m256>(squares)));
+}
+inline float least_of(Floats lanes) {
+  const __m256 all = reinterpret_cast<__m256>(lanes);
+  __m128 half = _mm_min_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
+  half = _mm_min_ps(half, _mm_movehl_ps(half, half));
+  return _mm_cvtss_f32(_mm_min_ss(half, _mm_shuffle_ps(half, half, 1)));
+}
+#else
+inline std::uint64_t bits(Lanes lanes) {
   std::uint64_t found = 0;
   for (unsigned lane = 0; lane < kLanes; ++lane) found |= static_cast<std::uint64_t>(lanes[lane] & 1) << lane;
   return found;
 }
-#define SPINALTAP_ROOTS(squares) roots(squares)
-#define SPINALTAP_BITS(lanes) bits(lanes)
-#endif
-
-inline Floats less(Floats a, Floats b) { return a < b ? a : b; }
-inline Floats more(Floats a, Floats b) { return a > b ? a : b; }
-
+inline Floats roots(Floats squares) {
+  for (unsigned lane = 0; lane < kLanes; ++lane) squares[lane] = std::sqrt(squares[lane]);
+  return squares;
+}
 inline float least_of(Floats lanes) {
-#if SPINALTAP_VECTOR_BYTES > 16
-  // By halves: lane after lane would take as long as all else together.
-  Ints from;
-  for (unsigned half = kLanes / 2; half > 0; half /= 2) {
-    for (unsigned lane = 0; lane < kLanes; ++lane) from[lane] = static_cast<std::int32_t>(lane ^ half);
-    lanes = less(lanes, __builtin_shuffle(lanes, from));
-  }
-  return lanes[0];
-#else
   float least = lanes[0];
   for (unsigned lane = 1; lane < kLanes; ++lane) least = lanes[lane] < least ? lanes[lane] : least;
   return least;
+}
 #endif
+#endif
+
+/// Seen from the tool: two directions across its axis, and back along it.
+struct Places {
+  Floats a, b, back;
+};
+
+/// Of bits from `bit` on.
+inline Places places_at(const LeafPlace& place, float word, unsigned bit) {
+  const auto along = [&](std::size_t n) {
+    return (place.first[n] + word * place.per_x[n]) +
+           *reinterpret_cast<const Floats*>(place.offsets->of_bits[n].data() + bit);
+  };
+  return {along(0), along(1), along(2)};
+}
+
+inline bool has_living(std::uint64_t alive, unsigned bit) {
+  constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
+  return (alive >> bit & kAllLanes) != 0;
+}
+
+/// Where nothing but a ball, or nothing but a cylinder, can have come near: squares decide, and of a voxel that the
+/// tool came near to its chord does (see SweptBit), whose nearest place to the ball's centre or the cylinder's axis is
+/// worked out. What lies within rounding of the wall, or passes beside the piece's ends, stays unsure.
+[[gnu::always_inline]] inline void look_round(const LeafArguments& leaf, const WordTool::Piece& piece, bool is_ball,
+                                              WordResult* words) {
+  const WordTool& tool = *leaf.tool;
+  const float centre = piece.ball_centre;
+  const float radius = is_ball ? piece.ball_radius : -piece.at_origin;
+  const float in = radius - tool.spare, out = radius + (tool.skin + tool.spare), near = radius + leaf.body;
+  const float in_square = in > 0.0F ? in * in : -1.0F, out_square = out * out, near_square = near * near;
+  const float begin = piece.begin + tool.spare, end = piece.end - tool.spare;
+  const Floats far = all(1e30F);
+  for (unsigned word = 0; word < 8; ++word) {
+    if ((leaf.due >> word & 1U) == 0) continue;
+    const std::uint64_t alive = leaf.words[word];
+    const auto x = static_cast<float>(word);
+    Floats least_off = far, least = far;
+    std::uint64_t unsure_bits = 0, dead_bits = 0;
+    for (unsigned bit = 0; bit < 64; bit += kLanes) {
+      if (!has_living(alive, bit)) continue;
+      const Places at = places_at(leaf.end, x, bit);
+      const Floats up = at.back - centre;
+      const Floats off_square = at.a * at.a + at.b * at.b;
+      const Floats square = is_ball ? off_square + up * up : off_square;
+      const Lanes lives = living(alive, bit);
+      Lanes dead =
+          lives & not_above(square, all(in_square)) & not_above(all(begin), at.back) & not_above(at.back, all(end));
+      const Lanes near_ones = lives & ~dead & not_above(square, all(near_square));
+      Lanes unsure{};
+      if (bits(near_ones) != 0) {
+        const Places from = places_at(leaf.begin, x, bit);
+        const Floats from_up = from.back - centre;
+        const Floats way_a = at.a - from.a, way_b = at.b - from.b, way_back = at.back - from.back;
+        Floats towards = from.a * way_a + from.b * way_b, length_square = way_a * way_a + way_b * way_b;
+        if (is_ball) {
+          towards = towards + from_up * way_back;
+          length_square = length_square + way_back * way_back;
+        }
+        const Floats share = less(more(Floats{} - towards / more(length_square, all(1e-30F)), Floats{}), all(1.0F));
+        const Floats a = from.a + share * way_a, b = from.b + share * way_b, back = from.back + share * way_back;
+        const Floats nearest_up = back - centre;
+        const Floats nearest_off = a * a + b * b;
+        const Floats nearest = is_ball ? nearest_off + nearest_up * nearest_up : nearest_off;
+        const Lanes passed =
+            near_ones & not_above(nearest, all(in_square)) & not_above(all(begin), back) & not_above(back, all(end));
+        unsure = near_ones & ~passed & not_above(nearest, all(out_square));
+        unsure_bits |= bits(unsure) << bit;
+        dead |= passed;
+      }
+      dead_bits |= bits(dead) << bit;
+      const Lanes other = lives & ~dead & ~unsure;
+      if (!is_ball || leaf.wants_cylinder) least_off = less(least_off, choose(other, off_square, far));
+      if (is_ball) least = less(least, choose(other, square, far));
+    }
+    const float off = !is_ball || leaf.wants_cylinder ? std::sqrt(least_of(least_off)) : 0.0F;
+    const float from = (is_ball ? std::sqrt(least_of(least)) : off) - radius;
+    const float cylinder = off - tool.radius;
+    // Where there is no cone, or the cylinder bounds what is near, its bound is as good as the cone's.
+    words[word] = {unsure_bits, dead_bits, cylinder, cylinder, from};
+  }
 }
 
 /// Lower bounds of the distance from the tool.
@@ -50,72 +159,70 @@ struct Bounds {
 };
 
 /// At bits from `bit` on. `deep`: below 0 only where the tool holds the place.
-inline Bounds bounds_at(const WordTool& tool, const LeafPlace& place, float word, unsigned bit) {
-  const auto along = [&](std::size_t n) {
-    return (place.first[n] + word * place.per_x[n]) +
-           *reinterpret_cast<const Floats*>(place.offsets->of_bits[n].data() + bit);
-  };
-  const Floats a = along(0), b = along(1), back = along(2);
-  const Floats off_square = a * a + b * b;
-  const Floats off = SPINALTAP_ROOTS(off_square);
-  Floats body = Floats{} + 1e30F, deep = body;
-  for (std::size_t n = 0; n < tool.piece_count; ++n) {
-    const WordTool::Piece& piece = tool.pieces[n];
-    const Floats beyond = more(piece.begin - back, back - piece.end);
+inline Bounds bounds_at(const LeafArguments& leaf, const LeafPlace& place, float word, unsigned bit) {
+  const WordTool& tool = *leaf.tool;
+  const Places at = places_at(place, word, bit);
+  const Floats off_square = at.a * at.a + at.b * at.b;
+  const Floats off = roots(off_square);
+  Floats body = all(leaf.rest), deep = all(1e30F);
+  for (unsigned left = leaf.pieces; left != 0; left &= left - 1) {
+    const WordTool::Piece& piece = tool.pieces[static_cast<std::size_t>(std::countr_zero(left))];
+    const Floats beyond = more(piece.begin - at.back, at.back - piece.end);
     if (piece.ball_radius > 0.0F) {
-      const Floats from_centre = back - piece.ball_centre;
-      const Floats from = SPINALTAP_ROOTS(from_centre * from_centre + off_square) - piece.ball_radius;
+      const Floats from_centre = at.back - piece.ball_centre;
+      const Floats from = roots(from_centre * from_centre + off_square) - piece.ball_radius;
       body = less(body, from);
       deep = less(deep, more(from, beyond));
     } else {
-      const Floats side = (piece.per_off * off + piece.per_back * back) + piece.at_origin;
+      const Floats side = (piece.per_off * off + piece.per_back * at.back) + piece.at_origin;
       const Floats from = more(side, beyond);
       body = less(body, from);
       deep = less(deep, from);
     }
   }
-  return {off, back, body, deep};
+  return {off, at.back, body, deep};
 }
 
-void look(const LeafArguments& leaf, WordResult* words) {
-  constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
+/// Where several pieces may have come near.
+inline void look_all(const LeafArguments& leaf, WordResult* words) {
   const WordTool& tool = *leaf.tool;
-  const Floats far = Floats{} + 1e30F;
-  Ints lane_bit;
-  for (unsigned lane = 0; lane < kLanes; ++lane) lane_bit[lane] = static_cast<std::int32_t>(1U << lane);
+  const Floats far = all(1e30F);
   for (unsigned word = 0; word < 8; ++word) {
     if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
     const auto x = static_cast<float>(word);
     Floats least_cylinder = far, least_cone = far, least_body = far;
-    std::uint64_t unsure_bits = 0, inside_bits = 0;
+    std::uint64_t unsure_bits = 0, dead_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
-      const auto row = static_cast<std::int32_t>(alive >> bit & kAllLanes);
-      if (row == 0) continue;
-      const Bounds at = bounds_at(tool, leaf.end, x, bit);
+      if (!has_living(alive, bit)) continue;
+      const Bounds at = bounds_at(leaf, leaf.end, x, bit);
       const Floats cylinder = at.off - tool.radius;
       const Floats cone = (at.off - tool.cone_offset) - tool.cone_slope * at.back;
-      const Ints lives = (lane_bit & row) != 0;
-      const Ints inside = lives & (at.deep <= -tool.spare);
-      Ints unsure = lives & ~inside & (cylinder <= leaf.cylinder) & (cone <= leaf.cone) & (at.body <= leaf.body);
-      const std::uint64_t inside_row = SPINALTAP_BITS(inside);
-      std::uint64_t unsure_row = SPINALTAP_BITS(unsure);
-      if (unsure_row != 0) {
+      const Lanes lives = living(alive, bit);
+      const Lanes dead = lives & not_above(at.deep, all(-tool.spare));
+      Lanes unsure = lives & ~dead & not_above(cylinder, all(leaf.cylinder)) & not_above(cone, all(leaf.cone)) &
+                     not_above(at.body, all(leaf.body));
+      if (bits(unsure) != 0) {
         // A bound does not fall faster than the tool moves: half of what both ends leave of the way is left between.
-        const Bounds before = bounds_at(tool, leaf.begin, x, bit);
-        unsure &= at.body + before.body <= leaf.body;
-        unsure_row = SPINALTAP_BITS(unsure);
+        const Bounds before = bounds_at(leaf, leaf.begin, x, bit);
+        unsure &= not_above(at.body + before.body, all(leaf.body));
+        unsure_bits |= bits(unsure) << bit;
       }
-      const Ints other = lives & ~inside & ~unsure;
-      least_cylinder = less(least_cylinder, other ? cylinder : far);
-      least_cone = less(least_cone, other ? cone : far);
-      least_body = less(least_body, other ? at.body : far);
-      inside_bits |= inside_row << bit;
-      unsure_bits |= unsure_row << bit;
+      dead_bits |= bits(dead) << bit;
+      const Lanes other = lives & ~dead & ~unsure;
+      least_cylinder = less(least_cylinder, choose(other, cylinder, far));
+      least_cone = less(least_cone, choose(other, cone, far));
+      least_body = less(least_body, choose(other, at.body, far));
     }
-    words[word] = {unsure_bits, inside_bits, least_of(least_cylinder), least_of(least_cone), least_of(least_body)};
+    words[word] = {unsure_bits, dead_bits, least_of(least_cylinder), least_of(least_cone), least_of(least_body)};
   }
 }
 
-#undef SPINALTAP_ROOTS
-#undef SPINALTAP_BITS
+void look(const LeafArguments& leaf, WordResult* words) {
+  if (std::has_single_bit(leaf.pieces)) {
+    const WordTool::Piece& piece = leaf.tool->pieces[static_cast<std::size_t>(std::countr_zero(leaf.pieces))];
+    if (piece.ball_radius > 0.0F) return look_round(leaf, piece, true, words);
+    if (piece.per_back == 0.0F) return look_round(leaf, piece, false, words);
+  }
+  look_all(leaf, words);
+}

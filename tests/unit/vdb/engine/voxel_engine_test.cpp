@@ -282,6 +282,23 @@ TEST(LatticeBlock, HasTheValuesOfItsPositionsBitForBit) {
   EXPECT_GT(with_sign, 100);
 }
 
+struct Removed {
+  std::size_t removed = 0;
+  std::size_t tested = 0;
+};
+
+/// One step of both, which must come to the same.
+void step_alike(DrillEngine& engine, BruteForce& expected, const Pose& pose, Removed& sum) {
+  const StepResult a = engine.step(pose), b = expected.step(pose);
+  ASSERT_EQ(a.removed, b.removed);
+  ASSERT_EQ(a.removed_hu, b.removed_hu);
+  ASSERT_NEAR(a.removed_mm3, b.removed_mm3, 1e-9 * b.removed_mm3);
+  ASSERT_NEAR(a.work_n_mm, b.work_n_mm, 1e-9 * b.work_n_mm);
+  ASSERT_LE((a.moment_n_mm2 - b.moment_n_mm2).norm(), 1e-9 * (expected.moment_scale + 100.0 * b.work_n_mm));
+  sum.removed += a.removed;
+  sum.tested += a.tested;
+}
+
 TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
 #if defined(SPINALTAP_ADDRESS_SANITIZER)
   constexpr std::uint64_t kSeeds = 20;  // each takes ten times as long
@@ -289,7 +306,7 @@ TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
   constexpr std::uint64_t kSeeds = 200;
 #endif
   const BoneModel bone = block();
-  std::size_t removed = 0, tested = 0;
+  Removed sum;
   int steps = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -303,19 +320,92 @@ TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
         expected.reset_motion();
         engine->reset_motion();
       }
-      const StepResult a = engine->step(pose), b = expected.step(pose);
-      ASSERT_EQ(a.removed, b.removed);
-      ASSERT_EQ(a.removed_hu, b.removed_hu);
-      ASSERT_NEAR(a.removed_mm3, b.removed_mm3, 1e-9 * b.removed_mm3);
-      ASSERT_NEAR(a.work_n_mm, b.work_n_mm, 1e-9 * b.work_n_mm);
-      ASSERT_LE((a.moment_n_mm2 - b.moment_n_mm2).norm(), 1e-9 * (expected.moment_scale + 100.0 * b.work_n_mm));
-      removed += a.removed;
-      tested += a.tested;
+      ASSERT_NO_FATAL_FAILURE(step_alike(*engine, expected, pose, sum));
     }
     ASSERT_TRUE(expected.is_same_as(found));
   }
-  EXPECT_GT(removed, kSeeds * 300U);
-  EXPECT_GT(tested, removed / 20);
+  EXPECT_GT(sum.removed, kSeeds * 300U);
+  EXPECT_GT(sum.tested, 0U);
+}
+
+/// Tools beside which a leaf is small, so that leaves lie to one side of their balls and cylinders.
+DrillBit large_mill(std::uint64_t n) {
+  switch (n % 4) {
+    case 0:
+      return {5.0, 20.0, 1.0, BitShape::round_burr, 0.0, 2.5};
+    case 1:
+      return {4.0, 4.0, 1.0, BitShape::round_burr, 0.0, 0.0};
+    case 2:
+      return {4.4, 20.0, 3.0};
+    default:
+      return {4.0, 20.0, 1.0, BitShape::round_burr, 0.0, 3.6};
+  }
+}
+
+TEST(VoxelEngine, RemovesWhatBruteForceDoesWithToolsMuchLargerThanALeaf) {
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
+  constexpr std::uint64_t kSeeds = 4;
+#else
+  constexpr std::uint64_t kSeeds = 60;
+#endif
+  constexpr double kHalfMm = 2.5;
+  const BoneModel bone = block(kHalfMm);
+  Removed sum;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const DrillBit bit = large_mill(seed);
+    VoxelBone found(bone, {.voxel_mm = seed % 2 == 0 ? 0.1 : 0.125});
+    BruteForce expected(found, bit, {});
+    const auto& kernels = detail::word_kernels();
+    const auto engine = detail::make_voxel_engine(found, bit, {}, {}, kernels[seed % kernels.size()]);
+    // To and fro over one side, a little deeper each time, with turns: most of what is near lies aside and behind.
+    Random random(seed);
+    Mat3 turned;
+    turned.col(2) = random.direction();
+    turned.col(0) = any_perpendicular(turned.col(2));
+    turned.col(1) = turned.col(2).cross(turned.col(0));
+    const bool lies = seed % 3 == 0;  // the shank mills
+    const double step_mm = std::pow(10.0, random(-2.3, -0.7));
+    const double turn = seed % 5 < 2 ? 0.0 : std::pow(10.0, random(-5.0, -2.0));
+    Vec3 axis = lies ? (turned * Vec3(0.2, 0.97, -0.14)).normalized() : Vec3(-turned.col(2));
+    Vec3 tip(-1.5, lies ? 3.0 : random(-0.5, 0.5), kHalfMm + (lies ? 0.5 * bit.diameter_mm : 0.0) - 0.3);
+    Vec3 way(1.0, 0.0, 0.0);
+    for (int step = 0; step < 150; ++step) {
+      tip += step_mm * way + Vec3(random(-0.02, 0.02), random(-0.02, 0.02), random(-0.02, 0.02));
+      if (std::abs(tip.x()) > 1.5) {
+        tip.x() = std::copysign(1.5, tip.x());
+        way = (Vec3(-way.x(), random(-0.4, 0.4), random(-0.3, 0.0))).normalized();
+      }
+      axis = (axis + turn * random.direction()).normalized();
+      ASSERT_NO_FATAL_FAILURE(step_alike(*engine, expected, {kMiddleMm + turned * tip, axis}, sum));
+    }
+    ASSERT_TRUE(expected.is_same_as(found));
+  }
+  EXPECT_GT(sum.removed, kSeeds * 1000U);
+}
+
+TEST(VoxelEngine, DecidesWhatLiesOnTheToolsWallAsSweptBitDoes) {
+  // Voxels 25 times the voxel's size from the ball's centre, and from the shank's axis 15 times: 3, 4, 5 and 7, 24, 25.
+  constexpr double kVoxelMm = 0.125;
+  const BoneModel bone = block();
+  Removed sum;
+  for (const DrillBit& bit : {DrillBit{50.0 * kVoxelMm, 12.0, 1.0, BitShape::round_burr, 0.0, 30.0 * kVoxelMm},
+                              DrillBit{40.0 * kVoxelMm, 12.0, 2.5}}) {
+    for (const Vec3& axis : {Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0, -0.6, 0.8)}) {
+      VoxelBone found(bone, {.voxel_mm = kVoxelMm});
+      BruteForce expected(found, bit, {});
+      const auto engine = make_voxel_engine(found, bit, {});
+      const Vec3 middle_mm = kVoxelMm * (kMiddleMm / kVoxelMm).array().round().matrix();
+      for (int step = 0; step < 12; ++step) {
+        const Vec3 aside = kVoxelMm * Vec3(step % 3, -step % 2, step % 4);
+        const Pose pose{middle_mm - (2.5 - kVoxelMm * (step / 2)) * axis + aside, axis};
+        ASSERT_NO_FATAL_FAILURE(step_alike(*engine, expected, pose, sum));
+      }
+      ASSERT_TRUE(expected.is_same_as(found));
+    }
+  }
+  EXPECT_GT(sum.tested, 1000U);
+  EXPECT_GT(sum.removed, 1000U);
 }
 
 TEST(VoxelEngine, IsTheSameWithAllInstructionsAndAtAnyNumberOfThreads) {
