@@ -77,14 +77,22 @@ struct Places {
   Floats a, b, back;
 };
 
-/// Of bits from `bit` on.
-inline Places places_at(const LeafPlace& place, float word, unsigned bit) {
-  const auto along = [&](std::size_t n) {
-    return (place.first[n] + word * place.per_x[n]) +
-           *reinterpret_cast<const Floats*>(place.offsets->of_bits[n].data() + bit);
-  };
-  return {along(0), along(1), along(2)};
-}
+/// A word's, seen from one end of the tool's way.
+struct WordPlace {
+  std::array<Floats, 3> first;  ///< of bit 0, in all lanes
+  const WordOffsets* offsets;
+
+  WordPlace(const LeafPlace& place, float word) : offsets(place.offsets) {
+    for (std::size_t n = 0; n < 3; ++n) first[n] = all(place.first[n] + word * place.per_x[n]);
+  }
+  /// Of bits from `bit` on.
+  Places at(unsigned bit) const {
+    const auto along = [&](std::size_t n) {
+      return first[n] + *reinterpret_cast<const Floats*>(offsets->of_bits[n].data() + bit);
+    };
+    return {along(0), along(1), along(2)};
+  }
+};
 
 inline bool has_living(std::uint64_t alive, unsigned bit) {
   constexpr std::uint64_t kAllLanes = (std::uint64_t{1} << kLanes) - 1;
@@ -100,28 +108,29 @@ inline bool has_living(std::uint64_t alive, unsigned bit) {
   const float centre = piece.ball_centre;
   const float radius = is_ball ? piece.ball_radius : -piece.at_origin;
   const float in = radius - tool.spare, out = radius + (tool.skin + tool.spare), near = radius + leaf.body;
-  const float in_square = in > 0.0F ? in * in : -1.0F, out_square = out * out, near_square = near * near;
-  const float begin = piece.begin + tool.spare, end = piece.end - tool.spare;
+  const Floats in_square = all(in > 0.0F ? in * in : -1.0F), out_square = all(out * out),
+               near_square = all(near * near);
+  const Floats begin = all(piece.begin + tool.spare), end = all(piece.end - tool.spare);
   const Floats far = all(1e30F);
   for (unsigned word = 0; word < 8; ++word) {
     if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
     const auto x = static_cast<float>(word);
+    const WordPlace to_word(leaf.end, x), from_word(leaf.begin, x);
     Floats least_off = far, least = far;
     std::uint64_t unsure_bits = 0, dead_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
       if (!has_living(alive, bit)) continue;
-      const Places at = places_at(leaf.end, x, bit);
+      const Places at = to_word.at(bit);
       const Floats up = at.back - centre;
       const Floats off_square = at.a * at.a + at.b * at.b;
       const Floats square = is_ball ? off_square + up * up : off_square;
       const Lanes lives = living(alive, bit);
-      Lanes dead =
-          lives & not_above(square, all(in_square)) & not_above(all(begin), at.back) & not_above(at.back, all(end));
-      const Lanes near_ones = lives & ~dead & not_above(square, all(near_square));
+      Lanes dead = lives & not_above(square, in_square) & not_above(begin, at.back) & not_above(at.back, end);
+      const Lanes near_ones = lives & ~dead & not_above(square, near_square);
       Lanes unsure{};
       if (bits(near_ones) != 0) {
-        const Places from = places_at(leaf.begin, x, bit);
+        const Places from = from_word.at(bit);
         const Floats from_up = from.back - centre;
         const Floats way_a = at.a - from.a, way_b = at.b - from.b, way_back = at.back - from.back;
         Floats towards = from.a * way_a + from.b * way_b, length_square = way_a * way_a + way_b * way_b;
@@ -134,9 +143,8 @@ inline bool has_living(std::uint64_t alive, unsigned bit) {
         const Floats nearest_up = back - centre;
         const Floats nearest_off = a * a + b * b;
         const Floats nearest = is_ball ? nearest_off + nearest_up * nearest_up : nearest_off;
-        const Lanes passed =
-            near_ones & not_above(nearest, all(in_square)) & not_above(all(begin), back) & not_above(back, all(end));
-        unsure = near_ones & ~passed & not_above(nearest, all(out_square));
+        const Lanes passed = near_ones & not_above(nearest, in_square) & not_above(begin, back) & not_above(back, end);
+        unsure = near_ones & ~passed & not_above(nearest, out_square);
         unsure_bits |= bits(unsure) << bit;
         dead |= passed;
       }
@@ -158,10 +166,9 @@ struct Bounds {
   Floats off, back, body, deep;
 };
 
-/// At bits from `bit` on. `deep`: below 0 only where the tool holds the place.
-inline Bounds bounds_at(const LeafArguments& leaf, const LeafPlace& place, float word, unsigned bit) {
+/// `deep`: below 0 only where the tool holds the place.
+inline Bounds bounds_at(const LeafArguments& leaf, const Places& at) {
   const WordTool& tool = *leaf.tool;
-  const Places at = places_at(place, word, bit);
   const Floats off_square = at.a * at.a + at.b * at.b;
   const Floats off = roots(off_square);
   Floats body = all(leaf.rest), deep = all(1e30F);
@@ -191,11 +198,12 @@ inline void look_all(const LeafArguments& leaf, WordResult* words) {
     if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
     const auto x = static_cast<float>(word);
+    const WordPlace to_word(leaf.end, x), from_word(leaf.begin, x);
     Floats least_cylinder = far, least_cone = far, least_body = far;
     std::uint64_t unsure_bits = 0, dead_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
       if (!has_living(alive, bit)) continue;
-      const Bounds at = bounds_at(leaf, leaf.end, x, bit);
+      const Bounds at = bounds_at(leaf, to_word.at(bit));
       const Floats cylinder = at.off - tool.radius;
       const Floats cone = (at.off - tool.cone_offset) - tool.cone_slope * at.back;
       const Lanes lives = living(alive, bit);
@@ -204,7 +212,7 @@ inline void look_all(const LeafArguments& leaf, WordResult* words) {
                      not_above(at.body, all(leaf.body));
       if (bits(unsure) != 0) {
         // A bound does not fall faster than the tool moves: half of what both ends leave of the way is left between.
-        const Bounds before = bounds_at(leaf, leaf.begin, x, bit);
+        const Bounds before = bounds_at(leaf, from_word.at(bit));
         unsure &= not_above(at.body + before.body, all(leaf.body));
         unsure_bits |= bits(unsure) << bit;
       }
