@@ -11,11 +11,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/engine/swept_engine.h"
 #include "core/points/hu_byte.h"
+#include "vdb/engine/detail/certificate_tree.h"
 #include "vdb/engine/detail/move_certificates.h"
 #include "vdb/engine/detail/tool_bounds.h"
 #include "vdb/engine/detail/voxel_leaves.h"
@@ -26,28 +27,6 @@ namespace detail {
 namespace {
 
 using Index3 = std::array<std::int32_t, 3>;
-
-/// What has living voxels, on one level of the tree; what has no more is dropped, and the last of its parent takes its
-/// place.
-struct TreeLevel {
-  MoveCertificates certificates;
-  std::vector<float> left_mm;               ///< of certificates, where they were checked in this step
-  std::vector<std::uint8_t> is_stale;       ///< left_mm of the children are of an earlier step
-  std::vector<std::uint32_t> begin, count;  ///< children, on the level below
-  std::vector<std::uint32_t> due;           ///< in this step
-  std::size_t due_count = 0;
-
-  TreeLevel() = default;
-  TreeLevel(std::span<const Vec3> centres_mm, double half_mm)
-      : certificates(centres_mm, half_mm),
-        left_mm(centres_mm.size()),
-        is_stale(centres_mm.size()),
-        due(centres_mm.size()) {}
-  std::size_t memory_bytes() const {
-    return certificates.memory_bytes() + left_mm.size() * sizeof(float) + is_stale.size() +
-           (begin.size() + count.size() + due.size()) * sizeof(std::uint32_t);
-  }
-};
 
 struct LivingLeaf {
   std::uint64_t* words;  ///< of living bits, one for each x
@@ -89,10 +68,8 @@ Vec3 middle_of(const openvdb::Coord& origin, const openvdb::Coord& zero, int vox
   return Vec3(at.x(), at.y(), at.z()) + Vec3::Constant(0.5 * (voxels - 1));
 }
 
-/// Left of a certificate that was not checked at every step.
-constexpr float kUnknownMm = 1e30F;
-/// And of what holds nothing living any more.
-constexpr float kEmptyMm = -1e35F;
+/// More than any certificate has.
+constexpr float kFarMm = 1e30F;
 
 class VoxelEngine final : public SweptEngine {
  public:
@@ -101,16 +78,10 @@ class VoxelEngine final : public SweptEngine {
       : VoxelEngine(bone, bit, material, options, kernels, middle_voxel(bone)) {}
 
   std::size_t memory_bytes() const override {
-    std::size_t bytes = sizeof(*this) + leaves_.size() * sizeof(LivingLeaf);
-    for (const TreeLevel& level : levels_) bytes += level.memory_bytes();
-    return bytes;
+    return sizeof(*this) + leaves_.size() * sizeof(LivingLeaf) + tree_.memory_bytes();
   }
 
  private:
-  // Levels, from the leaves up.
-  static constexpr std::size_t kLeaves = 0, kNodes = 1, kBranches = 2;
-  static constexpr int kLeafSide = VoxelLeafNode::DIM, kNodeSide = VoxelNode::DIM, kBranchSide = VoxelBranch::DIM;
-
   VoxelEngine(VoxelBone& bone, const DrillBit& bit, const Material& material, const VoxelEngineOptions& options,
               const WordKernels& kernels, const openvdb::Coord& middle)
       : SweptEngine(bit, PathFrame(bone.centre_mm({middle.x(), middle.y(), middle.z()}))),
@@ -137,15 +108,22 @@ class VoxelEngine final : public SweptEngine {
   }
 
   void list_tree(VoxelTree& tree, const openvdb::Coord& middle) {
+    constexpr std::int32_t kLeafSide = VoxelLeafNode::DIM;
     std::vector<VoxelBranch*> branches;
     tree.getNodes(branches);
-    std::array<std::vector<Vec3>, 3> centres_mm;
-    std::array<std::vector<std::uint32_t>, 3> begin, count;
-    const auto list = [&](std::size_t level, const auto& node, int side) {
-      centres_mm[level].push_back(voxel_mm_ * middle_of(node.origin(), middle, side));
+    std::vector<CertificateTree::Level> levels(3);
+    CertificateTree::Level &leaves = levels[0], &nodes = levels[1], &whole = levels[2];
+    const auto list = [&](CertificateTree::Level& level, const auto& node) {
+      const auto side = static_cast<int>(node.dim());
+      level.half_mm = 0.5 * std::sqrt(3.0) * (side - 1) * voxel_mm_;
+      level.centres_mm.push_back(voxel_mm_ * middle_of(node.origin(), middle, side));
+    };
+    const auto list_children = [](CertificateTree::Level& level, std::size_t begin, std::size_t end) {
+      level.begin.push_back(static_cast<std::uint32_t>(begin));
+      level.count.push_back(static_cast<std::uint32_t>(end - begin));
     };
     for (VoxelBranch* branch : branches) {
-      const std::size_t first_node = centres_mm[kNodes].size();
+      const std::size_t first_node = nodes.centres_mm.size();
       for (auto node = branch->beginChildOn(); node; ++node) {
         const std::size_t first_leaf = leaves_.size();
         for (auto leaf = node->beginChildOn(); leaf; ++leaf) {
@@ -162,25 +140,17 @@ class VoxelEngine final : public SweptEngine {
                              {}});
           alive_ += alive;
           for (unsigned axis = 0; axis < 3; ++axis) farthest_ = std::max(farthest_, std::abs(at[axis]) + kLeafSide);
-          list(kLeaves, *leaf, kLeafSide);
+          list(leaves, *leaf);
         }
         if (leaves_.size() == first_leaf) continue;
-        list(kNodes, *node, kNodeSide);
-        begin[kNodes].push_back(static_cast<std::uint32_t>(first_leaf));
-        count[kNodes].push_back(static_cast<std::uint32_t>(leaves_.size() - first_leaf));
+        list(nodes, *node);
+        list_children(nodes, first_leaf, leaves_.size());
       }
-      if (centres_mm[kNodes].size() == first_node) continue;
-      list(kBranches, *branch, kBranchSide);
-      begin[kBranches].push_back(static_cast<std::uint32_t>(first_node));
-      count[kBranches].push_back(static_cast<std::uint32_t>(centres_mm[kNodes].size() - first_node));
+      if (nodes.centres_mm.size() == first_node) continue;
+      list(whole, *branch);
+      list_children(whole, first_node, nodes.centres_mm.size());
     }
-    constexpr std::array<int, 3> kSides{kLeafSide, kNodeSide, kBranchSide};
-    for (std::size_t level = 0; level < levels_.size(); ++level) {
-      levels_[level] = TreeLevel(centres_mm[level], 0.5 * std::sqrt(3.0) * (kSides[level] - 1) * voxel_mm_);
-      levels_[level].begin = std::move(begin[level]);
-      levels_[level].count = std::move(count[level]);
-    }
-    branch_count_ = centres_mm[kBranches].size();
+    tree_ = CertificateTree(std::move(levels));
   }
 
   void remove(const SweptBit& bit, Removal& removal) noexcept override {
@@ -188,19 +158,14 @@ class VoxelEngine final : public SweptEngine {
     const WordTool words = word_tool(tool);
     from_.take(bit.from_rows(), voxel_mm_);
     to_.take(bit.to_rows(), voxel_mm_);
-    for (TreeLevel& level : levels_) {
-      level.certificates.move_to(tool.line());
-      level.due_count = 0;
-    }
-    list_due(kBranches, 0, branch_count_, tool);
-    TreeLevel& leaves = levels_[kLeaves];
+    const auto due = tree_.due(tool);
     // Measured: sharing breaks even at some 20 us of work, a leaf takes 0.2 us.
     constexpr std::size_t kWorthSharing = 200;
-    if (options_.shares_work && leaves.due_count >= kWorthSharing) {
+    if (options_.shares_work && due.size() >= kWorthSharing) {
       removal.add(tbb::parallel_reduce(
-          tbb::blocked_range<std::size_t>(0, leaves.due_count, kWorthSharing / 4), Removal(),
+          tbb::blocked_range<std::size_t>(0, due.size(), kWorthSharing / 4), Removal(),
           [&](const tbb::blocked_range<std::size_t>& range, Removal sum) {
-            for (std::size_t n = range.begin(); n < range.end(); ++n) look(leaves.due[n], tool, words, sum);
+            for (std::size_t n = range.begin(); n < range.end(); ++n) look(due[n], tool, words, sum);
             return sum;
           },
           [](Removal a, const Removal& b) {
@@ -208,52 +173,9 @@ class VoxelEngine final : public SweptEngine {
             return a;
           }));
     } else {
-      for (std::size_t n = 0; n < leaves.due_count; ++n) look(leaves.due[n], tool, words, removal);
+      for (const std::uint32_t leaf : due) look(leaf, tool, words, removal);
     }
-    // From the last, so that what moves into a dropped one's place has been finished.
-    for (const std::size_t level : {kNodes, kBranches}) {
-      for (std::size_t n = levels_[level].due_count; n-- > 0;) finish(level, levels_[level].due[n]);
-    }
-  }
-
-  /// Of [begin, end) of a level: certificates that hold, those that can be renewed, and, below the rest, the leaves
-  /// that are due.
-  void list_due(std::size_t number, std::size_t begin, std::size_t end, const SweptBounds& tool) noexcept {
-    TreeLevel& level = levels_[number];
-    level.certificates.check(begin, end, level.left_mm.data() + begin);
-    list_failed(number, begin, end, tool);
-  }
-  void list_failed(std::size_t number, std::size_t begin, std::size_t end, const SweptBounds& tool) noexcept {
-    TreeLevel& level = levels_[number];
-    const double half_mm = level.certificates.half_mm();
-    for (std::size_t n = begin; n < end; ++n) {
-      if (level.left_mm[n] > 0.0F) continue;
-      if (number == kLeaves) {
-        level.due[level.due_count++] = static_cast<std::uint32_t>(n);
-        continue;
-      }
-      const FreeMove free = tool.free_of_ball(tool.place(level.certificates.centre_mm(n)), half_mm, 0.25 * half_mm);
-      if (free.free_mm > 0.0) {
-        level.certificates.renew(n, free);
-        level.left_mm[n] = static_cast<float>(free.free_mm * (1.0 - 1e-6));
-        level.is_stale[n] = 1;
-        continue;
-      }
-      level.due[level.due_count++] = static_cast<std::uint32_t>(n);
-      const std::size_t first = level.begin[n], last = first + level.count[n];
-      TreeLevel& below = levels_[number - 1];
-      if (level.is_stale[n] != 0) {
-        // The tool may have been anywhere since these were checked.
-        std::fill(below.left_mm.begin() + static_cast<std::ptrdiff_t>(first),
-                  below.left_mm.begin() + static_cast<std::ptrdiff_t>(last), -kUnknownMm);
-        std::fill(below.is_stale.begin() + static_cast<std::ptrdiff_t>(first),
-                  below.is_stale.begin() + static_cast<std::ptrdiff_t>(last), std::uint8_t{1});
-        level.is_stale[n] = 0;
-        list_failed(number - 1, first, last, tool);
-      } else {
-        list_due(number - 1, first, last, tool);
-      }
-    }
+    tree_.finish([&](std::size_t from, std::size_t to) { leaves_[to] = leaves_[from]; });
   }
 
   WordTool word_tool(const SweptBounds& tool) const noexcept {
@@ -270,8 +192,8 @@ class VoxelEngine final : public SweptEngine {
     // Float's rounding of places this far from the tip, and of how far a turn takes them, with room.
     const BitProfile& outline = tool.bit().profile();
     const double way_mm = (tool.bit().to().tip_mm - tool.bit().from().tip_mm).norm();
-    const double far_mm = outline.length_mm() + 2.0 * outline.radius_mm() + way_mm +
-                          4.0 * levels_[kLeaves].certificates.half_mm() + bounds_.larger_ball_mm();
+    const double far_mm =
+        outline.length_mm() + 2.0 * outline.radius_mm() + way_mm + 4.0 * tree_.half_mm() + bounds_.larger_ball_mm();
     words.skin = f(tool.bit().edge_mm() > 0.0 ? SweepProfile::kTurningSkinMm : SweepProfile::kStraightSkinMm);
     words.spare = f(3e-5 + 2e-6 * (1.0 + 1.6 * tool.line().turned) * far_mm);
     return words;
@@ -322,24 +244,24 @@ class VoxelEngine final : public SweptEngine {
 
   void look(std::size_t number, const SweptBounds& tool, const WordTool& words, Removal& removal) noexcept {
     LivingLeaf& leaf = leaves_[number];
-    const MoveCertificates& certificates = levels_[kLeaves].certificates;
-    const double half_mm = certificates.half_mm();
-    const BitPlace centre = tool.place(certificates.centre_mm(number));
+    const double half_mm = tree_.half_mm();
+    const BitPlace centre = tool.place(tree_.centre_mm(number));
     const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
     const PieceBounds from(bounds_, centre, half_mm);
-    const FreeMove outside = tool.free_of_ball(centre, half_mm, from.least_mm, reach, 0.5 * half_mm);
+    const FreeMove outside = tool.free_of_ball(centre, half_mm, from.least_mm(), reach, 0.5 * half_mm);
     if (outside.free_mm > 0.0) {
       leaf.word_mm.fill(static_cast<float>(outside.free_mm));
       leaf.basis = 0;
       const Counts counts = outside.backward > 0.0 ? kAll : outside.forward > 0.0 ? kAcrossCone : kAcross;
       if (counts == kAll) {
-        // To all of the leaf, words as well, the one piece's own bound is no less than this.
-        const auto [pieces, rest_mm] = from.within(static_cast<float>(from.least_mm + 0.5 * half_mm));
-        FreeMove one_sided = side_of(number, pieces, tool);
-        if (one_sided.angle_sine < 1.0) {
-          one_sided.free_mm = outside.free_mm;
-          one_sided.rest_mm = static_cast<double>(rest_mm) - bounds_.margin_mm();
-          leaf.basis = static_cast<std::uint8_t>(1 + std::countr_zero(pieces));
+        const auto [pieces, rest_mm] = from.within(from.least_mm() + 0.5 * half_mm);
+        FreeMove one_sided = tool.to_one_side(tree_.centre_mm(number), half_mm, pieces);
+        const double round_mm = ToolBounds::from_round_mm(bounds_.pieces()[from.nearest()], centre) - half_mm;
+        if (one_sided.angle_sine < 1.0 && round_mm >= reach.body + 0.25 * half_mm) {
+          one_sided.free_mm = std::min(outside.free_mm, round_mm - bounds_.margin_mm());
+          one_sided.rest_mm = rest_mm - bounds_.margin_mm();
+          leaf.word_mm.fill(static_cast<float>(one_sided.free_mm));
+          leaf.basis = static_cast<std::uint8_t>(1 + from.nearest());
           return certify(number, one_sided, counts);
         }
       }
@@ -347,7 +269,7 @@ class VoxelEngine final : public SweptEngine {
     }
     if (tool.holds_ball(centre, half_mm)) {
       for (unsigned x = 0; x < 8; ++x) kill(leaf, x, leaf.words[x], removal);
-      levels_[kLeaves].left_mm[number] = kEmptyMm;
+      tree_.set_empty(number);
       return;
     }
     LeafArguments arguments;
@@ -355,12 +277,14 @@ class VoxelEngine final : public SweptEngine {
     arguments.cylinder = static_cast<float>(reach.cylinder + more_mm);
     arguments.cone = static_cast<float>(reach.cone + more_mm * (1.0 + bounds_.cone_slope()));
     arguments.body = static_cast<float>(reach.body + 2.0 * more_mm);
-    std::tie(arguments.pieces, arguments.rest) = from.within(arguments.body);
-    FreeMove one_sided = side_of(number, arguments.pieces, tool);
+    const PieceBounds::Near near = from.within(static_cast<double>(arguments.body));
+    arguments.pieces = near.pieces;
+    arguments.rest = static_cast<float>(near.rest_mm);
+    FreeMove one_sided = tool.to_one_side(tree_.centre_mm(number), half_mm, arguments.pieces);
     const auto basis =
         static_cast<std::uint8_t>(one_sided.angle_sine < 1.0 ? 1 + std::countr_zero(arguments.pieces) : 0);
     // Words as the certificate left them, less what has been used of it since.
-    const float used_mm = basis == leaf.basis ? leaf.free_mm - levels_[kLeaves].left_mm[number] : kUnknownMm;
+    const float used_mm = basis == leaf.basis ? leaf.free_mm - tree_.left_mm(number) : kFarMm;
     arguments.due = 0;
     unsigned skipped = 0;
     for (unsigned x = 0; x < 8; ++x) {
@@ -393,13 +317,15 @@ class VoxelEngine final : public SweptEngine {
           continue;
         }
         const BitPlace at = tool.place(p);
-        nearest[x].take({bounds_.from_cylinder_mm(at), bounds_.from_cone_mm(at), bounds_.from_body_mm(at)});
+        const double body_mm =
+            basis != 0 ? ToolBounds::from_round_mm(bounds_.pieces()[from.nearest()], at) : bounds_.from_body_mm(at);
+        nearest[x].take({bounds_.from_cylinder_mm(at), bounds_.from_cone_mm(at), body_mm});
       }
       kill(leaf, x, dead, removal);
       if (leaf.words[x] != 0) least.take(nearest[x]);
     }
     if (leaf.alive == 0) {
-      levels_[kLeaves].left_mm[number] = kEmptyMm;
+      tree_.set_empty(number);
       return;
     }
     Counts counts = what_to_count(least);
@@ -414,73 +340,22 @@ class VoxelEngine final : public SweptEngine {
     } else {
       leaf.basis = 0;
     }
-    float free_mm = kUnknownMm;
+    float free_mm = kFarMm;
     for (unsigned x = 0; x < 8; ++x) {
       if (leaf.words[x] == 0) continue;
-      if ((arguments.due >> x & 1U) != 0) leaf.word_mm[x] = static_cast<float>(free_of(nearest[x], counts));
-      free_mm = std::min(free_mm, leaf.word_mm[x]);
+      float word_mm = leaf.word_mm[x];
+      if ((arguments.due >> x & 1U) != 0) {
+        word_mm = static_cast<float>(free_of(nearest[x], counts));
+        // What does not hold now does not hold after a move away either.
+        leaf.word_mm[x] = word_mm > 0.0F ? word_mm : -kFarMm;
+      }
+      free_mm = std::min(free_mm, word_mm);
     }
     if (leaf.basis == 0) return certify(number, free_mm, counts);
     one_sided.free_mm = static_cast<double>(free_mm);
     one_sided.rest_mm = static_cast<double>(arguments.rest) - bounds_.margin_mm();
     certify(number, one_sided, counts);
   }
-
-  /// A certificate of a leaf that one piece alone can come near to, if that is a ball or a cylinder which the leaf lies
-  /// to one side of: a move aside, or away, uses little of it.
-  FreeMove side_of(std::size_t number, unsigned pieces, const SweptBounds& tool) const noexcept {
-    FreeMove free{-1.0, 1.0, 1.0};
-    if (!std::has_single_bit(pieces)) return free;
-    const ToolBounds::Piece& piece = bounds_.pieces()[static_cast<std::size_t>(std::countr_zero(pieces))];
-    const MoveCertificates& certificates = levels_[kLeaves].certificates;
-    Vec3 from = certificates.centre_mm(number) - tool.line().tip_mm;
-    if (piece.ball_radius_mm > 0.0) {
-      from += piece.ball_centre_mm * tool.line().axis;
-    } else if (piece.per_back == 0.0) {
-      from -= from.dot(tool.line().axis) * tool.line().axis;
-    } else {
-      return free;
-    }
-    const double from_mm = from.norm();
-    const double sine = certificates.half_mm() / from_mm;
-    constexpr double kWorthIt = 0.7;
-    if (!(sine < kWorthIt)) return free;
-    free.side = from / from_mm;
-    free.angle_sine = sine;
-    return free;
-  }
-
-  /// Least bounds of a ball around `at` from each of the tool's pieces.
-  struct PieceBounds {
-    std::array<double, ToolBounds::kMaxPieces> from_mm;
-    unsigned count, nearest = 0;
-    double least_mm = kUnknownMm;
-
-    PieceBounds(const ToolBounds& bounds, const BitPlace& at, double radius_mm)
-        : count(static_cast<unsigned>(bounds.pieces().size())) {
-      for (unsigned n = 0; n < count; ++n) {
-        from_mm[n] = ToolBounds::from_piece_mm(bounds.pieces()[n], at) - radius_mm;
-        if (from_mm[n] < least_mm) {
-          least_mm = from_mm[n];
-          nearest = n;
-        }
-      }
-    }
-    /// The pieces that may lie within `reach_mm`, the nearest at least, and the least bound from the others.
-    std::pair<unsigned, float> within(float reach_mm) const noexcept {
-      unsigned near = 1U << nearest;
-      double rest_mm = kUnknownMm;
-      for (unsigned n = 0; n < count; ++n) {
-        if (n == nearest) continue;
-        if (from_mm[n] <= static_cast<double>(reach_mm)) {
-          near |= 1U << n;
-        } else {
-          rest_mm = std::min(rest_mm, from_mm[n]);
-        }
-      }
-      return {near, static_cast<float>(rest_mm)};
-    }
-  };
 
   /// Least bounds of voxels that live.
   struct Nearest {
@@ -510,50 +385,9 @@ class VoxelEngine final : public SweptEngine {
     certify(number, {static_cast<double>(free_mm), forward, counts == kAll ? 1.0 : 0.0}, counts);
   }
   void certify(std::size_t number, const FreeMove& free, Counts counts) noexcept {
-    levels_[kLeaves].certificates.renew(number, free);
-    levels_[kLeaves].left_mm[number] = static_cast<float>(std::min(free.free_mm, free.rest_mm));
+    tree_.certify(number, free);
     leaves_[number].free_mm = static_cast<float>(free.free_mm);
     leaves_[number].counts = counts;
-  }
-
-  void finish(std::size_t number, std::size_t at) noexcept {
-    TreeLevel& level = levels_[number];
-    TreeLevel& below = levels_[number - 1];
-    const std::size_t first = level.begin[at];
-    FreeMove free = below.certificates.together(first, first + level.count[at], below.left_mm.data());
-    if (free.free_mm <= static_cast<double>(kEmptyMm)) {
-      for (std::size_t child = first; child < first + level.count[at];) {
-        if (below.left_mm[child] > kEmptyMm) {
-          ++child;
-        } else {
-          move(number - 1, first + --level.count[at], child);
-        }
-      }
-      if (level.count[at] == 0) {
-        level.left_mm[at] = kEmptyMm;
-        if (number == kBranches) move(kBranches, --branch_count_, at);
-        return;
-      }
-      free = below.certificates.together(first, first + level.count[at], below.left_mm.data());
-    }
-    free.free_mm -= 1e-6 * std::abs(free.free_mm);  // rounded down
-    level.certificates.renew(at, free);
-    level.left_mm[at] = static_cast<float>(free.free_mm);
-  }
-
-  /// One of a level takes another's place.
-  void move(std::size_t number, std::size_t from, std::size_t to) noexcept {
-    if (from == to) return;
-    TreeLevel& level = levels_[number];
-    level.certificates.copy(from, to);
-    level.left_mm[to] = level.left_mm[from];
-    level.is_stale[to] = level.is_stale[from];
-    if (number == kLeaves) {
-      leaves_[to] = leaves_[from];
-    } else {
-      level.begin[to] = level.begin[from];
-      level.count[to] = level.count[from];
-    }
   }
 
   ToolBounds bounds_;
@@ -561,10 +395,9 @@ class VoxelEngine final : public SweptEngine {
   VoxelEngineOptions options_;
   const WordKernels& kernels_;
   std::array<std::int64_t, 256> pressure_{};
-  AxisView from_, to_;  ///< at the ends of this step
-  std::array<TreeLevel, 3> levels_;
+  AxisView from_, to_;    ///< at the ends of this step
+  CertificateTree tree_;  ///< of leaves, nodes, branches
   std::vector<LivingLeaf> leaves_;
-  std::size_t branch_count_ = 0;
   std::size_t alive_ = 0;
   std::int32_t farthest_ = 0;
 };

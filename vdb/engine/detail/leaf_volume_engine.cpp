@@ -1,7 +1,6 @@
-// One idea on two levels: a box of points that was just looked at needs no look until the bit has moved by the gap to
-// its nearest living point (see MoveCertificates). Leaves of the tree are checked first, in one vector loop; then the
-// cells of those leaves whose certificate has run out; then the points of cells that still are due, after their box has
-// been classified: outside the swept bit, inside the bit, or cut.
+// A box of points that was just looked at needs no look until the bit has moved by the gap to its nearest living point.
+// A step goes down the tree of such boxes (see CertificateTree): nodes, leaves, cells; then to the points of cells that
+// are due, after their box has been classified: outside the swept bit, inside the bit, or cut.
 //
 // Which points die is decided as in every engine: by SweptBit.
 
@@ -12,55 +11,27 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <limits>
 
 namespace spinaltap::detail {
-namespace {
-
-double half_diagonal_mm(double edge_mm) { return 0.5 * std::sqrt(3.0) * edge_mm; }
-
-}  // namespace
-
 LeafVolumeEngine::LeafVolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material)
-    : VolumeEngine(volume, bit, material),
-      bounds_(BitProfile(bit)),
-      leaves_(volume),
-      cell_certificates_(leaves_.first_cell_centres_mm(), half_diagonal_mm(leaves_.cell_mm())),
-      leaf_certificates_(leaves_.first_leaf_centres_mm(), half_diagonal_mm(leaves_.leaf_mm())),
-      cell_left_mm_(cell_certificates_.size()),
-      leaf_left_mm_(leaf_certificates_.size()),
-      are_cells_stale_(leaf_certificates_.size(), 0),
-      due_leaves_(leaf_certificates_.size()),
-      due_cells_(cell_certificates_.size()) {
-  leaves_.forget_centres();
-}
+    : VolumeEngine(volume, bit, material), bounds_(BitProfile(bit)), leaves_(volume), tree_(leaves_.levels()) {}
 
 std::size_t LeafVolumeEngine::memory_bytes() const {
   return VolumeEngine::memory_bytes() + sizeof(*this) - sizeof(VolumeEngine) + leaves_.memory_bytes() +
-         cell_certificates_.memory_bytes() + leaf_certificates_.memory_bytes() +
-         (cell_left_mm_.size() + leaf_left_mm_.size()) * sizeof(float) + are_cells_stale_.size() +
-         (due_leaves_.size() + due_cells_.size()) * sizeof(std::uint32_t);
+         tree_.memory_bytes();
 }
 
 void LeafVolumeEngine::remove(const SweptBit& bit, Removal& removal) noexcept {
   const SweptBounds tool(bit, bounds_);
-  const std::size_t leaf_count = leaves_.leaves().size();
-  leaf_certificates_.move_to(tool.line());
-  cell_certificates_.move_to(tool.line());
-  leaf_certificates_.check(0, leaf_count, leaf_left_mm_.data());
-  due_leaf_count_ = 0;
-  due_cell_count_ = 0;
-  for (std::size_t leaf = 0; leaf < leaf_count; ++leaf) {
-    if (!(leaf_left_mm_[leaf] > 0.0F)) list_cells(leaf, tool);
-  }
+  const auto due = tree_.due(tool);
   // Measured on two cores: sharing breaks even at about 20 us of work; a look at a cell costs 0.3 us.
   constexpr std::size_t kWorthSharing = 150;
-  if (due_cell_count_ >= kWorthSharing) {
+  if (due.size() >= kWorthSharing) {
     removal.add(tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, due_cell_count_, kWorthSharing / 4), Removal(),
+        tbb::blocked_range<std::size_t>(0, due.size(), kWorthSharing / 4), Removal(),
         [&](const tbb::blocked_range<std::size_t>& range, Removal sum) {
-          for (std::size_t n = range.begin(); n < range.end(); ++n) look<Sharing::yes>(due_cells_[n], tool, sum);
+          for (std::size_t n = range.begin(); n < range.end(); ++n) look<Sharing::yes>(due[n], tool, sum);
           return sum;
         },
         [](Removal a, const Removal& b) {
@@ -68,32 +39,9 @@ void LeafVolumeEngine::remove(const SweptBit& bit, Removal& removal) noexcept {
           return a;
         }));
   } else {
-    for (std::size_t n = 0; n < due_cell_count_; ++n) look<Sharing::no>(due_cells_[n], tool, removal);
+    for (const std::uint32_t cell : due) look<Sharing::no>(cell, tool, removal);
   }
-  // From the last, so that the leaf which moves into a dropped one's place has been finished.
-  for (std::size_t n = due_leaf_count_; n-- > 0;) finish_leaf(due_leaves_[n]);
-}
-
-void LeafVolumeEngine::list_cells(std::size_t number, const SweptBounds& tool) noexcept {
-  const double half_mm = leaf_certificates_.half_mm();
-  const FreeMove free = tool.free_of_ball(tool.place(leaf_certificates_.centre_mm(number)), half_mm, 0.25 * half_mm);
-  if (free.free_mm > 0.0) {
-    leaf_certificates_.renew(number, free);
-    are_cells_stale_[number] = 1;
-    return;
-  }
-  const PointLeaves::Leaf& leaf = leaves_.leaves()[number];
-  due_leaves_[due_leaf_count_++] = static_cast<std::uint32_t>(number);
-  if (are_cells_stale_[number] != 0) {
-    // The bit may have been anywhere since these were checked.
-    std::fill_n(cell_left_mm_.begin() + leaf.begin, leaf.count, -1.0F);
-    are_cells_stale_[number] = 0;
-  } else {
-    cell_certificates_.check(leaf.begin, leaf.begin + leaf.count, cell_left_mm_.data() + leaf.begin);
-  }
-  for (std::uint32_t cell = leaf.begin; cell < leaf.begin + leaf.count; ++cell) {
-    if (!(cell_left_mm_[cell] > 0.0F)) due_cells_[due_cell_count_++] = cell;
-  }
+  tree_.finish([&](std::size_t from, std::size_t to) { leaves_.drop_cell(to, from); });
 }
 
 template <LeafVolumeEngine::Sharing sharing>
@@ -113,12 +61,9 @@ void LeafVolumeEngine::kill_point(PointLeaves::Cell& cell, std::size_t place, Re
 template <LeafVolumeEngine::Sharing sharing>
 void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal& removal) noexcept {
   PointLeaves::Cell& cell = leaves_.cell(number);
-  const auto certify = [&](const FreeMove& free) {
-    cell_certificates_.renew(number, free);
-    cell_left_mm_[number] = static_cast<float>(free.free_mm);
-  };
-  const double half_mm = cell_certificates_.half_mm();
-  const BitPlace centre = tool.place(cell_certificates_.centre_mm(number));
+  const auto certify = [&](const FreeMove& free) { tree_.certify(number, free); };
+  const double half_mm = tree_.half_mm();
+  const BitPlace centre = tool.place(tree_.centre_mm(number));
   const FreeMove outside = tool.free_of_ball(centre, half_mm, 0.5 * half_mm);
   if (outside.free_mm > 0.0) {
     certify(outside);
@@ -126,7 +71,7 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
   }
   if (tool.holds_ball(centre, half_mm)) {
     while (cell.living > 0) kill_point<sharing>(cell, cell.begin, removal);
-    return;
+    return tree_.set_empty(number);
   }
   constexpr double kFar = std::numeric_limits<double>::infinity();
   double cylinder_mm = kFar;
@@ -147,42 +92,31 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
     cone_mm = std::min(cone_mm, from_cone_mm);
     ++n;
   }
-  if (cell.living == 0) return;
+  if (cell.living == 0) return tree_.set_empty(number);
   // Behind the cone a bit slides along its own wall: that certificate outlives a much longer one that counts advance.
   const double margin_mm = bounds_.margin_mm();
   if (cylinder_mm > std::max(4.0 * margin_mm, 0.25 * cone_mm)) return certify({cylinder_mm - margin_mm, 0.0, 0.0});
   if (bounds_.has_cone() && cone_mm > 4.0 * margin_mm) {
     return certify({cone_mm - margin_mm, bounds_.cone_slope(), 0.0});
   }
+  const PieceBounds from(bounds_, centre, half_mm);
   double body_mm = kFar;
+  double round_mm = kFar;
   for (std::size_t n = cell.begin; n < cell.begin + cell.living; ++n) {
     const auto [disc, index] = leaves_.point(n);
-    body_mm = std::min(body_mm, bounds_.from_body_mm(tool.place(volume_.point_in_path_mm(disc, index))));
+    const BitPlace at = tool.place(volume_.point_in_path_mm(disc, index));
+    body_mm = std::min(body_mm, bounds_.from_body_mm(at));
+    round_mm = std::min(round_mm, ToolBounds::from_round_mm(bounds_.pieces()[from.nearest()], at));
+  }
+  // Where one piece is much nearer to the box than the others, only what of a move leads to its side counts.
+  const auto [pieces, rest_mm] = from.within(body_mm + half_mm);
+  FreeMove one_sided = tool.to_one_side(tree_.centre_mm(number), half_mm, pieces);
+  if (one_sided.angle_sine < 1.0 && round_mm > 0.5 * body_mm) {
+    one_sided.free_mm = round_mm - margin_mm;
+    one_sided.rest_mm = rest_mm - margin_mm;
+    return certify(one_sided);
   }
   certify({body_mm - margin_mm, 1.0, 1.0});
-}
-
-void LeafVolumeEngine::finish_leaf(std::size_t number) noexcept {
-  const PointLeaves::Leaf& leaf = leaves_.leaves()[number];
-  for (std::size_t cell = leaf.begin; cell < leaf.begin + leaf.count;) {
-    if (leaves_.cell(cell).living == 0) {
-      const std::size_t moved = leaves_.drop_cell(number, cell);
-      cell_certificates_.copy(moved, cell);
-      cell_left_mm_[cell] = cell_left_mm_[moved];
-      continue;
-    }
-    ++cell;
-  }
-  if (leaf.count == 0) {
-    const std::size_t moved = leaves_.drop_leaf(number);
-    leaf_certificates_.copy(moved, number);
-    are_cells_stale_[number] = are_cells_stale_[moved];
-    return;
-  }
-  FreeMove free = cell_certificates_.together(leaf.begin, leaf.begin + leaf.count, cell_left_mm_.data());
-  // Rounded down.
-  free.free_mm -= 1e-6 * std::abs(free.free_mm);
-  leaf_certificates_.renew(number, free);
 }
 
 }  // namespace spinaltap::detail

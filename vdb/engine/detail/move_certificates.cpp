@@ -61,7 +61,10 @@ template <class Line>
     const float used = sine < 1.0F ? to_one_side : to_all_sides;
     const float turned = turn * (at.half + off) * (1.0F + 2.0F * c.forward[n]) + at.edge * (1.0F + c.forward[n]);
     const float less = turned + at.noise;
-    const float left_here = c.free[n] - (used + less);
+    // What did not hold when it was made does not hold after a move away either.
+    const float at_most_left = c.free[n] > 0.0F ? 1e30F : 0.0F;
+    const float unbounded = c.free[n] - (used + less);
+    const float left_here = unbounded < at_most_left ? unbounded : at_most_left;
     const float left_of_rest = c.rest[n] - (to_all_sides + less);
     left[i] = left_here < left_of_rest ? left_here : left_of_rest;
   }

@@ -13,8 +13,11 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::Int32;
-using CellTree = openvdb::tree::Tree3<Int32, 4, 2>::Type;
-static_assert(CellTree::LeafNodeType::DIM == PointLeaves::kLeafCells);
+using CellTree = openvdb::tree::Tree4<Int32, 4, 2, 2>::Type;
+using CellNode = CellTree::LeafNodeType;
+using LeafNode = CellTree::RootNodeType::ChildNodeType::ChildNodeType;
+static_assert(CellNode::DIM == PointLeaves::kLeafCells);
+static_assert(LeafNode::DIM == PointLeaves::kLeafCells * PointLeaves::kNodeLeaves);
 
 /// Calls visit(disc, index, cell) for every living point.
 template <class Visit>
@@ -30,15 +33,22 @@ void visit_living(const PointVolume& volume, double cell_mm, const Visit& visit)
   }
 }
 
-Vec3 centre(const Coord& origin, double cells) {
-  return Vec3(origin.x(), origin.y(), origin.z()) + Vec3::Constant(0.5 * cells);
+/// Adds a box `cells` cells wide to a level.
+void list_box(CertificateTree::Level& level, const Coord& origin, int cells, double cell_mm) {
+  level.half_mm = 0.5 * std::sqrt(3.0) * cells * cell_mm;
+  level.centres_mm.push_back(cell_mm * (Vec3(origin.x(), origin.y(), origin.z()) + Vec3::Constant(0.5 * cells)));
+}
+
+void list_children(CertificateTree::Level& level, std::size_t begin, std::size_t end) {
+  level.begin.push_back(static_cast<std::uint32_t>(begin));
+  level.count.push_back(static_cast<std::uint32_t>(end - begin));
 }
 
 }  // namespace
 
 struct PointLeaves::Tree {
   CellTree cells{-1};
-  std::vector<CellTree::LeafNodeType*> leaves;
+  std::vector<CellNode*> leaves;
 };
 
 PointLeaves::PointLeaves(const PointVolume& volume)
@@ -60,16 +70,12 @@ PointLeaves::PointLeaves(const PointVolume& volume)
   tree_->cells.getNodes(tree_->leaves);
   std::uint32_t begin = 0;
   for (std::size_t n = 0; n < tree_->leaves.size(); ++n) {
-    CellTree::LeafNodeType& leaf = *tree_->leaves[n];
-    const auto first = static_cast<std::uint32_t>(cells_.size());
+    CellNode& leaf = *tree_->leaves[n];
     for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
-      cells_.push_back({begin, 0, voxel.pos()});
-      cell_centres_mm_.push_back(cell_mm_ * centre(voxel.getCoord(), 1.0));
+      cells_.push_back({begin, 0, static_cast<std::uint32_t>(n), voxel.pos()});
       begin += static_cast<std::uint32_t>(voxel.getValue());
       voxel.setValue(static_cast<Int32>(cells_.size() - 1));
     }
-    leaves_.push_back({first, static_cast<std::uint32_t>(cells_.size()) - first, static_cast<std::uint32_t>(n)});
-    leaf_centres_mm_.push_back(cell_mm_ * centre(leaf.origin(), kLeafCells));
   }
   cell_count_ = cells_.size();
   points_.resize(points);
@@ -83,37 +89,39 @@ PointLeaves::PointLeaves(const PointVolume& volume)
 
 PointLeaves::~PointLeaves() = default;
 
-void PointLeaves::forget_centres() {
-  cell_centres_mm_ = {};
-  leaf_centres_mm_ = {};
-}
-
-std::size_t PointLeaves::drop_cell(std::size_t leaf_place, std::size_t number) noexcept {
-  Leaf& leaf = leaves_[leaf_place];
-  CellTree::LeafNodeType& node = *tree_->leaves[leaf.node];
-  const std::size_t last = leaf.begin + --leaf.count;
-  node.setValueOff(cells_[number].voxel, -1);
-  --cell_count_;
-  if (last != number) {
-    cells_[number] = cells_[last];
-    node.setValueOnly(cells_[number].voxel, static_cast<Int32>(number));
+std::vector<CertificateTree::Level> PointLeaves::levels() const {
+  std::vector<CertificateTree::Level> levels(3);
+  CertificateTree::Level &cells = levels[0], &leaves = levels[1], &nodes = levels[2];
+  std::vector<const LeafNode*> all;
+  tree_->cells.getNodes(all);
+  for (const LeafNode* node : all) {
+    const std::size_t first_leaf = leaves.centres_mm.size();
+    for (auto leaf = node->cbeginChildOn(); leaf; ++leaf) {
+      const std::size_t first_cell = cells.centres_mm.size();
+      for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) list_box(cells, voxel.getCoord(), 1, cell_mm_);
+      list_box(leaves, leaf->origin(), kLeafCells, cell_mm_);
+      list_children(leaves, first_cell, cells.centres_mm.size());
+    }
+    list_box(nodes, node->origin(), kLeafCells * kNodeLeaves, cell_mm_);
+    list_children(nodes, first_leaf, leaves.centres_mm.size());
   }
-  return last;
+  return levels;
 }
 
-std::size_t PointLeaves::drop_leaf(std::size_t leaf) noexcept {
-  leaves_[leaf] = leaves_.back();
-  leaves_.pop_back();
-  return leaves_.size();
+void PointLeaves::drop_cell(std::size_t number, std::size_t last) noexcept {
+  CellNode& leaf = *tree_->leaves[cells_[number].leaf];
+  leaf.setValueOff(cells_[number].voxel, -1);
+  --cell_count_;
+  if (last == number) return;
+  cells_[number] = cells_[last];
+  leaf.setValueOnly(cells_[number].voxel, static_cast<Int32>(number));
 }
 
 std::size_t PointLeaves::active_voxel_count() const { return tree_->cells.activeVoxelCount(); }
 
 std::size_t PointLeaves::memory_bytes() const {
   return sizeof(*this) + static_cast<std::size_t>(tree_->cells.memUsage()) + tree_->leaves.size() * sizeof(void*) +
-         leaves_.capacity() * sizeof(Leaf) + cells_.capacity() * sizeof(Cell) +
-         points_.capacity() * sizeof(points_[0]) +
-         (cell_centres_mm_.capacity() + leaf_centres_mm_.capacity()) * sizeof(Vec3);
+         cells_.capacity() * sizeof(Cell) + points_.capacity() * sizeof(points_[0]);
 }
 
 }  // namespace spinaltap::detail

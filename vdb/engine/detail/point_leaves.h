@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/points/point_volume.h"
+#include "vdb/engine/detail/certificate_tree.h"
 
 namespace spinaltap::detail {
 
@@ -14,13 +15,14 @@ namespace spinaltap::detail {
 ///
 /// The tree's index space is the volume's own path frame in cells of a few spacings; an active voxel is a cell that has
 /// living points, and its value the cell's number. Cells are numbered leaf by leaf, and a cell's points lie together.
-/// What is empty is dropped: the voxel is switched off, the leaf's last cell takes its number, and a leaf without cells
-/// is forgotten. Nothing is allocated after construction.
+/// A cell that is empty is dropped: its voxel is switched off, and its leaf's last cell takes its number. Nothing is
+/// allocated after construction.
 class PointLeaves {
  public:
-  /// Edge of a cell in spacings, and of a leaf in cells: of about 60 and 4,000 points.
+  /// Edge of a cell in spacings, of a leaf in cells, of a node in leaves: of about 60, 4,000 and 250,000 points.
   static constexpr int kCellSpacings = 4;
   static constexpr int kLeafCells = 4;
+  static constexpr int kNodeLeaves = 4;
 
   /// Throws Error on more than 2^31 points.
   explicit PointLeaves(const PointVolume& volume);
@@ -29,20 +31,13 @@ class PointLeaves {
   PointLeaves& operator=(const PointLeaves&) = delete;
 
   double cell_mm() const { return cell_mm_; }
-  double leaf_mm() const { return kLeafCells * cell_mm_; }
-  /// Centres of all cells and leaves as they were numbered at first, path-local.
-  const std::vector<Vec3>& first_cell_centres_mm() const { return cell_centres_mm_; }
-  const std::vector<Vec3>& first_leaf_centres_mm() const { return leaf_centres_mm_; }
-  void forget_centres();
+  /// Centres of cells, leaves and nodes as they were numbered at first, path-local, and what lies in which.
+  std::vector<CertificateTree::Level> levels() const;
 
-  struct Leaf {
-    std::uint32_t begin;  ///< its first cell
-    std::uint32_t count;  ///< of cells
-    std::uint32_t node;   ///< of the tree
-  };
   struct Cell {
     std::uint32_t begin;   ///< its first point
     std::uint32_t living;  ///< of points
+    std::uint32_t leaf;    ///< of the tree
     std::uint32_t voxel;   ///< in the leaf
   };
   struct Point {
@@ -50,8 +45,6 @@ class PointLeaves {
     std::size_t index;
   };
 
-  /// Leaves that have living points; dropping one moves the last into its place.
-  std::span<const Leaf> leaves() const { return leaves_; }
   Cell& cell(std::size_t number) { return cells_[number]; }
   /// How many cells have living points.
   std::size_t cell_count() const { return cell_count_; }
@@ -60,10 +53,8 @@ class PointLeaves {
   }
   /// Takes the point at `place` out of its cell; the cell's last living point moves there.
   void drop_point(Cell& cell, std::size_t place) noexcept { points_[place] = points_[cell.begin + --cell.living]; }
-  /// Takes an empty cell out of its leaf; the leaf's last cell, whose number is returned, gets its number.
-  std::size_t drop_cell(std::size_t leaf, std::size_t number) noexcept;
-  /// Takes a leaf without cells out of the list; the last leaf, whose place is returned, moves there.
-  std::size_t drop_leaf(std::size_t leaf) noexcept;
+  /// Takes an empty cell out of its leaf, whose last cell gets its number.
+  void drop_cell(std::size_t number, std::size_t last) noexcept;
 
   /// Active voxels of the tree: counted anew, to check the above.
   std::size_t active_voxel_count() const;
@@ -75,10 +66,8 @@ class PointLeaves {
   std::unique_ptr<Tree> tree_;
   double cell_mm_ = 0.0;
   int shift_ = 0;  ///< points_ hold disc << shift | index
-  std::vector<Leaf> leaves_;
   std::vector<Cell> cells_;
   std::vector<std::uint32_t> points_;
-  std::vector<Vec3> cell_centres_mm_, leaf_centres_mm_;
   std::size_t cell_count_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "vdb/engine/detail/tool_bounds.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -43,10 +44,38 @@ double ToolBounds::from_piece_mm(const Piece& piece, const BitPlace& at) {
   return std::max({side_mm, piece.begin_mm - at.back_mm, at.back_mm - piece.end_mm});
 }
 
+double ToolBounds::from_round_mm(const Piece& piece, const BitPlace& at) {
+  return piece.ball_radius_mm > 0.0 ? from_piece_mm(piece, at) : piece.per_off * at.off_mm + piece.at_origin_mm;
+}
+
 double ToolBounds::from_body_mm(const BitPlace& at) const {
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (const Piece& piece : pieces()) nearest_mm = std::min(nearest_mm, from_piece_mm(piece, at));
   return nearest_mm;
+}
+
+PieceBounds::PieceBounds(const ToolBounds& bounds, const BitPlace& at, double radius_mm)
+    : count_(static_cast<unsigned>(bounds.pieces().size())) {
+  for (unsigned n = 0; n < count_; ++n) {
+    from_mm_[n] = ToolBounds::from_piece_mm(bounds.pieces()[n], at) - radius_mm;
+    if (from_mm_[n] < least_mm_) {
+      least_mm_ = from_mm_[n];
+      nearest_ = n;
+    }
+  }
+}
+
+PieceBounds::Near PieceBounds::within(double reach_mm) const {
+  Near near{1U << nearest_, 1e30};
+  for (unsigned n = 0; n < count_; ++n) {
+    if (n == nearest_) continue;
+    if (from_mm_[n] <= reach_mm) {
+      near.pieces |= 1U << n;
+    } else {
+      near.rest_mm = std::min(near.rest_mm, from_mm_[n]);
+    }
+  }
+  return near;
 }
 
 SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
@@ -82,6 +111,27 @@ FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double 
   }
   if (body_mm >= reach.body + min_mm) return {body_mm - bounds_.margin_mm(), 1.0, 1.0};
   return {};
+}
+
+FreeMove SweptBounds::to_one_side(const Vec3& centre_mm, double radius_mm, unsigned pieces) const {
+  FreeMove free{-1.0, 1.0, 1.0};
+  if (!std::has_single_bit(pieces)) return free;
+  const ToolBounds::Piece& piece = bounds_.pieces()[static_cast<std::size_t>(std::countr_zero(pieces))];
+  Vec3 from = centre_mm - line_.tip_mm;
+  if (piece.ball_radius_mm > 0.0) {
+    from += piece.ball_centre_mm * line_.axis;
+  } else if (piece.per_back == 0.0) {
+    from -= from.dot(line_.axis) * line_.axis;
+  } else {
+    return free;
+  }
+  const double from_mm = from.norm();
+  // Near by, most moves lead to some of its points.
+  constexpr double kWorthIt = 0.7;
+  if (!(radius_mm < kWorthIt * from_mm)) return free;
+  free.side = from / from_mm;
+  free.angle_sine = radius_mm / from_mm;
+  return free;
 }
 
 bool SweptBounds::holds_ball(const BitPlace& at, double radius_mm) const {

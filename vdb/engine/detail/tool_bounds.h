@@ -40,6 +40,8 @@ class ToolBounds {
     double per_off, per_back, at_origin_mm;  ///< distance from the frustum's side
   };
   static double from_piece_mm(const Piece& piece, const BitPlace& at);
+  /// The same from a ball, or from a cylinder without ends: along the directions that one-sided certificates count.
+  static double from_round_mm(const Piece& piece, const BitPlace& at);
   static constexpr std::size_t kMaxPieces = kMaxStretches;
   std::span<const Piece> pieces() const { return {pieces_.data(), count_}; }
   double radius_mm() const { return radius_mm_; }
@@ -54,6 +56,26 @@ class ToolBounds {
   double margin_mm_;
   double larger_ball_mm_ = 0.0;
   std::array<Piece, kMaxPieces> pieces_{};
+};
+
+/// Least bounds of a ball from each of a tool's pieces.
+class PieceBounds {
+ public:
+  PieceBounds(const ToolBounds& bounds, const BitPlace& at, double radius_mm);
+
+  double least_mm() const { return least_mm_; }
+  unsigned nearest() const { return nearest_; }
+  /// A bit for each piece that may lie within `reach_mm`, the nearest at least; and the least bound from the others.
+  struct Near {
+    unsigned pieces;
+    double rest_mm;
+  };
+  Near within(double reach_mm) const;
+
+ private:
+  std::array<double, ToolBounds::kMaxPieces> from_mm_;
+  unsigned count_, nearest_ = 0;
+  double least_mm_ = 1e30;
 };
 
 /// A swept bit as boxes and points are classified against it.
@@ -89,6 +111,9 @@ class SweptBounds {
   }
   /// The same where the ball's bound from the body and its reach are known.
   FreeMove free_of_ball(const BitPlace& at, double radius_mm, double body_mm, const Reach& reach, double min_mm) const;
+  /// A certificate, still without its lengths, of a ball that lies to one side of a ball or a cylinder: of `pieces`
+  /// where that is one alone. `angle_sine` is 1 where there is none. Lengths are to be by from_round_mm().
+  FreeMove to_one_side(const Vec3& centre_mm, double radius_mm, unsigned pieces) const;
   /// Whether the bit holds all of a ball around `at` at the end of its way.
   bool holds_ball(const BitPlace& at, double radius_mm) const;
 

@@ -330,15 +330,21 @@ TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
 
 /// Tools beside which a leaf is small, so that leaves lie to one side of their balls and cylinders.
 DrillBit large_mill(std::uint64_t n) {
-  switch (n % 4) {
+  switch (n % 7) {
     case 0:
       return {5.0, 20.0, 1.0, BitShape::round_burr, 0.0, 2.5};
     case 1:
       return {4.0, 4.0, 1.0, BitShape::round_burr, 0.0, 0.0};
     case 2:
       return {4.4, 20.0, 3.0};
-    default:
+    case 3:
       return {4.0, 20.0, 1.0, BitShape::round_burr, 0.0, 3.6};
+    case 4:  // with a flat face: what lies ahead of it lies to no side
+      return profile_bit({{0.0, 2.2}, {20.0, 2.2}});
+    case 5:
+      return profile_bit({{0.0, 0.0}, {2.0, 2.0, true}, {4.0, 2.0}, {5.0, 1.2}, {7.0, 1.2}, {8.0, 1.8}, {20.0, 1.8}});
+    default:
+      return profile_bit({{0.0, 1.2}, {0.0, 2.0}, {2.0, 2.0}, {2.0, 1.4}, {20.0, 1.4}});
   }
 }
 
