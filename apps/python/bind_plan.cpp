@@ -26,8 +26,8 @@ namespace {
 
 DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, const std::string& shape,
                   double tip_diameter_mm, double shank_diameter_mm) {
-  const DrillBit bit{diameter_mm,     length_mm,        tip_length_mm, named(bit_shapes(), shape, "a shape"),
-                     tip_diameter_mm, shank_diameter_mm};
+  DrillBit bit{diameter_mm,     length_mm,        tip_length_mm, named(bit_shapes(), shape, "a shape"),
+               tip_diameter_mm, shank_diameter_mm};
   check_bit(bit);
   return bit;
 }

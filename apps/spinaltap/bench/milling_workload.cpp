@@ -43,7 +43,7 @@ class EngineWithForces final : public DrillEngine {
       : engine_(std::move(engine)), bone_(std::move(bone)), forces_(*bone_, bit, Material()), step_s_(step_s) {}
 
   StepResult step(const Pose& pose) noexcept override {
-    const StepResult result = engine_->step(pose);
+    StepResult result = engine_->step(pose);
     last_ = forces_.update(result, pose, step_s_, kSpindle);
     return result;
   }
