@@ -8,7 +8,10 @@
 #include <vector>
 
 #include "apps/spinaltap/bench/milling_workload.h"
+#include "core/phantom/scanner.h"
+#include "core/phantom/spine.h"
 #include "tests/support/temporary_folder.h"
+#include "vdb/bake/bake.h"
 #include "vdb/engine/voxel_engine.h"
 
 namespace spinaltap {
@@ -34,6 +37,33 @@ void fill(benchmark::State& state) {
   }
 }
 BENCHMARK(fill)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+
+/// The phantom's L1 to L5 on one lattice, from their grids of 0.5 mm on.
+void fill_spine(benchmark::State& state) {
+  static const std::vector<BoneModel> bones = [] {
+    SpineOptions options;
+    options.first = Level::kL1;
+    const Spine spine(options);
+    std::vector<BoneModel> baked;
+    for (std::size_t n = 0; n < spine.part_count(); ++n) {
+      const SpinePart& part = spine.part(n);
+      if (part.vertebra) baked.push_back(bake_solid(*part.vertebra, {.voxel_mm = 0.5}, ScanOptions().surroundings_hu));
+    }
+    return baked;
+  }();
+  const double voxel_mm = 1e-2 * static_cast<double>(state.range(0));
+  for ([[maybe_unused]] const auto _ : state) {
+    VoxelBone voxels(bones, {.voxel_mm = voxel_mm});
+    state.PauseTiming();
+    const auto engine = make_voxel_engine(voxels, milling_burr(4.0), {});
+    state.counters["bones"] = static_cast<double>(bones.size());
+    state.counters["voxels"] = static_cast<double>(voxels.alive_count());
+    state.counters["tree_MB"] = 1e-6 * static_cast<double>(voxels.memory_bytes());
+    state.counters["with_engine_MB"] = 1e-6 * static_cast<double>(voxels.memory_bytes() + engine->memory_bytes());
+    state.ResumeTiming();
+  }
+}
+BENCHMARK(fill_spine)->Arg(20)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
 /// How long `step` took at each pose, us.
 template <class Step>

@@ -47,7 +47,14 @@ LeafRange leaves_within(const Box3& box_mm, double voxel_mm) {
 /// Fills leaves from one or several bones.
 class LeafFiller {
  public:
-  LeafFiller(std::span<const BoneModel> bones, const VoxelBoneOptions& options) : bones_(bones), options_(options) {}
+  LeafFiller(std::span<const BoneModel> bones, const VoxelBoneOptions& options) : bones_(bones), options_(options) {
+    // A voxel beyond the surface's box is in no cell of it that has an inside corner.
+    for (const BoneModel& bone : bones) {
+      const Vec3 margin_mm = Vec3::Constant(bone.voxel_mm());
+      const Box3 box_mm = bone.bounds_mm();
+      boxes_mm_.emplace_back(box_mm.min() - margin_mm, box_mm.max() + margin_mm);
+    }
+  }
 
   /// Null where nothing lives there.
   std::unique_ptr<VoxelLeafNode> filled(const Coord& leaf) const {
@@ -61,7 +68,10 @@ class LeafFiller {
     const VoxelLeafNode::NodeMaskType within = within_region(block);
     if (within.isOff()) return nullptr;
     std::unique_ptr<VoxelLeafNode> node;
-    for (const BoneModel& bone : bones_) add(bone, block, within, origin, node);
+    const Box3 box_mm(block.position_mm(0), block.position_mm(VoxelLeafNode::SIZE - 1));
+    for (std::size_t n = 0; n < bones_.size(); ++n) {
+      if (boxes_mm_[n].intersects(box_mm)) add(bones_[n], block, within, origin, node);
+    }
     return node;
   }
 
@@ -103,6 +113,7 @@ class LeafFiller {
   }
 
   std::span<const BoneModel> bones_;
+  std::vector<Box3> boxes_mm_;
   const VoxelBoneOptions& options_;
 };
 
