@@ -15,7 +15,7 @@ EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   constexpr double kLeavesFromDeg = 15.0;
   if (std::abs(way.max_tilt_deg) >= kLeavesFromDeg) return EngineKind::leaf;
   // Discs are passed over by how near they are to a cone and a cylinder, between which a ball leaves much room. As long
-  // as it only goes forward `ring` was faster by 1.4; in a hand that trembles `leaf` by 2.5. Conical burrs and tapered
+  // as it only goes forward `ring` was faster by 1.4; in a hand that trembles `leaf` by 4.5. Conical burrs and tapered
   // screws fill that room: `ring` was faster by 3 to 4 forward, by 1.3 to 2.5 with a tremor.
   return setup.path.bit.shape == BitShape::round_burr && way.trembles ? EngineKind::leaf : EngineKind::ring;
 }
