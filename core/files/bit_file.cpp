@@ -60,14 +60,7 @@ std::vector<NamedBit> read_bits(const std::filesystem::path& path) {
   return bits;
 }
 
-std::vector<std::string> bit_profiles() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(data_file("profiles/match-head.json").parent_path())) {
-    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
+std::vector<std::string> bit_profiles() { return data_names("profiles"); }
 
 NamedBit read_bit_profile(const std::string& name_or_file) {
   const std::vector<std::string> shipped = bit_profiles();

@@ -46,6 +46,15 @@ fs::path data_file(std::string_view name) {
   fail("shipped file not found: ", name, ", looked for in ", looked_in, " (SPINALTAP_DATA_DIR may name its folder)");
 }
 
+std::vector<std::string> data_names(std::string_view folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(data_file(folder))) {
+    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 void set_data_folder(const fs::path& folder) {
   DataFolders& known = data_folders();
   const std::lock_guard lock(known.mutex);

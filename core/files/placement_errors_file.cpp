@@ -113,14 +113,7 @@ PlacementErrors read_placement_errors(const std::filesystem::path& path) {
   }
 }
 
-std::vector<std::string> placement_error_models() {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(data_file("errors/robot_726.json").parent_path())) {
-    if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
+std::vector<std::string> placement_error_models() { return data_names("errors"); }
 
 PlacementErrors placement_errors_of(const std::string& text) {
   const std::vector<std::string> models = placement_error_models();

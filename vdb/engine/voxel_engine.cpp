@@ -118,10 +118,6 @@ class VoxelEngine final : public SweptEngine {
       level.half_mm = 0.5 * std::sqrt(3.0) * (side - 1) * voxel_mm_;
       level.centres_mm.push_back(voxel_mm_ * middle_of(node.origin(), middle, side));
     };
-    const auto list_children = [](CertificateTree::Level& level, std::size_t begin, std::size_t end) {
-      level.begin.push_back(static_cast<std::uint32_t>(begin));
-      level.count.push_back(static_cast<std::uint32_t>(end - begin));
-    };
     for (VoxelBranch* branch : branches) {
       const std::size_t first_node = nodes.centres_mm.size();
       for (auto node = branch->beginChildOn(); node; ++node) {
@@ -144,11 +140,11 @@ class VoxelEngine final : public SweptEngine {
         }
         if (leaves_.size() == first_leaf) continue;
         list(nodes, *node);
-        list_children(nodes, first_leaf, leaves_.size());
+        nodes.add_children(first_leaf, leaves_.size());
       }
       if (nodes.centres_mm.size() == first_node) continue;
       list(whole, *branch);
-      list_children(whole, first_node, nodes.centres_mm.size());
+      whole.add_children(first_node, nodes.centres_mm.size());
     }
     tree_ = CertificateTree(std::move(levels));
   }
@@ -330,16 +326,8 @@ class VoxelEngine final : public SweptEngine {
     }
     Counts counts = what_to_count(least);
     if (skipped != 0) counts = std::max(counts, static_cast<Counts>(leaf.counts));
-    if (basis != 0) {
-      if (skipped == 0 && counts == kAcross) {
-        leaf.basis = 0;
-      } else {
-        counts = kAll;
-        leaf.basis = basis;
-      }
-    } else {
-      leaf.basis = 0;
-    }
+    leaf.basis = skipped == 0 && counts == kAcross ? std::uint8_t{0} : basis;
+    if (leaf.basis != 0) counts = kAll;
     float free_mm = kFarMm;
     for (unsigned x = 0; x < 8; ++x) {
       if (leaf.words[x] == 0) continue;

@@ -21,6 +21,11 @@ class CertificateTree {
     std::vector<Vec3> centres_mm;
     double half_mm = 0.0;                     ///< of a box's diagonal: its points lie so near to its centre
     std::vector<std::uint32_t> begin, count;  ///< of a box's children on the level below; the lowest has none
+
+    void add_children(std::size_t first, std::size_t last) {
+      begin.push_back(static_cast<std::uint32_t>(first));
+      count.push_back(static_cast<std::uint32_t>(last - first));
+    }
   };
 
   CertificateTree() = default;

@@ -14,6 +14,7 @@
 #include <limits>
 
 namespace spinaltap::detail {
+
 LeafVolumeEngine::LeafVolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material)
     : VolumeEngine(volume, bit, material), bounds_(BitProfile(bit)), leaves_(volume), tree_(leaves_.levels()) {}
 

@@ -39,11 +39,6 @@ void list_box(CertificateTree::Level& level, const Coord& origin, int cells, dou
   level.centres_mm.push_back(cell_mm * (Vec3(origin.x(), origin.y(), origin.z()) + Vec3::Constant(0.5 * cells)));
 }
 
-void list_children(CertificateTree::Level& level, std::size_t begin, std::size_t end) {
-  level.begin.push_back(static_cast<std::uint32_t>(begin));
-  level.count.push_back(static_cast<std::uint32_t>(end - begin));
-}
-
 }  // namespace
 
 struct PointLeaves::Tree {
@@ -100,10 +95,10 @@ std::vector<CertificateTree::Level> PointLeaves::levels() const {
       const std::size_t first_cell = cells.centres_mm.size();
       for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) list_box(cells, voxel.getCoord(), 1, cell_mm_);
       list_box(leaves, leaf->origin(), kLeafCells, cell_mm_);
-      list_children(leaves, first_cell, cells.centres_mm.size());
+      leaves.add_children(first_cell, cells.centres_mm.size());
     }
     list_box(nodes, node->origin(), kLeafCells * kNodeLeaves, cell_mm_);
-    list_children(nodes, first_leaf, leaves.centres_mm.size());
+    nodes.add_children(first_leaf, leaves.centres_mm.size());
   }
   return levels;
 }

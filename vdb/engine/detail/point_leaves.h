@@ -30,7 +30,6 @@ class PointLeaves {
   PointLeaves(const PointLeaves&) = delete;
   PointLeaves& operator=(const PointLeaves&) = delete;
 
-  double cell_mm() const { return cell_mm_; }
   /// Centres of cells, leaves and nodes as they were numbered at first, path-local, and what lies in which.
   std::vector<CertificateTree::Level> levels() const;
 
