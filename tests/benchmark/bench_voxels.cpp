@@ -13,6 +13,7 @@
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
 #include "vdb/engine/voxel_engine.h"
+#include "vdb/sim/session.h"
 
 namespace spinaltap {
 namespace {
@@ -114,6 +115,32 @@ void turn(benchmark::State& state) {
 }
 // How far behind the tip it turns (mm).
 BENCHMARK(turn)->Arg(50)->Arg(0)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+
+/// A session that has milled for some seconds: to put the bone back, or to begin anew.
+void put_back(benchmark::State& state) {
+  const bool is_undone = state.range(0) == 1;
+  const Bone bone(read_bone(bone_file()));
+  const std::vector<Pose> poses = milling_poses({}, 5'000);
+  const DrillPath path{"milling", poses.front().tip_mm, poses.front().tip_mm - 5.0 * Vec3::UnitZ(), milling_burr(4.0)};
+  SessionSetup setup;
+  setup.engine = EngineKind::voxel;
+  setup.has_clearances = false;
+  Session session(bone, path, setup);
+  std::size_t removed = 0;
+  for ([[maybe_unused]] const auto _ : state) {
+    state.PauseTiming();
+    removed = 0;
+    for (const Pose& pose : poses) removed += session.step(pose).step.removed;
+    state.ResumeTiming();
+    if (is_undone) {
+      session.undo();
+    } else {
+      session = Session(bone, path, setup);
+    }
+  }
+  state.counters["removed"] = static_cast<double>(removed);
+}
+BENCHMARK(put_back)->ArgName("undone")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 }  // namespace spinaltap

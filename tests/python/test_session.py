@@ -121,6 +121,28 @@ class Session(unittest.TestCase):
         self.assertTrue(session.undo())
         np.testing.assert_array_equal(session.run(poses()), rows)
 
+    def test_undoes_what_was_milled_of_voxels(self):
+        ends = np.array([made_bone.path().entry_mm, made_bone.path().target_mm])
+        region = [ends.min(axis=0) - 5.0, ends.max(axis=0) + 5.0]
+        for chosen in ({"engine": "voxel"}, {"region_mm": region}):
+            session = made_bone.session(**chosen)
+            whole = session.surface_changes()
+            rows = session.run(poses())
+            self.assertGreater(rows["removed_points"].sum(), 0)
+            session.end_hole()
+            again = session.run(poses())
+            self.assertEqual(again["removed_points"].sum(), 0)
+            self.assertTrue(session.undo())
+            self.assertTrue(session.undo())
+            self.assertFalse(session.undo())
+            np.testing.assert_array_equal(session.run(poses()), rows)
+            self.assertTrue(session.undo())
+            self.assertEqual(session.drilled().hash, made_bone.bone().hash)
+            shown = {block: surface for block, surface in session.surface_changes()}
+            for block, surface in whole:
+                if block in shown:
+                    np.testing.assert_array_equal(shown[block]["triangles"], surface["triangles"])
+
     def test_leaves_a_hole_in_the_bone(self):
         session = made_bone.session()
         session.run(poses())

@@ -20,6 +20,7 @@ using detail::VoxelLeafNode;
 using openvdb::Coord;
 
 constexpr int kSide = static_cast<int>(VoxelLeafNode::DIM);
+constexpr openvdb::Index kLeafWords = VoxelLeafNode::SIZE / 64;
 
 /// Leaves that may hold living voxels: their origins over their side.
 struct LeafRange {
@@ -174,10 +175,33 @@ double VoxelBone::voxel_mm() const { return leaves_->voxel_mm; }
 const Box3& VoxelBone::region_mm() const { return leaves_->region_mm; }
 
 void VoxelBone::revive(const VoxelBone& whole) {
+  const auto reject = [] { fail("voxels: expected to be revived from the bone that they are a copy of"); };
+  if (whole.voxel_mm() != voxel_mm()) reject();
   auto from = whole.leaves_->tree.cbeginLeaf();
-  for (auto leaf = leaves_->tree.beginLeaf(); leaf; ++leaf, ++from) {
-    if (!from || from->origin() != leaf->origin()) fail("voxels: expected a copy of the bone to revive it from");
-    leaf->setValueMask(from->getValueMask());
+  for (auto leaf = leaves_->tree.cbeginLeaf(); leaf; ++leaf, ++from) {
+    if (!from || from->origin() != leaf->origin()) reject();
+    VoxelLeafNode::NodeMaskType only_here = leaf->getValueMask();
+    only_here -= from->getValueMask();
+    if (!only_here.isOff()) reject();
+  }
+  if (from) reject();
+  from = whole.leaves_->tree.cbeginLeaf();
+  for (auto leaf = leaves_->tree.beginLeaf(); leaf; ++leaf, ++from) leaf->setValueMask(from->getValueMask());
+}
+
+void VoxelBone::get_living_words(std::vector<std::uint64_t>& words) const {
+  words.reserve(words.size() + std::size_t{kLeafWords} * leaves_->tree.leafCount());
+  for (auto leaf = leaves_->tree.cbeginLeaf(); leaf; ++leaf) {
+    for (openvdb::Index n = 0; n < kLeafWords; ++n) words.push_back(leaf->getValueMask().getWord<std::uint64_t>(n));
+  }
+}
+
+void VoxelBone::set_living_words(std::span<const std::uint64_t> words) {
+  const std::size_t expected = std::size_t{kLeafWords} * leaves_->tree.leafCount();
+  if (words.size() != expected) fail("voxels: expected ", expected, " living words, found ", words.size());
+  auto from = words.begin();
+  for (auto leaf = leaves_->tree.beginLeaf(); leaf; ++leaf) {
+    for (openvdb::Index n = 0; n < kLeafWords; ++n) leaf->getValueMask().getWord<std::uint64_t>(n) = *from++;
   }
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "core/base/geometry.h"
 #include "core/base/progress.h"
@@ -50,8 +51,14 @@ class VoxelBone {
   /// In the order of the tree.
   void for_each_alive(const std::function<void(const Eigen::Vector3i& voxel)>& visit) const;
 
-  /// All voxels live again that live in `whole`: the bone that this is a copy of.
+  /// All voxels live again that live in `whole`: the bone that this is a copy of. Throws Error where it is none, and
+  /// changes nothing then.
   void revive(const VoxelBone& whole);
+
+  /// Which voxels live, 64 to a word, in an order that milling does not change.
+  void get_living_words(std::vector<std::uint64_t>& words) const;
+  /// Puts them back as get_living_words() gave them. Throws Error on another number of words, and changes nothing then.
+  void set_living_words(std::span<const std::uint64_t> words);
 
   std::size_t alive_count() const;
   /// Of all that is stored.

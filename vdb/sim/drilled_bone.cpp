@@ -43,7 +43,7 @@ DrilledBone::DrilledBone(const BoneModel& bone, const SessionSetup& setup, const
       options.region_mm = *setup.region_mm;
     }
     voxels = std::make_unique<VoxelBone>(bone, options, progress);
-    for (const DrilledHole& hole : setup.holes) drill_out(*make_voxel_engine(*voxels, hole.bit, setup.material), hole);
+    for (const DrilledHole& hole : setup.holes) drill(hole, setup);
     return;
   }
   if (setup.region_mm) {
@@ -51,22 +51,49 @@ DrilledBone::DrilledBone(const BoneModel& bone, const SessionSetup& setup, const
   }
   volumes =
       volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
-  for (PointVolume& volume : volumes) {
-    fill_volume(volume, sampler_of(bone, exact), progress);
-    for (const DrilledHole& hole : setup.holes) {
-      drill_out(*make_engine(engine, volume, hole.bit, setup.material), hole);
-    }
-  }
+  for (PointVolume& volume : volumes) fill_volume(volume, sampler_of(bone, exact), progress);
+  for (const DrilledHole& hole : setup.holes) drill(hole, setup);
 }
 
 DrilledBone::DrilledBone(const DrilledBone& other)
     : volumes(other.volumes), voxels(other.voxels ? std::make_unique<VoxelBone>(*other.voxels) : nullptr) {}
 
+void DrilledBone::drill(const DrilledHole& hole, const SessionSetup& setup) {
+  if (voxels) drill_out(*make_voxel_engine(*voxels, hole.bit, setup.material), hole);
+  for (PointVolume& volume : volumes) {
+    drill_out(*make_engine(chosen_engine(setup), volume, hole.bit, setup.material), hole);
+  }
+}
+
 void DrilledBone::revive(const DrilledBone& whole) {
-  if (voxels) voxels->revive(*whole.voxels);
-  for (std::size_t n = 0; n < volumes.size(); ++n) {
-    for (int disc = 0; disc < volumes[n].disc_count(); ++disc) {
-      std::ranges::copy(whole.volumes[n].alive_words(disc), volumes[n].alive_words(disc).begin());
+  const auto size = [](const PointVolume& volume) { return volume.alive_words().size(); };
+  if (!voxels != !whole.voxels || !std::ranges::equal(volumes, whole.volumes, {}, size, size)) {
+    fail("expected what is drilled to be revived from the bone that it is a copy of");
+  }
+  if (voxels) return voxels->revive(*whole.voxels);
+  set_living_words(whole.living_words());
+}
+
+std::vector<std::uint64_t> DrilledBone::living_words() const {
+  std::vector<std::uint64_t> words;
+  if (voxels) voxels->get_living_words(words);
+  for (const PointVolume& volume : volumes) {
+    words.insert(words.end(), volume.alive_words().begin(), volume.alive_words().end());
+  }
+  return words;
+}
+
+void DrilledBone::set_living_words(std::span<const std::uint64_t> words) {
+  if (voxels) return voxels->set_living_words(words);
+  std::size_t expected = 0;
+  for (const PointVolume& volume : volumes) expected += volume.alive_words().size();
+  if (words.size() != expected) fail("points: expected ", expected, " living words, found ", words.size());
+  auto from = words.begin();
+  for (PointVolume& volume : volumes) {
+    for (int disc = 0; disc < volume.disc_count(); ++disc) {
+      const auto disc_words = volume.alive_words(disc);
+      std::copy_n(from, disc_words.size(), disc_words.begin());
+      from += static_cast<std::ptrdiff_t>(disc_words.size());
     }
   }
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -29,8 +31,15 @@ struct DrilledBone {
   DrilledBone(DrilledBone&&) noexcept = default;
   DrilledBone& operator=(DrilledBone&&) noexcept = default;
 
-  /// All lives again that lives in `whole`, which this is a copy of.
+  /// Drills another hole, as one of the setup's.
+  void drill(const DrilledHole& hole, const SessionSetup& setup);
+  /// All lives again that lives in `whole`, which this is a copy of. Throws Error where it is none, and changes nothing
+  /// then.
   void revive(const DrilledBone& whole);
+  /// Which points or voxels live, 64 to a word, in an order that drilling does not change.
+  std::vector<std::uint64_t> living_words() const;
+  /// Puts back what living_words() gave. Throws Error on another number of words, and changes nothing then.
+  void set_living_words(std::span<const std::uint64_t> words);
   /// A session that drills it; this and `clearances`, which may be null, must outlive it.
   std::unique_ptr<DrillSession> begin_session(const SessionSetup& setup, const ClearanceField* clearances);
 

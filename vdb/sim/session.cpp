@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,12 +20,21 @@ namespace spinaltap {
 
 struct Session::State {
   State(Bone its_bone, const SessionSetup& its_setup, const Progress& progress)
-      : bone(std::move(its_bone)), setup(its_setup), built(build_session(bone, setup, progress)) {}
+      : bone(std::move(its_bone)),
+        setup(its_setup),
+        built(build_session(bone, setup, progress)),
+        living(built.bone.living_words()) {}
 
   Bone bone;
   SessionSetup setup;  ///< its holes: those that are done
   BuiltSession built;
-  std::vector<ToolInput> inputs;  ///< of this hole
+  std::vector<ToolInput> inputs;      ///< of this hole
+  std::vector<std::uint64_t> living;  ///< DrilledBone::living_words() when this hole began
+  struct TakenWord {
+    std::size_t place;  ///< in `living`
+    std::uint64_t was;
+  };
+  std::vector<std::vector<TakenWord>> taken;  ///< by each hole of this session: the last of the setup's
   std::unique_ptr<RecordWriter> record;
   std::optional<HoleCutter> cutter;  ///< for views and files
   std::size_t cut = 0;               ///< of `inputs`, in the cutter
@@ -96,15 +107,57 @@ struct Session::State {
     }
     live->take_bit(setup.path.bit, setup.options.max_jump_mm);
   }
-  /// Begins again at cycle 0, with the holes that are done.
-  void rebuild() {
-    const ClearanceField* const clearances = built.clearances.get();
-    BuiltSession fresh = build_session(bone, setup, {}, nullptr, clearances);
-    built.session.reset();  // it holds on to the volumes
-    built = std::move(fresh);
+  /// Begins again at cycle 0, in the bone that `put_back` leaves. Where that is none, nothing has changed.
+  void begin_again(const std::function<void(DrilledBone&)>& put_back) {
+    const std::vector<std::uint64_t> now = built.bone.living_words();
+    try {
+      put_back(built.bone);
+      built.session = built.bone.begin_session(setup, built.clearances.get());
+    } catch (...) {
+      built.bone.set_living_words(now);
+      throw;
+    }
+    forget_cycles();
+  }
+  void end_hole() {
+    DrilledHole hole = hole_of(inputs, setup);
+    // As it is drilled where a record of the next hole is replayed.
+    begin_again([&](DrilledBone& drilled_bone) {
+      drilled_bone.set_living_words(living);
+      drilled_bone.drill(hole, setup);
+    });
+    std::vector<std::uint64_t> left = built.bone.living_words();
+    std::vector<TakenWord>& words = taken.emplace_back();
+    for (std::size_t n = 0; n < left.size(); ++n) {
+      if (left[n] != living[n]) words.push_back({n, living[n]});
+    }
+    living = std::move(left);
+    setup.holes.push_back(std::move(hole));
+  }
+  /// What this hole was drilled so far, or the last one that is done.
+  void take_back() {
+    if (!inputs.empty()) {
+      begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
+      return;
+    }
+    if (taken.empty()) {
+      SessionSetup before = setup;
+      before.holes.pop_back();
+      BuiltSession fresh = build_session(bone, before, {}, nullptr, built.clearances.get());
+      built.session.reset();  // it holds on to the bone
+      built = std::move(fresh);
+      living = built.bone.living_words();
+      forget_cycles();
+    } else {
+      for (const TakenWord& word : taken.back()) living[word.place] = word.was;
+      taken.pop_back();
+      begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
+    }
+    setup.holes.pop_back();
+  }
+  void forget_cycles() {
     inputs.clear();
     shown = 0;
-    cutter.reset();
     cut = 0;
   }
   void note(const Cycle& cycle) {
@@ -184,14 +237,9 @@ void Session::end_hole() {
   State& state = *state_;
   if (state.inputs.empty()) return;
   if (state.live) state.show();
-  state.setup.holes.push_back(hole_of(state.inputs, state.setup));
   if (state.cutter) state.drilled();
-  std::optional<HoleCutter> cutter = std::move(state.cutter);
-  state.rebuild();
-  if (cutter) {
-    cutter->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
-    state.cutter = std::move(cutter);
-  }
+  state.end_hole();
+  if (state.cutter) state.cutter->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
   if (!state.live) return;
   state.live->end_hole();
   state.live->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
@@ -203,8 +251,8 @@ bool Session::undo() {
   if (state.record) fail("expected no record while drilling is taken back; end it first");
   if (state.inputs.empty() && state.setup.holes.empty()) return false;
   state.unshow();
-  if (state.inputs.empty()) state.setup.holes.pop_back();
-  state.rebuild();
+  state.cutter.reset();
+  state.take_back();
   return true;
 }
 
@@ -235,6 +283,7 @@ std::vector<SurfaceUpdate> Session::surface_changes() {
 Bone Session::drilled() { return Bone(state_->drilled().bone()); }
 
 const Bone& Session::bone() const { return state_->bone; }
+const VoxelBone* Session::voxels() const { return state_->built.bone.voxels.get(); }
 const DrillPath& Session::path() const { return state_->setup.path; }
 const SessionSetup& Session::setup() const { return state_->setup; }
 

@@ -15,6 +15,8 @@
 
 namespace spinaltap {
 
+class VoxelBone;
+
 /// A bone being drilled along one planned path: owns all it stands on, and is what DrillSession is, with the hole, its
 /// surface, undo and a record besides. One thread at a time.
 ///
@@ -58,7 +60,8 @@ class Session {
   /// What is drilled from here on is another hole; the bit has come from nowhere. Ends a record.
   void end_hole();
   /// Puts the bone back to before the last hole, or to before what this one was drilled so far. False where nothing was
-  /// drilled. Throws Error while a record runs: it would not know.
+  /// drilled. Throws Error while a record runs: it would not know. What this session drilled is put back in place; for
+  /// a hole of its setup all bone is filled again.
   bool undo();
 
   /// What a camera sees of the remaining bone, as drilled() would have it, and of the bit where it now is; the bit of a
@@ -75,6 +78,8 @@ class Session {
   Bone drilled();
 
   const Bone& bone() const;
+  /// The voxels as they now are; null where it drills points. They go when the session goes.
+  const VoxelBone* voxels() const;
   const DrillPath& path() const;
   const SessionSetup& setup() const;
 

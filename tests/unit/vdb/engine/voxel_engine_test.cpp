@@ -231,6 +231,38 @@ TEST(VoxelBone, HoldsSeveralBones) {
   EXPECT_LT(in_either, first.alive_count() + second.alive_count());  // they overlap
 }
 
+TEST(VoxelBone, LivesAgainAsTheOneThatItIsACopyOfAndStaysAsItIsBesideAnother) {
+  // The second ball's leaves come behind the first's.
+  const std::array bones{test::bake_ball({Vec3(0, 0, 0), 3.0}, 0.25, 200),
+                         test::bake_ball({Vec3(30, 0, 0), 3.0}, 0.25, 200)};
+  const VoxelBone whole(bones, {.voxel_mm = 0.2});
+  const auto words_of = [](const VoxelBone& bone) {
+    std::vector<std::uint64_t> words;
+    bone.get_living_words(words);
+    return words;
+  };
+  VoxelBone drilled(whole);
+  const auto engine = make_voxel_engine(drilled, {4.0, 20.0, 1.0, BitShape::round_burr, 0.0, 2.0}, {});
+  EXPECT_GT(engine->step({Vec3(0, 0, 0), Vec3::UnitZ()}).removed, 0U);
+  const std::vector<std::uint64_t> left = words_of(drilled);
+  const VoxelBone first(bones[0], {.voxel_mm = 0.2}), coarse(bones, {.voxel_mm = 0.25});
+  const std::array with_third{bones[0], bones[1], test::bake_ball({Vec3(60, 0, 0), 3.0}, 0.25, 200)};
+  const VoxelBone more(with_third, {.voxel_mm = 0.2});
+  // As many leaves in the same places, with fewer voxels in them.
+  VoxelBone fewer(whole);
+  make_voxel_engine(fewer, {1.0, 20.0, 1.0}, {})->step({Vec3(30, 0, 0), Vec3::UnitZ()});
+  for (const VoxelBone* other : std::initializer_list<const VoxelBone*>{&first, &coarse, &more, &fewer}) {
+    EXPECT_THAT([&] { drilled.revive(*other); }, ThrowsMessage<Error>(HasSubstr("that they are a copy of")));
+    EXPECT_EQ(words_of(drilled), left);
+  }
+  EXPECT_THAT([&] { drilled.set_living_words(words_of(first)); }, ThrowsMessage<Error>(HasSubstr("living words")));
+  EXPECT_EQ(words_of(drilled), left);
+  drilled.revive(whole);
+  EXPECT_EQ(words_of(drilled), words_of(whole));
+  drilled.set_living_words(left);
+  EXPECT_EQ(words_of(drilled), left);
+}
+
 TEST(VoxelBone, RejectsWhatIsNone) {
   const BoneModel bone = test::bake_ball(kSmallBall);
   EXPECT_THAT([&] { VoxelBone(bone, {.voxel_mm = 0.0}); }, ThrowsMessage<Error>(HasSubstr("0.02 to 5 mm")));
