@@ -162,15 +162,15 @@ void OperatorChoice::add_recorded_motion(const DrillPath& path, OperatorPlan& pl
 
 void OperatorChoice::add_milling(const DrillPath& path, const ScalarField* bone, OperatorPlan& plan) const {
   if (bone == nullptr) fail("expected no milling here: there is no bone whose surface it could follow");
-  const Milling milling = read_milling(name);
+  const Milling of_file = milling ? *milling : read_milling(name);
   plan.rate_hz = rate_hz.value_or(kRateHz);
   try {
     auto motion = std::make_unique<MillingMotion>(
-        milling, path.bit, *bone,
+        of_file, path.bit, *bone,
         MillingMotionOptions{.rate_hz = plan.rate_hz, .tremor_mm = tremor_mm.value_or(0.0), .seed = seed.value_or(1)});
-    plan.words["milling"] = milling.name;
+    plan.words["milling"] = of_file.name;
     plan.words["milled way"] = short_text(motion->length_mm()) + " mm";
-    plan.words["feed"] = short_text(milling.feed_mm_s) + " mm/s";
+    plan.words["feed"] = short_text(of_file.feed_mm_s) + " mm/s";
     plan.tool_operator = std::move(motion);
   } catch (const Error& error) {
     fail(name, ": ", error.what());

@@ -8,6 +8,7 @@
 
 #include "core/base/scalar_field.h"
 #include "core/session/choose_engine.h"
+#include "core/session/operator/milling.h"
 #include "core/session/operator/operator.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/drill_path.h"
@@ -38,11 +39,12 @@ struct OperatorChoice {
   std::optional<double> withdraw_mm_s;
   std::optional<double> push_n;
   std::optional<std::uint64_t> seed;
+  std::shared_ptr<const Milling> milling;  ///< one that is read already; its name is then "milling"
 
   /// Throws Error where options do not go together.
   void check(bool is_real_time) const;
   /// A milling takes away the walls that clearances are to.
-  bool is_milling() const { return name.ends_with(".json"); }
+  bool is_milling() const { return milling || name.ends_with(".json"); }
   /// As far as it is known before files are read.
   ExpectedWay expected_way() const;
   /// The operator, from `lead_in_mm` before the path's entry; `bone`: the distance to its surface, which a milling

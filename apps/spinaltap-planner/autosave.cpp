@@ -18,6 +18,7 @@
 #include "core/base/error.h"
 #include "core/base/file_lock.h"
 #include "core/files/json_file.h"
+#include "core/files/milling_file.h"
 #include "core/files/plan_file.h"
 
 namespace spinaltap {
@@ -68,13 +69,16 @@ Json session_json(const Work& work) {
   if (options.seed_mm) opened["seed_mm"] = to_json(*options.seed_mm);
   Json session{{"opened", opened}, {"chosen", work.chosen}, {"holes", Json::array()}};
   for (const HoleOrder& hole : work.holes) {
-    session["holes"].push_back({{"plan", parse_json(plan_text({hole.path}), "a plan")},
-                                {"operator", hole.plan.tool_operator},
-                                {"feed_mm_s", hole.plan.feed_mm_s},
-                                {"push_n", hole.plan.push_n},
-                                {"stops_on_breach", hole.plan.stops_on_breach},
-                                {"speed", hole.plan.speed},
-                                {"cycles", hole.cycles}});
+    Json kept{{"plan", parse_json(plan_text({hole.path}), "a plan")},
+              {"operator", hole.plan.tool_operator},
+              {"feed_mm_s", hole.plan.feed_mm_s},
+              {"push_n", hole.plan.push_n},
+              {"stops_on_breach", hole.plan.stops_on_breach},
+              {"speed", hole.plan.speed},
+              {"engine", name_of(hole.plan.engine)},
+              {"cycles", hole.cycles}};
+    if (hole.plan.milling) kept["milling"] = parse_json(milling_text(*hole.plan.milling), "a milling");
+    session["holes"].push_back(std::move(kept));
   }
   return session;
 }
@@ -101,6 +105,12 @@ LostWork read_work(const std::filesystem::path& file) {
     order.plan = {hole.at("operator").get<std::string>(), hole.at("feed_mm_s").get<double>(),
                   hole.at("push_n").get<double>(), hole.at("stops_on_breach").get<bool>(),
                   hole.at("speed").get<double>()};
+    const auto engine = engine_kinds().find(hole.value("engine", "auto"));
+    if (engine == engine_kinds().end()) fail("expected an engine that is known in ", file.string());
+    order.plan.engine = engine->second;
+    if (hole.contains("milling")) {
+      order.plan.milling = std::make_shared<const Milling>(milling_of_text(hole.at("milling").dump(), file));
+    }
     order.cycles = JsonObject(hole, file).whole_number("cycles");
     lost.holes.push_back(std::move(order));
   }

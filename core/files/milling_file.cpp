@@ -38,9 +38,7 @@ auto value_of(const Names& names, const JsonObject& object, const char* key, con
        " in ", file.string());
 }
 
-}  // namespace
-
-void write_milling(const Milling& milling, const std::filesystem::path& path) {
+Json milling_json(const Milling& milling) {
   Json json = format_head(kMillingFormat);
   json.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"name", milling.name}, {"outline", Json::array()}});
   for (const Vec3& corner : milling.outline_mm) json["outline"].push_back(to_json(corner));
@@ -53,11 +51,10 @@ void write_milling(const Milling& milling, const std::filesystem::path& path) {
                    {"feed_mm_s", milling.feed_mm_s},
                    {"travel_mm_s", milling.travel_mm_s},
                    {"lift_mm", milling.lift_mm}});
-  write_json(json, path);
+  return json;
 }
 
-Milling read_milling(const std::filesystem::path& path) {
-  const Json json = read_json(path);
+Milling milling_of(const Json& json, const std::filesystem::path& path) {
   check_format(json, kMillingFormat, path);
   check_keys(json,
              {"format", "version", "frame", "unit", "name", "outline", "into", "way", "depth", "depth_mm", "layer_mm",
@@ -94,6 +91,20 @@ Milling read_milling(const std::filesystem::path& path) {
   milling.travel_mm_s = object.number_or("travel_mm_s", milling.travel_mm_s);
   milling.lift_mm = object.number_or("lift_mm", milling.lift_mm);
   return milling;
+}
+
+}  // namespace
+
+void write_milling(const Milling& milling, const std::filesystem::path& path) {
+  write_json(milling_json(milling), path);
+}
+
+Milling read_milling(const std::filesystem::path& path) { return milling_of(read_json(path), path); }
+
+std::string milling_text(const Milling& milling) { return milling_json(milling).dump(2) + "\n"; }
+
+Milling milling_of_text(const std::string& text, const std::filesystem::path& file) {
+  return milling_of(parse_json(text, file.string()), file);
 }
 
 }  // namespace spinaltap

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "apps/spinaltap-planner/autosave.h"
+#include "apps/spinaltap-planner/planner.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 #include "core/files/json_file.h"
@@ -166,6 +168,52 @@ TEST_F(PlannerCrash, BringsBackPathsAndHolesOfAKilledProgram) {
   EXPECT_EQ(program.exitStatus(), QProcess::NormalExit);
   EXPECT_EQ(program.exitCode(), 0);
   EXPECT_THAT(kept(), testing::IsEmpty());
+}
+
+TEST(PlannerAutosave, KeepsAMillingItselfAndTheEngineThatWasChosen) {
+  const TemporaryFolder folder;
+  const QByteArray before = qgetenv("XDG_STATE_HOME");
+  qputenv("XDG_STATE_HOME", folder.path().string().c_str());
+  {
+    Planner planner;
+    planner.document().set_bone(phantom_bone());
+    planner.document().set_paths({burr_path()});
+    Autosave autosave(planner);
+    HoleOrder milled{burr_path(), {}, 7};
+    milled.plan.tool_operator = "milling";
+    milled.plan.milling = std::make_shared<const Milling>(entry_milling());
+    HoleOrder drilled{phantom_paths().front(), {}, 9};
+    drilled.plan.engine = EngineKind::voxel;
+    planner.player().drill_again({milled, drilled});
+    autosave.keep({milled, drilled});
+    // As if this window's file were a crashed one's: its own is held by its lock.
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(work_folder())) files.push_back(entry.path());
+    for (const fs::path& file : files) {
+      if (file.extension() == ".json") fs::copy_file(file, work_folder() / "crashed.json");
+    }
+    const std::vector<LostWork> lost = lost_work();
+    EXPECT_EQ(lost.size(), 1U);
+    if (lost.size() == 1 && lost[0].holes.size() == 2) {
+      const HoleOrder& first = lost[0].holes[0];
+      EXPECT_EQ(first.plan.tool_operator, "milling");
+      EXPECT_EQ(first.plan.engine, EngineKind::automatic);
+      EXPECT_TRUE(first.plan.milling);
+      if (first.plan.milling) {
+        EXPECT_EQ(first.plan.milling->outline_mm, entry_milling().outline_mm);
+        EXPECT_EQ(first.plan.milling->name, "patch");
+      }
+      EXPECT_EQ(lost[0].holes[1].plan.engine, EngineKind::voxel);
+      EXPECT_FALSE(lost[0].holes[1].plan.milling);
+    } else {
+      ADD_FAILURE() << "expected the two holes";
+    }
+  }
+  if (before.isNull()) {
+    qunsetenv("XDG_STATE_HOME");
+  } else {
+    qputenv("XDG_STATE_HOME", before);
+  }
 }
 
 }  // namespace

@@ -133,9 +133,44 @@ TEST_F(DrillPanelTest, GivesThePlanThatWasChosen) {
   EXPECT_TRUE(find<QWidget>("drill_push").isEnabled());
 }
 
+TEST_F(DrillPanelTest, MillsWhatAFileSaysAndTellsTheEngineThatWasTaken) {
+  document_.set_bone(test::phantom_bone());
+  document_.set_paths({test::burr_path()});
+  EXPECT_EQ(panel_.plan().engine, EngineKind::automatic);
+  EXPECT_EQ(button("drill_choose_milling").text(), "Choose a file…");
+  choose("drill_operator", "milling");
+  button("drill_start").click();
+  EXPECT_THAT(text("drill_trouble"), ::testing::HasSubstr("choose its file"));
+  choose("drill_operator", "on-path");
+  panel_.set_milling(test::entry_milling());
+  EXPECT_EQ(panel_.plan().tool_operator, "milling");
+  ASSERT_TRUE(panel_.plan().milling);
+  EXPECT_EQ(button("drill_choose_milling").text(), "patch");
+  for (const char* name : {"drill_feed_wanted", "drill_push", "drill_stop_on_breach"}) {
+    EXPECT_FALSE(find<QWidget>(name).isEnabled()) << name;
+  }
+  choose("drill_speed", 0.0);
+  button("drill_start").click();
+  EXPECT_TRUE(find<QLabel>("drill_trouble").isHidden());
+  ASSERT_TRUE(wait_for(DrillPlayer::State::stopped));
+  EXPECT_EQ(text("drill_engine_used"), "voxel");
+  EXPECT_THAT(text("drill_removed"), ::testing::HasSubstr(" voxels"));
+  EXPECT_THAT(text("drill_canal"), ::testing::HasSubstr("not watched"));
+  button("drill_undo_hole").click();
+  EXPECT_EQ(text("drill_engine_used"), "–");
+  choose("drill_operator", "on-path");
+  choose("drill_engine", static_cast<int>(EngineKind::leaf));
+  EXPECT_EQ(panel_.plan().engine, EngineKind::leaf);
+  EXPECT_FALSE(panel_.plan().milling);
+  button("drill_start").click();
+  ASSERT_TRUE(wait_for(DrillPlayer::State::stopped));
+  EXPECT_EQ(text("drill_engine_used"), "leaf");
+  EXPECT_THAT(text("drill_removed"), ::testing::HasSubstr(" points"));
+}
+
 TEST_F(DrillPanelTest, HasAShortcutATipAndAPlaceInTheTabOrderForEachButton) {
   const auto buttons = panel_.findChildren<QToolButton*>(QRegularExpression("^drill_"));
-  EXPECT_EQ(buttons.size(), 7);
+  EXPECT_EQ(buttons.size(), 8);
   QStringList keys;
   for (const QToolButton* one : buttons) {
     const QKeySequence key = one->defaultAction()->shortcut();

@@ -253,6 +253,102 @@ TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
   EXPECT_EQ(recorded(*player_->last()), record.cycles.back());
 }
 
+/// The same at one go, by the operator itself.
+Drilling milled_in_one_go() {
+  SessionSetup setup = session_setup(test::burr_path(), {});
+  setup.engine = EngineKind::voxel;
+  setup.has_clearances = false;
+  const BoneField whole(test::phantom_bone()->model());
+  MillingMotion tool_operator(test::entry_milling(), setup.path.bit, whole);
+  return drill_bone(*test::phantom_bone()->bone, setup, tool_operator);
+}
+
+TEST_F(DrillPlayerTest, MillsAPatchThroughAStopUndoAndARecord) {
+  document_.set_paths({test::burr_path()});
+  const DrillPlan plan{.tool_operator = "milling",
+                       .stops_on_breach = true,
+                       .speed = 2.0,
+                       .milling = std::make_shared<const Milling>(test::entry_milling())};
+  const Drilling ground_truth = milled_in_one_go();
+  const double removed_mm3 = 1e-3 * static_cast<double>(ground_truth.removed);
+  // The patch 1 mm deep, less ridges of 0.06 mm; at most as wide as the burr takes it.
+  EXPECT_GT(removed_mm3, 0.9 * 4.0 * 4.0);
+  EXPECT_LT(removed_mm3, 8.0 * 8.0);
+  const auto whole = surface();
+  player_->start(plan);
+  ASSERT_TRUE(wait_until([&] { return player_->seconds() > 1.0; })) << trouble_;
+  ASSERT_NE(player_->setup(), nullptr);
+  EXPECT_EQ(player_->setup()->engine, EngineKind::voxel);
+  player_->stop();
+  ASSERT_TRUE(player_->can_go_on());
+  player_->step_back(0.3);
+  ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
+  player_->set_speed(kAsFastAsItGoes);
+  player_->go_on();
+  ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
+  EXPECT_TRUE(player_->is_over());
+  EXPECT_EQ(player_->removed(), ground_truth.removed);
+  expect_same_rows(player_->rows(), ground_truth.rows);
+  EXPECT_EQ(player_->events().size(), ground_truth.events.size());
+  EXPECT_GT(ground_truth.max_torque_n_mm, 0.0);
+
+  const test::TemporaryFolder folder;
+  write_record(*player_->done(), folder.path() / "run.h5");
+  EXPECT_TRUE(replay(folder.path() / "run.h5", *test::phantom_bone()->bone).is_same());
+  const SessionRecord record = read_record(folder.path() / "run.h5");
+  EXPECT_EQ(record.setup.at("operator kind"), "milling");
+  EXPECT_EQ(record.setup.at("operator milling"), "patch");
+  write_report(*player_->done(), folder.path() / "milled");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "milled" / "report.html"));
+
+  const auto milled = surface();
+  EXPECT_NE(milled, whole);
+  player_->undo_hole();
+  EXPECT_EQ(surface(), whole);
+  player_->redo_hole();
+  EXPECT_EQ(surface(), milled);
+  EXPECT_EQ(player_->removed(), ground_truth.removed);
+  // What is milled already is gone for the next.
+  drill_through(plan);
+  EXPECT_EQ(player_->removed(), 0U);
+  EXPECT_EQ(trouble_, "");
+  // As after a crash.
+  const std::vector<HoleOrder> orders = player_->orders();
+  ASSERT_EQ(orders.size(), 2U);
+  player_->drill_again({orders.front()});
+  ASSERT_TRUE(wait_for(State::stopped)) << trouble_;
+  EXPECT_EQ(player_->removed(), ground_truth.removed);
+}
+
+TEST_F(DrillPlayerTest, SaysWhyAMillingCannotBe) {
+  document_.set_paths({test::burr_path()});
+  player_->start({.tool_operator = "milling"});
+  EXPECT_THAT(trouble_, HasSubstr("choose its file"));
+  EXPECT_EQ(player_->state(), State::idle);
+  Milling milling = test::entry_milling();
+  milling.apart_mm = 5.0;
+  player_->start({.tool_operator = "milling", .milling = std::make_shared<const Milling>(milling)});
+  ASSERT_TRUE(wait_for(State::idle));
+  EXPECT_THAT(trouble_, HasSubstr("5"));
+}
+
+TEST_F(DrillPlayerTest, DrillsByTheEngineThatIsChosen) {
+  const DrillPath path = test::phantom_paths().front();
+  std::vector<std::size_t> removed;
+  for (const EngineKind engine : {EngineKind::ring, EngineKind::leaf, EngineKind::voxel}) {
+    const DrillPlan plan{.tool_operator = "tremor", .feed_mm_s = 3.0, .speed = kAsFastAsItGoes, .engine = engine};
+    drill_through(plan);
+    EXPECT_EQ(player_->setup()->engine, engine);
+    EXPECT_EQ(player_->removed(), drilled_in_one_go(path, plan).removed);
+    removed.push_back(player_->removed());
+    player_->undo_hole();
+  }
+  EXPECT_EQ(removed[1], removed[0]) << "the same points";
+  EXPECT_NE(removed[2], removed[0]) << "voxels lie elsewhere";
+  drill_through({.tool_operator = "tremor", .speed = kAsFastAsItGoes});
+  EXPECT_EQ(player_->setup()->engine, EngineKind::ring);
+}
+
 TEST_F(DrillPlayerTest, WritesTheFilesOfADrilling) {
   drill_through({.feed_mm_s = 5.0, .speed = kAsFastAsItGoes});
   const test::TemporaryFolder folder;

@@ -1,5 +1,7 @@
 #include "tests/gui/phantom_bone.h"
 
+#include <utility>
+
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
@@ -25,6 +27,25 @@ std::vector<DrillPath> phantom_paths() {
   const VertebraGroundTruth ground_truth = vertebra_ground_truth(Vertebra());
   return {{"left", ground_truth.left.entry_mm, ground_truth.left.target_mm, {}},
           {"right", ground_truth.right.entry_mm, ground_truth.right.target_mm, {}}};
+}
+
+DrillPath burr_path() {
+  DrillPath path = phantom_paths().front();
+  path.bit = {4.0, 60.0, 2.0, BitShape::round_burr, 0.0, 2.0};
+  return path;
+}
+
+Milling entry_milling() {
+  const DrillPath path = burr_path();
+  const Vec3 aside = any_perpendicular(path.direction()), up = path.direction().cross(aside);
+  Milling milling;
+  milling.name = "patch";
+  for (const auto& [x, y] : {std::pair{-2.0, -2.0}, {2.0, -2.0}, {2.0, 2.0}, {-2.0, 2.0}}) {
+    milling.outline_mm.push_back(path.entry_mm + x * aside + y * up);
+  }
+  milling.into = path.direction();
+  milling.depth_mm = 1.0;
+  return milling;
 }
 
 }  // namespace spinaltap::test

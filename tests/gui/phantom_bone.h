@@ -5,6 +5,7 @@
 
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/phantom/vertebra.h"
+#include "core/session/operator/milling.h"
 
 namespace spinaltap::test {
 
@@ -14,5 +15,9 @@ const std::filesystem::path& phantom_file();
 const std::shared_ptr<const OpenedBone>& phantom_bone();
 /// The phantom's own planned paths: left, right.
 std::vector<DrillPath> phantom_paths();
+
+/// The left path with a ball burr of 4 mm, and a patch around its entry to mill: 4 x 4 mm, 1 mm below the surface.
+DrillPath burr_path();
+Milling entry_milling();
 
 }  // namespace spinaltap::test

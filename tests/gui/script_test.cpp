@@ -151,7 +151,7 @@ TEST(PlannerProgram, SaysInALineWhatIsWrong) {
   QProcess help;
   run_program(help, {"--help"});
   EXPECT_EQ(help.exitCode(), 0);
-  EXPECT_THAT(help.readAllStandardOutput().toStdString(), testing::HasSubstr("drill [operator=NAME]"));
+  EXPECT_THAT(help.readAllStandardOutput().toStdString(), testing::HasSubstr("drill [operator=NAME|MILLING.json]"));
 }
 
 }  // namespace

@@ -112,7 +112,8 @@ DrillFiguresView::DrillFiguresView(QWidget* parent) : QWidget(parent) {
   frames_ = add("drill_frames", tr("Frames"), 3, 2);
   frames_->setToolTip(tr("How often the surface in 3D was brought up to date in a second"));
   removed_ = add("drill_removed", tr("Removed"), 4, 0);
-  grid->addWidget(removed_, 4, 1, 1, 3);
+  engine_ = add("drill_engine_used", tr("Engine"), 4, 2);
+  engine_->setToolTip(tr("What removes the bone: of `automatic`, the one that was taken"));
   outer_ = add("drill_outer", tr("To outer surface"), 5, 0);
   grid->addWidget(outer_, 5, 1, 1, 3);
   canal_ = add("drill_canal", tr("To canal"), 6, 0);
@@ -141,7 +142,7 @@ QLabel* DrillFiguresView::add(const char* name, const QString& label, int row, i
 void DrillFiguresView::show_figures(const DrillPlayer& player) {
   state_->setText(told_state(player));
   const std::optional<Cycle>& cycle = player.last();
-  for (QLabel* label : {depth_, thrust_, torque_, feed_, removed_, outer_, canal_, cycles_, frames_}) {
+  for (QLabel* label : {depth_, thrust_, torque_, feed_, removed_, engine_, outer_, canal_, cycles_, frames_}) {
     if (!cycle) label->setText(QStringLiteral("–"));
   }
   if (!cycle) {
@@ -153,9 +154,19 @@ void DrillFiguresView::show_figures(const DrillPlayer& player) {
   thrust_->setText(with_digits(cycle->force.thrust_n, 1, " N"));
   torque_->setText(with_digits(cycle->force.torque_n_mm, 0, " N·mm"));
   feed_->setText(with_digits(cycle->force.feed_mm_per_turn * rpm / 60.0, 2, " mm/s"));
-  removed_->setText(with_digits(static_cast<double>(player.removed()), 0, " points"));
+  const SessionSetup& setup = *player.setup();
+  const bool has_voxels = setup.engine == EngineKind::voxel;
+  removed_->setText(with_digits(static_cast<double>(player.removed()), 0, has_voxels ? " voxels" : " points"));
+  engine_->setText(QString::fromStdString(name_of(setup.engine)));
   cycles_->setText(with_digits(player.cycles_per_s(), 0, " /s"));
   frames_->setText(with_digits(player.surface_updates_per_s(), 0, " /s"));
+  if (!setup.has_clearances) {
+    for (QLabel* label : {outer_, canal_}) {
+      label->setText(tr("not watched: a milling takes the walls away"));
+      label->setStyleSheet({});
+    }
+    return;
+  }
   show_clearance(outer_, cycle->clearance.outer_mm);
   show_clearance(canal_, cycle->clearance.canal_mm);
 }

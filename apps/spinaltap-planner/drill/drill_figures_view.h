@@ -31,7 +31,7 @@ class DrillFiguresView : public QWidget {
  private:
   QLabel* add(const char* name, const QString& label, int row, int column);
 
-  QLabel *state_, *depth_, *thrust_, *torque_, *feed_, *removed_, *outer_, *canal_, *cycles_, *frames_;
+  QLabel *state_, *depth_, *thrust_, *torque_, *feed_, *removed_, *engine_, *outer_, *canal_, *cycles_, *frames_;
 };
 
 /// What a clearance is called, in mm: "2.31 mm", "0.62 mm, near", "beyond by 0.40 mm"; "far" where no wall is near.

@@ -16,6 +16,7 @@
 #include "apps/report/session_report.h"
 #include "apps/spinaltap-planner/drill/drill_figures_view.h"
 #include "apps/spinaltap-planner/plots/plot_view.h"
+#include "apps/spinaltap-planner/window/words.h"
 
 namespace spinaltap {
 namespace {
@@ -41,6 +42,16 @@ QDoubleSpinBox* make_number(const char* name, const QString& told, double min, d
   box->setValue(value);
   box->setSuffix(unit);
   return box;
+}
+
+QToolButton* make_button(const char* name, QAction* action) {
+  auto* button = new QToolButton;
+  button->setObjectName(QString::fromLatin1(name));
+  button->setDefaultAction(action);
+  button->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  button->setFocusPolicy(Qt::StrongFocus);
+  button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
+  return button;
 }
 
 bool is_warning(EventKind kind) {
@@ -121,8 +132,21 @@ QWidget* DrillPanel::make_choices() {
                            {tr("steady, 1.2 mm beside the path"), QStringLiteral("off-path")},
                            {tr("steady, tilted by 3°"), QStringLiteral("tilted")},
                            {tr("trembling by 0.1 mm"), QStringLiteral("tremor")},
-                           {tr("pushing with a force"), QStringLiteral("push")}});
+                           {tr("pushing with a force"), QStringLiteral("push")},
+                           {tr("milling, as a file says"), QStringLiteral("milling")}});
   operator_->setToolTip(tr("Who moves the drill"));
+  choose_milling_ = make_action("drill_choose_milling", tr("Choose a file…"),
+                                tr("What a burr, the bit of the chosen path, is to mill away: a milling's file"),
+                                tr("Ctrl+Alt+M"), [this] { Q_EMIT milling_wanted(); });
+  auto* milling = make_button("drill_choose_milling", choose_milling_);
+  milling->setAccessibleName(tr("Milling"));
+  engine_ = make_choice("drill_engine", tr("Engine"),
+                        {{tr("automatic"), static_cast<int>(EngineKind::automatic)},
+                         {tr("ring: points around the path"), static_cast<int>(EngineKind::ring)},
+                         {tr("leaf: the same, for tilts and burrs"), static_cast<int>(EngineKind::leaf)},
+                         {tr("voxel: the whole bone"), static_cast<int>(EngineKind::voxel)}});
+  engine_->setToolTip(
+      tr("What removes the bone; automatic: voxel for a milling, else ring or leaf, whichever is faster"));
   feed_ = make_number("drill_feed_wanted", tr("Feed"), 0.1, 20.0, 0.1, 1.0, tr(" mm/s"));
   feed_->setToolTip(tr("How fast the operator advances"));
   push_ = make_number("drill_push", tr("Push"), 1.0, 500.0, 1.0, 40.0, tr(" N"));
@@ -148,8 +172,10 @@ QWidget* DrillPanel::make_choices() {
   form->setContentsMargins(0, 0, 0, 0);
   form->setVerticalSpacing(4);
   form->addRow(tr("&Operator"), operator_);
+  form->addRow(tr("&Milling"), milling);
   form->addRow(tr("Fee&d"), feed_);
   form->addRow(tr("P&ush"), push_);
+  form->addRow(tr("&Engine"), engine_);
   form->addRow(tr("&Speed"), speed_);
   form->addRow(QString(), stops_);
   return choices;
@@ -196,13 +222,7 @@ QWidget* DrillPanel::make_buttons() {
   grid->setContentsMargins(0, 0, 0, 0);
   grid->setSpacing(4);
   const auto add = [grid](const char* name, QAction* action, int row, int column, int columns) {
-    auto* button = new QToolButton;
-    button->setObjectName(QString::fromLatin1(name));
-    button->setDefaultAction(action);
-    button->setToolButtonStyle(Qt::ToolButtonTextOnly);
-    button->setFocusPolicy(Qt::StrongFocus);
-    button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-    grid->addWidget(button, row, column, 1, columns);
+    grid->addWidget(make_button(name, action), row, column, 1, columns);
   };
   add("drill_start", drill_, 0, 0, 2);
   add("drill_go_on", go_on_, 0, 2, 2);
@@ -221,13 +241,24 @@ DrillPlan DrillPanel::plan() const {
   plan.push_n = push_->value();
   plan.stops_on_breach = stops_->isChecked();
   plan.speed = speed_->currentData().toDouble();
+  plan.engine = static_cast<EngineKind>(engine_->currentData().toInt());
+  if (plan.tool_operator == "milling") plan.milling = milling_;
   return plan;
+}
+
+void DrillPanel::set_milling(const Milling& milling) {
+  milling_ = std::make_shared<const Milling>(milling);
+  choose_milling_->setText(milling.name.empty() ? tr("without a name") : text_of(milling.name));
+  operator_->setCurrentIndex(operator_->findData(QStringLiteral("milling")));
 }
 
 /// What is drilled, whoever asked for it.
 void DrillPanel::show_plan() {
   const DrillPlan plan = player_.plan();
+  if (plan.milling) set_milling(*plan.milling);
   operator_->setCurrentIndex(operator_->findData(QString::fromStdString(plan.tool_operator)));
+  if (const int engine = engine_->findData(static_cast<int>(plan.engine)); engine >= 0)
+    engine_->setCurrentIndex(engine);
   feed_->setValue(plan.feed_mm_s);
   push_->setValue(plan.push_n);
   stops_->setChecked(plan.stops_on_breach);
@@ -237,7 +268,9 @@ void DrillPanel::show_plan() {
 void DrillPanel::enable() {
   using State = DrillPlayer::State;
   const bool is_push = operator_->currentData().toString() == QLatin1String("push");
-  feed_->setEnabled(!is_push);
+  const bool is_milling = operator_->currentData().toString() == QLatin1String("milling");
+  feed_->setEnabled(!is_push && !is_milling);
+  stops_->setEnabled(!is_milling);
   push_->setEnabled(is_push);
   const State state = player_.state();
   const bool is_busy = state == State::drilling || state == State::preparing;

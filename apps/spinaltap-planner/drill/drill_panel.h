@@ -3,6 +3,7 @@
 #include <QWidget>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "apps/spinaltap-planner/drill/drill_player.h"
@@ -29,10 +30,15 @@ class DrillPanel : public QWidget {
 
   /// As chosen in the panel.
   DrillPlan plan() const;
+  /// Chooses it, and the operator that mills so.
+  void set_milling(const Milling& milling);
   /// What the buttons do, for a menu: their keys then work on every page.
-  std::vector<QAction*> drilling_actions() const { return {drill_, go_on_, back_, undo_, redo_, record_, report_}; }
+  std::vector<QAction*> drilling_actions() const {
+    return {drill_, go_on_, back_, undo_, redo_, record_, report_, choose_milling_};
+  }
 
  Q_SIGNALS:
+  void milling_wanted();
   void save_record_wanted();
   void write_report_wanted();
 
@@ -52,10 +58,13 @@ class DrillPanel : public QWidget {
   QComboBox* operator_ = nullptr;
   QDoubleSpinBox* feed_ = nullptr;
   QDoubleSpinBox* push_ = nullptr;
+  QComboBox* engine_ = nullptr;
   QComboBox* speed_ = nullptr;
   QCheckBox* stops_ = nullptr;
   QAction *drill_ = nullptr, *go_on_ = nullptr, *back_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr, *record_ = nullptr, *report_ = nullptr;
+  QAction* choose_milling_ = nullptr;
+  std::shared_ptr<const Milling> milling_;
   DrillFiguresView* figures_ = nullptr;
   QComboBox* curve_ = nullptr;
   PlotView* plot_ = nullptr;

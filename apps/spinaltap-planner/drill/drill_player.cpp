@@ -277,18 +277,16 @@ void DrillPlayer::give_surface() {
   if (const std::vector<SurfaceUpdate> updates = surface_.take(); !updates.empty()) Q_EMIT surface_changed(updates);
 }
 
-const DrillPath* DrillPlayer::path() const {
-  return drilled_.empty() ? nullptr : &drilled_.back().played->setup().path;
-}
+const DrillPath* DrillPlayer::path() const { return setup() == nullptr ? nullptr : &setup()->path; }
 
 std::optional<std::pair<DrillBit, Pose>> DrillPlayer::bit() const {
   if (!last_) return std::nullopt;
   return std::pair{path()->bit, last_->input.pose};
 }
 
-double DrillPlayer::spindle_rpm() const {
-  return drilled_.empty() ? 0.0 : drilled_.back().played->setup().options.spindle.rpm;
-}
+const SessionSetup* DrillPlayer::setup() const { return drilled_.empty() ? nullptr : &drilled_.back().played->setup(); }
+
+double DrillPlayer::spindle_rpm() const { return setup() == nullptr ? 0.0 : setup()->options.spindle.rpm; }
 
 std::optional<DoneDrilling> DrillPlayer::done() const {
   if (state_ != State::stopped || !last_) return std::nullopt;

@@ -75,7 +75,9 @@ class DrillPlayer : public QObject {
   const std::vector<DepthRow>& rows() const { return rows_; }
   const std::optional<Cycle>& last() const { return last_; }
   const std::vector<SessionEvent>& events() const { return events_; }
-  std::size_t removed() const { return removed_; }  ///< points
+  std::size_t removed() const { return removed_; }  ///< points, or voxels where those are drilled
+  /// With the engine that was taken for it; null where there is no hole.
+  const SessionSetup* setup() const;
   /// Its path, as it was at the start; null where there is none.
   const DrillPath* path() const;
   std::optional<std::pair<DrillBit, Pose>> bit() const;

@@ -7,6 +7,7 @@
 #include "apps/report/drilling_report.h"
 #include "apps/report/picture_view.h"
 #include "apps/report/text.h"
+#include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
@@ -33,12 +34,20 @@ SessionSetup with_engine(SessionSetup setup, const OperatorChoice& tool_operator
   return setup;
 }
 
+OperatorPlan plan_operator(const OperatorChoice& choice, const SessionSetup& setup, const Bone& bone) {
+  const BoneField whole(bone.model());
+  return choice.plan(setup.path, setup.volume.lead_in_mm, setup.options.spindle, false, &whole);
+}
+
 }  // namespace
 
 OperatorChoice operator_choice(const DrillPlan& plan) {
   OperatorChoice choice;
   choice.name = plan.tool_operator;
-  if (plan.tool_operator == "push") {
+  if (plan.tool_operator == "milling") {
+    if (!plan.milling) fail("expected a milling for the operator: choose its file first");
+    choice.milling = plan.milling;
+  } else if (plan.tool_operator == "push") {
     choice.push_n = plan.push_n;
   } else {
     choice.feed = short_text(plan.feed_mm_s);
@@ -51,7 +60,10 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
   setup.path = path;
   const HuToDensity density = read_density_calibration(data_file("densities/vertebra.json")).line;
   setup.material = read_material(data_file("materials/vertebra.json"), density);
-  setup.options.stop.on_breach = plan.stops_on_breach;
+  setup.engine = plan.engine;
+  const bool is_milling = plan.tool_operator == "milling";
+  setup.has_clearances = !is_milling;
+  setup.options.stop.on_breach = plan.stops_on_breach && !is_milling;
   return setup;
 }
 
@@ -60,7 +72,7 @@ PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setu
     : bone_(std::move(bone)),
       setup_(with_engine(std::move(setup), tool_operator)),
       choice_(std::move(tool_operator)),
-      operator_(choice_.plan(setup_.path, setup_.volume.lead_in_mm, setup_.options.spindle, false)),
+      operator_(plan_operator(choice_, setup_, *bone_->bone)),
       built_(
           build_session(*bone_->bone, setup_, progress, nullptr,
                         other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),

@@ -12,20 +12,24 @@
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/base/progress.h"
 #include "core/session/depth_log.h"
+#include "core/session/operator/milling.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
 
 /// How the chosen path is drilled.
 struct DrillPlan {
-  std::string tool_operator =
-      "on-path";                 ///< on-path, off-path, tilted, tremor, push: as `spinaltap drill --tool_operator`
-  double feed_mm_s = 1.0;        ///< of all operators but push
-  double push_n = 40.0;          ///< of the operator push
-  bool stops_on_breach = false;  ///< of the outer surface or the canal
-  double speed = 1.0;            ///< of the clock: 2 is twice life's; 0: as fast as it goes
+  /// on-path, off-path, tilted, tremor, push: as `spinaltap drill --operator`; or milling
+  std::string tool_operator = "on-path";
+  double feed_mm_s = 1.0;                       ///< of all operators but push and milling, whose feed is its own
+  double push_n = 40.0;                         ///< of the operator push
+  bool stops_on_breach = false;                 ///< of the outer surface or the canal; a milling takes both away
+  double speed = 1.0;                           ///< of the clock: 2 is twice life's; 0: as fast as it goes
+  EngineKind engine = EngineKind::automatic;    ///< which is what serves the operator best
+  std::shared_ptr<const Milling> milling = {};  ///< of the operator milling
 };
 
+/// Throws Error where the operator is a milling and there is none.
 OperatorChoice operator_choice(const DrillPlan& plan);
 
 /// The session that drills a path so, with the shipped density calibrations and cutting models. Throws Error where they

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
@@ -17,6 +18,7 @@
 #include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
 #include "core/files/data_files.h"
+#include "core/files/milling_file.h"
 #include "core/files/screw_file.h"
 
 namespace spinaltap {
@@ -132,9 +134,17 @@ class ScriptRun {
         plan.push_n = number_of(value);
       } else if (name == "speed") {
         plan.speed = number_of(value);
+      } else if (name == "engine") {
+        const auto found = engine_kinds().find(value);
+        if (found == engine_kinds().end()) fail("expected an engine, found \"", value, "\"");
+        plan.engine = found->second;
       } else {
-        fail("expected operator=, feed=, push= or speed=, found \"", word, "\"");
+        fail("expected operator=, feed=, push=, speed= or engine=, found \"", word, "\"");
       }
+    }
+    if (plan.tool_operator.ends_with(".json")) {
+      plan.milling = std::make_shared<const Milling>(read_milling(plan.tool_operator));
+      plan.tool_operator = "milling";
     }
     planner().player().start(plan);
   }
@@ -238,7 +248,9 @@ class ScriptRun {
                           static_cast<int>(number_within(w[1], 1.0, kMax)));
         }}},
       {"drill",
-       {0, 4, "drill [operator=NAME] [feed=MM_S] [push=N] [speed=X]: the chosen path; goes on beside the script",
+       {0, 5,
+        "drill [operator=NAME|MILLING.json] [feed=MM_S] [push=N] [speed=X] [engine=NAME]: the chosen path; goes on "
+        "beside the script",
         [this](const Words& w) { drill(w); }}},
       {"pause",
        {1, 1, "pause SECONDS: lets time go by",

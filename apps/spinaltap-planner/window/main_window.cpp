@@ -180,6 +180,7 @@ void MainWindow::connect_player() {
   connect(&player, &DrillPlayer::progressed, this, show_bit);
   connect(&player, &DrillPlayer::state_changed, this, show_bit);
   connect(&player, &DrillPlayer::failed, this, [this](const QString& why) { tell(tr("Drilling"), why); });
+  connect(drill_, &DrillPanel::milling_wanted, this, &MainWindow::choose_milling);
   connect(drill_, &DrillPanel::save_record_wanted, this, &MainWindow::save_record);
   connect(drill_, &DrillPanel::write_report_wanted, this, &MainWindow::write_drill_report);
 }

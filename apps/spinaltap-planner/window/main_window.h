@@ -108,6 +108,7 @@ class MainWindow : public QMainWindow {
                     const std::function<void(const std::filesystem::path&)>& save);
   /// Asks whether a file, or files of a folder, may be replaced.
   bool may_replace(const QString& what, const QString& where);
+  void choose_milling();
   bool save_record();
   void write_drill_report();
   void add_path_here();

@@ -3,6 +3,7 @@
 #include <QMenuBar>
 #include <QSettings>
 
+#include "apps/spinaltap-planner/drill/drill_panel.h"
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/slices/slice_view.h"
@@ -11,6 +12,7 @@
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/files/milling_file.h"
 
 namespace spinaltap {
 namespace {
@@ -109,6 +111,14 @@ bool MainWindow::save_plan_as() {
     update_title();
   });
   return !planner_.has_unsaved_changes();
+}
+
+void MainWindow::choose_milling() {
+  const QString name =
+      QFileDialog::getOpenFileName(this, tr("A milling"), last_folder(), tr("Millings (*.json);;All files (*)"));
+  if (name.isEmpty()) return;
+  keep_folder(name);
+  attempt(tr("Cannot read the milling"), [&] { drill_->set_milling(read_milling(name.toStdString())); });
 }
 
 bool MainWindow::save_record() {

@@ -227,6 +227,7 @@ TEST(Milling, FileKeepsAll) {
   EXPECT_EQ(read.depth_mm, milling.depth_mm);
   EXPECT_EQ(read.layer_mm, milling.layer_mm);
   EXPECT_EQ(read.travel_mm_s, milling.travel_mm_s);
+  EXPECT_EQ(milling_text(milling_of_text(milling_text(read), "a text")), milling_text(read));
   // Names are repeated in terminals and reports.
   milling.name = "steers\x1b[2Ja terminal";
   write_milling(milling, folder.path() / "milling.json");
