@@ -19,8 +19,24 @@ class ReplacePaths final : public QUndoCommand {
         chosen_before_(document.chosen_),
         chosen_after_(chosen),
         drag_(drag) {}
+  ReplacePaths(const ReplacePaths& other)
+      : QUndoCommand(other.text()),
+        document_(other.document_),
+        before_(other.before_),
+        after_(other.after_),
+        chosen_before_(other.chosen_before_),
+        chosen_after_(other.chosen_after_),
+        drag_(other.drag_) {}
 
-  void undo() override { document_.take_paths(before_, chosen_before_); }
+  std::uint64_t drag() const { return drag_; }
+
+  /// The next undo() also removes it from the stack.
+  void give_up() { is_given_up_ = true; }
+
+  void undo() override {
+    document_.take_paths(before_, chosen_before_);
+    setObsolete(is_given_up_);
+  }
   void redo() override { document_.take_paths(after_, chosen_after_); }
   int id() const override { return drag_ == 0 ? -1 : 1; }
   bool mergeWith(const QUndoCommand* other) override {
@@ -35,6 +51,14 @@ class ReplacePaths final : public QUndoCommand {
   std::vector<DrillPath> before_, after_;
   int chosen_before_, chosen_after_;
   std::uint64_t drag_;
+  bool is_given_up_ = false;
+};
+
+/// The stack as it was before a drag, which takes what could be redone from it.
+struct PlanDocument::Drag {
+  ReplacePaths* step = nullptr;  ///< of the drag; the stack's
+  std::vector<std::unique_ptr<ReplacePaths>> redo;
+  int clean_index = -1;
 };
 
 namespace {
@@ -54,6 +78,8 @@ std::string unlike(const std::vector<DrillPath>& paths, const std::string& name)
 
 PlanDocument::PlanDocument(QObject* parent) : QObject(parent) {}
 
+PlanDocument::~PlanDocument() = default;
+
 void PlanDocument::set_bone(std::shared_ptr<const OpenedBone> bone) {
   opened_ = std::move(bone);
   bone_ = opened_ && opened_->bone ? opened_ : nullptr;
@@ -64,6 +90,7 @@ void PlanDocument::set_bone(std::shared_ptr<const OpenedBone> bone) {
 void PlanDocument::set_paths(std::vector<DrillPath> paths) {
   for (const DrillPath& path : paths) check_path(path);
   undo_stack_.clear();
+  drag_.reset();
   const int chosen = paths.empty() ? -1 : 0;
   take_paths(std::move(paths), chosen);
 }
@@ -92,7 +119,7 @@ void PlanDocument::add_paths(std::vector<DrillPath> added, const QString& what) 
     path.name = unlike(paths, path.name);
     paths.push_back(std::move(path));
   }
-  undo_stack_.push(new ReplacePaths(*this, std::move(paths), static_cast<int>(paths_.size()), what, 0));
+  push(new ReplacePaths(*this, std::move(paths), static_cast<int>(paths_.size()), what, 0));
 }
 
 void PlanDocument::remove_path(int index) {
@@ -100,7 +127,7 @@ void PlanDocument::remove_path(int index) {
   if (index < 0 || index >= static_cast<int>(paths.size())) fail("expected a path to remove, found none");
   paths.erase(paths.begin() + index);
   const int chosen = std::min(chosen_, static_cast<int>(paths.size()) - 1);
-  undo_stack_.push(new ReplacePaths(*this, std::move(paths), chosen, tr("remove path"), 0));
+  push(new ReplacePaths(*this, std::move(paths), chosen, tr("remove path"), 0));
 }
 
 void PlanDocument::change_path(int index, DrillPath path, const QString& what, std::uint64_t drag) {
@@ -109,7 +136,7 @@ void PlanDocument::change_path(int index, DrillPath path, const QString& what, s
   DrillPath& changed = paths.at(static_cast<std::size_t>(index));
   if (path.name != changed.name) path.name = unlike(paths, path.name);
   changed = std::move(path);
-  undo_stack_.push(new ReplacePaths(*this, std::move(paths), chosen_, what, drag));
+  push(new ReplacePaths(*this, std::move(paths), chosen_, what, drag));
 }
 
 bool PlanDocument::move_end(int index, PathEnd end, const Vec3& p_mm, std::uint64_t drag) {
@@ -128,7 +155,41 @@ bool PlanDocument::move_end(int index, PathEnd end, const Vec3& p_mm, std::uint6
   return true;
 }
 
+void PlanDocument::push(ReplacePaths* change) {
+  const int index = undo_stack_.index(), count = undo_stack_.count();
+  const bool goes_on = drag_ && index == count && index > 0 && undo_stack_.command(index - 1) == drag_->step &&
+                       drag_->step->drag() == change->drag();
+  if (change->drag() != 0 && !goes_on) {
+    drag_ = std::make_unique<Drag>();
+    drag_->step = change;
+    drag_->clean_index = undo_stack_.cleanIndex();
+    for (int step = index; step < count; ++step) {
+      drag_->redo.push_back(
+          std::make_unique<ReplacePaths>(dynamic_cast<const ReplacePaths&>(*undo_stack_.command(step))));
+    }
+  }
+  undo_stack_.push(change);
+}
+
+void PlanDocument::give_up(std::uint64_t drag) {
+  const int index = undo_stack_.index();
+  const bool is_last = drag_ && index > 0 && index == undo_stack_.count() &&
+                       undo_stack_.command(index - 1) == drag_->step && drag_->step->drag() == drag;
+  if (!is_last) return;
+  const std::unique_ptr<Drag> given_up = std::move(drag_);
+  given_up->step->give_up();
+  undo_stack_.undo();
+  keeps_paths_ = true;
+  for (std::unique_ptr<ReplacePaths>& step : given_up->redo) {
+    undo_stack_.push(step.release());
+    if (undo_stack_.index() == given_up->clean_index) undo_stack_.setClean();
+  }
+  undo_stack_.setIndex(index - 1);
+  keeps_paths_ = false;
+}
+
 void PlanDocument::take_paths(std::vector<DrillPath> paths, int chosen) {
+  if (keeps_paths_) return;
   paths_ = std::move(paths);
   ++revision_;
   const bool is_other = chosen != chosen_;

@@ -12,6 +12,8 @@
 
 namespace spinaltap {
 
+class ReplacePaths;
+
 /// Which end of a path.
 enum class PathEnd { entry, target };
 
@@ -21,6 +23,7 @@ class PlanDocument : public QObject {
   Q_OBJECT
  public:
   explicit PlanDocument(QObject* parent = nullptr);
+  ~PlanDocument() override;
 
   /// Null: there is none, or only a CT in which none was found.
   const std::shared_ptr<const OpenedBone>& bone() const { return bone_; }
@@ -53,6 +56,9 @@ class PlanDocument : public QObject {
   bool move_end(int index, PathEnd end, const Vec3& p_mm, std::uint64_t drag = 0);
   /// A number for one drag: never the same twice.
   std::uint64_t new_drag() { return ++last_drag_; }
+  /// Takes back what a drag changed, as if it had not been: what could be redone before it can be again. Nothing
+  /// happens where it changed nothing, or where another change came after it.
+  void give_up(std::uint64_t drag);
 
   /// Undo, redo, and whether the plan is as it was last saved.
   QUndoStack& undo_stack() { return undo_stack_; }
@@ -66,6 +72,7 @@ class PlanDocument : public QObject {
  private:
   friend class ReplacePaths;
   void take_paths(std::vector<DrillPath> paths, int chosen);
+  void push(ReplacePaths* change);
 
   std::shared_ptr<const OpenedBone> opened_, bone_;
   std::vector<DrillPath> paths_;
@@ -73,6 +80,9 @@ class PlanDocument : public QObject {
   std::uint64_t revision_ = 0;
   QUndoStack undo_stack_;
   std::uint64_t last_drag_ = 0;
+  struct Drag;
+  std::unique_ptr<Drag> drag_;  ///< the last
+  bool keeps_paths_ = false;    ///< while steps are put back onto the stack that are not to happen
 };
 
 }  // namespace spinaltap

@@ -210,6 +210,7 @@ TEST_P(Faults, OfWritesSyncsRenamesAndKillsLoseNothing) {
       std::string trouble;
       if (faulty.exit_code == 0) {
         ++done;
+        if (std::string(fault) == "write" || std::string(fault) == "sync") trouble += "ended with 0; ";
       } else if (is_kill ? faulty.exit_code != 137 : faulty.exit_code != 2) {
         trouble += "ended with " + std::to_string(faulty.exit_code) + "; ";
       } else {

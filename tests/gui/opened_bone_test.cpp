@@ -67,6 +67,48 @@ TEST(PlanDocument, UndoesAndRedoesEveryChange) {
   EXPECT_EQ(document.chosen_path(), nullptr);
 }
 
+TEST(PlanDocument, KeepsWhatCanBeRedoneFromADragThatIsGivenUp) {
+  PlanDocument document;
+  document.set_bone(test::phantom_bone());
+  const std::vector<DrillPath> paths = test::phantom_paths();
+  document.add_path(paths[0]);
+  document.add_path(paths[1]);
+  document.undo_stack().setClean();
+  document.remove_path(0);
+  QUndoStack& stack = document.undo_stack();
+  stack.undo();
+  stack.undo();
+  const std::uint64_t drag = document.new_drag();
+  for (int step = 1; step <= 3; ++step) {
+    EXPECT_TRUE(document.move_end(0, PathEnd::target, paths[0].target_mm + Vec3(0.1 * step, 0.0, 0.0), drag));
+  }
+  EXPECT_EQ(stack.count(), 2);
+  document.give_up(drag);
+  EXPECT_EQ(document.paths().size(), 1U);
+  EXPECT_EQ(document.paths()[0].target_mm, paths[0].target_mm);
+  EXPECT_EQ(stack.index(), 1);
+  EXPECT_EQ(stack.count(), 3);
+  EXPECT_FALSE(stack.isClean());
+  stack.redo();
+  EXPECT_TRUE(stack.isClean());
+  ASSERT_EQ(document.paths().size(), 2U);
+  EXPECT_EQ(document.paths()[1].target_mm, paths[1].target_mm);
+  stack.redo();
+  ASSERT_EQ(document.paths().size(), 1U);
+  EXPECT_EQ(document.paths()[0].name, paths[1].name);
+  // One that was undone meanwhile, or that another change came after, is let alone.
+  const std::uint64_t other = document.new_drag();
+  EXPECT_TRUE(document.move_end(0, PathEnd::target, paths[1].target_mm + Vec3(0.1, 0.0, 0.0), other));
+  document.add_path(paths[0]);
+  document.give_up(other);
+  EXPECT_EQ(document.paths().size(), 2U);
+  stack.undo();
+  stack.undo();
+  document.give_up(other);
+  EXPECT_EQ(document.paths()[0].target_mm, paths[1].target_mm);
+  EXPECT_EQ(stack.count(), 5);
+}
+
 TEST(PlanDocument, RejectsAMoveThatLeavesNoPath) {
   PlanDocument document;
   document.set_bone(test::phantom_bone());

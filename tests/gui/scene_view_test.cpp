@@ -179,6 +179,8 @@ TEST_F(SceneViewTest, DraggingTheEntryKeepsItOnTheBoneUnderThePointer) {
 
 TEST_F(SceneViewTest, EscapePutsADraggedEndBack) {
   document_.set_paths(test::phantom_paths());
+  document_.remove_path(1);
+  document_.undo_stack().undo();
   settle();
   const Vec3 before = document_.paths()[0].target_mm;
   const QPointF from = view_.to_pixel(before);
@@ -190,6 +192,8 @@ TEST_F(SceneViewTest, EscapePutsADraggedEndBack) {
   move(from + QPointF(40.0, 0.0));
   release(from + QPointF(40.0, 0.0));
   EXPECT_EQ(document_.paths()[0].target_mm, before);
+  EXPECT_FALSE(document_.undo_stack().canUndo());
+  EXPECT_TRUE(document_.undo_stack().canRedo());
 }
 
 TEST_F(SceneViewTest, HoveringAHandleChangesCursorAndPicture) {

@@ -80,6 +80,8 @@ TEST_F(SliceInputTest, AClickOnAHandleMovesNothing) {
 
 TEST_F(SliceInputTest, EscapeGivesUpADrag) {
   open(SliceKind::axial);
+  document_.move_end(0, PathEnd::target, path().target_mm + Vec3(0.0, 0.0, 1.0));
+  document_.undo_stack().undo();
   const DrillPath before = path();
   press(view_->place_of(before.entry_mm));
   mouse(QEvent::MouseMove, view_->place_of(before.entry_mm) + QPointF(20.0, 10.0));
@@ -89,6 +91,9 @@ TEST_F(SliceInputTest, EscapeGivesUpADrag) {
   EXPECT_FALSE(document_.undo_stack().canUndo());
   mouse(QEvent::MouseMove, {300.0, 300.0});
   EXPECT_EQ(path().entry_mm, before.entry_mm);
+  EXPECT_TRUE(document_.undo_stack().canRedo());
+  document_.undo_stack().redo();
+  EXPECT_EQ(path().target_mm, Vec3(before.target_mm + Vec3(0.0, 0.0, 1.0)));
 }
 
 TEST_F(SliceInputTest, AClickOnAnotherPathChoosesIt) {

@@ -211,13 +211,13 @@ void SceneInteraction::drag_handle(const Eigen::Vector2d& pixel) {
     const auto seen = first_surface_mm(document_.bone()->model(), camera_.eye_mm(), camera_.ray(aim));
     if (seen) place_mm = *seen;
   }
-  if (document_.move_end(hot_->path, hot_->end, place_mm, held_.drag)) held_.has_moved = true;
+  document_.move_end(hot_->path, hot_->end, place_mm, held_.drag);
 }
 
 void SceneInteraction::put_back() {
   end_drag();
   pane_.setCursor(Qt::ArrowCursor);
-  if (held_.has_moved) document_.undo_stack().undo();
+  document_.give_up(held_.drag);
   set_hot(std::nullopt);
 }
 

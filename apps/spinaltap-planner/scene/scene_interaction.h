@@ -80,7 +80,6 @@ class SceneInteraction : public QObject {
     bool is_hidden = false;                                  ///< behind bone, when it was taken
     DrillPath before;
     std::uint64_t drag = 0;
-    bool has_moved = false;
   };
   Held held_;
 };

@@ -95,13 +95,9 @@ void EndDrag::move_to(const QPointF& place) {
   is_moving_ = is_moving_ || std::hypot(way.x(), way.y()) > kSlipPx;
   if (!is_moving_ || index_ >= static_cast<int>(document_->paths().size())) return;
   const Vec3 moved_mm = frame_.to_patient(start_pixel_ + ratio_ * Vec3(way.x(), way.y(), 0.0));
-  if (document_->move_end(index_, end_, moved_mm, drag_)) undo_index_ = document_->undo_stack().index();
+  document_->move_end(index_, end_, moved_mm, drag_);
 }
 
-void EndDrag::give_up() {
-  // Where somebody else changed the plan since, the last step is not this drag's.
-  if (undo_index_ >= 0 && document_->undo_stack().index() == undo_index_) document_->undo_stack().undo();
-  undo_index_ = -1;
-}
+void EndDrag::give_up() { document_->give_up(drag_); }
 
 }  // namespace spinaltap

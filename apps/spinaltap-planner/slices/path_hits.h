@@ -56,7 +56,6 @@ class EndDrag {
   Vec3 start_pixel_;  ///< of the end, with its depth
   std::uint64_t drag_;
   bool is_moving_ = false;
-  int undo_index_ = -1;  ///< of the stack after this drag's step; -1: nothing was moved yet
 };
 
 }  // namespace spinaltap

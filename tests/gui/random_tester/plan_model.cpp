@@ -134,8 +134,8 @@ std::string PlanModel::follow(Effect effect, const Seen& stack) {
   if (stack.index == expected && (!seen || are_same(paths, *seen))) {
     seen = paths;
     now_ = expected;
-    // A drag that was given up had begun a change: there is nothing to redo any more.
-    if (effect == Effect::edit) plans_.resize(static_cast<std::size_t>(stack.count) + 1);
+    // Also after a drag that was given up.
+    if (stack.count + 1 != static_cast<int>(plans_.size())) return differs("what could be redone to be there still");
     return {};
   }
   // Whatever is done meanwhile.
