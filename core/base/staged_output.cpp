@@ -144,7 +144,12 @@ class FileList {
   void begin() const {
     std::vector<fs::path> all = names_;
     all.insert(all.end(), leftovers_.begin(), leftovers_.end());
-    put(text("unfinished", all));
+    try {
+      put(text("unfinished", all));
+    } catch (...) {
+      take_back();
+      throw;
+    }
   }
   /// After it.
   void end() const {
@@ -152,12 +157,12 @@ class FileList {
     for (const fs::path& name : leftovers_) fs::remove(folder_ / name, ignored);
     put(text("whole", names_));
   }
+  /// As far as a disk lets it that has just failed.
   void take_back() const {
     std::error_code ignored;
-    if (before_) {
-      put(*before_);
-    } else {
-      fs::remove(file_, ignored);
+    try {
+      before_ ? put(*before_, false) : static_cast<void>(fs::remove(file_, ignored));
+    } catch (const Error&) {  // what failed first is what is told
     }
   }
 
@@ -172,18 +177,23 @@ class FileList {
     }
     return lines.str();
   }
-  void put(const std::string& content) const {
-    const fs::path temporary = partial_path(folder_, ".spinaltap-list-");
-    write_whole_file(temporary, content);
-    sync_to_disk(temporary);
-    std::error_code error;
-    fs::rename(temporary, file_, error);
-    if (error) {
+  /// `is_sure`: on the disk when it returns.
+  void put(const std::string& content, bool is_sure = true) const {
+    const std::string prefix = ".spinaltap-list-";
+    remove_stale(folder_, prefix);
+    const fs::path temporary = partial_path(folder_, prefix);
+    try {
+      write_whole_file(temporary, content);
+      if (is_sure) sync_to_disk(temporary);
+      std::error_code error;
+      fs::rename(temporary, file_, error);
+      if (error) fail("cannot write ", file_.string(), ": ", error.message());
+    } catch (...) {
       std::error_code ignored;
       fs::remove(temporary, ignored);
-      fail("cannot write ", file_.string(), ": ", error.message());
+      throw;
     }
-    sync_to_disk(folder_);
+    if (is_sure) sync_to_disk(folder_);
   }
 
   fs::path folder_, file_;

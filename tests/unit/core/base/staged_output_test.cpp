@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <functional>
 #include <vector>
@@ -231,6 +233,53 @@ TEST(StagedOutput, LeavesTheOldFileWhereTheDiskRejectsTheSync) {
   on_sync = nullptr;
   EXPECT_EQ(read_whole_file(folder.path() / "a.txt"), "old");
   EXPECT_EQ(count_in(folder.path()), 1);
+}
+
+TEST(StagedOutput, LeavesNothingOfItsListWhicheverSyncTheDiskRejects) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  write_set(out, {"a.txt", "b.txt"});
+  const std::string list = read_whole_file(out / "files.txt");
+  bool is_through = false;
+  for (int rejected = 1; !is_through; ++rejected) {
+    SCOPED_TRACE(rejected);
+    int syncs = 0;
+    bool were_moved = false;
+    on_sync = [&](const fs::path&) {
+      if (++syncs < rejected) return 0;
+      were_moved = were_moved || !fs::exists(out / "b.txt") || fs::exists(out / "c.txt");
+      errno = EIO;
+      return -1;
+    };
+    const std::string error = error_of([&] { write_set(out, {"a.txt", "c.txt"}); });
+    on_sync = nullptr;
+    is_through = error.empty();
+    EXPECT_EQ(is_through, syncs < rejected);
+    for (const auto& entry : fs::directory_iterator(out)) {
+      EXPECT_THAT(entry.path().filename().string(), testing::AnyOf("a.txt", "b.txt", "c.txt", "files.txt"));
+    }
+    if (!were_moved && !is_through) {
+      EXPECT_EQ(read_whole_file(out / "files.txt"), list);
+    }
+    write_set(out, {"a.txt", "b.txt"});
+    EXPECT_EQ(count_in(out), 3);
+    EXPECT_EQ(read_whole_file(out / "files.txt"), list);
+  }
+}
+
+TEST(StagedOutput, RemovesTheListThatAKilledRunWasWriting) {
+  const TemporaryFolder folder;
+  std::array<char, 256> host{};
+  ASSERT_EQ(::gethostname(host.data(), host.size() - 1), 0);
+  const std::string name = ".spinaltap-list-" + std::string(host.data()) + "-";
+  const pid_t ended = ::fork();
+  if (ended == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(ended, nullptr, 0), ended);
+  write_whole_file(folder.path() / (name + std::to_string(ended)), "spinaltap-files unfin");
+  write_whole_file(folder.path() / (name + std::to_string(::getppid())), "of a run that goes on");
+  write_set(folder.path(), {"a.txt"});
+  EXPECT_FALSE(fs::exists(folder.path() / (name + std::to_string(ended))));
+  EXPECT_EQ(count_in(folder.path()), 3);
 }
 
 TEST(StagedFolder, IsOnTheDiskBeforeItIsSeenAndIsNeverGone) {
