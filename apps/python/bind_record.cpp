@@ -97,12 +97,16 @@ void bind_record(py::module_& module) {
       .def_property_readonly("is_same", &Replay::is_same);
   module.def(
       "replay",
-      [](const std::filesystem::path& record, const Bone& bone, const std::string& engine, const py::object& progress) {
+      [](const std::filesystem::path& record, const Bone& bone, const std::string& engine, const py::object& progress,
+         const std::vector<Bone>& also) {
         const std::optional<EngineKind> kind = engine_of(engine);
-        return long_call(progress, [&](const Progress& heard) { return replay(record, bone, kind, heard); });
+        std::vector<Bone> bones{bone};
+        bones.insert(bones.end(), also.begin(), also.end());
+        return long_call(
+            progress, [&](const Progress& heard) { return replay(read_record(record), record, bones, kind, heard); });
       },
-      "record"_a, "bone"_a, "engine"_a = "", "progress"_a = py::none(),
-      "Runs a record again on the bone that it was drilled in, and compares every bit.");
+      "record"_a, "bone"_a, "engine"_a = "", "progress"_a = py::none(), "also"_a = std::vector<Bone>(),
+      "Runs a record again on the bone that it was drilled in, and those beside it, and compares every bit.");
 }
 
 }  // namespace spinaltap

@@ -87,7 +87,7 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
                                            const std::optional<Numbers>& region_mm, double rpm, bool clearances,
                                            double stop_thrust_n, double stop_clearance_mm, bool stop_on_breach,
                                            const std::filesystem::path& material, const std::filesystem::path& density,
-                                           const py::object& progress) {
+                                           const std::vector<Bone>& also, const py::object& progress) {
   SessionSetup setup;
   setup.material = material_of(material, density);
   setup.volume.radius_mm = radius_mm;
@@ -103,8 +103,10 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
   setup.options.spindle.rpm = rpm;
   setup.options.stop = {stop_thrust_n, stop_clearance_mm, stop_on_breach};
   setup.has_clearances = clearances;
+  std::vector<Bone> bones{bone};
+  bones.insert(bones.end(), also.begin(), also.end());
   return std::make_unique<OwnedSession>(
-      long_call(progress, [&](const Progress& heard) { return Session(bone, path, setup, heard); }));
+      long_call(progress, [&](const Progress& heard) { return Session(bones, path, setup, heard); }));
 }
 
 py::array run_poses(OwnedSession& self, const Numbers& tips, const py::object& axes, const py::object& dt_s,
@@ -229,15 +231,16 @@ The drilling of one hole is one session: it begins at time 0 and cycle 0; end_ho
       .def(py::init(&make_session), "bone"_a, "path"_a, py::kw_only(), "radius_mm"_a = 3.0, "spacing_mm"_a = 0.1,
            "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "auto", "region_mm"_a = py::none(),
            "rpm"_a = 1250.0, "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
-           "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "progress"_a = py::none(),
+           "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "also"_a = std::vector<Bone>(),
+           "progress"_a = py::none(),
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; "voxel", for
 any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" where there is a
 region, else a fast one of points. region_mm: voxels only in this box, its two corners, (2, 3), patient LPS, as
 Bone.bounds_mm has them; an event tells where the tool leaves it. rpm: of the spindle; 0: off.
 clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes true. material,
-density: files of cutting models and density calibrations; the shipped ones by default. Raises Error where the path misses
-the bone.)")
+density: files of cutting models and density calibrations; the shipped ones by default. also: further bones of the same
+patient, which are drilled wherever the tool meets them; voxels only. Raises Error where the path misses the bone.)")
       .def(
           "step",
           [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on) {
@@ -297,23 +300,28 @@ Ctrl-C cancels; the cycles until then are done.)")
           "Error while a record runs.")
       .def(
           "surface_changes",
-          [](OwnedSession& self) {
-            const std::vector<SurfaceUpdate> changes = [&self] {
+          [](OwnedSession& self, std::size_t bone) {
+            const std::vector<SurfaceUpdate> changes = [&self, bone] {
               const py::gil_scoped_release unlocked;
-              return self.take()->surface_changes();
+              return self.take()->surface_changes(bone);
             }();
             py::list blocks;
             for (const SurfaceUpdate& update : changes) blocks.append(block_of(update));
             return blocks;
           },
-          R"(Blocks of the remaining bone's surface that changed since the last call; the first time all of them.
+          "bone"_a = 0,
+          R"(Blocks of the remaining bone's surface that changed since the last call; the first time all of them. Of
+several bones `bone` says which; each has blocks of its own.
 
 A list of (block, surface): three whole numbers, and None where no surface is left, or a dictionary of vertices_mm,
 normals (n, 3) float32 and triangles (m, 3) uint16, from row wall_begin on of drilled walls. Arrays show the block's own
 memory, which never changes.)")
       .def(
           "drilled", [](OwnedSession& self) { return self.take()->drilled(); },
-          py::call_guard<py::gil_scoped_release>(), "The bone without all holes.")
+          py::call_guard<py::gil_scoped_release>(), "The bone without all holes; of several the first.")
+      .def(
+          "drilled_bones", [](OwnedSession& self) { return self.take()->drilled_bones(); },
+          py::call_guard<py::gil_scoped_release>(), "All of them without all holes: the first, then those of `also`.")
       .def_property_readonly("bone", [](OwnedSession& self) { return self.take()->bone(); })
       .def_property_readonly("path", [](OwnedSession& self) { return self.take()->path(); })
       .def_property_readonly(

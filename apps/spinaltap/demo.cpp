@@ -95,8 +95,8 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
 
   heading("Drilling");
   const std::string title = "Drilling " + (phantom ? "the phantom" : level_or(baked.level, "a vertebra"));
-  figures["drill"] =
-      run_drill({title, options.command, &*ct}, bone, paths.front(), options.drill, options.folder, output, progress);
+  figures["drill"] = run_drill({title, options.command, &*ct}, {&bone, 1}, paths.front(), options.drill, options.folder,
+                               output, progress);
   if (baked.warnings) {
     exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
   }

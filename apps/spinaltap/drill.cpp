@@ -6,6 +6,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/drill_run.h"
+#include "apps/spinaltap/further_bones.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/report_options.h"
 #include "core/files/plan_file.h"
@@ -17,6 +18,7 @@ void add_drill(CLI::App& program, Command& command) {
   struct Options {
     std::filesystem::path bone;
     Level level = Level::kNone;
+    std::vector<std::string> also;
     std::filesystem::path plan;
     std::string path_name;
     std::filesystem::path folder = "drilled";
@@ -29,9 +31,11 @@ void add_drill(CLI::App& program, Command& command) {
                   "Drill a planned path; writes report.html, drilled.vdb, drilled.stl, log.csv and events.csv",
                   "Examples: spinaltap drill bone.vdb plan.json --ct ct/ -o drilled/\n"
                   "          spinaltap drill bone.vdb plan.json --operator push --push 40 --stop-on-breach\n"
-                  "          spinaltap drill bone.vdb plan.json --operator tremor --real-time --record run.h5");
+                  "          spinaltap drill bone.vdb plan.json --operator tremor --real-time --record run.h5\n"
+                  "          spinaltap drill spine.vdb --level L4 --also spine.vdb:L5 plan.json --operator mill.json");
   app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
   add_level(*app, options->level);
+  add_also(*app, options->also);
   app->add_option("plan", options->plan, "plan.json")->required()->type_name("FILE");
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
@@ -41,16 +45,18 @@ void add_drill(CLI::App& program, Command& command) {
 
   command.outputs = [options] { return std::vector{options->drill.record}; };
   command.run = [options, &command](const Progress& progress) {
+    options->drill.bones = 1 + options->also.size();
     options->drill.check();  // before anything is read
     options->drill.may_replace_record = command.is_forced;
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
-    const Bone bone = Bone::load(options->bone, options->level);
+    const std::vector<Bone> bones = load_bones(options->bone, options->level, options->also);
+    const Bone& bone = bones.front();
     const std::optional<CtVolume> ct = options->page.read({&bone, 1}, progress);
     StagedOutput output;
     Json figures =
         run_drill({options->page.title_of(bone, "Drilling " + path.name), options->page.command, ct ? &*ct : nullptr},
-                  bone, path, options->drill, options->folder, output, progress);
+                  bones, path, options->drill, options->folder, output, progress);
     const auto is_breach = [](const Json& event) { return event["event"] == name_of(EventKind::stop_breach); };
     if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach)) command.exit_code = kAnswerIsNo;
     return figures;

@@ -166,11 +166,17 @@ void DrillOptions::check() const {
       fail("expected no --engine ", name_of(setup.engine), " with --region: only voxels can fill one");
     }
   }
+  if (bones > 1) {
+    session.further_bone_hashes.resize(bones - 1);
+    if (setup.engine != EngineKind::automatic && setup.engine != EngineKind::voxel) {
+      fail("expected no --engine ", name_of(setup.engine), " with --also: only voxels can fill several bones");
+    }
+  }
   if (chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel &&
       (writes_points || writes_splats || !field.empty())) {
     fail(
         "expected an engine of points with --points, --splats and --rbf, found voxels: a milling, "
-        "a --region, or --engine voxel");
+        "a --region, several bones, or --engine voxel");
   }
   if (!record.empty() && !field.empty()) {
     fail("expected --record without --rbf: a record does not hold the fitted surface, so it could not be replayed");

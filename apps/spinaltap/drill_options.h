@@ -27,8 +27,9 @@ struct DrillOptions {
   bool writes_splats = false;
   bool leaves_clearances = false;
   double log_step_mm = 0.1;
-  SessionSetup setup;  ///< but for the path, the material, the region and the bone's hash
-  std::string region;  ///< empty: none
+  SessionSetup setup;     ///< but for the path, the material, the region and the bone's hash
+  std::string region;     ///< empty: none
+  std::size_t bones = 1;  ///< how many are drilled
   OperatorChoice tool_operator;
   std::filesystem::path record;  ///< empty: none
   bool may_replace_record = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
 #include <exception>
 #include <optional>
 
@@ -11,6 +12,7 @@
 #include "apps/report/session_report.h"
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/further_bones.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
@@ -241,14 +243,16 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
   return json;
 }
 
-Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, const DrillOptions& options,
+Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPath& path, const DrillOptions& options,
                const std::filesystem::path& folder, StagedOutput& output, const Progress& progress) {
   options.check();
   SessionSetup setup = options.setup;
   setup.path = path;
   setup.has_clearances = !options.leaves_clearances && !options.tool_operator.is_milling();
   setup.region_mm = options.region_mm(path);
-  const BoneField whole(bone.model());
+  const Bone& bone = bones.front();
+  if (bones.size() > 1 || !options.record.empty()) name_bones(setup, bones);
+  const FieldOfBones whole(bones);
   OperatorPlan tool_operator =
       options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);
   setup.engine = chosen_engine(setup, tool_operator.way);
@@ -258,7 +262,6 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
   std::optional<RbfField> field;
   if (!options.field.empty()) field.emplace(RbfField::for_values(read_rbf(options.field), RbfField::kDefaultAccuracy));
-  if (!options.record.empty()) setup.bone_hash = bone.hash();
   Recording recording(options, setup, tool_operator);
   DrillingOptions how{.exact = field ? &*field : nullptr,
                       .log_step_mm = options.log_step_mm,
@@ -266,15 +269,19 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
                       .makes_splats = options.writes_splats,
                       .record = recording.writer()};
   // Beside the drilling, as a simulator shows it; where the clock does not count, nobody looks.
-  std::optional<LiveMesh> live;
+  std::deque<LiveMesh> live;
   if (how.real_time) {
-    live.emplace(bone.model(), path.bit, setup.options.max_jump_mm);
-    how.display = [&live](const Cycle& cycle) { live->update(cycle.input); };
+    for (const Bone& one : bones) live.emplace_back(one.model(), path.bit, setup.options.max_jump_mm);
+    how.display = [&live](const Cycle& cycle) {
+      for (LiveMesh& mesh : live) mesh.update(cycle.input);
+    };
   }
-  const Drilling drilling = drill_bone(bone, setup, *tool_operator.tool_operator, how, progress);
+  const Drilling drilling = drill_bone(bones, setup, *tool_operator.tool_operator, how, progress);
   recording.close(drilling.events);
-  TriangleMesh surface = options.writes_full_mesh ? sharp_surface(drilling.drilled)
-                                                  : display_mesh(drilling.drilled, {}, nullptr, progress);
+  const auto mesh_of = [&](const BoneModel& drilled) {
+    return options.writes_full_mesh ? sharp_surface(drilled) : display_mesh(drilled, {}, nullptr, progress);
+  };
+  TriangleMesh surface = mesh_of(drilling.drilled);
   const LooseChips chips = drop_loose_chips(surface);
 
   progress.report("meshing", 0.0);
@@ -286,6 +293,14 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   data.renders = drill_pictures(drilling.before, drilling.drilled, path, progress);
 
   stage_drilling(drilling, surface, data, folder, output);
+  const std::vector<std::string> further = names_of_further(bones);
+  for (std::size_t n = 0; n < further.size(); ++n) {
+    const std::string name = "drilled_" + further[n];
+    write_bone(drilling.further_drilled[n], output.stage(folder / (name + ".vdb")));
+    TriangleMesh its_surface = mesh_of(drilling.further_drilled[n]);
+    drop_loose_chips(its_surface);
+    write_mesh(its_surface, output.stage(folder / (name + ".stl")));
+  }
   for (std::size_t n = 0; options.writes_points && n < drilling.left.volumes.size(); ++n) {
     const std::string number = drilling.left.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
     write_points(drilling.left.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
@@ -302,9 +317,13 @@ Json run_drill(const DrillPage& page, const Bone& bone, const DrillPath& path, c
   output.commit();
 
   print_drilling(figures, density);
+  for (const std::string& name : further)
+    print_figure("also drilled", (folder / ("drilled_" + name + ".vdb")).string());
   print_figure("report", (folder / "report.html").string());
   recording.rethrow_trouble();
-  return drilling_json(figures, density);
+  Json json = drilling_json(figures, density);
+  for (const std::string& name : further) json["also_drilled"].push_back("drilled_" + name + ".vdb");
+  return json;
 }
 
 }  // namespace spinaltap

@@ -14,7 +14,7 @@ struct MergeOptions {
   std::filesystem::path folder;
 };
 
-Json merge(const MergeOptions& options) {
+Json run_merge(const MergeOptions& options) {
   const StudyTable table = spinaltap::merge(options.folders);
   const std::filesystem::path output = options.folder.empty() ? options.folders.front() : options.folder;
   if (table.is_whole()) open_study_folder(output, table.identity);
@@ -37,7 +37,7 @@ void add_merge(CLI::App& program, Command& command) {
     const std::filesystem::path& folder = options->folders.front();
     return {folder / "runs.csv", folder / "summary.json", folder / "report.html"};
   };
-  command.run = [options](const Progress&) { return merge(*options); };
+  command.run = [options](const Progress&) { return run_merge(*options); };
 }
 
 }  // namespace spinaltap

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/further_bones.h"
 #include "apps/spinaltap/level_output.h"
 #include "vdb/sim/replay.h"
 
@@ -10,14 +11,15 @@ namespace {
 struct ReplayOptions {
   std::filesystem::path record, bone;
   Level level = Level::kNone;
+  std::vector<std::string> also;
   std::optional<EngineKind> engine;
 };
 
 Json replay(const ReplayOptions& options, const Progress& progress, int& exit_code) {
   const SessionRecord record = read_record(options.record);
   const std::string hash = hash_of(record);
-  const Bone bone = Bone::load(options.bone, options.level);
-  const Replay result = spinaltap::replay(record, options.record, bone, options.engine, progress);
+  const std::vector<Bone> bones = load_bones(options.bone, options.level, options.also);
+  const Replay result = spinaltap::replay(record, options.record, bones, options.engine, progress);
   exit_code = result.is_same() ? kDone : kAnswerIsNo;
   print_figure("record", record.is_whole ? "whole" : "cut short");
   print_figure("its hash", hash);
@@ -44,6 +46,7 @@ void add_replay(CLI::App& program, Command& command) {
   app->add_option("record", options->record, "A record of drill --record")->required()->type_name("RECORD");
   app->add_option("bone", options->bone, "The bone.vdb or spine.vdb that was drilled")->required()->type_name("BONE");
   add_level(*app, options->level);
+  add_also(*app, options->also);
   app->add_option("--engine", options->engine,
                   "Drilling engine: ring, leaf, arc, reference (default, and auto: that of the record); same result")
       ->transform(one_of(engine_kinds()))

@@ -27,6 +27,8 @@ struct SessionSetup {
   SessionOptions options;
   bool has_clearances = true;
   std::vector<DrilledHole> holes = {};  ///< drilled before: their points are gone when the session begins
+  /// Of bones of the same patient that are drilled as well, wherever the tool meets them: voxels only.
+  std::vector<std::string> further_bone_hashes = {};
 };
 
 /// The box of all that lies within `margin_mm` of a path, from `lead_in_mm` before its entry to its target. Throws

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/error.h"
 #include "core/plan/grade.h"
 #include "core/session/detail/wall_lattice.h"
 
@@ -203,9 +204,20 @@ DrillPath without_screw(const DrillPath& path) { return {path.name, path.entry_m
 
 ClearanceField::ClearanceField(const WallDistance& walls, const DrillPath& path, double reach_mm, double behind_mm,
                                double beyond_mm, const Progress& progress)
-    : ClearanceField(std::make_shared<const Lattice>(Lattice{
-                         walls, WallLattice(walls, path, kSpacingMm, reach_mm, behind_mm, beyond_mm, progress)}),
-                     path) {}
+    : ClearanceField(lattice_of(std::array{&walls}, path, reach_mm, behind_mm, beyond_mm, progress), path) {}
+
+ClearanceField::ClearanceField(std::span<const WallDistance* const> walls, const DrillPath& path,
+                               const Progress& progress)
+    : ClearanceField(lattice_of(walls, path, kReachMm, kBehindMm, kBeyondMm, progress), path) {}
+
+std::shared_ptr<const ClearanceField::Lattice> ClearanceField::lattice_of(std::span<const WallDistance* const> walls,
+                                                                          const DrillPath& path, double reach_mm,
+                                                                          double behind_mm, double beyond_mm,
+                                                                          const Progress& progress) {
+  if (walls.empty()) fail("clearances: expected the walls of a bone, found none");
+  return std::make_shared<const Lattice>(
+      Lattice{*walls.front(), WallLattice(walls, path, kSpacingMm, reach_mm, behind_mm, beyond_mm, progress)});
+}
 
 ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path)
     : lattice_(std::move(lattice)),

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "core/base/progress.h"
 #include "core/plan/wall_distance.h"
@@ -37,6 +38,9 @@ class ClearanceField {
   /// The same with those ranges.
   ClearanceField(const WallDistance& walls, const DrillPath& path, const Progress& progress)
       : ClearanceField(walls, path, kReachMm, kBehindMm, kBeyondMm, progress) {}
+  /// Of several bones together: what lies in one of them is in the bone. The first is the one of the path's entry.
+  /// Throws Error where there is none.
+  ClearanceField(std::span<const WallDistance* const> walls, const DrillPath& path, const Progress& progress);
   ~ClearanceField();
   ClearanceField(ClearanceField&&) noexcept;
 
@@ -54,6 +58,9 @@ class ClearanceField {
 
  private:
   struct Lattice;
+  static std::shared_ptr<const Lattice> lattice_of(std::span<const WallDistance* const> walls, const DrillPath& path,
+                                                   double reach_mm, double behind_mm, double beyond_mm,
+                                                   const Progress& progress);
   ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path);
 
   std::shared_ptr<const Lattice> lattice_;

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -60,6 +62,57 @@ class Drill : public ::testing::Test {
 };
 
 const test::TemporaryFolder* Drill::folder_ = nullptr;
+
+TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
+  const std::filesystem::path& folder = folder_->path();
+  const DrillPath first = path({2.0, 40.0, 2.0});
+  const Vec3 direction = first.direction();
+  // A second ball of 4 mm, 2 mm behind the first.
+  const Vec3 centre_mm = kBoneCentre + 12.0 * direction;
+  const Vec3 corner = Vec3::Constant(6.0);
+  write_bone(test::made_bone([=](const Vec3& p) { return (p - centre_mm).norm() - 4.0; },
+                             {centre_mm - corner, centre_mm + corner}, 0.25),
+             folder / "second.vdb");
+  DrillPath through = first;
+  through.target_mm = centre_mm + 3.0 * direction;
+  write_plan({through}, folder / "through.json");
+  const Json one = drill("--engine voxel --no-clearances", "through.json");
+  const Json both = drill("--also second.vdb --no-clearances --record both.h5", "through.json");
+  EXPECT_EQ(both["engine"], "voxel");
+  EXPECT_EQ(both["also_drilled"], Json::array({"drilled_2.vdb"}));
+  const auto mm3 = [](const Json& figures, const char* key) { return 8e-3 * figures[key].get<double>(); };
+  const double second_mm3 = 4.0 / 3.0 * std::numbers::pi * 64.0;
+  EXPECT_NEAR(mm3(both, "points_in_bone") - mm3(one, "points_in_bone"), second_mm3, 0.01 * second_mm3);
+  // 7 mm deep: a cylinder of 1 mm, less the ball's rounding and two thirds of a cone of 2 mm.
+  const double cap_mm = 4.0 - std::sqrt(15.0);
+  const double hole_mm3 = std::numbers::pi * (7.0 - 4.0 / 3.0 - cap_mm / 2.0);
+  EXPECT_NEAR(mm3(both, "removed") - mm3(one, "removed"), hole_mm3, 0.06 * hole_mm3);
+  for (const char* name : {"drilled.vdb", "drilled.stl", "drilled_2.vdb", "drilled_2.stl"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+  }
+  const BoneModel drilled = read_bone(folder / "out" / "drilled_2.vdb");
+  const std::array<Vec3, 2> places{centre_mm, centre_mm + 2.0 * any_perpendicular(direction)};
+  std::array<std::uint8_t, 2> inside{};
+  drilled.inside(places, inside);
+  EXPECT_EQ(inside, (std::array<std::uint8_t, 2>{0, 1}));
+
+  EXPECT_EQ(test::run_program("replay both.h5 bone.vdb --also second.vdb", folder).exit_code, 0);
+  EXPECT_EQ(test::run_program("render bone.vdb --record both.h5 -o first.png", folder).exit_code, 0);
+  EXPECT_EQ(test::run_program("render second.vdb --record both.h5 -o second.png", folder).exit_code, 0);
+  const test::ProgramRun alone = test::run_program("replay both.h5 bone.vdb", folder);
+  EXPECT_EQ(alone.exit_code, 2);
+  EXPECT_THAT(alone.errors, HasSubstr("expected the 2 bones"));
+  const auto says = [&](const std::string& options, const char* words) {
+    const test::ProgramRun run = test::run_program("drill bone.vdb through.json -o no " + options, folder);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.errors, HasSubstr(words));
+  };
+  says("--also second.vdb --engine ring", "only voxels can fill several bones");
+  says("--also second.vdb --points", "expected an engine of points");
+  says("--also bone.vdb", "found one twice");
+  says("--also second.vdb:nonsense", "FILE or FILE:LEVEL");
+  says("--also nothing.vdb", "nothing.vdb");
+}
 
 TEST_F(Drill, WritesThePointsThatAreLeft) {
   const Json figures = drill("--points --engine leaf --hu-bits 8");

@@ -143,6 +143,31 @@ class Session(unittest.TestCase):
                 if block in shown:
                     np.testing.assert_array_equal(shown[block]["triangles"], surface["triangles"])
 
+    def test_drills_through_several_bones(self):
+        # What a first session left of the bone stands for another bone beside it: it takes nothing from the whole one.
+        first = made_bone.session()
+        first.run(poses())
+        rest = first.drilled()
+        session = made_bone.session(also=[rest])
+        self.assertEqual(session.engine, "voxel")
+        with tempfile.TemporaryDirectory() as folder:
+            file = FilePath(folder) / "run.h5"
+            session.record(file)
+            rows = session.run(poses())
+            session.end_record()
+            np.testing.assert_array_equal(made_bone.session(engine="voxel").run(poses())["thrust_n"], rows["thrust_n"])
+            again = spinaltap.replay(file, made_bone.bone(), also=[rest])
+            self.assertTrue(again.is_same, again.difference)
+            with self.assertRaisesRegex(spinaltap.Error, "expected the 2 bones"):
+                spinaltap.replay(file, made_bone.bone())
+        self.assertEqual(len(session.drilled_bones()), 2)
+        self.assertEqual(session.drilled_bones()[0].hash, session.drilled().hash)
+        self.assertGreater(len(session.surface_changes(1)), 0)
+        with self.assertRaisesRegex(spinaltap.Error, "below 2"):
+            session.surface_changes(2)
+        with self.assertRaisesRegex(spinaltap.Error, "several bones"):
+            made_bone.session(also=[rest], engine="ring")
+
     def test_leaves_a_hole_in_the_bone(self):
         session = made_bone.session()
         session.run(poses())

@@ -1,18 +1,46 @@
 #include "vdb/sim/build_session.h"
 
+#include <algorithm>
+#include <vector>
+
+#include "core/base/error.h"
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
 
 BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Progress& progress,
                            const ScalarField* exact, const ClearanceField* clearances) {
-  check_path_meets_bone(setup.path, bone.model());
+  return build_session(std::span(&bone, 1), setup, progress, exact, clearances);
+}
+
+void name_bones(SessionSetup& setup, std::span<const Bone> bones) {
+  if (bones.empty()) fail("expected a bone to drill, found none");
+  setup.bone_hash = bones.front().hash();
+  setup.further_bone_hashes.clear();
+  for (const Bone& bone : bones.subspan(1)) {
+    if (bone.hash() == setup.bone_hash || std::ranges::count(setup.further_bone_hashes, bone.hash()) > 0) {
+      fail("expected bones that differ, found one twice");
+    }
+    setup.further_bone_hashes.push_back(bone.hash());
+  }
+}
+
+BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setup, const Progress& progress,
+                           const ScalarField* exact, const ClearanceField* clearances) {
+  if (bones.size() != 1 + setup.further_bone_hashes.size()) {
+    fail("expected ", 1 + setup.further_bone_hashes.size(), " bones to drill, found ", bones.size());
+  }
+  check_path_meets_bone(setup.path, bones.front().model());
+  std::vector<BoneModel> models;
+  for (const Bone& bone : bones) models.push_back(bone.model());
   BuiltSession built;
-  built.bone = DrilledBone(bone.model(), setup, exact, progress);
-  if (setup.has_clearances) {
-    built.clearances = clearances != nullptr
-                           ? std::make_unique<ClearanceField>(clearances->with_entry_of(setup.path))
-                           : std::make_unique<ClearanceField>(bone.walls(progress), setup.path, progress);
+  built.bone = DrilledBone(models, setup, exact, progress);
+  if (setup.has_clearances && clearances != nullptr) {
+    built.clearances = std::make_unique<ClearanceField>(clearances->with_entry_of(setup.path));
+  } else if (setup.has_clearances) {
+    std::vector<const WallDistance*> walls;
+    for (const Bone& bone : bones) walls.push_back(&bone.walls(progress));
+    built.clearances = std::make_unique<ClearanceField>(walls, setup.path, progress);
   }
   built.session = built.bone.begin_session(setup, built.clearances.get());
   return built;

@@ -22,6 +22,12 @@ struct BuiltSession {
 /// Throws Error where the path misses the bone.
 BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Progress& progress = {},
                            const ScalarField* exact = nullptr, const ClearanceField* clearances = nullptr);
+/// Of several bones of one patient, which must be those that name_bones() gave the setup: the path is the first's, the
+/// tool takes what it meets of all. Clearances are to the walls of all of them together.
+BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setup, const Progress& progress = {},
+                           const ScalarField* exact = nullptr, const ClearanceField* clearances = nullptr);
+/// Their fingerprints. Throws Error where there is none, or one is there twice.
+void name_bones(SessionSetup& setup, std::span<const Bone> bones);
 
 /// What a cycle's input took: with the spindle off at no speed, as a session has it.
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options);

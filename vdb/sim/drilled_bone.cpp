@@ -32,8 +32,9 @@ void check_for_voxels(const SessionSetup& setup, const ScalarField* exact) {
 
 }  // namespace
 
-DrilledBone::DrilledBone(const BoneModel& bone, const SessionSetup& setup, const ScalarField* exact,
+DrilledBone::DrilledBone(std::span<const BoneModel> bones, const SessionSetup& setup, const ScalarField* exact,
                          const Progress& progress) {
+  if (bones.empty()) fail("expected a bone to drill, found none");
   const EngineKind engine = chosen_engine(setup);
   if (engine == EngineKind::voxel) {
     check_for_voxels(setup, exact);
@@ -42,13 +43,18 @@ DrilledBone::DrilledBone(const BoneModel& bone, const SessionSetup& setup, const
       check_region(*setup.region_mm);
       options.region_mm = *setup.region_mm;
     }
-    voxels = std::make_unique<VoxelBone>(bone, options, progress);
+    voxels = std::make_unique<VoxelBone>(bones, options, progress);
     for (const DrilledHole& hole : setup.holes) drill(hole, setup);
     return;
   }
   if (setup.region_mm) {
     fail("region: expected the engine voxel, found ", name_of(engine), ", whose points fill a cylinder along the path");
   }
+  if (bones.size() > 1) {
+    fail("several bones: expected the engine voxel, found ", name_of(engine),
+         ", whose points fill a cylinder in one bone");
+  }
+  const BoneModel& bone = bones.front();
   volumes =
       volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
   for (PointVolume& volume : volumes) fill_volume(volume, sampler_of(bone, exact), progress);

@@ -26,6 +26,10 @@ struct DrilledBone {
   /// where it is given. Throws Error where the setup asks of voxels what only points have, or a region of
   /// points, and on a region that is empty or without bone.
   DrilledBone(const BoneModel& bone, const SessionSetup& setup, const ScalarField* exact = nullptr,
+              const Progress& progress = {})
+      : DrilledBone(std::span(&bone, 1), setup, exact, progress) {}
+  /// Of several bones; of points the same with one alone, else throws Error.
+  DrilledBone(std::span<const BoneModel> bones, const SessionSetup& setup, const ScalarField* exact = nullptr,
               const Progress& progress = {});
   DrilledBone(const DrilledBone& other);
   DrilledBone(DrilledBone&&) noexcept = default;

@@ -120,12 +120,17 @@ class Watch {
 
 Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_operator,
                     const DrillingOptions& options, const Progress& progress) {
+  return drill_bone(std::span(&bone, 1), setup, tool_operator, options, progress);
+}
+
+Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Operator& tool_operator,
+                    const DrillingOptions& options, const Progress& progress) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   constexpr double kBeyondMm = 20.0;  // operators may go further than the target
   DepthLog log(options.log_step_mm, setup.material, setup.volume.lead_in_mm + setup.path.length_mm() + kBeyondMm);
-  BuiltSession built = build_session(bone, setup, progress, options.exact);
+  BuiltSession built = build_session(bones, setup, progress, options.exact);
   DrillSession& session = *built.session;
-  Drilling drilling(bone.model());
+  Drilling drilling(bones.front().model());
   count_points(built, drilling);
   drilling.entry_depth_mm = std::numeric_limits<double>::quiet_NaN();
   drilling.deepest_mm = -kInfinity;
@@ -134,7 +139,7 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
 
   std::vector<PointSplats> splats;
   if (options.makes_splats) {
-    for (const PointVolume& volume : built.bone.volumes) splats.emplace_back(volume, BoneField(bone.model()));
+    for (const PointVolume& volume : built.bone.volumes) splats.emplace_back(volume, BoneField(bones.front().model()));
   }
   InputLog inputs(expected_inputs(tool_operator, options.real_time));
   Watch watch(session, options, log, inputs, drilling);
@@ -155,12 +160,19 @@ Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_
     drilling.max_torque_n_mm = std::max(drilling.max_torque_n_mm, row.torque_n_mm);
   }
   progress.report("cutting the hole", 0.0);
-  HoleCutter cutter(drilling.before);
-  for (const DrilledHole& hole : setup.holes) cutter.add(hole);
-  drilling.before = cutter.bone();
-  cutter.take_bit(setup.path.bit, setup.options.max_jump_mm);
-  cutter.add(inputs.inputs());
-  drilling.drilled = cutter.bone();
+  for (const Bone& bone : bones) {
+    HoleCutter cutter(bone.model());
+    for (const DrilledHole& hole : setup.holes) cutter.add(hole);
+    const bool is_first = &bone == &bones.front();
+    if (is_first) drilling.before = cutter.bone();
+    cutter.take_bit(setup.path.bit, setup.options.max_jump_mm);
+    cutter.add(inputs.inputs());
+    if (is_first) {
+      drilling.drilled = cutter.bone();
+    } else {
+      drilling.further_drilled.push_back(cutter.bone());
+    }
+  }
   for (std::size_t n = 0; n < splats.size(); ++n) {
     splats[n].update(built.bone.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());

@@ -46,9 +46,10 @@ struct Drilling {
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;
-  BoneModel before;                ///< the bone without the setup's earlier holes
-  BoneModel drilled;               ///< and without this one
-  std::vector<PointSplat> splats;  ///< of all volumes, where asked for
+  BoneModel before;                        ///< the bone without the setup's earlier holes
+  BoneModel drilled;                       ///< and without this one
+  std::vector<BoneModel> further_drilled;  ///< of several bones all but the first
+  std::vector<PointSplat> splats;          ///< of all volumes, where asked for
   std::vector<DepthRow> rows;
 
   explicit Drilling(BoneModel bone) : before(bone), drilled(std::move(bone)) {}
@@ -57,6 +58,9 @@ struct Drilling {
 /// Fills points along the path, or the bone's voxels, lets an operator drill it, and cuts the hole of all its poses out
 /// of the distance grid. Throws Error when the path misses the bone.
 Drilling drill_bone(const Bone& bone, const SessionSetup& setup, Operator& tool_operator,
+                    const DrillingOptions& options = {}, const Progress& progress = {});
+/// The same through several bones: see build_session().
+Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Operator& tool_operator,
                     const DrillingOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

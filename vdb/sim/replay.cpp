@@ -89,13 +89,24 @@ Replay replay(const std::filesystem::path& record, const Bone& bone, std::option
 
 Replay replay(const SessionRecord& record, const std::filesystem::path& file, const Bone& bone,
               std::optional<EngineKind> engine, const Progress& progress) {
+  return replay(record, file, std::span(&bone, 1), engine, progress);
+}
+
+Replay replay(const SessionRecord& record, const std::filesystem::path& file, std::span<const Bone> bones,
+              std::optional<EngineKind> engine, const Progress& progress) {
   SessionSetup setup = recorded_setup(record.setup, file);
-  if (bone.hash() != setup.bone_hash) {
-    fail("expected the bone that was drilled in ", file.string(), ", of hash ", setup.bone_hash, "; found one of hash ",
-         bone.hash());
+  std::vector<std::string> hashes = setup.further_bone_hashes;
+  hashes.insert(hashes.begin(), setup.bone_hash);
+  if (bones.size() != hashes.size()) {
+    fail("expected the ", hashes.size(), " bones that were drilled in ", file.string(), ", found ", bones.size());
+  }
+  for (std::size_t n = 0; n < bones.size(); ++n) {
+    if (bones[n].hash() == hashes[n]) continue;
+    fail("expected the bone that was drilled in ", file.string(), ", of hash ", hashes[n], "; found one of hash ",
+         bones[n].hash());
   }
   if (engine && *engine != EngineKind::automatic) setup.engine = *engine;
-  const BuiltSession built = build_session(bone, setup, progress);
+  const BuiltSession built = build_session(bones, setup, progress);
   const std::int64_t start_ns = wall_ns();
   Replay result = replay_record(*built.session, record, progress);
   result.seconds = 1e-9 * static_cast<double>(wall_ns() - start_ns);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/base/progress.h"
@@ -42,6 +43,9 @@ Replay replay(const std::filesystem::path& record, const Bone& bone, std::option
               const Progress& progress = {});
 /// As above, of a record that was read from `file`, which messages name.
 Replay replay(const SessionRecord& record, const std::filesystem::path& file, const Bone& bone,
+              std::optional<EngineKind> engine = {}, const Progress& progress = {});
+/// Of several bones, in the order in which they were drilled.
+Replay replay(const SessionRecord& record, const std::filesystem::path& file, std::span<const Bone> bones,
               std::optional<EngineKind> engine = {}, const Progress& progress = {});
 
 /// The bone at any moment of a recorded drilling.

@@ -1,32 +1,30 @@
 #include "vdb/sim/session.h"
 
-#include <array>
-#include <cmath>
+#include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <optional>
-#include <set>
 
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/choose_engine.h"
 #include "vdb/picture/view.h"
-#include "vdb/remaining/hole_cutter.h"
-#include "vdb/remaining/live_mesh.h"
 #include "vdb/sim/build_session.h"
+#include "vdb/sim/detail/shown_bone.h"
 
 namespace spinaltap {
 
 struct Session::State {
-  State(Bone its_bone, const SessionSetup& its_setup, const Progress& progress)
-      : bone(std::move(its_bone)),
+  State(std::vector<Bone> its_bones, const SessionSetup& its_setup, const Progress& progress)
+      : bones(std::move(its_bones)),
+        shown(bones.begin(), bones.end()),
         setup(its_setup),
-        built(build_session(bone, setup, progress)),
+        built(build_session(bones, setup, progress)),
         living(built.bone.living_words()) {}
 
-  Bone bone;
-  SessionSetup setup;  ///< its holes: those that are done
+  std::vector<Bone> bones;
+  std::vector<ShownBone> shown;  ///< one each
+  SessionSetup setup;            ///< its holes: those that are done
   BuiltSession built;
   std::vector<ToolInput> inputs;      ///< of this hole
   std::vector<std::uint64_t> living;  ///< DrilledBone::living_words() when this hole began
@@ -36,76 +34,12 @@ struct Session::State {
   };
   std::vector<std::vector<TakenWord>> taken;  ///< by each hole of this session: the last of the setup's
   std::unique_ptr<RecordWriter> record;
-  std::optional<HoleCutter> cutter;  ///< for views and files
-  std::size_t cut = 0;               ///< of `inputs`, in the cutter
-  std::optional<LiveMesh> live;
-  std::size_t shown = 0;  ///< of `inputs`, in the live mesh
-  struct LiveHole {
-    std::size_t before = 0;  ///< holes that the live mesh could undo when this one began
-    bool changes_bone = false;
-  };
-  std::vector<LiveHole> live_holes;                     ///< in the live mesh, this one last
-  std::set<std::array<int, 3>> blocks;                  ///< of the surface, as handed over or waiting
-  std::map<std::array<int, 3>, SurfaceUpdate> changes;  ///< that wait
-
-  void change(const SurfaceUpdate& update) {
-    if (update.surface) {
-      blocks.insert(update.block);
-    } else {
-      blocks.erase(update.block);
-    }
-    changes[update.block] = update;
-  }
-  /// The bone without all that was drilled, up to the last cycle; each input is cut out once.
-  HoleCutter& drilled() {
-    if (!cutter) {
-      cutter.emplace(bone.model());
-      for (const DrilledHole& hole : setup.holes) cutter->add(hole);
-      cutter->take_bit(setup.path.bit, setup.options.max_jump_mm);
-    }
-    cutter->add(std::span(inputs).subspan(cut));
-    cut = inputs.size();
-    return *cutter;
-  }
   /// Where the bit is; nothing before the first sound pose.
   std::optional<Pose> bit_pose() const {
     for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
       if (std::optional<Pose> pose = sound_pose(input->pose)) return pose;
     }
     return std::nullopt;
-  }
-  /// Brings the live mesh up to the last cycle.
-  void show() {
-    if (!live) {
-      live.emplace(without_holes(bone.model(), setup.holes), RemainingBoneOptions{});
-      live->take_bit(setup.path.bit, setup.options.max_jump_mm);
-      live_holes = {{live->holes_to_undo()}};
-      for (const std::array<int, 3>& gone : std::set(blocks)) change({gone, nullptr});
-      for (const auto& block : live->surface().blocks()) change({block->block, block});
-    }
-    if (shown == inputs.size()) return;
-    live->update(std::span(inputs).subspan(shown));
-    shown = inputs.size();
-    for (const SurfaceUpdate& update : live->updates()) change(update);
-    if (!live->updates().empty()) live_holes.back().changes_bone = true;
-  }
-  /// Takes the last hole out of the live mesh.
-  void unshow() {
-    if (!live) return;
-    if (inputs.empty()) live_holes.pop_back();
-    live->end_hole();
-    // A hole from before the mesh, or one that it no longer keeps: the mesh is made anew when next asked for.
-    const std::size_t has = live->holes_to_undo();
-    if (live_holes.empty() || has != live_holes.back().before + (live_holes.back().changes_bone ? 1 : 0)) {
-      live.reset();
-      return;
-    }
-    if (live_holes.back().changes_bone) {
-      live->undo_hole();
-      for (const SurfaceUpdate& update : live->updates()) change(update);
-      live_holes.back().changes_bone = false;
-    }
-    live->take_bit(setup.path.bit, setup.options.max_jump_mm);
   }
   /// Begins again at cycle 0, in the bone that `put_back` leaves. Where that is none, nothing has changed.
   void begin_again(const std::function<void(DrilledBone&)>& put_back) {
@@ -117,7 +51,7 @@ struct Session::State {
       built.bone.set_living_words(now);
       throw;
     }
-    forget_cycles();
+    inputs.clear();
   }
   void end_hole() {
     DrilledHole hole = hole_of(inputs, setup);
@@ -143,22 +77,17 @@ struct Session::State {
     if (taken.empty()) {
       SessionSetup before = setup;
       before.holes.pop_back();
-      BuiltSession fresh = build_session(bone, before, {}, nullptr, built.clearances.get());
+      BuiltSession fresh = build_session(bones, before, {}, nullptr, built.clearances.get());
       built.session.reset();  // it holds on to the bone
       built = std::move(fresh);
       living = built.bone.living_words();
-      forget_cycles();
+      inputs.clear();
     } else {
       for (const TakenWord& word : taken.back()) living[word.place] = word.was;
       taken.pop_back();
       begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
     }
     setup.holes.pop_back();
-  }
-  void forget_cycles() {
-    inputs.clear();
-    shown = 0;
-    cut = 0;
   }
   void note(const Cycle& cycle) {
     inputs.push_back(cutting_input(cycle, setup.options));
@@ -170,8 +99,20 @@ struct Session::State {
 
 namespace {
 
-SessionSetup complete(const Bone& bone, const DrillPath& path, SessionSetup setup) {
-  setup.bone_hash = bone.hash();
+/// What `other`, of the same camera, sees nearer than `view` does.
+void take_nearer(const View& other, View& view) {
+  for (std::size_t n = 0; n < view.mask.size(); ++n) {
+    const bool is_nearer = other.mask[n] != 0 && (view.mask[n] == 0 || other.depth_mm[n] < view.depth_mm[n]);
+    if (!is_nearer) continue;
+    view.mask[n] = other.mask[n];
+    view.depth_mm[n] = other.depth_mm[n];
+    std::copy_n(other.normals.begin() + static_cast<std::ptrdiff_t>(3 * n), 3,
+                view.normals.begin() + static_cast<std::ptrdiff_t>(3 * n));
+  }
+}
+
+SessionSetup complete(std::span<const Bone> bones, const DrillPath& path, SessionSetup setup) {
+  name_bones(setup, bones);
   setup.path = path;
   setup.engine = chosen_engine(setup);
   return setup;
@@ -179,9 +120,11 @@ SessionSetup complete(const Bone& bone, const DrillPath& path, SessionSetup setu
 
 }  // namespace
 
-Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, const Progress& progress) {
-  const SessionSetup whole = complete(bone, path, setup);
-  state_ = std::make_unique<State>(std::move(bone), whole, progress);
+Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, const Progress& progress)
+    : Session(std::vector{std::move(bone)}, path, setup, progress) {}
+Session::Session(std::vector<Bone> bones, const DrillPath& path, const SessionSetup& setup, const Progress& progress) {
+  const SessionSetup whole = complete(bones, path, setup);
+  state_ = std::make_unique<State>(std::move(bones), whole, progress);
 }
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
@@ -236,22 +179,16 @@ void Session::end_hole() {
   end_record();
   State& state = *state_;
   if (state.inputs.empty()) return;
-  if (state.live) state.show();
-  if (state.cutter) state.drilled();
+  for (ShownBone& bone : state.shown) bone.catch_up(state.setup, state.inputs);
   state.end_hole();
-  if (state.cutter) state.cutter->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
-  if (!state.live) return;
-  state.live->end_hole();
-  state.live->take_bit(state.setup.path.bit, state.setup.options.max_jump_mm);
-  state.live_holes.push_back({state.live->holes_to_undo()});
+  for (ShownBone& bone : state.shown) bone.begin_hole(state.setup);
 }
 
 bool Session::undo() {
   State& state = *state_;
   if (state.record) fail("expected no record while drilling is taken back; end it first");
   if (state.inputs.empty() && state.setup.holes.empty()) return false;
-  state.unshow();
-  state.cutter.reset();
+  for (ShownBone& bone : state.shown) bone.undo(state.setup, !state.inputs.empty());
   state.take_back();
   return true;
 }
@@ -260,7 +197,16 @@ View Session::view(const Camera& camera) {
   State& state = *state_;
   std::optional<RenderedBit> bit;
   if (const std::optional<Pose> pose = state.bit_pose()) bit = RenderedBit{state.setup.path.bit, *pose};
-  return view_bone(state.drilled().hole(), camera, bit);
+  std::optional<View> seen;
+  for (ShownBone& bone : state.shown) {
+    View one = view_bone(bone.drilled(state.setup, state.inputs).hole(), camera, bit);
+    if (!seen) {
+      seen = std::move(one);
+    } else {
+      take_nearer(one, *seen);
+    }
+  }
+  return *seen;
 }
 
 View Session::record_view(const Camera& camera) {
@@ -271,18 +217,22 @@ View Session::record_view(const Camera& camera) {
   return seen;
 }
 
-std::vector<SurfaceUpdate> Session::surface_changes() {
-  state_->show();
-  std::vector<SurfaceUpdate> changes;
-  changes.reserve(state_->changes.size());
-  for (const auto& [block, update] : state_->changes) changes.push_back(update);
-  state_->changes.clear();
-  return changes;
+std::vector<SurfaceUpdate> Session::surface_changes(std::size_t bone) {
+  State& state = *state_;
+  if (bone >= state.shown.size()) fail("expected a bone below ", state.shown.size(), ", found ", bone);
+  return state.shown[bone].surface_changes(state.setup, state.inputs);
 }
 
-Bone Session::drilled() { return Bone(state_->drilled().bone()); }
+Bone Session::drilled() { return Bone(state_->shown.front().drilled(state_->setup, state_->inputs).bone()); }
 
-const Bone& Session::bone() const { return state_->bone; }
+std::vector<Bone> Session::drilled_bones() {
+  std::vector<Bone> drilled;
+  for (ShownBone& bone : state_->shown) drilled.emplace_back(bone.drilled(state_->setup, state_->inputs).bone());
+  return drilled;
+}
+
+const Bone& Session::bone() const { return state_->bones.front(); }
+std::span<const Bone> Session::bones() const { return state_->bones; }
 const VoxelBone* Session::voxels() const { return state_->built.bone.voxels.get(); }
 const DrillPath& Session::path() const { return state_->setup.path; }
 const SessionSetup& Session::setup() const { return state_->setup; }

@@ -23,9 +23,13 @@ class VoxelBone;
 /// The drilling of one hole is one session: it begins at time 0 and cycle 0. end_hole() begins the next.
 class Session {
  public:
-  /// `setup`: all that decides what a session does; its path and its bone's fingerprint are taken from `bone` and
+  /// `setup`: all that decides what a session does; its path and its bones' fingerprints are taken from `bone` and
   /// `path`. Throws Error where the path misses the bone, and on options that make no sense.
   Session(Bone bone, const DrillPath& path, const SessionSetup& setup = {}, const Progress& progress = {});
+  /// Through several bones of one patient, in voxels: the path is the first's, the tool takes what it meets of all.
+  /// Throws Error where an engine of points is asked for with more than one.
+  Session(std::vector<Bone> bones, const DrillPath& path, const SessionSetup& setup = {},
+          const Progress& progress = {});
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -73,11 +77,16 @@ class Session {
 
   /// Blocks of the remaining bone's surface that changed since the last call; the first time all of them. Vertices of
   /// what they point to never change. A block without a surface is gone.
-  std::vector<SurfaceUpdate> surface_changes();
-  /// The bone without all holes.
+  /// `bone`: which of bones(); each has blocks of its own. Throws Error where there is none.
+  std::vector<SurfaceUpdate> surface_changes(std::size_t bone = 0);
+  /// The bone without all holes; of several the first.
   Bone drilled();
+  /// All of them, in the order of bones().
+  std::vector<Bone> drilled_bones();
 
+  /// Of several the first.
   const Bone& bone() const;
+  std::span<const Bone> bones() const;
   /// The voxels as they now are; null where it drills points. They go when the session goes.
   const VoxelBone* voxels() const;
   const DrillPath& path() const;

@@ -186,6 +186,7 @@ Json to_json(const SessionSetup& setup) {
       {"has_clearances", setup.has_clearances}};
   if (setup.region_mm) json["region_mm"] = {to_json(setup.region_mm->min()), to_json(setup.region_mm->max())};
   for (const DrilledHole& hole : setup.holes) json["holes"].push_back(json_of(hole));
+  if (!setup.further_bone_hashes.empty()) json["further_bone_hashes"] = setup.further_bone_hashes;
   return json;
 }
 
@@ -215,6 +216,12 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   setup.has_clearances = flag(object, "has_clearances", file);
   if (object.has("holes")) {
     for (const Json& hole : list_of(object, "holes", file)) setup.holes.push_back(read_hole(hole, file));
+  }
+  if (object.has("further_bone_hashes")) {
+    for (const Json& hash : list_of(object, "further_bone_hashes", file)) {
+      if (!hash.is_string()) fail("expected texts for \"further_bone_hashes\" in ", file.string());
+      setup.further_bone_hashes.push_back(hash.get<std::string>());
+    }
   }
   try {
     check_path(setup.path);

@@ -14,18 +14,25 @@ namespace {
 constexpr float kNoWall = 1e12F;
 constexpr float kFarthestMm = 1e6F;
 
-Eigen::Array4f node_of(const WallDistance::Walls& walls) {
+Eigen::Array4f node_of(std::span<const WallDistance* const> bones, const Vec3& p_mm) {
+  constexpr double kNowhereMm = std::numeric_limits<double>::infinity();
+  double surface_mm = -kNowhereMm, outer_mm = kNowhereMm, canal_mm = kNowhereMm;
+  for (const WallDistance* bone : bones) {
+    const WallDistance::Walls walls = bone->walls(p_mm);
+    surface_mm = std::max(surface_mm, walls.nearer_mm());
+    outer_mm = std::min(outer_mm, std::abs(walls.outer.distance_mm));
+    canal_mm = std::min(canal_mm, std::abs(walls.canal.distance_mm));
+  }
   const auto kept = [](double distance_mm) {
     return distance_mm < static_cast<double>(kFarthestMm) ? static_cast<float>(distance_mm) : kNoWall;
   };
-  return {kept(walls.nearer_mm()), kept(std::abs(walls.outer.distance_mm)), kept(std::abs(walls.canal.distance_mm)),
-          0.0F};
+  return {kept(surface_mm), kept(outer_mm), kept(canal_mm), 0.0F};
 }
 
 }  // namespace
 
-WallLattice::WallLattice(const WallDistance& walls, const DrillPath& path, double spacing_mm, double reach_mm,
-                         double behind_mm, double beyond_mm, const Progress& progress)
+WallLattice::WallLattice(std::span<const WallDistance* const> walls, const DrillPath& path, double spacing_mm,
+                         double reach_mm, double behind_mm, double beyond_mm, const Progress& progress)
     : per_mm_(1.0 / spacing_mm) {
   constexpr double kLongestMm = 200.0;
   check_path(path);
@@ -53,7 +60,7 @@ WallLattice::WallLattice(const WallDistance& walls, const DrillPath& path, doubl
     for (int k = 0; k < count_.z(); ++k) {
       const Vec3 p_path = foot_mm + spacing_mm * k * Vec3::UnitZ();
       nodes_[static_cast<std::size_t>(column) * static_cast<std::size_t>(count_.z()) + static_cast<std::size_t>(k)] =
-          node_of(walls.walls(frame_.to_patient(p_path)));
+          node_of(walls, frame_.to_patient(p_path));
     }
   });
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -20,9 +21,10 @@ enum class WallKind { outer, canal };
 class WallLattice {
  public:
   /// Nodes `spacing_mm` apart within `reach_mm` of the path's line, along it from `behind_mm` before its entry to
-  /// `beyond_mm` past its target. Asks `walls` at each of them, from many threads.
-  WallLattice(const WallDistance& walls, const DrillPath& path, double spacing_mm, double reach_mm, double behind_mm,
-              double beyond_mm, const Progress& progress);
+  /// `beyond_mm` past its target. Asks `walls` of each bone at each of them, from many threads. In bone is what lies in
+  /// one of them.
+  WallLattice(std::span<const WallDistance* const> walls, const DrillPath& path, double spacing_mm, double reach_mm,
+              double behind_mm, double beyond_mm, const Progress& progress);
 
   /// Places are path-local: the origin at the path's entry, z along it.
   const PathFrame& frame() const { return frame_; }
