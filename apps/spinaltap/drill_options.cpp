@@ -117,6 +117,8 @@ void DrillOptions::add_to(CLI::App& app) {
   app.add_flag(
       "--splats", writes_splats,
       "Also write the points that show as splats.ply, and the bone's surface around their cylinder as around.ply");
+  app.add_flag("--voxels", writes_voxels,
+               "Also write the voxels left as voxels.nii.gz, a label map for 3D Slicer and ParaView");
   app.add_option("--lead-in", volume.lead_in_mm, "How far before the entry the drilling starts, mm")
       ->capture_default_str()
       ->type_name("MM");
@@ -172,8 +174,11 @@ void DrillOptions::check() const {
       fail("expected no --engine ", name_of(setup.engine), " with --also: only voxels can fill several bones");
     }
   }
-  if (chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel &&
-      (writes_points || writes_splats || !field.empty())) {
+  const bool drills_voxels = chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel;
+  if (writes_voxels && !drills_voxels) {
+    fail("expected voxels with --voxels: a milling, a --region, several bones, or --engine voxel");
+  }
+  if (drills_voxels && (writes_points || writes_splats || !field.empty())) {
     fail(
         "expected an engine of points with --points, --splats and --rbf, found voxels: a milling, "
         "a --region, several bones, or --engine voxel");

@@ -25,6 +25,7 @@ struct DrillOptions {
   std::filesystem::path field;     ///< a radial basis function that decides which points are bone; empty: the grid
   bool writes_points = false;
   bool writes_splats = false;
+  bool writes_voxels = false;
   bool leaves_clearances = false;
   double log_step_mm = 0.1;
   SessionSetup setup;     ///< but for the path, the material, the region and the bone's hash

@@ -30,6 +30,7 @@
 #include "mesh/mesh_io.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/engine/points_file.h"
+#include "vdb/engine/voxel_map.h"
 #include "vdb/remaining/live_mesh.h"
 
 namespace spinaltap {
@@ -305,6 +306,10 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
     const std::string number = drilling.left.volumes.size() == 1 ? "" : "_" + std::to_string(n + 1);
     write_points(drilling.left.volumes[n], path, output.stage(folder / ("points" + number + ".vdb")),
                  {.density = density.line});
+  }
+  if (options.writes_voxels) {
+    const std::filesystem::path map = folder / "voxels.nii.gz";
+    output.write(map, encode_label_volume(voxel_map(*drilling.left.voxels), map));
   }
   if (options.writes_splats) {
     output.write(folder / "splats.ply", splats_ply(drilling.splats));

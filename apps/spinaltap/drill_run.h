@@ -26,9 +26,9 @@ struct DrillPage {
 };
 
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
-/// points.vdb into a folder, with what `output` holds already: all of them or none. Of several bones all but the first
-/// have drilled_NAME.vdb and .stl: names_of_further(). A record grows where its option says, and stays whatever happens.
-/// Prints the figures and gives them as JSON.
+/// points.vdb or voxels as voxels.nii.gz into a folder, with what `output` holds already: all of them or none. Of
+/// several bones all but the first have drilled_NAME.vdb and .stl: names_of_further(). A record grows where its option
+/// says, and stays whatever happens. Prints the figures and gives them as JSON.
 Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPath& path, const DrillOptions& options,
                const std::filesystem::path& folder, StagedOutput& output, const Progress& progress);
 

@@ -16,6 +16,7 @@
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
+#include "core/ct/label_volume.h"
 #include "core/files/bit_file.h"
 #include "core/files/json_file.h"
 #include "core/files/milling_file.h"
@@ -77,7 +78,7 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   through.target_mm = centre_mm + 3.0 * direction;
   write_plan({through}, folder / "through.json");
   const Json one = drill("--engine voxel --no-clearances", "through.json");
-  const Json both = drill("--also second.vdb --no-clearances --record both.h5", "through.json");
+  const Json both = drill("--also second.vdb --no-clearances --voxels --record both.h5", "through.json");
   EXPECT_EQ(both["engine"], "voxel");
   EXPECT_EQ(both["also_drilled"], Json::array({"drilled_2.vdb"}));
   const auto mm3 = [](const Json& figures, const char* key) { return 8e-3 * figures[key].get<double>(); };
@@ -95,6 +96,18 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   std::array<std::uint8_t, 2> inside{};
   drilled.inside(places, inside);
   EXPECT_EQ(inside, (std::array<std::uint8_t, 2>{0, 1}));
+  // A map in a box of its own, by the place of each voxel of 0.2 mm.
+  GridGeometry around;
+  around.size = {120, 120, 120};
+  around.spacing_mm = Vec3::Constant(0.2);
+  around.origin_mm = centre_mm - Vec3::Constant(12.0);
+  const LabelVolume map = read_label_volume(folder / "out" / "voxels.nii.gz", around, LabelConvention::any_names);
+  EXPECT_EQ(map.names.at(1).name, "living bone");
+  EXPECT_EQ(map.labels[around.offset(60, 60, 60)], 0) << "in the hole";
+  const Vec3 beside = around.to_index(places[1]).array().round();
+  EXPECT_EQ(map.labels[around.offset(static_cast<int>(beside.x()), static_cast<int>(beside.y()),
+                                     static_cast<int>(beside.z()))],
+            1);
 
   EXPECT_EQ(test::run_program("replay both.h5 bone.vdb --also second.vdb", folder).exit_code, 0);
   EXPECT_EQ(test::run_program("render bone.vdb --record both.h5 -o first.png", folder).exit_code, 0);
@@ -109,6 +122,7 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   };
   says("--also second.vdb --engine ring", "only voxels can fill several bones");
   says("--also second.vdb --points", "expected an engine of points");
+  says("--voxels", "expected voxels with --voxels");
   says("--also bone.vdb", "found one twice");
   says("--also second.vdb:nonsense", "FILE or FILE:LEVEL");
   says("--also nothing.vdb", "nothing.vdb");
