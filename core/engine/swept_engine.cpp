@@ -1,5 +1,7 @@
 #include "core/engine/swept_engine.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/points/material.h"
@@ -21,7 +23,16 @@ StepResult SweptEngine::step(const Pose& pose) noexcept {
 
   Removal removal;
   const BitMotion motion(profile_, start, target);
-  for (std::size_t piece = 0; piece < motion.piece_count(); ++piece) remove(motion.piece(piece), removal);
+  const std::size_t count = motion.piece_count();
+  if (count == 1) {
+    const SweptBit whole = motion.piece(0);
+    remove(std::span(&whole, 1), removal);
+  }
+  for (std::size_t first = 0; first < count && count > 1; first += kTogether) {
+    const auto piece = [&](std::size_t n) { return motion.piece(std::min(first + n, count - 1)); };
+    const std::array<SweptBit, kTogether> pieces{piece(0), piece(1), piece(2), piece(3)};
+    remove(std::span(pieces).first(std::min(kTogether, count - first)), removal);
+  }
   return result_of(removal, target.tip_mm);
 }
 

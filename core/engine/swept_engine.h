@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/engine/drill_engine.h"
 #include "core/tool/drill_path.h"
@@ -47,6 +48,11 @@ class SweptEngine : public DrillEngine {
 
   /// Removes all living bone that the bit passes; coordinates of the frame.
   virtual void remove(const SweptBit& bit, Removal& removal) noexcept = 0;
+  /// The same of pieces of a way that follow one another, at most kTogether.
+  static constexpr std::size_t kTogether = 4;
+  virtual void remove(std::span<const SweptBit> pieces, Removal& removal) noexcept {
+    for (const SweptBit& bit : pieces) remove(bit, removal);
+  }
 
   void set_units(const RemovalUnits& units) { units_ = units; }
   const BitProfile& profile() const { return profile_.bit; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace spinaltap {
 namespace {
@@ -111,10 +112,25 @@ BitMotion::BitMotion(const SweepProfile& profile, const Pose& from, const Pose& 
   // Of opposite axes `across` is rounding alone, and not across.
   const Vec3 side = across - across.dot(from.axis) * from.axis;
   turns_to_ = side.norm() > 0.0 ? side.normalized() : any_perpendicular(from.axis);
-  // Seen from the bit, a point's second derivative over the whole way is at most angle² r + 2 angle |tip's way|; an
-  // eighth of it is how far chord and arc part.
-  const double reach_mm = profile.bit.length_mm() + profile.bit.radius_mm();
-  bend_mm_ = angle_rad_ * (angle_rad_ * reach_mm + 2.0 * (to.tip_mm - from.tip_mm).norm()) / 8.0;
+  // Seen from the bit, the second derivative of a point's place q in the plane of the turn is, over the whole way,
+  // 2 angle J w - angle² q, where w is the tip's way, turned back as far as the bit has turned, and J a right angle. An
+  // eighth of its most is how far chord and arc part. Between its ends J w leaves its chord by no more than its
+  // sagitta.
+  const Vec3 way = to.tip_mm - from.tip_mm;
+  const double forward_mm = way.dot(from.axis), aside_mm = way.dot(turns_to_);
+  const double cosine = std::cos(angle_rad_), turned_by = std::sin(angle_rad_);
+  const double square = angle_rad_ * angle_rad_, radius_mm = profile.bit.radius_mm();
+  double most_mm = 0.0;
+  for (const auto& [along_mm, across_mm] :
+       {std::pair(-aside_mm, forward_mm),
+        std::pair(turned_by * forward_mm - cosine * aside_mm, cosine * forward_mm + turned_by * aside_mm)}) {
+    for (const double back_mm : {0.0, profile.bit.length_mm()}) {
+      most_mm = std::max(most_mm, std::hypot(2.0 * angle_rad_ * along_mm + square * back_mm,
+                                             2.0 * angle_rad_ * std::abs(across_mm) + square * radius_mm));
+    }
+  }
+  const double sagitta_mm = std::hypot(forward_mm, aside_mm) * (1.0 - std::cos(0.5 * angle_rad_));
+  bend_mm_ = (most_mm + 2.0 * angle_rad_ * sagitta_mm) / 8.0;
   if (bend_mm_ <= 0.5 * SweepProfile::kStraightSkinMm) return;
   way_ = SweptBit::Way::turning;
   pieces_ = static_cast<std::size_t>(

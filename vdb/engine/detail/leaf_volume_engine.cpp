@@ -24,7 +24,7 @@ std::size_t LeafVolumeEngine::memory_bytes() const {
 }
 
 void LeafVolumeEngine::remove(const SweptBit& bit, Removal& removal) noexcept {
-  const SweptBounds tool(bit, bounds_);
+  const SweptBounds tool(std::span(&bit, 1), bounds_);
   const auto due = tree_.due(tool);
   // Measured on two cores: sharing breaks even at about 20 us of work; a look at a cell costs 0.3 us.
   constexpr std::size_t kWorthSharing = 150;
@@ -85,7 +85,7 @@ void LeafVolumeEngine::look(std::size_t number, const SweptBounds& tool, Removal
     const BitPlace at = tool.place(p);
     const double from_cylinder_mm = bounds_.from_cylinder_mm(at);
     const double from_cone_mm = bounds_.from_cone_mm(at);
-    if (reach.holds(from_cylinder_mm, from_cone_mm) && tool.bit().contains_inlined(p)) {
+    if (reach.holds(from_cylinder_mm, from_cone_mm) && tool.contains_inlined(p)) {
       kill_point<sharing>(cell, n, removal);
       continue;
     }

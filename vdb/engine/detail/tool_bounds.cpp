@@ -78,12 +78,11 @@ PieceBounds::Near PieceBounds::within(double reach_mm) const {
   return near;
 }
 
-SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
-    : bit_(bit),
-      bounds_(bounds),
-      line_{bit.to().tip_mm, bit.to().axis, (bit.to().axis - bit.from().axis).norm(), bit.edge_mm(),
-            (bit.to().tip_mm - bit.from().tip_mm).norm()} {
-  const Vec3 way = bit.from().tip_mm - bit.to().tip_mm;
+SweptBounds::SweptBounds(std::span<const SweptBit> pieces, const ToolBounds& bounds)
+    : pieces_(pieces), bounds_(bounds) {
+  const Pose &from = pieces.front().from(), &to = pieces.back().to();
+  const Vec3 way = from.tip_mm - to.tip_mm;
+  line_ = {to.tip_mm, to.axis, (to.axis - from.axis).norm(), pieces.front().edge_mm(), way.norm()};
   const double along_mm = way.dot(line_.axis);
   way_mm_ = way.norm();
   across_mm_ = std::sqrt(std::max(0.0, way_mm_ * way_mm_ - along_mm * along_mm));
@@ -94,10 +93,14 @@ SweptBounds::SweptBounds(const SweptBit& bit, const ToolBounds& bounds)
 
 SweptBounds::Reach SweptBounds::reach_of_ball(const BitPlace& at, double radius_mm) const {
   const double from_tip_mm = std::sqrt(at.back_mm * at.back_mm + at.off_mm * at.off_mm) + radius_mm;
-  const double turned_mm = angle_ * (from_tip_mm + way_mm_) + bit_.edge_mm() + kSpareMm;
+  const double arc_mm = angle_ * (from_tip_mm + way_mm_);
+  const double turned_mm = arc_mm + line_.edge_mm + kSpareMm;
   const double across_mm = across_mm_ + turned_mm;
   // Twice the edge: the bounds at both ends of a way leave one each.
-  return {across_mm, across_mm + bounds_.cone_slope() * (back_mm_ + turned_mm), way_mm_ + turned_mm + bit_.edge_mm()};
+  const double edges_mm = 2.0 * line_.edge_mm + kSpareMm;
+  const double piece_mm = (way_mm_ + arc_mm) / static_cast<double>(pieces_.size()) + edges_mm;
+  return {across_mm, across_mm + bounds_.cone_slope() * (back_mm_ + turned_mm), way_mm_ + turned_mm + line_.edge_mm,
+          piece_mm};
 }
 
 FreeMove SweptBounds::free_of_ball(const BitPlace& at, double radius_mm, double body_mm, const Reach& reach,
@@ -135,7 +138,7 @@ FreeMove SweptBounds::to_one_side(const Vec3& centre_mm, double radius_mm, unsig
 }
 
 bool SweptBounds::holds_ball(const BitPlace& at, double radius_mm) const {
-  const BitProfile& profile = bit_.profile();
+  const BitProfile& profile = pieces_.front().profile();
   return profile.contains_inlined(at.back_mm, at.off_mm * at.off_mm) &&
          profile.distance_mm(at.back_mm, at.off_mm) < -radius_mm - kSpareMm;
 }

@@ -78,12 +78,20 @@ class PieceBounds {
   double least_mm_ = 1e30;
 };
 
-/// A swept bit as boxes and points are classified against it.
+/// A swept bit as boxes and points are classified against it: pieces of a way that follow one another evenly.
 class SweptBounds {
  public:
-  SweptBounds(const SweptBit& bit, const ToolBounds& bounds);
+  /// What it is given must outlive it; one piece at least.
+  SweptBounds(std::span<const SweptBit> pieces, const ToolBounds& bounds);
 
-  const SweptBit& bit() const { return bit_; }
+  std::span<const SweptBit> pieces() const { return pieces_; }
+  /// Whether the bit passes p.
+  [[gnu::always_inline]] bool contains_inlined(const Vec3& p) const noexcept {
+    for (const SweptBit& piece : pieces_) {
+      if (piece.contains_inlined(p)) return true;
+    }
+    return false;
+  }
   const ToolBounds& bounds() const { return bounds_; }
   const BitLine& line() const { return line_; }
 
@@ -97,7 +105,8 @@ class SweptBounds {
   /// with the tip, and as far as turning takes it, the more the further it lies from the tip.
   struct Reach {
     double cylinder, cone;
-    double body;  ///< the bounds at both ends of the way, together
+    double body;   ///< the bounds at both ends of the way, together
+    double piece;  ///< the bounds at both ends of a piece of it, together
     bool holds(double from_cylinder_mm, double from_cone_mm) const {
       return from_cylinder_mm <= cylinder && from_cone_mm <= cone;
     }
@@ -118,7 +127,7 @@ class SweptBounds {
   bool holds_ball(const BitPlace& at, double radius_mm) const;
 
  private:
-  const SweptBit& bit_;
+  std::span<const SweptBit> pieces_;
   const ToolBounds& bounds_;
   BitLine line_;
   double way_mm_;  ///< of the tip, and its parts across the axis and back along it, at most

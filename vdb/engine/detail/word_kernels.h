@@ -45,12 +45,14 @@ struct WordResult {
 };
 
 struct LeafArguments {
+  static constexpr std::size_t kMostPieces = 4;
   const WordTool* tool;
-  LeafPlace begin, end;        ///< of the tool's way
-  float cylinder, cone, body;  ///< how near a voxel's lower bounds must be, see SweptBounds::Reach
-  unsigned pieces;             ///< bit n: piece n may have come near; one at least
-  bool wants_cylinder;         ///< else any bound of it will do
-  float rest;                  ///< the leaf's least bound from the others
+  std::array<LeafPlace, kMostPieces + 1> places;  ///< at the begin of the tool's way and after each of its pieces
+  unsigned piece_count;                           ///< of the way
+  float cylinder, cone, body, piece;              ///< how near a voxel's lower bounds must be, see SweptBounds::Reach
+  unsigned pieces;                                ///< bit n: piece n may have come near; one at least
+  bool wants_cylinder;                            ///< else any bound of it will do
+  float rest;                                     ///< the leaf's least bound from the others
   const std::uint64_t* words;
   unsigned due;  ///< bit x: look at word x
 };

@@ -82,6 +82,7 @@ struct WordPlace {
   std::array<Floats, 3> first;  ///< of bit 0, in all lanes
   const WordOffsets* offsets;
 
+  WordPlace() = default;
   WordPlace(const LeafPlace& place, float word) : offsets(place.offsets) {
     for (std::size_t n = 0; n < 3; ++n) first[n] = all(place.first[n] + word * place.per_x[n]);
   }
@@ -92,6 +93,17 @@ struct WordPlace {
     };
     return {along(0), along(1), along(2)};
   }
+};
+
+/// A word's, at the begin of the tool's way and after each of its pieces.
+struct WordPlaces {
+  std::array<WordPlace, LeafArguments::kMostPieces + 1> after;
+  unsigned last;
+
+  WordPlaces(const LeafArguments& leaf, float word) : last(leaf.piece_count) {
+    for (unsigned n = 0; n <= last; ++n) after[n] = WordPlace(leaf.places[n], word);
+  }
+  Places at_end(unsigned bit) const { return after[last].at(bit); }
 };
 
 inline bool has_living(std::uint64_t alive, unsigned bit) {
@@ -116,12 +128,12 @@ inline bool has_living(std::uint64_t alive, unsigned bit) {
     if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
     const auto x = static_cast<float>(word);
-    const WordPlace to_word(leaf.end, x), from_word(leaf.begin, x);
+    const WordPlaces places(leaf, x);
     Floats least_off = far, least = far;
     std::uint64_t unsure_bits = 0, dead_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
       if (!has_living(alive, bit)) continue;
-      const Places at = to_word.at(bit);
+      const Places at = places.at_end(bit);
       const Floats up = at.back - centre;
       const Floats off_square = at.a * at.a + at.b * at.b;
       const Floats square = is_ball ? off_square + up * up : off_square;
@@ -130,21 +142,29 @@ inline bool has_living(std::uint64_t alive, unsigned bit) {
       const Lanes near_ones = lives & ~dead & not_above(square, near_square);
       Lanes unsure{};
       if (bits(near_ones) != 0) {
-        const Places from = from_word.at(bit);
-        const Floats from_up = from.back - centre;
-        const Floats way_a = at.a - from.a, way_b = at.b - from.b, way_back = at.back - from.back;
-        Floats towards = from.a * way_a + from.b * way_b, length_square = way_a * way_a + way_b * way_b;
-        if (is_ball) {
-          towards = towards + from_up * way_back;
-          length_square = length_square + way_back * way_back;
+        Lanes passed{};
+        Places to = at;
+        for (unsigned way = places.last; way-- > 0;) {
+          const Places from = places.after[way].at(bit);
+          const Floats from_up = from.back - centre;
+          const Floats way_a = to.a - from.a, way_b = to.b - from.b, way_back = to.back - from.back;
+          Floats towards = from.a * way_a + from.b * way_b, length_square = way_a * way_a + way_b * way_b;
+          if (is_ball) {
+            towards = towards + from_up * way_back;
+            length_square = length_square + way_back * way_back;
+          }
+          const Floats share = less(more(Floats{} - towards / more(length_square, all(1e-30F)), Floats{}), all(1.0F));
+          const Floats a = from.a + share * way_a, b = from.b + share * way_b, back = from.back + share * way_back;
+          const Floats nearest_up = back - centre;
+          const Floats nearest_off = a * a + b * b;
+          const Floats nearest = is_ball ? nearest_off + nearest_up * nearest_up : nearest_off;
+          const Lanes held = not_above(nearest, in_square) & not_above(begin, back) & not_above(back, end);
+          passed |= held;
+          unsure |= not_above(nearest, out_square);
+          to = from;
         }
-        const Floats share = less(more(Floats{} - towards / more(length_square, all(1e-30F)), Floats{}), all(1.0F));
-        const Floats a = from.a + share * way_a, b = from.b + share * way_b, back = from.back + share * way_back;
-        const Floats nearest_up = back - centre;
-        const Floats nearest_off = a * a + b * b;
-        const Floats nearest = is_ball ? nearest_off + nearest_up * nearest_up : nearest_off;
-        const Lanes passed = near_ones & not_above(nearest, in_square) & not_above(begin, back) & not_above(back, end);
-        unsure = near_ones & ~passed & not_above(nearest, out_square);
+        passed &= near_ones;
+        unsure &= near_ones & ~passed;
         unsure_bits |= bits(unsure) << bit;
         dead |= passed;
       }
@@ -198,12 +218,12 @@ inline void look_all(const LeafArguments& leaf, WordResult* words) {
     if ((leaf.due >> word & 1U) == 0) continue;
     const std::uint64_t alive = leaf.words[word];
     const auto x = static_cast<float>(word);
-    const WordPlace to_word(leaf.end, x), from_word(leaf.begin, x);
+    const WordPlaces places(leaf, x);
     Floats least_cylinder = far, least_cone = far, least_body = far;
     std::uint64_t unsure_bits = 0, dead_bits = 0;
     for (unsigned bit = 0; bit < 64; bit += kLanes) {
       if (!has_living(alive, bit)) continue;
-      const Bounds at = bounds_at(leaf, to_word.at(bit));
+      const Bounds at = bounds_at(leaf, places.at_end(bit));
       const Floats cylinder = at.off - tool.radius;
       const Floats cone = (at.off - tool.cone_offset) - tool.cone_slope * at.back;
       const Lanes lives = living(alive, bit);
@@ -212,8 +232,14 @@ inline void look_all(const LeafArguments& leaf, WordResult* words) {
                      not_above(at.body, all(leaf.body));
       if (bits(unsure) != 0) {
         // A bound does not fall faster than the tool moves: half of what both ends leave of the way is left between.
-        const Bounds before = bounds_at(leaf, from_word.at(bit));
-        unsure &= not_above(at.body + before.body, all(leaf.body));
+        Lanes reached{};
+        Floats after = at.body;
+        for (unsigned way = places.last; way-- > 0;) {
+          const Floats before = bounds_at(leaf, places.after[way].at(bit)).body;
+          reached |= not_above(after + before, all(leaf.piece));
+          after = before;
+        }
+        unsure &= reached;
         unsure_bits |= bits(unsure) << bit;
       }
       dead_bits |= bits(dead) << bit;

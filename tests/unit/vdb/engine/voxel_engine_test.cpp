@@ -422,6 +422,47 @@ TEST(VoxelEngine, RemovesWhatBruteForceDoesWithToolsMuchLargerThanALeaf) {
   EXPECT_GT(sum.removed, kSeeds * 1000U);
 }
 
+TEST(VoxelEngine, RemovesWhatBruteForceDoesWithToolsThatTurnByManyPieces) {
+#if defined(SPINALTAP_ADDRESS_SANITIZER)
+  constexpr std::uint64_t kSeeds = 4;
+#else
+  constexpr std::uint64_t kSeeds = 40;
+#endif
+  constexpr double kHalfMm = 2.5;
+  const BoneModel bone = block(kHalfMm);
+  Removed sum;
+  std::array<int, 4> steps_of{};  ///< one piece, a few with hardly a way, a few with a long way, more
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const DrillBit bit = seed % 2 == 0 ? mill(seed) : large_mill(seed);
+    const SweepProfile profile{BitProfile(bit)};
+    VoxelBone found(bone, {.voxel_mm = seed % 4 < 2 ? 0.1 : 0.14});
+    BruteForce expected(found, bit, {});
+    const auto& kernels = detail::word_kernels();
+    const auto engine = detail::make_voxel_engine(found, bit, {}, {}, kernels[seed % kernels.size()]);
+    // About a place on its axis, in its tip or far behind it, which goes on slowly.
+    Random random(seed);
+    const double behind_mm = seed % 3 == 0 ? random(5.0, 40.0) : random(-1.0, 3.0);
+    Vec3 axis = random.direction();
+    Vec3 pivot = (-kHalfMm - behind_mm) * axis;
+    Pose before{kMiddleMm + pivot + behind_mm * axis, axis};
+    for (int step = 0; step < 60; ++step) {
+      pivot += random(0.0, 0.15) * Vec3(axis + 0.5 * random.direction());
+      axis = (axis + random(0.0, 0.06) * random.direction()).normalized();
+      if (pivot.norm() > behind_mm + 2.0 * kHalfMm) pivot *= 0.5;
+      const Pose pose{kMiddleMm + pivot + behind_mm * axis, axis};
+      const std::size_t pieces = BitMotion(profile, before, pose).piece_count();
+      const bool goes_far = (pose.tip_mm - before.tip_mm).norm() > 0.3;
+      ++steps_of[pieces == 1 ? 0 : pieces > 4 ? 3 : goes_far ? 2 : 1];
+      before = pose;
+      ASSERT_NO_FATAL_FAILURE(step_alike(*engine, expected, pose, sum));
+    }
+    ASSERT_TRUE(expected.is_same_as(found));
+  }
+  EXPECT_GT(sum.removed, kSeeds * 1000U);
+  EXPECT_GT(std::ranges::min(steps_of), 10);
+}
+
 TEST(VoxelEngine, DecidesWhatLiesOnTheToolsWallAsSweptBitDoes) {
   // Voxels 25 times the voxel's size from the ball's centre, and from the shank's axis 15 times: 3, 4, 5 and 7, 24, 25.
   constexpr double kVoxelMm = 0.125;
