@@ -63,6 +63,7 @@ Vec3 on_cylinder(const BoneModel& bone, const PathFrame& frame, double radius_mm
 
 TriangleMesh cut_out_cylinder(const BoneModel& bone, const DrillPath& path, double radius_mm, double lead_in_mm) {
   check_path(path);
+  check_straight(path, "a cylinder cut out");
   if (!(radius_mm > 0.0) || !(lead_in_mm >= 0.0)) {
     fail("cutting out: expected a radius above 0 mm and a lead-in of 0 mm or more, found ", radius_mm, " and ",
          lead_in_mm);

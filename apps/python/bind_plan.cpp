@@ -59,9 +59,12 @@ PedicleScrew make_screw(double diameter_mm, double length_mm, double tip_length_
   return screw;
 }
 
-DrillPath make_path(const Numbers& entry_mm, const Numbers& target_mm, const DrillBit& bit, const std::string& name,
-                    const std::optional<PedicleScrew>& screw) {
-  DrillPath path{name, vec3_of(entry_mm, "entry_mm"), vec3_of(target_mm, "target_mm"), bit, screw};
+DrillPath make_path(const Numbers& entry_mm, const Numbers& target_mm, const std::optional<DrillBit>& bit,
+                    const std::string& name, const std::optional<PedicleScrew>& screw,
+                    const std::vector<Numbers>& via_mm) {
+  DrillPath path{name, vec3_of(entry_mm, "entry_mm"), vec3_of(target_mm, "target_mm"), bit.value_or(DrillBit{}), screw};
+  for (const Numbers& place : via_mm) path.via_mm.push_back(vec3_of(place, "via_mm"));
+  if (!bit && path.is_curved()) path.bit = steerable_head();
   check_path(path);
   return path;
 }
@@ -112,17 +115,28 @@ void bind_plan(py::module_& module) {
       .def_readonly("length_mm", &PedicleScrew::length_mm)
       .def_readonly("tip_length_mm", &PedicleScrew::tip_length_mm);
 
-  py::class_<DrillPath>(module, "Path", "A straight planned hole, patient LPS, mm. Nothing changes it.")
-      .def(py::init(&make_path), "entry_mm"_a, "target_mm"_a, "bit"_a = DrillBit{}, "name"_a = "",
-           "screw"_a = py::none(),
-           "From the entry on the bone's surface to the target inside; 3 numbers each. Raises Error on a path shorter "
-           "than 0.1 mm or longer than 500 mm.")
+  py::class_<DrillPath>(module, "Path", "A planned hole, straight or curved, patient LPS, mm. Nothing changes it.")
+      .def(py::init(&make_path), "entry_mm"_a, "target_mm"_a, "bit"_a = py::none(), "name"_a = "",
+           "screw"_a = py::none(), "via_mm"_a = std::vector<Numbers>{},
+           "From the entry on the bone's surface to the target inside; 3 numbers each. `via_mm`: places between, which "
+           "a smooth curve passes, as a steerable drill goes. `bit`: Bit() where none is said, a ball of 3 mm where "
+           "the path is curved. Raises Error on a path shorter than 0.1 mm or longer than 500 mm, and on a curve that "
+           "the "
+           "bit cannot go.")
       .def_readonly("name", &DrillPath::name)
       .def_property_readonly("entry_mm", [](const DrillPath& path) { return array_of(path.entry_mm); })
       .def_property_readonly("target_mm", [](const DrillPath& path) { return array_of(path.target_mm); })
       .def_property_readonly(
           "direction", [](const DrillPath& path) { return array_of(path.direction()); },
-          "Unit, from the entry to the target.")
+          "Unit, from the entry to the target: of a curved path its chord's.")
+      .def_property_readonly(
+          "via_mm",
+          [](const DrillPath& path) {
+            py::list places;
+            for (const Vec3& via_mm : path.via_mm) places.append(array_of(via_mm));
+            return places;
+          },
+          "Places between entry and target of a curved path; empty where it is straight.")
       .def_property_readonly("length_mm", &DrillPath::length_mm)
       .def_readonly("bit", &DrillPath::bit)
       .def_readonly("screw", &DrillPath::screw)

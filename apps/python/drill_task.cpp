@@ -75,6 +75,7 @@ DrillTask::DrillTask(std::vector<BonePath> holes, std::size_t count, const Drill
     : options_(options), batch_(std::move(holes), count, setup_of(options), threads, progress), episodes_(count) {
   for (std::size_t n = 0; n < count; ++n) {
     const DrillPath& path = batch_.session(n).path();
+    check_straight(path, "a task of drilling");
     episodes_[n].frame = PathFrame(path.entry_mm, path.direction());
     episodes_[n].length_mm = path.length_mm();
     episodes_[n].seed = n;

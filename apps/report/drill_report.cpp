@@ -15,6 +15,7 @@
 #include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/plan/path_side.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -75,10 +76,12 @@ std::string lean(double angle_rad, std::string_view positive, std::string_view n
 
 std::vector<ReportRow> summary(const DrillReportData& data) {
   const DrillPath& path = data.path;
-  const Vec3 direction = path.direction();
+  const Vec3 direction = PathCurve(path).direction_at(0.0);
+  const std::string where = path.is_curved() ? ", at its entry" : "";
   std::vector<ReportRow> rows;
   if (!path.name.empty()) rows.push_back({"Path", path.name, ""});
-  rows.push_back({"Length, entry to target", readable_number(path.length_mm(), 1), "mm"});
+  rows.push_back({path.is_curved() ? "Length, along its curve" : "Length, entry to target",
+                  readable_number(path.length_mm(), 1), "mm"});
   rows.push_back({"Entry (x, y, z)", position(path.entry_mm), "mm"});
   rows.push_back({"Target (x, y, z)", position(path.target_mm), "mm"});
   const double across = direction.head<2>().norm();
@@ -86,14 +89,17 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
     const Landmarks& marks = data.bone->landmarks();
     const bool is_left = (path.entry_mm - marks.origin_mm).dot(marks.left()) > 0.0;
     const PathAngles angles = path_angles(direction, marks.axes, is_left);
-    rows.push_back({"Convergence, to the vertebra's midline", readable_number(angles.convergence_deg, 1) + "°", ""});
-    rows.push_back({"Inclination, to its transverse plane", readable_number(angles.inclination_deg, 1) + "°", ""});
+    rows.push_back(
+        {"Convergence, to the vertebra's midline" + where, readable_number(angles.convergence_deg, 1) + "°", ""});
+    rows.push_back(
+        {"Inclination, to its transverse plane" + where, readable_number(angles.inclination_deg, 1) + "°", ""});
   } else if (across > 1e-6) {
     // Seen from the feet: away from the sagittal plane, whether the path runs forward or back.
-    rows.push_back({"Leans in the CT's axial plane",
+    rows.push_back({"Leans in the CT's axial plane" + where,
                     lean(std::atan2(direction.x(), std::abs(direction.y())), "left", "right"), ""});
   }
-  rows.push_back({"Leans out of the CT's axial plane", lean(std::atan2(direction.z(), across), "head", "feet"), ""});
+  rows.push_back(
+      {"Leans out of the CT's axial plane" + where, lean(std::atan2(direction.z(), across), "head", "feet"), ""});
   rows.push_back({"Bit, diameter × length",
                   readable_number(path.bit.diameter_mm, 1) + " × " + readable_number(path.bit.length_mm, 1), "mm"});
   const bool is_profile = path.bit.shape == BitShape::profile;

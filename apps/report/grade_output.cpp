@@ -182,6 +182,10 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
             {"pedicle", grade.is_left ? "left" : "right"},
             {"grade", std::string(1, letter_of(grade.grade))},
             {"breach_mm", grade.breach_mm}};
+  if (graded.path.is_curved()) {
+    json["via_mm"] = Json::array();
+    for (const Vec3& via_mm : graded.path.via_mm) json["via_mm"].push_back(to_json(via_mm));
+  }
   if (grade.breach_mm > 0.0) {
     json["breach"] = {{"into", grade.breaches_canal ? "canal" : "outer surface"},
                       {"depth_mm", grade.breach_depth_mm},

@@ -11,6 +11,7 @@
 #include "apps/report/slice_figure.h"
 #include "apps/report/text.h"
 #include "core/plan/path_side.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -45,9 +46,10 @@ std::vector<ReportRow> sheet_figures(const GradedPath& graded, const Landmarks* 
   const DrillPath& path = graded.path;
   std::vector<ReportRow> rows;
   if (landmarks != nullptr) {
-    const PathAngles angles = path_angles(path.direction(), landmarks->axes, grade.is_left);
-    rows.push_back({"Convergence", readable_number(angles.convergence_deg, 1) + "°", ""});
-    rows.push_back({"Inclination", readable_number(angles.inclination_deg, 1) + "°", ""});
+    const PathAngles angles = path_angles(PathCurve(path).direction_at(0.0), landmarks->axes, grade.is_left);
+    const std::string where = path.is_curved() ? ", at entry" : "";
+    rows.push_back({"Convergence" + where, readable_number(angles.convergence_deg, 1) + "°", ""});
+    rows.push_back({"Inclination" + where, readable_number(angles.inclination_deg, 1) + "°", ""});
     rows.push_back(pedicle_row(*landmarks, grade.is_left));
   }
   if (std::isfinite(grade.hu)) rows.push_back({"Bone in it", readable_number(grade.hu, 0), "HU"});
@@ -209,7 +211,7 @@ class Sheets {
   double isthmus_mm(const GradedPath& graded) const {
     if (data_.landmarks == nullptr) return 0.5 * graded.path.length_mm();
     const PedicleLandmarks& pedicle = pedicle_of(*data_.landmarks, graded.grade.is_left);
-    return (pedicle.isthmus_mm - graded.path.entry_mm).dot(graded.path.direction());
+    return PathCurve(graded.path).nearest_mm(pedicle.isthmus_mm);
   }
 
   bool has_map() const {

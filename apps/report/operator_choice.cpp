@@ -15,6 +15,7 @@
 #include "core/session/operator/milling.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/operator/recorded_motion.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -151,8 +152,10 @@ void OperatorChoice::add_force_controlled(const DrillPath& path, const GuideLine
 
 void OperatorChoice::add_recorded_motion(const DrillPath& path, OperatorPlan& plan) const {
   std::vector<ToolInput> inputs = read_pose_csv(name);
+  const PathCurve curve(path);
   for (const ToolInput& input : inputs) {
-    const double cosine = std::clamp(input.pose.axis.dot(path.direction()), -1.0, 1.0);
+    const Vec3 direction = curve.direction_at(curve.nearest_mm(input.pose.tip_mm));
+    const double cosine = std::clamp(input.pose.axis.dot(direction), -1.0, 1.0);
     plan.way.max_tilt_deg = std::max(plan.way.max_tilt_deg, std::acos(cosine) / kDegree);
   }
   plan.rate_hz = mean_rate_hz(inputs);

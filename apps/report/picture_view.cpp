@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/tool/path_curve.h"
 #include "vdb/picture/render.h"
 
 namespace spinaltap {
@@ -98,7 +99,10 @@ std::vector<ReportPicture> planned_pictures(const BoneModel& bone, const std::ve
   options.opacity = 0.55;
   Box3 shown_mm = bone.bounds_mm();
   for (const DrillPath& path : paths) {
-    options.tools.push_back({path.screw ? path.screw->outline() : path.bit, {path.target_mm, path.direction()}});
+    const PathCurve curve(path);
+    options.tools.push_back(
+        {path.screw ? path.screw->outline() : path.bit, {path.target_mm, curve.direction_at(curve.length_mm())}});
+    if (path.is_curved()) options.paths.push_back(path);
     if (const std::optional<BodyBehind> head = head_of(path)) {
       options.tools.push_back({head->outline, head->pose});
       const Vec3 end_mm = head->pose.tip_mm - head->outline.length_mm * head->pose.axis;

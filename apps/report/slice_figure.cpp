@@ -16,6 +16,7 @@
 #include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/tool/bit_profile.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -35,10 +36,15 @@ struct PlacedPart {
   Pose pose;
 };
 
+Pose at_target(const DrillPath& path) {
+  const PathCurve curve(path);
+  return {path.target_mm, curve.direction_at(curve.length_mm())};
+}
+
 /// The thread or shaft first, then the head.
 std::vector<PlacedPart> parts_of(const DrillPath& path) {
   std::vector<PlacedPart> parts;
-  const Pose pose{path.target_mm, path.direction()};
+  const Pose pose = at_target(path);
   for (ToolPart& part : tool_parts(path.screw ? path.screw->outline() : path.bit))
     parts.push_back({std::move(part), pose});
   if (const std::optional<BodyBehind> head = head_of(path)) {
@@ -86,7 +92,7 @@ class SliceDrawing {
   }
 
   void add_tool(const DrillPath& path, bool is_other) {
-    const bool is_across = std::abs(frame_.into().dot(path.direction())) > 0.9;
+    const bool is_across = std::abs(frame_.into().dot(at_target(path).axis)) > 0.9;
     const std::vector<PlacedPart> parts = parts_of(path);
     for (std::size_t n = 0; n < parts.size() && !(is_other && is_across); ++n) {
       const PixelPolygon projection = in_units(part_projection(frame_, parts[n].part, parts[n].pose));
@@ -119,9 +125,16 @@ class SliceDrawing {
   }
 
   void add_axis(const DrillPath& path) {
-    if (std::abs(frame_.into().dot(path.direction())) > 0.99) return;  // a point
-    const std::string line =
-        "<path d=\"M" + point(in_units(path.entry_mm)) + "L" + point(in_units(path.target_mm)) + "\" ";
+    if (!path.is_curved() && std::abs(frame_.into().dot(path.direction())) > 0.99) return;  // a point
+    std::string line = "<path fill=\"none\" d=\"";
+    if (!path.is_curved()) line = "<path d=\"";
+    constexpr double kStepMm = 0.5;
+    const char* next = "M";
+    for (const Vec3& p_mm : PathCurve(path).places_mm(kStepMm)) {
+      line += next + point(in_units(p_mm));
+      next = "L";
+    }
+    line += "\" ";
     svg_ += line + "stroke=\"#000\" stroke-opacity=\"0.35\" stroke-width=\"2.6\"/>" + line +
             "stroke=\"#fff\" stroke-width=\"1.2\" stroke-dasharray=\"9 3 2 3\"/>\n";
   }
@@ -182,8 +195,10 @@ class SliceDrawing {
   }
 
   bool holds_path(const DrillPath& path) const {
-    const double away_pixels =
-        std::max(std::abs(frame_.to_pixel(path.entry_mm).z()), std::abs(frame_.to_pixel(path.target_mm).z()));
+    double away_pixels = 0.0;
+    for (const Vec3& p_mm : PathCurve(path).places_mm(0.5)) {
+      away_pixels = std::max(away_pixels, std::abs(frame_.to_pixel(p_mm).z()));
+    }
     return away_pixels * frame_.pixel_mm < 0.01;
   }
 
@@ -229,6 +244,7 @@ void tint_breach(CtSlice& slice, const SliceScene& scene) {
   if (scene.bone == nullptr || !std::isfinite(scene.red_from_mm)) return;
   const DrillPath& path = scene.path;
   const Vec3 along = path.direction();
+  const PathCurve curve(path);
   const BitProfile profile(path.screw ? path.screw->outline() : path.bit);
   const SliceFrame& frame = slice.frame;
   std::vector<Vec3> places;
@@ -236,10 +252,18 @@ void tint_breach(CtSlice& slice, const SliceScene& scene) {
   for (int row = 0; row < frame.height; ++row) {
     for (int column = 0; column < frame.width; ++column) {
       const Vec3 p = frame.to_patient(Vec3(column, row, 0.0));
-      const double back_mm = (path.target_mm - p).dot(along);
-      if (path.length_mm() - back_mm < scene.red_from_mm) continue;
-      const double off_squared = (p - path.target_mm + back_mm * along).squaredNorm();
-      if (!profile.contains(back_mm, off_squared)) continue;
+      if (curve.is_straight()) {
+        const double back_mm = (path.target_mm - p).dot(along);
+        if (curve.length_mm() - back_mm < scene.red_from_mm) continue;
+        const double off_squared = (p - path.target_mm + back_mm * along).squaredNorm();
+        if (!profile.contains(back_mm, off_squared)) continue;
+      } else {
+        // A short bit's hole along the curve.
+        const double depth_mm = curve.nearest_mm(p);
+        if (depth_mm < std::max(0.0, scene.red_from_mm) || depth_mm > curve.length_mm()) continue;
+        const double off_mm = (p - curve.at_mm(depth_mm)).norm();
+        if (!(off_mm <= profile.widest_mm(0.0, curve.length_mm() - depth_mm))) continue;
+      }
       places.push_back(p);
       pixels.push_back(static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) +
                        static_cast<std::size_t>(column));
@@ -259,8 +283,7 @@ void tint_breach(CtSlice& slice, const SliceScene& scene) {
 /// The bone and the path with some room around.
 Box3 shown_box(const DrillPath& path, Box3 box) {
   const double room_mm = box.isEmpty() ? 25.0 : 5.0;
-  box.extend(path.entry_mm);
-  box.extend(path.target_mm);
+  for (const Vec3& p_mm : PathCurve(path).places_mm(0.5)) box.extend(p_mm);
   if (const std::optional<BodyBehind> head = head_of(path)) {
     box.extend(Vec3(head->pose.tip_mm - head->outline.length_mm * head->pose.axis));
   }
@@ -353,7 +376,8 @@ std::vector<ReportDrawing> path_slices(const CtVolume& ct, const SliceScene& sce
 }
 
 SliceFrame cross_frame(const DrillPath& path, double depth_mm, const Eigen::Vector2d& size_mm, double pixel_mm) {
-  const Vec3 into = path.direction();
+  const PathCurve curve(path);
+  const Vec3 into = curve.direction_at(depth_mm);
   const Vec3 upward = Vec3::UnitZ() - into.z() * into;
   SliceFrame frame;
   frame.down = upward.norm() > 1e-6 ? Vec3(-upward.normalized()) : Vec3(Vec3::UnitY());
@@ -361,8 +385,8 @@ SliceFrame cross_frame(const DrillPath& path, double depth_mm, const Eigen::Vect
   frame.pixel_mm = pixel_mm;
   frame.width = static_cast<int>(std::lround(size_mm.x() / pixel_mm));
   frame.height = static_cast<int>(std::lround(size_mm.y() / pixel_mm));
-  frame.origin_mm = path.entry_mm + depth_mm * into -
-                    0.5 * pixel_mm * ((frame.width - 1) * frame.right + (frame.height - 1) * frame.down);
+  frame.origin_mm =
+      curve.at_mm(depth_mm) - 0.5 * pixel_mm * ((frame.width - 1) * frame.right + (frame.height - 1) * frame.down);
   return frame;
 }
 
@@ -408,7 +432,7 @@ std::vector<ReportDrawing> isthmus_slices(const CtVolume& ct, SliceScene scene, 
        caption});
   scene.measures.push_back(
       {pedicle.isthmus_mm - half, pedicle.isthmus_mm + half, readable_number(pedicle.width_mm, 1) + " mm"});
-  const double depth_mm = (pedicle.isthmus_mm - path.entry_mm).dot(path.direction());
+  const double depth_mm = PathCurve(path).nearest_mm(pedicle.isthmus_mm);
   const SliceFrame across = cross_frame(path, depth_mm, {24.0, 24.0 / kTallAspect}, 0.05);
   const std::string width = "Across the pedicle at its isthmus";
   drawings.push_back(

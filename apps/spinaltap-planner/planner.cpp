@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
+#include "core/tool/path_curve.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bone_path.h"
 
@@ -52,9 +53,9 @@ void Planner::show_chosen_path() {
   constexpr double kShownMm = 1.0;
   const DrillPath* path = document_.chosen_path();
   if (path == nullptr) return;
-  const double depth_mm =
-      std::clamp((view_.crosshair_mm() - path->entry_mm).dot(path->direction()), 0.0, path->length_mm());
-  const Vec3 nearest_mm = path->entry_mm + depth_mm * path->direction();
+  const PathCurve curve(*path);
+  const double depth_mm = std::clamp(curve.nearest_mm(view_.crosshair_mm()), 0.0, curve.length_mm());
+  const Vec3 nearest_mm = curve.at_mm(depth_mm);
   if ((view_.crosshair_mm() - nearest_mm).norm() > kShownMm) view_.set_crosshair(path->entry_mm);
 }
 

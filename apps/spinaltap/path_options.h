@@ -20,15 +20,17 @@ namespace spinaltap {
 struct PathOptions {
   std::vector<double> entry_mm;   ///< empty or three numbers, patient LPS
   std::vector<double> target_mm;  ///< empty or three numbers, patient LPS
+  std::vector<std::string> via;   ///< places between of a curved path, each "x,y,z"
   std::string profile;            ///< of the bit, see read_bit_profile(); empty: by its sizes
   DrillBit sizes;
 
-  /// Adds --entry, --target, and those of the bit: --bit, or --diameter, --bit-length, --tip-length, --shape,
+  /// Adds --entry, --target, --via, and those of the bit: --bit, or --diameter, --bit-length, --tip-length, --shape,
   /// --tip-diameter, --shank-diameter.
   void add_to(CLI::App& app);
-  /// The bit that was asked for. Throws Error as read_bit_profile() does.
+  /// The bit that was asked for; where none was, for a curved path steerable_head(). Throws Error as
+  /// read_bit_profile() does.
   DrillBit bit() const;
-  /// The path that was given, if one was. Throws Error when only half of it was.
+  /// The path that was given, if one was. Throws Error when only half of it was, and on places that are none.
   std::optional<DrillPath> given_path(const std::string& name) const;
 };
 

@@ -22,7 +22,7 @@ void add_uncertainty(const Bone& bone, const std::optional<PlacementErrors>& err
                      const Progress& progress) {
   for (GradedPath& one : graded) {
     one.surface = bone.surface_error();
-    if (!errors) continue;
+    if (!errors || one.path.is_curved()) continue;
     one.placed = PlacedGrade{*errors, grade_odds(bone.walls(), one.path, *errors, {}, progress),
                              breach_map(bone.walls(), one.path, {}, progress)};
   }
@@ -31,6 +31,7 @@ void add_uncertainty(const Bone& bone, const std::optional<PlacementErrors>& err
 void print_uncertainty(const std::vector<GradedPath>& graded) {
   for (const GradedPath& one : graded) {
     if (one.placed) print_figure(one.path.name + " grades to expect", odds_in_words(*one.placed));
+    if (one.path.is_curved()) print_figure(one.path.name + " grades to expect", "not judged for a curved path");
     if (one.surface) print_figure(one.path.name + " surface", surface_in_words(one));
   }
 }

@@ -10,6 +10,7 @@
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
 #include "core/files/bit_file.h"
 #include "core/files/data_files.h"
@@ -33,6 +34,12 @@ void PathOptions::add_to(CLI::App& app) {
       ->expected(3)
       ->needs(entry_option)
       ->type_name("X,Y,Z");
+  app.add_option("--via", via,
+                 "A place that a curved path passes between entry and target: x,y,z in patient LPS, mm; again for each "
+                 "further one, in order. Where no bit is said: a ball of 3 mm, the head of a steerable drill")
+      ->allow_extra_args(false)
+      ->needs(entry_option)
+      ->type_name("X,Y,Z");
   CLI::Option* profile_option =
       app.add_option(
              "--bit", profile,
@@ -53,13 +60,35 @@ void PathOptions::add_to(CLI::App& app) {
   add_size("--shank-diameter", sizes.shank_diameter_mm, "Diameter of a burr's shank, mm");
 }
 
-DrillBit PathOptions::bit() const { return profile.empty() ? sizes : read_bit_profile(profile).bit; }
+DrillBit PathOptions::bit() const {
+  if (!profile.empty()) return read_bit_profile(profile).bit;
+  return !via.empty() && sizes == DrillBit{} ? steerable_head() : sizes;
+}
+
+namespace {
+
+Vec3 place_of(const std::string& text) {
+  Vec3 place;
+  std::size_t begin = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t end = axis < 2 ? text.find(',', begin) : text.size();
+    const std::optional<double> number =
+        end == std::string::npos ? std::nullopt : parse_number(std::string_view(text).substr(begin, end - begin));
+    if (!number) fail("expected --via x,y,z, found ", in_quotes(text));
+    place[axis] = *number;
+    begin = end + 1;
+  }
+  return place;
+}
+
+}  // namespace
 
 std::optional<DrillPath> PathOptions::given_path(const std::string& name) const {
   if (entry_mm.empty()) return std::nullopt;
   if (target_mm.empty()) fail("--entry was given: expected --target x,y,z too");
   DrillPath path{name, Vec3(entry_mm[0], entry_mm[1], entry_mm[2]), Vec3(target_mm[0], target_mm[1], target_mm[2]),
                  bit()};
+  for (const std::string& place : via) path.via_mm.push_back(place_of(place));
   check_path(path);
   return path;
 }
@@ -71,11 +100,16 @@ Json report_paths(const std::vector<DrillPath>& paths) {
     text << "(" << path.entry_mm.x() << ", " << path.entry_mm.y() << ", " << path.entry_mm.z() << ") to ("
          << path.target_mm.x() << ", " << path.target_mm.y() << ", " << path.target_mm.z() << "), " << path.length_mm()
          << " mm";
+    if (path.is_curved()) text << " along a curve through " << path.via_mm.size() << " places between";
     print_figure("path " + path.name, text.str());
     list.push_back({{"name", path.name},
                     {"entry_mm", to_json(path.entry_mm)},
                     {"target_mm", to_json(path.target_mm)},
                     {"length_mm", path.length_mm()}});
+    if (path.is_curved()) {
+      list.back()["via_mm"] = Json::array();
+      for (const Vec3& via_mm : path.via_mm) list.back()["via_mm"].push_back(to_json(via_mm));
+    }
   }
   return {{"paths", list}};
 }

@@ -47,6 +47,7 @@ class JointEngine final : public DrillEngine {
 std::vector<PointVolume> make_segments(const DrillPath& path, const std::vector<VolumeSegment>& segments,
                                        const PointVolumeOptions& options) {
   check_path(path);
+  check_straight(path, "discs of more than one spacing");
   if (segments.empty()) fail("point volume: expected one segment or more, found none");
   std::vector<PointVolume> volumes;
   double end_mm = segments.front().begin_mm;
@@ -72,6 +73,7 @@ std::vector<PointVolume> make_segments(const DrillPath& path, const std::vector<
 std::vector<VolumeSegment> fine_near_surface(const DrillPath& path, double lead_in_mm, const BoneSampler& bone,
                                              double near_mm, double tip_mm, double fine_mm, double coarse_mm) {
   check_path(path);
+  check_straight(path, "discs of more than one spacing");
   if (!(coarse_mm > 0.0) || !(fine_mm > 0.0) || !(near_mm >= 0.0) || !(tip_mm >= 0.0) || !(lead_in_mm >= 0.0)) {
     fail("point volume: expected spacings above 0 mm and lengths of 0 mm or more");
   }

@@ -12,8 +12,22 @@ namespace {
 
 constexpr FileFormat kPlanFormat{"spinaltap-plan", "plan", "plan again, or see docs/plan-file.md"};
 
+/// A plan with a curved path is of a version of its own, so that no program that knows straight ones only drills its
+/// chord.
+constexpr int kCurvedVersion = 3;
+
+void check_plan_format(const Json& json, const std::filesystem::path& file) {
+  const auto version = json.find("version");
+  if (!json.is_object() || version == json.end() || *version != kCurvedVersion) {
+    return check_format(json, kPlanFormat, file);
+  }
+  Json head = format_head(kPlanFormat);
+  if (json.contains("format")) head["format"] = json.at("format");
+  check_format(head, kPlanFormat, file);
+}
+
 std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::path& file) {
-  check_format(json, kPlanFormat, file);
+  check_plan_format(json, file);
   const JsonObject plan(json, file);
   if (plan.text("frame") != "LPS" || plan.text("unit") != "mm") {
     fail("expected a plan in the frame LPS and the unit mm in ", file.string());
@@ -41,7 +55,10 @@ std::vector<DrillPath> paths_of(const Json& json, const std::filesystem::path& f
 Json plan_of(const std::vector<DrillPath>& paths) {
   Json plan = format_head(kPlanFormat);
   plan.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}});
-  for (const DrillPath& drill_path : paths) plan["paths"].push_back(to_json(drill_path));
+  for (const DrillPath& drill_path : paths) {
+    plan["paths"].push_back(to_json(drill_path));
+    if (drill_path.is_curved()) plan["version"] = kCurvedVersion;
+  }
   return plan;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
@@ -75,8 +76,7 @@ struct Walk {
 void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides, int ring_points,
                 Walk& walk) {
   constexpr double kBeforeIsthmusMm = 4.0;
-  const Vec3 entry_mm = tool.axis_mm(0.0);
-  const double latest_mm = (sides.pedicle().isthmus_mm - entry_mm).dot(tool.direction()) - kBeforeIsthmusMm;
+  const double latest_mm = tool.along_mm(sides.pedicle().isthmus_mm) - kBeforeIsthmusMm;
   double limit_mm = 0.0;  // a tool whose axis never enters bone makes no opening
   bool is_in = false;
   for (std::size_t n = 0; n < walk.rows.size(); ++n) {
@@ -97,7 +97,7 @@ void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNam
 
   walk.entry_rows = walk.rows.size();
   for (std::size_t n = 0; n < walk.rows.size(); ++n) {
-    const double deep_mm = (walk.axis[n].outer.nearest_mm - entry_mm).dot(tool.direction());
+    const double deep_mm = tool.along_mm(walk.axis[n].outer.nearest_mm);
     const bool has_left =
         walk.rows[n].depth_mm >= walk.bearing_mm && walk.axis[n].nearer_mm() > 0.0 && deep_mm >= walk.bearing_mm;
     if (walk.rows[n].depth_mm < latest_mm && !has_left) continue;
@@ -154,13 +154,16 @@ class WallAlongTool {
     const BoneShape& bone = walls.bone();
     const Vec3 entry_mm = tool.axis_mm(0.0);
     const double far_mm = reach_mm(tool);
+    const PathCurve& curve = tool.curve();
+    const PathCurve::AboutChord about = curve.about_chord(0.0, curve.length_mm());
     std::array<std::vector<Sample>, 2> found;
-    for (const std::size_t n :
-         bone.tree().along({entry_mm, tool.direction(), -far_mm, tool.length_mm() + far_mm, far_mm})) {
+    for (const std::size_t n : bone.tree().along(
+             {entry_mm, curve.chord(), about.low_mm - far_mm, about.high_mm + far_mm, about.off_mm + far_mm})) {
       const Vec3 from_mm = bone.points_mm()[n] - entry_mm;
-      const double along_mm = from_mm.dot(tool.direction());
+      const double along_mm = tool.along_mm(bone.points_mm()[n]);
       if (along_mm < -far_mm || along_mm > tool.length_mm() + far_mm) continue;
-      const double off_squared = from_mm.squaredNorm() - along_mm * along_mm;
+      const double off_squared = curve.is_straight() ? from_mm.squaredNorm() - along_mm * along_mm
+                                                     : (bone.points_mm()[n] - tool.axis_mm(along_mm)).squaredNorm();
       if (off_squared > far_mm * far_mm) continue;
       found[walls.landmarks().is_canal_wall[n] != 0 ? 1 : 0].push_back(
           {along_mm, std::sqrt(std::max(0.0, off_squared)), n});
@@ -174,32 +177,33 @@ class WallAlongTool {
   /// How far the section at a depth is from the wall, `axis_mm`: its middle is.
   double clearance_mm(double depth_mm, double radius_mm, double axis_mm) const {
     constexpr double kCrossingMm = 0.5 * BoneShape::kSampleMm;
+    const Vec3 centre_mm = tool_.axis_mm(depth_mm), axis = tool_.direction_at(depth_mm);
+    const bool is_straight = tool_.curve().is_straight();
     double best_squared = (axis_mm + 0.1) * (axis_mm + 0.1);
-    const Sample* best = nullptr;
+    std::optional<Sample> best;
     const std::size_t slices = slice_begins_.size() - 1;
     std::size_t below = slice_of(depth_mm) + 1, above = below;  // looked at so far: from below on, up to above
     while (true) {
       const double behind_mm = below > 0 ? depth_mm - edge_mm(below) : std::numeric_limits<double>::infinity();
       const double ahead_mm = above < slices ? edge_mm(above) - depth_mm : std::numeric_limits<double>::infinity();
       const double gap_mm = std::max(0.0, std::min(behind_mm, ahead_mm));
-      if (gap_mm > kCrossingMm && gap_mm * gap_mm > best_squared) break;
+      // Of curves, on whose inner side places are nearer than along them, all are asked.
+      if (is_straight ? gap_mm > kCrossingMm && gap_mm * gap_mm > best_squared : below == 0 && above == slices) break;
       const std::size_t slice = behind_mm <= ahead_mm ? --below : above++;
       for (std::size_t n = slice_begins_[slice]; n < slice_begins_[slice + 1]; ++n) {
-        const Sample& one = samples_[n];
+        const Sample one = is_straight ? samples_[n] : seen_from(centre_mm, axis, depth_mm, samples_[n].index);
         const double away_mm = one.along_mm - depth_mm;
         const double beside_mm = std::max(0.0, one.off_mm - radius_mm);
         if (beside_mm == 0.0 && std::abs(away_mm) < kCrossingMm) return axis_mm - radius_mm;  // the wall crosses it
         const double squared = beside_mm * beside_mm + away_mm * away_mm;
-        if (squared > best_squared || (squared == best_squared && (best == nullptr || best->index < one.index)))
-          continue;
+        if (squared > best_squared || (squared == best_squared && (!best || best->index < one.index))) continue;
         best_squared = squared;
-        best = &one;
+        best = one;
       }
     }
-    if (best == nullptr) return axis_mm - radius_mm;
+    if (!best) return axis_mm - radius_mm;
     const Vec3& sample_mm = walls_.bone().points_mm()[best->index];
-    const Vec3 centre_mm = tool_.axis_mm(depth_mm);
-    const Vec3 across_mm = sample_mm - centre_mm - (best->along_mm - depth_mm) * tool_.direction();
+    const Vec3 across_mm = sample_mm - centre_mm - (best->along_mm - depth_mm) * axis;
     const double off_mm = across_mm.norm();
     const Vec3 nearest_mm =
         off_mm > radius_mm ? Vec3(centre_mm + radius_mm / off_mm * across_mm) : Vec3(centre_mm + across_mm);
@@ -210,6 +214,12 @@ class WallAlongTool {
   static constexpr double kSliceMm = 0.25;
   std::size_t slice_of(double along_mm) const { return static_cast<std::size_t>((along_mm - first_mm_) / kSliceMm); }
   double edge_mm(std::size_t slice) const { return first_mm_ + kSliceMm * static_cast<double>(slice); }
+  /// A sample along and off the line that stands across a section.
+  Sample seen_from(const Vec3& centre_mm, const Vec3& axis, double depth_mm, std::size_t index) const {
+    const Vec3 way_mm = walls_.bone().points_mm()[index] - centre_mm;
+    const double ahead_mm = way_mm.dot(axis);
+    return {depth_mm + ahead_mm, (way_mm - ahead_mm * axis).norm(), index};
+  }
 
   const WallDistance& walls_;
   const GradedTool& tool_;
@@ -305,7 +315,8 @@ void add_entry(const WallDistance& walls, const DrillPath& path, const GradedToo
   }
   graded.entry_slant_deg = std::numeric_limits<double>::quiet_NaN();
   if (normal.norm() > 0.0) {
-    graded.entry_slant_deg = std::acos(std::clamp(-normal.normalized().dot(tool.direction()), -1.0, 1.0)) / kDegree;
+    graded.entry_slant_deg =
+        std::acos(std::clamp(-normal.normalized().dot(tool.direction_at(0.0)), -1.0, 1.0)) / kDegree;
   }
   if (graded.entry_slant_deg > kSlantsDeg) {
     const bool walks = graded.entry_slant_deg > kWalksDeg;

@@ -55,7 +55,8 @@ struct Touch {
 
 class PathLine {
  public:
-  explicit PathLine(const DrillPath& path) : entry_mm_(path.entry_mm), direction_(path.direction()) {}
+  /// Behind its entry a curved path is straight as well.
+  explicit PathLine(const DrillPath& path) : entry_mm_(path.entry_mm), direction_(PathCurve(path).direction_at(0.0)) {}
   double along_mm(const Vec3& p_mm) const { return (p_mm - entry_mm_).dot(direction_); }
   double off_squared_mm2(const Vec3& p_mm, double along_mm) const {
     return (p_mm - entry_mm_ - along_mm * direction_).squaredNorm();

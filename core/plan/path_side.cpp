@@ -7,8 +7,8 @@ namespace spinaltap {
 namespace {
 
 double distance_to_path_mm(const Vec3& p_mm, const DrillPath& path) {
-  const double along_mm = std::clamp((p_mm - path.entry_mm).dot(path.direction()), 0.0, path.length_mm());
-  return (path.entry_mm + along_mm * path.direction() - p_mm).norm();
+  const PathCurve curve(path);
+  return (curve.at_mm(std::clamp(curve.nearest_mm(p_mm), 0.0, curve.length_mm())) - p_mm).norm();
 }
 
 bool is_mostly_anterior(const Vec3& own) { return -own.y() > std::max(std::abs(own.x()), std::abs(own.z())); }
@@ -43,8 +43,7 @@ SideNames::SideNames(const Landmarks& landmarks, const DrillPath& path)
                        distance_to_path_mm(landmarks.right_pedicle.isthmus_mm, path)
                    ? &landmarks.left_pedicle
                    : &landmarks.right_pedicle),
-      direction_(path.direction()),
-      target_mm_(path.target_mm) {}
+      curve_(path) {}
 
 Vec3 SideNames::towards(const Vec3& p_mm, const WallDistance::Wall& wall) {
   constexpr double kNearMm = 0.5;
@@ -61,9 +60,12 @@ PathSide SideNames::of(const Vec3& p_mm, const WallDistance::Wall& wall) const {
   if (is_mostly_anterior(own) || is_mostly_anterior(landmarks_.axes.transpose() * wall.normal)) {
     return PathSide::anterior;
   }
-  const bool runs_forward = -direction_.dot(landmarks_.posterior()) > kAhead;
-  const bool is_ahead = wall.distance_mm <= 0.0 || (wall.nearest_mm - target_mm_).dot(direction_) > 0.0;
-  if (runs_forward && is_ahead && way.dot(direction_) > kAhead) return PathSide::anterior;
+  const Vec3 direction = curve_.direction_at(curve_.nearest_mm(p_mm));
+  const bool runs_forward = -direction.dot(landmarks_.posterior()) > kAhead;
+  const double length_mm = curve_.length_mm();
+  const bool is_ahead =
+      wall.distance_mm <= 0.0 || (wall.nearest_mm - curve_.at_mm(length_mm)).dot(curve_.direction_at(length_mm)) > 0.0;
+  if (runs_forward && is_ahead && way.dot(direction) > kAhead) return PathSide::anterior;
   if (std::abs(own.x()) < std::abs(own.z())) return own.z() > 0.0 ? PathSide::cranial : PathSide::caudal;
   return (own.x() < 0.0) == is_left() ? PathSide::medial : PathSide::lateral;
 }

@@ -3,7 +3,7 @@
 #include "core/base/geometry.h"
 #include "core/plan/landmarks.h"
 #include "core/plan/wall_distance.h"
-#include "core/tool/drill_path.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -44,7 +44,7 @@ class SideNames {
  private:
   const Landmarks& landmarks_;
   const PedicleLandmarks* pedicle_;
-  Vec3 direction_, target_mm_;
+  PathCurve curve_;
 };
 
 }  // namespace spinaltap

@@ -212,6 +212,7 @@ PlacementError draw_error(const PlacementErrors& errors, std::uint64_t seed, std
 }
 
 ErrorFrame error_frame(const Landmarks& landmarks, const DrillPath& path) {
+  check_straight(path, "errors of placement");
   ErrorFrame frame;
   frame.along = path.direction();
   const Vec3 inward = SideNames(landmarks, path).is_left() ? Vec3(-landmarks.left()) : landmarks.left();

@@ -21,6 +21,7 @@ double off_line_mm(const Vec3& above_mm, const Vec3& middle_mm, const Vec3& belo
 }  // namespace
 
 RodHead rod_head(const DrillPath& path, const std::string& level) {
+  check_straight(path, "a rod");
   if (!head_of(path)) fail("rod: expected a screw with a head on path ", in_quotes(path.name));
   const double middle_mm = path.screw->length_mm + 0.5 * path.screw->head.length_mm;
   return {level, path.target_mm - middle_mm * path.direction(), -path.direction()};

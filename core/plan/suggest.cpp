@@ -461,6 +461,7 @@ std::vector<Suggestion> suggest_paths(const WallDistance& walls, const HuSampler
 }
 
 SafeZone safe_zone(const WallDistance& walls, const DrillPath& path) {
+  check_straight(path, "a safe zone");
   constexpr double kMaxMm = 8.0;
   constexpr double kMaxDeg = 24.0;
   // Rings of the screw half a millimetre apart: a wall is met at most that late.

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -97,12 +98,13 @@ void BonePoints::add_ahead_of(const Vec3& p, const Vec3& axis, double share, Mea
 }
 
 void BonePoints::check_within(const DrillPath& path) const {
-  for (const Vec3& end_mm : {path.entry_mm, path.target_mm}) {
+  constexpr double kPlacesMm = 0.25;
+  for (const Vec3& end_mm : PathCurve(path).places_mm(kPlacesMm)) {
     const Vec3 own = frame().to_path(end_mm);
     const double aside_mm = std::hypot(own.x(), own.y());
     if (!(aside_mm <= radius_mm_) || !(own.z() <= length_mm_ + widest_spacing_mm_)) {
       fail("path ", in_quotes(path.name), ": expected it within the point volume, a cylinder of ", length_mm_,
-           " mm and a radius of ", radius_mm_, " mm, found an end ", aside_mm, " mm off its axis at ", own.z(),
+           " mm and a radius of ", radius_mm_, " mm, found a place ", aside_mm, " mm off its axis at ", own.z(),
            " mm along it");
     }
   }
@@ -130,7 +132,8 @@ double BonePoints::beyond_side_mm(const BitProfile& bit, const Pose& pose, const
   }
   for (const double depth_mm : {from_depth_mm, length_mm_}) {
     const double back_mm = (own.tip_mm.z() - depth_mm) / own.axis.z();
-    if (std::isfinite(back_mm)) consider(back_mm, bit.widest_mm(back_mm, back_mm));
+    const double radius_mm = std::isfinite(back_mm) ? bit.widest_mm(back_mm, back_mm) : -1.0;
+    if (radius_mm >= 0.0) consider(back_mm, radius_mm);  // a short bit may have ended before
   }
   return max_mm;
 }

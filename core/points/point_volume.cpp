@@ -8,15 +8,33 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
+namespace {
+
+/// Along the line from entry to target.
+struct Cylinder {
+  double begin_mm, end_mm, radius_mm;
+};
+
+Cylinder cylinder_about(const DrillPath& path, const PointVolumeOptions& options) {
+  if (!path.is_curved()) return {-options.lead_in_mm, path.length_mm(), options.radius_mm};
+  const PathCurve curve(path);
+  const PathCurve::AboutChord about = curve.about_chord(-options.lead_in_mm, curve.length_mm());
+  // A section across the path stands out along the chord by so much.
+  const double slant_mm = options.radius_mm * std::sin(curve.max_tilt_deg() * kDegree);
+  return {about.low_mm - slant_mm, about.high_mm + slant_mm,
+          options.radius_mm + options.spacing_mm * std::ceil(about.off_mm / options.spacing_mm)};
+}
+
+}  // namespace
 
 PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& options)
-    : pattern_(options.radius_mm, options.spacing_mm, options.subdivision),
+    : pattern_((check_path(path), cylinder_about(path, options).radius_mm), options.spacing_mm, options.subdivision),
       lead_in_mm_(options.lead_in_mm),
       jitter_seed_(options.jitter_seed) {
   constexpr double kMaxPoints = 0x1.0p32;
-  check_path(path);
   if (!(options.lead_in_mm >= 0.0) || !(options.lead_in_mm <= 100.0)) {
     fail("point volume: expected a lead-in of 0 to 100 mm, found ", options.lead_in_mm, " mm");
   }
@@ -24,8 +42,9 @@ PointVolume::PointVolume(const DrillPath& path, const PointVolumeOptions& option
     fail("point volume: expected a jitter of 0 to 0.5 of the spacing, found ", options.jitter);
   }
   jitter_mm_ = options.jitter * options.spacing_mm;
-  frame_ = PathFrame(path.entry_mm - options.lead_in_mm * path.direction(), path.direction());
-  const double discs = std::max(1.0, std::round((options.lead_in_mm + path.length_mm()) / options.spacing_mm));
+  const Cylinder cylinder = cylinder_about(path, options);
+  frame_ = PathFrame(path.entry_mm - -cylinder.begin_mm * path.direction(), path.direction());
+  const double discs = std::max(1.0, std::round((cylinder.end_mm - cylinder.begin_mm) / options.spacing_mm));
   if (!(discs * static_cast<double>(pattern_.point_count()) <= kMaxPoints)) {
     fail("point volume: expected at most ", kMaxPoints, " points, found ", discs, " discs of ", pattern_.point_count());
   }

@@ -19,7 +19,7 @@ enum class HuBits {
 };
 
 struct PointVolumeOptions {
-  double radius_mm = 3.0;   ///< of the cylinder; somewhat larger than the bit's
+  double radius_mm = 3.0;   ///< of the cylinder about the path; somewhat larger than the bit's
   double spacing_mm = 0.1;  ///< between discs, rings and, nearly, neighbours on a ring
   /// How far before the entry the cylinder starts, so that bone beside a slanting entry is in it.
   double lead_in_mm = 0.0;
@@ -35,7 +35,9 @@ struct PointVolumeOptions {
 /// from its indices; what is stored of it is one bit, whether it is alive, and its CT number.
 class PointVolume {
  public:
-  /// A cylinder along the path, every point alive and of 0 HU. Discs: (lead-in + path length) / spacing, rounded.
+  /// A cylinder along the path, every point alive and of 0 HU. Discs: (lead-in + path length) / spacing, rounded. Of a
+  /// curved path it lies along its chord, wider by as much as the path is off that, in whole spacings, and so long that
+  /// it holds all within `radius_mm` of the path from the lead-in to the target.
   /// Throws Error on absurd sizes (over 2^32 points).
   PointVolume(const DrillPath& path, const PointVolumeOptions& options);
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/tool/path_curve.h"
+
 namespace spinaltap {
 
 // The rule follows `spinaltap bench drill`, whose last table says how far it is from the fastest engine of each row;
@@ -14,7 +16,9 @@ EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   // Discs across the path are soon in reach of a bit that leans over; boxes do not care how it lies. `ring` was faster
   // by 2 at 10 degrees, `leaf` by 2 at 20 and by 10 at 60.
   constexpr double kLeavesFromDeg = 15.0;
-  if (std::abs(way.max_tilt_deg) >= kLeavesFromDeg) return EngineKind::leaf;
+  // The cylinder of a curved path lies along its chord.
+  const double chord_deg = setup.path.is_curved() ? PathCurve(setup.path).max_tilt_deg() : 0.0;
+  if (std::abs(way.max_tilt_deg) + chord_deg >= kLeavesFromDeg) return EngineKind::leaf;
   // Discs are passed over by how near they are to a cone and a cylinder, between which a ball leaves much room. As long
   // as it only goes forward `ring` was faster by 1.4; in a hand that trembles `leaf` by 4.5. Conical burrs and tapered
   // screws fill that room: `ring` was faster by 3 to 4 forward, by 1.3 to 2.5 with a tremor.

@@ -8,6 +8,7 @@
 #include "core/base/text_fields.h"
 #include "core/points/bone_points.h"
 #include "core/session/detail/session_watch.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -63,9 +64,10 @@ void check_session_options(const SessionOptions& options) {
 
 struct DrillSession::Tracking {
   Tracking(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances)
-      : bit(path.bit), watch(path, bone, options, has_clearances) {}
+      : bit(path.bit), curve(path), watch(path, bone, options, has_clearances) {}
 
   BitProfile bit;
+  PathCurve curve;
   SessionWatch watch;
   EventLog log{kMaxEvents};
   ExactSum time;
@@ -156,7 +158,7 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   cycle_.force = {};
   const std::optional<Pose> pose = reachable_pose(input, path_.entry_mm);
   if (pose && has_time) {
-    cycle_.depth_mm = (pose->tip_mm - path_.entry_mm).dot(path_.direction());
+    cycle_.depth_mm = tracking.curve.nearest_mm(pose->tip_mm);
     place(*pose, input);
   } else {
     if (has_time && tracking.is_placed) tracking.waiting_s += input.dt_s;

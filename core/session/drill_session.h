@@ -40,7 +40,7 @@ struct Cycle {
   std::uint64_t index = 0;
   double time_s = 0.0;    ///< since the first input; the sum of dt_s, rounded once
   ToolInput input;        ///< as the operator gave it
-  double depth_mm = 0.0;  ///< of the tip along the path: 0 at the entry
+  double depth_mm = 0.0;  ///< of the tip along the path, straight or curved: 0 at the entry
   StepResult step;
   DrillForce force;
   Clearance clearance;

@@ -1,6 +1,7 @@
 #include "core/session/session_setup.h"
 
 #include "core/base/error.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -9,8 +10,10 @@ Box3 region_around(const DrillPath& path, double lead_in_mm, double margin_mm) {
   if (!(margin_mm > 0.0 && margin_mm <= kMaxMm)) {
     fail("region: expected a distance from the path above 0 mm and up to 10 m, found ", margin_mm, " mm");
   }
-  Box3 box(Vec3(path.entry_mm - lead_in_mm * path.direction()));
-  box.extend(path.target_mm);
+  const PathCurve curve(path);
+  Box3 box(curve.at_mm(-lead_in_mm));
+  constexpr double kStepMm = 0.25;  // between which a curve bulges by less than 0.02 mm for each 0.5 mm of its radius
+  for (const Vec3& p_mm : curve.places_mm(kStepMm)) box.extend(p_mm);
   return {box.min() - Vec3::Constant(margin_mm), box.max() + Vec3::Constant(margin_mm)};
 }
 

@@ -198,7 +198,25 @@ std::pair<double, double> deeper_than(double depth_mm, double tip_depth_mm, doub
   return axis_along > 0.0 ? std::pair(0.0, std::min(length_mm, back_mm)) : std::pair(std::max(0.0, back_mm), length_mm);
 }
 
-DrillPath without_screw(const DrillPath& path) { return {path.name, path.entry_mm, path.target_mm, path.bit, {}}; }
+/// The part of a bit's axis at `pose` that is at least so deep along a curve, which short bits follow: from the tip
+/// back to where halving finds it, to 0.01 mm.
+std::pair<double, double> deeper_along(const PathCurve& curve, double depth_mm, const Pose& pose, double length_mm) {
+  const auto is_deep = [&](double back_mm) { return curve.nearest_mm(pose.tip_mm - back_mm * pose.axis) >= depth_mm; };
+  const bool tip_is_deep = is_deep(0.0), base_is_deep = is_deep(length_mm);
+  if (tip_is_deep == base_is_deep) return {0.0, tip_is_deep ? length_mm : -1.0};
+  constexpr double kNearMm = 0.01;
+  double deep_mm = tip_is_deep ? 0.0 : length_mm, shallow_mm = tip_is_deep ? length_mm : 0.0;
+  while (std::abs(deep_mm - shallow_mm) > kNearMm) {
+    const double middle_mm = 0.5 * (deep_mm + shallow_mm);
+    (is_deep(middle_mm) ? deep_mm : shallow_mm) = middle_mm;
+  }
+  return tip_is_deep ? std::pair(0.0, deep_mm) : std::pair(deep_mm, length_mm);
+}
+
+DrillPath without_screw(DrillPath path) {
+  path.screw.reset();
+  return path;
+}
 
 }  // namespace
 
@@ -221,8 +239,7 @@ std::shared_ptr<const ClearanceField::Lattice> ClearanceField::lattice_of(std::s
 
 ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path)
     : lattice_(std::move(lattice)),
-      entry_mm_(path.entry_mm),
-      direction_(path.direction()),
+      curve_(path),
       entry_end_mm_(spinaltap::entry_end_mm(lattice_->walls, without_screw(path))) {}
 
 ClearanceField::~ClearanceField() = default;
@@ -237,10 +254,12 @@ Clearance ClearanceField::of(const BitProfile& bit, const Pose& pose) const noex
   if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return clearance;
   const WallLattice& distances = lattice_->distances;
   const Pose pose_path = distances.frame().to_path(pose);
-  const double tip_depth_mm = (pose.tip_mm - entry_mm_).dot(direction_);
-  const double axis_along = pose.axis.dot(direction_);
+  const double tip_depth_mm = curve_.nearest_mm(pose.tip_mm);
+  const double axis_along = pose.axis.dot(curve_.direction_at(tip_depth_mm));
   const auto min = [&](WallKind wall, double depth_mm, double& distance_mm, Vec3& at_mm) {
-    const auto [from_mm, to_mm] = deeper_than(depth_mm, tip_depth_mm, axis_along, bit.length_mm());
+    const auto [from_mm, to_mm] = curve_.is_straight()
+                                      ? deeper_than(depth_mm, tip_depth_mm, axis_along, bit.length_mm())
+                                      : deeper_along(curve_, depth_mm, pose, bit.length_mm());
     MinDistance search(distances, bit, pose_path, wall, from_mm, to_mm);
     search.find();
     distance_mm = search.min_mm();

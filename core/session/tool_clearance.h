@@ -7,7 +7,7 @@
 #include "core/base/progress.h"
 #include "core/plan/wall_distance.h"
 #include "core/tool/bit_profile.h"
-#include "core/tool/drill_path.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -64,8 +64,7 @@ class ClearanceField {
   ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path);
 
   std::shared_ptr<const Lattice> lattice_;
-  Vec3 entry_mm_;
-  Vec3 direction_;
+  PathCurve curve_;
   double entry_end_mm_;
 };
 

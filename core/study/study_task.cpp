@@ -67,6 +67,7 @@ StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorVa
 }  // namespace
 
 AcrossPath across(const DrillPath& path) {
+  check_straight(path, "a study");
   const Vec3 direction = path.direction();
   const auto part_across = [&](const Vec3& side) { return Vec3(side - side.dot(direction) * direction); };
   constexpr double kAlong = 0.1;  // shorter: a path within 6 degrees of the body's length

@@ -4,6 +4,8 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/tool/bit_profile.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -47,9 +49,61 @@ std::optional<BodyBehind> driver_of(const DrillPath& path) {
   return BodyBehind{outline, {path.target_mm - behind_mm * path.direction(), path.direction()}};
 }
 
-double DrillPath::length_mm() const { return (target_mm - entry_mm).norm(); }
+double DrillPath::length_mm() const { return is_curved() ? PathCurve(*this).length_mm() : chord_mm(); }
+
+double DrillPath::chord_mm() const { return (target_mm - entry_mm).norm(); }
 
 Vec3 DrillPath::direction() const { return (target_mm - entry_mm).normalized(); }
+
+namespace {
+
+/// How far a bit stands out of the hole that its widest place alone leaves in a bend: behind its tip, which follows the
+/// path, its axis goes straight on.
+double stand_out_mm(const BitProfile& profile, double bend_mm) {
+  constexpr int kPlaces = 16;  // of each stretch
+  double max_mm = 0.0;
+  for (const ProfilePiece& piece : profile.pieces()) {
+    for (int n = 0; n <= kPlaces; ++n) {
+      const double back_mm = piece.begin_mm + (piece.end_mm - piece.begin_mm) * n / kPlaces;
+      const double radius_mm = std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm)));
+      max_mm = std::max(max_mm, radius_mm + std::hypot(back_mm, bend_mm) - bend_mm - profile.radius_mm());
+    }
+  }
+  return max_mm;
+}
+
+void check_curve(const DrillPath& path) {
+  const PathCurve curve(path);
+  const std::string name = in_quotes(path.name);
+  constexpr double kLongestMm = 500.0, kAcrossDeg = 90.0;
+  if (!(curve.length_mm() <= kLongestMm)) {
+    fail("path ", name, ": expected up to ", kLongestMm, " mm along its curve, found ", curve.length_mm(), " mm");
+  }
+  if (!(curve.max_tilt_deg() < kAcrossDeg)) {
+    fail("path ", name, ": expected a curve that goes on from entry to target, found one that turns by ",
+         curve.max_tilt_deg(), " degrees from the line between them");
+  }
+  if (path.screw) fail("path ", name, ": expected no screw on a curved path: screws are straight");
+  if (!(curve.min_radius_mm() > path.bit.radius_mm())) {
+    fail("path ", name, ": expected bends wider than the bit's radius of ", path.bit.radius_mm(),
+         " mm, found one with a radius of ", curve.min_radius_mm(), " mm");
+  }
+  const double out_mm = stand_out_mm(BitProfile(path.bit), curve.min_radius_mm());
+  if (!(out_mm <= kMaxStandOutMm)) {
+    fail("path ", name, ": expected a bit short enough for its bends, found one of ", path.bit.length_mm,
+         " mm that would stand out of its hole by ", out_mm, " mm where the path's radius is ", curve.min_radius_mm(),
+         " mm; ", kMaxStandOutMm, " mm is allowed: a steerable drill has a short head and a flexible shank");
+  }
+}
+
+}  // namespace
+
+DrillBit steerable_head() { return {3.0, 3.0, 1.5, BitShape::round_burr}; }
+
+void check_straight(const DrillPath& path, const char* what) {
+  if (!path.is_curved()) return;
+  fail("path ", in_quotes(path.name), ": expected a straight path for ", what, ", found a curved one");
+}
 
 void check_path(const DrillPath& path) {
   constexpr double kShortestMm = 0.1;
@@ -64,6 +118,11 @@ void check_path(const DrillPath& path) {
   }
   check_bit(path.bit);
   if (path.screw) check_screw(*path.screw);
+  if (path.via_mm.size() > kMaxVias) {
+    fail("path ", in_quotes(path.name), ": expected up to ", kMaxVias, " places between entry and target, found ",
+         path.via_mm.size());
+  }
+  if (path.is_curved()) check_curve(path);
 }
 
 PathFrame::PathFrame(const Vec3& origin_mm, const Vec3& direction) : origin_mm_(origin_mm) {

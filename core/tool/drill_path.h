@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/geometry.h"
 #include "core/tool/drill_bit.h"
@@ -34,21 +35,44 @@ struct PedicleScrew {
 /// Rejects what check_bit() rejects of its outline, and heads and drivers of sizes that make no sense.
 void check_screw(const PedicleScrew& screw);
 
-/// A straight planned hole: from the entry on the bone's surface to the target inside.
+/// A planned hole: from the entry on the bone's surface to the target inside, straight or, through places between, as a
+/// steerable drill goes. PathCurve (core/tool/path_curve.h) is the way itself.
 struct DrillPath {
   std::string name;
   Vec3 entry_mm = Vec3::Zero();   ///< patient LPS
   Vec3 target_mm = Vec3::Zero();  ///< patient LPS
   DrillBit bit;
   std::optional<PedicleScrew> screw = {};  ///< that the hole is for; its tip comes to the target
+  /// Places that a curved path passes between entry and target, in order, patient LPS; none: a straight path.
+  std::vector<Vec3> via_mm = {};
 
+  bool is_curved() const { return !via_mm.empty(); }
+  /// Along the path: of a curved one its arc length, which takes some 20 µs to find.
   double length_mm() const;
-  /// Unit, from entry to target.
+  /// Unit, from entry to target: of a curved path its chord's, along which the tip nowhere goes.
   Vec3 direction() const;
+  /// From entry to target.
+  double chord_mm() const;
 };
 
-/// Rejects points that are not finite, a path shorter than 0.1 mm or longer than 500 mm, and a bad bit or screw.
+/// Places between entry and target that a path may have.
+inline constexpr std::size_t kMaxVias = 32;
+
+/// Rejects points that are not finite, a path shorter than 0.1 mm or longer than 500 mm, and a bad bit or screw. Of
+/// curved paths: more than kMaxVias places, neighbours nearer than 0.1 mm, a curve that turns by 90 degrees or more
+/// from its chord or is bent tighter than the bit's radius, a bit that is too long for the bend, standing out of the
+/// hole behind by more than kMaxStandOutMm, and a screw.
 void check_path(const DrillPath& path);
+
+/// How far, at most, a bit in a bend may widen the hole that a short one would leave, mm: its axis is straight.
+inline constexpr double kMaxStandOutMm = 0.1;
+
+/// The bit of a curved path where none is said: the head of a steerable drill, a ball of 3 mm.
+DrillBit steerable_head();
+
+/// For what is made for straight paths only. Throws Error that names the path and `what`, as in "a rod", where it is
+/// curved.
+void check_straight(const DrillPath& path, const char* what);
 
 /// A body of revolution behind a path's entry once its tool is in place: outline and pose, patient LPS.
 struct BodyBehind {
@@ -75,6 +99,8 @@ class PathFrame {
   Vec3 to_patient(const Vec3& p_path) const;
   Pose to_path(const Pose& pose) const;
   Pose to_patient(const Pose& pose) const;
+  /// Columns: the path's x, y and z axes in patient LPS.
+  const Mat3& axes() const { return rotation_; }
 
  private:
   Vec3 origin_mm_ = Vec3::Zero();

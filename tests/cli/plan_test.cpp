@@ -99,6 +99,56 @@ TEST_F(PlanAuto, GoesToSlicerAndBack) {
   EXPECT_EQ(run("grade bone.vdb plan.mrk.json -o slicer").exit_code, 0);
 }
 
+TEST_F(PlanAuto, MakesACurvedPathThatIsGradedAndDrilledAlongItsCurve) {
+  const PedicleGroundTruth pedicle = vertebra_ground_truth(Vertebra()).left;
+  const auto words = [](const Vec3& p_mm) {
+    std::ostringstream text;
+    text.precision(17);
+    text << p_mm.x() << ',' << p_mm.y() << ',' << p_mm.z();
+    return text.str();
+  };
+  // Past the isthmus the way bends to the midline.
+  const Vec3 way_mm = pedicle.target_mm - pedicle.entry_mm;
+  const Vec3 near_mm = pedicle.entry_mm + 0.3 * way_mm, far_mm = pedicle.entry_mm + 0.65 * way_mm;
+  const Vec3 end_mm = pedicle.target_mm - Vec3(3.0, 0.0, 0.0);
+  const std::string given =
+      "plan bone.vdb --entry " + words(pedicle.entry_mm) + " --target " + words(end_mm) + " --via ";
+  const test::ProgramRun planned =
+      run(given + words(near_mm) + " --via " + words(far_mm) + " -o curve.json --json out.json");
+  ASSERT_EQ(planned.exit_code, 0) << planned.errors;
+  const DrillPath path = read_plan(in("curve.json")).front();
+  ASSERT_EQ(path.via_mm, (std::vector<Vec3>{near_mm, far_mm}));
+  EXPECT_EQ(path.bit, steerable_head());
+  EXPECT_EQ(read_json(in("out.json"))["paths"][0]["length_mm"], path.length_mm());
+  EXPECT_GT(path.length_mm(), path.chord_mm());
+
+  const test::ProgramRun graded = run("grade bone.vdb curve.json -o graded --json out.json");
+  ASSERT_EQ(graded.exit_code, 0) << graded.errors;
+  EXPECT_THAT(graded.output, HasSubstr("not judged for a curved path"));
+  EXPECT_EQ(read_json(in("out.json"))["paths"][0]["via_mm"].size(), 2U);
+  EXPECT_NEAR(read_json(in("graded") / "grade.json")["paths"][0]["rows"].back()["depth_mm"].get<double>(),
+              path.length_mm(), 1e-6);
+  for (const char* engine : {"auto", "voxel"}) {
+    const test::ProgramRun drilled = run("drill bone.vdb curve.json --radius 2 --spacing 0.25 --feed 4 --engine " +
+                                         std::string(engine) + " -o drilled --record run.h5 --json out.json");
+    ASSERT_EQ(drilled.exit_code, 0) << drilled.errors;
+    EXPECT_NEAR(read_json(in("out.json"))["max_depth_mm"].get<double>(), path.length_mm(), 1e-6);
+    EXPECT_EQ(run("replay run.h5 bone.vdb").exit_code, 0);
+    std::ostringstream events;
+    events << std::ifstream(in("drilled") / "events.csv").rdbuf();
+    EXPECT_THAT(events.str(), HasSubstr("contact"));
+    EXPECT_THAT(events.str(), ::testing::Not(HasSubstr("outside volume"))) << engine;
+  }
+
+  const auto rejected = [&](const std::string& arguments, const char* why) {
+    const test::ProgramRun failed = run(arguments);
+    EXPECT_NE(failed.exit_code, 0) << arguments;
+    EXPECT_THAT(failed.errors, HasSubstr(why)) << arguments;
+  };
+  rejected(given + "1,2 -o none.json", "--via x,y,z");
+  rejected(given + words(near_mm) + " --diameter 2.5 -o none.json", "short enough for its bends");
+}
+
 TEST_F(PlanAuto, IsTheSameAtAnyNumberOfThreads) {
   ASSERT_EQ(run("plan bone.vdb --auto --threads 1 -o one.json").exit_code, 0);
   ASSERT_EQ(run("plan bone.vdb --auto --threads 2 -o two.json").exit_code, 0);

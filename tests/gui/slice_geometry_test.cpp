@@ -158,6 +158,22 @@ TEST(SliceGeometry, DownThePathBothEndsAreAtHandByDepth) {
   }
 }
 
+TEST(SliceGeometry, FollowsACurvedPath) {
+  std::vector<DrillPath> paths = two_paths();
+  paths[0].via_mm = {{14.0, 5.0, 0.0}};
+  paths[0].bit = steerable_head();
+  check_path(paths[0]);
+  const double middle_mm = depth_of_mm(paths[0], {14.0, 5.0, 0.0});
+  EXPECT_NEAR(middle_mm, 0.5 * paths[0].length_mm(), 1e-6);
+  EXPECT_LT((at_depth(paths[0], middle_mm) - Vec3(14.0, 5.0, 0.0)).norm(), 1e-6);
+  EXPECT_TRUE(plane_down_path(paths[0], middle_mm).into().isApprox(-Vec3::UnitY(), 1e-6));
+  EXPECT_LT(plane_down_path(paths[0], 0.0).into().dot(-Vec3::UnitY()), 0.99);
+  const SliceFrame axial =
+      pane_frame(standard_plane(Plane::kAxial, {10.0, 5.0, 0.0}), {{0.0, 0.0}, 0.1}, {400, 400, 1.0});
+  EXPECT_EQ(hit_path(axial, 1.0, paths, 0, place_in_pane(axial, 1.0, {14.0, 5.0, 0.0})), (PathHit{0, std::nullopt}));
+  EXPECT_EQ(hit_path(axial, 1.0, paths, 0, place_in_pane(axial, 1.0, {10.0, 5.0, 0.0})), std::nullopt);
+}
+
 TEST(SliceGeometry, LooksDownThePathWithTheHeadUp) {
   const DrillPath path{"p", {19.0, 36.0, 2.0}, {10.0, -5.0, -9.0}, {}};
   const PanePlane plane = plane_down_path(path, 7.0);

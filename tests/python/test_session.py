@@ -42,6 +42,29 @@ class Bit(unittest.TestCase):
             spinaltap.Bit.read("spoon")
 
 
+class CurvedPath(unittest.TestCase):
+    def test_is_drilled_and_graded_along_its_curve(self):
+        planned = made_bone.path()
+        via = (planned.entry_mm + planned.target_mm) / 2 + [1.5, 0, 0]
+        path = spinaltap.Path(planned.entry_mm, planned.target_mm, via_mm=[via])
+        self.assertEqual(path.bit.shape, "round-burr")
+        self.assertEqual([place.tolist() for place in path.via_mm], [via.tolist()])
+        chord_mm = float(np.linalg.norm(planned.target_mm - planned.entry_mm))
+        by_two_lines_mm = 2 * float(np.hypot(chord_mm / 2, 1.5))
+        self.assertTrue(chord_mm < path.length_mm < 1.1 * by_two_lines_mm)
+        with tempfile.TemporaryDirectory() as folder:
+            file = FilePath(folder) / "plan.json"
+            spinaltap.write_plan([path], file)
+            self.assertEqual(spinaltap.read_plan(file)[0].via_mm[0].tolist(), via.tolist())
+        with self.assertRaisesRegex(spinaltap.Error, "short enough for its bends"):
+            spinaltap.Path(planned.entry_mm, planned.target_mm, spinaltap.Bit(), via_mm=[via])
+        session = spinaltap.Session(made_bone.bone(), path, spacing_mm=0.2, clearances=False)
+        axis = path.direction
+        self.assertAlmostEqual(session.step(path.entry_mm, axis).depth_mm, 0.0, places=6)
+        self.assertAlmostEqual(session.step(via, axis).depth_mm, path.length_mm / 2, places=1)
+        self.assertAlmostEqual(session.step(path.target_mm, axis).depth_mm, path.length_mm, places=6)
+
+
 class Session(unittest.TestCase):
     def test_gives_the_same_bits_by_steps_and_by_arrays(self):
         rows = made_bone.session(clearances=True).run(poses())

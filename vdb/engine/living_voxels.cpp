@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/points/hu_byte.h"
+#include "core/tool/path_curve.h"
 #include "vdb/engine/detail/voxel_leaves.h"
 
 namespace spinaltap {
@@ -53,10 +54,11 @@ class LivingVoxels final : public LivingBone {
   }
 
   void check_within(const DrillPath& path) const override {
-    for (const Vec3& end_mm : {path.entry_mm, path.target_mm}) {
+    constexpr double kPlacesMm = 0.25;
+    for (const Vec3& end_mm : PathCurve(path).places_mm(kPlacesMm)) {
       const double beyond_mm = past_end_mm(end_mm);
       if (beyond_mm <= bone_.voxel_mm()) continue;
-      fail("path ", in_quotes(path.name), ": expected it within the region of the voxels, found an end ", beyond_mm,
+      fail("path ", in_quotes(path.name), ": expected it within the region of the voxels, found a place ", beyond_mm,
            " mm out of it");
     }
   }

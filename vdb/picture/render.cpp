@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/hu_colour.h"
+#include "core/tool/path_curve.h"
 #include "vdb/picture/detail/bone_ray.h"
 #include "vdb/picture/detail/drawn_solid.h"
 
@@ -73,8 +74,17 @@ struct Scene {
     for (const RenderedBit& tool : how.tools) solids.emplace_back(tool.bit, tool.pose, blue);
     for (const DrillPath& path : how.paths) {
       check_path(path);
-      const double tip_mm = std::min(kRodMm, 0.5 * path.length_mm());
-      solids.emplace_back(DrillBit{kRodMm, path.length_mm(), tip_mm}, Pose{path.target_mm, path.direction()}, green);
+      // A curved one in short rods: 2 mm are 0.02 mm off a bend of 30 mm.
+      constexpr double kStraightMm = 2.0;
+      const std::vector<Vec3> places_mm = PathCurve(path).places_mm(kStraightMm);
+      for (std::size_t n = 1; n < places_mm.size(); ++n) {
+        const Vec3 way_mm = places_mm[n] - places_mm[n - 1];
+        const double length_mm = way_mm.norm();
+        const double tip_mm = n + 1 < places_mm.size() ? 1e-3 * length_mm : std::min(kRodMm, 0.5 * length_mm);
+        const double blunt_mm = n + 1 < places_mm.size() ? kRodMm : 0.0;
+        solids.emplace_back(DrillBit{kRodMm, length_mm, tip_mm, BitShape::drill, blunt_mm},
+                            Pose{places_mm[n], way_mm.normalized()}, green);
+      }
     }
   }
 };

@@ -6,15 +6,19 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
 void check_path_meets_bone(const DrillPath& path, const BoneModel& bone) {
   constexpr double kStepMm = 0.1;
-  const int steps = static_cast<int>(std::ceil(path.length_mm() / kStepMm));
-  std::vector<Vec3> points_mm;
-  for (int i = 0; i <= steps; ++i) {
-    points_mm.push_back(path.entry_mm + (path.target_mm - path.entry_mm) * i / steps);
+  std::vector<Vec3> points_mm = PathCurve(path).places_mm(kStepMm);
+  if (!path.is_curved()) {
+    const int steps = static_cast<int>(std::ceil(path.length_mm() / kStepMm));
+    points_mm.clear();
+    for (int i = 0; i <= steps; ++i) {
+      points_mm.push_back(path.entry_mm + (path.target_mm - path.entry_mm) * i / steps);
+    }
   }
   std::vector<float> distance_mm(points_mm.size());
   bone.sample(points_mm, distance_mm, {});

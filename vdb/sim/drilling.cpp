@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/session/real_time/timing.h"
+#include "core/tool/path_curve.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/remaining/hole_cutter.h"
 
@@ -60,12 +61,17 @@ void count_points(const BuiltSession& built, Drilling& drilling) {
 
 /// The pose that got furthest along the path.
 Pose deepest_pose(std::span<const ToolInput> inputs, const DrillPath& path) {
-  const auto depth_mm = [&](const ToolInput& input) {
-    return (input.pose.tip_mm - path.entry_mm).dot(path.direction());
-  };
-  const auto deepest = std::max_element(
-      inputs.begin(), inputs.end(), [&](const ToolInput& a, const ToolInput& b) { return depth_mm(a) < depth_mm(b); });
-  return deepest == inputs.end() ? Pose{path.target_mm, path.direction()} : deepest->pose;
+  const PathCurve curve(path);
+  if (inputs.empty()) return {path.target_mm, curve.direction_at(curve.length_mm())};
+  const ToolInput* deepest = nullptr;
+  double deepest_mm = 0.0;
+  for (const ToolInput& input : inputs) {
+    const double depth_mm = curve.nearest_mm(input.pose.tip_mm);
+    if (deepest != nullptr && !(deepest_mm < depth_mm)) continue;
+    deepest = &input;
+    deepest_mm = depth_mm;
+  }
+  return deepest->pose;
 }
 
 /// Watches a session's cycles, on the thread that runs them.

@@ -166,6 +166,7 @@ double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
 
 StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
     : spec_(spec), runs_(runs) {
+  check_straight(spec.path, "a study");
   check_path_meets_bone(spec.path, bone.model());
   const DrillPath longer = with_lead_out(spec.path, spec.lead_out_mm);
   if (spec.engine == EngineKind::voxel) {

@@ -72,9 +72,10 @@ class Path:
         self,
         entry_mm: ArrayLike,
         target_mm: ArrayLike,
-        bit: Bit = ...,
+        bit: Bit | None = None,
         name: str = "",
         screw: Screw | None = None,
+        via_mm: Sequence[ArrayLike] = ...,
     ) -> None: ...
     @property
     def name(self) -> str: ...
@@ -84,6 +85,8 @@ class Path:
     def target_mm(self) -> _Points: ...
     @property
     def direction(self) -> _Points: ...
+    @property
+    def via_mm(self) -> list[_Points]: ...
     @property
     def length_mm(self) -> float: ...
     @property

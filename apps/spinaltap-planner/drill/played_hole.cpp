@@ -24,7 +24,8 @@ constexpr double kBeyondTargetMm = 20.0;  // operators may go further than the t
 
 /// What one hole has worked out about walls along its path, where another has the same.
 const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
-  const bool is_same = path.entry_mm == other.entry_mm && path.target_mm == other.target_mm;
+  const bool is_same =
+      path.entry_mm == other.entry_mm && path.target_mm == other.target_mm && path.via_mm == other.via_mm;
   return is_same ? built.clearances.get() : nullptr;
 }
 

@@ -9,6 +9,7 @@
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/files/planning_rules_file.h"
+#include "core/tool/path_curve.h"
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
@@ -80,7 +81,8 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   }
   const PathGrade& grade = figures.graded.grade;
   const bool is_left = figures.is_graded ? grade.is_left : path.entry_mm.x() > bone.model().bounds_mm().center().x();
-  figures.angles = path_angles(path.direction(), landmarks != nullptr ? landmarks->axes : Mat3::Identity(), is_left);
+  figures.angles = path_angles(PathCurve(path).direction_at(0.0),
+                               landmarks != nullptr ? landmarks->axes : Mat3::Identity(), is_left);
   if (!figures.is_graded) return figures;
 
   std::vector<PathWarning>& warnings = figures.warnings;
@@ -115,7 +117,7 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
 void add_reasons(std::span<const SuggestedPath> suggested, PathFigures& figures) {
   const DrillPath& path = figures.graded.path;
   const auto same = [&](const SuggestedPath& one) {
-    return one.path.entry_mm == path.entry_mm && one.path.target_mm == path.target_mm &&
+    return one.path.entry_mm == path.entry_mm && one.path.target_mm == path.target_mm && !path.is_curved() &&
            one.path.screw.has_value() == path.screw.has_value() &&
            (!path.screw || (one.path.screw->diameter_mm == path.screw->diameter_mm &&
                             one.path.screw->length_mm == path.screw->length_mm));

@@ -3,6 +3,7 @@
 #include <vtkActor.h>
 #include <vtkLineSource.h>
 #include <vtkNew.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
@@ -15,6 +16,7 @@
 
 #include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/scene/tool_actor.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -78,7 +80,8 @@ struct PathActors::PathShape {
 
   void show(const DrillPath& path, const QColor& own_colour, bool is_chosen) {
     const QColor colour = is_chosen ? own_colour : faint_colour(own_colour);
-    const Pose pose{path.target_mm, path.direction()};
+    const PathCurve curve(path);
+    const Pose pose{path.target_mm, curve.direction_at(curve.length_mm())};
     bit.show(path.bit, pose);
     bit.set_colour(colour);
     screw.actor()->SetVisibility(path.screw.has_value());
@@ -95,8 +98,15 @@ struct PathActors::PathShape {
     const double tool_mm = std::max(path.bit.length_mm, path.screw ? path.screw->length_mm : 0.0);
     const double back_mm = std::max(path.length_mm(), tool_mm) + kAxisBeyondMm;
     name_mm = path.target_mm - back_mm * pose.axis;
-    line->SetPoint1(name_mm.data());
-    line->SetPoint2(Vec3(path.target_mm).data());
+    std::vector<Vec3> places_mm{name_mm, path.target_mm};
+    if (path.is_curved()) {
+      name_mm = curve.at_mm(-kAxisBeyondMm);
+      places_mm = curve.places_mm(0.5);
+      places_mm.insert(places_mm.begin(), name_mm);
+    }
+    vtkNew<vtkPoints> points;
+    for (const Vec3& p_mm : places_mm) points->InsertNextPoint(p_mm.data());
+    line->SetPoints(points);
     for (vtkActor* actor : {axis.Get(), axis_in_bone.Get()}) {
       actor->GetProperty()->SetColor(colour.redF(), colour.greenF(), colour.blueF());
     }

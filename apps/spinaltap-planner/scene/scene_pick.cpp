@@ -1,4 +1,5 @@
 #include "apps/spinaltap-planner/scene/scene_pick.h"
+#include "core/tool/path_curve.h"
 
 #include <algorithm>
 #include <array>
@@ -88,7 +89,12 @@ int path_at(const std::vector<DrillPath>& paths, const SceneCamera& camera, cons
     const double depth = camera.depth_mm(0.5 * (path.target_mm + base_mm));
     if (!(camera.depth_mm(base_mm) > 0.0 && camera.depth_mm(path.target_mm) > 0.0)) continue;
     const double reach = kSlackPixels + path.bit.radius_mm() / camera.mm_per_pixel(depth);
-    const double off = pixels_to_stretch(pixel, camera.to_pixel(base_mm), camera.to_pixel(path.target_mm));
+    double off = std::numeric_limits<double>::infinity();
+    std::vector<Vec3> places_mm{base_mm, path.target_mm};
+    if (path.is_curved()) places_mm = PathCurve(path).places_mm(1.0);
+    for (std::size_t k = 1; k < places_mm.size(); ++k) {
+      off = std::min(off, pixels_to_stretch(pixel, camera.to_pixel(places_mm[k - 1]), camera.to_pixel(places_mm[k])));
+    }
     if (off > reach || depth >= nearest_depth) continue;
     nearest = n;
     nearest_depth = depth;

@@ -1,4 +1,5 @@
 #include "apps/spinaltap-planner/slices/pane_geometry.h"
+#include "core/tool/path_curve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -98,13 +99,13 @@ double shown_depth_mm(const DrillPath& path, double depth_mm) {
 }
 
 double depth_of_mm(const DrillPath& path, const Vec3& p_mm) {
-  return shown_depth_mm(path, (p_mm - path.entry_mm).dot(path.direction()));
+  return shown_depth_mm(path, PathCurve(path).nearest_mm(p_mm));
 }
 
-Vec3 at_depth(const DrillPath& path, double depth_mm) { return path.entry_mm + depth_mm * path.direction(); }
+Vec3 at_depth(const DrillPath& path, double depth_mm) { return PathCurve(path).at_mm(depth_mm); }
 
 PanePlane plane_down_path(const DrillPath& path, double depth_mm) {
-  const Vec3 into = path.direction();
+  const Vec3 into = PathCurve(path).direction_at(depth_mm);
   const auto across = [&](const Vec3& wanted) { return Vec3(wanted - wanted.dot(into) * into); };
   Vec3 up = across(Vec3::UnitZ());
   if (up.norm() < 1e-3) up = across(-Vec3::UnitY());

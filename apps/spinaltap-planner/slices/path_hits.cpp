@@ -1,4 +1,5 @@
 #include "apps/spinaltap-planner/slices/path_hits.h"
+#include "core/tool/path_curve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,8 +66,12 @@ std::optional<PathHit> hit_path(const SliceFrame& frame, double ratio, const std
       if (end->away_px < handle_px) handle = PathHit{i, end->end};
       handle_px = std::min(handle_px, end->away_px);
     }
-    const double away_px =
-        to_segment_px(at, pane_point(frame, ratio, path.entry_mm), pane_point(frame, ratio, path.target_mm));
+    double away_px = std::numeric_limits<double>::infinity();
+    const std::vector<Vec3> places_mm = PathCurve(path).places_mm(1.0);
+    for (std::size_t n = 1; n < places_mm.size(); ++n) {
+      away_px = std::min(away_px, to_segment_px(at, pane_point(frame, ratio, places_mm[n - 1]),
+                                                pane_point(frame, ratio, places_mm[n])));
+    }
     const double counted_px = i == chosen ? 0.0 : away_px;
     if (away_px <= kAxisReachPx && counted_px <= axis_px) {
       axis = PathHit{i, std::nullopt};

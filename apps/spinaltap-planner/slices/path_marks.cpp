@@ -8,6 +8,7 @@
 
 #include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/slices/haloed.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -45,7 +46,14 @@ void paint_tool(QPainter& painter, const PaneScene& scene, const DrillBit& bit, 
 void paint_axis(QPainter& painter, const PaneScene& scene, const DrillPath& path, double strength) {
   QPen pen(with_alpha(kTextRgb, strength), 1.0, Qt::CustomDashLine);
   pen.setDashPattern({9.0, 3.0, 2.0, 3.0});
-  draw_haloed_line(painter, scene.drawn(path.entry_mm), scene.drawn(path.target_mm), pen);
+  if (!path.is_curved()) return draw_haloed_line(painter, scene.drawn(path.entry_mm), scene.drawn(path.target_mm), pen);
+  const std::vector<Vec3> places_mm = PathCurve(path).places_mm(0.5);
+  std::vector<QLineF> lines;
+  for (std::size_t n = 1; n < places_mm.size(); ++n) {
+    lines.emplace_back(scene.drawn(places_mm[n - 1]), scene.drawn(places_mm[n]));
+  }
+  pen.setStyle(Qt::SolidLine);  // dashes would begin anew on each short line
+  draw_haloed_lines(painter, lines, pen);
 }
 
 /// Round for the entry, square for the target; hollow, so that the bone below is seen.
@@ -106,7 +114,8 @@ void paint_body(QPainter& painter, const PaneScene& scene, int index, LabelPlace
   const DrillPath& path = scene.paths[static_cast<std::size_t>(index)];
   const bool is_chosen = index == scene.chosen;
   const double strength = is_chosen ? 1.0 : kFaint;
-  const Pose at_target{path.target_mm, path.direction()};
+  const PathCurve curve(path);
+  const Pose at_target{path.target_mm, curve.direction_at(curve.length_mm())};
   if (path.screw) paint_tool(painter, scene, path.screw->outline(), at_target, kScrewRgb, strength, labels);
   if (const std::optional<BodyBehind> head = head_of(path)) {
     paint_tool(painter, scene, head->outline, head->pose, kScrewRgb, strength, labels);

@@ -226,6 +226,8 @@ void PathPanel::fill_form() {
       }
     }
     screw_->setCurrentIndex(screw);
+    screw_->setEnabled(!path->is_curved());
+    screw_->setToolTip(path->is_curved() ? tr("A curved path has no screw: screws are straight.") : QString());
     for (int axis = 0; axis < 3; ++axis) {
       ends_[0][axis]->setValue(path->entry_mm[axis]);
       ends_[1][axis]->setValue(path->target_mm[axis]);
@@ -251,7 +253,11 @@ void PathPanel::take_bit(int index) {
   if (chosen == nullptr || index < 0 || index >= static_cast<int>(bits_.size())) return;
   DrillPath path = *chosen;
   path.bit = bits_[static_cast<std::size_t>(index)].bit;
-  document_.change_path(document_.chosen(), path, tr("change bit"));
+  try {
+    document_.change_path(document_.chosen(), path, tr("change bit"));
+  } catch (const Error&) {  // too long for a curved path's bends: the old one comes back
+    fill_form();
+  }
 }
 
 void PathPanel::take_bit_size() {

@@ -1,6 +1,6 @@
 #include "core/files/detail/markups_file.h"
 
-#include <array>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -52,27 +52,31 @@ bool is_called(const JsonObject& point, std::string_view name) {
   return lower_case(point.text("label")) == name;
 }
 
-DrillPath path_of_line(const Json& json, const std::string& name, const std::filesystem::path& file,
-                       const DrillBit& bit) {
+DrillPath path_of_markup(const Json& json, bool is_curve, const std::string& name, const std::filesystem::path& file,
+                         const DrillBit& bit) {
   const JsonObject markup(json, file);
   const Vec3 scale = scale_to_lps_mm(markup, file);
   const Json& points = markup.at("controlPoints");
-  if (!points.is_array() || points.size() != 2) {
-    fail("expected line ", in_quotes(name), " to have two points in ", file.string(), ", found ",
-         points.is_array() ? points.size() : 0);
+  const std::size_t count = points.is_array() ? points.size() : 0;
+  if (is_curve ? count < 2 || count > kMaxVias + 2 : count != 2) {
+    fail("expected ", is_curve ? "curve " : "line ", in_quotes(name), " to have two points",
+         is_curve ? " and up to " + std::to_string(kMaxVias) + " between" : std::string(), " in ", file.string(),
+         ", found ", count);
   }
-  std::array<Vec3, 2> ends_mm;
-  for (std::size_t n = 0; n < 2; ++n) {
+  std::vector<Vec3> places_mm;
+  for (std::size_t n = 0; n < count; ++n) {
     const JsonObject point(points[n], file);
     if (point.has("positionStatus") && point.text("positionStatus") != "defined") {
-      fail("expected both points of line ", in_quotes(name), " to be placed in ", file.string());
+      fail("expected ", is_curve ? "all points of curve " : "both points of line ", in_quotes(name),
+           " to be placed in ", file.string());
     }
-    ends_mm[n] = point.vector("position").cwiseProduct(scale);
+    places_mm.push_back(point.vector("position").cwiseProduct(scale));
   }
   const JsonObject first(points[0], file);
-  const JsonObject second(points[1], file);
-  if (is_called(first, "target") || is_called(second, "entry")) std::swap(ends_mm[0], ends_mm[1]);
-  DrillPath path{name, ends_mm[0], ends_mm[1], bit};
+  const JsonObject last(points[count - 1], file);
+  if (is_called(first, "target") || is_called(last, "entry")) std::reverse(places_mm.begin(), places_mm.end());
+  DrillPath path{name, places_mm.front(), places_mm.back(), count > 2 ? steerable_head() : bit};
+  path.via_mm.assign(places_mm.begin() + 1, places_mm.end() - 1);
   if (markup.has("spinaltap")) {
     const JsonObject ours(markup.at("spinaltap"), file);
     path.bit = read_bit(ours.at("bit"), file);
@@ -88,18 +92,24 @@ Json markups_of(const std::vector<DrillPath>& paths) {
   for (const DrillPath& path : paths) {
     Json ours{{"bit", to_json(path.bit)}};
     if (path.screw) ours["screw"] = to_json(*path.screw);
-    file["markups"].push_back(
-        {{"type", "Line"},
-         {"name", path.name},
-         {"coordinateSystem", "LPS"},
-         {"coordinateUnits", "mm"},
-         {"locked", false},
-         {"fixedNumberOfControlPoints", false},
-         {"labelFormat", "%N-%d"},
-         {"lastUsedControlPointNumber", 2},
-         {"controlPoints", {control_point(1, "entry", path.entry_mm), control_point(2, "target", path.target_mm)}},
-         {"measurements", Json::array()},
-         {"spinaltap", ours}});
+    Json points{control_point(1, "entry", path.entry_mm)};
+    int number = 1;
+    for (const Vec3& via_mm : path.via_mm) {
+      ++number;
+      points.push_back(control_point(number, ("via " + std::to_string(number - 1)).c_str(), via_mm));
+    }
+    points.push_back(control_point(++number, "target", path.target_mm));
+    file["markups"].push_back({{"type", path.is_curved() ? "Curve" : "Line"},
+                               {"name", path.name},
+                               {"coordinateSystem", "LPS"},
+                               {"coordinateUnits", "mm"},
+                               {"locked", false},
+                               {"fixedNumberOfControlPoints", false},
+                               {"labelFormat", "%N-%d"},
+                               {"lastUsedControlPointNumber", number},
+                               {"controlPoints", points},
+                               {"measurements", Json::array()},
+                               {"spinaltap", ours}});
   }
   return file;
 }
@@ -112,12 +122,16 @@ std::vector<DrillPath> paths_of_markups(const Json& json, const std::filesystem:
   std::vector<DrillPath> paths;
   for (const Json& item : markups) {
     const JsonObject markup(item, file);
-    if (markup.text("type") != "Line") continue;
+    const bool is_curve = markup.text("type") == "Curve";
+    if (!is_curve && markup.text("type") != "Line") continue;
     const bool is_named = markup.has("name") && markup.at("name").is_string() && !markup.text("name").empty();
-    paths.push_back(
-        path_of_line(item, is_named ? markup.text("name") : "line " + std::to_string(paths.size() + 1), file, bit));
+    paths.push_back(path_of_markup(
+        item, is_curve,
+        is_named ? markup.text("name") : (is_curve ? "curve " : "line ") + std::to_string(paths.size() + 1), file,
+        bit));
   }
-  if (paths.empty()) fail("expected a line from the entry to the target among the markups in ", file.string());
+  if (paths.empty())
+    fail("expected a line or an open curve from the entry to the target among the markups in ", file.string());
   return paths;
 }
 

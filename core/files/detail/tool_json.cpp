@@ -126,6 +126,11 @@ Json to_json(const DrillPath& path) {
             {"target_mm", to_json(path.target_mm)},
             {"bit", to_json(path.bit)}};
   if (path.screw) json["screw"] = to_json(*path.screw);
+  // A straight path stays what programs that know no other can read.
+  if (path.is_curved()) {
+    json["via_mm"] = Json::array();
+    for (const Vec3& via_mm : path.via_mm) json["via_mm"].push_back(to_json(via_mm));
+  }
   return json;
 }
 
@@ -137,6 +142,17 @@ DrillPath read_path(const Json& json, const std::filesystem::path& file) {
   path.target_mm = object.vector("target_mm");
   path.bit = read_bit(object.at("bit"), file);
   if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
+  if (object.has("via_mm")) {
+    const Json& places = object.at("via_mm");
+    if (!places.is_array() || places.size() > kMaxVias) {
+      fail("expected up to ", kMaxVias, " places as \"via_mm\" in ", file.string(), ", found ",
+           places.is_array() ? std::to_string(places.size()) : shown_value(places));
+    }
+    for (const Json& place : places) {
+      const Json named{{"via_mm", place}};
+      path.via_mm.push_back(JsonObject(named, file).vector("via_mm"));
+    }
+  }
   return path;
 }
 

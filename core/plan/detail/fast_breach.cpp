@@ -127,14 +127,13 @@ FastBreach::Breaches FastBreach::breaches() const {
 
 double FastBreach::clearance_mm() const {
   constexpr double kBeforeIsthmusMm = 4.0;
-  const Vec3 entry_mm = tool_.axis_mm(0.0);
-  const double latest_mm = (sides_.pedicle().isthmus_mm - entry_mm).dot(tool_.direction()) - kBeforeIsthmusMm;
+  const double latest_mm = tool_.along_mm(sides_.pedicle().isthmus_mm) - kBeforeIsthmusMm;
   std::size_t bearing = opening_rows_;
   while (bearing < rows_.size() && rows_[bearing].depth_mm < latest_mm && !is_whole(rows_[bearing])) ++bearing;
   std::size_t first = bearing;
   for (; first < rows_.size() && rows_[first].depth_mm < latest_mm; ++first) {
     const Vec3 nearest_mm = walls_.outer(tool_.axis_mm(rows_[first].depth_mm)).nearest_mm;
-    if ((nearest_mm - entry_mm).dot(tool_.direction()) >= rows_[bearing].depth_mm) break;
+    if (tool_.along_mm(nearest_mm) >= rows_[bearing].depth_mm) break;
   }
   double clearance_mm = kUnbounded;
   for (std::size_t n = first; n < rows_.size(); ++n) {

@@ -18,22 +18,21 @@ BitProfile profile_of(const DrillPath& path) {
 }  // namespace
 
 GradedTool::GradedTool(const DrillPath& path)
-    : profile_(profile_of(path)),
-      name_(path.screw ? "screw" : "bit"),
-      entry_mm_(path.entry_mm),
-      target_mm_(path.target_mm),
-      direction_(path.direction()),
-      length_mm_(path.length_mm()) {}
+    : profile_(profile_of(path)), name_(path.screw ? "screw" : "bit"), curve_(path) {}
+
+Vec3 GradedTool::across_at(double depth_mm) const {
+  return curve_.is_straight() ? any_perpendicular(direction_at(depth_mm)) : Vec3(curve_.axes_at(depth_mm).col(0));
+}
 
 double GradedTool::radius_mm(double depth_mm) const {
   // Whatever has passed a depth has cut it as wide as its widest part: a burr's hole does not narrow to its shank.
-  return std::max(0.0, profile_.widest_mm(0.0, length_mm_ - depth_mm));
+  return std::max(0.0, profile_.widest_mm(0.0, length_mm() - depth_mm));
 }
 
 std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius_mm, const Vec3& towards, int count) {
   const Vec3 centre_mm = tool.axis_mm(depth_mm);
   if (!(radius_mm > 0.0)) return {centre_mm};
-  const Vec3& axis = tool.direction();
+  const Vec3 axis = tool.direction_at(depth_mm);
   Vec3 first = towards - towards.dot(axis) * axis;
   first = first.norm() > 1e-3 ? Vec3(first.normalized()) : any_perpendicular(axis);
   const Vec3 second = axis.cross(first);

@@ -7,7 +7,7 @@
 
 #include "core/plan/grade.h"
 #include "core/tool/bit_profile.h"
-#include "core/tool/drill_path.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -18,10 +18,14 @@ class GradedTool {
   /// Throws Error as check_path() does.
   explicit GradedTool(const DrillPath& path);
 
-  const Vec3& direction() const { return direction_; }
-  double length_mm() const { return length_mm_; }
-  Vec3 axis_mm(double depth_mm) const { return entry_mm_ + depth_mm * direction_; }
-  const Vec3& target_mm() const { return target_mm_; }
+  const PathCurve& curve() const { return curve_; }
+  double length_mm() const { return curve_.length_mm(); }
+  Vec3 axis_mm(double depth_mm) const { return curve_.at_mm(depth_mm); }
+  Vec3 direction_at(double depth_mm) const { return curve_.direction_at(depth_mm); }
+  /// A unit vector across the path, which turns about it as little as can be.
+  Vec3 across_at(double depth_mm) const;
+  /// The depth that a place is nearest to.
+  double along_mm(const Vec3& p_mm) const { return curve_.nearest_mm(p_mm); }
 
   /// The hole's radius there; 0 beyond the tip.
   double radius_mm(double depth_mm) const;
@@ -32,8 +36,7 @@ class GradedTool {
  private:
   BitProfile profile_;
   std::string name_;
-  Vec3 entry_mm_, target_mm_, direction_;
-  double length_mm_;
+  PathCurve curve_;
 };
 
 /// Places around the tool at a depth, evenly spaced, the first of them towards `towards`; one where the radius is 0.

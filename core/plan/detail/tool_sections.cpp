@@ -53,17 +53,15 @@ ToolSections::ToolSections(const BoneShape& bone,
 
   std::vector<Vec3> places_mm;
   places_mm.reserve(depths_mm_.size() * kPoints);
-  const Vec3 first = any_perpendicular(tool.direction());
-  std::vector<Vec3> pattern_mm;
-  for (int annulus = 0; annulus < kAnnuli; ++annulus) {
-    const int count = places_of(annulus);
-    for (int n = 0; n < count; ++n) {
-      pattern_mm.push_back(middle_mm_[static_cast<std::size_t>(annulus)] *
-                           across(tool.direction(), first, (n + 0.5) / count));
-    }
-  }
   for (const double depth_mm : depths_mm_) {
-    for (const Vec3& place_mm : pattern_mm) places_mm.push_back(tool.axis_mm(depth_mm) + place_mm);
+    const Vec3 centre_mm = tool.axis_mm(depth_mm), axis = tool.direction_at(depth_mm), first = tool.across_at(depth_mm);
+    for (int annulus = 0; annulus < kAnnuli; ++annulus) {
+      const int count = places_of(annulus);
+      for (int n = 0; n < count; ++n) {
+        const Vec3 place_mm = middle_mm_[static_cast<std::size_t>(annulus)] * across(axis, first, (n + 0.5) / count);
+        places_mm.push_back(centre_mm + place_mm);
+      }
+    }
   }
   const std::vector<std::uint8_t> inside = inside_bone(bone, places_mm);
   std::vector<Vec3> in_bone_mm;

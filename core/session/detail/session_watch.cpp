@@ -58,7 +58,7 @@ void RecentMax::add(double depth_mm, double value) noexcept {
 SessionWatch::SessionWatch(const DrillPath& path, const LivingBone& bone, const SessionOptions& options,
                            bool has_clearances)
     : bit_(path.bit),
-      direction_(path.direction()),
+      curve_(path),
       bone_(&bone),
       options_(options),
       has_clearances_(has_clearances),
@@ -94,7 +94,7 @@ void SessionWatch::update(const Cycle& cycle, const Pose& pose, double state_beg
   if (cycle.state != state_) {
     state_ = cycle.state;
     SessionEvent event = event_of(cycle, EventKind::state, pose.tip_mm, static_cast<double>(state_));
-    event.place_mm -= (cycle.depth_mm - state_begin_mm) * direction_;
+    event.place_mm -= curve_.between_mm(state_begin_mm, cycle.depth_mm);
     event.depth_mm = state_begin_mm;
     log.add(event);
   }
@@ -140,7 +140,7 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
   is_in_air_ = false;
   // The last cycles' thrust fades with the chisel edge in the hole's floor: what the operator felt was that before.
   SessionEvent event = event_of(cycle, EventKind::breakthrough, pose.tip_mm, thrust_n_.value());
-  event.place_mm -= (cycle.depth_mm - air_since_mm_) * direction_;
+  event.place_mm -= curve_.between_mm(air_since_mm_, cycle.depth_mm);
   event.depth_mm = air_since_mm_;
   log.add(event);
   after_breakthrough_.start(event);

@@ -7,6 +7,7 @@
 #include "core/points/living_bone.h"
 #include "core/session/drill_session.h"
 #include "core/session/session_event.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -113,7 +114,7 @@ class SessionWatch {
   void stop(const Cycle& cycle, const Pose& pose, EventKind kind, double value, EventLog& log) noexcept;
 
   BitProfile bit_;
-  Vec3 direction_;
+  PathCurve curve_;
   const LivingBone* bone_;
   SessionOptions options_;
   bool has_clearances_;

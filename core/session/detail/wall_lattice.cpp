@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {
@@ -42,8 +43,16 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
     }
   }
   frame_ = PathFrame(path.entry_mm, path.direction());
+  const PathCurve curve(path);
   low_mm_ = Vec3(-reach_mm, -reach_mm, -behind_mm);
-  const Vec3 high_mm(reach_mm, reach_mm, path.length_mm() + beyond_mm);
+  Vec3 high_mm(reach_mm, reach_mm, curve.length_mm() + beyond_mm);
+  if (!curve.is_straight()) {
+    // Along the chord; ends of the way may be turned from it.
+    const PathCurve::AboutChord about = curve.about_chord(-behind_mm, curve.length_mm() + beyond_mm);
+    const double aside_mm = reach_mm + about.off_mm;
+    low_mm_ = Vec3(-aside_mm, -aside_mm, about.low_mm - reach_mm);
+    high_mm = Vec3(aside_mm, aside_mm, about.high_mm + reach_mm);
+  }
   count_ = ((high_mm - low_mm_) * per_mm_).array().ceil().cast<int>() + 1;
   nodes_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
                     static_cast<std::size_t>(count_.z()),
@@ -56,9 +65,14 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
     counter.add();
     const int i = column / count_.y();
     const Vec3 foot_mm = low_mm_ + spacing_mm * Vec3(i, column - i * count_.y(), 0.0);
-    if (std::hypot(foot_mm.x(), foot_mm.y()) > widest_mm) return;
+    if (curve.is_straight() && std::hypot(foot_mm.x(), foot_mm.y()) > widest_mm) return;
     for (int k = 0; k < count_.z(); ++k) {
       const Vec3 p_path = foot_mm + spacing_mm * k * Vec3::UnitZ();
+      if (!curve.is_straight()) {
+        const Vec3 p_mm = frame_.to_patient(p_path);
+        const double at_mm = std::clamp(curve.nearest_mm(p_mm), -behind_mm, curve.length_mm() + beyond_mm);
+        if ((curve.at_mm(at_mm) - p_mm).norm() > widest_mm) continue;
+      }
       nodes_[static_cast<std::size_t>(column) * static_cast<std::size_t>(count_.z()) + static_cast<std::size_t>(k)] =
           node_of(walls, frame_.to_patient(p_path));
     }

@@ -32,8 +32,7 @@ Vec3 Tremor::at_mm(double time_s) const {
 }
 
 GuidedBit::GuidedBit(const DrillPath& path, const GuideLine& line)
-    : begin_mm_(-line.lead_in_mm), end_mm_(path.length_mm()) {
-  check_path(path);
+    : curve_((check_path(path), path)), begin_mm_(-line.lead_in_mm), end_mm_(curve_.length_mm()) {
   if (!(line.lead_in_mm >= 0.0 && line.lead_in_mm <= 500.0)) {
     fail("operator: expected a lead-in of 0 to 500 mm, found ", line.lead_in_mm, " mm");
   }
@@ -46,10 +45,17 @@ GuidedBit::GuidedBit(const DrillPath& path, const GuideLine& line)
   axis_path_ = Vec3(std::sin(tilt), 0.0, std::cos(tilt));
   middle_path_ = Vec3(0.0, line.offset_mm, 0.5 * end_mm_);
   axis_ = tilt == 0.0 ? path.direction() : frame_.to_patient(Pose{Vec3::Zero(), axis_path_}).axis;
+  const double aside_mm = std::hypot(line.offset_mm, std::sin(tilt) * (0.5 * end_mm_ + line.lead_in_mm));
+  if (!(aside_mm < curve_.min_radius_mm())) {
+    fail("operator: expected a line that stays nearer to the path than its tightest bend, of ", curve_.min_radius_mm(),
+         " mm, found one ", aside_mm, " mm off it");
+  }
 }
 
 Pose GuidedBit::at(double depth_mm, const Vec3& aside_mm) const {
-  return {frame_.to_patient(Vec3(middle_path_ + (depth_mm - 0.5 * end_mm_) * axis_path_ + aside_mm)), axis_};
+  const Vec3 p_path = middle_path_ + (depth_mm - 0.5 * end_mm_) * axis_path_ + aside_mm;
+  if (curve_.is_straight()) return {frame_.to_patient(p_path), axis_};
+  return {curve_.to_patient(p_path), (curve_.axes_at(p_path.z()) * axis_path_).normalized()};
 }
 
 PathMotionOptions in_steps_of(double step_mm, const GuideLine& line) {

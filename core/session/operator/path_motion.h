@@ -7,7 +7,7 @@
 #include "core/base/geometry.h"
 #include "core/session/operator/feed_profile.h"
 #include "core/session/operator/operator.h"
-#include "core/tool/drill_path.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 
@@ -29,17 +29,19 @@ class Tremor {
   std::array<std::array<double, kFrequenciesHz.size()>, 3> phases_rad_{};
 };
 
-/// The straight line that an operator guides a bit along.
+/// The line that an operator guides a bit along, beside the path and as straight or curved as that.
 struct GuideLine {
   double lead_in_mm = 0.0;  ///< how far before the entry it begins
   double offset_mm = 0.0;   ///< sideways shift from the path
-  double tilt_deg = 0.0;    ///< between the line and the path; they meet (or pass) at the path's middle
+  double tilt_deg = 0.0;    ///< between the bit and the path; lines meet (or pass) at the path's middle
 };
 
-/// Poses along a line, by depth.
+/// Poses along a line, by depth. Of a curved path offset, tilt and tremor are in its path-local axes at each place, and
+/// before its entry and past its target the line goes straight on.
 class GuidedBit {
  public:
-  /// Throws Error on a bad path, on a lead-in that is not 0 or more, offsets over 100 mm and tilts over 60 degrees.
+  /// Throws Error on a bad path, on a lead-in that is not 0 or more, offsets over 100 mm and tilts over 60 degrees; of
+  /// curved paths also where the line would be as far off the path as its tightest bend's radius.
   GuidedBit(const DrillPath& path, const GuideLine& line);
 
   /// Depth at which the line begins and that of the target, mm beyond the entry along the line.
@@ -49,10 +51,11 @@ class GuidedBit {
   Pose at(double depth_mm, const Vec3& aside_mm = Vec3::Zero()) const;
 
  private:
-  PathFrame frame_;
+  PathCurve curve_;
+  PathFrame frame_;  ///< of a straight path
   Vec3 axis_path_;
   Vec3 middle_path_;  ///< at half the path's length
-  Vec3 axis_;         ///< patient LPS
+  Vec3 axis_;         ///< patient LPS, of a straight path
   double begin_mm_;
   double end_mm_;
 };

@@ -122,6 +122,34 @@ TEST_F(MarkupsFile, GivesBackPathsBitsAndScrewsToTheLastBit) {
   EXPECT_EQ(back[1].screw->tip_length_mm, 4.0);
 }
 
+TEST_F(MarkupsFile, HoldsACurvedPathAsAnOpenCurve) {
+  DrillPath curved = a_path();
+  curved.bit = {2.0, 2.5, 1.0, BitShape::round_burr, 0.0, 0.0};
+  const Vec3 aside = any_perpendicular(curved.direction());
+  const Vec3 way_mm = curved.target_mm - curved.entry_mm;
+  curved.via_mm = {curved.entry_mm + 0.3 * way_mm + aside, curved.entry_mm + 0.6 * way_mm + 1.5 * aside};
+  write_plan({a_path(), curved}, path());
+  const Json json = read_json(path());
+  EXPECT_EQ(json.at("markups").at(0).at("type"), "Line");
+  EXPECT_EQ(json.at("markups").at(1).at("type"), "Curve");
+  EXPECT_EQ(json.at("markups").at(1).at("controlPoints").size(), 4U);
+  EXPECT_EQ(json.at("markups").at(1).at("lastUsedControlPointNumber"), 4);
+  const std::vector<DrillPath> back = read_plan(path());
+  ASSERT_EQ(back.size(), 2U);
+  EXPECT_EQ(back[1].via_mm, curved.via_mm);
+  EXPECT_EQ(back[1].bit, curved.bit);
+
+  // As Slicer saves it: without our bit, here from the target to the entry.
+  Json saved = json;
+  Json& curve = saved["markups"][1];
+  curve.erase("spinaltap");
+  std::reverse(curve["controlPoints"].begin(), curve["controlPoints"].end());
+  std::ofstream(path()) << saved.dump();
+  EXPECT_EQ(read_plan(path())[1].entry_mm, curved.entry_mm);
+  EXPECT_EQ(read_plan(path())[1].via_mm, curved.via_mm);
+  EXPECT_EQ(read_plan(path())[1].bit, steerable_head());
+}
+
 TEST_F(MarkupsFile, SaysItsFrameUnitAndKindAsSlicerAsksFor) {
   write_plan({a_path()}, path());
   const Json json = read_json(path());
@@ -140,7 +168,7 @@ TEST_F(MarkupsFile, LeavesOutOtherMarkupsAndIsRejectedWithoutALine) {
   json["markups"].insert(json["markups"].begin(), points);
   std::ofstream(path()) << json.dump();
   EXPECT_EQ(read_plan(path()).size(), 1U);
-  EXPECT_THAT([&] { read_changed([](Json& line) { line["type"] = "Curve"; }); },
+  EXPECT_THAT([&] { read_changed([](Json& line) { line["type"] = "ClosedCurve"; }); },
               ThrowsMessage<Error>(AllOf(HasSubstr("line"), HasSubstr("plan.mrk.json"))));
 }
 

@@ -106,6 +106,36 @@ TEST_F(PlanFile, KeepsAProfileBitForBit) {
               ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("profile only"))));
 }
 
+TEST_F(PlanFile, KeepsPlacesOfACurvedPathToTheLastBit) {
+  std::vector<DrillPath> paths = two_paths();
+  paths[1].via_mm = {{-4.0 / 3.0, -9.7, 810.5}, {-6.1, -20.0, 806.0 + 1e-9}};
+  paths[1].bit = steerable_head();
+  write_plan(paths, path());
+  // A program that knows version 2 only does not drill the chord.
+  EXPECT_EQ(read_json(path())["version"], 3);
+  EXPECT_FALSE(read_json(path())["paths"][0].contains("via_mm"));
+  const std::vector<DrillPath> back = read_plan(path());
+  EXPECT_FALSE(back[0].is_curved());
+  EXPECT_EQ(back[1].via_mm, paths[1].via_mm);
+  EXPECT_EQ(paths_of_text(plan_text(paths), "")[1].via_mm, paths[1].via_mm);
+
+  const auto rejected = [&](const Json& via, const char* what) {
+    EXPECT_THAT([&] { read_changed([&](Json& json) { json["paths"][1]["via_mm"] = via; }); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(what))))
+        << what;
+  };
+  rejected(3, "via_mm");
+  rejected({{1.0, 2.0}}, "via_mm");
+  rejected({{1.0, 2.0, "z"}}, "via_mm");
+  rejected(Json(std::vector<int>(40, 1)), "up to 32 places");
+  rejected({{-1.5, 0.1, 812.0}}, "0.1 mm apart");
+  rejected({{-3.0, -15.0, 806.0}}, "bit short enough");
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["version"] = 4; }); },
+              ThrowsMessage<Error>(HasSubstr("version 4")));
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["version"] = 3, json["format"] = "other"; }); },
+              ThrowsMessage<Error>(HasSubstr("other")));
+}
+
 TEST_F(PlanFile, SaysItsFrameAndUnit) {
   write_plan(two_paths(), path());
   const Json json = read_json(path());
