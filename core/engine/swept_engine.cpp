@@ -24,14 +24,14 @@ StepResult SweptEngine::step(const Pose& pose) noexcept {
   Removal removal;
   const BitMotion motion(profile_, start, target);
   const std::size_t count = motion.piece_count();
-  if (count == 1) {
-    const SweptBit whole = motion.piece(0);
-    remove(std::span(&whole, 1), removal);
+  if (count == 1) {  // most steps
+    remove(motion.piece(0), removal);
+    return result_of(removal, target.tip_mm);
   }
-  for (std::size_t first = 0; first < count && count > 1; first += kTogether) {
+  for (std::size_t first = 0; first < count; first += kTogether) {
     const auto piece = [&](std::size_t n) { return motion.piece(std::min(first + n, count - 1)); };
     const std::array<SweptBit, kTogether> pieces{piece(0), piece(1), piece(2), piece(3)};
-    remove(std::span(pieces).first(std::min(kTogether, count - first)), removal);
+    remove_together(std::span(pieces).first(std::min(kTogether, count - first)), removal);
   }
   return result_of(removal, target.tip_mm);
 }

@@ -149,17 +149,18 @@ class VoxelEngine final : public SweptEngine {
     tree_ = CertificateTree(std::move(levels));
   }
 
-  void remove(const SweptBit& bit, Removal& removal) noexcept override { remove(std::span(&bit, 1), removal); }
+  void remove(const SweptBit& bit, Removal& removal) noexcept override { take(std::span(&bit, 1), removal); }
 
-  void remove(std::span<const SweptBit> pieces, Removal& removal) noexcept override {
+  void remove_together(std::span<const SweptBit> pieces, Removal& removal) noexcept override {
     // Together, each leaf is looked at once, with all voxels that lie within the whole way of the tool. Measured: that
     // pays where a tool hardly does more than turn; one whose tip goes far is quicker piece by piece.
     constexpr double kLongWayMm = 0.3;
     const Vec3 way = pieces.back().to().tip_mm - pieces.front().from().tip_mm;
-    if (pieces.size() > 1 && way.norm() > kLongWayMm) {
-      for (const SweptBit& piece : pieces) remove(piece, removal);
-      return;
-    }
+    if (way.norm() <= kLongWayMm) return take(pieces, removal);
+    for (const SweptBit& piece : pieces) remove(piece, removal);
+  }
+
+  void take(std::span<const SweptBit> pieces, Removal& removal) noexcept {
     const SweptBounds tool(pieces, bounds_);
     const WordTool words = word_tool(tool);
     Mat3 rows = pieces.front().from_rows();
