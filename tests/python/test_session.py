@@ -45,7 +45,9 @@ class Bit(unittest.TestCase):
 class CurvedPath(unittest.TestCase):
     def test_is_drilled_and_graded_along_its_curve(self):
         planned = made_bone.path()
-        via = (planned.entry_mm + planned.target_mm) / 2 + [1.5, 0, 0]
+        # As far from both ends: halfway along the curve too.
+        across = np.cross(planned.direction, [0, 0, 1])
+        via = (planned.entry_mm + planned.target_mm) / 2 + 1.5 * across / np.linalg.norm(across)
         path = spinaltap.Path(planned.entry_mm, planned.target_mm, via_mm=[via])
         self.assertEqual(path.bit.shape, "round-burr")
         self.assertEqual([place.tolist() for place in path.via_mm], [via.tolist()])
@@ -61,7 +63,7 @@ class CurvedPath(unittest.TestCase):
         session = spinaltap.Session(made_bone.bone(), path, spacing_mm=0.2, clearances=False)
         axis = path.direction
         self.assertAlmostEqual(session.step(path.entry_mm, axis).depth_mm, 0.0, places=6)
-        self.assertAlmostEqual(session.step(via, axis).depth_mm, path.length_mm / 2, places=1)
+        self.assertAlmostEqual(session.step(via, axis).depth_mm, path.length_mm / 2, places=6)
         self.assertAlmostEqual(session.step(path.target_mm, axis).depth_mm, path.length_mm, places=6)
 
 

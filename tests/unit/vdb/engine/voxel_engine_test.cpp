@@ -460,7 +460,7 @@ TEST(VoxelEngine, RemovesWhatBruteForceDoesWithToolsThatTurnByManyPieces) {
     ASSERT_TRUE(expected.is_same_as(found));
   }
   EXPECT_GT(sum.removed, kSeeds * 1000U);
-  EXPECT_GT(std::ranges::min(steps_of), 10);
+  EXPECT_GT(std::ranges::min(steps_of), static_cast<int>(kSeeds));
 }
 
 TEST(VoxelEngine, DecidesWhatLiesOnTheToolsWallAsSweptBitDoes) {
