@@ -175,7 +175,7 @@ QWidget* DrillPanel::make_choices() {
   form->addRow(tr("&Milling"), milling);
   form->addRow(tr("Fee&d"), feed_);
   form->addRow(tr("P&ush"), push_);
-  form->addRow(tr("&Engine"), engine_);
+  form->addRow(tr("En&gine"), engine_);
   form->addRow(tr("&Speed"), speed_);
   form->addRow(QString(), stops_);
   return choices;
