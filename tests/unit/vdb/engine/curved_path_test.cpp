@@ -49,14 +49,19 @@ double hole_mm3(const DrillPath& path, double step_mm) {
   return section_mm2 * way_mm + 4.0 / 3.0 * section_mm2 * radius_mm;
 }
 
+double removed_along(const DrillPath& path, DrillEngine& engine) {
+  const PathMotion motion(path, in_steps_of(0.05));
+  double removed_mm3 = 0.0;
+  for (std::size_t n = 0; n <= motion.cycle_count(); ++n) removed_mm3 += engine.step(motion.pose(n)).removed_mm3;
+  return removed_mm3;
+}
+
 TEST(CurvedHole, HasTheVolumeOfItsSectionAlongTheWay) {
   const DrillPath path = winding();
   const BoneModel block = solid_block();
   VoxelBone bone(block, {.voxel_mm = 0.1});
   const auto engine = make_voxel_engine(bone, path.bit, Material());
-  const PathMotion motion(path, in_steps_of(0.05));
-  double removed_mm3 = 0.0;
-  for (std::size_t n = 0; n <= motion.cycle_count(); ++n) removed_mm3 += engine->step(motion.pose(n)).removed_mm3;
+  const double removed_mm3 = removed_along(path, *engine);
   const double expected_mm3 = hole_mm3(path, 0.01);
   EXPECT_NEAR(removed_mm3, expected_mm3, 0.002 * expected_mm3);
   RecordProperty("share", std::to_string(removed_mm3 / expected_mm3));
@@ -94,9 +99,7 @@ TEST(CurvedHole, OfPointsHasItsVolumeWithinTheLatticesError) {
   // The whole ball is in the cylinder from the first pose on.
   PointVolume volume(path, {.radius_mm = 2.0, .spacing_mm = 0.1, .lead_in_mm = 6.0});
   const auto engine = make_engine(EngineKind::leaf, volume, path.bit, Material());
-  const PathMotion motion(path, in_steps_of(0.05));
-  double removed_mm3 = 0.0;
-  for (std::size_t n = 0; n <= motion.cycle_count(); ++n) removed_mm3 += engine->step(motion.pose(n)).removed_mm3;
+  const double removed_mm3 = removed_along(path, *engine);
   const double expected_mm3 = hole_mm3(path, 0.01);
   EXPECT_NEAR(removed_mm3, expected_mm3, 0.005 * expected_mm3);
   RecordProperty("share", std::to_string(removed_mm3 / expected_mm3));
