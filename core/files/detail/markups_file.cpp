@@ -92,7 +92,8 @@ Json markups_of(const std::vector<DrillPath>& paths) {
   for (const DrillPath& path : paths) {
     Json ours{{"bit", to_json(path.bit)}};
     if (path.screw) ours["screw"] = to_json(*path.screw);
-    Json points{control_point(1, "entry", path.entry_mm)};
+    Json points = Json::array();
+    points.push_back(control_point(1, "entry", path.entry_mm));
     int number = 1;
     for (const Vec3& via_mm : path.via_mm) {
       ++number;
