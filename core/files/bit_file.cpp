@@ -29,7 +29,8 @@ const std::map<std::string, BitShape>& bit_shapes() {
   static const std::map<std::string, BitShape> shapes{{"drill", BitShape::drill},
                                                       {"round-burr", BitShape::round_burr},
                                                       {"conical-burr", BitShape::conical_burr},
-                                                      {"tapered-screw", BitShape::tapered_screw}};
+                                                      {"tapered-screw", BitShape::tapered_screw},
+                                                      {"plate", BitShape::plate}};
   return shapes;
 }
 

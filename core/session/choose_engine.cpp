@@ -11,8 +11,11 @@ namespace spinaltap {
 EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   if (setup.engine != EngineKind::automatic) return setup.engine;
   // Points fill a cylinder around the session's one path: a region, a way that leaves the path, and further bones need
-  // voxels.
-  if (setup.region_mm || !way.keeps_to_path || !setup.further_bone_hashes.empty()) return EngineKind::voxel;
+  // voxels. Plates cut voxels only.
+  if (setup.path.bit.shape == BitShape::plate || setup.region_mm || !way.keeps_to_path ||
+      !setup.further_bone_hashes.empty()) {
+    return EngineKind::voxel;
+  }
   // Discs across the path are soon in reach of a bit that leans over; boxes do not care how it lies. `ring` was faster
   // by 2 at 10 degrees, `leaf` by 2 at 20 and by 10 at 60.
   constexpr double kLeavesFromDeg = 15.0;

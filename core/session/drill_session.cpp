@@ -29,9 +29,9 @@ class ExactSum {
 };
 
 /// The input's pose with a unit axis, where it makes sense and engines reach.
-std::optional<Pose> reachable_pose(const ToolInput& input, const Vec3& near_mm) noexcept {
+std::optional<Pose> reachable_pose(const ToolInput& input, const DrillBit& bit, const Vec3& near_mm) noexcept {
   constexpr double kEnginesReachMm = 1e4;
-  const std::optional<Pose> pose = sound_pose(input.pose);
+  const std::optional<Pose> pose = sound_pose(input.pose, bit);
   return pose && (pose->tip_mm - near_mm).cwiseAbs().maxCoeff() < kEnginesReachMm ? pose : std::nullopt;
 }
 
@@ -156,7 +156,7 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   cycle_.input = input;
   cycle_.step = {};
   cycle_.force = {};
-  const std::optional<Pose> pose = reachable_pose(input, path_.entry_mm);
+  const std::optional<Pose> pose = reachable_pose(input, path_.bit, path_.entry_mm);
   if (pose && has_time) {
     cycle_.depth_mm = tracking.curve.nearest_mm(pose->tip_mm);
     place(*pose, input);

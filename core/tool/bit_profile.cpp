@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/error.h"
 #include "core/tool/detail/outline_ball.h"
 
 namespace spinaltap {
@@ -140,6 +141,8 @@ BitProfile::BitProfile(const DrillBit& bit) : length_mm_(bit.length_mm), radius_
     case BitShape::profile:
       add_outline(bit.outline);
       break;
+    case BitShape::plate:
+      fail("expected a body of revolution, found a plate");
   }
 }
 

@@ -32,7 +32,7 @@ struct ProfilePiece {
 /// The outline of a bit in the half plane of (back from the tip, off the axis), in mm.
 class BitProfile {
  public:
-  /// Throws Error as check_bit does.
+  /// Throws Error as check_bit does, and on a plate (see PlateBox), which has no outline.
   explicit BitProfile(const DrillBit& bit);
 
   double length_mm() const { return length_mm_; }

@@ -101,7 +101,52 @@ void check_profile_bit(const DrillBit& bit) {
   }
 }
 
+/// Sizes of a plate; that other shapes have none.
+void check_plate(const DrillBit& bit) {
+  constexpr double kMaxWidthMm = 200.0, kMaxLengthMm = 500.0, kMinThicknessMm = 0.05;
+  if (bit.shape != BitShape::plate) {
+    if (bit.thickness_mm != 0.0 || bit.stroke_mm != 0.0)
+      fail("drill bit: expected thickness and stroke of plates only");
+    return;
+  }
+  const auto within = [](double value_mm, double low_mm, double high_mm, const char* what) {
+    if (!(value_mm >= low_mm && value_mm <= high_mm)) {
+      fail("plate: expected a ", what, " from ", low_mm, " to ", high_mm, " mm, found ", value_mm, " mm");
+    }
+  };
+  within(bit.diameter_mm, kMinThicknessMm, kMaxWidthMm, "width");
+  within(bit.thickness_mm, kMinThicknessMm, bit.diameter_mm, "thickness");
+  within(bit.length_mm, kMinThicknessMm, kMaxLengthMm, "length");
+  if (!(bit.stroke_mm >= 0.0 && bit.stroke_mm < bit.diameter_mm)) {
+    fail("plate: expected a stroke from 0 to below the width of ", bit.diameter_mm, " mm, found ", bit.stroke_mm,
+         " mm");
+  }
+  if (!bit.width_along.allFinite() || !(std::abs(bit.width_along.norm() - 1.0) < 1e-6)) {
+    fail("plate: expected a direction of length 1 that its width lies along");
+  }
+  if (bit.tip_length_mm != 0.0 || bit.tip_diameter_mm != 0.0 || bit.shank_diameter_mm != 0.0) {
+    fail("plate: expected neither tip nor shank");
+  }
+}
+
+/// Unit, across `axis`, as nearly along `wanted` as can be; nothing where that is within a sine of 0.1 of the axis.
+std::optional<Vec3> side_along(const Vec3& wanted, const Vec3& axis) {
+  constexpr double kLeastSine = 0.1;
+  const Vec3 across = wanted - wanted.dot(axis) * axis;
+  const double length = across.norm();
+  if (!(length >= kLeastSine)) return std::nullopt;
+  return across / length;
+}
+
 }  // namespace
+
+DrillBit plate_bit(double width_mm, double thickness_mm, double length_mm, double stroke_mm) {
+  DrillBit bit{width_mm, length_mm, 0.0, BitShape::plate};
+  bit.thickness_mm = thickness_mm;
+  bit.stroke_mm = stroke_mm;
+  check_bit(bit);
+  return bit;
+}
 
 DrillBit twist_drill(double diameter_mm, double length_mm, double point_angle_deg, double chisel_edge_mm) {
   if (!(point_angle_deg >= 20.0 && point_angle_deg < 180.0)) {
@@ -142,13 +187,16 @@ DrillBit resized(const DrillBit& bit, double diameter_mm, double length_mm) {
   other.tip_length_mm *= share;
   other.tip_diameter_mm *= share;
   other.shank_diameter_mm *= share;
+  other.thickness_mm *= share;
+  other.stroke_mm *= share;
   check_bit(other);
   return other;
 }
 
 void check_bit(const DrillBit& bit) {
   check_profile_bit(bit);
-  if (bit.shape == BitShape::profile) return;
+  check_plate(bit);
+  if (bit.shape == BitShape::profile || bit.shape == BitShape::plate) return;
   const auto above_zero = [](double length_mm, const char* what) {
     if (!(length_mm > 0.0) || !std::isfinite(length_mm)) {
       fail("drill bit: expected a ", what, " above 0 mm, found ", length_mm, " mm");
@@ -180,12 +228,24 @@ void check_bit(const DrillBit& bit) {
   }
 }
 
-std::optional<Pose> sound_pose(const Pose& pose) noexcept {
-  constexpr double kUnitTolerance = 0.01;
+std::optional<Pose> sound_pose(const Pose& pose, const DrillBit& bit) noexcept {
+  constexpr double kUnitTolerance = 0.01, kExact = 1e-9;
   const double length = pose.axis.norm();
   if (!pose.tip_mm.allFinite() || !(std::abs(length - 1.0) < kUnitTolerance)) return std::nullopt;
   // A unit axis stays what it is, to the last bit.
-  return std::abs(length - 1.0) < 1e-9 ? pose : Pose{pose.tip_mm, pose.axis / length};
+  Pose sound{pose.tip_mm, std::abs(length - 1.0) < kExact ? pose.axis : Vec3(pose.axis / length)};
+  if (bit.shape != BitShape::plate) return sound;
+  const bool is_said = !(pose.side.array() == 0.0).all();
+  if (is_said) {
+    const double wide = pose.side.norm(), along = pose.side.dot(sound.axis);
+    if (!(std::abs(wide - 1.0) < kUnitTolerance && std::abs(along) < kUnitTolerance)) return std::nullopt;
+    sound.side = pose.side;
+    if (std::abs(wide - 1.0) < kExact && std::abs(along) < kExact) return sound;
+  }
+  const std::optional<Vec3> side = side_along(is_said ? pose.side : bit.width_along, sound.axis);
+  if (!side) return std::nullopt;
+  sound.side = *side;
+  return sound;
 }
 
 double longest_way_mm(const Pose& from, const Pose& to, double length_mm) noexcept {

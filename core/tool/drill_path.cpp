@@ -88,6 +88,8 @@ void check_curve(const DrillPath& path) {
     fail("path ", name, ": expected bends wider than the bit's radius of ", path.bit.radius_mm(),
          " mm, found one with a radius of ", curve.min_radius_mm(), " mm");
   }
+  if (path.bit.shape == BitShape::plate)
+    fail("path ", name, ": expected no plate on a curved path: plates are straight");
   const double out_mm = stand_out_mm(BitProfile(path.bit), curve.min_radius_mm());
   if (!(out_mm <= kMaxStandOutMm)) {
     fail("path ", name, ": expected a bit short enough for its bends, found one of ", path.bit.length_mm,
@@ -140,8 +142,12 @@ Vec3 PathFrame::to_path(const Vec3& p_patient) const { return rotation_.transpos
 
 Vec3 PathFrame::to_patient(const Vec3& p_path) const { return origin_mm_ + rotation_ * p_path; }
 
-Pose PathFrame::to_path(const Pose& pose) const { return {to_path(pose.tip_mm), rotation_.transpose() * pose.axis}; }
+Pose PathFrame::to_path(const Pose& pose) const {
+  return {to_path(pose.tip_mm), rotation_.transpose() * pose.axis, rotation_.transpose() * pose.side};
+}
 
-Pose PathFrame::to_patient(const Pose& pose) const { return {to_patient(pose.tip_mm), rotation_ * pose.axis}; }
+Pose PathFrame::to_patient(const Pose& pose) const {
+  return {to_patient(pose.tip_mm), rotation_ * pose.axis, rotation_ * pose.side};
+}
 
 }  // namespace spinaltap

@@ -37,7 +37,7 @@ struct Session::State {
   /// Where the bit is; nothing before the first sound pose.
   std::optional<Pose> bit_pose() const {
     for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
-      if (std::optional<Pose> pose = sound_pose(input->pose)) return pose;
+      if (std::optional<Pose> pose = sound_pose(input->pose, setup.path.bit)) return pose;
     }
     return std::nullopt;
   }

@@ -100,14 +100,18 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
 }
 
 Json json_of(const DrilledHole& hole) {
-  // A pose is the tip's place, mm, and the axis where it is another than the pose before had.
+  // A pose is the tip's place, mm, and the axis, of a plate its side too, where it is another than the pose before had.
+  const bool has_sides = hole.bit.shape == BitShape::plate;
   Json ways = Json::array();
   for (const std::vector<Pose>& way : hole.ways) {
     Json poses = Json::array();
     for (std::size_t n = 0; n < way.size(); ++n) {
       Json pose = to_json(way[n].tip_mm);
-      if (n == 0 || way[n].axis != way[n - 1].axis) {
+      if (n == 0 || way[n].axis != way[n - 1].axis || way[n].side != way[n - 1].side) {
         for (const double one : way[n].axis) pose.push_back(one);
+        if (has_sides) {
+          for (const double one : way[n].side) pose.push_back(one);
+        }
       }
       poses.push_back(std::move(pose));
     }
@@ -122,28 +126,33 @@ const Json& list_of(const JsonObject& object, const char* key, const fs::path& f
   return list;
 }
 
-Pose read_pose(const Json& json, const Vec3& axis_before, const fs::path& file) {
+Pose read_pose(const Json& json, const DrillBit& bit, const Pose& before, const fs::path& file) {
   constexpr double kMaxMm = 1e4;
-  const bool is_pose = json.is_array() && (json.size() == 3 || json.size() == 6) &&
+  const bool has_sides = bit.shape == BitShape::plate;
+  const std::size_t whole = has_sides ? 9 : 6;
+  const bool is_pose = json.is_array() && (json.size() == 3 || json.size() == whole) &&
                        std::ranges::all_of(json, [](const Json& one) { return one.is_number(); });
-  if (!is_pose)
-    fail("expected [x, y, z] or [x, y, z, axis] for a pose in ", file.string(), ", found ", shown_value(json));
+  if (!is_pose) {
+    fail("expected [x, y, z] or [x, y, z, axis", has_sides ? ", side" : "", "] for a pose in ", file.string(),
+         ", found ", shown_value(json));
+  }
   const auto three = [&](std::size_t first) {
     return Vec3(json[first].get<double>(), json[first + 1].get<double>(), json[first + 2].get<double>());
   };
-  const Pose pose{three(0), json.size() == 6 ? three(3) : axis_before};
-  const std::optional<Pose> sound = sound_pose(pose);
+  const bool is_whole = json.size() == whole;
+  const Pose pose{three(0), is_whole ? three(3) : before.axis, is_whole && has_sides ? three(6) : before.side};
+  const std::optional<Pose> sound = sound_pose(pose, bit);
   if (!sound || sound->tip_mm.cwiseAbs().maxCoeff() > kMaxMm) {
     fail("expected poses within 10 m and with axes of length 1 in ", file.string(), ", found ", shown_value(json));
   }
   return *sound;
 }
 
-std::vector<Pose> read_way(const Json& json, const fs::path& file) {
+std::vector<Pose> read_way(const Json& json, const DrillBit& bit, const fs::path& file) {
   std::vector<Pose> way;
   if (!json.is_array()) fail("expected an array for a way in ", file.string(), ", found ", shown_value(json));
   for (const Json& pose : json) {
-    way.push_back(read_pose(pose, way.empty() ? Vec3(Vec3::Zero()) : way.back().axis, file));
+    way.push_back(read_pose(pose, bit, way.empty() ? Pose{Vec3::Zero(), Vec3::Zero()} : way.back(), file));
   }
   return way;
 }
@@ -168,7 +177,7 @@ DrilledHole read_hole(const Json& json, const fs::path& file) {
   const JsonObject object(json, file);
   DrilledHole hole;
   hole.bit = read_bit(object.at("bit"), file);
-  for (const Json& way : list_of(object, "ways", file)) hole.ways.push_back(read_way(way, file));
+  for (const Json& way : list_of(object, "ways", file)) hole.ways.push_back(read_way(way, hole.bit, file));
   return hole;
 }
 

@@ -39,6 +39,15 @@ Json to_json(const DrillBit& bit) {
     for (const OutlinePoint& point : bit.outline) json["outline"].push_back(outline_point_json(point));
     return json;
   }
+  if (bit.shape == BitShape::plate) {
+    Json json{{"shape", name_of(bit.shape)},
+              {"width_mm", bit.diameter_mm},
+              {"thickness_mm", bit.thickness_mm},
+              {"length_mm", bit.length_mm},
+              {"width_along", to_json(bit.width_along)}};
+    if (bit.stroke_mm != 0.0) json["stroke_mm"] = bit.stroke_mm;
+    return json;
+  }
   Json json{{"diameter_mm", bit.diameter_mm}, {"length_mm", bit.length_mm}, {"tip_length_mm", bit.tip_length_mm}};
   // A plain drill stays what programs that know no other shape can read.
   if (bit.shape != BitShape::drill) json["shape"] = name_of(bit.shape);
@@ -90,8 +99,20 @@ DrillBit read_outline(const Json& places, const std::filesystem::path& file) {
   }
 }
 
+DrillBit read_plate(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"shape", "width_mm", "thickness_mm", "length_mm", "width_along", "stroke_mm"}, file,
+             "\"width_mm\", \"thickness_mm\", \"length_mm\", \"width_along\" or \"stroke_mm\" of a plate");
+  const JsonObject object(json, file);
+  DrillBit plate{object.number("width_mm"), object.number("length_mm"), 0.0, BitShape::plate};
+  plate.thickness_mm = object.number("thickness_mm");
+  if (object.has("width_along")) plate.width_along = object.vector("width_along");
+  if (object.has("stroke_mm")) plate.stroke_mm = object.number("stroke_mm");
+  return plate;
+}
+
 DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
   const JsonObject object(json, file);
+  if (object.has("shape") && object.text("shape") == name_of(BitShape::plate)) return read_plate(json, file);
   if (object.has("shape") && object.text("shape") == name_of(BitShape::profile)) {
     check_keys(json, {"shape", "outline"}, file, "\"shape\" and \"outline\" of a profile");
     return read_outline(object.at("outline"), file);
@@ -102,7 +123,7 @@ DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
     const std::string name = object.text("shape");
     const auto shape = bit_shapes().find(name);
     if (shape == bit_shapes().end()) {
-      fail("expected the bit's shape to be drill, round-burr, conical-burr, tapered-screw or profile in ",
+      fail("expected the bit's shape to be drill, round-burr, conical-burr, tapered-screw, profile or plate in ",
            file.string(), ", found ", in_quotes(name));
     }
     bit.shape = shape->second;

@@ -13,7 +13,7 @@ std::vector<std::vector<Pose>> cutting_ways(std::span<const ToolInput> inputs, c
   };
   if (last) way.push_back(*last);
   for (const ToolInput& input : inputs) {
-    const std::optional<Pose> pose = sound_pose(input.pose);
+    const std::optional<Pose> pose = sound_pose(input.pose, bit);
     if (!pose) continue;
     if (!way.empty()) {
       const bool is_jump = longest_way_mm(way.back(), *pose, bit.length_mm) > max_jump_mm;
