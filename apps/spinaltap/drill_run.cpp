@@ -256,7 +256,7 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   const FieldOfBones whole(bones);
   OperatorPlan tool_operator =
       options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);
-  setup.engine = chosen_engine(setup, tool_operator.way);
+  setup = setup_for(std::move(setup), tool_operator.way);
   const DensityCalibration density =
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   setup.material =

@@ -12,7 +12,7 @@ EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   if (setup.engine != EngineKind::automatic) return setup.engine;
   // Points fill a cylinder around the session's one path: a region, a way that leaves the path, and further bones need
   // voxels. Plates cut voxels only.
-  if (setup.path.bit.shape == BitShape::plate || setup.region_mm || !way.keeps_to_path ||
+  if (setup.path.bit.shape == BitShape::plate || setup.region_mm || !way.keeps_to_path || !setup.options.follows_path ||
       !setup.further_bone_hashes.empty()) {
     return EngineKind::voxel;
   }
@@ -26,6 +26,12 @@ EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   // as it only goes forward `ring` was faster by 1.4; in a hand that trembles `leaf` by 4.5. Conical burrs and tapered
   // screws fill that room: `ring` was faster by 3 to 4 forward, by 1.3 to 2.5 with a tremor.
   return setup.path.bit.shape == BitShape::round_burr && way.trembles ? EngineKind::leaf : EngineKind::ring;
+}
+
+SessionSetup setup_for(SessionSetup setup, const ExpectedWay& way) {
+  setup.engine = chosen_engine(setup, way);
+  if (!way.keeps_to_path) setup.options.follows_path = false;
+  return setup;
 }
 
 }  // namespace spinaltap

@@ -16,4 +16,8 @@ struct ExpectedWay {
 /// out does not depend on which engine of points it is; voxels are taken only where points cannot serve.
 EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way = {});
 
+/// The setup of a session whose tool goes such a way: its engine is chosen, and where the way leaves the path,
+/// SessionOptions::follows_path is off.
+SessionSetup setup_for(SessionSetup setup, const ExpectedWay& way);
+
 }  // namespace spinaltap

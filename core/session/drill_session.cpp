@@ -138,7 +138,7 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   cycle_.force = forces_.update(cycle_.step, pose, input.dt_s + tracking.waiting_s, spindle);
   tracking.waiting_s = 0.0;
   if (clearances_ != nullptr) cycle_.clearance = clearances_->of(tracking.bit, pose);
-  if (is_on) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
+  if (is_on && options_.follows_path) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
   tracking.watch.update(cycle_, pose, states_.begin_mm(), is_on, tracking.log);
   tracking.pose = pose;
   tracking.is_placed = true;

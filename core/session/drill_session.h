@@ -31,6 +31,9 @@ struct SessionOptions {
   StopRules stop = {};
   StateRules states = {};
   double max_jump_mm = 50.0;  ///< a longer way of the tip, or of the base, in one cycle is not cut
+  /// The tool drills along the path; else, in a milling, neither states nor breakthroughs nor plunges are told: the
+  /// depth along the path says nothing of them.
+  bool follows_path = true;
 };
 /// Rejects options that are not numbers or make no sense.
 void check_session_options(const SessionOptions& options);

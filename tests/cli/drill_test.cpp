@@ -375,7 +375,7 @@ TEST_F(Drill, MillsAPatchDownToAFloor) {
              folder_->path() / "cap_plan.json");
   const test::ProgramRun run = test::run_program(
       "drill bone.vdb cap_plan.json --spacing 0.1 --operator cap.json -o cap --json cap_out.json "
-      "--full-mesh",
+      "--full-mesh --record cap.h5",
       folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const Json figures = read_json(folder_->path() / "cap_out.json");
@@ -388,6 +388,12 @@ TEST_F(Drill, MillsAPatchDownToAFloor) {
   EXPECT_EQ(figures["mesh"]["pieces"], 1);
   EXPECT_EQ(figures["operator"]["milling"], "cap");
   EXPECT_EQ(figures["engine"], "voxel");
+  // Layer by layer it comes out of the bone and plunges, which means nothing to it.
+  ASSERT_EQ(figures["events"].size(), 1U);
+  EXPECT_EQ(figures["events"][0]["event"], "contact");
+  EXPECT_TRUE(figures["plunge_depth_mm"].is_null());
+  const test::ProgramRun replay = test::run_program("replay cap.h5 bone.vdb", folder_->path());
+  EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
 }
 
 TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {

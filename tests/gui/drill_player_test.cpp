@@ -11,6 +11,7 @@
 
 #include "apps/spinaltap-planner/drill/played_hole.h"
 #include "core/files/recorded_setup.h"
+#include "core/session/choose_engine.h"
 #include "core/session/record/session_record.h"
 #include "tests/gui/phantom_bone.h"
 #include "tests/support/temporary_folder.h"
@@ -255,8 +256,7 @@ TEST_F(DrillPlayerTest, SavesARecordThatReplaysTheSame) {
 
 /// The same at one go, by the operator itself.
 Drilling milled_in_one_go() {
-  SessionSetup setup = session_setup(test::burr_path(), {});
-  setup.engine = EngineKind::voxel;
+  SessionSetup setup = setup_for(session_setup(test::burr_path(), {}), {.keeps_to_path = false});
   setup.has_clearances = false;
   const BoneField whole(test::phantom_bone()->model());
   MillingMotion tool_operator(test::entry_milling(), setup.path.bit, whole);
@@ -291,6 +291,11 @@ TEST_F(DrillPlayerTest, MillsAPatchThroughAStopUndoAndARecord) {
   expect_same_rows(player_->rows(), ground_truth.rows);
   EXPECT_EQ(player_->events().size(), ground_truth.events.size());
   EXPECT_GT(ground_truth.max_torque_n_mm, 0.0);
+  // Through the lamina's cortex, out of the bone and in again: nothing that a pedicle's drilling is told of.
+  for (const SessionEvent& event : ground_truth.events) {
+    EXPECT_TRUE(event.kind == EventKind::contact || event.kind == EventKind::outside_volume) << name_of(event.kind);
+  }
+  EXPECT_EQ(player_->last()->state, DrillState::initial);
 
   const test::TemporaryFolder folder;
   write_record(*player_->done(), folder.path() / "run.h5");

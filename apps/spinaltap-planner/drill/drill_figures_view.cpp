@@ -40,7 +40,8 @@ QString told_state(const DrillPlayer& player) {
       break;
   }
   if (!player.last()) return {};
-  const std::string name(name_of(player.last()->state));
+  const bool has_states = player.setup() == nullptr || player.setup()->options.follows_path;
+  const std::string name(has_states ? name_of(player.last()->state) : "milling");
   QString where =
       DrillFiguresView::tr("%1, at %2 s").arg(QString::fromStdString(name)).arg(player.seconds(), 0, 'f', 1);
   if (player.state() == DrillPlayer::State::drilling) return where;

@@ -29,12 +29,6 @@ const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& o
   return is_same ? built.clearances.get() : nullptr;
 }
 
-/// The setup with the engine that serves the operator best.
-SessionSetup with_engine(SessionSetup setup, const OperatorChoice& tool_operator) {
-  setup.engine = chosen_engine(setup, tool_operator.expected_way());
-  return setup;
-}
-
 OperatorPlan plan_operator(const OperatorChoice& choice, const SessionSetup& setup, const Bone& bone) {
   const BoneField whole(bone.model());
   return choice.plan(setup.path, setup.volume.lead_in_mm, setup.options.spindle, false, &whole);
@@ -71,7 +65,7 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
 PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
                        const PlayedHole* other, const Progress& progress)
     : bone_(std::move(bone)),
-      setup_(with_engine(std::move(setup), tool_operator)),
+      setup_(setup_for(std::move(setup), tool_operator.expected_way())),
       choice_(std::move(tool_operator)),
       operator_(plan_operator(choice_, setup_, *bone_->bone)),
       built_(

@@ -73,14 +73,16 @@ Json json_of(const SessionOptions& options) {
   Json stop{{"on_breach", options.stop.on_breach}};
   add_limit(stop, "thrust_n", options.stop.thrust_n);
   add_limit(stop, "clearance_mm", options.stop.clearance_mm);
-  return {{"spindle", {{"rpm", options.spindle.rpm}, {"is_clockwise", options.spindle.is_clockwise}}},
-          {"stop", stop},
-          {"states",
-           {{"contact_g_cm3", options.states.contact_g_cm3},
-            {"cortical_g_cm3", options.states.cortical_g_cm3},
-            {"rising_g_cm3", options.states.rising_g_cm3},
-            {"hold_mm", options.states.hold_mm}}},
-          {"max_jump_mm", options.max_jump_mm}};
+  Json json{{"spindle", {{"rpm", options.spindle.rpm}, {"is_clockwise", options.spindle.is_clockwise}}},
+            {"stop", stop},
+            {"states",
+             {{"contact_g_cm3", options.states.contact_g_cm3},
+              {"cortical_g_cm3", options.states.cortical_g_cm3},
+              {"rising_g_cm3", options.states.rising_g_cm3},
+              {"hold_mm", options.states.hold_mm}}},
+            {"max_jump_mm", options.max_jump_mm}};
+  if (!options.follows_path) json["follows_path"] = false;
+  return json;
 }
 
 SessionOptions read_options_part(const JsonObject& object, const fs::path& file) {
@@ -96,6 +98,7 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
   options.states = {states.number("contact_g_cm3"), states.number("cortical_g_cm3"), states.number("rising_g_cm3"),
                     states.number("hold_mm")};
   options.max_jump_mm = object.number("max_jump_mm");
+  if (object.has("follows_path")) options.follows_path = flag(object, "follows_path", file);
   return options;
 }
 

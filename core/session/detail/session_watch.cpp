@@ -138,6 +138,7 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
   if (has_clearances_ && !outer_.is_over() && !canal_.is_over()) return;
   if (cycle.depth_mm - air_since_mm_ < options_.states.hold_mm - 1e-9) return;
   is_in_air_ = false;
+  if (!options_.follows_path) return;
   // The last cycles' thrust fades with the chisel edge in the hole's floor: what the operator felt was that before.
   SessionEvent event = event_of(cycle, EventKind::breakthrough, pose.tip_mm, thrust_n_.value());
   event.place_mm -= curve_.between_mm(air_since_mm_, cycle.depth_mm);
@@ -162,7 +163,7 @@ void SessionWatch::stop(const Cycle& cycle, const Pose& pose, EventKind kind, do
   is_stopped_ = true;
   const SessionEvent event = event_of(cycle, kind, pose.tip_mm, value);
   log.add(event);
-  after_stop_.start(event);
+  if (options_.follows_path) after_stop_.start(event);
 }
 
 void SessionWatch::watch_stops(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {

@@ -113,6 +113,15 @@ TEST(SessionSetup, OfRecordsWithoutARegionIsTheWholeBone) {
   EXPECT_FALSE(to_json(whole).contains("region_mm"));
 }
 
+TEST(SessionSetup, OfADrillingAlongThePathHasNoWordOfIt) {
+  SessionSetup setup = odd_setup();
+  EXPECT_FALSE(to_json(setup)["options"].contains("follows_path"));
+  EXPECT_TRUE(read_session_setup(to_json(setup), "run.h5").options.follows_path);
+  setup.options.follows_path = false;
+  EXPECT_EQ(to_json(setup)["options"]["follows_path"], false);
+  EXPECT_FALSE(read_session_setup(to_json(setup), "run.h5").options.follows_path);
+}
+
 TEST(SessionSetup, HoldsTheEngineThatAutoCameTo) {
   SessionSetup setup = odd_setup();
   setup.engine = EngineKind::automatic;
@@ -161,6 +170,7 @@ TEST(SessionSetup, NamesFileAndKeyOfWhatIsWrong) {
   expect("region_mm", [](Json& json) { json["region_mm"] = {1.0, 2.0}; });
   expect("region_mm", [](Json& json) { json["region_mm"][1][2] = "high"; });
   expect("region", [](Json& json) { json["region_mm"][1] = json["region_mm"][0]; });
+  expect("follows_path", [](Json& json) { json["options"]["follows_path"] = 0; });
   expect("on_breach", [](Json& json) { json["options"]["stop"]["on_breach"] = 1; });
   expect("path", [](Json& json) { json["path"]["target_mm"] = json["path"]["entry_mm"]; });
   EXPECT_THROW(recorded_setup({}, "run.h5"), Error);

@@ -41,6 +41,21 @@ TEST(ChosenEngine, IsOneOfPointsUnlessPointsCannotServe) {
   EXPECT_EQ(chosen_engine(setup), EngineKind::voxel);
 }
 
+TEST(ChosenEngine, OfAWayThatLeavesThePathGoesWithASessionThatTellsNothingOfIt) {
+  const SessionSetup milling = setup_for({}, {.keeps_to_path = false});
+  EXPECT_EQ(milling.engine, EngineKind::voxel);
+  EXPECT_FALSE(milling.options.follows_path);
+  const SessionSetup drilling = setup_for({}, {.trembles = false});
+  EXPECT_EQ(drilling.engine, EngineKind::ring);
+  EXPECT_TRUE(drilling.options.follows_path);
+  SessionSetup own;
+  own.options.follows_path = false;
+  EXPECT_EQ(chosen_engine(own), EngineKind::voxel);
+  EXPECT_FALSE(setup_for(own, {}).options.follows_path);
+  own.engine = EngineKind::leaf;
+  EXPECT_EQ(setup_for(own, {.keeps_to_path = false}).engine, EngineKind::leaf);
+}
+
 TEST(Region, AroundAPathHoldsAllThatIsSoNear) {
   const DrillPath path{"p", Vec3(1.0, 2.0, 3.0), Vec3(1.0, 2.0, 13.0), {}};
   const Box3 box = region_around(path, 4.0, 2.5);

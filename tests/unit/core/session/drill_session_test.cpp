@@ -73,6 +73,42 @@ TEST(DrillSession, NotesABreakthroughWithTheThrustBefore) {
   EXPECT_NEAR(over[0].value, 15.0 - events[0].depth_mm, 1e-6);
 }
 
+TEST(DrillSession, TellsOfNoPathWhereTheToolLeavesIt) {
+  const auto run = [](bool follows_path) {
+    test::DrillBlock block(hard_slab);
+    SessionOptions options;
+    options.stop.thrust_n = 5.0;
+    options.follows_path = follows_path;
+    const auto session = block.session(options);
+    std::vector<Cycle> cycles;
+    for (int n = 0; n <= 1600; ++n) cycles.push_back(session->step({block.at(-1.0 + 0.01 * n), true, 0.01}));
+    return std::pair(cycles, std::vector<SessionEvent>(session->events().begin(), session->events().end()));
+  };
+  const auto [drilled, drilling] = run(true);
+  const auto [milled, milling] = run(false);
+  std::vector<SessionEvent> expected;
+  for (const SessionEvent& event : drilling) {
+    const bool is_of_a_path =
+        event.kind == EventKind::state || event.kind == EventKind::breakthrough || event.kind == EventKind::plunge;
+    if (!is_of_a_path) expected.push_back(event);
+  }
+  EXPECT_LT(expected.size() + 3, drilling.size()) << "there were some of each";
+  ASSERT_EQ(milling.size(), expected.size());
+  EXPECT_EQ(milling.front().kind, EventKind::contact);
+  EXPECT_EQ(milling.back().kind, EventKind::stop_thrust);
+  for (std::size_t n = 0; n < expected.size(); ++n) {
+    EXPECT_EQ(milling[n].kind, expected[n].kind);
+    EXPECT_EQ(milling[n].cycle, expected[n].cycle);
+    EXPECT_EQ(milling[n].value, expected[n].value);
+  }
+  EXPECT_NE(drilled.back().state, DrillState::initial);
+  for (std::size_t n = 0; n < milled.size(); ++n) {
+    EXPECT_EQ(milled[n].state, DrillState::initial);
+    EXPECT_EQ(milled[n].step.removed, drilled[n].step.removed);
+    EXPECT_EQ(milled[n].force.thrust_n, drilled[n].force.thrust_n);
+  }
+}
+
 TEST(DrillSession, TakesNeitherTheHoleNorTheVolumesEndForABreakthrough) {
   test::DrillBlock block(even);
   const auto session = block.session();
