@@ -11,10 +11,9 @@ namespace spinaltap {
 SweptEngine::SweptEngine(const DrillBit& bit, const PathFrame& frame) : profile_(BitProfile(bit)), frame_(frame) {}
 
 StepResult SweptEngine::step(const Pose& pose) noexcept {
-  constexpr double kFarthestMm = 1e4;
   Pose target = frame_.to_path(pose);
   const double axis_length = target.axis.norm();
-  const bool is_near = target.tip_mm.allFinite() && target.tip_mm.cwiseAbs().maxCoeff() <= kFarthestMm;
+  const bool is_near = target.tip_mm.allFinite() && target.tip_mm.cwiseAbs().maxCoeff() <= kEngineReachMm;
   if (!is_near || !(std::abs(axis_length - 1.0) < 1e-6)) return {};
   target.axis /= axis_length;
   const Pose start = is_placed_ ? pose_ : target;
@@ -26,31 +25,32 @@ StepResult SweptEngine::step(const Pose& pose) noexcept {
   const std::size_t count = motion.piece_count();
   if (count == 1) {  // most steps
     remove(motion.piece(0), removal);
-    return result_of(removal, target.tip_mm);
+    return result_of(removal, units_, frame_, target.tip_mm);
   }
   for (std::size_t first = 0; first < count; first += kTogether) {
     const auto piece = [&](std::size_t n) { return motion.piece(std::min(first + n, count - 1)); };
     const std::array<SweptBit, kTogether> pieces{piece(0), piece(1), piece(2), piece(3)};
     remove_together(std::span(pieces).first(std::min(kTogether, count - first)), removal);
   }
-  return result_of(removal, target.tip_mm);
+  return result_of(removal, units_, frame_, target.tip_mm);
 }
 
-StepResult SweptEngine::result_of(const Removal& removal, const Vec3& tip_mm) const noexcept {
+StepResult result_of(const Removal& removal, const RemovalUnits& units, const PathFrame& frame,
+                     const Vec3& tip_mm) noexcept {
   StepResult result;
   result.removed = removal.removed;
   result.tested = removal.tested;
   if (removal.removed == 0) return result;
   result.removed_hu = removal.hu;
-  result.removed_mm3 = static_cast<double>(removal.parts) * units_.part_mm3;
-  const double unit_n_mm = PressureTable::kUnitMpa * units_.part_mm3;
+  result.removed_mm3 = static_cast<double>(removal.parts) * units.part_mm3;
+  const double unit_n_mm = PressureTable::kUnitMpa * units.part_mm3;
   result.work_n_mm = static_cast<double>(removal.pressure) * unit_n_mm;
   Vec3 moment;
   for (int n = 0; n < 3; ++n) {
-    moment[n] = static_cast<double>(removal.moment[static_cast<std::size_t>(n)]) * (unit_n_mm / units_.places_per_mm);
+    moment[n] = static_cast<double>(removal.moment[static_cast<std::size_t>(n)]) * (unit_n_mm / units.places_per_mm);
   }
   moment -= result.work_n_mm * tip_mm;
-  result.moment_n_mm2 = frame_.to_patient(Pose{tip_mm, moment}).axis;
+  result.moment_n_mm2 = frame.to_patient(Pose{tip_mm, moment}).axis;
   return result;
 }
 

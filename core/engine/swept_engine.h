@@ -36,7 +36,15 @@ struct RemovalUnits {
   double places_per_mm = 1.0;
 };
 
-/// What all engines share, whatever they keep bone in: poses, pieces of the way, and what removing comes to.
+/// What it comes to where a step ends at `tip_mm`; that and the places of the removal are of `frame`.
+StepResult result_of(const Removal& removal, const RemovalUnits& units, const PathFrame& frame,
+                     const Vec3& tip_mm) noexcept;
+
+/// Engines take no pose further than this from where their frame begins, along any coordinate.
+inline constexpr double kEngineReachMm = 1e4;
+
+/// What the engines of bodies of revolution share, whatever they keep bone in: poses, pieces of the way, and what
+/// removing comes to.
 class SweptEngine : public DrillEngine {
  public:
   StepResult step(const Pose& pose) noexcept final;
@@ -59,8 +67,6 @@ class SweptEngine : public DrillEngine {
   const PathFrame& frame() const { return frame_; }
 
  private:
-  StepResult result_of(const Removal& removal, const Vec3& tip_mm) const noexcept;
-
   SweepProfile profile_;
   PathFrame frame_;
   RemovalUnits units_;

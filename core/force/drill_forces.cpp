@@ -35,7 +35,15 @@ double chisel_radius_mm(const DrillBit& bit, const Material& material) {
   return has_edge ? 0.5 * bit.tip_diameter_mm : 0.5 * material.chisel_share * bit.diameter_mm;
 }
 
-double section_mm2(const DrillBit& bit) { return std::numbers::pi * bit.radius_mm() * bit.radius_mm(); }
+bool is_plate(const DrillBit& bit) { return bit.shape == BitShape::plate; }
+
+/// Of what a tool cuts out on its way along its axis.
+double section_mm2(const DrillBit& bit) {
+  return is_plate(bit) ? bit.diameter_mm * bit.thickness_mm : std::numbers::pi * bit.radius_mm() * bit.radius_mm();
+}
+
+/// How far aside a tool that went back is at another place of the bone.
+double hole_radius_mm(const DrillBit& bit) { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
 
 /// The energy of a feed over that of the reference feed, times the feed, mm.
 double feed_times_factor_mm(double feed_mm, double reference_mm, double exponent) {
@@ -125,10 +133,19 @@ double FeedResistance::torque_n_mm(double feed_mm_per_turn) const noexcept {
 }
 
 FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, double energy_n, double chisel_mpa) {
-  const double edge_mm = chisel_radius_mm(bit, material);
   FeedResistance resistance;
   resistance.reference_feed_mm = material.reference_feed_mm;
   resistance.feed_exponent = material.feed_exponent;
+  if (is_plate(bit)) {
+    // A saw's teeth share the energy of a stroke's feed out over the stroke, to and fro; a driven edge indents.
+    if (bit.stroke_mm > 0.0) {
+      resistance.lips_n = material.lip_thrust_share * energy_n * material.reference_feed_mm / (2.0 * bit.stroke_mm);
+    } else {
+      resistance.chisel_n = chisel_mpa * section_mm2(bit);
+    }
+    return resistance;
+  }
+  const double edge_mm = chisel_radius_mm(bit, material);
   resistance.lips_n_mm = energy_n * material.reference_feed_mm / kWholeTurn;
   resistance.lips_n = material.lip_thrust_share * 2.0 * resistance.lips_n_mm / bit.radius_mm();
   resistance.chisel_n = chisel_mpa * std::numbers::pi * edge_mm * edge_mm;
@@ -151,12 +168,17 @@ struct DrillForces::State {
       : bit(drill_bit),
         material(drilled),
         bone(living),
-        tip(bone, chisel_radius_mm(drill_bit, drilled)),
+        tip(probe_of(bone, drill_bit, drilled)),
         shell(bone, drill_bit),
         boxes(std::max(1.0, std::ceil(kMinBoxMm / bone.widest_spacing_mm() - 1e-9))),
         axial(boxes * bone.widest_spacing_mm(), bins_of(boxes)),
         across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {
     check_material(drilled);
+  }
+
+  static ChiselProbe probe_of(const LivingBone& bone, const DrillBit& bit, const Material& material) {
+    return is_plate(bit) ? ChiselProbe::of_edge(bone, bit.diameter_mm)
+                         : ChiselProbe(bone, chisel_radius_mm(bit, material));
   }
 
   /// So few that a cycle is short, so many that a disc's points, which count as spread over a bin, come out even.
@@ -199,7 +221,7 @@ void DrillForces::State::take_step(const StepResult& result, const Pose& path_po
   const double back_mm = bit.shape == BitShape::round_burr ? 0.5 * bit.radius_mm() : 0.5 * bit.tip_length_mm;
   const double factor = repair.factor(bone, path_pose, back_mm, bit.radius_mm(), move_mm.norm());
   const double removed_mm3 = factor * result.removed_mm3;
-  const double fresh_mm = fresh.take(advance_mm, tip_mm, axis, bit.radius_mm(), removed_mm3 / area_mm2);
+  const double fresh_mm = fresh.take(advance_mm, tip_mm, axis, hole_radius_mm(bit), removed_mm3 / area_mm2);
 
   // Discs die in bursts: up to two of them may be cut ahead of the advance that they stand for.
   const double max_mm3 = 2.0 * bone.widest_spacing_mm() * area_mm2;
@@ -234,6 +256,15 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double reference_mm = material.reference_feed_mm;
   const double along_mm = feed_times_factor_mm(advance_mm, reference_mm, material.feed_exponent);
   const double aside_mm = feed_times_factor_mm(across_mm, reference_mm, material.feed_exponent);
+  if (is_plate(bit)) {
+    const Vec3 way_mm_s = velocity_mm_s - advance_mm_s * axis;
+    const double speed_mm_s = way_mm_s.norm();
+    // Driven aside an edge does not cut: it takes all of the energy from the hand.
+    const double aside_n = bit.stroke_mm > 0.0 ? material.lip_thrust_share * aside[0] * aside_mm / (2.0 * bit.stroke_mm)
+                                               : aside[0] * std::clamp(across_mm / kChiselFeedMm, 0.0, 1.0);
+    if (speed_mm_s > 0.0) force.lateral_n = -aside_n / speed_mm_s * way_mm_s;
+    return;
+  }
   force.torque_n_mm = (along[0] * along_mm + aside[0] * aside_mm) / kWholeTurn;
 
   // The force along the cut, from the moment of the energy: exact where the lips cut evenly from the axis to the rim,
@@ -263,7 +294,7 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
     return force;
   }
   const Vec3 axis = pose.axis / axis_length;
-  const Pose path_pose = state.bone.frame().to_path(Pose{pose.tip_mm, axis});
+  const Pose path_pose = state.bone.frame().to_path(Pose{pose.tip_mm, axis, pose.side});
   const Vec3 move_mm = state.is_placed ? Vec3(pose.tip_mm - state.tip_mm) : Vec3::Zero();
   // What dies where the bit is first put was not cut on any way.
   const bool was_placed = state.is_placed;

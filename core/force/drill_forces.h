@@ -10,7 +10,7 @@ namespace spinaltap {
 
 /// What makes a bit cut: how fast it turns and how fast it moves.
 struct Spindle {
-  double rpm = 1250.0;       ///< 0: off
+  double rpm = 1250.0;       ///< 0: off; of a saw: strokes to and fro a minute, its feed per turn that per stroke
   bool is_clockwise = true;  ///< seen from the base to the tip, as drills turn
 };
 

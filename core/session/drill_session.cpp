@@ -64,9 +64,9 @@ void check_session_options(const SessionOptions& options) {
 
 struct DrillSession::Tracking {
   Tracking(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances)
-      : bit(path.bit), curve(path), watch(path, bone, options, has_clearances) {}
+      : bit(tool_body(path.bit)), curve(path), watch(path, bone, options, has_clearances) {}
 
-  BitProfile bit;
+  ToolBody bit;
   PathCurve curve;
   SessionWatch watch;
   EventLog log{kMaxEvents};
@@ -115,7 +115,7 @@ ToolFeedback DrillSession::feedback() const noexcept { return {cycle_.time_s, cy
 void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   Tracking& tracking = *tracking_;
   if (tracking.is_placed) {
-    const double longest_mm = longest_way_mm(tracking.pose, pose, tracking.bit.length_mm());
+    const double longest_mm = longest_way_mm(tracking.pose, pose, tool_length_mm(tracking.bit));
     if (longest_mm > options_.max_jump_mm) {
       engine_->reset_motion();
       forces_.reset();
@@ -137,7 +137,9 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   tracking.was_on = is_on;
   cycle_.force = forces_.update(cycle_.step, pose, input.dt_s + tracking.waiting_s, spindle);
   tracking.waiting_s = 0.0;
-  if (clearances_ != nullptr) cycle_.clearance = clearances_->of(tracking.bit, pose);
+  if (clearances_ != nullptr) {
+    cycle_.clearance = std::visit([&](const auto& body) { return clearances_->of(body, pose); }, tracking.bit);
+  }
   if (is_on && options_.follows_path) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
   tracking.watch.update(cycle_, pose, states_.begin_mm(), is_on, tracking.log);
   tracking.pose = pose;

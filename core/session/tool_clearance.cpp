@@ -190,6 +190,74 @@ class MinDistance {
   double min_back_mm_ = 0.0;
 };
 
+/// Looks for the place of a box that is least far from one wall: boxes that may not beat the best are left out, others
+/// halved, down to some that are so small that their corners tell.
+class MinDistanceOfBox {
+ public:
+  MinDistanceOfBox(const WallLattice& distances, const Pose& pose_path, WallKind wall)
+      : distances_(distances), tip_mm_(pose_path.tip_mm), columns_(plate_rows(pose_path).transpose()), wall_(wall) {}
+
+  void find(const PlateBox& plate, double from_back_mm, double to_back_mm) noexcept {
+    if (!(to_back_mm >= from_back_mm)) return;
+    Vec3 low = plate.low_mm(), high = plate.high_mm();
+    low.z() = std::max(low.z(), from_back_mm);
+    high.z() = std::min(high.z(), to_back_mm);
+    const Vec3 middle = 0.5 * (low + high), half = 0.5 * (high - low);
+    take_corners(middle, half);
+    look(middle, half);
+  }
+
+  double min_mm() const { return min_mm_; }
+  double back_mm() const { return min_back_mm_; }
+
+ private:
+  static constexpr double kSmallMm = 0.5 * ClearanceField::kSpacingMm;  ///< half a side
+  static constexpr double kGoodEnoughMm = 0.01;                         ///< that a box must promise to beat the best by
+
+  double at(const Vec3& seen) const { return distances_.distance_mm(tip_mm_ + columns_ * seen, wall_); }
+
+  void take_corners(const Vec3& middle, const Vec3& half) noexcept {
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const Vec3 sign((corner & 1U) != 0 ? 1.0 : -1.0, (corner & 2U) != 0 ? 1.0 : -1.0,
+                      (corner & 4U) != 0 ? 1.0 : -1.0);
+      const Vec3 seen = middle + half.cwiseProduct(sign);
+      const double distance_mm = at(seen);
+      if (!(distance_mm < min_mm_)) continue;
+      min_mm_ = distance_mm;
+      min_back_mm_ = seen.z();
+    }
+  }
+
+  void look(const Vec3& middle, const Vec3& half) noexcept {
+    const double distance_mm = at(middle);
+    if (std::isfinite(distance_mm)) {
+      if (distance_mm - half.norm() >= min_mm_ - kGoodEnoughMm) return;
+    } else {
+      // Outside the lattice there is no bound, but what reaches into it may have one.
+      const double outside_mm = distances_.outside_mm(tip_mm_ + columns_ * middle);
+      if (outside_mm == 0.0 || outside_mm > half.norm()) return;
+    }
+    Eigen::Index longest = 0;
+    if (half.maxCoeff(&longest) <= kSmallMm) {
+      take_corners(middle, half);
+      return;
+    }
+    Vec3 halved = half;
+    halved[longest] *= 0.5;
+    const Vec3 step = halved[longest] * Vec3::Unit(longest);
+    const bool low_first = at(middle - step) < at(middle + step);
+    look(low_first ? Vec3(middle - step) : Vec3(middle + step), halved);
+    look(low_first ? Vec3(middle + step) : Vec3(middle - step), halved);
+  }
+
+  const WallLattice& distances_;
+  Vec3 tip_mm_;
+  Mat3 columns_;
+  WallKind wall_;
+  double min_mm_ = std::numeric_limits<double>::infinity();
+  double min_back_mm_ = 0.0;
+};
+
 /// The part of a bit's axis, back from the tip, that is at least so deep along a path.
 std::pair<double, double> deeper_than(double depth_mm, double tip_depth_mm, double axis_along, double length_mm) {
   constexpr double kAcross = 1e-9;
@@ -226,7 +294,7 @@ ClearanceField::ClearanceField(const WallDistance& walls, const DrillPath& path,
 
 ClearanceField::ClearanceField(std::span<const WallDistance* const> walls, const DrillPath& path,
                                const Progress& progress)
-    : ClearanceField(lattice_of(walls, path, kReachMm, kBehindMm, kBeyondMm, progress), path) {}
+    : ClearanceField(lattice_of(walls, path, reach_of(path), kBehindMm, kBeyondMm, progress), path) {}
 
 std::shared_ptr<const ClearanceField::Lattice> ClearanceField::lattice_of(std::span<const WallDistance* const> walls,
                                                                           const DrillPath& path, double reach_mm,
@@ -249,25 +317,44 @@ ClearanceField ClearanceField::with_entry_of(const DrillPath& path) const { retu
 
 std::size_t ClearanceField::memory_bytes() const { return lattice_->distances.memory_bytes(); }
 
-Clearance ClearanceField::of(const BitProfile& bit, const Pose& pose) const noexcept {
+/// `find(wall, from_mm, to_mm)`: the least distance of the tool's part from `from_mm` to `to_mm` back from its tip, and
+/// how far back that is.
+template <class Find>
+Clearance ClearanceField::found(double length_mm, const Pose& pose, const Find& find) const noexcept {
   Clearance clearance;
   if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return clearance;
-  const WallLattice& distances = lattice_->distances;
-  const Pose pose_path = distances.frame().to_path(pose);
   const double tip_depth_mm = curve_.nearest_mm(pose.tip_mm);
   const double axis_along = pose.axis.dot(curve_.direction_at(tip_depth_mm));
   const auto min = [&](WallKind wall, double depth_mm, double& distance_mm, Vec3& at_mm) {
-    const auto [from_mm, to_mm] = curve_.is_straight()
-                                      ? deeper_than(depth_mm, tip_depth_mm, axis_along, bit.length_mm())
-                                      : deeper_along(curve_, depth_mm, pose, bit.length_mm());
-    MinDistance search(distances, bit, pose_path, wall, from_mm, to_mm);
-    search.find();
-    distance_mm = search.min_mm();
-    at_mm = pose.tip_mm - search.back_mm() * pose.axis;
+    const auto [from_mm, to_mm] = curve_.is_straight() ? deeper_than(depth_mm, tip_depth_mm, axis_along, length_mm)
+                                                       : deeper_along(curve_, depth_mm, pose, length_mm);
+    const auto [least_mm, back_mm] = find(wall, from_mm, to_mm);
+    distance_mm = least_mm;
+    at_mm = pose.tip_mm - back_mm * pose.axis;
   };
   min(WallKind::outer, entry_end_mm_, clearance.outer_mm, clearance.outer_at_mm);
   min(WallKind::canal, 0.0, clearance.canal_mm, clearance.canal_at_mm);
   return clearance;
+}
+
+Clearance ClearanceField::of(const BitProfile& bit, const Pose& pose) const noexcept {
+  const WallLattice& distances = lattice_->distances;
+  const Pose pose_path = distances.frame().to_path(pose);
+  return found(bit.length_mm(), pose, [&](WallKind wall, double from_mm, double to_mm) {
+    MinDistance search(distances, bit, pose_path, wall, from_mm, to_mm);
+    search.find();
+    return std::pair(search.min_mm(), search.back_mm());
+  });
+}
+
+Clearance ClearanceField::of(const PlateBox& plate, const Pose& pose) const noexcept {
+  const WallLattice& distances = lattice_->distances;
+  const Pose pose_path = distances.frame().to_path(pose);
+  return found(plate.length_mm(), pose, [&](WallKind wall, double from_mm, double to_mm) {
+    MinDistanceOfBox search(distances, pose_path, wall);
+    search.find(plate, from_mm, to_mm);
+    return std::pair(search.min_mm(), search.back_mm());
+  });
 }
 
 }  // namespace spinaltap

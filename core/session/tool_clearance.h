@@ -8,6 +8,7 @@
 #include "core/plan/wall_distance.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/path_curve.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 
@@ -35,9 +36,9 @@ class ClearanceField {
   /// bad paths and on ranges over 200 mm.
   ClearanceField(const WallDistance& walls, const DrillPath& path, double reach_mm = kReachMm,
                  double behind_mm = kBehindMm, double beyond_mm = kBeyondMm, const Progress& progress = {});
-  /// The same with those ranges.
+  /// The same with those ranges, and further aside by half a plate's width.
   ClearanceField(const WallDistance& walls, const DrillPath& path, const Progress& progress)
-      : ClearanceField(walls, path, kReachMm, kBehindMm, kBeyondMm, progress) {}
+      : ClearanceField(walls, path, reach_of(path), kBehindMm, kBeyondMm, progress) {}
   /// Of several bones together: what lies in one of them is in the bone. The first is the one of the path's entry.
   /// Throws Error where there is none.
   ClearanceField(std::span<const WallDistance* const> walls, const DrillPath& path, const Progress& progress);
@@ -51,6 +52,8 @@ class ClearanceField {
   /// Of a bit at `pose` (patient LPS), to 0.05 mm; above 8 mm it may be 0.15 mm too small where two walls are equally
   /// far. `bit` as BitProfile has it. Of places behind the path's entry nothing counts. Allocates and locks nothing.
   Clearance of(const BitProfile& bit, const Pose& pose) const noexcept;
+  /// Of a plate at a sound pose, to 0.1 mm.
+  Clearance of(const PlateBox& plate, const Pose& pose) const noexcept;
 
   /// Depth from which on the outer surface counts, along the path, mm.
   double entry_end_mm() const { return entry_end_mm_; }
@@ -58,6 +61,11 @@ class ClearanceField {
 
  private:
   struct Lattice;
+  static double reach_of(const DrillPath& path) {
+    return path.bit.shape == BitShape::plate ? kReachMm + path.bit.radius_mm() : kReachMm;
+  }
+  template <class Find>
+  Clearance found(double length_mm, const Pose& pose, const Find& find) const noexcept;
   static std::shared_ptr<const Lattice> lattice_of(std::span<const WallDistance* const> walls, const DrillPath& path,
                                                    double reach_mm, double behind_mm, double beyond_mm,
                                                    const Progress& progress);

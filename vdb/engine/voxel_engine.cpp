@@ -13,11 +13,11 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/error.h"
 #include "core/engine/swept_engine.h"
-#include "core/points/hu_byte.h"
 #include "vdb/engine/detail/certificate_tree.h"
+#include "vdb/engine/detail/living_leaf.h"
 #include "vdb/engine/detail/move_certificates.h"
+#include "vdb/engine/detail/plate_engine.h"
 #include "vdb/engine/detail/tool_bounds.h"
 #include "vdb/engine/detail/voxel_leaves.h"
 #include "vdb/engine/detail/word_kernels.h"
@@ -26,23 +26,17 @@ namespace spinaltap {
 namespace detail {
 namespace {
 
-using Index3 = std::array<std::int32_t, 3>;
-
-struct LivingLeaf {
-  std::uint64_t* words;  ///< of living bits, one for each x
-  const std::uint8_t* hu;
-  Index3 origin;  ///< voxels from the engine's middle
-  std::uint32_t alive;
-  std::uint8_t counts;  ///< what its certificate counts, see Counts
-  std::uint8_t basis;   ///< 0: words' certificates are from all of the tool; or 1 + the piece that they are from
-  float free_mm;        ///< its certificate when it was made
-  std::array<float, 8> word_mm;  ///< and of each word alone
-};
-
 /// What of the tool's moves a certificate counts, from few to all: those across the axis; of the advance, a cone's
 /// slope too; all, and no less of the advance than the cone's slope. One that counts few holds as well where more are
 /// counted.
 enum Counts : std::uint8_t { kAcross, kAcrossCone, kAll };
+
+struct CertifiedLeaf : LivingLeaf {
+  std::uint8_t counts = kAcross;  ///< what its certificate counts
+  std::uint8_t basis = 0;         ///< 0: words' certificates are from all of the tool; or 1 + the piece they are from
+  float free_mm = -1.0F;          ///< its certificate when it was made
+  std::array<float, 8> word_mm = {};  ///< and of each word alone
+};
 
 /// Voxels as a bit sees them, in whichever way it is turned.
 struct AxisView {
@@ -78,7 +72,7 @@ class VoxelEngine final : public SweptEngine {
       : VoxelEngine(bone, bit, material, options, kernels, middle_voxel(bone)) {}
 
   std::size_t memory_bytes() const override {
-    return sizeof(*this) + leaves_.size() * sizeof(LivingLeaf) + tree_.memory_bytes();
+    return sizeof(*this) + leaves_.size() * sizeof(CertifiedLeaf) + tree_.memory_bytes();
   }
 
  private:
@@ -88,14 +82,10 @@ class VoxelEngine final : public SweptEngine {
         bounds_(profile()),
         voxel_mm_(bone.voxel_mm()),
         options_(options),
-        kernels_(kernels) {
-    const PressureTable pressures(material, hu_of_byte(0), hu_of_byte(255));
-    for (unsigned n = 0; n < 256; ++n) pressure_[n] = pressures.units(hu_of_byte(static_cast<std::uint8_t>(n)));
+        kernels_(kernels),
+        sums_(material) {
     list_tree(bone.leaves().tree, middle);
-    const double places = 1.0 + static_cast<double>(farthest_);
-    if (!(places * static_cast<double>(pressures.highest_units()) * static_cast<double>(alive_) < 0x1.0p62)) {
-      fail("voxel engine: expected fewer voxels of less hard bone: their moment does not fit 64 bits");
-    }
+    sums_.check_fit(farthest_, alive_);
     set_units({voxel_mm_ * voxel_mm_ * voxel_mm_, 1.0 / voxel_mm_});
   }
 
@@ -126,14 +116,10 @@ class VoxelEngine final : public SweptEngine {
           const auto alive = static_cast<std::uint32_t>(leaf->onVoxelCount());
           if (alive == 0) continue;
           const openvdb::Coord at = leaf->origin() - middle;
-          leaves_.push_back({&leaf->getValueMask().template getWord<std::uint64_t>(0),
-                             leaf->buffer().data(),
-                             {at.x(), at.y(), at.z()},
-                             alive,
-                             kAcross,
-                             0,
-                             -1.0F,
-                             {}});
+          leaves_.push_back({{&leaf->getValueMask().template getWord<std::uint64_t>(0),
+                              leaf->buffer().data(),
+                              {at.x(), at.y(), at.z()},
+                              alive}});
           alive_ += alive;
           for (unsigned axis = 0; axis < 3; ++axis) farthest_ = std::max(farthest_, std::abs(at[axis]) + kLeafSide);
           list(leaves, *leaf);
@@ -216,32 +202,7 @@ class VoxelEngine final : public SweptEngine {
     return voxel_mm_ * voxel.cast<double>();
   }
 
-  void kill(LivingLeaf& leaf, unsigned x, std::uint64_t dead, Removal& removal) noexcept {
-    if (dead == 0) return;
-    leaf.words[x] &= ~dead;
-    const auto count = static_cast<std::uint32_t>(std::popcount(dead));
-    leaf.alive -= count;
-    removal.removed += count;
-    removal.parts += count;
-    std::int64_t bytes = 0, pressure = 0, along_y = 0, along_z = 0;
-    const std::uint8_t* const hu = leaf.hu + std::size_t{x} * 64;
-    for (std::uint64_t left = dead; left != 0; left &= left - 1) {
-      const int bit = std::countr_zero(left);
-      const std::uint8_t byte = hu[bit];
-      bytes += byte;
-      const std::int64_t units = pressure_[byte];
-      pressure += units;
-      along_y += units * (bit >> 3);
-      along_z += units * (bit & 7);
-    }
-    removal.hu += kHuOfByteStep * bytes + std::int64_t{kLowestHuOfByte} * count;
-    removal.pressure += pressure;
-    removal.moment[0] += pressure * (leaf.origin[0] + static_cast<std::int32_t>(x));
-    removal.moment[1] += pressure * leaf.origin[1] + along_y;
-    removal.moment[2] += pressure * leaf.origin[2] + along_z;
-  }
-
-  LeafPlace place_of(const LivingLeaf& leaf, const Vec3& tip_mm, const AxisView& view) const noexcept {
+  LeafPlace place_of(const CertifiedLeaf& leaf, const Vec3& tip_mm, const AxisView& view) const noexcept {
     LeafPlace place;
     place.offsets = &view.offsets;
     const Vec3 first_mm = view.rows * (centre_mm(leaf, 0) - tip_mm);
@@ -254,7 +215,7 @@ class VoxelEngine final : public SweptEngine {
   }
 
   void look(std::size_t number, const SweptBounds& tool, const WordTool& words, Removal& removal) noexcept {
-    LivingLeaf& leaf = leaves_[number];
+    CertifiedLeaf& leaf = leaves_[number];
     const double half_mm = tree_.half_mm();
     const BitPlace centre = tool.place(tree_.centre_mm(number));
     const SweptBounds::Reach reach = tool.reach_of_ball(centre, half_mm);
@@ -279,7 +240,7 @@ class VoxelEngine final : public SweptEngine {
       return certify(number, static_cast<float>(outside.free_mm), counts);
     }
     if (tool.holds_ball(centre, half_mm)) {
-      for (unsigned x = 0; x < 8; ++x) kill(leaf, x, leaf.words[x], removal);
+      for (unsigned x = 0; x < 8; ++x) sums_.kill(leaf, x, leaf.words[x], removal);
       tree_.set_empty(number);
       return;
     }
@@ -338,7 +299,7 @@ class VoxelEngine final : public SweptEngine {
             basis != 0 ? ToolBounds::from_round_mm(bounds_.pieces()[from.nearest()], at) : bounds_.from_body_mm(at);
         nearest[x].take({bounds_.from_cylinder_mm(at), bounds_.from_cone_mm(at), body_mm});
       }
-      kill(leaf, x, dead, removal);
+      sums_.kill(leaf, x, dead, removal);
       if (leaf.words[x] != 0) least.take(nearest[x]);
     }
     if (leaf.alive == 0) {
@@ -403,10 +364,10 @@ class VoxelEngine final : public SweptEngine {
   double voxel_mm_;
   VoxelEngineOptions options_;
   const WordKernels& kernels_;
-  std::array<std::int64_t, 256> pressure_{};
+  VoxelSums sums_;
   std::array<AxisView, kTogether + 1> views_;  ///< at the begin of this way and after each of its pieces
   CertificateTree tree_;                       ///< of leaves, nodes, branches
-  std::vector<LivingLeaf> leaves_;
+  std::vector<CertifiedLeaf> leaves_;
   std::size_t alive_ = 0;
   std::int32_t farthest_ = 0;
 };
@@ -415,7 +376,7 @@ class VoxelEngine final : public SweptEngine {
 
 std::unique_ptr<DrillEngine> make_voxel_engine(VoxelBone& bone, const DrillBit& bit, const Material& material,
                                                const VoxelEngineOptions& options, const WordKernels& kernels) {
-  check_material(material);
+  if (bit.shape == BitShape::plate) return make_plate_engine(bone, bit, material);
   return std::make_unique<VoxelEngine>(bone, bit, material, options, kernels);
 }
 

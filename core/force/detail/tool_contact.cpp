@@ -12,8 +12,19 @@ constexpr int kPlacesAround = 16;
 }  // namespace
 
 ToolContact::ToolContact(const LivingBone& bone, const DrillBit& bit)
-    : bone_(&bone), section_mm2_(std::numbers::pi * bit.radius_mm() * bit.radius_mm()) {
-  const BitProfile profile(bit);
+    : bone_(&bone), is_plate_(bit.shape == BitShape::plate) {
+  if (is_plate_) {
+    const PlateBox box(bit);
+    section_mm2_ = bit.diameter_mm * bit.thickness_mm;
+    add_box(box);
+  } else {
+    const BitProfile profile(bit);
+    section_mm2_ = std::numbers::pi * bit.radius_mm() * bit.radius_mm();
+    add_body(profile, bit.radius_mm());
+  }
+}
+
+void ToolContact::add_body(const BitProfile& profile, double widest_mm) {
   const double pi = std::numbers::pi;
   double before_mm = 0.0;
   double begin_mm = 0.0;
@@ -35,7 +46,7 @@ ToolContact::ToolContact(const LivingBone& bone, const DrillBit& bit)
     add_face(piece.begin_mm, before_mm, piece.begin_radius_mm);
     const double length_mm = piece.end_mm - piece.begin_mm;
     // Heads in eighths or finer, long shanks by half a radius.
-    const int rings = static_cast<int>(std::clamp(std::ceil(2.0 * length_mm / bit.radius_mm()), 8.0, 200.0));
+    const int rings = static_cast<int>(std::clamp(std::ceil(2.0 * length_mm / widest_mm), 8.0, 200.0));
     for (int n = 0; n < rings; ++n) {
       const double back_mm = piece.begin_mm + (n + 0.5) / rings * length_mm;
       const double radius_mm = std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm)));
@@ -63,6 +74,30 @@ void ToolContact::add_ring(double back_mm, double radius_mm, double normal_back,
   }
 }
 
+void ToolContact::add_box(const PlateBox& box) {
+  constexpr double kPitchMm = 2.0;
+  const Vec3 middle = 0.5 * (box.low_mm() + box.high_mm());
+  const Vec3 half = 0.5 * (box.high_mm() - box.low_mm());
+  for (Eigen::Index n = 0; n < 3; ++n) {
+    const Eigen::Index u = (n + 1) % 3, v = (n + 2) % 3;
+    // A narrow face has three places across it: its middle and near both edges.
+    const auto count = [&](Eigen::Index along) { return std::max(3.0, std::ceil(2.0 * half[along] / kPitchMm)); };
+    const double across_u = count(u), across_v = count(v);
+    const double share = 4.0 * half[u] * half[v] / (across_u * across_v * section_mm2_);
+    for (const double sign : {-1.0, 1.0}) {
+      for (double i = 0.5; i < across_u; ++i) {
+        for (double j = 0.5; j < across_v; ++j) {
+          Vec3 at = middle + sign * half[n] * Vec3::Unit(n);
+          at[u] += half[u] * (2.0 * i / across_u - 1.0);
+          at[v] += half[v] * (2.0 * j / across_v - 1.0);
+          const Vec3 normal = sign * Vec3::Unit(n);
+          places_.push_back({at.z(), at.x(), at.y(), normal.z(), normal.x(), normal.y(), share, half[n]});
+        }
+      }
+    }
+  }
+}
+
 /// How far bone reaches from `p` inwards into the bit.
 double ToolContact::depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept {
   const double step_mm = bone_->spacing_mm(p);
@@ -79,7 +114,7 @@ double ToolContact::depth_mm(const Vec3& p, const Vec3& inward, double max_mm) c
 }
 
 Vec3 ToolContact::contact_n(const Pose& pose) const noexcept {
-  const Vec3 u = any_perpendicular(pose.axis);
+  const Vec3 u = is_plate_ ? pose.side : any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
   Vec3 force_n = Vec3::Zero();
   for (const Place& place : places_) {
@@ -98,6 +133,15 @@ LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   constexpr int kAround = 6;
   constexpr double kShare = 1.0 / (kAround + 1);
   const double off_mm = 0.724 * edge_radius_mm_;
+  if (width_mm_ > 0.0) {
+    LivingBone::Mean along_edge;
+    constexpr int kPlaces = 15;
+    for (int n = 0; n < kPlaces; ++n) {
+      const double off = width_mm_ * ((n + 0.5) / kPlaces - 0.5);
+      bone_->add_ahead_of(pose.tip_mm + off * pose.side, pose.axis, 1.0 / kPlaces, along_edge);
+    }
+    return along_edge;
+  }
   const Vec3 u = any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
   LivingBone::Mean mean;

@@ -5,6 +5,7 @@
 
 #include "core/points/living_bone.h"
 #include "core/tool/bit_profile.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 
@@ -27,13 +28,16 @@ class ToolContact {
     double normal_back = 0.0;  ///< outward, unit
     double normal_x = 0.0, normal_y = 0.0;
     double share = 0.0;   ///< of the surface, over the bit's section
-    double max_mm = 0.0;  ///< how far inwards bone may lie: to the axis
+    double max_mm = 0.0;  ///< how far inwards bone may lie: to the axis, or the middle
   };
+  void add_body(const BitProfile& profile, double radius_mm);
   void add_ring(double back_mm, double radius_mm, double normal_back, double normal_off, double area_mm2);
+  void add_box(const PlateBox& box);
   double depth_mm(const Vec3& p, const Vec3& inward, double max_mm) const noexcept;
 
   const LivingBone* bone_;
   double section_mm2_;
+  bool is_plate_;
   std::vector<Place> places_;
 };
 
@@ -42,6 +46,12 @@ class ChiselProbe {
  public:
   /// `edge_radius_mm`: of the disc that the chisel edge turns over.
   ChiselProbe(const LivingBone& bone, double edge_radius_mm) : bone_(&bone), edge_radius_mm_(edge_radius_mm) {}
+  /// Ahead of a plate's edge, of all its width.
+  static ChiselProbe of_edge(const LivingBone& bone, double width_mm) {
+    ChiselProbe probe(bone, 0.0);
+    probe.width_mm_ = width_mm;
+    return probe;
+  }
 
   /// `pose` in the bone's coordinates.
   LivingBone::Mean ahead_of(const Pose& pose) const noexcept;
@@ -49,6 +59,7 @@ class ChiselProbe {
  private:
   const LivingBone* bone_;
   double edge_radius_mm_;
+  double width_mm_ = 0.0;  ///< 0: not of a plate
 };
 
 }  // namespace spinaltap

@@ -57,7 +57,7 @@ void RecentMax::add(double depth_mm, double value) noexcept {
 
 SessionWatch::SessionWatch(const DrillPath& path, const LivingBone& bone, const SessionOptions& options,
                            bool has_clearances)
-    : bit_(path.bit),
+    : bit_(tool_body(path.bit)),
       curve_(path),
       bone_(&bone),
       options_(options),
@@ -147,9 +147,24 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
   after_breakthrough_.start(event);
 }
 
+double SessionWatch::beyond_side_mm(const Pose& pose) const noexcept {
+  if (const auto* profile = std::get_if<BitProfile>(&bit_)) return bone_->beyond_side_mm(*profile, pose, contact_mm_);
+  // A box lies within what its corners lie in.
+  const PlateBox& box = std::get<PlateBox>(bit_);
+  const double deep_mm = std::clamp((pose.tip_mm - contact_mm_).dot(pose.axis), 0.0, box.length_mm());
+  const Mat3 rows = plate_rows(pose);
+  double most_mm = -std::numeric_limits<double>::infinity();
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const Vec3 seen((corner & 1U) != 0 ? box.low_mm().x() : box.high_mm().x(),
+                    (corner & 2U) != 0 ? box.low_mm().y() : box.high_mm().y(), (corner & 4U) != 0 ? 0.0 : deep_mm);
+    most_mm = std::max(most_mm, bone_->past_end_mm(pose.tip_mm + rows.transpose() * seen));
+  }
+  return most_mm;
+}
+
 void SessionWatch::watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
   if (!has_contact_) return;
-  double beyond_mm = bone_->beyond_side_mm(bit_, pose, contact_mm_);
+  double beyond_mm = beyond_side_mm(pose);
   // Through the far side of the bone, the cylinder's end is not missed.
   if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, bone_->past_end_mm(pose.tip_mm));
   volume_.update(beyond_mm, bone_->widest_spacing_mm(), bone_->widest_spacing_mm(),

@@ -8,6 +8,7 @@
 #include "core/session/drill_session.h"
 #include "core/session/session_event.h"
 #include "core/tool/path_curve.h"
+#include "core/tool/tool_body.h"
 
 namespace spinaltap {
 
@@ -110,10 +111,11 @@ class SessionWatch {
   void watch_breaches(const Cycle& cycle, EventLog& log) noexcept;
   void watch_breakthrough(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
   void watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
+  double beyond_side_mm(const Pose& pose) const noexcept;
   void watch_stops(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
   void stop(const Cycle& cycle, const Pose& pose, EventKind kind, double value, EventLog& log) noexcept;
 
-  BitProfile bit_;
+  ToolBody bit_;
   PathCurve curve_;
   const LivingBone* bone_;
   SessionOptions options_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <vector>
@@ -32,6 +33,12 @@ class WallLattice {
   /// As WallDistance has it, mm: positive in the bone, negative beyond the wall. Infinite outside the lattice and where
   /// there is no such wall.
   double distance_mm(const Vec3& p_path, WallKind wall) const noexcept;
+
+  /// How far a place lies outside the lattice, at least; 0 within it, where what is infinite has no such wall.
+  double outside_mm(const Vec3& p_path) const noexcept {
+    const Vec3 high_mm = low_mm_ + (count_ - 1).cast<double>().matrix() / per_mm_;
+    return std::max(0.0, (low_mm_ - p_path).cwiseMax(p_path - high_mm).maxCoeff());
+  }
 
   std::size_t memory_bytes() const { return nodes_.size() * sizeof(Node); }
 

@@ -131,6 +131,54 @@ TEST_F(BlockClearance, AgreesWithTheFormulaForEveryToolAndTilt) {
   RecordProperty("worst_mm", std::to_string(worst_mm));
 }
 
+TEST_F(BlockClearance, OfAPlateAgreesWithTheFormulaForEveryTiltAndTurn) {
+  const DrillBit bit = plate_bit(10.0, 1.2, 40.0);
+  DrillPath with_plate = path();
+  with_plate.bit = bit;
+  const ClearanceField wide(walls(), with_plate, Progress{});
+  const PlateBox box(bit);
+  double worst_mm = 0.0;
+  int below_zero = 0;
+  for (const double depth_mm : {16.0, 24.0, 34.0}) {
+    for (const double tilt_deg : {0.0, 4.0, 15.0}) {
+      for (const double round_deg : {0.0, 60.0, 135.0, 250.0}) {
+        for (const double roll_deg : {0.0, 35.0, 90.0}) {
+          Pose pose = tilted(path().entry_mm + depth_mm * path().direction() + Vec3(0.7, 0.0, -0.4), path().direction(),
+                             tilt_deg, round_deg);
+          const Vec3 across = any_perpendicular(pose.axis);
+          const double roll = roll_deg * std::numbers::pi / 180.0;
+          pose.side = std::cos(roll) * across + std::sin(roll) * pose.axis.cross(across);
+          const Clearance found = wide.of(box, pose);
+          // Of all its places, 0.1 mm apart, whose place on the axis is deep enough.
+          double outer = std::numeric_limits<double>::infinity(), canal = outer;
+          for (int z = 0; z <= 400; ++z) {
+            const Vec3 middle = pose.tip_mm - 0.1 * z * pose.axis;
+            const double deep_mm = (middle - path().entry_mm).dot(path().direction());
+            if (deep_mm < 0.0) continue;
+            for (int x = -50; x <= 50; ++x) {
+              for (const double y : {-0.6, 0.6}) {
+                const Vec3 p = middle + 0.1 * x * pose.side + y * pose.axis.cross(pose.side);
+                if (deep_mm >= wide.entry_end_mm()) outer = std::min(outer, outer_mm(p));
+                canal = std::min(canal, canal_mm(p));
+              }
+            }
+          }
+          ASSERT_NEAR(found.canal_mm, canal, 0.1) << depth_mm << ' ' << tilt_deg << ' ' << round_deg << ' ' << roll_deg;
+          worst_mm = std::max(worst_mm, std::abs(found.canal_mm - canal));
+          below_zero += canal < 0.0 ? 1 : 0;
+          if (outer > 8.0) continue;  // see above
+          ASSERT_NEAR(found.outer_mm, outer, 0.1) << depth_mm << ' ' << tilt_deg << ' ' << round_deg << ' ' << roll_deg;
+        }
+      }
+    }
+  }
+  RecordProperty("worst_mm", std::to_string(worst_mm));
+  EXPECT_GT(below_zero, 0);
+  // A plate far from the path costs no walk through all of it.
+  Pose far{Vec3(80.0, 5.0, 60.0), -Vec3::UnitY(), Vec3::UnitX()};
+  EXPECT_EQ(wide.of(box, far).outer_mm, std::numeric_limits<double>::infinity());
+}
+
 TEST_F(BlockClearance, OfTheConeIsThatOfItsOutlineAndNotOfBallsInIt) {
   // Head-on to the front wall at y = -20, and past the canal's wall with the shoulder nearest.
   const BitProfile blunt(twist_drill(3.0, 60.0, 118.0, 0.48));
