@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/tool/bit_profile.h"
 #include "tests/unit/core/engine/askew_block.h"
 
@@ -111,6 +112,8 @@ inline DrillBit profile_like(const DrillBit& bit) {
       add({bit.tip_length_mm, bit.tip_length_mm < bit.length_mm ? tip_mm : radius_mm});
       if (bit.tip_length_mm < bit.length_mm) add({bit.length_mm, radius_mm});
       break;
+    case BitShape::plate:
+      fail("a plate has no outline");
   }
   return profile_bit(std::move(outline));
 }

@@ -84,8 +84,12 @@ TEST(SweptPlate, TakesWhatADenseWalkTakes) {
         least_mm = std::min(least_mm, distance_mm);
       }
       // What a dense walk passes is taken; what is taken it passes within a skin and its own step.
-      if (least_mm < -1e-9) EXPECT_TRUE(is_taken) << seed << ", " << n << ": " << least_mm;
-      if (is_taken) EXPECT_LT(least_mm, 3e-3 + most_step_mm) << seed << ", " << n;
+      if (least_mm < -1e-9) {
+        EXPECT_TRUE(is_taken) << seed << ", " << n << ": " << least_mm;
+      }
+      if (is_taken) {
+        EXPECT_LT(least_mm, 3e-3 + most_step_mm) << seed << ", " << n;
+      }
       taken += is_taken ? 1 : 0;
       near_wall += std::abs(least_mm) < 0.05 ? 1 : 0;
     }
