@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "core/files/measurements_file.h"
 #include "core/rbf/evaluated_file.h"
 #include "core/rbf/rbf_file.h"
 #include "core/rbf/value_file.h"
@@ -91,10 +92,37 @@ std::vector<Seed> rbf_seeds() {
   return seeds;
 }
 
+std::vector<Seed> measurement_seeds() {
+  return {
+      {"one row each",
+       {{"sources.csv",
+         "key,report,authors,title,journal,year,doi,url,read,quote\na,own,b,c,d,2012,10.1/e,http://f,abstract,"
+         "\"1 N, 2 \xC2\xB1 3\"\nb,cited,,,,,,u,v,w\n"},
+        {"drilling.csv",
+         "source,species,tissue,site,density_g_cm3,density_known_by,process,tool,diameter_mm,point_angle_deg,web_mm,"
+         "helix_deg,rpm,feed_mm_min,pilot_mm,thrust_n,thrust_sd_n,thrust_range_n,thrust_kind,torque_n_mm,"
+         "torque_sd_n_mm,torque_range_n_mm,torque_kind,n,n_of,conditions,fitted,note\n"
+         "a,human,cortical,femur,1.9,CT,drill,bit,3.2,118,0.5,30,1000,30 to 70,1,198.4,14.2,1 to 300,max,186,16,,"
+         "mean,16,femurs,read,yes,\"x, y\"\nb,,foam,,,,awl,,,,,,,,,,,0 to 5,not_stated,,,,,,,noted,no,\n"},
+        {"screws.csv",
+         "source,species,tissue,site,group,hu,hu_sd,t_score,t_score_sd,bmd_g_cm2,density_g_cm3,density_known_by,"
+         "screw,outer_diameter_mm,core_diameter_mm,pitch_mm,length_mm,inserted_mm,pilot_mm,torque_n_mm,"
+         "torque_sd_n_mm,torque_kind,pullout_n,pullout_sd_n,stiffness_n_mm,n,n_of,fitted,note\r\n"
+         "a,human,vertebra,L3,normal,136,57,-1.1,0.2,1,0.3,CT,s,6.5,4,2,45,40,3,1055,580,insertion,970,400,1e3,284,"
+         "screws,no,\r\n"},
+        {"heat.csv",
+         "source,species,tissue,site,process,tool,diameter_mm,rpm,feed_mm_min,feed_mm_rev,axial_force_n,pilot_mm,"
+         "irrigation,distance_mm,depth_mm,temperature_c,temperature_sd_c,temperature_range_c,temperature_kind,n,"
+         "n_of,fitted,note\na,dog,bone,rib,ultrasonic,t,2 to 4,500,48,0.1,25,1,internal,0.5,3,54,2,19 to 100,rise,10,"
+         "holes,no,z\n"}}}};
+}
+
 }  // namespace
 
 void add_table_readers(std::vector<Reader>& readers) {
   readers.push_back({"poses", pose_seeds, read_poses});
+  readers.push_back({"measurements", measurement_seeds,
+                     [](const fs::path& folder) { static_cast<void>(read_measurements(folder)); }});
   readers.push_back({"values", value_seeds, [](const fs::path& folder) {
                        const fs::path file = only_file(folder);
                        static_cast<void>(read_positions(file));  // wants less than values do
