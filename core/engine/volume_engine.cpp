@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tool/plate.h"
+
 namespace spinaltap {
 namespace {
 
@@ -21,6 +23,12 @@ double places_per_mm(const PointVolume& volume, const PressureTable& pressure) {
 PressureTable pressures_in(const PointVolume& volume, const Material& material) {
   const auto [lowest, highest] = volume.hu_range();
   return PressureTable(material, lowest, highest);
+}
+
+/// What engines of points know how to sweep.
+const DrillBit& turning(const DrillBit& bit) {
+  check_turns(bit, "an engine of points");
+  return bit;
 }
 
 }  // namespace
@@ -49,7 +57,7 @@ void VolumeEngine::account_moved(int disc, std::size_t index, std::int64_t press
 }
 
 VolumeEngine::VolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material)
-    : SweptEngine(bit, volume.frame()),
+    : SweptEngine(turning(bit), volume.frame()),
       volume_(volume),
       pressure_(pressures_in(volume, material)),
       parts_(volume.pattern()),

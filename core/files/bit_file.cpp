@@ -43,6 +43,8 @@ const std::string& name_of(BitShape shape) {
   fail("no such shape of a bit");
 }
 
+Json bit_json(const DrillBit& bit) { return to_json(bit); }
+
 std::vector<NamedBit> read_bits(const std::filesystem::path& path) {
   const Json json = read_json(path);
   check_format(json, kBitsFormat, path);

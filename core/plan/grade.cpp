@@ -14,6 +14,7 @@
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -395,6 +396,7 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   check_options(options);
   check_material(material);
   if (!hu) fail("grade: expected a sampler of CT numbers");
+  check_turns(path.bit, "a grade");
   const GradedTool tool(path);
   const SideNames sides(walls.landmarks(), path);
   Walk walk = walk_along(walls, tool, sides, options);
@@ -442,6 +444,7 @@ double entry_end_mm(const WallDistance& walls, const DrillPath& path, const Grad
 
 double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {
   check_options(options);
+  check_turns(path.bit, "a grade");
   const GradedTool tool(path);
   const Walk walk = walk_along(walls, tool, SideNames(walls.landmarks(), path), options);
   return find_breaches(walls, tool, walk.rows, walk.axis, options.ring_points).larger().breach_mm;

@@ -9,6 +9,7 @@
 #include "core/base/quasi_random.h"
 #include "core/base/text_writer.h"
 #include "core/plan/path_side.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -213,6 +214,7 @@ PlacementError draw_error(const PlacementErrors& errors, std::uint64_t seed, std
 
 ErrorFrame error_frame(const Landmarks& landmarks, const DrillPath& path) {
   check_straight(path, "errors of placement");
+  check_turns(path.bit, "errors of placement");
   ErrorFrame frame;
   frame.along = path.direction();
   const Vec3 inward = SideNames(landmarks, path).is_left() ? Vec3(-landmarks.left()) : landmarks.left();

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/plan/detail/fast_breach.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -41,6 +42,7 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
   check_errors(errors);
   check_path(path);
   check_odds_options(options);
+  check_turns(path.bit, "errors of placement");
   breach_mm(walls, path, options.grade);  // rejects options without sense
   const ErrorFrame frame = error_frame(walls.landmarks(), path);
   const auto draws = static_cast<std::size_t>(options.draws);
@@ -77,6 +79,7 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
 
 BreachMap breach_map(const WallDistance& walls, const DrillPath& path, const BreachMapOptions& options,
                      const Progress& progress) {
+  check_turns(path.bit, "errors of placement");
   breach_mm(walls, path, options.grade);  // rejects paths and options without sense
   BreachMap map;
   map.shift_mm.errors = lattice_of(options.max_shift_mm, options.shift_step_mm, "shifts (mm)");

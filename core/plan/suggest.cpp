@@ -13,6 +13,7 @@
 #include "core/base/text_writer.h"
 #include "core/plan/convergence.h"
 #include "core/plan/detail/trajectory_search.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -21,6 +22,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
   if (screws.empty()) fail("suggesting paths: expected one screw or more");
   for (const PedicleScrew& screw : screws) check_screw(screw);
   check_bit(options.bit);
+  check_turns(options.bit, "paths through pedicles");
   const auto within = [](double value, double lowest, double highest, const char* what) {
     if (!(value >= lowest && value <= highest)) {
       fail("suggesting paths: expected ", what, " from ", lowest, " to ", highest, ", found ", value);

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -68,6 +69,7 @@ StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorVa
 
 AcrossPath across(const DrillPath& path) {
   check_straight(path, "a study");
+  check_turns(path.bit, "a study");
   const Vec3 direction = path.direction();
   const auto part_across = [&](const Vec3& side) { return Vec3(side - side.dot(direction) * direction); };
   constexpr double kAlong = 0.1;  // shorter: a path within 6 degrees of the body's length

@@ -5,6 +5,11 @@
 
 namespace spinaltap {
 
+void check_turns(const DrillBit& tool, std::string_view what) {
+  if (tool.shape != BitShape::plate) return;
+  fail("expected a tool that turns, a drill or a burr, for ", what, ", found a plate (a saw, an osteotome)");
+}
+
 Mat3 plate_rows(const Pose& pose) noexcept {
   Mat3 rows;
   rows.row(0) = pose.side;

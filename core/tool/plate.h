@@ -4,11 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <string_view>
 
 #include "core/base/geometry.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
+
+/// Throws Error that tells what is made for tools that turn only, where one is a plate: "a grade".
+void check_turns(const DrillBit& tool, std::string_view what);
 
 /// How a plate at a sound pose sees points, in rows: along its width, along its thickness, back from its edge.
 Mat3 plate_rows(const Pose& pose) noexcept;

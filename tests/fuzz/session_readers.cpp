@@ -38,7 +38,8 @@ SessionSetup full_setup() {
 std::string record_of(const std::map<std::string, std::string>& setup, bool has_frames) {
   return bytes_written("a.h5", [&](const fs::path& file) {
     const FrameFormat format{7, 5};
-    RecordWriter writer(file, setup, false, has_frames ? std::optional(format) : std::nullopt);
+    RecordWriter writer(file, setup, false, has_frames ? std::optional(format) : std::nullopt,
+                        has_frames ? BitShape::plate : BitShape::drill);
     std::vector<SessionEvent> events;
     for (std::uint64_t n = 0; n < 40; ++n) {
       Cycle cycle;

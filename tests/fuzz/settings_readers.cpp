@@ -47,7 +47,12 @@ DrillPath a_path(const char* name) {
 }
 
 std::string written_plan(const std::string& name) {
-  return bytes_written(name, [](const fs::path& file) { write_plan({a_path("left \"L3\""), a_path("right")}, file); });
+  DrillPath cut = a_path("saw");
+  cut.screw.reset();
+  cut.bit = plate_bit(12.0, 0.8, 40.0, 4.0);
+  return bytes_written(name, [&](const fs::path& file) {
+    write_plan({a_path("left \"L3\""), a_path("right"), cut}, file);
+  });
 }
 
 std::vector<Seed> plan_seeds() {

@@ -22,6 +22,10 @@ std::vector<Seed> pose_seeds() {
            {{"poses.csv",
              "time_s,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,spindle_on\n0,1,2,3,0,0,1,1\n0.001,1,2,3.5e0,0,0.1,1,0\n"
              "0.002,1,2,4,0,-0,2,1\n"}}},
+          {"sides of a plate",
+           {{"poses.csv",
+             "time_s,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,side_x,side_y,side_z\n0,1,2,3,0,0,1,1,0,0\n0.001,1,2,3,0,0,1,,"
+             ",\n"}}},
           {"other columns",
            {{"poses.csv",
              "note,z_mm,y_mm,x_mm,time_s,axis_z,axis_y,axis_x\r\n\"a,b\",3,2,1,0,1,0,0\r\n,4,2,1,.5,1,0,0\r\n"}}}};

@@ -54,6 +54,10 @@ DrilledBone::DrilledBone(std::span<const BoneModel> bones, const SessionSetup& s
     fail("several bones: expected the engine voxel, found ", name_of(engine),
          ", whose points fill a cylinder in one bone");
   }
+  if (setup.path.bit.shape == BitShape::plate) {
+    fail("a plate: expected the engine voxel, found ", name_of(engine),
+         ", whose points only tools that turn can drill");
+  }
   const BoneModel& bone = bones.front();
   volumes =
       volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});

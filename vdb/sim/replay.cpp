@@ -53,7 +53,7 @@ void compare_events(const SessionRecord& record, std::span<const SessionEvent> n
 
 ToolInput input_of(const RecordedCycle& row) {
   ToolInput input;
-  input.pose = {row.tip_mm, row.axis};
+  input.pose = {row.tip_mm, row.axis, row.side};
   input.spindle_on = row.spindle_on != 0;
   input.dt_s = row.dt_s;
   return input;
@@ -146,7 +146,7 @@ void RecordedHole::go_to(double time_s) {
 
 Pose RecordedHole::pose() const {
   const RecordedCycle& row = record_.cycles[cycles_ - 1];
-  return {row.tip_mm, row.axis};
+  return {row.tip_mm, row.axis, row.side};
 }
 
 }  // namespace spinaltap

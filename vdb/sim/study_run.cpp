@@ -10,6 +10,7 @@
 #include "core/plan/grade.h"
 #include "core/session/choose_engine.h"
 #include "core/study/study_task.h"
+#include "core/tool/plate.h"
 #include "vdb/engine/voxel_bone.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"
@@ -167,6 +168,7 @@ double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
 StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
     : spec_(spec), runs_(runs) {
   check_straight(spec.path, "a study");
+  check_turns(spec.path.bit, "a study");
   check_path_meets_bone(spec.path, bone.model());
   const DrillPath longer = with_lead_out(spec.path, spec.lead_out_mm);
   if (spec.engine == EngineKind::voxel) {

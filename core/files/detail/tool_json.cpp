@@ -117,6 +117,9 @@ DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
     check_keys(json, {"shape", "outline"}, file, "\"shape\" and \"outline\" of a profile");
     return read_outline(object.at("outline"), file);
   }
+  for (const char* key : {"width_mm", "thickness_mm", "stroke_mm", "width_along"}) {
+    if (object.has(key)) fail("expected \"", key, "\" of a bit of the shape plate only in ", file.string());
+  }
   if (object.has("outline")) fail("expected \"outline\" of the shape profile only in ", file.string());
   DrillBit bit{object.number("diameter_mm"), object.number("length_mm"), object.number("tip_length_mm")};
   if (object.has("shape")) {

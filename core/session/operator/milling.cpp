@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/error.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -270,6 +271,7 @@ class MillingPlanner {
 
 void check_milling(const Milling& milling, const DrillBit& bit) {
   check_bit(bit);
+  check_turns(bit, "a milling");
   if (milling.outline_mm.size() < 3) fail("milling: expected 3 corners or more, found ", milling.outline_mm.size());
   if (milling.outline_mm.size() > 10'000) fail("milling: expected at most 10000 corners");
   for (const Vec3& corner : milling.outline_mm) {

@@ -13,11 +13,14 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kColumns = 8;
+constexpr std::size_t kColumns = 11;
 constexpr std::size_t kNeeded = 7;
-constexpr std::array<std::string_view, kColumns> kNames{"time_s", "x_mm",   "y_mm",   "z_mm",
-                                                        "axis_x", "axis_y", "axis_z", "spindle_on"};
+constexpr std::array<std::string_view, kColumns> kNames{"time_s", "x_mm",       "y_mm",   "z_mm",   "axis_x", "axis_y",
+                                                        "axis_z", "spindle_on", "side_x", "side_y", "side_z"};
 constexpr std::size_t kSpindle = 7;
+constexpr std::size_t kSide = 8;
+/// How far a side may lie off a right angle with the axis, as a sine: what poses are allowed.
+constexpr double kMaxLean = 0.01;
 
 class PoseCsvReader {
  public:
@@ -49,6 +52,9 @@ class PoseCsvReader {
     for (std::size_t role = 0; role < kNeeded; ++role) {
       if (!found[role]) fail("expected a column ", kNames[role], ", found ", in_quotes(header), " in ", lines_.place());
     }
+    if (found[kSide] != found[kSide + 1] || found[kSide] != found[kSide + 2]) {
+      fail("expected side_x, side_y and side_z, all or none, found ", in_quotes(header), " in ", lines_.place());
+    }
   }
 
   void add(std::string_view line) {
@@ -59,6 +65,7 @@ class PoseCsvReader {
     for (std::string_view field; fields.next(field); ++count) {
       const std::size_t role = count < role_.size() ? role_[count] : kColumns;
       if (role == kColumns) continue;
+      if (role >= kSide && field.find_first_not_of(" \t\r") == std::string_view::npos) continue;  // not said
       const std::optional<double> number = parse_number(field);
       if (!number) fail("expected a number as ", kNames[role], ", found ", in_quotes(field), " in ", lines_.place());
       row[role] = *number;
@@ -86,8 +93,20 @@ class PoseCsvReader {
       fail("expected a tip and an axis that are finite, and an axis that is not zero, found (", row[1], ", ", row[2],
            ", ", row[3], ") and (", row[4], ", ", row[5], ", ", row[6], ") in ", lines_.place());
     }
+    take_side(Vec3(row[kSide], row[kSide + 1], row[kSide + 2]), input.pose, is_good);
     time_s_ = time_s;
     inputs_.push_back(input);
+  }
+
+  /// None where it is zero.
+  void take_side(const Vec3& given, Pose& pose, bool has_axis) {
+    if (given == Vec3::Zero()) return;
+    const double length = given.norm();
+    const bool is_across = has_axis && std::isfinite(length) && std::abs(given.dot(pose.axis)) <= kMaxLean * length;
+    pose.side = is_across ? Vec3(given / length) : given;
+    if (is_across || options_.lets_bad_poses_pass) return;
+    fail("expected a side that is finite and across the axis, found (", given.x(), ", ", given.y(), ", ", given.z(),
+         ") in ", lines_.place());
   }
 
   FileReader file_;

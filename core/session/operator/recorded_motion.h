@@ -12,8 +12,9 @@ struct PoseCsvOptions {
 };
 
 /// Poses of a tool from a CSV file with the columns time_s, x_mm, y_mm, z_mm (the tip, patient LPS), axis_x, axis_y,
-/// axis_z (from the base to the tip; brought to length 1) and, where it has one, spindle_on (0 or 1), in any order;
-/// others are passed over. Times rise. Throws Error that names the file and the line.
+/// axis_z (from the base to the tip; brought to length 1) and, where it has them, spindle_on (0 or 1) and side_x,
+/// side_y, side_z (Pose::side, brought to length 1; empty or 0, 0, 0: not said), in any order; others are passed over.
+/// Times rise. Throws Error that names the file and the line.
 std::vector<ToolInput> read_pose_csv(const std::filesystem::path& path, const PoseCsvOptions& options = {});
 
 /// An operator whose poses are known beforehand: from a file, a record or a test.

@@ -91,7 +91,8 @@ SessionRecord read_once(const fs::path& path) {
   const RecordProgress progress = read_progress(file, path);
   SessionRecord record;
   record.setup = file.read_texts("/setup");
-  record.cycles = read_rows(file, "/cycles", cycle_columns(), progress.cycles, bytes, path);
+  record.has_sides = file.has("/cycles/side");
+  record.cycles = read_rows(file, "/cycles", cycle_columns(record.has_sides), progress.cycles, bytes, path);
   record.events = read_rows(file, "/events", event_columns(), progress.events, bytes, path);
   record.lost = progress.lost;
   record.is_whole = progress.is_whole != 0;

@@ -75,13 +75,14 @@ RecordedCycle recorded(const Cycle& cycle) {
   row.depth_mm = cycle.depth_mm;
   row.outer_mm = cycle.clearance.outer_mm;
   row.canal_mm = cycle.clearance.canal_mm;
+  row.side = cycle.input.pose.side;
   return row;
 }
 
-bool operator==(const RecordedCycle& a, const RecordedCycle& b) { return same_bits(cycle_columns(), a, b); }
+bool operator==(const RecordedCycle& a, const RecordedCycle& b) { return same_bits(cycle_columns(true), a, b); }
 
 std::string difference(const RecordedCycle& a, const RecordedCycle& b) {
-  for (const RecordColumn<RecordedCycle>& column : cycle_columns()) {
+  for (const RecordColumn<RecordedCycle>& column : cycle_columns(true)) {
     Bytes of_a{};
     Bytes of_b{};
     column.store(a, of_a.data());
@@ -109,7 +110,7 @@ std::string hash_of(const SessionRecord& record) {
       hash.add(bytes.data(), column.width * bytes_of(column.number));
     }
   };
-  for (const RecordedCycle& row : record.cycles) add(cycle_columns(), row);
+  for (const RecordedCycle& row : record.cycles) add(cycle_columns(record.has_sides), row);
   for (const SessionEvent& event : record.events) {
     if (event.kind != EventKind::record_lost) add(event_columns(), event);
   }
@@ -118,7 +119,7 @@ std::string hash_of(const SessionRecord& record) {
 
 void write_record_csv(const SessionRecord& record, std::ostream& csv) {
   write_csv(
-      cycle_columns(), std::span<const RecordedCycle>(record.cycles), "state",
+      cycle_columns(record.has_sides), std::span<const RecordedCycle>(record.cycles), "state",
       [](const RecordedCycle& row) { return name_of(static_cast<DrillState>(row.state)); }, csv);
 }
 

@@ -35,6 +35,7 @@ struct RecordedCycle {
   double depth_mm = 0.0;
   double outer_mm = 0.0;  ///< clearances
   double canal_mm = 0.0;
+  Vec3 side = Vec3::Zero();  ///< of a plate, as the operator gave it; other tools' records leave it out
 };
 RecordedCycle recorded(const Cycle& cycle);
 /// Bit for bit, so that a number that is none equals itself.
@@ -51,9 +52,11 @@ class RecordWriter {
 
   /// Makes the file and starts the thread. `setup`: what it takes to run the session again (names and texts; the
   /// program's business), stored as attributes. Throws Error where the file cannot be made, and where there is one
-  /// already, unless it `may_replace` it. `frames`: it also takes frames, all of this format.
+  /// already, unless it `may_replace` it. `frames`: it also takes frames, all of this format. `tool`: of a plate the
+  /// sides of poses are recorded as well.
   RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
-               bool may_replace = false, const std::optional<FrameFormat>& frames = {});
+               bool may_replace = false, const std::optional<FrameFormat>& frames = {},
+               BitShape tool = BitShape::drill);
   /// Closes as close() does, without a word.
   ~RecordWriter();
   RecordWriter(const RecordWriter&) = delete;
@@ -94,6 +97,7 @@ struct SessionRecord {
   /// In the order in which they began. Of a record that was cut short: those known at its last flush.
   std::vector<SessionEvent> events;
   bool is_whole = false;          ///< closed in order
+  bool has_sides = false;         ///< of a plate: RecordedCycle::side is recorded
   std::uint64_t lost = 0;         ///< cycles that did not get into it
   std::uint64_t frame_count = 0;  ///< of what cameras saw: read_frames()
 };

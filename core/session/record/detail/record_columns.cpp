@@ -59,7 +59,7 @@ RecordColumn<SessionEvent> event_column(const char* name) {
 
 }  // namespace
 
-std::span<const RecordColumn<RecordedCycle>> cycle_columns() {
+std::span<const RecordColumn<RecordedCycle>> cycle_columns(bool has_sides) {
   using Row = RecordedCycle;
   static const std::array columns{
       cycle_column<&Row::cycle>("cycle"),
@@ -80,8 +80,9 @@ std::span<const RecordColumn<RecordedCycle>> cycle_columns() {
       cycle_column<&Row::depth_mm>("depth_mm"),
       cycle_column<&Row::outer_mm>("clearance_outer_mm"),
       cycle_column<&Row::canal_mm>("clearance_canal_mm"),
+      column<Row, &Row::side>("side", {"side_x", "side_y", "side_z"}),
   };
-  return columns;
+  return std::span(columns).first(columns.size() - (has_sides ? 0 : 1));
 }
 
 std::span<const RecordColumn<SessionEvent>> event_columns() {

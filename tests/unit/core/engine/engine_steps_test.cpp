@@ -1,5 +1,6 @@
 // What every engine owes to a haptic loop: no allocation, and no harm from poses that are none.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -124,6 +125,8 @@ TEST_P(EngineSteps, TakeTheFirstPoseWithoutAWayAndRemoveNothingTwice) {
 TEST_P(EngineSteps, RejectABitOrAMaterialThatIsNone) {
   PointVolume volume = block(1.0, 1.0, 0.1);
   EXPECT_THROW(GetParam().make(volume, {kNan, 50.0, 5.0}, {}), Error);
+  EXPECT_THAT([&] { GetParam().make(volume, plate_bit(2.0, 0.5, 50.0), {}); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("an engine of points, found a plate")));
   Material material;
   material.specific_cutting_energy_mpa = kNan;
   EXPECT_THROW(GetParam().make(volume, {}, material), Error);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/base/error.h"
@@ -35,6 +36,19 @@ TEST(BitFile, NamesTheBitThatIsNone) {
       << R"({"format": "spinaltap-bits", "version": 2, "bits": [{"name": "flat", "bit": {"diameter_mm": 0, "length_mm": 50, "tip_length_mm": 5}}]})";
   EXPECT_THAT([&] { read_bits(file); }, testing::ThrowsMessage<Error>(testing::AllOf(testing::HasSubstr("flat"),
                                                                                      testing::HasSubstr("bits.json"))));
+}
+
+TEST(BitFile, KnowsPlates) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "bits.json";
+  std::ofstream(file)
+      << R"({"format": "spinaltap-bits", "version": 2, "bits": [{"name": "saw", "bit":)"
+      << R"({"shape": "plate", "width_mm": 10, "thickness_mm": 0.6, "length_mm": 60, "stroke_mm": 4}}]})";
+  const std::vector<NamedBit> bits = read_bits(file);
+  ASSERT_EQ(bits.size(), 1U);
+  EXPECT_EQ(bits[0].bit, plate_bit(10.0, 0.6, 60.0, 4.0));
+  EXPECT_EQ(name_of(bits[0].bit.shape), "plate");
+  EXPECT_EQ(bit_json(bits[0].bit)["width_mm"], 10.0);
 }
 
 TEST(BitProfileFile, ShipsTools) {

@@ -106,6 +106,46 @@ TEST_F(PlanFile, KeepsAProfileBitForBit) {
               ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("profile only"))));
 }
 
+TEST_F(PlanFile, KeepsAPlateBitForBit) {
+  for (const double stroke_mm : {0.0, 10.0 / 3.0}) {
+    std::vector<DrillPath> paths = two_paths();
+    paths[1].bit = plate_bit(12.0 + 1e-9, 0.7, 40.1, stroke_mm);
+    paths[1].bit.width_along = Vec3(1.0, -2.0, 2.0) / 3.0;
+    write_plan(paths, path());
+    EXPECT_EQ(read_plan(path())[1].bit, paths[1].bit);
+    EXPECT_EQ(read_plan(path())[0].bit, paths[0].bit);
+    const Json bit = read_json(path())["paths"][1]["bit"];
+    EXPECT_EQ(bit.contains("stroke_mm"), stroke_mm > 0.0);
+    EXPECT_FALSE(bit.contains("diameter_mm"));
+    write_plan(paths, folder() / "lines.mrk.json");
+    EXPECT_EQ(read_plan(folder() / "lines.mrk.json")[1].bit, paths[1].bit);
+  }
+  const auto change_plate = [&](const std::function<void(Json & bit)>& change) {
+    return read_changed([&](Json& json) {
+      json["paths"][1]["bit"] = Json{{"shape", "plate"}, {"width_mm", 9.0}, {"thickness_mm", 1.0}, {"length_mm", 30.0}};
+      change(json["paths"][1]["bit"]);
+    });
+  };
+  EXPECT_EQ(change_plate([](Json&) {})[1].bit, plate_bit(9.0, 1.0, 30.0)) << "upright where nothing is said";
+  const auto rejected = [&](const std::function<void(Json & bit)>& change, const char* what) {
+    EXPECT_THAT([&] { change_plate(change); }, ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr(what))))
+        << what;
+  };
+  rejected([](Json& bit) { bit.erase("thickness_mm"); }, "thickness_mm");
+  rejected([](Json& bit) { bit.erase("width_mm"); }, "width_mm");
+  rejected([](Json& bit) { bit.erase("length_mm"); }, "length_mm");
+  rejected([](Json& bit) { bit["diameter_mm"] = 3.0; }, "diameter_mm");
+  rejected([](Json& bit) { bit["tip_length_mm"] = 3.0; }, "tip_length_mm");
+  rejected([](Json& bit) { bit["thickness_mm"] = "thin"; }, "thickness_mm");
+  rejected([](Json& bit) { bit["thickness_mm"] = 9.5; }, "thickness from 0.05 to 9 mm");
+  rejected([](Json& bit) { bit["stroke_mm"] = 9.0; }, "stroke");
+  rejected([](Json& bit) { bit["width_along"] = 3; }, "width_along");
+  rejected([](Json& bit) { bit["width_along"] = {0.0, 0.0, 2.0}; }, "direction of length 1");
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["paths"][1]["bit"]["thickness_mm"] = 1.0; }); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("thickness_mm"))))
+      << "of a drill";
+}
+
 TEST_F(PlanFile, KeepsPlacesOfACurvedPathToTheLastBit) {
   std::vector<DrillPath> paths = two_paths();
   paths[1].via_mm = {{-4.0 / 3.0, -9.7, 810.5}, {-6.1, -20.0, 806.0 + 1e-9}};

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -102,6 +103,43 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_FALSE(back.has_clearances);
   // What there is beside: every key at once.
   EXPECT_EQ(to_json(back), to_json(setup));
+}
+
+TEST(SessionSetup, KeepsHowAPlateWasTurnedInHolesBefore) {
+  SessionSetup setup = odd_setup();
+  setup.path.bit = plate_bit(11.0, 0.7, 41.0, 1.0 / 3.0);
+  setup.path.bit.width_along = Vec3(2.0, -1.0, 2.0) / 3.0;
+  const Vec3 axis = Vec3(1.0, 2.0, -3.0).normalized(), side = any_perpendicular(axis);
+  const Vec3 turned = axis.cross(side);
+  const Pose first{Vec3(0.1, 0.2, 1.0 / 7.0), axis, side};
+  setup.holes = {{setup.path.bit, {{first, {Vec3(9.1, 1e-17, 3.0), axis, side}, {Vec3(9.0, 0.1, 3.0), axis, turned}}}}};
+  const Json json = to_json(setup);
+  const Json& way = json["holes"][0]["ways"][0];
+  EXPECT_EQ(way[0].size(), 9U);
+  EXPECT_EQ(way[1].size(), 3U) << "as the one before";
+  EXPECT_EQ(way[2].size(), 9U);
+  const SessionSetup back = recorded_setup(record_setup(setup), "run.h5");
+  EXPECT_EQ(back.path.bit, setup.path.bit);
+  ASSERT_EQ(back.holes.size(), 1U);
+  EXPECT_EQ(back.holes[0].bit, setup.path.bit);
+  ASSERT_EQ(back.holes[0].ways[0].size(), 3U);
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Pose &was = setup.holes[0].ways[0][n], &is = back.holes[0].ways[0][n];
+    EXPECT_EQ(is.tip_mm, was.tip_mm);
+    EXPECT_LT((is.axis - was.axis).norm(), 1e-15);
+    EXPECT_LT((is.side - was.side).norm(), 1e-15);
+  }
+  EXPECT_EQ(to_json(back), json);
+
+  const auto rejected = [&](const std::function<void(Json&)>& change) {
+    Json bad = json;
+    change(bad["holes"][0]["ways"][0]);
+    EXPECT_THROW(read_session_setup(bad, "run.h5"), Error);
+  };
+  rejected([](Json& poses) { poses[0].erase(8); });
+  rejected([](Json& poses) { poses[0] = Json{1.0, 2.0, 3.0, 0.0, 0.0, 1.0}; });
+  rejected([](Json& poses) { poses[0][8] = "up"; });
+  rejected([](Json& poses) { poses[0] = Json{1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0, 0.6, 0.8}; });
 }
 
 TEST(SessionSetup, OfRecordsWithoutARegionIsTheWholeBone) {

@@ -1,5 +1,6 @@
 #include "core/plan/grade.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -347,6 +348,16 @@ TEST_F(GradePath, RejectsWhatMakesNoSense) {
   material.cutting_exponent = kNan;
   rejects(path(18.0), {}, hu_of_300, material);
   EXPECT_EQ(grade(path(18.0), {.hu_bands = {}}).hu_band_shares, std::vector<double>{1.0});
+}
+
+TEST_F(GradePath, RejectsAPlateByName) {
+  DrillPath cut = path(18.0);
+  cut.bit = plate_bit(10.0, 1.0, 40.0);
+  const auto is_named = testing::ThrowsMessage<Error>(testing::HasSubstr("for a grade, found a plate"));
+  EXPECT_THAT([&] { grade(cut); }, is_named);
+  cut.screw.reset();
+  EXPECT_THAT([&] { grade(cut); }, is_named);
+  EXPECT_THAT([&] { breach_mm(walls(), cut); }, is_named);
 }
 
 TEST(GradePhantom, FindsItsOwnPathsSafeAndTheirPediclesWallsNearest) {

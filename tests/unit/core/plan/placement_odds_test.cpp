@@ -1,5 +1,6 @@
 #include "core/plan/placement_odds.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -130,6 +131,11 @@ TEST_F(PlacementOdds, RejectOptionsWithoutSense) {
     EXPECT_THROW(breach_map(walls(), path(1.0), {.turn_step_deg = step}), Error);
   }
   EXPECT_THROW(breach_map(walls(), path(1.0), {.max_shift_mm = kNan}), Error);
+  DrillPath cut = path(1.0);
+  cut.bit = plate_bit(10.0, 1.0, 40.0);
+  const auto is_named = testing::ThrowsMessage<Error>(testing::HasSubstr("errors of placement, found a plate"));
+  EXPECT_THAT([&] { grade_odds(walls(), cut, errors); }, is_named);
+  EXPECT_THAT([&] { breach_map(walls(), cut); }, is_named);
 }
 
 TEST_F(PlacementOdds, MapsTheWallsBesideAPath) {

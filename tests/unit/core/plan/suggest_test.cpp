@@ -198,6 +198,7 @@ TEST_F(SuggestPaths, RejectOptionsWithoutSense) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   rejected([&](SuggestOptions& options) { options.margin_mm = nan; });
+  rejected([&](SuggestOptions& options) { options.bit = plate_bit(10.0, 1.0, 40.0); });
   rejected([&](SuggestOptions& options) { options.margin_mm = -1.0; });
   rejected([&](SuggestOptions& options) { options.front_margin_mm = nan; });
   rejected([&](SuggestOptions& options) { options.widest_share = 0.0; });

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -94,8 +95,9 @@ TEST(DrillSession, TellsOfNoPathWhereTheToolLeavesIt) {
   }
   EXPECT_LT(expected.size() + 3, drilling.size()) << "there were some of each";
   ASSERT_EQ(milling.size(), expected.size());
-  EXPECT_EQ(milling.front().kind, EventKind::contact);
-  EXPECT_EQ(milling.back().kind, EventKind::stop_thrust);
+  for (const EventKind kept : {EventKind::contact, EventKind::stop_thrust}) {
+    EXPECT_EQ(std::ranges::count(milling, kept, &SessionEvent::kind), 1);
+  }
   for (std::size_t n = 0; n < expected.size(); ++n) {
     EXPECT_EQ(milling[n].kind, expected[n].kind);
     EXPECT_EQ(milling[n].cycle, expected[n].cycle);

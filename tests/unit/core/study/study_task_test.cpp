@@ -53,6 +53,12 @@ TEST(StudyTask, SidesAreThePatientsLeftAndHead) {
   EXPECT_GT(across(down).head.y(), 0.9);
 }
 
+TEST(StudyTask, IsOfToolsThatTurn) {
+  StudySpec spec = spec_of({});
+  spec.path.bit = plate_bit(10.0, 1.0, 60.0);
+  EXPECT_THAT([&] { only_task(spec); }, ThrowsMessage<Error>(HasSubstr("a study, found a plate")));
+}
+
 TEST(StudyTask, ShiftsTheEntryAndLeansAboutIt) {
   const StudyTask task = only_task(spec_of({{StudyFactor::entry_left_mm, Kind::levels, {1.5}},
                                             {StudyFactor::entry_head_mm, Kind::levels, {-0.5}},

@@ -1,5 +1,6 @@
 #include "core/session/operator/milling.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -208,6 +209,8 @@ TEST(Milling, RejectsWhatItCannotDo) {
   });
   EXPECT_THROW(MillingMotion(patch(), kBurr, Hills([](double, double) { return kNoBone; })), Error);
   EXPECT_THROW(MillingMotion(patch(), kBurr, bone, {.rate_hz = 0.0}), Error);
+  EXPECT_THAT([&] { MillingMotion(patch(), plate_bit(4.0, 1.0, 40.0), bone); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("a milling, found a plate")));
 }
 
 TEST(Milling, FileKeepsAll) {

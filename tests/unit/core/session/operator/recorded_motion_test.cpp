@@ -50,6 +50,29 @@ TEST_F(PoseCsv, IsReadByTheNamesOfItsColumns) {
   EXPECT_EQ(inputs[0].dt_s, inputs[1].dt_s) << "the first has no time before it";
 }
 
+TEST_F(PoseCsv, SaysWhichWayAPlateIsTurned) {
+  const auto inputs =
+      read_pose_csv(file("time_s,x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,side_z,side_x,side_y\n"
+                         "0,1,2,3,0,0,1,0,2,0\n0.1,1,2,3,0,0,1,0,0,0\n0.2,1,2,3,0,0,1,,,\r\n0.3,1,2,3,0,0,1,0,3,-4\n"));
+  ASSERT_EQ(inputs.size(), 4U);
+  EXPECT_EQ(inputs[0].pose.side, Vec3(1.0, 0.0, 0.0));
+  EXPECT_EQ(inputs[1].pose.side, Vec3::Zero());
+  EXPECT_EQ(inputs[2].pose.side, Vec3::Zero());
+  EXPECT_NEAR((inputs[3].pose.side - Vec3(0.6, -0.8, 0.0)).norm(), 0.0, 1e-15);
+  EXPECT_EQ(read_pose_csv(file(kHead + "0,1,2,3,0,0,1\n"))[0].pose.side, Vec3::Zero());
+
+  const std::string head = kHead.substr(0, kHead.size() - 1) + ",side_x,side_y,side_z\n";
+  EXPECT_THAT(rejection(kHead.substr(0, kHead.size() - 1) + ",side_x,side_z\n0,1,2,3,0,0,1,1,0\n"),
+              AllOf(HasSubstr("side_x, side_y and side_z"), HasSubstr("line 1")));
+  EXPECT_THAT(rejection(head + "0,1,2,3,0,0,1,left,0,0\n"), AllOf(HasSubstr("side_x"), HasSubstr("left")));
+  EXPECT_THAT(rejection(head + "0,1,2,3,0,0,1,1,0,0\n1,1,2,3,0,0,1,1,0,0.02\n"),
+              AllOf(HasSubstr("across the axis"), HasSubstr("line 3")));
+  EXPECT_THAT(rejection(head + "0,1,2,3,0,0,1,nan,0,0\n"), HasSubstr("across the axis"));
+  EXPECT_EQ(read_pose_csv(file(head + "0,1,2,3,0,0,1,0,0,5\n"), {.lets_bad_poses_pass = true})[0].pose.side,
+            Vec3(0.0, 0.0, 5.0))
+      << "for the session to reject";
+}
+
 TEST_F(PoseCsv, SaysWhereItIsNoGood) {
   EXPECT_THAT(rejection(""), HasSubstr("poses.csv"));
   EXPECT_THAT(rejection(kHead), AllOf(HasSubstr("a pose at least"), HasSubstr("poses.csv")));

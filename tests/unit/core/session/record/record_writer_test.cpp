@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "core/base/error.h"
+#include "core/base/hdf5_file.h"
 #include "core/base/staged_output.h"
 #include "core/session/record/session_record.h"
 #include "tests/support/full_disk.h"
@@ -113,6 +114,43 @@ TEST(SessionRecord, GivesBackEveryBitOfWhatWasWritten) {
   }
   ASSERT_EQ(record.events.size(), events.size());
   for (std::size_t n = 0; n < events.size(); ++n) EXPECT_TRUE(same(record.events[n], events[n])) << "event " << n;
+}
+
+TEST(SessionRecord, OfAPlateHasSidesAndOthersHaveNone) {
+  const test::TemporaryFolder folder;
+  std::mt19937_64 random(3);
+  std::vector<Cycle> cycles;
+  for (std::uint64_t n = 0; n < 1000; ++n) {
+    cycles.push_back(any_cycle(n, random));
+    cycles.back().input.pose.side = Vec3(std::ldexp(static_cast<double>(random()), -64), -0.0, std::nan(""));
+  }
+  const auto written = [&](const char* name, BitShape tool) {
+    RecordWriter writer(folder.path() / name, {}, false, {}, tool);
+    for (const Cycle& cycle : cycles) writer.add_waiting(cycle);
+    writer.close({});
+    return read_record(folder.path() / name);
+  };
+  const SessionRecord plate = written("plate.h5", BitShape::plate), drill = written("drill.h5", BitShape::drill);
+  EXPECT_TRUE(plate.has_sides);
+  EXPECT_FALSE(drill.has_sides);
+  ASSERT_EQ(plate.cycles.size(), cycles.size());
+  ASSERT_EQ(drill.cycles.size(), cycles.size());
+  for (std::size_t n = 0; n < cycles.size(); ++n) {
+    EXPECT_TRUE(plate.cycles[n] == recorded(cycles[n])) << difference(plate.cycles[n], recorded(cycles[n]));
+    EXPECT_EQ(drill.cycles[n].side, Vec3::Zero());
+    RecordedCycle without = plate.cycles[n];
+    without.side.setZero();
+    EXPECT_TRUE(drill.cycles[n] == without);
+  }
+  EXPECT_FALSE(Hdf5File::open(folder.path() / "drill.h5").has("/cycles/side"));
+  EXPECT_TRUE(Hdf5File::open(folder.path() / "plate.h5").has("/cycles/side"));
+  // A fingerprint counts what the file holds.
+  SessionRecord turned = plate;
+  turned.cycles[5].side.x() += 0.5;
+  EXPECT_NE(hash_of(turned), hash_of(plate));
+  turned.has_sides = false;
+  EXPECT_EQ(hash_of(turned), hash_of(drill));
+  EXPECT_EQ(difference(turned.cycles[5], plate.cycles[5]).substr(0, 6), "side_x");
 }
 
 TEST(SessionRecord, TellsTheFirstQuantityThatDiffersByBits) {
@@ -346,6 +384,13 @@ TEST(RecordCsv, HasUnitsInItsHeadAndOneRowACycle) {
             "tip_density_g_cm3,depth_mm,clearance_outer_mm,clearance_canal_mm\n"
             "0,0,0,0,0,0,0,0,1,1,initial,0,0,0,0,0,0,0,0,0,0,0,0,0\n"
             "1,0,0,0.1,-2,1e-07,0,0,1,1,cancellous,0,0,0,0,0,0,,0,0,0,0,0,inf\n");
+  record.has_sides = true;
+  record.cycles.resize(1);
+  record.cycles[0].side = {0.6, -0.8, 0.0};
+  std::ostringstream of_plate;
+  write_record_csv(record, of_plate);
+  EXPECT_THAT(of_plate.str(), testing::HasSubstr("clearance_canal_mm,side_x,side_y,side_z\n0,0,"));
+  EXPECT_THAT(of_plate.str(), testing::EndsWith(",0,0.6,-0.8,0\n"));
   record.events = {event_at(7, EventKind::canal_breach, 0.5)};
   std::ostringstream events;
   write_events_csv(record, events);
