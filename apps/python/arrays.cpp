@@ -49,6 +49,29 @@ class OneOrEach {
   bool is_one_;
 };
 
+/// One direction for all, one for each of `count`, or None: zero.
+class OneOrEachDirection {
+ public:
+  OneOrEachDirection(const py::object& given, std::size_t count, std::string_view what) {
+    if (given.is_none()) return;
+    values_ = Numbers::ensure(given);
+    if (!values_) throw py::error_already_set();
+    is_given_ = true;
+    is_one_ = values_.size() == 3;
+    if (!has_rows_of(values_, 3) || (!is_one_ && static_cast<std::size_t>(values_.size()) != 3 * count)) {
+      fail("expected one ", what, ", or one for each of ", count, " tips, found an array of shape ", shape_of(values_));
+    }
+  }
+  Vec3 operator[](std::size_t n) const {
+    return is_given_ ? vec3_at(values_.data() + (is_one_ ? 0 : 3 * n)) : Vec3(Vec3::Zero());
+  }
+
+ private:
+  Numbers values_;
+  bool is_given_ = false;
+  bool is_one_ = false;
+};
+
 /// The columns of a structured type.
 class Columns {
  public:
@@ -98,6 +121,7 @@ py::dtype make_cycle_dtype() {
   columns.add("depth_mm", "f8", offsetof(Row, depth_mm));
   columns.add("clearance_outer_mm", "f8", offsetof(Row, outer_mm));
   columns.add("clearance_canal_mm", "f8", offsetof(Row, canal_mm));
+  columns.add("side", "(3,)f8", offsetof(Row, side));
   return columns.type(sizeof(Row));
 }
 
@@ -166,7 +190,7 @@ py::array_t<double> array_of(const Mat3& m) {
 }
 
 std::vector<ToolInput> inputs_of(const Numbers& tips, const py::object& axes, const py::object& dt_s,
-                                 const py::object& spindle_on) {
+                                 const py::object& spindle_on, const py::object& sides) {
   const bool has_axes = !axes.is_none();
   const py::ssize_t width = has_axes ? 3 : 6;
   if (!has_rows_of(tips, width)) {
@@ -174,19 +198,13 @@ std::vector<ToolInput> inputs_of(const Numbers& tips, const py::object& axes, co
          has_axes ? " for the tips" : " and no axes");
   }
   const auto count = static_cast<std::size_t>(tips.size() / width);
-  const Numbers given_axes = has_axes ? Numbers::ensure(axes) : tips;
-  if (!given_axes) throw py::error_already_set();
-  const bool is_one_axis = has_axes && given_axes.size() == 3;
-  if (has_axes && !is_one_axis && !(has_rows_of(given_axes, 3) && given_axes.size() == tips.size())) {
-    fail("expected one axis, or one for each of ", count, " tips, found an array of shape ", shape_of(given_axes));
-  }
+  const OneOrEachDirection given_axes(axes, count, "axis"), given_sides(sides, count, "side");
   const OneOrEach<double> times(dt_s, count, "dt_s");
   const OneOrEach<bool> spindles(spindle_on, count, "spindle_on");
   std::vector<ToolInput> inputs(count);
   for (std::size_t n = 0; n < count; ++n) {
     const double* const tip = tips.data() + n * static_cast<std::size_t>(width);
-    const double* const axis = !has_axes ? tip + 3 : given_axes.data() + (is_one_axis ? 0 : 3 * n);
-    inputs[n] = {{vec3_at(tip), vec3_at(axis)}, spindles[n], times[n]};
+    inputs[n] = {{vec3_at(tip), has_axes ? given_axes[n] : vec3_at(tip + 3), given_sides[n]}, spindles[n], times[n]};
   }
   return inputs;
 }

@@ -30,9 +30,9 @@ pybind11::array_t<double> array_of(const Vec3& v);
 pybind11::array_t<double> array_of(const Mat3& m);
 
 /// Poses with the time since the last. `tips`: N by 3, with `axes` N by 3 or one axis for all; or N by 6, both, without
-/// `axes`. `dt_s` and `spindle_on`: one, or N.
+/// `axes`. `dt_s` and `spindle_on`: one, or N. `sides`: of a plate, N by 3 or one for all; None: not said.
 std::vector<ToolInput> inputs_of(const Numbers& tips, const pybind11::object& axes, const pybind11::object& dt_s,
-                                 const pybind11::object& spindle_on);
+                                 const pybind11::object& spindle_on, const pybind11::object& sides);
 
 /// Structured types, with a record's, or a study's, names of columns.
 pybind11::dtype cycle_dtype();

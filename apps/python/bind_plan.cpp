@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -30,6 +31,16 @@ DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, co
                tip_diameter_mm, shank_diameter_mm};
   check_bit(bit);
   return bit;
+}
+
+DrillBit make_plate(double width_mm, double thickness_mm, double length_mm, double stroke_mm,
+                    const Numbers& width_along) {
+  DrillBit plate = plate_bit(width_mm, thickness_mm, length_mm, stroke_mm);
+  const Vec3 along = vec3_of(width_along, "width_along");
+  if (!(along.norm() > 0.0)) fail("expected width_along as a direction that is not zero");
+  plate.width_along = along.normalized();
+  check_bit(plate);
+  return plate;
 }
 
 /// Of tuples (back_mm, radius_mm), or (back_mm, radius_mm, is_arc).
@@ -84,7 +95,7 @@ void save_plan(const std::vector<DrillPath>& paths, const std::filesystem::path&
 }  // namespace
 
 void bind_plan(py::module_& module) {
-  py::class_<DrillBit>(module, "Bit", "A rotating tool. Lengths in mm. Nothing changes it.")
+  py::class_<DrillBit>(module, "Bit", "A tool: a drill, a burr or a plate. Lengths in mm. Nothing changes it.")
       .def(py::init(&make_bit), "diameter_mm"_a = 3.0, "length_mm"_a = 50.0, "tip_length_mm"_a = 5.0,
            "shape"_a = "drill", "tip_diameter_mm"_a = 0.0, "shank_diameter_mm"_a = 0.0,
            "`shape`: \"drill\", \"round-burr\", \"conical-burr\" or \"tapered-screw\". Raises Error on sizes that make "
@@ -95,15 +106,25 @@ void bind_plan(py::module_& module) {
       .def_static("profile", &make_profile, "outline"_a,
                   "A bit of any outline: places from the tip to the base, each (back_mm, radius_mm), or with True as a "
                   "third where a ball's arc leads there. Raises Error on an outline that makes no sense.")
+      .def_static("plate", &make_plate, "width_mm"_a, "thickness_mm"_a, "length_mm"_a, py::kw_only(),
+                  "stroke_mm"_a = 0.0, "width_along"_a = std::array{0.0, 0.0, 1.0},
+                  "A saw, or without a stroke an osteotome: a box whose edge cuts, as wide and as thick as what it "
+                  "cuts. `width_along`: how it is held where poses say no side, patient LPS: its width as nearly along "
+                  "this as the axis lets it. Only voxels are cut by it. Raises Error on sizes that make no sense.")
       .def_static(
           "read", [](const std::string& name_or_file) { return read_bit_profile(name_or_file).bit; }, "name_or_file"_a,
           "A bit of any outline: a shipped one by its name, such as \"match-head\", else a file.")
-      .def_readonly("diameter_mm", &DrillBit::diameter_mm)
+      .def_readonly("diameter_mm", &DrillBit::diameter_mm, "Where it is widest; of a plate its width.")
       .def_readonly("length_mm", &DrillBit::length_mm)
       .def_readonly("tip_length_mm", &DrillBit::tip_length_mm)
       .def_property_readonly("shape", [](const DrillBit& bit) { return name_of(bit.shape); })
       .def_readonly("tip_diameter_mm", &DrillBit::tip_diameter_mm)
       .def_readonly("shank_diameter_mm", &DrillBit::shank_diameter_mm)
+      .def_readonly("thickness_mm", &DrillBit::thickness_mm, "Of a plate; else 0.")
+      .def_readonly("stroke_mm", &DrillBit::stroke_mm, "Of a saw, how far its teeth go to and fro; else 0.")
+      .def_property_readonly(
+          "width_along", [](const DrillBit& bit) { return array_of(bit.width_along); },
+          "How a plate is held where poses say no side, unit, patient LPS.")
       .def_property_readonly("outline", &outline_of,
                              "Of a profile: (back_mm, radius_mm, is_arc) from the tip to the base; else empty.");
 

@@ -87,7 +87,8 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
                                            const std::optional<Numbers>& region_mm, double rpm, bool clearances,
                                            double stop_thrust_n, double stop_clearance_mm, bool stop_on_breach,
                                            const std::filesystem::path& material, const std::filesystem::path& density,
-                                           const std::vector<Bone>& also, const py::object& progress) {
+                                           const std::vector<Bone>& also, bool follows_path,
+                                           const py::object& progress) {
   SessionSetup setup;
   setup.material = material_of(material, density);
   setup.volume.radius_mm = radius_mm;
@@ -102,6 +103,7 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
   }
   setup.options.spindle.rpm = rpm;
   setup.options.stop = {stop_thrust_n, stop_clearance_mm, stop_on_breach};
+  setup.options.follows_path = follows_path;
   setup.has_clearances = clearances;
   std::vector<Bone> bones{bone};
   bones.insert(bones.end(), also.begin(), also.end());
@@ -110,8 +112,8 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
 }
 
 py::array run_poses(OwnedSession& self, const Numbers& tips, const py::object& axes, const py::object& dt_s,
-                    const py::object& spindle_on, const py::object& progress) {
-  const std::vector<ToolInput> inputs = inputs_of(tips, axes, dt_s, spindle_on);
+                    const py::object& spindle_on, const py::object& sides, const py::object& progress) {
+  const std::vector<ToolInput> inputs = inputs_of(tips, axes, dt_s, spindle_on, sides);
   const OwnedSession::Turn session = self.take();
   // A thread takes some 50 µs to begin; so few cycles are done sooner than anyone presses Ctrl-C.
   constexpr std::size_t kFew = 512;
@@ -162,6 +164,9 @@ void bind_cycle(py::module_& module) {
       .def_readonly("time_s", &Cycle::time_s)
       .def_property_readonly("tip_mm", [](const Cycle& cycle) { return array_of(cycle.input.pose.tip_mm); })
       .def_property_readonly("axis", [](const Cycle& cycle) { return array_of(cycle.input.pose.axis); })
+      .def_property_readonly(
+          "side", [](const Cycle& cycle) { return array_of(cycle.input.pose.side); },
+          "Of a plate, as it was given; zeros: not said.")
       .def_readonly("depth_mm", &Cycle::depth_mm, "Of the tip along the path: 0 at the entry.")
       .def_property_readonly("force_n", [](const Cycle& cycle) { return array_of(cycle.force.force_n); })
       .def_property_readonly("thrust_n", [](const Cycle& cycle) { return cycle.force.thrust_n; })
@@ -171,7 +176,9 @@ void bind_cycle(py::module_& module) {
       .def_property_readonly("density_g_cm3", [](const Cycle& cycle) { return cycle.force.tip_density_g_cm3; })
       .def_property_readonly("clearance_outer_mm", [](const Cycle& cycle) { return cycle.clearance.outer_mm; })
       .def_property_readonly("clearance_canal_mm", [](const Cycle& cycle) { return cycle.clearance.canal_mm; })
-      .def_property_readonly("removed_points", [](const Cycle& cycle) { return cycle.step.removed; })
+      .def_property_readonly(
+          "removed_points", [](const Cycle& cycle) { return cycle.step.removed; },
+          "Points that died; with the engine \"voxel\" voxels.")
       .def_property_readonly("removed_mm3", [](const Cycle& cycle) { return cycle.step.removed_mm3; })
       .def_property_readonly(
           "state", [](const Cycle& cycle) { return std::string(name_of(cycle.state)); }, "One of STATES.");
@@ -232,29 +239,34 @@ The drilling of one hole is one session: it begins at time 0 and cycle 0; end_ho
            "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "auto", "region_mm"_a = py::none(),
            "rpm"_a = 1250.0, "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
            "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "also"_a = std::vector<Bone>(),
-           "progress"_a = py::none(),
+           "follows_path"_a = true, "progress"_a = py::none(),
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; "voxel", for
-any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" where there is a
-region, else a fast one of points. region_mm: voxels only in this box, its two corners, (2, 3), patient LPS, as
+any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" of a plate or where
+there is a region, else a fast one of points. region_mm: voxels only in this box, its two corners, (2, 3), patient LPS, as
 Bone.bounds_mm has them; an event tells where the tool leaves it. rpm: of the spindle; 0: off.
 clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes true. material,
 density: files of cutting models and density calibrations; the shipped ones by default. also: further bones of the same
-patient, which are drilled wherever the tool meets them; voxels only. Raises Error where the path misses the bone.)")
+patient, which are drilled wherever the tool meets them; voxels only. follows_path: False of a milling, whose way leaves
+the path: neither states nor breakthroughs nor plunges are told, and "auto" takes voxels. Raises Error where the path misses the bone.)")
       .def(
           "step",
-          [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on) {
-            const ToolInput input{{vec3_of(tip_mm, "tip_mm"), vec3_of(axis, "axis")}, spindle_on, dt_s};
+          [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on,
+             const std::optional<Numbers>& side) {
+            const Vec3 turned = side ? vec3_of(*side, "side") : Vec3(Vec3::Zero());
+            const ToolInput input{{vec3_of(tip_mm, "tip_mm"), vec3_of(axis, "axis"), turned}, spindle_on, dt_s};
             return Cycle(self.take()->step_input(input));
           },
-          "tip_mm"_a, "axis"_a, "dt_s"_a = 0.001, "spindle_on"_a = true,
-          "One cycle: the bit goes straight from where it was to here. `axis`: unit, from the base to the tip. Poses "
+          "tip_mm"_a, "axis"_a, "dt_s"_a = 0.001, "spindle_on"_a = true, py::kw_only(), "side"_a = py::none(),
+          "One cycle: the bit goes straight from where it was to here. `axis`: unit, from the base to the tip. `side`: "
+          "of a plate, unit, across the axis, along its width; None: by its width_along. Poses "
           "that make no sense do nothing but leave an event. Keeps Python's lock: it takes microseconds.")
       .def("run", &run_poses, "tips_mm"_a, "axes"_a = py::none(), "dt_s"_a = 0.001, "spindle_on"_a = true,
-           py::kw_only(), "progress"_a = py::none(),
+           py::kw_only(), "sides"_a = py::none(), "progress"_a = py::none(),
            R"(Many cycles, as fast as it goes, whatever the stop rules say. Gives a row for each, of dtype CYCLE.
 
 tips_mm: (n, 3), with axes (n, 3) or one for all; or tips and axes together, (n, 6). dt_s, spindle_on: one, or (n,).
+sides: of a plate, along its width, (n, 3) or one for all; None: by its width_along.
 Ctrl-C cancels; the cycles until then are done.)")
       .def("drill", &run_operator, "operator"_a, "progress"_a = py::none(),
            "An operator until it ends. Gives a row for each cycle, of dtype CYCLE. Ctrl-C cancels.")

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/session/real_time/timing.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 
@@ -23,6 +24,11 @@ SessionSetup setup_of(const DrillTaskOptions& options) {
   setup.volume.spacing_mm = options.spacing_mm;
   setup.volume.lead_in_mm = std::max(3.0, options.start_mm);
   return setup;
+}
+
+std::vector<BonePath> of_tools_that_turn(std::vector<BonePath> holes) {
+  for (const BonePath& hole : holes) check_turns(hole.path.bit, "a task of drilling");
+  return holes;
 }
 
 /// Even on a disc of radius 1, from two draws.
@@ -72,7 +78,9 @@ void check_drill_task(const DrillTaskOptions& options) {
 
 DrillTask::DrillTask(std::vector<BonePath> holes, std::size_t count, const DrillTaskOptions& options, int threads,
                      const Progress& progress)
-    : options_(options), batch_(std::move(holes), count, setup_of(options), threads, progress), episodes_(count) {
+    : options_(options),
+      batch_(of_tools_that_turn(std::move(holes)), count, setup_of(options), threads, progress),
+      episodes_(count) {
   for (std::size_t n = 0; n < count; ++n) {
     const DrillPath& path = batch_.session(n).path();
     check_straight(path, "a task of drilling");

@@ -59,7 +59,7 @@ void check(const DrillReportData& data) {
                                                                     {"clearance_outer_mm", &data.clearance_outer_mm},
                                                                     {"clearance_canal_mm", &data.clearance_canal_mm},
                                                                     {"cycles_per_s", &data.cycles_per_s},
-                                                                    {"removed_points", &data.removed_points}}};
+                                                                    {"removed", &data.removed}}};
   for (const auto& [name, curve] : curves) {
     if (!curve->empty() && curve->size() != data.depth_mm.size()) {
       fail("drill report: expected ", data.depth_mm.size(), " values of ", name, ", one a depth, found ",
@@ -100,11 +100,8 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   }
   rows.push_back(
       {"Leans out of the CT's axial plane" + where, lean(std::atan2(direction.z(), across), "head", "feet"), ""});
-  rows.push_back({"Bit, diameter × length",
-                  readable_number(path.bit.diameter_mm, 1) + " × " + readable_number(path.bit.length_mm, 1), "mm"});
-  const bool is_profile = path.bit.shape == BitShape::profile;
-  rows.push_back({is_profile ? "Bit, from its tip to its widest place" : "Bit, conical tip",
-                  readable_number(path.bit.tip_length_mm, 1), "mm"});
+  const std::vector<ReportRow> of_tool = tool_rows(path.bit);
+  rows.insert(rows.end(), of_tool.begin(), of_tool.end());
   if (data.ct != nullptr) {
     const GridGeometry& grid = data.ct->geometry;
     rows.push_back(
@@ -220,6 +217,22 @@ void add_speed(const DrillReportData& data, HtmlReport& report) {
 
 }  // namespace
 
+std::vector<ReportRow> tool_rows(const DrillBit& bit) {
+  const auto by = [](double a, double b) { return readable_number(a, 1) + " × " + readable_number(b, 1); };
+  if (bit.shape == BitShape::plate) {
+    const bool is_saw = bit.stroke_mm > 0.0;
+    std::vector<ReportRow> rows{{is_saw ? "Saw, width × thickness × length" : "Osteotome, width × thickness × length",
+                                 by(bit.diameter_mm, bit.thickness_mm) + " × " + readable_number(bit.length_mm, 1),
+                                 "mm"}};
+    if (is_saw) rows.push_back({"Saw, stroke", readable_number(bit.stroke_mm, 1), "mm"});
+    return rows;
+  }
+  const bool is_profile = bit.shape == BitShape::profile;
+  return {{"Bit, diameter × length", by(bit.diameter_mm, bit.length_mm), "mm"},
+          {is_profile ? "Bit, from its tip to its widest place" : "Bit, conical tip",
+           readable_number(bit.tip_length_mm, 1), "mm"}};
+}
+
 std::string drill_report(const DrillReportData& data) {
   check(data);
   HtmlReport report(data.title);
@@ -232,7 +245,7 @@ std::string drill_report(const DrillReportData& data) {
     report.add_heading("The bone before and after");
     report.add_pictures(data.renders);
   }
-  if (!data.hu.empty() || !data.density_g_cm3.empty() || !data.thrust_n.empty() || !data.removed_points.empty()) {
+  if (!data.hu.empty() || !data.density_g_cm3.empty() || !data.thrust_n.empty() || !data.removed.empty()) {
     report.add_heading("Forces, bone and clearances along the depth");
     DepthPlots plots(data, report);
     plots.add("Thrust", "thrust", "N", data.thrust_n, true, true);
@@ -243,7 +256,11 @@ std::string drill_report(const DrillReportData& data) {
     plots.add("Clearance to the outer surface, beyond the entry opening", "clearance", "mm",
               where_known(data.clearance_outer_mm));
     plots.add("Clearance to the canal", "clearance", "mm", where_known(data.clearance_canal_mm));
-    plots.add("Points removed at each step", "points", "", data.removed_points);
+    if (data.has_voxels) {
+      plots.add("Voxels removed at each step", "voxels", "", data.removed);
+    } else {
+      plots.add("Points removed at each step", "points", "", data.removed);
+    }
   }
   add_events(data.events, data.events_lost, report);
   if (data.real_time) add_real_time(*data.real_time, report);

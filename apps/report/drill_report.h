@@ -34,8 +34,9 @@ struct DrillReportData {
   std::vector<double> lateral_n;           ///< force of cutting across the bit's axis
   std::vector<double> clearance_outer_mm;  ///< of the bit; infinite where there is no wall near
   std::vector<double> clearance_canal_mm;
-  std::vector<double> cycles_per_s;    ///< how fast cycles ran there
-  std::vector<double> removed_points;  ///< at that step, not summed
+  std::vector<double> cycles_per_s;  ///< how fast cycles ran there
+  std::vector<double> removed;       ///< points at that step, not summed; or voxels
+  bool has_voxels = false;           ///< voxels were drilled, not points
 
   std::vector<SessionEvent> events;  ///< those of states also become markers in the plots of forces
   std::size_t events_lost = 0;
@@ -44,6 +45,9 @@ struct DrillReportData {
   std::vector<ReportRow> figures;  ///< further values for the last table
   std::vector<std::string> notes;
 };
+
+/// What a tool is, in rows for a report's table: a bit's diameter, length and tip; a plate's width, thickness, length.
+std::vector<ReportRow> tool_rows(const DrillBit& bit);
 
 /// The report on a drilling as one self-contained HTML file. Parts without data are left out.
 /// Throws Error when a curve's length is not that of `depth_mm`, or the path has no length.

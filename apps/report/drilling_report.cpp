@@ -57,8 +57,9 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
     data.clearance_outer_mm.push_back(row.outer_mm);
     data.clearance_canal_mm.push_back(row.canal_mm);
     if (!drilling.real_time) data.cycles_per_s.push_back(row.cycles_per_s);
-    data.removed_points.push_back(static_cast<double>(row.removed));
+    data.removed.push_back(static_cast<double>(row.removed));
   }
+  data.has_voxels = drilling.left.voxels != nullptr;
   data.events = drilling.events;
   data.events_lost = drilling.events_lost;
   data.real_time = drilling.real_time;

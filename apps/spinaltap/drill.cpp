@@ -46,10 +46,10 @@ void add_drill(CLI::App& program, Command& command) {
   command.outputs = [options] { return std::vector{options->drill.record}; };
   command.run = [options, &command](const Progress& progress) {
     options->drill.bones = 1 + options->also.size();
-    options->drill.check();  // before anything is read
     options->drill.may_replace_record = command.is_forced;
     const std::vector<DrillPath> paths = read_plan(options->plan);
     const DrillPath& path = choose_path(paths, options->path_name);
+    options->drill.check(path.bit);  // before anything large is read
     const std::vector<Bone> bones = load_bones(options->bone, options->level, options->also);
     const Bone& bone = bones.front();
     const std::optional<CtVolume> ct = options->page.read({&bone, 1}, progress);

@@ -103,8 +103,8 @@ void DrillOptions::add_to(CLI::App& app) {
   app.add_option(
          "--engine", setup.engine,
          "Drilling engine: ring, leaf, arc, reference: the same result; or voxel: the whole bone's voxels, --spacing "
-         "apart, for any tool and way. Default: auto: ring or leaf, whichever is faster; voxel for a milling or a "
-         "--region")
+         "apart, for any tool and way. Default: auto: ring or leaf, whichever is faster; voxel for a milling, a "
+         "plate or a --region")
       ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
   app.add_option("--region", region,
@@ -149,7 +149,7 @@ void DrillOptions::add_session_to(CLI::App& app) {
       ->type_name("HZ");
 }
 
-void DrillOptions::check() const {
+void DrillOptions::check(const DrillBit& tool) const {
   tool_operator.check(is_real_time);
   if (!is_real_time && (seconds || output_rate_hz)) {
     fail("expected --real-time with --seconds and --output-rate: without it drilling goes as fast as it goes");
@@ -161,6 +161,7 @@ void DrillOptions::check() const {
     fail("expected no --stop-at-clearance and no --stop-on-breach with a milling: it takes the walls away");
   }
   SessionSetup session = setup;
+  session.path.bit = tool;
   if (!region.empty()) {
     region_numbers(region);
     session.region_mm.emplace();
@@ -174,14 +175,17 @@ void DrillOptions::check() const {
       fail("expected no --engine ", name_of(setup.engine), " with --also: only voxels can fill several bones");
     }
   }
+  if (tool.shape == BitShape::plate && setup.engine != EngineKind::automatic && setup.engine != EngineKind::voxel) {
+    fail("expected no --engine ", name_of(setup.engine), " with a plate: only voxels can be cut by one");
+  }
   const bool drills_voxels = chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel;
   if (writes_voxels && !drills_voxels) {
-    fail("expected voxels with --voxels: a milling, a --region, several bones, or --engine voxel");
+    fail("expected voxels with --voxels: a milling, a plate, a --region, several bones, or --engine voxel");
   }
   if (drills_voxels && (writes_points || writes_splats || !field.empty())) {
     fail(
         "expected an engine of points with --points, --splats and --rbf, found voxels: a milling, "
-        "a --region, several bones, or --engine voxel");
+        "a plate, a --region, several bones, or --engine voxel");
   }
   if (!record.empty() && !field.empty()) {
     fail("expected --record without --rbf: a record does not hold the fitted surface, so it could not be replayed");

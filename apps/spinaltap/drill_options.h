@@ -44,8 +44,8 @@ struct DrillOptions {
   /// Adds the rest: operators, stop rules, records, real time.
   void add_session_to(CLI::App& app);
 
-  /// Throws Error where options do not go together.
-  void check() const;
+  /// Throws Error where options do not go together, or not with the path's tool.
+  void check(const DrillBit& tool) const;
   /// The box of --region; nothing without it.
   std::optional<Box3> region_mm(const DrillPath& path) const;
   /// How the threads are paced; nothing where drilling goes as fast as it goes.

@@ -18,6 +18,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
+#include "core/files/bit_file.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/points/neighbour_distances.h"
@@ -110,7 +111,8 @@ class Recording {
   Recording(const DrillOptions& options, const SessionSetup& setup, const OperatorPlan& tool_operator) {
     if (options.record.empty()) return;
     const std::string pace = options.is_real_time ? "real time" : "as fast as it goes";
-    writer_.emplace(options.record, record_words(setup, tool_operator.words, pace), options.may_replace_record);
+    writer_.emplace(options.record, record_words(setup, tool_operator.words, pace), options.may_replace_record,
+                    std::nullopt, setup.path.bit.shape);
   }
   RecordWriter* writer() { return writer_ ? &*writer_ : nullptr; }
   /// What goes wrong is kept: a full disk shall not cost the other results.
@@ -149,6 +151,9 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
     print_figure("nearest neighbours, mean", neighbours.mean_mm, "mm", 4);
     print_figure("nearest neighbours, standard deviation", neighbours.deviation_mm, "mm", 4);
     print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
+  }
+  for (const auto& [name, value, unit] : tool_rows(figures.setup.path.bit)) {
+    print_figure(static_cast<char>(name.front() - 'A' + 'a') + name.substr(1), value + " " + unit);
   }
   print_figure("engine", name_of(figures.setup.engine));
   if (figures.setup.region_mm) print_figure("region", region_text(*figures.setup.region_mm));
@@ -192,10 +197,9 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"length_mm", path.length_mm()},
             {"operator", figures.operator_words},
             {"engine", name_of(figures.setup.engine)},
-            {"points", drilling.points},
-            {"points_in_bone", drilling.points_in_bone},
+            {"bit", bit_json(path.bit)},
+            {"unit", drilling.left.voxels ? "voxels" : "points"},
             {"removed", drilling.removed},
-            {"bytes_per_point", drilling.bytes_per_point},
             {"cycles", drilling.cycles},
             {"session_s", drilling.session_s},
             {"max_depth_mm", number_or_null(drilling.deepest_mm)},
@@ -220,8 +224,15 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
     print_figure("loose chips left out of the mesh",
                  std::to_string(figures.chips.count) + ", " + fixed_text(figures.chips.volume_mm3, 3) + " mm3");
   }
-  if (!drilling.left.voxels) {
+  if (drilling.left.voxels) {
+    json["voxel_mm"] = drilling.left.voxels->voxel_mm();
+    json["voxels_in_bone"] = drilling.points_in_bone;
+    json["bytes_per_voxel"] = drilling.bytes_per_point;
+  } else {
     const NeighbourDistances neighbours = neighbour_distances(drilling.left.volumes.front(), false);
+    json["points"] = drilling.points;
+    json["points_in_bone"] = drilling.points_in_bone;
+    json["bytes_per_point"] = drilling.bytes_per_point;
     json["discs"] = drilling.discs;
     json["points_per_disc"] = drilling.points_per_disc;
     json["nearest_neighbours_mm"] = {{"min", neighbours.min_mm},
@@ -246,7 +257,7 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
 
 Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPath& path, const DrillOptions& options,
                const std::filesystem::path& folder, StagedOutput& output, const Progress& progress) {
-  options.check();
+  options.check(path.bit);
   SessionSetup setup = options.setup;
   setup.path = path;
   setup.has_clearances = !options.leaves_clearances && !options.tool_operator.is_milling();

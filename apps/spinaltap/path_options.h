@@ -23,15 +23,20 @@ struct PathOptions {
   std::vector<std::string> via;   ///< places between of a curved path, each "x,y,z"
   std::string profile;            ///< of the bit, see read_bit_profile(); empty: by its sizes
   DrillBit sizes;
+  std::optional<double> width_mm, thickness_mm, stroke_mm;  ///< of a plate
+  std::vector<double> width_along;                          ///< empty or three numbers, patient LPS
 
-  /// Adds --entry, --target, --via, and those of the bit: --bit, or --diameter, --bit-length, --tip-length, --shape,
-  /// --tip-diameter, --shank-diameter.
+  /// Adds --entry, --target, --via, and those of the bit: --bit, or --shape, --bit-length and --diameter, --tip-length,
+  /// --tip-diameter, --shank-diameter, or of a plate --width, --thickness, --stroke, --width-along.
   void add_to(CLI::App& app);
   /// The bit that was asked for; where none was, for a curved path steerable_head(). Throws Error as
-  /// read_bit_profile() does.
+  /// read_bit_profile() does, and where sizes are missing or are of other shapes.
   DrillBit bit() const;
   /// The path that was given, if one was. Throws Error when only half of it was, and on places that are none.
   std::optional<DrillPath> given_path(const std::string& name) const;
+
+ private:
+  DrillBit plate() const;
 };
 
 /// Prints paths and gives them as JSON.

@@ -1,5 +1,7 @@
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
@@ -51,17 +53,53 @@ void PathOptions::add_to(CLI::App& app) {
   add_size("--diameter", sizes.diameter_mm, "Diameter of the bit, mm");
   add_size("--bit-length", sizes.length_mm, "Length of the bit, tip included, mm");
   add_size("--tip-length", sizes.tip_length_mm, "Length of the bit's conical tip, mm");
-  app.add_option("--shape", sizes.shape, "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw")
+  app.add_option(
+         "--shape", sizes.shape,
+         "Shape of the bit: drill (default), round-burr, conical-burr, tapered-screw; plate: a saw, an osteotome")
       ->transform(one_of(bit_shapes()))
       ->type_name("NAME")
       ->excludes(profile_option);
   add_size("--tip-diameter", sizes.tip_diameter_mm,
            "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end");
   add_size("--shank-diameter", sizes.shank_diameter_mm, "Diameter of a burr's shank, mm");
+  for (const auto& [name, size_mm, what] :
+       {std::tuple("--width", &width_mm, "Width of a plate's cut, mm: of a saw's kerf, with its stroke"),
+        std::tuple("--thickness", &thickness_mm, "Thickness of a plate's cut, mm"),
+        std::tuple("--stroke", &stroke_mm, "How far a saw's teeth go to and fro, mm; default: 0, an osteotome")}) {
+    CLI::Option* option = app.add_option(name, *size_mm, what)->type_name("MM")->excludes(profile_option);
+    for (const char* other : {"--diameter", "--tip-length", "--tip-diameter", "--shank-diameter", "--via"}) {
+      option->excludes(app.get_option(other));
+    }
+  }
+  app.add_option("--width-along", width_along,
+                 "Direction that a plate's width lies along, as nearly as its path lets it: x,y,z in patient LPS; "
+                 "default: 0,0,1, up")
+      ->delimiter(',')
+      ->expected(3)
+      ->excludes(profile_option)
+      ->type_name("X,Y,Z");
+}
+
+DrillBit PathOptions::plate() const {
+  if (!width_mm || !thickness_mm) fail("--shape plate was given: expected --width and --thickness too");
+  DrillBit plate = plate_bit(*width_mm, *thickness_mm, sizes.length_mm, stroke_mm.value_or(0.0));
+  if (!width_along.empty()) {
+    const Vec3 along(width_along[0], width_along[1], width_along[2]);
+    if (!(along.norm() > 0.0) || !std::isfinite(along.norm())) {
+      fail("expected --width-along as a direction that is not zero, found ", along.transpose());
+    }
+    plate.width_along = along.normalized();
+  }
+  check_bit(plate);
+  return plate;
 }
 
 DrillBit PathOptions::bit() const {
   if (!profile.empty()) return read_bit_profile(profile).bit;
+  if (sizes.shape == BitShape::plate) return plate();
+  if (width_mm || thickness_mm || stroke_mm || !width_along.empty()) {
+    fail("expected --shape plate with --width, --thickness, --stroke and --width-along: other tools turn");
+  }
   return !via.empty() && sizes == DrillBit{} ? steerable_head() : sizes;
 }
 
@@ -90,6 +128,11 @@ std::optional<DrillPath> PathOptions::given_path(const std::string& name) const 
                  bit()};
   for (const std::string& place : via) path.via_mm.push_back(place_of(place));
   check_path(path);
+  if (path.bit.shape == BitShape::plate && !sound_pose({path.entry_mm, path.direction()}, path.bit)) {
+    fail(
+        "expected a plate whose width lies across its path: choose another --width-along, further than 6 degrees from ",
+        "the path's direction ", path.direction().transpose());
+  }
   return path;
 }
 
@@ -239,14 +282,15 @@ void add_plan(CLI::App& program, Command& command) {
     PageOptions page;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* app =
-      add_command(program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
-                  "Examples: spinaltap plan bone.vdb --auto -o plan.json --report plan.html\n"
-                  "          spinaltap plan spine.vdb --level L3 --auto --ct ct/ --report l3.html\n"
-                  "          spinaltap plan spine.vdb --auto --levels T9,T10,T11 --ct ct/ -o plans/\n"
-                  "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
-                  "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
-                  "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
+  CLI::App* app = add_command(
+      program, command, "plan", "Write a plan: from given points, or with a screw suggested for each side",
+      "Examples: spinaltap plan bone.vdb --auto -o plan.json --report plan.html\n"
+      "          spinaltap plan spine.vdb --level L3 --auto --ct ct/ --report l3.html\n"
+      "          spinaltap plan spine.vdb --auto --levels T9,T10,T11 --ct ct/ -o plans/\n"
+      "          spinaltap plan bone.vdb --auto --margin 1.5 -o plan.mrk.json\n"
+      "          spinaltap plan bone.vdb --entry 18,42,3 --target 9,-6,5 -o plan.json\n"
+      "          spinaltap plan bone.vdb --entry 0,50,0 --target 0,20,0 --shape plate --width 12 --thickness 0.8\n"
+      "A name that ends in .mrk.json makes the plan lines for 3D Slicer.");
   app->add_option("bone", options->bone, "bone.vdb or spine.vdb")->required()->type_name("FILE");
   CLI::Option* level = add_level(*app, options->level);
   app->add_option(

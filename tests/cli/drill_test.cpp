@@ -83,7 +83,7 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   EXPECT_EQ(both["also_drilled"], Json::array({"drilled_2.vdb"}));
   const auto mm3 = [](const Json& figures, const char* key) { return 8e-3 * figures[key].get<double>(); };
   const double second_mm3 = 4.0 / 3.0 * std::numbers::pi * 64.0;
-  EXPECT_NEAR(mm3(both, "points_in_bone") - mm3(one, "points_in_bone"), second_mm3, 0.01 * second_mm3);
+  EXPECT_NEAR(mm3(both, "voxels_in_bone") - mm3(one, "voxels_in_bone"), second_mm3, 0.01 * second_mm3);
   // 7 mm deep: a cylinder of 1 mm, less the ball's rounding and two thirds of a cone of 2 mm.
   const double cap_mm = 4.0 - std::sqrt(15.0);
   const double hole_mm3 = std::numbers::pi * (7.0 - 4.0 / 3.0 - cap_mm / 2.0);
@@ -303,9 +303,15 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   const Json points = drill("--operator tremor");
   const Json voxels = drill("--engine voxel --operator tremor --record voxels.h5");
   EXPECT_EQ(voxels["engine"], "voxel");
-  EXPECT_FALSE(voxels.contains("points_per_disc"));
+  for (const char* key : {"points", "points_in_bone", "bytes_per_point", "points_per_disc"}) {
+    EXPECT_TRUE(points.contains(key)) << key;
+    EXPECT_FALSE(voxels.contains(key)) << key;
+  }
+  EXPECT_EQ(points["unit"], "points");
+  EXPECT_EQ(voxels["unit"], "voxels");
+  EXPECT_EQ(voxels["voxel_mm"], 0.2);
   const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(kBoneRadiusMm, 3);
-  EXPECT_NEAR(0.008 * voxels["points_in_bone"].get<double>(), ball_mm3, 0.01 * ball_mm3);
+  EXPECT_NEAR(0.008 * voxels["voxels_in_bone"].get<double>(), ball_mm3, 0.01 * ball_mm3);
   const double thrust_n = points["max_thrust_n"];
   EXPECT_NEAR(voxels["max_thrust_n"].get<double>(), thrust_n, 0.15 * thrust_n);
   for (const auto& [engine, exit_code] : {std::pair("voxel", 0), std::pair("ring", 1)}) {
@@ -315,7 +321,8 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   }
   const std::string report = read_whole_file(folder_->path() / "out" / "report.html");
   EXPECT_THAT(report, HasSubstr("Voxels removed"));
-  EXPECT_THAT(report, Not(HasSubstr("Points in the cylinder")));
+  EXPECT_THAT(report, HasSubstr("Voxels removed at each step"));
+  EXPECT_THAT(report, Not(HasSubstr("oints")));
 }
 
 TEST_F(Drill, FillsVoxelsOfARegion) {
@@ -324,7 +331,7 @@ TEST_F(Drill, FillsVoxelsOfARegion) {
   EXPECT_EQ(near["engine"], "voxel");
   EXPECT_FALSE(whole.contains("region_mm"));
   ASSERT_TRUE(near.contains("region_mm"));
-  EXPECT_LT(near["points_in_bone"], whole["points_in_bone"]);
+  EXPECT_LT(near["voxels_in_bone"], whole["voxels_in_bone"]);
   for (const char* key : {"removed", "max_depth_mm", "mesh"}) EXPECT_EQ(near[key], whole[key]) << key;
   for (const char* key : {"max_thrust_n", "max_torque_n_mm"}) {
     EXPECT_NEAR(near[key].get<double>(), whole[key].get<double>(), 1e-9) << key;
@@ -341,7 +348,7 @@ TEST_F(Drill, FillsVoxelsOfARegion) {
   }
   const Json box = drill("--region=" + corners + " --operator tremor");
   EXPECT_EQ(box["region_mm"], near["region_mm"]);
-  EXPECT_EQ(box["points_in_bone"], near["points_in_bone"]);
+  EXPECT_EQ(box["voxels_in_bone"], near["voxels_in_bone"]);
   EXPECT_EQ(box["removed"], near["removed"]);
   const test::ProgramRun replay = test::run_program("replay region.h5 bone.vdb", folder_->path());
   EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
@@ -394,6 +401,52 @@ TEST_F(Drill, MillsAPatchDownToAFloor) {
   EXPECT_TRUE(figures["plunge_depth_mm"].is_null());
   const test::ProgramRun replay = test::run_program("replay cap.h5 bone.vdb", folder_->path());
   EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
+}
+
+TEST_F(Drill, CutsAKerfWithASawAndReplaysIt) {
+  DrillPath cut = path({});
+  cut.bit = plate_bit(20.0, 1.0, 30.0, 2.0);  // wider than the ball
+  write_plan({cut}, folder_->path() / "saw.json");
+  const test::ProgramRun run = test::run_program(
+      "drill bone.vdb saw.json --spacing 0.1 --step 0.02 --no-clearances --record saw.h5 -o saw --json saw_out.json",
+      folder_->path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const Json figures = read_json(folder_->path() / "saw_out.json");
+  EXPECT_EQ(figures["engine"], "voxel");
+  EXPECT_EQ(figures["unit"], "voxels");
+  EXPECT_EQ(figures["bit"]["shape"], "plate");
+  EXPECT_EQ(figures["bit"]["width_mm"], 20.0);
+  EXPECT_EQ(figures["bit"]["thickness_mm"], 1.0);
+  // A slab of the ball, 1 mm thick, as deep as its edge came: up to 2 mm before the far side.
+  double kerf_mm3 = 0.0;
+  constexpr int kLayers = 1000;
+  for (int n = 0; n < kLayers; ++n) {
+    const double off_mm = (n + 0.5) / kLayers - 0.5;
+    const double radius_mm = std::sqrt(kBoneRadiusMm * kBoneRadiusMm - off_mm * off_mm);
+    const double left_mm = radius_mm - (kBoneRadiusMm - 2.0);  // of the disc, uncut
+    const double angle = std::acos(1.0 - left_mm / radius_mm);
+    const double segment_mm2 = radius_mm * radius_mm * (angle - std::sin(angle) * std::cos(angle));
+    kerf_mm3 += (std::numbers::pi * radius_mm * radius_mm - segment_mm2) / kLayers;
+  }
+  EXPECT_NEAR(1e-3 * figures["removed"].get<double>(), kerf_mm3, 0.01 * kerf_mm3);
+  const std::string report = read_whole_file(folder_->path() / "saw" / "report.html");
+  EXPECT_THAT(report, HasSubstr("Saw, width × thickness × length"));
+  EXPECT_THAT(report, HasSubstr("20.0 × 1.0 × 30.0"));
+  EXPECT_THAT(report, Not(HasSubstr("conical tip")));
+  EXPECT_THAT(run.output, HasSubstr("20.0 × 1.0 × 30.0 mm"));
+  const test::ProgramRun replay = test::run_program("replay saw.h5 bone.vdb", folder_->path());
+  EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
+  const test::ProgramRun by_points = test::run_program("replay saw.h5 bone.vdb --engine ring", folder_->path());
+  EXPECT_EQ(by_points.exit_code, 2);
+  EXPECT_THAT(by_points.errors, HasSubstr("a plate"));
+  ASSERT_EQ(test::run_program("export saw.h5 -o saw.csv", folder_->path()).exit_code, 0);
+  EXPECT_THAT(read_whole_file(folder_->path() / "saw.csv"), HasSubstr("side_x,side_y,side_z\n"));
+  for (const char* options : {"--engine ring", "--points", "--splats", "--rbf none.rbf"}) {
+    const test::ProgramRun failed =
+        test::run_program(std::string("drill bone.vdb saw.json --force -o saw_failed ") + options, folder_->path());
+    EXPECT_EQ(failed.exit_code, 2) << options;
+    EXPECT_THAT(failed.errors, HasSubstr("plate")) << options;
+  }
 }
 
 TEST_F(Drill, SaysWhichOptionsDoNotGoTogether) {

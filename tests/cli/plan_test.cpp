@@ -170,6 +170,44 @@ TEST_F(PlanAuto, SaysInOneLineWhatIsWrongAndWritesNothing) {
   rejected("bone.vdb --auto --margin -1", "margin");
   rejected("bone.vdb --auto --screws missing.json", "missing.json");
   rejected("bone.vdb --margin 1 --entry 1,2,3 --target 4,5,6", "--auto");
+  rejected("bone.vdb --auto --shape plate --width 10 --thickness 1", "paths through pedicles, found a plate");
+}
+
+TEST_F(PlanAuto, WritesAPathForAPlate) {
+  const std::string ball = "plan ball.vdb --entry 0,-12,0 --target 0,0,0 -o cut.json ";
+  const test::ProgramRun made =
+      run(ball + "--shape plate --width 12 --thickness 0.8 --bit-length 30 --stroke 4 --width-along 3,0,4");
+  ASSERT_EQ(made.exit_code, 0) << made.errors;
+  DrillBit saw = plate_bit(12.0, 0.8, 30.0, 4.0);
+  saw.width_along = Vec3(0.6, 0.0, 0.8);
+  const DrillBit read = read_plan(in("cut.json")).front().bit;
+  EXPECT_LT((read.width_along - saw.width_along).norm(), 1e-15);
+  saw.width_along = read.width_along;
+  EXPECT_EQ(read, saw);
+  ASSERT_EQ(run(ball + "--shape plate --width 12 --thickness 0.8").exit_code, 0);
+  EXPECT_EQ(read_plan(in("cut.json")).front().bit, plate_bit(12.0, 0.8, 50.0));
+
+  const test::ProgramRun graded = run("grade ball.vdb cut.json -o graded_cut");
+  EXPECT_NE(graded.exit_code, 0);
+  std::filesystem::remove(in("cut.json"));
+  const auto rejected = [&](const std::string& arguments, const char* why) {
+    const test::ProgramRun failed = run(ball + arguments);
+    EXPECT_NE(failed.exit_code, 0) << arguments;
+    EXPECT_THAT(failed.errors, HasSubstr(why)) << arguments;
+    EXPECT_FALSE(std::filesystem::exists(in("cut.json")));
+  };
+  rejected("--shape plate", "--width and --thickness");
+  rejected("--shape plate --width 12", "--width and --thickness");
+  rejected("--shape plate --width 12 --thickness 0.8 --diameter 3", "--diameter");
+  rejected("--shape plate --width 12 --thickness 0.8 --tip-length 3", "--tip-length");
+  rejected("--width 12 --thickness 0.8", "--shape plate");
+  rejected("--shape round-burr --thickness 0.8", "--shape plate");
+  rejected("--width-along 0,1,0", "--shape plate");
+  rejected("--bit match-head --width 12", "--width");
+  rejected("--shape plate --width 12 --thickness 13", "thickness");
+  rejected("--shape plate --width 12 --thickness 1 --stroke 12", "stroke");
+  rejected("--shape plate --width 12 --thickness 1 --width-along 0,0,0", "not zero");
+  rejected("--shape plate --width 12 --thickness 1 --width-along 0,1,0", "another --width-along");
 }
 
 }  // namespace

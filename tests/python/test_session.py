@@ -10,6 +10,7 @@ import numpy as np
 
 import made_bone
 import spinaltap
+import spinaltap.env
 
 
 def poses(feed_mm_s=20.0):
@@ -40,6 +41,104 @@ class Bit(unittest.TestCase):
             spinaltap.Bit.profile([(0, "wide"), (3, 1)])
         with self.assertRaisesRegex(spinaltap.Error, "match-head"):
             spinaltap.Bit.read("spoon")
+
+
+class Plate(unittest.TestCase):
+    def planned(self, **options):
+        """A blade on the way of the path, its width along the body's height."""
+        saw = spinaltap.Bit.plate(9.0, 1.0, 40.0, **options)
+        return spinaltap.Path(made_bone.path().entry_mm, made_bone.path().target_mm, saw)
+
+    def test_is_a_bit_with_sizes_of_its_own(self):
+        saw = spinaltap.Bit.plate(12, 0.8, 40, stroke_mm=4.0, width_along=[0.0, 3.0, 4.0])
+        self.assertEqual((saw.shape, saw.diameter_mm, saw.thickness_mm), ("plate", 12.0, 0.8))
+        self.assertEqual((saw.length_mm, saw.stroke_mm), (40.0, 4.0))
+        np.testing.assert_allclose(saw.width_along, [0.0, 0.6, 0.8], rtol=1e-15)
+        self.assertEqual(spinaltap.Bit().thickness_mm, 0.0)
+        with tempfile.TemporaryDirectory() as folder:
+            file = FilePath(folder) / "plan.json"
+            spinaltap.write_plan([self.planned(stroke_mm=2.0)], file)
+            read = spinaltap.read_plan(file)[0].bit
+            self.assertEqual((read.diameter_mm, read.thickness_mm, read.stroke_mm), (9.0, 1.0, 2.0))
+        for bad, words in [
+            (lambda: spinaltap.Bit.plate(1, 2, 40), "thickness"),
+            (lambda: spinaltap.Bit.plate(4, 1, 40, stroke_mm=5), "stroke"),
+            (lambda: spinaltap.Bit.plate(4, 1, 40, width_along=[0, 0, 0]), "not zero"),
+            (lambda: spinaltap.Bit(shape="plate"), "thickness"),
+        ]:
+            with self.assertRaisesRegex(spinaltap.Error, words):
+                bad()
+
+    def test_is_told_which_way_it_is_turned(self):
+        path = self.planned()
+        axis = path.direction
+        up = np.array([0.0, 0.0, 1.0]) - axis[2] * axis
+        up /= np.linalg.norm(up)
+        along = spinaltap.PlannedMotion(path, feed_mm_s=50.0).poses()
+
+        def session():
+            return spinaltap.Session(made_bone.bone(), path, spacing_mm=0.2, clearances=False)
+
+        self.assertEqual(session().engine, "voxel")
+        whole = session().run(along)
+        self.assertGreater(whole["removed_points"].sum(), 1000)
+        np.testing.assert_array_equal(whole["side"], np.zeros((len(along), 3)))
+        # Said as it is held anyway, in one array for all and one each: the same voxels.
+        for sides in (up, np.tile(up, (len(along), 1))):
+            said = session().run(along, sides=sides)
+            np.testing.assert_array_equal(said["side"], np.tile(up, (len(along), 1)))
+            np.testing.assert_array_equal(said["removed_points"], whole["removed_points"])
+        # Half a turn is no other box; a quarter is.
+        np.testing.assert_array_equal(session().run(along, sides=-up)["removed_points"], whole["removed_points"])
+        turned = session().run(along, sides=np.cross(axis, up))
+        self.assertNotEqual(turned["removed_points"].sum(), whole["removed_points"].sum())
+        stepped = session()
+        for pose, row in zip(along, turned):
+            cycle = stepped.step(pose[:3], pose[3:], side=np.cross(axis, up))
+            self.assertEqual(cycle.removed_points, row["removed_points"])
+            np.testing.assert_array_equal(cycle.side, row["side"])
+        # Along the axis it is none.
+        bad = session()
+        bad.step(along[0, :3], axis, side=axis)
+        self.assertEqual([spinaltap.EVENT_KINDS[kind] for kind in bad.events["kind"]], ["invalid pose"])
+        with self.assertRaisesRegex(spinaltap.Error, "one side, or one for each"):
+            session().run(along, sides=np.zeros((3, 3)))
+        with self.assertRaisesRegex(spinaltap.Error, "side as 3 numbers"):
+            session().step(along[0, :3], axis, side=[1.0, 0.0])
+
+    def test_is_recorded_with_its_sides_and_replayed(self):
+        path = self.planned()
+        axis = path.direction
+        across = np.cross(axis, [0.0, 0.0, 1.0])
+        across /= np.linalg.norm(across)
+        along = spinaltap.PlannedMotion(path, feed_mm_s=50.0).poses()
+        angles = np.linspace(0.0, 0.5, len(along))[:, None]
+        sides = np.cos(angles) * across + np.sin(angles) * np.cross(axis, across)
+        session = spinaltap.Session(made_bone.bone(), path, spacing_mm=0.2, clearances=False)
+        with tempfile.TemporaryDirectory() as folder:
+            file = FilePath(folder) / "cut.h5"
+            session.record(file)
+            rows = session.run(along, sides=sides)
+            session.end_record()
+            record = spinaltap.read_record(file)
+            np.testing.assert_array_equal(record.cycles, rows)
+            np.testing.assert_array_equal(record.cycles["side"], sides)
+            again = spinaltap.replay(file, made_bone.bone())
+            self.assertTrue(again.is_same, again.difference)
+            record.write_csv(FilePath(folder) / "cut.csv")
+            with open(FilePath(folder) / "cut.csv", newline="") as text:
+                head, *body = csv.reader(text)
+            self.assertEqual(head[-3:], ["side_x", "side_y", "side_z"])
+            np.testing.assert_array_equal(np.array(body[7][-3:], dtype=float), sides[7])
+
+    def test_is_rejected_by_what_is_made_for_tools_that_turn(self):
+        path = self.planned()
+        with self.assertRaisesRegex(spinaltap.Error, "a plate"):
+            spinaltap.Session(made_bone.bone(), path, engine="ring", clearances=False)
+        with self.assertRaisesRegex(spinaltap.Error, "a grade, found a plate"):
+            made_bone.bone().grade(path)
+        with self.assertRaisesRegex(spinaltap.Error, "drilling, found a plate"):
+            spinaltap.env.DrillEnv(made_bone.bone(), path)
 
 
 class CurvedPath(unittest.TestCase):
@@ -123,6 +222,15 @@ class Session(unittest.TestCase):
         self.assertIn("state", kinds)
         session.step([np.nan, 0, 0], [0, 0, 1])
         self.assertIn("invalid pose", [spinaltap.EVENT_KINDS[kind] for kind in session.events["kind"]])
+
+    def test_tells_of_no_path_where_the_tool_leaves_it(self):
+        session = made_bone.session(follows_path=False)
+        self.assertEqual(session.engine, "voxel")
+        milled, drilled = session.run(poses()), made_bone.session(engine="voxel").run(poses())
+        self.assertEqual([spinaltap.EVENT_KINDS[kind] for kind in session.events["kind"]], ["contact"])
+        self.assertEqual(milled["state"].max(), 0)
+        self.assertGreater(drilled["state"].max(), 0)
+        np.testing.assert_array_equal(milled["force_n"], drilled["force_n"])
 
     def test_drills_by_operators(self):
         planned = made_bone.session().drill(spinaltap.PlannedMotion(made_bone.path(), feed_mm_s=20.0))
@@ -278,6 +386,8 @@ class Record(unittest.TestCase):
         for name in spinaltap.CYCLE.names:
             stem, _, unit = name.partition("_")
             is_vector = bool(spinaltap.CYCLE[name].shape)
+            if name == "side":  # of plates only
+                continue
             names += [f"{stem}_{axis}" + ("_" + unit if unit else "") for axis in "xyz"] if is_vector else [name]
         self.assertEqual(names, head)
 

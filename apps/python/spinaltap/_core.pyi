@@ -38,6 +38,15 @@ class Bit:
     @staticmethod
     def profile(outline: Sequence[tuple[float, float] | tuple[float, float, bool]]) -> Bit: ...
     @staticmethod
+    def plate(
+        width_mm: float,
+        thickness_mm: float,
+        length_mm: float,
+        *,
+        stroke_mm: float = 0.0,
+        width_along: ArrayLike = ...,
+    ) -> Bit: ...
+    @staticmethod
     def read(name_or_file: str) -> Bit: ...
     @property
     def diameter_mm(self) -> float: ...
@@ -51,6 +60,12 @@ class Bit:
     def tip_diameter_mm(self) -> float: ...
     @property
     def shank_diameter_mm(self) -> float: ...
+    @property
+    def thickness_mm(self) -> float: ...
+    @property
+    def stroke_mm(self) -> float: ...
+    @property
+    def width_along(self) -> _Points: ...
     @property
     def outline(self) -> list[tuple[float, float, bool]]: ...
 
@@ -296,6 +311,8 @@ class Cycle:
     @property
     def axis(self) -> _Points: ...
     @property
+    def side(self) -> _Points: ...
+    @property
     def depth_mm(self) -> float: ...
     @property
     def force_n(self) -> _Points: ...
@@ -377,9 +394,18 @@ class Session:
         material: _File = "",
         density: _File = "",
         also: Sequence[Bone] = ...,
+        follows_path: bool = True,
         progress: _Progress = None,
     ) -> None: ...
-    def step(self, tip_mm: ArrayLike, axis: ArrayLike, dt_s: float = 0.001, spindle_on: bool = True) -> Cycle: ...
+    def step(
+        self,
+        tip_mm: ArrayLike,
+        axis: ArrayLike,
+        dt_s: float = 0.001,
+        spindle_on: bool = True,
+        *,
+        side: ArrayLike | None = None,
+    ) -> Cycle: ...
     def run(
         self,
         tips_mm: ArrayLike,
@@ -387,6 +413,7 @@ class Session:
         dt_s: float | ArrayLike = 0.001,
         spindle_on: bool | ArrayLike = True,
         *,
+        sides: ArrayLike | None = None,
         progress: _Progress = None,
     ) -> _Table: ...
     def drill(self, operator: Operator, progress: _Progress = None) -> _Table: ...

@@ -109,7 +109,7 @@ void write_record(const DoneDrilling& drilling, const std::filesystem::path& pat
   BuiltSession built = build_session(*drilling.bone->bone, setup, progress);
   DrillSession& session = *built.session;
   RecordedMotion tool_operator(drilling.inputs, false);
-  RecordWriter record(path, record_words(setup, drilling.operator_words, "planner"), true);
+  RecordWriter record(path, record_words(setup, drilling.operator_words, "planner"), true, {}, setup.path.bit.shape);
   const auto observe = [&](const Cycle& cycle) {
     record.add_waiting(cycle);
     record.add_events(session.events());

@@ -48,7 +48,7 @@ DrillReportData full_data(const CtVolume& ct) {
     data.density_g_cm3.push_back(0.3);
     data.thrust_n.push_back(5.0);
     data.cycles_per_s.push_back(1e6 / (1 + i));
-    data.removed_points.push_back(i % 30);
+    data.removed.push_back(i % 30);
   }
   data.figures = {{"Points", "986,958", ""}};
   data.notes = {"a note"};
