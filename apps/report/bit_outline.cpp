@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/tool/bit_profile.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -23,15 +26,33 @@ std::vector<double> stations_mm(const ProfilePiece& piece) {
   return stations;
 }
 
-/// Circles around the axis from the tip on, in pixels, depth third.
+/// Circles around the axis, or a plate's edges, from the tip on, in pixels, depth third.
 using Rims = std::vector<std::vector<Vec3>>;
 
+Rims rims_of_plate(const SliceFrame& frame, const DrillBit& plate, const Pose& pose) {
+  const std::optional<Pose> sound = sound_pose(pose, plate);
+  if (!sound) fail("a plate's outline: expected a sound pose");
+  const PlateBox box(plate);
+  const Mat3 to_patient = plate_rows(*sound).transpose();
+  const Vec3& high_mm = box.high_mm();
+  Rims rims;
+  for (const double back_mm : {0.0, box.length_mm()}) {
+    std::vector<Vec3>& rim = rims.emplace_back();
+    for (const auto& [x, y] :
+         {std::pair(-1.0, -1.0), std::pair(1.0, -1.0), std::pair(1.0, 1.0), std::pair(-1.0, 1.0)}) {
+      rim.push_back(frame.to_pixel(sound->tip_mm + to_patient * Vec3(x * high_mm.x(), y * high_mm.y(), back_mm)));
+    }
+  }
+  return rims;
+}
+
 Rims rims_of(const SliceFrame& frame, const ToolPart& part, const Pose& pose) {
+  if (part.plate) return rims_of_plate(frame, *part.plate, pose);
   const Vec3 back = -pose.axis.normalized();
   const Vec3 side = any_perpendicular(back);
   const Vec3 other = back.cross(side);
   Rims rims;
-  for (const Eigen::Vector2d& station : part) {
+  for (const Eigen::Vector2d& station : part.outline) {
     std::vector<Vec3>& rim = rims.emplace_back();
     for (int i = 0; i < kAround; ++i) {
       const double angle = 2.0 * std::numbers::pi * i / kAround;
@@ -83,12 +104,16 @@ void add_crossing(const Vec3& a, const Vec3& b, std::vector<Eigen::Vector2d>& po
 }  // namespace
 
 std::vector<ToolPart> tool_parts(const DrillBit& bit) {
+  if (bit.shape == BitShape::plate) {
+    check_bit(bit);
+    return {{.plate = bit}};
+  }
   std::vector<ToolPart> parts;
   const BitProfile profile(bit);
   for (const ProfilePiece& piece : profile.pieces()) {
     if (parts.empty() || !profile.is_cone_and_cylinder()) parts.emplace_back();
     for (const double back_mm : stations_mm(piece)) {
-      parts.back().emplace_back(back_mm, std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm))));
+      parts.back().outline.emplace_back(back_mm, std::sqrt(std::max(0.0, piece.radius_squared_mm2(back_mm))));
     }
   }
   return parts;

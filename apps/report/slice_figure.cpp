@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "apps/report/bit_outline.h"
 #include "apps/report/label_place.h"
@@ -16,6 +17,7 @@
 #include "apps/report/text.h"
 #include "core/base/error.h"
 #include "core/tool/bit_profile.h"
+#include "core/tool/bit_ray.h"
 #include "core/tool/path_curve.h"
 
 namespace spinaltap {
@@ -239,31 +241,50 @@ class SliceDrawing {
   std::string svg_;
 };
 
+/// The tool where it ends, its tip at the target.
+class ToolAtTarget {
+ public:
+  explicit ToolAtTarget(const DrillPath& path)
+      : path_(path), along_(path.direction()), curve_(path), body_(body_of(path)) {}
+
+  /// Whether it holds p, no less deep than that.
+  bool holds(const Vec3& p, double from_mm) const {
+    if (!curve_.is_straight()) {
+      // A short bit's hole along the curve.
+      const double depth_mm = curve_.nearest_mm(p);
+      if (depth_mm < std::max(0.0, from_mm) || depth_mm > curve_.length_mm()) return false;
+      const double off_mm = (p - curve_.at_mm(depth_mm)).norm();
+      return off_mm <= std::get<BitProfile>(body_).widest_mm(0.0, curve_.length_mm() - depth_mm);
+    }
+    const double back_mm = (path_.target_mm - p).dot(along_);
+    if (curve_.length_mm() - back_mm < from_mm) return false;
+    if (const auto* const plate = std::get_if<BitBody>(&body_)) return plate->distance_mm(p) <= 0.0;
+    return std::get<BitProfile>(body_).contains(back_mm, (p - path_.target_mm + back_mm * along_).squaredNorm());
+  }
+
+ private:
+  static std::variant<BitProfile, BitBody> body_of(const DrillPath& path) {
+    if (!path.screw && path.bit.shape == BitShape::plate) return BitBody(path.bit, at_target(path));
+    return BitProfile(path.screw ? path.screw->outline() : path.bit);
+  }
+
+  const DrillPath& path_;
+  Vec3 along_;
+  PathCurve curve_;
+  std::variant<BitProfile, BitBody> body_;
+};
+
 /// Red, where the tool's section with the slice lies beyond the bone, from a depth on.
 void tint_breach(CtSlice& slice, const SliceScene& scene) {
   if (scene.bone == nullptr || !std::isfinite(scene.red_from_mm)) return;
-  const DrillPath& path = scene.path;
-  const Vec3 along = path.direction();
-  const PathCurve curve(path);
-  const BitProfile profile(path.screw ? path.screw->outline() : path.bit);
+  const ToolAtTarget tool(scene.path);
   const SliceFrame& frame = slice.frame;
   std::vector<Vec3> places;
   std::vector<std::size_t> pixels;
   for (int row = 0; row < frame.height; ++row) {
     for (int column = 0; column < frame.width; ++column) {
       const Vec3 p = frame.to_patient(Vec3(column, row, 0.0));
-      if (curve.is_straight()) {
-        const double back_mm = (path.target_mm - p).dot(along);
-        if (curve.length_mm() - back_mm < scene.red_from_mm) continue;
-        const double off_squared = (p - path.target_mm + back_mm * along).squaredNorm();
-        if (!profile.contains(back_mm, off_squared)) continue;
-      } else {
-        // A short bit's hole along the curve.
-        const double depth_mm = curve.nearest_mm(p);
-        if (depth_mm < std::max(0.0, scene.red_from_mm) || depth_mm > curve.length_mm()) continue;
-        const double off_mm = (p - curve.at_mm(depth_mm)).norm();
-        if (!(off_mm <= profile.widest_mm(0.0, curve.length_mm() - depth_mm))) continue;
-      }
+      if (!tool.holds(p, scene.red_from_mm)) continue;
       places.push_back(p);
       pixels.push_back(static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) +
                        static_cast<std::size_t>(column));

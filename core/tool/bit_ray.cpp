@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/error.h"
+
 namespace spinaltap {
 namespace {
 
@@ -26,9 +28,42 @@ RayStretch between(const Line& line, double low, double high) {
   return {std::min(to_low, to_high), std::max(to_low, to_high)};
 }
 
+std::variant<BitProfile, PlateBox> body_of(const DrillBit& bit) {
+  if (bit.shape == BitShape::plate) return PlateBox(bit);
+  return BitProfile(bit);
+}
+
+/// Bodies of revolution stay where they are.
+Pose pose_of(const DrillBit& bit, const Pose& pose) {
+  if (bit.shape != BitShape::plate) return pose;
+  const std::optional<Pose> sound = sound_pose(pose, bit);
+  if (!sound) fail("plate: expected a place that is finite, an axis of length 1, and a side across it");
+  return *sound;
+}
+
 }  // namespace
 
+BitBody::BitBody(const DrillBit& bit, const Pose& pose) : body_(body_of(bit)), pose_(pose_of(bit, pose)) {}
+
 void BitBody::append_stretches(const Vec3& start_mm, const Vec3& direction, std::vector<RayStretch>& stretches) const {
+  std::visit([&](const auto& body) { append_stretches_of(body, start_mm, direction, stretches); }, body_);
+}
+
+void BitBody::append_stretches_of(const PlateBox& plate, const Vec3& start_mm, const Vec3& direction,
+                                  std::vector<RayStretch>& stretches) const {
+  const Mat3 rows = plate_rows(pose_);
+  const Vec3 start = rows * (start_mm - pose_.tip_mm);
+  const Vec3 way = rows * direction;
+  RayStretch in{-kInfinite, kInfinite};
+  for (Eigen::Index n = 0; n < 3; ++n) {
+    const RayStretch slab = between({start[n], way[n]}, plate.low_mm()[n], plate.high_mm()[n]);
+    in = {std::max(in.begin_mm, slab.begin_mm), std::min(in.end_mm, slab.end_mm)};
+  }
+  if (in.begin_mm < in.end_mm) stretches.push_back(in);
+}
+
+void BitBody::append_stretches_of(const BitProfile& profile, const Vec3& start_mm, const Vec3& direction,
+                                  std::vector<RayStretch>& stretches) const {
   const Vec3 from_tip_mm = start_mm - pose_.tip_mm;
   const Line back{-from_tip_mm.dot(pose_.axis), -direction.dot(pose_.axis)};
   // Off the axis: |off + t across|².
@@ -38,9 +73,9 @@ void BitBody::append_stretches(const Vec3& start_mm, const Vec3& direction, std:
   const double along = off_mm.dot(across);
   const double off2_mm2 = off_mm.squaredNorm();
   // The line passes the axis at some distance, wherever.
-  const double widest2_mm2 = profile_.radius_mm() * profile_.radius_mm();
+  const double widest2_mm2 = profile.radius_mm() * profile.radius_mm();
   if ((off2_mm2 - widest2_mm2) * across2 > along * along) return;
-  for (const ProfilePiece& piece : profile_.pieces()) {
+  for (const ProfilePiece& piece : profile.pieces()) {
     RayStretch in = between(back, piece.begin_mm, piece.end_mm);
     if (!(in.begin_mm < in.end_mm)) continue;
     // a t² + 2 b t + c <= 0: within the piece's outline. The piece is convex, so that this is one stretch of `in`.
@@ -76,7 +111,18 @@ void BitBody::append_stretches(const Vec3& start_mm, const Vec3& direction, std:
   }
 }
 
+double BitBody::distance_mm(const Vec3& p_mm) const {
+  if (const auto* const plate = std::get_if<PlateBox>(&body_)) {
+    return plate->sample(plate_rows(pose_) * (p_mm - pose_.tip_mm)).distance_mm;
+  }
+  return bit_distance_mm(std::get<BitProfile>(body_), pose_, p_mm);
+}
+
 Vec3 BitBody::normal(const Vec3& p_mm) const {
+  if (const auto* const plate = std::get_if<PlateBox>(&body_)) {
+    const Mat3 rows = plate_rows(pose_);
+    return rows.transpose() * plate->sample(rows * (p_mm - pose_.tip_mm)).gradient;
+  }
   constexpr double kStepMm = 1e-4;
   Vec3 slope;
   for (int axis = 0; axis < 3; ++axis) {

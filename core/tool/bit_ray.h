@@ -1,8 +1,10 @@
 #pragma once
 
+#include <variant>
 #include <vector>
 
 #include "core/tool/bit_profile.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 
@@ -13,24 +15,31 @@ struct RayStretch {
 };
 
 /// A bit at a place, and what rays meet of it: exact, since its outline is of pieces with radius² quadratic in the way
-/// back from the tip, and so is a ray's distance off the axis.
+/// back from the tip, and so is a ray's distance off the axis; a plate is a box.
 class BitBody {
  public:
-  /// Pose: patient LPS, mm.
-  BitBody(const BitProfile& profile, const Pose& pose) : profile_(profile), pose_(pose) {}
+  /// Pose: patient LPS, mm; of a plate a sound one, see sound_pose().
+  BitBody(const BitProfile& profile, const Pose& pose) : body_(profile), pose_(pose) {}
+  BitBody(const PlateBox& plate, const Pose& pose) : body_(plate), pose_(pose) {}
+  /// Throws Error on a bad bit, and on a pose that is not sound of a plate.
+  BitBody(const DrillBit& bit, const Pose& pose);
 
-  const BitProfile& profile() const { return profile_; }
   const Pose& pose() const { return pose_; }
 
   /// Appends where a ray (unit direction) runs within the bit, a stretch for each piece of it that it meets.
   void append_stretches(const Vec3& start_mm, const Vec3& direction, std::vector<RayStretch>& stretches) const;
   /// Signed distance, mm, negative within.
-  double distance_mm(const Vec3& p_mm) const { return bit_distance_mm(profile_, pose_, p_mm); }
+  double distance_mm(const Vec3& p_mm) const;
   /// Unit, outward, at a place of its surface.
   Vec3 normal(const Vec3& p_mm) const;
 
  private:
-  BitProfile profile_;
+  void append_stretches_of(const BitProfile& profile, const Vec3& start_mm, const Vec3& direction,
+                           std::vector<RayStretch>& stretches) const;
+  void append_stretches_of(const PlateBox& plate, const Vec3& start_mm, const Vec3& direction,
+                           std::vector<RayStretch>& stretches) const;
+
+  std::variant<BitProfile, PlateBox> body_;
   Pose pose_;
 };
 

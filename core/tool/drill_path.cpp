@@ -125,6 +125,9 @@ void check_path(const DrillPath& path) {
          path.via_mm.size());
   }
   if (path.is_curved()) check_curve(path);
+  if (!sound_pose({path.target_mm, path.direction()}, path.bit)) {
+    fail("path ", in_quotes(path.name), ": expected the plate's width to lie across the path, found it along it");
+  }
 }
 
 PathFrame::PathFrame(const Vec3& origin_mm, const Vec3& direction) : origin_mm_(origin_mm) {

@@ -34,6 +34,12 @@ PlateBox PlateBox::grown(double by_mm) const {
   return larger;
 }
 
+PlateBox PlateBox::lengthened(double way_mm) const {
+  PlateBox longer = *this;
+  longer.high_mm_.z() += way_mm;
+  return longer;
+}
+
 PlateBox::Sample PlateBox::sample(const Vec3& seen) const noexcept {
   const Vec3 middle = 0.5 * (low_mm_ + high_mm_);
   const Vec3 from_middle = seen - middle;

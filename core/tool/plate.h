@@ -31,6 +31,8 @@ class PlateBox {
   double reach_mm() const;
   /// The box, larger to all sides.
   PlateBox grown(double by_mm) const;
+  /// What it sweeps on a way of `way_mm` forward along its axis, from the edge at the end of the way.
+  PlateBox lengthened(double way_mm) const;
 
   /// The surface counts as inside.
   bool contains(const Vec3& seen) const noexcept {
@@ -38,8 +40,8 @@ class PlateBox {
   }
   /// Exact signed distance, negative inside, and where it grows fastest, unit.
   struct Sample {
-    double distance_mm;
-    Vec3 gradient;
+    double distance_mm = 0.0;
+    Vec3 gradient = Vec3::Zero();
   };
   Sample sample(const Vec3& seen) const noexcept;
 

@@ -195,11 +195,10 @@ struct HoleCutter::State {
 
 void HoleCutter::State::cut_out(const Ways& ways, openvdb::FloatGrid& from, std::set<Coord>& leaves_changed) const {
   constexpr double kToleranceVoxels = 0.01, kLongestVoxels = 8.0;
-  const BitProfile profile(bit);
   std::vector<detail::BitSweep> sweeps;
   for (const std::vector<Pose>& way : ways) {
     std::vector<detail::BitSweep> of_way =
-        detail::cut_into_sweeps(profile, way, kToleranceVoxels * bone.voxel_mm(), kLongestVoxels * bone.voxel_mm());
+        detail::cut_into_sweeps(bit, way, kToleranceVoxels * bone.voxel_mm(), kLongestVoxels * bone.voxel_mm());
     std::move(of_way.begin(), of_way.end(), std::back_inserter(sweeps));
   }
   const auto leaves = sweeps_by_leaf(bone, sweeps);
@@ -266,7 +265,8 @@ void HoleCutter::add(const DrilledHole& hole) {
   for (std::vector<Pose>& way : ways) {
     for (Pose& pose : way) {
       const std::optional<Pose> sound = sound_pose(pose, hole.bit);
-      if (!sound) fail("cutting a hole: expected places that are finite and axes of length 1");
+      if (!sound)
+        fail("cutting a hole: expected places that are finite, axes of length 1, and of plates sides across them");
       pose = *sound;
     }
   }

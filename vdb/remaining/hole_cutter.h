@@ -28,7 +28,7 @@ class HoleCutter {
   void take_bit(const DrillBit& bit, double max_jump_mm);
   /// Where it has come to next: see cutting_ways().
   void add(std::span<const ToolInput> inputs);
-  /// A whole hole. Throws Error on a bad bit, and on poses that are not finite or whose axis is no unit one.
+  /// A whole hole. Throws Error on a bad bit, and on poses that are not sound (see sound_pose).
   void add(const DrilledHole& hole);
 
   /// Without all so far; the bone itself, where that is nothing of it. Stays as it is until something is added.

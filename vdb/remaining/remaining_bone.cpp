@@ -27,11 +27,18 @@ struct SavedHole {
   }
 };
 
-void check_pose(const Pose& pose) {
-  if (!pose.tip_mm.allFinite() || !(std::abs(pose.axis.norm() - 1.0) < 1e-6)) {
-    fail("drilling: expected a finite tip and an axis of length 1, found tip ", pose.tip_mm.transpose(), ", axis ",
-         pose.axis.transpose());
+std::vector<Pose> checked_poses(const DrillBit& bit, std::span<const Pose> poses) {
+  if (poses.empty()) fail("drilling: expected a pose or more");
+  std::vector<Pose> sound;
+  for (const Pose& pose : poses) {
+    const std::optional<Pose> one = sound_pose(pose, bit);
+    if (!one) {
+      fail("drilling: expected a finite tip and an axis of length 1, of a plate also a side across it, found tip ",
+           pose.tip_mm.transpose(), ", axis ", pose.axis.transpose(), ", side ", pose.side.transpose());
+    }
+    sound.push_back(*one);
   }
+  return sound;
 }
 
 /// A voxel's block and its place there.
@@ -141,9 +148,8 @@ RemainingBone& RemainingBone::operator=(RemainingBone&&) noexcept = default;
 
 void RemainingBone::drill(const DrillBit& bit, std::span<const Pose> poses) {
   constexpr double kLongestVoxels = 8.0;
-  const BitProfile profile(bit);
-  if (poses.empty()) fail("drilling: expected a pose or more");
-  for (const Pose& pose : poses) check_pose(pose);
+  check_bit(bit);
+  const std::vector<Pose> sound = checked_poses(bit, poses);
   State& state = *state_;
   state.forget_redo();
   if (state.last_bit && !(*state.last_bit == bit)) state.grid.change_bit();
@@ -154,7 +160,7 @@ void RemainingBone::drill(const DrillBit& bit, std::span<const Pose> poses) {
   }
   const double voxel_mm = state.options.voxel_mm;
   for (const detail::BitSweep& sweep :
-       detail::cut_into_sweeps(profile, poses, state.options.tolerance_voxels * voxel_mm, kLongestVoxels * voxel_mm)) {
+       detail::cut_into_sweeps(bit, sound, state.options.tolerance_voxels * voxel_mm, kLongestVoxels * voxel_mm)) {
     state.grid.drill(sweep, state.epoch, state.undo.back().blocks);
   }
   state.make_room_for_open();

@@ -17,6 +17,7 @@
 #include "apps/spinaltap-planner/scene/surface_look.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/drill_path.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap {
 namespace {
@@ -95,9 +96,41 @@ void add_bit_ring(double back_mm, double from_radius_mm, double to_radius_mm, Re
   mesh.add({BitOutlinePoint{{-back_mm, from_radius_mm}, normal}, BitOutlinePoint{{-back_mm, to_radius_mm}, normal}});
 }
 
+/// A plate's six faces, each with corners and normals of its own: its width along x, its thickness along y.
+vtkSmartPointer<vtkPolyData> plate_mesh(const PlateBox& plate) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkFloatArray> normals;
+  vtkNew<vtkCellArray> faces;
+  normals->SetNumberOfComponents(3);
+  // From z back from the edge to z along the axis.
+  const Vec3 low(plate.low_mm().x(), plate.low_mm().y(), -plate.high_mm().z());
+  const Vec3 high(plate.high_mm().x(), plate.high_mm().y(), -plate.low_mm().z());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec3 normal = sign * Vec3::Unit(axis);
+      const Vec3 u = Vec3::Unit((axis + 1) % 3), v = normal.cross(u);
+      std::array<vtkIdType, 4> corners{};
+      for (std::size_t n = 0; n < corners.size(); ++n) {
+        constexpr std::array<std::array<double, 2>, 4> kAround{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+        const Vec3 towards = normal + kAround[n][0] * u + kAround[n][1] * v;
+        const Vec3 corner = (towards.array() > 0.0).select(high.array(), low.array());
+        corners[n] = points->InsertNextPoint(corner.data());
+        normals->InsertNextTuple(normal.data());
+      }
+      faces->InsertNextCell(4, corners.data());
+    }
+  }
+  auto mesh = vtkSmartPointer<vtkPolyData>::New();
+  mesh->SetPoints(points);
+  mesh->GetPointData()->SetNormals(normals);
+  mesh->SetPolys(faces);
+  return mesh;
+}
+
 }  // namespace
 
 vtkSmartPointer<vtkPolyData> bit_mesh(const DrillBit& bit) {
+  if (bit.shape == BitShape::plate) return plate_mesh(PlateBox(bit));
   const BitProfile profile(bit);
   RevolvedBit mesh;
   double radius_mm = 0.0;
@@ -112,8 +145,15 @@ vtkSmartPointer<vtkPolyData> bit_mesh(const DrillBit& bit) {
 }
 
 vtkSmartPointer<vtkMatrix4x4> matrix_of(const Pose& pose) {
-  const PathFrame frame(pose.tip_mm, pose.axis);
   auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
+  if (!pose.side.isZero()) {
+    const std::array<Vec3, 4> columns{pose.side, pose.axis.cross(pose.side), pose.axis, pose.tip_mm};
+    for (int column = 0; column < 4; ++column) {
+      for (int row = 0; row < 3; ++row) matrix->SetElement(row, column, columns[static_cast<std::size_t>(column)][row]);
+    }
+    return matrix;
+  }
+  const PathFrame frame(pose.tip_mm, pose.axis);
   for (int column = 0; column < 4; ++column) {
     const Vec3 place = frame.to_patient(column < 3 ? Vec3(Vec3::Unit(column)) : Vec3(Vec3::Zero()));
     for (int row = 0; row < 3; ++row) {
@@ -132,7 +172,8 @@ ToolActor::ToolActor() {
 
 void ToolActor::show(const DrillBit& bit, const Pose& pose) {
   mapper_->SetInputData(bit_mesh(bit));
-  actor_->SetUserMatrix(matrix_of(pose));
+  // A pose that is not sound shows a body of revolution anywhere, a plate turned anyhow.
+  actor_->SetUserMatrix(matrix_of(sound_pose(pose, bit).value_or(pose)));
   actor_->VisibilityOn();
 }
 

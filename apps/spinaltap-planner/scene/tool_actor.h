@@ -11,7 +11,8 @@
 
 namespace spinaltap {
 
-/// The body that the turning bit fills, with normals; its tip at the origin, its axis along z.
+/// The body that the turning bit fills, or a plate, with normals; its tip at the origin, its axis along z, a plate's
+/// width along x.
 vtkSmartPointer<vtkPolyData> bit_mesh(const DrillBit& bit);
 
 /// Brings bit_mesh() to a pose (patient LPS, mm).

@@ -107,6 +107,9 @@ PathPanel::PathPanel(PlanDocument& document, QWidget* parent)
   size->addWidget(new QLabel(tr("mm wide,")));
   size->addWidget(bit_length_);
   size->addWidget(new QLabel(tr("mm long")));
+  bit_thickness_ = new QLabel;
+  bit_thickness_->setObjectName("bitThickness");
+  size->addWidget(bit_thickness_);
   form->addRow(QString(), size);
   screw_ = new QComboBox;
   screw_->setObjectName("screw");
@@ -214,8 +217,13 @@ void PathPanel::fill_form() {
     std::size_t bit = 0;
     while (bit < bits_.size() && !(bits_[bit].bit == path->bit)) ++bit;
     bit_->setCurrentIndex(static_cast<int>(bit));
+    const bool is_plate = path->bit.shape == BitShape::plate;
+    bit_diameter_->setRange(is_plate ? 0.05 : 0.5, is_plate ? 200.0 : 20.0);
+    bit_length_->setRange(is_plate ? 0.05 : 5.0, is_plate ? 500.0 : 300.0);
     bit_diameter_->setValue(path->bit.diameter_mm);
     bit_length_->setValue(path->bit.length_mm);
+    bit_thickness_->setText(tr("and %1 mm thick").arg(path->bit.thickness_mm, 0, 'f', 2));
+    bit_thickness_->setVisible(is_plate);
     int screw = 0;
     if (path->screw) {
       screw = screw_->findText(text_of(path->screw->name));

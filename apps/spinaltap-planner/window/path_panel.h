@@ -47,6 +47,7 @@ class PathPanel : public QWidget {
   QComboBox* bit_ = nullptr;
   QDoubleSpinBox* bit_diameter_ = nullptr;
   QDoubleSpinBox* bit_length_ = nullptr;
+  QLabel* bit_thickness_ = nullptr;  ///< of plates
   QComboBox* screw_ = nullptr;
   QDoubleSpinBox* ends_[2][3] = {};  ///< entry and target, LPS
   QLabel* length_ = nullptr;

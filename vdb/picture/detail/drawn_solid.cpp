@@ -3,7 +3,7 @@
 namespace spinaltap::detail {
 
 DrawnSolid::DrawnSolid(const DrillBit& bit, const Pose& pose, const Eigen::Array3d& colour)
-    : body_(BitProfile(bit), pose), colour_(colour) {}
+    : body_(bit, pose), colour_(colour) {}
 
 double DrawnSolid::way_mm(const Vec3& start_mm, const Vec3& direction) const {
   thread_local std::vector<RayStretch> stretches;

@@ -11,7 +11,7 @@ class DrawnSolid {
  public:
   static constexpr double kMissed = std::numeric_limits<double>::infinity();
 
-  /// Throws Error on a bad bit.
+  /// Throws Error as BitBody does.
   DrawnSolid(const DrillBit& bit, const Pose& pose, const Eigen::Array3d& colour);
 
   /// How far along a ray (patient LPS, mm; unit direction) its surface lies, from outside; kMissed: nowhere, and where

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace spinaltap::detail {
 namespace {
@@ -15,9 +16,15 @@ double slope_along(const MeridianSample& sample, const Vec3& at, const Vec3& way
   return sample.per_back * way.z() + sample.per_off * per_off;
 }
 
+double slope_along(const PlateBox::Sample& sample, const Vec3& /*at*/, const Vec3& way) {
+  return sample.gradient.dot(way);
+}
+
 MeridianSample sample_of(const MeridianOutline& body, const Vec3& seen) {
   return body.at(seen.z(), std::sqrt(seen.x() * seen.x() + seen.y() * seen.y()));
 }
+
+PlateBox::Sample sample_of(const PlateBox& body, const Vec3& seen) { return body.sample(seen); }
 
 }  // namespace
 
@@ -27,6 +34,10 @@ BitSweep::BitSweep(std::shared_ptr<const BitOutline> outline, std::span<const Po
       middle_((poses.size() - 1) / 2),
       lengthened_mm_(lengthened_mm) {
   moments_.resize(poses_.size());
+  if (outline_->box() != nullptr) {
+    for (std::size_t n = 0; n < poses_.size(); ++n) moments_[n] = {poses_[n].tip_mm, plate_rows(poses_[n])};
+    return;
+  }
   const Vec3 side = any_perpendicular(poses_[0].axis);
   moments_[0].rows.row(0) = side;
   moments_[0].rows.row(1) = poses_[0].axis.cross(side);
@@ -48,12 +59,16 @@ Vec3 BitSweep::seen_at(const Vec3& p, const Place& place) const {
 
 double BitSweep::middle_distance_mm(const Vec3& p) const {
   const Vec3 seen = moments_[middle_].rows * (p - moments_[middle_].tip_mm);
+  if (const PlateBox* box = outline_->box()) return box->sample(seen).distance_mm;
   return outline_->whole().distance_mm(seen.z(), std::sqrt(seen.x() * seen.x() + seen.y() * seen.y()));
 }
 
-BitSweep::Change BitSweep::change(const Pose& from, const Pose& to, double reach_mm) {
-  // A chord is longer than its arc by less than 5% up to angles of one radian.
-  const double turned_mm = 1.05 * (to.axis - from.axis).norm() * reach_mm;
+BitSweep::Change BitSweep::change(const Pose& from, const Pose& to, double reach_mm) const {
+  // A chord is longer than its arc by less than 5% up to angles of one radian. A plate's turn is that of all its
+  // directions: their chords, squared and added up, are twice the square of the longest chord at a distance of 1.
+  const double chord = outline_->box() == nullptr ? (to.axis - from.axis).norm()
+                                                  : (plate_rows(to) - plate_rows(from)).norm() / std::numbers::sqrt2;
+  const double turned_mm = 1.05 * chord * reach_mm;
   const Vec3 way = to.tip_mm - from.tip_mm;
   const double along = way.dot(from.axis);
   return {way.norm() + turned_mm, (way - along * from.axis).norm() + turned_mm, std::abs(along) + turned_mm};
@@ -99,8 +114,9 @@ double BitSweep::changes_from_middle_mm(const Vec3& p, double around_mm, double 
   return max_mm;
 }
 
-BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3& p, double limit_mm,
-                                        double at_middle_mm, std::span<const double> changes_mm) const {
+template <class Body>
+BitSweep::Place BitSweep::nearest_place(const Body& body, const Vec3& p, double limit_mm, double at_middle_mm,
+                                        std::span<const double> changes_mm) const {
   // Along each chord the distance to a convex body is convex: it lies above its tangents, and where those at both ends
   // of a stretch meet comes the next look.
   constexpr double kCloseMm = 1e-6;
@@ -110,7 +126,7 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
   };
   struct Look {
     Vec3 seen = Vec3::Zero();
-    MeridianSample sample;
+    decltype(sample_of(body, seen)) sample{};
   };
   const auto moment_at = [&](std::size_t n) {
     const Vec3 seen = seen_at(p, {n, 0.0});
@@ -118,7 +134,7 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
   };
   Place best;
   // Within a bit of several parts, deep inside the whole may be the seam of two: there a part's distance tells nothing.
-  const bool is_whole = outline_->convex_parts().size() == 1;
+  const bool is_whole = outline_->is_convex();
   double min_mm = is_whole ? limit_mm : std::numeric_limits<double>::infinity();
   const auto take = [&](double distance_mm, const Place& place) {
     if (!(distance_mm < min_mm)) return;
@@ -152,7 +168,7 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
       if (low.value_mm + low.slope_mm * (meet - low.t) > min_mm - kCloseMm) break;
       const double t = std::clamp(meet, low.t, high.t);
       const Vec3 at = low_moment.seen + t * way;
-      const MeridianSample between = sample_of(body, at);
+      const auto between = sample_of(body, at);
       take(between.distance_mm, {n, t, true});
       const End end{t, between.distance_mm, slope_along(between, at, way)};
       (end.slope_mm < 0.0 ? low : high) = end;
@@ -166,11 +182,15 @@ BitSweep::Place BitSweep::nearest_place(const MeridianOutline& body, const Vec3&
 
 SweepSample BitSweep::sample_at(const Vec3& p, const Place& place) const {
   const Vec3 seen = seen_at(p, place);
+  const Mat3& rows = moments_[place.t > 0.5 ? place.moment + 1 : place.moment].rows;
+  if (const PlateBox* box = outline_->box()) {
+    const PlateBox::Sample sample = box->sample(seen);
+    return {sample.distance_mm, rows.transpose() * sample.gradient};
+  }
   const MeridianSample sample = sample_of(outline_->whole(), seen);
   const double off_mm = seen.head<2>().norm();
   const Vec3 radial = off_mm > 0.0 ? Vec3(seen.x() / off_mm, seen.y() / off_mm, 0.0) : Vec3(Vec3::UnitX());
   const Vec3 own = sample.per_off * radial + sample.per_back * Vec3::UnitZ();
-  const Mat3& rows = moments_[place.t > 0.5 ? place.moment + 1 : place.moment].rows;
   return {sample.distance_mm, rows.transpose() * own};
 }
 
@@ -181,17 +201,33 @@ SweepSample BitSweep::nearest(const Vec3& p) const {
 SweepSample BitSweep::nearest_below(const Vec3& p, double limit_mm, double at_middle_mm,
                                     std::span<const double> changes_mm) const {
   SweepSample best{limit_mm, Vec3::Zero()};
-  for (const MeridianOutline& part : outline_->convex_parts()) {
+  const auto take = [&](const auto& part) {
     const Place place = nearest_place(part, p, best.distance_mm, at_middle_mm, changes_mm);
-    if (!place.is_found) continue;
+    if (!place.is_found) return;
     const SweepSample sample = sample_at(p, place);
     if (sample.distance_mm < best.distance_mm) best = sample;
+  };
+  if (const PlateBox* box = outline_->box()) {
+    take(*box);
+    return best;
   }
+  for (const MeridianOutline& part : outline_->convex_parts()) take(part);
   return best;
 }
 
 Box3 BitSweep::bounds_mm(double margin_mm) const {
   Box3 box;
+  if (const PlateBox* plate = outline_->box()) {
+    const Vec3 middle = 0.5 * (plate->low_mm() + plate->high_mm());
+    const Vec3 half = 0.5 * (plate->high_mm() - plate->low_mm());
+    for (const Moment& moment : moments_) {
+      const Vec3 at = moment.tip_mm + moment.rows.transpose() * middle;
+      const Vec3 out = moment.rows.cwiseAbs().transpose() * half + Vec3::Constant(margin_mm);
+      box.extend(at - out);
+      box.extend(at + out);
+    }
+    return box;
+  }
   for (const Pose& pose : poses_) {
     // A disc of the bit's radius across the axis reaches this far along each coordinate.
     const Vec3 across = outline_->radius_mm() * (Vec3::Ones() - pose.axis.cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();

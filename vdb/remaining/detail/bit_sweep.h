@@ -64,7 +64,7 @@ class BitSweep {
  private:
   struct Moment {
     Vec3 tip_mm;
-    Mat3 rows;  ///< two directions across the axis, and back along it
+    Mat3 rows;  ///< two directions across the axis, of a plate along its width and its thickness, and back along it
   };
   /// How far all points around p move, at most, seen from the bit: in any way, and where they are at a cylinder's wall.
   struct Change {
@@ -78,11 +78,12 @@ class BitSweep {
     double t = 0.0;
     bool is_found = false;
   };
-  static Change change(const Pose& from, const Pose& to, double reach_mm);
+  Change change(const Pose& from, const Pose& to, double reach_mm) const;
   double max_change_mm(const Pose& from, const Vec3& p, double around_mm, double wall_mm, double more_mm) const;
   bool is_at_wall(const Pose& from, const Vec3& p, double spare_mm) const;
   Vec3 seen_at(const Vec3& p, const Place& place) const;
-  Place nearest_place(const MeridianOutline& body, const Vec3& p, double limit_mm, double at_middle_mm,
+  template <class Body>
+  Place nearest_place(const Body& body, const Vec3& p, double limit_mm, double at_middle_mm,
                       std::span<const double> changes_mm) const;
   SweepSample sample_at(const Vec3& p, const Place& place) const;
 
@@ -95,8 +96,9 @@ class BitSweep {
 
 /// Cuts a way through `poses` into short ones. Poses are left out where the bit passes them within `tolerance_mm`,
 /// turns are cut until chord and arc differ by less; a straight way along the axis is one pose of a lengthened bit,
-/// where the bit widens to one place. Other ways are no longer than `longest_mm`. One pose is a bit that stands.
-std::vector<BitSweep> cut_into_sweeps(const BitProfile& profile, std::span<const Pose> poses, double tolerance_mm,
+/// where the bit widens to one place. Other ways are no longer than `longest_mm`. One pose is a bit that stands. Poses
+/// are sound (see sound_pose), `bit` passes check_bit.
+std::vector<BitSweep> cut_into_sweeps(const DrillBit& bit, std::span<const Pose> poses, double tolerance_mm,
                                       double longest_mm);
 
 }  // namespace spinaltap::detail

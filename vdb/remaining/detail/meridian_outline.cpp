@@ -147,4 +147,10 @@ BitOutline::BitOutline(const BitProfile& profile)
   cylinder_begin_mm_ = is_cylinder ? last.begin_mm : last.end_mm;
 }
 
+BitOutline::BitOutline(const PlateBox& plate)
+    : box_(plate),
+      length_mm_(plate.length_mm()),
+      radius_mm_(plate.high_mm().head<2>().norm()),
+      cylinder_begin_mm_(plate.length_mm()) {}
+
 }  // namespace spinaltap::detail

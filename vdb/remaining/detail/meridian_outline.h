@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/tool/bit_profile.h"
+#include "core/tool/plate.h"
 
 namespace spinaltap::detail {
 
@@ -49,22 +51,29 @@ class MeridianOutline {
   std::size_t piece_count_ = 0;
 };
 
-/// A bit as distances need it.
+/// A bit as distances need it: the outline of a body of revolution, or a plate's box.
 class BitOutline {
  public:
   explicit BitOutline(const BitProfile& profile);
+  explicit BitOutline(const PlateBox& plate);
 
-  const MeridianOutline& whole() const { return whole_; }
-  /// Convex bodies that make up the bit: one for a drill, head and shank for a burr. Along a straight line the distance
-  /// to each falls to its least value and rises from there on.
+  /// Of a plate; null for bodies of revolution.
+  const PlateBox* box() const { return box_ ? &*box_ : nullptr; }
+  /// Of bodies of revolution only.
+  const MeridianOutline& whole() const { return *whole_; }
+  /// Convex bodies that make up the bit: one for a drill, head and shank for a burr; none for a plate, whose box is
+  /// one. Along a straight line the distance to each falls to its least value and rises from there on.
   std::span<const MeridianOutline> convex_parts() const { return parts_; }
+  bool is_convex() const { return parts_.size() < 2; }
   double length_mm() const { return length_mm_; }
+  /// How far off its axis the bit reaches; of a plate, at its corners.
   double radius_mm() const { return radius_mm_; }
   /// Where the bit is an upright cylinder, back from the tip; empty (begin = end) where it ends otherwise.
   double cylinder_begin_mm() const { return cylinder_begin_mm_; }
 
  private:
-  MeridianOutline whole_;
+  std::optional<MeridianOutline> whole_;
+  std::optional<PlateBox> box_;
   std::vector<MeridianOutline> parts_;
   double length_mm_;
   double radius_mm_;

@@ -107,5 +107,31 @@ TEST(BitOutline, ShowsABurrsBallAndShankBesideEachOther) {
   EXPECT_NEAR(extent(across[0], {1, 0}), 2.0, 0.002);
 }
 
+TEST(BitOutline, OfAPlateIsItsBoxCutAndProjected) {
+  const DrillBit plate = plate_bit(12.0, 1.5, 60.0);
+  for (const double turn : {0.0, 0.4}) {
+    const Vec3 side(std::cos(turn), std::sin(turn), 0.0);
+    // Across: width x thickness, turned with the side.
+    const PixelPolygon across = only(bit_section(unit_frame(), plate, {Vec3(40, 40, 20), Vec3::UnitZ(), side}));
+    EXPECT_EQ(across.size(), 4U);
+    EXPECT_NEAR(area(across), 12.0 * 1.5, 1e-9);
+    EXPECT_NEAR(extent(across, side.head<2>()), 12.0, 1e-9);
+  }
+  // Along its width: width x length; along its thickness: thickness x length.
+  const Pose flat{Vec3(40, 40, 0), Vec3::UnitY(), Vec3::UnitX()},
+      upright{Vec3(40, 40, 0), Vec3::UnitY(), Vec3::UnitZ()};
+  EXPECT_NEAR(area(only(bit_section(unit_frame(), plate, flat))), 12.0 * 60.0, 1e-9);
+  EXPECT_NEAR(area(only(bit_section(unit_frame(), plate, upright))), 1.5 * 60.0, 1e-9);
+  EXPECT_NEAR(area(only(bit_projection(unit_frame(), plate, upright))), 1.5 * 60.0, 1e-9);
+  // Slanting by 30 degrees the section is longer by 1 / cos.
+  const Vec3 axis(std::sin(kDegree * 30.0), 0.0, std::cos(kDegree * 30.0));
+  const PixelPolygon slant = only(bit_section(unit_frame(), plate, {30.0 * axis, axis, Vec3::UnitY()}));
+  EXPECT_NEAR(area(slant), 12.0 * 1.5 / axis.z(), 1e-9);
+  // Away from the plane it has a projection alone.
+  const Pose away{Vec3(40, 40, 30), Vec3::UnitY(), Vec3::UnitX()};
+  EXPECT_TRUE(bit_section(unit_frame(), plate, away).empty());
+  EXPECT_NEAR(area(only(bit_projection(unit_frame(), plate, away))), 12.0 * 60.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace spinaltap

@@ -125,7 +125,8 @@ TEST(BitSweep, BoundsHowDistancesChange) {
 TEST(CutIntoSweeps, PassesEveryPoseWithinTheTolerance) {
   constexpr double kToleranceMm = 0.001;
   Draw draw(7);
-  const BitProfile profile({3.0, 50.0, 5.0});
+  const DrillBit bit{3.0, 50.0, 5.0};
+  const BitProfile profile(bit);
   std::vector<Pose> poses;
   // An operator's tremor, which turns: 10 Hz, 0.1 mm, at 1 kHz.
   const Vec3 axis = Vec3(0.2, -0.5, 0.8).normalized();
@@ -134,7 +135,7 @@ TEST(CutIntoSweeps, PassesEveryPoseWithinTheTolerance) {
     poses.push_back({Vec3(0.1 * std::sin(phase), 0.1 * std::cos(1.1 * phase), 0.001 * n),
                      (axis + 1e-3 * Vec3(std::sin(phase), 0.0, 0.0)).normalized()});
   }
-  const auto sweeps = detail::cut_into_sweeps(profile, poses, kToleranceMm, 1.0);
+  const auto sweeps = detail::cut_into_sweeps(bit, poses, kToleranceMm, 1.0);
   std::size_t moments = 0;
   for (const auto& sweep : sweeps) moments += sweep.moment_count();
   EXPECT_LT(moments, poses.size() / 2);
@@ -150,12 +151,13 @@ TEST(CutIntoSweeps, PassesEveryPoseWithinTheTolerance) {
 
 TEST(CutIntoSweeps, TakesAWayAlongTheAxisOfABitThatIsWiderAgainBehindItsNeck) {
   Draw draw(8);
-  const BitProfile profile(
-      profile_bit({{0.0, 0.0}, {1.5, 1.5, true}, {3.8, 1.5}, {4.6, 0.9}, {8.0, 0.9}, {9.0, 1.2}, {20.0, 1.2}}));
+  const DrillBit bit =
+      profile_bit({{0.0, 0.0}, {1.5, 1.5, true}, {3.8, 1.5}, {4.6, 0.9}, {8.0, 0.9}, {9.0, 1.2}, {20.0, 1.2}});
+  const BitProfile profile(bit);
   constexpr double kWayMm = 6.0;
   const Vec3 axis = Vec3(0.3, 0.8, -0.5).normalized();
   const std::vector<Pose> poses{{Vec3::Zero(), axis}, {kWayMm * axis, axis}};
-  const auto sweeps = detail::cut_into_sweeps(profile, poses, 0.001, 1.0);
+  const auto sweeps = detail::cut_into_sweeps(bit, poses, 0.001, 1.0);
   for (int n = 0; n < 500; ++n) {
     const Pose between{draw(0.0, kWayMm) * axis, axis};
     const Vec3 p = test::point_near(profile, between, draw);
@@ -175,9 +177,9 @@ TEST(CutIntoSweeps, TakesAWayAlongTheAxisOfABitThatIsWiderAgainBehindItsNeck) {
 }
 
 TEST(CutIntoSweeps, TakesALongStraightWayAsOneLongerBit) {
-  const BitProfile profile({3.0, 50.0, 5.0});
+  const DrillBit bit{3.0, 50.0, 5.0};
   const std::vector<Pose> poses{{Vec3::Zero(), Vec3::UnitX()}, {Vec3(20.0, 0.0, 0.0), Vec3::UnitX()}};
-  const auto sweeps = detail::cut_into_sweeps(profile, poses, 0.001, 1.0);
+  const auto sweeps = detail::cut_into_sweeps(bit, poses, 0.001, 1.0);
   ASSERT_EQ(sweeps.size(), 1U);
   EXPECT_EQ(sweeps[0].moment_count(), 1U);
   EXPECT_NEAR(sweeps[0].outline().length_mm(), 70.0, 1e-9);

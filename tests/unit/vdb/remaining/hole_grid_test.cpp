@@ -45,7 +45,7 @@ TEST(HoleGrid, HoldsTheLeastDistanceToAllThatBitsOfAllShapesSwept) {
       way = next_way(dice, way);
       const DrillBit& bit = bits[static_cast<std::size_t>(dice.below(4))];
       bone.drill(bit, way);
-      const auto cut = detail::cut_into_sweeps(BitProfile(bit), way, options.tolerance_voxels * options.voxel_mm, 1e3);
+      const auto cut = detail::cut_into_sweeps(bit, way, options.tolerance_voxels * options.voxel_mm, 1e3);
       sweeps.insert(sweeps.end(), cut.begin(), cut.end());
     }
     const auto low = bone.first_voxel();
