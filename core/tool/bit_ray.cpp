@@ -28,11 +28,6 @@ RayStretch between(const Line& line, double low, double high) {
   return {std::min(to_low, to_high), std::max(to_low, to_high)};
 }
 
-std::variant<BitProfile, PlateBox> body_of(const DrillBit& bit) {
-  if (bit.shape == BitShape::plate) return PlateBox(bit);
-  return BitProfile(bit);
-}
-
 /// Bodies of revolution stay where they are.
 Pose pose_of(const DrillBit& bit, const Pose& pose) {
   if (bit.shape != BitShape::plate) return pose;
@@ -43,7 +38,7 @@ Pose pose_of(const DrillBit& bit, const Pose& pose) {
 
 }  // namespace
 
-BitBody::BitBody(const DrillBit& bit, const Pose& pose) : body_(body_of(bit)), pose_(pose_of(bit, pose)) {}
+BitBody::BitBody(const DrillBit& bit, const Pose& pose) : body_(tool_body(bit)), pose_(pose_of(bit, pose)) {}
 
 void BitBody::append_stretches(const Vec3& start_mm, const Vec3& direction, std::vector<RayStretch>& stretches) const {
   std::visit([&](const auto& body) { append_stretches_of(body, start_mm, direction, stretches); }, body_);

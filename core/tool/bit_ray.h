@@ -1,10 +1,8 @@
 #pragma once
 
-#include <variant>
 #include <vector>
 
-#include "core/tool/bit_profile.h"
-#include "core/tool/plate.h"
+#include "core/tool/tool_body.h"
 
 namespace spinaltap {
 
@@ -19,8 +17,7 @@ struct RayStretch {
 class BitBody {
  public:
   /// Pose: patient LPS, mm; of a plate a sound one, see sound_pose().
-  BitBody(const BitProfile& profile, const Pose& pose) : body_(profile), pose_(pose) {}
-  BitBody(const PlateBox& plate, const Pose& pose) : body_(plate), pose_(pose) {}
+  BitBody(const ToolBody& body, const Pose& pose) : body_(body), pose_(pose) {}
   /// Throws Error on a bad bit, and on a pose that is not sound of a plate.
   BitBody(const DrillBit& bit, const Pose& pose);
 
@@ -39,7 +36,7 @@ class BitBody {
   void append_stretches_of(const PlateBox& plate, const Vec3& start_mm, const Vec3& direction,
                            std::vector<RayStretch>& stretches) const;
 
-  std::variant<BitProfile, PlateBox> body_;
+  ToolBody body_;
   Pose pose_;
 };
 
