@@ -60,7 +60,18 @@ HoleCut cut_by_hole(double a_mm, const Vec3& a_slope, double b_mm, const Vec3& b
   const double t_even = a_mm / (a_mm - b_mm);
   const double a_along = a_slope.dot(along_mm);
   const double b_along = b_slope.dot(along_mm);
-  if (a_slope.dot(b_slope) >= kSmoothCosine) {
+  const double cosine = a_slope.dot(b_slope);
+  // Before an edge of the hole: what is nearest to a lies on the edge, and so in the plane of b's face.
+  constexpr double kOneFaceCosine = 0.9999, kInPlane = 1e-3;
+  const double off_face_mm = b_mm - a_mm * cosine - b_along;
+  if (cosine > 0.0 && cosine < kOneFaceCosine && std::abs(off_face_mm) < kInPlane * along_mm.norm() && b_along < 0.0) {
+    // What is left of the bone ends where the edge's second face is passed. Of the other face only a plane between both
+    // is known, which holds the edge too.
+    const HoleCut by_face{std::clamp(1.0 - b_mm / b_along, 0.0, 1.0), b_slope};
+    const HoleCut by_edge{a_along < 0.0 ? std::min(1.0, -a_mm / a_along) : 0.0, a_slope};
+    return by_edge.t > by_face.t ? by_edge : by_face;
+  }
+  if (cosine >= kSmoothCosine) {
     const double t = cubic_root(a_mm, b_mm, a_along, b_along);
     return {t, ((1.0 - t) * a_slope + t * b_slope).normalized()};
   }
