@@ -81,7 +81,6 @@ inline DrillBit profile_like(const DrillBit& bit) {
   };
   switch (bit.shape) {
     case BitShape::profile:
-    case BitShape::plate:  // has none
       return bit;
     case BitShape::drill:
       add({0.0, tip_mm});
