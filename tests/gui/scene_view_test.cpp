@@ -384,5 +384,35 @@ TEST_F(SceneViewTest, AnOrbitingFrameTakesUnderATenthOfASecondOfProcessorTime) {
   EXPECT_LT(processor_ms, 100.0);
 }
 
+TEST_F(SceneViewTest, ShowsAPlateAsItsSideLies) {
+  // From above into the bone, seen from behind: its width across the view, and away from the eye.
+  const DrillBit plate = plate_bit(16.0, 2.0, 70.0);
+  const Vec3 tip_mm = test::phantom_bone()->model().bounds_mm().center();
+  view_.look_from("behind");
+  const auto with_plate = [&](const Vec3& side) {
+    view_.set_bit(std::pair{plate, Pose{tip_mm, -Vec3::UnitZ(), side}});
+    return view_.picture();
+  };
+  view_.set_bit(std::nullopt);
+  const QImage without = view_.picture();
+  const auto changed = [&](const QImage& picture) {
+    int count = 0;
+    for (int y = 0; y < picture.height(); ++y) {
+      for (int x = 0; x < picture.width(); ++x) count += picture.pixel(x, y) != without.pixel(x, y) ? 1 : 0;
+    }
+    return count;
+  };
+  const double wide = changed(with_plate(Vec3::UnitX())), thin = changed(with_plate(Vec3::UnitY()));
+  // 8 by its sizes; the view is not parallel, and shows the thin one's faces a little.
+  EXPECT_GT(thin, 200.0);
+  EXPECT_GT(wide, 4.0 * thin);
+  EXPECT_LT(wide, 10.0 * thin);
+  // Not said, it lies along the patient's head and feet; there it lies along the axis, which is no pose of a plate.
+  DrillBit along_x = plate;
+  along_x.width_along = Vec3::UnitX();
+  view_.set_bit(std::pair{along_x, Pose{tip_mm, -Vec3::UnitZ()}});
+  EXPECT_NEAR(changed(view_.picture()), wide, 0.02 * wide);
+}
+
 }  // namespace
 }  // namespace spinaltap
