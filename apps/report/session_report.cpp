@@ -85,6 +85,7 @@ std::string value_text(const SessionEvent& event) {
       return std::string(name_of(state_of(event)));
     case EventKind::breakthrough:
     case EventKind::stop_thrust:
+    case EventKind::touch:
       return readable_number(event.value, 1) + " N";
     case EventKind::record_lost:
       return readable_number(event.value, 0) + " cycles";

@@ -170,6 +170,7 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   }
   print_figure("max thrust", drilling.max_thrust_n, "N", 2);
   print_figure("max torque", drilling.max_torque_n_mm, "N·mm", 1);
+  if (drilling.max_contact_n > 0.0) print_figure("max contact force, spindle off", drilling.max_contact_n, "N", 2);
   if (std::isfinite(drilling.min_clearance_outer_mm)) {
     print_figure("min clearance, outer surface", drilling.min_clearance_outer_mm, "mm", 2);
   }
@@ -204,6 +205,7 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"session_s", drilling.session_s},
             {"max_depth_mm", number_or_null(drilling.deepest_mm)},
             {"max_thrust_n", drilling.max_thrust_n},
+            {"max_contact_n", drilling.max_contact_n},
             {"max_torque_n_mm", drilling.max_torque_n_mm},
             {"min_clearance_outer_mm", number_or_null(drilling.min_clearance_outer_mm)},
             {"min_clearance_canal_mm", number_or_null(drilling.min_clearance_canal_mm)},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -31,6 +32,11 @@ struct StepResult {
   /// Sum over them of that energy times the place, from the tip where the step ends to the point, N·mm²; along the axes
   /// of patient LPS. Its part across the bit's axis tells on which side the bit cut.
   Vec3 moment_n_mm2 = Vec3::Zero();
+  /// Of a step that turned the bit: that energy by how far back from the tip along the axis the points lay where the
+  /// step ended, in sixteenths of the bit's length; what is beyond counts in the first and the last. Else all 0: all of
+  /// the bit moved alike.
+  static constexpr std::size_t kBackParts = 16;
+  std::array<double, kBackParts> work_back_n_mm{};
 };
 
 /// Removes the points that a moving bit reaches. `step` allocates, locks and logs nothing, except that steps with work

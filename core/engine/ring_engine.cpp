@@ -70,7 +70,7 @@ class RingEngine final : public VolumeEngine {
     const std::size_t due_count = find_due(bit);
     if (is_worth_sharing(approach, due_count)) {
       removal.add(tbb::parallel_reduce(
-          tbb::blocked_range<std::size_t>(0, due_count, 8), Removal(),
+          tbb::blocked_range<std::size_t>(0, due_count, 8), removal.empty(),
           [&](const tbb::blocked_range<std::size_t>& range, Removal sum) {
             for (std::size_t n = range.begin(); n < range.end(); ++n) cut_disc(due_[n], approach, line, sum);
             return sum;

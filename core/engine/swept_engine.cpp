@@ -10,6 +10,18 @@ namespace spinaltap {
 
 SweptEngine::SweptEngine(const DrillBit& bit, const PathFrame& frame) : profile_(BitProfile(bit)), frame_(frame) {}
 
+BackParts::BackParts(const Pose& pose, double length_mm, double places_per_mm) noexcept {
+  constexpr double kFine = 1024.0;
+  for (Eigen::Index n = 0; n < 3; ++n) back[static_cast<std::size_t>(n)] = std::llround(-kFine * pose.axis[n]);
+  double tip = 0.0;
+  for (Eigen::Index n = 0; n < 3; ++n) {
+    tip += static_cast<double>(back[static_cast<std::size_t>(n)]) * pose.tip_mm[n] * places_per_mm;
+  }
+  begin = std::llround(tip);
+  parts = std::max<std::int64_t>(
+      1, std::llround(static_cast<double>(StepResult::kBackParts) * 0x1.0p32 / (length_mm * places_per_mm * kFine)));
+}
+
 StepResult SweptEngine::step(const Pose& pose) noexcept {
   Pose target = frame_.to_path(pose);
   const double axis_length = target.axis.norm();
@@ -21,6 +33,7 @@ StepResult SweptEngine::step(const Pose& pose) noexcept {
   pose_ = target;
 
   Removal removal;
+  if (start.axis != target.axis) removal.back = BackParts(target, profile().length_mm(), units_.places_per_mm);
   const BitMotion motion(profile_, start, target);
   const std::size_t count = motion.piece_count();
   if (count == 1) {  // most steps
@@ -48,6 +61,9 @@ StepResult result_of(const Removal& removal, const RemovalUnits& units, const Pa
   Vec3 moment;
   for (int n = 0; n < 3; ++n) {
     moment[n] = static_cast<double>(removal.moment[static_cast<std::size_t>(n)]) * (unit_n_mm / units.places_per_mm);
+  }
+  for (std::size_t n = 0; n < result.work_back_n_mm.size(); ++n) {
+    result.work_back_n_mm[n] = static_cast<double>(removal.pressure_back[n]) * unit_n_mm;
   }
   moment -= result.work_n_mm * tip_mm;
   result.moment_n_mm2 = frame.to_patient(Pose{tip_mm, moment}).axis;

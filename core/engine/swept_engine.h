@@ -11,6 +11,27 @@
 
 namespace spinaltap {
 
+/// Tells in which part of a bit's length a place lies: by whole numbers, so that all engines say the same.
+struct BackParts {
+  std::array<std::int64_t, 3> back{};  ///< the direction back along the axis, in 1 / 1024; all 0: nobody asks
+  std::int64_t begin = 0;              ///< of the tip along it, in 1 / 1024 of a place
+  std::int64_t parts = 0;              ///< to a 1 / 1024 of a place, in 1 / 2^32
+
+  BackParts() = default;
+  /// Of a bit of `length_mm` at `pose`, in the frame and the places of an engine.
+  BackParts(const Pose& pose, double length_mm, double places_per_mm) noexcept;
+
+  bool is_asked() const { return parts != 0; }
+  std::int64_t along(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept {
+    return back[0] * x + back[1] * y + back[2] * z - begin;
+  }
+  std::size_t part(std::int64_t along) const noexcept {
+    constexpr std::int64_t kLast = StepResult::kBackParts - 1;
+    const std::int64_t part = (along * parts) >> 32;
+    return static_cast<std::size_t>(part < 0 ? 0 : part > kLast ? kLast : part);
+  }
+};
+
 /// Sums over what was removed. Whole numbers: neither order nor threads change them.
 struct Removal {
   std::size_t removed = 0;
@@ -19,6 +40,15 @@ struct Removal {
   std::int64_t parts = 0;                ///< of volume, see RemovalUnits
   std::int64_t pressure = 0;             ///< parts times units of PressureTable
   std::array<std::int64_t, 3> moment{};  ///< those times whole places, in the engine's frame
+  BackParts back;
+  std::array<std::int64_t, StepResult::kBackParts> pressure_back{};  ///< `pressure` by part, where it is asked
+
+  /// With no sums, but what is asked for.
+  Removal empty() const noexcept {
+    Removal other;
+    other.back = back;
+    return other;
+  }
 
   void add(const Removal& other) {
     removed += other.removed;
@@ -27,6 +57,7 @@ struct Removal {
     parts += other.parts;
     pressure += other.pressure;
     for (std::size_t n = 0; n < 3; ++n) moment[n] += other.moment[n];
+    for (std::size_t n = 0; n < pressure_back.size(); ++n) pressure_back[n] += other.pressure_back[n];
   }
 };
 

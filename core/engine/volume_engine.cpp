@@ -53,7 +53,11 @@ std::int64_t PointPlaces::nearest(double mm) const noexcept { return std::llroun
 
 void VolumeEngine::account_moved(int disc, std::size_t index, std::int64_t pressure, Removal& removal) const noexcept {
   const Vec3 p = volume_.point_in_path_mm(disc, index);
-  for (int n = 0; n < 3; ++n) removal.moment[static_cast<std::size_t>(n)] += pressure * places_.nearest(p[n]);
+  const std::array<std::int64_t, 3> at{places_.nearest(p[0]), places_.nearest(p[1]), places_.nearest(p[2])};
+  for (std::size_t n = 0; n < 3; ++n) removal.moment[n] += pressure * at[n];
+  if (removal.back.is_asked()) {
+    removal.pressure_back[removal.back.part(removal.back.along(at[0], at[1], at[2]))] += pressure;
+  }
 }
 
 VolumeEngine::VolumeEngine(PointVolume& volume, const DrillBit& bit, const Material& material)

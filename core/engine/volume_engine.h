@@ -51,7 +51,11 @@ class VolumeEngine : public SweptEngine {
     const std::array<std::int32_t, 2>& across = places_.of_points[index];
     removal.moment[0] += pressure * across[0];
     removal.moment[1] += pressure * across[1];
-    removal.moment[2] += pressure * places_.of_discs[static_cast<std::size_t>(disc)];
+    const std::int32_t along = places_.of_discs[static_cast<std::size_t>(disc)];
+    removal.moment[2] += pressure * along;
+    if (removal.back.is_asked()) {
+      removal.pressure_back[removal.back.part(removal.back.along(across[0], across[1], along))] += pressure;
+    }
   }
   /// First and last disc that the bit may reach; the last before the first where there is none.
   std::pair<int, int> discs_within(const SweptBit& bit) const noexcept;

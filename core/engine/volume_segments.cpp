@@ -24,6 +24,7 @@ class JointEngine final : public DrillEngine {
       sum.removed_mm3 += part.removed_mm3;
       sum.work_n_mm += part.work_n_mm;
       sum.moment_n_mm2 += part.moment_n_mm2;
+      for (std::size_t n = 0; n < sum.work_back_n_mm.size(); ++n) sum.work_back_n_mm[n] += part.work_back_n_mm[n];
     }
     return sum;
   }

@@ -52,6 +52,59 @@ double feed_times_factor_mm(double feed_mm, double reference_mm, double exponent
 
 double chisel_share_of(double feed_mm) { return std::clamp(feed_mm / kChiselFeedMm, 0.0, 1.0); }
 
+/// How a tool goes across its axis, over a step or in a second: its tip, and by its turn the more the further back.
+struct AcrossWay {
+  Vec3 tip_mm;
+  Vec3 turn;         ///< change of the axis
+  double radius_mm;  ///< turning moves what lies beside the axis along it as well: its wall by half of this squared
+
+  AcrossWay(const Vec3& move_mm, const Vec3& turned, const Vec3& axis, double wall_mm)
+      : tip_mm(move_mm - move_mm.dot(axis) * axis), turn(turned - turned.dot(axis) * axis), radius_mm(wall_mm) {}
+  Vec3 at_mm(double back_mm) const { return tip_mm - back_mm * turn; }
+  /// Mean square over places with that mean and that mean square of how far back they lie.
+  double square_mm2(double back_mm, double back_mm2) const {
+    const double aside = tip_mm.squaredNorm() - 2.0 * back_mm * tip_mm.dot(turn);
+    return std::max(0.0, aside + (back_mm2 + 0.5 * radius_mm * radius_mm) * turn.squaredNorm());
+  }
+};
+
+/// Where a step cut, back from the tip, and how much dearer than at one feed for all.
+struct CutPlaces {
+  double back_mm = 0.0, back_mm2 = 0.0;  ///< means over the energy
+  double dearer = 1.0;
+};
+
+/// By AcrossWay of the step each part of the bit's length has a feed of its own, and thin chips cost more.
+CutPlaces cut_places(const StepResult& result, const AcrossWay& way, const Vec3& axis, double length_mm,
+                     double feed_exponent) {
+  CutPlaces places;
+  if (!(result.work_n_mm > 0.0)) return places;
+  places.back_mm = -result.moment_n_mm2.dot(axis) / result.work_n_mm;
+  places.back_mm2 = places.back_mm * places.back_mm;
+  double work = 0.0, middle_mm = 0.0;
+  const auto& parts = result.work_back_n_mm;
+  const double part_mm = length_mm / static_cast<double>(parts.size());
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    work += parts[n];
+    middle_mm += parts[n] * (static_cast<double>(n) + 0.5) * part_mm;
+  }
+  if (!(work > 0.0)) return places;
+  // Bone does not lie in the middles of the parts: their mean is known better.
+  const double shift_mm = places.back_mm - middle_mm / work;
+  double square = 0.0, dear = 0.0;
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    if (parts[n] == 0.0) continue;
+    const double back_mm = (static_cast<double>(n) + 0.5) * part_mm + shift_mm;
+    square += parts[n] * back_mm * back_mm;
+    dear += parts[n] * std::pow(way.square_mm2(back_mm, back_mm * back_mm), -0.5 * feed_exponent);
+  }
+  places.back_mm2 = square / work;
+  const double mean = way.square_mm2(places.back_mm, places.back_mm2);
+  const double dearer = dear / work * std::pow(mean, 0.5 * feed_exponent);
+  if (std::isfinite(dearer)) places.dearer = dearer;
+  return places;
+}
+
 /// A way along an axis, less what only makes up for an earlier retreat.
 class UncutAdvance {
  public:
@@ -176,6 +229,9 @@ struct DrillForces::State {
     check_material(drilled);
   }
 
+  /// A plate's walls lie on both sides of its middle, half its thickness off.
+  double wall_mm() const noexcept { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
+
   static ChiselProbe probe_of(const LivingBone& bone, const DrillBit& bit, const Material& material) {
     return is_plate(bit) ? ChiselProbe::of_edge(bone, bit.diameter_mm)
                          : ChiselProbe(bone, chisel_radius_mm(bit, material));
@@ -191,10 +247,12 @@ struct DrillForces::State {
     repair.reset();
     budget_mm3 = 0.0;
     velocity_mm_s.setZero();
+    turn_per_s.setZero();
     is_placed = false;
   }
 
-  void take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis, const Vec3& move_mm) noexcept;
+  void take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis, const Vec3& move_mm,
+                 const Vec3& turn) noexcept;
   void cut(const Pose& path_pose, const Vec3& axis, const Spindle& spindle, DrillForce& force) noexcept;
 
   DrillBit bit;
@@ -208,16 +266,19 @@ struct DrillForces::State {
   UncutAdvance fresh;
   LatticeAreaCorrection repair;
   double budget_mm3 = 0.0;  ///< what the uncut advance may still cut
-  Vec3 velocity_mm_s = Vec3::Zero();
-  Vec3 tip_mm = Vec3::Zero();  ///< patient LPS
+  CutPlaces places;         ///< of the last step that cut
+  Vec3 velocity_mm_s = Vec3::Zero(), turn_per_s = Vec3::Zero();
+  Vec3 tip_mm = Vec3::Zero(), axis_before = Vec3::UnitZ();  ///< patient LPS
   bool is_placed = false;
 };
 
 void DrillForces::State::take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis,
-                                   const Vec3& move_mm) noexcept {
+                                   const Vec3& move_mm, const Vec3& turn) noexcept {
   const double area_mm2 = section_mm2(bit);
   const double advance_mm = move_mm.dot(axis);
-  const double across_mm = (move_mm - advance_mm * axis).norm();
+  const AcrossWay way(move_mm, turn, axis, wall_mm());
+  if (result.work_n_mm > 0.0) places = cut_places(result, way, axis, bit.length_mm, material.feed_exponent);
+  const double across_mm = std::sqrt(way.square_mm2(places.back_mm, places.back_mm2));
   const double back_mm = bit.shape == BitShape::round_burr ? 0.5 * bit.radius_mm() : 0.5 * bit.tip_length_mm;
   const double factor = repair.factor(bone, path_pose, back_mm, bit.radius_mm(), move_mm.norm());
   const double removed_mm3 = factor * result.removed_mm3;
@@ -231,9 +292,9 @@ void DrillForces::State::take_step(const StepResult& result, const Pose& path_po
   const double axial_share = removed_mm3 > 0.0 ? axial_mm3 / removed_mm3 : 0.0;
 
   WayAverage::Sums sums;
-  sums << factor * result.work_n_mm, factor * result.moment_n_mm2;
+  sums << factor * result.work_n_mm, factor * result.moment_n_mm2, factor * result.work_n_mm * places.back_mm2;
   axial.add(fresh_mm, axial_share * sums);
-  across.add(across_mm, (1.0 - axial_share) * sums);
+  across.add(across_mm, (1.0 - axial_share) * places.dearer * sums);
 }
 
 void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spindle& spindle,
@@ -242,14 +303,18 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double turns_per_s = spindle.rpm / 60.0;
   const double advance_mm_s = velocity_mm_s.dot(axis);
   const double advance_mm = std::max(0.0, advance_mm_s) / turns_per_s;
-  const double across_mm = (velocity_mm_s - advance_mm_s * axis).norm() / turns_per_s;
   const double fresh_share = std::clamp(1.0 - fresh.retreat_mm() / kFreshMm, 0.0, 1.0);
   const WayAverage::Sums along = fresh_share * axial.per_mm();
   const WayAverage::Sums aside = across.per_mm();
+  const AcrossWay way_mm_s(velocity_mm_s, turn_per_s, axis, wall_mm());
+  const double back_mm = aside[0] > 0.0 ? -aside.segment<3>(1).dot(axis) / aside[0] : places.back_mm;
+  const double back_mm2 = aside[0] > 0.0 ? aside[4] / aside[0] : places.back_mm2;
+  const double across_mm_s = std::sqrt(way_mm_s.square_mm2(back_mm, back_mm2));
+  const double across_mm = across_mm_s / turns_per_s;
   const LivingBone::Mean ahead = tip.ahead_of(path_pose);
 
   force.tip_density_g_cm3 = ahead.density_g_cm3;
-  force.feed_mm_per_turn = velocity_mm_s.norm() / turns_per_s;
+  force.feed_mm_per_turn = std::hypot(advance_mm_s, across_mm_s) / turns_per_s;
   // A sharp tip that went back a little still has bone beside it: that is not pressed either.
   force.resistance = resistance_of_cut(bit, material, along[0], fresh_share * ahead.chisel_mpa);
   force.thrust_n = force.resistance.thrust_n(advance_mm);
@@ -257,12 +322,11 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const double along_mm = feed_times_factor_mm(advance_mm, reference_mm, material.feed_exponent);
   const double aside_mm = feed_times_factor_mm(across_mm, reference_mm, material.feed_exponent);
   if (is_plate(bit)) {
-    const Vec3 way_mm_s = velocity_mm_s - advance_mm_s * axis;
-    const double speed_mm_s = way_mm_s.norm();
+    const Vec3 cut_mm_s = way_mm_s.at_mm(back_mm);
     // Driven aside an edge does not cut: it takes all of the energy from the hand.
     const double aside_n = bit.stroke_mm > 0.0 ? material.lip_thrust_share * aside[0] * aside_mm / (2.0 * bit.stroke_mm)
                                                : aside[0] * std::clamp(across_mm / kChiselFeedMm, 0.0, 1.0);
-    if (speed_mm_s > 0.0) force.lateral_n = -aside_n / speed_mm_s * way_mm_s;
+    if (cut_mm_s.norm() > 0.0) force.lateral_n = -aside_n * cut_mm_s.normalized();
     return;
   }
   force.torque_n_mm = (along[0] * along_mm + aside[0] * aside_mm) / kWholeTurn;
@@ -270,7 +334,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   // The force along the cut, from the moment of the energy: exact where the lips cut evenly from the axis to the rim,
   // and where they cut with the rim alone.
   const double rim_mm2 = radius_mm * radius_mm;
-  const Vec3 moment = (3.0 * along_mm * along.tail<3>() + aside_mm * aside.tail<3>()) / (kWholeTurn * rim_mm2);
+  const Vec3 moment = (3.0 * along_mm * along.segment<3>(1) + aside_mm * aside.segment<3>(1)) / (kWholeTurn * rim_mm2);
   const Vec3 side_n = moment - moment.dot(axis) * axis;
   const Vec3 with_turn_n = spindle.is_clockwise ? axis.cross(side_n) : side_n.cross(axis);
   force.lateral_n = -with_turn_n - material.lip_thrust_share * side_n;
@@ -298,9 +362,13 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   const Vec3 move_mm = state.is_placed ? Vec3(pose.tip_mm - state.tip_mm) : Vec3::Zero();
   // What dies where the bit is first put was not cut on any way.
   const bool was_placed = state.is_placed;
+  const Vec3 turn = state.is_placed ? Vec3(axis - state.axis_before) : Vec3::Zero();
   state.is_placed = true;
+  state.axis_before = axis;
   state.tip_mm = pose.tip_mm;
-  state.velocity_mm_s += dt_s / (kSpeedFilterS + dt_s) * (move_mm / dt_s - state.velocity_mm_s);
+  const double newer = dt_s / (kSpeedFilterS + dt_s);
+  state.velocity_mm_s += newer * (move_mm / dt_s - state.velocity_mm_s);
+  state.turn_per_s += newer * (turn / dt_s - state.turn_per_s);
 
   if (!(spindle.rpm > 0.0) || !std::isfinite(spindle.rpm)) {
     // What was cut before says nothing of where the bit goes meanwhile.
@@ -314,7 +382,7 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
     force.force_n = force.contact_n;
     return force;
   }
-  if (was_placed) state.take_step(result, path_pose, axis, move_mm);
+  if (was_placed) state.take_step(result, path_pose, axis, move_mm, turn);
   state.cut(path_pose, axis, spindle, force);
   force.force_n = force.lateral_n - force.thrust_n * axis;
   return force;

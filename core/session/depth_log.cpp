@@ -52,6 +52,7 @@ void DepthLog::add(const Cycle& cycle, double seconds) {
     row_.thrust_n += cycle.force.thrust_n * dt_s;
     row_.torque_n_mm += cycle.force.torque_n_mm * dt_s;
     row_.lateral_n += cycle.force.lateral_n.norm() * dt_s;
+    row_.contact_n += cycle.force.contact_n.norm() * dt_s;
   }
   seconds_ += seconds;
   if (has_depth) deepest_mm_ = std::max(deepest_mm_, cycle.depth_mm);
@@ -68,6 +69,7 @@ void DepthLog::close_row() {
     row_.thrust_n /= dt_s_;
     row_.torque_n_mm /= dt_s_;
     row_.lateral_n /= dt_s_;
+    row_.contact_n /= dt_s_;
   }
   row_.cycles_per_s = static_cast<double>(row_.cycles) / std::max(seconds_, 1e-12);
   if (std::isnan(seconds_)) row_.cycles_per_s = seconds_;
@@ -88,14 +90,15 @@ std::vector<DepthRow> DepthLog::finish() {
 std::string log_csv(const std::vector<DepthRow>& rows) {
   TextWriter csv(7);
   csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
-         "mean_lateral_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n";
+         "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n";
   const auto number = [&](double value) {
     csv << ',';
     if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
   };
   for (const DepthRow& row : rows) {
     csv << row.depth_mm << ',' << row.cycles << ',' << row.removed << ',' << row.tested;
-    for (const double value : {row.hu, row.density_g_cm3, row.thrust_n, row.torque_n_mm, row.lateral_n}) number(value);
+    for (const double value : {row.hu, row.density_g_cm3, row.thrust_n, row.torque_n_mm, row.lateral_n, row.contact_n})
+      number(value);
     csv << ',' << name_of(row.state);
     for (const double value : {row.outer_mm, row.canal_mm, row.cycles_per_s}) number(value);
     csv << '\n';

@@ -21,6 +21,7 @@ struct DepthRow {
   double thrust_n = 0.0;       ///< mean over the row's time, as are torque and lateral force
   double torque_n_mm = 0.0;
   double lateral_n = 0.0;                  ///< of cutting, across the axis
+  double contact_n = 0.0;                  ///< of touching with the spindle off; mean as well
   DrillState state = DrillState::initial;  ///< at the row's end
   double outer_mm = 0.0;                   ///< min clearances; infinite where there is no wall near
   double canal_mm = 0.0;

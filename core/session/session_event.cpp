@@ -30,6 +30,8 @@ std::string_view name_of(EventKind kind) {
       return "outside volume";
     case EventKind::record_lost:
       return "record lost";
+    case EventKind::touch:
+      return "touch";
   }
   return "";
 }

@@ -22,7 +22,8 @@ enum class EventKind : std::uint8_t {
   jump = 10,           ///< the tip moved further than the limit in one cycle; value: how far, mm. The way is not cut
   outside_volume =
       11,           ///< the bit cuts beyond the point volume's cylinder; value: how far at most until it is back, mm
-  record_lost = 12  ///< the record cannot be written any more; value: cycles not recorded
+  record_lost = 12,  ///< the record cannot be written any more; value: cycles not recorded
+  touch = 13         ///< the bit is pressed on bone with the spindle off; value: max contact force until it is free, N
 };
 /// "contact", "state", "outer breach", ...
 std::string_view name_of(EventKind kind);

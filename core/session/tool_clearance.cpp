@@ -281,8 +281,14 @@ std::pair<double, double> deeper_along(const PathCurve& curve, double depth_mm, 
   return tip_is_deep ? std::pair(0.0, deep_mm) : std::pair(deep_mm, length_mm);
 }
 
-DrillPath without_screw(DrillPath path) {
+/// What the entry opening is looked for with: the bit, and for a plate a round one as wide as its diagonal.
+DrillPath opened_by(DrillPath path) {
   path.screw.reset();
+  if (path.bit.shape == BitShape::plate) {
+    constexpr double kTipMm = 0.1;
+    const double diagonal_mm = std::hypot(path.bit.diameter_mm, path.bit.thickness_mm);
+    path.bit = {diagonal_mm, path.bit.length_mm + kTipMm, kTipMm};
+  }
   return path;
 }
 
@@ -308,7 +314,7 @@ std::shared_ptr<const ClearanceField::Lattice> ClearanceField::lattice_of(std::s
 ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path)
     : lattice_(std::move(lattice)),
       curve_(path),
-      entry_end_mm_(spinaltap::entry_end_mm(lattice_->walls, without_screw(path))) {}
+      entry_end_mm_(spinaltap::entry_end_mm(lattice_->walls, opened_by(path))) {}
 
 ClearanceField::~ClearanceField() = default;
 ClearanceField::ClearanceField(ClearanceField&&) noexcept = default;

@@ -116,6 +116,43 @@ void turn(benchmark::State& state) {
 // How far behind the tip it turns (mm).
 BENCHMARK(turn)->Arg(50)->Arg(0)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 
+/// A saw of 12 x 1 mm that goes down 12 mm through the bone at 50 um a step, straight or in a hand that trembles by 0.2
+/// mm and a thousandth of a radian.
+void saw(benchmark::State& state) {
+  const double trembles = static_cast<double>(state.range(0));
+  static const VoxelBone whole(read_bone(bone_file()), {.voxel_mm = 0.1});
+  const DrillBit blade = plate_bit(12.0, 1.0, 40.0, 4.0);
+  const Vec3 start_mm = milling_start_mm() + Vec3(0.0, 0.0, 1.0);
+  constexpr int kSteps = 260;
+  std::vector<Pose> poses;
+  for (int n = 0; n < kSteps; ++n) {
+    const double a = 0.063 * n, b = 0.057 * n + 1.0, c = 0.071 * n + 2.0;  // 10 Hz at 1 kHz
+    const Vec3 aside_mm = 0.2 * trembles * Vec3(std::sin(a), std::sin(b), 0.0);
+    const Vec3 axis = Vec3(1e-3 * trembles * std::sin(c), 1e-3 * trembles * std::sin(b), -1.0).normalized();
+    const Vec3 side = (Vec3::UnitY() - axis.y() * axis).normalized();
+    poses.push_back({start_mm + aside_mm - 0.05 * n * Vec3::UnitZ(), axis, side});
+  }
+  std::vector<double> step_us;
+  std::size_t removed = 0;
+  for ([[maybe_unused]] const auto _ : state) {
+    state.PauseTiming();
+    VoxelBone bone(whole);
+    const auto engine = make_voxel_engine(bone, blade, {}, {.shares_work = false});
+    engine->step(poses.front());
+    removed = 0;
+    state.ResumeTiming();
+    step_us = step_times_us(poses, [&](const Pose& pose) { removed += engine->step(pose).removed; });
+  }
+  double sum_us = 0.0;
+  for (const double one_us : step_us) sum_us += one_us;
+  std::ranges::sort(step_us);
+  state.counters["steps_per_s"] = 1e6 * static_cast<double>(step_us.size()) / sum_us;
+  state.counters["median_us"] = step_us[step_us.size() / 2];
+  state.counters["p99_us"] = step_us[step_us.size() * 99 / 100];
+  state.counters["removed_per_step"] = static_cast<double>(removed) / static_cast<double>(poses.size());
+}
+BENCHMARK(saw)->ArgName("trembles")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+
 /// A session that has milled for some seconds: to put the bone back, or to begin anew.
 void put_back(benchmark::State& state) {
   const bool is_undone = state.range(0) == 1;

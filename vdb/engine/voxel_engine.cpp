@@ -161,7 +161,7 @@ class VoxelEngine final : public SweptEngine {
     constexpr std::size_t kWorthSharing = 200;
     if (options_.shares_work && due.size() >= kWorthSharing) {
       removal.add(tbb::parallel_reduce(
-          tbb::blocked_range<std::size_t>(0, due.size(), kWorthSharing / 4), Removal(),
+          tbb::blocked_range<std::size_t>(0, due.size(), kWorthSharing / 4), removal.empty(),
           [&](const tbb::blocked_range<std::size_t>& range, Removal sum) {
             for (std::size_t n = range.begin(); n < range.end(); ++n) look(due[n], tool, words, sum);
             return sum;

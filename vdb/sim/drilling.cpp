@@ -98,6 +98,9 @@ class Watch {
     drilling_.deepest_mm = std::fmax(drilling_.deepest_mm, cycle.depth_mm);
     drilling_.min_clearance_outer_mm = std::fmin(drilling_.min_clearance_outer_mm, cycle.clearance.outer_mm);
     drilling_.min_clearance_canal_mm = std::fmin(drilling_.min_clearance_canal_mm, cycle.clearance.canal_mm);
+    drilling_.max_thrust_n = std::max(drilling_.max_thrust_n, cycle.force.thrust_n);
+    drilling_.max_torque_n_mm = std::max(drilling_.max_torque_n_mm, cycle.force.torque_n_mm);
+    drilling_.max_contact_n = std::max(drilling_.max_contact_n, cycle.force.contact_n.norm());
     if (cycle.step.removed > 0 && std::isnan(drilling_.entry_depth_mm)) drilling_.entry_depth_mm = cycle.depth_mm;
     if (options_.record != nullptr) record(cycle, is_paced);
     before_ns_ = is_paced ? 0 : wall_ns();
@@ -161,10 +164,6 @@ Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Oper
   drilling.events.assign(session.events().begin(), session.events().end());
   drilling.events_lost = session.events_lost();
   drilling.rows = log.finish();
-  for (const DepthRow& row : drilling.rows) {
-    drilling.max_thrust_n = std::max(drilling.max_thrust_n, row.thrust_n);
-    drilling.max_torque_n_mm = std::max(drilling.max_torque_n_mm, row.torque_n_mm);
-  }
   progress.report("cutting the hole", 0.0);
   for (const Bone& bone : bones) {
     HoleCutter cutter(bone.model());

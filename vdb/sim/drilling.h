@@ -38,8 +38,9 @@ struct Drilling {
   double seconds = 0.0;             ///< of all cycles but the first, where they were not paced; else NaN
   double entry_depth_mm = 0.0;      ///< where the first point was cut, beyond the planned entry; NaN: nowhere
   double deepest_mm = 0.0;          ///< of the tip beyond the entry
-  double max_thrust_n = 0.0;        ///< of a row, as is the torque
+  double max_thrust_n = 0.0;        ///< of a cycle, as are torque and contact force
   double max_torque_n_mm = 0.0;
+  double max_contact_n = 0.0;           ///< of touching with the spindle off
   double min_clearance_outer_mm = 0.0;  ///< min clearances; infinite where there is no wall near
   double min_clearance_canal_mm = 0.0;
   bool is_stopped = false;  ///< a rule asked to

@@ -132,7 +132,7 @@ LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   // whole, and the six lie at their share's centroid.
   constexpr int kAround = 6;
   constexpr double kShare = 1.0 / (kAround + 1);
-  const double off_mm = 0.724 * edge_radius_mm_;
+  const double off_mm = 0.703 * edge_radius_mm_;
   if (width_mm_ > 0.0) {
     LivingBone::Mean along_edge;
     constexpr int kPlaces = 15;

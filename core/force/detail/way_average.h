@@ -11,7 +11,7 @@ namespace spinaltap {
 /// one after the other. Points die disc by disc; boxes as long as whole numbers of discs let nothing of that through.
 class WayAverage {
  public:
-  using Sums = Eigen::Vector4d;
+  using Sums = Eigen::Matrix<double, 5, 1>;
 
   /// `box_mm`: length of each box. What a bin of the way holds counts as spread evenly over it; `bins` to a box.
   WayAverage(double box_mm, int bins);

@@ -98,6 +98,9 @@ void SessionWatch::update(const Cycle& cycle, const Pose& pose, double state_beg
     event.depth_mm = state_begin_mm;
     log.add(event);
   }
+  constexpr double kLeastTouchN = 0.01;
+  touch_.update(cycle.force.contact_n.norm(), kLeastTouchN, 0.0,
+                event_of(cycle, EventKind::touch, pose.tip_mm, cycle.force.contact_n.norm()), log);
   if (has_clearances_) watch_breaches(cycle, log);
   if (is_cutting) watch_breakthrough(cycle, pose, log);
   watch_volume(cycle, pose, log);
@@ -186,7 +189,8 @@ void SessionWatch::watch_stops(const Cycle& cycle, const Pose& pose, EventLog& l
   const Clearance& is = cycle.clearance;
   if (cycle.force.thrust_n >= rules.thrust_n) stop(cycle, pose, EventKind::stop_thrust, cycle.force.thrust_n, log);
   const double nearer_mm = std::min(is.outer_mm, is.canal_mm);
-  if (nearer_mm <= rules.clearance_mm) stop(cycle, pose, EventKind::stop_clearance, nearer_mm, log);
+  // Before the first contact a bit held beside the bone is near to its wall, and harms nothing.
+  if (has_contact_ && nearer_mm <= rules.clearance_mm) stop(cycle, pose, EventKind::stop_clearance, nearer_mm, log);
   if (rules.on_breach && (outer_.is_over() || canal_.is_over())) {
     stop(cycle, pose, EventKind::stop_breach, -nearer_mm, log);
   }

@@ -124,7 +124,7 @@ class SessionWatch {
   bool has_contact_ = false;
   Vec3 contact_mm_ = Vec3::Zero();  ///< the tip at the first contact
   DrillState state_ = DrillState::initial;
-  WatchedExcess outer_, canal_, volume_;
+  WatchedExcess outer_, canal_, volume_, touch_;
   WatchedPlunge after_stop_, after_breakthrough_;
 
   double deepest_mm_;

@@ -9,7 +9,7 @@
 namespace spinaltap {
 
 Tremor::Tremor(double amplitude_mm, std::uint64_t seed)
-    : amplitude_mm_(amplitude_mm / std::sqrt(static_cast<double>(kFrequenciesHz.size()))) {
+    : amplitude_mm_(amplitude_mm / std::sqrt(static_cast<double>(kSinusoids))) {
   constexpr double kMaxMm = 100.0;
   if (!(amplitude_mm >= 0.0 && amplitude_mm <= kMaxMm)) {
     fail("operator: expected a tremor of 0 to ", kMaxMm, " mm, found ", amplitude_mm, " mm");
@@ -18,14 +18,23 @@ Tremor::Tremor(double amplitude_mm, std::uint64_t seed)
   for (auto& axis : phases_rad_) {
     for (double& phase : axis) phase = 2.0 * std::numbers::pi * random_uniform(seed, index++);
   }
+  // One frequency to each fifth of the band, about its middle: no two make whole numbers of turns in the same time, and
+  // none beats slowly with its neighbour.
+  constexpr double kLowestHz = 8.0, kHighestHz = 12.0;
+  for (auto& axis : frequencies_hz_) {
+    for (std::size_t n = 0; n < axis.size(); ++n) {
+      const double fifths = static_cast<double>(n) + 0.25 + 0.5 * random_uniform(seed, index++);
+      axis[n] = kLowestHz + (kHighestHz - kLowestHz) * fifths / static_cast<double>(axis.size());
+    }
+  }
 }
 
 Vec3 Tremor::at_mm(double time_s) const {
   Vec3 sum = Vec3::Zero();
   for (std::size_t axis = 0; axis < phases_rad_.size(); ++axis) {
-    for (std::size_t n = 0; n < kFrequenciesHz.size(); ++n) {
+    for (std::size_t n = 0; n < kSinusoids; ++n) {
       sum[static_cast<Eigen::Index>(axis)] +=
-          std::sin(2.0 * std::numbers::pi * kFrequenciesHz[n] * time_s + phases_rad_[axis][n]);
+          std::sin(2.0 * std::numbers::pi * frequencies_hz_[axis][n] * time_s + phases_rad_[axis][n]);
     }
   }
   return amplitude_mm_ * sum;

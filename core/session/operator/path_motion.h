@@ -12,7 +12,8 @@
 namespace spinaltap {
 
 /// An operator's tremor: 8 to 12 Hz, the band of physiological tremor. Along each of three axes the sum of five
-/// sinusoids of 8, 9, 10, 11 and 12 Hz with seeded phases. Computed from the time alone: no error adds up.
+/// sinusoids with seeded frequencies, one in each fifth of the band, and phases: it does not come back to where it was.
+/// Computed from the time alone: no error adds up.
 class Tremor {
  public:
   /// `amplitude_mm`: along each axis the rms is that of one sinusoid of this amplitude. Throws Error where it is not
@@ -23,10 +24,10 @@ class Tremor {
   Vec3 at_mm(double time_s) const;
 
  private:
-  static constexpr std::array<double, 5> kFrequenciesHz{8.0, 9.0, 10.0, 11.0, 12.0};
+  static constexpr std::size_t kSinusoids = 5;
 
   double amplitude_mm_;  ///< of one sinusoid
-  std::array<std::array<double, kFrequenciesHz.size()>, 3> phases_rad_{};
+  std::array<std::array<double, kSinusoids>, 3> phases_rad_{}, frequencies_hz_{};
 };
 
 /// The line that an operator guides a bit along, beside the path and as straight or curved as that.

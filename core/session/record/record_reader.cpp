@@ -55,7 +55,7 @@ std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::
 
 void check_numbers(const SessionRecord& record, const fs::path& path) {
   constexpr auto kLastState = static_cast<int>(DrillState::inner_cortical);
-  constexpr auto kLastKind = static_cast<int>(EventKind::record_lost);
+  constexpr auto kLastKind = static_cast<int>(EventKind::touch);
   for (const RecordedCycle& row : record.cycles) {
     if (row.state > kLastState) {
       fail("cannot read ", path.string(), ": cycle ", row.cycle, " has a state of number ", int{row.state});

@@ -30,7 +30,7 @@ void LeafVolumeEngine::remove(const SweptBit& bit, Removal& removal) noexcept {
   constexpr std::size_t kWorthSharing = 150;
   if (due.size() >= kWorthSharing) {
     removal.add(tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, due.size(), kWorthSharing / 4), Removal(),
+        tbb::blocked_range<std::size_t>(0, due.size(), kWorthSharing / 4), removal.empty(),
         [&](const tbb::blocked_range<std::size_t>& range, Removal sum) {
           for (std::size_t n = range.begin(); n < range.end(); ++n) look<Sharing::yes>(due[n], tool, sum);
           return sum;

@@ -61,6 +61,14 @@ class VoxelSums {
     removal.moment[0] += pressure * (leaf.origin[0] + static_cast<std::int32_t>(x));
     removal.moment[1] += pressure * leaf.origin[1] + along_y;
     removal.moment[2] += pressure * leaf.origin[2] + along_z;
+    if (!removal.back.is_asked()) return;
+    const std::int64_t first =
+        removal.back.along(leaf.origin[0] + static_cast<std::int32_t>(x), leaf.origin[1], leaf.origin[2]);
+    for (std::uint64_t left = dead; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      const std::int64_t along = first + removal.back.back[1] * (bit >> 3) + removal.back.back[2] * (bit & 7);
+      removal.pressure_back[removal.back.part(along)] += pressure_[hu[bit]];
+    }
   }
 
  private:

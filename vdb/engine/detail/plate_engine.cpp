@@ -83,10 +83,14 @@ class PlateEngine final : public DrillEngine {
     if (!sound) return {};
     const Pose target = frame_.to_path(*sound);
     if (!(target.tip_mm.cwiseAbs().maxCoeff() <= kEngineReachMm)) return {};
-    const PlateMotion motion(sweep_, is_placed_ ? pose_ : target, target);
+    const Pose start = is_placed_ ? pose_ : target;
+    // On its way from where it was it cut nothing, but went.
+    if (!is_placed_) go(pose_, target);
+    const PlateMotion motion(sweep_, start, target);
     is_placed_ = true;
     pose_ = target;
     Removal removal;
+    if (start.axis != target.axis) removal.back = BackParts(target, sweep_.box.length_mm(), units_.places_per_mm);
     for (std::size_t n = 0; n < motion.piece_count(); ++n) remove(motion.piece(n), removal);
     return result_of(removal, units_, frame_, target.tip_mm);
   }
@@ -139,15 +143,8 @@ class PlateEngine final : public DrillEngine {
   void remove(const SweptPlate& swept, Removal& removal) noexcept {
     begin_.take(swept.from_rows(), voxel_mm_);
     end_.take(swept.to_rows(), voxel_mm_);
-    const Pose &from = swept.from(), &to = swept.to();
-    // How far, at most, any point of the bone goes along each direction, seen from the plate.
-    const double far_mm = to.tip_mm.norm() + farthest_mm_;
-    const Vec3 way = swept.from_rows() * (from.tip_mm - to.tip_mm);
-    for (unsigned n = 0; n < 3; ++n) {
-      const double turn = (swept.to_rows().row(n) - swept.from_rows().row(n)).norm();
-      step_mm_[n] = std::abs(way[n]) + turn * far_mm;
-      way_mm_[n] += step_mm_[n] * (1.0 + 1e-12);
-    }
+    const Pose& to = swept.to();
+    go(swept.from(), to);
     for (std::size_t number = 0; number < nodes_.size(); ++number) {
       PlateNode& node = nodes_[number];
       if (way_mm_[0] < node.ends_mm[0] && way_mm_[1] < node.ends_mm[1] && way_mm_[2] < node.ends_mm[2]) continue;
@@ -157,6 +154,17 @@ class PlateEngine final : public DrillEngine {
         continue;
       }
       look_into(node, swept, removal);
+    }
+  }
+
+  /// Sums up how far, at most, any point of the bone goes along each direction, seen from the plate.
+  void go(const Pose& from, const Pose& to) noexcept {
+    const Mat3 from_rows = plate_rows(from), to_rows = plate_rows(to);
+    const double far_mm = to.tip_mm.norm() + farthest_mm_;
+    const Vec3 way = from_rows * (from.tip_mm - to.tip_mm);
+    for (unsigned n = 0; n < 3; ++n) {
+      step_mm_[n] = std::abs(way[n]) + (to_rows.row(n) - from_rows.row(n)).norm() * far_mm;
+      way_mm_[n] += step_mm_[n] * (1.0 + 1e-12);
     }
   }
 
@@ -320,7 +328,7 @@ class PlateEngine final : public DrillEngine {
   double farthest_mm_ = 0.0;  ///< of a voxel from the frame's origin
   std::vector<PlateNode> nodes_;
   std::vector<PlateLeaf> leaves_;
-  Pose pose_;
+  Pose pose_;  ///< in the frame; of the last step
   bool is_placed_ = false;
 
   // Of the step:

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/engine/volume_segments.h"
@@ -75,6 +77,64 @@ TEST_P(StepResults, AreVolumeWorkAndMomentOfThePointsThatAreGone) {
       EXPECT_LE((result.moment_n_mm2 - expected.n_mm2).norm(), (off_mm + 1e-3) * expected.n_mm + 1e-12);
     }
     EXPECT_GT(work_n_mm, 1000.0);
+  }
+}
+
+TEST_P(StepResults, OfABitThatTurnsTellHowFarBackItCut) {
+  const Material material;
+  const DrillBit bit{1.6, 8.0, 1.0};
+  for (const double jitter : {0.0, 0.4}) {
+    PointVolume volume(askew_path(7.0), {.radius_mm = 2.0, .spacing_mm = 0.2, .jitter = jitter});
+    fill_from(volume, 5);
+    const auto engine = GetParam().make(volume, bit, material);
+    Draw draw(13);
+    Vec3 axis_before = Vec3::Zero();
+    int turns = 0;
+    for (int step = 0; step < 30; ++step) {
+      // In braces: compilers agree on the order of the draws.
+      const Vec3 tip_path{draw(-0.5, 0.5), draw(-0.5, 0.5), draw(3.0, 6.5)};
+      const bool turns_now = step % 3 != 2;
+      const Vec3 aside{draw(-0.2, 0.2), draw(-0.2, 0.2), 1.0};
+      Pose pose = test::pose_at(volume, tip_path, aside);
+      if (!turns_now) pose.axis = axis_before;
+      axis_before = pose.axis;
+      const PointVolume before = volume;
+      const StepResult result = engine->step(pose);
+      double sum = 0.0;
+      for (const double part : result.work_back_n_mm) sum += part;
+      if (step == 0 || !turns_now) {
+        EXPECT_EQ(sum, 0.0);
+        continue;
+      }
+      ++turns;
+      EXPECT_NEAR(sum, result.work_n_mm, 1e-9 * sum);
+      // Places are rounded to sixteenths of a spacing, the axis to 1 / 1024: points so near to where a part ends may
+      // count on either side of it.
+      const double off_mm = std::sqrt(3.0) * 0.2 / 32.0 + 10.0 / 1024.0;
+      // Pressures are whole units of 0.001 N/mm².
+      constexpr double kUnitMpa = 0.0005;
+      std::array<double, StepResult::kBackParts> least{}, most{};
+      for (int disc = 0; disc < before.disc_count(); ++disc) {
+        for (std::size_t i = 0; i < before.pattern().point_count(); ++i) {
+          if (!before.is_alive(disc, i) || volume.is_alive(disc, i)) continue;
+          const double mm3 = before.pattern().point_volume_mm3(DiscPattern::ring_of(i));
+          const double mpa = material.cutting_energy_mpa(before.hu(disc, i));
+          const Vec3 p = before.frame().to_patient(before.point_in_path_mm(disc, i));
+          const double back_mm = -(p - pose.tip_mm).dot(pose.axis);
+          const auto part_at = [&](double mm) {
+            return static_cast<std::size_t>(std::clamp(std::floor(mm / bit.length_mm * 16.0), 0.0, 15.0));
+          };
+          const std::size_t low = part_at(back_mm - off_mm), high = part_at(back_mm + off_mm);
+          if (low == high) least[low] += mm3 * (mpa - kUnitMpa);
+          for (std::size_t part = low; part <= high; ++part) most[part] += mm3 * (mpa + kUnitMpa);
+        }
+      }
+      for (std::size_t part = 0; part < least.size(); ++part) {
+        EXPECT_GE(result.work_back_n_mm[part], least[part] - 1e-9) << part;
+        EXPECT_LE(result.work_back_n_mm[part], most[part] + 1e-9) << part;
+      }
+    }
+    EXPECT_GT(turns, 15);
   }
 }
 

@@ -7,7 +7,11 @@
 namespace spinaltap {
 namespace {
 
-WayAverage::Sums sums(double value) { return {value, 2.0 * value, 3.0 * value, -value}; }
+WayAverage::Sums sums(double value) {
+  WayAverage::Sums sum;
+  sum << value, 2.0 * value, 3.0 * value, -value, 0.5 * value;
+  return sum;
+}
 
 TEST(WayAverage, IsTheRateOfWhatComesEvenlyWhateverTheStep) {
   for (const double step_mm : {0.0001, 0.003, 0.05, 0.17, 3.0}) {

@@ -117,15 +117,16 @@ TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
   bone.thrust_n = 1.25;
   bone.torque_n_mm = 3.5;
   bone.lateral_n = 0.25;
+  bone.contact_n = 0.75;
   bone.state = DrillState::outer_cortical;
   bone.outer_mm = 2.25;
   bone.canal_mm = -0.5;
   bone.cycles_per_s = kNan;
   EXPECT_EQ(log_csv({nothing, bone}),
             "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
-            "mean_lateral_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n"
-            "-2.9,100,0,0,,,0,0,0,initial,,,1000000\n"
-            "0.1,100,12,340,300.5,0.365,1.25,3.5,0.25,outer cortical,2.25,-0.5,\n");
+            "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n"
+            "-2.9,100,0,0,,,0,0,0,0,initial,,,1000000\n"
+            "0.1,100,12,340,300.5,0.365,1.25,3.5,0.25,0.75,outer cortical,2.25,-0.5,\n");
 }
 
 }  // namespace

@@ -230,7 +230,11 @@ TEST(DrillSession, CutsNothingWithTheSpindleOff) {
     EXPECT_EQ(cycle.force.torque_n_mm, 0.0);
   }
   EXPECT_EQ(block.volumes.front().alive_count(), alive);
+  const double most_n = session->last().force.contact_n.norm();
   EXPECT_LT(session->last().force.contact_n.dot(block.path.direction()), 0.0) << "it is pushed back out";
+  auto touches = test::events_of(*session, EventKind::touch);
+  ASSERT_EQ(touches.size(), 1U);
+  EXPECT_EQ(touches[0].value, most_n) << "the deeper, the more";
   // Out, aside and in again with the spindle off; started again, it cuts where it is and not the way there.
   const Vec3 aside = any_perpendicular(block.path.direction());
   session->step({block.at(-3.0), false, 0.001});
@@ -239,6 +243,8 @@ TEST(DrillSession, CutsNothingWithTheSpindleOff) {
   EXPECT_EQ(started.step.removed, 0U);
   EXPECT_EQ(block.volumes.front().alive_count(), alive);
   EXPECT_EQ(session->last().state, DrillState::outer_cortical);
+  touches = test::events_of(*session, EventKind::touch);
+  ASSERT_EQ(touches.size(), 1U) << "free of the bone it touched nothing";
 }
 
 TEST(DrillSession, StopsAtAThrust) {

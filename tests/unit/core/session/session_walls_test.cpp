@@ -122,8 +122,11 @@ TEST_F(SessionWalls, StopOnABreach) {
   EXPECT_TRUE(ran.is_stopped());
 }
 
-TEST_F(SessionWalls, AreNotBreachedByABitThatHasNotTouchedBone) {
-  const DrillSession& ran = session();
+TEST_F(SessionWalls, AreNeitherBreachedNorStoppedAtByABitThatHasNotTouchedBone) {
+  SessionOptions options;
+  options.stop.clearance_mm = 2.0;
+  options.stop.on_breach = true;
+  const DrillSession& ran = session(options);
   RecordedMotion tool_operator({{{Vec3(8.5, 23.0, 21.0), path().direction()}, true, 0.01},
                                 {{Vec3(8.5, 0.0, 21.0), path().direction()}, true, 0.01}});
   run_session(*session_, tool_operator);

@@ -170,13 +170,15 @@ double taken_mm3(const BoneModel& bone, const DrillBit& bit, const std::vector<P
 }
 
 TEST(PlateEngine, CutsTheVolumeThatGeometryTells) {
-  const BoneModel bone = cube(6.0);
+  // Its face lies midway between layers of voxels.
+  constexpr double kFaceMm = 6.025;
+  const BoneModel bone = cube(kFaceMm);
   const DrillBit bit = plate_bit(5.0, 0.8, 20.0);
   // Leaning against the cube's face and turned about its own axis, off the lattice's directions.
   const Vec3 axis = Vec3(0.21, -0.13, 1.0).normalized();
   const Vec3 across = any_perpendicular(axis);
   const Vec3 side = std::cos(0.4) * across + std::sin(0.4) * axis.cross(across);
-  const Vec3 on_face = kCubeMm + Vec3(0.3, 0.2, -6.0);
+  const Vec3 on_face = kCubeMm + Vec3(0.3, 0.2, -kFaceMm);
   const auto at = [&](double depth_mm, const Vec3& aside_mm, double roll_rad) {
     const Vec3 turned = std::cos(roll_rad) * side + std::sin(roll_rad) * axis.cross(side);
     return Pose{on_face + depth_mm * axis + aside_mm, axis, turned};
@@ -191,8 +193,8 @@ TEST(PlateEngine, CutsTheVolumeThatGeometryTells) {
   std::vector<Pose> slot = way;
   const Vec3 normal = axis.cross(side);
   for (int n = 1; n <= 40; ++n) slot.push_back(at(5.0, 0.05 * n * normal, 0.0));
-  // Its mouth leans: across the slot the face lies deeper or shallower by the face's slope, half of the way on average.
-  const double shift_mm = 0.5 * 2.0 * normal.z() / axis.z();
+  // Its mouth leans: what is added lies from half a thickness aside on, and is as much deeper as the face falls there.
+  const double shift_mm = (0.5 * 0.8 + 0.5 * 2.0) * normal.z() / axis.z();
   const double slot_mm3 = kerf_mm3 + 5.0 * 2.0 * (5.0 + shift_mm);
   EXPECT_NEAR(taken_mm3(bone, bit, slot), slot_mm3, 2e-3 * slot_mm3);
   // Turned half about its axis it leaves a round hole of its diagonal.

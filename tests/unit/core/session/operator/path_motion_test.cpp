@@ -26,13 +26,13 @@ DrillPath paper_path() {
 /// Distance from p to the path's line.
 double off_line_mm(const DrillPath& path, const Vec3& p) { return (p - path.entry_mm).cross(path.direction()).norm(); }
 
-constexpr std::size_t kSamples = 10'000;  // 10 s at 1 kHz: whole periods of every sinusoid
+constexpr std::size_t kSamples = 10'000;  // 10 s at 1 kHz
 
 PathMotion tool_operator(std::uint64_t seed = 1) { return {workload_path(3.0), {.tremor_mm = 0.1, .seed = seed}}; }
 
-std::vector<double> tremor_along(const PathMotion& motion, Eigen::Index axis) {
+std::vector<double> tremor_along(const PathMotion& motion, Eigen::Index axis, std::size_t count = kSamples) {
   std::vector<double> samples;
-  for (std::size_t index = 0; index < kSamples; ++index) samples.push_back(motion.tremor_mm(index)[axis]);
+  for (std::size_t index = 0; index < count; ++index) samples.push_back(motion.tremor_mm(index)[axis]);
   return samples;
 }
 
@@ -60,9 +60,26 @@ double mean_square_in_band(const std::vector<double>& samples) {
 TEST(PathMotion, TremblesAlongEveryAxisLikeOneSinusoidOfItsAmplitude) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const PathMotion motion = tool_operator(seed);
-    // Five sinusoids of 0.1 mm / sqrt(5), orthogonal over whole periods: the rms of one of 0.1 mm.
+    // Five sinusoids of 0.1 mm / sqrt(5), over 1000 s all but orthogonal: the rms of one of 0.1 mm. Of any two the
+    // frequencies differ by 0.4 Hz or more, so that their products' mean is below 1 / (2 pi 0.4 1000) = 4e-4 of a
+    // square.
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(std::sqrt(mean_square(tremor_along(motion, axis))), 0.1 / std::sqrt(2.0), 1e-9) << seed;
+      EXPECT_NEAR(std::sqrt(mean_square(tremor_along(motion, axis, 1'000'000))), 0.1 / std::sqrt(2.0), 2e-4) << seed;
+    }
+  }
+}
+
+TEST(PathMotion, DoesNotTrembleTheSameSecondAgain) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const PathMotion motion = tool_operator(seed);
+    // By any whole number of tenths of a second from 1 to 30 s, the tremor is another one: of one that repeats, the
+    // mean square of the difference is 0, of two that have nothing in common twice the tremor's own.
+    for (std::size_t later = 1000; later <= 30'000; later += 100) {
+      double difference = 0.0;
+      for (std::size_t n = 0; n < 2000; n += 5) {
+        difference += (motion.tremor_mm(n + later) - motion.tremor_mm(n)).squaredNorm() / 400.0;
+      }
+      EXPECT_GT(difference, 0.1 * 3.0 * 0.1 * 0.1) << seed << ": " << later << " ms";
     }
   }
 }
