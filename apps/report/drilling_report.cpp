@@ -98,6 +98,9 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
                        {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
                        {"Loose chips left out", count(figures.chips.count), ""},
                        {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
+  if (drilling.max_contact_n > 0.0) {
+    data.figures.push_back({"Max contact force, spindle off", fixed_text(drilling.max_contact_n, 2), "N"});
+  }
   if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
     data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());
   }
