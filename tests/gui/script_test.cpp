@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 
+#include <QDoubleSpinBox>
 #include <QImage>
 #include <QProcess>
 #include <QProcessEnvironment>
 #include <fstream>
 #include <sstream>
 
+#include "apps/report/bit_outline.h"
 #include "apps/spinaltap-planner/script/planner_script.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -70,6 +72,39 @@ TEST_F(PlannerScript, OpensPlansDrillsAndSaves) {
   for (const char* name : {"3d.png", "path.png", "plan.html", "plan.mrk.json", "bone.vdb"}) {
     EXPECT_GT(std::filesystem::file_size(folder.path() / name), 200U) << name;
   }
+}
+
+TEST_F(PlannerScript, OpensAPlanWithASawShowsItAndCutsItsKerf) {
+  const std::string here = folder.path().string() + "/";
+  DrillPath path = phantom_paths().front();
+  path.bit = plate_bit(8.0, 1.2, 60.0, 3.0);
+  write_plan({path}, folder.path() / "saw.json");
+  std::ostringstream text;
+  text << "open \"" << phantom_file().string() << "\"\nopen " << here << "saw.json\ntools on\npage path\npane all\n"
+       << "picture " << here << "before.png\ndrill feed=5 speed=0\nwait\npicture " << here << "after.png\n"
+       << "picture " << here << "3d.png 3d\npicture " << here << "axial.png axial\nrecord " << here << "run.h5\n";
+  run_script(*window, script(text.str()), "test.txt");
+  ASSERT_EQ(document().paths().size(), 1U);
+  EXPECT_EQ(document().paths()[0].bit, path.bit);
+  EXPECT_EQ(child<QDoubleSpinBox>("bitDiameter").value(), 8.0);
+  EXPECT_EQ(child<QDoubleSpinBox>("bitLength").value(), 60.0);
+  EXPECT_EQ(child<QLabel>("bitThickness").text(), "and 1.20 mm thick");
+  EXPECT_FALSE(child<QLabel>("bitThickness").isHidden());
+  // To the target, and the mesh has the kerf: width x thickness x some of the path's length.
+  EXPECT_NEAR(planner().player().last()->depth_mm, path.length_mm(), 0.01);
+  EXPECT_GT(planner().player().removed(), 10'000U);
+  const Vec3 middle_mm = 0.5 * (path.entry_mm + path.target_mm);
+  const auto saw = planner().player().bit();
+  ASSERT_TRUE(saw);
+  EXPECT_LT((saw->second.tip_mm - path.target_mm).norm(), 0.02);
+  EXPECT_NEAR(std::abs(saw->second.side.dot(path.direction())), 0.0, 1e-6);
+  // Slices show it too.
+  EXPECT_FALSE(bit_section(plane_frame(Plane::kAxial, middle_mm,
+                                       Box3(middle_mm - Vec3::Constant(30.0), middle_mm + Vec3::Constant(30.0)), 0.2),
+                           saw->first, saw->second)
+                   .empty());
+  document().set_paths(phantom_paths());
+  EXPECT_TRUE(child<QLabel>("bitThickness").isHidden());
 }
 
 TEST_F(PlannerScript, NamesTheLineThatCannotBeDone) {
