@@ -9,6 +9,7 @@
 namespace spinaltap {
 namespace {
 
+constexpr double kFinishedWallMm = 1.0;
 constexpr double kPulseS = 0.05;           ///< a pulse takes up heat for so long
 constexpr std::size_t kWorkPerCycle = 40;  ///< pulses and bins that a cycle looks at
 constexpr double kFarPower = 14.0;         ///< e^-14: as good as nothing
@@ -24,6 +25,10 @@ double checked_transfer(const HoleHeatOptions& options) {
 }
 
 }  // namespace
+
+double wall_back_mm(const DrillBit& bit) {
+  return kFinishedWallMm + (bit.shape == BitShape::round_burr ? bit.radius_mm() : bit.tip_length_mm);
+}
 
 HoleHeat::HoleHeat(const HoleHeatOptions& options)
     : kernel_(options.radius_mm, options.distance_mm, checked_transfer(options)) {

@@ -7,8 +7,13 @@
 
 #include "core/heat/hole_kernel.h"
 #include "core/heat/thermal_bone.h"
+#include "core/tool/drill_bit.h"
 
 namespace spinaltap {
+
+/// How far behind the tip lies the ring that heats the wall, mm: a millimetre behind where the bit is first as wide as
+/// its hole. What bone keeps is what neither chips nor the next turn took: nearer, the bit would take it once more.
+double wall_back_mm(const DrillBit& bit);
 
 struct HoleHeatOptions {
   double radius_mm = 1.5;

@@ -5,15 +5,6 @@
 #include "core/base/error.h"
 
 namespace spinaltap {
-namespace {
-
-constexpr double kFinishedWallMm = 1.0;
-
-}  // namespace
-
-double wall_back_mm(const DrillBit& bit) {
-  return kFinishedWallMm + (bit.shape == BitShape::round_burr ? bit.radius_mm() : bit.tip_length_mm);
-}
 
 std::vector<HeatStep> heat_steps(std::span<const RecordedCycle> cycles, const DrillBit& bit, double rpm,
                                  const ThermalBone& bone) {

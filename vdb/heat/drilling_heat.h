@@ -5,6 +5,7 @@
 
 #include "core/base/progress.h"
 #include "core/heat/cutting_heat.h"
+#include "core/heat/hole_heat.h"
 #include "core/session/record/session_record.h"
 #include "core/tool/drill_bit.h"
 #include "vdb/heat/heat_grid.h"
@@ -17,10 +18,6 @@ struct HeatStep {
   double dt_s = 0.0;
   double bone_w = 0.0;  ///< given to the wall of the hole
 };
-
-/// How far behind the tip lies the ring that heats the wall, mm: a millimetre behind where the bit is first as wide as
-/// its hole. What bone keeps is what neither chips nor the next turn took: nearer, the bit would take it once more.
-double wall_back_mm(const DrillBit& bit);
 
 /// Those of a recorded drilling at `rpm`: cutting_heat() of each cycle; none where the spindle is off.
 std::vector<HeatStep> heat_steps(std::span<const RecordedCycle> cycles, const DrillBit& bit, double rpm,
