@@ -18,7 +18,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/base/text_writer.h"
-#include "core/files/bit_file.h"
+#include "core/files/bit_json.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/points/neighbour_distances.h"

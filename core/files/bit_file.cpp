@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/files/bit_json.h"
 #include "core/files/data_files.h"
 #include "core/files/detail/tool_json.h"
 

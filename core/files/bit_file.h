@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "core/files/json_file.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
@@ -15,9 +14,6 @@ const std::map<std::string, BitShape>& bit_shapes();
 
 /// Theirs, or "profile".
 const std::string& name_of(BitShape shape);
-
-/// A tool as plans hold it; docs/plan-file.md.
-Json bit_json(const DrillBit& bit);
 
 /// A bit that people know by a name.
 struct NamedBit {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/files/bit_json.h"
 #include "core/files/data_files.h"
 #include "tests/support/temporary_folder.h"
 
