@@ -128,13 +128,13 @@ Vec3 BitBody::normal(const Vec3& p_mm) const {
 }
 
 void join_stretches(std::vector<RayStretch>& stretches) {
-  constexpr double kTouchMm = 1e-7;  // pieces of a bit end where the next begins, to within rounding
+  constexpr double kJoinedMm = 1e-7;  // pieces of a bit end where the next begins, to within rounding
   std::sort(stretches.begin(), stretches.end(), [](const RayStretch& a, const RayStretch& b) {
     return a.begin_mm != b.begin_mm ? a.begin_mm < b.begin_mm : a.end_mm < b.end_mm;
   });
   std::size_t joined = 0;
   for (const RayStretch& stretch : stretches) {
-    if (joined > 0 && stretch.begin_mm <= stretches[joined - 1].end_mm + kTouchMm) {
+    if (joined > 0 && stretch.begin_mm <= stretches[joined - 1].end_mm + kJoinedMm) {
       stretches[joined - 1].end_mm = std::max(stretches[joined - 1].end_mm, stretch.end_mm);
     } else {
       stretches[joined++] = stretch;

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, kColumns> kNames{"time_s", "x_mm",       
 constexpr std::size_t kSpindle = 7;
 constexpr std::size_t kSide = 8;
 /// How far a side may lie off a right angle with the axis, as a sine: what poses are allowed.
-constexpr double kMaxLean = 0.01;
+constexpr double kMaxSideLean = 0.01;
 
 class PoseCsvReader {
  public:
@@ -102,7 +102,7 @@ class PoseCsvReader {
   void take_side(const Vec3& given, Pose& pose, bool has_axis) {
     if (given == Vec3::Zero()) return;
     const double length = given.norm();
-    const bool is_across = has_axis && std::isfinite(length) && std::abs(given.dot(pose.axis)) <= kMaxLean * length;
+    const bool is_across = has_axis && std::isfinite(length) && std::abs(given.dot(pose.axis)) <= kMaxSideLean * length;
     pose.side = is_across ? Vec3(given / length) : given;
     if (is_across || options_.lets_bad_poses_pass) return;
     fail("expected a side that is finite and across the axis, found (", given.x(), ", ", given.y(), ", ", given.z(),

@@ -28,7 +28,7 @@ using testing::ThrowsMessage;
 const Vec3 kCubeMm(31.3, 212.1, -618.7);
 
 /// A cube with CT numbers that differ from place to place.
-BoneModel cube(double half_mm) {
+BoneModel plate_cube(double half_mm) {
   const Box3 box_mm(kCubeMm - Vec3::Constant(half_mm + 1.5), kCubeMm + Vec3::Constant(half_mm + 1.5));
   auto grids = std::make_shared<detail::BoneGrids>();
   grids->sdf =
@@ -60,7 +60,7 @@ DrillBit plate(std::uint64_t n) {
 
 /// Poses that wander through and around the cube with turns of all kinds, slides along the plate's own directions,
 /// jumps, and ways out and in again.
-std::vector<Pose> wander(std::uint64_t seed, int steps, double half_mm) {
+std::vector<Pose> wander_with_plate(std::uint64_t seed, int steps, double half_mm) {
   Random random(seed);
   const double speed_mm = std::pow(10.0, random(-2.5, -0.3));
   const double turn = seed % 3 == 0 ? 0.0 : std::pow(10.0, random(-5.0, -1.3));
@@ -133,7 +133,7 @@ class PlateBruteForce {
 
 TEST(PlateEngine, RemovesWhatEveryVoxelPutToTheSweptBoxSays) {
   constexpr double kHalfMm = 2.5;
-  const BoneModel bone = cube(kHalfMm);
+  const BoneModel bone = plate_cube(kHalfMm);
   std::size_t removed = 0;
   for (std::uint64_t seed = 0; seed < 80; ++seed) {
     SCOPED_TRACE(seed);
@@ -142,7 +142,7 @@ TEST(PlateEngine, RemovesWhatEveryVoxelPutToTheSweptBoxSays) {
     const Material material;
     const auto engine = make_voxel_engine(voxels, bit, material);
     PlateBruteForce truth(voxels, bit, material);
-    const std::vector<Pose> poses = wander(seed, 120, kHalfMm);
+    const std::vector<Pose> poses = wander_with_plate(seed, 120, kHalfMm);
     for (std::size_t n = 0; n < poses.size(); ++n) {
       if (seed % 11 == 10 && n == 60) {
         engine->reset_motion();
@@ -172,7 +172,7 @@ double taken_mm3(const BoneModel& bone, const DrillBit& bit, const std::vector<P
 TEST(PlateEngine, CutsTheVolumeThatGeometryTells) {
   // Its face lies midway between layers of voxels.
   constexpr double kFaceMm = 6.025;
-  const BoneModel bone = cube(kFaceMm);
+  const BoneModel bone = plate_cube(kFaceMm);
   const DrillBit bit = plate_bit(5.0, 0.8, 20.0);
   // Leaning against the cube's face and turned about its own axis, off the lattice's directions.
   const Vec3 axis = Vec3(0.21, -0.13, 1.0).normalized();
@@ -205,7 +205,7 @@ TEST(PlateEngine, CutsTheVolumeThatGeometryTells) {
 }
 
 TEST(PlateEngine, TakesNothingAtPosesThatMakeNoSense) {
-  VoxelBone voxels(cube(2.0));
+  VoxelBone voxels(plate_cube(2.0));
   const auto engine = make_voxel_engine(voxels, plate_bit(3.0, 0.5, 8.0), {});
   const Vec3 nan = Vec3::Constant(std::nan(""));
   EXPECT_EQ(engine->step({nan, Vec3::UnitY()}).removed, 0U);

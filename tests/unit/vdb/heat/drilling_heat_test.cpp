@@ -16,7 +16,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kEntryMm = 0.0;
+constexpr double kHeatEntryMm = 0.0;
 constexpr double kDrilledMm = 6.0;
 
 /// A drilling of an even block below z = 0 along z, by the closed form of its forces.
@@ -31,12 +31,12 @@ struct BlockDrilling {
   double water_w_mm2_k = 0.0;
 };
 
-class Block final : public HeatMedium {
+class HeatedBlock final : public HeatMedium {
  public:
-  explicit Block(const ThermalTissue& tissue) : tissue_(tissue) {}
+  explicit HeatedBlock(const ThermalTissue& tissue) : tissue_(tissue) {}
   void tissues(std::span<const Vec3> points_mm, std::span<ThermalTissue> tissues) const override {
     for (std::size_t n = 0; n < points_mm.size(); ++n) {
-      tissues[n] = points_mm[n].z() > kEntryMm ? tissue_ : ThermalTissue{};
+      tissues[n] = points_mm[n].z() > kHeatEntryMm ? tissue_ : ThermalTissue{};
     }
   }
 
@@ -102,7 +102,7 @@ double max_around_k(const HeatGrid& grid, double radius_mm, double depth_mm) {
 
 Rises rises_of(const BlockDrilling& drilling, double voxel_mm = 0.2) {
   const BlockHeat heat = heat_of(drilling);
-  const Block block(heat.tissue);
+  const HeatedBlock block(heat.tissue);
   HeatGrid grid(block, {.voxel_mm = voxel_mm,
                         .origin_mm = Vec3::Constant(0.5 * voxel_mm),
                         .wall_transfer_w_mm2_k = drilling.water_w_mm2_k});
@@ -158,7 +158,7 @@ TEST(DrillingHeat, HasThePublishedTrends) {
 
 TEST(DrillingHeat, GivesTheWallItsPowerAndTellsHowMuchGotHot) {
   const BlockHeat heat = heat_of({.feed_mm_s = 0.5});
-  const Block block(heat.tissue);
+  const HeatedBlock block(heat.tissue);
   HeatGrid grid(block, {.voxel_mm = 0.25, .origin_mm = Vec3::Constant(0.125)});
   const DrillingHeat result = run_drilling_heat(grid, heat.bit, heat.steps);
   double given_j = 0.0;

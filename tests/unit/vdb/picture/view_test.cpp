@@ -49,7 +49,7 @@ StraightWay way_into_ball() {
 }
 
 /// The ball without what the bit took on that way.
-const BoneModel& drilled_ball() {
+const BoneModel& drilled_view_ball() {
   static const BoneModel bone =
       test::without_hole(viewed_ball(), kViewedBit, way_into_ball().start, way_into_ball().end);
   return bone;
@@ -119,7 +119,7 @@ TEST(ViewBone, ReprojectsOntoTheGridsOwnSurface) {
 TEST(ViewBone, SeesTheWallsOfAHoleAndNothingThatWasRemoved) {
   const StraightWay way = way_into_ball();
   const Camera eye = camera_from(-way.end.axis + 0.15 * Vec3::UnitZ());
-  const View view = view_bone(drilled_ball(), eye);
+  const View view = view_bone(drilled_view_ball(), eye);
   // The grid is tri-linear: half a voxel off where the tip and the edge behind it bend within a voxel, and
   // voxel² / 8 r elsewhere, with r = 2 mm.
   const double wall_mm = 0.006;
@@ -168,8 +168,8 @@ TEST(ViewBone, SeesTheSameWhileTheHoleIsDrilled) {
 
 TEST(ViewBone, SeesTheBitOnItsOwnSurfaceInFrontOfWhatItHides) {
   const StraightWay way = way_into_ball();
-  const View view = view_bone(drilled_ball(), camera_from(Vec3(0.1, 0.9, 0.6)), RenderedBit{kViewedBit, way.end});
-  const View without = view_bone(drilled_ball(), view.camera);
+  const View view = view_bone(drilled_view_ball(), camera_from(Vec3(0.1, 0.9, 0.6)), RenderedBit{kViewedBit, way.end});
+  const View without = view_bone(drilled_view_ball(), view.camera);
   const BitProfile profile(kViewedBit);
   std::size_t bits = 0;
   for_each_pixel(view, [&](int column, int row, std::size_t pixel) {
@@ -193,11 +193,11 @@ TEST(ViewBone, LooksOutOfAHoleItStandsIn) {
   const StraightWay way = way_into_ball();
   const Vec3 in_hole_mm = way.end.tip_mm - 5.0 * way.end.axis;
   const Vec3 aside = way.end.axis.cross(Vec3::UnitZ()).normalized();
-  const View view = view_bone(drilled_ball(), look_at(in_hole_mm, in_hole_mm + aside, way.end.axis, 0.3, 32, 24));
+  const View view = view_bone(drilled_view_ball(), look_at(in_hole_mm, in_hole_mm + aside, way.end.axis, 0.3, 32, 24));
   EXPECT_TRUE(std::all_of(view.mask.begin(), view.mask.end(), [](std::uint8_t seen) { return seen == 2; }));
   EXPECT_NEAR(static_cast<double>(view.depth_mm[view.pixel(16, 12)]), 2.0, 0.05);
   const Camera outward = look_at(in_hole_mm, in_hole_mm - way.end.axis, aside, 0.1, 32, 24);
-  const View sky = view_bone(drilled_ball(), outward);
+  const View sky = view_bone(drilled_view_ball(), outward);
   EXPECT_EQ(std::count(sky.mask.begin(), sky.mask.end(), 0), 32 * 24);
 }
 
@@ -212,9 +212,9 @@ TEST(ViewBone, SeesNothingOfSolidsItStandsIn) {
 TEST(ViewBone, HasTheSameBitsAtOneAndManyThreads) {
   const StraightWay way = way_into_ball();
   const RenderedBit bit{kViewedBit, way.end};
-  const View many = view_bone(drilled_ball(), camera_from(kAskew), bit);
+  const View many = view_bone(drilled_view_ball(), camera_from(kAskew), bit);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const View alone = view_bone(drilled_ball(), camera_from(kAskew), bit);
+  const View alone = view_bone(drilled_view_ball(), camera_from(kAskew), bit);
   EXPECT_EQ(alone.mask, many.mask);
   EXPECT_EQ(std::memcmp(alone.depth_mm.data(), many.depth_mm.data(), many.depth_mm.size() * sizeof(float)), 0);
   EXPECT_EQ(std::memcmp(alone.normals.data(), many.normals.data(), many.normals.size() * sizeof(float)), 0);
