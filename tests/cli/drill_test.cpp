@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +12,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "core/base/random.h"
@@ -299,8 +302,38 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
   EXPECT_EQ(replay.exit_code, 0) << replay.output << replay.errors;
 }
 
+/// Mean over all cycles of a log, N.
+double mean_thrust_n(const std::filesystem::path& log) {
+  std::istringstream lines(read_whole_file(log));
+  std::string line, field;
+  std::getline(lines, line);
+  const auto column_called = [&](const std::string& wanted) {
+    std::istringstream names(line);
+    std::size_t column = 0;
+    for (std::string name; std::getline(names, name, ',') && name != wanted;) ++column;
+    return column;
+  };
+  const std::size_t cycles_column = column_called("cycles"), thrust_column = column_called("mean_thrust_n");
+  double sum_n = 0.0, cycles = 0.0;
+  while (std::getline(lines, line)) {
+    std::istringstream fields(line);
+    double row_cycles = 0.0, row_n = 0.0;
+    for (std::size_t n = 0; std::getline(fields, field, ','); ++n) {
+      if (n == cycles_column) row_cycles = std::stod(field);
+      if (n == thrust_column) row_n = std::stod(field);
+    }
+    sum_n += row_cycles * row_n;
+    cycles += row_cycles;
+  }
+  return sum_n / cycles;
+}
+
 TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   const Json points = drill("--operator tremor");
+  const std::filesystem::path log = folder_->path() / "out" / "log.csv";
+  // Of a hand that trembles the greatest thrust is a matter of luck.
+  const double thrust_n = mean_thrust_n(log);
+  EXPECT_GT(points["max_thrust_n"].get<double>(), thrust_n);
   const Json voxels = drill("--engine voxel --operator tremor --record voxels.h5");
   EXPECT_EQ(voxels["engine"], "voxel");
   for (const char* key : {"points", "points_in_bone", "bytes_per_point", "points_per_disc"}) {
@@ -312,8 +345,7 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   EXPECT_EQ(voxels["voxel_mm"], 0.2);
   const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * std::pow(kBoneRadiusMm, 3);
   EXPECT_NEAR(0.008 * voxels["voxels_in_bone"].get<double>(), ball_mm3, 0.01 * ball_mm3);
-  const double thrust_n = points["max_thrust_n"];
-  EXPECT_NEAR(voxels["max_thrust_n"].get<double>(), thrust_n, 0.15 * thrust_n);
+  EXPECT_NEAR(mean_thrust_n(log), thrust_n, 0.15 * thrust_n);
   for (const auto& [engine, exit_code] : {std::pair("voxel", 0), std::pair("ring", 1)}) {
     const test::ProgramRun replay =
         test::run_program(std::string("replay voxels.h5 bone.vdb --engine ") + engine, folder_->path());
@@ -406,6 +438,8 @@ TEST_F(Drill, MillsAPatchDownToAFloor) {
 TEST_F(Drill, CutsAKerfWithASawAndReplaysIt) {
   DrillPath cut = path({});
   cut.bit = plate_bit(20.0, 1.0, 30.0, 2.0);  // wider than the ball
+  // Its faces lie along no layers of voxels that are far between: by those a kerf counts too wide or too narrow.
+  cut.bit.width_along = Vec3(0.31, 0.52, 0.79).normalized();
   write_plan({cut}, folder_->path() / "saw.json");
   const test::ProgramRun run = test::run_program(
       "drill bone.vdb saw.json --spacing 0.1 --step 0.02 --no-clearances --record saw.h5 -o saw --json saw_out.json",
