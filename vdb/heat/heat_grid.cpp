@@ -63,11 +63,11 @@ HeatIndex place_in(std::size_t n) {
 struct HeatGrid::State {
   const HeatMedium& medium;
   HeatGridOptions options;
-  std::vector<std::unique_ptr<HeatBlock>> blocks;  ///< in the order in which they came
-  std::map<HeatIndex, HeatBlock*> by_origin;       ///< null: all air
+  std::vector<std::unique_ptr<HeatBlock>> blocks = {};  ///< in the order in which they came
+  std::map<HeatIndex, HeatBlock*> by_origin = {};       ///< null: all air
   std::size_t turn = 0;
   double time_s = 0.0;
-  HeatBalance sums;
+  HeatBalance sums = {};
   // Of the last bit.
   Vec3 hole_tip_mm = Vec3::Zero();
   Vec3 hole_axis = Vec3::UnitZ();
@@ -290,7 +290,7 @@ void HeatGrid::State::grow() {
 }
 
 HeatGrid::HeatGrid(const HeatMedium& medium, const HeatGridOptions& options)
-    : state_(std::make_unique<State>(medium, options)) {
+    : state_(new State{.medium = medium, .options = options}) {
   if (!(options.voxel_mm >= 0.01) || !(options.voxel_mm <= 10.0)) {
     fail("heat: expected voxels of 0.01 to 10 mm, found ", options.voxel_mm);
   }
