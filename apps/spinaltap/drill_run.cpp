@@ -153,7 +153,10 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
     print_figure("memory", drilling.bytes_per_point, "bytes/point", 3);
   }
   for (const auto& [name, value, unit] : tool_rows(figures.setup.path.bit)) {
-    print_figure(static_cast<char>(name.front() - 'A' + 'a') + name.substr(1), value + " " + unit);
+    std::string label = name, shown = value;
+    label.front() = static_cast<char>(label.front() - 'A' + 'a');
+    shown.append(" ").append(unit);
+    print_figure(label, shown);
   }
   print_figure("engine", name_of(figures.setup.engine));
   if (figures.setup.region_mm) print_figure("region", region_text(*figures.setup.region_mm));
