@@ -127,12 +127,14 @@ std::optional<DrillPath> PathOptions::given_path(const std::string& name) const 
   DrillPath path{name, Vec3(entry_mm[0], entry_mm[1], entry_mm[2]), Vec3(target_mm[0], target_mm[1], target_mm[2]),
                  bit()};
   for (const std::string& place : via) path.via_mm.push_back(place_of(place));
-  check_path(path);
-  if (path.bit.shape == BitShape::plate && !sound_pose({path.entry_mm, path.direction()}, path.bit)) {
+  const Vec3 direction = (path.target_mm - path.entry_mm).normalized();
+  const bool is_plate = path.bit.shape == BitShape::plate && direction.allFinite();
+  if (is_plate && !sound_pose({Vec3::Zero(), direction}, path.bit)) {
     fail(
         "expected a plate whose width lies across its path: choose another --width-along, further than 6 degrees from ",
-        "the path's direction ", path.direction().transpose());
+        "the path's direction ", direction.transpose());
   }
+  check_path(path);
   return path;
 }
 

@@ -138,7 +138,9 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   cycle_.force = forces_.update(cycle_.step, pose, input.dt_s + tracking.waiting_s, spindle);
   tracking.waiting_s = 0.0;
   if (clearances_ != nullptr) {
-    cycle_.clearance = std::visit([&](const auto& body) { return clearances_->of(body, pose); }, tracking.bit);
+    if (const auto* profile = std::get_if<BitProfile>(&tracking.bit))
+      cycle_.clearance = clearances_->of(*profile, pose);
+    if (const auto* plate = std::get_if<PlateBox>(&tracking.bit)) cycle_.clearance = clearances_->of(*plate, pose);
   }
   if (is_on && options_.follows_path) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
   tracking.watch.update(cycle_, pose, states_.begin_mm(), is_on, tracking.log);

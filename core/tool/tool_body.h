@@ -17,8 +17,10 @@ inline ToolBody tool_body(const DrillBit& bit) {
 }
 
 /// From the tip back to the base.
-inline double tool_length_mm(const ToolBody& body) {
-  return std::visit([](const auto& one) { return one.length_mm(); }, body);
+inline double tool_length_mm(const ToolBody& body) noexcept {
+  if (const auto* plate = std::get_if<PlateBox>(&body)) return plate->length_mm();
+  const auto* profile = std::get_if<BitProfile>(&body);
+  return profile != nullptr ? profile->length_mm() : 0.0;
 }
 
 }  // namespace spinaltap

@@ -153,7 +153,9 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
 double SessionWatch::beyond_side_mm(const Pose& pose) const noexcept {
   if (const auto* profile = std::get_if<BitProfile>(&bit_)) return bone_->beyond_side_mm(*profile, pose, contact_mm_);
   // A box lies within what its corners lie in.
-  const PlateBox& box = std::get<PlateBox>(bit_);
+  const auto* plate = std::get_if<PlateBox>(&bit_);
+  if (plate == nullptr) return -std::numeric_limits<double>::infinity();
+  const PlateBox& box = *plate;
   const double deep_mm = std::clamp((pose.tip_mm - contact_mm_).dot(pose.axis), 0.0, box.length_mm());
   const Mat3 rows = plate_rows(pose);
   double most_mm = -std::numeric_limits<double>::infinity();
