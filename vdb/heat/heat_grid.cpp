@@ -51,7 +51,8 @@ struct HeatBlock {
 constexpr std::array<std::size_t, 3> kStride{64, 8, 1};
 
 std::size_t heat_index_in(const HeatIndex& voxel) {
-  return static_cast<std::size_t>((voxel[0] & 7) * 64 + (voxel[1] & 7) * 8 + (voxel[2] & 7));
+  const int place = (voxel[0] & 7) * 64 + (voxel[1] & 7) * 8 + (voxel[2] & 7);
+  return static_cast<std::size_t>(place);
 }
 HeatIndex origin_of(const HeatIndex& voxel) { return {voxel[0] & ~7, voxel[1] & ~7, voxel[2] & ~7}; }
 HeatIndex place_in(std::size_t n) {

@@ -21,7 +21,6 @@ namespace spinaltap {
 namespace {
 
 using openvdb::Coord;
-using openvdb::CoordBBox;
 
 using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 /// The poses of ways, each way's straight from one to the next.
