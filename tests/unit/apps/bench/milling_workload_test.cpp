@@ -55,7 +55,7 @@ TEST(MillingWorkload, BeginsOnTheEndplate) {
 TEST(MillingWorkload, TakesTheSameVolumeOfPointsAndVoxels) {
   const BoneModel& bone = milled();
   for (const double tilt_deg : {0.0, kMaxPointTiltDeg}) {
-    const MillingWorkload workload{.diameter_mm = 6.0, .tilt_deg = tilt_deg, .spacing_mm = 0.5};
+    const MillingWorkload workload{.diameter_mm = 6.0, .tilt_deg = tilt_deg, .spacing_mm = 0.25};
     const std::vector<Pose> poses = milling_poses(workload, kMillingCycles);
     double mm3[2];
     for (const EngineKind kind : {EngineKind::leaf, EngineKind::voxel}) {
