@@ -38,24 +38,6 @@ struct CertifiedLeaf : LivingLeaf {
   std::array<float, 8> word_mm = {};  ///< and of each word alone
 };
 
-/// Voxels as a bit sees them, in whichever way it is turned.
-struct AxisView {
-  Mat3 rows = Mat3::Zero();  ///< as SweptBit has them
-  WordOffsets offsets;
-
-  /// Most steps turn little or not.
-  void take(const Mat3& new_rows, double voxel_mm) noexcept {
-    if (rows == new_rows) return;
-    rows = new_rows;
-    for (unsigned bit = 0; bit < 64; ++bit) {
-      const unsigned y = bit / 8, z = bit % 8;
-      for (unsigned n = 0; n < 3; ++n) {
-        offsets.of_bits[n][bit] = static_cast<float>(voxel_mm * (rows(n, 1) * y + rows(n, 2) * z));
-      }
-    }
-  }
-};
-
 /// Middle of a box of `voxels` to a side, in voxels from `zero`.
 Vec3 middle_of(const openvdb::Coord& origin, const openvdb::Coord& zero, int voxels) {
   const openvdb::Coord at = origin - zero;
@@ -196,22 +178,10 @@ class VoxelEngine final : public SweptEngine {
     return words;
   }
 
-  Vec3 centre_mm(const LivingLeaf& leaf, std::size_t bit) const noexcept {
-    const auto at = static_cast<std::int32_t>(bit);
-    const Eigen::Vector3i voxel(leaf.origin[0] + at / 64, leaf.origin[1] + at / 8 % 8, leaf.origin[2] + at % 8);
-    return voxel_mm_ * voxel.cast<double>();
-  }
+  Vec3 centre_mm(const LivingLeaf& leaf, std::size_t bit) const noexcept { return voxel_mm_ * voxel_of(leaf, bit); }
 
   LeafPlace place_of(const CertifiedLeaf& leaf, const Vec3& tip_mm, const AxisView& view) const noexcept {
-    LeafPlace place;
-    place.offsets = &view.offsets;
-    const Vec3 first_mm = view.rows * (centre_mm(leaf, 0) - tip_mm);
-    for (int n = 0; n < 3; ++n) {
-      const auto at = static_cast<std::size_t>(n);
-      place.first[at] = static_cast<float>(first_mm[n]);
-      place.per_x[at] = static_cast<float>(view.rows(n, 0) * voxel_mm_);
-    }
-    return place;
+    return view.place_of(centre_mm(leaf, 0) - tip_mm, voxel_mm_);
   }
 
   void look(std::size_t number, const SweptBounds& tool, const WordTool& words, Removal& removal) noexcept {

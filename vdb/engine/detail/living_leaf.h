@@ -9,6 +9,7 @@
 #include "core/engine/swept_engine.h"
 #include "core/points/hu_byte.h"
 #include "core/points/material.h"
+#include "vdb/engine/detail/word_kernels.h"
 
 namespace spinaltap::detail {
 
@@ -18,6 +19,42 @@ struct LivingLeaf {
   const std::uint8_t* hu = nullptr;
   std::array<std::int32_t, 3> origin{};  ///< voxels from the engine's middle
   std::uint32_t alive = 0;
+};
+
+/// Which voxel a bit of a leaf's 512 is, in voxels from the engine's middle.
+inline Vec3 voxel_of(const LivingLeaf& leaf, std::size_t bit) noexcept {
+  const auto at = static_cast<std::int32_t>(bit);
+  return Eigen::Vector3i(leaf.origin[0] + at / 64, leaf.origin[1] + at / 8 % 8, leaf.origin[2] + at % 8).cast<double>();
+}
+
+/// Voxels as a tool sees them, in whichever way it is turned.
+struct AxisView {
+  Mat3 rows = Mat3::Zero();  ///< as SweptBit or SweptPlate have them
+  WordOffsets offsets;
+
+  /// Most steps turn little or not.
+  void take(const Mat3& new_rows, double voxel_mm) noexcept {
+    if (rows == new_rows) return;
+    rows = new_rows;
+    for (unsigned bit = 0; bit < 64; ++bit) {
+      const unsigned y = bit / 8, z = bit % 8;
+      for (unsigned n = 0; n < 3; ++n) {
+        offsets.of_bits[n][bit] = static_cast<float>(voxel_mm * (rows(n, 1) * y + rows(n, 2) * z));
+      }
+    }
+  }
+
+  /// Where a leaf lies whose first voxel is `first_mm` from the tool's tip.
+  LeafPlace place_of(const Vec3& first_mm, double voxel_mm) const noexcept {
+    LeafPlace place;
+    place.offsets = &offsets;
+    const Vec3 seen_mm = rows * first_mm;
+    for (unsigned n = 0; n < 3; ++n) {
+      place.first[n] = static_cast<float>(seen_mm[n]);
+      place.per_x[n] = static_cast<float>(rows(n, 0) * voxel_mm);
+    }
+    return place;
+  }
 };
 
 /// What voxels count when they die, see Removal: places in voxels from the engine's middle.

@@ -42,23 +42,6 @@ struct PlateNode {
   std::array<double, 3> ends_mm{-kNever, -kNever, -kNever};
 };
 
-/// Voxels of a word as a plate at one end of its way sees them.
-struct SeenWords {
-  Mat3 rows = Mat3::Zero();
-  WordOffsets offsets;
-
-  void take(const Mat3& new_rows, double voxel_mm) noexcept {
-    if (rows == new_rows) return;
-    rows = new_rows;
-    for (unsigned bit = 0; bit < 64; ++bit) {
-      const unsigned y = bit / 8, z = bit % 8;
-      for (unsigned n = 0; n < 3; ++n) {
-        offsets.of_bits[n][bit] = static_cast<float>(voxel_mm * (rows(n, 1) * y + rows(n, 2) * z));
-      }
-    }
-  }
-};
-
 std::uint64_t packed(const std::array<std::uint8_t, 64>& flags) noexcept {
   std::uint64_t bits = 0;
   for (unsigned bit = 0; bit < 64; ++bit) bits |= std::uint64_t{flags[bit]} << bit;
@@ -201,11 +184,6 @@ class PlateEngine final : public DrillEngine {
     return most_mm > 0.0 ? std::optional(best) : std::nullopt;
   }
 
-  Vec3 voxel_mm(const PlateLeaf& leaf, unsigned x, unsigned bit) const noexcept {
-    const auto at = [&](std::int32_t origin, unsigned within) { return origin + static_cast<std::int32_t>(within); };
-    return voxel_mm_ * Vec3(at(leaf.origin[0], x), at(leaf.origin[1], bit / 8), at(leaf.origin[2], bit % 8));
-  }
-
   void look(PlateLeaf& leaf, const SweptPlate& swept, Removal& removal) noexcept {
     if (const std::optional<OneWay> free = free_of_ball(leaf.centre_mm, leaf_half_mm_, swept.to().tip_mm)) {
       leaf.holds = *free;
@@ -218,7 +196,7 @@ class PlateEngine final : public DrillEngine {
       for (unsigned x = 0; x < 8; ++x) sums_.kill(leaf, x, leaf.words[x], removal);
       return;
     }
-    const Place begin = place_of(leaf, begin_, swept.from().tip_mm), end = place_of(leaf, end_, swept.to().tip_mm);
+    const LeafPlace begin = place_of(leaf, begin_, swept.from().tip_mm), end = place_of(leaf, end_, swept.to().tip_mm);
     Beyond beyond;
     for (unsigned x = 0; x < 8; ++x) {
       if (leaf.words[x] == 0) continue;
@@ -228,7 +206,7 @@ class PlateEngine final : public DrillEngine {
       removal.tested += static_cast<std::size_t>(std::popcount(unsure));
       for (std::uint64_t left = unsure; left != 0; left &= left - 1) {
         const auto bit = static_cast<unsigned>(std::countr_zero(left));
-        if (swept.contains(voxel_mm(leaf, x, bit))) dead |= std::uint64_t{1} << bit;
+        if (swept.contains(voxel_mm_ * voxel_of(leaf, x * 64 + bit))) dead |= std::uint64_t{1} << bit;
       }
       sums_.kill(leaf, x, dead, removal);
       if (leaf.words[x] != 0) beyond.take(end, x, leaf.words[x], larger_);
@@ -244,19 +222,8 @@ class PlateEngine final : public DrillEngine {
     }
   }
 
-  /// Where a leaf's voxels lie, seen from the plate at one end of its way.
-  struct Place {
-    const WordOffsets* offsets;
-    std::array<float, 3> first, per_x;
-  };
-  Place place_of(const PlateLeaf& leaf, const SeenWords& seen, const Vec3& tip_mm) const noexcept {
-    Place place{&seen.offsets, {}, {}};
-    const Vec3 first_mm = seen.rows * (voxel_mm(leaf, 0, 0) - tip_mm);
-    for (unsigned n = 0; n < 3; ++n) {
-      place.first[n] = static_cast<float>(first_mm[n]);
-      place.per_x[n] = static_cast<float>(seen.rows(n, 0) * voxel_mm_);
-    }
-    return place;
+  LeafPlace place_of(const PlateLeaf& leaf, const AxisView& view, const Vec3& tip_mm) const noexcept {
+    return view.place_of(voxel_mm_ * voxel_of(leaf, 0) - tip_mm, voxel_mm_);
   }
 
   /// The plate's box in float, along one direction.
@@ -274,7 +241,8 @@ class PlateEngine final : public DrillEngine {
 
   /// Voxels of a word that the plate surely holds at the end of its way; `unsure`: those of the others that it may have
   /// passed: not all the way on one side of it.
-  std::uint64_t word_of(const Place& begin, const Place& end, unsigned x, std::uint64_t& unsure) const noexcept {
+  std::uint64_t word_of(const LeafPlace& begin, const LeafPlace& end, unsigned x,
+                        std::uint64_t& unsure) const noexcept {
     std::array<std::uint8_t, 64> held{}, passed{};
     held.fill(1);
     passed.fill(1);
@@ -300,7 +268,7 @@ class PlateEngine final : public DrillEngine {
   struct Beyond {
     std::array<float, 3> low{1e30F, 1e30F, 1e30F}, high{1e30F, 1e30F, 1e30F};
 
-    void take(const Place& end, unsigned x, std::uint64_t living, const FloatBox& box) noexcept {
+    void take(const LeafPlace& end, unsigned x, std::uint64_t living, const FloatBox& box) noexcept {
       alignas(64) std::array<float, 64> absent;
       for (std::size_t bit = 0; bit < 64; ++bit) absent[bit] = (living >> bit & 1U) != 0 ? 0.0F : 1e30F;
       for (unsigned n = 0; n < 3; ++n) {
@@ -332,7 +300,7 @@ class PlateEngine final : public DrillEngine {
   bool is_placed_ = false;
 
   // Of the step:
-  SeenWords begin_, end_;
+  AxisView begin_, end_;
   std::array<double, 3> step_mm_{};
   std::array<double, 3> way_mm_{};  ///< of all steps so far
 };
