@@ -51,6 +51,10 @@ Mat3 axes_of(const Vec3& across, const Vec3& tangent) {
 
 }  // namespace
 
+Vec3 PathCurve::Cubic::at(double u) const { return a + u * (b + u * (c + u * d)); }
+Vec3 PathCurve::Cubic::first(double u) const { return b + u * (2.0 * c + u * (3.0 * d)); }
+Vec3 PathCurve::Cubic::second(double u) const { return 2.0 * c + u * (6.0 * d); }
+
 PathCurve::PathCurve(const DrillPath& path)
     : entry_mm_(path.entry_mm),
       target_mm_(path.target_mm),

@@ -58,9 +58,9 @@ class PathCurve {
   /// c(u) = a + u (b + u (c + u d)), u from 0 to its end: what the spline is between two places.
   struct Cubic {
     Vec3 a, b, c, d;
-    Vec3 at(double u) const { return a + u * (b + u * (c + u * d)); }
-    Vec3 first(double u) const { return b + u * (2.0 * c + u * (3.0 * d)); }
-    Vec3 second(double u) const { return 2.0 * c + u * (6.0 * d); }
+    Vec3 at(double u) const;
+    Vec3 first(double u) const;
+    Vec3 second(double u) const;
   };
   /// A short part of a cubic.
   struct Piece {
