@@ -64,8 +64,15 @@ std::vector<std::tuple<double, double, bool>> outline_of(const DrillBit& bit) {
   return places;
 }
 
-PedicleScrew make_screw(double diameter_mm, double length_mm, double tip_length_mm, const std::string& name) {
+PedicleScrew make_screw(double diameter_mm, double length_mm, double tip_length_mm, const std::string& name,
+                        std::optional<double> core_diameter_mm, std::optional<double> pitch_mm) {
   PedicleScrew screw{name, diameter_mm, length_mm, tip_length_mm};
+  if (core_diameter_mm || pitch_mm) {
+    ScrewThread thread = usual_thread(diameter_mm);
+    thread.core_diameter_mm = core_diameter_mm.value_or(thread.core_diameter_mm);
+    thread.pitch_mm = pitch_mm.value_or(thread.pitch_mm);
+    screw.thread = thread;
+  }
   check_screw(screw);
   return screw;
 }
@@ -129,12 +136,21 @@ void bind_plan(py::module_& module) {
                              "Of a profile: (back_mm, radius_mm, is_arc) from the tip to the base; else empty.");
 
   py::class_<PedicleScrew>(module, "Screw", "A screw for a pedicle. Lengths in mm. Nothing changes it.")
-      .def(py::init(&make_screw), "diameter_mm"_a = 6.5, "length_mm"_a = 45.0, "tip_length_mm"_a = 4.0, "name"_a = "",
-           "`length_mm`: from under the head to the tip. Raises Error on sizes that make no sense.")
+      .def(
+          py::init(&make_screw), "diameter_mm"_a = 6.5, "length_mm"_a = 45.0, "tip_length_mm"_a = 4.0, "name"_a = "",
+          "core_diameter_mm"_a = py::none(), "pitch_mm"_a = py::none(),
+          "`length_mm`: from under the head to the tip. The thread's core and pitch are the usual ones of the diameter "
+          "where they are not given. Raises Error on sizes that make no sense.")
       .def_readonly("name", &PedicleScrew::name)
       .def_readonly("diameter_mm", &PedicleScrew::diameter_mm)
       .def_readonly("length_mm", &PedicleScrew::length_mm)
-      .def_readonly("tip_length_mm", &PedicleScrew::tip_length_mm);
+      .def_readonly("tip_length_mm", &PedicleScrew::tip_length_mm)
+      .def_property_readonly(
+          "core_diameter_mm", [](const PedicleScrew& screw) { return screw.thread_or_usual().core_diameter_mm; },
+          "Between the threads.")
+      .def_property_readonly(
+          "pitch_mm", [](const PedicleScrew& screw) { return screw.thread_or_usual().pitch_mm; },
+          "From thread to thread.");
 
   py::class_<DrillPath>(module, "Path", "A planned hole, straight or curved, patient LPS, mm. Nothing changes it.")
       .def(py::init(&make_path), "entry_mm"_a, "target_mm"_a, "bit"_a = py::none(), "name"_a = "",

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "apps/report/depth_bins.h"
+#include "apps/report/hold_report.h"
 #include "apps/report/session_report.h"
 #include "apps/report/slice_figure.h"
 #include "apps/report/svg_plot.h"
@@ -261,6 +262,11 @@ std::string drill_report(const DrillReportData& data) {
     } else {
       plots.add("Points removed at each step", "points", "", data.removed);
     }
+  }
+  if (data.hold) {
+    report.add_heading("The screw that the hole is for");
+    report.add_table(hold_rows(*data.hold));
+    report.add_svg(svg_plot(insertion_torque_plot(*data.hold)));
   }
   add_events(data.events, data.events_lost, report);
   if (data.real_time) add_real_time(*data.real_time, report);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "apps/report/hold_report.h"
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "core/base/text_writer.h"
@@ -34,6 +35,29 @@ Json json_of(const Finding& finding, const DrillPath& path) {
           {"at_mm", finding.at_mm},
           {"place_mm", to_json(finding.place_mm)},
           {"words", finding.words}};
+}
+
+/// "pullout_n", "p05_pullout_n" and "p95_pullout_n".
+void add_banded(Json& json, const std::string& name, const HoldFigure& figure) {
+  json[name] = figure.median;
+  json["p05_" + name] = figure.p05;
+  json["p95_" + name] = figure.p95;
+}
+
+Json json_of(const ScrewHold& hold, bool with_rows) {
+  Json json = Json::object();
+  add_banded(json, "pullout_n", hold.pullout_n);
+  add_banded(json, "stiffness_n_mm", hold.stiffness_n_mm);
+  add_banded(json, "max_torque_n_mm", hold.max_torque_n_mm);
+  json["cortical_share"] = hold.cortical_share;
+  json["engaged_mm"] = hold.engaged_mm;
+  if (!with_rows) return json;
+  json["rows"] = Json::array();
+  for (const HoldRow& row : hold.rows) {
+    json["rows"].push_back(
+        {{"depth_mm", row.depth_mm}, {"torque_n_mm", row.torque_n_mm}, {"shear_mpa", row.shear_mpa}});
+  }
+  return json;
 }
 
 Json json_of(const InstrumentContacts& instrument) {
@@ -216,6 +240,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
     json["hu_bands"].push_back({{"band", names[n]}, {"share", grade.hu_band_shares.at(n)}});
   }
   json["max_thrust_n"] = grade.max_thrust_n;
+  json["hold"] = grade.hold ? json_of(*grade.hold, with_rows) : Json(nullptr);
   json.update(uncertainty_json(graded, with_rows));
   if (!with_rows) return json;
   json["rows"] = Json::array();
@@ -266,6 +291,30 @@ std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<d
   return csv.str();
 }
 
+namespace {
+
+/// How the paths' screws hold, a line each; empty where none has one.
+std::string hold_table(const std::vector<GradedPath>& paths) {
+  TextTable table({{"path", "", false},
+                   {"pull-out (5 to 95 %)", "N"},
+                   {"of it by cortex", "%"},
+                   {"stiffness, at most", "N/mm"},
+                   {"max insertion torque (5 to 95 %)", "N·mm"},
+                   {"thread in bone", "mm"}});
+  bool has_screw = false;
+  for (const GradedPath& graded : paths) {
+    if (!graded.grade.hold) continue;
+    const ScrewHold& hold = *graded.grade.hold;
+    has_screw = true;
+    table.add_row({graded.path.name, banded_text(hold.pullout_n), readable_number(100.0 * hold.cortical_share, 0),
+                   banded_text(hold.stiffness_n_mm), banded_text(hold.max_torque_n_mm),
+                   readable_number(hold.engaged_mm, 1)});
+  }
+  return has_screw ? "\n" + table.aligned() : std::string();
+}
+
+}  // namespace
+
 std::string grades_table(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
   TextTable walls({{"path", "", false},
                    {"tool", "", false},
@@ -313,7 +362,8 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
       findings += graded.path.name + (finding.is_warning ? ", warning: " : ": ") + finding.words + "\n";
     }
   }
-  return walls.aligned() + "\n" + scales.aligned() + "\n" + bone.aligned() + (findings.empty() ? "" : "\n") + findings;
+  return walls.aligned() + "\n" + scales.aligned() + "\n" + bone.aligned() + hold_table(paths) +
+         (findings.empty() ? "" : "\n") + findings;
 }
 
 }  // namespace spinaltap

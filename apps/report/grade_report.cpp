@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/report/grade_sheet.h"
+#include "apps/report/hold_report.h"
 #include "apps/report/html_report.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -73,6 +74,9 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
     rows.push_back({"Share " + names[n], readable_number(100.0 * grade.hu_band_shares[n], 1), "%"});
   }
   rows.push_back({"Max predicted thrust", readable_number(grade.max_thrust_n, 1), "N"});
+  if (grade.hold) {
+    for (const ReportRow& row : hold_rows(*grade.hold)) rows.push_back(row);
+  }
   if (graded.safe && !(grade.breach_mm > 0.0)) {  // else there is nothing left to err by
     const SafeZone& safe = *graded.safe;
     const auto add_error = [&](const std::string& to, double mm, double degrees) {
@@ -209,6 +213,7 @@ std::string grade_report(const GradeReportData& data, const Progress& progress) 
     for (const Plot& plot : {hu_plot(graded), bands_plot(graded, data.hu_bands), predicted_thrust_plot(graded)}) {
       report.add_svg(svg_plot(plot));
     }
+    if (graded.grade.hold) report.add_svg(svg_plot(insertion_torque_plot(*graded.grade.hold)));
   }
   return report.html();
 }

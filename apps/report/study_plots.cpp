@@ -40,6 +40,10 @@ StudyTitle title_of(StudyColumn column) {
       return {"depth reached", "mm"};
     case StudyColumn::time_s:
       return {"time of drilling", "s"};
+    case StudyColumn::screw_pullout_n:
+      return {"pull-out strength of the screw", "N"};
+    case StudyColumn::screw_torque_n_mm:
+      return {"insertion torque of the screw", "N·mm"};
     default:
       return {std::string(name_of(column)), ""};
   }

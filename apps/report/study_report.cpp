@@ -120,7 +120,7 @@ std::string study_report(const StudyReportData& data) {
   report.add_table(rows);
   for (const StudyColumn column :
        {StudyColumn::max_thrust_n, StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
-        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm}) {
+        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm, StudyColumn::screw_pullout_n}) {
     const auto has = [&](const StudyRow& row) { return std::isfinite(row[column]); };
     if (std::any_of(data.rows.begin(), data.rows.end(), has)) report.add_svg(svg_plot(histogram(data.rows, column)));
   }

@@ -40,6 +40,7 @@ std::vector<DrillPath> chosen_paths(const GradeCommandOptions& options) {
   for (DrillPath& path : paths) {
     PedicleScrew screw = path.screw.value_or(PedicleScrew());
     if (screw.diameter_mm != options.screw_diameter_mm || screw.length_mm != options.screw_length_mm) screw.name = "";
+    if (screw.diameter_mm != options.screw_diameter_mm) screw.thread.reset();  // that of the other
     screw.diameter_mm = options.screw_diameter_mm;
     screw.length_mm = options.screw_length_mm;
     check_screw(screw);

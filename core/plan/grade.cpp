@@ -425,6 +425,10 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   graded.hu = sections.mean_hu();
   graded.hu_band_shares = sections.band_shares();
 
+  if (path.screw) {
+    graded.hold = screw_hold(path, bone_density(walls.bone(), hu, material.density), options.hold);
+  }
+
   const FoundBreaches breaches = find_breaches(walls, tool, graded.rows, walk.axis, options.ring_points);
   graded.instrument = instrument_contacts(walls, path, opening_limit_mm(tool.widest_mm()));
   add_breach(walls, tool, sides, breaches, walk.axis, graded);

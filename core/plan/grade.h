@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +10,7 @@
 #include "core/force/drill_forces.h"
 #include "core/plan/instrument.h"
 #include "core/plan/path_side.h"
+#include "core/plan/screw_hold.h"
 #include "core/plan/wall_distance.h"
 #include "core/points/material.h"
 #include "core/tool/drill_path.h"
@@ -38,15 +39,13 @@ const char* name_of(Heary grade);
 /// on.
 int babu(const InstrumentContacts& contacts);
 
-/// CT numbers (HU) at positions (patient LPS, mm).
-using HuSampler = std::function<void(std::span<const Vec3>, std::span<float>)>;
-
 struct GradeOptions {
   double step_mm = 0.25;                       ///< along the path
   std::vector<double> hu_bands{135.0, 375.0};  ///< borders, ascending
   int ring_points = 48;                        ///< around the tool at each depth, where a breach is looked for
   Spindle spindle = {};                        ///< for the predicted thrust
   double feed_mm_s = 1.0;                      ///< the same; an operator's, and `drill`'s of 0.001 mm a cycle at 1 kHz
+  HoldModel hold = {};                         ///< for how well a screw holds
 };
 
 /// What a tool meets at one depth of the tip's way.
@@ -95,6 +94,7 @@ struct PathGrade {
   double hu = 0.0;                ///< mean of the tool's volume in bone; NaN where there is none
   std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
   double max_thrust_n = 0.0;
+  std::optional<ScrewHold> hold;  ///< of the path's screw; nothing where it has none
   std::vector<GradeRow> rows;
 };
 

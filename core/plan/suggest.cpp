@@ -38,7 +38,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
   within(options.max_turn_deg, 0.0, 45.0, "a turn from the pedicle's axis (degrees)");
   const SuggestWeights& weights = options.weights;
   for (const double weight : {weights.length, weights.diameter, weights.clearance, weights.canal, weights.endplates,
-                              weights.density, weights.along_axis, weights.alike, weights.approach}) {
+                              weights.density, weights.along_axis, weights.alike, weights.approach, weights.hold}) {
     within(weight, 0.0, 100.0, "weights");
   }
 }
@@ -207,12 +207,19 @@ class SideSearch {
     const double out_mm = candidate.path.screw->length_mm - one.path.path.length_mm();
     const double screw_mm = candidate.path.screw->diameter_mm;
     const double full_mm = options_.furthest_share * walls_.landmarks().body.depth_mm;
-    one.worth = candidate.score - contacts.cut_behind_mm - 2.0 * contacts.joint_depth_mm -
+    one.path.score += options_.weights.hold * hold_term(one.path);
+    one.worth = one.path.score - contacts.cut_behind_mm - 2.0 * contacts.joint_depth_mm -
                 0.5 * std::max(0.0, -kSeatMm - contacts.head_clearance_mm) -
                 2.0 * options_.weights.length * out_mm / std::max(full_mm, 1.0) -
                 2.0 * options_.weights.diameter * std::max(0.0, thick_mm() - screw_mm) / search_.pedicle().width_mm -
                 0.3 * static_cast<double>(warnings(one.path));
     return one;
+  }
+
+  /// 1 where the screw holds as screws of usual size do in sound vertebrae: some 1 kN in cadavers.
+  static double hold_term(const SuggestedPath& path) {
+    constexpr double kSoundN = 1000.0;
+    return std::min(1.0, path.grade.hold->pullout_n.median / kSoundN);
   }
 
   /// A warning where a path converges as none published for its level does: then the level, the bone's planes or the

@@ -43,6 +43,8 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"stop_mm", Kind::real},
                                                                       {"removed_points", Kind::whole},
                                                                       {"removed_mm3", Kind::real},
+                                                                      {"screw_pullout_n", Kind::real},
+                                                                      {"screw_torque_n_mm", Kind::real},
                                                                       {"outside_volume_mm", Kind::real},
                                                                       {"events_lost", Kind::whole}}};
 

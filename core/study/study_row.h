@@ -35,6 +35,8 @@ enum class StudyColumn : std::uint8_t {
   stop_mm,                 ///< depth at which a rule asked to stop; not a number where none did
   removed_points,          ///< of the volume
   removed_mm3,             ///< of bone
+  screw_pullout_n,         ///< median, of the path's screw in the hole as drilled; not a number without a screw
+  screw_torque_n_mm,       ///< its largest insertion torque, likewise
   outside_volume_mm,       ///< how far at most the bit cut beyond the points' cylinder; 0: not at all
   events_lost              ///< that found no room
 };

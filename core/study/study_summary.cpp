@@ -9,10 +9,11 @@ namespace spinaltap {
 namespace {
 
 /// Columns whose distribution is told.
-constexpr std::array<StudyColumn, 9> kSpreads{
-    StudyColumn::max_thrust_n,           StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
-    StudyColumn::breach_outer_mm,        StudyColumn::breach_canal_mm, StudyColumn::min_clearance_outer_mm,
-    StudyColumn::min_clearance_canal_mm, StudyColumn::depth_mm,        StudyColumn::time_s};
+constexpr std::array<StudyColumn, 11> kSpreads{
+    StudyColumn::max_thrust_n,           StudyColumn::max_torque_n_mm,  StudyColumn::plunge_depth_mm,
+    StudyColumn::breach_outer_mm,        StudyColumn::breach_canal_mm,  StudyColumn::min_clearance_outer_mm,
+    StudyColumn::min_clearance_canal_mm, StudyColumn::depth_mm,         StudyColumn::time_s,
+    StudyColumn::screw_pullout_n,        StudyColumn::screw_torque_n_mm};
 constexpr std::size_t kBins = 10;  ///< of a factor that is drawn
 
 using Rows = std::vector<StudyRow>;

@@ -9,11 +9,20 @@
 
 namespace spinaltap {
 
+ScrewThread PedicleScrew::thread_or_usual() const { return thread.value_or(usual_thread(diameter_mm)); }
+
 void check_screw(const PedicleScrew& screw) {
   try {
     check_bit(screw.outline());
   } catch (const Error& error) {
     fail("screw ", in_quotes(screw.name), ": ", error.what());
+  }
+  if (screw.thread) {
+    try {
+      check_thread(*screw.thread, screw.diameter_mm);
+    } catch (const Error& error) {
+      fail("screw ", in_quotes(screw.name), ": ", error.what());
+    }
   }
   const auto within = [&](double value, double lowest, double highest, const char* what) {
     if (!(value >= lowest && value <= highest)) {

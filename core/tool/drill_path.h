@@ -6,6 +6,7 @@
 
 #include "core/base/geometry.h"
 #include "core/tool/drill_bit.h"
+#include "core/tool/screw_thread.h"
 
 namespace spinaltap {
 
@@ -26,13 +27,16 @@ struct PedicleScrew {
   double length_mm = 45.0;     ///< from under the head to the tip
   double tip_length_mm = 4.0;  ///< of the cone at the tip, in length_mm
   ScrewHead head = {};
+  std::optional<ScrewThread> thread = {};  ///< none known: see thread_or_usual()
 
+  /// Its own, else usual_thread() of its diameter.
+  ScrewThread thread_or_usual() const;
   double radius_mm() const { return 0.5 * diameter_mm; }
   /// The body that the turning thread fills.
   DrillBit outline() const { return {diameter_mm, length_mm, tip_length_mm}; }
 };
 
-/// Rejects what check_bit() rejects of its outline, and heads and drivers of sizes that make no sense.
+/// Rejects what check_bit() rejects of its outline, and heads, drivers and threads of sizes that make no sense.
 void check_screw(const PedicleScrew& screw);
 
 /// A planned hole: from the entry on the bone's surface to the target inside, straight or, through places between, as a

@@ -49,7 +49,20 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
     EXPECT_EQ(path["outer"]["side"], "lateral");
     EXPECT_EQ(path["canal"]["side"], "medial");
     EXPECT_GT(path["max_thrust_n"].get<double>(), 1.0);
+    // Some 45 mm of screw in cancellous bone of a sound vertebra: hundreds to thousands of newtons.
+    const Json& hold = path["hold"];
+    EXPECT_GT(hold["pullout_n"].get<double>(), 300.0);
+    EXPECT_LT(hold["pullout_n"].get<double>(), 5000.0);
+    for (const std::string name : {"pullout_n", "stiffness_n_mm", "max_torque_n_mm"}) {
+      EXPECT_LT(hold["p05_" + name].get<double>(), hold[name].get<double>()) << name;
+      EXPECT_GT(hold["p95_" + name].get<double>(), hold[name].get<double>()) << name;
+    }
+    EXPECT_GT(hold["engaged_mm"].get<double>(), 30.0);
+    EXPECT_FALSE(hold.contains("rows"));
   }
+  const Json whole_hold = read_json(folder_->path() / "out" / "grade.json")["paths"][0]["hold"];
+  EXPECT_GT(whole_hold["rows"].size(), 80U);
+  EXPECT_THAT(run.output, HasSubstr("pull-out (5 to 95 %)"));
   EXPECT_THAT(run.output, HasSubstr("screw 6.5 x 45 mm"));
   EXPECT_GT(read_json(folder_->path() / "out" / "grade.json")["paths"][1]["rows"].size(), 100U);
   EXPECT_EQ(test::everything_in(folder_->path() / "out"),

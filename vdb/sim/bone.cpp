@@ -133,6 +133,10 @@ std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Prog
   return auto_plan(walls(progress), hu_sampler(), settings, progress);
 }
 
+ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration, const HoldModel& model) {
+  return screw_hold(path, bone_density(bone.shape(), bone.hu_sampler(), calibration), model);
+}
+
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options, const Material& material,
                 const Progress& progress) {
   bone.landmarks(progress);

@@ -86,6 +86,10 @@ class Bone {
   std::shared_ptr<State> state_;
 };
 
+/// How well a path's screw holds; see core/plan/screw_hold.h. Throws Error as that does.
+ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration = {},
+                     const HoldModel& model = {});
+
 /// How safe a path is; see grade_path(). Throws Error without landmarks.
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options = {},
                 const Material& material = {}, const Progress& progress = {});

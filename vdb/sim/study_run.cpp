@@ -146,7 +146,7 @@ StudyRow empty_row(std::size_t n, const StudyTask& task) {
   for (const StudyColumn column :
        {StudyColumn::plunge_depth_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
         StudyColumn::transitional_mm, StudyColumn::inner_cortical_mm, StudyColumn::breakthrough_mm,
-        StudyColumn::stop_mm}) {
+        StudyColumn::stop_mm, StudyColumn::screw_pullout_n, StudyColumn::screw_torque_n_mm}) {
     row[column] = kNoFigure;
   }
   return row;
@@ -166,7 +166,7 @@ double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
 }
 
 StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
-    : spec_(spec), runs_(runs) {
+    : bone_(bone), spec_(spec), runs_(runs) {
   check_straight(spec.path, "a study");
   check_turns(spec.path.bit, "a study");
   check_path_meets_bone(spec.path, bone.model());
@@ -232,6 +232,11 @@ StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
   const Removed removed = removed_from(whole_, bone);
   row[StudyColumn::removed_points] = static_cast<double>(removed.points);
   row[StudyColumn::removed_mm3] = removed.mm3;
+  if (task.path.screw) {
+    const ScrewHold hold = screw_hold(bone_, task.path, task.material.density);
+    row[StudyColumn::screw_pullout_n] = hold.pullout_n.median;
+    row[StudyColumn::screw_torque_n_mm] = hold.max_torque_n_mm.median;
+  }
   row[StudyColumn::events_lost] = static_cast<double>(session->events_lost());
   return row;
 }

@@ -27,6 +27,7 @@ class StudyBench {
  private:
   StudyRow run(std::size_t n, DrilledBone& bone) const;
 
+  const Bone& bone_;
   const StudySpec& spec_;
   const StudyRuns& runs_;
   DrilledBone whole_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/report/grade_report.h"
+#include "apps/report/hold_report.h"
 #include "apps/report/text.h"
 #include "apps/spinaltap-planner/figures/path_figures.h"
 #include "apps/spinaltap-planner/plots/plot_view.h"
@@ -56,7 +57,12 @@ QString walls_text(const PathGrade& grade, const std::vector<double>& hu_bands) 
     }
     text += FiguresPanel::tr("<br>Bone: %1 HU; %2").arg(grade.hu, 0, 'f', 0).arg(shares.join(", "));
   }
-  return text + FiguresPanel::tr("<br>Max thrust, predicted: %1 N").arg(grade.max_thrust_n, 0, 'f', 1);
+  text += FiguresPanel::tr("<br>Max thrust, predicted: %1 N").arg(grade.max_thrust_n, 0, 'f', 1);
+  if (grade.hold) {
+    text += FiguresPanel::tr("<br>Screw: pull-out %1 N, insertion torque up to %2 N·mm (5 to 95 %)")
+                .arg(text_of(banded_text(grade.hold->pullout_n)), text_of(banded_text(grade.hold->max_torque_n_mm)));
+  }
+  return text;
 }
 
 /// "1.2 mm clear", "1.2 mm deep in bone"; empty where there is no such part near.

@@ -1,5 +1,7 @@
 #include "core/files/detail/tool_json.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -57,11 +59,13 @@ Json to_json(const DrillBit& bit) {
 }
 
 Json to_json(const PedicleScrew& screw) {
-  return {{"name", screw.name},
-          {"diameter_mm", screw.diameter_mm},
-          {"length_mm", screw.length_mm},
-          {"tip_length_mm", screw.tip_length_mm},
-          {"head", to_json(screw.head)}};
+  Json json{{"name", screw.name},
+            {"diameter_mm", screw.diameter_mm},
+            {"length_mm", screw.length_mm},
+            {"tip_length_mm", screw.tip_length_mm},
+            {"head", to_json(screw.head)}};
+  if (screw.thread) json["thread"] = to_json(*screw.thread);
+  return json;
 }
 
 Json to_json(const ScrewHead& head) {
@@ -70,6 +74,31 @@ Json to_json(const ScrewHead& head) {
           {"driver_diameter_mm", head.driver_diameter_mm},
           {"driver_cone_deg", head.driver_cone_deg},
           {"driver_length_mm", head.driver_length_mm}};
+}
+
+Json to_json(const ScrewThread& thread) {
+  const ScrewThread usual;
+  Json json{{"core_diameter_mm", thread.core_diameter_mm}, {"pitch_mm", thread.pitch_mm}};
+  if (thread.tip_core_diameter_mm != 0.0) json["tip_core_diameter_mm"] = thread.tip_core_diameter_mm;
+  if (thread.starts != usual.starts) json["starts"] = thread.starts;
+  if (thread.crest_mm != usual.crest_mm) json["crest_mm"] = thread.crest_mm;
+  if (thread.flank_deg != usual.flank_deg) json["flank_deg"] = thread.flank_deg;
+  return json;
+}
+
+ScrewThread read_screw_thread(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"core_diameter_mm", "pitch_mm", "tip_core_diameter_mm", "starts", "crest_mm", "flank_deg"}, file,
+             "a screw's thread");
+  const JsonObject object(json, file);
+  ScrewThread thread;
+  thread.core_diameter_mm = object.number("core_diameter_mm");
+  thread.pitch_mm = object.number("pitch_mm");
+  if (object.has("tip_core_diameter_mm")) thread.tip_core_diameter_mm = object.number("tip_core_diameter_mm");
+  constexpr std::uint64_t kTooMany = 1000;  // which no screw has: told when the screw is checked
+  if (object.has("starts")) thread.starts = static_cast<int>(std::min(object.whole_number("starts"), kTooMany));
+  if (object.has("crest_mm")) thread.crest_mm = object.number("crest_mm");
+  if (object.has("flank_deg")) thread.flank_deg = object.number("flank_deg");
+  return thread;
 }
 
 ScrewHead read_screw_head(const Json& json, const std::filesystem::path& file) {
@@ -141,6 +170,7 @@ PedicleScrew read_screw(const Json& json, const std::filesystem::path& file) {
   PedicleScrew screw{object.text("name"), object.number("diameter_mm"), object.number("length_mm"),
                      object.number("tip_length_mm")};
   if (object.has("head")) screw.head = read_screw_head(object.at("head"), file);
+  if (object.has("thread")) screw.thread = read_screw_thread(object.at("thread"), file);
   return screw;
 }
 

@@ -33,6 +33,15 @@ TEST(PlanningRulesFile, ShippedIsWhatTheLibraryTakesByItself) {
   EXPECT_EQ(shipped.weights.endplates, own.weights.endplates);
   EXPECT_EQ(shipped.weights.density, own.weights.density);
   EXPECT_EQ(shipped.weights.along_axis, own.weights.along_axis);
+  EXPECT_EQ(shipped.weights.hold, own.weights.hold);
+}
+
+TEST(PlanningRulesFile, OfBeforeTheHoldCountedPlansAsThen) {
+  const test::TemporaryFolder folder;
+  Json json = read_json(data_file("planning/pedicle.json"));
+  json["weights"].erase("hold");
+  std::ofstream(folder.path() / "rules.json") << json.dump();
+  EXPECT_EQ(read_planning_rules(folder.path() / "rules.json").weights.hold, 0.0);
 }
 
 TEST(PlanningRulesFile, IsRejectedWithTheKeyAtFaultNamed) {
