@@ -8,9 +8,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/plan/grade.h"
 #include "tests/support/nan.h"
-#include "tests/support/planning_bones.h"
 
 namespace spinaltap {
 namespace {
@@ -98,8 +96,8 @@ TEST(ScrewHold, OfAThreadHalfOutOfBoneIsHalf) {
       screw_hold(path,
                  density_by([&](const Vec3& p_mm) { return (p_mm - path.entry_mm).dot(side) > 1e-6 ? 0.25 : 0.0; }))
           .pullout_n.median;
-  // One of 24 places around lies on the border.
-  EXPECT_NEAR(half_n / screw_hold(path, even(0.25)).pullout_n.median, 0.5, 1.0 / 24.0);
+  // Two of 24 places around lie on the border.
+  EXPECT_NEAR(half_n / screw_hold(path, even(0.25)).pullout_n.median, 0.5, 1.0 / 24.0 + 1e-9);
 }
 
 TEST(ScrewHold, AHoleWiderThanTheCoreLeavesLessThreadInBoneAndNoPressureOnTheCore) {
@@ -171,28 +169,6 @@ TEST(ScrewHold, BonesStrengthIsWhatVertebraeAndCortexHave) {
   EXPECT_NEAR(bone.shear.mpa(0.17) / bone.crushing.mpa(0.17), 0.44, 0.001);
   EXPECT_EQ(bone.shear.mpa(0.0), 0.0);
   EXPECT_EQ(bone.shear.mpa(-1.0), 0.0);
-}
-
-TEST(ScrewHold, GradedScrewsHoldByTheBoneTheyAreInAndBitsHaveNone) {
-  const test::Block block;
-  const WallDistance walls(block.bone(), block.landmarks());
-  const auto hu_of_200 = [](std::span<const Vec3>, std::span<float> hu) { std::fill(hu.begin(), hu.end(), 200.0F); };
-  DrillPath path{"", Vec3(25.0, test::Block::kHalfDepthMm, 0.0), Vec3(25.0, -12.0, 0.0), {3.0, 50.0, 1.0}};
-  EXPECT_FALSE(grade_path(walls, hu_of_200, Material(), path).hold);
-  path.screw = PedicleScrew{"", 6.0, 45.0, 4.0};
-  const std::optional<ScrewHold> hold = grade_path(walls, hu_of_200, Material(), path).hold;
-  ASSERT_TRUE(hold);
-  // All of it in the block: the closed form.
-  const double g_cm3 = Material().density.density_g_cm3(200.0);
-  const ScrewThread thread = usual_thread(6.0);
-  const double thread_mm = path.length_mm() - 4.0;
-  EXPECT_NEAR(hold->engaged_mm, thread_mm, 1e-6);
-  const double by_hand_n = 51.6 * std::pow(g_cm3 / 1.9, 1.7) * thread_mm * kPi * 6.0 *
-                           (0.5 + 0.57735 * thread.depth_mm(6.0) / thread.pitch_mm);
-  EXPECT_NEAR(hold->pullout_n.median / by_hand_n, 1.0, 0.02);
-  // Half out of the block's side: half the hold, though the sampler tells of bone there too.
-  path.entry_mm.x() = path.target_mm.x() = test::Block::kHalfWidthMm;
-  EXPECT_NEAR(grade_path(walls, hu_of_200, Material(), path).hold->pullout_n.median / by_hand_n, 0.5, 0.05);
 }
 
 TEST(ScrewHold, IsRejectedWhereItMakesNoSense) {
