@@ -169,6 +169,7 @@ void HoleHeat::go_on() noexcept {
     if (bin_ < bin_end_) return;
     ++work;
     if (sum_k_ > turn_.rise_k) turn_ = {sum_k_, depth_mm, place_s_};
+    if (sum_k_ > now_.rise_k) now_ = turn_;
     if (sum_k_ > ever_.rise_k) ever_ = {sum_k_, depth_mm, place_s_};
     has_place_ = false;
     if (++place_ < end_) continue;

@@ -49,7 +49,7 @@ class HoleHeat {
   void update(double depth_mm, double heat_w, double dt_s, const ThermalTissue& tissue) noexcept;
 
   double time_s() const { return time_s_; }
-  /// Of the last turn through all places.
+  /// Of the last turn through all places, or hotter since.
   const HottestPlace& now() const { return now_; }
   /// So far.
   const HottestPlace& ever() const { return ever_; }

@@ -16,6 +16,7 @@ DepthRow empty_row() {
   DepthRow row;
   row.outer_mm = kInfinity;
   row.canal_mm = kInfinity;
+  row.temperature_c = std::numeric_limits<double>::quiet_NaN();
   return row;
 }
 
@@ -36,6 +37,7 @@ void DepthLog::add(const Cycle& cycle, double seconds) {
   row_.state = cycle.state;
   row_.outer_mm = std::fmin(row_.outer_mm, cycle.clearance.outer_mm);
   row_.canal_mm = std::fmin(row_.canal_mm, cycle.clearance.canal_mm);
+  row_.temperature_c = std::fmax(row_.temperature_c, cycle.heat.temperature_c);
   // An invalid pose has a depth that is none.
   const bool has_depth = std::isfinite(cycle.depth_mm);
   if (!has_begun_) {
@@ -90,7 +92,8 @@ std::vector<DepthRow> DepthLog::finish() {
 std::string log_csv(const std::vector<DepthRow>& rows) {
   TextWriter csv(7);
   csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
-         "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n";
+         "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,max_temperature_c,cycles_"
+         "per_s\n";
   const auto number = [&](double value) {
     csv << ',';
     if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
@@ -100,7 +103,7 @@ std::string log_csv(const std::vector<DepthRow>& rows) {
     for (const double value : {row.hu, row.density_g_cm3, row.thrust_n, row.torque_n_mm, row.lateral_n, row.contact_n})
       number(value);
     csv << ',' << name_of(row.state);
-    for (const double value : {row.outer_mm, row.canal_mm, row.cycles_per_s}) number(value);
+    for (const double value : {row.outer_mm, row.canal_mm, row.temperature_c, row.cycles_per_s}) number(value);
     csv << '\n';
   }
   return csv.str();

@@ -25,8 +25,9 @@ struct DepthRow {
   DrillState state = DrillState::initial;  ///< at the row's end
   double outer_mm = 0.0;                   ///< min clearances; infinite where there is no wall near
   double canal_mm = 0.0;
-  double work_n_mm = 0.0;     ///< of cutting at the material's reference feed
-  double cycles_per_s = 0.0;  ///< by the time that cycles took; NaN where it was not measured
+  double temperature_c = 0.0;  ///< max of the hottest place beside the hole; NaN where heat is not worked out
+  double work_n_mm = 0.0;      ///< of cutting at the material's reference feed
+  double cycles_per_s = 0.0;   ///< by the time that cycles took; NaN where it was not measured
 };
 
 /// Sums a session's cycles into rows.

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/points/bone_points.h"
+#include "core/session/detail/live_heat.h"
 #include "core/session/detail/session_watch.h"
 #include "core/tool/path_curve.h"
 
@@ -60,15 +61,22 @@ void check_session_options(const SessionOptions& options) {
   if (!(options.max_jump_mm > 0.0)) {
     fail("session: expected a longest jump above 0 mm, found ", options.max_jump_mm, " mm");
   }
+  if (options.heat) {
+    check_heat_options(*options.heat);
+    if (!options.follows_path) fail("session: expected no heat with a milling: only a hole along the path has it");
+  }
 }
 
 struct DrillSession::Tracking {
   Tracking(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances)
-      : bit(tool_body(path.bit)), curve(path), watch(path, bone, options, has_clearances) {}
+      : bit(tool_body(path.bit)), curve(path), watch(path, bone, options, has_clearances) {
+    if (options.heat) heat.emplace(path, *options.heat);
+  }
 
   ToolBody bit;
   PathCurve curve;
   SessionWatch watch;
+  std::optional<LiveHeat> heat;
   EventLog log{kMaxEvents};
   ExactSum time;
   Pose pose;               ///< the last that made sense
@@ -97,6 +105,7 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
   bone_->check_within(path);
   if (!engine_) fail("session: expected a drilling engine, found none");
   tracking_ = std::make_unique<Tracking>(path, *bone_, options, clearances != nullptr);
+  if (tracking_->heat) cycle_.heat = tracking_->heat->begin();
 }
 
 DrillSession::DrillSession(const DrillPath& path, std::span<PointVolume> volumes, std::unique_ptr<DrillEngine> engine,
@@ -135,8 +144,9 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
     spindle.rpm = 0.0;
   }
   tracking.was_on = is_on;
-  cycle_.force = forces_.update(cycle_.step, pose, input.dt_s + tracking.waiting_s, spindle);
+  const double dt_s = input.dt_s + tracking.waiting_s;
   tracking.waiting_s = 0.0;
+  cycle_.force = forces_.update(cycle_.step, pose, dt_s, spindle);
   if (clearances_ != nullptr) {
     if (const auto* profile = std::get_if<BitProfile>(&tracking.bit))
       cycle_.clearance = clearances_->of(*profile, pose);
@@ -144,6 +154,7 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   }
   if (is_on && options_.follows_path) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
   tracking.watch.update(cycle_, pose, states_.begin_mm(), is_on, tracking.log);
+  if (tracking.heat) cycle_.heat = tracking.heat->update(cycle_, dt_s, spindle.rpm, tracking.log);
   tracking.pose = pose;
   tracking.is_placed = true;
 }
@@ -160,6 +171,7 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   cycle_.input = input;
   cycle_.step = {};
   cycle_.force = {};
+  cycle_.heat.bone_w = 0.0;
   const std::optional<Pose> pose = reachable_pose(input, path_.bit, path_.entry_mm);
   if (pose && has_time) {
     cycle_.depth_mm = tracking.curve.nearest_mm(pose->tip_mm);

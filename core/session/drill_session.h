@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/session/drill_state.h"
 #include "core/session/operator/operator.h"
 #include "core/session/session_event.h"
+#include "core/session/session_heat.h"
 #include "core/session/tool_clearance.h"
 #include "core/tool/drill_path.h"
 
@@ -34,6 +36,9 @@ struct SessionOptions {
   /// The tool drills along the path; else, in a milling, neither states nor breakthroughs nor plunges are told: the
   /// depth along the path says nothing of them.
   bool follows_path = true;
+  /// How warm the bone beside the hole gets, which a tool has to drill that follows the path; none: it is not worked
+  /// out, and costs nothing.
+  std::optional<HeatOptions> heat = {};
 };
 /// Rejects options that are not numbers or make no sense.
 void check_session_options(const SessionOptions& options);
@@ -48,6 +53,7 @@ struct Cycle {
   DrillForce force;
   Clearance clearance;
   DrillState state = DrillState::initial;
+  CycleHeat heat;
 };
 
 /// One drilling, cycle by cycle: removes bone, works out forces and clearances, recognises states, notes events and

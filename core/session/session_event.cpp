@@ -32,6 +32,8 @@ std::string_view name_of(EventKind kind) {
       return "record lost";
     case EventKind::touch:
       return "touch";
+    case EventKind::heat_limit:
+      return "heat limit";
   }
   return "";
 }

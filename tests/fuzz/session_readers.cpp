@@ -39,7 +39,7 @@ std::string record_of(const std::map<std::string, std::string>& setup, bool has_
   return bytes_written("a.h5", [&](const fs::path& file) {
     const FrameFormat format{7, 5};
     RecordWriter writer(file, setup, false, has_frames ? std::optional(format) : std::nullopt,
-                        has_frames ? BitShape::plate : BitShape::drill);
+                        {.has_sides = has_frames, .has_heat = has_frames});
     std::vector<SessionEvent> events;
     for (std::uint64_t n = 0; n < 40; ++n) {
       Cycle cycle;

@@ -166,8 +166,8 @@ bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
 void Session::record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames) {
   if (!state_->inputs.empty())
     fail("expected a record from the first cycle on, found ", state_->inputs.size(), " done");
-  state_->record =
-      std::make_unique<RecordWriter>(file, record_setup(state_->setup), false, frames, state_->setup.path.bit.shape);
+  state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup), false, frames,
+                                                  record_parts(state_->setup.path.bit, state_->setup.options));
 }
 
 void Session::end_record() {

@@ -11,6 +11,7 @@
 #include "core/base/text_writer.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
+#include "core/files/thermal_bone_file.h"
 #include "core/session/choose_engine.h"
 #include "core/session/operator/recorded_motion.h"
 #include "core/session/record/session_record.h"
@@ -59,6 +60,8 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
   const bool is_milling = plan.tool_operator == "milling";
   setup.has_clearances = !is_milling;
   setup.options.stop.on_breach = plan.stops_on_breach && !is_milling;
+  if (!is_milling && path.bit.shape != BitShape::plate)
+    setup.options.heat = HeatOptions{.bone = shipped_thermal_bone()};
   return setup;
 }
 
@@ -109,7 +112,8 @@ void write_record(const DoneDrilling& drilling, const std::filesystem::path& pat
   BuiltSession built = build_session(*drilling.bone->bone, setup, progress);
   DrillSession& session = *built.session;
   RecordedMotion tool_operator(drilling.inputs, false);
-  RecordWriter record(path, record_words(setup, drilling.operator_words, "planner"), true, {}, setup.path.bit.shape);
+  RecordWriter record(path, record_words(setup, drilling.operator_words, "planner"), true, {},
+                      record_parts(setup.path.bit, setup.options));
   const auto observe = [&](const Cycle& cycle) {
     record.add_waiting(cycle);
     record.add_events(session.events());

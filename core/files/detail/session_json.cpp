@@ -69,6 +69,26 @@ PointVolumeOptions read_volume_part(const JsonObject& object, const fs::path& fi
   return volume;
 }
 
+// In the units of ThermalBone: those of its file would not come back to the last bit.
+Json json_of(const ThermalTissue& tissue) {
+  return {{"conductivity_w_mm_k", tissue.conductivity_w_mm_k}, {"capacity_j_mm3_k", tissue.capacity_j_mm3_k}};
+}
+
+Json json_of(const HeatOptions& heat) {
+  const ThermalBone& bone = heat.bone;
+  return {{"bone",
+           {{"cancellous_density_g_cm3", bone.cancellous_density_g_cm3},
+            {"cortical_density_g_cm3", bone.cortical_density_g_cm3},
+            {"cancellous", json_of(bone.cancellous)},
+            {"cortical", json_of(bone.cortical)},
+            {"temperature_c", bone.temperature_c},
+            {"shear_angle_deg", bone.shear_angle_deg},
+            {"water_w_mm2_k", bone.water_w_mm2_k}}},
+          {"is_irrigated", heat.is_irrigated},
+          {"distance_mm", heat.distance_mm},
+          {"limit_c", heat.limit_c}};
+}
+
 Json json_of(const SessionOptions& options) {
   Json stop{{"on_breach", options.stop.on_breach}};
   add_limit(stop, "thrust_n", options.stop.thrust_n);
@@ -82,7 +102,29 @@ Json json_of(const SessionOptions& options) {
               {"hold_mm", options.states.hold_mm}}},
             {"max_jump_mm", options.max_jump_mm}};
   if (!options.follows_path) json["follows_path"] = false;
+  if (options.heat) json["heat"] = json_of(*options.heat);
   return json;
+}
+
+ThermalTissue read_tissue(const JsonObject& bone, const char* key, const fs::path& file) {
+  const JsonObject tissue = part_of(bone, key, file);
+  return {tissue.number("conductivity_w_mm_k"), tissue.number("capacity_j_mm3_k")};
+}
+
+HeatOptions read_heat_part(const JsonObject& object, const fs::path& file) {
+  const JsonObject bone = part_of(object, "bone", file);
+  HeatOptions heat;
+  heat.bone.cancellous_density_g_cm3 = bone.number("cancellous_density_g_cm3");
+  heat.bone.cortical_density_g_cm3 = bone.number("cortical_density_g_cm3");
+  heat.bone.cancellous = read_tissue(bone, "cancellous", file);
+  heat.bone.cortical = read_tissue(bone, "cortical", file);
+  heat.bone.temperature_c = bone.number("temperature_c");
+  heat.bone.shear_angle_deg = bone.number("shear_angle_deg");
+  heat.bone.water_w_mm2_k = bone.number("water_w_mm2_k");
+  heat.is_irrigated = flag(object, "is_irrigated", file);
+  heat.distance_mm = object.number("distance_mm");
+  heat.limit_c = object.number("limit_c");
+  return heat;
 }
 
 SessionOptions read_options_part(const JsonObject& object, const fs::path& file) {
@@ -99,6 +141,7 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
                     states.number("hold_mm")};
   options.max_jump_mm = object.number("max_jump_mm");
   if (object.has("follows_path")) options.follows_path = flag(object, "follows_path", file);
+  if (object.has("heat")) options.heat = read_heat_part(part_of(object, "heat", file), file);
   return options;
 }
 

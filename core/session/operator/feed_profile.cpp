@@ -33,6 +33,10 @@ void check_profile(double begin_mm, double end_mm, const FeedProfileOptions& opt
   if (pecking.every_mm > 0.0) {
     check_feed(pecking.mm_s, "a feed of pecks");
     if (!(pecking.back_mm > 0.0)) fail("operator: expected pecks that go back, found ", pecking.back_mm, " mm");
+    constexpr double kMaxPauseS = 3600.0;
+    if (!(pecking.pause_s >= 0.0 && pecking.pause_s <= kMaxPauseS)) {
+      fail("operator: expected pecks that wait 0 to ", kMaxPauseS, " s, found ", pecking.pause_s, " s");
+    }
     constexpr double kMaxPecks = 0x1.0p18;
     if (!((end_mm - begin_mm) / pecking.every_mm <= kMaxPecks)) {
       fail("operator: expected at most ", kMaxPecks, " pecks, found one every ", pecking.every_mm, " mm");
@@ -47,6 +51,11 @@ void FeedProfile::go(double to_mm, double mm_s) {
   const Knot& last = knots_.back();
   const double way_mm = std::abs(to_mm - last.depth_mm);
   if (way_mm > 0.0) knots_.push_back({last.time_s + way_mm / mm_s, to_mm});
+}
+
+void FeedProfile::wait(double pause_s) {
+  const Knot& last = knots_.back();
+  if (pause_s > 0.0) knots_.push_back({last.time_s + pause_s, last.depth_mm});
 }
 
 FeedProfile::FeedProfile(double begin_mm, double end_mm, const FeedProfileOptions& options) {
@@ -68,6 +77,7 @@ FeedProfile::FeedProfile(double begin_mm, double end_mm, const FeedProfileOption
       ++pecks;
       if (to_mm < end_mm) {
         go(std::max(begin_mm, to_mm - pecking.back_mm), pecking.mm_s);
+        wait(pecking.pause_s);
         go(to_mm, pecking.mm_s);
       }
     }

@@ -15,7 +15,8 @@ struct FeedStep {
 struct Pecking {
   double every_mm = 0.0;  ///< of depth; 0: never
   double back_mm = 2.0;
-  double mm_s = 20.0;  ///< back, and forward again to where it was
+  double mm_s = 20.0;    ///< back, and forward again to where it was
+  double pause_s = 0.0;  ///< that it waits where it has gone back to
 };
 
 struct FeedProfileOptions {
@@ -28,7 +29,8 @@ struct FeedProfileOptions {
 /// A tip's depth by time: from a begin to an end at given feeds. Worked out from the time alone: no error adds up.
 class FeedProfile {
  public:
-  /// Throws Error on feeds that are not above 0, depths that do not rise, pecks that lead nowhere, and over 2^20 moves.
+  /// Throws Error on feeds that are not above 0, depths that do not rise, pecks that lead nowhere or wait for no time,
+  /// and over 2^20 moves.
   FeedProfile(double begin_mm, double end_mm, const FeedProfileOptions& options);
 
   /// Depth, mm. Before 0 s the begin's, after duration_s() that where it ends.
@@ -42,6 +44,7 @@ class FeedProfile {
     double depth_mm;
   };
   void go(double to_mm, double mm_s);
+  void wait(double pause_s);
 
   std::vector<Knot> knots_;
 };

@@ -55,7 +55,7 @@ std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::
 
 void check_numbers(const SessionRecord& record, const fs::path& path) {
   constexpr auto kLastState = static_cast<int>(DrillState::inner_cortical);
-  constexpr auto kLastKind = static_cast<int>(EventKind::touch);
+  constexpr auto kLastKind = static_cast<int>(EventKind::heat_limit);
   for (const RecordedCycle& row : record.cycles) {
     if (row.state > kLastState) {
       fail("cannot read ", path.string(), ": cycle ", row.cycle, " has a state of number ", int{row.state});
@@ -91,8 +91,8 @@ SessionRecord read_once(const fs::path& path) {
   const RecordProgress progress = read_progress(file, path);
   SessionRecord record;
   record.setup = file.read_texts("/setup");
-  record.has_sides = file.has("/cycles/side");
-  record.cycles = read_rows(file, "/cycles", cycle_columns(record.has_sides), progress.cycles, bytes, path);
+  record.parts = {.has_sides = file.has("/cycles/side"), .has_heat = file.has("/cycles/temperature_c")};
+  record.cycles = read_rows(file, "/cycles", cycle_columns(record.parts), progress.cycles, bytes, path);
   record.events = read_rows(file, "/events", event_columns(), progress.events, bytes, path);
   record.lost = progress.lost;
   record.is_whole = progress.is_whole != 0;

@@ -64,7 +64,7 @@ class UnfinishedFile {
 
 struct RecordWriter::State {
   State(const std::filesystem::path& path, const std::map<std::string, std::string>& setup, bool may_replace,
-        const std::optional<FrameFormat>& format, BitShape tool);
+        const std::optional<FrameFormat>& format, RecordParts parts);
 
   /// The writing thread's life.
   void run();
@@ -107,11 +107,11 @@ struct RecordWriter::State {
 };
 
 RecordWriter::State::State(const std::filesystem::path& where, const std::map<std::string, std::string>& setup,
-                           bool may_replace, const std::optional<FrameFormat>& format, BitShape tool)
+                           bool may_replace, const std::optional<FrameFormat>& format, RecordParts parts)
     : path(where),
       file(new_file(where, may_replace)),
       unfinished(where),
-      cycles(file, "/cycles", cycle_columns(tool == BitShape::plate), kCycleChunk, true),
+      cycles(file, "/cycles", cycle_columns(parts), kCycleChunk, true),
       events(file, "/events", event_columns(), kEventChunk, false),
       frames(format ? std::optional(FrameTables::make(file, *format)) : std::nullopt),
       progress(file.make_row("/progress", Hdf5Number::u64, RecordProgress::kNumbers)) {
@@ -212,8 +212,8 @@ void RecordWriter::State::run() {
 }
 
 RecordWriter::RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
-                           bool may_replace, const std::optional<FrameFormat>& frames, BitShape tool)
-    : state_(std::make_unique<State>(path, setup, may_replace, frames, tool)) {
+                           bool may_replace, const std::optional<FrameFormat>& frames, RecordParts parts)
+    : state_(std::make_unique<State>(path, setup, may_replace, frames, parts)) {
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 

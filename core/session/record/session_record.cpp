@@ -10,6 +10,7 @@ namespace spinaltap {
 namespace {
 
 using Bytes = std::array<std::byte, 24>;
+constexpr RecordParts kAllParts{.has_sides = true, .has_heat = true};
 
 /// A quantity's number in a row of CSV: nothing where it is none, which is what pandas reads as missing.
 template <class Row>
@@ -76,13 +77,22 @@ RecordedCycle recorded(const Cycle& cycle) {
   row.outer_mm = cycle.clearance.outer_mm;
   row.canal_mm = cycle.clearance.canal_mm;
   row.side = cycle.input.pose.side;
+  // Rows are compared by value too, which numbers that are none would not bear.
+  if (!std::isnan(cycle.heat.temperature_c)) {
+    row.temperature_c = cycle.heat.temperature_c;
+    row.max_temperature_c = cycle.heat.max_temperature_c;
+  }
   return row;
 }
 
-bool operator==(const RecordedCycle& a, const RecordedCycle& b) { return same_bits(cycle_columns(true), a, b); }
+RecordParts record_parts(const DrillBit& tool, const SessionOptions& options) {
+  return {.has_sides = tool.shape == BitShape::plate, .has_heat = options.heat.has_value()};
+}
+
+bool operator==(const RecordedCycle& a, const RecordedCycle& b) { return same_bits(cycle_columns(kAllParts), a, b); }
 
 std::string difference(const RecordedCycle& a, const RecordedCycle& b) {
-  for (const RecordColumn<RecordedCycle>& column : cycle_columns(true)) {
+  for (const RecordColumn<RecordedCycle>& column : cycle_columns(kAllParts)) {
     Bytes of_a{};
     Bytes of_b{};
     column.store(a, of_a.data());
@@ -110,7 +120,7 @@ std::string hash_of(const SessionRecord& record) {
       hash.add(bytes.data(), column.width * bytes_of(column.number));
     }
   };
-  for (const RecordedCycle& row : record.cycles) add(cycle_columns(record.has_sides), row);
+  for (const RecordedCycle& row : record.cycles) add(cycle_columns(record.parts), row);
   for (const SessionEvent& event : record.events) {
     if (event.kind != EventKind::record_lost) add(event_columns(), event);
   }
@@ -119,7 +129,7 @@ std::string hash_of(const SessionRecord& record) {
 
 void write_record_csv(const SessionRecord& record, std::ostream& csv) {
   write_csv(
-      cycle_columns(record.has_sides), std::span<const RecordedCycle>(record.cycles), "state",
+      cycle_columns(record.parts), std::span<const RecordedCycle>(record.cycles), "state",
       [](const RecordedCycle& row) { return name_of(static_cast<DrillState>(row.state)); }, csv);
 }
 

@@ -35,13 +35,23 @@ struct RecordedCycle {
   double depth_mm = 0.0;
   double outer_mm = 0.0;  ///< clearances
   double canal_mm = 0.0;
-  Vec3 side = Vec3::Zero();  ///< of a plate, as the operator gave it; other tools' records leave it out
+  Vec3 side = Vec3::Zero();    ///< of a plate, as the operator gave it; other tools' records leave it out
+  double temperature_c = 0.0;  ///< as CycleHeat has them; 0, and left out, of a session that works out no heat
+  double max_temperature_c = 0.0;
 };
 RecordedCycle recorded(const Cycle& cycle);
 /// Bit for bit, so that a number that is none equals itself.
 bool operator==(const RecordedCycle& a, const RecordedCycle& b);
 /// The first quantity in which they differ, with both values: "thrust_n 3.25 and 3.5"; empty where they are equal.
 std::string difference(const RecordedCycle& a, const RecordedCycle& b);
+
+/// What the cycles of some records have and those of others do not.
+struct RecordParts {
+  bool has_sides = false;  ///< of a plate: RecordedCycle::side
+  bool has_heat = false;   ///< RecordedCycle::temperature_c and max_temperature_c
+};
+/// Of a session with this tool and these options.
+RecordParts record_parts(const DrillBit& tool, const SessionOptions& options);
 
 /// Writes a session into an HDF5 file while it runs: from a thread of its own, compressed in chunks, flushed more than
 /// once a second, so that others may read along and a killed run leaves all but the last second.
@@ -52,11 +62,9 @@ class RecordWriter {
 
   /// Makes the file and starts the thread. `setup`: what it takes to run the session again (names and texts; the
   /// program's business), stored as attributes. Throws Error where the file cannot be made, and where there is one
-  /// already, unless it `may_replace` it. `frames`: it also takes frames, all of this format. `tool`: of a plate the
-  /// sides of poses are recorded as well.
+  /// already, unless it `may_replace` it. `frames`: it also takes frames, all of this format.
   RecordWriter(const std::filesystem::path& path, const std::map<std::string, std::string>& setup,
-               bool may_replace = false, const std::optional<FrameFormat>& frames = {},
-               BitShape tool = BitShape::drill);
+               bool may_replace = false, const std::optional<FrameFormat>& frames = {}, RecordParts parts = {});
   /// Closes as close() does, without a word.
   ~RecordWriter();
   RecordWriter(const RecordWriter&) = delete;
@@ -96,8 +104,8 @@ struct SessionRecord {
   std::vector<RecordedCycle> cycles;
   /// In the order in which they began. Of a record that was cut short: those known at its last flush.
   std::vector<SessionEvent> events;
-  bool is_whole = false;          ///< closed in order
-  bool has_sides = false;         ///< of a plate: RecordedCycle::side is recorded
+  bool is_whole = false;  ///< closed in order
+  RecordParts parts;
   std::uint64_t lost = 0;         ///< cycles that did not get into it
   std::uint64_t frame_count = 0;  ///< of what cameras saw: read_frames()
 };

@@ -1,6 +1,7 @@
 #include "core/session/record/detail/record_columns.h"
 
 #include <utility>
+#include <vector>
 
 #include "core/base/text_fields.h"
 
@@ -59,9 +60,11 @@ RecordColumn<SessionEvent> event_column(const char* name) {
 
 }  // namespace
 
-std::span<const RecordColumn<RecordedCycle>> cycle_columns(bool has_sides) {
+namespace {
+
+std::vector<RecordColumn<RecordedCycle>> made_cycle_columns(RecordParts parts) {
   using Row = RecordedCycle;
-  static const std::array columns{
+  std::vector<RecordColumn<Row>> columns{
       cycle_column<&Row::cycle>("cycle"),
       cycle_column<&Row::time_s>("time_s"),
       cycle_column<&Row::dt_s>("dt_s"),
@@ -80,9 +83,22 @@ std::span<const RecordColumn<RecordedCycle>> cycle_columns(bool has_sides) {
       cycle_column<&Row::depth_mm>("depth_mm"),
       cycle_column<&Row::outer_mm>("clearance_outer_mm"),
       cycle_column<&Row::canal_mm>("clearance_canal_mm"),
-      column<Row, &Row::side>("side", {"side_x", "side_y", "side_z"}),
   };
-  return std::span(columns).first(columns.size() - (has_sides ? 0 : 1));
+  if (parts.has_sides) columns.push_back(column<Row, &Row::side>("side", {"side_x", "side_y", "side_z"}));
+  if (parts.has_heat) {
+    columns.push_back(cycle_column<&Row::temperature_c>("temperature_c"));
+    columns.push_back(cycle_column<&Row::max_temperature_c>("max_temperature_c"));
+  }
+  return columns;
+}
+
+}  // namespace
+
+std::span<const RecordColumn<RecordedCycle>> cycle_columns(RecordParts parts) {
+  static const std::array<std::vector<RecordColumn<RecordedCycle>>, 4> columns{
+      made_cycle_columns({}), made_cycle_columns({.has_sides = true}), made_cycle_columns({.has_heat = true}),
+      made_cycle_columns({.has_sides = true, .has_heat = true})};
+  return columns[(parts.has_sides ? 1U : 0U) + (parts.has_heat ? 2U : 0U)];
 }
 
 std::span<const RecordColumn<SessionEvent>> event_columns() {

@@ -24,9 +24,8 @@ struct RecordColumn {
   void (*load)(Row& row, const void* from) = nullptr;
 };
 
-/// In the order of the file's documentation, docs/record-file.md. `has_sides`: of a plate's records, which say how it
-/// is turned as well.
-std::span<const RecordColumn<RecordedCycle>> cycle_columns(bool has_sides);
+/// In the order of the file's documentation, docs/record-file.md.
+std::span<const RecordColumn<RecordedCycle>> cycle_columns(RecordParts parts);
 std::span<const RecordColumn<SessionEvent>> event_columns();
 
 /// Every bit of every quantity is the same.

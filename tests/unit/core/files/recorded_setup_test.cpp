@@ -43,6 +43,16 @@ SessionSetup odd_setup() {
   setup.options.stop = {55.5, 0.1, true};
   setup.options.states = {0.11, 0.66, 0.44, 0.12};
   setup.options.max_jump_mm = 49.0;
+  setup.options.heat = HeatOptions{.bone = {.cancellous_density_g_cm3 = 0.21,
+                                            .cortical_density_g_cm3 = 5.0 / 3.0,
+                                            .cancellous = {2.9e-4 / 3.0, 3.1e-3},
+                                            .cortical = {5.3e-4 / 7.0, 2.3e-3},
+                                            .temperature_c = 36.6,
+                                            .shear_angle_deg = 100.0 / 3.0,
+                                            .water_w_mm2_k = 1.1e-3},
+                                   .is_irrigated = true,
+                                   .distance_mm = 1.0 / 3.0,
+                                   .limit_c = 46.9};
   setup.has_clearances = false;
   const Vec3 axis = Vec3(1.0, 2.0, -3.0).normalized();
   setup.holes = {
@@ -100,6 +110,19 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_EQ(back.options.states.contact_g_cm3, 0.11);
   EXPECT_EQ(back.options.states.hold_mm, 0.12);
   EXPECT_EQ(back.options.max_jump_mm, 49.0);
+  ASSERT_TRUE(back.options.heat);
+  EXPECT_EQ(back.options.heat->bone.cancellous_density_g_cm3, 0.21);
+  EXPECT_EQ(back.options.heat->bone.cortical_density_g_cm3, 5.0 / 3.0);
+  EXPECT_EQ(back.options.heat->bone.cancellous.conductivity_w_mm_k, 2.9e-4 / 3.0);
+  EXPECT_EQ(back.options.heat->bone.cancellous.capacity_j_mm3_k, 3.1e-3);
+  EXPECT_EQ(back.options.heat->bone.cortical.conductivity_w_mm_k, 5.3e-4 / 7.0);
+  EXPECT_EQ(back.options.heat->bone.cortical.capacity_j_mm3_k, 2.3e-3);
+  EXPECT_EQ(back.options.heat->bone.temperature_c, 36.6);
+  EXPECT_EQ(back.options.heat->bone.shear_angle_deg, 100.0 / 3.0);
+  EXPECT_EQ(back.options.heat->bone.water_w_mm2_k, 1.1e-3);
+  EXPECT_TRUE(back.options.heat->is_irrigated);
+  EXPECT_EQ(back.options.heat->distance_mm, 1.0 / 3.0);
+  EXPECT_EQ(back.options.heat->limit_c, 46.9);
   EXPECT_FALSE(back.has_clearances);
   // What there is beside: every key at once.
   EXPECT_EQ(to_json(back), to_json(setup));

@@ -86,6 +86,22 @@ TEST(DepthLog, MakesMeansOverTimeAndKeepsTheMinClearanceAndTheLastState) {
   EXPECT_TRUE(std::isnan(rows[0].hu));
 }
 
+TEST(DepthLog, KeepsTheMaxTemperatureOfARow) {
+  DepthLog log(1.0, Material(), 10.0);
+  log.add(cycle_at(0.0), kNan);
+  for (const double temperature_c : {37.0, 44.5, 41.0}) {
+    Cycle cycle = cycle_at(0.3);
+    cycle.heat.temperature_c = temperature_c;
+    log.add(cycle, kNan);
+  }
+  log.add(cycle_at(1.0), kNan);
+  log.add(cycle_at(2.0), kNan);
+  const std::vector<DepthRow> rows = log.finish();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].temperature_c, 44.5);
+  EXPECT_TRUE(std::isnan(rows[1].temperature_c)) << "a session without heat";
+}
+
 TEST(DepthLog, GoesOnAfterPosesWithoutADepthAndAfterJumps) {
   DepthLog log(0.1, Material(), 1.0);
   for (const double depth_mm : {kNan, 0.0, kNan, 30.0, 30.05, 30.11}) log.add(cycle_at(depth_mm), 1.0);
@@ -106,6 +122,7 @@ TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
   nothing.cycles = 100;
   nothing.hu = nothing.density_g_cm3 = kNan;
   nothing.outer_mm = nothing.canal_mm = kInfinity;
+  nothing.temperature_c = kNan;
   nothing.cycles_per_s = 1e6;
   DepthRow bone;
   bone.depth_mm = 0.1;
@@ -121,12 +138,14 @@ TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
   bone.state = DrillState::outer_cortical;
   bone.outer_mm = 2.25;
   bone.canal_mm = -0.5;
+  bone.temperature_c = 41.5;
   bone.cycles_per_s = kNan;
   EXPECT_EQ(log_csv({nothing, bone}),
             "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
-            "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,cycles_per_s\n"
-            "-2.9,100,0,0,,,0,0,0,0,initial,,,1000000\n"
-            "0.1,100,12,340,300.5,0.365,1.25,3.5,0.25,0.75,outer cortical,2.25,-0.5,\n");
+            "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,max_temperature_c,"
+            "cycles_per_s\n"
+            "-2.9,100,0,0,,,0,0,0,0,initial,,,,1000000\n"
+            "0.1,100,12,340,300.5,0.365,1.25,3.5,0.25,0.75,outer cortical,2.25,-0.5,41.5,\n");
 }
 
 }  // namespace

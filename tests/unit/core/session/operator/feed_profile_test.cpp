@@ -43,6 +43,16 @@ TEST(FeedProfile, PecksAndWithdraws) {
   EXPECT_NEAR(FeedProfile(0.0, 10.0, options).duration_s(), 10.0 + 1.0, 1e-12);
 }
 
+TEST(FeedProfile, WaitsWhereAPeckHasGoneBackTo) {
+  FeedProfileOptions options;
+  options.pecking = {.every_mm = 4.0, .back_mm = 3.0, .mm_s = 10.0, .pause_s = 2.5};
+  const FeedProfile profile(0.0, 10.0, options);
+  EXPECT_NEAR(profile.duration_s(), 10.0 + 2.0 * (0.6 + 2.5), 1e-12);
+  for (const double time_s : {4.3, 5.0, 6.8}) EXPECT_NEAR(profile.depth_mm(time_s), 1.0, 1e-12) << time_s;
+  EXPECT_NEAR(profile.depth_mm(7.1), 4.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(8.1), 5.0, 1e-12);
+}
+
 TEST(FeedProfile, RejectsWhatLeadsNowhere) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto rejected = [&](double begin_mm, double end_mm, const FeedProfileOptions& options) {
@@ -58,6 +68,7 @@ TEST(FeedProfile, RejectsWhatLeadsNowhere) {
   for (const double bad : {-1.0, nan, 1e-9}) rejected(0.0, 1.0, {.pecking = {.every_mm = bad}});
   rejected(0.0, 1.0, {.pecking = {.every_mm = 0.5, .back_mm = 0.0}});
   rejected(0.0, 1.0, {.pecking = {.every_mm = 0.5, .mm_s = nan}});
+  for (const double bad : {-1.0, nan, 1e4}) rejected(0.0, 1.0, {.pecking = {.every_mm = 0.5, .pause_s = bad}});
   rejected(0.0, 1.0, {.withdraw_mm_s = nan});
 }
 

@@ -124,15 +124,15 @@ TEST(SessionRecord, OfAPlateHasSidesAndOthersHaveNone) {
     cycles.push_back(any_cycle(n, random));
     cycles.back().input.pose.side = Vec3(std::ldexp(static_cast<double>(random()), -64), -0.0, std::nan(""));
   }
-  const auto written = [&](const char* name, BitShape tool) {
-    RecordWriter writer(folder.path() / name, {}, false, {}, tool);
+  const auto written = [&](const char* name, RecordParts parts) {
+    RecordWriter writer(folder.path() / name, {}, false, {}, parts);
     for (const Cycle& cycle : cycles) writer.add_waiting(cycle);
     writer.close({});
     return read_record(folder.path() / name);
   };
-  const SessionRecord plate = written("plate.h5", BitShape::plate), drill = written("drill.h5", BitShape::drill);
-  EXPECT_TRUE(plate.has_sides);
-  EXPECT_FALSE(drill.has_sides);
+  const SessionRecord plate = written("plate.h5", {.has_sides = true}), drill = written("drill.h5", {});
+  EXPECT_TRUE(plate.parts.has_sides);
+  EXPECT_FALSE(drill.parts.has_sides);
   ASSERT_EQ(plate.cycles.size(), cycles.size());
   ASSERT_EQ(drill.cycles.size(), cycles.size());
   for (std::size_t n = 0; n < cycles.size(); ++n) {
@@ -148,9 +148,46 @@ TEST(SessionRecord, OfAPlateHasSidesAndOthersHaveNone) {
   SessionRecord turned = plate;
   turned.cycles[5].side.x() += 0.5;
   EXPECT_NE(hash_of(turned), hash_of(plate));
-  turned.has_sides = false;
+  turned.parts.has_sides = false;
   EXPECT_EQ(hash_of(turned), hash_of(drill));
   EXPECT_EQ(difference(turned.cycles[5], plate.cycles[5]).substr(0, 6), "side_x");
+}
+
+TEST(SessionRecord, HasTemperaturesWhereItsSessionWorksOutHeat) {
+  const test::TemporaryFolder folder;
+  std::mt19937_64 random(4);
+  std::vector<Cycle> cycles;
+  for (std::uint64_t n = 0; n < 1000; ++n) {
+    cycles.push_back(any_cycle(n, random));
+    cycles.back().heat.temperature_c = 37.0 + std::ldexp(static_cast<double>(random()), -62);
+    cycles.back().heat.max_temperature_c = 38.0;
+  }
+  const auto written = [&](const char* name, RecordParts parts) {
+    RecordWriter writer(folder.path() / name, {}, false, {}, parts);
+    for (const Cycle& cycle : cycles) writer.add_waiting(cycle);
+    writer.close({});
+    return read_record(folder.path() / name);
+  };
+  SessionOptions options;
+  EXPECT_FALSE(record_parts({}, options).has_heat);
+  options.heat.emplace();
+  EXPECT_TRUE(record_parts({}, options).has_heat);
+  const SessionRecord warm = written("warm.h5", record_parts({}, options)), cold = written("cold.h5", {});
+  EXPECT_TRUE(warm.parts.has_heat);
+  EXPECT_FALSE(cold.parts.has_heat);
+  for (std::size_t n = 0; n < cycles.size(); ++n) {
+    EXPECT_TRUE(warm.cycles[n] == recorded(cycles[n])) << difference(warm.cycles[n], recorded(cycles[n]));
+    EXPECT_EQ(cold.cycles[n].temperature_c, 0.0);
+  }
+  SessionRecord other = warm;
+  other.cycles[5].max_temperature_c += 0.5;
+  EXPECT_NE(hash_of(other), hash_of(warm));
+  EXPECT_EQ(difference(other.cycles[5], warm.cycles[5]).substr(0, 17), "max_temperature_c");
+  other.parts.has_heat = false;
+  EXPECT_EQ(hash_of(other), hash_of(cold));
+  std::ostringstream csv;
+  write_record_csv(warm, csv);
+  EXPECT_THAT(csv.str(), testing::HasSubstr("clearance_canal_mm,temperature_c,max_temperature_c\n0,"));
 }
 
 TEST(SessionRecord, TellsTheFirstQuantityThatDiffersByBits) {
@@ -384,7 +421,7 @@ TEST(RecordCsv, HasUnitsInItsHeadAndOneRowACycle) {
             "tip_density_g_cm3,depth_mm,clearance_outer_mm,clearance_canal_mm\n"
             "0,0,0,0,0,0,0,0,1,1,initial,0,0,0,0,0,0,0,0,0,0,0,0,0\n"
             "1,0,0,0.1,-2,1e-07,0,0,1,1,cancellous,0,0,0,0,0,0,,0,0,0,0,0,inf\n");
-  record.has_sides = true;
+  record.parts.has_sides = true;
   record.cycles.resize(1);
   record.cycles[0].side = {0.6, -0.8, 0.0};
   std::ostringstream of_plate;
