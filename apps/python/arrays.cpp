@@ -122,6 +122,8 @@ py::dtype make_cycle_dtype() {
   columns.add("clearance_outer_mm", "f8", offsetof(Row, outer_mm));
   columns.add("clearance_canal_mm", "f8", offsetof(Row, canal_mm));
   columns.add("side", "(3,)f8", offsetof(Row, side));
+  columns.add("temperature_c", "f8", offsetof(Row, temperature_c));
+  columns.add("max_temperature_c", "f8", offsetof(Row, max_temperature_c));
   return columns.type(sizeof(Row));
 }
 

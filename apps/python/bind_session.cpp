@@ -15,6 +15,7 @@
 #include "apps/python/one_at_a_time.h"
 #include "apps/python/planned_operator.h"
 #include "core/files/material_file.h"
+#include "core/files/thermal_bone_file.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "vdb/sim/session.h"
@@ -87,8 +88,8 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
                                            const std::optional<Numbers>& region_mm, double rpm, bool clearances,
                                            double stop_thrust_n, double stop_clearance_mm, bool stop_on_breach,
                                            const std::filesystem::path& material, const std::filesystem::path& density,
-                                           const std::vector<Bone>& also, bool follows_path,
-                                           const py::object& progress) {
+                                           const std::vector<Bone>& also, bool follows_path, bool heat, bool irrigation,
+                                           const std::filesystem::path& thermal_bone, const py::object& progress) {
   SessionSetup setup;
   setup.material = material_of(material, density);
   setup.volume.radius_mm = radius_mm;
@@ -105,6 +106,12 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
   setup.options.stop = {stop_thrust_n, stop_clearance_mm, stop_on_breach};
   setup.options.follows_path = follows_path;
   setup.has_clearances = clearances;
+  if (!heat && (irrigation || !thermal_bone.empty())) fail("expected heat=True with irrigation and thermal_bone");
+  if (heat) {
+    setup.options.heat.emplace();
+    setup.options.heat->bone = thermal_bone.empty() ? shipped_thermal_bone() : read_thermal_bone(thermal_bone);
+    setup.options.heat->is_irrigated = irrigation;
+  }
   std::vector<Bone> bones{bone};
   bones.insert(bones.end(), also.begin(), also.end());
   return std::make_unique<OwnedSession>(
@@ -174,6 +181,16 @@ void bind_cycle(py::module_& module) {
       .def_property_readonly("lateral_n", [](const Cycle& cycle) { return array_of(cycle.force.lateral_n); })
       .def_property_readonly("contact_n", [](const Cycle& cycle) { return array_of(cycle.force.contact_n); })
       .def_property_readonly("density_g_cm3", [](const Cycle& cycle) { return cycle.force.tip_density_g_cm3; })
+      .def_property_readonly(
+          "temperature_c", [](const Cycle& cycle) { return cycle.heat.temperature_c; },
+          "Of the hottest bone beside the hole now; nan where the session works out no heat.")
+      .def_property_readonly(
+          "max_temperature_c", [](const Cycle& cycle) { return cycle.heat.max_temperature_c; }, "The same, so far.")
+      .def_property_readonly(
+          "max_temperature_depth_mm", [](const Cycle& cycle) { return cycle.heat.max_depth_mm; },
+          "Where that was, along the path: 0 at the entry.")
+      .def_property_readonly(
+          "bone_w", [](const Cycle& cycle) { return cycle.heat.bone_w; }, "Heat that the bone gets of the cutting, W.")
       .def_property_readonly("clearance_outer_mm", [](const Cycle& cycle) { return cycle.clearance.outer_mm; })
       .def_property_readonly("clearance_canal_mm", [](const Cycle& cycle) { return cycle.clearance.canal_mm; })
       .def_property_readonly(
@@ -189,11 +206,12 @@ void bind_operators(py::module_& module) {
   py::class_<MotionPlan, PlannedOperator>(
       module, "PlannedMotion", "Goes its planned way, whatever it feels: beside the path or tilted, with a tremor.")
       .def(py::init([](const DrillPath& path, double feed_mm_s, double rate_hz, double lead_in_mm, double offset_mm,
-                       double tilt_deg, double tremor_mm, std::uint64_t seed, double peck_every_mm,
+                       double tilt_deg, double tremor_mm, std::uint64_t seed, double peck_every_mm, double peck_pause_s,
                        double withdraw_mm_s) {
              PathMotionOptions options{.line = {lead_in_mm, offset_mm, tilt_deg}, .rate_hz = rate_hz};
              options.feed.steps = {{0.0, feed_mm_s}};
              options.feed.pecking.every_mm = peck_every_mm;
+             options.feed.pecking.pause_s = peck_pause_s;
              options.feed.withdraw_mm_s = withdraw_mm_s;
              options.tremor_mm = tremor_mm;
              options.seed = seed;
@@ -201,7 +219,7 @@ void bind_operators(py::module_& module) {
            }),
            "path"_a, py::kw_only(), "feed_mm_s"_a = 1.0, "rate_hz"_a = 1000.0, "lead_in_mm"_a = 3.0,
            "offset_mm"_a = 0.0, "tilt_deg"_a = 0.0, "tremor_mm"_a = 0.0, "seed"_a = 1, "peck_every_mm"_a = 0.0,
-           "withdraw_mm_s"_a = 0.0, "Raises Error on values out of range.")
+           "peck_pause_s"_a = 0.0, "withdraw_mm_s"_a = 0.0, "Raises Error on values out of range.")
       .def("poses", &poses_of, "Tips and axes, (n, 6), as Session.run() takes them.")
       .def_property_readonly(
           "dt_s", [](const MotionPlan& planned) { return 1.0 / planned.motion().rate_hz(); },
@@ -239,7 +257,8 @@ The drilling of one hole is one session: it begins at time 0 and cycle 0; end_ho
            "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "auto", "region_mm"_a = py::none(),
            "rpm"_a = 1250.0, "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
            "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "also"_a = std::vector<Bone>(),
-           "follows_path"_a = true, "progress"_a = py::none(),
+           "follows_path"_a = true, "heat"_a = false, "irrigation"_a = false, "thermal_bone"_a = "",
+           "progress"_a = py::none(),
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; "voxel", for
 any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" of a plate or where
@@ -248,7 +267,8 @@ Bone.bounds_mm has them; an event tells where the tool leaves it. rpm: of the sp
 clearances: look for the walls, which takes seconds the first time. stop_...: when is_stopped becomes true. material,
 density: files of cutting models and density calibrations; the shipped ones by default. also: further bones of the same
 patient, which are drilled wherever the tool meets them; voxels only. follows_path: False of a milling, whose way leaves
-the path: neither states nor breakthroughs nor plunges are told, and "auto" takes voxels. Raises Error where the path misses the bone.)")
+the path: neither states nor breakthroughs nor plunges are told, and "auto" takes voxels. heat: work out how warm the bone beside the hole gets, live;
+irrigation: with water along its wall; thermal_bone: a file of how bone takes up heat; the shipped one by default. Raises Error where the path misses the bone.)")
       .def(
           "step",
           [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on,

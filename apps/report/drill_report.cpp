@@ -52,15 +52,16 @@ Spread spread(const Curve& values) {
 void check(const DrillReportData& data) {
   if (!(data.path.length_mm() > 0.0))
     fail("drill report: expected a path longer than 0 mm, found ", data.path.length_mm());
-  const std::array<std::pair<const char*, const Curve*>, 9> curves{{{"hu", &data.hu},
-                                                                    {"density_g_cm3", &data.density_g_cm3},
-                                                                    {"thrust_n", &data.thrust_n},
-                                                                    {"torque_n_mm", &data.torque_n_mm},
-                                                                    {"lateral_n", &data.lateral_n},
-                                                                    {"clearance_outer_mm", &data.clearance_outer_mm},
-                                                                    {"clearance_canal_mm", &data.clearance_canal_mm},
-                                                                    {"cycles_per_s", &data.cycles_per_s},
-                                                                    {"removed", &data.removed}}};
+  const std::array<std::pair<const char*, const Curve*>, 10> curves{{{"hu", &data.hu},
+                                                                     {"density_g_cm3", &data.density_g_cm3},
+                                                                     {"thrust_n", &data.thrust_n},
+                                                                     {"torque_n_mm", &data.torque_n_mm},
+                                                                     {"lateral_n", &data.lateral_n},
+                                                                     {"clearance_outer_mm", &data.clearance_outer_mm},
+                                                                     {"clearance_canal_mm", &data.clearance_canal_mm},
+                                                                     {"temperature_c", &data.temperature_c},
+                                                                     {"cycles_per_s", &data.cycles_per_s},
+                                                                     {"removed", &data.removed}}};
   for (const auto& [name, curve] : curves) {
     if (!curve->empty() && curve->size() != data.depth_mm.size()) {
       fail("drill report: expected ", data.depth_mm.size(), " values of ", name, ", one a depth, found ",
@@ -124,6 +125,7 @@ std::vector<ReportRow> summary(const DrillReportData& data) {
   add("Max torque", spread(data.torque_n_mm).max, 0, "N·mm");
   add("Min clearance to the outer surface", spread(data.clearance_outer_mm).min, 2, "mm");
   add("Min clearance to the canal", spread(data.clearance_canal_mm).min, 2, "mm");
+  add("Max temperature beside the hole, while drilling", spread(data.temperature_c).max, 1, "°C");
   add("Slowest cycles", spread(data.cycles_per_s).min, 0, "cycles/s");
   return rows;
 }
@@ -257,6 +259,8 @@ std::string drill_report(const DrillReportData& data) {
     plots.add("Clearance to the outer surface, beyond the entry opening", "clearance", "mm",
               where_known(data.clearance_outer_mm));
     plots.add("Clearance to the canal", "clearance", "mm", where_known(data.clearance_canal_mm));
+    plots.add("Hottest bone " + readable_number(data.heat_distance_mm, 2) + " mm from the wall", "temperature",
+              "°C", where_known(data.temperature_c), false);
     if (data.has_voxels) {
       plots.add("Voxels removed at each step", "voxels", "", data.removed);
     } else {

@@ -34,9 +34,11 @@ struct DrillReportData {
   std::vector<double> lateral_n;           ///< force of cutting across the bit's axis
   std::vector<double> clearance_outer_mm;  ///< of the bit; infinite where there is no wall near
   std::vector<double> clearance_canal_mm;
-  std::vector<double> cycles_per_s;  ///< how fast cycles ran there
-  std::vector<double> removed;       ///< points at that step, not summed; or voxels
-  bool has_voxels = false;           ///< voxels were drilled, not points
+  std::vector<double> temperature_c;  ///< of the hottest place beside the hole; NaN where it is not known
+  std::vector<double> cycles_per_s;   ///< how fast cycles ran there
+  std::vector<double> removed;        ///< points at that step, not summed; or voxels
+  bool has_voxels = false;            ///< voxels were drilled, not points
+  double heat_distance_mm = 0.0;      ///< from the wall, where temperature_c is
 
   std::vector<SessionEvent> events;  ///< those of states also become markers in the plots of forces
   std::size_t events_lost = 0;

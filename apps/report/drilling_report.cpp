@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/report/heat_figures.h"
 #include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
 #include "mesh/mesh_io.h"
@@ -57,6 +58,7 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
     data.lateral_n.push_back(row.lateral_n);
     data.clearance_outer_mm.push_back(row.outer_mm);
     data.clearance_canal_mm.push_back(row.canal_mm);
+    data.temperature_c.push_back(row.temperature_c);
     if (!drilling.real_time) data.cycles_per_s.push_back(row.cycles_per_s);
     data.removed.push_back(static_cast<double>(row.removed));
   }
@@ -101,6 +103,11 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
                        {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
   if (drilling.max_contact_n > 0.0) {
     data.figures.push_back({"Max contact force, spindle off", fixed_text(drilling.max_contact_n, 2), "N"});
+  }
+  if (figures.setup.options.heat) data.heat_distance_mm = figures.setup.options.heat->distance_mm;
+  if (figures.heat != nullptr) {
+    const std::vector<ReportRow> rows = heat_rows(*figures.heat);
+    data.figures.insert(data.figures.end(), rows.begin(), rows.end());
   }
   if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
     data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());

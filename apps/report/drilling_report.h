@@ -13,6 +13,7 @@
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "vdb/sim/drilling.h"
+#include "vdb/sim/solve_heat.h"
 
 namespace spinaltap {
 
@@ -25,6 +26,7 @@ struct DrillFigures {
   const MeshQuality& mesh;                                   ///< less the chips
   LooseChips chips = {};
   std::uint64_t cycles_not_recorded = 0;
+  const SolvedHeat* heat = nullptr;  ///< of the whole drilling, where it was asked for
 };
 
 /// Mean cycles per second along the way; 0 where none was measured.

@@ -79,7 +79,8 @@ void OperatorChoice::check(bool is_real_time) const {
   if (name == "push") {
     for (const auto& [given, option] :
          {std::pair{!feed.empty(), "--feed"}, std::pair{step_mm.has_value(), "--step"},
-          std::pair{peck_mm.has_value(), "--peck"}, std::pair{withdraw_mm_s.has_value(), "--withdraw"}}) {
+          std::pair{peck_mm.has_value(), "--peck"}, std::pair{peck_pause_s.has_value(), "--peck-pause"},
+          std::pair{withdraw_mm_s.has_value(), "--withdraw"}}) {
       reject(given, option, "its feed follows from the bone");
     }
   }
@@ -87,7 +88,8 @@ void OperatorChoice::check(bool is_real_time) const {
     for (const auto& [given, option] :
          {std::pair{!feed.empty(), "--feed"}, std::pair{step_mm.has_value(), "--step"},
           std::pair{offset_mm.has_value(), "--offset"}, std::pair{tilt_deg.has_value(), "--tilt"},
-          std::pair{peck_mm.has_value(), "--peck"}, std::pair{withdraw_mm_s.has_value(), "--withdraw"}}) {
+          std::pair{peck_mm.has_value(), "--peck"}, std::pair{peck_pause_s.has_value(), "--peck-pause"},
+          std::pair{withdraw_mm_s.has_value(), "--withdraw"}}) {
       reject(given, option, "the file says where the bit goes");
     }
   }
@@ -98,6 +100,7 @@ void OperatorChoice::check(bool is_real_time) const {
     }
     reject(rate_hz && !is_real_time, "--rate", "the file says when");
   }
+  if (peck_pause_s && !peck_mm) fail("expected --peck with --peck-pause: without pecks nothing waits");
   if (step_mm && rate_hz && !feed.empty()) {
     fail("expected two of --step, --feed and --rate: a step is a feed over a rate");
   }
@@ -129,11 +132,13 @@ void OperatorChoice::add_planned_motion(const DrillPath& path, const GuideLine& 
     motion.rate_hz = rate_hz.value_or(kRateHz);
   }
   motion.feed.pecking.every_mm = peck_mm.value_or(0.0);
+  motion.feed.pecking.pause_s = peck_pause_s.value_or(0.0);
   motion.feed.withdraw_mm_s = withdraw_mm_s.value_or(0.0);
   plan.rate_hz = motion.rate_hz;
   plan.words["feed"] =
       motion.feed.steps.size() > 1 ? feed + " mm/s" : short_text(motion.feed.steps.front().mm_s) + " mm/s";
   if (peck_mm) plan.words["peck"] = short_text(*peck_mm) + " mm";
+  if (peck_pause_s) plan.words["peck pause"] = short_text(*peck_pause_s) + " s";
   plan.tool_operator = std::make_unique<PlannedMotion>(path, motion);
 }
 

@@ -36,6 +36,7 @@ struct OperatorChoice {
   std::optional<double> rate_hz;
   std::optional<double> tremor_mm;
   std::optional<double> peck_mm;
+  std::optional<double> peck_pause_s;  ///< only with pecks
   std::optional<double> withdraw_mm_s;
   std::optional<double> push_n;
   std::optional<std::uint64_t> seed;

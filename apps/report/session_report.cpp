@@ -87,6 +87,8 @@ std::string value_text(const SessionEvent& event) {
     case EventKind::stop_thrust:
     case EventKind::touch:
       return readable_number(event.value, 1) + " N";
+    case EventKind::heat_limit:
+      return readable_number(event.value, 1) + " °C";
     case EventKind::record_lost:
       return readable_number(event.value, 0) + " cycles";
     case EventKind::outer_breach:

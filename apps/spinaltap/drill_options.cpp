@@ -58,6 +58,9 @@ void add_operator(CLI::App& app, OperatorChoice& tool_operator) {
       ->type_name("MM");
   app.add_option("--peck", tool_operator.peck_mm, "Draw back by 2 mm each so many mm of depth; default: never")
       ->type_name("MM");
+  app.add_option("--peck-pause", tool_operator.peck_pause_s,
+                 "With --peck: wait so long each time, drawn back, s; default: 0")
+      ->type_name("S");
   app.add_option("--withdraw", tool_operator.withdraw_mm_s, "Draw back to the start at the end, mm/s; default: stay")
       ->type_name("MM_S");
   app.add_option("--push", tool_operator.push_n, "With --operator push: force along the path, N; default: 40")
@@ -140,6 +143,13 @@ void DrillOptions::add_session_to(CLI::App& app) {
   app.add_flag("--stop-on-breach", stop.on_breach,
                "Ask it to stop where the bit breaks through either wall; the exit code is then 1");
   app.add_flag("--no-clearances", leaves_clearances, "Do not look for the bone's walls: begins sooner; no breaches");
+  app.add_flag(
+      "--heat", has_heat,
+      "Work out how warm the bone gets: live beside the hole, in the log, the report and the record; then on a grid "
+      "around the hole, written as heat.vdb");
+  heat.add_to(app);
+  app.add_option("--heat-limit", heat_limit_c, "With --heat: an event tells where bone gets hotter, °C; default: 47")
+      ->type_name("C");
   app.add_option("--record", record, "Write every cycle into this HDF5 file; see `replay`")->type_name("FILE");
   app.add_flag("--real-time", is_real_time,
                "By the clock, with threads for operator, collisions and display; prints their latencies");
@@ -154,6 +164,13 @@ void DrillOptions::check(const DrillBit& tool) const {
   if (!is_real_time && (seconds || output_rate_hz)) {
     fail("expected --real-time with --seconds and --output-rate: without it drilling goes as fast as it goes");
   }
+  if (!has_heat && (heat.is_given() || heat_limit_c)) {
+    fail("expected --heat with --irrigation, --thermal-bone and --heat-limit");
+  }
+  if (has_heat && tool_operator.is_milling())
+    fail("expected no --heat with a milling: only a hole along the path has it");
+  if (has_heat && tool.shape == BitShape::plate) fail("expected no --heat with a plate: it drills no hole");
+  if (has_heat && bones > 1) fail("expected no --heat with --also: heat is solved in one bone");
   if (leaves_clearances && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
     fail("expected clearances with --stop-at-clearance and --stop-on-breach: leave --no-clearances away");
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/report/operator_choice.h"
+#include "apps/spinaltap/heat_options.h"
 #include "core/ct/hu_to_density.h"
 #include "core/session/real_time/real_time.h"
 #include "vdb/sim/build_session.h"
@@ -32,6 +33,9 @@ struct DrillOptions {
   std::string region;     ///< empty: none
   std::size_t bones = 1;  ///< how many are drilled
   OperatorChoice tool_operator;
+  bool has_heat = false;
+  HeatChoice heat;
+  std::optional<double> heat_limit_c;
   std::filesystem::path record;  ///< empty: none
   bool may_replace_record = false;
   bool writes_full_mesh = false;
@@ -41,7 +45,7 @@ struct DrillOptions {
 
   /// Adds the material's, the point volume's, the engine's, and of the operator those of a straight motion.
   void add_to(CLI::App& app);
-  /// Adds the rest: operators, stop rules, records, real time.
+  /// Adds the rest: operators, stop rules, heat, records, real time.
   void add_session_to(CLI::App& app);
 
   /// Throws Error where options do not go together, or not with the path's tool.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/report/drilling_report.h"
+#include "apps/report/heat_figures.h"
 #include "apps/report/picture_view.h"
 #include "apps/report/session_report.h"
 #include "apps/report/text_table.h"
@@ -112,7 +113,7 @@ class Recording {
     if (options.record.empty()) return;
     const std::string pace = options.is_real_time ? "real time" : "as fast as it goes";
     writer_.emplace(options.record, record_words(setup, tool_operator.words, pace), options.may_replace_record,
-                    std::nullopt, setup.path.bit.shape);
+                    std::nullopt, record_parts(setup.path.bit, setup.options));
   }
   RecordWriter* writer() { return writer_ ? &*writer_ : nullptr; }
   /// What goes wrong is kept: a full disk shall not cost the other results.
@@ -180,6 +181,11 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   if (std::isfinite(drilling.min_clearance_canal_mm)) {
     print_figure("min clearance, canal", drilling.min_clearance_canal_mm, "mm", 2);
   }
+  if (figures.setup.options.heat) {
+    print_figure("max temperature beside the hole", drilling.heat.max_temperature_c, "°C", 1);
+    print_figure("max temperature, at depth", drilling.heat.max_depth_mm, "mm", 1);
+  }
+  if (figures.heat != nullptr) print_heat(*figures.heat);
   print_figure("density at 0 HU", density.line.at_0_hu, "g/cm3", 4);
   print_figure("density per 1000 HU", 1000.0 * density.line.per_hu, "g/cm3", 4);
   if (density.rms_residual_g_cm3 > 0.0) {
@@ -225,6 +231,11 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
   if (figures.setup.region_mm) {
     json["region_mm"] = {to_json(figures.setup.region_mm->min()), to_json(figures.setup.region_mm->max())};
   }
+  if (figures.setup.options.heat) {
+    json["max_temperature_c"] = number_or_null(drilling.heat.max_temperature_c);
+    json["max_temperature_depth_mm"] = number_or_null(drilling.heat.max_depth_mm);
+  }
+  if (figures.heat != nullptr) json["heat"] = heat_json(*figures.heat);
   if (figures.chips.count > 0) {
     print_figure("loose chips left out of the mesh",
                  std::to_string(figures.chips.count) + ", " + fixed_text(figures.chips.volume_mm3, 3) + " mm3");
@@ -277,6 +288,10 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   setup.material =
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
+  if (options.has_heat) {
+    setup.options.heat = options.heat.options();
+    if (options.heat_limit_c) setup.options.heat->limit_c = *options.heat_limit_c;
+  }
   std::optional<RbfField> field;
   if (!options.field.empty()) field.emplace(RbfField::for_values(read_rbf(options.field), RbfField::kDefaultAccuracy));
   Recording recording(options, setup, tool_operator);
@@ -295,6 +310,8 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   }
   const Drilling drilling = drill_bone(bones, setup, *tool_operator.tool_operator, how, progress);
   recording.close(drilling.events);
+  std::optional<SolvedHeat> heat;
+  if (options.has_heat) heat.emplace(solve_heat(drilling.before, setup, drilling.heat_steps, {}, progress));
   const auto mesh_of = [&](const BoneModel& drilled) {
     return options.writes_full_mesh ? sharp_surface(drilled) : display_mesh(drilled, {}, nullptr, progress);
   };
@@ -303,13 +320,15 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
 
   progress.report("meshing", 0.0);
   const MeshQuality quality = measure_mesh(surface);
-  const DrillFigures figures{drilling, bone, setup, tool_operator.words, quality, chips, recording.lost()};
+  const DrillFigures figures{
+      drilling, bone, setup, tool_operator.words, quality, chips, recording.lost(), heat ? &*heat : nullptr};
   DrillReportData data = report_data(page.title, page.ct, figures);
   data.command = page.command;
   data.date = today();
   data.renders = drill_pictures(drilling.before, drilling.drilled, path, progress);
 
   stage_drilling(drilling, surface, data, folder, output);
+  if (heat) heat->grid->write(output.stage(folder / "heat.vdb"), heat->heat.bone.temperature_c);
   const std::vector<std::string> further = names_of_further(bones);
   for (std::size_t n = 0; n < further.size(); ++n) {
     const std::string name = "drilled_" + further[n];

@@ -14,7 +14,7 @@ namespace {
 
 std::string number(double value, int digits) { return readable_number(value, digits); }
 
-Json to_json(const LevelFigures& figures) {
+Json level_figures_json(const LevelFigures& figures) {
   Json bridges;
   constexpr std::array<const char*, kContacts> kNames{"ends",        "upper_left", "upper_right", "lower_left",
                                                       "lower_right", "left_rib",   "right_rib"};
@@ -120,7 +120,7 @@ Json to_json(const LevelReport& level) {
                {"volume_mm3", level.volume_mm3},
                {"is_cut", level.is_cut},
                {"reaches_border", level.reaches_border},
-               {"figures", to_json(level.figures)},
+               {"figures", level_figures_json(level.figures)},
                {"warnings", warnings},
                {"severity", level.severity},
                {"is_suspect", level.is_suspect()}});

@@ -105,6 +105,13 @@ TEST_F(DrillPanelTest, TellsTheFiguresInWords) {
   ASSERT_TRUE(wait_for(DrillPlayer::State::stopped));
   EXPECT_EQ(text("drill_state").substr(0, 7), "Ended: ");
   EXPECT_EQ(text("drill_depth"), "30.00 mm");
+  EXPECT_THAT(text("drill_heat"), ::testing::MatchesRegex("[0-9.]+ °C, at most [0-9.]+ °C"));
+  EXPECT_GT(player_.last()->heat.max_temperature_c, 37.0);
+  const Plot heat = drill_plot(DrillCurve::temperature, player_.rows(), 30.0);
+  ASSERT_EQ(heat.series.size(), 1U);
+  EXPECT_EQ(heat.series.front().y.size(), player_.rows().size());
+  EXPECT_EQ(heat.y_unit, "°C");
+  EXPECT_FALSE(heat.y_from_zero);
   EXPECT_EQ(text("drill_feed"), "1.00 mm/s");
   EXPECT_EQ(static_cast<std::size_t>(find<QListWidget>("drill_events").count()), player_.events().size());
   EXPECT_GT(player_.events().size(), 1U);
@@ -156,6 +163,7 @@ TEST_F(DrillPanelTest, MillsWhatAFileSaysAndTellsTheEngineThatWasTaken) {
   EXPECT_EQ(text("drill_engine_used"), "voxel");
   EXPECT_THAT(text("drill_removed"), ::testing::HasSubstr(" voxels"));
   EXPECT_THAT(text("drill_canal"), ::testing::HasSubstr("not watched"));
+  EXPECT_THAT(text("drill_heat"), ::testing::HasSubstr("not worked out"));
   button("drill_undo_hole").click();
   EXPECT_EQ(text("drill_engine_used"), "–");
   choose("drill_operator", "on-path");

@@ -386,10 +386,39 @@ class Record(unittest.TestCase):
         for name in spinaltap.CYCLE.names:
             stem, _, unit = name.partition("_")
             is_vector = bool(spinaltap.CYCLE[name].shape)
-            if name == "side":  # of plates only
+            if name in ("side", "temperature_c", "max_temperature_c"):  # of plates, and where there is heat
                 continue
             names += [f"{stem}_{axis}" + ("_" + unit if unit else "") for axis in "xyz"] if is_vector else [name]
         self.assertEqual(names, head)
+
+    def test_has_temperatures_where_its_session_has_heat(self):
+        file = self.folder / "warm.h5"
+        session = made_bone.session(heat=True)
+        session.record(file)
+        rows = session.run(poses())
+        session.end_record()
+        self.assertGreater(rows["max_temperature_c"][-1], 37.0)
+        self.assertEqual(session.last.max_temperature_c, rows["max_temperature_c"][-1])
+        self.assertGreaterEqual(session.last.max_temperature_c, session.last.temperature_c)
+        self.assertGreater(session.last.max_temperature_depth_mm, 0.0)
+        np.testing.assert_array_equal(rows["thrust_n"], self.rows["thrust_n"])
+        self.assertTrue(np.isnan(made_bone.session().last.temperature_c))
+        self.assertTrue(spinaltap.replay(file, made_bone.bone()).is_same)
+        wet = made_bone.session(heat=True, irrigation=True).run(poses())
+        self.assertLess(wet["max_temperature_c"][-1], rows["max_temperature_c"][-1])
+        with self.assertRaisesRegex(spinaltap.Error, "heat=True"):
+            made_bone.session(irrigation=True)
+
+    def test_is_solved_for_heat(self):
+        heat = spinaltap.solve_heat(self.file, made_bone.bone())
+        self.assertGreater(heat.hottest_c, 37.0)
+        self.assertEqual(heat.distances[0], (0.0, heat.hottest_c))
+        self.assertLess(heat.distances[-1][1], heat.hottest_c)
+        self.assertEqual(heat.above_47c_60s_mm3, 0.0)
+        self.assertEqual(heat.hottest_mm.shape, (3,))
+        self.assertLess(spinaltap.solve_heat(self.file, made_bone.bone(), irrigation=True).hottest_c, heat.hottest_c)
+        heat.save(self.folder / "heat.vdb")
+        self.assertTrue((self.folder / "heat.vdb").exists())
 
     def test_becomes_a_frame(self):
         try:

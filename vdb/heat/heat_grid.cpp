@@ -466,6 +466,34 @@ double HeatGrid::hot_volume_mm3(std::size_t which, double seconds) const {
   return static_cast<double>(count) * state_->voxel_mm3();
 }
 
+HeatVolume HeatGrid::volume() const {
+  const State& s = *state_;
+  if (s.blocks.empty()) fail("heat: expected some to make a volume of, found none in bone");
+  HeatIndex low = s.blocks.front()->origin, high = low;
+  for (const auto& block : s.blocks) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], block->origin[axis]);
+      high[axis] = std::max(high[axis], block->origin[axis]);
+    }
+  }
+  HeatVolume volume;
+  GridGeometry& grid = volume.geometry;
+  grid.origin_mm = s.to_patient(low);
+  grid.spacing_mm = Vec3::Constant(s.options.voxel_mm);
+  grid.directions = s.options.axes;
+  for (std::size_t axis = 0; axis < 3; ++axis) grid.size[axis] = high[axis] - low[axis] + kHeatSide;
+  check_geometry(grid, "volume of heat");
+  volume.max_rise_k.resize(grid.voxel_count());
+  for (const auto& block : s.blocks) {
+    for (std::size_t n = 0; n < kHeatVoxels; ++n) {
+      const HeatIndex in = place_in(n);
+      volume.max_rise_k[grid.offset(block->origin[0] - low[0] + in[0], block->origin[1] - low[1] + in[1],
+                                    block->origin[2] - low[2] + in[2])] = block->max_k[n];
+    }
+  }
+  return volume;
+}
+
 void HeatGrid::write(const std::filesystem::path& path, double first_c) const {
   initialize_openvdb();
   const State& s = *state_;

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "core/base/geometry.h"
+#include "core/ct/grid_geometry.h"
 #include "core/tool/bit_profile.h"
 #include "vdb/heat/heat_medium.h"
 
@@ -36,6 +38,12 @@ struct HeatBalance {
 struct HottestVoxel {
   double rise_k = 0.0;
   Vec3 at_mm = Vec3::Zero();  ///< patient LPS
+};
+
+/// The warmest that bone has been, voxel by voxel, in the box of all that heat came near.
+struct HeatVolume {
+  GridGeometry geometry;
+  std::vector<float> max_rise_k;  ///< 0 where there is no bone
 };
 
 /// Conduction of heat in bone while it is drilled, by finite volumes in time steps as long as they are stable
@@ -77,6 +85,8 @@ class HeatGrid {
   /// Volume of bone that was hotter than HeatGridOptions::hot_rise_k[which] for at least `seconds` in all, mm³.
   double hot_volume_mm3(std::size_t which, double seconds) const;
 
+  /// Throws Error where no heat came.
+  HeatVolume volume() const;
   /// Writes grids "max_temperature" (°C, `first_c` being the bone's first) and "seconds_hot_0", "seconds_hot_1" to a
   /// staged .vdb. The same drilling gives the same bytes. Throws Error when the disk is full.
   void write(const std::filesystem::path& path, double first_c) const;

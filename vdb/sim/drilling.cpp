@@ -15,24 +15,43 @@ namespace spinaltap {
 namespace {
 
 /// What was done, kept in memory that is there from the start: the collision thread must not wait for more.
-class InputLog {
+template <class Row>
+class RowLog {
  public:
-  explicit InputLog(std::size_t expected) : inputs_(expected) {}
+  explicit RowLog(std::size_t expected) : rows_(expected) {}
 
-  void add(const ToolInput& input) {
-    if (used_ < inputs_.size()) {
-      inputs_[used_] = input;
+  void add(const Row& row) {
+    if (used_ < rows_.size()) {
+      rows_[used_] = row;
     } else {
-      inputs_.push_back(input);
+      rows_.push_back(row);
     }
     ++used_;
   }
-  std::span<const ToolInput> inputs() const { return {inputs_.data(), used_}; }
+  std::span<const Row> rows() const { return {rows_.data(), used_}; }
 
  private:
-  std::vector<ToolInput> inputs_;
+  std::vector<Row> rows_;
   std::size_t used_ = 0;
 };
+
+/// Of every cycle: what went in, and the heat that the bone got.
+struct CycleLog {
+  CycleLog(std::size_t expected, bool has_heat) : inputs(expected), bone_w(has_heat ? expected : 0) {}
+
+  RowLog<ToolInput> inputs;
+  RowLog<double> bone_w;
+};
+
+std::vector<HeatStep> steps_of(const CycleLog& log) {
+  std::vector<HeatStep> steps;
+  steps.reserve(log.bone_w.rows().size());
+  for (std::size_t n = 0; n < log.bone_w.rows().size(); ++n) {
+    const ToolInput& input = log.inputs.rows()[n];
+    steps.push_back({input.pose, input.dt_s, log.bone_w.rows()[n]});
+  }
+  return steps;
+}
 
 std::size_t expected_inputs(const Operator& tool_operator, const std::optional<RealTimeOptions>& real_time) {
   constexpr std::size_t kMax = 4'000'000;  // 256 MB; what comes then is allocated when it comes
@@ -77,16 +96,18 @@ Pose deepest_pose(std::span<const ToolInput> inputs, const DrillPath& path) {
 /// Watches a session's cycles, on the thread that runs them.
 class Watch {
  public:
-  Watch(const DrillSession& session, const DrillingOptions& options, DepthLog& log, InputLog& inputs,
+  Watch(const DrillSession& session, const DrillingOptions& options, DepthLog& log, CycleLog& cycles,
         Drilling& drilling)
-      : session_(session), options_(options), log_(log), inputs_(inputs), drilling_(drilling) {}
+      : session_(session), options_(options), log_(log), cycles_(cycles), drilling_(drilling) {}
 
   void observe(const Cycle& cycle) {
     const bool is_paced = options_.real_time.has_value();
     const double seconds =
         is_paced ? std::numeric_limits<double>::quiet_NaN() : 1e-9 * static_cast<double>(wall_ns() - before_ns_);
     log_.add(cycle, seconds);
-    inputs_.add(cutting_input(cycle, session_.options()));
+    cycles_.inputs.add(cutting_input(cycle, session_.options()));
+    if (session_.options().heat) cycles_.bone_w.add(cycle.heat.bone_w);
+    drilling_.heat = cycle.heat;
     drilling_.removed += cycle.step.removed;
     if (is_first_) {
       is_first_ = false;
@@ -119,7 +140,7 @@ class Watch {
   const DrillSession& session_;
   const DrillingOptions& options_;
   DepthLog& log_;
-  InputLog& inputs_;
+  CycleLog& cycles_;
   Drilling& drilling_;
   bool is_first_ = true;
   std::int64_t before_ns_ = wall_ns();
@@ -150,8 +171,8 @@ Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Oper
   if (options.makes_splats) {
     for (const PointVolume& volume : built.bone.volumes) splats.emplace_back(volume, BoneField(bones.front().model()));
   }
-  InputLog inputs(expected_inputs(tool_operator, options.real_time));
-  Watch watch(session, options, log, inputs, drilling);
+  CycleLog cycles(expected_inputs(tool_operator, options.real_time), setup.options.heat.has_value());
+  Watch watch(session, options, log, cycles, drilling);
   const CycleObserver observe = [&](const Cycle& cycle) { watch.observe(cycle); };
   if (options.real_time) {
     drilling.real_time =
@@ -164,6 +185,8 @@ Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Oper
   drilling.events.assign(session.events().begin(), session.events().end());
   drilling.events_lost = session.events_lost();
   drilling.rows = log.finish();
+  drilling.heat_steps = steps_of(cycles);
+  const std::span<const ToolInput> inputs = cycles.inputs.rows();
   progress.report("cutting the hole", 0.0);
   for (const Bone& bone : bones) {
     HoleCutter cutter(bone.model());
@@ -171,7 +194,7 @@ Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Oper
     const bool is_first = &bone == &bones.front();
     if (is_first) drilling.before = cutter.bone();
     cutter.take_bit(setup.path.bit, setup.options.max_jump_mm);
-    cutter.add(inputs.inputs());
+    cutter.add(inputs);
     if (is_first) {
       drilling.drilled = cutter.bone();
     } else {
@@ -179,7 +202,7 @@ Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Oper
     }
   }
   for (std::size_t n = 0; n < splats.size(); ++n) {
-    splats[n].update(built.bone.volumes[n], setup.path.bit, deepest_pose(inputs.inputs(), setup.path));
+    splats[n].update(built.bone.volumes[n], setup.path.bit, deepest_pose(inputs, setup.path));
     drilling.splats.insert(drilling.splats.end(), splats[n].splats().begin(), splats[n].splats().end());
   }
   drilling.left = std::move(built.bone);  // the points stay where the session knows them

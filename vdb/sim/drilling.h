@@ -12,6 +12,7 @@
 #include "core/session/real_time/real_time.h"
 #include "core/session/record/session_record.h"
 #include "vdb/grid/bone_model.h"
+#include "vdb/heat/drilling_heat.h"
 #include "vdb/sim/build_session.h"
 
 namespace spinaltap {
@@ -43,7 +44,9 @@ struct Drilling {
   double max_contact_n = 0.0;           ///< of touching with the spindle off
   double min_clearance_outer_mm = 0.0;  ///< min clearances; infinite where there is no wall near
   double min_clearance_canal_mm = 0.0;
-  bool is_stopped = false;  ///< a rule asked to
+  CycleHeat heat;                    ///< of the last cycle
+  std::vector<HeatStep> heat_steps;  ///< of every cycle, where the setup has heat: for solve_heat()
+  bool is_stopped = false;           ///< a rule asked to
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;

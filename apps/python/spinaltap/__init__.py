@@ -37,6 +37,7 @@ from ._core import (
     Replay,
     Screw,
     Session,
+    SolvedHeat,
     Study,
     Suggestion,
     View,
@@ -48,6 +49,7 @@ from ._core import (
     replay,
     set_data_folder,
     set_threads,
+    solve_heat,
     write_plan,
 )
 from .frames import to_frame
@@ -75,6 +77,7 @@ __all__ = [
     "Replay",
     "Screw",
     "Session",
+    "SolvedHeat",
     "Study",
     "Suggestion",
     "View",
@@ -86,6 +89,7 @@ __all__ = [
     "replay",
     "set_data_folder",
     "set_threads",
+    "solve_heat",
     "to_frame",
     "write_plan",
 ]

@@ -54,6 +54,19 @@ void show_clearance(QLabel* label, double clearance_mm) {
   label->setStyleSheet(*colour == '\0' ? QString() : QStringLiteral("font-weight: 600; color: %1").arg(colour));
 }
 
+void show_heat(QLabel* label, const Cycle& cycle, const SessionSetup& setup) {
+  if (!setup.options.heat) {
+    label->setText(DrillFiguresView::tr("not worked out: only a drilled hole has it"));
+    label->setStyleSheet({});
+    return;
+  }
+  label->setText(
+      DrillFiguresView::tr("%1, at most %2")
+          .arg(with_digits(cycle.heat.temperature_c, 1, " °C"), with_digits(cycle.heat.max_temperature_c, 1, " °C")));
+  const bool is_hot = cycle.heat.max_temperature_c > setup.options.heat->limit_c;
+  label->setStyleSheet(is_hot ? QStringLiteral("font-weight: 600; color: #b3261e") : QString());
+}
+
 }  // namespace
 
 Plot drill_plot(DrillCurve curve, std::span<const DepthRow> rows, double length_mm) {
@@ -85,6 +98,12 @@ Plot drill_plot(DrillCurve curve, std::span<const DepthRow> rows, double length_
       plot.y_unit = "mm";
       plot.series = {curve_of(rows, "outer surface", &DepthRow::outer_mm),
                      curve_of(rows, "canal", &DepthRow::canal_mm)};
+      break;
+    case DrillCurve::temperature:
+      plot.y_label = "temperature";
+      plot.y_unit = "°C";
+      plot.y_from_zero = false;
+      plot.series = {curve_of(rows, "bone 0.5 mm from the wall", &DepthRow::temperature_c)};
       break;
   }
   return plot;
@@ -119,6 +138,9 @@ DrillFiguresView::DrillFiguresView(QWidget* parent) : QWidget(parent) {
   grid->addWidget(outer_, 5, 1, 1, 3);
   canal_ = add("drill_canal", tr("To canal"), 6, 0);
   grid->addWidget(canal_, 6, 1, 1, 3);
+  heat_ = add("drill_heat", tr("Bone at 0.5 mm"), 7, 0);
+  heat_->setToolTip(tr("The hottest bone half a millimetre from the hole's wall: now, and at most so far"));
+  grid->addWidget(heat_, 7, 1, 1, 3);
   grid->setColumnStretch(1, 1);
   grid->setColumnStretch(3, 1);
 }
@@ -143,11 +165,11 @@ QLabel* DrillFiguresView::add(const char* name, const QString& label, int row, i
 void DrillFiguresView::show_figures(const DrillPlayer& player) {
   state_->setText(told_state(player));
   const std::optional<Cycle>& cycle = player.last();
-  for (QLabel* label : {depth_, thrust_, torque_, feed_, removed_, engine_, outer_, canal_, cycles_, frames_}) {
+  for (QLabel* label : {depth_, thrust_, torque_, feed_, removed_, engine_, outer_, canal_, heat_, cycles_, frames_}) {
     if (!cycle) label->setText(QStringLiteral("–"));
   }
   if (!cycle) {
-    for (QLabel* label : {outer_, canal_}) label->setStyleSheet({});
+    for (QLabel* label : {outer_, canal_, heat_}) label->setStyleSheet({});
     return;
   }
   const double rpm = player.spindle_rpm();
@@ -161,6 +183,7 @@ void DrillFiguresView::show_figures(const DrillPlayer& player) {
   engine_->setText(QString::fromStdString(name_of(setup.engine)));
   cycles_->setText(with_digits(player.cycles_per_s(), 0, " /s"));
   frames_->setText(with_digits(player.surface_updates_per_s(), 0, " /s"));
+  show_heat(heat_, *cycle, setup);
   if (!setup.has_clearances) {
     for (QLabel* label : {outer_, canal_}) {
       label->setText(tr("not watched: a milling takes the walls away"));

@@ -14,7 +14,7 @@ class QLabel;
 namespace spinaltap {
 
 /// What is shown along the depth of a drilling.
-enum class DrillCurve { thrust, torque, density, clearance };
+enum class DrillCurve { thrust, torque, density, clearance, temperature };
 
 /// Rows of a log as a curve, from the entry to the target of a path so long (mm) and as far as the rows reach.
 Plot drill_plot(DrillCurve curve, std::span<const DepthRow> rows, double length_mm);
@@ -31,7 +31,8 @@ class DrillFiguresView : public QWidget {
  private:
   QLabel* add(const char* name, const QString& label, int row, int column);
 
-  QLabel *state_, *depth_, *thrust_, *torque_, *feed_, *removed_, *engine_, *outer_, *canal_, *cycles_, *frames_;
+  QLabel *state_, *depth_, *thrust_, *torque_, *feed_, *removed_, *engine_, *outer_, *canal_, *heat_, *cycles_,
+      *frames_;
 };
 
 /// What a clearance is called, in mm: "2.31 mm", "0.62 mm, near", "beyond by 0.40 mm"; "far" where no wall is near.

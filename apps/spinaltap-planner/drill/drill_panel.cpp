@@ -63,6 +63,7 @@ bool is_warning(EventKind kind) {
     case EventKind::stop_clearance:
     case EventKind::stop_breach:
     case EventKind::plunge:
+    case EventKind::heat_limit:
       return true;
     default:
       return false;
@@ -98,12 +99,14 @@ DrillPanel::DrillPanel(PlanDocument& document, DrillPlayer& player, QWidget* par
                        {{tr("Thrust along the depth"), static_cast<int>(DrillCurve::thrust)},
                         {tr("Torque along the depth"), static_cast<int>(DrillCurve::torque)},
                         {tr("Density of the removed bone"), static_cast<int>(DrillCurve::density)},
-                        {tr("Clearances along the depth"), static_cast<int>(DrillCurve::clearance)}});
+                        {tr("Clearances along the depth"), static_cast<int>(DrillCurve::clearance)},
+                        {tr("Temperature of the bone beside the hole"), static_cast<int>(DrillCurve::temperature)}});
   curve_->setToolTip(tr("Which curve is drawn below"));
   column->addWidget(curve_);
   plot_ = new PlotView;
   plot_->setObjectName(QStringLiteral("drill_plot"));
-  plot_->set_hint(tr("Drill a path to see thrust, torque, density and clearances along its depth."));
+  plot_->set_hint(
+      tr("Drill a path to see thrust, torque, density, clearances and the bone's temperature along its depth."));
   column->addWidget(plot_, 3);
   events_ = new QListWidget;
   events_->setObjectName(QStringLiteral("drill_events"));

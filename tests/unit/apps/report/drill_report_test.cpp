@@ -144,6 +144,22 @@ TEST(DrillReport, DrawsCurvesThatHoldNoFiniteValue) {
   EXPECT_EQ(times_in(drill_report(data), "no data"), 2U);
 }
 
+TEST(DrillReport, PlotsHowWarmTheBoneBesideTheHoleGot) {
+  DrillReportData data;
+  data.path.target_mm = {0, -30, 0};
+  data.depth_mm = {0, 1, 2};
+  data.thrust_n = {1, 1, 1};
+  data.temperature_c = {37.0, 48.25, 44.0};
+  data.heat_distance_mm = 0.5;
+  const std::string html = drill_report(data);
+  EXPECT_THAT(html, HasSubstr("Hottest bone 0.50 mm from the wall"));
+  EXPECT_THAT(html, HasSubstr("48.3"));
+  data.temperature_c.assign(3, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(drill_report(data), Not(HasSubstr("from the wall")));
+  data.temperature_c = {37.0};
+  EXPECT_THROW(drill_report(data), Error);
+}
+
 TEST(DrillReport, RejectsCurvesOfAnotherLengthAndAPathWithoutLength) {
   DrillReportData data;
   EXPECT_THROW(drill_report(data), Error);

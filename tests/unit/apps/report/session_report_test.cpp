@@ -36,6 +36,7 @@ TEST(SessionReport, SaysWhatEachKindOfEventIsWorthWithItsUnit) {
   EXPECT_EQ(text(EventKind::stop_thrust, 41.26), "41.3 N");
   EXPECT_EQ(text(EventKind::canal_breach, 0.456), "0.46 mm");
   EXPECT_EQ(text(EventKind::touch, 113.04), "113.0 N");
+  EXPECT_EQ(text(EventKind::heat_limit, 51.26), "51.3 °C");
   EXPECT_EQ(text(EventKind::record_lost, 1234.0), "1,234 cycles");
 }
 
