@@ -145,8 +145,9 @@ void DrillOptions::add_session_to(CLI::App& app) {
   app.add_flag("--no-clearances", leaves_clearances, "Do not look for the bone's walls: begins sooner; no breaches");
   app.add_flag(
       "--heat", has_heat,
-      "Work out how warm the bone gets: live beside the hole, in the log, the report and the record; then on a grid "
-      "around the hole, written as heat.vdb");
+      "Work out how warm the bone beside the hole gets while it is drilled: in the log, the report, the record");
+  app.add_flag("--heat-grid", solves_heat,
+               "With --heat: solve it on a grid around the hole too, after the drilling; writes heat.vdb. See `heat`");
   heat.add_to(app);
   app.add_option("--heat-limit", heat_limit_c, "With --heat: an event tells where bone gets hotter, °C; default: 47")
       ->type_name("C");
@@ -164,8 +165,8 @@ void DrillOptions::check(const DrillBit& tool) const {
   if (!is_real_time && (seconds || output_rate_hz)) {
     fail("expected --real-time with --seconds and --output-rate: without it drilling goes as fast as it goes");
   }
-  if (!has_heat && (heat.is_given() || heat_limit_c)) {
-    fail("expected --heat with --irrigation, --thermal-bone and --heat-limit");
+  if (!has_heat && (solves_heat || heat.is_given() || heat_limit_c)) {
+    fail("expected --heat with --heat-grid, --irrigation, --thermal-bone and --heat-limit");
   }
   if (has_heat && tool_operator.is_milling())
     fail("expected no --heat with a milling: only a hole along the path has it");

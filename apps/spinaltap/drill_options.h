@@ -34,6 +34,7 @@ struct DrillOptions {
   std::size_t bones = 1;  ///< how many are drilled
   OperatorChoice tool_operator;
   bool has_heat = false;
+  bool solves_heat = false;  ///< on a grid too, after the drilling
   HeatChoice heat;
   std::optional<double> heat_limit_c;
   std::filesystem::path record;  ///< empty: none

@@ -311,7 +311,7 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   const Drilling drilling = drill_bone(bones, setup, *tool_operator.tool_operator, how, progress);
   recording.close(drilling.events);
   std::optional<SolvedHeat> heat;
-  if (options.has_heat) heat.emplace(solve_heat(drilling.before, setup, drilling.heat_steps, {}, progress));
+  if (options.solves_heat) heat.emplace(solve_heat(drilling.before, setup, drilling.heat_steps, {}, progress));
   const auto mesh_of = [&](const BoneModel& drilled) {
     return options.writes_full_mesh ? sharp_surface(drilled) : display_mesh(drilled, {}, nullptr, progress);
   };

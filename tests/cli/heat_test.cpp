@@ -40,7 +40,7 @@ class Heat : public ::testing::Test {
     write_whole_file(folder_->path() / "cortex.json",
                      R"({"format": "spinaltap-density-calibration", "version": 2, "name": "cortex at 300 HU",
                          "density_at_0_hu_g_cm3": 0.0, "density_per_hu_g_cm3": 0.005, "sources": ["a test"]})");
-    const test::ProgramRun drilled = run(kDrill + "--heat --record run.h5 --json drill.json");
+    const test::ProgramRun drilled = run(kDrill + "--heat --heat-grid --record run.h5 --json drill.json");
     EXPECT_EQ(drilled.exit_code, 0) << drilled.errors;
     output_ = new std::string(drilled.output);
   }
@@ -148,6 +148,7 @@ TEST_F(Heat, RejectsWhatMakesNoSense) {
     EXPECT_THAT(failed.errors, HasSubstr(why)) << arguments;
   };
   rejected(kDrill + "--irrigation", "expected --heat");
+  rejected(kDrill + "--heat-grid", "expected --heat");
   rejected(kDrill + "--heat-limit 50", "expected --heat");
   rejected(kDrill + "--heat --heat-limit 30", "expected a limit above");
   rejected(kDrill + "--peck-pause 2", "expected --peck");
