@@ -142,6 +142,14 @@ TEST(DrillingHeat, OfTheClosedFormIsThatOfTheGrid) {
   compare("water", {.water_w_mm2_k = 1e-3});
   compare("cancellous bone", {.hu = 200.0}, 0.16);
   compare("pecks of 2 mm", {.peck_mm = 2.0, .pause_s = 2.0});
+  compare("pecks of 0.5 mm", {.peck_mm = 0.5, .pause_s = 2.0});
+  compare("pecks of 3 mm, 10 s", {.peck_mm = 3.0, .pause_s = 10.0});
+}
+
+TEST(DrillingHeat, OfShortPecksWithLongPausesIsThatOfAFinerGrid) {
+  const Rises rises = rises_of({.peck_mm = 1.0, .pause_s = 5.0}, 0.16);
+  std::printf("pecks of 1 mm, 5 s: grid %.2f K, closed form %.2f K\n", rises.grid_k, rises.live_k);
+  EXPECT_NEAR(rises.live_k, rises.grid_k, 0.05 * rises.grid_k);
 }
 
 TEST(DrillingHeat, HasThePublishedTrends) {
