@@ -131,14 +131,16 @@ TEST_F(Heat, TellsAnEventAboveItsLimitAndFailsOnHarmWhereAsked) {
   const auto is_it = [](const Json& event) { return event["event"] == "heat limit"; };
   EXPECT_EQ(std::count_if(events.begin(), events.end(), is_it), 1);
   EXPECT_EQ(run("heat run.h5 bone.vdb --fail-on-harm").exit_code, 0) << "nothing stays hot for half a minute";
-  // Bone that was at 46.9 °C before it was drilled stays hot: what is asked is not so.
+  // The same few degrees in bone that was nearly as hot before last longer than a minute.
   std::string file = read_whole_file(data_file("thermal/bone.json"));
   const std::string first = "\"temperature_c\": 37.0";
   ASSERT_NE(file.find(first), std::string::npos);
   file.replace(file.find(first), first.size(), "\"temperature_c\": 46.9");
   write_whole_file(folder_->path() / "hot.json", file);
-  EXPECT_EQ(run("heat run.h5 bone.vdb --fail-on-harm --thermal-bone hot.json -o hot.vdb").exit_code, 2)
-      << "a limit of 47 °C is above the bone's own";
+  const test::ProgramRun harmed =
+      run("heat run.h5 bone.vdb --fail-on-harm --thermal-bone hot.json -o hot.vdb --json hot_figures.json");
+  EXPECT_EQ(harmed.exit_code, 1) << harmed.errors;
+  EXPECT_GT(json("hot_figures.json")["above_47c_60s_mm3"].get<double>(), 0.0);
 }
 
 TEST_F(Heat, RejectsWhatMakesNoSense) {
