@@ -150,7 +150,6 @@ TEST(SolveHeat, IsLessWithWaterAPilotHoleAndFeed) {
 }
 
 TEST(SolveHeat, WritesWhatItFoundWhereItFoundIt) {
-  const auto& [setup, drilling, record] = heated_diameter();
   const SolvedHeat& heat = solved_diameter();
   const HeatVolume volume = heat.grid->volume();
   const Vec3 at = volume.geometry.to_index(heat.hottest_mm).array().round();
@@ -172,7 +171,9 @@ TEST(SolveHeat, WritesWhatItFoundWhereItFoundIt) {
 }
 
 TEST(SolveHeat, RejectsAnotherBoneWhatIsNoHoleAndNumbersThatMakeNoSense) {
-  const auto& [setup, drilling, record] = heated_diameter();
+  const SessionSetup& setup = heated_diameter().setup;  // not a binding: lambdas hold on to it
+  const Drilling& drilling = heated_diameter().drilling;
+  const SessionRecord& record = heated_diameter().record;
   const Bone other(test::bake_ball(test::kLargeBall, 0.25, 1200));
   EXPECT_THAT(test::error_of([&] { solve_heat(record, "run.h5", other); }),
               HasSubstr("expected the bone that was drilled in run.h5"));
