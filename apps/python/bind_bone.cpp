@@ -135,6 +135,10 @@ void bind_grade(py::module_& module) {
       .def_readonly("hu", &PathGrade::hu, "Mean of the tool's volume in bone; NaN where there is none.")
       .def_readonly("max_thrust_n", &PathGrade::max_thrust_n)
       .def_readonly("hold", &PathGrade::hold, "How well the path's screw holds; None without one.")
+      .def_property_readonly(
+          "p05_thrust_n", [](const PathGrade& grade) { return grade.max_thrust_band_n.low; },
+          "5 % of the greatest thrust, as sources differ; then 95 %.")
+      .def_property_readonly("p95_thrust_n", [](const PathGrade& grade) { return grade.max_thrust_band_n.high; })
       .def("__repr__", [](const PathGrade& grade) { return "<Grade " + std::string(1, letter_of(grade.grade)) + ">"; });
   py::class_<Suggestion>(module, "Suggestion", "A pedicle's screw and path, or why there is none.")
       .def_readonly("side", &Suggestion::side, "\"left\" or \"right\", the patient's.")

@@ -26,9 +26,11 @@ namespace spinaltap {
 namespace {
 
 DrillBit make_bit(double diameter_mm, double length_mm, double tip_length_mm, const std::string& shape,
-                  double tip_diameter_mm, double shank_diameter_mm) {
+                  double tip_diameter_mm, double shank_diameter_mm, double helix_deg, double wear_mm) {
   DrillBit bit{diameter_mm,     length_mm,        tip_length_mm, named(bit_shapes(), shape, "a shape"),
                tip_diameter_mm, shank_diameter_mm};
+  bit.helix_deg = helix_deg;
+  bit.wear_mm = wear_mm;
   check_bit(bit);
   return bit;
 }
@@ -104,7 +106,8 @@ void save_plan(const std::vector<DrillPath>& paths, const std::filesystem::path&
 void bind_plan(py::module_& module) {
   py::class_<DrillBit>(module, "Bit", "A tool: a drill, a burr or a plate. Lengths in mm. Nothing changes it.")
       .def(py::init(&make_bit), "diameter_mm"_a = 3.0, "length_mm"_a = 50.0, "tip_length_mm"_a = 5.0,
-           "shape"_a = "drill", "tip_diameter_mm"_a = 0.0, "shank_diameter_mm"_a = 0.0,
+           "shape"_a = "drill", "tip_diameter_mm"_a = 0.0, "shank_diameter_mm"_a = 0.0, "helix_deg"_a = 25.0,
+           "wear_mm"_a = 0.0,
            "`shape`: \"drill\", \"round-burr\", \"conical-burr\" or \"tapered-screw\". Raises Error on sizes that make "
            "no sense.")
       .def_static("twist_drill", &twist_drill, "diameter_mm"_a, "length_mm"_a = 50.0, "point_angle_deg"_a = 118.0,
@@ -127,6 +130,8 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("shape", [](const DrillBit& bit) { return name_of(bit.shape); })
       .def_readonly("tip_diameter_mm", &DrillBit::tip_diameter_mm)
       .def_readonly("shank_diameter_mm", &DrillBit::shank_diameter_mm)
+      .def_readonly("helix_deg", &DrillBit::helix_deg, "Of a drill's flutes at the rim.")
+      .def_readonly("wear_mm", &DrillBit::wear_mm, "Height of the flat behind a drill's lips.")
       .def_readonly("thickness_mm", &DrillBit::thickness_mm, "Of a plate; else 0.")
       .def_readonly("stroke_mm", &DrillBit::stroke_mm, "Of a saw, how far its teeth go to and fro; else 0.")
       .def_property_readonly(

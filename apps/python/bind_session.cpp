@@ -178,6 +178,12 @@ void bind_cycle(py::module_& module) {
       .def_property_readonly("force_n", [](const Cycle& cycle) { return array_of(cycle.force.force_n); })
       .def_property_readonly("thrust_n", [](const Cycle& cycle) { return cycle.force.thrust_n; })
       .def_property_readonly("torque_n_mm", [](const Cycle& cycle) { return cycle.force.torque_n_mm; })
+      .def_property_readonly(
+          "p05_thrust_n", [](const Cycle& cycle) { return cycle.force.thrust_band_n.low; },
+          "5 % of the thrust, as sources differ; then 95 %, and the torque's.")
+      .def_property_readonly("p95_thrust_n", [](const Cycle& cycle) { return cycle.force.thrust_band_n.high; })
+      .def_property_readonly("p05_torque_n_mm", [](const Cycle& cycle) { return cycle.force.torque_band_n_mm.low; })
+      .def_property_readonly("p95_torque_n_mm", [](const Cycle& cycle) { return cycle.force.torque_band_n_mm.high; })
       .def_property_readonly("lateral_n", [](const Cycle& cycle) { return array_of(cycle.force.lateral_n); })
       .def_property_readonly("contact_n", [](const Cycle& cycle) { return array_of(cycle.force.contact_n); })
       .def_property_readonly("density_g_cm3", [](const Cycle& cycle) { return cycle.force.tip_density_g_cm3; })

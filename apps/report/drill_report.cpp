@@ -52,10 +52,14 @@ Spread spread(const Curve& values) {
 void check(const DrillReportData& data) {
   if (!(data.path.length_mm() > 0.0))
     fail("drill report: expected a path longer than 0 mm, found ", data.path.length_mm());
-  const std::array<std::pair<const char*, const Curve*>, 10> curves{{{"hu", &data.hu},
+  const std::array<std::pair<const char*, const Curve*>, 14> curves{{{"hu", &data.hu},
                                                                      {"density_g_cm3", &data.density_g_cm3},
                                                                      {"thrust_n", &data.thrust_n},
                                                                      {"torque_n_mm", &data.torque_n_mm},
+                                                                     {"p05_thrust_n", &data.p05_thrust_n},
+                                                                     {"p95_thrust_n", &data.p95_thrust_n},
+                                                                     {"p05_torque_n_mm", &data.p05_torque_n_mm},
+                                                                     {"p95_torque_n_mm", &data.p95_torque_n_mm},
                                                                      {"lateral_n", &data.lateral_n},
                                                                      {"clearance_outer_mm", &data.clearance_outer_mm},
                                                                      {"clearance_canal_mm", &data.clearance_canal_mm},
@@ -177,15 +181,33 @@ class DepthPlots {
   }
 
   void add(const std::string& title, const std::string& y_label, const std::string& y_unit, const Curve& y,
-           bool from_zero = true, bool with_states = false) {
+           bool from_zero = true) {
     if (y.empty()) return;
     Plot panel = plot(title, y_label, y_unit, y);
-    if (with_states) mark_states(panel);
     panel.y_from_zero = from_zero;
     report_.add_svg(svg_plot(panel));
   }
 
+  /// With the states of drilling, and shaded between two more curves, where they are.
+  void add_force(const std::string& title, const std::string& y_label, const std::string& y_unit, const Curve& y,
+                 const Curve& low, const Curve& high) {
+    if (y.empty()) return;
+    Plot panel = plot(title, y_label, y_unit, y);
+    if (!low.empty() && !high.empty()) {
+      panel.series.front().name = "the law's";
+      panel.bands = {{"5 to 95 % of sources", panel.series.front().x, binned(low), binned(high)}};
+    }
+    mark_states(panel);
+    panel.y_from_zero = true;
+    report_.add_svg(svg_plot(panel));
+  }
+
  private:
+  /// As plot() has its curve: by bins where there are many values.
+  Curve binned(const Curve& y) const {
+    return y.size() < 4 * kDepthBins ? y : bin_by_depth(data_.depth_mm, y, kDepthBins).median;
+  }
+
   /// Where states begin takes the place of the entry, which is where the first does.
   void mark_states(Plot& panel) const {
     std::vector<PlotMarker> states = state_markers(data_.events);
@@ -251,16 +273,16 @@ std::string drill_report(const DrillReportData& data) {
   if (!data.hu.empty() || !data.density_g_cm3.empty() || !data.thrust_n.empty() || !data.removed.empty()) {
     report.add_heading("Forces, bone and clearances along the depth");
     DepthPlots plots(data, report);
-    plots.add("Thrust", "thrust", "N", data.thrust_n, true, true);
-    plots.add("Torque", "torque", "N·mm", data.torque_n_mm, true, true);
+    plots.add_force("Thrust", "thrust", "N", data.thrust_n, data.p05_thrust_n, data.p95_thrust_n);
+    plots.add_force("Torque", "torque", "N·mm", data.torque_n_mm, data.p05_torque_n_mm, data.p95_torque_n_mm);
     plots.add("Lateral force", "lateral force", "N", data.lateral_n);
     plots.add("CT number of the bone removed", "CT number", "HU", data.hu);
     plots.add("Density of the bone removed", "density", "g/cm³", data.density_g_cm3);
     plots.add("Clearance to the outer surface, beyond the entry opening", "clearance", "mm",
               where_known(data.clearance_outer_mm));
     plots.add("Clearance to the canal", "clearance", "mm", where_known(data.clearance_canal_mm));
-    plots.add("Hottest bone " + readable_number(data.heat_distance_mm, 2) + " mm from the wall", "temperature",
-              "°C", where_known(data.temperature_c), false);
+    plots.add("Hottest bone " + readable_number(data.heat_distance_mm, 2) + " mm from the wall", "temperature", "°C",
+              where_known(data.temperature_c), false);
     if (data.has_voxels) {
       plots.add("Voxels removed at each step", "voxels", "", data.removed);
     } else {

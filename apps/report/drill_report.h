@@ -30,7 +30,9 @@ struct DrillReportData {
   std::vector<double> hu;             ///< mean of the bone removed there; NaN where none was
   std::vector<double> density_g_cm3;  ///< the same by the material's density calibration
   std::vector<double> thrust_n;
+  std::vector<double> p05_thrust_n, p95_thrust_n;  ///< as sources differ; see ForceBand
   std::vector<double> torque_n_mm;
+  std::vector<double> p05_torque_n_mm, p95_torque_n_mm;
   std::vector<double> lateral_n;           ///< force of cutting across the bit's axis
   std::vector<double> clearance_outer_mm;  ///< of the bit; infinite where there is no wall near
   std::vector<double> clearance_canal_mm;

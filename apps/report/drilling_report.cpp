@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "apps/report/heat_figures.h"
+#include "apps/report/text.h"
 #include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
+#include "core/force/force_band.h"
 #include "mesh/mesh_io.h"
 
 namespace spinaltap {
@@ -49,12 +51,19 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
   data.path = figures.setup.path;
   data.bone_bounds_mm = figures.bone.model().bounds_mm();
   if (data.path.screw) data.hold = screw_hold(figures.bone, data.path, figures.setup.material.density);
+  const ForceBand band(figures.setup.material);
   for (const DepthRow& row : drilling.rows) {
     data.depth_mm.push_back(row.depth_mm);
     data.hu.push_back(row.hu);
     data.density_g_cm3.push_back(row.density_g_cm3);
     data.thrust_n.push_back(row.thrust_n);
     data.torque_n_mm.push_back(row.torque_n_mm);
+    if (band.is_known()) {
+      data.p05_thrust_n.push_back(row.thrust_band_n.low);
+      data.p95_thrust_n.push_back(row.thrust_band_n.high);
+      data.p05_torque_n_mm.push_back(row.torque_band_n_mm.low);
+      data.p95_torque_n_mm.push_back(row.torque_band_n_mm.high);
+    }
     data.lateral_n.push_back(row.lateral_n);
     data.clearance_outer_mm.push_back(row.outer_mm);
     data.clearance_canal_mm.push_back(row.canal_mm);
@@ -92,15 +101,18 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
                          {"Rate, middle tenth", fixed_text(rates.middle_tenth, 0), "cycles/s"},
                          {"Rate, last tenth", fixed_text(rates.last_tenth, 0), "cycles/s"}});
   }
-  data.figures.insert(data.figures.end(),
-                      {{"Max thrust", fixed_text(drilling.max_thrust_n, 2), "N"},
-                       {"Max torque", fixed_text(drilling.max_torque_n_mm, 1), "N·mm"},
-                       {"First bone at depth", fixed_text(drilling.entry_depth_mm, 2), "mm"},
-                       {"Drilled mesh, triangles", count(figures.mesh.triangles), ""},
-                       {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
-                       {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
-                       {"Loose chips left out", count(figures.chips.count), ""},
-                       {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
+  data.figures.insert(
+      data.figures.end(),
+      {{"Max thrust", fixed_text(drilling.max_thrust_n, 2), "N"},
+       {"Max thrust, 5 to 95 % of sources", interval_text(band.thrust_n(drilling.max_thrust_n), 2), "N"},
+       {"Max torque", fixed_text(drilling.max_torque_n_mm, 1), "N·mm"},
+       {"Max torque, 5 to 95 % of sources", interval_text(band.torque_n_mm(drilling.max_torque_n_mm), 1), "N·mm"},
+       {"First bone at depth", fixed_text(drilling.entry_depth_mm, 2), "mm"},
+       {"Drilled mesh, triangles", count(figures.mesh.triangles), ""},
+       {"Drilled mesh, closed", figures.mesh.closed() ? "yes" : "no", ""},
+       {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
+       {"Loose chips left out", count(figures.chips.count), ""},
+       {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
   if (drilling.max_contact_n > 0.0) {
     data.figures.push_back({"Max contact force, spindle off", fixed_text(drilling.max_contact_n, 2), "N"});
   }

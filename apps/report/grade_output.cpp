@@ -241,6 +241,8 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   }
   json["max_thrust_n"] = grade.max_thrust_n;
   json["hold"] = grade.hold ? json_of(*grade.hold, with_rows) : Json(nullptr);
+  json["p05_thrust_n"] = grade.max_thrust_band_n.low;
+  json["p95_thrust_n"] = grade.max_thrust_band_n.high;
   json.update(uncertainty_json(graded, with_rows));
   if (!with_rows) return json;
   json["rows"] = Json::array();
@@ -255,7 +257,9 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
                             {"is_entry", row.is_entry},
                             {"hu", number_or_null(row.hu)},
                             {"hu_band_shares", row.hu_band_shares},
-                            {"thrust_n", row.thrust_n}});
+                            {"thrust_n", row.thrust_n},
+                            {"p05_thrust_n", row.thrust_band_n.low},
+                            {"p95_thrust_n", row.thrust_band_n.high}});
   }
   return json;
 }
@@ -263,7 +267,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
 std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<double>& hu_bands) {
   TextWriter csv(7);
   csv << "path,depth_mm,radius_mm,clearance_outer_mm,outer_side,clearance_canal_mm,canal_side,is_opening,is_entry,hu,"
-         "thrust_n";
+         "thrust_n,p05_thrust_n,p95_thrust_n";
   for (std::string name : band_names(hu_bands)) {
     std::replace(name.begin(), name.end(), ' ', '_');
     csv << ",share_" << name;
@@ -283,7 +287,7 @@ std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<d
       field(row.canal_mm);
       csv << name_of(row.canal_side) << ',' << (row.is_opening ? 1 : 0) << ',' << (row.is_entry ? 1 : 0) << ',';
       field(row.hu);
-      csv << row.thrust_n;
+      csv << row.thrust_n << ',' << row.thrust_band_n.low << ',' << row.thrust_band_n.high;
       for (const double share : row.hu_band_shares) csv << ',' << share;
       csv << '\n';
     }
@@ -330,6 +334,7 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
   std::vector<TextTable::Column> columns{{"path", "", false}, {"mean", "HU"}};
   for (const std::string& name : band_names(hu_bands)) columns.push_back({name, "%"});
   columns.push_back({"max thrust", "N"});
+  columns.push_back({"5 to 95 %", "N"});
   TextTable bone(columns);
   TextTable scales({{"path", "", false},
                     {"Gertzbein-Robbins", "", false},
@@ -352,6 +357,7 @@ std::string grades_table(const std::vector<GradedPath>& paths, const std::vector
     cells = {graded.path.name, readable_number(grade.hu, 0)};
     for (const double share : grade.hu_band_shares) cells.push_back(readable_number(100.0 * share, 1));
     cells.push_back(readable_number(grade.max_thrust_n, 1));
+    cells.push_back(interval_text(grade.max_thrust_band_n, 1));
     bone.add_row(cells);
     const InstrumentContacts& instrument = grade.instrument;
     scales.add_row({graded.path.name, std::string(1, letter_of(grade.grade)), std::string(1, grade.rampersaud),

@@ -74,6 +74,7 @@ std::vector<ReportRow> figures_of(const GradedPath& graded, const std::vector<do
     rows.push_back({"Share " + names[n], readable_number(100.0 * grade.hu_band_shares[n], 1), "%"});
   }
   rows.push_back({"Max predicted thrust", readable_number(grade.max_thrust_n, 1), "N"});
+  rows.push_back({"Max predicted thrust, 5 to 95 % of sources", interval_text(grade.max_thrust_band_n, 1), "N"});
   if (grade.hold) {
     for (const ReportRow& row : hold_rows(*grade.hold)) rows.push_back(row);
   }
@@ -176,7 +177,15 @@ Plot bands_plot(const GradedPath& graded, const std::vector<double>& hu_bands) {
 }
 
 Plot predicted_thrust_plot(const GradedPath& graded) {
-  return plot_of(graded, "Predicted thrust", "thrust", "N", [](const GradeRow& row) { return row.thrust_n; });
+  Plot plot = plot_of(graded, "Predicted thrust", "thrust", "N", [](const GradeRow& row) { return row.thrust_n; });
+  PlotBand band{"5 to 95 % of sources", {}, {}, {}};
+  for (const GradeRow& row : graded.grade.rows) {
+    band.x.push_back(row.depth_mm);
+    band.low.push_back(row.thrust_band_n.low);
+    band.high.push_back(row.thrust_band_n.high);
+  }
+  plot.bands = {band};
+  return plot;
 }
 
 std::string grade_report(const GradeReportData& data, const Progress& progress) {

@@ -69,6 +69,8 @@ StudyTitle title_of(StudyFactor factor) {
       return {"tremor", "mm"};
     case StudyFactor::density_scale:
       return {"scale of the bone's density", ""};
+    case StudyFactor::force_scale:
+      return {"scale of the forces", ""};
   }
   return {std::string(name_of(factor)), ""};
 }

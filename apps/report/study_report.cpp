@@ -79,6 +79,11 @@ ReportRow row_of(const FactorDistribution& distribution) {
       return {name, "normal, mean " + text_of(distribution.a) + ", deviation " + text_of(distribution.b), title.unit};
     case FactorDistribution::Kind::uniform:
       return {name, "even, " + text_of(distribution.a) + " to " + text_of(distribution.b), title.unit};
+    case FactorDistribution::Kind::spread:
+      return {name,
+              "as sources differ: median " + text_of(distribution.a) + ", scale of the logarithm " +
+                  text_of(distribution.b) + ", " + std::to_string(distribution.degrees) + " degrees of freedom",
+              title.unit};
     case FactorDistribution::Kind::levels:
       break;
   }

@@ -364,4 +364,11 @@ std::string svg_plot(const Plot& plot) {
          "\" fill=\"#3d464e\">\n" + PlotDrawing(plot).draw() + "</svg>\n";
 }
 
+std::string svg_plot_file(const Plot& plot) {
+  constexpr std::string_view kBegin = "<svg ";
+  std::string svg = svg_plot(plot);
+  if (svg.starts_with(kBegin)) svg.insert(kBegin.size(), "xmlns=\"http://www.w3.org/2000/svg\" ");
+  return svg;
+}
+
 }  // namespace spinaltap

@@ -77,5 +77,7 @@ PlotAxes plot_axes(const Plot& plot);
 /// the first, lowest, highest and last point of every half unit, which looks the same. Throws Error where x and y
 /// differ in length.
 std::string svg_plot(const Plot& plot);
+/// The same as a file of its own, .svg.
+std::string svg_plot_file(const Plot& plot);
 
 }  // namespace spinaltap

@@ -67,4 +67,8 @@ std::string readable_number(double value, int decimals) {
   return text;
 }
 
+std::string interval_text(const Interval& range, int decimals) {
+  return readable_number(range.low, decimals) + " to " + readable_number(range.high, decimals);
+}
+
 }  // namespace spinaltap

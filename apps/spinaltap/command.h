@@ -57,6 +57,7 @@ void add_render(CLI::App& program, Command& command);
 void add_diff(CLI::App& program, Command& command);
 void add_compare(CLI::App& program, Command& command);
 void add_demo(CLI::App& program, Command& command);
+void add_validate(CLI::App& program, Command& command);
 void add_bench(CLI::App& program, Command& command);
 
 /// The files that a command is about to write, and of folders made anew their names.

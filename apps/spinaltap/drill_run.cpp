@@ -11,6 +11,7 @@
 #include "apps/report/heat_figures.h"
 #include "apps/report/picture_view.h"
 #include "apps/report/session_report.h"
+#include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/further_bones.h"
@@ -22,6 +23,7 @@
 #include "core/files/bit_json.h"
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
+#include "core/force/force_band.h"
 #include "core/points/neighbour_distances.h"
 #include "core/rbf/rbf_field.h"
 #include "core/rbf/rbf_file.h"
@@ -75,8 +77,8 @@ Json json_of(const RealTimeReport& run) {
           {"output", json_of(run.output)}};
 }
 
-Json json_of(const SessionEvent& event) {
-  return {
+Json json_of(const SessionEvent& event, const ForceBand& band) {
+  Json json{
       {"event", name_of(event.kind)},
       {"cycle", event.cycle},
       {"time_s", event.time_s},
@@ -84,6 +86,11 @@ Json json_of(const SessionEvent& event) {
       {"place_mm",
        {number_or_null(event.place_mm.x()), number_or_null(event.place_mm.y()), number_or_null(event.place_mm.z())}},
       {"value", number_or_null(event.value)}};
+  if (event.kind == EventKind::stop_thrust) {
+    json["p05_thrust_n"] = band.thrust_n(event.value).low;
+    json["p95_thrust_n"] = band.thrust_n(event.value).high;
+  }
+  return json;
 }
 
 void print_rows(const TextRows& table) {
@@ -94,13 +101,17 @@ void print_rows(const TextRows& table) {
   std::fputs(text.aligned().c_str(), stdout);
 }
 
-void print_events(const Drilling& drilling) {
+void print_events(const Drilling& drilling, const ForceBand& band) {
   constexpr std::size_t kMax = 24;
   for (std::size_t n = 0; n < std::min(drilling.events.size(), kMax); ++n) {
     const SessionEvent& event = drilling.events[n];
-    std::printf("  %9s s  at %7s mm  %-14s %s\n", fixed_text(event.time_s, 3).c_str(),
-                fixed_text(event.depth_mm, 2).c_str(), std::string(name_of(event.kind)).c_str(),
-                value_text(event).c_str());
+    std::printf(
+        "  %9s s  at %7s mm  %-14s %s\n", fixed_text(event.time_s, 3).c_str(), fixed_text(event.depth_mm, 2).c_str(),
+        std::string(name_of(event.kind)).c_str(),
+        (value_text(event) + (event.kind == EventKind::stop_thrust && band.is_known()
+                                  ? ", 5 to 95 % of sources " + interval_text(band.thrust_n(event.value), 1) + " N"
+                                  : ""))
+            .c_str());
   }
   const std::size_t further = drilling.events.size() + drilling.events_lost - std::min(drilling.events.size(), kMax);
   if (further > 0) std::printf("  and %zu further events: see events.csv\n", further);
@@ -172,8 +183,14 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
     print_figure("rate, first tenth of the path", rates.first_tenth, "cycles/s", 0);
     print_figure("rate, last tenth", rates.last_tenth, "cycles/s", 0);
   }
+  const ForceBand band(figures.setup.material);
+  const auto print_band = [&](const std::string& name, const Interval& of, const char* unit, int digits) {
+    if (band.is_known()) print_figure(name + ", 5 to 95 % of sources", interval_text(of, digits) + " " + unit);
+  };
   print_figure("max thrust", drilling.max_thrust_n, "N", 2);
+  print_band("max thrust", band.thrust_n(drilling.max_thrust_n), "N", 2);
   print_figure("max torque", drilling.max_torque_n_mm, "N·mm", 1);
+  print_band("max torque", band.torque_n_mm(drilling.max_torque_n_mm), "N·mm", 1);
   if (drilling.max_contact_n > 0.0) print_figure("max contact force, spindle off", drilling.max_contact_n, "N", 2);
   if (std::isfinite(drilling.min_clearance_outer_mm)) {
     print_figure("min clearance, outer surface", drilling.min_clearance_outer_mm, "mm", 2);
@@ -197,12 +214,13 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   if (figures.cycles_not_recorded > 0) {
     print_figure("cycles not recorded", static_cast<double>(figures.cycles_not_recorded), "", 0);
   }
-  print_events(drilling);
+  print_events(drilling, band);
 }
 
 Json drilling_json(const DrillFigures& figures, const DensityCalibration& density) {
   const Drilling& drilling = figures.drilling;
   const DrillPath& path = figures.setup.path;
+  const ForceBand band(figures.setup.material);
   Json json{{"path", path.name},
             {"length_mm", path.length_mm()},
             {"operator", figures.operator_words},
@@ -214,8 +232,12 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"session_s", drilling.session_s},
             {"max_depth_mm", number_or_null(drilling.deepest_mm)},
             {"max_thrust_n", drilling.max_thrust_n},
+            {"p05_thrust_n", band.thrust_n(drilling.max_thrust_n).low},
+            {"p95_thrust_n", band.thrust_n(drilling.max_thrust_n).high},
             {"max_contact_n", drilling.max_contact_n},
             {"max_torque_n_mm", drilling.max_torque_n_mm},
+            {"p05_torque_n_mm", band.torque_n_mm(drilling.max_torque_n_mm).low},
+            {"p95_torque_n_mm", band.torque_n_mm(drilling.max_torque_n_mm).high},
             {"min_clearance_outer_mm", number_or_null(drilling.min_clearance_outer_mm)},
             {"min_clearance_canal_mm", number_or_null(drilling.min_clearance_canal_mm)},
             {"stopped", drilling.is_stopped},
@@ -257,7 +279,7 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
                                      {"max", neighbours.max_mm}};
   }
   Json events = Json::array();
-  for (const SessionEvent& event : drilling.events) events.push_back(json_of(event));
+  for (const SessionEvent& event : drilling.events) events.push_back(json_of(event, band));
   json["events"] = std::move(events);
   if (drilling.real_time) {
     json["real_time"] = json_of(*drilling.real_time);

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Options that name a file to write, whatever the command.
-constexpr std::array kFileOptions{"--json", "--report", "--picture", "--contact-sheet", "--events", "--plot"};
+constexpr std::array kFileOptions{"--json", "--report", "--picture", "--contact-sheet", "--events", "--plot", "--csv"};
 
 /// What commands write into the folder of their -o. A study's folder is not here: a study goes on in it.
 const std::map<std::string_view, std::vector<const char*>>& files_in_folders() {

@@ -62,6 +62,11 @@ void PathOptions::add_to(CLI::App& app) {
   add_size("--tip-diameter", sizes.tip_diameter_mm,
            "Diameter of the very tip, mm: a twist drill's chisel edge, a conical burr's or a screw's end");
   add_size("--shank-diameter", sizes.shank_diameter_mm, "Diameter of a burr's shank, mm");
+  add_size("--wear", sizes.wear_mm, "Height of the flat that wear has ground behind a drill's lips, mm");
+  app.add_option("--helix", sizes.helix_deg, "Helix of a drill's flutes at the rim, degrees")
+      ->capture_default_str()
+      ->type_name("DEG")
+      ->excludes(profile_option);
   for (const auto& [name, size_mm, what] :
        {std::tuple("--width", &width_mm, "Width of a plate's cut, mm: of a saw's kerf, with its stroke"),
         std::tuple("--thickness", &thickness_mm, "Thickness of a plate's cut, mm"),

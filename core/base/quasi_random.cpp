@@ -17,10 +17,16 @@ using SobolNumbers = std::array<std::uint32_t, kSobolBits>;
 struct SobolPolynomial {
   int degree;
   std::uint32_t coefficients;
-  std::array<std::uint32_t, 4> first;
+  std::array<std::uint32_t, 5> first;
 };
-constexpr std::array<SobolPolynomial, kSobolDimensions - 1> kSobolPolynomials{
-    {{1, 0, {1}}, {2, 1, {1, 3}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}}};
+constexpr std::array<SobolPolynomial, kSobolDimensions - 1> kSobolPolynomials{{{1, 0, {1}},
+                                                                               {2, 1, {1, 3}},
+                                                                               {3, 1, {1, 3, 1}},
+                                                                               {3, 2, {1, 1, 1}},
+                                                                               {4, 1, {1, 1, 3, 3}},
+                                                                               {4, 4, {1, 3, 5, 13}},
+                                                                               {5, 2, {1, 1, 5, 5, 17}},
+                                                                               {5, 4, {1, 1, 5, 5, 5}}}};
 
 constexpr std::array<SobolNumbers, kSobolDimensions> make_sobol_directions() {
   std::array<SobolNumbers, kSobolDimensions> all{};

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/base/lerp.h"
@@ -58,7 +59,37 @@ double ratio(const Coefficients& over, const Coefficients& under, double x) {
   return polynomial(over, x) / polynomial(under, x);
 }
 
+/// Of lying within -t and t.
+double student_within(double t, int degrees) {
+  const double angle = std::atan(t / std::sqrt(static_cast<double>(degrees)));
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const bool is_odd = degrees % 2 == 1;
+  double term = is_odd ? cosine : 1.0;
+  double sum = degrees == 1 ? 0.0 : term;
+  for (int k = is_odd ? 3 : 2; k < degrees; k += 2) {
+    term *= (k - 1.0) / k * cosine * cosine;
+    sum += term;
+  }
+  return is_odd ? 2.0 / std::numbers::pi * (angle + sine * sum) : sine * sum;
+}
+
 }  // namespace
+
+double student_quantile(double probability, int degrees) {
+  if (!(probability > 0.0) || !(probability < 1.0)) {
+    fail("Student's quantile: expected a probability between 0 and 1, found ", probability);
+  }
+  if (degrees < 1 || degrees > 1000) fail("Student's quantile: expected 1 to 1000 degrees, found ", degrees);
+  const double within = std::abs(2.0 * probability - 1.0);
+  double low = 0.0, high = 1.0;
+  while (student_within(high, degrees) < within && high < 1e15) high *= 2.0;
+  for (int halving = 0; halving < 200 && low < high; ++halving) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (student_within(middle, degrees) < within ? low : high) = middle;
+  }
+  return probability < 0.5 ? -high : within == 0.0 ? 0.0 : high;
+}
 
 double normal_quantile(double probability) {
   if (!(probability > 0.0) || !(probability < 1.0)) {

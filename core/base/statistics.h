@@ -22,6 +22,11 @@ Interval wilson_interval(std::size_t successes, std::size_t trials, double confi
 /// between 0 and 1, ends left out.
 double normal_quantile(double probability);
 
+/// Student's t distribution's quantile of whole `degrees` of freedom, right to about 1e-12 of itself: bisection of the
+/// finite sums for its probability (Abramowitz & Stegun, 26.7.3 and 26.7.4). Throws Error where `probability` is not
+/// between 0 and 1, ends left out, and on degrees that are not from 1 to 1000.
+double student_quantile(double probability, int degrees);
+
 /// Quantile of a sample: linear between the order statistics, the lowest at 0 and the highest at 1 (type 7 of Hyndman &
 /// Fan 1996; what numpy and pandas do). Not a number without values. Throws Error where `share` is not within 0 and 1.
 /// `ascending`: the sample, sorted.

@@ -17,6 +17,7 @@ constexpr const char* kPerHu = "density_per_hu_g_cm3";
 DensityCalibration read_density_calibration(const std::filesystem::path& path);
 
 /// Reads a cutting model of data/materials/, which takes the density of another file; see read_density_calibration().
+/// Without "law" it is the power law, without a spread its band has no width.
 /// Throws Error that names the file and the key at fault.
 Material read_material(const std::filesystem::path& path, const HuToDensity& density);
 

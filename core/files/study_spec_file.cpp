@@ -129,7 +129,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   }
   if (object.has("stop")) spec.options.stop = read_stop(object.at("stop"), file);
   spec.tool_operator = read_study_operator(object.at("operator"), file);
-  spec.design = read_study_design(object.at("design"), file);
+  spec.design = read_study_design(object.at("design"), file, spec.material);
   check_factors(spec, file);
   return spec;
 }

@@ -11,10 +11,11 @@
 #include <numbers>
 #include <utility>
 
-#include "core/base/error.h"
+#include "core/force/detail/hole_behind.h"
 #include "core/force/detail/lattice_section.h"
 #include "core/force/detail/tool_contact.h"
 #include "core/force/detail/way_average.h"
+#include "core/force/force_band.h"
 #include "core/points/bone_points.h"
 
 namespace spinaltap {
@@ -25,32 +26,15 @@ constexpr double kWholeTurn = 2.0 * std::numbers::pi;
 constexpr double kSpeedFilterS = 0.005;
 /// The shortest boxes of averaging, mm.
 constexpr double kMinBoxMm = 0.2;
-/// Below this feed per turn the chisel edge does not press with all of its force: a bit at rest presses with none.
-constexpr double kChiselFeedMm = 1e-3;
+/// Below this feed per stroke a driven edge does not take all of its force: at rest it takes none.
+constexpr double kEdgeFeedMm = 1e-3;
 /// A bit that went back feels nothing until it is so near its deepest place again.
 constexpr double kFreshMm = 0.02;
 
-double chisel_radius_mm(const DrillBit& bit, const Material& material) {
-  const bool has_edge = bit.shape == BitShape::drill && bit.tip_diameter_mm > 0.0;
-  return has_edge ? 0.5 * bit.tip_diameter_mm : 0.5 * material.chisel_share * bit.diameter_mm;
-}
-
 bool is_plate(const DrillBit& bit) { return bit.shape == BitShape::plate; }
-
-/// Of what a tool cuts out on its way along its axis.
-double section_mm2(const DrillBit& bit) {
-  return is_plate(bit) ? bit.diameter_mm * bit.thickness_mm : std::numbers::pi * bit.radius_mm() * bit.radius_mm();
-}
 
 /// How far aside a tool that went back is at another place of the bone.
 double hole_radius_mm(const DrillBit& bit) { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
-
-/// The energy of a feed over that of the reference feed, times the feed, mm.
-double feed_times_factor_mm(double feed_mm, double reference_mm, double exponent) {
-  return feed_mm > 0.0 ? feed_mm * std::pow(feed_mm / reference_mm, -exponent) : 0.0;
-}
-
-double chisel_share_of(double feed_mm) { return std::clamp(feed_mm / kChiselFeedMm, 0.0, 1.0); }
 
 /// How a tool goes across its axis, over a step or in a second: its tip, and by its turn the more the further back.
 struct AcrossWay {
@@ -176,42 +160,6 @@ class LatticeAreaCorrection {
 
 }  // namespace
 
-double FeedResistance::thrust_n(double feed_mm_per_turn) const noexcept {
-  return lips_n / reference_feed_mm * feed_times_factor_mm(feed_mm_per_turn, reference_feed_mm, feed_exponent) +
-         chisel_n * chisel_share_of(feed_mm_per_turn);
-}
-
-double FeedResistance::torque_n_mm(double feed_mm_per_turn) const noexcept {
-  return lips_n_mm / reference_feed_mm * feed_times_factor_mm(feed_mm_per_turn, reference_feed_mm, feed_exponent);
-}
-
-FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, double energy_n, double chisel_mpa) {
-  FeedResistance resistance;
-  resistance.reference_feed_mm = material.reference_feed_mm;
-  resistance.feed_exponent = material.feed_exponent;
-  if (is_plate(bit)) {
-    // A saw's teeth share the energy of a stroke's feed out over the stroke, to and fro; a driven edge indents.
-    if (bit.stroke_mm > 0.0) {
-      resistance.lips_n = material.lip_thrust_share * energy_n * material.reference_feed_mm / (2.0 * bit.stroke_mm);
-    } else {
-      resistance.chisel_n = chisel_mpa * section_mm2(bit);
-    }
-    return resistance;
-  }
-  const double edge_mm = chisel_radius_mm(bit, material);
-  resistance.lips_n_mm = energy_n * material.reference_feed_mm / kWholeTurn;
-  resistance.lips_n = material.lip_thrust_share * 2.0 * resistance.lips_n_mm / bit.radius_mm();
-  resistance.chisel_n = chisel_mpa * std::numbers::pi * edge_mm * edge_mm;
-  return resistance;
-}
-
-FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu) {
-  check_bit(bit);
-  check_material(material);
-  return resistance_of_cut(bit, material, material.cutting_energy_mpa(hu) * section_mm2(bit),
-                           material.chisel_pressure_mpa(hu));
-}
-
 struct DrillForces::State {
   State(std::unique_ptr<const LivingBone> own_bone, const DrillBit& drill_bit, const Material& drilled)
       : State(*own_bone, drill_bit, drilled) {
@@ -219,22 +167,21 @@ struct DrillForces::State {
   }
   State(const LivingBone& living, const DrillBit& drill_bit, const Material& drilled)
       : bit(drill_bit),
-        material(drilled),
+        law(drill_bit, drilled),
+        band(drilled),
+        feed_exponent(drilled.feed_exponent),
         bone(living),
-        tip(probe_of(bone, drill_bit, drilled)),
+        tip(probe_of(bone, drill_bit, law)),
         shell(bone, drill_bit),
         boxes(std::max(1.0, std::ceil(kMinBoxMm / bone.widest_spacing_mm() - 1e-9))),
         axial(boxes * bone.widest_spacing_mm(), bins_of(boxes)),
-        across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {
-    check_material(drilled);
-  }
+        across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {}
 
   /// A plate's walls lie on both sides of its middle, half its thickness off.
   double wall_mm() const noexcept { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
 
-  static ChiselProbe probe_of(const LivingBone& bone, const DrillBit& bit, const Material& material) {
-    return is_plate(bit) ? ChiselProbe::of_edge(bone, bit.diameter_mm)
-                         : ChiselProbe(bone, chisel_radius_mm(bit, material));
+  static ChiselProbe probe_of(const LivingBone& bone, const DrillBit& bit, const ToolLaw& law) {
+    return is_plate(bit) ? ChiselProbe::of_edge(bone, bit.diameter_mm) : ChiselProbe(bone, law.chisel_radius_mm());
   }
 
   /// So few that a cycle is short, so many that a disc's points, which count as spread over a bin, come out even.
@@ -245,6 +192,7 @@ struct DrillForces::State {
     across.reset();
     fresh.reset();
     repair.reset();
+    hole.reset();
     budget_mm3 = 0.0;
     velocity_mm_s.setZero();
     turn_per_s.setZero();
@@ -256,7 +204,9 @@ struct DrillForces::State {
   void cut(const Pose& path_pose, const Vec3& axis, const Spindle& spindle, DrillForce& force) noexcept;
 
   DrillBit bit;
-  Material material;
+  ToolLaw law;
+  ForceBand band;
+  double feed_exponent;
   std::unique_ptr<const LivingBone> own;  ///< null: another's
   const LivingBone& bone;
   ChiselProbe tip;
@@ -265,6 +215,7 @@ struct DrillForces::State {
   WayAverage axial, across;
   UncutAdvance fresh;
   LatticeAreaCorrection repair;
+  HoleBehind hole;
   double budget_mm3 = 0.0;  ///< what the uncut advance may still cut
   CutPlaces places;         ///< of the last step that cut
   Vec3 velocity_mm_s = Vec3::Zero(), turn_per_s = Vec3::Zero();
@@ -274,10 +225,10 @@ struct DrillForces::State {
 
 void DrillForces::State::take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis,
                                    const Vec3& move_mm, const Vec3& turn) noexcept {
-  const double area_mm2 = section_mm2(bit);
+  const double area_mm2 = law.section_mm2();
   const double advance_mm = move_mm.dot(axis);
   const AcrossWay way(move_mm, turn, axis, wall_mm());
-  if (result.work_n_mm > 0.0) places = cut_places(result, way, axis, bit.length_mm, material.feed_exponent);
+  if (result.work_n_mm > 0.0) places = cut_places(result, way, axis, bit.length_mm, feed_exponent);
   const double across_mm = std::sqrt(way.square_mm2(places.back_mm, places.back_mm2));
   const double back_mm = bit.shape == BitShape::round_burr ? 0.5 * bit.radius_mm() : 0.5 * bit.tip_length_mm;
   const double factor = repair.factor(bone, path_pose, back_mm, bit.radius_mm(), move_mm.norm());
@@ -294,6 +245,7 @@ void DrillForces::State::take_step(const StepResult& result, const Pose& path_po
   WayAverage::Sums sums;
   sums << factor * result.work_n_mm, factor * result.moment_n_mm2, factor * result.work_n_mm * places.back_mm2;
   axial.add(fresh_mm, axial_share * sums);
+  hole.take(fresh_mm, axial_share * sums[0], tip_mm, axis, hole_radius_mm(bit));
   across.add(across_mm, (1.0 - axial_share) * places.dearer * sums);
 }
 
@@ -316,20 +268,23 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   force.tip_density_g_cm3 = ahead.density_g_cm3;
   force.feed_mm_per_turn = std::hypot(advance_mm_s, across_mm_s) / turns_per_s;
   // A sharp tip that went back a little still has bone beside it: that is not pressed either.
-  force.resistance = resistance_of_cut(bit, material, along[0], fresh_share * ahead.chisel_mpa);
+  const DrilledDepth behind = hole.behind(tip_mm, axis, law.section_mm2());
+  force.resistance = law.resistance({along[0], fresh_share * ahead.chisel_mpa, behind}, spindle.rpm);
   force.thrust_n = force.resistance.thrust_n(advance_mm);
-  const double reference_mm = material.reference_feed_mm;
-  const double along_mm = feed_times_factor_mm(advance_mm, reference_mm, material.feed_exponent);
-  const double aside_mm = feed_times_factor_mm(across_mm, reference_mm, material.feed_exponent);
+  const double dear = law.energy_factor(spindle.rpm);
+  const double along_mm = dear * law.feed_times_factor_mm(advance_mm);
+  const double aside_mm = dear * law.feed_times_factor_mm(across_mm);
   if (is_plate(bit)) {
     const Vec3 cut_mm_s = way_mm_s.at_mm(back_mm);
     // Driven aside an edge does not cut: it takes all of the energy from the hand.
-    const double aside_n = bit.stroke_mm > 0.0 ? material.lip_thrust_share * aside[0] * aside_mm / (2.0 * bit.stroke_mm)
-                                               : aside[0] * std::clamp(across_mm / kChiselFeedMm, 0.0, 1.0);
+    const double aside_n = bit.stroke_mm > 0.0 ? law.lip_thrust_share() * aside[0] * aside_mm / (2.0 * bit.stroke_mm)
+                                               : aside[0] * std::clamp(across_mm / kEdgeFeedMm, 0.0, 1.0);
     if (cut_mm_s.norm() > 0.0) force.lateral_n = -aside_n * cut_mm_s.normalized();
     return;
   }
-  force.torque_n_mm = (along[0] * along_mm + aside[0] * aside_mm) / kWholeTurn;
+  const double chips = law.chips_factor(behind.depth_mm);
+  force.torque_n_mm =
+      (chips * along[0] * along_mm + aside[0] * aside_mm) / kWholeTurn + force.resistance.rubbing_n_mm(advance_mm);
 
   // The force along the cut, from the moment of the energy: exact where the lips cut evenly from the axis to the rim,
   // and where they cut with the rim alone.
@@ -337,7 +292,7 @@ void DrillForces::State::cut(const Pose& path_pose, const Vec3& axis, const Spin
   const Vec3 moment = (3.0 * along_mm * along.segment<3>(1) + aside_mm * aside.segment<3>(1)) / (kWholeTurn * rim_mm2);
   const Vec3 side_n = moment - moment.dot(axis) * axis;
   const Vec3 with_turn_n = spindle.is_clockwise ? axis.cross(side_n) : side_n.cross(axis);
-  force.lateral_n = -with_turn_n - material.lip_thrust_share * side_n;
+  force.lateral_n = -with_turn_n - law.lip_thrust_share() * side_n;
 }
 
 DrillForces::DrillForces(const LivingBone& bone, const DrillBit& bit, const Material& material)
@@ -384,6 +339,8 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   }
   if (was_placed) state.take_step(result, path_pose, axis, move_mm, turn);
   state.cut(path_pose, axis, spindle, force);
+  force.thrust_band_n = state.band.thrust_n(force.thrust_n);
+  force.torque_band_n_mm = state.band.torque_n_mm(force.torque_n_mm);
   force.force_n = force.lateral_n - force.thrust_n * axis;
   return force;
 }

@@ -3,7 +3,9 @@
 #include <memory>
 #include <span>
 
+#include "core/base/statistics.h"
 #include "core/engine/drill_engine.h"
+#include "core/force/cutting_law.h"
 #include "core/points/living_bone.h"
 
 namespace spinaltap {
@@ -14,26 +16,13 @@ struct Spindle {
   bool is_clockwise = true;  ///< seen from the base to the tip, as drills turn
 };
 
-/// What the bone in front of a bit asks of a feed: thrust and torque for any feed per turn. An operator that pushes
-/// finds its feed from it.
-struct FeedResistance {
-  double lips_n = 0.0;             ///< thrust of the lips at the reference feed
-  double lips_n_mm = 0.0;          ///< torque at the reference feed
-  double chisel_n = 0.0;           ///< thrust of the chisel edge, at any feed above 0
-  double reference_feed_mm = 0.1;  ///< per turn
-  double feed_exponent = 0.3;
-
-  /// N. 0 at a feed of 0; rises with the feed.
-  double thrust_n(double feed_mm_per_turn) const noexcept;
-  /// N·mm, about the bit's axis.
-  double torque_n_mm(double feed_mm_per_turn) const noexcept;
-};
-
 /// Forces on the bit after a cycle. Vectors: patient LPS, N; what the operator that holds the bit feels.
 struct DrillForce {
-  Vec3 force_n = Vec3::Zero();    ///< all of it: against the feed, sideways, and contact
-  double thrust_n = 0.0;          ///< of cutting, against the bit's axis: lips and chisel edge
-  double torque_n_mm = 0.0;       ///< of cutting, about the bit's axis
+  Vec3 force_n = Vec3::Zero();  ///< all of it: against the feed, sideways, and contact
+  double thrust_n = 0.0;        ///< of cutting, against the bit's axis: lips and chisel edge
+  double torque_n_mm = 0.0;     ///< of cutting, about the bit's axis
+  /// 5 % and 95 % of thrust and torque, as sources differ; see ForceBand.
+  Interval thrust_band_n = {}, torque_band_n_mm = {};
   Vec3 lateral_n = Vec3::Zero();  ///< of cutting, across the axis
   Vec3 contact_n = Vec3::Zero();  ///< of touching without cutting
   double feed_mm_per_turn = 0.0;
@@ -65,13 +54,5 @@ class DrillForces {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// What the bone asks where cutting takes `energy_n` (N·mm per mm of advance) at the reference feed and the chisel edge
-/// meets `chisel_mpa`.
-FeedResistance resistance_of_cut(const DrillBit& bit, const Material& material, double energy_n, double chisel_mpa);
-
-/// Thrust and torque of a bit that advances along its axis in an even block, by the model alone: what DrillForces comes
-/// to where the whole section cuts. `density_g_cm3` as the material's density calibration has it for `hu`.
-FeedResistance resistance_of_block(const DrillBit& bit, const Material& material, double hu);
 
 }  // namespace spinaltap

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
+#include "core/force/force_band.h"
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"
@@ -411,17 +412,21 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   std::vector<double> depths_mm;
   depths_mm.reserve(graded.rows.size());
   for (const GradeRow& row : graded.rows) depths_mm.push_back(row.depth_mm);
-  const ToolSections sections(walls.bone(), hu, material, tool, path.bit, depths_mm, options.step_mm, options.hu_bands);
+  const ToolSections sections(walls.bone(), hu, material, tool, path.bit, options.spindle.rpm, depths_mm,
+                              options.step_mm, options.hu_bands);
+  const ForceBand band(material);
   const double feed_mm = options.feed_mm_s * 60.0 / options.spindle.rpm;
   for (std::size_t n = 0; n < graded.rows.size(); ++n) {
     GradeRow& row = graded.rows[n];
     row.hu = sections.hu(n);
     row.hu_band_shares = sections.band_shares(n);
     row.thrust_n = sections.resistance(n).thrust_n(feed_mm);
+    row.thrust_band_n = band.thrust_n(row.thrust_n);
     graded.max_thrust_n = std::max(graded.max_thrust_n, row.thrust_n);
     if (!row.is_entry) graded.outer = nearest_of(graded.outer, row.outer_mm, row.depth_mm, row.outer_side);
     graded.canal = nearest_of(graded.canal, row.canal_mm, row.depth_mm, row.canal_side);
   }
+  graded.max_thrust_band_n = band.thrust_n(graded.max_thrust_n);
   graded.hu = sections.mean_hu();
   graded.hu_band_shares = sections.band_shares();
 

@@ -63,6 +63,7 @@ struct GradeRow {
   double hu = 0.0;                     ///< mean over the tool's section; NaN where no bone is
   std::vector<double> hu_band_shares;  ///< of the bone in that section, as PathGrade's; 0 where no bone is
   double thrust_n = 0.0;               ///< predicted, of drilling the hole with the path's bit, its tip there
+  Interval thrust_band_n = {};         ///< 5 % and 95 % of it, as sources differ; see ForceBand
 };
 
 /// A nearest approach: how near, at what depth, on which side. Infinite where nothing counts.
@@ -95,6 +96,7 @@ struct PathGrade {
   std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
   double max_thrust_n = 0.0;
   std::optional<ScrewHold> hold;  ///< of the path's screw; nothing where it has none
+  Interval max_thrust_band_n = {};
   std::vector<GradeRow> rows;
 };
 

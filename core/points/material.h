@@ -9,6 +9,31 @@
 
 namespace spinaltap {
 
+/// How thrust and torque follow from the energy of cutting: docs/forces.md.
+enum class CuttingLaw : std::uint8_t {
+  power,       ///< the lips' thrust is one share of the force along their cut, whatever the drill
+  mechanistic  ///< chips by the rake and the speed at each radius of the lips, worn flanks, margins and chips in flutes
+};
+
+/// What the mechanistic law knows besides. Of steel in bone.
+struct LipMechanics {
+  double friction_deg = 30.0;              ///< angle of friction of a chip on the rake face
+  double speed_exponent = 0.06;            ///< cutting energy and chisel pressure go with the speed to this
+  double reference_rpm = 1250.0;           ///< at which the energies hold
+  double margin_pressure_share = 0.005;    ///< wall's pressure on the margins over the energy of cutting it
+  double chip_torque_per_diameter = 0.01;  ///< more torque by chips in the flutes, for a diameter of depth
+};
+
+/// How forces differ between published sources beyond what the law explains: a measured force over the law's is
+/// log-normal with few sources behind it, so its logarithm is Student's t. docs/forces.md.
+struct ForceSpread {
+  double median = 1.0;     ///< measured over the law's
+  double log_scale = 0.0;  ///< of the logarithm; 0: nothing is known of it, the band has no width
+  double degrees = 4.0;    ///< of freedom, whole
+
+  bool operator==(const ForceSpread&) const = default;
+};
+
 /// How hard bone is to drill, from its CT number: a calibration for its density, and power laws of the density for what
 /// the lips and the chisel edge of a bit meet. docs/forces.md derives them; the numbers and their sources are in
 /// data/materials/.
@@ -32,6 +57,12 @@ struct Material {
   double contact_n_mm = 200.0;
   double contact_exponent = 1.56;
 
+  CuttingLaw law = CuttingLaw::power;
+  LipMechanics lips = {};
+  /// Of measured forces about those of the numbers above.
+  ForceSpread thrust_spread = {0.308, 1.050, 9.0};
+  ForceSpread torque_spread = {0.476, 1.001, 6.0};
+
   /// Of cutting at the reference feed, N·mm/mm³.
   double cutting_energy_mpa(double hu) const;
   /// Under the chisel edge, N/mm².
@@ -39,6 +70,10 @@ struct Material {
   /// Of a surface as large as the bit's section, N/mm.
   double contact_stiffness_n_mm(double hu) const;
 };
+
+/// The same bone, `factor` times as hard to cut and to indent: what a study draws from the spread between sources.
+/// Throws Error on a factor that is not above 0.
+Material with_forces_times(const Material& material, double factor);
 
 /// Rejects values that are not finite, and models by which denser bone would be easier to drill.
 void check_material(const Material& material);

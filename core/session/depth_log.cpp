@@ -23,7 +23,7 @@ DepthRow empty_row() {
 }  // namespace
 
 DepthLog::DepthLog(double log_step_mm, const Material& material, double expected_mm)
-    : log_step_mm_(log_step_mm), density_(material.density), row_(empty_row()) {
+    : log_step_mm_(log_step_mm), density_(material.density), band_(material), row_(empty_row()) {
   if (!(log_step_mm > 0.0)) fail("drilling: expected a log step above 0 mm, found ", log_step_mm);
   constexpr double kMaxRows = 1e6;  // further ones are allocated when they come
   rows_.reserve(static_cast<std::size_t>(std::clamp(expected_mm / log_step_mm, 0.0, kMaxRows)) + 2);
@@ -73,6 +73,8 @@ void DepthLog::close_row() {
     row_.lateral_n /= dt_s_;
     row_.contact_n /= dt_s_;
   }
+  row_.thrust_band_n = band_.thrust_n(row_.thrust_n);
+  row_.torque_band_n_mm = band_.torque_n_mm(row_.torque_n_mm);
   row_.cycles_per_s = static_cast<double>(row_.cycles) / std::max(seconds_, 1e-12);
   if (std::isnan(seconds_)) row_.cycles_per_s = seconds_;
   rows_.push_back(row_);
@@ -92,15 +94,17 @@ std::vector<DepthRow> DepthLog::finish() {
 std::string log_csv(const std::vector<DepthRow>& rows) {
   TextWriter csv(7);
   csv << "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
-         "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,max_temperature_c,cycles_"
-         "per_s\n";
+         "p05_thrust_n,p95_thrust_n,p05_torque_n_mm,p95_torque_n_mm,mean_lateral_n,mean_contact_n,state,min_clearance_"
+         "outer_mm,min_clearance_canal_mm,max_temperature_c,cycles_per_s\n";
   const auto number = [&](double value) {
     csv << ',';
     if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
   };
   for (const DepthRow& row : rows) {
     csv << row.depth_mm << ',' << row.cycles << ',' << row.removed << ',' << row.tested;
-    for (const double value : {row.hu, row.density_g_cm3, row.thrust_n, row.torque_n_mm, row.lateral_n, row.contact_n})
+    for (const double value :
+         {row.hu, row.density_g_cm3, row.thrust_n, row.torque_n_mm, row.thrust_band_n.low, row.thrust_band_n.high,
+          row.torque_band_n_mm.low, row.torque_band_n_mm.high, row.lateral_n, row.contact_n})
       number(value);
     csv << ',' << name_of(row.state);
     for (const double value : {row.outer_mm, row.canal_mm, row.temperature_c, row.cycles_per_s}) number(value);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/force/force_band.h"
 #include "core/points/material.h"
 #include "core/session/drill_session.h"
 
@@ -12,14 +13,16 @@ namespace spinaltap {
 /// One row of the log: the cycles until the tip is deeper by `log_step_mm` than at the last row's end. Those in which
 /// the bit draws back count where they happen.
 struct DepthRow {
-  double depth_mm = 0.0;       ///< greatest of the tip so far, beyond the entry
-  std::size_t cycles = 0;      ///< the first, which puts the bit, is none
-  std::size_t removed = 0;     ///< points
-  std::size_t tested = 0;      ///< points
-  double hu = 0.0;             ///< mean of the removed points; NaN where none was
-  double density_g_cm3 = 0.0;  ///< by the material's density calibration; NaN where none was
-  double thrust_n = 0.0;       ///< mean over the row's time, as are torque and lateral force
+  double depth_mm = 0.0;        ///< greatest of the tip so far, beyond the entry
+  std::size_t cycles = 0;       ///< the first, which puts the bit, is none
+  std::size_t removed = 0;      ///< points
+  std::size_t tested = 0;       ///< points
+  double hu = 0.0;              ///< mean of the removed points; NaN where none was
+  double density_g_cm3 = 0.0;   ///< by the material's density calibration; NaN where none was
+  double thrust_n = 0.0;        ///< mean over the row's time, as are torque and lateral force
+  Interval thrust_band_n = {};  ///< 5 % and 95 % of it, as sources differ; see ForceBand
   double torque_n_mm = 0.0;
+  Interval torque_band_n_mm = {};
   double lateral_n = 0.0;                  ///< of cutting, across the axis
   double contact_n = 0.0;                  ///< of touching with the spindle off; mean as well
   DrillState state = DrillState::initial;  ///< at the row's end
@@ -48,6 +51,7 @@ class DepthLog {
 
   double log_step_mm_;
   HuToDensity density_;
+  ForceBand band_;
   std::vector<DepthRow> rows_;
   bool has_begun_ = false;
   double begin_mm_ = 0.0;  ///< of the whole log

@@ -8,13 +8,14 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/base/statistics.h"
+#include "core/force/force_band.h"
 
 namespace spinaltap {
 namespace {
 
 constexpr std::array<std::string_view, kStudyFactors> kFactorNames{
     "entry_left_mm", "entry_head_mm", "angle_left_deg", "angle_head_deg", "bit_diameter_mm",
-    "push_n",        "feed_mm_s",     "tremor_mm",      "density_scale"};
+    "push_n",        "feed_mm_s",     "tremor_mm",      "density_scale",  "force_scale"};
 
 // Streams of random numbers of one study: no two share a seed of the counter.
 enum class Stream : std::uint64_t { tremor = 0, draws = 16, strata = 32 };
@@ -60,6 +61,13 @@ void check(const FactorDistribution& distribution) {
       if (!(distribution.b >= distribution.a) || !is_sound(distribution.a, distribution.b - distribution.a)) {
         fail(name, ": expected a low end within ", kMaxSize, " and a high one that is the same, or higher by ",
              kMinSpread, " or more, found ", distribution.a, " and ", distribution.b);
+      }
+      return;
+    case FactorDistribution::Kind::spread:
+      if (!(distribution.a > 0.0) || !(distribution.b >= 0.0) || !(distribution.b <= 5.0) ||
+          !is_sound(distribution.a, distribution.b) || distribution.degrees < 1 || distribution.degrees > 1000) {
+        fail(name, ": expected a median above 0, a scale of 0 to 5 and 1 to 1000 degrees of freedom, found ",
+             distribution.a, ", ", distribution.b, " and ", distribution.degrees);
       }
       return;
   }
@@ -126,6 +134,13 @@ FactorValues StudyRuns::values(std::size_t n, const FactorValues& base) const {
       case FactorDistribution::Kind::uniform:
         value = distribution.a + (distribution.b - distribution.a) * probability(distribution_index, n);
         break;
+      case FactorDistribution::Kind::spread: {
+        // The tails of few degrees of freedom reach forces that nothing has.
+        constexpr double kLeftOut = 0.005;
+        const double share = kLeftOut + (1.0 - 2.0 * kLeftOut) * probability(distribution_index, n);
+        value = spread_quantile({distribution.a, distribution.b, static_cast<double>(distribution.degrees)}, share);
+        break;
+      }
     }
   }
   return values;

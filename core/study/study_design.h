@@ -19,9 +19,10 @@ enum class StudyFactor : std::uint8_t {
   push_n,           ///< of an operator that pushes
   feed_mm_s,        ///< of an operator that feeds
   tremor_mm,
-  density_scale  ///< of the bone, before the material's density calibration: 0.6 is osteoporosis
+  density_scale,  ///< of the bone, before the material's density calibration: 0.6 is osteoporosis
+  force_scale     ///< of the forces that the bone asks: sources differ by as much
 };
-constexpr std::size_t kStudyFactors = 9;
+constexpr std::size_t kStudyFactors = 10;
 /// "entry_left_mm", "entry_head_mm", ...: in specifications and as names of columns; the unit is in it.
 std::string_view name_of(StudyFactor factor);
 /// Every factor's value in one run; not a number for one that does not apply.
@@ -30,15 +31,17 @@ using FactorValues = std::array<double, kStudyFactors>;
 /// How one factor differs.
 struct FactorDistribution {
   enum class Kind : std::uint8_t {
-    levels,  ///< each with every level of the other factors: a full factorial design
-    normal,  ///< drawn; `a`: mean, `b`: deviation
-    uniform  ///< drawn; from `a` to `b`
+    levels,   ///< each with every level of the other factors: a full factorial design
+    normal,   ///< drawn; `a`: mean, `b`: deviation
+    uniform,  ///< drawn; from `a` to `b`
+    spread    ///< drawn; as a ForceSpread: `a`: median, `b`: scale of the logarithm; its outer 0.5 % are left out
   };
   StudyFactor factor = StudyFactor::entry_left_mm;
   Kind kind = Kind::levels;
   std::vector<double> levels = {};
   double a = 0.0;
   double b = 0.0;
+  int degrees = 1;  ///< of freedom, of a spread
 };
 
 /// What the runs of a study are.

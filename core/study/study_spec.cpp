@@ -14,6 +14,7 @@ FactorValues base_values(const StudySpec& spec) {
   set(StudyFactor::feed_mm_s, pushes ? kNone : spec.tool_operator.feed_mm_s);
   set(StudyFactor::tremor_mm, spec.tool_operator.tremor_mm);
   set(StudyFactor::density_scale, 1.0);
+  set(StudyFactor::force_scale, 1.0);
   return values;
 }
 

@@ -61,6 +61,7 @@ StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorVa
   task.material = spec.material;
   task.material.density.at_0_hu *= scale;
   task.material.density.per_hu *= scale;
+  task.material = with_forces_times(task.material, checked_positive(values, StudyFactor::force_scale));
   check_material(task.material);
   return task;
 }

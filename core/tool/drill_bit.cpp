@@ -129,6 +129,23 @@ void check_plate(const DrillBit& bit) {
   }
 }
 
+/// Helix and wear; that other shapes have the defaults.
+void check_flutes(const DrillBit& bit) {
+  if (bit.shape != BitShape::drill) {
+    const DrillBit usual;
+    if (bit.helix_deg != usual.helix_deg || bit.wear_mm != usual.wear_mm) {
+      fail("drill bit: expected a helix and wear of drills only");
+    }
+    return;
+  }
+  if (!(bit.helix_deg >= 0.0 && bit.helix_deg <= 60.0)) {
+    fail("drill bit: expected a helix of 0 to 60 degrees, found ", bit.helix_deg);
+  }
+  if (!(bit.wear_mm >= 0.0 && bit.wear_mm <= 1.0)) {
+    fail("drill bit: expected wear of 0 to 1 mm, found ", bit.wear_mm, " mm");
+  }
+}
+
 /// Unit, across `axis`, as nearly along `wanted` as can be; nothing where that is within a sine of 0.1 of the axis.
 std::optional<Vec3> side_along(const Vec3& wanted, const Vec3& axis) {
   constexpr double kLeastSine = 0.1;
@@ -194,6 +211,7 @@ DrillBit resized(const DrillBit& bit, double diameter_mm, double length_mm) {
 }
 
 void check_bit(const DrillBit& bit) {
+  check_flutes(bit);
   check_profile_bit(bit);
   check_plate(bit);
   if (bit.shape == BitShape::profile || bit.shape == BitShape::plate) return;

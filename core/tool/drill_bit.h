@@ -45,6 +45,9 @@ struct DrillBit {
   double stroke_mm = 0.0;     ///< how far a saw's teeth go to and fro along the width; 0: an osteotome, which is driven
   /// How a plate is held where poses do not say: its width as nearly along this as the axis lets it, unit, patient LPS.
   Vec3 width_along = Vec3::UnitZ();
+  // Of drills, for the mechanistic law; the defaults: a usual surgical drill, sharp.
+  double helix_deg = 25.0;  ///< of the flutes at the rim
+  double wear_mm = 0.0;     ///< height of the flat that wear has ground behind each lip
 
   double radius_mm() const { return 0.5 * diameter_mm; }
   bool operator==(const DrillBit&) const = default;
@@ -70,7 +73,8 @@ DrillBit resized(const DrillBit& bit, double diameter_mm, double length_mm);
 /// Throws Error on angles that are not between 20 and 180 degrees.
 DrillBit twist_drill(double diameter_mm, double length_mm, double point_angle_deg, double chisel_edge_mm);
 
-/// Rejects lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it. Of
+/// Rejects lengths that are not finite or not above 0, tips longer than the bit, shanks and tips wider than it, helices
+/// not from 0 to 60 degrees and wear not from 0 to 1 mm, and either of other tools than drills. Of
 /// profiles, outlines of more than kMaxStretches or that do not begin at the tip and go back from there; places further
 /// than 500 mm back or 100 mm off the axis, and behind the tip those less than 0.01 mm off it, but where an arc closes
 /// the base; straight stretches that widen or narrow by more than 20 mm a mm and are not flat faces, stretches shorter

@@ -59,6 +59,8 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
     }
     EXPECT_GT(hold["engaged_mm"].get<double>(), 30.0);
     EXPECT_FALSE(hold.contains("rows"));
+    EXPECT_LT(path["p05_thrust_n"].get<double>(), path["p95_thrust_n"].get<double>());
+    EXPECT_GT(path["p95_thrust_n"].get<double>(), path["max_thrust_n"].get<double>());
   }
   const Json whole_hold = read_json(folder_->path() / "out" / "grade.json")["paths"][0]["hold"];
   EXPECT_GT(whole_hold["rows"].size(), 80U);

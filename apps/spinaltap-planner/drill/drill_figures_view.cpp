@@ -23,6 +23,17 @@ PlotSeries curve_of(std::span<const DepthRow> rows, const char* name, double Dep
   return series;
 }
 
+PlotBand band_of(std::span<const DepthRow> rows, Interval DepthRow::*value) {
+  PlotBand band;
+  band.name = "5 to 95 % of sources";
+  for (const DepthRow& row : rows) {
+    band.x.push_back(row.depth_mm);
+    band.low.push_back((row.*value).low);
+    band.high.push_back((row.*value).high);
+  }
+  return band;
+}
+
 constexpr double kNearMm = 1.0;
 
 QString with_digits(double value, int digits, const char* unit) {
@@ -82,11 +93,13 @@ Plot drill_plot(DrillCurve curve, std::span<const DepthRow> rows, double length_
       plot.y_label = "thrust";
       plot.y_unit = "N";
       plot.series = {curve_of(rows, "thrust", &DepthRow::thrust_n)};
+      plot.bands = {band_of(rows, &DepthRow::thrust_band_n)};
       break;
     case DrillCurve::torque:
       plot.y_label = "torque";
       plot.y_unit = "N·mm";
       plot.series = {curve_of(rows, "torque", &DepthRow::torque_n_mm)};
+      plot.bands = {band_of(rows, &DepthRow::torque_band_n_mm)};
       break;
     case DrillCurve::density:
       plot.y_label = "density";
@@ -176,6 +189,12 @@ void DrillFiguresView::show_figures(const DrillPlayer& player) {
   depth_->setText(with_digits(cycle->depth_mm, 2, " mm"));
   thrust_->setText(with_digits(cycle->force.thrust_n, 1, " N"));
   torque_->setText(with_digits(cycle->force.torque_n_mm, 0, " N·mm"));
+  const auto tell_band = [](QLabel* label, const Interval& band, int digits, const char* unit) {
+    label->setToolTip(tr("5 to 95 % of sources: %1").arg(QString::fromStdString(interval_text(band, digits))) +
+                      QString::fromUtf8(unit));
+  };
+  tell_band(thrust_, cycle->force.thrust_band_n, 1, " N");
+  tell_band(torque_, cycle->force.torque_band_n_mm, 0, " N·mm");
   feed_->setText(with_digits(cycle->force.feed_mm_per_turn * rpm / 60.0, 2, " mm/s"));
   const SessionSetup& setup = *player.setup();
   const bool has_voxels = setup.engine == EngineKind::voxel;

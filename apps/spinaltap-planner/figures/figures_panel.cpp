@@ -58,6 +58,7 @@ QString walls_text(const PathGrade& grade, const std::vector<double>& hu_bands) 
     text += FiguresPanel::tr("<br>Bone: %1 HU; %2").arg(grade.hu, 0, 'f', 0).arg(shares.join(", "));
   }
   text += FiguresPanel::tr("<br>Max thrust, predicted: %1 N").arg(grade.max_thrust_n, 0, 'f', 1);
+  text += FiguresPanel::tr("; 5 to 95 % of sources: %1 N").arg(text_of(interval_text(grade.max_thrust_band_n, 1)));
   if (grade.hold) {
     text += FiguresPanel::tr("<br>Screw: pull-out %1 N, insertion torque up to %2 N·mm (5 to 95 %)")
                 .arg(text_of(banded_text(grade.hold->pullout_n)), text_of(banded_text(grade.hold->max_torque_n_mm)));

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/files/detail/material_json.h"
 
 namespace spinaltap {
 namespace {
@@ -31,11 +32,24 @@ StudyFactor factor_called(const std::string& name, const std::filesystem::path& 
   fail("expected the name of a factor in ", file.string(), ", found ", in_quotes(name), "; there are: ", known);
 }
 
-FactorDistribution read_distribution(StudyFactor factor, const Json& json, const std::filesystem::path& file) {
+/// Its numbers, or "material": those of the material's thrust.
+ForceSpread spread_of(const Json& json, const Material& material, const std::filesystem::path& file) {
+  if (json == "material") {
+    if (!(material.thrust_spread.log_scale > 0.0)) {
+      fail("expected a material with a \"thrust_spread\" for \"spread\": \"material\" in ", file.string(),
+           ", found one without");
+    }
+    return material.thrust_spread;
+  }
+  return read_force_spread(json, file);
+}
+
+FactorDistribution read_distribution(StudyFactor factor, const Json& json, const Material& material,
+                                     const std::filesystem::path& file) {
   const std::string name(name_of(factor));
   const auto reject = [&](const std::string& found) {
-    fail("expected one of \"levels\", \"normal\" and \"uniform\" for \"", name, "\" in ", file.string(), ", found ",
-         found);
+    fail("expected one of \"levels\", \"normal\", \"uniform\" and \"spread\" for \"", name, "\" in ", file.string(),
+         ", found ", found);
   };
   if (!json.is_object() || json.size() != 1) reject(shown_value(json));
   const JsonObject object(json, file);
@@ -61,6 +75,12 @@ FactorDistribution read_distribution(StudyFactor factor, const Json& json, const
     distribution.kind = FactorDistribution::Kind::uniform;
     distribution.a = uniform.number("low");
     distribution.b = uniform.number("high");
+  } else if (object.has("spread")) {
+    distribution.kind = FactorDistribution::Kind::spread;
+    const ForceSpread spread = spread_of(object.at("spread"), material, file);
+    distribution.a = spread.median;
+    distribution.b = spread.log_scale;
+    distribution.degrees = static_cast<int>(spread.degrees);
   } else {
     reject(in_quotes(json.begin().key()));
   }
@@ -73,6 +93,9 @@ Json json_of(const FactorDistribution& distribution) {
       return {{"normal", {{"mean", distribution.a}, {"deviation", distribution.b}}}};
     case FactorDistribution::Kind::uniform:
       return {{"uniform", {{"low", distribution.a}, {"high", distribution.b}}}};
+    case FactorDistribution::Kind::spread:
+      return {
+          {"spread", to_json(ForceSpread{distribution.a, distribution.b, static_cast<double>(distribution.degrees)})}};
     case FactorDistribution::Kind::levels:
       break;
   }
@@ -129,7 +152,7 @@ Json to_json(const StudyDesign& design) {
           {"factors", std::move(factors)}};
 }
 
-StudyDesign read_study_design(const Json& json, const std::filesystem::path& file) {
+StudyDesign read_study_design(const Json& json, const std::filesystem::path& file, const Material& material) {
   const JsonObject object(json, file);
   check_keys(json, {"runs", "sampling", "seed", "factors"}, file, kStudyKey);
   StudyDesign design;
@@ -147,7 +170,7 @@ StudyDesign read_study_design(const Json& json, const std::filesystem::path& fil
     const Json& factors = object.at("factors");
     if (!factors.is_object()) fail("expected an object for \"factors\" in ", file.string());
     for (const auto& item : factors.items()) {
-      design.distributions.push_back(read_distribution(factor_called(item.key(), file), item.value(), file));
+      design.distributions.push_back(read_distribution(factor_called(item.key(), file), item.value(), material, file));
     }
   }
   return design;

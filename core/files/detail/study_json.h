@@ -18,6 +18,7 @@ Json to_json(const StudyDesign& design);
 /// Reads what to_json() made, and "operator" and the design's keys of SPEC.json. Throw Error that names the file and
 /// the key at fault.
 StudyOperator read_study_operator(const Json& json, const std::filesystem::path& file);
-StudyDesign read_study_design(const Json& json, const std::filesystem::path& file);
+/// `material`: whose spread a factor may be drawn from.
+StudyDesign read_study_design(const Json& json, const std::filesystem::path& file, const Material& material = {});
 
 }  // namespace spinaltap

@@ -55,6 +55,9 @@ Json to_json(const DrillBit& bit) {
   if (bit.shape != BitShape::drill) json["shape"] = name_of(bit.shape);
   if (bit.tip_diameter_mm != 0.0) json["tip_diameter_mm"] = bit.tip_diameter_mm;
   if (bit.shank_diameter_mm != 0.0) json["shank_diameter_mm"] = bit.shank_diameter_mm;
+  const DrillBit usual;
+  if (bit.helix_deg != usual.helix_deg) json["helix_deg"] = bit.helix_deg;
+  if (bit.wear_mm != usual.wear_mm) json["wear_mm"] = bit.wear_mm;
   return json;
 }
 
@@ -162,6 +165,8 @@ DrillBit read_bit(const Json& json, const std::filesystem::path& file) {
   }
   if (object.has("tip_diameter_mm")) bit.tip_diameter_mm = object.number("tip_diameter_mm");
   if (object.has("shank_diameter_mm")) bit.shank_diameter_mm = object.number("shank_diameter_mm");
+  bit.helix_deg = object.number_or("helix_deg", bit.helix_deg);
+  bit.wear_mm = object.number_or("wear_mm", bit.wear_mm);
   return bit;
 }
 

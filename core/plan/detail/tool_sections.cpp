@@ -32,11 +32,12 @@ double first_as_wide_mm(const BitProfile& outline, double radius_mm) {
 
 ToolSections::ToolSections(const BoneShape& bone,
                            const std::function<void(std::span<const Vec3>, std::span<float>)>& hu,
-                           const Material& material, const GradedTool& tool, const DrillBit& bit,
+                           const Material& material, const GradedTool& tool, const DrillBit& bit, double rpm,
                            std::span<const double> depths_mm, double step_mm, std::span<const double> hu_bands)
     : widest_mm_(tool.widest_mm()),
       bit_(bit),
-      material_(material),
+      law_(bit, material),
+      rpm_(rpm),
       step_mm_(step_mm),
       band_count_(hu_bands.size() + 1) {
   const BitProfile outline(bit);
@@ -176,7 +177,7 @@ FeedResistance ToolSections::resistance(std::size_t n) const {
     const double area_mm2 = section_mm2 * places_of(static_cast<int>(annulus)) / kPoints;
     energy_n += area_mm2 * mean_mpa(met, tip_mm - bit_back_mm_[annulus], &Sums::specific_cutting_energy_mpa);
   }
-  return resistance_of_cut(bit_, material_, energy_n, mean_mpa(0, tip_mm, &Sums::chisel_mpa));
+  return law_.resistance({energy_n, mean_mpa(0, tip_mm, &Sums::chisel_mpa)}, rpm_);
 }
 
 }  // namespace spinaltap

@@ -17,11 +17,11 @@ class ToolSections {
   static constexpr int kAnnuli = 4;
   static constexpr int kPoints = 4 * kAnnuli * kAnnuli;
 
-  /// `bit` drills the tool's hole. `depths_mm`: ascending, from 0 to the path's length, `step_mm` apart except for the
-  /// last. `hu_bands`: borders.
+  /// `bit`, at `rpm`, drills the tool's hole. `depths_mm`: ascending, from 0 to the path's length, `step_mm` apart
+  /// except for the last. `hu_bands`: borders.
   ToolSections(const BoneShape& bone, const std::function<void(std::span<const Vec3>, std::span<float>)>& hu,
-               const Material& material, const GradedTool& tool, const DrillBit& bit, std::span<const double> depths_mm,
-               double step_mm, std::span<const double> hu_bands);
+               const Material& material, const GradedTool& tool, const DrillBit& bit, double rpm,
+               std::span<const double> depths_mm, double step_mm, std::span<const double> hu_bands);
 
   /// Mean CT number of the bone in the tool's own section at the n-th depth; NaN where there is none.
   double hu(std::size_t n) const;
@@ -62,7 +62,8 @@ class ToolSections {
   std::array<double, kAnnuli> middle_mm_{};  ///< radius of each annulus
   double widest_mm_;
   DrillBit bit_;
-  Material material_;
+  ToolLaw law_;
+  double rpm_;
   std::array<double, kAnnuli> bit_back_mm_{};  ///< how far behind the tip each annulus of the bit is cut
   double step_mm_;
   std::size_t band_count_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "core/base/error.h"
@@ -69,6 +70,26 @@ TEST(WilsonInterval, StaysWithinZeroAndOne) {
   EXPECT_THROW(wilson_interval(3, 2), Error);
   EXPECT_THROW(wilson_interval(1, 2, 1.0), Error);
   EXPECT_THROW(wilson_interval(1, 2, std::nan("")), Error);
+}
+
+TEST(StudentQuantile, IsThatOfTheTables) {
+  struct Known {
+    double probability;
+    int degrees;
+    double quantile;
+  };
+  // One and two degrees in closed form: tan(pi (p - 1/2)), and (2 p - 1) / sqrt(2 p (1 - p)); the others are tables'.
+  for (const Known& known :
+       {Known{0.95, 1, std::tan(std::numbers::pi * 0.45)}, Known{0.95, 2, 0.9 / std::sqrt(2.0 * 0.95 * 0.05)},
+        Known{0.95, 6, 1.943180281}, Known{0.95, 9, 1.833112933}, Known{0.975, 10, 2.228138852},
+        Known{0.995, 30, 2.749995654}}) {
+    EXPECT_NEAR(student_quantile(known.probability, known.degrees), known.quantile, 2e-9 * known.quantile);
+    EXPECT_NEAR(student_quantile(1.0 - known.probability, known.degrees), -known.quantile, 2e-9 * known.quantile);
+  }
+  EXPECT_EQ(student_quantile(0.5, 4), 0.0);
+  EXPECT_NEAR(student_quantile(0.95, 1000), normal_quantile(0.95), 2e-3);
+  for (const double bad : {0.0, 1.0, std::nan("")}) EXPECT_THROW(student_quantile(bad, 4), Error);
+  EXPECT_THROW(student_quantile(0.5, 0), Error);
 }
 
 TEST(Quantile, LiesBetweenTheOrderStatisticsAsInNumpy) {

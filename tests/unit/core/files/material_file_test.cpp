@@ -130,6 +130,53 @@ TEST(MaterialFile, IsRejectedWithFileAndKeyNamed) {
   EXPECT_THAT([&] { read_material(folder.path() / "none.json", {}); }, ThrowsMessage<Error>(HasSubstr("no such file")));
 }
 
+TEST(MaterialFile, ShipsTheDefaultSpreadsAndTheMechanisticLaw) {
+  const Material shipped = read_material(kShippedMaterial, {});
+  EXPECT_EQ(shipped.law, CuttingLaw::power);
+  EXPECT_EQ(shipped.thrust_spread, Material().thrust_spread);
+  EXPECT_EQ(shipped.torque_spread, Material().torque_spread);
+  const Material mechanistic = read_material(kShippedMaterial.parent_path() / "mechanistic.json", {});
+  EXPECT_EQ(mechanistic.law, CuttingLaw::mechanistic);
+  EXPECT_EQ(mechanistic.lips.friction_deg, 29.39);
+  EXPECT_GT(mechanistic.thrust_spread.log_scale, 0.0);
+}
+
+TEST(MaterialFile, OfBeforeIsThePowerLawWithoutABand) {
+  const test::TemporaryFolder folder;
+  Json json = read_json(kShippedMaterial);
+  for (const char* key : {"law", "thrust_spread", "torque_spread"}) json.erase(key);
+  std::ofstream(folder.path() / "m.json") << json.dump();
+  const Material material = read_material(folder.path() / "m.json", {});
+  EXPECT_EQ(material.law, CuttingLaw::power);
+  EXPECT_EQ(material.thrust_spread, ForceSpread{});
+  EXPECT_EQ(material.torque_spread, ForceSpread{});
+}
+
+TEST(MaterialFile, RejectsLawsAndSpreadsThatMakeNoSense) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "m.json";
+  const auto rejects = [&](const char* key, const Json& value, const char* with) {
+    Json json = read_json(kShippedMaterial.parent_path() / "mechanistic.json");
+    if (value.is_null()) {
+      json.erase(key);
+    } else {
+      json[key] = value;
+    }
+    std::ofstream(path, std::ios::trunc) << json.dump();
+    EXPECT_THAT([&] { read_material(path, {}); }, ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(with))))
+        << value;
+  };
+  rejects("law", "linear", "power or mechanistic");
+  rejects("lips", nullptr, "lips");
+  rejects("lips", Json::object(), "friction_deg");
+  Json lips = read_json(kShippedMaterial.parent_path() / "mechanistic.json").at("lips");
+  lips["friction_deg"] = 60.0;
+  rejects("lips", lips, "friction_deg");
+  rejects("thrust_spread", {{"median", 1.0}, {"log_scale", -0.5}, {"degrees_of_freedom", 4}}, "log_scale");
+  rejects("torque_spread", {{"median", 1.0}, {"log_scale", 0.5}, {"degrees_of_freedom", 4.5}}, "degrees_of_freedom");
+  rejects("thrust_spread", {{"median", 1.0}}, "log_scale");
+}
+
 TEST(MaterialFile, IsRejectedWhereItHoldsWhatIsReadElsewhere) {
   const test::TemporaryFolder folder;
   for (const char* key : {"density_at_0_hu_g_cm3", "density_per_hu_g_cm3"}) {

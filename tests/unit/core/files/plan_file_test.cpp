@@ -76,6 +76,20 @@ TEST_F(PlanFile, KeepsEveryShapeOfBit) {
               ThrowsMessage<Error>(AllOf(HasSubstr("plan.json"), HasSubstr("spoon"), HasSubstr("round-burr"))));
 }
 
+TEST_F(PlanFile, KeepsHelixAndWearOfADrillAndNamesThemOnlyWhereTheyAreUnusual) {
+  std::vector<DrillPath> paths = two_paths();
+  paths[1].bit = twist_drill(3.2, 60.0, 118.0, 0.5);
+  write_plan(paths, path());
+  EXPECT_FALSE(read_json(path())["paths"][1]["bit"].contains("helix_deg"));
+  EXPECT_EQ(read_plan(path())[1].bit, paths[1].bit);
+  paths[1].bit.helix_deg = 12.0;
+  paths[1].bit.wear_mm = 0.03;
+  write_plan(paths, path());
+  EXPECT_EQ(read_plan(path())[1].bit, paths[1].bit);
+  EXPECT_THROW(read_changed([](Json& json) { json["paths"][1]["bit"]["wear_mm"] = -0.1; }), Error);
+  EXPECT_THROW(read_changed([](Json& json) { json["paths"][1]["bit"]["helix_deg"] = 80.0; }), Error);
+}
+
 TEST_F(PlanFile, KeepsAProfileBitForBit) {
   std::vector<DrillPath> paths = two_paths();
   paths[1].bit = profile_bit({{0.0, 0.0}, {1.0 / 3.0, 0.3, true}, {2.0, 1.1}, {2.0, 0.7}, {50.1, 0.7}});

@@ -121,6 +121,25 @@ TEST_F(StudySpecFile, NeedsNoMoreThanBonePathOperatorAndDesign) {
   EXPECT_TRUE(std::isnan(base[static_cast<std::size_t>(StudyFactor::push_n)]));
 }
 
+TEST_F(StudySpecFile, TakesASpreadOfForcesFromTheMaterialOrInNumbers) {
+  Json json = whole_spec();
+  json["design"]["factors"]["force_scale"] = {{"spread", "material"}};
+  const StudySpec spec = read_study_spec(write(json));
+  const FactorDistribution& drawn = spec.design.distributions.back();
+  EXPECT_EQ(drawn.factor, StudyFactor::force_scale);
+  EXPECT_EQ(drawn.kind, FactorDistribution::Kind::spread);
+  EXPECT_EQ(drawn.a, spec.material.thrust_spread.median);
+  EXPECT_EQ(drawn.b, spec.material.thrust_spread.log_scale);
+  EXPECT_EQ(drawn.degrees, static_cast<int>(spec.material.thrust_spread.degrees));
+  // A folder keeps the numbers, whatever becomes of the material.
+  EXPECT_EQ(to_json(spec.design), to_json(read_study_design(to_json(spec.design), file_)));
+  json["design"]["factors"]["force_scale"] = {
+      {"spread", {{"median", 0.5}, {"log_scale", 0.7}, {"degrees_of_freedom", 3}}}};
+  EXPECT_EQ(read_study_spec(write(json)).design.distributions.back().degrees, 3);
+  json["design"]["factors"]["force_scale"] = {{"spread", "wide"}};
+  EXPECT_THROW(read_study_spec(write(json)), Error);
+}
+
 TEST_F(StudySpecFile, ShippedOneIsRead) {
   const StudySpec spec = read_study_spec(write(read_json(data_file("studies/pedicle.json"))));
   EXPECT_EQ(StudyRuns(spec.design).count(), 1000U);

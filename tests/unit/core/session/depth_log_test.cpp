@@ -79,6 +79,9 @@ TEST(DepthLog, MakesMeansOverTimeAndKeepsTheMinClearanceAndTheLastState) {
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_NEAR(rows[0].thrust_n, 30.0, 1e-12);
   EXPECT_NEAR(rows[0].torque_n_mm, 6.0, 1e-12);
+  const ForceBand band{Material()};
+  EXPECT_EQ(rows[0].thrust_band_n.high, band.thrust_n(rows[0].thrust_n).high);
+  EXPECT_EQ(rows[0].torque_band_n_mm.low, band.torque_n_mm(rows[0].torque_n_mm).low);
   EXPECT_NEAR(rows[0].lateral_n, 3.75, 1e-12);
   EXPECT_EQ(rows[0].outer_mm, 0.5);
   EXPECT_EQ(rows[0].canal_mm, -0.2);
@@ -133,6 +136,8 @@ TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
   bone.density_g_cm3 = 0.365;
   bone.thrust_n = 1.25;
   bone.torque_n_mm = 3.5;
+  bone.thrust_band_n = {0.5, 2.5};
+  bone.torque_band_n_mm = {1.5, 7.5};
   bone.lateral_n = 0.25;
   bone.contact_n = 0.75;
   bone.state = DrillState::outer_cortical;
@@ -142,10 +147,10 @@ TEST(DrillLog, HasUnitsInItsHeadAndEmptyFieldsWhereNothingIsKnown) {
   bone.cycles_per_s = kNan;
   EXPECT_EQ(log_csv({nothing, bone}),
             "depth_mm,cycles,removed_points,tested_points,mean_hu,mean_density_g_cm3,mean_thrust_n,mean_torque_n_mm,"
-            "mean_lateral_n,mean_contact_n,state,min_clearance_outer_mm,min_clearance_canal_mm,max_temperature_c,"
-            "cycles_per_s\n"
-            "-2.9,100,0,0,,,0,0,0,0,initial,,,,1000000\n"
-            "0.1,100,12,340,300.5,0.365,1.25,3.5,0.25,0.75,outer cortical,2.25,-0.5,41.5,\n");
+            "p05_thrust_n,p95_thrust_n,p05_torque_n_mm,p95_torque_n_mm,mean_lateral_n,mean_contact_n,state,min_"
+            "clearance_outer_mm,min_clearance_canal_mm,max_temperature_c,cycles_per_s\n"
+            "-2.9,100,0,0,,,0,0,0,0,0,0,0,0,initial,,,,1000000\n"
+            "0.1,100,12,340,300.5,0.365,1.25,3.5,0.5,2.5,1.5,7.5,0.25,0.75,outer cortical,2.25,-0.5,41.5,\n");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -100,6 +101,38 @@ TEST(StudyTask, ScalesTheDensityBeforeTheModel) {
   }
 }
 
+TEST(StudyTask, ScalesTheForcesOfTheModel) {
+  const StudySpec spec = spec_of({{StudyFactor::force_scale, Kind::levels, {0.4}}});
+  const StudyTask task = only_task(spec);
+  for (const double hu : {300.0, 1500.0}) {
+    EXPECT_NEAR(task.material.cutting_energy_mpa(hu), 0.4 * spec.material.cutting_energy_mpa(hu), 1e-9);
+    EXPECT_NEAR(task.material.chisel_pressure_mpa(hu), 0.4 * spec.material.chisel_pressure_mpa(hu), 1e-9);
+  }
+  EXPECT_EQ(task.material.density.per_hu, spec.material.density.per_hu);
+}
+
+TEST(StudyTask, DrawsTheForcesFromTheSpreadBetweenSources) {
+  const ForceSpread spread{0.5, 0.8, 9.0};
+  StudySpec spec = spec_of({{StudyFactor::force_scale, Kind::spread, {}, spread.median, spread.log_scale, 9}});
+  spec.design.runs = 1001;
+  spec.design.is_latin = true;
+  const StudyRuns runs(spec.design);
+  std::vector<double> drawn;
+  for (std::size_t n = 0; n < runs.count(); ++n) {
+    drawn.push_back(runs.values(n, base_values(spec))[static_cast<std::size_t>(StudyFactor::force_scale)]);
+  }
+  std::sort(drawn.begin(), drawn.end());
+  EXPECT_NEAR(drawn[500], spread.median, 0.01 * spread.median);
+  // Student's t of 9 degrees: 1.833113 at 95 %, which is 95.45 % of what lies between 0.5 % and 99.5 %.
+  EXPECT_NEAR(drawn[955], 0.5 * std::exp(0.8 * 1.833113), 0.01 * drawn[955]);
+  EXPECT_LT(drawn.back(), 0.5 * std::exp(0.8 * 3.2499));  // 99.5 %
+  EXPECT_GT(drawn.front(), 0.5 * std::exp(-0.8 * 3.2499));
+  for (const double bad : {0.0, -1.0}) {
+    spec.design.distributions[0].a = bad;
+    EXPECT_THROW(StudyRuns{spec.design}, Error);
+  }
+}
+
 TEST(StudyTask, CylinderHoldsTheWidestRunAndNoMore) {
   StudySpec spec = spec_of({{StudyFactor::entry_left_mm, Kind::levels, {-2.0, 1.0}},
                             {StudyFactor::bit_diameter_mm, Kind::levels, {3.0, 4.0}}});
@@ -126,6 +159,7 @@ TEST(StudyTask, NamesTheRunAndTheFactorThatMakeNoSense) {
   rejects(StudyFactor::push_n, 0.0, StudyOperator::Kind::push);
   rejects(StudyFactor::tremor_mm, -0.1);
   rejects(StudyFactor::density_scale, 0.0);
+  rejects(StudyFactor::force_scale, 0.0);
 }
 
 }  // namespace
