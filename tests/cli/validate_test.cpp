@@ -35,7 +35,7 @@ TEST(Validate, HoldsLawsAgainstEveryMeasurementAndIsTheSameOnAnyThreads) {
   EXPECT_THAT(read_whole_file(folder.path() / "v.svg"), StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\""));
   const test::ProgramRun again = test::run_program("validate --csv w.csv --threads 2", folder.path());
   ASSERT_EQ(again.exit_code, 0) << again.errors;
-  EXPECT_EQ(read_whole_file(folder.path() / "w.csv"), test::read_whole_file(folder.path() / "v.csv"));
+  EXPECT_EQ(read_whole_file(folder.path() / "w.csv"), read_whole_file(folder.path() / "v.csv"));
 }
 
 TEST(Validate, NamesTheFolderWithoutMeasurements) {
