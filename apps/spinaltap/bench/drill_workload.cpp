@@ -12,8 +12,8 @@ namespace spinaltap {
 namespace {
 
 constexpr double kPathMm = 37.8;
-constexpr double kOffPathMm = 1.2;
-constexpr double kTremorMm = 0.1;
+constexpr double kBenchOffPathMm = 1.2;
+constexpr double kBenchTremorMm = 0.1;
 
 /// What a motion is, by its place in WorkloadMotion.
 struct MotionKind {
@@ -24,17 +24,17 @@ struct MotionKind {
   bool has_burr = false;
 };
 constexpr std::array kKinds{MotionKind{"on-path"},
-                            MotionKind{"off-path", kOffPathMm},
+                            MotionKind{"off-path", kBenchOffPathMm},
                             MotionKind{"tilted", 0.0, 3.0},
-                            MotionKind{"tremor", 0.0, 0.0, kTremorMm},
-                            MotionKind{"tremor-off-path", kOffPathMm, 0.0, kTremorMm},
+                            MotionKind{"tremor", 0.0, 0.0, kBenchTremorMm},
+                            MotionKind{"tremor-off-path", kBenchOffPathMm, 0.0, kBenchTremorMm},
                             MotionKind{"tilted-10", 0.0, 10.0},
                             MotionKind{"tilted-20", 0.0, 20.0},
                             MotionKind{"tilted-30", 0.0, 30.0},
                             MotionKind{"tilted-60", 0.0, 60.0},
                             MotionKind{"on-path-burr", 0.0, 0.0, 0.0, true},
-                            MotionKind{"tremor-burr", 0.0, 0.0, kTremorMm, true},
-                            MotionKind{"tremor-burr-off-path", kOffPathMm, 0.0, kTremorMm, true}};
+                            MotionKind{"tremor-burr", 0.0, 0.0, kBenchTremorMm, true},
+                            MotionKind{"tremor-burr-off-path", kBenchOffPathMm, 0.0, kBenchTremorMm, true}};
 
 const MotionKind& kind_of(WorkloadMotion motion) { return kKinds.at(static_cast<std::size_t>(motion)); }
 
