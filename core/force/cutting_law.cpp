@@ -9,7 +9,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kWholeTurn = 2.0 * std::numbers::pi;
+constexpr double kTurnOfTool = 2.0 * std::numbers::pi;
 constexpr double kRightAngle = 0.5 * std::numbers::pi;
 /// Below this feed per turn the chisel edge does not press with all of its force: a bit at rest presses with none.
 constexpr double kChiselFeedMm = 1e-3;
@@ -158,7 +158,7 @@ FeedResistance ToolLaw::resistance(const MetBone& bone, double rpm) const noexce
     return resistance;
   }
   const double speed = speed_factor(rpm);
-  const double lips_n_mm = torque_factor_ * speed * bone.energy_n * reference_feed_mm_ / kWholeTurn;
+  const double lips_n_mm = torque_factor_ * speed * bone.energy_n * reference_feed_mm_ / kTurnOfTool;
   resistance.lips_n_mm = lips_n_mm * chips_factor(bone.hole.depth_mm);
   resistance.lips_n = lip_thrust_share_ * 2.0 * lips_n_mm / radius_mm_;
   const double flanks_n = flank_mm2_ * bone.energy_n / section_mm2_;
