@@ -26,7 +26,7 @@ struct OpenValues {
   std::vector<double> bones;  ///< HU of the body's cancellous bone; of foam its density, g/cm³
 };
 
-struct Predicted {
+struct PredictedRange {
   double low = std::numeric_limits<double>::infinity();
   double high = 0.0;
   double log_sum = 0.0;
@@ -44,14 +44,14 @@ struct Predicted {
   double middle() const { return std::exp(log_sum / count); }
 };
 
-struct Answer {
-  Predicted pullout, torque;
+struct ScrewAnswer {
+  PredictedRange pullout, torque;
 };
 
-const PedicleScrew kThin{"5.5 x 40 mm", 5.5, 40.0, 4.0};
-const PedicleScrew kUsual{"6.5 x 45 mm", 6.5, 45.0, 4.0};
+const PedicleScrew kThinScrew{"5.5 x 40 mm", 5.5, 40.0, 4.0};
+const PedicleScrew kUsualScrew{"6.5 x 45 mm", 6.5, 45.0, 4.0};
 
-DrillPath straight(const PedicleScrew& screw, double hole_mm) {
+DrillPath screwed_along_z(const PedicleScrew& screw, double hole_mm) {
   DrillPath path{"", Vec3::Zero(), Vec3(0.0, 0.0, screw.length_mm), {hole_mm, 50.0, 1.0}};
   path.screw = screw;
   return path;
@@ -61,18 +61,19 @@ constexpr double kInPedicle = 0.6;     // of the screw's length
 constexpr double kPedicleShare = 1.6;  // CT number of the pedicle's cancellous bone over the body's
 
 /// A vertebra as a screw meets it: the pedicle's cancellous bone, then the body's.
-Answer of_vertebra(const OpenValues& open, bool ends_in_pedicle = false) {
-  Answer answer;
+ScrewAnswer of_vertebra(const OpenValues& open, bool ends_in_pedicle = false) {
+  ScrewAnswer answer;
   const HuToDensity calibration;
   for (const PedicleScrew& screw : open.screws) {
     for (const double hole_mm : open.holes_mm) {
       for (const double hu : open.bones) {
         const double pedicle_mm = kInPedicle * screw.length_mm;
-        const ScrewHold hold = screw_hold(straight(screw, hole_mm), [&](std::span<const Vec3> p, std::span<double> g) {
-          for (std::size_t n = 0; n < g.size(); ++n) {
-            g[n] = calibration.density_g_cm3(p[n].z() < pedicle_mm ? kPedicleShare * hu : hu);
-          }
-        });
+        const ScrewHold hold =
+            screw_hold(screwed_along_z(screw, hole_mm), [&](std::span<const Vec3> p, std::span<double> g) {
+              for (std::size_t n = 0; n < g.size(); ++n) {
+                g[n] = calibration.density_g_cm3(p[n].z() < pedicle_mm ? kPedicleShare * hu : hu);
+              }
+            });
         answer.pullout.add(hold.pullout_n.median, hold.pullout_n);
         double torque_n_mm = hold.max_torque_n_mm.median;
         if (ends_in_pedicle) {
@@ -87,13 +88,13 @@ Answer of_vertebra(const OpenValues& open, bool ends_in_pedicle = false) {
   return answer;
 }
 
-Answer of_foam(const OpenValues& open) {
-  Answer answer;
+ScrewAnswer of_foam(const OpenValues& open) {
+  ScrewAnswer answer;
   for (const PedicleScrew& screw : open.screws) {
     for (const double hole_mm : open.holes_mm) {
       for (const double g_cm3 : open.bones) {
         const ScrewHold hold = screw_hold(
-            straight(screw, hole_mm),
+            screwed_along_z(screw, hole_mm),
             [&](std::span<const Vec3>, std::span<double> g) { std::fill(g.begin(), g.end(), g_cm3); },
             foam_hold_model());
         answer.pullout.add(hold.pullout_n.median, hold.pullout_n);
@@ -105,8 +106,8 @@ Answer of_foam(const OpenValues& open) {
 }
 
 /// Of a row of screws.csv; nothing for those that the law is not of.
-std::optional<Answer> answer_to(const ScrewMeasurement& row) {
-  const std::vector<PedicleScrew> usual{kThin, kUsual};
+std::optional<ScrewAnswer> answer_to(const ScrewMeasurement& row) {
+  const std::vector<PedicleScrew> usual{kThinScrew, kUsualScrew};
   const std::vector<double> holes_mm{3.0, 4.0};
   const auto has = [&](const char* word) { return row.group.find(word) != std::string::npos; };
   if (row.torque_kind == MeasuredTorque::extraction) return std::nullopt;  // of healed screws
@@ -146,10 +147,10 @@ std::optional<Answer> answer_to(const ScrewMeasurement& row) {
   fail("no prediction for a row of ", row.source);
 }
 
-struct Compared {
+struct ComparedScrew {
   std::string what;
   double measured = 0.0, sd = 0.0;
-  Predicted predicted;
+  PredictedRange predicted;
 
   bool meets() const { return predicted.low <= measured + sd && predicted.high >= measured - sd; }
   bool is_inside() const { return std::abs(predicted.middle() - measured) <= sd; }
@@ -157,10 +158,10 @@ struct Compared {
   double ratio() const { return predicted.middle() / measured; }
 };
 
-std::vector<Compared> work_out_rows() {
-  std::vector<Compared> all;
+std::vector<ComparedScrew> work_out_rows() {
+  std::vector<ComparedScrew> all;
   for (const ScrewMeasurement& row : shipped_measurements().screws) {
-    const std::optional<Answer> answer = answer_to(row);
+    const std::optional<ScrewAnswer> answer = answer_to(row);
     if (!answer) continue;
     const std::string name = row.source + ", " + row.site + (row.group.empty() ? "" : ", " + row.group);
     if (row.pullout_n)
@@ -172,19 +173,19 @@ std::vector<Compared> work_out_rows() {
   return all;
 }
 
-const std::vector<Compared>& compared_rows() {
-  static const std::vector<Compared> rows = work_out_rows();
+const std::vector<ComparedScrew>& compared_rows() {
+  static const std::vector<ComparedScrew> rows = work_out_rows();
   return rows;
 }
 
 TEST(MeasuredScrews, AreToldByALawThatKnowsNoneOfThem) {
-  const std::vector<Compared>& all = compared_rows();
+  const std::vector<ComparedScrew>& all = compared_rows();
   std::size_t overlapping = 0, inside = 0, in_band = 0;
   std::vector<double> factors;
   std::printf(
       "measured +- sd: predicted over all that is open, its middle, that over the measured; whether they meet, "
       "whether the middle is inside, whether the measured is in the band\n");
-  for (const Compared& one : all) {
+  for (const ComparedScrew& one : all) {
     std::printf("%s: %.0f +- %.0f: %.0f to %.0f, %.0f, %.2f; %s, %s, %s\n", one.what.c_str(), one.measured, one.sd,
                 one.predicted.low, one.predicted.high, one.predicted.middle(), one.ratio(),
                 one.meets() ? "meet" : "apart", one.is_inside() ? "inside" : "outside",
@@ -206,7 +207,7 @@ TEST(MeasuredScrews, AreToldByALawThatKnowsNoneOfThem) {
 }
 
 TEST(MeasuredScrews, ScrewsOfStatedSizesInFoamOfStatedDensityAreToldToTheBandsFactor) {
-  for (const Compared& one : compared_rows()) {
+  for (const ComparedScrew& one : compared_rows()) {
     if (one.what.rfind("weidling2022", 0) != 0) continue;
     EXPECT_TRUE(one.is_in_band()) << one.what << ", factor " << one.ratio();
   }
