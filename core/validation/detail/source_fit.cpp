@@ -13,7 +13,7 @@ namespace {
 /// Before any figure: spreads between sources of a factor 2.7 are usual, within one of a third.
 constexpr double kBetweenPrior = 1.0, kWithinPrior = 0.3;
 constexpr double kLeastSpread = 0.02, kGreatestSpread = 3.0;
-constexpr int kSteps = 12;
+constexpr int kFitSteps = 12;
 constexpr double kStepShare = 0.8;  ///< of a Gauss-Newton step: laws bend
 
 Eigen::MatrixXd jacobian_of(const FitModel& model, const Eigen::VectorXd& numbers) {
@@ -127,7 +127,7 @@ SourceFit fit_over_sources(const std::vector<FitFigure>& figures, const std::vec
   fit.between = {0.5, 0.5};
   fit.within = 0.2;
   const Eigen::MatrixXd prior = model.prior_sd.cwiseAbs2().asDiagonal();
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kFitSteps; ++step) {
     const LinearFigures linear = linear_at(figures, is_used, model, fit.numbers);
     for (int round = 0; round < 2; ++round) {
       improve(fit.between[0], linear, fit);
