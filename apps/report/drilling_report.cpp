@@ -113,6 +113,12 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
        {"Drilled mesh, pieces", count(figures.mesh.pieces), ""},
        {"Loose chips left out", count(figures.chips.count), ""},
        {"Drilled mesh, volume", fixed_text(figures.mesh.volume_mm3 / 1000.0, 2), "cm³"}});
+  if (const std::string words = end_words(drilling, figures.setup.path); !words.empty()) {
+    data.figures.push_back({"Gave up", words, ""});
+  }
+  if (figures.setup.options.compliance.is_on) {
+    data.figures.push_back({"Max way off, of the tip", fixed_text(drilling.max_off_mm, 2), "mm"});
+  }
   if (drilling.max_contact_n > 0.0) {
     data.figures.push_back({"Max contact force, spindle off", fixed_text(drilling.max_contact_n, 2), "N"});
   }
@@ -128,6 +134,22 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
     data.notes.push_back("The record lacks " + count(figures.cycles_not_recorded) + " cycles.");
   }
   return data;
+}
+
+std::string end_words(const Drilling& drilling, const DrillPath& path) {
+  const std::string where =
+      fixed_text(drilling.deepest_mm, 1) + " mm deep, of " + fixed_text(path.length_mm(), 1) + " mm";
+  switch (drilling.operator_end) {
+    case OperatorEnd::as_planned:
+      return {};
+    case OperatorEnd::broke_through:
+      return where + ": the bone gave way, and a probe felt none at the end of the hole";
+    case OperatorEnd::stood_still:
+      return where + ": the bone held all of the push; push harder, or take a sharper or thinner bit";
+    case OperatorEnd::ran_out_of_time:
+      return where + ": it took too long";
+  }
+  return {};
 }
 
 std::string region_text(const Box3& region_mm) {

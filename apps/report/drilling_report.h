@@ -48,6 +48,9 @@ void stage_drilling(const Drilling& drilling, const TriangleMesh& surface, const
 /// "12.0, -3.5, 40.0 to 52.0, 36.5, 80.0 mm"
 std::string region_text(const Box3& region_mm);
 
+/// Where and why an operator ended short of its target; empty where it did not.
+std::string end_words(const Drilling& drilling, const DrillPath& path);
+
 /// What a record says of the session, the operator (OperatorPlan::words) and the pace.
 std::map<std::string, std::string> record_words(const SessionSetup& setup,
                                                 const std::map<std::string, std::string>& operator_words,

@@ -76,6 +76,7 @@ void OperatorChoice::check(bool is_real_time) const {
   reject(name == "on-path" && offset_mm, "--offset", "take off-path");
   reject(name == "on-path" && tilt_deg, "--tilt", "take tilted");
   reject(name != "push" && push_n, "--push", "only the operator push has a force of its own");
+  reject(name != "push" && max_push_n, "--max-push", "only the operator push has a force of its own");
   if (name == "push") {
     for (const auto& [given, option] :
          {std::pair{!feed.empty(), "--feed"}, std::pair{step_mm.has_value(), "--step"},
@@ -150,6 +151,7 @@ void OperatorChoice::add_force_controlled(const DrillPath& path, const GuideLine
                            .tremor_mm = tremor_or_default_mm(),
                            .seed = seed.value_or(1)};
   push.push_n = push_n.value_or(push.push_n);
+  push.max_push_n = max_push_n.value_or(push.max_push_n);
   plan.rate_hz = push.rate_hz;
   plan.words["push"] = short_text(push.push_n) + " N";
   plan.tool_operator = std::make_unique<ForceControlled>(path, push);

@@ -39,6 +39,7 @@ struct OperatorChoice {
   std::optional<double> peck_pause_s;  ///< only with pecks
   std::optional<double> withdraw_mm_s;
   std::optional<double> push_n;
+  std::optional<double> max_push_n;
   std::optional<std::uint64_t> seed;
   std::shared_ptr<const Milling> milling;  ///< one that is read already; its name is then "milling"
 

@@ -89,6 +89,8 @@ std::string value_text(const SessionEvent& event) {
       return readable_number(event.value, 1) + " N";
     case EventKind::heat_limit:
       return readable_number(event.value, 1) + " °C";
+    case EventKind::stall:
+      return readable_number(event.value, 1) + " N·mm";
     case EventKind::record_lost:
       return readable_number(event.value, 0) + " cycles";
     case EventKind::outer_breach:
@@ -98,6 +100,7 @@ std::string value_text(const SessionEvent& event) {
     case EventKind::plunge:
     case EventKind::jump:
     case EventKind::outside_volume:
+    case EventKind::gave_up:
       return readable_number(event.value, 2) + " mm";
   }
   return {};

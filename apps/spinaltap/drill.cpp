@@ -58,7 +58,10 @@ void add_drill(CLI::App& program, Command& command) {
         run_drill({options->page.title_of(bone, "Drilling " + path.name), options->page.command, ct ? &*ct : nullptr},
                   bones, path, options->drill, options->folder, output, progress);
     const auto is_breach = [](const Json& event) { return event["event"] == name_of(EventKind::stop_breach); };
-    if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach)) command.exit_code = kAnswerIsNo;
+    if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach) ||
+        figures["operator_end"] != name_of(OperatorEnd::as_planned)) {
+      command.exit_code = kAnswerIsNo;
+    }
     return figures;
   };
 }

@@ -65,6 +65,9 @@ void add_operator(CLI::App& app, OperatorChoice& tool_operator) {
       ->type_name("MM_S");
   app.add_option("--push", tool_operator.push_n, "With --operator push: force along the path, N; default: 40")
       ->type_name("N");
+  app.add_option("--max-push", tool_operator.max_push_n,
+                 "With --operator push: what it leans on the drill with at most where the bit stands, N; default: 200")
+      ->type_name("N");
   app.add_option("--seed", tool_operator.seed, "Seed of the tremor; default: 1")->type_name("N");
 }
 
@@ -142,6 +145,15 @@ void DrillOptions::add_session_to(CLI::App& app) {
       ->type_name("MM");
   app.add_flag("--stop-on-breach", stop.on_breach,
                "Ask it to stop where the bit breaks through either wall; the exit code is then 1");
+  ComplianceOptions& compliance = setup.options.compliance;
+  app.add_flag("--compliant", compliance.is_on,
+               "The bit bends, and its tip walks on a slope before it bites: it goes where it really would");
+  app.add_option("--free-length", compliance.free_length_mm,
+                 "With --compliant: of the bit out of its chuck, mm; default: all of its length")
+      ->type_name("MM");
+  app.add_option("--stall-torque", compliance.stall_n_mm,
+                 "With --compliant: torque at which the motor stands, N mm; default: its speed is steady")
+      ->type_name("N_MM");
   app.add_flag("--no-clearances", leaves_clearances, "Do not look for the bone's walls: begins sooner; no breaches");
   app.add_flag(
       "--heat", has_heat,
@@ -172,6 +184,10 @@ void DrillOptions::check(const DrillBit& tool) const {
     fail("expected no --heat with a milling: only a hole along the path has it");
   if (has_heat && tool.shape == BitShape::plate) fail("expected no --heat with a plate: it drills no hole");
   if (has_heat && bones > 1) fail("expected no --heat with --also: heat is solved in one bone");
+  const ComplianceOptions& compliance = setup.options.compliance;
+  if (!compliance.is_on && (compliance.free_length_mm > 0.0 || compliance.stall_n_mm > 0.0)) {
+    fail("expected --compliant with --free-length and --stall-torque");
+  }
   if (leaves_clearances && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
     fail("expected clearances with --stop-at-clearance and --stop-on-breach: leave --no-clearances away");
   }

@@ -187,10 +187,12 @@ void print_drilling(const DrillFigures& figures, const DensityCalibration& densi
   const auto print_band = [&](const std::string& name, const Interval& of, const char* unit, int digits) {
     if (band.is_known()) print_figure(name + ", 5 to 95 % of sources", interval_text(of, digits) + " " + unit);
   };
+  if (const std::string words = end_words(drilling, figures.setup.path); !words.empty()) print_figure("gave up", words);
   print_figure("max thrust", drilling.max_thrust_n, "N", 2);
   print_band("max thrust", band.thrust_n(drilling.max_thrust_n), "N", 2);
   print_figure("max torque", drilling.max_torque_n_mm, "N·mm", 1);
   print_band("max torque", band.torque_n_mm(drilling.max_torque_n_mm), "N·mm", 1);
+  if (figures.setup.options.compliance.is_on) print_figure("max way off, of the tip", drilling.max_off_mm, "mm", 2);
   if (drilling.max_contact_n > 0.0) print_figure("max contact force, spindle off", drilling.max_contact_n, "N", 2);
   if (std::isfinite(drilling.min_clearance_outer_mm)) {
     print_figure("min clearance, outer surface", drilling.min_clearance_outer_mm, "mm", 2);
@@ -238,9 +240,11 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
             {"max_torque_n_mm", drilling.max_torque_n_mm},
             {"p05_torque_n_mm", band.torque_n_mm(drilling.max_torque_n_mm).low},
             {"p95_torque_n_mm", band.torque_n_mm(drilling.max_torque_n_mm).high},
+            {"max_off_mm", drilling.max_off_mm},
             {"min_clearance_outer_mm", number_or_null(drilling.min_clearance_outer_mm)},
             {"min_clearance_canal_mm", number_or_null(drilling.min_clearance_canal_mm)},
             {"stopped", drilling.is_stopped},
+            {"operator_end", name_of(drilling.operator_end)},
             {"plunge_depth_mm", number_or_null(plunge_depth_mm(drilling.events))},
             {"events_lost", drilling.events_lost},
             {"cycles_not_recorded", figures.cycles_not_recorded},
@@ -326,8 +330,8 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   std::deque<LiveMesh> live;
   if (how.real_time) {
     for (const Bone& one : bones) live.emplace_back(one.model(), path.bit, setup.options.max_jump_mm);
-    how.display = [&live](const Cycle& cycle) {
-      for (LiveMesh& mesh : live) mesh.update(cycle.input);
+    how.display = [&live, &setup](const Cycle& cycle) {
+      for (LiveMesh& mesh : live) mesh.update(cutting_input(cycle, setup.options));
     };
   }
   const Drilling drilling = drill_bone(bones, setup, *tool_operator.tool_operator, how, progress);

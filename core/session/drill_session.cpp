@@ -51,6 +51,7 @@ std::unique_ptr<const LivingBone> checked(std::unique_ptr<const LivingBone> bone
 void check_session_options(const SessionOptions& options) {
   constexpr double kFastestRpm = 1e6;
   check_state_rules(options.states);
+  check_compliance(options.compliance);
   if (!(options.spindle.rpm >= 0.0 && options.spindle.rpm <= kFastestRpm)) {
     fail("session: expected a spindle of 0 to ", kFastestRpm, " turns a minute, found ", options.spindle.rpm);
   }
@@ -71,6 +72,7 @@ struct DrillSession::Tracking {
   Tracking(const DrillPath& path, const LivingBone& bone, const SessionOptions& options, bool has_clearances)
       : bit(tool_body(path.bit)), curve(path), watch(path, bone, options, has_clearances) {
     if (options.heat) heat.emplace(path, *options.heat);
+    if (options.compliance.is_on) compliant.emplace(path.bit, options.compliance);
   }
 
   ToolBody bit;
@@ -79,7 +81,10 @@ struct DrillSession::Tracking {
   std::optional<LiveHeat> heat;
   EventLog log{kMaxEvents};
   ExactSum time;
+  std::optional<CompliantTool> compliant;
+  CompliantTool::Met met;  ///< by it
   Pose pose;               ///< the last that made sense
+  Pose commanded;          ///< likewise; of a compliant tool it is another
   double waiting_s = 0.0;  ///< since then, in cycles that were rejected
   bool is_placed = false;
   bool was_on = false;  ///< the spindle
@@ -119,7 +124,16 @@ std::span<const SessionEvent> DrillSession::events() const { return tracking_->l
 std::size_t DrillSession::events_lost() const { return tracking_->log.lost(); }
 bool DrillSession::is_stopped() const { return tracking_->watch.is_stopped(); }
 
-ToolFeedback DrillSession::feedback() const noexcept { return {cycle_.time_s, cycle_.force, is_stopped()}; }
+ToolFeedback DrillSession::feedback() const noexcept {
+  const bool is_in_bone = std::isfinite(cycle_.tip.inside_mm) && cycle_.tip.inside_mm > 0.0;
+  return {cycle_.time_s, cycle_.force, is_stopped(), is_in_bone || cycle_.force.tip_density_g_cm3 > 0.0};
+}
+
+void DrillSession::end(OperatorEnd end) noexcept {
+  if (end == OperatorEnd::as_planned) return;
+  tracking_->log.add({EventKind::gave_up, cycle_.index, cycle_.time_s, cycle_.depth_mm, tracking_->pose.tip_mm,
+                      std::max(0.0, tracking_->curve.length_mm() - cycle_.depth_mm)});
+}
 
 void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   Tracking& tracking = *tracking_;
@@ -131,8 +145,16 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
       tracking.watch.jump(cycle_, pose, longest_mm, tracking.log);
     }
   }
-  const bool is_on = input.spindle_on && options_.spindle.rpm > 0.0;
   Spindle spindle = options_.spindle;
+  if (!input.spindle_on) spindle.rpm = 0.0;
+  if (tracking.compliant) {
+    const bool was_stalled = tracking.compliant->is_stalled();
+    spindle = tracking.compliant->real_spindle(spindle, tracking.met, input.dt_s);
+    if (tracking.compliant->is_stalled() && !was_stalled) {
+      tracking.watch.stall(cycle_, pose, tracking.met.force.torque_n_mm, tracking.log);
+    }
+  }
+  const bool is_on = spindle.rpm > 0.0;
   if (is_on) {
     // On its way with the spindle off the bit cut nothing. What it holds when the spindle starts it cut on no way.
     if (!tracking.was_on) {
@@ -140,8 +162,6 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
       forces_.reset();
     }
     cycle_.step = engine_->step(pose);
-  } else {
-    spindle.rpm = 0.0;
   }
   tracking.was_on = is_on;
   const double dt_s = input.dt_s + tracking.waiting_s;
@@ -152,11 +172,32 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
       cycle_.clearance = clearances_->of(*profile, pose);
     if (const auto* plate = std::get_if<PlateBox>(&tracking.bit)) cycle_.clearance = clearances_->of(*plate, pose);
   }
-  if (is_on && options_.follows_path) cycle_.state = states_.update(cycle_.depth_mm, cycle_.force.tip_density_g_cm3);
+  if (clearances_ != nullptr && options_.follows_path) cycle_.tip = clearances_->tip_at(pose);
+  if (is_on && options_.follows_path) {
+    TipMeets meets{.depth_mm = cycle_.depth_mm, .density_g_cm3 = cycle_.force.tip_density_g_cm3};
+    if (clearances_ != nullptr) meets.ahead_mm = cycle_.tip.ahead_mm;
+    cycle_.state = states_.update(meets);
+  }
   tracking.watch.update(cycle_, pose, states_.begin_mm(), is_on, tracking.log);
   if (tracking.heat) cycle_.heat = tracking.heat->update(cycle_, dt_s, spindle.rpm, tracking.log);
   tracking.pose = pose;
   tracking.is_placed = true;
+  if (!tracking.compliant) return;
+  tracking.met.force = cycle_.force;
+  if (clearances_ == nullptr) return;
+  tracking.met.tip = clearances_->tip_at(pose);
+  tracking.met.into_bone = clearances_->into_bone_at(pose.tip_mm);
+}
+
+/// Where the bit is while its chuck is held for `commanded`.
+Pose DrillSession::bent(const Pose& commanded, double dt_s) noexcept {
+  Tracking& tracking = *tracking_;
+  if (!tracking.compliant) return commanded;
+  if (tracking.is_placed) {
+    tracking.met.advance_mm = (commanded.tip_mm - tracking.commanded.tip_mm).dot(commanded.axis);
+  }
+  tracking.commanded = commanded;
+  return tracking.compliant->real_pose(commanded, tracking.met, dt_s);
 }
 
 const Cycle& DrillSession::step(const ToolInput& input) noexcept {
@@ -174,8 +215,9 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   cycle_.heat.bone_w = 0.0;
   const std::optional<Pose> pose = reachable_pose(input, path_.bit, path_.entry_mm);
   if (pose && has_time) {
-    cycle_.depth_mm = tracking.curve.nearest_mm(pose->tip_mm);
-    place(*pose, input);
+    cycle_.pose = bent(*pose, input.dt_s);
+    cycle_.depth_mm = tracking.curve.nearest_mm(cycle_.pose.tip_mm);
+    place(cycle_.pose, input);
   } else {
     if (has_time && tracking.is_placed) tracking.waiting_s += input.dt_s;
     tracking.watch.reject(cycle_, tracking.log);
@@ -198,6 +240,7 @@ void run_session(DrillSession& session, Operator& tool_operator, const CycleObse
     const Cycle& cycle = session.step(*input);
     if (observe) observe(cycle);
   }
+  session.end(tool_operator.end());
   progress.report("drilling", 1.0);
 }
 

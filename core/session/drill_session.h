@@ -12,6 +12,7 @@
 #include "core/engine/drill_engine.h"
 #include "core/force/drill_forces.h"
 #include "core/points/living_bone.h"
+#include "core/session/compliant_tool.h"
 #include "core/session/drill_state.h"
 #include "core/session/operator/operator.h"
 #include "core/session/session_event.h"
@@ -39,6 +40,7 @@ struct SessionOptions {
   /// How warm the bone beside the hole gets, which a tool has to drill that follows the path; none: it is not worked
   /// out, and costs nothing.
   std::optional<HeatOptions> heat = {};
+  ComplianceOptions compliance = {};  ///< the bit bends, its tip walks, the motor slows down
 };
 /// Rejects options that are not numbers or make no sense.
 void check_session_options(const SessionOptions& options);
@@ -48,10 +50,12 @@ struct Cycle {
   std::uint64_t index = 0;
   double time_s = 0.0;    ///< since the first input; the sum of dt_s, rounded once
   ToolInput input;        ///< as the operator gave it
+  Pose pose;              ///< of the bit: the input's, but for what gives way in a compliant tool
   double depth_mm = 0.0;  ///< of the tip along the path, straight or curved: 0 at the entry
   StepResult step;
   DrillForce force;
   Clearance clearance;
+  TipPlace tip;  ///< infinite without clearances
   DrillState state = DrillState::initial;
   CycleHeat heat;
 };
@@ -74,6 +78,8 @@ class DrillSession {
   const Cycle& step(const ToolInput& input) noexcept;
 
   const Cycle& last() const { return cycle_; }
+  /// Notes how an operator ended that is not asked again: one short of its target leaves an event.
+  void end(OperatorEnd end) noexcept;
   /// What the operator is told next.
   ToolFeedback feedback() const noexcept;
   /// In the order in which they began. The last kMaxEvents are kept room for; further ones are counted, not kept.
@@ -91,6 +97,7 @@ class DrillSession {
  private:
   struct Tracking;
 
+  Pose bent(const Pose& commanded, double dt_s) noexcept;
   void place(const Pose& pose, const ToolInput& input) noexcept;
 
   DrillPath path_;

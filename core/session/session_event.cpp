@@ -34,6 +34,10 @@ std::string_view name_of(EventKind kind) {
       return "touch";
     case EventKind::heat_limit:
       return "heat limit";
+    case EventKind::gave_up:
+      return "gave up";
+    case EventKind::stall:
+      return "stall";
   }
   return "";
 }

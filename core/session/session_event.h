@@ -24,6 +24,8 @@ enum class EventKind : std::uint8_t {
       11,            ///< the bit cuts beyond the point volume's cylinder; value: how far at most until it is back, mm
   record_lost = 12,  ///< the record cannot be written any more; value: cycles not recorded
   touch = 13,        ///< the bit is pressed on bone with the spindle off; value: max contact force until it is free, N
+  gave_up = 14,      ///< the operator ended short of its target, unasked; value: how far short, mm
+  stall = 15,        ///< a compliant tool's motor stands; value: the torque that held it, N·mm
   heat_limit = 16    ///< bone beside the hole is hotter than the limit; value: how hot at most until it is cooler, °C
 };
 /// "contact", "state", "outer breach", ...

@@ -363,4 +363,43 @@ Clearance ClearanceField::of(const PlateBox& plate, const Pose& pose) const noex
   });
 }
 
+TipPlace ClearanceField::tip_at(const Pose& pose) const noexcept {
+  constexpr double kStepMm = 0.25;  // the lattice's distances are no surer over less
+  const WallLattice& distances = lattice_->distances;
+  TipPlace place;
+  if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return place;
+  const Pose from = distances.frame().to_path(pose);
+  place.inside_mm = distances.inside_mm(from.tip_mm);
+  if (!(place.inside_mm > 0.0)) {
+    place.ahead_mm = 0.0;
+    return place;
+  }
+  // A place of bone has bone all around as far as its distance.
+  double before_mm = 0.0, before_inside_mm = place.inside_mm;
+  while (std::isfinite(before_inside_mm) && before_mm < kAheadMm) {
+    const double ahead_mm = before_mm + std::max(kStepMm, before_inside_mm);
+    const double inside_mm = distances.inside_mm(from.tip_mm + ahead_mm * from.axis);
+    if (inside_mm <= 0.0) {
+      place.ahead_mm = before_mm + (ahead_mm - before_mm) * before_inside_mm / (before_inside_mm - inside_mm);
+      return place;
+    }
+    before_mm = ahead_mm;
+    before_inside_mm = inside_mm;
+  }
+  return place;
+}
+
+Vec3 ClearanceField::into_bone_at(const Vec3& p_mm) const noexcept {
+  const WallLattice& distances = lattice_->distances;
+  const Vec3 p_path = distances.frame().to_path(Pose{p_mm, Vec3::UnitZ()}).tip_mm;
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 step = kSpacingMm * Vec3::Unit(axis);
+    slope[axis] = distances.inside_mm(p_path + step) - distances.inside_mm(p_path - step);
+  }
+  const double length = slope.norm();
+  if (!(length > 0.0) || !std::isfinite(length)) return Vec3::Zero();
+  return distances.frame().to_patient(Pose{Vec3::Zero(), slope / length}).axis;
+}
+
 }  // namespace spinaltap

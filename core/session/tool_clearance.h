@@ -21,6 +21,14 @@ struct Clearance {
   Vec3 canal_at_mm = Vec3::Zero();
 };
 
+/// Where a tool's tip is in the bone.
+struct TipPlace {
+  double inside_mm = std::numeric_limits<double>::infinity();  ///< to the bone's surface, in it; negative: beyond it
+  /// How far the bone goes on along the axis: to the far surface, or into the canal. Infinite where that is further
+  /// than ClearanceField::kAheadMm or not known, 0 outside the bone.
+  double ahead_mm = std::numeric_limits<double>::infinity();
+};
+
 /// The walls' distances around a path, kept so that a cycle finds a bit's clearance within microseconds. What a hole's
 /// entry opening breaks is meant to be broken: there the outer surface does not count (docs/grading.md's rule). Safe to
 /// ask from many threads.
@@ -54,6 +62,12 @@ class ClearanceField {
   Clearance of(const BitProfile& bit, const Pose& pose) const noexcept;
   /// Of a plate at a sound pose, to 0.1 mm.
   Clearance of(const PlateBox& plate, const Pose& pose) const noexcept;
+
+  /// Of a tip at a pose (patient LPS), to 0.1 mm; infinite out of the lattice. Allocates and locks nothing.
+  TipPlace tip_at(const Pose& pose) const noexcept;
+  /// The way into bone across its surface at a place (patient LPS), unit; zero where that is not known.
+  Vec3 into_bone_at(const Vec3& p_mm) const noexcept;
+  static constexpr double kAheadMm = 12.0;
 
   /// Depth from which on the outer surface counts, along the path, mm.
   double entry_end_mm() const { return entry_end_mm_; }

@@ -256,6 +256,35 @@ TEST_F(Drill, TakesEveryOperator) {
   EXPECT_EQ(read_json(folder_->path() / "out.json")["max_thrust_n"], by_step["max_thrust_n"]);
 }
 
+TEST_F(Drill, PushesToItsTargetOrSaysWhyNot) {
+  const auto pushed = [&](const std::string& options) {
+    return test::run_program(
+        "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --force --json out.json "
+        "--operator push " +
+            options,
+        folder_->path());
+  };
+  const test::ProgramRun weak = pushed("--push 0.2 --max-push 0.3");
+  EXPECT_EQ(weak.exit_code, 1) << weak.errors;
+  EXPECT_NE(weak.output.find("gave up"), std::string::npos);
+  const Json figures = read_json(folder_->path() / "out.json");
+  EXPECT_EQ(figures["operator_end"], "stood still");
+  EXPECT_EQ(figures["events"].back()["event"], "gave up");
+  EXPECT_GT(figures["events"].back()["value"].get<double>(), 1.0) << "how far short";
+  EXPECT_EQ(pushed("--push 40").exit_code, 0);
+  EXPECT_EQ(read_json(folder_->path() / "out.json")["operator_end"], "as planned");
+  EXPECT_EQ(test::run_program("drill bone.vdb plan.json --max-push 50 -o out2", folder_->path()).exit_code, 2);
+}
+
+TEST_F(Drill, BendsACompliantBit) {
+  EXPECT_EQ(drill("")["max_off_mm"], 0.0);
+  // Off the path the hole's wall pushes on one side alone.
+  const Json bent = drill("--compliant --operator tilted --free-length 60");
+  EXPECT_GT(bent["max_off_mm"].get<double>(), 0.0);
+  EXPECT_LT(bent["max_off_mm"].get<double>(), 5.0);
+  EXPECT_EQ(test::run_program("drill bone.vdb plan.json --stall-torque 50 -o out2", folder_->path()).exit_code, 2);
+}
+
 TEST_F(Drill, FollowsPosesFromAFile) {
   const DrillPath drilled = path({});
   const Vec3 axis = drilled.direction();

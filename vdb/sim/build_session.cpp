@@ -49,6 +49,7 @@ BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setu
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options) {
   ToolInput input = cycle.input;
   input.spindle_on = input.spindle_on && options.spindle.rpm > 0.0;
+  if (options.compliance.is_on) input.pose = cycle.pose;
   return input;
 }
 

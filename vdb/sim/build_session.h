@@ -29,7 +29,7 @@ BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setu
 /// Their fingerprints. Throws Error where there is none, or one is there twice.
 void name_bones(SessionSetup& setup, std::span<const Bone> bones);
 
-/// What a cycle's input took: with the spindle off at no speed, as a session has it.
+/// What a cycle's input took: with the spindle off at no speed, as a session has it, and where a compliant tool was.
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options);
 /// The hole that a session's inputs made.
 DrilledHole hole_of(std::span<const ToolInput> inputs, const SessionSetup& setup);

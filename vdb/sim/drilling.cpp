@@ -121,6 +121,8 @@ class Watch {
     drilling_.min_clearance_canal_mm = std::fmin(drilling_.min_clearance_canal_mm, cycle.clearance.canal_mm);
     drilling_.max_thrust_n = std::max(drilling_.max_thrust_n, cycle.force.thrust_n);
     drilling_.max_torque_n_mm = std::max(drilling_.max_torque_n_mm, cycle.force.torque_n_mm);
+    const double off_mm = (cycle.pose.tip_mm - cycle.input.pose.tip_mm).norm();
+    if (session_.options().compliance.is_on && off_mm > drilling_.max_off_mm) drilling_.max_off_mm = off_mm;
     drilling_.max_contact_n = std::max(drilling_.max_contact_n, cycle.force.contact_n.norm());
     if (cycle.step.removed > 0 && std::isnan(drilling_.entry_depth_mm)) drilling_.entry_depth_mm = cycle.depth_mm;
     if (options_.record != nullptr) record(cycle, is_paced);
@@ -182,6 +184,7 @@ Drilling drill_bone(std::span<const Bone> bones, const SessionSetup& setup, Oper
   }
 
   drilling.is_stopped = session.is_stopped();
+  drilling.operator_end = tool_operator.end();
   drilling.events.assign(session.events().begin(), session.events().end());
   drilling.events_lost = session.events_lost();
   drilling.rows = log.finish();

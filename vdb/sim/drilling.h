@@ -41,12 +41,14 @@ struct Drilling {
   double deepest_mm = 0.0;          ///< of the tip beyond the entry
   double max_thrust_n = 0.0;        ///< of a cycle, as are torque and contact force
   double max_torque_n_mm = 0.0;
+  double max_off_mm = 0.0;              ///< of a compliant tool's tip off the commanded one
   double max_contact_n = 0.0;           ///< of touching with the spindle off
   double min_clearance_outer_mm = 0.0;  ///< min clearances; infinite where there is no wall near
   double min_clearance_canal_mm = 0.0;
   CycleHeat heat;                    ///< of the last cycle
   std::vector<HeatStep> heat_steps;  ///< of every cycle, where the setup has heat: for solve_heat()
   bool is_stopped = false;           ///< a rule asked to
+  OperatorEnd operator_end = OperatorEnd::as_planned;
   std::vector<SessionEvent> events;
   std::size_t events_lost = 0;
   std::optional<RealTimeReport> real_time;

@@ -97,12 +97,25 @@ Json json_of(const SessionOptions& options) {
             {"stop", stop},
             {"states",
              {{"contact_g_cm3", options.states.contact_g_cm3},
+              {"cancellous_g_cm3", options.states.cancellous_g_cm3},
               {"cortical_g_cm3", options.states.cortical_g_cm3},
-              {"rising_g_cm3", options.states.rising_g_cm3},
-              {"hold_mm", options.states.hold_mm}}},
+              {"near_mm", options.states.near_mm},
+              {"rise", options.states.rise},
+              {"hold_mm", options.states.hold_mm},
+              {"no_cortex_mm", options.states.no_cortex_mm}}},
             {"max_jump_mm", options.max_jump_mm}};
   if (!options.follows_path) json["follows_path"] = false;
   if (options.heat) json["heat"] = json_of(*options.heat);
+  if (options.compliance.is_on) {
+    const ComplianceOptions& of = options.compliance;
+    json["compliance"] = {{"free_length_mm", of.free_length_mm},
+                          {"young_gpa", of.young_gpa},
+                          {"flutes_share", of.flutes_share},
+                          {"friction", of.friction},
+                          {"bite_mm", of.bite_mm},
+                          {"stall_n_mm", of.stall_n_mm},
+                          {"spin_up_s", of.spin_up_s}};
+  }
   return json;
 }
 
@@ -137,9 +150,28 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
   options.stop.clearance_mm = limit(stop, "clearance_mm", -kInfinite);
   options.stop.on_breach = flag(stop, "on_breach", file);
   const JsonObject states = part_of(object, "states", file);
-  options.states = {states.number("contact_g_cm3"), states.number("cortical_g_cm3"), states.number("rising_g_cm3"),
-                    states.number("hold_mm")};
+  options.states.contact_g_cm3 = states.number("contact_g_cm3");
+  options.states.cortical_g_cm3 = states.number("cortical_g_cm3");
+  options.states.hold_mm = states.number("hold_mm");
+  // Records of before knew neither; their states do not come again.
+  if (states.has("near_mm")) {
+    options.states.cancellous_g_cm3 = states.number("cancellous_g_cm3");
+    options.states.near_mm = states.number("near_mm");
+    options.states.rise = states.number("rise");
+    options.states.no_cortex_mm = states.number("no_cortex_mm");
+  }
   options.max_jump_mm = object.number("max_jump_mm");
+  if (object.has("compliance")) {
+    const JsonObject of = part_of(object, "compliance", file);
+    options.compliance = {.is_on = true,
+                          .free_length_mm = of.number("free_length_mm"),
+                          .young_gpa = of.number("young_gpa"),
+                          .flutes_share = of.number("flutes_share"),
+                          .friction = of.number("friction"),
+                          .bite_mm = of.number("bite_mm"),
+                          .stall_n_mm = of.number("stall_n_mm"),
+                          .spin_up_s = of.number("spin_up_s")};
+  }
   if (object.has("follows_path")) options.follows_path = flag(object, "follows_path", file);
   if (object.has("heat")) options.heat = read_heat_part(part_of(object, "heat", file), file);
   return options;

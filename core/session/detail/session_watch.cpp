@@ -124,7 +124,9 @@ void SessionWatch::watch_breaches(const Cycle& cycle, EventLog& log) noexcept {
 void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
   // Where the volume ends there is no bone to be seen, which does not mean that there is none.
   if (!has_contact_ || !(bone_->past_end_mm(pose.tip_mm) < -bone_->widest_spacing_mm())) return;
-  if (cycle.force.tip_density_g_cm3 > 0.0) {
+  // Cancellous bone may be as light as nothing: where the far surface is known, the tip is through when it is there.
+  const bool is_known = has_clearances_ && std::isfinite(cycle.tip.inside_mm);
+  if (cycle.force.tip_density_g_cm3 > 0.0 || (is_known && cycle.tip.inside_mm > 0.0)) {
     tip_is_in_bone_ = true;
     is_in_air_ = false;
     thrust_n_.add(cycle.depth_mm, cycle.force.thrust_n);
@@ -137,8 +139,7 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
     tip_is_in_bone_ = false;
     air_since_mm_ = cycle.depth_mm;
   }
-  // Cancellous bone may be as light as nothing; a tip that has come through is beyond a wall as well.
-  if (has_clearances_ && !outer_.is_over() && !canal_.is_over()) return;
+  if (has_clearances_ && !is_known && !outer_.is_over() && !canal_.is_over()) return;
   if (cycle.depth_mm - air_since_mm_ < options_.states.hold_mm - 1e-9) return;
   is_in_air_ = false;
   if (!options_.follows_path) return;

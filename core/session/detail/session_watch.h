@@ -99,6 +99,10 @@ class SessionWatch {
   void update(const Cycle& cycle, const Pose& pose, double state_begin_mm, bool is_cutting, EventLog& log) noexcept;
   /// After a cycle whose pose made no sense. A row of them is one event.
   void reject(const Cycle& cycle, EventLog& log) noexcept;
+  /// Before the update of a cycle in which the motor came to stand.
+  static void stall(const Cycle& cycle, const Pose& pose, double torque_n_mm, EventLog& log) noexcept {
+    log.add(event_of(cycle, EventKind::stall, pose.tip_mm, torque_n_mm));
+  }
   /// Before the update of a cycle whose way is not cut.
   void jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept;
 

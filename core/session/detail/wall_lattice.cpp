@@ -79,11 +79,10 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
   });
 }
 
-double WallLattice::distance_mm(const Vec3& p_path, WallKind wall) const noexcept {
-  constexpr double kNoDistance = std::numeric_limits<double>::infinity();
+bool WallLattice::node_at(const Vec3& p_path, Node& node) const noexcept {
   const Eigen::Array3d at = (p_path - low_mm_).array() * per_mm_;
   // Also what is not a number has no distance.
-  if (!((at >= 0.0) && (at < (count_ - 1).cast<double>())).all()) return kNoDistance;
+  if (!((at >= 0.0) && (at < (count_ - 1).cast<double>())).all()) return false;
   const Eigen::Array3i cell = at.cast<int>();
   const Eigen::Array3f share = (at - cell.cast<double>()).cast<float>();
   const auto across = static_cast<std::size_t>(count_.z());
@@ -95,15 +94,28 @@ double WallLattice::distance_mm(const Vec3& p_path, WallKind wall) const noexcep
   const Node* const c01 = c00 + across;
   const Node* const c10 = c00 + across * static_cast<std::size_t>(count_.y());
   const Node* const c11 = c10 + across;
-  const auto along_z = [&](const Node* node) -> Node { return node[0] + share.z() * (node[1] - node[0]); };
+  const auto along_z = [&](const Node* of) -> Node { return of[0] + share.z() * (of[1] - of[0]); };
   const Node low = along_z(c00) + share.y() * (along_z(c01) - along_z(c00));
   const Node high = along_z(c10) + share.y() * (along_z(c11) - along_z(c10));
-  const Node value = low + share.x() * (high - low);
+  node = low + share.x() * (high - low);
+  return true;
+}
+
+double WallLattice::distance_mm(const Vec3& p_path, WallKind wall) const noexcept {
+  constexpr double kNoDistance = std::numeric_limits<double>::infinity();
+  Node value;
+  if (!node_at(p_path, value)) return kNoDistance;
   // The nearer wall is the bone's surface; the other one is ahead, wherever the place is.
   const bool is_canal_nearer = value[2] < value[1];
   const bool is_nearer = is_canal_nearer == (wall == WallKind::canal);
   const float distance_mm = is_nearer ? value[0] : value[wall == WallKind::canal ? 2 : 1];
   return distance_mm < kFarthestMm ? static_cast<double>(distance_mm) : kNoDistance;
+}
+
+double WallLattice::inside_mm(const Vec3& p_path) const noexcept {
+  Node value;
+  if (!node_at(p_path, value) || !(value[0] < kFarthestMm)) return std::numeric_limits<double>::infinity();
+  return static_cast<double>(value[0]);
 }
 
 }  // namespace spinaltap

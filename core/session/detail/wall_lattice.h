@@ -34,6 +34,9 @@ class WallLattice {
   /// there is no such wall.
   double distance_mm(const Vec3& p_path, WallKind wall) const noexcept;
 
+  /// To the bone's surface, mm: positive in the bone. Infinite outside the lattice.
+  double inside_mm(const Vec3& p_path) const noexcept;
+
   /// How far a place lies outside the lattice, at least; 0 within it, where what is infinite has no such wall.
   double outside_mm(const Vec3& p_path) const noexcept {
     const Vec3 high_mm = low_mm_ + (count_ - 1).cast<double>().matrix() / per_mm_;
@@ -45,6 +48,9 @@ class WallLattice {
  private:
   /// To the bone's surface (positive in it), to the outer wall and to the canal's (never negative), mm; 0.
   using Node = Eigen::Array4f;
+
+  /// Tri-linear; nothing outside the lattice.
+  bool node_at(const Vec3& p_path, Node& node) const noexcept;
 
   PathFrame frame_;
   double per_mm_;                                  ///< nodes

@@ -23,46 +23,72 @@ struct ForceControlOptions {
   /// experienced, 7.6 mm the others (Alajmo et al., J Orthop Trauma 2012).
   double damping_n_s_mm = 2.0;
   double reaction_s = 0.2;     ///< from what is felt or heard to letting go
-  double noticed_share = 0.2;  ///< of the push: a counterforce below it for reaction_s is a breakthrough; 0: never
-  double tremor_mm = 0.0;      ///< Tremor's amplitude
-  std::uint64_t seed = 1;      ///< of the tremor
-  double longest_s = 120.0;    ///< gives up then
+  double noticed_share = 0.2;  ///< a counterforce that drops below so much of what it was is noticed; 0: never
+  /// Where the bit stands the push is raised, to this at most: what a person who leans on a drill with both arms comes
+  /// to. Where it is less than push_n, not at all.
+  double max_push_n = 200.0;
+  double raise_n_s = 30.0;  ///< how fast
+  double rock_deg = 1.0;    ///< the handle is rocked by so much about the entry, as long as the bit stands
+  /// Feed to which it holds back once it has let go of a push and a probe has felt bone still: it is through the
+  /// entry's cortex, and knows how soft what follows is.
+  double careful_mm_s = 2.0;
+  double stands_s = 5.0;     ///< gives up where the bit stands for so long under all of its push
+  double tremor_mm = 0.0;    ///< Tremor's amplitude
+  std::uint64_t seed = 1;    ///< of the tremor
+  double longest_s = 120.0;  ///< gives up then
 };
 
 /// An operator that pushes along a line, so that feed follows from the bone: m dv/dt = F - T(v) - c v, with the thrust
 /// T that the bone asks of a feed (FeedResistance), by the implicit Euler method. It approaches until it feels bone,
-/// pushes, and lets go at the target, when the session asks to stop or when it notices a breakthrough, the latter two
-/// after its reaction time. Then it stands a while and ends. Where the bone stops resisting it plunges.
+/// and pushes; where the bit stands it rocks the handle and pushes harder. It lets go at the target, when the session
+/// asks to stop, and when the bone gives way: the latter two after its reaction time, in which the bit plunges. Once it
+/// stands it probes the hole: with bone at its end it goes on, carefully; without, it was the far side.
+/// docs/sessions.md has the rules.
 class ForceControlled final : public Operator {
  public:
   /// Throws Error on values that are not numbers or out of range.
   ForceControlled(const DrillPath& path, const ForceControlOptions& options);
 
   std::optional<ToolInput> next(const ToolFeedback& feedback) override;
+  OperatorEnd end() const override { return end_; }
 
   /// Along the line, but for the tremor: depth beyond the entry (mm), and feed (mm/s).
   double depth_mm() const { return depth_mm_; }
   double feed_mm_s() const { return feed_mm_s_; }
+  /// What it pushes with, N.
+  double push_n() const { return push_n_; }
 
  private:
-  enum class Phase { approach, push, let_go };
+  enum class Phase : std::uint8_t { approach, push, let_go };
 
   void feel(const ToolFeedback& feedback) noexcept;
+  bool gives_way() noexcept;
+  void lean() noexcept;
   void move(const FeedResistance& bone) noexcept;
+  bool is_over(const ToolFeedback& feedback) noexcept;
+  Pose pose(double time_s) const;
 
   GuidedBit bit_;
   Tremor tremor_;
   ForceControlOptions options_;
   double dt_s_;
   Phase phase_ = Phase::approach;
+  OperatorEnd end_ = OperatorEnd::as_planned;
   std::uint64_t cycle_ = 0;
   double depth_mm_;
   double feed_mm_s_ = 0.0;
+  double push_n_;  ///< but for the ramp
+  bool is_careful_ = false;
   double pushed_s_ = 0.0;        ///< since contact
   double counterforce_n_ = 0.0;  ///< of the last cycle
+  double felt_n_ = 0.0;          ///< the largest counterforce of a while, which fades
   double loose_s_ = 0.0;         ///< for so long it has been small
   double stop_s_ = 0.0;          ///< for so long the session has asked to stop
-  double still_s_ = 0.0;         ///< since it stands
+  double still_s_ = 0.0;         ///< since it stands, having let go
+  double stands_s_ = 0.0;        ///< since the bone holds its push
+  double rock_ = 0.0;            ///< share of rock_deg
+  double rocked_s_ = 0.0;
+  bool has_noticed_ = false;  ///< that the bone gave way
 };
 
 }  // namespace spinaltap

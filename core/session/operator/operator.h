@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "core/force/drill_forces.h"
 
@@ -19,7 +21,19 @@ struct ToolFeedback {
   double time_s = 0.0;
   DrillForce force = {};
   bool stop = false;  ///< the session asks to stop drilling: an operator that pushes lets go, others end
+  /// What a ball-tip probe would feel at the end of the hole: bone; false where the tip has come through.
+  bool has_floor = true;
 };
+
+/// How an operator came to its end.
+enum class OperatorEnd : std::uint8_t {
+  as_planned,     ///< at its target, through all of its poses, or the session asked it to stop
+  broke_through,  ///< it felt a breakthrough, and a probe felt no bone
+  stood_still,    ///< the bone held all of its push
+  ran_out_of_time
+};
+/// "as planned", "broke through", "stood still", "ran out of time".
+std::string_view name_of(OperatorEnd end);
 
 /// An operator that holds the bit: a planned motion, recorded poses, a device, a model of a surgeon. Asked once a
 /// cycle, in order, from one thread. The same feedback brings the same poses.
@@ -34,6 +48,8 @@ class Operator {
   virtual std::optional<ToolInput> next(const ToolFeedback& feedback) = 0;
   /// How many inputs there will be, for progress; 0: not known.
   virtual std::size_t count() const { return 0; }
+  /// Once it has ended.
+  virtual OperatorEnd end() const { return OperatorEnd::as_planned; }
 };
 
 }  // namespace spinaltap

@@ -222,6 +222,7 @@ RealTimeReport RealTimeRun::run(const Progress& progress) {
                                    [&] { progress.report("drilling in real time", share_done()); });
   report_.has_priority = rights.has_priority;
   report_.has_locked_memory = rights.has_locked_memory;
+  session_.end(operator_.end());
   report_.warnings = std::move(rights.warnings);
   return std::move(report_);
 }

@@ -15,15 +15,19 @@ namespace {
 
 using Begin = std::pair<DrillState, double>;
 
-/// Goes to `to_mm` in steps of `step_mm` through densities by depth; the states and where they began.
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Goes to `to_mm` in steps of `step_mm` through densities by depth; the states and where they began. `end_mm`: where
+/// the bone ends, if that is known.
 std::vector<Begin> states_along(const std::function<double(double)>& density_g_cm3, double to_mm = 20.0,
-                                double step_mm = 0.01, const StateRules& rules = {}) {
+                                double step_mm = 0.01, const StateRules& rules = {}, double end_mm = kNan) {
   StateRecogniser recogniser(rules);
   std::vector<Begin> begins;
   DrillState state = recogniser.state();
   for (int n = 0; n * step_mm <= to_mm; ++n) {
     const double depth_mm = -2.0 + n * step_mm;
-    if (recogniser.update(depth_mm, density_g_cm3(depth_mm)) == state) continue;
+    const TipMeets tip{depth_mm, density_g_cm3(depth_mm), end_mm - depth_mm};
+    if (recogniser.update(tip) == state) continue;
     state = recogniser.state();
     begins.emplace_back(state, recogniser.begin_mm());
   }
@@ -47,11 +51,12 @@ double pedicle(double depth_mm) {
 }
 
 TEST(StateRecogniser, TellsTheFiveStatesOfAPedicle) {
-  // The rise passes 0.45 g/cm3 at 10.068 mm and 0.65 at 10.159 mm.
+  // Without a surface the entry's cortex, of 1.4 g/cm3, says what cortex is. The rise passes the middle between it and
+  // cancellous bone, 0.85, at 10.25 mm, and half of that way at 10.125 mm.
   expect_begins(states_along(pedicle), {{DrillState::outer_cortical, 0.0},
                                         {DrillState::cancellous, 1.0},
-                                        {DrillState::transitional, 10.068},
-                                        {DrillState::inner_cortical, 10.159}});
+                                        {DrillState::transitional, 10.125},
+                                        {DrillState::inner_cortical, 10.25}});
 }
 
 TEST(StateRecogniser, SaysWhereAStateBeganWhateverTheSteps) {
@@ -59,21 +64,56 @@ TEST(StateRecogniser, SaysWhereAStateBeganWhateverTheSteps) {
     const std::vector<Begin> begins = states_along(pedicle, 15.0, step_mm);
     ASSERT_EQ(begins.size(), 4U) << step_mm;
     EXPECT_NEAR(begins[1].second, 1.0, step_mm + 1e-6);
-    EXPECT_NEAR(begins[3].second, 10.159, step_mm + 1e-6);
+    EXPECT_NEAR(begins[3].second, 10.25, step_mm + 1e-6);
   }
 }
 
 TEST(StateRecogniser, TakesAStrutForNoCortex) {
   const auto with_strut = [](double depth_mm) {
     if (depth_mm > 4.0 && depth_mm < 4.05) return 1.2;  // thinner than hold_mm
-    return depth_mm > 6.0 && depth_mm < 6.4 ? 0.5 : pedicle(depth_mm);
+    return depth_mm > 6.0 && depth_mm < 6.4 ? 0.7 : pedicle(depth_mm);
   };
-  expect_begins(states_along(with_strut), {{DrillState::outer_cortical, 0.0},
-                                           {DrillState::cancellous, 1.0},
-                                           {DrillState::transitional, 6.0},
-                                           {DrillState::cancellous, 6.4},
-                                           {DrillState::transitional, 10.068},
-                                           {DrillState::inner_cortical, 10.159}});
+  expect_begins(states_along(with_strut),
+                {{DrillState::outer_cortical, 0.0},
+                 {DrillState::cancellous, 1.0},
+                 {DrillState::transitional, 6.0},
+                 {DrillState::cancellous, 6.4},
+                 {DrillState::transitional, 10.13},
+                 {DrillState::inner_cortical, 10.26}},
+                0.02);  // the strut is cancellous bone, and raises its mean
+}
+
+TEST(StateRecogniser, TakesNothingForTheFarCortexThatIsFarFromTheFarSide) {
+  // A pedicle as dense as cortex for 4 mm; and bone that goes on behind it.
+  const auto narrow = [](double depth_mm) { return depth_mm > 4.0 && depth_mm < 8.0 ? 1.2 : pedicle(depth_mm); };
+  EXPECT_EQ(states_along(narrow).back().first, DrillState::inner_cortical);
+  expect_begins(states_along(narrow, 9.0, 0.01, {}, 40.0),
+                {{DrillState::outer_cortical, 0.0}, {DrillState::cancellous, 1.0}});
+}
+
+TEST(StateRecogniser, MeasuresTheFarCortexByItsOwnDensity) {
+  // An old woman's: 0.8 g/cm3 at the entry, marrow as light as nothing, a far cortex blurred to 0.3 over 1.5 mm.
+  const auto soft = [](double depth_mm) {
+    if (depth_mm < 0.0 || depth_mm > 20.0) return 0.0;
+    if (depth_mm < 1.5) return 0.8;
+    return depth_mm < 18.5 ? 0.02 : std::min(0.3, 0.02 + (depth_mm - 18.5) / 1.0 * 0.28);
+  };
+  // Half way from 0.02 to 0.3 is passed at 19 mm.
+  const std::vector<Begin> begins = states_along(soft, 25.0, 0.01, {}, 20.0);
+  ASSERT_GE(begins.size(), 3U);
+  EXPECT_NEAR(begins[1].second, 1.5, 0.011);
+  EXPECT_EQ(begins.back().first, DrillState::inner_cortical);
+  EXPECT_NEAR(begins.back().second, 19.0, 0.05);
+  // By the entry's cortex it has none.
+  EXPECT_EQ(states_along(soft, 25.0).back().first, DrillState::cancellous);
+}
+
+TEST(StateRecogniser, TellsNoFarCortexWhereThereIsNone) {
+  const auto even = [](double depth_mm) {
+    return depth_mm < 0.0 || depth_mm > 12.0 ? 0.0 : depth_mm < 1.0 ? 1.2 : 0.2;
+  };
+  expect_begins(states_along(even, 15.0, 0.01, {}, 12.0),
+                {{DrillState::outer_cortical, 0.0}, {DrillState::cancellous, 1.0}});
 }
 
 TEST(StateRecogniser, WaitsForTheCortexUnderABlurredSurface) {
@@ -97,10 +137,10 @@ TEST(StateRecogniser, GoesOnWithoutACortexAtTheEntry) {
 
 TEST(StateRecogniser, LearnsNothingOnTheWayBackAndInTheHole) {
   StateRecogniser recogniser;
-  for (int n = 0; n <= 500; ++n) recogniser.update(0.01 * n, pedicle(0.01 * n));
+  for (int n = 0; n <= 500; ++n) recogniser.update({0.01 * n, pedicle(0.01 * n)});
   EXPECT_EQ(recogniser.state(), DrillState::cancellous);
-  for (int n = 500; n >= 0; --n) recogniser.update(0.01 * n, 1.4);
-  for (int n = 0; n <= 500; ++n) recogniser.update(0.01 * n, 1.4);
+  for (int n = 500; n >= 0; --n) recogniser.update({0.01 * n, 1.4});
+  for (int n = 0; n <= 500; ++n) recogniser.update({0.01 * n, 1.4});
   EXPECT_EQ(recogniser.state(), DrillState::cancellous);
   EXPECT_NEAR(recogniser.begin_mm(), 1.0, 0.011);
 }
@@ -108,18 +148,19 @@ TEST(StateRecogniser, LearnsNothingOnTheWayBackAndInTheHole) {
 TEST(StateRecogniser, TakesDensitiesThatAreNoNumberForNone) {
   StateRecogniser recogniser;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (int n = 0; n < 100; ++n) recogniser.update(0.01 * n, nan);
+  for (int n = 0; n < 100; ++n) recogniser.update({0.01 * n, nan});
   EXPECT_EQ(recogniser.state(), DrillState::initial);
-  recogniser.update(nan, 1.4);
+  recogniser.update({nan, 1.4});
   EXPECT_EQ(recogniser.state(), DrillState::initial);
 }
 
 TEST(StateRecogniser, RejectsRulesWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const StateRules& rules :
-       {StateRules{.contact_g_cm3 = 0.0}, StateRules{.contact_g_cm3 = 0.5}, StateRules{.cortical_g_cm3 = 0.4},
-        StateRules{.cortical_g_cm3 = nan}, StateRules{.rising_g_cm3 = nan}, StateRules{.hold_mm = -0.1},
-        StateRules{.hold_mm = nan}, StateRules{.no_cortex_mm = nan}}) {
+       {StateRules{.contact_g_cm3 = 0.0}, StateRules{.contact_g_cm3 = 0.5}, StateRules{.cortical_g_cm3 = 0.1},
+        StateRules{.cortical_g_cm3 = nan}, StateRules{.cancellous_g_cm3 = nan}, StateRules{.hold_mm = -0.1},
+        StateRules{.hold_mm = nan}, StateRules{.no_cortex_mm = nan}, StateRules{.near_mm = nan},
+        StateRules{.rise = 0.9}}) {
     EXPECT_THROW(StateRecogniser{rules}, Error);
   }
 }

@@ -78,7 +78,7 @@ TEST(ForceControlled, DoesSoInASession) {
 TEST(ForceControlled, StandsWhereTheChiselEdgeHoldsIt) {
   FeedResistance bone = resistance_of_block(twist_drill(3.0, 60.0, 118.0, 0.48), {}, 1200.0);
   ASSERT_GT(bone.chisel_n, 20.0);
-  ForceControlled weak(slab_path(), {.push_n = 0.9 * bone.chisel_n});
+  ForceControlled weak(slab_path(), {.push_n = 0.9 * bone.chisel_n, .max_push_n = 0.0});
   ask(weak, 500, bone);
   const double stands_mm = weak.depth_mm();
   ask(weak, 2'000, bone);
