@@ -41,6 +41,26 @@ bool is_sound_time(double dt_s) noexcept {
   return dt_s > 0.0 && dt_s < kLongestS;
 }
 
+/// The rules with the cancellous density of the bone that a path is planned through, which whoever drills has seen in
+/// its CT: the median 5 mm from both ends. As they are where there is not enough of it.
+StateRules rules_for(const DrillPath& path, const LivingBone& bone, StateRules rules) {
+  constexpr double kStepMm = 0.25, kFromEndsMm = 5.0;
+  constexpr auto kEnough = static_cast<std::size_t>(5.0 / kStepMm);
+  const auto at_ends = static_cast<std::size_t>(kFromEndsMm / kStepMm);
+  const PathCurve curve(path);
+  std::vector<double> density_g_cm3;
+  for (double along_mm = kFromEndsMm; along_mm < curve.length_mm(); along_mm += kStepMm) {
+    const LivingBone::Bone* const at = bone.living_at(bone.frame().to_path(curve.pose_at(along_mm)).tip_mm);
+    if (at != nullptr) density_g_cm3.push_back(at->density_g_cm3);
+  }
+  if (density_g_cm3.size() < kEnough + at_ends) return rules;
+  density_g_cm3.resize(density_g_cm3.size() - at_ends);
+  const auto middle = density_g_cm3.begin() + static_cast<std::ptrdiff_t>(density_g_cm3.size() / 2);
+  std::nth_element(density_g_cm3.begin(), middle, density_g_cm3.end());
+  rules.cancellous_g_cm3 = std::clamp(*middle, rules.contact_g_cm3, rules.cortical_g_cm3);
+  return rules;
+}
+
 std::unique_ptr<const LivingBone> checked(std::unique_ptr<const LivingBone> bone) {
   if (!bone) fail("session: expected a bone to drill, found none");
   return bone;
@@ -103,6 +123,7 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
       states_(options.states) {
   check_path(path);
   check_session_options(options);
+  if (options.follows_path) states_ = StateRecogniser(rules_for(path, *bone_, options.states));
   if (bone_->alive_count() == 0) {
     fail("path ", in_quotes(path.name),
          ": expected bone around it, found none: it misses the bone, or all is drilled away");

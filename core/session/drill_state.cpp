@@ -25,8 +25,8 @@ std::string_view name_of(DrillState state) {
 
 void check_state_rules(const StateRules& rules) {
   constexpr double kDensestGCm3 = 3.0;  // teeth
-  if (!(rules.contact_g_cm3 > 0.0 && rules.contact_g_cm3 < rules.cancellous_g_cm3 &&
-        rules.cancellous_g_cm3 < rules.cortical_g_cm3 && rules.cortical_g_cm3 <= kDensestGCm3)) {
+  if (!(rules.contact_g_cm3 > 0.0 && rules.contact_g_cm3 <= rules.cancellous_g_cm3 &&
+        rules.cancellous_g_cm3 <= rules.cortical_g_cm3 && rules.cortical_g_cm3 <= kDensestGCm3)) {
     fail("states: expected densities of contact, cancellous and cortical bone that rise between 0 and ", kDensestGCm3,
          " g/cm3, found ", rules.contact_g_cm3, ", ", rules.cancellous_g_cm3, " and ", rules.cortical_g_cm3);
   }
@@ -88,11 +88,15 @@ bool StateRecogniser::enter(DrillState next, double since_mm, double hold_mm) no
 void StateRecogniser::leave_entry(const TipMeets& tip) noexcept {
   entry_cortex_g_cm3_ = std::max(entry_cortex_g_cm3_, tip.density_g_cm3);
   const double level_g_cm3 = 0.5 * (entry_cortex_g_cm3_ + rules_.cancellous_g_cm3);
-  const bool has_cortex = entry_cortex_g_cm3_ >= rules_.rise * rules_.cancellous_g_cm3;
+  constexpr double kCortexOverCancellous = 2.0;  // of entries, where bone is thick and dense; 2.5 to 8 in real CTs
+  const bool has_cortex = entry_cortex_g_cm3_ >= kCortexOverCancellous * rules_.cancellous_g_cm3;
   below_.update(tip.depth_mm, !has_cortex || tip.density_g_cm3 < level_g_cm3);
   // At the surface CT numbers rise over the width of the CT's blur: bone does not begin as cortex at once.
   const double since_mm = std::max(below_.since_mm, begin_mm_);
-  if (below_.is_on) enter(DrillState::cancellous, since_mm, has_cortex ? rules_.hold_mm : rules_.no_cortex_mm);
+  if (!below_.is_on) return;
+  if (!enter(DrillState::cancellous, since_mm, has_cortex ? rules_.hold_mm : rules_.no_cortex_mm)) return;
+  // What is left of the entry's cortex is dense as well, but not rising.
+  rising_ = cortical_ = {true, begin_mm_};
 }
 
 void StateRecogniser::learn_cancellous(const TipMeets& tip, double way_mm) noexcept {
@@ -105,15 +109,14 @@ void StateRecogniser::learn_cancellous(const TipMeets& tip, double way_mm) noexc
 void StateRecogniser::approach_far_side(const TipMeets& tip) noexcept {
   const bool is_known = !std::isnan(tip.ahead_mm);
   const bool is_near = !is_known || tip.ahead_mm < rules_.near_mm;
-  // Where the surface is not known the entry's cortex says how dense a cortex is.
-  const double least_g_cm3 = is_known
-                                 ? rules_.rise * cancellous_g_cm3_
-                                 : 0.5 * (cancellous_g_cm3_ + std::max(entry_cortex_g_cm3_, rules_.cortical_g_cm3));
+  const double least_g_cm3 = is_known ? rules_.rise * cancellous_g_cm3_ : rules_.cortical_g_cm3;
   far_cortex_g_cm3_ = is_near ? std::max(far_cortex_g_cm3_, tip.density_g_cm3) : 0.0;
   cortical_.update(tip.depth_mm, is_near && tip.density_g_cm3 >= least_g_cm3);
   rising_.update(tip.depth_mm, is_near && tip.density_g_cm3 >= 0.5 * (cancellous_g_cm3_ + least_g_cm3));
   if (!is_known) {
-    if (cortical_.is_on && enter(DrillState::inner_cortical, cortical_.since_mm, rules_.hold_mm)) return;
+    if (cortical_.is_on && cortical_.since_mm > begin_mm_ &&
+        enter(DrillState::inner_cortical, cortical_.since_mm, rules_.hold_mm))
+      return;
   } else if (far_cortex_g_cm3_ >= least_g_cm3) {
     // How dense that cortex is, and that it was no strut, is known where the bone ends.
     constexpr double kEndMm = 0.5;
@@ -123,9 +126,9 @@ void StateRecogniser::approach_far_side(const TipMeets& tip) noexcept {
     }
   }
   if (state_ == DrillState::cancellous) {
-    // What is left of the entry's cortex is dense as well, but not rising.
-    if (rising_.is_on && rising_.since_mm > begin_mm_)
+    if (rising_.is_on && rising_.since_mm > begin_mm_) {
       enter(DrillState::transitional, rising_.since_mm, rules_.hold_mm);
+    }
   } else if (!rising_.is_on) {
     enter(DrillState::cancellous, rising_.since_mm, rules_.hold_mm);
   }

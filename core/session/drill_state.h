@@ -22,8 +22,8 @@ std::string_view name_of(DrillState state);
 /// How states are told apart. docs/sessions.md derives them.
 struct StateRules {
   double contact_g_cm3 = 0.1;     ///< density at the chisel edge: above, it is in bone
-  double cancellous_g_cm3 = 0.2;  ///< of vertebrae's cancellous bone, until this bone's own is known
-  double cortical_g_cm3 = 0.65;   ///< that bone reaches where it is cortex and neither wall's is known
+  double cancellous_g_cm3 = 0.2;  ///< of vertebrae's cancellous bone, where this one's is not known
+  double cortical_g_cm3 = 0.65;   ///< of a far cortex where its surface is not known
   double near_mm = 5.0;           ///< of bone left ahead: within, denser bone is the far cortex
   double rise = 1.25;             ///< times the cancellous bone's density: dense enough to be a cortex
   double hold_mm = 0.1;           ///< a state begins when the tip has gone so far in it

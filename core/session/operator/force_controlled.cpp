@@ -70,18 +70,18 @@ bool ForceControlled::gives_way() noexcept {
   return felt_n_ > kFeltN && counterforce_n_ < options_.noticed_share * felt_n_;
 }
 
-/// Pushes harder, and rocks, where the bit stands.
+/// Pushes harder, and rocks, where the bit stands or crawls.
 void ForceControlled::lean() noexcept {
-  constexpr double kStandsMmS = 0.05;
+  constexpr double kSlowMmS = 0.3;
+  constexpr double kStandsMmS = 0.02;
   constexpr double kNoticedS = 1.0;
   constexpr double kRockRisesS = 0.3;
-  const bool stands = phase_ == Phase::push && pushed_s_ > options_.ramp_s && feed_mm_s_ < kStandsMmS;
+  const bool pushes = phase_ == Phase::push && pushed_s_ > options_.ramp_s;
+  slow_s_ = pushes && feed_mm_s_ < kSlowMmS ? slow_s_ + dt_s_ : 0.0;
+  const bool leans = slow_s_ > kNoticedS;
+  if (leans) push_n_ = std::min(options_.max_push_n, push_n_ + options_.raise_n_s * dt_s_);
+  const bool stands = pushes && feed_mm_s_ < kStandsMmS && push_n_ >= options_.max_push_n;
   stands_s_ = stands ? stands_s_ + dt_s_ : 0.0;
-  const bool leans = stands_s_ > kNoticedS;
-  if (leans && push_n_ < options_.max_push_n) {
-    push_n_ = std::min(options_.max_push_n, push_n_ + options_.raise_n_s * dt_s_);
-    stands_s_ = kNoticedS + dt_s_;  // whether it gives up counts from its last push on
-  }
   rock_ += ((leans ? 1.0 : 0.0) - rock_) * dt_s_ / (kRockRisesS + dt_s_);
   rocked_s_ += dt_s_;
 }
@@ -129,7 +129,7 @@ bool ForceControlled::is_over(const ToolFeedback& feedback) noexcept {
   constexpr double kStandS = 0.3;  // how long it stands until it ends, or goes on
   constexpr double kStillMmS = 0.01;
   if (phase_ == Phase::push) {
-    if (!(stands_s_ > options_.stands_s && push_n_ >= options_.max_push_n)) return false;
+    if (!(stands_s_ > options_.stands_s)) return false;
     end_ = OperatorEnd::stood_still;
     return true;
   }
@@ -145,7 +145,7 @@ bool ForceControlled::is_over(const ToolFeedback& feedback) noexcept {
   is_careful_ = true;
   has_noticed_ = false;
   push_n_ = options_.push_n;
-  pushed_s_ = still_s_ = stands_s_ = loose_s_ = felt_n_ = 0.0;
+  pushed_s_ = still_s_ = slow_s_ = stands_s_ = loose_s_ = felt_n_ = 0.0;
   return false;
 }
 

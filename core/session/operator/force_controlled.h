@@ -24,11 +24,11 @@ struct ForceControlOptions {
   double damping_n_s_mm = 2.0;
   double reaction_s = 0.2;     ///< from what is felt or heard to letting go
   double noticed_share = 0.2;  ///< a counterforce that drops below so much of what it was is noticed; 0: never
-  /// Where the bit stands the push is raised, to this at most: what a person who leans on a drill with both arms comes
-  /// to. Where it is less than push_n, not at all.
+  /// Where the bit stands or crawls the push is raised, to this at most: what a person who leans on a drill with both
+  /// arms comes to. Where it is less than push_n, not at all.
   double max_push_n = 200.0;
   double raise_n_s = 30.0;  ///< how fast
-  double rock_deg = 1.0;    ///< the handle is rocked by so much about the entry, as long as the bit stands
+  double rock_deg = 1.0;    ///< the handle is rocked by so much about the entry meanwhile
   /// Feed to which it holds back once it has let go of a push and a probe has felt bone still: it is through the
   /// entry's cortex, and knows how soft what follows is.
   double careful_mm_s = 2.0;
@@ -40,9 +40,9 @@ struct ForceControlOptions {
 
 /// An operator that pushes along a line, so that feed follows from the bone: m dv/dt = F - T(v) - c v, with the thrust
 /// T that the bone asks of a feed (FeedResistance), by the implicit Euler method. It approaches until it feels bone,
-/// and pushes; where the bit stands it rocks the handle and pushes harder. It lets go at the target, when the session
-/// asks to stop, and when the bone gives way: the latter two after its reaction time, in which the bit plunges. Once it
-/// stands it probes the hole: with bone at its end it goes on, carefully; without, it was the far side.
+/// and pushes; where the bit stands or crawls it rocks the handle and pushes harder. It lets go at the target, when the
+/// session asks to stop, and when the bone gives way: the latter two after its reaction time, in which the bit plunges.
+/// Once it stands it probes the hole: with bone at its end it goes on, carefully; without, it was the far side.
 /// docs/sessions.md has the rules.
 class ForceControlled final : public Operator {
  public:
@@ -85,7 +85,8 @@ class ForceControlled final : public Operator {
   double loose_s_ = 0.0;         ///< for so long it has been small
   double stop_s_ = 0.0;          ///< for so long the session has asked to stop
   double still_s_ = 0.0;         ///< since it stands, having let go
-  double stands_s_ = 0.0;        ///< since the bone holds its push
+  double slow_s_ = 0.0;          ///< since it goes slower than it would
+  double stands_s_ = 0.0;        ///< since the bone holds all of its push
   double rock_ = 0.0;            ///< share of rock_deg
   double rocked_s_ = 0.0;
   bool has_noticed_ = false;  ///< that the bone gave way

@@ -41,7 +41,8 @@ SessionSetup odd_setup() {
   setup.region_mm = Box3(Vec3(0.1, -1.0 / 3.0, 2e-17), Vec3(10.0, 20.0 / 7.0, 31.0));
   setup.options.spindle = {1111.1, false};
   setup.options.stop = {55.5, 0.1, true};
-  setup.options.states = {0.11, 0.66, 0.44, 0.12};
+  setup.options.states = {0.11, 0.22, 0.66, 4.4, 1.3, 0.12, 0.6};
+  setup.options.compliance = {true, 61.0, 190.0, 1.0 / 3.0, 0.2, 0.4, 80.0, 0.05};
   setup.options.max_jump_mm = 49.0;
   setup.options.heat = HeatOptions{.bone = {.cancellous_density_g_cm3 = 0.21,
                                             .cortical_density_g_cm3 = 5.0 / 3.0,

@@ -9,18 +9,17 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "tests/support/nan.h"
 
 namespace spinaltap {
 namespace {
 
 using Begin = std::pair<DrillState, double>;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 /// Goes to `to_mm` in steps of `step_mm` through densities by depth; the states and where they began. `end_mm`: where
 /// the bone ends, if that is known.
 std::vector<Begin> states_along(const std::function<double(double)>& density_g_cm3, double to_mm = 20.0,
-                                double step_mm = 0.01, const StateRules& rules = {}, double end_mm = kNan) {
+                                double step_mm = 0.01, const StateRules& rules = {}, double end_mm = test::kNan) {
   StateRecogniser recogniser(rules);
   std::vector<Begin> begins;
   DrillState state = recogniser.state();
