@@ -50,12 +50,11 @@ double pedicle(double depth_mm) {
 }
 
 TEST(StateRecogniser, TellsTheFiveStatesOfAPedicle) {
-  // Without a surface the entry's cortex, of 1.4 g/cm3, says what cortex is. The rise passes the middle between it and
-  // cancellous bone, 0.85, at 10.25 mm, and half of that way at 10.125 mm.
+  // Without a surface 0.65 g/cm3 is cortex, which the rise passes at 10.159 mm, and half of the way there at 10.08 mm.
   expect_begins(states_along(pedicle), {{DrillState::outer_cortical, 0.0},
                                         {DrillState::cancellous, 1.0},
-                                        {DrillState::transitional, 10.125},
-                                        {DrillState::inner_cortical, 10.25}});
+                                        {DrillState::transitional, 10.08},
+                                        {DrillState::inner_cortical, 10.159}});
 }
 
 TEST(StateRecogniser, SaysWhereAStateBeganWhateverTheSteps) {
@@ -63,22 +62,22 @@ TEST(StateRecogniser, SaysWhereAStateBeganWhateverTheSteps) {
     const std::vector<Begin> begins = states_along(pedicle, 15.0, step_mm);
     ASSERT_EQ(begins.size(), 4U) << step_mm;
     EXPECT_NEAR(begins[1].second, 1.0, step_mm + 1e-6);
-    EXPECT_NEAR(begins[3].second, 10.25, step_mm + 1e-6);
+    EXPECT_NEAR(begins[3].second, 10.159, step_mm + 1e-6);
   }
 }
 
 TEST(StateRecogniser, TakesAStrutForNoCortex) {
   const auto with_strut = [](double depth_mm) {
     if (depth_mm > 4.0 && depth_mm < 4.05) return 1.2;  // thinner than hold_mm
-    return depth_mm > 6.0 && depth_mm < 6.4 ? 0.7 : pedicle(depth_mm);
+    return depth_mm > 6.0 && depth_mm < 6.4 ? 0.6 : pedicle(depth_mm);
   };
   expect_begins(states_along(with_strut),
                 {{DrillState::outer_cortical, 0.0},
                  {DrillState::cancellous, 1.0},
                  {DrillState::transitional, 6.0},
                  {DrillState::cancellous, 6.4},
-                 {DrillState::transitional, 10.13},
-                 {DrillState::inner_cortical, 10.26}},
+                 {DrillState::transitional, 10.08},
+                 {DrillState::inner_cortical, 10.159}},
                 0.02);  // the strut is cancellous bone, and raises its mean
 }
 
