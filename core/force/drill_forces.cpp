@@ -14,6 +14,7 @@
 #include "core/force/detail/hole_behind.h"
 #include "core/force/detail/lattice_section.h"
 #include "core/force/detail/tool_contact.h"
+#include "core/force/detail/wall_support.h"
 #include "core/force/detail/way_average.h"
 #include "core/force/force_band.h"
 #include "core/points/bone_points.h"
@@ -35,6 +36,15 @@ bool is_plate(const DrillBit& bit) { return bit.shape == BitShape::plate; }
 
 /// How far aside a tool that went back is at another place of the bone.
 double hole_radius_mm(const DrillBit& bit) { return is_plate(bit) ? 0.5 * bit.thickness_mm : bit.radius_mm(); }
+
+/// Of contact: bone resists more what goes into it, and gives less back (Hunt & Crossley 1975: 1.5 (1 - e) / v, e being
+/// a half at half a metre a second).
+double damping_factor(const Vec3& contact_n, const Vec3& velocity_mm_s) {
+  constexpr double kDampingSMm = 0.0015;
+  const double push_n = contact_n.norm();
+  if (!(push_n > 0.0)) return 1.0;
+  return std::max(0.0, 1.0 - kDampingSMm * velocity_mm_s.dot(contact_n) / push_n);
+}
 
 /// How a tool goes across its axis, over a step or in a second: its tip, and by its turn the more the further back.
 struct AcrossWay {
@@ -173,6 +183,7 @@ struct DrillForces::State {
         bone(living),
         tip(probe_of(bone, drill_bit, law)),
         shell(bone, drill_bit),
+        wall(bone, drill_bit),
         boxes(std::max(1.0, std::ceil(kMinBoxMm / bone.widest_spacing_mm() - 1e-9))),
         axial(boxes * bone.widest_spacing_mm(), bins_of(boxes)),
         across(boxes * bone.widest_spacing_mm(), bins_of(boxes)) {}
@@ -193,6 +204,7 @@ struct DrillForces::State {
     fresh.reset();
     repair.reset();
     hole.reset();
+    wall.reset();
     budget_mm3 = 0.0;
     velocity_mm_s.setZero();
     turn_per_s.setZero();
@@ -211,6 +223,7 @@ struct DrillForces::State {
   const LivingBone& bone;
   ChiselProbe tip;
   ToolContact shell;
+  WallSupport wall;
   double boxes;  ///< spacings in a box
   WayAverage axial, across;
   UncutAdvance fresh;
@@ -332,8 +345,10 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
     state.fresh.reset();
     state.budget_mm3 = 0.0;
     force.tip_density_g_cm3 = state.tip.ahead_of(path_pose).density_g_cm3;
+    state.wall.reset();
     const Vec3 contact_n = state.shell.contact_n(path_pose);
     force.contact_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), contact_n}).axis;
+    force.contact_n *= damping_factor(force.contact_n, state.velocity_mm_s);
     force.force_n = force.contact_n;
     return force;
   }
@@ -341,7 +356,10 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   state.cut(path_pose, axis, spindle, force);
   force.thrust_band_n = state.band.thrust_n(force.thrust_n);
   force.torque_band_n_mm = state.band.torque_n_mm(force.torque_n_mm);
-  force.force_n = force.lateral_n - force.thrust_n * axis;
+  const auto turned = [&](const Vec3& patient) { return state.bone.frame().to_path(Pose{Vec3::Zero(), patient}).axis; };
+  const Vec3 support_n = state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s);
+  force.support_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), support_n}).axis;
+  force.force_n = force.lateral_n + force.support_n - force.thrust_n * axis;
   return force;
 }
 

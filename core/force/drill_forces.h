@@ -25,6 +25,7 @@ struct DrillForce {
   Interval thrust_band_n = {}, torque_band_n_mm = {};
   Vec3 lateral_n = Vec3::Zero();  ///< of cutting, across the axis
   Vec3 contact_n = Vec3::Zero();  ///< of touching without cutting
+  Vec3 support_n = Vec3::Zero();  ///< of its hole's wall, which holds a turning drill that is pushed sideways
   double feed_mm_per_turn = 0.0;
   double tip_density_g_cm3 = 0.0;  ///< of the living bone just ahead of the chisel edge; 0 where there is none
   FeedResistance resistance;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "core/force/detail/tool_contact.h"
 #include "core/points/bone_points.h"
@@ -106,6 +108,30 @@ TEST(Contact, DoesNotDependOnHowManyPlacesStandForTheSurface) {
   const double a = felt_short.move_to(Vec3(0.0, 0.0, 5.0)).contact_n.norm();
   EXPECT_NEAR(felt_long.move_to(Vec3(0.0, 0.0, 5.0)).contact_n.norm(), a, 1e-9 * a);
   EXPECT_GT(a, 0.0);
+}
+
+TEST(Contact, TakesEnergyOutOfWhatBouncesOnIt) {
+  // Pressed 1 mm into a floor and back, at 100 mm/s: more force on the way in than on the way out at the same depth.
+  const DrillBit flat = twist_drill(3.0, 20.0, 176.0, 2.9);
+  Material material;
+  const double density = material.density.density_g_cm3(kFeltHu);
+  PointVolume volume = test::block(8.0, 3.0, 0.1, kFeltHu);
+  test::fill_density(volume, material, [&](const Vec3& p) { return p.z() > 4.0 ? density : 0.0; });
+  FeltBit felt(volume, flat, material, kOff);
+  const auto push_n = [&](double z_mm) { return -felt.along_path(felt.move_to(Vec3(0.0, 0.0, z_mm)).contact_n).z(); };
+  std::vector<double> in_n, out_n;
+  constexpr double kStepMm = 0.1;  // of a millisecond
+  for (int n = -20; n <= 10; ++n) in_n.push_back(push_n(4.0 + kStepMm * n));
+  for (int n = 0; n < 50; ++n) push_n(5.0);  // it stands
+  const double at_rest_n = push_n(5.0);
+  for (int n = 10; n >= -20; --n) out_n.push_back(push_n(4.0 + kStepMm * n));
+  // A factor of 1 + 0.0015 s/mm times 100 mm/s on the way in, by then.
+  EXPECT_NEAR(in_n.back(), 1.15 * at_rest_n, 0.01 * at_rest_n);
+  double in_n_mm = 0.0, out_n_mm = 0.0;
+  for (const double n : in_n) in_n_mm += n * kStepMm;
+  for (const double n : out_n) out_n_mm += n * kStepMm;
+  EXPECT_GT(in_n_mm, 1.15 * out_n_mm);
+  EXPECT_GE(*std::min_element(out_n.begin(), out_n.end()), 0.0) << "bone does not hold it back";
 }
 
 TEST(ToolContact, CoversTheWholeSurfaceWithForcesThatCancelInsideBone) {
