@@ -25,9 +25,9 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kAskedMm = 0.5;
-constexpr double kBeyondMm = 4.0;
-constexpr std::uint64_t kSeeds = 30;
+constexpr double kWallAskedMm = 0.5;
+constexpr double kPastFarSideMm = 4.0;
+constexpr std::uint64_t kSeeds = 30, kSeedsOfMany = 3;
 
 using test::LineProfile;
 using test::WallsMet;
@@ -46,7 +46,7 @@ LineProfile profile_along(const Bone& bone, const DrillPath& path) {
   return profile;
 }
 
-struct Tally {
+struct WallTally {
   int paths = 0, boundaries = 0, wrong = 0, false_breakthroughs = 0;
   int pushed = 0, reached = 0, said_why = 0, silent = 0;
   double worst_mm = 0.0;
@@ -54,12 +54,12 @@ struct Tally {
 };
 
 /// Lock-step at 1 mm/s; what was found of each wall.
-void drill_through(const Bone& bone, DrillPath path, const std::string& name, Tally& tally) {
+void drill_through(const Bone& bone, DrillPath path, const std::string& name, WallTally& tally) {
   path.screw.reset();
   path.bit = twist_drill(3.0, 90.0, 118.0, 0.48);
   const WallsMet met = test::read_walls(profile_along(bone, path));
   ASSERT_TRUE(std::isfinite(met.end_mm)) << name;
-  path.target_mm = path.entry_mm + (met.end_mm + kBeyondMm) * path.direction();
+  path.target_mm = path.entry_mm + (met.end_mm + kPastFarSideMm) * path.direction();
   SessionSetup setup;
   setup.path = path;
   setup.volume.radius_mm = 2.0;
@@ -78,7 +78,7 @@ void drill_through(const Bone& bone, DrillPath path, const std::string& name, Ta
     if (is_state(DrillState::cancellous) && std::isnan(found_mm[1])) found_mm[1] = event.depth_mm;
     if (is_state(DrillState::inner_cortical)) found_mm[2] = event.depth_mm;
     if (event.kind == EventKind::breakthrough) {
-      if (event.depth_mm < met.end_mm - kAskedMm) ++tally.false_breakthroughs;
+      if (event.depth_mm < met.end_mm - kWallAskedMm) ++tally.false_breakthroughs;
       found_mm[3] = event.depth_mm;
     }
   }
@@ -92,7 +92,7 @@ void drill_through(const Bone& bone, DrillPath path, const std::string& name, Ta
     line += text;
     if (std::isnan(true_mm[n])) continue;  // no such wall: none may be told, but the cancellous state begins somewhere
     ++tally.boundaries;
-    if (!(std::abs(off_mm) <= kAskedMm)) {
+    if (!(std::abs(off_mm) <= kWallAskedMm)) {
       ++tally.wrong;
       line += " !";
     }
@@ -102,7 +102,7 @@ void drill_through(const Bone& bone, DrillPath path, const std::string& name, Ta
 }
 
 /// Operators of `seeds` seeds push with the default 40 N to the suggested target.
-void push_to_target(const Bone& bone, DrillPath path, const std::string& name, std::uint64_t seeds, Tally& tally) {
+void push_to_target(const Bone& bone, DrillPath path, const std::string& name, std::uint64_t seeds, WallTally& tally) {
   path.screw.reset();
   path.bit = twist_drill(3.0, 90.0, 118.0, 0.48);
   SessionSetup setup;
@@ -130,11 +130,11 @@ void push_to_target(const Bone& bone, DrillPath path, const std::string& name, s
   }
 }
 
-void expect(const Tally& tally, int paths) {
+void expect(const WallTally& tally, int paths) {
   std::printf(
       "%d paths, %d walls, %d off by more than %.1f mm, worst %.2f mm, %d false breakthroughs; %d operators, "
       "%d at their target, %d said why not, %d silent\n",
-      tally.paths, tally.boundaries, tally.wrong, kAskedMm, tally.worst_mm, tally.false_breakthroughs, tally.pushed,
+      tally.paths, tally.boundaries, tally.wrong, kWallAskedMm, tally.worst_mm, tally.false_breakthroughs, tally.pushed,
       tally.reached, tally.said_why, tally.silent);
   for (const std::string& reason : tally.reasons) std::printf("  %s\n", reason.c_str());
   EXPECT_EQ(tally.paths, paths);
@@ -143,7 +143,7 @@ void expect(const Tally& tally, int paths) {
   EXPECT_EQ(tally.silent, 0);
 }
 
-void drill_both_sides(const Bone& bone, const std::string& name, Level level, std::uint64_t seeds, Tally& tally) {
+void drill_both_sides(const Bone& bone, const std::string& name, Level level, std::uint64_t seeds, WallTally& tally) {
   AutoPlanOptions options;
   options.level = level;
   for (const Suggestion& suggestion : bone.suggest(options)) {
@@ -159,7 +159,7 @@ TEST(DrilledWalls, OfL3) {
   BakeCtOptions options;
   options.labels = LabelChoice{folder / "sub-ct_seg-vert_label-22_msk.nii.gz", 22};
   const Bone bone(bake_ct(read_ct(folder / "sub-ct_label-22_ct.nii.gz"), options).bone);
-  Tally tally;
+  WallTally tally;
   drill_both_sides(bone, "L3", level_from_name("L3").value(), kSeeds, tally);
   expect(tally, 2);
 }
@@ -167,7 +167,7 @@ TEST(DrilledWalls, OfL3) {
 TEST(DrilledWalls, OfT11) {
   SPINALTAP_NEED_TEST_DATA(folder, "T11_ct_0.78mm")
   const Bone bone(bake_ct(read_ct(folder / "dicom")).bone);
-  Tally tally;
+  WallTally tally;
   drill_both_sides(bone, "T11", level_from_name("T11").value(), kSeeds, tally);
   expect(tally, 2);
 }
@@ -185,21 +185,21 @@ TEST(DrilledWalls, OfAThoracicSpine) {
   }
   BakeLevelsOptions options;
   options.finds_landmarks = false;
-  Tally tally;
+  WallTally tally;
   for (const BakedLevel& level : bake_levels(ct, found.labels, options).levels) {
-    drill_both_sides(Bone(level.baked.bone), level_name(level.level), level.level, kSeeds, tally);
+    drill_both_sides(Bone(level.baked.bone), level_name(level.level), level.level, kSeedsOfMany, tally);
   }
   expect(tally, 20);
 }
 
 TEST(DrilledWalls, OfMeshes) {
-  Tally tally;
+  WallTally tally;
   int paths = 0;
   for (const test::RealMesh& real : test::real_meshes()) {
     if (std::string(real.name) == "L2 of VHM" || std::string(real.name) == "L5 of VHM") continue;
     SPINALTAP_NEED_TEST_DATA(file, real.file)
     const std::unique_ptr<Solid> solid = make_mesh_solid(test::read_in_lps(real), {.voxel_mm = 0.25});
-    drill_both_sides(Bone(bake_solid(*solid, {}, 40.0)), real.name, real.level, kSeeds, tally);
+    drill_both_sides(Bone(bake_solid(*solid, {}, 40.0)), real.name, real.level, kSeedsOfMany, tally);
     paths += 2;
   }
   expect(tally, paths);

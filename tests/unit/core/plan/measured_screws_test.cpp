@@ -190,9 +190,9 @@ TEST(MeasuredScrews, AreToldByALawThatKnowsNoneOfThem) {
                 one.predicted.low, one.predicted.high, one.predicted.middle(), one.ratio(),
                 one.meets() ? "meet" : "apart", one.is_inside() ? "inside" : "outside",
                 one.is_in_band() ? "in the band" : "out of the band");
-    overlapping += one.meets() ? 1 : 0;
-    inside += one.is_inside() ? 1 : 0;
-    in_band += one.is_in_band() ? 1 : 0;
+    overlapping += one.meets() ? 1U : 0U;
+    inside += one.is_inside() ? 1U : 0U;
+    in_band += one.is_in_band() ? 1U : 0U;
     factors.push_back(std::exp(std::abs(std::log(one.ratio()))));
   }
   std::sort(factors.begin(), factors.end());

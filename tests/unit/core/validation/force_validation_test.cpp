@@ -11,7 +11,9 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/files/data_files.h"
 #include "core/files/material_file.h"
+#include "core/files/measurements_file.h"
 #include "core/validation/detail/source_fit.h"
 
 namespace spinaltap {
@@ -20,10 +22,8 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-const std::filesystem::path kDataOfValidation = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data";
-
 const Measurements& all_measurements() {
-  static const Measurements all = read_measurements(kDataOfValidation / "measurements");
+  static const Measurements all = shipped_measurements();
   return all;
 }
 
@@ -148,7 +148,7 @@ TEST(ForceValidation, PredictsASourceWithoutAnyOfItsFigures) {
 
 TEST(ForceValidation, ShippedMaterialsCarryTheSpreadOfTheMeasurements) {
   for (const char* name : {"vertebra.json", "mechanistic.json"}) {
-    const Material shipped = read_material(kDataOfValidation / "materials" / name, {});
+    const Material shipped = read_material(data_file(std::string("materials/") + name), {});
     const ForceSpreads spreads = spreads_of(all_measurements(), shipped);
     // As the files round them.
     EXPECT_NEAR(shipped.thrust_spread.median, spreads.thrust.median, 0.002) << name;
