@@ -17,9 +17,9 @@ namespace spinaltap {
 struct PredictedFigure {
   std::size_t row = 0;  ///< of Measurements::drilling
   bool is_torque = false;
-  double measured = 0.0;                        ///< of a range its middle
+  double measured = 0.0;                             ///< of a range its middle
   std::optional<MeasuredRange> measured_range = {};  ///< where only a range is stated
-  double predicted = 0.0;                       ///< median
+  double predicted = 0.0;                            ///< median
   double p05 = 0.0;
   double p95 = 0.0;
 
