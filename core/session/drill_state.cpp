@@ -89,7 +89,8 @@ void StateRecogniser::leave_entry(const TipMeets& tip) noexcept {
   entry_cortex_g_cm3_ = std::max(entry_cortex_g_cm3_, tip.density_g_cm3);
   const double level_g_cm3 = 0.5 * (entry_cortex_g_cm3_ + rules_.cancellous_g_cm3);
   constexpr double kCortexOverCancellous = 2.0;  // of entries, where bone is thick and dense; 2.5 to 8 in real CTs
-  const bool has_cortex = entry_cortex_g_cm3_ >= kCortexOverCancellous * rules_.cancellous_g_cm3;
+  const bool has_cortex =
+      entry_cortex_g_cm3_ >= std::min(kCortexOverCancellous * rules_.cancellous_g_cm3, rules_.cortical_g_cm3);
   below_.update(tip.depth_mm, !has_cortex || tip.density_g_cm3 < level_g_cm3);
   // At the surface CT numbers rise over the width of the CT's blur: bone does not begin as cortex at once.
   const double since_mm = std::max(below_.since_mm, begin_mm_);
@@ -145,7 +146,9 @@ DrillState StateRecogniser::update(const TipMeets& tip) noexcept {
   contact_.update(is.depth_mm, is.density_g_cm3 >= rules_.contact_g_cm3);
   switch (state_) {
     case DrillState::initial:
-      if (contact_.is_on) enter(DrillState::outer_cortical, contact_.since_mm, rules_.hold_mm);
+      if (contact_.is_on && enter(DrillState::outer_cortical, contact_.since_mm, rules_.hold_mm)) {
+        below_ = {true, begin_mm_};
+      }
       break;
     case DrillState::outer_cortical:
       leave_entry(is);

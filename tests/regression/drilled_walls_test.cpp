@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -53,8 +54,9 @@ struct WallTally {
   std::set<std::string> reasons;
 };
 
-/// Lock-step at 1 mm/s; what was found of each wall.
-void drill_through(const Bone& bone, DrillPath path, const std::string& name, WallTally& tally) {
+/// Lock-step at 1 mm/s; what was found of each wall. Leaves `clearances`, for others along the same line.
+void drill_through(const Bone& bone, DrillPath path, const std::string& name, WallTally& tally,
+                   std::unique_ptr<ClearanceField>& clearances) {
   path.screw.reset();
   path.bit = twist_drill(3.0, 90.0, 118.0, 0.48);
   const WallsMet met = test::read_walls(profile_along(bone, path));
@@ -99,18 +101,20 @@ void drill_through(const Bone& bone, DrillPath path, const std::string& name, Wa
     if (std::isfinite(off_mm)) tally.worst_mm = std::max(tally.worst_mm, std::abs(off_mm));
   }
   std::printf("%-12s%s\n", name.c_str(), line.c_str());
+  built.session.reset();
+  clearances = std::move(built.clearances);
 }
 
 /// Operators of `seeds` seeds push with the default 40 N to the suggested target.
-void push_to_target(const Bone& bone, DrillPath path, const std::string& name, std::uint64_t seeds, WallTally& tally) {
+void push_to_target(const Bone& bone, DrillPath path, const std::string& name, std::uint64_t seeds,
+                    const ClearanceField& clearances, WallTally& tally) {
   path.screw.reset();
   path.bit = twist_drill(3.0, 90.0, 118.0, 0.48);
   SessionSetup setup;
   setup.path = path;
   setup.volume = {.radius_mm = 2.5, .spacing_mm = 0.2, .lead_in_mm = 3.0};
-  const BuiltSession first = build_session(bone, setup);
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-    BuiltSession built = build_session(bone, setup, {}, nullptr, first.clearances.get());
+    BuiltSession built = build_session(bone, setup, {}, nullptr, &clearances);
     ForceControlled operator_that_pushes(
         path, {.line = {.lead_in_mm = 3.0}, .rate_hz = 500.0, .tremor_mm = 0.1, .seed = seed});
     run_session(*built.session, operator_that_pushes);
@@ -149,8 +153,10 @@ void drill_both_sides(const Bone& bone, const std::string& name, Level level, st
   for (const Suggestion& suggestion : bone.suggest(options)) {
     if (!suggestion.best) continue;
     const std::string side_name = name + " " + suggestion.side;
-    drill_through(bone, suggestion.best->path, side_name, tally);
-    push_to_target(bone, suggestion.best->path, side_name, seeds, tally);
+    std::unique_ptr<ClearanceField> clearances;
+    drill_through(bone, suggestion.best->path, side_name, tally, clearances);
+    ASSERT_TRUE(clearances);
+    push_to_target(bone, suggestion.best->path, side_name, seeds, *clearances, tally);
   }
 }
 
