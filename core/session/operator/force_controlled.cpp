@@ -150,7 +150,7 @@ bool ForceControlled::is_over(const ToolFeedback& feedback) noexcept {
 }
 
 Pose ForceControlled::pose(double time_s) const {
-  const Pose straight = bit_.at(depth_mm_, tremor_.at_mm(time_s));
+  Pose straight = bit_.at(depth_mm_, tremor_.at_mm(time_s));
   if (!(rock_ > 1e-6)) return straight;
   constexpr double kRocksHz = 1.5;
   const double turn = rock_ * options_.rock_deg * kDegree * std::sin(2.0 * std::numbers::pi * kRocksHz * rocked_s_);
