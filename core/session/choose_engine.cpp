@@ -30,7 +30,10 @@ EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
 
 SessionSetup setup_for(SessionSetup setup, const ExpectedWay& way) {
   setup.engine = chosen_engine(setup, way);
-  if (!way.keeps_to_path) setup.options.follows_path = false;
+  if (!way.keeps_to_path) {
+    setup.options.follows_path = false;
+    setup.options.heat.reset();  // of a hole along the path only
+  }
   return setup;
 }
 

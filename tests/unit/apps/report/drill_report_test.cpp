@@ -149,7 +149,7 @@ TEST(DrillReport, PlotsHowWarmTheBoneBesideTheHoleGot) {
   data.path.target_mm = {0, -30, 0};
   data.depth_mm = {0, 1, 2};
   data.thrust_n = {1, 1, 1};
-  data.temperature_c = {37.0, 48.25, 44.0};
+  data.temperature_c = {37.0, 48.3, 44.0};
   data.heat_distance_mm = 0.5;
   const std::string html = drill_report(data);
   EXPECT_THAT(html, HasSubstr("Hottest bone 0.50 mm from the wall"));

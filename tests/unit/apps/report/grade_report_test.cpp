@@ -223,7 +223,7 @@ TEST(GradeOutput, WritesWhatIsNotFiniteAsNullAndAsAnEmptyField) {
   EXPECT_EQ(json["grade"], "A");
   EXPECT_FALSE(to_json(alone, kBands, false).contains("rows"));
   const std::string csv = grades_csv({alone}, kBands);
-  EXPECT_THAT(csv, HasSubstr("\n\"left, \"\"upper\"\"\",0,3.25,2,lateral,,medial,0,1,,0,0.25,0.5,0.25\n"));
+  EXPECT_THAT(csv, HasSubstr("\n\"left, \"\"upper\"\"\",0,3.25,2,lateral,,medial,0,1,,0,0,0,0.25,0.5,0.25\n"));
   EXPECT_EQ(times_in(csv, "\n"), 162U);
 }
 
