@@ -206,7 +206,7 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   if (!tracking.compliant) return;
   tracking.met.force = cycle_.force;
   if (clearances_ == nullptr) return;
-  tracking.met.tip = clearances_->tip_at(pose);
+  tracking.met.tip = options_.follows_path ? cycle_.tip : clearances_->tip_at(pose);
   tracking.met.into_bone = clearances_->into_bone_at(pose.tip_mm);
 }
 

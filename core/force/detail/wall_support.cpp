@@ -1,7 +1,5 @@
 #include "core/force/detail/wall_support.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -26,12 +24,12 @@ Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& tu
   if (!(pressed_mm_.norm() + end_mm_ * turned_.norm() > kFeltMm)) return Vec3::Zero();
   const Vec3 u = any_perpendicular(pose.axis), v = pose.axis.cross(u);
   const double spacing_mm = bone_->spacing_mm(pose.tip_mm);
+  // Half a ring of wall, each place by how far it is pressed along its own radius: its quarter to both sides.
+  const double area = 0.5 * std::numbers::pi * radius_mm_ * kRingMm / section_mm2_;
   Vec3 force_n = Vec3::Zero();
   for (double back_mm = begin_mm_ + 0.5 * kRingMm; back_mm < end_mm_; back_mm += kRingMm) {
     const Vec3 centre_mm = pose.tip_mm - back_mm * pose.axis;
     const Vec3 aside_mm = pressed_mm_ - back_mm * turned_;
-    // Half a ring of wall, each place by how far it is pressed along its own radius: its quarter to both sides.
-    const double area = 0.5 * std::numbers::pi * radius_mm_ * kRingMm / section_mm2_;
     for (const Vec3& direction : {u, v}) {
       const double into_mm = aside_mm.dot(direction);
       const Vec3 out = into_mm < 0.0 ? Vec3(-direction) : direction;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/points/living_bone.h"
-#include "core/tool/bit_profile.h"
 #include "core/tool/drill_bit.h"
 
 namespace spinaltap {
