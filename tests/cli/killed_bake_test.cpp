@@ -72,38 +72,45 @@ TEST(KilledBake, LeavesTheOldFileOrNoneAndTheNextRunEndsRight) {
   fs::create_directory(alone);
   const Clock::time_point start = Clock::now();
   const test::ProgramRun whole = test::run_program(kFineBake, alone);
-  const Clock::duration duration = Clock::now() - start;
+  Clock::duration duration = Clock::now() - start;
   ASSERT_EQ(whole.exit_code, 0) << whole.errors;
   const std::string right = read_whole_file(alone / "bone.vdb");
   EXPECT_EQ(test::everything_in(alone), std::vector<std::string>{"bone.vdb"});
 
   constexpr int kKills = 20;
+  constexpr int kMostRuns = 60;
   const std::string old = "an older bone";
   int killed = 0;
   int resumed = 0;
-  for (int n = 0; n < kKills; ++n) {
-    const fs::path here = folder.path() / std::to_string(n);
+  int runs = 0;
+  for (; killed < kKills && runs < kMostRuns; ++runs) {
+    const fs::path here = folder.path() / std::to_string(runs);
     fs::create_directory(here);
     const fs::path bone = here / "bone.vdb";
-    const bool has_old = n % 2 == 1;
+    const bool has_old = runs % 2 == 1;
     if (has_old) write_whole_file(bone, old);
-    const bool was_running = bake_and_kill(here, duration * (2 * n + 1) / (2 * kKills));
-    killed += was_running ? 1 : 0;
+    const bool was_running = bake_and_kill(here, duration * (2 * killed + 1) / (2 * kKills));
+    if (was_running) {
+      ++killed;
+    } else {
+      // Another program may have slowed the run that was timed.
+      duration -= duration / 5;
+    }
     if (fs::exists(bone)) {
       const std::string left = read_whole_file(bone);
-      EXPECT_TRUE((has_old && left == old) || left == right) << "kill " << n << " left another file";
+      EXPECT_TRUE((has_old && left == old) || left == right) << "run " << runs << " left another file";
     } else {
-      EXPECT_FALSE(has_old) << "kill " << n << " took the old file away";
+      EXPECT_FALSE(has_old) << "run " << runs << " took the old file away";
     }
     const test::ProgramRun next = test::run_program(kFineBake + " --json run.json", here);
     ASSERT_EQ(next.exit_code, 0) << next.errors;
-    EXPECT_EQ(read_whole_file(bone), right) << "after kill " << n;
+    EXPECT_EQ(read_whole_file(bone), right) << "after run " << runs;
     resumed += read_whole_file(here / "run.json").find("\"fit_from_cache\": true") != std::string::npos ? 1 : 0;
     // Nothing of the killed run stays.
-    EXPECT_EQ(test::everything_in(here), (std::vector<std::string>{"bone.vdb", "run.json"})) << "after kill " << n;
+    EXPECT_EQ(test::everything_in(here), (std::vector<std::string>{"bone.vdb", "run.json"})) << "after run " << runs;
   }
-  std::printf("%d of %d runs were killed at work, %d went on from a finished fit\n", killed, kKills, resumed);
-  EXPECT_GE(killed, kKills / 2);
+  std::printf("%d of %d runs were killed at work, %d went on from a finished fit\n", killed, runs, resumed);
+  EXPECT_EQ(killed, kKills);
 }
 
 }  // namespace
