@@ -71,6 +71,16 @@ void add_operator(CLI::App& app, OperatorChoice& tool_operator) {
   app.add_option("--seed", tool_operator.seed, "Seed of the tremor; default: 1")->type_name("N");
 }
 
+void add_stop_rules(CLI::App& app, StopRules& stop) {
+  app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the operator to stop at this thrust, N; default: never")
+      ->type_name("N");
+  app.add_option("--stop-at-clearance", stop.clearance_mm,
+                 "Ask it to stop at this clearance of the bit to the outer surface or the canal, mm; default: never")
+      ->type_name("MM");
+  app.add_flag("--stop-on-breach", stop.on_breach,
+               "Ask it to stop where the bit breaks through either wall; the exit code is then 1");
+}
+
 void DrillOptions::add_to(CLI::App& app) {
   app.add_option("--density", density,
                  "Density calibration: a line, or measured pairs; default: the shipped densities/vertebra.json")
@@ -137,14 +147,7 @@ void DrillOptions::add_to(CLI::App& app) {
 
 void DrillOptions::add_session_to(CLI::App& app) {
   add_operator(app, tool_operator);
-  StopRules& stop = setup.options.stop;
-  app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the operator to stop at this thrust, N; default: never")
-      ->type_name("N");
-  app.add_option("--stop-at-clearance", stop.clearance_mm,
-                 "Ask it to stop at this clearance of the bit to the outer surface or the canal, mm; default: never")
-      ->type_name("MM");
-  app.add_flag("--stop-on-breach", stop.on_breach,
-               "Ask it to stop where the bit breaks through either wall; the exit code is then 1");
+  add_stop_rules(app, setup.options.stop);
   ComplianceOptions& compliance = setup.options.compliance;
   app.add_flag("--compliant", compliance.is_on,
                "The bit bends, and its tip walks on a slope before it bites: it goes where it really would");

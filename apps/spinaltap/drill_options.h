@@ -19,6 +19,9 @@ void add_straight_motion(CLI::App& app, OperatorChoice& tool_operator);
 /// The other options of operators.
 void add_operator(CLI::App& app, OperatorChoice& tool_operator);
 
+/// --stop-at-thrust, --stop-at-clearance, --stop-on-breach.
+void add_stop_rules(CLI::App& app, StopRules& stop);
+
 /// The options of commands that drill.
 struct DrillOptions {
   std::filesystem::path density;   ///< empty: the shipped one

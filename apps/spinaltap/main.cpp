@@ -62,7 +62,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 22> commands;
+  std::array<Command, 23> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -74,17 +74,18 @@ int run_program(int argc, char** argv) {
   add_plan(program, commands[8]);
   add_grade(program, commands[9]);
   add_drill(program, commands[10]);
-  add_replay(program, commands[11]);
-  add_export(program, commands[12]);
-  add_heat(program, commands[13]);
-  add_study(program, commands[14]);
-  add_merge(program, commands[15]);
-  add_mesh(program, commands[16]);
-  add_render(program, commands[17]);
-  add_diff(program, commands[18]);
-  add_compare(program, commands[19]);
-  add_validate(program, commands[20]);
-  add_bench(program, commands[21]);
+  add_link(program, commands[11]);
+  add_replay(program, commands[12]);
+  add_export(program, commands[13]);
+  add_heat(program, commands[14]);
+  add_study(program, commands[15]);
+  add_merge(program, commands[16]);
+  add_mesh(program, commands[17]);
+  add_render(program, commands[18]);
+  add_diff(program, commands[19]);
+  add_compare(program, commands[20]);
+  add_validate(program, commands[21]);
+  add_bench(program, commands[22]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

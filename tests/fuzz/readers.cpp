@@ -47,6 +47,7 @@ const std::vector<Reader>& all_readers() {
     add_settings_readers(all);
     add_table_readers(all);
     add_mesh_readers(all);
+    add_link_readers(all);
     return all;
   }();
   return readers;

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "apps/link/linked_session.h"
+#include "core/files/json_file.h"
+
+namespace spinaltap {
+
+/// For people, on standard output.
+void print_linked(const LinkedSession& linked);
+Json linked_json(const LinkedSession& linked);
+
+}  // namespace spinaltap
