@@ -60,6 +60,8 @@ void add_compare(CLI::App& program, Command& command);
 void add_demo(CLI::App& program, Command& command);
 void add_validate(CLI::App& program, Command& command);
 void add_bench(CLI::App& program, Command& command);
+void add_register(CLI::App& program, Command& command);
+void add_pivot(CLI::App& program, Command& command);
 
 /// The files that a command is about to write, and of folders made anew their names.
 std::vector<std::filesystem::path> outputs_of(const Command& command);

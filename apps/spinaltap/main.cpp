@@ -62,7 +62,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 23> commands;
+  std::array<Command, 25> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -86,6 +86,8 @@ int run_program(int argc, char** argv) {
   add_compare(program, commands[20]);
   add_validate(program, commands[21]);
   add_bench(program, commands[22]);
+  add_register(program, commands[23]);
+  add_pivot(program, commands[24]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

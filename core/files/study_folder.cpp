@@ -17,6 +17,7 @@
 #include "core/base/staged_output.h"
 #include "core/base/text_fields.h"
 #include "core/base/version.h"
+#include "core/files/detail/registration_json.h"
 #include "core/files/detail/session_json.h"
 #include "core/files/detail/study_json.h"
 #include "core/files/json_file.h"
@@ -168,13 +169,17 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const
   setup.volume = spec.volume;
   setup.engine = spec.engine;
   setup.options = spec.options;
-  const Json study{{"program", version()},
-                   {"code", code_fingerprint(CodeStage::drilling)},
-                   {"name", spec.name},
-                   {"session", to_json(setup)},
-                   {"lead_out_mm", spec.lead_out_mm},
-                   {"operator", to_json(spec.tool_operator)},
-                   {"design", to_json(spec.design)}};
+  Json study{{"program", version()},
+             {"code", code_fingerprint(CodeStage::drilling)},
+             {"name", spec.name},
+             {"session", to_json(setup)},
+             {"lead_out_mm", spec.lead_out_mm},
+             {"operator", to_json(spec.tool_operator)},
+             {"design", to_json(spec.design)}};
+  if (spec.registration) {
+    study["registration"] = to_json(spec.registration->covariance);
+    study["registration"]["per"] = spec.registration->is_per_run ? "run" : "patient";
+  }
   return {study.dump(), runs.count()};
 }
 

@@ -13,6 +13,7 @@
 #include "core/files/detail/tool_json.h"
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
+#include "core/files/registration_file.h"
 
 namespace spinaltap {
 namespace {
@@ -69,6 +70,17 @@ void read_volume(const Json& json, const std::filesystem::path& file, StudySpec&
   }
 }
 
+/// {"file": a registration, "per": "run" or "patient"}.
+StudyRegistration read_registration_of(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"file", "per"}, file, "a key of \"registration\"");
+  const JsonObject object(json, file);
+  const std::string per = object.has("per") ? object.text("per") : "run";
+  if (per != "run" && per != "patient") {
+    fail("expected \"run\" or \"patient\" for \"per\" in ", file.string(), ", found ", in_quotes(per));
+  }
+  return {read_registration(beside(file, object.text("file"))).covariance, per == "run"};
+}
+
 StopRules read_stop(const Json& json, const std::filesystem::path& file) {
   check_keys(json, {"thrust_n", "clearance_mm", "on_breach"}, file, "a key of \"stop\"");
   const JsonObject object(json, file);
@@ -106,7 +118,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   check_format(json, kSpecFormat, file);
   check_keys(json,
              {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume", "engine",
-              "spindle_rpm", "stop", "operator", "design"},
+              "spindle_rpm", "stop", "operator", "design", "registration"},
              file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
@@ -130,6 +142,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   if (object.has("stop")) spec.options.stop = read_stop(object.at("stop"), file);
   spec.tool_operator = read_study_operator(object.at("operator"), file);
   spec.design = read_study_design(object.at("design"), file, spec.material);
+  if (object.has("registration")) spec.registration = read_registration_of(object.at("registration"), file);
   check_factors(spec, file);
   return spec;
 }

@@ -50,8 +50,9 @@ void check(std::span<const Vec3> touched_mm, const TouchedOptions& options) {
   if (!(options.noise_mm >= 0.0 && options.noise_mm <= kLargestNoiseMm)) {
     fail("surface registration: expected noise of 0 to ", kLargestNoiseMm, " mm, found ", options.noise_mm);
   }
-  if (!(options.max_slide_mm > 0.0)) {
-    fail("surface registration: expected a largest slide above 0 mm, found ", options.max_slide_mm);
+  if (!(options.max_slide_mm > 0.0) || !(options.max_target_mm > 0.0)) {
+    fail("surface registration: expected a largest slide and target error above 0 mm, found ", options.max_slide_mm,
+         " and ", options.max_target_mm);
   }
 }
 
@@ -92,6 +93,21 @@ double moved_mm(const RigidPose& a, const RigidPose& b, std::span<const Vec3> to
   double sum = 0.0;
   for (const Vec3& p_mm : touched_mm) sum += (a.apply(p_mm) - b.apply(p_mm)).squaredNorm();
   return std::sqrt(sum / static_cast<double>(touched_mm.size()));
+}
+
+/// The `count` lowest costs of poses that differ, so that one pose met often leaves room for its rivals.
+std::vector<FittedPose> best_apart(const std::vector<FittedPose>& fits, std::size_t count,
+                                   std::span<const Vec3> touched_mm) {
+  constexpr double kApartMm = 1.5;
+  std::vector<FittedPose> kept;
+  for (const std::size_t n : best_of(fits, fits.size())) {
+    const bool is_new = std::all_of(kept.begin(), kept.end(), [&](const FittedPose& fit) {
+      return moved_mm(fit.pose, fits[n].pose, touched_mm) > kApartMm;
+    });
+    if (is_new) kept.push_back(fits[n]);
+    if (kept.size() == count) break;
+  }
+  return kept;
 }
 
 /// The best of those that are another pose than fits[0].
@@ -164,7 +180,8 @@ Registration register_surface(const BoneShape& bone, std::span<const Vec3> touch
   };
   keep(std::max<std::size_t>(1, fits.size() / 4));
   run([&](std::size_t n) { fits[n] = fit.coarse(fits[n].pose, detail::kSecondRound); });
-  keep(12);
+  constexpr std::size_t kFinal = 12;
+  fits = best_apart(fits, kFinal, touched_mm);
   run([&](std::size_t n) { fits[n] = fit.fine(fits[n].pose, checked.noise_mm); });
   keep(fits.size());
 
@@ -195,6 +212,17 @@ Registration register_surface(const BoneShape& bone, std::span<const Vec3> touch
   const double reach_mm = std::sqrt(reach_mm2 / static_cast<double>(touched_mm.size()));
   for (const WeakMotion& motion : weak_motions(found.covariance, reach_mm, checked.max_slide_mm)) {
     found.warnings.push_back("the touched points do not hold the pose: it " + in_words(motion));
+  }
+  double target_mm = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double share : {-0.25, 0.0, 0.25}) {
+      const Vec3 aside_mm = share * bone.bounds_mm().sizes()[axis] * Vec3::Unit(axis);
+      target_mm = std::max(target_mm, target_error_mm(found.covariance, bone.bounds_mm().center() + aside_mm));
+    }
+  }
+  if (!(target_mm <= checked.max_target_mm)) {
+    found.warnings.push_back(joined("inside the bone an error of ", fixed_text(target_mm, 1),
+                                    " mm is to be expected: touch places further apart"));
   }
   const double away_mm = (best.pose.apply(middle_mm) - checked.start.apply(middle_mm)).norm();
   const double turned_deg = angle_between_rad(best.pose, checked.start) / kDegree;

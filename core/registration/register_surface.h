@@ -10,14 +10,17 @@
 namespace spinaltap {
 
 struct TouchedOptions {
-  RigidPose start;           ///< ct_from_patient, about: of a few marks, or of an earlier registration
+  RigidPose start = {};      ///< ct_from_patient, about: of a few marks, or of an earlier registration
   double search_mm = 20.0;   ///< how far from the start the touched points may lie
   double search_deg = 20.0;  ///< and how far they may be turned
   int starts = 256;          ///< poses in that range from which the search begins; 1: the start alone
   /// Standard deviation of a touched point to each side, mm; 0: not known, found from the residuals.
   double noise_mm = 0.0;
   double max_slide_mm = 1.0;  ///< a motion of the touched points that may be larger, one deviation, is warned of
-  std::uint64_t seed = 1;     ///< of where the search begins
+  /// An error to expect in the inner half of the bone's box that is larger, root mean square, is warned of: touched
+  /// points may hold themselves and not what lies beyond them.
+  double max_target_mm = 1.2;
+  std::uint64_t seed = 1;  ///< of where the search begins
 };
 
 /// From points touched on the bone's surface, as a tracker measured them on the patient, mm. Iterated closest points

@@ -18,7 +18,7 @@ constexpr std::array<std::string_view, kStudyFactors> kFactorNames{
     "push_n",        "feed_mm_s",     "tremor_mm",      "density_scale",  "force_scale"};
 
 // Streams of random numbers of one study: no two share a seed of the counter.
-enum class Stream : std::uint64_t { tremor = 0, draws = 16, strata = 32 };
+enum class Stream : std::uint64_t { tremor = 0, draws = 16, strata = 32, registration = 48 };
 
 std::uint64_t seed_of_stream(std::uint64_t seed, Stream stream, StudyFactor factor = {}) {
   return mix_bits(mix_bits(seed) + static_cast<std::uint64_t>(stream) + static_cast<std::uint64_t>(factor));
@@ -144,6 +144,12 @@ FactorValues StudyRuns::values(std::size_t n, const FactorValues& base) const {
     }
   }
   return values;
+}
+
+double StudyRuns::registration_normal(std::size_t n, int k) const {
+  constexpr std::uint64_t kNumbers = 8;  // room for six
+  return random_normal(seed_of_stream(design_.seed, Stream::registration),
+                       kNumbers * n + static_cast<std::uint64_t>(k));
 }
 
 std::uint64_t StudyRuns::seed_of(std::size_t n) const {

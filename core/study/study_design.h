@@ -68,6 +68,8 @@ class StudyRuns {
   FactorValues values(std::size_t n, const FactorValues& base) const;
   /// For all else that is random in run n: the operator's tremor. Below 2^32, so that every reader of tables keeps it.
   std::uint64_t seed_of(std::size_t n) const;
+  /// Standard normal number `k` of six, for run n's error of registration.
+  double registration_normal(std::size_t n, int k) const;
 
  private:
   double probability(std::size_t distribution, std::size_t n) const;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "core/ct/level.h"
 #include "core/engine/drill_engine.h"
 #include "core/points/material.h"
 #include "core/points/point_volume.h"
+#include "core/registration/pose_covariance.h"
 #include "core/session/drill_session.h"
 #include "core/study/study_design.h"
 #include "core/tool/drill_path.h"
@@ -29,6 +31,12 @@ struct StudyOperator {
   double tremor_mm = 0.0;      ///< as Tremor has it
 };
 
+/// How the registration errs by which a study's runs are guided.
+struct StudyRegistration {
+  PoseCovariance covariance;
+  bool is_per_run = true;  ///< each run is registered anew; otherwise all are of one patient, with one error
+};
+
 /// What a study is: SPEC.json, read and checked. docs/studies.md has its keys.
 struct StudySpec {
   std::string name;
@@ -44,6 +52,8 @@ struct StudySpec {
   SessionOptions options;
   StudyOperator tool_operator;
   StudyDesign design;
+  /// Moves the line that the bit really takes, beside what the design's factors do.
+  std::optional<StudyRegistration> registration;
 };
 
 /// What factors are where they do not differ.

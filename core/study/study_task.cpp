@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/registration/rigid_pose.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/plate.h"
@@ -38,6 +39,23 @@ double checked_positive(const FactorValues& values, StudyFactor factor) {
   const double value = of(values, factor);
   if (!(value > 0.0) || !std::isfinite(value)) fail(name_of(factor), ": expected a number above 0, found ", value);
   return value;
+}
+
+/// The path as the run's error of registration moves it.
+DrillPath misregistered(const DrillPath& path, const StudyRegistration& registration, const StudyRuns& runs,
+                        std::size_t n) {
+  const std::size_t patient = registration.is_per_run ? n : 0;
+  Vec3 a = Vec3::Zero(), b = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    a[k] = runs.registration_normal(patient, k);
+    b[k] = runs.registration_normal(patient, k + 3);
+  }
+  const PoseError error = pose_error_of(registration.covariance, a, b);
+  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, registration.covariance.centre_mm);
+  DrillPath moved = path;
+  moved.entry_mm = motion.apply(path.entry_mm);
+  moved.target_mm = motion.apply(path.target_mm);
+  return moved;
 }
 
 StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorValues& values) {
@@ -86,6 +104,7 @@ StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n
   try {
     StudyTask task = task_of(spec, across(spec.path), runs.values(n, base_values(spec)));
     task.seed = runs.seed_of(n);
+    if (spec.registration) task.path = misregistered(task.path, *spec.registration, runs, n);
     return task;
   } catch (const Error& error) {
     fail("run ", n, " of the study: ", error.what());

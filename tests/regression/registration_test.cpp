@@ -311,10 +311,15 @@ TEST_P(RegistrationOfBones, SayWhereTouchedPointsDoNotHoldThePose) {
     wrong += error_mm > 3.0 ? 1 : 0;
     silent += error_mm > 3.0 && found.warnings.empty() ? 1 : 0;
     wide_of_patch += found.warnings.empty() ? 0 : 1;
+    if (error_mm > 3.0 && found.warnings.empty()) {
+      std::printf("  patch %d: silent, %.2f mm off, %.2f mm predicted, residuals %.2f mm, %d rejected\n",
+                  static_cast<int>(n), error_mm, target_error_mm(found.covariance, made->pedicle_mm(true)),
+                  found.residual_rms_mm, static_cast<int>(found.rejected.size()));
+    }
   }
   std::printf("%s: of %d patches %d over 3 mm off, %d of them silent; %d told\n", name(), static_cast<int>(kPatches),
               wrong, silent, wide_of_patch);
-  EXPECT_GT(wrong, 20);
+  EXPECT_GT(wrong, 10);  // that they hold none, or there would be nothing to tell
   EXPECT_LE(silent, 2);
 }
 

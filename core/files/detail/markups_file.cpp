@@ -28,25 +28,6 @@ Json control_point(int number, const char* label, const Vec3& p_mm) {
           {"positionStatus", "defined"}};
 }
 
-/// How a markup's numbers become patient LPS, mm.
-Vec3 scale_to_lps_mm(const JsonObject& markup, const std::filesystem::path& file) {
-  Vec3 scale = Vec3::Ones();
-  const std::string frame = markup.has("coordinateSystem") ? markup.text("coordinateSystem") : "LPS";
-  if (frame == "RAS") {
-    scale = Vec3(-1.0, -1.0, 1.0);
-  } else if (frame != "LPS") {
-    fail("expected \"coordinateSystem\" to be LPS or RAS in ", file.string(), ", found ", in_quotes(frame));
-  }
-  if (!markup.has("coordinateUnits")) return scale;
-  // A word, or a term of a dictionary whose first part is that word.
-  const Json& units = markup.at("coordinateUnits");
-  const Json& unit = units.is_array() && !units.empty() ? units.front() : units;
-  if (unit == "um") return 1e-3 * scale;
-  if (unit != "mm")
-    fail("expected \"coordinateUnits\" to be mm or um in ", file.string(), ", found ", shown_value(units));
-  return scale;
-}
-
 bool is_called(const JsonObject& point, std::string_view name) {
   if (!point.has("label") || !point.at("label").is_string()) return false;
   return lower_case(point.text("label")) == name;
@@ -55,7 +36,7 @@ bool is_called(const JsonObject& point, std::string_view name) {
 DrillPath path_of_markup(const Json& json, bool is_curve, const std::string& name, const std::filesystem::path& file,
                          const DrillBit& bit) {
   const JsonObject markup(json, file);
-  const Vec3 scale = scale_to_lps_mm(markup, file);
+  const Vec3 scale = detail::scale_to_lps_mm(markup, file);
   const Json& points = markup.at("controlPoints");
   const std::size_t count = points.is_array() ? points.size() : 0;
   if (is_curve ? count < 2 || count > kMaxVias + 2 : count != 2) {
@@ -86,6 +67,28 @@ DrillPath path_of_markup(const Json& json, bool is_curve, const std::string& nam
 }
 
 }  // namespace
+
+namespace detail {
+
+Vec3 scale_to_lps_mm(const JsonObject& markup, const std::filesystem::path& file) {
+  Vec3 scale = Vec3::Ones();
+  const std::string frame = markup.has("coordinateSystem") ? markup.text("coordinateSystem") : "LPS";
+  if (frame == "RAS") {
+    scale = Vec3(-1.0, -1.0, 1.0);
+  } else if (frame != "LPS") {
+    fail("expected \"coordinateSystem\" to be LPS or RAS in ", file.string(), ", found ", in_quotes(frame));
+  }
+  if (!markup.has("coordinateUnits")) return scale;
+  // A word, or a term of a dictionary whose first part is that word.
+  const Json& units = markup.at("coordinateUnits");
+  const Json& unit = units.is_array() && !units.empty() ? units.front() : units;
+  if (unit == "um") return 1e-3 * scale;
+  if (unit != "mm")
+    fail("expected \"coordinateUnits\" to be mm or um in ", file.string(), ", found ", shown_value(units));
+  return scale;
+}
+
+}  // namespace detail
 
 Json markups_of(const std::vector<DrillPath>& paths) {
   Json file{{"@schema", kSchema}, {"markups", Json::array()}};

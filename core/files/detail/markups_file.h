@@ -22,4 +22,11 @@ std::vector<DrillPath> paths_of_markups(const Json& json, const std::filesystem:
 /// Whether a JSON file's content is 3D Slicer's markups.
 bool is_markups(const Json& json);
 
+namespace detail {
+
+/// How the numbers of one markup become patient LPS, mm: it may say RAS, and µm. Throws Error where it says otherwise.
+Vec3 scale_to_lps_mm(const JsonObject& markup, const std::filesystem::path& file);
+
+}  // namespace detail
+
 }  // namespace spinaltap

@@ -5,24 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-#include <tuple>
 
+#include "core/base/random.h"
 #include "core/registration/detail/matrix6.h"
 
 namespace spinaltap::detail {
 namespace {
 
-constexpr double kThinnedMm = 1.5;
 constexpr double kCapMm = 3.0;  ///< of a distance in a cost
 
-/// One point in each cell.
+/// Some thousands of the points, picked all over the surface.
 std::vector<Vec3> thinned(const std::vector<Vec3>& points_mm) {
-  std::set<std::tuple<long, long, long>> met;
+  constexpr std::size_t kAbout = 8000;
+  const std::size_t one_of = std::max<std::size_t>(1, points_mm.size() / kAbout);
   std::vector<Vec3> kept;
-  for (const Vec3& p_mm : points_mm) {
-    const Vec3 cell = (p_mm / kThinnedMm).array().floor();
-    if (met.emplace(std::lround(cell.x()), std::lround(cell.y()), std::lround(cell.z())).second) kept.push_back(p_mm);
+  for (std::size_t n = 0; n < points_mm.size(); ++n) {
+    if (mix_bits(n) % one_of == 0) kept.push_back(points_mm[n]);
   }
   return kept;
 }
