@@ -145,6 +145,34 @@ TEST(StudyTask, CylinderHoldsTheWidestRunAndNoMore) {
               45.0 * std::tan(lean) + 1.5 / std::cos(lean) + 0.2, 1e-9);
 }
 
+TEST(StudyTask, IsMovedByTheRegistrationsErrorAsItsCovarianceSays) {
+  constexpr std::size_t kRuns = 4000;
+  StudySpec spec = spec_of({});
+  spec.design.runs = kRuns;
+  PoseCovariance covariance;
+  covariance.centre_mm = Vec3(20, 10, 5);
+  covariance.turn_rad2 = Vec3(1e-4, 4e-4, 2.25e-4).asDiagonal();
+  covariance.shift_mm2 = Vec3(0.25, 0.09, 1.0).asDiagonal();
+  spec.registration = StudyRegistration{covariance, true};
+  const StudyRuns runs(spec.design);
+  Mat3 scatter = Mat3::Zero();
+  for (std::size_t n = 0; n < kRuns; ++n) {
+    const DrillPath path = study_task(spec, runs, n).path;
+    EXPECT_NEAR(path.length_mm(), spec.path.length_mm(), 1e-9);
+    const Vec3 error_mm = path.target_mm - spec.path.target_mm;
+    scatter += error_mm * error_mm.transpose() / kRuns;
+  }
+  const Mat3 known = target_covariance_mm2(covariance, spec.path.target_mm);
+  // A variance of 4,000 normal numbers scatters by 2.2 %; the turn's second order adds less.
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(scatter(axis, axis) / known(axis, axis), 1.0, 0.1) << axis;
+
+  spec.registration->is_per_run = false;
+  const DrillPath first = study_task(spec, runs, 0).path, other = study_task(spec, runs, 77).path;
+  EXPECT_NE(first.entry_mm, spec.path.entry_mm);
+  EXPECT_EQ(first.entry_mm, other.entry_mm);
+  EXPECT_EQ(first.target_mm, other.target_mm);
+}
+
 TEST(StudyTask, NamesTheRunAndTheFactorThatMakeNoSense) {
   const auto rejects = [](StudyFactor factor, double level, StudyOperator::Kind kind = StudyOperator::Kind::feed) {
     StudySpec spec = spec_of({{factor, Kind::levels, {1.0, level}}});
