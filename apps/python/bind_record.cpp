@@ -57,7 +57,7 @@ std::optional<EngineKind> engine_of(const std::string& name) {
 void bind_record(py::module_& module) {
   module.attr("CYCLE") = cycle_dtype();
   module.attr("EVENT") = event_dtype();
-  module.attr("EVENT_KINDS") = names_to(EventKind::heat_limit);
+  module.attr("EVENT_KINDS") = names_to(EventKind::device_lost);
   module.attr("STATES") = names_to(DrillState::inner_cortical);
 
   py::class_<SessionRecord>(module, "Record", "A record read back; docs/record-file.md.")

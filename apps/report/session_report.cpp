@@ -89,6 +89,8 @@ std::string value_text(const SessionEvent& event) {
       return readable_number(event.value, 1) + " N";
     case EventKind::heat_limit:
       return readable_number(event.value, 1) + " °C";
+    case EventKind::device_lost:
+      return readable_number(event.value, 2) + " s";
     case EventKind::stall:
       return readable_number(event.value, 1) + " N·mm";
     case EventKind::record_lost:

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/force/detail/hold_sum.h"
 #include "core/force/detail/hole_behind.h"
 #include "core/force/detail/lattice_section.h"
 #include "core/force/detail/tool_contact.h"
@@ -234,6 +235,7 @@ struct DrillForces::State {
   Vec3 velocity_mm_s = Vec3::Zero(), turn_per_s = Vec3::Zero();
   Vec3 tip_mm = Vec3::Zero(), axis_before = Vec3::UnitZ();  ///< patient LPS
   bool is_placed = false;
+  bool tells_hold = false;
 };
 
 void DrillForces::State::take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis,
@@ -316,6 +318,7 @@ DrillForces::~DrillForces() = default;
 DrillForces::DrillForces(DrillForces&&) noexcept = default;
 
 void DrillForces::reset() noexcept { state_->reset(); }
+void DrillForces::tell_hold() noexcept { state_->tells_hold = true; }
 
 DrillForce DrillForces::update(const StepResult& result, const Pose& pose, double dt_s,
                                const Spindle& spindle) noexcept {
@@ -334,6 +337,8 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   state.is_placed = true;
   state.axis_before = axis;
   state.tip_mm = pose.tip_mm;
+  HoldSum hold;
+  HoldSum* const told = state.tells_hold ? &hold : nullptr;
   const double newer = dt_s / (kSpeedFilterS + dt_s);
   state.velocity_mm_s += newer * (move_mm / dt_s - state.velocity_mm_s);
   state.turn_per_s += newer * (turn / dt_s - state.turn_per_s);
@@ -346,10 +351,12 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
     state.budget_mm3 = 0.0;
     force.tip_density_g_cm3 = state.tip.ahead_of(path_pose).density_g_cm3;
     state.wall.reset();
-    const Vec3 contact_n = state.shell.contact_n(path_pose);
+    const Vec3 contact_n = state.shell.contact_n(path_pose, told);
     force.contact_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), contact_n}).axis;
-    force.contact_n *= damping_factor(force.contact_n, state.velocity_mm_s);
+    const double damping = damping_factor(force.contact_n, state.velocity_mm_s);
+    force.contact_n *= damping;
     force.force_n = force.contact_n;
+    if (told != nullptr) force.hold = hold.in_patient(state.bone.frame(), damping);
     return force;
   }
   if (was_placed) state.take_step(result, path_pose, axis, move_mm, turn);
@@ -357,8 +364,9 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   force.thrust_band_n = state.band.thrust_n(force.thrust_n);
   force.torque_band_n_mm = state.band.torque_n_mm(force.torque_n_mm);
   const auto turned = [&](const Vec3& patient) { return state.bone.frame().to_path(Pose{Vec3::Zero(), patient}).axis; };
-  const Vec3 support_n = state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s);
+  const Vec3 support_n = state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s, told);
   force.support_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), support_n}).axis;
+  if (told != nullptr) force.hold = hold.in_patient(state.bone.frame());
   force.force_n = force.lateral_n + force.support_n - force.thrust_n * axis;
   return force;
 }

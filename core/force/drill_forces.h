@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 
@@ -16,6 +17,15 @@ struct Spindle {
   bool is_clockwise = true;  ///< seen from the base to the tip, as drills turn
 };
 
+/// How bone holds a tool by contact and by its hole's wall, for who moves it by forces: as springs, one for each place
+/// that is touched.
+struct ToolHold {
+  Vec3 moment_n_mm = Vec3::Zero();  ///< of contact and wall on the tool about its tip, patient LPS
+  /// Force (N) and moment about the tip (N·mm) against a small way of the tip (mm) and a small turn (rad): 6 by 6, row
+  /// by row, symmetric, without negative eigenvalues; patient LPS.
+  std::array<double, 36> stiffness = {};
+};
+
 /// Forces on the bit after a cycle. Vectors: patient LPS, N; what the operator that holds the bit feels.
 struct DrillForce {
   Vec3 force_n = Vec3::Zero();  ///< all of it: against the feed, sideways, and contact
@@ -29,6 +39,7 @@ struct DrillForce {
   double feed_mm_per_turn = 0.0;
   double tip_density_g_cm3 = 0.0;  ///< of the living bone just ahead of the chisel edge; 0 where there is none
   FeedResistance resistance;
+  ToolHold hold;  ///< zero unless asked for: DrillForces::tell_hold()
 };
 
 /// Turns what a step removed into forces: docs/forces.md. Removal comes in bursts, disc by disc; the work is therefore
@@ -50,6 +61,8 @@ class DrillForces {
 
   /// Back to the state after construction.
   void reset() noexcept;
+  /// From now on forces have DrillForce::hold, also of a wall that nothing is pressed on yet: a microsecond a cycle.
+  void tell_hold() noexcept;
 
  private:
   struct State;

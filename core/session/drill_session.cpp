@@ -130,6 +130,7 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
   }
   bone_->check_within(path);
   if (!engine_) fail("session: expected a drilling engine, found none");
+  if (options.has_device) forces_.tell_hold();
   tracking_ = std::make_unique<Tracking>(path, *bone_, options, clearances != nullptr);
   if (tracking_->heat) cycle_.heat = tracking_->heat->begin();
 }
@@ -234,6 +235,7 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   cycle_.step = {};
   cycle_.force = {};
   cycle_.heat.bone_w = 0.0;
+  tracking.watch.watch_device(cycle_, tracking.log);
   const std::optional<Pose> pose = reachable_pose(input, path_.bit, path_.entry_mm);
   if (pose && has_time) {
     cycle_.pose = bent(*pose, input.dt_s);

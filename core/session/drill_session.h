@@ -41,6 +41,7 @@ struct SessionOptions {
   /// out, and costs nothing.
   std::optional<HeatOptions> heat = {};
   ComplianceOptions compliance = {};  ///< the bit bends, its tip walks, the motor slows down
+  bool has_device = false;  ///< inputs come from a tool that is coupled to a device: forces tell how bone holds it
 };
 /// Rejects options that are not numbers or make no sense.
 void check_session_options(const SessionOptions& options);

@@ -34,6 +34,8 @@ std::string_view name_of(EventKind kind) {
       return "touch";
     case EventKind::heat_limit:
       return "heat limit";
+    case EventKind::device_lost:
+      return "device lost";
     case EventKind::gave_up:
       return "gave up";
     case EventKind::stall:

@@ -26,7 +26,8 @@ enum class EventKind : std::uint8_t {
   touch = 13,        ///< the bit is pressed on bone with the spindle off; value: max contact force until it is free, N
   gave_up = 14,      ///< the operator ended short of its target, unasked; value: how far short, mm
   stall = 15,        ///< a compliant tool's motor stands; value: the torque that held it, N·mm
-  heat_limit = 16    ///< bone beside the hole is hotter than the limit; value: how hot at most until it is cooler, °C
+  heat_limit = 16,   ///< bone beside the hole is hotter than the limit; value: how hot at most until it is cooler, °C
+  device_lost = 17   ///< no pose of the device that moves the tool: it stands; value: for how long in all, s
 };
 /// "contact", "state", "outer breach", ...
 std::string_view name_of(EventKind kind);

@@ -57,6 +57,7 @@ ToolInput input_of(const RecordedCycle& row) {
   input.pose = {row.tip_mm, row.axis, row.side};
   input.spindle_on = row.spindle_on != 0;
   input.dt_s = row.dt_s;
+  input.device = row.device;
   return input;
 }
 

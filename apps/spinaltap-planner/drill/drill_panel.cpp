@@ -64,6 +64,7 @@ bool is_warning(EventKind kind) {
     case EventKind::stop_breach:
     case EventKind::plunge:
     case EventKind::heat_limit:
+    case EventKind::device_lost:
       return true;
     default:
       return false;

@@ -105,6 +105,7 @@ Json json_of(const SessionOptions& options) {
               {"no_cortex_mm", options.states.no_cortex_mm}}},
             {"max_jump_mm", options.max_jump_mm}};
   if (!options.follows_path) json["follows_path"] = false;
+  if (options.has_device) json["has_device"] = true;
   if (options.heat) json["heat"] = json_of(*options.heat);
   if (options.compliance.is_on) {
     const ComplianceOptions& of = options.compliance;
@@ -172,6 +173,7 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
                           .stall_n_mm = of.number("stall_n_mm"),
                           .spin_up_s = of.number("spin_up_s")};
   }
+  if (object.has("has_device")) options.has_device = flag(object, "has_device", file);
   if (object.has("follows_path")) options.follows_path = flag(object, "follows_path", file);
   if (object.has("heat")) options.heat = read_heat_part(part_of(object, "heat", file), file);
   return options;

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/force/detail/hold_sum.h"
 #include "core/points/living_bone.h"
 #include "core/tool/bit_profile.h"
 #include "core/tool/plate.h"
@@ -17,8 +18,8 @@ class ToolContact {
   /// Throws Error on a bad bit.
   ToolContact(const LivingBone& bone, const DrillBit& bit);
 
-  /// Force on the bit, N; `pose` and force in the bone's coordinates.
-  Vec3 contact_n(const Pose& pose) const noexcept;
+  /// Force on the bit, N; `pose` and force in the bone's coordinates. `hold`, where it is given, has its part added.
+  Vec3 contact_n(const Pose& pose, HoldSum* hold = nullptr) const noexcept;
   std::size_t place_count() const { return places_.size(); }
 
  private:

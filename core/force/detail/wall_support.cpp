@@ -13,7 +13,8 @@ WallSupport::WallSupport(const LivingBone& bone, const DrillBit& bit)
       begin_mm_(bit.tip_length_mm),
       end_mm_(bit.length_mm) {}
 
-Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns) noexcept {
+Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns,
+                          HoldSum* hold) noexcept {
   constexpr double kRingMm = 2.0;
   constexpr double kFeltMm = 1e-6;
   if (!has_lands_) return Vec3::Zero();
@@ -21,7 +22,7 @@ Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& tu
   const double left = 1.0 / (1.0 + turns);  // of what was pressed, by the implicit Euler method
   pressed_mm_ = left * across(pressed_mm_ + moved_mm);
   turned_ = left * across(turned_ + turned);
-  if (!(pressed_mm_.norm() + end_mm_ * turned_.norm() > kFeltMm)) return Vec3::Zero();
+  if (hold == nullptr && !(pressed_mm_.norm() + end_mm_ * turned_.norm() > kFeltMm)) return Vec3::Zero();
   const Vec3 u = any_perpendicular(pose.axis), v = pose.axis.cross(u);
   const double spacing_mm = bone_->spacing_mm(pose.tip_mm);
   // Half a ring of wall, each place by how far it is pressed along its own radius: its quarter to both sides.
@@ -35,7 +36,10 @@ Vec3 WallSupport::force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& tu
       const Vec3 out = into_mm < 0.0 ? Vec3(-direction) : direction;
       // The engine has taken what the drill swept: the wall begins just beyond.
       const LivingBone::Bone* const wall = bone_->living_at(centre_mm + (radius_mm_ + spacing_mm) * out);
-      if (wall != nullptr) force_n -= area * wall->contact_n_mm * into_mm * direction;
+      if (wall == nullptr) continue;
+      const double stiff_n_mm = area * wall->contact_n_mm;
+      force_n -= stiff_n_mm * into_mm * direction;
+      if (hold != nullptr) hold->add(-back_mm * pose.axis, direction, stiff_n_mm, -stiff_n_mm * into_mm);
     }
   }
   return force_n;

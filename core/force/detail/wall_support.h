@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/force/detail/hold_sum.h"
 #include "core/points/living_bone.h"
 #include "core/tool/drill_bit.h"
 
@@ -15,8 +16,10 @@ class WallSupport {
 
   void reset() noexcept { pressed_mm_.setZero(), turned_.setZero(); }
   /// Force on the drill, N, after a cycle in which its tip went by `moved_mm` and its axis changed by `turned`, `turns`
-  /// of its own long; all in the bone's coordinates.
-  Vec3 force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns) noexcept;
+  /// of its own long; all in the bone's coordinates. `hold`, where it is given, has the wall's part added to it, also
+  /// of a wall that is not pressed.
+  Vec3 force_n(const Pose& pose, const Vec3& moved_mm, const Vec3& turned, double turns,
+               HoldSum* hold = nullptr) noexcept;
 
  private:
   const LivingBone* bone_;

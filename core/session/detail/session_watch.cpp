@@ -76,6 +76,14 @@ void SessionWatch::reject(const Cycle& cycle, EventLog& log) noexcept {
   log.raise(rejected_index_, static_cast<double>(rejected_in_a_row_), Vec3::Zero());
 }
 
+void SessionWatch::watch_device(const Cycle& cycle, EventLog& log) noexcept {
+  const DeviceStatus status = cycle.input.device.status;
+  if (status == DeviceStatus::none) return;
+  device_gone_s_ = status == DeviceStatus::live ? 0.0 : device_gone_s_ + cycle.input.dt_s;
+  const double lost_s = status == DeviceStatus::lost ? device_gone_s_ : 0.0;
+  device_.update(lost_s, 0.0, 0.0, event_of(cycle, EventKind::device_lost, cycle.input.pose.tip_mm, lost_s), log);
+}
+
 void SessionWatch::jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept {
   log.add(event_of(cycle, EventKind::jump, pose.tip_mm, way_mm));
   is_in_air_ = false;

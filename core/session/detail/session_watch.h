@@ -99,6 +99,8 @@ class SessionWatch {
   void update(const Cycle& cycle, const Pose& pose, double state_begin_mm, bool is_cutting, EventLog& log) noexcept;
   /// After a cycle whose pose made no sense. A row of them is one event.
   void reject(const Cycle& cycle, EventLog& log) noexcept;
+  /// Of each cycle, before its update. While a device is lost there is one event.
+  void watch_device(const Cycle& cycle, EventLog& log) noexcept;
   /// Before the update of a cycle in which the motor came to stand.
   static void stall(const Cycle& cycle, const Pose& pose, double torque_n_mm, EventLog& log) noexcept {
     log.add(event_of(cycle, EventKind::stall, pose.tip_mm, torque_n_mm));
@@ -128,7 +130,8 @@ class SessionWatch {
   bool has_contact_ = false;
   Vec3 contact_mm_ = Vec3::Zero();  ///< the tip at the first contact
   DrillState state_ = DrillState::initial;
-  WatchedExcess outer_, canal_, volume_, touch_;
+  WatchedExcess outer_, canal_, volume_, touch_, device_;
+  double device_gone_s_ = 0.0;  ///< since the last that was heard of it
   WatchedPlunge after_stop_, after_breakthrough_;
 
   double deepest_mm_;

@@ -9,11 +9,29 @@
 
 namespace spinaltap {
 
+/// Whether a device is behind an input, and whether it was heard of. Numbers are what records store.
+enum class DeviceStatus : std::uint8_t {
+  none = 0,
+  live = 1,    ///< a new pose since the last cycle
+  silent = 2,  ///< none yet: the last holds
+  lost = 3     ///< none for so long that the tool stands and the bone is not cut
+};
+
+/// The device's side of a tool that is coupled to one.
+struct DeviceSide {
+  DeviceStatus status = DeviceStatus::none;
+  std::uint32_t buttons = 0;        ///< pressed: a bit each
+  Pose pose;                        ///< as it said last, patient LPS
+  Vec3 force_n = Vec3::Zero();      ///< that it is told to give, patient LPS
+  Vec3 torque_n_mm = Vec3::Zero();  ///< about the tip, likewise
+};
+
 /// Where an operator holds the bit at the end of a cycle.
 struct ToolInput {
   Pose pose;  ///< patient LPS
   bool spindle_on = true;
   double dt_s = 0.001;  ///< since the last input; above 0
+  DeviceSide device = {};
 };
 
 /// What an operator feels of the last cycle.

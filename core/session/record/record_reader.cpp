@@ -54,11 +54,18 @@ std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::
 }
 
 void check_numbers(const SessionRecord& record, const fs::path& path) {
+  constexpr auto kLastStatus = static_cast<int>(DeviceStatus::lost);
   constexpr auto kLastState = static_cast<int>(DrillState::inner_cortical);
-  constexpr auto kLastKind = static_cast<int>(EventKind::heat_limit);
+  constexpr auto kLastKind = static_cast<int>(EventKind::device_lost);
   for (const RecordedCycle& row : record.cycles) {
     if (row.state > kLastState) {
       fail("cannot read ", path.string(), ": cycle ", row.cycle, " has a state of number ", int{row.state});
+    }
+  }
+  for (const RecordedCycle& row : record.cycles) {
+    if (static_cast<int>(row.device.status) > kLastStatus) {
+      fail("cannot read ", path.string(), ": cycle ", row.cycle, " has a device's status of number ",
+           static_cast<int>(row.device.status));
     }
   }
   for (const SessionEvent& event : record.events) {
@@ -91,7 +98,9 @@ SessionRecord read_once(const fs::path& path) {
   const RecordProgress progress = read_progress(file, path);
   SessionRecord record;
   record.setup = file.read_texts("/setup");
-  record.parts = {.has_sides = file.has("/cycles/side"), .has_heat = file.has("/cycles/temperature_c")};
+  record.parts = {.has_sides = file.has("/cycles/side"),
+                  .has_heat = file.has("/cycles/temperature_c"),
+                  .has_device = file.has("/cycles/device_status")};
   record.cycles = read_rows(file, "/cycles", cycle_columns(record.parts), progress.cycles, bytes, path);
   record.events = read_rows(file, "/events", event_columns(), progress.events, bytes, path);
   record.lost = progress.lost;

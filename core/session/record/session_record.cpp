@@ -10,7 +10,7 @@ namespace spinaltap {
 namespace {
 
 using Bytes = std::array<std::byte, 24>;
-constexpr RecordParts kAllParts{.has_sides = true, .has_heat = true};
+constexpr RecordParts kAllParts{.has_sides = true, .has_heat = true, .has_device = true};
 
 /// A quantity's number in a row of CSV: nothing where it is none, which is what pandas reads as missing.
 template <class Row>
@@ -77,6 +77,7 @@ RecordedCycle recorded(const Cycle& cycle) {
   row.outer_mm = cycle.clearance.outer_mm;
   row.canal_mm = cycle.clearance.canal_mm;
   row.side = cycle.input.pose.side;
+  row.device = cycle.input.device;
   // Rows are compared by value too, which numbers that are none would not bear.
   if (!std::isnan(cycle.heat.temperature_c)) {
     row.temperature_c = cycle.heat.temperature_c;
@@ -86,7 +87,9 @@ RecordedCycle recorded(const Cycle& cycle) {
 }
 
 RecordParts record_parts(const DrillBit& tool, const SessionOptions& options) {
-  return {.has_sides = tool.shape == BitShape::plate, .has_heat = options.heat.has_value()};
+  return {.has_sides = tool.shape == BitShape::plate,
+          .has_heat = options.heat.has_value(),
+          .has_device = options.has_device};
 }
 
 bool operator==(const RecordedCycle& a, const RecordedCycle& b) { return same_bits(cycle_columns(kAllParts), a, b); }

@@ -38,6 +38,7 @@ struct RecordedCycle {
   Vec3 side = Vec3::Zero();    ///< of a plate, as the operator gave it; other tools' records leave it out
   double temperature_c = 0.0;  ///< as CycleHeat has them; 0, and left out, of a session that works out no heat
   double max_temperature_c = 0.0;
+  DeviceSide device;  ///< none, and left out, of a session without one
 };
 RecordedCycle recorded(const Cycle& cycle);
 /// Bit for bit, so that a number that is none equals itself.
@@ -47,8 +48,9 @@ std::string difference(const RecordedCycle& a, const RecordedCycle& b);
 
 /// What the cycles of some records have and those of others do not.
 struct RecordParts {
-  bool has_sides = false;  ///< of a plate: RecordedCycle::side
-  bool has_heat = false;   ///< RecordedCycle::temperature_c and max_temperature_c
+  bool has_sides = false;   ///< of a plate: RecordedCycle::side
+  bool has_heat = false;    ///< RecordedCycle::temperature_c and max_temperature_c
+  bool has_device = false;  ///< RecordedCycle::device
 };
 /// Of a session with this tool and these options.
 RecordParts record_parts(const DrillBit& tool, const SessionOptions& options);

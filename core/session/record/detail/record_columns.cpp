@@ -25,9 +25,10 @@ Number* numbers_of(Number& number) {
   return &number;
 }
 
-template <class Row, auto Member>
-RecordColumn<Row> column(const char* name, std::array<const char*, 3> csv_names) {
-  using Value = std::remove_cvref_t<decltype(std::declval<Row&>().*Member)>;
+/// `Get` leads from a row to the value.
+template <class Row, auto Get>
+RecordColumn<Row> column_of(const char* name, std::array<const char*, 3> csv_names) {
+  using Value = std::remove_cvref_t<decltype(Get(std::declval<Row&>()))>;
   RecordColumn<Row> made;
   made.name = name;
   made.csv_names = csv_names;
@@ -44,9 +45,25 @@ RecordColumn<Row> column(const char* name, std::array<const char*, 3> csv_names)
     made.row_bytes = sizeof(Value);
   }
   constexpr std::size_t kBytes = std::is_same_v<Value, Vec3> ? 3 * sizeof(double) : sizeof(Value);
-  made.store = [](const Row& row, void* to) { std::memcpy(to, numbers_of(row.*Member), kBytes); };
-  made.load = [](Row& row, const void* from) { std::memcpy(numbers_of(row.*Member), from, kBytes); };
+  made.store = [](const Row& row, void* to) { std::memcpy(to, numbers_of(Get(row)), kBytes); };
+  made.load = [](Row& row, const void* from) { std::memcpy(numbers_of(Get(row)), from, kBytes); };
   return made;
+}
+
+template <class Row, auto Member>
+RecordColumn<Row> column(const char* name, std::array<const char*, 3> csv_names) {
+  return column_of < Row, [](auto& row) -> auto& { return row.*Member; }
+  > (name, csv_names);
+}
+template <auto Member>
+RecordColumn<RecordedCycle> device_column(const char* name, std::array<const char*, 3> csv_names) {
+  return column_of < RecordedCycle, [](auto& row) -> auto& { return row.device.*Member; }
+  > (name, csv_names);
+}
+template <auto Member>
+RecordColumn<RecordedCycle> device_pose_column(const char* name, std::array<const char*, 3> csv_names) {
+  return column_of < RecordedCycle, [](auto& row) -> auto& { return row.device.pose.*Member; }
+  > (name, csv_names);
 }
 
 template <auto Member>
@@ -89,16 +106,35 @@ std::vector<RecordColumn<RecordedCycle>> made_cycle_columns(RecordParts parts) {
     columns.push_back(cycle_column<&Row::temperature_c>("temperature_c"));
     columns.push_back(cycle_column<&Row::max_temperature_c>("max_temperature_c"));
   }
+  if (parts.has_device) {
+    columns.push_back(device_column<&DeviceSide::status>("device_status", {"device_status"}));
+    columns.push_back(device_column<&DeviceSide::buttons>("device_buttons", {"device_buttons"}));
+    columns.push_back(
+        device_pose_column<&Pose::tip_mm>("device_tip_mm", {"device_tip_x_mm", "device_tip_y_mm", "device_tip_z_mm"}));
+    columns.push_back(
+        device_pose_column<&Pose::axis>("device_axis", {"device_axis_x", "device_axis_y", "device_axis_z"}));
+    columns.push_back(
+        device_pose_column<&Pose::side>("device_side", {"device_side_x", "device_side_y", "device_side_z"}));
+    columns.push_back(device_column<&DeviceSide::force_n>(
+        "device_force_n", {"device_force_x_n", "device_force_y_n", "device_force_z_n"}));
+    columns.push_back(device_column<&DeviceSide::torque_n_mm>(
+        "device_torque_n_mm", {"device_torque_x_n_mm", "device_torque_y_n_mm", "device_torque_z_n_mm"}));
+  }
   return columns;
 }
 
 }  // namespace
 
 std::span<const RecordColumn<RecordedCycle>> cycle_columns(RecordParts parts) {
-  static const std::array<std::vector<RecordColumn<RecordedCycle>>, 4> columns{
-      made_cycle_columns({}), made_cycle_columns({.has_sides = true}), made_cycle_columns({.has_heat = true}),
-      made_cycle_columns({.has_sides = true, .has_heat = true})};
-  return columns[(parts.has_sides ? 1U : 0U) + (parts.has_heat ? 2U : 0U)];
+  static const std::array<std::vector<RecordColumn<RecordedCycle>>, 8> columns = [] {
+    std::array<std::vector<RecordColumn<RecordedCycle>>, 8> made;
+    for (unsigned n = 0; n < made.size(); ++n) {
+      made[n] =
+          made_cycle_columns({.has_sides = (n & 1U) != 0, .has_heat = (n & 2U) != 0, .has_device = (n & 4U) != 0});
+    }
+    return made;
+  }();
+  return columns[(parts.has_sides ? 1U : 0U) + (parts.has_heat ? 2U : 0U) + (parts.has_device ? 4U : 0U)];
 }
 
 std::span<const RecordColumn<SessionEvent>> event_columns() {
