@@ -148,6 +148,8 @@ std::string end_words(const Drilling& drilling, const DrillPath& path) {
       return where + ": the bone held all of the push; push harder, or take a sharper or thinner bit";
     case OperatorEnd::ran_out_of_time:
       return where + ": it took too long";
+    case OperatorEnd::device_lost:
+      return where + ": its device was not heard of any more";
   }
   return {};
 }

@@ -130,7 +130,12 @@ struct CoupledHand {
     const double swing_mm = std::min(40.0, uniform(20.0, 200.0) / (2.0 * std::numbers::pi * hand.swing_hz));
     const Vec3 swing = Vec3(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalized();
     if (loopback.limits.senses_turn) hand.swing_rad = uniform(0.0, 0.2) * swing.reverse();
-    push_n = uniform(0.2, 0.8) * max_n;
+    // No hand stretches a spring by more than 30 mm: a device that is so soft is pushed less.
+    DeviceLimits limits = loopback.limits;
+    limits.delay_s = loopback.pose_delay_s + loopback.force_delay_s + loopback.amplifier_s;
+    const double stiffness_n_mm = coupling_gains(limits, coupling).way.stiffness;
+    push_n = std::min(uniform(0.2, 0.8) * max_n, 30.0 * stiffness_n_mm);
+    const double reach_mm = push_n / hand.stiffness_n_mm + push_n / stiffness_n_mm;
     feed_mm_s = uniform(0.3, 3.0);
     switch (task) {
       case HandTask::moves_in_air:
@@ -142,14 +147,14 @@ struct CoupledHand {
         // It taps while it comes, then leans.
         loopback.begin.tip_mm.z() = -3.0;
         hand.buttons = 0;
-        hand.push_mm = 3.0 + push_n / hand.stiffness_n_mm;
+        hand.push_mm = 3.0 + reach_mm;
         hand.push_mm_s = hand.push_mm / uniform(0.2, 0.6);
         hand.swing_mm = 0.2 * swing_mm * Vec3::UnitZ();
         hand.swing_end_s = 0.8;
         break;
       case HandTask::drills:
         loopback.begin.tip_mm.z() = -1.0;
-        hand.push_mm = 1.0 + push_n / hand.stiffness_n_mm;
+        hand.push_mm = 1.0 + reach_mm;
         hand.push_mm_s = hand.push_mm / 0.3;
         hand.swing_rad *= 0.1;
         hand.swing_end_s = 0.3;

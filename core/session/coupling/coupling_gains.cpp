@@ -20,20 +20,27 @@ void check_coupled(double value, double lowest, double highest, const char* what
 constexpr double kKg = 1e-3;  // in N s²/mm
 
 /// What the tool is of one kind of motion, at a spring's stiffness.
-CouplingGain gain_with(double stiffness, double mass, double device_damping) {
-  constexpr double kDamped = 0.5;       // of critical: the implicit method adds to it
-  constexpr double kShareOfOwn = 0.15;  // of the device's damping: more of it asks for more
-  return {stiffness, kShareOfOwn * device_damping, mass, kDamped * 2.0 * std::sqrt(stiffness * mass)};
+CouplingGain gain_with(double stiffness, double mass, double damping) {
+  constexpr double kDamped = 0.5;  // of critical: the implicit method adds to it
+  return {stiffness, damping, mass, kDamped * 2.0 * std::sqrt(stiffness * mass)};
+}
+
+/// Of the damper beside the spring: the device's own bears no more, and where encoders step it must not knock.
+double coupling_damping(double device_damping, double unfelt, double step, double dt_s) {
+  constexpr double kShareOfOwn = 0.15;
+  constexpr double kKnocks = 0.2;  // of what is not felt
+  const double damping = kShareOfOwn * device_damping;
+  return step > 0.0 ? std::min(damping, kKnocks * unfelt * dt_s / step) : damping;
 }
 
 /// The stiffest up to `max` whose needed damping the device has.
-double passive_stiffness(double max, double mass, double device_damping, double dt_s, double delay_s) {
+double passive_stiffness(double max, double mass, double damping, double device_damping, double dt_s, double delay_s) {
   constexpr double kOfItsOwn = 0.7;
   constexpr double kFiner = 0.97;
   constexpr int kSteps = 400;
   double stiffness = max;
   for (int n = 0; n < kSteps; ++n) {
-    if (needed_damping(gain_with(stiffness, mass, device_damping), dt_s, delay_s) <= kOfItsOwn * device_damping) break;
+    if (needed_damping(gain_with(stiffness, mass, damping), dt_s, delay_s) <= kOfItsOwn * device_damping) break;
     stiffness *= kFiner;
   }
   return stiffness;
@@ -98,7 +105,8 @@ double needed_damping(const CouplingGain& gain, double dt_s, double delay_s) {
 
 CouplingGains coupling_gains(const DeviceLimits& limits, const CouplingOptions& options) {
   constexpr double kLeverMm = 30.0;
-  constexpr double kUnfeltN = 0.04;
+  constexpr double kUnfeltN = 0.025;
+  constexpr double kMostN = 0.045;
   constexpr double kUnfeltNMm = 1.0;
   constexpr double kShareOfMass = 0.1;
   check_device_limits(limits);
@@ -109,11 +117,12 @@ CouplingGains coupling_gains(const DeviceLimits& limits, const CouplingOptions& 
   double most_n_mm = limits.max_stiffness_n_mm;
   if (options.stiffness_n_mm > 0.0) most_n_mm = std::min(most_n_mm, options.stiffness_n_mm);
   if (limits.position_step_mm > 0.0) {
-    most_n_mm = std::min(most_n_mm, std::max(kUnfeltN, 2.0 * limits.friction_n) / limits.position_step_mm);
+    most_n_mm = std::min(most_n_mm, std::clamp(2.0 * limits.friction_n, kUnfeltN, kMostN) / limits.position_step_mm);
   }
   CouplingGains gains;
-  gains.way = gain_with(passive_stiffness(most_n_mm, mass, limits.damping_n_s_mm, dt_s, limits.delay_s), mass,
-                        limits.damping_n_s_mm);
+  const double damping = coupling_damping(limits.damping_n_s_mm, kUnfeltN, limits.position_step_mm, dt_s);
+  gains.way = gain_with(passive_stiffness(most_n_mm, mass, damping, limits.damping_n_s_mm, dt_s, limits.delay_s), mass,
+                        damping);
   if (!limits.gives_torque) {
     const double lever2 = kLeverMm * kLeverMm;
     gains.turn = gain_with(lever2 * gains.way.stiffness, lever2 * mass, 0.0);
@@ -123,8 +132,10 @@ CouplingGains coupling_gains(const DeviceLimits& limits, const CouplingOptions& 
   double most_n_mm_rad = limits.max_stiffness_n_mm_rad;
   if (options.stiffness_n_mm_rad > 0.0) most_n_mm_rad = std::min(most_n_mm_rad, options.stiffness_n_mm_rad);
   if (limits.angle_step_rad > 0.0) most_n_mm_rad = std::min(most_n_mm_rad, kUnfeltNMm / limits.angle_step_rad);
-  gains.turn = gain_with(passive_stiffness(most_n_mm_rad, inertia, limits.damping_n_mm_s_rad, dt_s, limits.delay_s),
-                         inertia, limits.damping_n_mm_s_rad);
+  const double turns = coupling_damping(limits.damping_n_mm_s_rad, kUnfeltNMm, limits.angle_step_rad, dt_s);
+  gains.turn =
+      gain_with(passive_stiffness(most_n_mm_rad, inertia, turns, limits.damping_n_mm_s_rad, dt_s, limits.delay_s),
+                inertia, turns);
   return gains;
 }
 

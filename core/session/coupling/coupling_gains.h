@@ -59,9 +59,10 @@ struct CouplingGains {
   CouplingGain turn;  ///< N·mm, rad
 };
 /// As stiff as the device bears: its maker's stiffness, needed_damping() within 0.7 of its own damping, and for a step
-/// of its encoders no more force than its friction holds (Diolaiti et al., IEEE Trans. Robotics 2006) or 0.04 N, which
-/// no hand feels. Of a device that senses turns and gives no torque the spring that turns the tool is as stiff as that
-/// of its ways at a lever of 30 mm. Throws Error as the checks do, and on a device without any damping.
+/// of its encoders no more force than 0.025 N, or than its friction holds (Diolaiti et al., IEEE Trans. Robotics 2006)
+/// up to 0.045 N: less than a hand feels. Of a device that senses turns and gives no torque the spring that turns the
+/// tool is as stiff as that of its ways at a lever of 30 mm. Throws Error as the checks do, and on a device without any
+/// damping.
 CouplingGains coupling_gains(const DeviceLimits& limits, const CouplingOptions& options);
 
 }  // namespace spinaltap

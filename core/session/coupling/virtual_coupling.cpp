@@ -87,7 +87,8 @@ struct VirtualCoupling::Balance {
 
 VirtualCoupling::VirtualCoupling(const DeviceLimits& limits, const CouplingOptions& options, const Spindle& spindle,
                                  const Pose& first)
-    : limits_(limits),
+    : first_(first),
+      limits_(limits),
       options_(options),
       spindle_(spindle),
       gains_(coupling_gains(limits, options)),

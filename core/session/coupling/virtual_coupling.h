@@ -30,6 +30,7 @@ class VirtualCoupling {
   /// A cycle: what the session gets, with the device's side. `felt`: of the cycle before.
   ToolInput step(const DeviceNews& news, const ToolFeedback& felt, double dt_s) noexcept;
 
+  const Pose& first() const { return first_; }
   const CouplingGains& gains() const { return gains_; }
   const EnergyAccount& energy() const { return energy_; }
   /// The device is lost, or its force is not all back.
@@ -50,6 +51,7 @@ class VirtualCoupling {
   void move(const ToolFeedback& felt, bool spindle_on, double dt_s) noexcept;
   void give(double dt_s) noexcept;
 
+  Pose first_;
   DeviceLimits limits_;
   CouplingOptions options_;
   Spindle spindle_;

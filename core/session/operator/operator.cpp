@@ -12,6 +12,8 @@ std::string_view name_of(OperatorEnd end) {
       return "stood still";
     case OperatorEnd::ran_out_of_time:
       return "ran out of time";
+    case OperatorEnd::device_lost:
+      return "device lost";
   }
   return "";
 }

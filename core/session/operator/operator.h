@@ -48,9 +48,10 @@ enum class OperatorEnd : std::uint8_t {
   as_planned,     ///< at its target, through all of its poses, or the session asked it to stop
   broke_through,  ///< it felt a breakthrough, and a probe felt no bone
   stood_still,    ///< the bone held all of its push
-  ran_out_of_time
+  ran_out_of_time,
+  device_lost  ///< its device was not heard of any more
 };
-/// "as planned", "broke through", "stood still", "ran out of time".
+/// "as planned", "broke through", "stood still", "ran out of time", "device lost".
 std::string_view name_of(OperatorEnd end);
 
 /// An operator that holds the bit: a planned motion, recorded poses, a device, a model of a surgeon. Asked once a
