@@ -80,7 +80,10 @@ struct CoupledHand {
     const Spindle spindle;
     PlaneBone bone(bit, Material{}, task == HandTask::moves_in_air ? 500.0 : hu, spindle.rpm);
     CouplingOptions options = coupling;
-    if (task == HandTask::drills) options.force_scale = push_n / bone.law().thrust_n(feed_mm_s / bone.turns_per_s());
+    if (task == HandTask::drills) {
+      // Ten times what the bone gives is all that a coupling takes.
+      options.force_scale = std::min(10.0, push_n / bone.law().thrust_n(feed_mm_s / bone.turns_per_s()));
+    }
     VirtualCoupling tool(limits, options, spindle, loopback.begin);
     outcome.stiffness_n_mm = tool.gains().way.stiffness;
     const double dt_s = 1.0 / limits.rate_hz;

@@ -48,7 +48,7 @@ std::string difference(const RecordedCycle& a, const RecordedCycle& b);
 
 /// What the cycles of some records have and those of others do not.
 struct RecordParts {
-  bool has_sides = false;   ///< of a plate: RecordedCycle::side
+  bool has_sides = false;   ///< of a plate, and of what a device holds: RecordedCycle::side
   bool has_heat = false;    ///< RecordedCycle::temperature_c and max_temperature_c
   bool has_device = false;  ///< RecordedCycle::device
 };

@@ -9,7 +9,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kDtS = 0.001;
+constexpr double kAccountDtS = 0.001;
 
 /// What a force that pushes with the hand wherever it goes, 3 N, gives to a hand that goes to and fro with up to 80
 /// mm/s, N·mm at most; as much of it as an account allows, or all.
@@ -17,21 +17,21 @@ double given_by_active_force(double delay_s, bool is_allowed_for) {
   DeviceLimits limits;
   limits.delay_s = delay_s;
   limits.damping_n_s_mm = 0.001;
-  EnergyAccount account(limits, coupling_gains(limits, {}), kDtS);
-  std::deque<Vec3> under_way(static_cast<std::size_t>(std::lround(delay_s / kDtS)) + 1, Vec3::Zero());
+  EnergyAccount account(limits, coupling_gains(limits, {}), kAccountDtS);
+  std::deque<Vec3> under_way(static_cast<std::size_t>(std::lround(delay_s / kAccountDtS)) + 1, Vec3::Zero());
   double given_n_mm = 0.0, most_n_mm = 0.0;
   Vec3 at_mm = Vec3::Zero();
   for (int cycle = 0; cycle < 3000; ++cycle) {
-    const Vec3 now_mm(8.0 * std::sin(10.0 * cycle * kDtS), 0.0, 0.0);
+    const Vec3 now_mm(8.0 * std::sin(10.0 * cycle * kAccountDtS), 0.0, 0.0);
     const Vec3 way_mm = now_mm - at_mm;
     // The device's own damping takes its part before the hand has any.
-    given_n_mm += under_way.front().dot(way_mm) - limits.damping_n_s_mm * way_mm.squaredNorm() / kDtS;
+    given_n_mm += under_way.front().dot(way_mm) - limits.damping_n_s_mm * way_mm.squaredNorm() / kAccountDtS;
     most_n_mm = std::max(most_n_mm, given_n_mm);
     at_mm = now_mm;
     account.moved({way_mm, Vec3::Zero()});
     Wrench wrench{3.0 * way_mm.normalized(), Vec3::Zero()};
-    if (is_allowed_for) wrench = account.allowed(wrench, {way_mm / kDtS, Vec3::Zero()});
-    account.given(wrench, kDtS);
+    if (is_allowed_for) wrench = account.allowed(wrench, {way_mm / kAccountDtS, Vec3::Zero()});
+    account.given(wrench, kAccountDtS);
     under_way.pop_front();
     under_way.push_back(wrench.force_n);
   }
@@ -48,19 +48,19 @@ TEST(EnergyAccount, AllowsAnActiveForceNoEnergy) {
 TEST(EnergyAccount, GivesBackWhatASpringHasTaken) {
   DeviceLimits limits;
   const CouplingGains gains = coupling_gains(limits, {});
-  EnergyAccount account(limits, gains, kDtS);
+  EnergyAccount account(limits, gains, kAccountDtS);
   const double stiffness = gains.way.stiffness;
   double at_mm = 0.0, worst_n = 0.0;
   Wrench wrench;
   for (int cycle = 0; cycle < 2000; ++cycle) {
-    const double now_mm = 2.0 * std::pow(std::sin(6.0 * cycle * kDtS), 2);
+    const double now_mm = 2.0 * std::pow(std::sin(6.0 * cycle * kAccountDtS), 2);
     account.moved({Vec3(now_mm - at_mm, 0.0, 0.0), Vec3::Zero()});
-    const Twist rate{Vec3((now_mm - at_mm) / kDtS, 0.0, 0.0), Vec3::Zero()};
+    const Twist rate{Vec3((now_mm - at_mm) / kAccountDtS, 0.0, 0.0), Vec3::Zero()};
     at_mm = now_mm;
     wrench.force_n = Vec3(-stiffness * now_mm, 0.0, 0.0);
     const Wrench allowed = account.allowed(wrench, rate);
     worst_n = std::max(worst_n, (allowed.force_n - wrench.force_n).norm());
-    account.given(allowed, kDtS);
+    account.given(allowed, kAccountDtS);
   }
   // At the end of a stroke the store is nearly empty, and so is the force.
   EXPECT_LT(worst_n, 0.1 * stiffness * 2.0);
@@ -69,9 +69,9 @@ TEST(EnergyAccount, GivesBackWhatASpringHasTaken) {
 TEST(EnergyAccount, HoldsNoMoreThanTheSpringCanStore) {
   DeviceLimits limits;
   const CouplingGains gains = coupling_gains(limits, {});
-  EnergyAccount account(limits, gains, kDtS);
+  EnergyAccount account(limits, gains, kAccountDtS);
   for (int cycle = 0; cycle < 10'000; ++cycle) {
-    account.given({Vec3(-limits.max_force_n, 0.0, 0.0), Vec3::Zero()}, kDtS);
+    account.given({Vec3(-limits.max_force_n, 0.0, 0.0), Vec3::Zero()}, kAccountDtS);
     account.moved({Vec3(0.1, 0.0, 0.0), Vec3::Zero()});
   }
   const double stored_n_mm = 0.5 * limits.max_force_n * limits.max_force_n / gains.way.stiffness;

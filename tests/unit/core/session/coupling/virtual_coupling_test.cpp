@@ -11,9 +11,9 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kDtS = 0.001;
+constexpr double kCoupledDtS = 0.001;
 
-DeviceLimits six_axes() {
+DeviceLimits six_axis_limits() {
   DeviceLimits limits;
   limits.senses_turn = limits.gives_torque = true;
   limits.max_torque_n_mm = 200.0;
@@ -23,52 +23,53 @@ DeviceLimits six_axes() {
   return limits;
 }
 
-Pose at(double z_mm) { return {Vec3(0.0, 0.0, z_mm), Vec3::UnitZ(), Vec3::UnitX()}; }
+Pose pose_down_at(double z_mm) { return {Vec3(0.0, 0.0, z_mm), Vec3::UnitZ(), Vec3::UnitX()}; }
 
-DeviceNews news_of(const Pose& pose, std::uint32_t buttons = 1) { return {pose, buttons}; }
+DeviceNews device_news_of(const Pose& pose, std::uint32_t buttons = 1) { return {pose, buttons}; }
 
-test::PlaneBone plane_bone() { return {twist_drill(3.0, 60.0, 118.0, 0.48), Material{}, 800.0, 1250.0}; }
+test::PlaneBone coupled_plane_bone() { return {twist_drill(3.0, 60.0, 118.0, 0.48), Material{}, 800.0, 1250.0}; }
 
 TEST(VirtualCoupling, FollowsADeviceInAir) {
-  VirtualCoupling tool({}, {}, {}, at(-100.0));
+  VirtualCoupling tool({}, {}, {}, pose_down_at(-100.0));
   const double mm_s = 30.0;
   ToolInput input;
-  for (int n = 1; n <= 1000; ++n) input = tool.step(news_of(at(-100.0 + mm_s * n * kDtS)), {}, kDtS);
+  for (int n = 1; n <= 1000; ++n)
+    input = tool.step(device_news_of(pose_down_at(-100.0 + mm_s * n * kCoupledDtS)), {}, kCoupledDtS);
   // What it is felt with is the tool's own damping.
   const double drag_n = tool.gains().way.tool_damping * mm_s;
   EXPECT_NEAR(input.device.force_n.z(), -drag_n, 1e-3 * drag_n);
   EXPECT_NEAR(input.pose.tip_mm.z(), -70.0 - drag_n / tool.gains().way.stiffness, 0.01);
-  for (int n = 0; n < 1000; ++n) input = tool.step(news_of(at(-70.0)), {}, kDtS);
+  for (int n = 0; n < 1000; ++n) input = tool.step(device_news_of(pose_down_at(-70.0)), {}, kCoupledDtS);
   EXPECT_NEAR(input.pose.tip_mm.z(), -70.0, 1e-6);
   EXPECT_NEAR(input.device.force_n.norm(), 0.0, 1e-6);
 }
 
 TEST(VirtualCoupling, TurnsWithADeviceThatTurns) {
-  VirtualCoupling tool(six_axes(), {}, {}, at(-100.0));
+  VirtualCoupling tool(six_axis_limits(), {}, {}, pose_down_at(-100.0));
   const Mat3 turn = Eigen::AngleAxisd(0.3, Vec3(1.0, 2.0, 0.5).normalized()).toRotationMatrix();
-  const Pose turned{at(-100.0).tip_mm, turn * Vec3::UnitZ(), turn * Vec3::UnitX()};
+  const Pose turned{pose_down_at(-100.0).tip_mm, turn * Vec3::UnitZ(), turn * Vec3::UnitX()};
   ToolInput input;
-  for (int n = 0; n < 2000; ++n) input = tool.step(news_of(turned), {}, kDtS);
+  for (int n = 0; n < 2000; ++n) input = tool.step(device_news_of(turned), {}, kCoupledDtS);
   EXPECT_NEAR((input.pose.axis - turned.axis).norm(), 0.0, 1e-6);
   EXPECT_NEAR((input.pose.side - turned.side).norm(), 0.0, 1e-6);
   EXPECT_NEAR(input.device.torque_n_mm.norm(), 0.0, 1e-3);
   // One that does not sense turns keeps its axis.
-  VirtualCoupling straight({}, {}, {}, at(-100.0));
-  for (int n = 0; n < 100; ++n) input = straight.step(news_of(turned), {}, kDtS);
+  VirtualCoupling straight({}, {}, {}, pose_down_at(-100.0));
+  for (int n = 0; n < 100; ++n) input = straight.step(device_news_of(turned), {}, kCoupledDtS);
   EXPECT_EQ(input.pose.axis, Vec3::UnitZ());
 }
 
 TEST(VirtualCoupling, IsHeldByBoneWithTheSpindleOff) {
-  test::PlaneBone bone = plane_bone();
-  VirtualCoupling tool({}, {}, {}, at(-2.0));
+  test::PlaneBone bone = coupled_plane_bone();
+  VirtualCoupling tool({}, {}, {}, pose_down_at(-2.0));
   ToolFeedback felt;
   ToolInput input;
   for (int n = 0; n < 3000; ++n) {
-    input = tool.step(news_of(at(std::min(1.5, -2.0 + 20.0 * n * kDtS)), 0), felt, kDtS);
+    input = tool.step(device_news_of(pose_down_at(std::min(1.5, -2.0 + 20.0 * n * kCoupledDtS)), 0), felt, kCoupledDtS);
     EXPECT_FALSE(input.spindle_on);
     felt = bone.step(input);
   }
-  // A few hundred N/mm against one: the tool stays at the surface, and the hand feels its spring.
+  // A few hundred N/mm against one: the tool stays pose_down_at the surface, and the hand feels its spring.
   EXPECT_LT(input.pose.tip_mm.z(), 0.02);
   EXPECT_NEAR(input.device.force_n.z(), -tool.gains().way.stiffness * (1.5 - input.pose.tip_mm.z()), 1e-3);
   EXPECT_NEAR(input.device.force_n.z(), felt.force.contact_n.z(), 1e-2);
@@ -78,35 +79,36 @@ TEST(VirtualCoupling, ShowsAWeakDeviceAStrongBone) {
   DeviceLimits limits;
   limits.max_force_n = 5.0;
   for (const double scale : {1.0, 0.1}) {
-    test::PlaneBone bone = plane_bone();
+    test::PlaneBone bone = coupled_plane_bone();
     CouplingOptions options;
     options.force_scale = scale;
-    VirtualCoupling tool(limits, options, {}, at(-1.0));
+    VirtualCoupling tool(limits, options, {}, pose_down_at(-1.0));
     ToolFeedback felt;
     double most_n = 0.0;
     for (int n = 0; n < 3000; ++n) {
-      const ToolInput input = tool.step(news_of(at(std::min(50.0, -1.0 + 30.0 * n * kDtS))), felt, kDtS);
+      const ToolInput input =
+          tool.step(device_news_of(pose_down_at(std::min(50.0, -1.0 + 30.0 * n * kCoupledDtS))), felt, kCoupledDtS);
       felt = bone.step(input);
-      most_n = std::max(most_n, felt.force.thrust_n);
+      if (n > 1500) most_n = std::max(most_n, felt.force.thrust_n);
       EXPECT_LE(input.device.force_n.norm(), limits.max_force_n * (1.0 + 1e-12));
     }
-    // No more is cut with than can be shown. Cutting begins with an impact of the tool's own mass.
-    EXPECT_LT(most_n, 1.2 * limits.max_force_n / scale) << scale;
+    // No more is cut with than can be shown.
+    EXPECT_LT(most_n, 1.01 * limits.max_force_n / scale) << scale;
     EXPECT_EQ(bone.bottom_mm() > 0.5, scale < 0.5) << scale;
   }
 }
 
 TEST(VirtualCoupling, StandsAndDoesNotCutWhereTheDeviceIsLost) {
-  test::PlaneBone bone = plane_bone();
+  test::PlaneBone bone = coupled_plane_bone();
   CouplingOptions options;
   options.force_scale = 0.1;
-  VirtualCoupling tool({}, options, {}, at(-1.0));
+  VirtualCoupling tool({}, options, {}, pose_down_at(-1.0));
   ToolFeedback felt;
   ToolInput input;
   double z_mm = -1.0;
   const auto drill = [&] {
-    z_mm = std::min(z_mm + 20.0 * kDtS, tool.first().tip_mm.z() + 40.0);
-    input = tool.step(news_of(at(z_mm)), felt, kDtS);
+    z_mm = std::min(z_mm + 20.0 * kCoupledDtS, tool.first().tip_mm.z() + 40.0);
+    input = tool.step(device_news_of(pose_down_at(z_mm)), felt, kCoupledDtS);
     felt = bone.step(input);
   };
   for (int n = 0; n < 1000; ++n) drill();
@@ -116,7 +118,7 @@ TEST(VirtualCoupling, StandsAndDoesNotCutWhereTheDeviceIsLost) {
   Pose stood;
   double bottom_mm = 0.0;
   for (int n = 1; n <= 200; ++n) {
-    input = tool.step({std::nullopt, 1}, felt, kDtS);
+    input = tool.step({std::nullopt, 1}, felt, kCoupledDtS);
     felt = bone.step(input);
     EXPECT_EQ(input.device.status, n < 20 ? DeviceStatus::silent : DeviceStatus::lost) << n;
     EXPECT_EQ(input.spindle_on, n < 20) << n;
@@ -131,7 +133,9 @@ TEST(VirtualCoupling, StandsAndDoesNotCutWhereTheDeviceIsLost) {
     if (n >= 70) {
       EXPECT_EQ(input.device.force_n.norm(), 0.0) << n;
     }
-    if (n >= 20 && n < 60) EXPECT_GT(input.device.force_n.norm(), 0.0) << n;
+    if (n >= 20 && n < 60) {
+      EXPECT_GT(input.device.force_n.norm(), 0.0) << n;
+    }
   }
   // It comes back little by little, and cuts again when all of the force is there.
   Vec3 last_n = Vec3::Zero();
@@ -147,9 +151,9 @@ TEST(VirtualCoupling, StandsAndDoesNotCutWhereTheDeviceIsLost) {
 }
 
 TEST(VirtualCoupling, BoundsForceAndItsChangeWhateverTheDeviceSays) {
-  const DeviceLimits limits = six_axes();
-  VirtualCoupling tool(limits, {}, {}, at(0.0));
-  test::PlaneBone bone = plane_bone();
+  const DeviceLimits limits = six_axis_limits();
+  VirtualCoupling tool(limits, {}, {}, pose_down_at(0.0));
+  test::PlaneBone bone = coupled_plane_bone();
   ToolFeedback felt;
   Wrench before;
   for (std::uint64_t n = 0; n < 5000; ++n) {
@@ -160,7 +164,7 @@ TEST(VirtualCoupling, BoundsForceAndItsChangeWhateverTheDeviceSays) {
       const Vec3 axis = Vec3(any(0), any(1), any(2) + 2.0).normalized();
       news.pose = Pose{500.0 * Vec3(any(3), any(4), any(5)), axis, any_perpendicular(axis)};
     }
-    const ToolInput input = tool.step(news, felt, kDtS);
+    const ToolInput input = tool.step(news, felt, kCoupledDtS);
     felt = bone.step(input);
     ASSERT_TRUE(input.pose.tip_mm.allFinite() && input.pose.axis.allFinite()) << n;
     EXPECT_NEAR(input.pose.axis.norm(), 1.0, 1e-9);
@@ -173,25 +177,25 @@ TEST(VirtualCoupling, BoundsForceAndItsChangeWhateverTheDeviceSays) {
 }
 
 TEST(VirtualCoupling, IsHeldSidewaysByItsHole) {
-  test::PlaneBone bone = plane_bone();
+  test::PlaneBone bone = coupled_plane_bone();
   CouplingOptions options;
   options.force_scale = 0.1;
-  VirtualCoupling tool(six_axes(), options, {}, at(-1.0));
+  VirtualCoupling tool(six_axis_limits(), options, {}, pose_down_at(-1.0));
   ToolFeedback felt;
   ToolInput input;
   double z_mm = -1.0;
   while (bone.bottom_mm() < 10.0) {
     z_mm += 0.004;
-    input = tool.step(news_of(at(z_mm)), felt, kDtS);
+    input = tool.step(device_news_of(pose_down_at(z_mm)), felt, kCoupledDtS);
     felt = bone.step(input);
     ASSERT_LT(z_mm, 200.0);
   }
   // The hand goes 2 mm aside within a tenth of a second: the bit does not, the hand feels it.
   const double x_mm = input.pose.tip_mm.x();
-  Pose aside = at(z_mm);
+  Pose aside = pose_down_at(z_mm);
   for (int n = 0; n < 100; ++n) {
     aside.tip_mm.x() = 0.02 * n;
-    input = tool.step(news_of(aside), felt, kDtS);
+    input = tool.step(device_news_of(aside), felt, kCoupledDtS);
     felt = bone.step(input);
   }
   EXPECT_LT(std::abs(input.pose.tip_mm.x() - x_mm), 0.2);

@@ -15,18 +15,18 @@
 namespace spinaltap {
 namespace {
 
-test::DrillBlock even_block(double hu = 700.0) {
+test::DrillBlock coupled_even_block(double hu = 700.0) {
   return test::DrillBlock([hu](double depth_mm) { return depth_mm > 0.0 ? hu : std::nan(""); });
 }
 
-SessionOptions with_device() {
+SessionOptions options_with_device() {
   SessionOptions options;
   options.has_device = true;
   return options;
 }
 
 /// A hand that pushes with 4 N on a device of 1 ms delay, which shows a tenth of the bone's force.
-LoopbackOptions pushing_hand() {
+LoopbackOptions pushing_loopback_hand() {
   LoopbackOptions options;
   options.limits.position_step_mm = 160.0 / 4096.0;
   options.pose_delay_s = 0.0005;
@@ -38,7 +38,7 @@ LoopbackOptions pushing_hand() {
   return options;
 }
 
-CoupledOptions weak_device() {
+CoupledOptions weak_coupled_device() {
   CoupledOptions options;
   options.coupling.force_scale = 0.1;
   options.lead_in_mm = 1.0;
@@ -52,16 +52,16 @@ struct CoupledRun {
 };
 
 TEST(CoupledSession, IsFeltAsTheLawHasIt) {
-  const test::DrillBlock plain = even_block();
+  const test::DrillBlock plain = coupled_even_block();
   for (const double delay_s : {0.001, 0.005}) {
-    test::DrillBlock block = even_block();
-    LoopbackOptions options = pushing_hand();
+    test::DrillBlock block = coupled_even_block();
+    LoopbackOptions options = pushing_loopback_hand();
     options.pose_delay_s = options.force_delay_s = 0.5 * delay_s;
     LoopbackDevice device(options);
-    CoupledOptions coupled = weak_device();
+    CoupledOptions coupled = weak_coupled_device();
     coupled.longest_s = 4.0;
     CoupledOperator hand(device, block.path, coupled);
-    const auto session = block.session(with_device());
+    const auto session = block.session(options_with_device());
     double felt_n = 0.0, from_mm = 0.0, to_mm = 0.0, given_n_mm = 0.0;
     int count = 0;
     run_session(*session, hand, [&](const Cycle& cycle) {
@@ -87,8 +87,8 @@ TEST(CoupledSession, IsFeltAsTheLawHasIt) {
 TEST(CoupledSession, HandsOfAllKindsGetNoEnergy) {
   for (std::uint64_t seed = 20'000; seed < 20'012; ++seed) {
     const test::CoupledHand hand(seed);
-    test::DrillBlock block = even_block(hand.hu);
-    const auto session = block.session(with_device());
+    test::DrillBlock block = coupled_even_block(hand.hu);
+    const auto session = block.session(options_with_device());
     LoopbackDevice device(hand.loopback);
     CoupledOptions coupled;
     coupled.coupling = hand.coupling;
@@ -103,13 +103,13 @@ TEST(CoupledSession, HandsOfAllKindsGetNoEnergy) {
   }
 }
 
-CoupledRun run_block(test::DrillBlock& block, const LoopbackOptions& loopback, double seconds) {
+CoupledRun run_coupled_block(test::DrillBlock& block, const LoopbackOptions& loopback, double seconds) {
   CoupledRun run;
   LoopbackDevice device(loopback);
-  CoupledOptions coupled = weak_device();
+  CoupledOptions coupled = weak_coupled_device();
   coupled.longest_s = seconds;
   CoupledOperator hand(device, block.path, coupled);
-  const auto session = block.session(with_device());
+  const auto session = block.session(options_with_device());
   run_session(*session, hand, [&](const Cycle& cycle) {
     run.inputs.push_back(cycle.input);
     run.rows.push_back(recorded(cycle));
@@ -119,21 +119,21 @@ CoupledRun run_block(test::DrillBlock& block, const LoopbackOptions& loopback, d
 }
 
 TEST(CoupledSession, ReplaysForcesPosesAndBoneBitForBit) {
-  LoopbackOptions loopback = pushing_hand();
+  LoopbackOptions loopback = pushing_loopback_hand();
   loopback.lost_share = 0.05;
   loopback.hand.tremor_mm = 0.1;
   loopback.silent_from_s = 1.0;
   loopback.silent_to_s = 1.1;
-  test::DrillBlock block = even_block(), again = even_block();
-  const CoupledRun run = run_block(block, loopback, 2.5);
+  test::DrillBlock block = coupled_even_block(), again = coupled_even_block();
+  const CoupledRun run = run_coupled_block(block, loopback, 2.5);
   // The record holds the device's side.
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "coupled.h5";
-  const RecordParts parts = record_parts(block.path.bit, with_device());
+  const RecordParts parts = record_parts(block.path.bit, options_with_device());
   {
-    test::DrillBlock third = even_block();
+    test::DrillBlock third = coupled_even_block();
     RecordWriter writer(file, {}, false, {}, parts);
-    const auto session = third.session(with_device());
+    const auto session = third.session(options_with_device());
     for (const ToolInput& input : run.inputs) writer.add_waiting(session->step(input));
     writer.close(session->events());
   }
@@ -141,9 +141,9 @@ TEST(CoupledSession, ReplaysForcesPosesAndBoneBitForBit) {
   ASSERT_EQ(record.cycles.size(), run.rows.size());
   EXPECT_TRUE(record.parts.has_device);
   // From the record: the session does the same, and from what the device said so does the coupling.
-  const auto session = again.session(with_device());
+  const auto session = again.session(options_with_device());
   LoopbackDevice device(loopback);
-  VirtualCoupling coupling(device.limits(), weak_device().coupling, {}, record.cycles.front().device.pose);
+  VirtualCoupling coupling(device.limits(), weak_coupled_device().coupling, {}, record.cycles.front().device.pose);
   bool was_lost = false;
   for (std::size_t n = 0; n < run.rows.size(); ++n) {
     const RecordedCycle& row = record.cycles[n];
@@ -157,19 +157,19 @@ TEST(CoupledSession, ReplaysForcesPosesAndBoneBitForBit) {
   }
   EXPECT_TRUE(was_lost);
   EXPECT_EQ(again.volumes.front().alive_count(), run.alive);
-  EXPECT_LT(run.alive, even_block().volumes.front().alive_count());
+  EXPECT_LT(run.alive, coupled_even_block().volumes.front().alive_count());
 }
 
 TEST(CoupledSession, ToldThatItsDeviceWasLost) {
-  LoopbackOptions loopback = pushing_hand();
+  LoopbackOptions loopback = pushing_loopback_hand();
   loopback.silent_from_s = 1.0;
   loopback.silent_to_s = 1.5;
-  test::DrillBlock block = even_block();
+  test::DrillBlock block = coupled_even_block();
   LoopbackDevice device(loopback);
-  CoupledOptions coupled = weak_device();
+  CoupledOptions coupled = weak_coupled_device();
   coupled.longest_s = 2.5;
   CoupledOperator hand(device, block.path, coupled);
-  const auto session = block.session(with_device());
+  const auto session = block.session(options_with_device());
   std::uint64_t removed = 0;
   run_session(*session, hand, [&](const Cycle& cycle) {
     if (cycle.input.device.status == DeviceStatus::lost) removed += cycle.step.removed;
@@ -186,14 +186,14 @@ TEST(CoupledSession, ToldThatItsDeviceWasLost) {
 }
 
 TEST(CoupledSession, EndsWhereTheDeviceStaysAway) {
-  LoopbackOptions loopback = pushing_hand();
+  LoopbackOptions loopback = pushing_loopback_hand();
   loopback.silent_from_s = 0.5;
-  test::DrillBlock block = even_block();
+  test::DrillBlock block = coupled_even_block();
   LoopbackDevice device(loopback);
-  CoupledOptions coupled = weak_device();
+  CoupledOptions coupled = weak_coupled_device();
   coupled.gives_up_s = 1.0;
   CoupledOperator hand(device, block.path, coupled);
-  const auto session = block.session(with_device());
+  const auto session = block.session(options_with_device());
   run_session(*session, hand);
   EXPECT_EQ(hand.end(), OperatorEnd::device_lost);
   EXPECT_NEAR(session->last().time_s, 1.52, 0.01);
@@ -204,10 +204,10 @@ TEST(CoupledSession, EndsWhereTheDeviceStaysAway) {
 }
 
 TEST(CoupledSession, HoldsNoToolUnlessAsked) {
-  test::DrillBlock block = even_block();
+  test::DrillBlock block = coupled_even_block();
   const auto plain = block.session();
-  test::DrillBlock other = even_block();
-  const auto coupled = other.session(with_device());
+  test::DrillBlock other = coupled_even_block();
+  const auto coupled = other.session(options_with_device());
   for (int n = -50; n < 500; ++n) {
     const ToolInput input = block.input(0.01 * n);
     const DrillForce &of = plain->step(input).force, &with = coupled->step(input).force;
