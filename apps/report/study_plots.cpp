@@ -44,6 +44,8 @@ StudyTitle title_of(StudyColumn column) {
       return {"pull-out strength of the screw", "N"};
     case StudyColumn::screw_torque_n_mm:
       return {"insertion torque of the screw", "N·mm"};
+    case StudyColumn::max_temperature_c:
+      return {"hottest bone beside the hole", "°C"};
     default:
       return {std::string(name_of(column)), ""};
   }

@@ -36,6 +36,7 @@ std::vector<ReportRow> shares_of(const StudySummary& summary) {
   rows.push_back({"Bit met bone", with_interval(summary.contact), "%"});
   rows.push_back({"Tip left the bone at the far side", with_interval(summary.breakthrough), "%"});
   rows.push_back({"Asked to stop", with_interval(summary.stopped), "%"});
+  rows.push_back({"Gave up short of the target", with_interval(summary.gave_up), "%"});
   return rows;
 }
 
@@ -125,7 +126,8 @@ std::string study_report(const StudyReportData& data) {
   report.add_table(rows);
   for (const StudyColumn column :
        {StudyColumn::max_thrust_n, StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
-        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm, StudyColumn::screw_pullout_n}) {
+        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm, StudyColumn::screw_pullout_n,
+        StudyColumn::max_temperature_c}) {
     const auto has = [&](const StudyRow& row) { return std::isfinite(row[column]); };
     if (std::any_of(data.rows.begin(), data.rows.end(), has)) report.add_svg(svg_plot(histogram(data.rows, column)));
   }
@@ -158,6 +160,10 @@ StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::p
   if (std::isfinite(stop.thrust_n)) add("Asked to stop at a thrust of", text_of(stop.thrust_n), "N");
   if (std::isfinite(stop.clearance_mm)) add("Asked to stop at a clearance of", text_of(stop.clearance_mm), "mm");
   if (stop.on_breach) add("Asked to stop", "on a breach", "");
+  if (const std::optional<HeatOptions>& heat = setup.options.heat) {
+    add("Temperature of the bone, so far from the hole", text_of(heat->distance_mm), "mm");
+    if (heat->is_irrigated) add("The hole's wall", "cooled by water", "");
+  }
   const bool has_voxels = setup.engine == EngineKind::voxel;
   add(has_voxels ? "Voxels" : "Points, spacing", text_of(setup.volume.spacing_mm), "mm");
   add(has_voxels ? "Voxels, radius of the cylinder whose box they fill" : "Points, radius of the cylinder",

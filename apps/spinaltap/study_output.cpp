@@ -31,6 +31,7 @@ void print_study(const StudySummary& summary, const std::filesystem::path& folde
   print_share("bit met bone", summary.contact);
   print_share("tip left at the far side", summary.breakthrough);
   print_share("asked to stop", summary.stopped);
+  print_share("gave up short of the target", summary.gave_up);
   for (const StudySpread& spread : summary.spreads) {
     if (spread.runs == 0) continue;
     const StudyTitle title = title_of(spread.column);

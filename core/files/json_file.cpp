@@ -114,6 +114,14 @@ std::string JsonObject::text(const char* key) const {
   return value.get<std::string>();
 }
 
+bool JsonObject::flag(const char* key) const {
+  const Json& value = at(key);
+  if (!value.is_boolean()) {
+    fail("expected true or false for \"", key, "\" in ", file_.string(), ", found ", shown_value(value));
+  }
+  return value.get<bool>();
+}
+
 Vec3 JsonObject::vector(const char* key) const {
   const Json& value = at(key);
   const auto finite = [](const Json& item) { return item.is_number() && std::isfinite(item.get<double>()); };

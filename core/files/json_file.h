@@ -38,6 +38,8 @@ class JsonObject {
   /// Of 0 or more: any that fits 64 bits, or one written as 1e6 as far as doubles are exact (2^53).
   std::uint64_t whole_number(const char* key) const;
   std::string text(const char* key) const;
+  /// True or false.
+  bool flag(const char* key) const;
   /// An array of three numbers.
   Vec3 vector(const char* key) const;
   bool has(const char* key) const;

@@ -14,6 +14,7 @@
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
 #include "core/files/registration_file.h"
+#include "core/files/thermal_bone_file.h"
 
 namespace spinaltap {
 namespace {
@@ -90,14 +91,24 @@ StopRules read_stop(const Json& json, const std::filesystem::path& file) {
     fail("expected a number above 0 for \"thrust_n\" in ", file.string(), ", found ", stop.thrust_n);
   }
   stop.clearance_mm = object.number_or("clearance_mm", stop.clearance_mm);
-  if (object.has("on_breach")) {
-    const Json& flag = object.at("on_breach");
-    if (!flag.is_boolean()) {
-      fail("expected true or false for \"on_breach\" in ", file.string(), ", found ", shown_value(flag));
-    }
-    stop.on_breach = flag.get<bool>();
-  }
+  if (object.has("on_breach")) stop.on_breach = object.flag("on_breach");
   return stop;
+}
+
+HeatOptions read_heat_of(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"thermal_bone", "irrigation", "distance_mm"}, file, "a key of \"heat\"");
+  const JsonObject object(json, file);
+  HeatOptions heat;
+  heat.bone = object.has("thermal_bone") ? read_thermal_bone(beside(file, object.text("thermal_bone")))
+                                         : shipped_thermal_bone();
+  if (object.has("irrigation")) heat.is_irrigated = object.flag("irrigation");
+  heat.distance_mm = object.number_or("distance_mm", heat.distance_mm);
+  try {
+    check_heat_options(heat);
+  } catch (const Error& error) {
+    fail(file.string(), ": \"heat\": ", error.what());
+  }
+  return heat;
 }
 
 /// A factor that the operator does not know would change nothing without a word.
@@ -118,7 +129,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   check_format(json, kSpecFormat, file);
   check_keys(json,
              {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume", "engine",
-              "spindle_rpm", "stop", "operator", "design", "registration"},
+              "spindle_rpm", "stop", "heat", "operator", "design", "registration"},
              file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
@@ -140,6 +151,7 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
     fail("expected a number above 0 for \"spindle_rpm\" in ", file.string(), ", found ", spec.options.spindle.rpm);
   }
   if (object.has("stop")) spec.options.stop = read_stop(object.at("stop"), file);
+  if (object.has("heat")) spec.options.heat = read_heat_of(object.at("heat"), file);
   spec.tool_operator = read_study_operator(object.at("operator"), file);
   spec.design = read_study_design(object.at("design"), file, spec.material);
   if (object.has("registration")) spec.registration = read_registration_of(object.at("registration"), file);

@@ -57,6 +57,7 @@ Json to_json(const StudySummary& summary) {
           {"contact", json_of(summary.contact)},
           {"breakthrough", json_of(summary.breakthrough)},
           {"stopped", json_of(summary.stopped)},
+          {"gave_up", json_of(summary.gave_up)},
           {"outside_volume", json_of(summary.outside_volume)},
           {"events_lost", summary.events_lost},
           {"distributions", std::move(spreads)},

@@ -41,10 +41,12 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"inner_cortical_mm", Kind::real},
                                                                       {"breakthrough_mm", Kind::real},
                                                                       {"stop_mm", Kind::real},
+                                                                      {"gave_up_mm", Kind::real},
                                                                       {"removed_points", Kind::whole},
                                                                       {"removed_mm3", Kind::real},
                                                                       {"screw_pullout_n", Kind::real},
                                                                       {"screw_torque_n_mm", Kind::real},
+                                                                      {"max_temperature_c", Kind::real},
                                                                       {"outside_volume_mm", Kind::real},
                                                                       {"events_lost", Kind::whole}}};
 

@@ -33,10 +33,12 @@ enum class StudyColumn : std::uint8_t {
   inner_cortical_mm,       ///< likewise
   breakthrough_mm,         ///< depth at which the tip left the bone; not a number where it never did
   stop_mm,                 ///< depth at which a rule asked to stop; not a number where none did
+  gave_up_mm,              ///< how far short of its target the operator gave up; not a number where it did not
   removed_points,          ///< of the volume
   removed_mm3,             ///< of bone
   screw_pullout_n,         ///< median, of the path's screw in the hole as drilled; not a number without a screw
   screw_torque_n_mm,       ///< its largest insertion torque, likewise
+  max_temperature_c,       ///< of the bone beside the hole so far; not a number where the study works out no heat
   outside_volume_mm,       ///< how far at most the bit cut beyond the points' cylinder; 0: not at all
   events_lost              ///< that found no room
 };

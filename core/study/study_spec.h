@@ -27,6 +27,7 @@ struct StudyOperator {
   double push_n = 20.0;
   double rate_hz = 1000.0;     ///< of an operator that pushes: cycles a second
   double reaction_s = 0.2;     ///< as ForceControlOptions has them, and the next
+  double max_push_n = 200.0;   ///< it leans on the bit up to this where it stands
   double noticed_share = 0.2;  ///< of the push
   double tremor_mm = 0.0;      ///< as Tremor has it
 };

@@ -9,11 +9,11 @@ namespace spinaltap {
 namespace {
 
 /// Columns whose distribution is told.
-constexpr std::array<StudyColumn, 11> kSpreads{
-    StudyColumn::max_thrust_n,           StudyColumn::max_torque_n_mm,  StudyColumn::plunge_depth_mm,
-    StudyColumn::breach_outer_mm,        StudyColumn::breach_canal_mm,  StudyColumn::min_clearance_outer_mm,
-    StudyColumn::min_clearance_canal_mm, StudyColumn::depth_mm,         StudyColumn::time_s,
-    StudyColumn::screw_pullout_n,        StudyColumn::screw_torque_n_mm};
+constexpr std::array<StudyColumn, 12> kSpreads{
+    StudyColumn::max_thrust_n,           StudyColumn::max_torque_n_mm,   StudyColumn::plunge_depth_mm,
+    StudyColumn::breach_outer_mm,        StudyColumn::breach_canal_mm,   StudyColumn::min_clearance_outer_mm,
+    StudyColumn::min_clearance_canal_mm, StudyColumn::depth_mm,          StudyColumn::time_s,
+    StudyColumn::screw_pullout_n,        StudyColumn::screw_torque_n_mm, StudyColumn::max_temperature_c};
 constexpr std::size_t kBins = 10;  ///< of a factor that is drawn
 
 using Rows = std::vector<StudyRow>;
@@ -102,6 +102,7 @@ StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesig
   summary.contact = above_0(StudyColumn::contact);
   summary.breakthrough = has(StudyColumn::breakthrough_mm);
   summary.stopped = has(StudyColumn::stop_mm);
+  summary.gave_up = has(StudyColumn::gave_up_mm);
   summary.outside_volume = above_0(StudyColumn::outside_volume_mm);
   for (const StudyRow& row : rows) summary.events_lost += static_cast<std::size_t>(row[StudyColumn::events_lost]);
   for (const StudyColumn column : kSpreads) summary.spreads.push_back(spread_of(rows, column));

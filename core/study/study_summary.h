@@ -42,7 +42,7 @@ struct StudySummary {
   std::size_t runs = 0;
   StudyShare breach, outer, canal;
   std::array<StudyShare, 5> grades{};  ///< A to E
-  StudyShare contact, breakthrough, stopped, outside_volume;
+  StudyShare contact, breakthrough, stopped, gave_up, outside_volume;
   std::size_t events_lost = 0;
   std::vector<StudySpread> spreads;
   struct ByFactor {

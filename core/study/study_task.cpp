@@ -140,6 +140,7 @@ std::unique_ptr<Operator> make_study_operator(const StudyTask& task, double lead
     options.rate_hz = task.tool_operator.rate_hz;
     options.spindle = spindle;
     options.push_n = task.tool_operator.push_n;
+    options.max_push_n = task.tool_operator.max_push_n;
     options.reaction_s = task.tool_operator.reaction_s;
     options.noticed_share = task.tool_operator.noticed_share;
     options.tremor_mm = task.tool_operator.tremor_mm;

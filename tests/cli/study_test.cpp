@@ -283,6 +283,40 @@ TEST_F(Study, ALongerReactionPlungesFurther) {
   EXPECT_GT(plunge_depth_mm[1], plunge_depth_mm[0] + 0.1);
 }
 
+TEST_F(Study, TellsWhichOperatorsGaveUpAndHowHotTheBoneGot) {
+  Json spec = whole_path_study(1);
+  spec["volume"] = {{"spacing_mm", 0.2}};
+  spec["operator"] = {{"kind", "push"}, {"push_n", 40}, {"max_push_n", 0.5}};
+  spec["design"]["factors"] = {{"push_n", {{"levels", {0.5, 100}}}}};
+  spec["heat"] = Json::object();
+  write(spec, "dry.json");
+  spec["heat"] = {{"irrigation", true}};
+  write(spec, "wet.json");
+  expect_done("study dry.json -o dry");
+  expect_done("study wet.json -o wet");
+  const double length_mm = read_plan(in("plan.json")).front().length_mm();
+  const std::vector<StudyRow> dry = rows_of("dry");
+  const std::vector<StudyRow> wet = rows_of("wet");
+  ASSERT_EQ(dry.size(), 2U);
+  ASSERT_EQ(wet.size(), 2U);
+  // Half a newton does not drill a cortex: it is left at its begin.
+  EXPECT_GT(dry[0][StudyColumn::gave_up_mm], 0.8 * length_mm);
+  EXPECT_NEAR(dry[0][StudyColumn::gave_up_mm], length_mm - dry[0][StudyColumn::depth_mm], 0.1);
+  EXPECT_TRUE(std::isnan(dry[1][StudyColumn::gave_up_mm]));
+  EXPECT_NEAR(dry[1][StudyColumn::depth_mm], length_mm, 0.5);
+  EXPECT_EQ(read_json(in("dry") / "summary.json")["gave_up"]["count"], 1);
+  // A hole's bone is warmer than the body; water cools it.
+  EXPECT_GT(dry[1][StudyColumn::max_temperature_c], 37.05);
+  EXPECT_LT(dry[1][StudyColumn::max_temperature_c], 150.0);
+  EXPECT_LT(wet[1][StudyColumn::max_temperature_c], dry[1][StudyColumn::max_temperature_c]);
+  EXPECT_EQ(wet[1][StudyColumn::depth_mm], dry[1][StudyColumn::depth_mm]);
+  std::printf("0.5 N: %.2f mm short; 100 N: %.2f °C, with water %.2f °C\n", dry[0][StudyColumn::gave_up_mm],
+              dry[1][StudyColumn::max_temperature_c], wet[1][StudyColumn::max_temperature_c]);
+  spec["heat"] = {{"distance_mm", -1}};
+  write(spec, "bad.json");
+  EXPECT_THAT(run("study bad.json -o none").errors, HasSubstr("heat"));
+}
+
 TEST_F(Study, RejectsWhatMakesNoSense) {
   write(whole_path_study(2), "small.json");
   for (const char* shard : {"0/4", "5/4", "1", "1/", "/2", "1/2x", "a/b", "-1/2", "1/1000000"}) {

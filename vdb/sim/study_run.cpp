@@ -124,6 +124,9 @@ void add_events(std::span<const SessionEvent> events, StudyRow& row) {
       case EventKind::stop_breach:
         first(StudyColumn::stop_mm, event.depth_mm);
         break;
+      case EventKind::gave_up:
+        row[StudyColumn::gave_up_mm] = event.value;
+        break;
       case EventKind::plunge:
         row[StudyColumn::plunge_depth_mm] = std::fmax(row[StudyColumn::plunge_depth_mm], event.value);
         break;
@@ -146,7 +149,8 @@ StudyRow empty_row(std::size_t n, const StudyTask& task) {
   for (const StudyColumn column :
        {StudyColumn::plunge_depth_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
         StudyColumn::transitional_mm, StudyColumn::inner_cortical_mm, StudyColumn::breakthrough_mm,
-        StudyColumn::stop_mm, StudyColumn::screw_pullout_n, StudyColumn::screw_torque_n_mm}) {
+        StudyColumn::stop_mm, StudyColumn::gave_up_mm, StudyColumn::screw_pullout_n, StudyColumn::screw_torque_n_mm,
+        StudyColumn::max_temperature_c}) {
     row[column] = kNoFigure;
   }
   return row;
@@ -237,6 +241,7 @@ StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
     row[StudyColumn::screw_pullout_n] = hold.pullout_n.median;
     row[StudyColumn::screw_torque_n_mm] = hold.max_torque_n_mm.median;
   }
+  row[StudyColumn::max_temperature_c] = session->last().heat.max_temperature_c;
   row[StudyColumn::events_lost] = static_cast<double>(session->events_lost());
   return row;
 }

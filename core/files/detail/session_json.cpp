@@ -24,14 +24,6 @@ JsonObject part_of(const JsonObject& object, const char* key, const fs::path& fi
   return {part, file};
 }
 
-bool flag(const JsonObject& object, const char* key, const fs::path& file) {
-  const Json& value = object.at(key);
-  if (!value.is_boolean()) {
-    fail("expected true or false for \"", key, "\" in ", file.string(), ", found ", shown_value(value));
-  }
-  return value.get<bool>();
-}
-
 /// JSON has no infinity: a limit that is one is left out.
 void add_limit(Json& json, const char* key, double value) {
   if (!std::isinf(value)) json[key] = value;
@@ -135,7 +127,7 @@ HeatOptions read_heat_part(const JsonObject& object, const fs::path& file) {
   heat.bone.temperature_c = bone.number("temperature_c");
   heat.bone.shear_angle_deg = bone.number("shear_angle_deg");
   heat.bone.water_w_mm2_k = bone.number("water_w_mm2_k");
-  heat.is_irrigated = flag(object, "is_irrigated", file);
+  heat.is_irrigated = object.flag("is_irrigated");
   heat.distance_mm = object.number("distance_mm");
   heat.limit_c = object.number("limit_c");
   return heat;
@@ -145,11 +137,11 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   SessionOptions options;
   const JsonObject spindle = part_of(object, "spindle", file);
-  options.spindle = {spindle.number("rpm"), flag(spindle, "is_clockwise", file)};
+  options.spindle = {spindle.number("rpm"), spindle.flag("is_clockwise")};
   const JsonObject stop = part_of(object, "stop", file);
   options.stop.thrust_n = limit(stop, "thrust_n", kInfinite);
   options.stop.clearance_mm = limit(stop, "clearance_mm", -kInfinite);
-  options.stop.on_breach = flag(stop, "on_breach", file);
+  options.stop.on_breach = stop.flag("on_breach");
   const JsonObject states = part_of(object, "states", file);
   options.states.contact_g_cm3 = states.number("contact_g_cm3");
   options.states.cortical_g_cm3 = states.number("cortical_g_cm3");
@@ -173,8 +165,8 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
                           .stall_n_mm = of.number("stall_n_mm"),
                           .spin_up_s = of.number("spin_up_s")};
   }
-  if (object.has("has_device")) options.has_device = flag(object, "has_device", file);
-  if (object.has("follows_path")) options.follows_path = flag(object, "follows_path", file);
+  if (object.has("has_device")) options.has_device = object.flag("has_device");
+  if (object.has("follows_path")) options.follows_path = object.flag("follows_path");
   if (object.has("heat")) options.heat = read_heat_part(part_of(object, "heat", file), file);
   return options;
 }
@@ -302,7 +294,7 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   setup.engine = read_engine(object, file);
   if (object.has("region_mm")) setup.region_mm = read_region(object, file);
   setup.options = read_options_part(part_of(object, "options", file), file);
-  setup.has_clearances = flag(object, "has_clearances", file);
+  setup.has_clearances = object.flag("has_clearances");
   if (object.has("holes")) {
     for (const Json& hole : list_of(object, "holes", file)) setup.holes.push_back(read_hole(hole, file));
   }

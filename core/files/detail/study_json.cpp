@@ -113,6 +113,7 @@ Json to_json(const StudyOperator& tool_operator) {
     json["push_n"] = tool_operator.push_n;
     json["rate_hz"] = tool_operator.rate_hz;
     json["reaction_s"] = tool_operator.reaction_s;
+    json["max_push_n"] = tool_operator.max_push_n;
     json["noticed_share"] = tool_operator.noticed_share;
   }
   json["tremor_mm"] = tool_operator.tremor_mm;
@@ -128,12 +129,13 @@ StudyOperator read_study_operator(const Json& json, const std::filesystem::path&
     tool_operator.feed_mm_s = positive_or(object, "feed_mm_s", tool_operator.feed_mm_s, file);
     tool_operator.step_mm = positive_or(object, "step_mm", tool_operator.step_mm, file);
   } else if (kind == "push") {
-    check_keys(json, {"kind", "push_n", "rate_hz", "reaction_s", "noticed_share", "tremor_mm"}, file,
+    check_keys(json, {"kind", "push_n", "rate_hz", "max_push_n", "reaction_s", "noticed_share", "tremor_mm"}, file,
                "a key of an operator that pushes");
     tool_operator.kind = StudyOperator::Kind::push;
     tool_operator.push_n = positive_or(object, "push_n", tool_operator.push_n, file);
     tool_operator.rate_hz = positive_or(object, "rate_hz", tool_operator.rate_hz, file);
     tool_operator.reaction_s = not_negative_or(object, "reaction_s", tool_operator.reaction_s, file);
+    tool_operator.max_push_n = positive_or(object, "max_push_n", tool_operator.max_push_n, file);
     tool_operator.noticed_share = not_negative_or(object, "noticed_share", tool_operator.noticed_share, file);
   } else {
     fail("expected \"feed\" or \"push\" for \"kind\" of \"operator\" in ", file.string(), ", found ", in_quotes(kind));

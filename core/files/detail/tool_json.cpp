@@ -24,11 +24,7 @@ OutlinePoint read_outline_point(const Json& json, const std::filesystem::path& f
   check_keys(json, {"back_mm", "radius_mm", "arc"}, file, "\"back_mm\", \"radius_mm\" or \"arc\"");
   const JsonObject object(json, file);
   OutlinePoint point{object.number("back_mm"), object.number("radius_mm")};
-  if (object.has("arc")) {
-    const Json& arc = object.at("arc");
-    if (!arc.is_boolean()) fail("expected true or false for \"arc\" in ", file.string(), ", found ", shown_value(arc));
-    point.is_arc = arc.get<bool>();
-  }
+  if (object.has("arc")) point.is_arc = object.flag("arc");
   return point;
 }
 
