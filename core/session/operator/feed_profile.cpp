@@ -76,9 +76,11 @@ FeedProfile::FeedProfile(double begin_mm, double end_mm, const FeedProfileOption
     if (to_mm == peck_mm) {
       ++pecks;
       if (to_mm < end_mm) {
-        go(std::max(begin_mm, to_mm - pecking.back_mm), pecking.mm_s);
+        const double back_mm = std::max(begin_mm, to_mm - pecking.back_mm);
+        go(back_mm, pecking.mm_s);
         wait(pecking.pause_s);
-        go(to_mm, pecking.mm_s);
+        go(std::max(back_mm, to_mm - Pecking::kSlowMm), pecking.mm_s);
+        go(to_mm, options.steps[step].mm_s);
       }
     }
   }

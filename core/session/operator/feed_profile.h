@@ -15,8 +15,11 @@ struct FeedStep {
 struct Pecking {
   double every_mm = 0.0;  ///< of depth; 0: never
   double back_mm = 2.0;
-  double mm_s = 20.0;    ///< back, and forward again to where it was
+  double mm_s = 20.0;    ///< back, and forward again until kSlowMm before where it was
   double pause_s = 0.0;  ///< that it waits where it has gone back to
+
+  /// The last of the way back to uncut bone is gone at the feed of drilling: a bit that meets it fast is kicked.
+  static constexpr double kSlowMm = 0.2;
 };
 
 struct FeedProfileOptions {

@@ -28,29 +28,31 @@ TEST(FeedProfile, PecksAndWithdraws) {
   options.pecking = {.every_mm = 4.0, .back_mm = 3.0, .mm_s = 10.0};
   options.withdraw_mm_s = 20.0;
   const FeedProfile profile(0.0, 10.0, options);
-  // 10 mm at 1 mm/s, two pecks of 3 mm back and forth at 10 mm/s, and 10 mm back at 20 mm/s.
-  EXPECT_NEAR(profile.duration_s(), 10.0 + 2.0 * 0.6 + 0.5, 1e-12);
+  // 10 mm at 1 mm/s, two pecks of 3 mm back and forth at 10 mm/s, whose last 0.2 mm are gone at 1 mm/s, and 10 mm back
+  // at 20 mm/s.
+  EXPECT_NEAR(profile.duration_s(), 10.0 + 2.0 * 0.78 + 0.5, 1e-12);
   EXPECT_NEAR(profile.depth_mm(4.0), 4.0, 1e-12);
   EXPECT_NEAR(profile.depth_mm(4.3), 1.0, 1e-12);
-  EXPECT_NEAR(profile.depth_mm(4.6), 4.0, 1e-12);
-  EXPECT_NEAR(profile.depth_mm(8.6), 8.0, 1e-12);
-  EXPECT_NEAR(profile.depth_mm(8.9), 5.0, 1e-12);
-  EXPECT_NEAR(profile.depth_mm(11.2), 10.0, 1e-12);
-  EXPECT_NEAR(profile.depth_mm(11.7), 0.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(4.58), 3.8, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(4.78), 4.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(8.78), 8.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(9.08), 5.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(11.56), 10.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(12.06), 0.0, 1e-12);
   // A peck at the very end would lead nowhere; one that goes back further than the begin ends there.
   options.pecking = {.every_mm = 5.0, .back_mm = 50.0, .mm_s = 10.0};
   options.withdraw_mm_s = 0.0;
-  EXPECT_NEAR(FeedProfile(0.0, 10.0, options).duration_s(), 10.0 + 1.0, 1e-12);
+  EXPECT_NEAR(FeedProfile(0.0, 10.0, options).duration_s(), 10.0 + 1.18, 1e-12);
 }
 
 TEST(FeedProfile, WaitsWhereAPeckHasGoneBackTo) {
   FeedProfileOptions options;
   options.pecking = {.every_mm = 4.0, .back_mm = 3.0, .mm_s = 10.0, .pause_s = 2.5};
   const FeedProfile profile(0.0, 10.0, options);
-  EXPECT_NEAR(profile.duration_s(), 10.0 + 2.0 * (0.6 + 2.5), 1e-12);
+  EXPECT_NEAR(profile.duration_s(), 10.0 + 2.0 * (0.78 + 2.5), 1e-12);
   for (const double time_s : {4.3, 5.0, 6.8}) EXPECT_NEAR(profile.depth_mm(time_s), 1.0, 1e-12) << time_s;
-  EXPECT_NEAR(profile.depth_mm(7.1), 4.0, 1e-12);
-  EXPECT_NEAR(profile.depth_mm(8.1), 5.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(7.28), 4.0, 1e-12);
+  EXPECT_NEAR(profile.depth_mm(8.28), 5.0, 1e-12);
 }
 
 TEST(FeedProfile, RejectsWhatLeadsNowhere) {
