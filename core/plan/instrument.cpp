@@ -11,6 +11,7 @@
 
 #include "core/base/text_writer.h"
 #include "core/tool/bit_profile.h"
+#include "core/tool/path_curve.h"
 
 namespace spinaltap {
 namespace {

@@ -4,8 +4,13 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "core/base/random.h"
 #include "core/files/registration_file.h"
+#include "core/phantom/surface_seeds.h"
+#include "core/phantom/vertebra.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -47,6 +52,58 @@ TEST_F(Register, EndsWith2WithoutEnoughToGoBy) {
   EXPECT_EQ(run_program("register --fiducials ct.csv -o r.json", folder_.path()).exit_code, 2);
   EXPECT_EQ(run_program("register --touched ct.csv -o r.json", folder_.path()).exit_code, 2);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "r.json"));
+}
+
+/// Every so many places of the phantom's surface behind its canal, touched with a noise of 0.3 mm to each side.
+std::vector<Vec3> touched_phantom(std::size_t count) {
+  const Vertebra phantom;
+  std::vector<Vec3> behind;
+  for (Vec3 p_mm : surface_seeds(phantom, 1.0)) {
+    for (int round = 0; round < 3; ++round) {
+      double value_mm = 0.0;
+      Vec3 gradient = Vec3::Zero();
+      phantom.evaluate({&p_mm, 1}, {&value_mm, 1}, {&gradient, 1});
+      p_mm -= value_mm / gradient.squaredNorm() * gradient;
+    }
+    if (p_mm.y() > 30.0) behind.push_back(p_mm);
+  }
+  std::vector<Vec3> touched;
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3 noise(random_normal(7, 3 * n), random_normal(7, 3 * n + 1), random_normal(7, 3 * n + 2));
+    touched.push_back(behind[n * behind.size() / count] + 0.3 * noise);
+  }
+  return touched;
+}
+
+TEST_F(Register, FindsATouchedBoneAndTellsOfAPatchThatDoesNotHoldIt) {
+  ASSERT_EQ(run_program("phantom l3", folder_.path()).exit_code, 0);
+  const RigidPose patient_from_ct =
+      small_motion(Vec3(0.10, -0.08, 0.12), Vec3(6.0, -5.0, 9.0), Vec3(0.0, 30.0, 0.0)).inverse();
+  std::ostringstream all, patch;
+  const std::vector<Vec3> touched = touched_phantom(2000);
+  for (std::size_t n = 0; n < touched.size(); ++n) {
+    const Vec3 p_mm = patient_from_ct.apply(touched[n]);
+    if (n % 40 == 0) all << p_mm.x() << ',' << p_mm.y() << ',' << p_mm.z() << '\n';
+    if ((touched[n] - touched[1000]).norm() < 8.0) patch << p_mm.x() << ',' << p_mm.y() << ',' << p_mm.z() << '\n';
+  }
+  write("all.csv", all.str());
+  write("patch.csv", patch.str());
+  const auto run = run_program("register l3/ground_truth.vdb --touched all.csv --noise 0.3 -o r.json --json told.json",
+                               folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.output << run.errors;
+  const RigidPose found = read_registration(folder_.path() / "r.json").ct_from_patient;
+  const auto told = nlohmann::json::parse(std::ifstream(folder_.path() / "told.json"));
+  const VertebraGroundTruth truth = vertebra_ground_truth(Vertebra());
+  for (const auto& [n, pedicle] : {std::pair{0U, truth.left}, {1U, truth.right}}) {
+    const double error_mm = (found.apply(patient_from_ct.apply(pedicle.isthmus_mm)) - pedicle.isthmus_mm).norm();
+    const double tre_mm = told.at("targets").at(n).at("tre_mm").get<double>();
+    EXPECT_LT(tre_mm, 0.5);
+    EXPECT_LT(error_mm, 3.0 * tre_mm);  // of some 0.25 mm
+  }
+  const auto held =
+      run_program("register l3/ground_truth.vdb --touched patch.csv --noise 0.3 -o p.json", folder_.path());
+  EXPECT_EQ(held.exit_code, 1) << held.output;
+  EXPECT_NE(held.output.find("may"), std::string::npos) << held.output;
 }
 
 TEST_F(Register, PivotFindsATipAndRefusesAToolThatHardlyTurned) {
