@@ -218,10 +218,9 @@ std::uint64_t link_time_stamp() {
 
 std::string transform_content(const LinkTransform& transform) {
   std::array<float, 12> numbers{};  // the columns: three axes, then the place
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      numbers[static_cast<std::size_t>(3 * column + row)] = static_cast<float>(transform.matrix()(row, column));
-    }
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    numbers[n] =
+        static_cast<float>(transform.matrix()(static_cast<Eigen::Index>(n % 3), static_cast<Eigen::Index>(n / 3)));
   }
   igtl_transform_convert_byte_order(numbers.data());
   std::string content(sizeof numbers, '\0');
@@ -235,10 +234,8 @@ std::optional<LinkTransform> transform_of(std::string_view content) {
   std::memcpy(numbers.data(), content.data(), sizeof numbers);
   igtl_transform_convert_byte_order(numbers.data());
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      matrix(row, column) = static_cast<double>(numbers[static_cast<std::size_t>(3 * column + row)]);
-    }
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    matrix(static_cast<Eigen::Index>(n % 3), static_cast<Eigen::Index>(n / 3)) = static_cast<double>(numbers[n]);
   }
   constexpr double kRotationTolerance = 1e-3;  // floats and trackers round; a scale or a mirror is no slip
   constexpr double kFarthestMm = 1e4;

@@ -604,7 +604,7 @@ void LinkServer::give(const LinkOutput& output) noexcept {
   state_->network_bell.ring();
 }
 
-void LinkServer::give_surfaces(std::map<std::string, std::string> contents) {
+void LinkServer::give_surfaces(const std::map<std::string, std::string>& contents) {
   std::map<std::string, State::Given> messages;
   for (const auto& [name, content] : contents) {
     // Header version 1, which every receiver reads: a bone is not packed for each peer.

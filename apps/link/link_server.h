@@ -124,7 +124,7 @@ class LinkServer {
 
   /// From any thread: surfaces, each under its name, in place of what had that name; an empty content takes it away.
   /// Peers get them as they find time.
-  void give_surfaces(std::map<std::string, std::string> contents);
+  void give_surfaces(const std::map<std::string, std::string>& contents);
 
   /// So far; its times are known at the end.
   LinkReport report() const;

@@ -94,7 +94,7 @@ std::optional<Pose> CoupledOperator::hear() noexcept {
   if (!device_.read(sample) || sample.time_s == last_sample_s_) return std::nullopt;
   last_sample_s_ = sample.time_s;
   buttons_ = sample.buttons;
-  const std::optional<Pose> pose = sound_device_pose(sample.pose);
+  std::optional<Pose> pose = sound_device_pose(sample.pose);
   if (!pose) ++rejected_poses_;
   return pose;
 }
