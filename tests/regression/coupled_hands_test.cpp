@@ -36,18 +36,16 @@ TEST_F(CoupledHands, GetNoMoreEnergyThanTheyPutInButAMillijoule) {
   RecordProperty("max_given_mj", std::to_string(most));
 }
 
-// Known not to hold for all: of the 6,667 hands of these seeds that rest, 27 still move by more at the end; of 17 of
-// them it dies down within 3 s more, of 10 it does not (docs/coupling.md).
-TEST_F(CoupledHands, FeelNoLimitCycleInAirOrAtRestOnBoneButForOneIn200) {
+// Fails today: of the 6,667 hands of these seeds that rest, 27 still move by more at the end; of 17 of them it dies
+// down within 3 s more, of 10 it does not (docs/coupling.md).
+TEST_F(CoupledHands, FeelNoLimitCycleInAirOrAtRestOnBone) {
   double most = 0.0;
-  int still_moving = 0;
   for (std::size_t n = 0; n < kHands; ++n) {
     if (seed(n) % 3 == static_cast<std::uint64_t>(test::HandTask::drills)) continue;
-    still_moving += outcomes_[n].still_n > 0.05 ? 1 : 0;
+    EXPECT_LE(outcomes_[n].still_n, 0.05) << "seed " << seed(n);
     most = std::max(most, outcomes_[n].still_n);
   }
-  EXPECT_LE(still_moving, 33);
-  EXPECT_LE(most, 0.2);
+  RecordProperty("max_still_n", std::to_string(most));
 }
 
 TEST_F(CoupledHands, FeelTheThrustOfTheLaw) {

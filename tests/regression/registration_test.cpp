@@ -250,6 +250,16 @@ TEST_P(RegistrationOfBones, PredictTheErrorAtThePediclesOf1000Trials) {
   }
 }
 
+/// At the pedicle that is further off.
+double worst_error_mm(const RegistrationBench& bench, const Registration& found, const RigidPose& truth) {
+  double error_mm = 0.0;
+  for (const bool left : {true, false}) {
+    const Vec3 pedicle_mm = bench.pedicle_mm(left);
+    error_mm = std::max(error_mm, (found.ct_from_patient.apply(truth.inverse().apply(pedicle_mm)) - pedicle_mm).norm());
+  }
+  return error_mm;
+}
+
 TEST_P(RegistrationOfBones, EndInTheRightPlaceFrom500StartsOrSayThatTheyDoNot) {
   SPINALTAP_NEED_REGISTERED_BONE()
   const auto made = bench();
@@ -264,12 +274,7 @@ TEST_P(RegistrationOfBones, EndInTheRightPlaceFrom500StartsOrSayThatTheyDoNot) {
     options.start = off_by(truth, places_mm, draws, 20.0, 20.0);
     options.noise_mm = kNoiseMm;
     const Registration found = register_surface(made->bone().shape(), touched, options);
-    double error_mm = 0.0;
-    for (const bool left : {true, false}) {
-      const Vec3 pedicle_mm = made->pedicle_mm(left);
-      error_mm =
-          std::max(error_mm, (found.ct_from_patient.apply(truth.inverse().apply(pedicle_mm)) - pedicle_mm).norm());
-    }
+    const double error_mm = worst_error_mm(*made, found, truth);
     const bool is_right = error_mm < kRightMm;
     right += is_right ? 1 : 0;
     told += !is_right && !found.warnings.empty() ? 1 : 0;
@@ -302,12 +307,7 @@ TEST_P(RegistrationOfBones, SayWhereTouchedPointsDoNotHoldThePose) {
     options.start = off_by(truth, places_mm, draws, 10.0, 10.0);
     options.noise_mm = kNoiseMm;
     const Registration found = register_surface(made->bone().shape(), touched, options);
-    double error_mm = 0.0;
-    for (const bool left : {true, false}) {
-      const Vec3 pedicle_mm = made->pedicle_mm(left);
-      error_mm =
-          std::max(error_mm, (found.ct_from_patient.apply(truth.inverse().apply(pedicle_mm)) - pedicle_mm).norm());
-    }
+    const double error_mm = worst_error_mm(*made, found, truth);
     wrong += error_mm > 3.0 ? 1 : 0;
     silent += error_mm > 3.0 && found.warnings.empty() ? 1 : 0;
     wide_of_patch += found.warnings.empty() ? 0 : 1;
@@ -319,7 +319,7 @@ TEST_P(RegistrationOfBones, SayWhereTouchedPointsDoNotHoldThePose) {
   }
   std::printf("%s: of %d patches %d over 3 mm off, %d of them silent; %d told\n", name(), static_cast<int>(kPatches),
               wrong, silent, wide_of_patch);
-  EXPECT_GT(wrong, 10);  // that they hold none, or there would be nothing to tell
+  EXPECT_GT(wrong, 20);  // that they hold none, or there would be nothing to tell
   EXPECT_LE(silent, 2);
 }
 
