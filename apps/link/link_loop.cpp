@@ -8,8 +8,8 @@
 #include <exception>
 #include <thread>
 
-#include "apps/link/link_thread.h"
 #include "core/base/error.h"
+#include "core/session/real_time/thread_rights.h"
 
 namespace spinaltap {
 namespace {
@@ -87,7 +87,10 @@ void LinkLoop::fetch() {
 }
 
 void LinkLoop::run(const std::atomic<bool>& stops) {
-  report_.has_priority = options_.wants_priority && hurry_thread(kLoopPriority);
+  if (options_.wants_priority) {
+    ask_for_exact_sleeps();
+    report_.has_priority = ask_for_priority(kLoopPriority).empty();
+  }
   const std::int64_t start_ns = wall_ns();
   const auto min_period_ns = static_cast<std::int64_t>(0.5e9 / options_.rate_hz);
   while (!stops && !is_ended_) {

@@ -21,6 +21,7 @@
 #include "apps/link/link_thread.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/session/real_time/thread_rights.h"
 
 namespace spinaltap {
 namespace {
@@ -183,7 +184,10 @@ struct LinkServer::State {
 };
 
 void LinkServer::State::run() {
-  report.has_priority = options.wants_priority && hurry_thread(kNetworkPriority);
+  if (options.wants_priority) {
+    ask_for_exact_sleeps();
+    report.has_priority = ask_for_priority(kNetworkPriority).empty();
+  }
   while (!ends) {
     poll_sockets();
     fetch_outputs();

@@ -1,10 +1,7 @@
 #include "apps/link/link_thread.h"
 
 #include <poll.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/eventfd.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -52,12 +49,6 @@ void LinkBell::wait(std::int64_t until_ns) const noexcept {
 void LinkBell::silence() const noexcept {
   std::uint64_t count = 0;
   [[maybe_unused]] const auto got = ::read(descriptor_.number(), &count, sizeof count);
-}
-
-bool hurry_thread(int priority) noexcept {
-  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
-  const sched_param parameter{.sched_priority = priority};
-  return ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameter) == 0;
 }
 
 }  // namespace spinaltap

@@ -41,8 +41,4 @@ class LinkBell {
   FileDescriptor descriptor_;
 };
 
-/// Asks for real-time priority and exact sleeps for the calling thread. False where the user's rights do not allow the
-/// first.
-bool hurry_thread(int priority) noexcept;
-
 }  // namespace spinaltap

@@ -94,14 +94,14 @@ Registration read_registration(const std::filesystem::path& path) {
   if (!(found.noise_mm >= 0.0) || !(found.residual_rms_mm >= 0.0)) {
     fail("expected numbers of 0 or more for \"noise_mm\" and \"residual_rms_mm\" in ", path.string());
   }
+  found.noise_was_told = object.flag("noise_was_told");
   try {
-    found.noise_was_told = object.at("noise_was_told").get<bool>();
     found.residuals_mm = object.at("residuals_mm").get<std::vector<double>>();
     found.rejected = object.at("rejected").get<std::vector<std::size_t>>();
     found.warnings = object.at("warnings").get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception&) {
     fail(
-        "expected true or false for \"noise_was_told\", lists of numbers for \"residuals_mm\" and \"rejected\" and "
+        "expected lists of numbers for \"residuals_mm\" and \"rejected\" and "
         "one of texts for \"warnings\" in ",
         path.string());
   }

@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "core/base/check_range.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 
@@ -183,9 +184,7 @@ HoldModel foam_hold_model() {
 
 void check_hold_model(const HoldModel& model) {
   const auto within = [](double value, double lowest, double highest, const char* what) {
-    if (!(value >= lowest && value <= highest)) {
-      fail("screw's hold: expected ", what, " from ", lowest, " to ", highest, ", found ", value);
-    }
+    check_range(value, lowest, highest, "screw's hold", what);
   };
   for (const DensityPowerLaw& law : {model.shear, model.crushing, model.modulus}) {
     within(law.at_reference_mpa, 1e-6, 1e6, "a strength or modulus (MPa)");

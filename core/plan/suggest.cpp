@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/check_range.h"
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/plan/convergence.h"
@@ -24,9 +25,7 @@ void check_options(std::span<const PedicleScrew> screws, const SuggestOptions& o
   check_bit(options.bit);
   check_turns(options.bit, "paths through pedicles");
   const auto within = [](double value, double lowest, double highest, const char* what) {
-    if (!(value >= lowest && value <= highest)) {
-      fail("suggesting paths: expected ", what, " from ", lowest, " to ", highest, ", found ", value);
-    }
+    check_range(value, lowest, highest, "suggesting paths", what);
   };
   within(options.margin_mm, 0.0, 5.0, "a margin around the screw (mm)");
   within(options.min_margin_mm, 0.0, options.margin_mm, "a least margin (mm)");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check_range.h"
 #include "core/base/error.h"
 
 namespace spinaltap {
@@ -30,9 +31,7 @@ Material with_forces_times(const Material& material, double factor) {
 void check_material(const Material& material) {
   check_hu_to_density(material.density);
   const auto within = [](double value, double lowest, double highest, const char* what) {
-    if (!(value >= lowest && value <= highest)) {
-      fail("material: expected ", what, " from ", lowest, " to ", highest, ", found ", value);
-    }
+    check_range(value, lowest, highest, "material", what);
   };
   // Steel is cut with some 3,000 N·mm/mm³; an exponent below 0 would make denser bone easier to drill.
   within(material.specific_cutting_energy_mpa, 0.0, 1e4, "specific_cutting_energy_mpa");

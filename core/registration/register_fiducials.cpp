@@ -7,19 +7,14 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/registration/detail/measured_spread.h"
 
 namespace spinaltap {
 namespace {
 
-Vec3 middle_of(std::span<const Vec3> points_mm) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p_mm : points_mm) sum += p_mm;
-  return sum / static_cast<double>(points_mm.size());
-}
-
 /// Mean square distance from the line along which the points spread most, mm².
 double spread_beside_a_line_mm2(std::span<const Vec3> points_mm) {
-  const Vec3 middle = middle_of(points_mm);
+  const Vec3 middle = detail::middle_of(points_mm);
   Mat3 products = Mat3::Zero();
   for (const Vec3& p_mm : points_mm) products += (p_mm - middle) * (p_mm - middle).transpose();
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(products, Eigen::EigenvaluesOnly);
@@ -108,10 +103,10 @@ Registration register_fiducials(std::span<const Vec3> ct_mm, std::span<const Vec
   found.noise_was_told = options.fle_mm > 0.0;
   double fle_mm = found.noise_was_told ? options.fle_mm : fle_of_fre_mm;
   if (found.noise_was_told) {
-    // The FRE's square is FLE²/3 times chi-square of 3N - 6 degrees over N; beyond its 99.9 % (Wilson & Hilferty 1931).
+    // The FRE's square is FLE²/3 times chi-square of 3N - 6 degrees over N.
     const double degrees = 3.0 * count - 6.0;
-    const double cube = 1.0 - 2.0 / (9.0 * degrees) + 3.09 * std::sqrt(2.0 / (9.0 * degrees));
-    const double limit_mm = options.fle_mm * std::sqrt(degrees * cube * cube * cube / (3.0 * count));
+    const double limit_mm =
+        options.fle_mm * std::sqrt(degrees * detail::unlikely_variance_ratio(degrees) / (3.0 * count));
     if (found.residual_rms_mm > limit_mm) {
       fle_mm = fle_of_fre_mm;
       found.warnings.push_back(joined("the fiducials fit to ", fixed_text(found.residual_rms_mm, 2), " mm only: up to ",
@@ -127,7 +122,7 @@ Registration register_fiducials(std::span<const Vec3> ct_mm, std::span<const Vec
   found.noise_mm = fle_mm / std::sqrt(3.0);
 
   // Least squares: J = [-(x - c)x, I] of each mark, so that turn and shift do not mix about the marks' middle.
-  const Vec3 centre_mm = middle_of(ct_mm);
+  const Vec3 centre_mm = detail::middle_of(ct_mm);
   Mat3 inertia = Mat3::Zero();
   double square_mm2 = 0.0;
   for (const Vec3& p_mm : ct_mm) {

@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/quasi_random.h"
 #include "core/registration/detail/fit_touched.h"
+#include "core/registration/detail/measured_spread.h"
 
 namespace spinaltap {
 namespace {
@@ -134,9 +135,7 @@ void judge_fit(const TouchedOptions& options, double noise_of_fit_mm, double deg
   found.noise_was_told = options.noise_mm > 0.0;
   found.noise_mm = noise_of_fit_mm;
   if (found.noise_was_told) {
-    // Chi-square's 99.9 % (Wilson & Hilferty 1931).
-    const double cube = 1.0 - 2.0 / (9.0 * degrees) + 3.09 * std::sqrt(2.0 / (9.0 * degrees));
-    const double limit_mm = options.noise_mm * std::sqrt(cube * cube * cube);
+    const double limit_mm = options.noise_mm * std::sqrt(detail::unlikely_variance_ratio(degrees));
     if (noise_of_fit_mm > limit_mm) {
       found.warnings.push_back(joined("the touched points scatter by ", fixed_text(noise_of_fit_mm, 2),
                                       " mm about the surface: up to ", fixed_text(limit_mm, 2),

@@ -4,15 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
+#include "core/base/check_range.h"
 
 namespace spinaltap {
 
 void check_compliance(const ComplianceOptions& options) {
   const auto within = [](double value, double lowest, double highest, const char* what) {
-    if (!(value >= lowest && value <= highest)) {
-      fail("compliance: expected ", what, " from ", lowest, " to ", highest, ", found ", value);
-    }
+    check_range(value, lowest, highest, "compliance", what);
   };
   within(options.free_length_mm, 0.0, 1000.0, "a free length (mm)");
   within(options.young_gpa, 1.0, 1000.0, "a modulus (GPa)");

@@ -8,6 +8,7 @@
 
 #include "core/base/random.h"
 #include "core/registration/detail/matrix6.h"
+#include "core/registration/detail/measured_spread.h"
 
 namespace spinaltap::detail {
 namespace {
@@ -56,12 +57,6 @@ class StepEquations {
   Matrix6 normal_ = Matrix6::Zero();
   Vector6 right_ = Vector6::Zero();
 };
-
-Vec3 middle_of(const std::vector<Vec3>& places_mm) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p_mm : places_mm) sum += p_mm;
-  return sum / static_cast<double>(places_mm.size());
-}
 
 double reach_of(const std::vector<Vec3>& places_mm, const Vec3& middle_mm) {
   double sum = 0.0;

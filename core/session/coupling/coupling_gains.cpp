@@ -6,15 +6,14 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/check_range.h"
 #include "core/base/error.h"
 
 namespace spinaltap {
 namespace {
 
 void check_coupled(double value, double lowest, double highest, const char* what) {
-  if (!(value >= lowest && value <= highest)) {
-    fail("coupling: expected ", what, " from ", lowest, " to ", highest, ", found ", value);
-  }
+  check_range(value, lowest, highest, "coupling", what);
 }
 
 constexpr double kKg = 1e-3;  // in N s²/mm

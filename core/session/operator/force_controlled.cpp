@@ -6,15 +6,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
+#include "core/base/check_range.h"
 
 namespace spinaltap {
 namespace {
 
-void check_range(double value, double lowest, double highest, const char* what) {
-  if (!(value >= lowest && value <= highest)) {
-    fail("operator that pushes: expected ", what, " from ", lowest, " to ", highest, ", found ", value);
-  }
+void check_push(double value, double lowest, double highest, const char* what) {
+  check_range(value, lowest, highest, "operator that pushes", what);
 }
 
 }  // namespace
@@ -26,21 +24,21 @@ ForceControlled::ForceControlled(const DrillPath& path, const ForceControlOption
       dt_s_(1.0 / options.rate_hz),
       depth_mm_(bit_.begin_mm()),
       push_n_(options.push_n) {
-  check_range(options.rate_hz, 1.0, 1e5, "a rate (Hz)");
-  check_range(options.spindle.rpm, 1.0, 1e6, "a spindle's speed (turns a minute)");
-  check_range(options.push_n, 0.0, 1e4, "a push (N)");
-  check_range(options.ramp_s, 0.0, 60.0, "a ramp (s)");
-  check_range(options.approach_mm_s, 1e-3, 1e3, "an approach (mm/s)");
-  check_range(options.mass_kg, 1e-3, 1e3, "a mass (kg)");
-  check_range(options.damping_n_s_mm, 0.0, 1e3, "a damping (N s/mm)");
-  check_range(options.reaction_s, 0.0, 60.0, "a reaction time (s)");
-  check_range(options.noticed_share, 0.0, 1.0, "a noticed share of the push");
-  check_range(options.max_push_n, 0.0, 1e4, "a push where it stands (N)");
-  check_range(options.raise_n_s, 0.0, 1e4, "a rise of the push (N/s)");
-  check_range(options.rock_deg, 0.0, 20.0, "a rocking (degrees)");
-  check_range(options.careful_mm_s, 1e-3, 1e3, "a careful feed (mm/s)");
-  check_range(options.stands_s, 0.0, 1e5, "a time to stand (s)");
-  check_range(options.longest_s, dt_s_, 1e5, "a longest time (s)");
+  check_push(options.rate_hz, 1.0, 1e5, "a rate (Hz)");
+  check_push(options.spindle.rpm, 1.0, 1e6, "a spindle's speed (turns a minute)");
+  check_push(options.push_n, 0.0, 1e4, "a push (N)");
+  check_push(options.ramp_s, 0.0, 60.0, "a ramp (s)");
+  check_push(options.approach_mm_s, 1e-3, 1e3, "an approach (mm/s)");
+  check_push(options.mass_kg, 1e-3, 1e3, "a mass (kg)");
+  check_push(options.damping_n_s_mm, 0.0, 1e3, "a damping (N s/mm)");
+  check_push(options.reaction_s, 0.0, 60.0, "a reaction time (s)");
+  check_push(options.noticed_share, 0.0, 1.0, "a noticed share of the push");
+  check_push(options.max_push_n, 0.0, 1e4, "a push where it stands (N)");
+  check_push(options.raise_n_s, 0.0, 1e4, "a rise of the push (N/s)");
+  check_push(options.rock_deg, 0.0, 20.0, "a rocking (degrees)");
+  check_push(options.careful_mm_s, 1e-3, 1e3, "a careful feed (mm/s)");
+  check_push(options.stands_s, 0.0, 1e5, "a time to stand (s)");
+  check_push(options.longest_s, dt_s_, 1e5, "a longest time (s)");
   options_.max_push_n = std::max(options.max_push_n, options.push_n);
 }
 
