@@ -11,6 +11,8 @@
 #include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
 #include "core/files/milling_file.h"
+#include "core/session/device/coupled_operator.h"
+#include "core/session/device/open_device.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/milling.h"
 #include "core/session/operator/path_motion.h"
@@ -25,6 +27,7 @@ constexpr double kTiltDeg = 3.0;
 constexpr double kTremorMm = 0.1;
 constexpr double kFeedMmS = 1.0;
 constexpr double kRateHz = 1000.0;
+constexpr double kForceScale = 0.1;  // devices give some 8 N, bone 40 to 80 N
 
 bool is_pose_file(std::string_view name) { return name.ends_with(".csv"); }
 
@@ -61,7 +64,25 @@ double mean_rate_hz(const std::vector<ToolInput>& inputs) {
 
 }  // namespace
 
+void OperatorChoice::check_device(bool is_real_time) const {
+  for (const auto& [given, option] :
+       {std::pair{!name.empty(), "--operator"}, std::pair{!feed.empty(), "--feed"},
+        std::pair{step_mm.has_value(), "--step"}, std::pair{rate_hz.has_value(), "--rate"},
+        std::pair{offset_mm.has_value(), "--offset"}, std::pair{tilt_deg.has_value(), "--tilt"},
+        std::pair{tremor_mm.has_value(), "--tremor"}, std::pair{seed.has_value(), "--seed"},
+        std::pair{peck_mm.has_value(), "--peck"}, std::pair{peck_pause_s.has_value(), "--peck-pause"},
+        std::pair{withdraw_mm_s.has_value(), "--withdraw"}, std::pair{push_n.has_value(), "--push"},
+        std::pair{max_push_n.has_value(), "--max-push"}}) {
+    if (given) fail("expected no ", option, " with --device: the hand at the device moves the bit");
+  }
+  if (is_real_time && is_loopback_name(device)) {
+    fail("expected no --real-time with --device loopback: it is simulated, and has no clock of its own");
+  }
+}
+
 void OperatorChoice::check(bool is_real_time) const {
+  if (has_device()) return check_device(is_real_time);
+  if (force_scale) fail("expected --device with --force-scale");
   const auto reject = [&](bool given, const char* option, const char* why) {
     if (given) fail("expected no ", option, " with --operator ", name.empty() ? "on-path" : name, ": ", why);
   };
@@ -111,7 +132,8 @@ void OperatorChoice::check(bool is_real_time) const {
 ExpectedWay OperatorChoice::expected_way() const {
   return {.max_tilt_deg = tilt_deg.value_or(name == "tilted" ? kTiltDeg : 0.0),
           .keeps_to_path = !is_milling(),
-          .trembles = is_pose_file(name) || tremor_or_default_mm() > 0.0};
+          .trembles = is_pose_file(name) || has_device() || tremor_or_default_mm() > 0.0,
+          .is_free = has_device()};
 }
 
 double OperatorChoice::tremor_or_default_mm() const { return tremor_mm.value_or(name == "tremor" ? kTremorMm : 0.0); }
@@ -157,6 +179,19 @@ void OperatorChoice::add_force_controlled(const DrillPath& path, const GuideLine
   plan.tool_operator = std::make_unique<ForceControlled>(path, push);
 }
 
+void OperatorChoice::add_device(const DrillPath& path, double lead_in_mm, const Spindle& spindle,
+                                OperatorPlan& plan) const {
+  plan.device = open_device(device);
+  CoupledOptions coupled{.spindle = spindle, .lead_in_mm = lead_in_mm, .end_button = kEndButton};
+  coupled.coupling.force_scale = force_scale.value_or(kForceScale);
+  coupled.coupling.spindle_button = kSpindleButton;
+  coupled.longest_s = longest_s.value_or(coupled.longest_s);
+  plan.rate_hz = plan.device->limits().rate_hz;
+  plan.words["device"] = plan.device->name();
+  plan.words["force scale"] = short_text(coupled.coupling.force_scale);
+  plan.tool_operator = std::make_unique<CoupledOperator>(*plan.device, path, coupled);
+}
+
 void OperatorChoice::add_recorded_motion(const DrillPath& path, OperatorPlan& plan) const {
   std::vector<ToolInput> inputs = read_pose_csv(name);
   const PathCurve curve(path);
@@ -192,8 +227,10 @@ OperatorPlan OperatorChoice::plan(const DrillPath& path, double lead_in_mm, cons
   check(is_real_time);
   OperatorPlan plan;
   plan.way = expected_way();
-  plan.words["kind"] = name.empty() ? "on-path" : is_milling() ? "milling" : name;
-  if (is_pose_file(name)) {
+  plan.words["kind"] = has_device() ? "device" : name.empty() ? "on-path" : is_milling() ? "milling" : name;
+  if (has_device()) {
+    add_device(path, lead_in_mm, spindle, plan);
+  } else if (is_pose_file(name)) {
     add_recorded_motion(path, plan);
   } else if (is_milling()) {
     add_milling(path, bone, plan);

@@ -71,6 +71,20 @@ void add_operator(CLI::App& app, OperatorChoice& tool_operator) {
   app.add_option("--seed", tool_operator.seed, "Seed of the tremor; default: 1")->type_name("N");
 }
 
+namespace {
+
+void add_device(CLI::App& app, OperatorChoice& tool_operator) {
+  app.add_option("--device", tool_operator.device,
+                 "A hand moves the bit, at a device: a plug-in, FILE.so, or a simulated one, loopback; "
+                 "button 1 is the spindle, button 2 ends it")
+      ->type_name("FILE.so[:SETTINGS]");
+  app.add_option("--force-scale", tool_operator.force_scale,
+                 "With --device: how much of the bone's force it gives; default: 0.1")
+      ->type_name("SHARE");
+}
+
+}  // namespace
+
 void add_stop_rules(CLI::App& app, StopRules& stop) {
   app.add_option("--stop-at-thrust", stop.thrust_n, "Ask the operator to stop at this thrust, N; default: never")
       ->type_name("N");
@@ -120,7 +134,7 @@ void DrillOptions::add_to(CLI::App& app) {
          "--engine", setup.engine,
          "Drilling engine: ring, leaf, arc, reference: the same result; or voxel: the whole bone's voxels, --spacing "
          "apart, for any tool and way. Default: auto: ring or leaf, whichever is faster; voxel for a milling, a "
-         "plate or a --region")
+         "device, a plate or a --region")
       ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
   app.add_option("--region", region,
@@ -147,6 +161,7 @@ void DrillOptions::add_to(CLI::App& app) {
 
 void DrillOptions::add_session_to(CLI::App& app) {
   add_operator(app, tool_operator);
+  add_device(app, tool_operator);
   add_stop_rules(app, setup.options.stop);
   ComplianceOptions& compliance = setup.options.compliance;
   app.add_flag("--compliant", compliance.is_on,
@@ -169,7 +184,8 @@ void DrillOptions::add_session_to(CLI::App& app) {
   app.add_option("--record", record, "Write every cycle into this HDF5 file; see `replay`")->type_name("FILE");
   app.add_flag("--real-time", is_real_time,
                "By the clock, with threads for operator, collisions and display; prints their latencies");
-  app.add_option("--seconds", seconds, "With --real-time: how long at most, s; default: 600")->type_name("S");
+  app.add_option("--seconds", seconds, "With --real-time or --device: how long at most, s; default: 600")
+      ->type_name("S");
   app.add_option("--output-rate", output_rate_hz,
                  "With --real-time: extrapolate forces at this rate for a device, Hz; default: not")
       ->type_name("HZ");
@@ -177,8 +193,11 @@ void DrillOptions::add_session_to(CLI::App& app) {
 
 void DrillOptions::check(const DrillBit& tool) const {
   tool_operator.check(is_real_time);
-  if (!is_real_time && (seconds || output_rate_hz)) {
+  if (!is_real_time && ((seconds && !tool_operator.has_device()) || output_rate_hz)) {
     fail("expected --real-time with --seconds and --output-rate: without it drilling goes as fast as it goes");
+  }
+  if (tool_operator.has_device() && output_rate_hz) {
+    fail("expected no --output-rate with --device: the device gets a force of its own each cycle");
   }
   if (!has_heat && (solves_heat || heat.is_given() || heat_limit_c)) {
     fail("expected --heat with --heat-grid, --irrigation, --thermal-bone and --heat-limit");
@@ -217,12 +236,12 @@ void DrillOptions::check(const DrillBit& tool) const {
   }
   const bool drills_voxels = chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel;
   if (writes_voxels && !drills_voxels) {
-    fail("expected voxels with --voxels: a milling, a plate, a --region, several bones, or --engine voxel");
+    fail("expected voxels with --voxels: a milling, a device, a plate, a --region, several bones, or --engine voxel");
   }
   if (drills_voxels && (writes_points || writes_splats || !field.empty())) {
     fail(
         "expected an engine of points with --points, --splats and --rbf, found voxels: a milling, "
-        "a plate, a --region, several bones, or --engine voxel");
+        "a device, a plate, a --region, several bones, or --engine voxel");
   }
   if (!record.empty() && !field.empty()) {
     fail("expected --record without --rbf: a record does not hold the fitted surface, so it could not be replayed");

@@ -307,8 +307,11 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   const Bone& bone = bones.front();
   if (bones.size() > 1 || !options.record.empty()) name_bones(setup, bones);
   const FieldOfBones whole(bones);
+  OperatorChoice choice = options.tool_operator;
+  choice.longest_s = options.seconds;
+  setup.options.has_device = choice.has_device();
   OperatorPlan tool_operator =
-      options.tool_operator.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);
+      choice.plan(path, setup.volume.lead_in_mm, setup.options.spindle, options.is_real_time, &whole);
   setup = setup_for(std::move(setup), tool_operator.way);
   const DensityCalibration density =
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);

@@ -10,6 +10,7 @@ struct ExpectedWay {
   double max_tilt_deg = 0.0;  ///< of the tool's axis against the path
   bool keeps_to_path = true;  ///< else no cylinder around the path holds it: a milling
   bool trembles = true;       ///< moves aside as well, as a hand does; else it only goes along its axis
+  bool is_free = false;       ///< may leave the path, and the cylinder around it: a hand at a device
 };
 
 /// The engine of a session: the setup's own, or where that is `automatic`, the fastest of those that serve. What comes

@@ -2,8 +2,8 @@
  * do. SpinalTap loads it at run time; no vendor's library is needed to build either. docs/simulators.md has a guide,
  * and apps/examples/device_plugin.c is a whole one.
  *
- * All functions are called from one thread, and wait for nothing but open() and close(). Coordinates are the device's
- * own: right-handed; mm, N, N mm, s, kg, rad. */
+ * All functions are called from one thread at a time, and wait for nothing but open() and close(). Coordinates are the
+ * device's own: right-handed; mm, N, N mm, s, kg, rad. */
 #ifndef SPINALTAP_DEVICE_PLUGIN_H
 #define SPINALTAP_DEVICE_PLUGIN_H
 

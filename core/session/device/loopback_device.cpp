@@ -134,7 +134,7 @@ bool LoopbackDevice::read(DeviceSample& sample) noexcept {
   } else if (limits_.senses_turn && sample.pose.side == Vec3::Zero()) {
     sample.pose.side = any_perpendicular(sample.pose.axis);
   }
-  sample.buttons = options_.hand.buttons;
+  sample.buttons = options_.hand.buttons | (time_s_ >= options_.hand.presses_from_s ? options_.hand.presses : 0U);
   sample.time_s = time_s_;
   return true;
 }

@@ -28,6 +28,8 @@ struct LoopbackHand {
   double swing_end_s = 1e9;
   double tremor_mm = 0.0;  ///< Tremor's amplitude
   std::uint32_t buttons = 1;
+  double presses_from_s = 1e9;  ///< from then on it holds these as well
+  std::uint32_t presses = 0;
 };
 
 struct LoopbackOptions {
