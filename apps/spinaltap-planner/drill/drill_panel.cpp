@@ -259,6 +259,7 @@ void DrillPanel::set_milling(const Milling& milling) {
 /// What is drilled, whoever asked for it.
 void DrillPanel::show_plan() {
   const DrillPlan plan = player_.plan();
+  if (plan.source) return;  // the page of the navigation picture shows it
   if (plan.milling) set_milling(*plan.milling);
   operator_->setCurrentIndex(operator_->findData(QString::fromStdString(plan.tool_operator)));
   if (const int engine = engine_->findData(static_cast<int>(plan.engine)); engine >= 0)

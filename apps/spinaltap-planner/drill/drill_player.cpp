@@ -38,6 +38,9 @@ void DrillPlayer::start(const DrillPlan& plan) {
     const DrillPath* path = document_.chosen_path();
     if (!document_.bone()) fail("expected a bone to drill: open a CT or a bone first");
     if (path == nullptr) fail("expected a path to drill: add or choose one first");
+    if (plan.source && !plan.source->is_live() && !drilled_.empty()) {
+      fail("expected the bone without holes for a record: undo its holes first");
+    }
     const SessionSetup setup = session_setup(*path, plan);
     const OperatorChoice tool_operator = operator_choice(plan);
     plan_ = plan;
@@ -48,26 +51,26 @@ void DrillPlayer::start(const DrillPlan& plan) {
     std::shared_ptr<const PlayedHole> known;
     if (!earlier.empty()) known = earlier.back();
     if (!undone_.empty()) known = undone_.back().played;
-    prepare(
-        tr("Preparing"),
-        [this, plan, setup, tool_operator, earlier, known, bone = document_.bone(),
-         mesh = mesh_](const Progress& progress) -> std::function<void()> {
-          SessionSetup whole = setup;
-          for (const auto& hole : earlier) whole.holes.push_back(hole->drilled());
-          const auto hole = std::make_shared<PlayedHole>(bone, std::move(whole), tool_operator, known.get(), progress);
-          progress.report("meshing", 0.0);
-          const auto drilled_mesh =
-              mesh ? mesh
-                   : std::make_shared<LiveMesh>(
-                         bone->model(), RemainingBoneOptions{.voxel_mm = kSurfaceVoxelMm, .undo_bytes = kUndoBytes});
-          return [this, plan, hole, bone, drilled_mesh] {
-            bone_ = bone;
-            mesh_ = drilled_mesh;
-            mesh_->end_hole();
-            drilled_.push_back({hole, plan, mesh_->holes_to_undo()});
-            drill_on();
-          };
-        });
+    prepare(tr("Preparing"),
+            [this, plan, setup, tool_operator, earlier, known, bone = document_.bone(),
+             mesh = mesh_](const Progress& progress) -> std::function<void()> {
+              SessionSetup whole = setup;
+              for (const auto& hole : earlier) whole.holes.push_back(hole->drilled());
+              const auto hole = std::make_shared<PlayedHole>(bone, std::move(whole), tool_operator, known.get(),
+                                                             progress, plan.source);
+              progress.report("meshing", 0.0);
+              const auto drilled_mesh =
+                  mesh ? mesh
+                       : std::make_shared<LiveMesh>(bone->model(), RemainingBoneOptions{.voxel_mm = kSurfaceVoxelMm,
+                                                                                        .undo_bytes = kUndoBytes});
+              return [this, plan, hole, bone, drilled_mesh] {
+                bone_ = bone;
+                mesh_ = drilled_mesh;
+                mesh_->end_hole();
+                drilled_.push_back({hole, plan, mesh_->holes_to_undo()});
+                drill_on();
+              };
+            });
   });
 }
 
@@ -228,6 +231,7 @@ void DrillPlayer::end_drilling() {
   if (cycles_per_s_ == 0.0) measure_rates(threads_->take_news(), 1e-3);
   const QString trouble = QString::fromStdString(threads_->trouble());
   threads_.reset();
+  drilled_.back().played->stop();
   show_hole();
   set_state(State::stopped);
   if (!trouble.isEmpty()) Q_EMIT failed(trouble);
@@ -321,6 +325,7 @@ bool DrillPlayer::has_unsaved() const {
 std::vector<HoleOrder> DrillPlayer::orders() const {
   std::vector<HoleOrder> orders;
   for (const Hole& hole : drilled_) {
+    if (hole.plan.source) break;  // what a hand did is in its record alone, and the next holes began in its bone
     const bool is_under_way = threads_ && &hole == &drilled_.back();
     const std::size_t cycles = is_under_way ? known_cycles_ : hole.played->inputs().size();
     if (cycles > 0) orders.push_back({hole.played->setup().path, hole.plan, cycles});

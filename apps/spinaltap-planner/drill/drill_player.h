@@ -98,7 +98,8 @@ class DrillPlayer : public QObject {
   /// A hole stands, or is being drilled, of which there is no record and no report.
   bool has_unsaved() const;
 
-  /// The holes, the first first; of one that is being drilled what is known, up to 33 ms ago.
+  /// The holes, the first first, as far as they can be had again: up to the first that a NavigationSource drilled. Of
+  /// one that is being drilled what is known, up to 33 ms ago.
   std::vector<HoleOrder> orders() const;
   /// Drills holes again, in place of those that stand, as fast as it goes; then it stands still.
   void drill_again(const std::vector<HoleOrder>& orders);

@@ -7,6 +7,7 @@
 #include "apps/report/drilling_report.h"
 #include "apps/report/picture_view.h"
 #include "apps/report/text.h"
+#include "apps/spinaltap-planner/navigation/record_source.h"
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/files/data_files.h"
@@ -30,7 +31,9 @@ const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& o
   return is_same ? built.clearances.get() : nullptr;
 }
 
-OperatorPlan plan_operator(const OperatorChoice& choice, const SessionSetup& setup, const Bone& bone) {
+OperatorPlan plan_operator(const OperatorChoice& choice, const SessionSetup& setup, const Bone& bone,
+                           NavigationSource* source, const Progress& progress) {
+  if (source != nullptr) return source->begin(setup, progress);
   const BoneField whole(bone.model());
   return choice.plan(setup.path, setup.volume.lead_in_mm, setup.options.spindle, false, &whole);
 }
@@ -39,6 +42,7 @@ OperatorPlan plan_operator(const OperatorChoice& choice, const SessionSetup& set
 
 OperatorChoice operator_choice(const DrillPlan& plan) {
   OperatorChoice choice;
+  if (plan.source) return choice;
   choice.name = plan.tool_operator;
   if (plan.tool_operator == "milling") {
     if (!plan.milling) fail("expected a milling for the operator: choose its file first");
@@ -62,22 +66,37 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
   setup.options.stop.on_breach = plan.stops_on_breach && !is_milling;
   if (!is_milling && path.bit.shape != BitShape::plate)
     setup.options.heat = HeatOptions{.bone = shipped_thermal_bone()};
+  if (plan.source) plan.source->prepare(setup);
   return setup;
 }
 
 PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
-                       const PlayedHole* other, const Progress& progress)
+                       const PlayedHole* other, const Progress& progress, std::shared_ptr<NavigationSource> source)
     : bone_(std::move(bone)),
-      setup_(setup_for(std::move(setup), tool_operator.expected_way())),
+      setup_(setup_for(std::move(setup), source ? ExpectedWay{.is_free = true} : tool_operator.expected_way())),
       choice_(std::move(tool_operator)),
-      operator_(plan_operator(choice_, setup_, *bone_->bone)),
+      source_(std::move(source)),
       built_(
           build_session(*bone_->bone, setup_, progress, nullptr,
                         other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),
       log_(DrillingOptions().log_step_mm, setup_.material,
-           setup_.volume.lead_in_mm + setup_.path.length_mm() + kBeyondTargetMm) {}
+           setup_.volume.lead_in_mm + setup_.path.length_mm() + kBeyondTargetMm) {
+  // Last: a device or a link that waits is not to wait for the bone as well.
+  operator_ = plan_operator(choice_, setup_, *bone_->bone, source_.get(), progress);
+}
+
+PlayedHole::~PlayedHole() { stop(); }
+
+void PlayedHole::stop() {
+  if (!source_ || !source_->is_live()) return;
+  is_over_ = true;
+  operator_.tool_operator.reset();
+  operator_.device.reset();
+  source_->end();
+}
 
 bool PlayedHole::step() {
+  if (!operator_.tool_operator) return false;
   const std::optional<ToolInput> input = operator_.tool_operator->next(built_.session->feedback());
   if (!input) {
     is_over_ = true;
@@ -87,11 +106,19 @@ bool PlayedHole::step() {
   inputs_.push_back(*input);
   removed_ += cycle.step.removed;
   log_.add(cycle, std::numeric_limits<double>::quiet_NaN());  // a clock would make other rows of the same cycles
+  if (source_) source_->tell(*built_.session);
   return true;
 }
 
 std::unique_ptr<PlayedHole> PlayedHole::after(std::size_t cycles, const Progress& progress) const {
-  auto hole = std::make_unique<PlayedHole>(bone_, setup_, choice_, this, progress);
+  std::shared_ptr<NavigationSource> source = source_;
+  if (source && source->is_live()) {
+    // Nobody moves a hand the same way again: what it did is all there is.
+    source = std::make_shared<RecordSource>(
+        setup_, std::vector<ToolInput>(inputs_.begin(), inputs_.begin() + static_cast<std::ptrdiff_t>(cycles)),
+        operator_.words);
+  }
+  auto hole = std::make_unique<PlayedHole>(bone_, setup_, choice_, this, progress, std::move(source));
   ProgressCounter counter(progress, "going back", cycles);
   while (hole->inputs_.size() < cycles && hole->step()) counter.add();
   return hole;

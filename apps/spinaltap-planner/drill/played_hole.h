@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/report/operator_choice.h"
+#include "apps/spinaltap-planner/navigation/navigation_source.h"
 #include "apps/spinaltap-planner/opened_bone.h"
 #include "core/base/progress.h"
 #include "core/session/depth_log.h"
@@ -27,6 +28,8 @@ struct DrillPlan {
   double speed = 1.0;                           ///< of the clock: 2 is twice life's; 0: as fast as it goes
   EngineKind engine = EngineKind::automatic;    ///< which is what serves the operator best
   std::shared_ptr<const Milling> milling = {};  ///< of the operator milling
+  /// Of the operator "navigation": who moves the tool, in place of all of the above but the path; null of all others.
+  std::shared_ptr<NavigationSource> source = {};
 };
 
 /// Throws Error where the operator is a milling and there is none.
@@ -50,9 +53,12 @@ struct DoneDrilling {
 class PlayedHole {
  public:
   /// `other`: a hole of the same bone, which saves work where it has the same path; may be null. Throws Error where the
-  /// path misses the bone or what is asked of the operator makes no sense.
+  /// path misses the bone or what is asked of the operator makes no sense. `source`: moves the tool in place of the
+  /// operator; may be null.
   PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
-             const PlayedHole* other = {}, const Progress& progress = {});
+             const PlayedHole* other = {}, const Progress& progress = {},
+             std::shared_ptr<NavigationSource> source = {});
+  ~PlayedHole();
 
   /// A cycle. False: the operator has ended.
   bool step();
@@ -61,6 +67,8 @@ class PlayedHole {
   /// How many cycles there were so many seconds of the operator's time ago; at least one.
   std::size_t cycles_before(double seconds) const;
 
+  /// Of one that a live source drills: it stops, and the source is let go. Others go on later.
+  void stop();
   bool is_over() const { return is_over_; }
   double rate_hz() const { return operator_.rate_hz; }
   const SessionSetup& setup() const { return setup_; }
@@ -80,6 +88,7 @@ class PlayedHole {
   std::shared_ptr<const OpenedBone> bone_;
   SessionSetup setup_;
   OperatorChoice choice_;
+  std::shared_ptr<NavigationSource> source_;
   OperatorPlan operator_;
   BuiltSession built_;
   DepthLog log_;

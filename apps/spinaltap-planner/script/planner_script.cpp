@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "apps/spinaltap-planner/navigation/navigation_panel.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/main_window.h"
@@ -239,7 +240,7 @@ class ScriptRun {
           }
           window_->panes().show_only(w[0] == "all" ? QString() : text_of(w[0]));
         }}},
-      {"page", {1, 1, "page plan|path|drill", [this](const Words& w) { window_->show_page(text_of(w[0])); }}},
+      {"page", {1, 1, "page plan|path|drill|navigate", [this](const Words& w) { window_->show_page(text_of(w[0])); }}},
       {"size",
        {2, 2, "size WIDTH HEIGHT: of the window, pixels",
         [this](const Words& w) {
@@ -252,6 +253,13 @@ class ScriptRun {
         "drill [operator=NAME|MILLING.json] [feed=MM_S] [push=N] [speed=X] [engine=NAME]: the chosen path; goes on "
         "beside the script",
         [this](const Words& w) { drill(w); }}},
+      {"navigate",
+       {1, 2,
+        "navigate hand|device|listen|connect|record [WHERE]: along the chosen path; WHERE: FILE.so[:SETTINGS] or "
+        "loopback, a port, HOST:PORT, FILE.h5; goes on beside the script",
+        [this](const Words& w) {
+          window_->navigation().start(text_of(w[0]), w.size() > 1 ? text_of(w[1]) : QString());
+        }}},
       {"pause",
        {1, 1, "pause SECONDS: lets time go by",
         [this](const Words& w) {

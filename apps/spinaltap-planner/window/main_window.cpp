@@ -19,6 +19,7 @@
 
 #include "apps/spinaltap-planner/drill/drill_panel.h"
 #include "apps/spinaltap-planner/figures/figures_panel.h"
+#include "apps/spinaltap-planner/navigation/navigation_panel.h"
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "apps/spinaltap-planner/slices/slice_view.h"
 #include "apps/spinaltap-planner/window/elided_label.h"
@@ -104,12 +105,14 @@ void MainWindow::make_pages() {
   down_path_ = new SliceView(SliceKind::down_path, planner_.document(), planner_.view());
   down_path_->setObjectName("path");
   drill_ = new DrillPanel(planner_.document(), planner_.player());
+  navigation_ = new NavigationPanel(planner_.document(), planner_.view(), planner_.player());
 
   pages_ = new QTabWidget;
   pages_->setObjectName("pages");
   pages_->addTab(scrolled(plan), tr("&Plan"));
   pages_->addTab(down_path_, tr("Down the p&ath"));
   pages_->addTab(scrolled(drill_), tr("D&rill"));
+  pages_->addTab(scrolled(navigation_), tr("&Navigate"));
   auto* dock = new QDockWidget(tr("Paths and drilling"));
   dock->setObjectName("dock");
   dock->setFeatures(QDockWidget::DockWidgetMovable);
@@ -180,6 +183,7 @@ void MainWindow::connect_player() {
   connect(&player, &DrillPlayer::progressed, this, show_bit);
   connect(&player, &DrillPlayer::state_changed, this, show_bit);
   connect(&player, &DrillPlayer::failed, this, [this](const QString& why) { tell(tr("Drilling"), why); });
+  connect(navigation_, &NavigationPanel::failed, this, [this](const QString& why) { tell(tr("Navigation"), why); });
   connect(drill_, &DrillPanel::milling_wanted, this, &MainWindow::choose_milling);
   connect(drill_, &DrillPanel::save_record_wanted, this, &MainWindow::save_record);
   connect(drill_, &DrillPanel::write_report_wanted, this, &MainWindow::write_drill_report);
@@ -204,9 +208,9 @@ void MainWindow::tell(const QString& what, const QString& why) {
 }
 
 void MainWindow::show_page(const QString& name) {
-  const QStringList names{"plan", "path", "drill"};
+  const QStringList names{"plan", "path", "drill", "navigate"};
   const int index = names.indexOf(name);
-  if (index < 0) fail("expected the page plan, path or drill, found \"", name.toStdString(), "\"");
+  if (index < 0) fail("expected the page plan, path, drill or navigate, found \"", name.toStdString(), "\"");
   pages_->setCurrentIndex(index);
 }
 

@@ -25,6 +25,7 @@ class DrillPanel;
 class ElidedLabel;
 class FiguresPanel;
 class FourPanes;
+class NavigationPanel;
 class PathPanel;
 class SliceView;
 
@@ -38,6 +39,7 @@ class MainWindow : public QMainWindow {
 
   Planner& planner() { return planner_; }
   FourPanes& panes() { return *panes_; }
+  NavigationPanel& navigation() { return *navigation_; }
 
   /// As Planner::open(), but asks first where a plan or a drilling would be lost, and which bone of several is meant
   /// where the options do not say it, and shows what is wrong in a box.
@@ -50,7 +52,7 @@ class MainWindow : public QMainWindow {
   /// A picture of the window, or of one of its panes: "axial", "coronal", "sagittal", "3d", "path". Throws Error on
   /// other names, and where the file cannot be written.
   void save_picture(const std::filesystem::path& file, const QString& pane = {});
-  /// Shows the page with paths and figures, or the one with drilling.
+  /// Shows a page: "plan", "path", "drill", "navigate".
   void show_page(const QString& name);
   /// Everything that was asked for has been drawn.
   void settle();
@@ -127,6 +129,7 @@ class MainWindow : public QMainWindow {
   PathPanel* paths_ = nullptr;
   FiguresPanel* figures_ = nullptr;
   DrillPanel* drill_ = nullptr;
+  NavigationPanel* navigation_ = nullptr;
   QMenu* recent_ = nullptr;
   QLabel* hover_ = nullptr;
   ElidedLabel* working_ = nullptr;

@@ -29,7 +29,7 @@ LoopbackOptions loopback_options(const std::string& settings) {
   constexpr double kHandNS_mm = 1.0;  // and a steady one: where the bone gives way, it goes on by some mm/s
   constexpr double kLeansMmS = 300.0;
   constexpr double kEncoderMm = 160.0 / 4096.0;
-  double push_n = 4.0, delay_s = 0.001;
+  double push_n = 7.0, delay_s = 0.001;
   LoopbackOptions options;
   options.hand.presses_from_s = 10.0;
   std::istringstream parts(settings);

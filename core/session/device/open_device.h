@@ -15,7 +15,7 @@ inline constexpr unsigned kEndButton = 1;
 
 /// A device by its name, as on a command line:
 ///
-/// - "loopback", or "loopback:push=4,delay=0.001,seconds=10,seed=1": a simulated device (LoopbackDevice) of 8 N, 12
+/// - "loopback", or "loopback:push=7,delay=0.001,seconds=10,seed=1": a simulated device (LoopbackDevice) of 8 N, 12
 ///   bits over 160 mm and so much delay (s), held by a hand with a tremor that holds the spindle's button, leans
 ///   forwards with so much force (N) and presses kEndButton after so long; "pulled=2": its cable is, after 2 s;
 /// - "FILE.so", or "FILE.so:SETTINGS": a plug-in (open_device_plugin()) and its own words.
