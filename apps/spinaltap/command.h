@@ -49,6 +49,7 @@ void add_grade(CLI::App& program, Command& command);
 void add_drill(CLI::App& program, Command& command);
 void add_link(CLI::App& program, Command& command);
 void add_replay(CLI::App& program, Command& command);
+void add_sound(CLI::App& program, Command& command);
 void add_export(CLI::App& program, Command& command);
 void add_heat(CLI::App& program, Command& command);
 void add_study(CLI::App& program, Command& command);

@@ -1,5 +1,6 @@
 #include "core/sound/session_sound.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/check_range.h"

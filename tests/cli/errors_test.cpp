@@ -263,7 +263,7 @@ TEST_F(Errors, RejectsAnUnknownOptionWithAWordAboutHelp) {
 TEST(Help, ShowsUnitsAndAnExampleForEverySubcommand) {
   const test::TemporaryFolder folder;
   for (const char* name : {"demo", "phantom", "info", "segment", "points", "fit", "eval", "bake", "plan", "drill",
-                           "link", "mesh", "diff", "compare", "replay", "validate"}) {
+                           "link", "mesh", "diff", "compare", "replay", "sound", "validate"}) {
     const ProgramRun run = run_program(std::string(name) + " --help", folder.path());
     EXPECT_EQ(run.exit_code, 0) << name;
     EXPECT_THAT(run.output, HasSubstr("Example")) << name;

@@ -74,6 +74,8 @@ TEST_F(Outputs, ThatAreThereAreReplacedWithForceOnlyAndThisIsSaidBeforeTheWork) 
                                 "compare -o mine.png",
                                 "diff none none --json mine.json",
                                 "replay none none --json mine.json",
+                                "sound none -o mine",
+                                "sound none --events mine.json",
                                 "bench drill --json mine.json",
                                 "bench drill --plot mine",
                                 "study none --json mine.json"}) {

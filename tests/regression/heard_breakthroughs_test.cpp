@@ -7,8 +7,8 @@
 namespace spinaltap {
 namespace {
 
-test::HeardFigures figures_of(std::uint64_t first, std::uint64_t last, const char* what,
-                              const test::HeardConditions& conditions = {}) {
+test::HeardFigures heard_figures(std::uint64_t first, std::uint64_t last, const char* what,
+                                 const test::HeardConditions& conditions = {}) {
   test::HeardFigures figures;
   for (std::uint64_t seed = first; seed <= last; ++seed) {
     for (const bool is_left : {true, false}) {
@@ -28,20 +28,20 @@ test::HeardFigures figures_of(std::uint64_t first, std::uint64_t last, const cha
 }
 
 TEST(HeardBreakthroughsOfManyPhantoms, AreFoundOnThoseThatTheListenerWasSetOn) {
-  const test::HeardFigures figures = figures_of(1, 12, "seeds 1 to 12");
+  const test::HeardFigures figures = heard_figures(1, 12, "seeds 1 to 12");
   EXPECT_EQ(figures.found, figures.drillings);
   EXPECT_EQ(figures.false_alarms, 0U);
 }
 
 TEST(HeardBreakthroughsOfManyPhantoms, AreFoundOnUnseenOnes) {
-  const test::HeardFigures figures = figures_of(101, 150, "seeds 101 to 150");
+  const test::HeardFigures figures = heard_figures(101, 150, "seeds 101 to 150");
   EXPECT_GE(figures.found, 95 * figures.drillings / 100);
   EXPECT_LE(figures.false_alarms, 5 * figures.drillings / 100);
 }
 
 TEST(HeardBreakthroughsOfManyPhantoms, AreFoundUnderOtherConditions) {
   const auto found_at_least = [](int percent, const char* what, const test::HeardConditions& conditions) {
-    const test::HeardFigures figures = figures_of(201, 210, what, conditions);
+    const test::HeardFigures figures = heard_figures(201, 210, what, conditions);
     EXPECT_GE(figures.found * 100, static_cast<std::size_t>(percent) * figures.drillings) << what;
   };
   found_at_least(90, "other noise", {.sound_seed = 77});

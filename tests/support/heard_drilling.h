@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <vector>
 
 #include "core/sound/breakthrough_listener.h"
@@ -41,45 +42,58 @@ struct HeardConditions {
   std::uint64_t sound_seed = 1;
 };
 
-/// Drills through a pedicle of the random vertebra of this seed and on through the front of its body, and hears it.
-/// What the listener gets is samples, nothing else; the truth is the phantom's own formula.
-inline HeardDrilling hear_pedicle(std::uint64_t seed, bool is_left, const HeardConditions& conditions = {}) {
-  const Vertebra vertebra(random_anatomy(seed));
-  const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+/// A session through a pedicle of a vertebra and on through the front of its body, 100 cycles a second. The bone is the
+/// phantom's own formula, without any CT, and so is the truth of where it ends.
+struct PedicleSession {
   SessionSetup setup;
-  setup.path = path_through(is_left ? ground_truth.left : ground_truth.right, conditions.bit);
-  setup.options.spindle.rpm = conditions.rpm;
-  const double end_mm = true_boundaries(vertebra, setup.path).end_mm;
-  const BoneSampler bone = [&](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
-    std::vector<double> exact_mm(points_mm.size());
-    vertebra.evaluate(points_mm, exact_mm, {});
-    for (std::size_t n = 0; n < points_mm.size(); ++n) {
-      distance_mm[n] = static_cast<float>(exact_mm[n]);
-      hu[n] = static_cast<float>(vertebra.hu(points_mm[n], exact_mm[n], 0.0));
-    }
-  };
+  double end_mm = 0.0;  ///< of the bone, on the bit's axis
   std::vector<PointVolume> volumes;
-  volumes.emplace_back(setup.path, PointVolumeOptions{.radius_mm = 2.0, .spacing_mm = 0.1, .lead_in_mm = 3.0});
-  fill_volume(volumes.front(), bone);
-  auto engine = make_ring_engine(volumes.front(), setup.path.bit, setup.material);
-  DrillSession session(setup.path, volumes, std::move(engine), setup.material, nullptr, setup.options);
+  std::unique_ptr<DrillSession> session;
   PathMotionOptions motion;
-  motion.line.lead_in_mm = 3.0;
-  motion.rate_hz = conditions.rate_hz;
-  motion.feed.steps = {{0.0, conditions.feed_mm_s}};
-  PlannedMotion tool_operator(setup.path, motion);
 
+  PedicleSession(const VertebraAnatomy& anatomy, bool is_left, const HeardConditions& conditions = {}) {
+    const Vertebra vertebra(anatomy);
+    const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
+    setup.path = path_through(is_left ? ground_truth.left : ground_truth.right, conditions.bit);
+    setup.options.spindle.rpm = conditions.rpm;
+    end_mm = true_boundaries(vertebra, setup.path).end_mm;
+    const BoneSampler bone = [&](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
+      std::vector<double> exact_mm(points_mm.size());
+      vertebra.evaluate(points_mm, exact_mm, {});
+      for (std::size_t n = 0; n < points_mm.size(); ++n) {
+        distance_mm[n] = static_cast<float>(exact_mm[n]);
+        hu[n] = static_cast<float>(vertebra.hu(points_mm[n], exact_mm[n], 0.0));
+      }
+    };
+    volumes.emplace_back(setup.path, PointVolumeOptions{.radius_mm = 2.0, .spacing_mm = 0.1, .lead_in_mm = 3.0});
+    fill_volume(volumes.front(), bone);
+    session = std::make_unique<DrillSession>(setup.path, volumes,
+                                             make_ring_engine(volumes.front(), setup.path.bit, setup.material),
+                                             setup.material, nullptr, setup.options);
+    motion.line.lead_in_mm = 3.0;
+    motion.rate_hz = conditions.rate_hz;
+    motion.feed.steps = {{0.0, conditions.feed_mm_s}};
+  }
+  void run(const CycleObserver& observe) {
+    PlannedMotion tool_operator(setup.path, motion);
+    run_session(*session, tool_operator, observe);
+  }
+};
+
+/// Drills a pedicle of the random vertebra of this seed and hears it. What the listener gets is samples, nothing else.
+inline HeardDrilling hear_pedicle(std::uint64_t seed, bool is_left, const HeardConditions& conditions = {}) {
+  PedicleSession pedicle(random_anatomy(seed), is_left, conditions);
   DrillSoundOptions how = SessionSound::without_edges();
   how.seed = conditions.sound_seed;
-  SessionSound sound(setup, how);
+  SessionSound sound(pedicle.setup, how);
   BreakthroughListener listener;
   HeardDrilling drilling;
   std::vector<float> samples;
-  run_session(session, tool_operator, [&](const Cycle& cycle) {
+  pedicle.run([&](const Cycle& cycle) {
     samples.clear();
     sound.add(cycle, samples);
     listener.hear(samples);
-    if (std::isnan(drilling.through_s) && cycle.depth_mm >= end_mm) drilling.through_s = cycle.time_s;
+    if (std::isnan(drilling.through_s) && cycle.depth_mm >= pedicle.end_mm) drilling.through_s = cycle.time_s;
   });
   drilling.heard.assign(listener.heard().begin(), listener.heard().end());
   return drilling;
