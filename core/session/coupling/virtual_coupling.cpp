@@ -56,6 +56,12 @@ Vec3 no_longer_than(const Vec3& vector, double longest) {
 
 Vec3 towards(const Vec3& from, const Vec3& to, double furthest) { return from + no_longer_than(to - from, furthest); }
 
+bool is_touched(const DrillForce& bone) {
+  const auto& stiffness = bone.hold.stiffness;
+  return bone.resistance.lips_n > 0.0 || bone.resistance.chisel_n > 0.0 || bone.force_n != Vec3::Zero() ||
+         std::any_of(stiffness.begin(), stiffness.end(), [](double of) { return of != 0.0; });
+}
+
 /// Feed at which the tool is in balance with the thrust, mm/s. `free_mm_s`: without any; each N of thrust takes
 /// `slows_mm_s` off.
 double feed_against(const FeedResistance& bone, double turns_per_s, double free_mm_s, double slows_mm_s) {
@@ -157,6 +163,10 @@ void VirtualCoupling::add_bone(const ToolFeedback& felt, bool spindle_on, double
 }
 
 void VirtualCoupling::move(const ToolFeedback& felt, bool spindle_on, double dt_s) noexcept {
+  // In air nothing is there that a spring could make felt, but the encoders' steps.
+  constexpr double kInAir = 0.4, kStiffensS = 0.02, kSoftensS = 0.2;
+  stiff_ =
+      is_touched(felt.force) ? std::min(1.0, stiff_ + dt_s / kStiffensS) : std::max(kInAir, stiff_ - dt_s / kSoftensS);
   const double scale = options_.force_scale;
   const Twist stretched = stretch();
   Balance free;
@@ -188,7 +198,7 @@ void VirtualCoupling::move(const ToolFeedback& felt, bool spindle_on, double dt_
         balance.push.segment<3>(first) += pull;
         return;
       }
-      const double share = hold_ / scale;
+      const double share = hold_ * stiff_ / scale;
       balance.add(first, share * (gain.stiffness * dt_s + gain.damping),
                   share * (gain.stiffness * stretch + gain.damping * device));
     };
@@ -211,7 +221,7 @@ void VirtualCoupling::move(const ToolFeedback& felt, bool spindle_on, double dt_
       rate -= (free_mm_s - feed_mm_s) / slows_mm_s * slows;
     }
     rate_ = {rate.head<3>(), rate.tail<3>()};
-    const double share = hold_ / scale;
+    const double share = hold_ * stiff_ / scale;
     const auto pull_of = [&](const CouplingGain& gain, const Vec3& stretch, const Vec3& device, const Vec3& tool) {
       return Vec3(share * (gain.stiffness * (stretch - dt_s * tool) + gain.damping * (device - tool)));
     };

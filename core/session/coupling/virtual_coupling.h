@@ -63,6 +63,7 @@ class VirtualCoupling {
   Twist device_rate_;   ///< a second
   double silent_s_ = 0.0;
   double hold_ = 1.0;    ///< share of the coupling that is there
+  double stiff_ = 1.0;   ///< share of its stiffness and damping: less in air
   bool was_on_ = false;  ///< the spindle, in the cycle that was felt
 
   Vec3 tip_mm_;
