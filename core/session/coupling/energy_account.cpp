@@ -43,25 +43,22 @@ void EnergyAccount::moved(const Twist& way) noexcept {
   acted_s_ = 0.0;
 }
 
-Vec3 EnergyAccount::surely_goes(const Vec3& rate, const Vec3& smooth, double step) const noexcept {
-  const double fast = rate.norm(), slow = smooth.norm();
-  const double surely_fast = std::max(0.0, fast - step / dt_s_), surely_slow = sure_speed(slow, step);
-  if (surely_fast > surely_slow) return surely_fast / fast * rate;
-  return surely_slow > 0.0 ? Vec3(surely_slow / slow * smooth) : Vec3::Zero();
-}
-
 Wrench EnergyAccount::allowed(const Wrench& wanted, const Twist& rate) const noexcept {
   constexpr double kAdded = 0.5;  // of the device's own damping
   Wrench allowed = wanted;
-  const Vec3 way = surely_goes(rate.way, smooth_rate_.way, limits_.position_step_mm);
-  const Vec3 turn = surely_goes(rate.turn, smooth_rate_.turn, limits_.angle_step_rad);
-  const double by_way = std::max(0.0, wanted.force_n.dot(way));
-  const double by_turn = limits_.gives_torque ? std::max(0.0, wanted.torque_n_mm.dot(turn)) : 0.0;
+  // Steps of the encoders are no speed of a handle that rests: the valve would make it knock.
+  const auto surely_goes = [&](const Vec3& now, const Vec3& smooth, double step) {
+    return now.norm() > 1.75 * step / dt_s_ || sure_speed(smooth.norm(), step) > 0.0;
+  };
+  const bool goes = surely_goes(rate.way, smooth_rate_.way, limits_.position_step_mm);
+  const bool turns = limits_.gives_torque && surely_goes(rate.turn, smooth_rate_.turn, limits_.angle_step_rad);
+  const double by_way = goes ? std::max(0.0, wanted.force_n.dot(rate.way)) : 0.0;
+  const double by_turn = turns ? std::max(0.0, wanted.torque_n_mm.dot(rate.turn)) : 0.0;
   const double may_give = std::max(0.0, left_n_mm_) / empties_s_;
   if (by_way + by_turn > may_give) {
     const double too_much = 1.0 - may_give / (by_way + by_turn);
-    if (by_way > 0.0) allowed.force_n -= too_much * by_way / way.squaredNorm() * way;
-    if (by_turn > 0.0) allowed.torque_n_mm -= too_much * by_turn / turn.squaredNorm() * turn;
+    if (by_way > 0.0) allowed.force_n -= too_much * by_way / rate.way.squaredNorm() * rate.way;
+    if (by_turn > 0.0) allowed.torque_n_mm -= too_much * by_turn / rate.turn.squaredNorm() * rate.turn;
   }
   if (left_n_mm_ < 0.0) {
     const double mm_s = sure_speed(smooth_rate_.way.norm(), limits_.position_step_mm);

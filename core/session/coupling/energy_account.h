@@ -43,10 +43,6 @@ class EnergyAccount {
   double left_n_mm() const { return left_n_mm_; }
 
  private:
-  /// Of what goes at `rate` this cycle, and at `smooth` over some: what is no mere step of the encoders. Valve and
-  /// steps would else make a handle knock that rests.
-  Vec3 surely_goes(const Vec3& rate, const Vec3& smooth, double step) const noexcept;
-
   DeviceLimits limits_;
   double dt_s_;
   double most_n_mm_;
