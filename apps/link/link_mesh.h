@@ -41,6 +41,8 @@ class LinkMesh {
   /// Takes what was handed over until now, and ends the thread.
   void end();
   std::uint64_t updates() const { return updates_; }
+  /// Inputs that found the ring full: the bone that is shown has more left than there is.
+  std::size_t lost() const { return inputs_.lost(); }
 
  private:
   void run();

@@ -51,6 +51,7 @@ LinkedSession drill_linked(const Bone& bone, SessionSetup setup, const LinkedOpt
   if (mesh) {
     mesh->end();
     linked.mesh_updates = mesh->updates();
+    linked.mesh_lost = mesh->lost();
   }
   linked.events.assign(session.events().begin(), session.events().end());
   linked.is_stopped = session.is_stopped();

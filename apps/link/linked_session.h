@@ -34,6 +34,7 @@ struct LinkedSession {
   std::uint64_t not_recorded = 0;
   std::string record_trouble;  ///< what the disk said; empty while all is well
   std::uint64_t mesh_updates = 0;
+  std::uint64_t mesh_lost = 0;  ///< cycles that came too fast for the bone that is sent
 };
 
 /// Drills a bone with what is tracked over OpenIGTLink: builds the session of `setup`, whose path is the plan's, opens

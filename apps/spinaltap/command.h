@@ -61,6 +61,7 @@ void add_compare(CLI::App& program, Command& command);
 void add_demo(CLI::App& program, Command& command);
 void add_validate(CLI::App& program, Command& command);
 void add_bench(CLI::App& program, Command& command);
+void add_bench_link(CLI::App& program, Command& command);  // after add_bench()
 void add_register(CLI::App& program, Command& command);
 void add_pivot(CLI::App& program, Command& command);
 

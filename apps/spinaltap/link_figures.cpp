@@ -10,20 +10,20 @@
 namespace spinaltap {
 namespace {
 
-std::string spread_text(const TimeSpread& spread) {
-  return "p50 " + fixed_text(1e-3 * spread.p50_us, 3) + ", p99 " + fixed_text(1e-3 * spread.p99_us, 3) + ", max " +
-         fixed_text(1e-3 * spread.max_us, 3) + " ms";
-}
-
-Json spread_json(const TimeSpread& spread) {
-  return {{"p50_us", spread.p50_us}, {"p99_us", spread.p99_us}, {"p999_us", spread.p999_us}, {"max_us", spread.max_us}};
-}
-
 void print_count(const std::string& name, std::uint64_t count) {
   print_figure(name, static_cast<double>(count), "", 0);
 }
 
 }  // namespace
+
+std::string spread_text(const TimeSpread& spread) {
+  return "p50 " + fixed_text(1e-3 * spread.p50_us, 3) + ", p99 " + fixed_text(1e-3 * spread.p99_us, 3) + ", p99.9 " +
+         fixed_text(1e-3 * spread.p999_us, 3) + ", max " + fixed_text(1e-3 * spread.max_us, 3) + " ms";
+}
+
+Json spread_json(const TimeSpread& spread) {
+  return {{"p50_us", spread.p50_us}, {"p99_us", spread.p99_us}, {"p999_us", spread.p999_us}, {"max_us", spread.max_us}};
+}
 
 void print_linked(const LinkedSession& linked) {
   const LinkLoopReport& loop = linked.loop;
@@ -51,6 +51,10 @@ void print_linked(const LinkedSession& linked) {
   if (!loop.has_priority) print_figure("warning", "real-time priority not allowed for this user");
   print_figure("max depth", linked.max_depth_mm, "mm", 2);
   print_figure("max thrust", linked.max_thrust_n, "N", 2);
+  if (linked.mesh_lost > 0) {
+    print_figure("warning", std::to_string(linked.mesh_lost) +
+                                " cycles came too fast for the bone that was sent: it shows bone that is gone");
+  }
   if (linked.not_recorded > 0) print_count("cycles not recorded", linked.not_recorded);
   constexpr std::size_t kMax = 24;
   for (std::size_t n = 0; n < linked.events.size() && n < kMax; ++n) {
@@ -103,6 +107,7 @@ Json linked_json(const LinkedSession& linked) {
           {"has_priority", loop.has_priority},
           {"ended_by_command", loop.is_ended},
           {"mesh_updates", linked.mesh_updates},
+          {"mesh_lost", linked.mesh_lost},
           {"stopped", linked.is_stopped},
           {"max_depth_mm", linked.max_depth_mm},
           {"max_thrust_n", linked.max_thrust_n},

@@ -7,6 +7,8 @@ namespace spinaltap {
 
 /// For people, on standard output.
 void print_linked(const LinkedSession& linked);
+std::string spread_text(const TimeSpread& spread);
+Json spread_json(const TimeSpread& spread);
 Json linked_json(const LinkedSession& linked);
 
 }  // namespace spinaltap

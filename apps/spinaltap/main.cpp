@@ -62,7 +62,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 26> commands;
+  std::array<Command, 27> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -89,6 +89,7 @@ int run_program(int argc, char** argv) {
   add_register(program, commands[23]);
   add_pivot(program, commands[24]);
   add_sound(program, commands[25]);
+  add_bench_link(program, commands[26]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,4 +1,4 @@
-// spinaltap bench drill on coarse points: the figures' form and their agreement, not the times.
+// spinaltap bench on coarse points and over the loopback: the figures' form and their agreement, not the times.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -124,6 +124,25 @@ TEST_F(Bench, PrintsMarkdownWhereAskedFor) {
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("|---|--:|---|"));
   EXPECT_THAT(run.output, HasSubstr("| tilted, 3.06 | 0.5 | ring | 1 |"));
+}
+
+TEST_F(Bench, LinkAnswersEveryPoseAndIsStopped) {
+  const test::ProgramRun run =
+      run_program("bench link --seconds 1 --rate 200 --stops 2 --json link.json", folder_.path());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("round trip"));
+  const Json figures = read_json(folder_.path() / "link.json");
+  EXPECT_EQ(figures["sent"], 200);
+  // What came together with the next pose is merged, and has no answer of its own; so is what a busy machine kept back.
+  EXPECT_GT(figures["returned"], 100);
+  EXPECT_GE(figures["returned"].get<int>() + figures["merged"].get<int>(), 199);
+  EXPECT_GT(figures["mesh_updates"], 0);
+  EXPECT_EQ(figures["mesh_lost"], 0);
+  EXPECT_EQ(figures["stops"], 2);
+  EXPECT_GT(figures["round_trip"]["p50_us"], 0.0);
+  EXPECT_GE(figures["round_trip"]["max_us"], figures["round_trip"]["p50_us"]);
+  EXPECT_EQ(run_program("bench link --rate nan", folder_.path()).exit_code, 2);
+  EXPECT_EQ(run_program("bench link --seconds 0", folder_.path()).exit_code, 2);
 }
 
 TEST_F(Bench, IsRejectedInOneLineAndLeavesNoFile) {
