@@ -25,6 +25,14 @@ LinkTransform bit_in_ras(const Pose& pose_lps) {
   return transform;
 }
 
+LinkTransform patient_in_ras(const RigidPose& ct_from_patient) {
+  const Vec3 flips(-1.0, -1.0, 1.0);
+  LinkTransform transform = LinkTransform::Identity();
+  transform.linear() = flips.asDiagonal() * ct_from_patient.rotation * flips.asDiagonal();
+  transform.translation() = ras_from_lps(ct_from_patient.translation_mm);
+  return transform;
+}
+
 ToolFrame tool_frame(const Vec3& tip_mm, const Vec3& axis) {
   constexpr double kFarthestMm = 1000.0;
   if (!tip_mm.allFinite() || !(tip_mm.norm() <= kFarthestMm)) {
@@ -49,6 +57,10 @@ Pose pose_in_lps(const LinkTransform& tool_in_ras, const ToolFrame& frame) {
 std::string_view name_of(TrackingState state) {
   constexpr std::array<std::string_view, 4> kNames{"waiting", "ok", "stale", "invalid"};
   return kNames.at(static_cast<std::size_t>(state));
+}
+
+Tracking::Tracking(const TrackingOptions& options) : options_(options) {
+  if (options.registration) update(LinkDevice::patient, patient_in_ras(*options.registration), true, 0);
 }
 
 void Tracking::update(LinkDevice device, const LinkTransform& transform, bool is_valid, std::int64_t now_ns) {

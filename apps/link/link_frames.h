@@ -7,6 +7,7 @@
 
 #include "apps/link/link_message.h"
 #include "core/base/geometry.h"
+#include "core/registration/rigid_pose.h"
 #include "core/tool/drill_bit.h"
 
 // The border between SpinalTap's frame, patient LPS, and that of those on the link, patient RAS, as 3D Slicer has it:
@@ -20,6 +21,10 @@ Eigen::Vector3f ras_from_lps(const Eigen::Vector3f& lps);
 /// A frame on the bit, in RAS: its origin the tip, its z axis the bit's, from the base to the tip; its x axis the
 /// pose's side, or any across.
 LinkTransform bit_in_ras(const Pose& pose_lps);
+
+/// The patient's TRANSFORM of a registration of points that were measured in the reference's frame: as on the link,
+/// RAS, which is LPS in a registration.
+LinkTransform patient_in_ras(const RigidPose& ct_from_patient);
 
 /// Where the tip lies in the tracked tool's own frame, and which way the bit points there.
 struct ToolFrame {
@@ -50,13 +55,14 @@ struct TrackingOptions {
   bool needs_reference = false;     ///< there is no pose before the reference has come; else it is then the identity
   bool needs_patient = false;       ///< likewise
   ToolFrame frame = {};
+  std::optional<RigidPose> registration = {};  ///< where the patient is until a transform of it comes
 };
 
 /// Where the tool is in the patient, of what three devices send: patient * reference^-1 * tool. Those that have not
 /// come are the identity. Times are those of arrival on the host's monotonic clock: whatever senders' clocks do.
 class Tracking {
  public:
-  explicit Tracking(const TrackingOptions& options) : options_(options) {}
+  explicit Tracking(const TrackingOptions& options);
 
   void update(LinkDevice device, const LinkTransform& transform, bool is_valid, std::int64_t now_ns);
   /// Its sender says that it does not see it.

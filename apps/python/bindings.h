@@ -8,6 +8,7 @@ namespace spinaltap {
 void bind_plan(pybind11::module_& module);
 void bind_view(pybind11::module_& module);
 void bind_bone(pybind11::module_& module);
+void bind_registration(pybind11::module_& module);
 void bind_session(pybind11::module_& module);
 void bind_record(pybind11::module_& module);
 void bind_study(pybind11::module_& module);

@@ -53,6 +53,7 @@ PYBIND11_MODULE(_core, module) {
   bind_plan(module);
   bind_view(module);
   bind_bone(module);
+  bind_registration(module);
   bind_record(module);
   bind_session(module);
   bind_study(module);

@@ -19,6 +19,7 @@
 #include "core/files/data_files.h"
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
+#include "core/files/registration_file.h"
 
 namespace spinaltap {
 namespace {
@@ -28,7 +29,7 @@ struct LinkCommandOptions {
   Level level = Level::kNone;
   std::filesystem::path plan;
   std::string path_name;
-  std::filesystem::path density, material;
+  std::filesystem::path density, material, registration;
   SessionSetup setup;
   std::string region;
   bool leaves_clearances = false;
@@ -93,8 +94,14 @@ void add_link_options(CLI::App& app, LinkCommandOptions& options) {
       ->type_name("NAME");
   app.add_flag("--wait-for-reference", tracking.needs_reference, "Drill nothing before the reference has come");
   app.add_flag("--wait-for-patient", tracking.needs_patient, "Drill nothing before the registration has come");
+  CLI::Option* registration =
+      app.add_option("--registration", options.registration,
+                     "Where the patient is, of `register`, until a TRANSFORM of it comes: of points measured in the "
+                     "reference's frame")
+          ->type_name("REGISTRATION");
   app.add_flag("--tracked-patient", tracking.is_patient_tracked,
                "The patient's TRANSFORM goes stale as the others do; without it it holds until the next");
+  app.get_option("--tracked-patient")->excludes(registration);
   app.add_option("--tool-tip", options.tip_mm, "The bit's tip in the tracked tool's own frame, mm")
       ->delimiter(',')
       ->expected(3)
@@ -157,6 +164,16 @@ void add_bone_options(CLI::App& app, LinkCommandOptions& options) {
                "Do not look for the bone's walls: begins sooner; no breaches");
 }
 
+/// What a registration leaves open, where it matters.
+Json tell_registration(const Registration& registration, const DrillPath& path) {
+  const double entry_mm = target_error_mm(registration.covariance, path.entry_mm);
+  const double target_mm = target_error_mm(registration.covariance, path.target_mm);
+  print_figure("registration's error at the entry", entry_mm, "mm", 2);
+  print_figure("registration's error at the target", target_mm, "mm", 2);
+  for (const std::string& warning : registration.warnings) print_figure("warning", warning);
+  return {{"error_at_entry_mm", entry_mm}, {"error_at_target_mm", target_mm}, {"warnings", registration.warnings}};
+}
+
 Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress) {
   LinkServerOptions& server = options.linked.server;
   if (!options.connect.empty()) split_address(options.connect, server);
@@ -166,6 +183,11 @@ Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress)
   options.linked.loop.tracking.frame = tool_frame(Vec3(options.tip_mm[0], options.tip_mm[1], options.tip_mm[2]),
                                                   Vec3(options.axis[0], options.axis[1], options.axis[2]));
   options.linked.may_replace_record = is_forced;
+  std::optional<Registration> registration;
+  if (!options.registration.empty()) {
+    registration = read_registration(options.registration);
+    options.linked.loop.tracking.registration = registration->ct_from_patient;
+  }
   SessionSetup& setup = options.setup;
   if (options.leaves_clearances && (setup.options.stop.on_breach || setup.options.stop.clearance_mm > -1e300)) {
     fail("expected clearances with --stop-at-clearance and --stop-on-breach: leave --no-clearances away");
@@ -183,6 +205,7 @@ Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress)
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   setup.material =
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
+  const Json told = registration ? tell_registration(*registration, setup.path) : Json();
   const Bone bone = Bone::load(options.bone, options.level);
   options.linked.ready = [&](std::uint16_t port) {
     if (port != 0) std::printf("listening at %s, port %d\n", server.bind_address.c_str(), static_cast<int>(port));
@@ -194,7 +217,9 @@ Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress)
   const LinkedSession linked = drill_linked(bone, setup, options.linked, progress);
   print_linked(linked);
   if (!linked.record_trouble.empty()) fail(linked.record_trouble);
-  return linked_json(linked);
+  Json figures = linked_json(linked);
+  if (registration) figures["registration"] = told;
+  return figures;
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ const std::vector<Reader>& all_readers() {
     add_table_readers(all);
     add_mesh_readers(all);
     add_link_readers(all);
+    add_registration_readers(all);
     return all;
   }();
   return readers;

@@ -50,6 +50,7 @@ void add_mesh_readers(std::vector<Reader>& readers);
 void add_vdb_readers(std::vector<Reader>& readers);
 void add_session_readers(std::vector<Reader>& readers);
 void add_link_readers(std::vector<Reader>& readers);
+void add_registration_readers(std::vector<Reader>& readers);
 
 /// The bytes of the file that `write` makes under the name that it is given.
 std::string bytes_written(const std::string& name, const std::function<void(const std::filesystem::path&)>& write);

@@ -23,6 +23,7 @@
 #include "apps/spinaltap/link_figures.h"
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
+#include "core/session/real_time/thread_rights.h"
 #include "vdb/sim/bone.h"
 #include "vdb/sim/build_session.h"
 
@@ -129,7 +130,8 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
   std::exception_ptr trouble;
   std::thread client_thread([&] {
     try {
-      hurry_thread(kClientPriority);
+      ask_for_exact_sleeps();
+      ask_for_priority(kClientPriority);  // without it, times are those of a client without it
       BenchClient client(server.port());
       client.take(wall_ns() + 500'000'000);  // the whole bone
       const auto count = static_cast<std::uint64_t>(options.seconds * options.rate_hz);
@@ -182,7 +184,8 @@ std::optional<double> measure_stop(const Bone& bone, const Progress& progress) {
   std::exception_ptr trouble;
   std::thread client_thread([&] {
     try {
-      hurry_thread(kClientPriority);
+      ask_for_exact_sleeps();
+      ask_for_priority(kClientPriority);  // without it, times are those of a client without it
       BenchClient client(server.port());
       const std::int64_t start_ns = wall_ns();
       const Vec3 down = setup.path.direction();

@@ -82,6 +82,23 @@ TEST(Tracking, PutsTheToolIntoThePatientWhereverTheTrackerStands) {
   }
 }
 
+TEST(Tracking, TakesARegistrationUntilATransformComes) {
+  RigidPose ct_from_patient;
+  ct_from_patient.rotation = Eigen::AngleAxisd(0.7, Vec3(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+  ct_from_patient.translation_mm = Vec3(12.0, -30.0, 400.0);
+  Tracking tracking({.needs_patient = true, .registration = ct_from_patient});
+  // A tip that was measured at these RAS numbers, LPS in the registration.
+  const Vec3 measured_ras(31.0, -44.0, 70.0);
+  tracking.update(LinkDevice::tool, at(measured_ras), true, kMsNs);
+  const std::optional<Pose> pose = tracking.pose(2 * kMsNs);
+  ASSERT_TRUE(pose);
+  EXPECT_LT((pose->tip_mm - ct_from_patient.apply(Vec3(-31.0, 44.0, 70.0))).norm(), 1e-9);
+  // The tool's z is the reference's, and turns as the registration does.
+  EXPECT_LT((pose->axis - ct_from_patient.rotation.col(2)).norm(), 1e-12);
+  tracking.update(LinkDevice::patient, LinkTransform::Identity(), true, 3 * kMsNs);
+  EXPECT_LT((tracking.pose(4 * kMsNs)->tip_mm - Vec3(-31.0, 44.0, 70.0)).norm(), 1e-9);
+}
+
 TEST(Tracking, IsStaleAfterHalfASecondWithoutToolOrReferenceButKeepsARegistration) {
   Tracking tracking({});
   EXPECT_EQ(tracking.state(0), TrackingState::waiting);

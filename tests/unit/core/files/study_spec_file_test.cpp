@@ -12,6 +12,8 @@
 #include "core/files/detail/study_json.h"
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
+#include "core/files/registration_file.h"
+#include "core/registration/register_fiducials.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
@@ -138,6 +140,27 @@ TEST_F(StudySpecFile, TakesASpreadOfForcesFromTheMaterialOrInNumbers) {
   EXPECT_EQ(read_study_spec(write(json)).design.distributions.back().degrees, 3);
   json["design"]["factors"]["force_scale"] = {{"spread", "wide"}};
   EXPECT_THROW(read_study_spec(write(json)), Error);
+}
+
+TEST_F(StudySpecFile, TakesTheErrorOfARegistrationBesideIt) {
+  const std::vector<Vec3> marks_mm{{0, 0, 0}, {60, 5, 0}, {10, 50, 8}, {-30, 20, 40}};
+  const Registration found = register_fiducials(marks_mm, marks_mm, {.fle_mm = 0.5});
+  write_registration(found, folder_.path() / "registration.json");
+  Json json = whole_spec();
+  json["registration"] = {{"file", "registration.json"}, {"per", "run"}};
+  const StudySpec spec = read_study_spec(write(json));
+  ASSERT_TRUE(spec.registration);
+  EXPECT_TRUE(spec.registration->is_per_run);
+  const Vec3 place_mm(20.0, -30.0, 90.0);
+  EXPECT_NEAR(target_error_mm(spec.registration->covariance, place_mm), target_error_mm(found.covariance, place_mm),
+              1e-9);
+  json["registration"]["per"] = "patient";
+  EXPECT_FALSE(read_study_spec(write(json)).registration->is_per_run);
+  rejects([](Json& j) { j["registration"] = {{"file", "registration.json"}, {"per", "day"}}; }, "day");
+  rejects([](Json& j) { j["registration"] = {{"per", "run"}}; }, "file");
+  rejects([](Json& j) { j["registration"] = 3; }, "registration");
+  json["registration"]["file"] = "nowhere.json";
+  EXPECT_THAT([&] { read_study_spec(write(json)); }, ThrowsMessage<Error>(HasSubstr("nowhere.json")));
 }
 
 TEST_F(StudySpecFile, ShippedOneIsRead) {
