@@ -128,7 +128,7 @@ TEST_F(Bench, PrintsMarkdownWhereAskedFor) {
 
 TEST_F(Bench, LinkAnswersEveryPoseAndIsStopped) {
   const test::ProgramRun run =
-      run_program("bench link --seconds 1 --rate 200 --stops 2 --json link.json", folder_.path());
+      run_program("bench link --seconds 1 --rate 200 --stops 2 --nonsense --json link.json", folder_.path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("round trip"));
   const Json figures = read_json(folder_.path() / "link.json");
@@ -138,6 +138,7 @@ TEST_F(Bench, LinkAnswersEveryPoseAndIsStopped) {
   EXPECT_GE(figures["returned"].get<int>() + figures["merged"].get<int>(), 199);
   EXPECT_GT(figures["mesh_updates"], 0);
   EXPECT_EQ(figures["mesh_lost"], 0);
+  EXPECT_GT(figures["nonsense_connections"], 1);  // it was turned away
   EXPECT_EQ(figures["stops"], 2);
   EXPECT_GT(figures["round_trip"]["p50_us"], 0.0);
   EXPECT_GE(figures["round_trip"]["max_us"], figures["round_trip"]["p50_us"]);

@@ -21,7 +21,9 @@
 #include "apps/spinaltap/bench/milling_workload.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/link_figures.h"
+#include "core/base/check_range.h"
 #include "core/base/error.h"
+#include "core/base/random.h"
 #include "core/base/text_writer.h"
 #include "core/session/real_time/thread_rights.h"
 #include "vdb/sim/bone.h"
@@ -33,17 +35,65 @@ namespace {
 constexpr int kClientPriority = 49;
 constexpr double kLateMs = 1.0;
 
+FileDescriptor connected_to(std::uint16_t port) {
+  FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::connect(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    fail("bench: expected to reach port ", port, " of this machine");
+  }
+  return socket;
+}
+
+/// A peer that sends nonsense as fast as it is taken, and comes back when it is turned away.
+class Nonsense {
+ public:
+  explicit Nonsense(std::uint16_t port) : port_(port), thread_([this] { run(); }) {}
+  ~Nonsense() { end(); }
+  Nonsense(const Nonsense&) = delete;
+  Nonsense& operator=(const Nonsense&) = delete;
+
+  void end() {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  std::uint64_t bytes() const { return bytes_; }
+  std::uint64_t connections() const { return connections_; }
+
+ private:
+  void run() {
+    std::vector<std::uint64_t> words(std::size_t{1} << 17U);
+    for (std::size_t n = 0; n < words.size(); ++n) words[n] = mix_bits(n);
+    const std::size_t size = words.size() * sizeof words[0];
+    while (!ends_) {
+      try {
+        const FileDescriptor socket = connected_to(port_);
+        ++connections_;
+        pollfd poll{socket.number(), POLLOUT, 0};
+        while (!ends_) {
+          if (::poll(&poll, 1, 50) <= 0) continue;
+          const ssize_t sent = ::send(socket.number(), words.data(), size, MSG_NOSIGNAL | MSG_DONTWAIT);
+          if (sent < 0) break;
+          bytes_ += static_cast<std::uint64_t>(sent);
+        }
+      } catch (const Error&) {
+        break;  // the server is gone
+      }
+    }
+  }
+
+  std::uint16_t port_;
+  std::atomic<bool> ends_{false};
+  std::atomic<std::uint64_t> bytes_{0}, connections_{0};
+  std::thread thread_;
+};
+
 /// A client as a robot would be: sends poses at a steady rate, and takes what comes back.
 class BenchClient {
  public:
-  explicit BenchClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (::connect(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-      fail("bench: expected to reach port ", port, " of this machine");
-    }
+  explicit BenchClient(std::uint16_t port) : socket_(connected_to(port)) {
     const int yes = 1;
     ::setsockopt(socket_.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     room_.resize(std::size_t{256} << 10U);
@@ -116,6 +166,7 @@ LinkServerOptions bench_server() { return {.port = 0}; }
 struct RoundTrips {
   TimeSpread time;
   std::uint64_t sent = 0, returned = 0, late = 0, others = 0, mesh_updates = 0, mesh_lost = 0;
+  std::uint64_t nonsense_bytes = 0, nonsense_connections = 0;
   LinkLoopReport loop;
   LinkReport network;
 };
@@ -126,6 +177,8 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
   LinkServer server(bench_server());
   LinkMesh mesh(bone.model(), setup.path.bit, setup.options.max_jump_mm, server, {.kind = LinkMeshKind::blocks});
   RoundTrips trips;
+  std::optional<Nonsense> nonsense;
+  if (options.has_nonsense) nonsense.emplace(server.port());
   std::atomic<bool> ends{false};
   std::exception_ptr trouble;
   std::thread client_thread([&] {
@@ -165,6 +218,11 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
       [&](const Cycle& cycle) { mesh.take(cutting_input(cycle, built.session->options())); }, progress);
   ends = true;
   client_thread.join();
+  if (nonsense) {
+    nonsense->end();
+    trips.nonsense_bytes = nonsense->bytes();
+    trips.nonsense_connections = nonsense->connections();
+  }
   if (trouble) std::rethrow_exception(trouble);
   mesh.end();
   trips.mesh_updates = mesh.updates();
@@ -210,6 +268,8 @@ std::optional<double> measure_stop(const Bone& bone, const Progress& progress) {
 }  // namespace
 
 Json bench_link(const LinkBenchOptions& options, const Progress& progress) {
+  check_range(options.seconds, 0.1, 3600.0, "bench", "a time (s)");
+  check_range(options.rate_hz, 1.0, 10'000.0, "bench", "a rate (Hz)");
   progress.report("baking the phantom", 0.0);
   const Bone bone{milling_bone()};
   const RoundTrips trips = measure_round_trips(bone, options, progress);
@@ -229,6 +289,11 @@ Json bench_link(const LinkBenchOptions& options, const Progress& progress) {
   print_figure("in the server", spread_text(trips.network.through_time));
   print_figure("updates of the bone", static_cast<double>(trips.mesh_updates), "", 0);
   print_figure("messages of other kinds", static_cast<double>(trips.others), "", 0);
+  if (options.has_nonsense) {
+    const double mb = 1e-6 * static_cast<double>(trips.nonsense_bytes);
+    print_figure("nonsense taken", mb / trips.loop.seconds, "MB/s", 1);
+    print_figure("connections of it", static_cast<double>(trips.nonsense_connections), "", 0);
+  }
   print_figure("stop, pose in to socket", spread_text(stops));
   print_figure("stops", static_cast<double>(stopped), "", 0);
   if (!trips.loop.has_priority) print_figure("warning", "real-time priority not allowed for this user");
@@ -242,6 +307,9 @@ Json bench_link(const LinkBenchOptions& options, const Progress& progress) {
           {"mesh_updates", trips.mesh_updates},
           {"mesh_lost", trips.mesh_lost},
           {"others", trips.others},
+          {"nonsense_bytes", trips.nonsense_bytes},
+          {"nonsense_connections", trips.nonsense_connections},
+          {"seconds", trips.loop.seconds},
           {"stops", stopped},
           {"stop", spread_json(stops)},
           {"has_priority", trips.loop.has_priority}};
@@ -256,17 +324,15 @@ void add_bench_link(CLI::App& program, Command& command) {
                   "A virtual L3 is drilled by a client that sends poses at --rate; then sessions are drilled\n"
                   "until a rule stops them.");
   app->add_option("--seconds", options->seconds, "How long round trips are measured, s")
-      ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str()
       ->type_name("S");
-  app->add_option("--rate", options->rate_hz, "Poses a second, Hz")
-      ->check(CLI::Range(1.0, 10000.0))
-      ->capture_default_str()
-      ->type_name("HZ");
+  app->add_option("--rate", options->rate_hz, "Poses a second, Hz")->capture_default_str()->type_name("HZ");
   app->add_option("--stops", options->stops, "Sessions that are stopped")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str()
       ->type_name("N");
+  app->add_flag("--nonsense", options->has_nonsense,
+                "Beside the round trips a peer sends nonsense as fast as it is taken, and connects again when refused");
   command.run = [options](const Progress& progress) { return bench_link(*options, progress); };
 }
 
