@@ -166,6 +166,7 @@ struct LinkServer::State {
   std::int64_t next_state_ns = 0;
   std::int64_t next_status_ns = 0;
   std::int64_t next_connect_ns = 0;
+  std::int64_t next_accept_ns = 0;
   TrackingState told = TrackingState::waiting;
   LinkReport report;
   TimeHistogram through_times, stop_times;
@@ -203,8 +204,9 @@ void LinkServer::State::run() {
 }
 
 void LinkServer::State::poll_sockets() {
-  std::vector<pollfd> polled{{network_bell.descriptor(), POLLIN, 0}, {listener.number(), POLLIN, 0}};
+  std::vector<pollfd> polled{{network_bell.descriptor(), POLLIN, 0}, {listener.number(), 0, 0}};
   const std::int64_t before_ns = wall_ns();
+  if (before_ns >= next_accept_ns) polled[1].events = POLLIN;
   for (LinkPeer& peer : peers) {
     short events = 0;
     if (peer.is_connecting() || peer.has_more_to_send()) events |= POLLOUT;
@@ -287,6 +289,9 @@ void LinkServer::State::read_from(LinkPeer& peer) {
   constexpr int kMaxBad = 100;
   if (is_over || !is_sound || peer.bad_in_a_row > kMaxBad) {
     if (is_over && peer.reader().is_within()) refuse(LinkRefusal::half);
+    // Whoever sends nonsense connects again at once: each time costs a greeting, with a whole bone.
+    constexpr std::int64_t kCalmNs = 50 * kMs;
+    if (!is_sound) next_accept_ns = wall_ns() + kCalmNs;
     drop(peer);
     return;
   }

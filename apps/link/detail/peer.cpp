@@ -61,11 +61,16 @@ bool LinkPeer::send(const SharedBytes& bytes, Urgency urgency) {
 
 bool LinkPeer::flush(std::int64_t now_ns) noexcept {
   if (is_connecting_) return true;
+  // A whole bone goes out in pieces: what comes from others meanwhile is not to wait for it.
+  constexpr std::size_t kPieceBytes = std::size_t{128} << 10U;
+  std::size_t of_surfaces = 0;
   while (has_more_to_send()) {
     if (queue_.empty()) {
+      if (of_surfaces > kPieceBytes) return true;
       const auto surface = surfaces_.begin();
       queue_.push_back(surface->second);
       queued_bytes_ += surface->second->size();
+      of_surfaces += surface->second->size();
       surfaces_.erase(surface);
     }
     const std::string& first = *queue_.front();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -47,10 +48,10 @@ FileDescriptor connected_to(std::uint16_t port) {
   return socket;
 }
 
-/// A peer that sends nonsense as fast as it is taken, and comes back when it is turned away.
+/// A peer that sends so much nonsense a second, where it is taken, and comes back when it is turned away.
 class Nonsense {
  public:
-  explicit Nonsense(std::uint16_t port) : port_(port), thread_([this] { run(); }) {}
+  Nonsense(std::uint16_t port, double mb_s) : port_(port), bytes_a_s_(1e6 * mb_s), thread_([this] { run(); }) {}
   ~Nonsense() { end(); }
   Nonsense(const Nonsense&) = delete;
   Nonsense& operator=(const Nonsense&) = delete;
@@ -64,15 +65,20 @@ class Nonsense {
 
  private:
   void run() {
-    std::vector<std::uint64_t> words(std::size_t{1} << 17U);
+    std::vector<std::uint64_t> words(std::size_t{1} << 13U);
     for (std::size_t n = 0; n < words.size(); ++n) words[n] = mix_bits(n);
     const std::size_t size = words.size() * sizeof words[0];
+    const std::int64_t start_ns = wall_ns();
     while (!ends_) {
       try {
         const FileDescriptor socket = connected_to(port_);
         ++connections_;
         pollfd poll{socket.number(), POLLOUT, 0};
         while (!ends_) {
+          if (static_cast<double>(bytes_) > bytes_a_s_ * 1e-9 * static_cast<double>(wall_ns() - start_ns)) {
+            std::this_thread::sleep_for(std::chrono::microseconds(200));
+            continue;
+          }
           if (::poll(&poll, 1, 50) <= 0) continue;
           const ssize_t sent = ::send(socket.number(), words.data(), size, MSG_NOSIGNAL | MSG_DONTWAIT);
           if (sent < 0) break;
@@ -85,6 +91,7 @@ class Nonsense {
   }
 
   std::uint16_t port_;
+  double bytes_a_s_;
   std::atomic<bool> ends_{false};
   std::atomic<std::uint64_t> bytes_{0}, connections_{0};
   std::thread thread_;
@@ -178,7 +185,7 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
   LinkMesh mesh(bone.model(), setup.path.bit, setup.options.max_jump_mm, server, {.kind = LinkMeshKind::blocks});
   RoundTrips trips;
   std::optional<Nonsense> nonsense;
-  if (options.has_nonsense) nonsense.emplace(server.port());
+  if (options.nonsense_mb_s > 0.0) nonsense.emplace(server.port(), options.nonsense_mb_s);
   std::atomic<bool> ends{false};
   std::exception_ptr trouble;
   std::thread client_thread([&] {
@@ -269,6 +276,7 @@ std::optional<double> measure_stop(const Bone& bone, const Progress& progress) {
 
 Json bench_link(const LinkBenchOptions& options, const Progress& progress) {
   check_range(options.seconds, 0.1, 3600.0, "bench", "a time (s)");
+  check_range(options.nonsense_mb_s, 0.0, 1e5, "bench", "nonsense a second (MB)");
   check_range(options.rate_hz, 1.0, 10'000.0, "bench", "a rate (Hz)");
   progress.report("baking the phantom", 0.0);
   const Bone bone{milling_bone()};
@@ -289,9 +297,9 @@ Json bench_link(const LinkBenchOptions& options, const Progress& progress) {
   print_figure("in the server", spread_text(trips.network.through_time));
   print_figure("updates of the bone", static_cast<double>(trips.mesh_updates), "", 0);
   print_figure("messages of other kinds", static_cast<double>(trips.others), "", 0);
-  if (options.has_nonsense) {
+  if (options.nonsense_mb_s > 0.0) {
     const double mb = 1e-6 * static_cast<double>(trips.nonsense_bytes);
-    print_figure("nonsense taken", mb / trips.loop.seconds, "MB/s", 1);
+    print_figure("nonsense sent", mb / trips.loop.seconds, "MB/s", 1);
     print_figure("connections of it", static_cast<double>(trips.nonsense_connections), "", 0);
   }
   print_figure("stop, pose in to socket", spread_text(stops));
@@ -331,8 +339,10 @@ void add_bench_link(CLI::App& program, Command& command) {
       ->check(CLI::Range(0, 10000))
       ->capture_default_str()
       ->type_name("N");
-  app->add_flag("--nonsense", options->has_nonsense,
-                "Beside the round trips a peer sends nonsense as fast as it is taken, and connects again when refused");
+  app->add_option("--nonsense", options->nonsense_mb_s,
+                  "So much nonsense a second comes from another peer meanwhile, MB; it connects again when refused")
+      ->capture_default_str()
+      ->type_name("MB");
   command.run = [options](const Progress& progress) { return bench_link(*options, progress); };
 }
 

@@ -8,8 +8,8 @@ namespace spinaltap {
 struct LinkBenchOptions {
   double seconds = 60.0;
   double rate_hz = 1000.0;
-  int stops = 100;            ///< sessions that are drilled until a rule stops them
-  bool has_nonsense = false;  ///< beside the round trips: a peer that sends nonsense as fast as it can
+  int stops = 100;             ///< sessions that are drilled until a rule stops them
+  double nonsense_mb_s = 0.0;  ///< of a peer that sends nonsense beside the round trips
 };
 
 /// Measures `spinaltap link` over the loopback, client and all in this program: round trips of poses beside the live

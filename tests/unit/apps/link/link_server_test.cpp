@@ -289,6 +289,20 @@ TEST(LinkServer, ClosesOnGarbageAndGoesOnWithTheOthers) {
   EXPECT_EQ(linked.cycles().size(), 20U);
 }
 
+TEST(LinkServer, LetsNobodyInForAMomentAfterNonsense) {
+  LinkedBlock linked;
+  LinkTestPeer bad(linked.port());
+  bad.send(std::string(1000, 'x'));
+  ASSERT_TRUE(bad.is_closed());
+  const auto begin = std::chrono::steady_clock::now();
+  LinkTestPeer next(linked.port());
+  ASSERT_TRUE(next.receive([](const LinkMessage& message) { return message.type == "STATUS"; }));
+  // 50 ms, of which some have gone by until the end of the other was seen.
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(20));
+  ASSERT_TRUE(drill(next, linked, -1.0, 0.0, 10));
+  linked.end();
+}
+
 TEST(LinkServer, LeavesTheToolToWhoeverSentItFirst) {
   LinkedBlock linked(quiet_options(), {}, 0.3);
   LinkTestPeer first(linked.port()), second(linked.port());
