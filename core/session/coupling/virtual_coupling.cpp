@@ -163,10 +163,9 @@ void VirtualCoupling::add_bone(const ToolFeedback& felt, bool spindle_on, double
 }
 
 void VirtualCoupling::move(const ToolFeedback& felt, bool spindle_on, double dt_s) noexcept {
-  // In air nothing is there that a spring could make felt, but the encoders' steps.
-  constexpr double kInAir = 0.4, kStiffensS = 0.02, kSoftensS = 0.2;
-  stiff_ =
-      is_touched(felt.force) ? std::min(1.0, stiff_ + dt_s / kStiffensS) : std::max(kInAir, stiff_ - dt_s / kSoftensS);
+  constexpr double kStiffensS = 0.02, kSoftensS = 0.2;
+  stiff_ = is_touched(felt.force) ? std::min(1.0, stiff_ + dt_s / kStiffensS)
+                                  : std::max(kStiffInAir, stiff_ - dt_s / kSoftensS);
   const double scale = options_.force_scale;
   const Twist stretched = stretch();
   Balance free;

@@ -14,6 +14,10 @@ struct DeviceNews {
   std::uint32_t buttons = 0;  ///< as they were last told
 };
 
+/// Share of the coupling's stiffness and damping that is left in air, where nothing is there that a spring could make
+/// felt but the encoders' steps.
+inline constexpr double kStiffInAir = 0.4;
+
 /// A tool of its own mass that a device pulls by a spring and a damper, in six degrees of freedom (virtual coupling:
 /// Colgate, Stanley & Brown 1995). Bone resists it: along its axis with the thrust that a feed asks (FeedResistance),
 /// sideways with the wall of its hole and what cutting takes, with the spindle off with contact. The tool goes where

@@ -158,7 +158,7 @@ TEST_F(StudySpecFile, TakesTheErrorOfARegistrationBesideIt) {
   EXPECT_FALSE(read_study_spec(write(json)).registration->is_per_run);
   rejects([](Json& j) { j["registration"] = {{"file", "registration.json"}, {"per", "day"}}; }, "day");
   rejects([](Json& j) { j["registration"] = {{"per", "run"}}; }, "file");
-  rejects([](Json& j) { j["registration"] = 3; }, "registration");
+  rejects([](Json& j) { j["registration"] = 3; }, "object");
   json["registration"]["file"] = "nowhere.json";
   EXPECT_THAT([&] { read_study_spec(write(json)); }, ThrowsMessage<Error>(HasSubstr("nowhere.json")));
 }

@@ -38,7 +38,7 @@ TEST(VirtualCoupling, FollowsADeviceInAir) {
   // What it is felt with is the tool's own damping.
   const double drag_n = tool.gains().way.tool_damping * mm_s;
   EXPECT_NEAR(input.device.force_n.z(), -drag_n, 1e-3 * drag_n);
-  EXPECT_NEAR(input.pose.tip_mm.z(), -70.0 - drag_n / tool.gains().way.stiffness, 0.01);
+  EXPECT_NEAR(input.pose.tip_mm.z(), -70.0 - drag_n / (kStiffInAir * tool.gains().way.stiffness), 0.01);
   for (int n = 0; n < 1000; ++n) input = tool.step(device_news_of(pose_down_at(-70.0)), {}, kCoupledDtS);
   EXPECT_NEAR(input.pose.tip_mm.z(), -70.0, 1e-6);
   EXPECT_NEAR(input.device.force_n.norm(), 0.0, 1e-6);
