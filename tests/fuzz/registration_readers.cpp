@@ -1,5 +1,9 @@
 // Where the patient is: registrations, points that were marked or measured, poses of a tracked tool.
 
+#include <Eigen/Geometry>
+
+#include <sstream>
+
 #include "core/files/measured_points_file.h"
 #include "core/files/registration_file.h"
 #include "core/registration/calibrate_pivot.h"
@@ -46,11 +50,33 @@ void read_measured(const fs::path& folder) {
   static_cast<void>(pair_points(points, points));
 }
 
+/// Of a tool whose tip stands still, a line each: a quaternion, or a matrix of so many rows.
+std::string turning_tool(int rows) {
+  std::ostringstream text;
+  text.precision(12);
+  for (int n = 0; n < 8; ++n) {
+    const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.8 * n, Vec3::UnitZ()) * Eigen::AngleAxisd(0.5, Vec3::UnitX()) *
+                                    Eigen::AngleAxisd(0.3 * n, Vec3::UnitZ()));
+    const Vec3 at_mm = Vec3(-80.0, 40.0, -1200.0) - turned * Vec3(3.0, -2.0, 140.0);
+    if (rows == 0) {
+      text << at_mm.x() << ',' << at_mm.y() << ',' << at_mm.z() << ',' << turned.w() << ',' << turned.x() << ','
+           << turned.y() << ',' << turned.z() << '\n';
+      continue;
+    }
+    const Mat3 rotation = turned.toRotationMatrix();
+    for (int row = 0; row < 3; ++row) {
+      text << (row > 0 ? "," : "") << rotation(row, 0) << ',' << rotation(row, 1) << ',' << rotation(row, 2) << ','
+           << at_mm[row];
+    }
+    text << (rows == 4 ? ",0,0,0,1\n" : "\n");
+  }
+  return text.str();
+}
+
 std::vector<Seed> tool_pose_seeds() {
-  return {
-      {"quaternions", {{"poses.csv", "x_mm,y_mm,z_mm,qw,qx,qy,qz\n1,2,3,1,0,0,0\n1,2,3,.9,.1,-.3,0\n4,5,6,0,0,2,0\n"}}},
-      {"matrices", {{"poses.csv", "1,0,0,5,0,1,0,6,0,0,1,7\n0,-1,0,5,1,0,0,6,0,0,1,7\n1,0,0,5,0,0,-1,6,0,1,0,7\n"}}},
-      {"whole matrices", {{"poses.csv", "1,0,0,5,0,1,0,6,0,0,1,7,0,0,0,1\n0,-1,0,5,1,0,0,6,0,0,1,7,0,0,0,1\n"}}}};
+  return {{"quaternions", {{"poses.csv", "x_mm,y_mm,z_mm,qw,qx,qy,qz\n" + turning_tool(0)}}},
+          {"matrices", {{"poses.csv", turning_tool(3)}}},
+          {"whole matrices", {{"poses.csv", turning_tool(4)}}}};
 }
 
 void read_a_calibration(const fs::path& folder) {
