@@ -107,7 +107,10 @@ std::uint64_t LinkReport::refused_in_all() const {
 struct LinkServer::State {
   explicit State(const LinkServerOptions& wanted) : options(wanted) {
     check_link_options(options);
-    if (!options.bind_address.empty()) listener = listen_at(options.bind_address, options.port);
+    if (!options.bind_address.empty()) {
+      listener = listen_at(options.bind_address, options.port);
+      port = port_of(listener.number());
+    }
     if (!options.connect_host.empty()) server = resolve(options.connect_host, options.connect_port, false);
     room.resize(std::size_t{64} << 10U);
     thread = std::thread([this] { run(); });
@@ -144,6 +147,7 @@ struct LinkServer::State {
 
   LinkServerOptions options;
   FileDescriptor listener;
+  std::uint16_t port = 0;
   std::optional<SocketAddress> server;
   LinkBell network_bell, loop_bell;
   LinkRing<LinkInput> inputs{kInputRoom};
@@ -197,6 +201,7 @@ void LinkServer::State::run() {
     bury();
     publish_report();
   }
+  listener.close();  // those that wait to be let in hear of it
   say_goodbye();
   report.through_time = through_times.spread();
   report.stop_time = stop_times.spread();
@@ -597,9 +602,7 @@ LinkReport LinkServer::end() {
   return report();
 }
 
-std::uint16_t LinkServer::port() const {
-  return state_->listener.is_open() ? port_of(state_->listener.number()) : std::uint16_t{0};
-}
+std::uint16_t LinkServer::port() const { return state_->port; }
 
 bool LinkServer::take(LinkInput& input) noexcept { return state_->inputs.take(input); }
 void LinkServer::wait(std::int64_t until_ns) noexcept { state_->loop_bell.wait(until_ns); }
