@@ -8,6 +8,7 @@
 #include <exception>
 #include <thread>
 
+#include "apps/link/link_exchange.h"
 #include "core/base/error.h"
 #include "core/session/real_time/thread_rights.h"
 
@@ -27,7 +28,7 @@ class LinkLoop {
         server_(server),
         options_(options),
         observe_(observe),
-        tracking_(options.tracking),
+        hearing_{Tracking(options.tracking)},
         has_side_(session.path().bit.shape == BitShape::plate) {}
 
   void run(const std::atomic<bool>& stops);
@@ -38,7 +39,7 @@ class LinkLoop {
   void fetch();
   void run_cycle(const Pose& pose);
   void tell_cycle(const Cycle& cycle);
-  void tell_events();
+  void tell_events() { teller_.tell_events(session_, output_, server_); }
   void tell_state(std::int64_t now_ns);
   std::int64_t next_wake_ns(std::int64_t now_ns) const;
 
@@ -46,18 +47,15 @@ class LinkLoop {
   LinkServer& server_;
   const LinkLoopOptions& options_;
   const CycleObserver& observe_;
-  Tracking tracking_;
+  LinkHearing hearing_;
+  LinkTeller teller_;
   bool has_side_;
 
   bool has_new_tool_ = false;
-  LinkInput tool_;  ///< the latest
-  bool spindle_on_ = true;
-  bool is_ended_ = false;
+  LinkInput tool_;                    ///< the latest
   std::int64_t last_arrival_ns_ = 0;  ///< of the pose of the last cycle; 0: none yet
   std::int64_t last_cycle_ns_ = 0;
-  bool was_stopped_ = false;
   bool is_fading_ = false;
-  std::size_t events_told_ = 0;
   TrackingState told_ = TrackingState::waiting;
   LinkOutput output_;
   TimeHistogram steps_;
@@ -69,20 +67,11 @@ class LinkLoop {
 void LinkLoop::fetch() {
   LinkInput input;
   while (server_.take(input)) {
-    if (input.kind == LinkInput::Kind::command) {
-      if (input.command == LinkCommand::end) is_ended_ = true;
-      if (input.command == LinkCommand::spindle_on) spindle_on_ = true;
-      if (input.command == LinkCommand::spindle_off) spindle_on_ = false;
-    } else if (input.kind == LinkInput::Kind::invalid) {
-      tracking_.invalidate(input.device, input.arrival_ns);
-    } else {
-      tracking_.update(input.device, input.transform, input.is_valid, input.arrival_ns);
-      if (input.device != LinkDevice::tool) continue;
-      ++report_.poses;
-      if (has_new_tool_) ++report_.merged;
-      has_new_tool_ = true;
-      tool_ = input;
-    }
+    if (!hearing_.take(input)) continue;
+    ++report_.poses;
+    if (has_new_tool_) ++report_.merged;
+    has_new_tool_ = true;
+    tool_ = input;
   }
 }
 
@@ -93,14 +82,14 @@ void LinkLoop::run(const std::atomic<bool>& stops) {
   }
   const std::int64_t start_ns = wall_ns();
   const auto min_period_ns = static_cast<std::int64_t>(0.5e9 / options_.rate_hz);
-  while (!stops && !is_ended_) {
+  while (!stops && !hearing_.is_ended) {
     std::int64_t now_ns = wall_ns();
     clock_s_.store(seconds_between(start_ns, now_ns), std::memory_order_relaxed);
     if (seconds_between(start_ns, now_ns) >= options_.longest_s) break;
     fetch();
     if (has_new_tool_ && now_ns - last_cycle_ns_ >= min_period_ns) {
       has_new_tool_ = false;
-      if (std::optional<Pose> pose = tracking_.pose(now_ns)) {
+      if (std::optional<Pose> pose = hearing_.tracking.pose(now_ns)) {
         if (!has_side_) pose->side = Vec3::Zero();
         run_cycle(*pose);
       } else {
@@ -109,12 +98,12 @@ void LinkLoop::run(const std::atomic<bool>& stops) {
     }
     now_ns = wall_ns();
     tell_state(now_ns);
-    if (!is_ended_) server_.wait(has_new_tool_ ? last_cycle_ns_ + min_period_ns : next_wake_ns(now_ns));
+    if (!hearing_.is_ended) server_.wait(has_new_tool_ ? last_cycle_ns_ + min_period_ns : next_wake_ns(now_ns));
   }
   tell_events();
   report_.seconds = seconds_between(start_ns, wall_ns());
   report_.step_time = steps_.spread();
-  report_.is_ended = is_ended_;
+  report_.is_ended = hearing_.is_ended;
 }
 
 void LinkLoop::run_cycle(const Pose& pose) {
@@ -126,7 +115,8 @@ void LinkLoop::run_cycle(const Pose& pose) {
   if (is_gap && !is_first) ++report_.gaps;
   if (!is_first) report_.longest_gap_s = std::max(report_.longest_gap_s, since_s);
   last_arrival_ns_ = tool_.arrival_ns;
-  const Cycle& cycle = session_.step({pose, spindle_on_ && !is_gap, std::clamp(since_s, kShortestS, kLongestS)});
+  const Cycle& cycle =
+      session_.step({pose, hearing_.spindle_on && !is_gap, std::clamp(since_s, kShortestS, kLongestS)});
   ++report_.cycles;
   tell_cycle(cycle);
   if (observe_) observe_(cycle);
@@ -135,51 +125,18 @@ void LinkLoop::run_cycle(const Pose& pose) {
 }
 
 void LinkLoop::tell_cycle(const Cycle& cycle) {
-  output_.kind = LinkOutput::Kind::cycle;
-  output_.cycle = cycle.index;
-  output_.time_s = cycle.time_s;
-  output_.pose = cycle.pose;
-  output_.depth_mm = cycle.depth_mm;
-  output_.force_n = cycle.force.force_n;
-  output_.thrust_n = cycle.force.thrust_n;
-  output_.torque_n_mm = cycle.force.torque_n_mm;
-  output_.clearance = cycle.clearance;
-  output_.drill_state = cycle.state;
-  output_.spindle_on = cycle.input.spindle_on;
-  output_.is_stopped = session_.is_stopped();
-  output_.tracking = TrackingState::ok;
+  output_ = output_of(session_, cycle);
   output_.time_stamp = tool_.time_stamp;
   output_.arrival_ns = tool_.arrival_ns;
   told_ = TrackingState::ok;
   is_fading_ = true;  // from when the next pose does not come
-  if (output_.is_stopped && !was_stopped_) {
-    was_stopped_ = true;
-    LinkOutput stop = output_;
-    stop.kind = LinkOutput::Kind::stop;
-    for (const SessionEvent& event : session_.events()) {
-      if (event.kind == EventKind::stop_thrust || event.kind == EventKind::stop_clearance ||
-          event.kind == EventKind::stop_breach) {
-        stop.event = event;
-      }
-    }
-    server_.give(stop);
-  }
+  teller_.tell_stop(session_, output_, server_);
   server_.give(output_);
-}
-
-void LinkLoop::tell_events() {
-  const std::span<const SessionEvent> events = session_.events();
-  for (; events_told_ < events.size(); ++events_told_) {
-    LinkOutput told = output_;
-    told.kind = LinkOutput::Kind::event;
-    told.event = events[events_told_];
-    server_.give(told);
-  }
 }
 
 /// Where no pose comes: that it is so, and forces that fade.
 void LinkLoop::tell_state(std::int64_t now_ns) {
-  const TrackingState tracking = tracking_.state(now_ns);
+  const TrackingState tracking = hearing_.tracking.state(now_ns);
   const double silent_s = seconds_between(last_arrival_ns_, now_ns);
   const bool fades = is_fading_ && silent_s > kHoldForceS;
   if (tracking == told_ && !fades) return;

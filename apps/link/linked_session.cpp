@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "apps/link/link_exchange.h"
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/record/session_record.h"
@@ -26,8 +27,7 @@ LinkedSession drill_linked(const Bone& bone, SessionSetup setup, const LinkedOpt
                    record_parts(setup.path.bit, setup.options));
   }
   LinkServerOptions server_options = options.server;
-  server_options.points = {{"Entry", "Plan", ras_from_lps(setup.path.entry_mm), 0.5 * setup.path.bit.diameter_mm},
-                           {"Target", "Plan", ras_from_lps(setup.path.target_mm), 0.5 * setup.path.bit.diameter_mm}};
+  server_options.points = plan_points(setup.path);
   server_options.stale_s = options.loop.tracking.stale_s;
   LinkServer server(server_options);
   std::optional<LinkMesh> mesh;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/link/link_exchange.h"
 #include "apps/link/linked_session.h"
 #include "apps/report/session_report.h"
 #include "apps/spinaltap/command.h"
@@ -39,25 +40,6 @@ struct LinkCommandOptions {
   std::vector<double> tip_mm{0.0, 0.0, 0.0}, axis{0.0, 0.0, 1.0};
   LinkedOptions linked;
 };
-
-/// "host:port", "host" or "[::1]:port".
-void split_address(const std::string& text, LinkServerOptions& server) {
-  const std::size_t colon = text.rfind(':');
-  const bool is_bare_v6 = colon != std::string::npos && text.find(':') != colon && !text.starts_with('[');
-  server.connect_host = text;
-  if (colon != std::string::npos && !is_bare_v6 && !text.ends_with(']')) {
-    const std::optional<double> port = parse_number(text.substr(colon + 1));
-    constexpr double kLastPort = 65535.0;
-    if (!port || !(*port >= 1.0 && *port <= kLastPort)) {
-      fail("expected --connect as HOST:PORT, found ", in_quotes(text));
-    }
-    server.connect_port = static_cast<std::uint16_t>(*port);
-    server.connect_host = text.substr(0, colon);
-  }
-  std::string& host = server.connect_host;
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  if (host.empty()) fail("expected --connect as HOST:PORT, found ", in_quotes(text));
-}
 
 void add_link_options(CLI::App& app, LinkCommandOptions& options) {
   LinkServerOptions& server = options.linked.server;
@@ -176,7 +158,7 @@ Json tell_registration(const Registration& registration, const DrillPath& path) 
 
 Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress) {
   LinkServerOptions& server = options.linked.server;
-  if (!options.connect.empty()) split_address(options.connect, server);
+  if (!options.connect.empty()) set_server_to_connect(options.connect, server);
   if (options.accepts_nobody && options.connect.empty()) fail("expected --connect with --no-server");
   server.port = static_cast<std::uint16_t>(options.port);
   if (options.accepts_nobody) server.bind_address.clear();

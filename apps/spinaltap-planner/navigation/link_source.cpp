@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "apps/link/link_loop.h"
+#include "apps/link/link_exchange.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/session/real_time/timing.h"
@@ -19,37 +19,26 @@ constexpr double kLinkRateHz = 1000.0;
 class LinkedTool final : public Operator {
  public:
   LinkedTool(std::shared_ptr<LinkServer> server, const TrackingOptions& tracking, bool has_side)
-      : server_(std::move(server)), tracking_(tracking), has_side_(has_side) {}
+      : server_(std::move(server)), hearing_{Tracking(tracking)}, has_side_(has_side) {}
 
   /// Whether the tool's pose is known.
   bool hear() {
     LinkInput input;
-    while (server_->take(input)) {
-      if (input.kind == LinkInput::Kind::command) {
-        if (input.command == LinkCommand::end) is_ended_ = true;
-        if (input.command == LinkCommand::spindle_on) spindle_on_ = true;
-        if (input.command == LinkCommand::spindle_off) spindle_on_ = false;
-      } else if (input.kind == LinkInput::Kind::invalid) {
-        tracking_.invalidate(input.device, input.arrival_ns);
-      } else {
-        tracking_.update(input.device, input.transform, input.is_valid, input.arrival_ns);
-        is_new_ = is_new_ || input.device == LinkDevice::tool;
-      }
-    }
-    const std::optional<Pose> pose = tracking_.pose(wall_ns());
+    while (server_->take(input)) is_new_ = hearing_.take(input) || is_new_;
+    const std::optional<Pose> pose = hearing_.tracking.pose(wall_ns());
     if (!pose) return false;
     pose_ = *pose;
     if (!has_side_) pose_.side = Vec3::Zero();
     return true;
   }
-  bool is_ended() const { return is_ended_; }
+  bool is_ended() const { return hearing_.is_ended; }
 
   std::optional<ToolInput> next(const ToolFeedback& /*feedback*/) override {
     const bool is_seen = hear();
-    if (is_ended_) return std::nullopt;
-    ToolInput input{pose_, is_seen && was_seen_ && spindle_on_, 1.0 / kLinkRateHz};
+    if (hearing_.is_ended) return std::nullopt;
+    ToolInput input{pose_, is_seen && was_seen_ && hearing_.spindle_on, 1.0 / kLinkRateHz};
     input.device.status = !is_seen ? DeviceStatus::lost : is_new_ ? DeviceStatus::live : DeviceStatus::silent;
-    input.device.buttons = spindle_on_ ? 1U : 0U;
+    input.device.buttons = hearing_.spindle_on ? 1U : 0U;
     input.device.pose = pose_;
     was_seen_ = is_seen;
     is_new_ = false;
@@ -58,10 +47,8 @@ class LinkedTool final : public Operator {
 
  private:
   std::shared_ptr<LinkServer> server_;
-  Tracking tracking_;
+  LinkHearing hearing_;
   bool has_side_;
-  bool spindle_on_ = true;
-  bool is_ended_ = false;
   bool is_new_ = false;
   bool was_seen_ = false;
   Pose pose_;
@@ -96,11 +83,9 @@ OperatorPlan LinkSource::begin(const SessionSetup& setup, const Progress& progre
   end();
   LinkServerOptions options = options_;
   options.stale_s = tracking_.stale_s;
-  options.points = {{"Entry", "Plan", ras_from_lps(setup.path.entry_mm), 0.5 * setup.path.bit.diameter_mm},
-                    {"Target", "Plan", ras_from_lps(setup.path.target_mm), 0.5 * setup.path.bit.diameter_mm}};
+  options.points = plan_points(setup.path);
   server_ = std::make_shared<LinkServer>(options);
-  events_told_ = 0;
-  was_stopped_ = false;
+  teller_ = {};
   auto tool = std::make_unique<LinkedTool>(server_, tracking_, setup.path.bit.shape == BitShape::plate);
   try {
     while (!tool->hear()) {
@@ -123,36 +108,16 @@ OperatorPlan LinkSource::begin(const SessionSetup& setup, const Progress& progre
 void LinkSource::tell(const DrillSession& session) {
   if (!server_) return;
   const Cycle& cycle = session.last();
-  LinkOutput output;
-  output.cycle = cycle.index;
-  output.time_s = cycle.time_s;
-  output.pose = cycle.pose;
-  output.depth_mm = cycle.depth_mm;
-  output.force_n = cycle.force.force_n;
-  output.thrust_n = cycle.force.thrust_n;
-  output.torque_n_mm = cycle.force.torque_n_mm;
-  output.clearance = cycle.clearance;
-  output.drill_state = cycle.state;
-  output.spindle_on = cycle.input.spindle_on;
-  output.is_stopped = session.is_stopped();
+  LinkOutput output = output_of(session, cycle);
   const bool is_lost = cycle.input.device.status == DeviceStatus::lost;
-  output.tracking = is_lost ? TrackingState::stale : TrackingState::ok;
-  output.kind = is_lost ? LinkOutput::Kind::state : LinkOutput::Kind::cycle;
-  if (output.is_stopped && !was_stopped_) {
-    was_stopped_ = true;
-    LinkOutput stop = output;
-    stop.kind = LinkOutput::Kind::stop;
-    if (!session.events().empty()) stop.event = session.events().back();
-    server_->give(stop);
+  if (is_lost) {
+    output.tracking = TrackingState::stale;
+    output.kind = LinkOutput::Kind::state;
   }
+  teller_.tell_stop(session, output, *server_);
   // A pose that is answered once; between poses nothing is news.
   if (cycle.input.device.status != DeviceStatus::silent) server_->give(output);
-  for (; events_told_ < session.events().size(); ++events_told_) {
-    LinkOutput told = output;
-    told.kind = LinkOutput::Kind::event;
-    told.event = session.events()[events_told_];
-    server_->give(told);
-  }
+  teller_.tell_events(session, output, *server_);
 }
 
 void LinkSource::end() {
@@ -171,10 +136,7 @@ std::shared_ptr<LinkSource> listening_link(const std::string& address) {
 std::shared_ptr<LinkSource> connecting_link(const std::string& address) {
   LinkServerOptions server;
   server.bind_address.clear();
-  const std::size_t colon = address.rfind(':');
-  if (colon != std::string::npos) server.connect_port = port_of_link(address.substr(colon + 1));
-  server.connect_host = address.substr(0, colon);
-  if (server.connect_host.empty()) fail("link: expected a server as HOST:PORT, found ", in_quotes(address));
+  set_server_to_connect(address, server);
   return std::make_shared<LinkSource>(server, TrackingOptions{});
 }
 

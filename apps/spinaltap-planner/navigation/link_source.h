@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "apps/link/link_server.h"
+#include "apps/link/link_exchange.h"
 #include "apps/spinaltap-planner/navigation/navigation_source.h"
 
 namespace spinaltap {
@@ -28,8 +28,7 @@ class LinkSource final : public NavigationSource {
   TrackingOptions tracking_;
   std::string name_;
   std::shared_ptr<LinkServer> server_;
-  std::size_t events_told_ = 0;
-  bool was_stopped_ = false;
+  LinkTeller teller_;
 };
 
 /// A source that listens at a port, "18944", or at a port of a numeric address, "0.0.0.0:18944". Throws Error on other

@@ -152,6 +152,38 @@ class BenchClient {
   std::uint64_t returned_ = 0, late_ = 0, others_ = 0, stops_ = 0;
 };
 
+/// A client in a thread of its own, beside the loop of a session.
+class ClientThread {
+ public:
+  template <class Work>
+  ClientThread(std::uint16_t port, Work work)
+      : thread_([this, port, work = std::move(work)] {
+          try {
+            ask_for_exact_sleeps();
+            ask_for_priority(kClientPriority);  // without it, times are those of a client without it
+            BenchClient client(port);
+            work(client);
+          } catch (...) {
+            trouble_ = std::current_exception();
+          }
+        }) {}
+  ~ClientThread() {
+    if (thread_.joinable()) thread_.join();
+  }
+  ClientThread(const ClientThread&) = delete;
+  ClientThread& operator=(const ClientThread&) = delete;
+
+  /// Waits for its work; throws what that threw.
+  void end() {
+    thread_.join();
+    if (trouble_) std::rethrow_exception(trouble_);
+  }
+
+ private:
+  std::exception_ptr trouble_;
+  std::thread thread_;
+};
+
 /// Into the phantom's L3 from its upper endplate, down 20 mm.
 DrillPath bench_path() {
   const Vec3 start_mm = milling_start_mm();
@@ -187,35 +219,26 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
   std::optional<Nonsense> nonsense;
   if (options.nonsense_mb_s > 0.0) nonsense.emplace(server.port(), options.nonsense_mb_s);
   std::atomic<bool> ends{false};
-  std::exception_ptr trouble;
-  std::thread client_thread([&] {
-    try {
-      ask_for_exact_sleeps();
-      ask_for_priority(kClientPriority);  // without it, times are those of a client without it
-      BenchClient client(server.port());
-      client.take(wall_ns() + 500'000'000);  // the whole bone
-      const auto count = static_cast<std::uint64_t>(options.seconds * options.rate_hz);
-      const std::int64_t start_ns = wall_ns();
-      for (std::uint64_t n = 0; n < count && !ends; ++n) {
-        const auto due_ns = start_ns + std::llround(1e9 * static_cast<double>(n) / options.rate_hz);
-        client.take(due_ns);
-        // Up and down, a bit deeper each time, and round: bone is cut all the while.
-        const double time_s = static_cast<double>(n) / options.rate_hz;
-        const double depth_mm = 15.0 * time_s / options.seconds + std::sin(time_s);
-        const Vec3 aside_mm(2.0 * std::sin(0.7 * time_s), 2.0 * std::cos(0.9 * time_s), 0.0);
-        const Vec3 down = setup.path.direction();
-        client.send({setup.path.entry_mm + depth_mm * down + aside_mm, down, Vec3::Zero()}, n + 1);
-        ++trips.sent;
-      }
-      client.take(wall_ns() + 200'000'000);
-      trips.time = client.round_trip();
-      trips.returned = client.returned();
-      trips.late = client.late();
-      trips.others = client.others();
-    } catch (...) {
-      trouble = std::current_exception();
+  ClientThread client_thread(server.port(), [&](BenchClient& client) {
+    client.take(wall_ns() + 500'000'000);  // the whole bone
+    const auto count = static_cast<std::uint64_t>(options.seconds * options.rate_hz);
+    const std::int64_t start_ns = wall_ns();
+    for (std::uint64_t n = 0; n < count && !ends; ++n) {
+      const auto due_ns = start_ns + std::llround(1e9 * static_cast<double>(n) / options.rate_hz);
+      client.take(due_ns);
+      // Up and down, a bit deeper each time, and round: bone is cut all the while.
+      const double time_s = static_cast<double>(n) / options.rate_hz;
+      const double depth_mm = 15.0 * time_s / options.seconds + std::sin(time_s);
+      const Vec3 aside_mm(2.0 * std::sin(0.7 * time_s), 2.0 * std::cos(0.9 * time_s), 0.0);
+      const Vec3 down = setup.path.direction();
+      client.send({setup.path.entry_mm + depth_mm * down + aside_mm, down, Vec3::Zero()}, n + 1);
+      ++trips.sent;
     }
-    ends = true;
+    client.take(wall_ns() + 200'000'000);
+    trips.time = client.round_trip();
+    trips.returned = client.returned();
+    trips.late = client.late();
+    trips.others = client.others();
   });
   LinkLoopOptions loop;
   loop.rate_hz = options.rate_hz;
@@ -224,13 +247,12 @@ RoundTrips measure_round_trips(const Bone& bone, const LinkBenchOptions& options
       *built.session, server, loop,
       [&](const Cycle& cycle) { mesh.take(cutting_input(cycle, built.session->options())); }, progress);
   ends = true;
-  client_thread.join();
+  client_thread.end();
   if (nonsense) {
     nonsense->end();
     trips.nonsense_bytes = nonsense->bytes();
     trips.nonsense_connections = nonsense->connections();
   }
-  if (trouble) std::rethrow_exception(trouble);
   mesh.end();
   trips.mesh_updates = mesh.updates();
   trips.mesh_lost = mesh.lost();
@@ -245,29 +267,18 @@ std::optional<double> measure_stop(const Bone& bone, const Progress& progress) {
   setup.options.stop.thrust_n = 2.0;
   BuiltSession built = build_session(bone, setup, progress);
   LinkServer server(bench_server());
-  std::atomic<bool> ends{false};
-  std::exception_ptr trouble;
-  std::thread client_thread([&] {
-    try {
-      ask_for_exact_sleeps();
-      ask_for_priority(kClientPriority);  // without it, times are those of a client without it
-      BenchClient client(server.port());
-      const std::int64_t start_ns = wall_ns();
-      const Vec3 down = setup.path.direction();
-      for (std::uint64_t n = 0; n < 900 && client.stops() == 0; ++n) {
-        client.send({setup.path.entry_mm + (0.005 * static_cast<double>(n) - 1.0) * down, down, Vec3::Zero()}, n + 1);
-        client.take(start_ns + static_cast<std::int64_t>(n + 1) * 1'000'000);
-      }
-    } catch (...) {
-      trouble = std::current_exception();
+  ClientThread client_thread(server.port(), [&](BenchClient& client) {
+    const std::int64_t start_ns = wall_ns();
+    const Vec3 down = setup.path.direction();
+    for (std::uint64_t n = 0; n < 900 && client.stops() == 0; ++n) {
+      client.send({setup.path.entry_mm + (0.005 * static_cast<double>(n) - 1.0) * down, down, Vec3::Zero()}, n + 1);
+      client.take(start_ns + static_cast<std::int64_t>(n + 1) * 1'000'000);
     }
-    ends = true;
   });
   LinkLoopOptions loop;
   loop.longest_s = 1.0;
   run_link(*built.session, server, loop, {}, progress);
-  client_thread.join();
-  if (trouble) std::rethrow_exception(trouble);
+  client_thread.end();
   const LinkReport report = server.end();
   return report.stops > 0 ? std::optional(report.stop_time.max_us) : std::nullopt;
 }
