@@ -98,7 +98,7 @@ void LinkMesh::give_blocks(std::span<const SurfaceUpdate> updates) {
   for (const SurfaceUpdate& update : updates) {
     contents[block_name(options_.name, update.block)] = update.surface ? block_surface(*update.surface) : std::string();
   }
-  server_.give_surfaces(std::move(contents));
+  server_.give_surfaces(contents);
 }
 
 }  // namespace spinaltap
