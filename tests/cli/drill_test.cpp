@@ -56,7 +56,8 @@ class Drill : public ::testing::Test {
 
   static Json drill(const std::string& options, const std::string& plan = "plan.json", int exit_code = 0) {
     const test::ProgramRun run = test::run_program(
-        "drill bone.vdb " + plan + " --radius 2 --spacing 0.2 --step 0.01 -o out --force --json out.json " + options,
+        "drill bone.vdb " + plan + " --radius 2 --spacing 0.2 --step 0.01 -o out --force --json out.json --full-mesh " +
+            options,
         folder_->path());
     EXPECT_EQ(run.exit_code, exit_code) << options << "\n" << run.errors;
     return read_json(folder_->path() / "out.json");

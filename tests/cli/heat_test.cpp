@@ -55,7 +55,8 @@ class Heat : public ::testing::Test {
   static Json json(const char* name) { return read_json(folder_->path() / name); }
 
   static inline const std::string kDrill =
-      "drill bone.vdb plan.json --density cortex.json --radius 2 --spacing 0.2 --rate 200 --no-clearances -o out ";
+      "drill bone.vdb plan.json --density cortex.json --radius 2 --spacing 0.2 --rate 200 --no-clearances --full-mesh "
+      "-o out ";
   static const test::TemporaryFolder* folder_;
   static const std::string* output_;
 };

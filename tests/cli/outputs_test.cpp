@@ -99,12 +99,12 @@ TEST_F(Outputs, OfAnotherKindAreNotReplacedByAPhantomEvenWithForce) {
 }
 
 TEST_F(Outputs, OfAnEarlierDrillingDoNotStayAmongNewOnes) {
-  ASSERT_EQ(drill("--points --splats --record run.h5 -o out").exit_code, 0);
+  ASSERT_EQ(drill("--points --splats --record run.h5 --full-mesh -o out").exit_code, 0);
   write_whole_file(in("out/notes.txt"), "mine");
   EXPECT_THAT(test::everything_in(in("out")),
               AllOf(Contains("points.vdb"), Contains("splats.ply"), Contains("around.ply")));
   EXPECT_EQ(drill("-o out").exit_code, 2);
-  const test::ProgramRun again = drill("--record run.h5 -o out --force");
+  const test::ProgramRun again = drill("--record run.h5 --full-mesh -o out --force");
   ASSERT_EQ(again.exit_code, 0) << again.errors;
   EXPECT_THAT(test::everything_in(in("out")), ElementsAre("drilled.stl", "drilled.vdb", "events.csv", "files.txt",
                                                           "log.csv", "notes.txt", "report.html"));
@@ -114,7 +114,7 @@ TEST_F(Outputs, OfAnEarlierDrillingDoNotStayAmongNewOnes) {
 }
 
 TEST_F(Outputs, OfALongerFilmDoNotStayAtTheEndOfAShorterOne) {
-  ASSERT_EQ(drill("--record run.h5 -o out").exit_code, 0);
+  ASSERT_EQ(drill("--record run.h5 --full-mesh -o out").exit_code, 0);
   const auto film = [&](const std::string& more) {
     return run("render bone.vdb --record run.h5 --frames film --size 32x24 --fps 1 " + more);
   };

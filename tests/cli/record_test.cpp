@@ -37,8 +37,9 @@ class Record : public ::testing::Test {
   static void TearDownTestSuite() { delete folder_; }
 
   static test::ProgramRun drill(const std::string& options) {
-    return test::run_program("drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --operator tremor -o out " + options,
-                             folder_->path());
+    return test::run_program(
+        "drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --operator tremor --full-mesh -o out " + options,
+        folder_->path());
   }
   static test::ProgramRun run(const std::string& arguments) {
     return test::run_program(arguments + " --force", folder_->path());
