@@ -15,6 +15,7 @@
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"
+#include "core/plan/screw_breach.h"
 #include "core/tool/plate.h"
 
 namespace spinaltap {
@@ -457,6 +458,39 @@ double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOp
   const GradedTool tool(path);
   const Walk walk = walk_along(walls, tool, SideNames(walls.landmarks(), path), options);
   return find_breaches(walls, tool, walk.rows, walk.axis, options.ring_points).larger().breach_mm;
+}
+
+struct ScrewGrader::Impl {
+  const WallDistance& walls;
+  GradeOptions options;
+};
+
+ScrewGrader::ScrewGrader(const WallDistance& walls, const GradeOptions& options) {
+  check_options(options);
+  impl_ = std::make_unique<const Impl>(Impl{walls, options});
+}
+ScrewGrader::ScrewGrader(ScrewGrader&&) noexcept = default;
+ScrewGrader& ScrewGrader::operator=(ScrewGrader&&) noexcept = default;
+ScrewGrader::~ScrewGrader() = default;
+
+ScrewBreach ScrewGrader::grade(const DrillPath& path) const {
+  const WallDistance& walls = impl_->walls;
+  check_turns(path.bit, "a grade");
+  const GradedTool tool(path);
+  const SideNames sides(walls.landmarks(), path);
+  const Walk walk = walk_along(walls, tool, sides, impl_->options);
+  const FoundBreaches found = find_breaches(walls, tool, walk.rows, walk.axis, impl_->options.ring_points);
+  ScrewBreach breach;
+  breach.outer_mm = found.outer.breach_mm;
+  breach.canal_mm = found.canal.breach_mm;
+  const FoundBreach& larger = found.larger();
+  if (!(larger.breach_mm > 0.0)) return breach;
+  breach.breach_mm = larger.breach_mm;
+  breach.depth_mm = larger.depth_mm;
+  breach.side = sides.of(larger.place_mm, larger.wall);
+  breach.is_canal = larger.is_canal;
+  breach.side_breach_mm = side_breaches(walls, tool, sides, walk.rows, walk.axis, found);
+  return breach;
 }
 
 }  // namespace spinaltap
