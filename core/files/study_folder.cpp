@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <climits>
 #include <cstring>
 #include <string_view>
 #include <utility>
@@ -129,6 +131,7 @@ StudyPart::StudyPart(const std::filesystem::path& folder, const std::string& nam
       fail("another process works on ", path_.string(), ": wait for it, or take another shard");
     }
     if (lock == FileLock::failed) fail("cannot lock ", path_.string(), ": ", std::strerror(errno));
+    if (lock == FileLock::no_locking) open_unlocked();
     const std::string text = read_whole_file(path_);
     const std::size_t last_line = text.rfind('\n');
     const std::size_t whole = last_line == std::string::npos ? 0 : last_line + 1;
@@ -138,9 +141,29 @@ StudyPart::StudyPart(const std::filesystem::path& folder, const std::string& nam
     }
     if (whole == 0) write(head_of(identity));
   } catch (...) {
-    ::close(file_);
+    if (file_ >= 0) ::close(file_);
     throw;
   }
+}
+
+void StudyPart::open_unlocked() {
+  is_locked_ = false;
+  ::close(std::exchange(file_, -1));
+  // What others may have in it stays as it is; an empty one that was only made to be locked says nothing.
+  char host[HOST_NAME_MAX + 1] = {};
+  if (::gethostname(host, HOST_NAME_MAX) != 0) host[0] = '\0';
+  std::string writer(host);
+  std::replace_if(
+      writer.begin(), writer.end(), [](unsigned char c) { return std::isalnum(c) == 0 && c != '-'; }, '_');
+  writer += "-" + std::to_string(::getpid());
+  const std::filesystem::path shared = path_;
+  constexpr int kMaxFiles = 10'000;  // of one process number on one computer, or in containers that share its name
+  for (int n = 1; n <= kMaxFiles && file_ < 0; ++n) {
+    path_ = shared.parent_path() / (shared.stem().string() + "." + writer + "-" + std::to_string(n) + ".csv");
+    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
+    if (file_ < 0 && errno != EEXIST) break;
+  }
+  if (file_ < 0) fail("cannot open ", path_.string(), " to write: ", std::strerror(errno));
 }
 
 StudyPart::~StudyPart() {

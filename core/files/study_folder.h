@@ -37,7 +37,9 @@ void read_study_parts(const std::filesystem::path& folder, const StudyIdentity& 
 class StudyPart {
  public:
   /// `name`: of the file. Takes off a last row that was cut short. Throws Error where the file is another study's, and
-  /// where another process writes to it.
+  /// where another process writes to it. On a file system without locks that cannot be known: rows then go to a new
+  /// file, whose name has this computer's and process's too, so that no two processes write to one. Two of them may do
+  /// one run twice, and its rows are the same.
   StudyPart(const std::filesystem::path& folder, const std::string& name, const StudyIdentity& identity);
   ~StudyPart();
   StudyPart(const StudyPart&) = delete;
@@ -46,11 +48,17 @@ class StudyPart {
   /// One thread at a time. Throws Error when the disk is full; rows before stay.
   void append(const std::string& row);
 
+  const std::filesystem::path& path() const { return path_; }
+  /// False where the file system has no locks.
+  bool is_locked() const { return is_locked_; }
+
  private:
+  void open_unlocked();
   void write(const std::string& text);
 
   std::filesystem::path path_;
   int file_ = -1;
+  bool is_locked_ = true;
 };
 
 /// What a study's results depend on. `spec.volume.radius_mm` must be known by now.

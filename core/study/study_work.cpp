@@ -36,7 +36,8 @@ std::string stage_of(double seconds, std::size_t done, std::size_t all) {
 }  // namespace
 
 StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<StudyRunner()>& make_runner,
-                        const std::function<void(const StudyRow&)>& finished, const Progress& progress) {
+                        const std::function<void(const StudyRow&)>& finished, const Progress& progress,
+                        const StudyStop& stops) {
   const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const std::size_t threads = std::clamp<std::size_t>(runs.size(), 1, std::max<std::size_t>(allowed, 1));
   StudyWork work{.threads = static_cast<int>(threads)};
@@ -44,10 +45,15 @@ StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<S
   const double cpu_start = cpu_seconds();
   std::atomic<std::size_t> next{0};
   std::atomic<bool> has_failed{false};
+  std::atomic<bool> is_stopped{false};
   std::mutex mutex;  // of `finished` and `work`
   const auto work_on = [&] {
     const StudyRunner runner = make_runner();
     for (std::size_t n = next++; n < runs.size() && !has_failed; n = next++) {
+      if (is_stopped || (stops && stops())) {
+        is_stopped = true;
+        return;
+      }
       const StudyRow row = runner(runs[n]);
       const std::lock_guard lock(mutex);
       if (has_failed) return;
@@ -71,6 +77,7 @@ StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<S
   // As many as are allowed, even where that is more than there are cores.
   tbb::task_arena all(static_cast<int>(threads));
   all.execute([&] { tbb::parallel_for(std::size_t{0}, threads, work_alone, tbb::simple_partitioner()); });
+  work.is_stopped = is_stopped;
   work.seconds = seconds_since(start);
   work.cpu_seconds = cpu_seconds() - cpu_start;
   return work;

@@ -19,24 +19,17 @@ struct Study::State {
     identity = study_identity(spec, runs, bone->hash());
   }
 
-  std::vector<std::size_t> runs_of(const StudyShard& shard) const {
-    if (shard.index < 1 || shard.index > shard.count) {
-      fail("expected a shard from 1 to ", shard.count, ", found ", shard.index);
-    }
-    std::vector<std::size_t> numbers;
-    for (std::size_t n = shard.index - 1; n < runs.count(); n += shard.count) numbers.push_back(n);
-    return numbers;
-  }
+  std::vector<std::size_t> runs_of(const StudyShard& shard) const { return runs_of_shard(runs.count(), shard); }
   /// Made for the first run: a folder whose runs are all done needs none.
   const StudyBench& bench(const Progress& progress) const {
     std::call_once(has_bench, [&] { made_bench.emplace(*bone, spec, runs, progress); });
     return *made_bench;
   }
   StudyWork work(std::span<const std::size_t> numbers, const std::function<void(const StudyRow&)>& finished,
-                 const Progress& progress) const {
+                 const Progress& progress, const StudyStop& stops = {}) const {
     const StudyBench& shared = bench(progress);
     return do_study_runs(
-        numbers, [&shared] { return shared.make_runner(); }, finished, progress);
+        numbers, [&shared] { return shared.make_runner(); }, finished, progress, stops);
   }
 
   StudySpec spec;
@@ -68,8 +61,8 @@ std::vector<StudyRow> Study::run(const StudyShard& shard, const Progress& progre
   return rows;
 }
 
-StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard& shard,
-                          const Progress& progress) const {
+StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard& shard, const Progress& progress,
+                          const StudyStop& stops) const {
   std::vector<std::size_t> left = state_->runs_of(shard);
   // What makes no sense leaves no files behind. In a folder that is this study's, it made sense before.
   if (!std::filesystem::exists(folder) || std::filesystem::is_empty(folder)) state_->bench(progress);
@@ -80,8 +73,10 @@ StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard&
   if (left.empty()) return {};
   StudyPart part(folder, "part-" + std::to_string(shard.index) + "-of-" + std::to_string(shard.count) + ".csv",
                  state_->identity);
-  return state_->work(
-      left, [&part](const StudyRow& row) { part.append(study_csv(row)); }, progress);
+  StudyWork work = state_->work(
+      left, [&part](const StudyRow& row) { part.append(study_csv(row)); }, progress, stops);
+  if (!part.is_locked()) work.unlocked_part = part.path();
+  return work;
 }
 
 StudyTable merge(std::span<const std::filesystem::path> folders) {

@@ -8,17 +8,12 @@
 #include "core/base/progress.h"
 #include "core/files/study_folder.h"
 #include "core/study/study_row.h"
+#include "core/study/study_shard.h"
 #include "core/study/study_spec.h"
 #include "core/study/study_work.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
-
-/// One of the shares that a study is cut into: every run whose number modulo `count` is `index` - 1.
-struct StudyShard {
-  std::size_t index = 1;
-  std::size_t count = 1;
-};
 
 /// A path drilled many times, with errors: on all cores, the same rows at any number of threads and in any shards.
 class Study {
@@ -46,9 +41,10 @@ class Study {
   /// The rows of a shard, in the order of their numbers. Throws Error where the path misses the bone.
   std::vector<StudyRow> run(const StudyShard& shard = {}, const Progress& progress = {}) const;
   /// As run(), into a folder that keeps each finished run whatever happens: called again it goes on where it was. Gives
-  /// what it did now. Throws Error where the folder holds another study.
-  StudyWork run_into(const std::filesystem::path& folder, const StudyShard& shard = {},
-                     const Progress& progress = {}) const;
+  /// what it did now. Throws Error where the folder holds another study. Where `stops` says so it leaves early, after
+  /// the runs under way (do_study_runs()).
+  StudyWork run_into(const std::filesystem::path& folder, const StudyShard& shard = {}, const Progress& progress = {},
+                     const StudyStop& stops = {}) const;
 
  private:
   struct State;

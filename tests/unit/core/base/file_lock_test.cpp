@@ -16,6 +16,7 @@
 #include "core/base/error.h"
 #include "core/base/hdf5_file.h"
 #include "core/files/study_folder.h"
+#include "core/study/study_row.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
@@ -74,6 +75,33 @@ TEST_F(FileLocks, AreDoneWithoutWhereTheFileSystemHasNone) {
     }
     EXPECT_NO_THROW(Hdf5File::open(record));
   }
+}
+
+TEST_F(FileLocks, WhereThereAreNoneEachWriterOfAStudyHasAFileOfItsOwn) {
+  StudyRow rows[3];
+  for (std::size_t n = 0; n < 3; ++n) rows[n][StudyColumn::run] = static_cast<double>(n);
+  open_study_folder(folder_.path(), study_);
+  StudyPart(folder_.path(), "part-1-of-2.csv", study_).append(study_csv(rows[0]));
+  flock_error = EOPNOTSUPP;
+  {
+    // Two tasks that both think the shard theirs, as after a requeue whose first process still lives.
+    StudyPart one(folder_.path(), "part-1-of-2.csv", study_);
+    StudyPart two(folder_.path(), "part-1-of-2.csv", study_);
+    EXPECT_FALSE(one.is_locked());
+    EXPECT_NE(one.path(), two.path());
+    for (const StudyPart* part : {&one, &two}) {
+      EXPECT_THAT(part->path().filename().string(), testing::StartsWith("part-1-of-2."));
+      EXPECT_THAT(part->path().filename().string(), HasSubstr("-" + std::to_string(::getpid()) + "-"));
+    }
+    one.append(study_csv(rows[1]));
+    two.append(study_csv(rows[1]));
+    two.append(study_csv(rows[2]));
+  }
+  StudyRows found;
+  read_study_parts(folder_.path(), study_, found);
+  EXPECT_EQ(found.size(), 3U);
+  flock_error = 0;
+  EXPECT_TRUE(StudyPart(folder_.path(), "part-1-of-2.csv", study_).is_locked());
 }
 
 TEST_F(FileLocks, OfAnotherProcessAreToldFromThoseThatFailed) {

@@ -120,6 +120,34 @@ TEST(StudyWork, CanBeCancelled) {
   EXPECT_LT(done, 20U);
 }
 
+TEST(StudyWork, FinishesRunsUnderWayWhereItIsAskedToStop) {
+  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 3);
+  std::atomic<std::size_t> begun{0};
+  std::atomic<bool> is_asked{false};
+  std::set<std::size_t> done;
+  const auto make = [&] {
+    return [&](std::size_t run) {
+      if (++begun == 10) is_asked = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return row_of(run);
+    };
+  };
+  const StudyWork work = do_study_runs(
+      numbers(1000), make, [&](const StudyRow& row) { done.insert(row.run()); }, {}, [&] { return is_asked.load(); });
+  EXPECT_TRUE(work.is_stopped);
+  EXPECT_EQ(done.size(), begun) << "every run that was begun is handed over";
+  EXPECT_EQ(work.runs, done.size());
+  EXPECT_GE(begun, 10U);
+  EXPECT_LT(begun, 14U);
+  // Asked when nothing is left, it has done all.
+  is_asked = false;
+  begun = 1000;
+  const StudyWork whole = do_study_runs(
+      numbers(5), make, [&](const StudyRow&) { is_asked = begun == 1005; }, {}, [&] { return is_asked.load(); });
+  EXPECT_FALSE(whole.is_stopped);
+  EXPECT_EQ(whole.runs, 5U);
+}
+
 TEST(StudyWork, TellsRateAndTimeLeft) {
   std::string last;
   double share = 0.0;
