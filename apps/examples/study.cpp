@@ -9,8 +9,7 @@ int main(int count, char** arguments) {
   try {
     StudySpec spec;
     spec.name = "an operator's errors";
-    spec.bone_file = arguments[1];
-    spec.path = read_plan(arguments[2]).front();
+    spec.bones = {{.file = arguments[1], .paths = {read_plan(arguments[2]).front()}}};
     spec.volume.spacing_mm = 0.2;
     spec.tool_operator.step_mm = 0.02;
     const auto errs = [](StudyFactor factor, double deviation) {

@@ -33,12 +33,14 @@ py::array merged(const std::vector<std::filesystem::path>& folders) {
 void bind_study(py::module_& module) {
   module.attr("STUDY") = study_dtype();
   py::class_<Study>(module, "Study", "A path drilled many times, with errors, on all cores; docs/studies.md.")
-      .def_static("load", &Study::load, "spec"_a, py::call_guard<py::gil_scoped_release>(),
-                  "From a SPEC.json. Raises Error that names the key at fault.")
+      .def_static(
+          "load", [](const std::filesystem::path& spec) { return Study::load(spec); }, "spec"_a,
+          py::call_guard<py::gil_scoped_release>(), "From a SPEC.json. Raises Error that names the key at fault.")
       .def("__len__", &Study::run_count, "How many runs it has.")
       .def_property_readonly(
           "hash", [](const Study& study) { return study.identity().hash(); }, "Of all that the results depend on.")
-      .def_property_readonly("bone", &Study::bone)
+      .def_property_readonly(
+          "bone", [](const Study& study) { return study.bone(); }, "The first, where there are several.")
       .def(
           "run",
           [](const Study& study, std::size_t shard, std::size_t shards, const py::object& progress) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/report/plot_ticks.h"
+#include "apps/report/text.h"
 
 namespace spinaltap {
 namespace {
@@ -46,6 +47,14 @@ StudyTitle title_of(StudyColumn column) {
       return {"insertion torque of the screw", "N·mm"};
     case StudyColumn::max_temperature_c:
       return {"hottest bone beside the hole", "°C"};
+    case StudyColumn::off_entry_mm:
+      return {"entry, distance from the plan", "mm"};
+    case StudyColumn::off_target_mm:
+      return {"tip, distance from the plan", "mm"};
+    case StudyColumn::off_angle_deg:
+      return {"angle to the plan", "°"};
+    case StudyColumn::screw_breach_mm:
+      return {"breach of the screw", "mm"};
     default:
       return {std::string(name_of(column)), ""};
   }
@@ -73,8 +82,41 @@ StudyTitle title_of(StudyFactor factor) {
       return {"scale of the bone's density", ""};
     case StudyFactor::force_scale:
       return {"scale of the forces", ""};
+    case StudyFactor::entry_error_scale:
+      return {"scale of the entry's errors", ""};
+    case StudyFactor::direction_error_scale:
+      return {"scale of the direction's errors", ""};
+    case StudyFactor::registration_scale:
+      return {"scale of the registration's errors", ""};
   }
   return {std::string(name_of(factor)), ""};
+}
+
+std::string words_of(const StudyTolerance& tolerance) {
+  if (!tolerance.up_to) {
+    return tolerance.scales.empty() ? "no screw was graded"
+                                    : "less even at " + readable_number(tolerance.scales.front(), 2);
+  }
+  if (std::isinf(*tolerance.up_to)) return "more than " + readable_number(tolerance.scales.back(), 2);
+  return readable_number(*tolerance.up_to, 2);
+}
+
+Plot tolerance_plot(const StudyTolerance& tolerance) {
+  Plot plot = plot_over(title_of(tolerance.factor));
+  plot.title = "Screws of grade A over the " + plot.x_label;
+  plot.y_label = "share of grade A";
+  plot.y_unit = "%";
+  PlotSeries series{"", tolerance.scales, {}};
+  PlotBand band{"95 % interval, patients like these", tolerance.scales, {}, {}};
+  for (const StudyShare& share : tolerance.a) {
+    series.y.push_back(100.0 * share.probability());
+    band.low.push_back(100.0 * share.interval.low);
+    band.high.push_back(100.0 * share.interval.high);
+  }
+  plot.series = {std::move(series)};
+  plot.bands = {std::move(band)};
+  if (tolerance.up_to && std::isfinite(*tolerance.up_to)) plot.markers = {{*tolerance.up_to, "95 %"}};
+  return plot;
 }
 
 Plot breach_plot(const StudySummary::ByFactor& by_factor) {

@@ -16,6 +16,12 @@ struct StudyTitle {
 StudyTitle title_of(StudyColumn column);
 StudyTitle title_of(StudyFactor factor);
 
+/// "0.62", "more than 2", or that the share is less even at the smallest scale.
+std::string words_of(const StudyTolerance& tolerance);
+
+/// The share of grade A over a scale of errors, with its 95 % intervals.
+Plot tolerance_plot(const StudyTolerance& tolerance);
+
 /// Breach probability over a factor, with its 95 % intervals.
 Plot breach_plot(const StudySummary::ByFactor& by_factor);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -47,6 +48,63 @@ std::vector<ReportRow> spread_rows(const StudySpread& spread) {
   return {{name + ", median", number(spread.quantiles[3]), title.unit},
           {"5 % to 95 %", number(spread.quantiles[1]) + " to " + number(spread.quantiles[5]), title.unit},
           {"min to max", number(spread.quantiles[0]) + " to " + number(spread.quantiles[6]), title.unit}};
+}
+
+/// One row for each group of screws.
+void add_screws(const std::vector<StudyScrews>& screws, HtmlReport& report) {
+  if (screws.empty()) return;
+  report.add_heading("Screws");
+  report.add_text(
+      "The planned screw where it would lie, by its deepest breach (Gertzbein & Robbins), % of the runs. In brackets "
+      "the "
+      "95 % interval for patients like these: runs of one patient resemble each other. With one patient it says "
+      "nothing "
+      "of others.");
+  std::vector<std::vector<std::string>> rows;
+  for (const StudyScrews& one : screws) {
+    std::vector<std::string> row{one.what, std::to_string(one.runs), std::to_string(one.patients)};
+    for (const StudyShare& grade : one.grades) row.push_back(percent(grade.probability()));
+    row.push_back(with_interval(one.acceptable));
+    row.push_back(with_interval(one.canal));
+    row.push_back(percent(one.anterior.probability()));
+    rows.push_back(std::move(row));
+  }
+  report.add_table({"of", "runs", "patients", "A", "B", "C", "D", "E", "A or B", "canal", "anterior"}, rows);
+}
+
+void add_tolerances(const std::vector<StudyTolerance>& tolerances, HtmlReport& report) {
+  if (tolerances.empty()) return;
+  report.add_heading("How small errors must be for 95 % grade A");
+  std::vector<ReportRow> rows;
+  for (const StudyTolerance& tolerance : tolerances) {
+    const std::string name = title_of(tolerance.factor).name;
+    rows.push_back({upper_case(name.substr(0, 1)) + name.substr(1) + ", up to", words_of(tolerance), ""});
+  }
+  report.add_table(rows);
+  for (const StudyTolerance& tolerance : tolerances) report.add_svg(svg_plot(tolerance_plot(tolerance)));
+}
+
+void add_sensitivities(const StudySummary& summary, HtmlReport& report) {
+  if (summary.sensitivities.empty()) return;
+  report.add_heading("Which error is to blame");
+  report.add_text(
+      "Sobol's indices: the share of a result's variance that an input explains alone, and the share that would be "
+      "left "
+      "if all but it were known. In brackets their 95 % intervals. \"direction\" is what of the direction's error does "
+      "not go with the entry's.");
+  for (const StudySensitivity& one : summary.sensitivities) {
+    std::vector<std::vector<std::string>> rows;
+    const auto text = [](double share, const Interval& interval) {
+      return readable_number(share, 2) + " (" + readable_number(interval.low, 2) + " to " +
+             readable_number(interval.high, 2) + ")";
+    };
+    for (std::size_t n = 0; n < summary.inputs.size(); ++n) {
+      const SobolIndex& index = one.indices.groups.at(n);
+      rows.push_back({summary.inputs[n], text(index.first_order, index.first_order_interval),
+                      text(index.total, index.total_interval)});
+    }
+    report.add_table({one.result, "alone", "with others"}, rows);
+  }
 }
 
 bool differs(const StudySummary& summary, StudyFactor factor) {
@@ -93,57 +151,12 @@ ReportRow row_of(const FactorDistribution& distribution) {
   return {name, levels, title.unit};
 }
 
-}  // namespace
-
-std::string study_report(const StudyReportData& data) {
-  if (data.rows.empty()) fail("study report: expected one run or more, found none");
-  const StudySummary& summary = data.summary;
-  HtmlReport report(data.title);
-  report.add_note("Research and training software, not a medical device: a person must judge what it says.");
-  if (summary.outside_volume.count > 0) {
-    report.add_note(
-        std::to_string(summary.outside_volume.count) +
-        " runs cut beyond the cylinder of points: their forces miss bone. Give \"volume\" a larger radius.");
-  }
-  report.add_heading("What was studied");
-  report.add_table(data.inputs);
-  report.add_heading("How likely");
-  report.add_text(
-      "Shares of the runs, in brackets their 95 % intervals after Wilson (1927). A breach is any way of the bit's "
-      "surface beyond a wall of the bone; the entry opening does not count. Grades after Gertzbein & Robbins, by the "
-      "deeper breach.");
-  report.add_table(shares_of(summary));
-  if (!summary.factors.empty()) report.add_heading("Breach over each factor");
-  for (const StudySummary::ByFactor& by : summary.factors) report.add_svg(svg_plot(breach_plot(by)));
-  add_scatters(data, report);
-  report.add_heading("Forces, plunge depth, clearance");
-  std::vector<ReportRow> rows;
-  for (const StudySpread& spread : summary.spreads) {
-    if (spread.runs == 0) continue;
-    const std::vector<ReportRow> more = spread_rows(spread);
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  report.add_table(rows);
-  for (const StudyColumn column :
-       {StudyColumn::max_thrust_n, StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
-        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm, StudyColumn::screw_pullout_n,
-        StudyColumn::max_temperature_c}) {
-    const auto has = [&](const StudyRow& row) { return std::isfinite(row[column]); };
-    if (std::any_of(data.rows.begin(), data.rows.end(), has)) report.add_svg(svg_plot(histogram(data.rows, column)));
-  }
-  return report.html();
-}
-
-StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::path& file) {
-  const IdentifiedStudy study = study_of(identity, file);
+void add_drilling(const IdentifiedStudy& study, std::vector<ReportRow>& rows) {
   const SessionSetup& setup = study.setup;
   const StudyOperator& tool_operator = study.tool_operator;
-  StudyInputs inputs{study.name, study.design, {}};
   const auto add = [&](const std::string& name, const std::string& value, const std::string& unit) {
-    inputs.rows.push_back({name, value, unit});
+    rows.push_back({name, value, unit});
   };
-  if (!setup.path.name.empty()) add("Path", setup.path.name, "");
-  add("Length, entry to target", readable_number(setup.path.length_mm(), 1), "mm");
   add("Bit, diameter × length", text_of(setup.path.bit.diameter_mm) + " × " + text_of(setup.path.bit.length_mm), "mm");
   add("Spindle", text_of(setup.options.spindle.rpm), "rpm");
   if (tool_operator.kind == StudyOperator::Kind::feed) {
@@ -168,12 +181,91 @@ StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::p
   add(has_voxels ? "Voxels" : "Points, spacing", text_of(setup.volume.spacing_mm), "mm");
   add(has_voxels ? "Voxels, radius of the cylinder whose box they fill" : "Points, radius of the cylinder",
       readable_number(setup.volume.radius_mm, 2), "mm");
+}
+
+}  // namespace
+
+std::string study_report(const StudyReportData& data) {
+  if (data.rows.empty()) fail("study report: expected one run or more, found none");
+  const StudySummary& summary = data.summary;
+  HtmlReport report(data.title);
+  report.add_note("Research and training software, not a medical device: a person must judge what it says.");
+  if (summary.outside_volume.count > 0) {
+    report.add_note(
+        std::to_string(summary.outside_volume.count) +
+        " runs cut beyond the cylinder of points: their forces miss bone. Give \"volume\" a larger radius.");
+  }
+  report.add_heading("What was studied");
+  report.add_table(data.inputs);
+  add_screws(summary.screws, report);
+  add_tolerances(summary.tolerances, report);
+  add_sensitivities(summary, report);
+  if (summary.has_drilled) {
+    report.add_heading("The bit: how likely");
+    report.add_text(
+        "Shares of the runs, in brackets their 95 % intervals after Wilson (1927). A breach is any way of the bit's "
+        "surface beyond a wall of the bone; the entry opening does not count. Grades after Gertzbein & Robbins, by the "
+        "deeper breach.");
+    report.add_table(shares_of(summary));
+  }
+  if (!summary.factors.empty()) report.add_heading("Breach over each factor");
+  for (const StudySummary::ByFactor& by : summary.factors) report.add_svg(svg_plot(breach_plot(by)));
+  add_scatters(data, report);
+  report.add_heading(summary.has_drilled ? "Forces, plunge depth, clearance, errors" : "Errors");
+  std::vector<ReportRow> rows;
+  for (const StudySpread& spread : summary.spreads) {
+    if (spread.runs == 0) continue;
+    const std::vector<ReportRow> more = spread_rows(spread);
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  report.add_table(rows);
+  for (const StudyColumn column :
+       {StudyColumn::max_thrust_n, StudyColumn::max_torque_n_mm, StudyColumn::plunge_depth_mm,
+        StudyColumn::min_clearance_outer_mm, StudyColumn::min_clearance_canal_mm, StudyColumn::screw_pullout_n,
+        StudyColumn::max_temperature_c, StudyColumn::off_entry_mm, StudyColumn::off_target_mm,
+        StudyColumn::off_angle_deg, StudyColumn::screw_breach_mm}) {
+    const auto has = [&](const StudyRow& row) { return std::isfinite(row[column]); };
+    if (std::any_of(data.rows.begin(), data.rows.end(), has)) report.add_svg(svg_plot(histogram(data.rows, column)));
+  }
+  return report.html();
+}
+
+StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::path& file) {
+  const IdentifiedStudy study = study_of(identity, file);
+  const SessionSetup& setup = study.setup;
+  StudyInputs inputs{study.name, study.design, study.ground(), {}};
+  const auto add = [&](const std::string& name, const std::string& value, const std::string& unit) {
+    inputs.rows.push_back({name, value, unit});
+  };
+  std::set<std::size_t> patients;
+  std::size_t screws = 0;
+  for (const StudyBone& bone : study.bones) {
+    patients.insert(bone.patient);
+    screws += bone.paths.size();
+  }
+  if (screws > 1) {
+    add("Patients", std::to_string(patients.size()), "");
+    add("Bones", std::to_string(study.bones.size()), "");
+    add("Screws", std::to_string(screws), "");
+  } else {
+    if (!setup.path.name.empty()) add("Path", setup.path.name, "");
+    add("Length, entry to target", readable_number(setup.path.length_mm(), 1), "mm");
+    if (setup.path.screw) {
+      add("Screw, diameter × length",
+          text_of(setup.path.screw->diameter_mm) + " × " + text_of(setup.path.screw->length_mm), "mm");
+    }
+  }
+  if (study.errors) add("Errors of placement", study.errors->title, "");
+  if (study.has_registration) add("Registration, drawn for each", std::string(name_of(study.registration_per)), "");
+  if (study.kind == StudyKind::drilling) add_drilling(study, inputs.rows);
   for (const FactorDistribution& distribution : inputs.design.distributions)
     inputs.rows.push_back(row_of(distribution));
   add("Runs", std::to_string(identity.runs), "");
-  add("Sampling", inputs.design.is_latin ? "Latin hypercube" : "random", "");
+  add("Sampling", std::string(name_of(inputs.design.sampling)), "");
   add("Seed", std::to_string(inputs.design.seed), "");
-  add("Bone, fingerprint", setup.bone_hash, "");
+  for (std::size_t n = 0; study.bones.size() < 20 && n < study.bones.size(); ++n) {
+    add("Bone, fingerprint", study.bones[n].hash, "");
+  }
   add("Study, fingerprint", identity.hash(), "");
   return inputs;
 }
@@ -195,7 +287,7 @@ StudySummary write_study_results(const std::filesystem::path& folder, const Stud
   const StudyInputs inputs = study_inputs(identity, folder / "study.json");
   report.title = inputs.title;
   report.inputs = inputs.rows;
-  report.summary = summarise_study(report.rows, inputs.design);
+  report.summary = summarise_study(report.rows, StudyRuns(inputs.design, inputs.ground));
   StagedOutput output;
   output.write(folder / "runs.csv", csv);
   output.write(folder / "summary.json", to_json(report.summary).dump(2) + "\n");

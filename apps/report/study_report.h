@@ -26,6 +26,7 @@ std::string study_report(const StudyReportData& data);
 struct StudyInputs {
   std::string title;
   StudyDesign design;
+  StudyGround ground;
   std::vector<ReportRow> rows;
 };
 /// Throws Error that names `file` and the key at fault.

@@ -43,20 +43,24 @@ Json figures_of(const StudyWork& work) {
 
 Json run_study(const StudyCommandOptions& options, const Progress& progress) {
   const StudyShard shard = read_shard(options.shard);
-  const Study study = Study::load(options.spec);
+  const Study study = Study::load(options.spec, progress);
   const StudyWork work = study.run_into(options.folder, shard, progress);
   Json figures{{"left", work.runs}};
   if (work.runs > 0) {
     figures["work"] = figures_of(work);
-    figures["points"] = study.points();
-    figures["megabytes_a_thread"] = static_cast<double>(study.bytes_a_thread()) / 1e6;
+    if (study.points() > 0) {
+      figures["points"] = study.points();
+      figures["megabytes_a_thread"] = static_cast<double>(study.bytes_a_thread()) / 1e6;
+    }
     print_figure("runs done now", static_cast<double>(work.runs), "", 0);
     print_figure("threads", work.threads, "", 0);
     print_figure("rate", static_cast<double>(work.runs) / work.seconds, "runs/s");
     print_figure("processor time a run", 1e3 * work.cpu_seconds / static_cast<double>(work.runs), "ms");
   }
-  const std::string& no_landmarks = study.bone().no_landmarks(progress);
-  if (!no_landmarks.empty()) print_figure("no canal, no landmarks", no_landmarks);
+  if (study.spec().bones.size() == 1) {
+    const std::string no_landmarks = study.bone().no_landmarks(progress);
+    if (!no_landmarks.empty()) print_figure("no canal, no landmarks", no_landmarks);
+  }
   const StudyTable table = merge({&options.folder, 1});
   if (table.is_whole()) {
     const StudySummary summary = write_study_results(options.folder, table.identity, table.rows);

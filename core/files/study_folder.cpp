@@ -19,9 +19,11 @@
 #include "core/base/staged_output.h"
 #include "core/base/text_fields.h"
 #include "core/base/version.h"
+#include "core/files/detail/placement_errors_json.h"
 #include "core/files/detail/registration_json.h"
 #include "core/files/detail/session_json.h"
 #include "core/files/detail/study_json.h"
+#include "core/files/detail/tool_json.h"
 #include "core/files/json_file.h"
 
 namespace spinaltap {
@@ -184,33 +186,77 @@ void StudyPart::write(const std::string& text) {
   }
 }
 
-StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const std::string& bone_hash) {
+StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs) {
   SessionSetup setup;
-  setup.bone_hash = bone_hash;
-  setup.path = spec.path;
+  setup.bone_hash = spec.bones.at(0).hash;
+  setup.path = spec.bones.at(0).paths.at(0);
   setup.material = spec.material;
   setup.volume = spec.volume;
   setup.engine = spec.engine;
   setup.options = spec.options;
+  Json bones = Json::array();
+  for (const StudyBone& bone : spec.bones) {
+    Json paths = Json::array();
+    for (const DrillPath& path : bone.paths) paths.push_back(to_json(path));
+    bones.push_back({{"hash", bone.hash},
+                     {"level", level_name(bone.level)},
+                     {"patient", bone.patient + 1},
+                     {"paths", std::move(paths)}});
+  }
   Json study{{"program", version()},
              {"code", code_fingerprint(CodeStage::drilling)},
              {"name", spec.name},
+             {"kind", name_of(spec.kind)},
+             {"bones", std::move(bones)},
              {"session", to_json(setup)},
              {"lead_out_mm", spec.lead_out_mm},
              {"operator", to_json(spec.tool_operator)},
              {"design", to_json(spec.design)}};
+  if (spec.errors) study["errors"] = to_json(*spec.errors);
   if (spec.registration) {
     study["registration"] = to_json(spec.registration->covariance);
-    study["registration"]["per"] = spec.registration->is_per_run ? "run" : "patient";
+    study["registration"]["per"] = name_of(spec.registration->per);
   }
   return {study.dump(), runs.count()};
 }
 
 IdentifiedStudy study_of(const StudyIdentity& identity, const std::filesystem::path& file) {
   const Json json = Json::parse(identity.study);
-  const JsonObject study(json, file);
-  return {study.text("name"), read_session_setup(study.at("session"), file),
-          read_study_operator(study.at("operator"), file), read_study_design(study.at("design"), file)};
+  const JsonObject object(json, file);
+  IdentifiedStudy study;
+  study.name = object.text("name");
+  study.kind = read_study_kind(object, file);
+  const Json& bones = object.at("bones");
+  if (!bones.is_array() || bones.empty()) fail("expected bones in ", file.string(), ", found none");
+  for (const Json& item : bones) {
+    const JsonObject of(item, file);
+    StudyBone bone;
+    bone.hash = of.text("hash");
+    bone.level = level_from_name(of.text("level")).value_or(Level::kNone);
+    bone.patient = checked_patient(of.whole_number("patient"), file);
+    const Json& paths = of.at("paths");
+    if (!paths.is_array() || paths.empty()) fail("expected paths of each bone in ", file.string(), ", found none");
+    for (const Json& path : paths) bone.paths.push_back(read_path(path, file));
+    study.bones.push_back(std::move(bone));
+  }
+  study.setup = read_session_setup(object.at("session"), file);
+  study.tool_operator = read_study_operator(object.at("operator"), file);
+  study.design = read_study_design(object.at("design"), file);
+  if (object.has("errors")) study.errors = placement_errors_in(object.at("errors"), file);
+  study.has_registration = object.has("registration");
+  if (study.has_registration)
+    study.registration_per = read_drawn_per(JsonObject(object.at("registration"), file), file);
+  return study;
+}
+
+StudyGround IdentifiedStudy::ground() const {
+  StudyGround ground;
+  ground.patients.clear();
+  for (const StudyBone& bone : bones) ground.patients.insert(ground.patients.end(), bone.paths.size(), bone.patient);
+  ground.has_errors = errors.has_value();
+  ground.has_registration = has_registration;
+  ground.registration_per = registration_per;
+  return ground;
 }
 
 }  // namespace spinaltap

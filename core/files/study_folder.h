@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,15 +62,24 @@ class StudyPart {
   bool is_locked_ = true;
 };
 
-/// What a study's results depend on. `spec.volume.radius_mm` must be known by now.
-StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs, const std::string& bone_hash);
+/// What a study's results depend on. Its bones' paths and fingerprints and, where it drills, `spec.volume.radius_mm` must
+/// be known by now.
+StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs);
 
 /// What an identity says of its study.
 struct IdentifiedStudy {
   std::string name;
-  SessionSetup setup;
+  StudyKind kind = StudyKind::drilling;
+  std::vector<StudyBone> bones;  ///< without files and frames
+  SessionSetup setup;            ///< of the first path
   StudyOperator tool_operator;
   StudyDesign design;
+  std::optional<PlacementErrors> errors;
+  bool has_registration = false;
+  DrawnPer registration_per = DrawnPer::run;
+
+  /// What its runs are shared out to.
+  StudyGround ground() const;
 };
 
 /// Reads what study_identity() made. Throws Error that names `file` and the key at fault.

@@ -8,10 +8,12 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/files/data_files.h"
+#include "core/files/detail/placement_errors_json.h"
 #include "core/files/detail/session_json.h"
 #include "core/files/detail/study_json.h"
 #include "core/files/detail/tool_json.h"
 #include "core/files/material_file.h"
+#include "core/files/placement_errors_file.h"
 #include "core/files/plan_file.h"
 #include "core/files/registration_file.h"
 #include "core/files/thermal_bone_file.h"
@@ -71,15 +73,89 @@ void read_volume(const Json& json, const std::filesystem::path& file, StudySpec&
   }
 }
 
-/// {"file": a registration, "per": "run" or "patient"}.
+Level read_level_of(const JsonObject& object, const std::filesystem::path& file) {
+  if (!object.has("level")) return Level::kNone;
+  const std::optional<Level> level = level_from_name(object.text("level"));
+  if (!level) {
+    fail("expected a vertebra such as \"L3\" for \"level\" in ", file.string(), ", found ",
+         in_quotes(object.text("level")));
+  }
+  return *level;
+}
+
+/// One of "bones": a file's name, or {"bone", "level", "patient", "plan", "paths"}. Without a plan its paths are to be
+/// suggested.
+StudyBone read_bone_of(const Json& json, std::size_t place, const std::filesystem::path& file) {
+  StudyBone bone;
+  bone.patient = place;
+  if (json.is_string()) {
+    bone.file = beside(file, json.get<std::string>());
+    return bone;
+  }
+  const JsonObject object(json, file);
+  check_keys(json, {"bone", "level", "patient", "plan", "paths"}, file, "a key of one of \"bones\"");
+  bone.file = beside(file, object.text("bone"));
+  bone.level = read_level_of(object, file);
+  if (object.has("patient")) bone.patient = checked_patient(object.whole_number("patient"), file);
+  if (object.has("paths") && !object.has("plan")) fail("expected a \"plan\" for \"paths\" in ", file.string());
+  if (!object.has("plan")) return bone;
+  bone.paths = read_plan(beside(file, object.text("plan")));
+  if (!object.has("paths")) return bone;
+  const Json& names = object.at("paths");
+  if (!names.is_array() || names.empty()) fail("expected a list of names for \"paths\" in ", file.string());
+  std::vector<DrillPath> chosen;
+  for (const Json& name : names) {
+    if (!name.is_string()) fail("expected a list of names for \"paths\" in ", file.string());
+    chosen.push_back(choose_path(bone.paths, name.get<std::string>()));
+  }
+  bone.paths = std::move(chosen);
+  return bone;
+}
+
+/// "bones" and "plans", or one "bone" with its "level", and "plan" and "path".
+std::vector<StudyBone> read_bones_of(const JsonObject& object, const std::filesystem::path& file) {
+  if (!object.has("bones")) {
+    if (object.has("plans")) fail("expected \"plans\" only beside \"bones\" in ", file.string());
+    return {{beside(file, object.text("bone")), read_level_of(object, file), 0, {read_path_of(object, file)}}};
+  }
+  for (const char* other : {"bone", "level", "plan", "path"}) {
+    if (object.has(other))
+      fail("expected either \"bones\" or ", in_quotes(other), " in ", file.string(), ", found both");
+  }
+  const Json& list = object.at("bones");
+  constexpr std::size_t kMostBones = 100'000;
+  if (!list.is_array() || list.empty() || list.size() > kMostBones) {
+    fail("expected a list of 1 to ", kMostBones, " bones for \"bones\" in ", file.string());
+  }
+  const bool is_auto = object.has("plans");
+  if (is_auto && object.text("plans") != "auto") {
+    fail("expected \"auto\" for \"plans\" in ", file.string(), ", found ", in_quotes(object.text("plans")),
+         ": bones that have a plan of their own name it");
+  }
+  std::vector<StudyBone> bones;
+  for (const Json& item : list) {
+    bones.push_back(read_bone_of(item, bones.size(), file));
+    if (bones.back().paths.empty() && !is_auto) {
+      fail("expected a \"plan\" for each of \"bones\" in ", file.string(), ", or \"plans\": \"auto\", found ",
+           bones.back().file.filename().string(), " without one");
+    }
+  }
+  return bones;
+}
+
+/// A shipped model's name, a file's, "MM,DEG", or a model itself.
+PlacementErrors read_errors_of(const Json& json, const std::filesystem::path& file) {
+  if (json.is_object()) return placement_errors_in(json, file);
+  if (!json.is_string()) fail("expected a model of errors for \"errors\" in ", file.string());
+  const std::string name = json.get<std::string>();
+  return name.ends_with(".json") ? read_placement_errors(beside(file, name)) : placement_errors_of(name);
+}
+
+/// {"file": a registration, "per": "run", "screw" or "patient"}.
 StudyRegistration read_registration_of(const Json& json, const std::filesystem::path& file) {
   check_keys(json, {"file", "per"}, file, "a key of \"registration\"");
   const JsonObject object(json, file);
-  const std::string per = object.has("per") ? object.text("per") : "run";
-  if (per != "run" && per != "patient") {
-    fail("expected \"run\" or \"patient\" for \"per\" in ", file.string(), ", found ", in_quotes(per));
-  }
-  return {read_registration(beside(file, object.text("file"))).covariance, per == "run"};
+  return {read_registration(beside(file, object.text("file"))).covariance, read_drawn_per(object, file)};
 }
 
 StopRules read_stop(const Json& json, const std::filesystem::path& file) {
@@ -111,13 +187,18 @@ HeatOptions read_heat_of(const Json& json, const std::filesystem::path& file) {
   return heat;
 }
 
-/// A factor that the operator does not know would change nothing without a word.
+/// A factor that the study does not know would change nothing without a word.
 void check_factors(const StudySpec& spec, const std::filesystem::path& file) {
   for (const FactorDistribution& distribution : spec.design.distributions) {
-    if (std::isnan(base_values(spec).at(static_cast<std::size_t>(distribution.factor)))) {
-      fail("expected no factor \"", name_of(distribution.factor), "\" in ", file.string(),
-           ": the operator is one that ", spec.tool_operator.kind == StudyOperator::Kind::feed ? "feeds" : "pushes");
-    }
+    const StudyFactor factor = distribution.factor;
+    if (applies(spec, factor)) continue;
+    const bool is_of_errors = factor == StudyFactor::entry_error_scale ||
+                              factor == StudyFactor::direction_error_scale || factor == StudyFactor::registration_scale;
+    fail("expected no factor \"", name_of(factor), "\" in ", file.string(), ": ",
+         is_of_errors                       ? "the study has no such errors"
+         : spec.kind == StudyKind::geometry ? "the study drills nothing"
+         : factor == StudyFactor::push_n    ? "the operator is one that feeds"
+                                            : "the operator is one that pushes");
   }
 }
 
@@ -127,22 +208,14 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   const Json json = read_json(file);
   const JsonObject object(json, file);
   check_format(json, kSpecFormat, file);
-  check_keys(json,
-             {"format", "version", "name", "bone", "level", "plan", "path", "material", "density", "volume", "engine",
-              "spindle_rpm", "stop", "heat", "operator", "design", "registration"},
+  check_keys(json, {"format",   "version", "name",         "bone",   "level",       "plan",  "path",
+                    "material", "density", "volume",       "engine", "spindle_rpm", "stop",  "heat",
+                    "operator", "design",  "registration", "kind",   "bones",       "plans", "errors"},
              file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
-  spec.bone_file = beside(file, object.text("bone"));
-  if (object.has("level")) {
-    const std::optional<Level> level = level_from_name(object.text("level"));
-    if (!level) {
-      fail("expected a vertebra such as \"L3\" for \"level\" in ", file.string(), ", found ",
-           in_quotes(object.text("level")));
-    }
-    spec.level = *level;
-  }
-  spec.path = read_path_of(object, file);
+  spec.kind = read_study_kind(object, file);
+  spec.bones = read_bones_of(object, file);
   spec.material = read_material_of(object, file);
   if (object.has("volume")) read_volume(object.at("volume"), file, spec);
   if (object.has("engine")) spec.engine = read_engine(object, file);
@@ -152,8 +225,15 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   }
   if (object.has("stop")) spec.options.stop = read_stop(object.at("stop"), file);
   if (object.has("heat")) spec.options.heat = read_heat_of(object.at("heat"), file);
-  spec.tool_operator = read_study_operator(object.at("operator"), file);
+  if (spec.kind == StudyKind::geometry) {
+    for (const char* key : {"volume", "engine", "spindle_rpm", "stop", "heat", "operator"}) {
+      if (object.has(key)) fail("expected no ", in_quotes(key), " in ", file.string(), ": the study drills nothing");
+    }
+  } else {
+    spec.tool_operator = read_study_operator(object.at("operator"), file);
+  }
   spec.design = read_study_design(object.at("design"), file, spec.material);
+  if (object.has("errors")) spec.errors = read_errors_of(object.at("errors"), file);
   if (object.has("registration")) spec.registration = read_registration_of(object.at("registration"), file);
   check_factors(spec, file);
   return spec;

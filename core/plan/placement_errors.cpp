@@ -69,10 +69,107 @@ double size_with_share_beyond(double share, double shape) {
   return 0.5 * (low + high);
 }
 
-std::array<double, 5> normals_of(std::uint64_t seed, std::uint32_t index) {
-  std::array<double, 5> normals{};
+std::array<double, 6> normals_of(std::uint64_t seed, std::uint32_t index) {
+  std::array<double, 6> normals{};
   for (std::size_t n = 0; n < normals.size(); ++n) normals[n] = sobol_normal(seed, index, static_cast<int>(n));
   return normals;
+}
+
+double probability_of(double normal) { return 0.5 * std::erfc(-normal * std::numbers::sqrt2 / 2.0); }
+
+/// Probability that five standard normal numbers have at most this length: the chi distribution of five degrees.
+double chi_probability(double length) {
+  const double over_root_2 = length * std::numbers::sqrt2 / 2.0;
+  return std::erf(over_root_2) - std::sqrt(2.0 / std::numbers::pi) * std::exp(-over_root_2 * over_root_2) *
+                                     (length + length * length * length / 3.0);
+}
+
+/// The length that has this probability to be the longest.
+double chi_quantile(double probability) {
+  double low = 0.0, high = 40.0;
+  for (int round = 0; round < 60; ++round) {
+    const double middle = 0.5 * (low + high);
+    (chi_probability(middle) < probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// Which of PlacementError's numbers each normal number is behind, in the order in which a covariance is taken apart:
+/// the entry, the direction, the depth.
+constexpr std::array<std::size_t, 5> kJointOrder{0, 1, 3, 4, 2};
+
+using JointRoot = std::array<std::array<double, 5>, 5>;
+
+/// The lower triangle whose square the covariance is, in that order (Cholesky). Throws Error where it is none.
+JointRoot root_of(const JointErrors& joint) {
+  double largest = 0.0;
+  for (std::size_t n = 0; n < 5; ++n) largest = std::max(largest, joint.covariance[n][n]);
+  JointRoot root{};
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double left = joint.covariance[kJointOrder[i]][kJointOrder[j]];
+      for (std::size_t k = 0; k < j; ++k) left -= root[i][k] * root[j][k];
+      const double small = 1e-9 * largest;
+      if (i == j) {
+        if (!(left >= -small)) fail("placement errors: expected a covariance, found a matrix that is none");
+        root[i][i] = std::sqrt(std::max(0.0, left));
+      } else if (root[j][j] * root[j][j] > small) {
+        root[i][j] = left / root[j][j];
+      } else if (!(std::abs(left) <= std::sqrt(small * largest))) {
+        fail("placement errors: expected a covariance, found a matrix that is none");
+      }
+    }
+  }
+  return root;
+}
+
+PlacementError joint_error(const JointErrors& joint, const std::array<double, 6>& normals) {
+  std::array<double, 5> numbers{};
+  std::copy_n(normals.begin(), numbers.size(), numbers.begin());
+  double length = 0.0;
+  for (const double number : numbers) length += number * number;
+  length = std::sqrt(length);
+  double times = probability_of(normals[5]) < joint.outlier_share ? joint.outlier_times : 1.0;
+  if (std::isfinite(joint.most_deviations) && length > 0.0) {
+    // The length's own distribution, cut off: as drawing again until it is short enough.
+    times *= chi_quantile(chi_probability(length) * chi_probability(joint.most_deviations)) / length;
+  }
+  const JointRoot root = root_of(joint);
+  std::array<double, 5> error = joint.mean;
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t k = 0; k <= i; ++k) error[kJointOrder[i]] += times * root[i][k] * numbers[k];
+  }
+  return {error[0], error[1], error[2], error[3], error[4]};
+}
+
+PlacementError measured_error(const std::vector<PlacementError>& measured, double normal) {
+  const auto count = static_cast<double>(measured.size());
+  return measured[std::min(measured.size() - 1, static_cast<std::size_t>(probability_of(normal) * count))];
+}
+
+void check_joint(const JointErrors& joint) {
+  constexpr double kLargest = 100.0;
+  for (std::size_t i = 0; i < 5; ++i) {
+    if (!(std::abs(joint.mean[i]) <= kLargest)) {
+      fail("placement errors: expected means up to ", kLargest, ", found ", joint.mean[i]);
+    }
+    for (std::size_t j = 0; j < 5; ++j) {
+      if (!(std::abs(joint.covariance[i][j]) <= kLargest * kLargest) ||
+          joint.covariance[i][j] != joint.covariance[j][i]) {
+        fail("placement errors: expected a symmetric covariance of numbers up to ", kLargest * kLargest, ", found ",
+             joint.covariance[i][j], " and ", joint.covariance[j][i]);
+      }
+    }
+  }
+  root_of(joint);
+  if (!(joint.most_deviations >= 0.1)) {
+    fail("placement errors: expected to be truncated at 0.1 deviations or more, found ", joint.most_deviations);
+  }
+  if (!(joint.outlier_share >= 0.0 && joint.outlier_share <= 0.5) ||
+      !(joint.outlier_times >= 1.0 && joint.outlier_times <= kLargest)) {
+    fail("placement errors: expected a share of outliers of 0 to 0.5, that err 1 to ", kLargest,
+         " times as much, found ", joint.outlier_share, " and ", joint.outlier_times);
+  }
 }
 
 void check_cross(const CrossErrors& errors, const char* what) {
@@ -106,6 +203,14 @@ void check_errors(const PlacementErrors& errors) {
   }
   if (!(std::abs(errors.correlation) <= 1.0)) {
     fail("placement errors: expected a correlation of -1 to 1, found ", errors.correlation);
+  }
+  if (errors.joint) check_joint(*errors.joint);
+  for (const PlacementError& one : errors.measured) {
+    for (const double number : {one.medial_mm, one.cranial_mm, one.along_mm, one.medial_deg, one.cranial_deg}) {
+      if (!(std::abs(number) <= kFurthestMm)) {
+        fail("placement errors: expected measured errors up to ", kFurthestMm, ", found ", number);
+      }
+    }
   }
 }
 
@@ -164,12 +269,12 @@ double correlation_by_tip(const CrossErrors& entry_mm, const CrossErrors& direct
   PlacementErrors errors;
   errors.entry_mm = entry_mm;
   errors.direction_deg = direction_deg;
-  std::vector<std::array<double, 5>> draws;
+  std::vector<std::array<double, 6>> draws;
   for (std::uint32_t n = 0; n < kDraws; ++n) draws.push_back(normals_of(kSeed, n));
   const auto mean_square = [&](double correlation) {
     errors.correlation = correlation;
     double sum = 0.0;
-    for (const std::array<double, 5>& normals : draws) {
+    for (const std::array<double, 6>& normals : draws) {
       const PlacementError one = error_of(errors, normals);
       const double turn = std::hypot(one.medial_deg, one.cranial_deg) * kDegree;
       const double per_degree_mm = turn > 0.0 ? screw_length_mm * std::sin(turn) / turn * kDegree : 0.0;
@@ -193,7 +298,9 @@ double correlation_by_tip(const CrossErrors& entry_mm, const CrossErrors& direct
   return 0.5 * (low + high);
 }
 
-PlacementError error_of(const PlacementErrors& errors, const std::array<double, 5>& normals) {
+PlacementError error_of(const PlacementErrors& errors, const std::array<double, 6>& normals) {
+  if (!errors.measured.empty()) return measured_error(errors.measured, normals[0]);
+  if (errors.joint) return joint_error(*errors.joint, normals);
   const double alone = std::sqrt(std::max(0.0, 1.0 - errors.correlation * errors.correlation));
   const Pair entry = reshaped({normals[0], normals[1]}, errors.entry_mm.shape);
   const Pair turn = reshaped(
@@ -206,6 +313,11 @@ PlacementError error_of(const PlacementErrors& errors, const std::array<double, 
   error.medial_deg = errors.direction_deg.medial_bias + errors.direction_deg.medial * turn.medial;
   error.cranial_deg = errors.direction_deg.cranial_bias + errors.direction_deg.cranial * turn.cranial;
   return error;
+}
+
+PlacementError scaled(const PlacementError& error, double entry, double direction) {
+  return {entry * error.medial_mm, entry * error.cranial_mm, error.along_mm, direction * error.medial_deg,
+          direction * error.cranial_deg};
 }
 
 PlacementError draw_error(const PlacementErrors& errors, std::uint64_t seed, std::uint32_t index) {

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,25 @@ struct CrossErrors {
   double shape = 2.0;         ///< of the length's Weibull law: below 2 a heavier tail than normal, above a thinner
 };
 
+/// One screw's error.
+struct PlacementError {
+  double medial_mm = 0.0, cranial_mm = 0.0;  ///< of the entry
+  double along_mm = 0.0;                     ///< of the entry, along the path: too deep
+  double medial_deg = 0.0, cranial_deg = 0.0;
+};
+
+/// All of a screw's error at one go: mean and covariance of its numbers, in PlacementError's order. Normal, but for
+/// what follows.
+struct JointErrors {
+  std::array<double, 5> mean{};
+  std::array<std::array<double, 5>, 5> covariance{};
+  /// Truncated: no error lies further from the mean than this many deviations, as Mahalanobis measures them.
+  double most_deviations = std::numeric_limits<double>::infinity();
+  /// Heavy tails: so large a share of the screws errs so many times as much (Tukey 1960).
+  double outlier_share = 0.0;
+  double outlier_times = 1.0;
+};
+
 /// How far screws end from where they were planned. docs/placement-errors.md has the model and the shipped ones.
 struct PlacementErrors {
   std::string name;  ///< "robot_726", or "1.5 mm, 2 degrees"
@@ -33,10 +54,14 @@ struct PlacementErrors {
   /// Of the entry's error with the direction's to the same side, of the normal numbers behind both: -1 to 1. Below 0
   /// the tip errs less than both would make it.
   double correlation = 0.0;
+  /// In place of all of these, where they are given: a joint law, or a table of errors as they were measured, from
+  /// which each screw has one.
+  std::optional<JointErrors> joint = {};
+  std::vector<PlacementError> measured = {};
 };
 
-/// Throws Error on what is not finite, spreads below 0 or over 100, shapes out of 0.5 to 50, and correlations out of -1
-/// to 1.
+/// Throws Error on what is not finite, spreads below 0 or over 100, shapes out of 0.5 to 50, correlations out of -1 to
+/// 1, and on what is no covariance.
 void check_errors(const PlacementErrors& errors);
 
 /// Isotropic, normal: standard deviations of the entry to each side (mm) and of the direction (degrees), without bias
@@ -66,16 +91,14 @@ CrossErrors errors_of_sides(const MedianAndP95& medial, const MedianAndP95& cran
 double correlation_by_tip(const CrossErrors& entry_mm, const CrossErrors& direction_deg, const MeanAndDeviation& tip_mm,
                           double screw_length_mm);
 
-/// One screw's error.
-struct PlacementError {
-  double medial_mm = 0.0, cranial_mm = 0.0;  ///< of the entry
-  double along_mm = 0.0;                     ///< of the entry, along the path: too deep
-  double medial_deg = 0.0, cranial_deg = 0.0;
-};
 /// Draw number `index` of a scrambled Sobol sequence: the same whatever thread asks.
 PlacementError draw_error(const PlacementErrors& errors, std::uint64_t seed, std::uint32_t index);
-/// From five standard normal numbers: entry medial and cranial, direction medial and cranial, along.
-PlacementError error_of(const PlacementErrors& errors, const std::array<double, 5>& normals);
+/// From six standard normal numbers: entry medial and cranial, direction medial and cranial, along, and whether it is
+/// an outlier. Of a joint law the entry's are behind the entry alone, the direction's behind what of the direction does
+/// not go with it, and the fifth behind what of the depth goes with neither. Of a table the first chooses the row.
+PlacementError error_of(const PlacementErrors& errors, const std::array<double, 6>& normals);
+/// The same, with the entry's part and the direction's so many times as large.
+PlacementError scaled(const PlacementError& error, double entry, double direction);
 
 /// The directions of a path's errors: unit, at right angles, patient LPS.
 struct ErrorFrame {

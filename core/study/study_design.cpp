@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -14,15 +15,25 @@ namespace spinaltap {
 namespace {
 
 constexpr std::array<std::string_view, kStudyFactors> kFactorNames{
-    "entry_left_mm", "entry_head_mm", "angle_left_deg", "angle_head_deg", "bit_diameter_mm",
-    "push_n",        "feed_mm_s",     "tremor_mm",      "density_scale",  "force_scale"};
+    "entry_left_mm",     "entry_head_mm", "angle_left_deg",    "angle_head_deg",
+    "bit_diameter_mm",   "push_n",        "feed_mm_s",         "tremor_mm",
+    "density_scale",     "force_scale",   "entry_error_scale", "direction_error_scale",
+    "registration_scale"};
+constexpr std::array<std::string_view, kStudyDraws> kDrawNames{"entry", "direction", "along", "registration", "screw"};
 
 // Streams of random numbers of one study: no two share a seed of the counter.
-enum class Stream : std::uint64_t { tremor = 0, draws = 16, strata = 32, registration = 48 };
+enum class Stream : std::uint64_t {
+  tremor = 0,
+  draws = 16,
+  strata = 32,
+  registration = 48,
+  placement = 64,
+  screw = 80
+};
 
-std::uint64_t seed_of_stream(std::uint64_t seed, Stream stream, StudyFactor factor = {}) {
-  return mix_bits(mix_bits(seed) + static_cast<std::uint64_t>(stream) + static_cast<std::uint64_t>(factor));
-}
+std::uint64_t offset_of(Stream stream, std::uint64_t part = 0) { return static_cast<std::uint64_t>(stream) + part; }
+
+std::uint64_t seed_of_stream(std::uint64_t seed, std::uint64_t offset) { return mix_bits(mix_bits(seed) + offset); }
 
 /// Factors are mm, degrees, N and mm/s. What spreads less than this, and more than nothing, is a slip, and no axis of a
 /// chart can show it.
@@ -73,6 +84,10 @@ void check(const FactorDistribution& distribution) {
   }
 }
 
+constexpr std::uint64_t kRoom = 8;  ///< of numbers that a run has of a stream, for six
+
+double normal_of(double share) { return normal_quantile(std::clamp(share, 0x1.0p-54, 1.0 - 0x1.0p-53)); }
+
 /// 0, 1, ... in random order (Fisher & Yates).
 std::vector<std::uint32_t> shuffled(std::size_t count, std::uint64_t seed) {
   std::vector<std::uint32_t> order(count);
@@ -88,38 +103,119 @@ std::vector<std::uint32_t> shuffled(std::size_t count, std::uint64_t seed) {
 
 std::string_view name_of(StudyFactor factor) { return kFactorNames.at(static_cast<std::size_t>(factor)); }
 
-StudyRuns::StudyRuns(StudyDesign design) : design_(std::move(design)), count_(design_.runs) {
+std::string_view name_of(StudyDraw draw) { return kDrawNames.at(static_cast<std::size_t>(draw)); }
+
+std::string_view name_of(DrawnPer per) {
+  constexpr std::array<std::string_view, 3> kNames{"run", "screw", "patient"};
+  return kNames.at(static_cast<std::size_t>(per));
+}
+
+std::string_view name_of(StudySampling sampling) {
+  constexpr std::array<std::string_view, 3> kNames{"random", "latin-hypercube", "saltelli"};
+  return kNames.at(static_cast<std::size_t>(sampling));
+}
+
+StudyRuns::StudyRuns(StudyDesign design, StudyGround ground)
+    : design_(std::move(design)), ground_(std::move(ground)), count_(design_.runs) {
+  if (ground_.patients.empty()) fail("study: expected a screw or more, found none");
+  const bool is_saltelli = design_.sampling == StudySampling::saltelli;
+  // By division, so that a product beyond all numbers is seen.
+  const auto times = [this](std::size_t more) { count_ = count_ > kMaxRuns / more ? kMaxRuns + 1 : count_ * more; };
   std::array<bool, kStudyFactors> met{};
   for (const FactorDistribution& distribution : design_.distributions) {
+    const std::string_view name = name_of(distribution.factor);
     if (std::exchange(met.at(static_cast<std::size_t>(distribution.factor)), true)) {
-      fail("study: expected each factor once, found ", name_of(distribution.factor), " twice");
+      fail("study: expected each factor once, found ", name, " twice");
     }
     check(distribution);
-    // By division, so that a product beyond all numbers is seen.
-    const std::size_t levels = distribution.kind == FactorDistribution::Kind::levels ? distribution.levels.size() : 1;
-    count_ = count_ > kMaxRuns / levels ? kMaxRuns + 1 : count_ * levels;
+    const bool has_levels = distribution.kind == FactorDistribution::Kind::levels;
+    if (distribution.per != DrawnPer::run && (has_levels || design_.sampling != StudySampling::random)) {
+      fail(name, ": expected \"per\": \"", name_of(distribution.per), "\" only of what is drawn, in random sampling");
+    }
+    if (is_saltelli && has_levels && distribution.levels.size() > 1) {
+      fail(name, ": expected a distribution in Saltelli's design, found levels");
+    }
+    if (is_saltelli && !has_levels) inputs_.emplace_back(name);
+    if (has_levels) times(distribution.levels.size());
+  }
+  runs_a_screw_ = count_;
+  draws_.fill(std::numeric_limits<std::size_t>::max());
+  if (is_saltelli) {
+    const auto add = [this](StudyDraw draw) {
+      draws_[static_cast<std::size_t>(draw)] = inputs_.size();
+      inputs_.emplace_back(name_of(draw));
+    };
+    if (ground_.has_errors) {
+      for (const StudyDraw draw : {StudyDraw::entry, StudyDraw::direction, StudyDraw::along}) add(draw);
+    }
+    if (ground_.has_registration) add(StudyDraw::registration);
+    if (ground_.patients.size() > 1) add(StudyDraw::screw);
+    if (inputs_.empty()) fail("study: expected something that is drawn in Saltelli's design, found nothing");
+    times(inputs_.size() + 2);
+  } else {
+    times(ground_.patients.size());
   }
   if (count_ == 0 || count_ > kMaxRuns) {
     fail("study: expected 1 to ", kMaxRuns, " runs, found ", count_ == 0 ? "none" : "more");
   }
   strata_.resize(design_.distributions.size());
   for (std::size_t n = 0; n < design_.distributions.size(); ++n) {
-    if (!design_.is_latin || design_.distributions[n].kind == FactorDistribution::Kind::levels) continue;
-    strata_[n] = shuffled(count_, seed_of_stream(design_.seed, Stream::strata, design_.distributions[n].factor));
+    if (design_.sampling != StudySampling::latin_hypercube ||
+        design_.distributions[n].kind == FactorDistribution::Kind::levels) {
+      continue;
+    }
+    const auto factor = static_cast<std::uint64_t>(design_.distributions[n].factor);
+    strata_[n] = shuffled(count_, seed_of_stream(design_.seed, offset_of(Stream::strata, factor)));
   }
 }
 
+std::size_t StudyRuns::screw_of(std::size_t n) const {
+  if (design_.sampling != StudySampling::saltelli) return n / runs_a_screw_;
+  const std::size_t input = input_of(StudyDraw::screw);
+  if (input >= inputs_.size()) return 0;
+  const std::size_t screws = ground_.patients.size();
+  const double share = number(offset_of(Stream::screw), input, n, DrawnPer::run, 0, 1);
+  return std::min(screws - 1, static_cast<std::size_t>(share * static_cast<double>(screws)));
+}
+
+/// Which numbers of a stream run n has.
+std::size_t StudyRuns::place_of(std::size_t n, DrawnPer per) const {
+  switch (per) {
+    case DrawnPer::screw:
+      return screw_of(n);
+    case DrawnPer::patient:
+      return patient_of(n);
+    case DrawnPer::run:
+      break;
+  }
+  return n;
+}
+
+/// Number `k` of `room` that run n has of a stream, from 0 to below 1.
+double StudyRuns::number(std::uint64_t stream, std::size_t input, std::size_t n, DrawnPer per, std::uint64_t k,
+                         std::uint64_t room) const {
+  const std::uint64_t seed = seed_of_stream(design_.seed, stream);
+  if (design_.sampling != StudySampling::saltelli) return random_uniform(seed, room * place_of(n, per) + k);
+  const std::size_t in_block = n % (inputs_.size() + 2);
+  const bool is_from_b = in_block == 1 || in_block == input + 2;
+  return random_uniform(mix_bits(seed + (is_from_b ? 1 : 0)), room * (n / (inputs_.size() + 2)) + k);
+}
+
 double StudyRuns::probability(std::size_t distribution, std::size_t n) const {
-  double share =
-      random_uniform(seed_of_stream(design_.seed, Stream::draws, design_.distributions[distribution].factor), n);
-  if (design_.is_latin) share = (share + strata_[distribution][n]) / static_cast<double>(count_);
+  const FactorDistribution& of = design_.distributions[distribution];
+  std::size_t input = 0;
+  for (std::size_t d = 0; d < distribution; ++d) {
+    if (design_.distributions[d].kind != FactorDistribution::Kind::levels) ++input;
+  }
+  double share = number(offset_of(Stream::draws, static_cast<std::uint64_t>(of.factor)), input, n, of.per, 0, 1);
+  if (!strata_[distribution].empty()) share = (share + strata_[distribution][n]) / static_cast<double>(count_);
   // The ends themselves have no quantile.
   return std::clamp(share, 0x1.0p-54, 1.0 - 0x1.0p-53);
 }
 
 FactorValues StudyRuns::values(std::size_t n, const FactorValues& base) const {
   FactorValues values = base;
-  std::size_t combination = n;
+  std::size_t combination = runs_a_screw_ > 0 ? n % runs_a_screw_ : n;
   for (std::size_t distribution_index = 0; distribution_index < design_.distributions.size(); ++distribution_index) {
     const FactorDistribution& distribution = design_.distributions[distribution_index];
     double& value = values.at(static_cast<std::size_t>(distribution.factor));
@@ -146,14 +242,29 @@ FactorValues StudyRuns::values(std::size_t n, const FactorValues& base) const {
   return values;
 }
 
-double StudyRuns::registration_normal(std::size_t n, int k) const {
-  constexpr std::uint64_t kNumbers = 8;  // room for six
-  return random_normal(seed_of_stream(design_.seed, Stream::registration),
-                       kNumbers * n + static_cast<std::uint64_t>(k));
+std::array<double, 6> StudyRuns::placement_normals(std::size_t n) const {
+  // Which input each of the numbers is of: see error_of().
+  constexpr std::array<StudyDraw, 6> kDraws{StudyDraw::entry,     StudyDraw::entry, StudyDraw::direction,
+                                            StudyDraw::direction, StudyDraw::along, StudyDraw::along};
+  std::array<double, 6> normals{};
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    normals[k] = normal_of(number(offset_of(Stream::placement), input_of(kDraws[k]), n, DrawnPer::run, k, kRoom));
+  }
+  return normals;
+}
+
+std::array<double, 6> StudyRuns::registration_normals(std::size_t n) const {
+  std::array<double, 6> normals{};
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    normals[k] = normal_of(number(offset_of(Stream::registration), input_of(StudyDraw::registration), n,
+                                  ground_.registration_per, k, kRoom));
+  }
+  return normals;
 }
 
 std::uint64_t StudyRuns::seed_of(std::size_t n) const {
-  return mix_bits(seed_of_stream(design_.seed, Stream::tremor) ^ n) >> 32;
+  if (design_.sampling == StudySampling::saltelli) n /= inputs_.size() + 2;
+  return mix_bits(seed_of_stream(design_.seed, offset_of(Stream::tremor)) ^ n) >> 32;
 }
 
 }  // namespace spinaltap

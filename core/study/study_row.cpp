@@ -3,17 +3,23 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
+#include "core/ct/level.h"
+#include "core/plan/path_side.h"
 
 namespace spinaltap {
 namespace {
 
 enum class Kind : std::uint8_t {
   real,
-  whole,  ///< written without an exponent
-  letter  ///< A, B, ...
+  whole,   ///< written without an exponent
+  letter,  ///< A, B, ...
+  level,   ///< L3
+  hand,    ///< left or right
+  side     ///< medial, ...
 };
 struct Column {
   std::string_view name;
@@ -22,6 +28,10 @@ struct Column {
 
 /// Those after the factors, as StudyColumn has them.
 constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Kind::whole},
+                                                                      {"patient", Kind::whole},
+                                                                      {"screw", Kind::whole},
+                                                                      {"level", Kind::level},
+                                                                      {"side", Kind::hand},
                                                                       {"seed", Kind::whole},
                                                                       {"contact", Kind::whole},
                                                                       {"breach", Kind::whole},
@@ -48,7 +58,27 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"screw_torque_n_mm", Kind::real},
                                                                       {"max_temperature_c", Kind::real},
                                                                       {"outside_volume_mm", Kind::real},
-                                                                      {"events_lost", Kind::whole}}};
+                                                                      {"events_lost", Kind::whole},
+                                                                      {"error_medial_mm", Kind::real},
+                                                                      {"error_cranial_mm", Kind::real},
+                                                                      {"error_along_mm", Kind::real},
+                                                                      {"error_medial_deg", Kind::real},
+                                                                      {"error_cranial_deg", Kind::real},
+                                                                      {"turn_left_deg", Kind::real},
+                                                                      {"turn_back_deg", Kind::real},
+                                                                      {"turn_head_deg", Kind::real},
+                                                                      {"shift_left_mm", Kind::real},
+                                                                      {"shift_back_mm", Kind::real},
+                                                                      {"shift_head_mm", Kind::real},
+                                                                      {"off_entry_mm", Kind::real},
+                                                                      {"off_target_mm", Kind::real},
+                                                                      {"off_angle_deg", Kind::real},
+                                                                      {"screw_grade", Kind::letter},
+                                                                      {"screw_breach_mm", Kind::real},
+                                                                      {"screw_breach_side", Kind::side},
+                                                                      {"screw_breach_depth_mm", Kind::real},
+                                                                      {"screw_canal_mm", Kind::real},
+                                                                      {"screw_anterior_mm", Kind::real}}};
 
 constexpr auto kFirstResult = static_cast<std::size_t>(StudyColumn::run);
 
@@ -62,11 +92,42 @@ Column column(std::size_t n) {
   return n < kStudyFactors ? Column{name_of(static_cast<StudyFactor>(n)), Kind::real} : kResults.at(n - kStudyFactors);
 }
 
+constexpr std::array<std::string_view, 2> kHands{"left", "right"};
+
+/// The word for a cell's number, and the number for a word.
+std::string word_of(double value, Kind kind) {
+  const auto n = static_cast<std::size_t>(value);
+  switch (kind) {
+    case Kind::letter:
+      return {static_cast<char>('A' + n)};
+    case Kind::level:
+      return level_name(static_cast<Level>(n));
+    case Kind::hand:
+      return std::string(kHands.at(n));
+    default:
+      return name_of(static_cast<PathSide>(n));
+  }
+}
+std::optional<double> number_of(std::string_view word, Kind kind) {
+  if (kind == Kind::level) {
+    const std::optional<Level> level = level_from_name(word);
+    return level ? std::optional<double>(static_cast<double>(*level)) : std::nullopt;
+  }
+  const std::size_t most = kind == Kind::hand ? kHands.size() : 5;  // grades and sides
+  for (std::size_t n = 0; n < most; ++n) {
+    if (word_of(static_cast<double>(n), kind) == word) return static_cast<double>(n);
+  }
+  return std::nullopt;
+}
+
 void append_cell(double value, Kind kind, std::string& text) {
   if (std::isnan(value)) return;
   switch (kind) {
     case Kind::letter:
-      text += static_cast<char>('A' + static_cast<int>(value));
+    case Kind::level:
+    case Kind::hand:
+    case Kind::side:
+      text += word_of(value, kind);
       return;
     case Kind::whole: {
       std::array<char, 32> digits{};
@@ -82,8 +143,8 @@ void append_cell(double value, Kind kind, std::string& text) {
 
 double read_cell(std::string_view text, const Column& known) {
   if (text.empty()) return std::numeric_limits<double>::quiet_NaN();
-  if (known.kind == Kind::letter && text.size() == 1 && text[0] >= 'A' && text[0] <= 'E') return text[0] - 'A';
-  const auto number = known.kind == Kind::letter ? std::nullopt : parse_number(text);
+  const bool is_number = known.kind == Kind::real || known.kind == Kind::whole;
+  const std::optional<double> number = is_number ? parse_number(text) : number_of(text, known.kind);
   if (!number || (known.kind == Kind::whole && *number != std::floor(*number))) {
     fail("expected another value for \"", known.name, "\" of a study's table, found ", in_quotes(text));
   }

@@ -14,6 +14,10 @@ namespace spinaltap {
 /// StudyFactor has them.
 enum class StudyColumn : std::uint8_t {
   run = kStudyFactors,
+  patient,                 ///< counts from 1
+  screw,                   ///< counts from 1, bone after bone
+  level,                   ///< the vertebra's: Level; not a number where it is not known
+  side,                    ///< 0: a path through the left pedicle, 1: the right one; not a number where there is none
   seed,                    ///< of the tremor
   contact,                 ///< 1: the bit removed bone
   breach,                  ///< 1: the bit went beyond a wall
@@ -21,7 +25,7 @@ enum class StudyColumn : std::uint8_t {
   breach_canal_mm,         ///< into the canal
   min_clearance_outer_mm,  ///< min clearance; infinite where the bone has no such wall
   min_clearance_canal_mm,  ///< likewise
-  grade,                   ///< Gertzbein-Robbins, by the deeper breach: 0 (A) to 4 (E)
+  grade,                   ///< Gertzbein-Robbins, of the bit, by the deeper breach: 0 (A) to 4 (E)
   max_thrust_n,            ///< of cutting
   max_torque_n_mm,         ///< of cutting
   plunge_depth_mm,         ///< way after a stop or a breakthrough until the operator stood still
@@ -40,9 +44,29 @@ enum class StudyColumn : std::uint8_t {
   screw_torque_n_mm,       ///< its largest insertion torque, likewise
   max_temperature_c,       ///< of the bone beside the hole so far; not a number where the study works out no heat
   outside_volume_mm,       ///< how far at most the bit cut beyond the points' cylinder; 0: not at all
-  events_lost              ///< that found no room
+  events_lost,             ///< that found no room
+  error_medial_mm,         ///< the screw's error of placement, drawn: PlacementError; not a number without a model
+  error_cranial_mm,        ///< likewise
+  error_along_mm,          ///< likewise
+  error_medial_deg,        ///< likewise
+  error_cranial_deg,       ///< likewise
+  turn_left_deg,           ///< the registration's error, drawn: a rotation vector
+  turn_back_deg,           ///< likewise
+  turn_head_deg,           ///< likewise
+  shift_left_mm,           ///< and a shift of the centre of its covariance
+  shift_back_mm,           ///< likewise
+  shift_head_mm,           ///< likewise
+  off_entry_mm,            ///< distance of the entry from the planned one, of all errors together
+  off_target_mm,           ///< of the target
+  off_angle_deg,           ///< between the line and the planned one
+  screw_grade,             ///< Gertzbein-Robbins, of the screw where it lies: 0 (A) to 4 (E)
+  screw_breach_mm,         ///< the deepest
+  screw_breach_side,       ///< of it: PathSide; not a number without a breach
+  screw_breach_depth_mm,   ///< along the path; likewise
+  screw_canal_mm,          ///< breach into the canal; 0: none
+  screw_anterior_mm        ///< beyond the anterior wall; 0: none
 };
-constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::events_lost) + 1;
+constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::screw_anterior_mm) + 1;
 
 std::string_view name_of(StudyColumn column);
 

@@ -9,7 +9,8 @@ std::vector<std::size_t> runs_of_shard(std::size_t runs, const StudyShard& shard
     fail("expected a shard from 1 to ", shard.count, ", found ", shard.index);
   }
   std::vector<std::size_t> numbers;
-  for (std::size_t n = shard.index - 1; n < runs; n += shard.count) numbers.push_back(n);
+  const std::size_t end = runs * shard.index / shard.count;
+  for (std::size_t n = runs * (shard.index - 1) / shard.count; n < end; ++n) numbers.push_back(n);
   return numbers;
 }
 

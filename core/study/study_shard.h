@@ -5,7 +5,7 @@
 
 namespace spinaltap {
 
-/// One of the shares that a study is cut into: every run whose number modulo `count` is `index` - 1.
+/// One of the shares that a study is cut into: neighbouring runs, so that it meets few bones.
 struct StudyShard {
   std::size_t index = 1;
   std::size_t count = 1;

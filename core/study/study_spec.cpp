@@ -1,21 +1,63 @@
 #include "core/study/study_spec.h"
 
+#include <cmath>
 #include <limits>
+
+#include "core/base/error.h"
 
 namespace spinaltap {
 
-FactorValues base_values(const StudySpec& spec) {
+std::string_view name_of(StudyKind kind) { return kind == StudyKind::drilling ? "drilling" : "geometry"; }
+
+std::vector<StudyScrew> screws_of(const StudySpec& spec) {
+  std::vector<StudyScrew> screws;
+  for (std::size_t bone = 0; bone < spec.bones.size(); ++bone) {
+    for (std::size_t path = 0; path < spec.bones[bone].paths.size(); ++path) screws.push_back({bone, path});
+  }
+  return screws;
+}
+
+StudyScrew screw_at(const StudySpec& spec, std::size_t n) {
+  std::size_t path = n;
+  for (std::size_t bone = 0; bone < spec.bones.size(); ++bone) {
+    if (path < spec.bones[bone].paths.size()) return {bone, path};
+    path -= spec.bones[bone].paths.size();
+  }
+  fail("study: expected more than ", n, " screws, found ", n - path);
+}
+
+StudyGround ground_of(const StudySpec& spec) {
+  StudyGround ground;
+  ground.patients.clear();
+  for (const StudyScrew& screw : screws_of(spec)) ground.patients.push_back(spec.bones[screw.bone].patient);
+  ground.has_errors = spec.errors.has_value();
+  ground.has_registration = spec.registration.has_value();
+  if (spec.registration) ground.registration_per = spec.registration->per;
+  return ground;
+}
+
+FactorValues base_values(const StudySpec& spec, const DrillPath& path) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const bool drills = spec.kind == StudyKind::drilling;
   const bool pushes = spec.tool_operator.kind == StudyOperator::Kind::push;
   FactorValues values{};
-  const auto set = [&](StudyFactor factor, double value) { values.at(static_cast<std::size_t>(factor)) = value; };
-  set(StudyFactor::bit_diameter_mm, spec.path.bit.diameter_mm);
-  set(StudyFactor::push_n, pushes ? spec.tool_operator.push_n : kNone);
-  set(StudyFactor::feed_mm_s, pushes ? kNone : spec.tool_operator.feed_mm_s);
-  set(StudyFactor::tremor_mm, spec.tool_operator.tremor_mm);
-  set(StudyFactor::density_scale, 1.0);
-  set(StudyFactor::force_scale, 1.0);
+  const auto set = [&](StudyFactor factor, bool is_there, double value) {
+    values.at(static_cast<std::size_t>(factor)) = is_there ? value : kNone;
+  };
+  set(StudyFactor::bit_diameter_mm, drills, path.bit.diameter_mm);
+  set(StudyFactor::push_n, drills && pushes, spec.tool_operator.push_n);
+  set(StudyFactor::feed_mm_s, drills && !pushes, spec.tool_operator.feed_mm_s);
+  set(StudyFactor::tremor_mm, drills, spec.tool_operator.tremor_mm);
+  set(StudyFactor::density_scale, drills, 1.0);
+  set(StudyFactor::force_scale, drills, 1.0);
+  set(StudyFactor::entry_error_scale, spec.errors.has_value(), 1.0);
+  set(StudyFactor::direction_error_scale, spec.errors.has_value(), 1.0);
+  set(StudyFactor::registration_scale, spec.registration.has_value(), 1.0);
   return values;
+}
+
+bool applies(const StudySpec& spec, StudyFactor factor) {
+  return !std::isnan(base_values(spec, DrillPath{}).at(static_cast<std::size_t>(factor)));
 }
 
 }  // namespace spinaltap

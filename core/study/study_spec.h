@@ -3,9 +3,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/ct/level.h"
 #include "core/engine/drill_engine.h"
+#include "core/plan/placement_errors.h"
 #include "core/points/material.h"
 #include "core/points/point_volume.h"
 #include "core/registration/pose_covariance.h"
@@ -35,15 +38,32 @@ struct StudyOperator {
 /// How the registration errs by which a study's runs are guided.
 struct StudyRegistration {
   PoseCovariance covariance;
-  bool is_per_run = true;  ///< each run is registered anew; otherwise all are of one patient, with one error
+  DrawnPer per = DrawnPer::run;  ///< for what the patient is registered anew
+};
+
+/// What a study's runs do.
+enum class StudyKind : std::uint8_t {
+  drilling,  ///< drill the hole, cycle by cycle, and grade the bit and the screw
+  geometry   ///< grade the screw where it would lie: thousands a second
+};
+
+std::string_view name_of(StudyKind kind);
+
+/// A bone of a study, and what is planned in it.
+struct StudyBone {
+  std::filesystem::path file = {};
+  Level level = Level::kNone;           ///< which bone of a file of several; by the time a study runs: which it is
+  std::size_t patient = 0;              ///< counts from 0: bones of one patient have one
+  std::vector<DrillPath> paths = {};    ///< none: those that are suggested for it
+  std::string hash = {};                ///< of the bone; empty until it was read
+  std::vector<ErrorFrame> frames = {};  ///< of each path's errors of placement; none until the bone was read
 };
 
 /// What a study is: SPEC.json, read and checked. docs/studies.md has its keys.
 struct StudySpec {
   std::string name;
-  std::filesystem::path bone_file;
-  Level level = Level::kNone;  ///< which bone of a file of several
-  DrillPath path;
+  StudyKind kind = StudyKind::drilling;
+  std::vector<StudyBone> bones;
   Material material;
   /// Of the cylinder around the planned path that every run drills in; a radius of 0: as wide as the runs need.
   PointVolumeOptions volume{.radius_mm = 0.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};
@@ -53,11 +73,30 @@ struct StudySpec {
   SessionOptions options;
   StudyOperator tool_operator;
   StudyDesign design;
-  /// Moves the line that the bit really takes, beside what the design's factors do.
+  /// Move the line that the bit really takes, beside what the design's factors do: how a screw errs where the patient
+  /// is known, and where the patient is taken to be.
+  std::optional<PlacementErrors> errors;
   std::optional<StudyRegistration> registration;
 };
 
-/// What factors are where they do not differ.
-FactorValues base_values(const StudySpec& spec);
+/// One planned screw, or hole, of a study: a path of a bone.
+struct StudyScrew {
+  std::size_t bone = 0;
+  std::size_t path = 0;
+};
+/// All of them, bone after bone: numbers of screws count so.
+std::vector<StudyScrew> screws_of(const StudySpec& spec);
+/// One of them. Throws Error where there are not so many.
+StudyScrew screw_at(const StudySpec& spec, std::size_t n);
+inline const DrillPath& path_of(const StudySpec& spec, const StudyScrew& screw) {
+  return spec.bones[screw.bone].paths[screw.path];
+}
+/// What StudyRuns asks of a study whose paths are known.
+StudyGround ground_of(const StudySpec& spec);
+
+/// What factors are where they do not differ, along a path; not a number for those that do not apply to the study.
+FactorValues base_values(const StudySpec& spec, const DrillPath& path);
+/// Likewise, without a path: only which apply counts.
+bool applies(const StudySpec& spec, StudyFactor factor);
 
 }  // namespace spinaltap

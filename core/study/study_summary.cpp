@@ -3,17 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <map>
+#include <set>
 #include <utility>
+
+#include "core/base/lerp.h"
+#include "core/ct/level.h"
+#include "core/study/clustered_share.h"
 
 namespace spinaltap {
 namespace {
 
 /// Columns whose distribution is told.
-constexpr std::array<StudyColumn, 12> kSpreads{
+constexpr std::array<StudyColumn, 16> kSpreads{
     StudyColumn::max_thrust_n,           StudyColumn::max_torque_n_mm,   StudyColumn::plunge_depth_mm,
     StudyColumn::breach_outer_mm,        StudyColumn::breach_canal_mm,   StudyColumn::min_clearance_outer_mm,
     StudyColumn::min_clearance_canal_mm, StudyColumn::depth_mm,          StudyColumn::time_s,
-    StudyColumn::screw_pullout_n,        StudyColumn::screw_torque_n_mm, StudyColumn::max_temperature_c};
+    StudyColumn::screw_pullout_n,        StudyColumn::screw_torque_n_mm, StudyColumn::max_temperature_c,
+    StudyColumn::off_entry_mm,           StudyColumn::off_target_mm,     StudyColumn::off_angle_deg,
+    StudyColumn::screw_breach_mm};
 constexpr std::size_t kBins = 10;  ///< of a factor that is drawn
 
 using Rows = std::vector<StudyRow>;
@@ -38,14 +47,18 @@ StudySpread spread_of(const Rows& rows, StudyColumn column) {
   return spread;
 }
 
+bool has_drilled(const StudyRow& row) { return !std::isnan(row[StudyColumn::breach]); }
+
 StudyBin bin_of(const Pointers& rows, std::size_t begin, std::size_t end, StudyFactor factor) {
   StudyBin bin{(*rows[begin])[factor], (*rows[end - 1])[factor]};
   std::size_t breaches = 0;
   std::size_t canals = 0;
   for (std::size_t n = begin; n < end; ++n) {
     bin.middle += (*rows[n])[factor] / static_cast<double>(end - begin);
-    if ((*rows[n])[StudyColumn::breach] > 0.0) ++breaches;
-    if ((*rows[n])[StudyColumn::breach_canal_mm] > 0.0) ++canals;
+    const StudyRow& row = *rows[n];
+    const bool drilled = has_drilled(row);
+    if (row[drilled ? StudyColumn::breach : StudyColumn::screw_breach_mm] > 0.0) ++breaches;
+    if (row[drilled ? StudyColumn::breach_canal_mm : StudyColumn::screw_canal_mm] > 0.0) ++canals;
   }
   if (bin.low == bin.high) bin.middle = bin.low;  // and not the sum's rounding
   bin.breach = study_share(breaches, end - begin);
@@ -79,13 +92,132 @@ StudySummary::ByFactor by_factor(const Rows& rows, const FactorDistribution& dis
   return result;
 }
 
+/// The share of screws that `is_met`, by patients.
+template <class IsMet>
+StudyShare share_of_screws(const Pointers& rows, const IsMet& is_met) {
+  std::map<std::size_t, PatientCount> patients;
+  std::size_t count = 0;
+  for (const StudyRow* row : rows) {
+    PatientCount& patient = patients[static_cast<std::size_t>((*row)[StudyColumn::patient])];
+    const std::size_t met = is_met(*row) ? 1 : 0;
+    patient.met += met;
+    ++patient.runs;
+    count += met;
+  }
+  std::vector<PatientCount> counts;
+  for (const auto& [patient, of] : patients) counts.push_back(of);
+  return {rows.size(), count, clustered_share(counts).interval};
+}
+
+StudyScrews screws_among(const Pointers& rows, std::string what) {
+  StudyScrews screws;
+  screws.what = std::move(what);
+  screws.runs = rows.size();
+  std::set<double> patients;
+  for (const StudyRow* row : rows) patients.insert((*row)[StudyColumn::patient]);
+  screws.patients = patients.size();
+  for (std::size_t n = 0; n < screws.grades.size(); ++n) {
+    screws.grades[n] = share_of_screws(
+        rows, [n](const StudyRow& row) { return row[StudyColumn::screw_grade] == static_cast<double>(n); });
+  }
+  screws.acceptable = share_of_screws(rows, [](const StudyRow& row) { return row[StudyColumn::screw_grade] <= 1.0; });
+  screws.canal = share_of_screws(rows, [](const StudyRow& row) { return row[StudyColumn::screw_canal_mm] > 0.0; });
+  screws.anterior =
+      share_of_screws(rows, [](const StudyRow& row) { return row[StudyColumn::screw_anterior_mm] > 0.0; });
+  return screws;
+}
+
+std::string name_of_group(StudyColumn column, double value) {
+  if (column == StudyColumn::patient) return "patient " + std::to_string(static_cast<std::size_t>(value));
+  if (column == StudyColumn::level) return level_name(static_cast<Level>(static_cast<std::size_t>(value)));
+  return value == 0.0 ? "left" : "right";
+}
+
+std::vector<StudyScrews> screws_of_rows(const Rows& rows) {
+  Pointers graded;
+  for (const StudyRow& row : rows) {
+    if (!std::isnan(row[StudyColumn::screw_grade])) graded.push_back(&row);
+  }
+  if (graded.empty()) return {};
+  std::vector<StudyScrews> screws{screws_among(graded, "all")};
+  for (const StudyColumn column : {StudyColumn::patient, StudyColumn::level, StudyColumn::side}) {
+    std::map<double, Pointers> groups;
+    for (const StudyRow* row : graded) {
+      if (!std::isnan((*row)[column])) groups[(*row)[column]].push_back(row);
+    }
+    if (groups.size() < 2) continue;
+    for (const auto& [value, of] : groups) screws.push_back(screws_among(of, name_of_group(column, value)));
+  }
+  return screws;
+}
+
+constexpr std::array<StudyFactor, 3> kErrorScales{StudyFactor::entry_error_scale, StudyFactor::direction_error_scale,
+                                                  StudyFactor::registration_scale};
+
+StudyTolerance tolerance_of(const Rows& rows, const FactorDistribution& distribution) {
+  StudyTolerance tolerance;
+  tolerance.factor = distribution.factor;
+  const auto has_others_at_1 = [&](const StudyRow& row) {
+    return std::all_of(kErrorScales.begin(), kErrorScales.end(), [&](StudyFactor other) {
+      return other == distribution.factor || std::isnan(row[other]) || row[other] == 1.0;
+    });
+  };
+  const bool are_there = std::any_of(rows.begin(), rows.end(), has_others_at_1);
+  std::map<double, Pointers> by_scale;
+  for (const StudyRow& row : rows) {
+    if (std::isnan(row[StudyColumn::screw_grade]) || (are_there && !has_others_at_1(row))) continue;
+    by_scale[row[distribution.factor]].push_back(&row);
+  }
+  for (const auto& [scale, of] : by_scale) {
+    tolerance.scales.push_back(scale);
+    tolerance.a.push_back(
+        share_of_screws(of, [](const StudyRow& row) { return row[StudyColumn::screw_grade] == 0.0; }));
+  }
+  if (tolerance.a.empty() || tolerance.a.front().probability() < StudyTolerance::kWanted) return tolerance;
+  tolerance.up_to = std::numeric_limits<double>::infinity();
+  for (std::size_t n = 1; n < tolerance.a.size(); ++n) {
+    const double above = tolerance.a[n - 1].probability(), below = tolerance.a[n].probability();
+    if (below >= StudyTolerance::kWanted) continue;
+    tolerance.up_to =
+        lerp(tolerance.scales[n - 1], tolerance.scales[n], (above - StudyTolerance::kWanted) / (above - below));
+    break;
+  }
+  return tolerance;
+}
+
+/// Of those results that every run has.
+std::vector<StudySensitivity> sensitivities_of(const Rows& rows, const StudyRuns& runs) {
+  std::vector<StudySensitivity> sensitivities;
+  const std::size_t inputs = runs.inputs().size();
+  if (inputs == 0 || rows.size() != runs.count() || runs.design().runs < kMinSobolBlocks) return sensitivities;
+  const auto add = [&](std::string_view name, const auto& value) {
+    std::vector<double> outputs;
+    for (const StudyRow& row : rows) outputs.push_back(value(row));
+    const bool is_whole = std::all_of(outputs.begin(), outputs.end(), [](double v) { return std::isfinite(v); });
+    if (is_whole) sensitivities.push_back({std::string(name), sobol_indices(outputs, inputs)});
+  };
+  for (const StudyColumn column :
+       {StudyColumn::screw_breach_mm, StudyColumn::breach_outer_mm, StudyColumn::breach_canal_mm,
+        StudyColumn::max_thrust_n, StudyColumn::screw_pullout_n, StudyColumn::max_temperature_c}) {
+    add(name_of(column), [column](const StudyRow& row) { return row[column]; });
+  }
+  for (const auto& [name, grade] : {std::pair{"screw_beyond_a", 0.0}, std::pair{"screw_beyond_b", 1.0}}) {
+    add(name, [limit = grade](const StudyRow& row) {
+      const double is = row[StudyColumn::screw_grade];
+      return std::isnan(is) ? is : is > limit ? 1.0 : 0.0;
+    });
+  }
+  return sensitivities;
+}
+
 }  // namespace
 
 StudyShare study_share(std::size_t count, std::size_t runs) { return {runs, count, wilson_interval(count, runs)}; }
 
-StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesign& design) {
+StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyRuns& runs) {
   StudySummary summary;
   summary.runs = rows.size();
+  summary.has_drilled = std::any_of(rows.begin(), rows.end(), has_drilled);
   const auto above_0 = [&](StudyColumn column) {
     return share_of(rows, [column](const StudyRow& row) { return row[column] > 0.0; });
   };
@@ -104,13 +236,23 @@ StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesig
   summary.stopped = has(StudyColumn::stop_mm);
   summary.gave_up = has(StudyColumn::gave_up_mm);
   summary.outside_volume = above_0(StudyColumn::outside_volume_mm);
-  for (const StudyRow& row : rows) summary.events_lost += static_cast<std::size_t>(row[StudyColumn::events_lost]);
+  for (const StudyRow& row : rows) {
+    if (row[StudyColumn::events_lost] > 0.0)
+      summary.events_lost += static_cast<std::size_t>(row[StudyColumn::events_lost]);
+  }
   for (const StudyColumn column : kSpreads) summary.spreads.push_back(spread_of(rows, column));
-  for (const FactorDistribution& distribution : design.distributions) {
+  for (const FactorDistribution& distribution : runs.design().distributions) {
     // One level differs from nothing.
     if (distribution.kind == FactorDistribution::Kind::levels && distribution.levels.size() == 1) continue;
     summary.factors.push_back(by_factor(rows, distribution));
+    const bool scales = std::find(kErrorScales.begin(), kErrorScales.end(), distribution.factor) != kErrorScales.end();
+    if (scales && distribution.kind == FactorDistribution::Kind::levels) {
+      summary.tolerances.push_back(tolerance_of(rows, distribution));
+    }
   }
+  summary.screws = screws_of_rows(rows);
+  summary.inputs = runs.inputs();
+  summary.sensitivities = sensitivities_of(rows, runs);
   return summary;
 }
 

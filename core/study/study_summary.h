@@ -1,9 +1,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/statistics.h"
+#include "core/study/sobol_indices.h"
 #include "core/study/study_design.h"
 #include "core/study/study_row.h"
 
@@ -38,8 +41,39 @@ struct StudySpread {
   std::array<double, kShares.size()> quantiles{};
 };
 
+/// How screws came out, of those that have something in common. Intervals know that runs of one patient belong
+/// together: clustered_share().
+struct StudyScrews {
+  std::string what;  ///< "all", "patient 3", "L3", "left"
+  std::size_t runs = 0;
+  std::size_t patients = 0;
+  std::array<StudyShare, 5> grades{};  ///< A to E
+  StudyShare acceptable;               ///< A or B
+  StudyShare canal;                    ///< breach into the canal
+  StudyShare anterior;                 ///< tip beyond the anterior wall
+};
+
+/// How small an error must be: the share of grade A over a factor that scales it, others of the kind at 1.
+struct StudyTolerance {
+  static constexpr double kWanted = 0.95;
+
+  StudyFactor factor = StudyFactor::entry_error_scale;
+  std::vector<double> scales;
+  std::vector<StudyShare> a;  ///< of each
+  /// Up to which scale the share is kWanted, linear between levels; nothing where it is less at the smallest one, and
+  /// infinite where it is no less at the largest.
+  std::optional<double> up_to;
+};
+
+/// What of a result's variance each input is to blame for.
+struct StudySensitivity {
+  std::string result;  ///< a column's name, or "screw_beyond_a", "screw_beyond_b": 1 where a grade is worse
+  SobolIndices indices;
+};
+
 struct StudySummary {
   std::size_t runs = 0;
+  bool has_drilled = false;  ///< what follows is of the bit; nothing in a study of geometry alone
   StudyShare breach, outer, canal;
   std::array<StudyShare, 5> grades{};  ///< A to E
   StudyShare contact, breakthrough, stopped, gave_up, outside_volume;
@@ -49,10 +83,15 @@ struct StudySummary {
     StudyFactor factor = StudyFactor::entry_left_mm;
     std::vector<StudyBin> bins;
   };
-  std::vector<ByFactor> factors;  ///< those that differ
+  std::vector<ByFactor> factors;  ///< those that differ; breaches of the bit or, where none drilled, of the screw
+  /// All of them first, then by patient, level and side where there are several; none where none were graded.
+  std::vector<StudyScrews> screws;
+  std::vector<StudyTolerance> tolerances;  ///< of factors that scale errors at levels
+  std::vector<std::string> inputs;         ///< of Saltelli's design
+  std::vector<StudySensitivity> sensitivities;
 };
 
 /// What a study's runs come to. Rows in the order of their numbers: the same rows give the same numbers, bit for bit.
-StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyDesign& design);
+StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyRuns& runs);
 
 }  // namespace spinaltap

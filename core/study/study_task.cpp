@@ -41,31 +41,33 @@ double checked_positive(const FactorValues& values, StudyFactor factor) {
   return value;
 }
 
-/// The path as the run's error of registration moves it.
-DrillPath misregistered(const DrillPath& path, const StudyRegistration& registration, const StudyRuns& runs,
-                        std::size_t n) {
-  const std::size_t patient = registration.is_per_run ? n : 0;
-  Vec3 a = Vec3::Zero(), b = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) {
-    a[k] = runs.registration_normal(patient, k);
-    b[k] = runs.registration_normal(patient, k + 3);
-  }
-  const PoseError error = pose_error_of(registration.covariance, a, b);
-  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, registration.covariance.centre_mm);
+PoseError registration_error(const StudyRegistration& registration, const std::array<double, 6>& normals,
+                             double scale) {
+  PoseError error = pose_error_of(registration.covariance, Vec3(normals[0], normals[1], normals[2]),
+                                  Vec3(normals[3], normals[4], normals[5]));
+  error.turn_rad *= scale;
+  error.shift_mm *= scale;
+  return error;
+}
+
+/// The path as the error of registration moves it.
+DrillPath misregistered(const DrillPath& path, const PoseError& error, const Vec3& centre_mm) {
+  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, centre_mm);
   DrillPath moved = path;
   moved.entry_mm = motion.apply(path.entry_mm);
   moved.target_mm = motion.apply(path.target_mm);
   return moved;
 }
 
-StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorValues& values) {
-  StudyTask task;
-  task.values = values;
-  task.path = with_errors(spec.path, sides, values);
-  task.path.bit =
-      resized(spec.path.bit, checked_positive(values, StudyFactor::bit_diameter_mm), spec.path.bit.length_mm);
-  check_path(task.path);
-  task.tool_operator = spec.tool_operator;
+double checked_scale(const FactorValues& values, StudyFactor factor) {
+  const double scale = of(values, factor);
+  if (!(scale >= 0.0 && scale <= 100.0)) fail(name_of(factor), ": expected 0 to 100, found ", scale);
+  return scale;
+}
+
+/// Operator, bit and material of a run that drills.
+void set_drilling(const StudySpec& spec, const DrillPath& planned, const FactorValues& values, StudyTask& task) {
+  task.path.bit = resized(planned.bit, checked_positive(values, StudyFactor::bit_diameter_mm), planned.bit.length_mm);
   if (spec.tool_operator.kind == StudyOperator::Kind::push) {
     task.tool_operator.push_n = checked_positive(values, StudyFactor::push_n);
   } else {
@@ -76,11 +78,43 @@ StudyTask task_of(const StudySpec& spec, const AcrossPath& sides, const FactorVa
     fail(name_of(StudyFactor::tremor_mm), ": expected a number of 0 or more, found ", task.tool_operator.tremor_mm);
   }
   const double scale = checked_positive(values, StudyFactor::density_scale);
-  task.material = spec.material;
   task.material.density.at_0_hu *= scale;
   task.material.density.per_hu *= scale;
   task.material = with_forces_times(task.material, checked_positive(values, StudyFactor::force_scale));
   check_material(task.material);
+}
+
+StudyTask task_of(const StudySpec& spec, const StudyRuns& runs, std::size_t n) {
+  StudyTask task;
+  task.screw = runs.screw_of(n);
+  const StudyScrew screw = screw_at(spec, task.screw);
+  const DrillPath& planned = path_of(spec, screw);
+  task.values = runs.values(n, base_values(spec, planned));
+  task.seed = runs.seed_of(n);
+  task.material = spec.material;
+  task.tool_operator = spec.tool_operator;
+  task.path = with_errors(planned, across(planned), task.values);
+  if (spec.kind == StudyKind::drilling) set_drilling(spec, planned, task.values, task);
+  if (spec.errors) {
+    task.error = scaled(error_of(*spec.errors, runs.placement_normals(n)),
+                        checked_scale(task.values, StudyFactor::entry_error_scale),
+                        checked_scale(task.values, StudyFactor::direction_error_scale));
+    const std::vector<ErrorFrame>& frames = spec.bones[screw.bone].frames;
+    if (screw.path >= frames.size()) fail("expected the frames of errors to be known, found none");
+    ErrorFrame frame = frames[screw.path];
+    // About the line as the factors have it, whose frame leans with it by as little.
+    frame.along = task.path.direction();
+    frame.medial = (frame.medial - frame.medial.dot(frame.along) * frame.along).normalized();
+    const Vec3 cranial = frame.along.cross(frame.medial);
+    frame.cranial = cranial.dot(frame.cranial) < 0.0 ? Vec3(-cranial) : cranial;
+    task.path = erred_path(task.path, frame, task.error);
+  }
+  if (spec.registration) {
+    task.registration = registration_error(*spec.registration, runs.registration_normals(n),
+                                           checked_scale(task.values, StudyFactor::registration_scale));
+    task.path = misregistered(task.path, task.registration, spec.registration->covariance.centre_mm);
+  }
+  check_path(task.path);
   return task;
 }
 
@@ -102,10 +136,7 @@ AcrossPath across(const DrillPath& path) {
 
 StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n) {
   try {
-    StudyTask task = task_of(spec, across(spec.path), runs.values(n, base_values(spec)));
-    task.seed = runs.seed_of(n);
-    if (spec.registration) task.path = misregistered(task.path, *spec.registration, runs, n);
-    return task;
+    return task_of(spec, runs, n);
   } catch (const Error& error) {
     fail("run ", n, " of the study: ", error.what());
   }
@@ -113,16 +144,18 @@ StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n
 
 double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, double beyond_mm) {
   constexpr double kSpareMm = 0.2;
-  const Vec3 axis = spec.path.direction();
   double radius_mm = 0.0;
   for (std::size_t n = 0; n < runs.count(); ++n) {
     const StudyTask task = study_task(spec, runs, n);
+    const DrillPath& planned = path_of(spec, screw_at(spec, task.screw));
+    const Vec3 axis = planned.direction();
     const Vec3 direction = task.path.direction();
     const double cosine = direction.dot(axis);
+    if (!(cosine > 0.1)) fail("run ", n, " of the study: expected a line within 84 degrees of the planned one");
     // The line's distance from the path is greatest at one of the cylinder's ends.
     double line_mm = 0.0;
-    for (const double depth_mm : {-spec.volume.lead_in_mm, spec.path.length_mm() + beyond_mm}) {
-      const Vec3 way = task.path.entry_mm + depth_mm / cosine * direction - spec.path.entry_mm;
+    for (const double depth_mm : {-spec.volume.lead_in_mm, planned.length_mm() + beyond_mm}) {
+      const Vec3 way = task.path.entry_mm + depth_mm / cosine * direction - planned.entry_mm;
       line_mm = std::max(line_mm, (way - way.dot(axis) * axis).norm());
     }
     // A leaning bit's section is an ellipse; a tremor's five sinusoids on two axes come to at most √5 √2 of it.

@@ -9,8 +9,11 @@ namespace spinaltap {
 
 /// One run's inputs.
 struct StudyTask {
+  std::size_t screw = 0;  ///< of screws_of()
   FactorValues values{};
-  DrillPath path;  ///< the line that the bit really takes, and the run's bit
+  PlacementError error;    ///< of the screw, as its factors scale it; 0 where the study has none
+  PoseError registration;  ///< likewise
+  DrillPath path;          ///< the line that the bit really takes, and the run's bit
   Material material;
   StudyOperator tool_operator;
   std::uint64_t seed = 1;  ///< of the tremor
@@ -24,11 +27,12 @@ struct AcrossPath {
 };
 AcrossPath across(const DrillPath& path);
 
-/// What run n drills. Throws Error that names the run and the factor whose value makes no sense.
+/// What run n drills. The spec's paths must be known, and their frames where it has errors. Throws Error that names the
+/// run and the factor whose value makes no sense.
 StudyTask study_task(const StudySpec& spec, const StudyRuns& runs, std::size_t n);
 
-/// Radius of the cylinder around the planned path, from its lead-in to `beyond_mm` past the target, in which the bits
-/// of all runs stay, with 0.2 mm to spare, mm. Looks at every run, so it also finds those that make no sense: throws
+/// Radius of the cylinder around a planned path, from its lead-in to `beyond_mm` past the target, in which the bits of
+/// all runs stay, with 0.2 mm to spare, mm. Looks at every run, so it also finds those that make no sense: throws
 /// Error as study_task().
 double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, double beyond_mm);
 

@@ -37,7 +37,8 @@ std::string stage_of(double seconds, std::size_t done, std::size_t all) {
 
 StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<StudyRunner()>& make_runner,
                         const std::function<void(const StudyRow&)>& finished, const Progress& progress,
-                        const StudyStop& stops) {
+                        const StudyStop& stops, const StudyPlace& place) {
+  const std::size_t all_runs = place.all > 0 ? place.all : runs.size();
   const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const std::size_t threads = std::clamp<std::size_t>(runs.size(), 1, std::max<std::size_t>(allowed, 1));
   StudyWork work{.threads = static_cast<int>(threads)};
@@ -59,8 +60,9 @@ StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<S
       if (has_failed) return;
       finished(row);
       ++work.runs;
-      progress.report(stage_of(seconds_since(start), work.runs, runs.size()),
-                      static_cast<double>(work.runs) / static_cast<double>(runs.size()));
+      const std::size_t done = place.before + work.runs;
+      progress.report(stage_of(seconds_since(start), work.runs, all_runs - place.before),
+                      static_cast<double>(done) / static_cast<double>(all_runs));
     }
   };
   const auto work_alone = [&](std::size_t) {

@@ -96,7 +96,11 @@ StudyRow row_of(std::size_t run) {
   }
   row[StudyColumn::run] = static_cast<double>(run);
   row[StudyColumn::seed] = 4294967295.0;
-  row[StudyColumn::contact] = 1.0;
+  for (const StudyColumn column : {StudyColumn::patient, StudyColumn::screw, StudyColumn::contact, StudyColumn::side,
+                                   StudyColumn::screw_grade, StudyColumn::screw_breach_side}) {
+    row[column] = 1.0;
+  }
+  row[StudyColumn::level] = 22.0;
   row[StudyColumn::breach] = 0.0;
   row[StudyColumn::grade] = static_cast<double>(run % 5);
   row[StudyColumn::removed_points] = 1e6;
@@ -137,12 +141,12 @@ std::vector<Seed> study_folder_seeds() {
   const fs::path study = folder.path() / "study";
   StudySpec spec;
   spec.name = "a";
-  spec.path = full_setup().path;
+  spec.bones = {{.level = Level::kL5, .paths = {full_setup().path}, .hash = "0123456789abcdef"}};
   spec.volume.radius_mm = 3.0;
   spec.design.runs = 3;
   spec.design.distributions = {{StudyFactor::density_scale, FactorDistribution::Kind::levels, {0.6, 1.0}},
                                {StudyFactor::entry_left_mm, FactorDistribution::Kind::normal, {}, 0.0, 1.0}};
-  const StudyIdentity identity = study_identity(spec, StudyRuns(spec.design), "0123456789abcdef");
+  const StudyIdentity identity = study_identity(spec, StudyRuns(spec.design));
   open_study_folder(study, identity);
   {
     StudyPart first(study, "part-1-of-2.csv", identity);
@@ -166,7 +170,7 @@ void read_study_folder(const fs::path& folder) {
   const IdentifiedStudy study = study_of(identity, folder / "study.json");
   std::vector<StudyRow> rows;
   for (const auto& [run, text] : texts) rows.push_back(read_study_csv(text));
-  if (!rows.empty()) static_cast<void>(summarise_study(rows, study.design));
+  if (!rows.empty()) static_cast<void>(summarise_study(rows, StudyRuns(study.design, study.ground())));
 }
 
 GridGeometry mask_grid() {

@@ -88,7 +88,7 @@ std::vector<Seed> study_seeds() {
 
 void read_study(const fs::path& folder) {
   const StudySpec spec = read_study_spec(folder / "study.json");
-  const StudyRuns runs(spec.design);
+  const StudyRuns runs(spec.design, ground_of(spec));
   for (const std::size_t n : {std::size_t{0}, runs.count() / 2, runs.count() - 1}) {
     static_cast<void>(study_task(spec, runs, n));
   }

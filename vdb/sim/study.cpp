@@ -1,57 +1,96 @@
 #include "vdb/sim/study.h"
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/files/study_folder.h"
 #include "core/files/study_spec_file.h"
+#include "core/study/study_task.h"
 #include "vdb/sim/study_run.h"
 
 namespace spinaltap {
 
 struct Study::State {
-  explicit State(StudySpec its_spec) : spec(std::move(its_spec)), runs(spec.design) {
-    spec.volume.radius_mm = study_radius_mm(spec, runs);
-    bone.emplace(Bone::load(spec.bone_file, spec.level));
-    identity = study_identity(spec, runs, bone->hash());
+  State(StudySpec its_spec, const Progress& progress)
+      : spec(surveyed(std::move(its_spec), progress)), runs(spec.design, ground_of(spec)) {
+    reach_mm = radius_of_all_runs_mm(spec, runs, spec.lead_out_mm);  // and finds runs that make no sense
+    if (spec.kind == StudyKind::drilling) spec.volume.radius_mm = study_radius_mm(spec, reach_mm);
+    identity = study_identity(spec, runs);
+  }
+
+  static StudySpec surveyed(StudySpec spec, const Progress& progress) {
+    survey_bones(spec, progress);
+    return spec;
   }
 
   std::vector<std::size_t> runs_of(const StudyShard& shard) const { return runs_of_shard(runs.count(), shard); }
-  /// Made for the first run: a folder whose runs are all done needs none.
-  const StudyBench& bench(const Progress& progress) const {
-    std::call_once(has_bench, [&] { made_bench.emplace(*bone, spec, runs, progress); });
+
+  Bone bone(std::size_t n) const {
+    const std::lock_guard lock(mutex);
+    if (!known_bone || known_bone->first != n) {
+      known_bone.reset();  // before the next one takes its room
+      known_bone.emplace(n, Bone::load(spec.bones.at(n).file, spec.bones.at(n).level));
+    }
+    return known_bone->second;
+  }
+  /// Made for the first run of a screw, in place of the one before it.
+  const StudyBench& bench(std::size_t screw, const Progress& progress) const {
+    if (!made_bench || made_screw != screw) {
+      made_bench.reset();
+      made_bench.emplace(bone(screw_at(spec, screw).bone), spec, screw, runs, reach_mm, progress);
+      made_screw = screw;
+    }
     return *made_bench;
   }
-  StudyWork work(std::span<const std::size_t> numbers, const std::function<void(const StudyRow&)>& finished,
+  StudyWork work(const std::vector<std::size_t>& numbers, const std::function<void(const StudyRow&)>& finished,
                  const Progress& progress, const StudyStop& stops = {}) const {
-    const StudyBench& shared = bench(progress);
-    return do_study_runs(
-        numbers, [&shared] { return shared.make_runner(); }, finished, progress, stops);
+    const std::lock_guard lock(work_mutex);
+    // Screw by screw, so that one bone and its points are in memory at a time.
+    std::map<std::size_t, std::vector<std::size_t>> by_screw;
+    for (const std::size_t n : numbers) by_screw[runs.screw_of(n)].push_back(n);
+    StudyWork all;
+    for (const auto& [screw, of_screw] : by_screw) {
+      if (stops && stops()) break;
+      const StudyBench& shared = bench(screw, progress);
+      const StudyWork done = do_study_runs(of_screw, [&shared] { return shared.make_runner(); }, finished, progress,
+                                           stops, {all.runs, numbers.size()});
+      all.runs += done.runs;
+      all.threads = std::max(all.threads, done.threads);
+      all.seconds += done.seconds;
+      all.cpu_seconds += done.cpu_seconds;
+    }
+    return all;
   }
 
   StudySpec spec;
   StudyRuns runs;
-  std::optional<Bone> bone;
+  double reach_mm = 0.0;
   StudyIdentity identity;
-  mutable std::once_flag has_bench;
+  mutable std::mutex mutex, work_mutex;
+  mutable std::optional<std::pair<std::size_t, Bone>> known_bone;
   mutable std::optional<StudyBench> made_bench;
+  mutable std::size_t made_screw = 0;
 };
 
-Study::Study(StudySpec spec) : state_(std::make_unique<State>(std::move(spec))) {}
-Study Study::load(const std::filesystem::path& spec) { return Study(read_study_spec(spec)); }
+Study::Study(StudySpec spec, const Progress& progress) : state_(std::make_unique<State>(std::move(spec), progress)) {}
+Study Study::load(const std::filesystem::path& spec, const Progress& progress) {
+  return Study(read_study_spec(spec), progress);
+}
 Study::~Study() = default;
 Study::Study(Study&&) noexcept = default;
 Study& Study::operator=(Study&&) noexcept = default;
 
 const StudySpec& Study::spec() const { return state_->spec; }
-const Bone& Study::bone() const { return *state_->bone; }
+Bone Study::bone(std::size_t n) const { return state_->bone(n); }
 std::size_t Study::run_count() const { return state_->runs.count(); }
 const StudyIdentity& Study::identity() const { return state_->identity; }
-std::size_t Study::points() const { return state_->bench({}).point_count(); }
-std::size_t Study::bytes_a_thread() const { return state_->bench({}).memory_bytes(); }
+std::size_t Study::points() const { return state_->made_bench ? state_->made_bench->point_count() : 0; }
+std::size_t Study::bytes_a_thread() const { return state_->made_bench ? state_->made_bench->memory_bytes() : 0; }
 
 std::vector<StudyRow> Study::run(const StudyShard& shard, const Progress& progress) const {
   std::vector<StudyRow> rows;
@@ -65,7 +104,7 @@ StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard&
                           const StudyStop& stops) const {
   std::vector<std::size_t> left = state_->runs_of(shard);
   // What makes no sense leaves no files behind. In a folder that is this study's, it made sense before.
-  if (!std::filesystem::exists(folder) || std::filesystem::is_empty(folder)) state_->bench(progress);
+  if (!std::filesystem::exists(folder) || std::filesystem::is_empty(folder)) state_->bench(0, progress);
   open_study_folder(folder, state_->identity);
   StudyRows done;
   read_study_parts(folder, state_->identity, done);

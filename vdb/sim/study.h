@@ -15,26 +15,28 @@
 
 namespace spinaltap {
 
-/// A path drilled many times, with errors: on all cores, the same rows at any number of threads and in any shards.
+/// Paths drilled, or screws graded, many times, with errors: on all cores, the same rows at any number of threads and
+/// in any shards.
 class Study {
  public:
-  /// Loads the bone. Throws Error as read_bone() does, and on runs that make no sense.
-  explicit Study(StudySpec spec);
+  /// Looks at all bones; see survey_bones(). Throws Error as that does, and on runs that make no sense.
+  explicit Study(StudySpec spec, const Progress& progress = {});
   /// From a SPEC.json: docs/studies.md.
-  static Study load(const std::filesystem::path& spec);
+  static Study load(const std::filesystem::path& spec, const Progress& progress = {});
   ~Study();
   Study(Study&&) noexcept;
   Study& operator=(Study&&) noexcept;
   Study(const Study&) = delete;
   Study& operator=(const Study&) = delete;
 
-  /// With the cylinder's radius worked out.
+  /// With the cylinder's radius worked out, and all paths known.
   const StudySpec& spec() const;
-  const Bone& bone() const;
+  /// One of the spec's; the last that was asked for is kept.
+  Bone bone(std::size_t n = 0) const;
   std::size_t run_count() const;
   /// All that the results depend on.
   const StudyIdentity& identity() const;
-  /// That all runs share, and what a thread's copy of them takes. As run(), they are filled when first asked for.
+  /// That the last runs shared, and what a thread's copy of them takes; 0 before there was one.
   std::size_t points() const;
   std::size_t bytes_a_thread() const;
 

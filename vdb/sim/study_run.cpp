@@ -1,6 +1,7 @@
 #include "vdb/sim/study_run.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -8,10 +9,12 @@
 
 #include "core/base/error.h"
 #include "core/plan/grade.h"
+#include "core/plan/path_side.h"
 #include "core/session/choose_engine.h"
 #include "core/study/study_task.h"
 #include "core/tool/plate.h"
 #include "vdb/engine/voxel_bone.h"
+#include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"
 
@@ -139,55 +142,151 @@ void add_events(std::span<const SessionEvent> events, StudyRow& row) {
   }
 }
 
-StudyRow empty_row(std::size_t n, const StudyTask& task) {
+/// Results that a run may have none of, or that the study has none of.
+constexpr std::array kMayLack{StudyColumn::level,
+                              StudyColumn::side,
+                              StudyColumn::contact,
+                              StudyColumn::breach,
+                              StudyColumn::breach_outer_mm,
+                              StudyColumn::breach_canal_mm,
+                              StudyColumn::min_clearance_outer_mm,
+                              StudyColumn::min_clearance_canal_mm,
+                              StudyColumn::grade,
+                              StudyColumn::max_thrust_n,
+                              StudyColumn::max_torque_n_mm,
+                              StudyColumn::plunge_depth_mm,
+                              StudyColumn::depth_mm,
+                              StudyColumn::time_s,
+                              StudyColumn::outer_cortical_mm,
+                              StudyColumn::cancellous_mm,
+                              StudyColumn::transitional_mm,
+                              StudyColumn::inner_cortical_mm,
+                              StudyColumn::breakthrough_mm,
+                              StudyColumn::stop_mm,
+                              StudyColumn::gave_up_mm,
+                              StudyColumn::removed_points,
+                              StudyColumn::removed_mm3,
+                              StudyColumn::screw_pullout_n,
+                              StudyColumn::screw_torque_n_mm,
+                              StudyColumn::max_temperature_c,
+                              StudyColumn::error_medial_mm,
+                              StudyColumn::error_cranial_mm,
+                              StudyColumn::error_along_mm,
+                              StudyColumn::error_medial_deg,
+                              StudyColumn::error_cranial_deg,
+                              StudyColumn::turn_left_deg,
+                              StudyColumn::turn_back_deg,
+                              StudyColumn::turn_head_deg,
+                              StudyColumn::shift_left_mm,
+                              StudyColumn::shift_back_mm,
+                              StudyColumn::shift_head_mm,
+                              StudyColumn::screw_grade,
+                              StudyColumn::screw_breach_mm,
+                              StudyColumn::screw_breach_side,
+                              StudyColumn::screw_breach_depth_mm,
+                              StudyColumn::screw_canal_mm,
+                              StudyColumn::screw_anterior_mm};
+
+/// What is drawn of a run, and nothing of what comes of it.
+StudyRow row_of(const StudySpec& spec, const DrillPath& planned, std::size_t n, const StudyTask& task) {
   StudyRow row;
+  for (const StudyColumn column : kMayLack) row[column] = kNoFigure;
   for (std::size_t factor = 0; factor < kStudyFactors; ++factor) {
     row[static_cast<StudyFactor>(factor)] = task.values[factor];
   }
+  const StudyBone& bone = spec.bones[screw_at(spec, task.screw).bone];
   row[StudyColumn::run] = static_cast<double>(n);
+  row[StudyColumn::patient] = static_cast<double>(bone.patient + 1);
+  row[StudyColumn::screw] = static_cast<double>(task.screw + 1);
+  if (bone.level != Level::kNone) row[StudyColumn::level] = static_cast<double>(bone.level);
   row[StudyColumn::seed] = static_cast<double>(task.seed);
-  for (const StudyColumn column :
-       {StudyColumn::plunge_depth_mm, StudyColumn::outer_cortical_mm, StudyColumn::cancellous_mm,
-        StudyColumn::transitional_mm, StudyColumn::inner_cortical_mm, StudyColumn::breakthrough_mm,
-        StudyColumn::stop_mm, StudyColumn::gave_up_mm, StudyColumn::screw_pullout_n, StudyColumn::screw_torque_n_mm,
-        StudyColumn::max_temperature_c}) {
-    row[column] = kNoFigure;
+  if (spec.errors) {
+    row[StudyColumn::error_medial_mm] = task.error.medial_mm;
+    row[StudyColumn::error_cranial_mm] = task.error.cranial_mm;
+    row[StudyColumn::error_along_mm] = task.error.along_mm;
+    row[StudyColumn::error_medial_deg] = task.error.medial_deg;
+    row[StudyColumn::error_cranial_deg] = task.error.cranial_deg;
   }
+  if (spec.registration) {
+    row[StudyColumn::turn_left_deg] = task.registration.turn_rad.x() / kDegree;
+    row[StudyColumn::turn_back_deg] = task.registration.turn_rad.y() / kDegree;
+    row[StudyColumn::turn_head_deg] = task.registration.turn_rad.z() / kDegree;
+    row[StudyColumn::shift_left_mm] = task.registration.shift_mm.x();
+    row[StudyColumn::shift_back_mm] = task.registration.shift_mm.y();
+    row[StudyColumn::shift_head_mm] = task.registration.shift_mm.z();
+  }
+  row[StudyColumn::off_entry_mm] = (task.path.entry_mm - planned.entry_mm).norm();
+  row[StudyColumn::off_target_mm] = (task.path.target_mm - planned.target_mm).norm();
+  const Vec3 direction = task.path.direction();
+  row[StudyColumn::off_angle_deg] =
+      std::atan2(direction.cross(planned.direction()).norm(), direction.dot(planned.direction())) / kDegree;
   return row;
 }
 
 }  // namespace
 
-double study_radius_mm(const StudySpec& spec, const StudyRuns& runs) {
+double study_radius_mm(const StudySpec& spec, double reach_mm) {
   constexpr double kMaxMm = 15.0;
-  const double needed_mm = radius_of_all_runs_mm(spec, runs, spec.lead_out_mm);
   if (spec.volume.radius_mm > 0.0) return spec.volume.radius_mm;
-  if (needed_mm > kMaxMm) {
-    fail("the errors of the study take bits ", needed_mm, " mm off the planned path: expected at most ", kMaxMm,
+  if (reach_mm > kMaxMm) {
+    fail("the errors of the study take bits ", reach_mm, " mm off the planned path: expected at most ", kMaxMm,
          " mm, or a \"radius_mm\" of \"volume\" that says how much of that is to be drilled");
   }
-  return needed_mm;
+  return reach_mm;
 }
 
-StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, const StudyRuns& runs, const Progress& progress)
-    : bone_(bone), spec_(spec), runs_(runs) {
-  check_straight(spec.path, "a study");
-  check_turns(spec.path.bit, "a study");
-  check_path_meets_bone(spec.path, bone.model());
-  const DrillPath longer = with_lead_out(spec.path, spec.lead_out_mm);
-  if (spec.engine == EngineKind::voxel) {
+void survey_bones(StudySpec& spec, const Progress& progress) {
+  for (std::size_t n = 0; n < spec.bones.size(); ++n) {
+    StudyBone& of = spec.bones[n];
+    progress.report("bones", static_cast<double>(n) / static_cast<double>(spec.bones.size()));
+    const Bone bone = Bone::load(of.file, of.level);
+    of.hash = bone.hash();
+    if (bone.level() != Level::kNone) of.level = bone.level();
+    if (of.paths.empty()) of.paths = paths_of(bone.suggest({}, progress));
+    of.frames.clear();
+    for (const DrillPath& path : of.paths) {
+      check_straight(path, "a study");
+      check_turns(path.bit, "a study");
+      if (spec.errors) of.frames.push_back(error_frame(bone.landmarks(progress), path));
+    }
+  }
+}
+
+StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, std::size_t screw, const StudyRuns& runs,
+                       double reach_mm, const Progress& progress)
+    : bone_(bone),
+      spec_(spec),
+      runs_(runs),
+      screw_(screw),
+      path_(path_of(spec, screw_at(spec, screw))),
+      side_(kNoFigure) {
+  check_straight(path_, "a study");
+  check_turns(path_.bit, "a study");
+  check_path_meets_bone(path_, bone.model());
+  if (bone.no_landmarks(progress).empty()) {
+    side_ = SideNames(bone.landmarks(), path_).is_left() ? 0.0 : 1.0;
+    grader_.emplace(bone_.walls(progress), GradeOptions{});
+  } else if (spec.kind == StudyKind::geometry) {
+    bone.landmarks();  // says why there are none
+  }
+  if (spec.kind == StudyKind::drilling) fill(reach_mm, progress);
+}
+
+void StudyBench::fill(double reach_mm, const Progress& progress) {
+  const DrillPath longer = with_lead_out(path_, spec_.lead_out_mm);
+  if (spec_.engine == EngineKind::voxel) {
     whole_.voxels = std::make_unique<VoxelBone>(
-        bone.model(), VoxelBoneOptions{spec.volume.spacing_mm, box_of(longer, spec.volume)}, progress);
+        bone_.model(), VoxelBoneOptions{spec_.volume.spacing_mm, box_of(longer, spec_.volume)}, progress);
   } else {
-    whole_.volumes.emplace_back(longer, spec.volume);
-    fill_volume(whole_.volumes.front(), sampler_of(bone.model()), progress);
+    whole_.volumes.emplace_back(longer, spec_.volume);
+    fill_volume(whole_.volumes.front(), sampler_of(bone_.model()), progress);
   }
   progress.report("clearances", 0.0);
   // Where bits may be, and a little more.
   constexpr double kSpareMm = 2.0;
-  clearances_ = std::make_unique<const ClearanceField>(bone.walls(progress), spec.path,
-                                                       radius_of_all_runs_mm(spec, runs, spec.lead_out_mm) + kSpareMm,
-                                                       spec.volume.lead_in_mm + kSpareMm, spec.lead_out_mm + kSpareMm);
+  clearances_ =
+      std::make_unique<const ClearanceField>(bone_.walls(progress), path_, reach_mm + kSpareMm,
+                                             spec_.volume.lead_in_mm + kSpareMm, spec_.lead_out_mm + kSpareMm);
 }
 
 StudyRunner StudyBench::make_runner() const {
@@ -195,18 +294,27 @@ StudyRunner StudyBench::make_runner() const {
 }
 
 std::size_t StudyBench::point_count() const {
+  if (spec_.kind == StudyKind::geometry) return 0;
   return whole_.voxels ? whole_.voxels->alive_count() : whole_.volumes.front().point_count();
 }
 
 StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
   const StudyTask task = study_task(spec_, runs_, n);
+  StudyRow row = row_of(spec_, path_, n, task);
+  row[StudyColumn::side] = side_;
+  if (spec_.kind == StudyKind::drilling) drill(task, bone, row);
+  if (grader_) grade_screw(task, row);
+  return row;
+}
+
+void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) const {
   bone.revive(whole_);
   SessionSetup setup;
-  setup.path = spec_.path;
+  setup.path = path_;
   setup.path.bit = task.path.bit;
   setup.material = task.material;
   setup.engine = spec_.engine;
-  const double cosine = task.path.direction().dot(spec_.path.direction());
+  const double cosine = task.path.direction().dot(path_.direction());
   setup.engine = chosen_engine(setup, {.max_tilt_deg = std::acos(std::clamp(cosine, -1.0, 1.0)) / kDegree,
                                        .trembles = task.tool_operator.tremor_mm > 0.0});
   setup.options = spec_.options;
@@ -219,7 +327,7 @@ StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
   Extremes extremes;
   run_session(*session, *tool_operator, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
 
-  StudyRow row = empty_row(n, task);
+  row[StudyColumn::contact] = 0.0;
   add_events(session->events(), row);
   const double outer_mm = std::max(0.0, -extremes.min_clearance_outer_mm);
   const double canal_mm = std::max(0.0, -extremes.min_clearance_canal_mm);
@@ -243,7 +351,18 @@ StudyRow StudyBench::run(std::size_t n, DrilledBone& bone) const {
   }
   row[StudyColumn::max_temperature_c] = session->last().heat.max_temperature_c;
   row[StudyColumn::events_lost] = static_cast<double>(session->events_lost());
-  return row;
+}
+
+void StudyBench::grade_screw(const StudyTask& task, StudyRow& row) const {
+  const ScrewBreach found = grader_->grade(task.path);
+  row[StudyColumn::screw_grade] = static_cast<double>(gertzbein_robbins(found.breach_mm));
+  row[StudyColumn::screw_breach_mm] = found.breach_mm;
+  if (found.breach_mm > 0.0) {
+    row[StudyColumn::screw_breach_side] = static_cast<double>(found.side);
+    row[StudyColumn::screw_breach_depth_mm] = found.depth_mm;
+  }
+  row[StudyColumn::screw_canal_mm] = found.canal_mm;
+  row[StudyColumn::screw_anterior_mm] = found.side_breach_mm[static_cast<std::size_t>(PathSide::anterior)];
 }
 
 }  // namespace spinaltap

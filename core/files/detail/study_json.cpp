@@ -51,9 +51,11 @@ FactorDistribution read_distribution(StudyFactor factor, const Json& json, const
     fail("expected one of \"levels\", \"normal\", \"uniform\" and \"spread\" for \"", name, "\" in ", file.string(),
          ", found ", found);
   };
-  if (!json.is_object() || json.size() != 1) reject(shown_value(json));
+  const bool has_per = json.is_object() && json.contains("per");
+  if (!json.is_object() || json.size() != (has_per ? 2 : 1)) reject(shown_value(json));
   const JsonObject object(json, file);
   FactorDistribution distribution{factor};
+  distribution.per = read_drawn_per(object, file);
   if (object.has("levels")) {
     const Json& levels = object.at("levels");
     if (!levels.is_array()) fail("expected a list for \"levels\" of \"", name, "\" in ", file.string());
@@ -87,7 +89,7 @@ FactorDistribution read_distribution(StudyFactor factor, const Json& json, const
   return distribution;
 }
 
-Json json_of(const FactorDistribution& distribution) {
+Json law_of(const FactorDistribution& distribution) {
   switch (distribution.kind) {
     case FactorDistribution::Kind::normal:
       return {{"normal", {{"mean", distribution.a}, {"deviation", distribution.b}}}};
@@ -102,7 +104,42 @@ Json json_of(const FactorDistribution& distribution) {
   return {{"levels", distribution.levels}};
 }
 
+Json json_of(const FactorDistribution& distribution) {
+  Json json = law_of(distribution);
+  if (distribution.per != DrawnPer::run) json["per"] = name_of(distribution.per);
+  return json;
+}
+
+/// Which of an enumeration's names a key has; the first where there is none.
+template <class Enum>
+Enum choice_of(const JsonObject& object, const char* key, int count, const std::filesystem::path& file) {
+  if (!object.has(key)) return Enum{};
+  const std::string found = object.text(key);
+  std::string known;
+  for (int n = 0; n < count; ++n) {
+    const auto choice = static_cast<Enum>(n);
+    if (name_of(choice) == found) return choice;
+    known += (n == 0 ? "\"" : n + 1 < count ? ", \"" : " or \"") + std::string(name_of(choice)) + "\"";
+  }
+  fail("expected ", known, " for \"", key, "\" in ", file.string(), ", found ", in_quotes(found));
+}
+
 }  // namespace
+
+StudyKind read_study_kind(const JsonObject& object, const std::filesystem::path& file) {
+  return choice_of<StudyKind>(object, "kind", 2, file);
+}
+
+DrawnPer read_drawn_per(const JsonObject& object, const std::filesystem::path& file) {
+  return choice_of<DrawnPer>(object, "per", 3, file);
+}
+
+std::size_t checked_patient(std::uint64_t number, const std::filesystem::path& file) {
+  if (number < 1 || number > StudyRuns::kMaxRuns) {
+    fail("expected a \"patient\" from 1 to ", StudyRuns::kMaxRuns, " in ", file.string(), ", found ", number);
+  }
+  return static_cast<std::size_t>(number - 1);
+}
 
 Json to_json(const StudyOperator& tool_operator) {
   Json json{{"kind", tool_operator.kind == StudyOperator::Kind::feed ? "feed" : "push"}};
@@ -149,7 +186,7 @@ Json to_json(const StudyDesign& design) {
   for (const FactorDistribution& distribution : design.distributions)
     factors[std::string(name_of(distribution.factor))] = json_of(distribution);
   return {{"runs", design.runs},
-          {"sampling", design.is_latin ? "latin-hypercube" : "random"},
+          {"sampling", name_of(design.sampling)},
           {"seed", design.seed},
           {"factors", std::move(factors)}};
 }
@@ -160,14 +197,7 @@ StudyDesign read_study_design(const Json& json, const std::filesystem::path& fil
   StudyDesign design;
   if (object.has("runs")) design.runs = object.whole_number("runs");
   if (object.has("seed")) design.seed = object.whole_number("seed");
-  if (object.has("sampling")) {
-    const std::string sampling = object.text("sampling");
-    design.is_latin = sampling == "latin-hypercube";
-    if (!design.is_latin && sampling != "random") {
-      fail("expected \"random\" or \"latin-hypercube\" for \"sampling\" in ", file.string(), ", found ",
-           in_quotes(sampling));
-    }
-  }
+  design.sampling = choice_of<StudySampling>(object, "sampling", 3, file);
   if (object.has("factors")) {
     const Json& factors = object.at("factors");
     if (!factors.is_object()) fail("expected an object for \"factors\" in ", file.string());

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/ct/level.h"
 #include "core/base/staged_output.h"
 #include "tests/support/temporary_folder.h"
 
@@ -35,6 +36,12 @@ StudyRow full_row(std::size_t run) {
   row[StudyColumn::grade] = static_cast<double>(run % 5);
   row[StudyColumn::removed_points] = 1e6;
   row[StudyColumn::events_lost] = 0.0;
+  row[StudyColumn::patient] = 12.0;
+  row[StudyColumn::screw] = 30.0;
+  row[StudyColumn::level] = static_cast<double>(Level::kT12);
+  row[StudyColumn::side] = static_cast<double>(run % 2);
+  row[StudyColumn::screw_grade] = static_cast<double>((run + 1) % 5);
+  row[StudyColumn::screw_breach_side] = static_cast<double>(run % 5);
   return row;
 }
 
@@ -63,7 +70,10 @@ TEST(StudyRow, IsWrittenAsReadersOfTablesTakeIt) {
   EXPECT_THAT(text, HasSubstr(",1000000,"));     // no exponents in whole numbers
   EXPECT_THAT(text, HasSubstr(",4294967295,"));  // of the seed
   EXPECT_THAT(text, HasSubstr(",D,"));           // grade 3
-  EXPECT_THAT(text, HasSubstr(",,"));            // what there is not
+  EXPECT_THAT(text, HasSubstr(",12,30,T12,right,"));
+  EXPECT_THAT(text, HasSubstr(",E,"));       // the screw's
+  EXPECT_THAT(text, HasSubstr(",caudal,"));  // of its breach
+  EXPECT_THAT(text, HasSubstr(",,"));        // what there is not
   EXPECT_THAT(text, HasSubstr(",inf,"));
 }
 

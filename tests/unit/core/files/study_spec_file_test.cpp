@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/files/data_files.h"
@@ -73,10 +74,10 @@ class StudySpecFile : public ::testing::Test {
 TEST_F(StudySpecFile, IsReadWithEveryKey) {
   const StudySpec spec = read_study_spec(write(whole_spec()));
   EXPECT_EQ(spec.name, "All keys");
-  EXPECT_EQ(level_name(spec.level), "L3");
-  EXPECT_EQ(spec.bone_file, folder_.path() / "bones/bone.vdb");
-  EXPECT_EQ(spec.path.name, "right");
-  EXPECT_EQ(spec.path.entry_mm.x(), -1.0);
+  EXPECT_EQ(level_name(spec.bones.at(0).level), "L3");
+  EXPECT_EQ(spec.bones.at(0).file, folder_.path() / "bones/bone.vdb");
+  EXPECT_EQ(spec.bones.at(0).paths.at(0).name, "right");
+  EXPECT_EQ(spec.bones.at(0).paths.at(0).entry_mm.x(), -1.0);
   EXPECT_EQ(spec.volume.radius_mm, 5.0);
   EXPECT_EQ(spec.volume.spacing_mm, 0.2);
   EXPECT_EQ(spec.volume.lead_in_mm, 2.0);
@@ -92,7 +93,7 @@ TEST_F(StudySpecFile, IsReadWithEveryKey) {
   EXPECT_EQ(spec.tool_operator.noticed_share, 0.1);
   EXPECT_EQ(spec.tool_operator.tremor_mm, 0.05);
   EXPECT_EQ(spec.design.runs, 20U);
-  EXPECT_TRUE(spec.design.is_latin);
+  EXPECT_EQ(spec.design.sampling, StudySampling::latin_hypercube);
   EXPECT_EQ(spec.design.seed, 9U);
   ASSERT_EQ(spec.design.distributions.size(), 3U);
   EXPECT_EQ(spec.design.distributions[0].kind, FactorDistribution::Kind::normal);
@@ -111,13 +112,13 @@ TEST_F(StudySpecFile, NeedsNoMoreThanBonePathOperatorAndDesign) {
           "path": {"name": "own", "entry_mm": [0, 0, 0], "target_mm": [0, 0, 30],
                    "bit": {"diameter_mm": 3, "length_mm": 50, "tip_length_mm": 2}}})")));
   EXPECT_EQ(spec.name, "study");
-  EXPECT_EQ(spec.path.name, "own");
+  EXPECT_EQ(spec.bones.at(0).paths.at(0).name, "own");
   EXPECT_EQ(spec.tool_operator.step_mm, 0.01);
   EXPECT_EQ(spec.volume.radius_mm, 0.0);
   EXPECT_EQ(spec.volume.spacing_mm, 0.1);
   EXPECT_TRUE(std::isinf(spec.options.stop.thrust_n));
   EXPECT_EQ(StudyRuns(spec.design).count(), 1U);
-  const FactorValues base = base_values(spec);
+  const FactorValues base = base_values(spec, spec.bones.at(0).paths.at(0));
   EXPECT_EQ(base[static_cast<std::size_t>(StudyFactor::bit_diameter_mm)], 3.0);
   EXPECT_EQ(base[static_cast<std::size_t>(StudyFactor::density_scale)], 1.0);
   EXPECT_TRUE(std::isnan(base[static_cast<std::size_t>(StudyFactor::push_n)]));
@@ -150,12 +151,12 @@ TEST_F(StudySpecFile, TakesTheErrorOfARegistrationBesideIt) {
   json["registration"] = {{"file", "registration.json"}, {"per", "run"}};
   const StudySpec spec = read_study_spec(write(json));
   ASSERT_TRUE(spec.registration);
-  EXPECT_TRUE(spec.registration->is_per_run);
+  EXPECT_EQ(spec.registration->per, DrawnPer::run);
   const Vec3 place_mm(20.0, -30.0, 90.0);
   EXPECT_NEAR(target_error_mm(spec.registration->covariance, place_mm), target_error_mm(found.covariance, place_mm),
               1e-9);
   json["registration"]["per"] = "patient";
-  EXPECT_FALSE(read_study_spec(write(json)).registration->is_per_run);
+  EXPECT_EQ(read_study_spec(write(json)).registration->per, DrawnPer::patient);
   rejects([](Json& j) { j["registration"] = {{"file", "registration.json"}, {"per", "day"}}; }, "day");
   rejects([](Json& j) { j["registration"] = {{"per", "run"}}; }, "file");
   rejects([](Json& j) { j["registration"] = 3; }, "object");
@@ -244,6 +245,94 @@ TEST_F(StudySpecFile, NamesFilesThatAreMissing) {
   json = whole_spec();
   json["path"] = "middle";
   EXPECT_THAT([&] { read_study_spec(write(json)); }, ThrowsMessage<Error>(HasSubstr("left, right")));
+}
+
+Json cohort_spec() {
+  return Json::parse(R"({
+    "format": "spinaltap-study", "version": 2, "name": "Cohort", "kind": "geometry",
+    "bones": [{"bone": "a.vdb", "level": "L4", "plan": "plan.json"},
+              {"bone": "b.vdb", "patient": 7, "plan": "plan.json", "paths": ["right"]}],
+    "errors": "robot_726",
+    "design": {"runs": 10, "sampling": "saltelli"}
+  })");
+}
+
+TEST_F(StudySpecFile, HoldsBonesOfPatientsAndWhatIsPlannedInThem) {
+  const StudySpec spec = read_study_spec(write(cohort_spec()));
+  EXPECT_EQ(spec.kind, StudyKind::geometry);
+  ASSERT_EQ(spec.bones.size(), 2U);
+  EXPECT_EQ(spec.bones[0].file, folder_.path() / "a.vdb");
+  EXPECT_EQ(level_name(spec.bones[0].level), "L4");
+  EXPECT_EQ(spec.bones[0].patient, 0U);
+  EXPECT_EQ(spec.bones[0].paths.size(), 2U);
+  EXPECT_EQ(spec.bones[1].patient, 6U);
+  ASSERT_EQ(spec.bones[1].paths.size(), 1U);
+  EXPECT_EQ(spec.bones[1].paths[0].name, "right");
+  EXPECT_EQ(ground_of(spec).patients, (std::vector<std::size_t>{0, 0, 6}));
+  EXPECT_EQ(spec.design.sampling, StudySampling::saltelli);
+  ASSERT_TRUE(spec.errors.has_value());
+  EXPECT_EQ(spec.errors->name, "robot_726");
+
+  Json json = cohort_spec();
+  json["bones"] = {"a.vdb", "b.vdb"};
+  json["plans"] = "auto";
+  EXPECT_TRUE(read_study_spec(write(json)).bones[1].paths.empty());
+}
+
+TEST_F(StudySpecFile, TakesErrorsAsALawOrAsTheyWereMeasured) {
+  Json json = cohort_spec();
+  json["errors"] = Json::parse(R"({"name": "tips", "sources": ["made up"], "screw_length_mm": 40, "joint": {
+    "mean": [1, 0, 0, 1, 0], "ends_at": "tip_mm", "most_deviations": 3, "outliers": {"share": 0.02, "times": 3},
+    "covariance": [[1, 0, 0, 1, 0], [0, 1, 0, 0, 0], [0, 0, 1, 0, 0], [1, 0, 0, 1, 0], [0, 0, 0, 0, 4]]}})");
+  const StudySpec by_tips = read_study_spec(write(json));
+  ASSERT_TRUE(by_tips.errors->joint.has_value());
+  const JointErrors& joint = *by_tips.errors->joint;
+  // Medially entry and tip always err together: the direction does not. Cranially each errs for itself.
+  const double per_mm_deg = 180.0 / std::numbers::pi / 40.0;
+  EXPECT_NEAR(joint.mean[3], 0.0, 1e-12);
+  EXPECT_NEAR(joint.covariance[3][3], 0.0, 1e-12);
+  EXPECT_NEAR(joint.covariance[4][4], (1.0 + 4.0) * per_mm_deg * per_mm_deg, 1e-9);
+  EXPECT_NEAR(joint.covariance[1][4], -per_mm_deg, 1e-9);
+  EXPECT_EQ(joint.most_deviations, 3.0);
+  EXPECT_EQ(joint.outlier_times, 3.0);
+
+  std::ofstream(folder_.path() / "measured.csv") << "screw,entry_medial_mm,entry_cranial_mm,tip_medial_mm,"
+                                                    "tip_cranial_mm,screw_length_mm\n1,1,0,1,0,40\n2,0,0,3,-4,50\n";
+  json["errors"] = {{"name", "measured"}, {"sources", {"a table"}}, {"measured", {{"table", "measured.csv"}}}};
+  const StudySpec measured = read_study_spec(write(json));
+  ASSERT_EQ(measured.errors->measured.size(), 2U);
+  EXPECT_EQ(measured.errors->measured[0].medial_mm, 1.0);
+  EXPECT_EQ(measured.errors->measured[0].medial_deg, 0.0);
+  const double turn_deg = std::asin(5.0 / 50.0) * 180.0 / std::numbers::pi;
+  EXPECT_NEAR(measured.errors->measured[1].medial_deg, 0.6 * turn_deg, 1e-9);
+  EXPECT_NEAR(measured.errors->measured[1].cranial_deg, -0.8 * turn_deg, 1e-9);
+}
+
+TEST_F(StudySpecFile, OfACohortIsRejectedWithTheKeyAtFaultNamed) {
+  const auto rejects = [&](const auto& change, const char* words) {
+    Json json = cohort_spec();
+    change(json);
+    EXPECT_THAT([&] { read_study_spec(write(json)); }, ThrowsMessage<Error>(HasSubstr(words))) << words;
+  };
+  rejects([](Json& j) { j["bones"] = Json::array(); }, "\"bones\"");
+  rejects([](Json& j) { j["bones"] = {"a.vdb"}; }, "\"plans\": \"auto\"");
+  rejects([](Json& j) { j["bone"] = "a.vdb"; }, "\"bone\"");
+  rejects([](Json& j) { j["plans"] = "mine"; }, "\"plans\"");
+  rejects([](Json& j) { j["bones"][1]["patient"] = 0; }, "\"patient\"");
+  rejects([](Json& j) { j["bones"][1]["paths"] = {"middle"}; }, "middle");
+  rejects([](Json& j) { j["bones"][0]["side"] = "left"; }, "side");
+  rejects([](Json& j) { j["kind"] = "magic"; }, "\"drilling\" or \"geometry\"");
+  rejects([](Json& j) { j["operator"] = {{"kind", "feed"}}; }, "drills nothing");
+  rejects([](Json& j) { j["errors"] = "hope"; }, "robot_726");
+  rejects([](Json& j) { j["errors"] = {{"name", "x"}, {"sources", {"y"}}, {"measured", Json::array()}}; }, "measured");
+  rejects(
+      [](Json& j) {
+        j["errors"] = {{"name", "x"}, {"sources", {"y"}}, {"measured", {{"table", "no.csv"}}}};
+      },
+      "no.csv");
+  rejects([](Json& j) { j["design"]["factors"]["tremor_mm"] = {{"levels", {0.1}}}; }, "drills nothing");
+  rejects([](Json& j) { j["design"]["factors"]["registration_scale"] = {{"levels", {1, 2}}}; }, "no such errors");
+  rejects([](Json& j) { j["design"]["sampling"] = "best"; }, "\"saltelli\"");
 }
 
 }  // namespace

@@ -2,12 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/quasi_random.h"
+#include "core/base/random.h"
 #include "tests/support/nan.h"
 
 namespace spinaltap {
@@ -181,6 +185,140 @@ TEST(SobolNumbers, AreUncorrelatedBetweenDimensions) {
       EXPECT_NEAR(sum / 4096.0, 0.0, 0.02) << a << " " << b;
     }
   }
+}
+
+/// A covariance with all its numbers at work: a root times its transpose.
+JointErrors made_joint() {
+  constexpr std::array<std::array<double, 5>, 5> kRoot{{{1.2, 0, 0, 0, 0},
+                                                        {0.3, 0.9, 0, 0, 0},
+                                                        {0.1, -0.2, 0.5, 0, 0},
+                                                        {-0.8, 0.2, 0.1, 1.5, 0},
+                                                        {0.2, -0.6, 0, 0.4, 1.1}}};
+  JointErrors joint;
+  joint.mean = {0.5, -0.25, 0.1, 1.0, -0.5};
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t j = 0; j < 5; ++j) {
+      for (std::size_t k = 0; k < 5; ++k) joint.covariance[i][j] += kRoot[i][k] * kRoot[j][k];
+    }
+  }
+  return joint;
+}
+
+std::array<double, 5> numbers_of(const PlacementError& error) {
+  return {error.medial_mm, error.cranial_mm, error.along_mm, error.medial_deg, error.cranial_deg};
+}
+
+TEST(PlacementErrors, OfAJointLawHaveItsMeanAndCovariance) {
+  PlacementErrors errors;
+  errors.joint = made_joint();
+  check_errors(errors);
+  std::array<double, 5> sums{};
+  std::array<std::array<double, 5>, 5> products{};
+  for (std::uint32_t n = 0; n < kDraws; ++n) {
+    const std::array<double, 5> drawn = numbers_of(draw_error(errors, 3, n));
+    for (std::size_t i = 0; i < 5; ++i) {
+      sums[i] += drawn[i] / kDraws;
+      for (std::size_t j = 0; j < 5; ++j) {
+        products[i][j] += (drawn[i] - errors.joint->mean[i]) * (drawn[j] - errors.joint->mean[j]) / kDraws;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(sums[i], errors.joint->mean[i], 0.01) << i;
+    for (std::size_t j = 0; j < 5; ++j) {
+      EXPECT_NEAR(products[i][j], errors.joint->covariance[i][j], 0.02) << i << ", " << j;
+    }
+  }
+}
+
+TEST(PlacementErrors, OfAJointLawAreTruncatedAsDrawingAgainWouldDo) {
+  PlacementErrors errors;
+  errors.joint = JointErrors{};
+  for (std::size_t n = 0; n < 5; ++n) errors.joint->covariance[n][n] = 1.0;
+  errors.joint->most_deviations = 2.0;
+  double squares = 0.0, longest = 0.0;
+  for (std::uint32_t n = 0; n < kDraws; ++n) {
+    double square = 0.0;
+    for (const double number : numbers_of(draw_error(errors, 3, n))) square += number * number;
+    squares += square / kDraws;
+    longest = std::max(longest, square);
+  }
+  EXPECT_LE(std::sqrt(longest), 2.0 + 1e-9);
+  // The other way: numbers of another generator, thrown away where they lie further.
+  double again = 0.0;
+  int kept = 0;
+  for (std::uint64_t n = 0; kept < 100'000; ++n) {
+    double square = 0.0;
+    for (std::uint64_t k = 0; k < 5; ++k) square += std::pow(random_normal(77, 8 * n + k), 2);
+    if (square > 4.0) continue;
+    again += square;
+    ++kept;
+  }
+  EXPECT_NEAR(squares, again / kept, 0.02);
+}
+
+TEST(PlacementErrors, OfAJointLawHaveOutliersAsOftenAndAsFarAsItSays) {
+  PlacementErrors errors;
+  errors.joint = JointErrors{};
+  errors.joint->covariance[0][0] = 1.0;
+  errors.joint->outlier_share = 0.05;
+  errors.joint->outlier_times = 5.0;
+  int beyond = 0;
+  double squares = 0.0;
+  for (std::uint32_t n = 0; n < kDraws; ++n) {
+    const double drawn = draw_error(errors, 3, n).medial_mm;
+    squares += drawn * drawn / kDraws;
+    if (std::abs(drawn) > 4.0) ++beyond;
+  }
+  EXPECT_NEAR(squares, 0.95 + 0.05 * 25.0, 0.1);
+  // 0.05 times what lies beyond 4/5 of a deviation, 0.4237, and 0.95 times 6.3e-5.
+  EXPECT_NEAR(static_cast<double>(beyond) / kDraws, 0.05 * 0.4237 + 0.95 * 6.3e-5, 0.003);
+}
+
+TEST(PlacementErrors, OfATableAreItsRowsEachAsOften) {
+  PlacementErrors errors;
+  errors.measured = {{1.0, 0.0, 0.0, 0.0, 0.0}, {2.0, -1.0, 0.5, 3.0, 1.0}, {3.0, 0.0, 0.0, -2.0, 0.0}};
+  std::array<int, 3> met{};
+  for (std::uint32_t n = 0; n < kDraws; ++n) {
+    const PlacementError drawn = draw_error(errors, 3, n);
+    const auto row = static_cast<std::size_t>(std::lround(drawn.medial_mm)) - 1;
+    ASSERT_EQ(numbers_of(drawn), numbers_of(errors.measured.at(row)));
+    ++met[row];
+  }
+  for (const int count : met) EXPECT_NEAR(count, kDraws / 3.0, 5.0);
+}
+
+TEST(PlacementErrors, OfTheEntryComeFromItsOwnNumbersAlone) {
+  PlacementErrors separate = plain_errors(1.5, 2.0);
+  separate.correlation = -0.6;
+  PlacementErrors joint;
+  joint.joint = made_joint();
+  for (const PlacementErrors& errors : {separate, joint}) {
+    const PlacementError one = error_of(errors, {0.3, -0.7, 0.2, 1.1, 0.4, 0.0});
+    const PlacementError other = error_of(errors, {0.3, -0.7, -1.2, 0.1, -0.4, 0.0});
+    EXPECT_EQ(one.medial_mm, other.medial_mm);
+    EXPECT_EQ(one.cranial_mm, other.cranial_mm);
+    EXPECT_NE(one.medial_deg, other.medial_deg);
+    const PlacementError deeper = error_of(errors, {0.3, -0.7, 0.2, 1.1, -0.4, 0.0});
+    EXPECT_EQ(one.medial_deg, deeper.medial_deg);
+    EXPECT_EQ(one.cranial_deg, deeper.cranial_deg);
+  }
+}
+
+TEST(PlacementErrors, RejectWhatIsNoCovariance) {
+  const auto rejects = [](const auto& change) {
+    PlacementErrors errors;
+    errors.joint = made_joint();
+    change(*errors.joint);
+    EXPECT_THROW(check_errors(errors), Error);
+  };
+  rejects([](JointErrors& j) { j.covariance[0][1] = 0.5; });  // not symmetric
+  rejects([](JointErrors& j) { j.covariance[3][3] = -1.0; });
+  rejects([](JointErrors& j) { j.covariance[0][1] = j.covariance[1][0] = 9.0; });  // more than 1
+  rejects([](JointErrors& j) { j.mean[2] = kNan; });
+  rejects([](JointErrors& j) { j.most_deviations = 0.0; });
+  rejects([](JointErrors& j) { j.outlier_share = 0.9; });
+  rejects([](JointErrors& j) { j.outlier_times = 0.5; });
 }
 
 }  // namespace

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -37,7 +39,7 @@ StudyDesign mixed(bool is_latin) {
            {StudyFactor::entry_left_mm, Kind::normal, {}, 0.5, 2.0},
            {StudyFactor::angle_head_deg, Kind::uniform, {}, -3.0, 5.0}},
           50,
-          is_latin,
+          is_latin ? StudySampling::latin_hypercube : StudySampling::random,
           7};
 }
 
@@ -161,6 +163,98 @@ TEST(StudyDesign, RejectsWhatMakesNoSense) {
   rejects([](StudyDesign& d) { d.runs = 0; }, "none");
   rejects([](StudyDesign& d) { d.runs = StudyRuns::kMaxRuns; }, "more");
   rejects([](StudyDesign& d) { d.runs = std::numeric_limits<std::size_t>::max(); }, "more");
+}
+
+/// Two screws of one patient and one of another.
+StudyGround three_screws() { return {.patients = {0, 0, 1}, .has_errors = true, .has_registration = true}; }
+
+TEST(StudyDesign, GivesEachScrewAsManyRunsAndPatientsWhatTheyHaveInCommon) {
+  StudyDesign design;
+  design.runs = 40;
+  design.distributions = {
+      {.factor = StudyFactor::density_scale, .kind = Kind::uniform, .a = 0.6, .b = 1.0, .per = DrawnPer::patient},
+      {.factor = StudyFactor::bit_diameter_mm, .kind = Kind::uniform, .a = 2.0, .b = 4.0, .per = DrawnPer::screw},
+      {.factor = StudyFactor::entry_left_mm, .kind = Kind::normal, .a = 0.0, .b = 1.0}};
+  StudyGround ground = three_screws();
+  ground.registration_per = DrawnPer::patient;
+  const StudyRuns runs(design, ground);
+  ASSERT_EQ(runs.count(), 120U);
+  std::map<std::size_t, std::set<double>> densities, diameters;
+  std::map<std::size_t, std::set<std::array<double, 6>>> registrations;
+  std::set<double> entries;
+  std::set<std::array<double, 6>> placements;
+  for (std::size_t n = 0; n < runs.count(); ++n) {
+    EXPECT_EQ(runs.screw_of(n), n / 40);
+    const FactorValues values = runs.values(n, {});
+    densities[runs.patient_of(n)].insert(of(values, StudyFactor::density_scale));
+    diameters[runs.screw_of(n)].insert(of(values, StudyFactor::bit_diameter_mm));
+    registrations[runs.patient_of(n)].insert(runs.registration_normals(n));
+    entries.insert(of(values, StudyFactor::entry_left_mm));
+    placements.insert(runs.placement_normals(n));
+  }
+  ASSERT_EQ(densities.size(), 2U);
+  for (const auto& [patient, met] : densities) EXPECT_EQ(met.size(), 1U);
+  EXPECT_NE(densities[0], densities[1]);
+  ASSERT_EQ(diameters.size(), 3U);
+  for (const auto& [screw, met] : diameters) EXPECT_EQ(met.size(), 1U);
+  EXPECT_NE(diameters[0], diameters[1]);
+  for (const auto& [patient, met] : registrations) EXPECT_EQ(met.size(), 1U);
+  EXPECT_NE(registrations[0], registrations[1]);
+  EXPECT_EQ(entries.size(), 120U);
+  EXPECT_EQ(placements.size(), 120U);
+}
+
+TEST(StudyDesign, OfSaltelliTakesOneInputOfAnotherDrawAtATime) {
+  StudyDesign design;
+  design.runs = 50;
+  design.sampling = StudySampling::saltelli;
+  design.distributions = {{.factor = StudyFactor::density_scale, .kind = Kind::uniform, .a = 0.6, .b = 1.0},
+                          {.factor = StudyFactor::entry_left_mm, .kind = Kind::normal, .a = 0.0, .b = 1.0}};
+  const StudyRuns runs(design, three_screws());
+  const std::vector<std::string> inputs{"density_scale", "entry_left_mm", "entry", "direction",
+                                        "along",         "registration",  "screw"};
+  ASSERT_EQ(runs.inputs(), inputs);
+  ASSERT_EQ(runs.count(), 50U * 9U);
+  // What each input is of, run by run.
+  const auto seen = [&](std::size_t n) {
+    const FactorValues values = runs.values(n, {});
+    const std::array<double, 6> placement = runs.placement_normals(n);
+    return std::array<std::vector<double>, 7>{{{of(values, StudyFactor::density_scale)},
+                                               {of(values, StudyFactor::entry_left_mm)},
+                                               {placement[0], placement[1]},
+                                               {placement[2], placement[3]},
+                                               {placement[4], placement[5]},
+                                               {runs.registration_normals(n)[0], runs.registration_normals(n)[5]},
+                                               {static_cast<double>(runs.screw_of(n))}}};
+  };
+  std::set<std::size_t> screws;
+  for (std::size_t block = 0; block < 50; ++block) {
+    const auto a = seen(9 * block), b = seen(9 * block + 1);
+    for (std::size_t k = 0; k + 1 < inputs.size(); ++k) EXPECT_NE(a[k], b[k]) << inputs[k];
+    for (std::size_t k = 0; k < inputs.size(); ++k) {
+      const auto mixed_run = seen(9 * block + 2 + k);
+      for (std::size_t other = 0; other < inputs.size(); ++other) {
+        EXPECT_EQ(mixed_run[other], other == k ? b[other] : a[other]) << inputs[k] << ", " << inputs[other];
+      }
+      EXPECT_EQ(runs.seed_of(9 * block), runs.seed_of(9 * block + 2 + k));
+    }
+    screws.insert(runs.screw_of(9 * block));
+  }
+  EXPECT_EQ(screws.size(), 3U);
+}
+
+TEST(StudyDesign, RejectsDesignsThatDoNotFitTheirSampling) {
+  const auto rejects = [](StudyDesign design, const StudyGround& ground, const char* words) {
+    EXPECT_THAT([&] { StudyRuns(std::move(design), ground); }, ThrowsMessage<Error>(HasSubstr(words))) << words;
+  };
+  const FactorDistribution levels{StudyFactor::bit_diameter_mm, Kind::levels, {3.0, 4.0}};
+  FactorDistribution of_patients{.factor = StudyFactor::density_scale, .kind = Kind::uniform, .a = 0.6, .b = 1.0};
+  of_patients.per = DrawnPer::patient;
+  rejects({{levels}, 10, StudySampling::saltelli}, {}, "found levels");
+  rejects({{}, 10, StudySampling::saltelli}, {}, "found nothing");
+  rejects({{of_patients}, 10, StudySampling::latin_hypercube}, {}, "\"per\": \"patient\"");
+  rejects({{}, 10}, {.patients = {}}, "found none");
+  rejects({{}, StudyRuns::kMaxRuns / 2}, three_screws(), "more");
 }
 
 }  // namespace

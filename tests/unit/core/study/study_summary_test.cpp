@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -47,7 +48,7 @@ const StudyDesign kOffsetDesign{{{StudyFactor::entry_left_mm, FactorDistribution
                                 30};
 
 TEST(StudySummary, CountsWhatCameAbout) {
-  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
+  const StudySummary summary = summarise_study(counted_rows(), StudyRuns(kOffsetDesign));
   EXPECT_EQ(summary.runs, 60U);
   EXPECT_EQ(summary.breach.count, 10U);
   EXPECT_EQ(summary.canal.count, 10U);
@@ -65,7 +66,7 @@ TEST(StudySummary, CountsWhatCameAbout) {
 }
 
 TEST(StudySummary, TellsHowValuesAreSpreadOfTheRunsThatHaveOne) {
-  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
+  const StudySummary summary = summarise_study(counted_rows(), StudyRuns(kOffsetDesign));
   for (const StudySpread& spread : summary.spreads) {
     if (spread.column == StudyColumn::max_thrust_n) {
       EXPECT_EQ(spread.runs, 60U);
@@ -84,7 +85,7 @@ TEST(StudySummary, TellsHowValuesAreSpreadOfTheRunsThatHaveOne) {
 }
 
 TEST(StudySummary, PartsTheRunsByEachFactorThatDiffers) {
-  const StudySummary summary = summarise_study(counted_rows(), kOffsetDesign);
+  const StudySummary summary = summarise_study(counted_rows(), StudyRuns(kOffsetDesign));
   ASSERT_EQ(summary.factors.size(), 2U);
   const auto& by_entry = summary.factors[0];
   EXPECT_EQ(by_entry.factor, StudyFactor::entry_left_mm);
@@ -116,7 +117,7 @@ TEST(StudySummary, PartsTheRunsByEachFactorThatDiffers) {
 }
 
 TEST(StudySummary, JsonHoldsWhatWasFound) {
-  const Json json = to_json(summarise_study(counted_rows(), kOffsetDesign));
+  const Json json = to_json(summarise_study(counted_rows(), StudyRuns(kOffsetDesign)));
   EXPECT_EQ(json["breach"]["count"], 10);
   EXPECT_EQ(json["canal_breach"]["runs"], 60);
   EXPECT_EQ(json["grades"]["B"]["count"], 10);
@@ -125,6 +126,92 @@ TEST(StudySummary, JsonHoldsWhatWasFound) {
   EXPECT_EQ(json["interval"], "Wilson, 95 %");
   // What there is not is null, as JSON has no other word for it.
   EXPECT_NE(json.dump().find("\"mean\":null"), std::string::npos);
+}
+
+/// 20 screws a patient, of which as many as the patient's number have grade C, into the canal; left and right in turn.
+std::vector<StudyRow> graded_rows(std::size_t patients) {
+  std::vector<StudyRow> rows;
+  for (std::size_t patient = 0; patient < patients; ++patient) {
+    for (std::size_t n = 0; n < 20; ++n) {
+      StudyRow row;
+      const bool is_bad = n < patient;
+      row[StudyColumn::run] = static_cast<double>(rows.size());
+      row[StudyColumn::patient] = static_cast<double>(patient + 1);
+      row[StudyColumn::level] = patient % 2 == 0 ? 22.0 : 23.0;
+      row[StudyColumn::side] = static_cast<double>(n % 2);
+      row[StudyColumn::screw_grade] = is_bad ? 2.0 : 0.0;
+      row[StudyColumn::screw_canal_mm] = is_bad ? 3.0 : 0.0;
+      row[StudyColumn::breach] = kNan;
+      row[StudyFactor::entry_error_scale] = n < 10 ? 1.0 : 0.5;
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+TEST(StudySummary, TellsScrewsByPatientLevelAndSideWithIntervalsForPatients) {
+  const StudyDesign design{{}, 20};
+  const StudySummary summary = summarise_study(graded_rows(5), StudyRuns(design, {.patients = {0, 1, 2, 3, 4}}));
+  EXPECT_FALSE(summary.has_drilled);
+  ASSERT_EQ(summary.screws.size(), 1U + 5U + 2U + 2U);
+  const StudyScrews& all = summary.screws[0];
+  EXPECT_EQ(all.runs, 100U);
+  EXPECT_EQ(all.patients, 5U);
+  EXPECT_EQ(all.grades[2].count, 10U);
+  EXPECT_EQ(all.acceptable.count, 90U);
+  EXPECT_EQ(all.canal.count, 10U);
+  EXPECT_EQ(all.anterior.count, 0U);
+  // Patients differ, so that the interval is wider than that of 100 screws of 100 patients.
+  EXPECT_LT(all.grades[2].interval.low, wilson_interval(10, 100).low);
+  EXPECT_GT(all.grades[2].interval.high, wilson_interval(10, 100).high);
+  EXPECT_EQ(summary.screws[5].what, "patient 5");
+  EXPECT_EQ(summary.screws[5].grades[2].count, 4U);
+  EXPECT_EQ(summary.screws[6].what, "L3");
+  EXPECT_EQ(summary.screws[6].runs, 60U);
+  EXPECT_EQ(summary.screws[6].grades[2].count, 0U + 2U + 4U);
+  EXPECT_EQ(summary.screws[8].what, "left");
+  EXPECT_EQ(summary.screws[8].grades[2].count, 0U + 1U + 1U + 2U + 2U);
+}
+
+TEST(StudySummary, FindsHowSmallErrorsMustBe) {
+  StudyDesign design;
+  design.distributions = {{StudyFactor::entry_error_scale, FactorDistribution::Kind::levels, {0.5, 1.0}}};
+  design.runs = 10;
+  // At 0.5 all are A, at 1 40 of 50: between them 95 % are A at a quarter of the way.
+  const StudySummary summary = summarise_study(graded_rows(5), StudyRuns(design, {.patients = {0, 1, 2, 3, 4}}));
+  ASSERT_EQ(summary.tolerances.size(), 1U);
+  ASSERT_EQ(summary.tolerances[0].scales, (std::vector<double>{0.5, 1.0}));
+  EXPECT_EQ(summary.tolerances[0].a[0].count, 50U);
+  EXPECT_EQ(summary.tolerances[0].a[1].count, 40U);
+  ASSERT_TRUE(summary.tolerances[0].up_to.has_value());
+  EXPECT_NEAR(*summary.tolerances[0].up_to, 0.5 + 0.25 * 0.5, 1e-12);
+}
+
+TEST(StudySummary, BlamesTheInputThatMakesTheDifference) {
+  StudyDesign design;
+  design.sampling = StudySampling::saltelli;
+  design.runs = 400;
+  design.distributions = {
+      {.factor = StudyFactor::entry_left_mm, .kind = FactorDistribution::Kind::normal, .a = 0.0, .b = 2.0},
+      {.factor = StudyFactor::entry_head_mm, .kind = FactorDistribution::Kind::normal, .a = 0.0, .b = 1.0}};
+  const StudyRuns runs(design);
+  std::vector<StudyRow> rows;
+  for (std::size_t n = 0; n < runs.count(); ++n) {
+    const FactorValues values = runs.values(n, {});
+    StudyRow row;
+    row[StudyColumn::run] = static_cast<double>(n);
+    row[StudyColumn::max_thrust_n] = 50.0 + values[0] + values[1];
+    row[StudyColumn::screw_pullout_n] = kNan;
+    rows.push_back(row);
+  }
+  const StudySummary summary = summarise_study(rows, runs);
+  const auto thrust = std::find_if(summary.sensitivities.begin(), summary.sensitivities.end(),
+                                   [](const StudySensitivity& one) { return one.result == "max_thrust_n"; });
+  ASSERT_NE(thrust, summary.sensitivities.end());
+  // Variances of 4 and 1 add up.
+  EXPECT_NEAR(thrust->indices.groups[0].first_order, 0.8, 0.1);
+  EXPECT_NEAR(thrust->indices.groups[1].total, 0.2, 0.05);
+  for (const StudySensitivity& one : summary.sensitivities) EXPECT_NE(one.result, "screw_pullout_n");
 }
 
 }  // namespace

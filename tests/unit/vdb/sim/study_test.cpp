@@ -21,10 +21,9 @@ StudySpec spec(const std::filesystem::path& folder) {
   if (!std::filesystem::exists(file)) Bone(test::bake_ball(kStudiedBall, 0.4)).save(file);
   StudySpec spec;
   spec.name = "ball";
-  spec.bone_file = file;
   const Vec3 axis = Vec3(0.2, -0.9, 0.3).normalized();
   const Vec3 entry_mm = kStudiedBall.centre_mm - kStudiedBall.radius_mm * axis;
-  spec.path = {"slanting", entry_mm, entry_mm + 5.0 * axis, {2.0, 30.0, 2.0}};
+  spec.bones = {{.file = file, .paths = {{"slanting", entry_mm, entry_mm + 5.0 * axis, {2.0, 30.0, 2.0}}}}};
   spec.volume.spacing_mm = 0.2;
   spec.volume.lead_in_mm = 1.0;
   spec.tool_operator.step_mm = 0.05;
@@ -50,8 +49,8 @@ TEST(Study, HasEachRunOnceWhateverItsShardAndWhateverIsDoneAlready) {
 
   std::vector<std::string> second = texts_of(study.run({2, 3}));
   ASSERT_EQ(second.size(), 4U);
-  EXPECT_EQ(second[0], whole[1]);
-  EXPECT_EQ(second[3], whole[10]);
+  EXPECT_EQ(second[0], whole[4]);
+  EXPECT_EQ(second[3], whole[7]);
 
   const std::vector<std::filesystem::path> folders{folder.path() / "one", folder.path() / "two"};
   EXPECT_EQ(study.run_into(folders[0], {1, 2}).runs, 6U);
@@ -90,7 +89,7 @@ TEST(Study, DrillsVoxelsAsItDrillsPoints) {
   // Each run finds the whole bone, whatever was drilled before it, and another study is another.
   const std::vector<StudyRow> second = study.run({2, 3});
   ASSERT_EQ(second.size(), 4U);
-  EXPECT_EQ(study_csv(second[0]), study_csv(voxels[1]));
+  EXPECT_EQ(study_csv(second[0]), study_csv(voxels[4]));
   EXPECT_NE(study.identity().study, Study(in_points).identity().study);
 }
 
@@ -112,8 +111,8 @@ TEST(Study, RejectsShardsThatThereAreNotAndFoldersOfOtherStudies) {
 TEST(Study, RejectsAPathThatMissesTheBone) {
   const test::TemporaryFolder folder;
   StudySpec beside = spec(folder.path());
-  beside.path.entry_mm.x() += 40.0;
-  beside.path.target_mm.x() += 40.0;
+  beside.bones[0].paths[0].entry_mm.x() += 40.0;
+  beside.bones[0].paths[0].target_mm.x() += 40.0;
   EXPECT_THROW(Study(beside).run(), Error);
   // Nor does it leave a folder that looks like a study's.
   EXPECT_THROW(Study(beside).run_into(folder.path() / "beside"), Error);
