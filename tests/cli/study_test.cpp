@@ -128,7 +128,7 @@ TEST_F(Study, IsTheSameToTheByteWithOneThreadTwoThreadsAndShards) {
   }
   const test::ProgramRun missing = run("merge shard1 shard2 shard4 -o early");
   EXPECT_NE(missing.exit_code, 0);
-  EXPECT_THAT(missing.errors, HasSubstr("run 2 is the first that is missing"));
+  EXPECT_THAT(missing.errors, HasSubstr("run 20 is the first that is missing"));
   EXPECT_FALSE(fs::exists(in("early")));
   expect_done("merge shard1 shard2 shard3 shard4 -o merged");
   expect_same("one", "merged");
