@@ -3,7 +3,8 @@
 
     predict_series.py VERTEBRA... -o FOLDER [--spinaltap PROGRAM] [--runs N]
 
-VERTEBRA: bone.vdb files, or closed meshes of vertebrae (STL, PLY, OBJ), which are scanned first. Each pedicle gets the
+VERTEBRA: bone.vdb files, or closed meshes of vertebrae in mm (STL, PLY, OBJ), which are scanned first; MESH:ALS says to
+which sides of the patient its axes point, where that is not LPS. Each pedicle gets the
 screw that `plan --auto` would take. The series say how far screws ended from their plans, as lengths, and not to which
 side: what they do not say is varied, one thing at a time and in pairs, and the predictions' range is told beside the
 published shares. Nothing is fitted: no number below was changed after the first run (see docs/series.md).
@@ -131,12 +132,14 @@ def run(program, *arguments):
 
 def bone_of(program, vertebra, folder):
     """The vertebra's grid: made from its mesh where it is one."""
+    name, _, axes = str(vertebra).partition(":")
+    vertebra = pathlib.Path(name)
     if vertebra.suffix == ".vdb":
         return vertebra.resolve()
     made = folder / "bones" / vertebra.stem
     if not (made / "ground_truth.vdb").exists():
         made.parent.mkdir(parents=True, exist_ok=True)
-        run(program, "phantom", made, "--mesh", vertebra, "--units", "mm", "--force")
+        run(program, "phantom", made, "--mesh", vertebra, "--units", "mm", "--axes", axes or "LPS", "--force")
     return (made / "ground_truth.vdb").resolve()
 
 

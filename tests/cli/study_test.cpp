@@ -16,6 +16,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -24,6 +25,7 @@
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
 #include "core/phantom/vertebra_ground_truth.h"
+#include "core/plan/placement_errors.h"
 #include "core/study/study_row.h"
 #include "core/study/study_task.h"
 #include "core/tool/bit_profile.h"
@@ -360,6 +362,74 @@ TEST_F(Study, KeepsFinishedRunsWhenTheDiskIsFull) {
   EXPECT_LT(read_json(in("tight.json"))["left"], 20);
   EXPECT_GT(read_json(in("tight.json"))["left"], 0);
   expect_same("roomy", "tight");
+}
+
+/// A cohort of two bones, of the left pedicle each, with errors as they were measured.
+Json made_cohort(const char* sampling, std::size_t runs) {
+  return {
+      {"format", "spinaltap-study"},
+      {"version", 2},
+      {"kind", "geometry"},
+      {"bones", {{{"bone", "bone.vdb"}, {"plan", "screw.json"}}, {{"bone", "bone.vdb"}, {"plan", "screw.json"}}}},
+      {"errors",
+       {{"name", "measured"},
+        {"sources", {"made up"}},
+        {"measured", {{0, 0, 0, 0, 0}, {-2.5, 0, 0, 0, 0}, {2.5, 0.5, 1, 2, 0}, {0, 1, -2, -6, 5}, {0, 4, 12, 0, 0}}}}},
+      {"design", {{"runs", runs}, {"sampling", sampling}, {"seed", 5}}}};
+}
+
+TEST_F(Study, OfGeometryGradesEachScrewAsGradeDoesOnItsOwnPath) {
+  std::vector<DrillPath> paths = read_plan(in("plan.json"));
+  paths[0].screw = PedicleScrew{"", 6.5, 45.0, 4.5};
+  write_plan(paths, in("screw.json"));
+  write(made_cohort("random", 12), "cohort.json");
+  expect_done("study cohort.json -o cohort");
+  const std::vector<StudyRow> rows = rows_of("cohort");
+  ASSERT_EQ(rows.size(), 24U);
+  const Bone bone = Bone::load(in("bone.vdb"));
+  const ErrorFrame frame = error_frame(bone.landmarks(), paths[0]);
+  std::set<double> met;
+  for (const StudyRow& row : rows) {
+    const PlacementError error{row[StudyColumn::error_medial_mm], row[StudyColumn::error_cranial_mm],
+                               row[StudyColumn::error_along_mm], row[StudyColumn::error_medial_deg],
+                               row[StudyColumn::error_cranial_deg]};
+    const PathGrade known = grade(bone, erred_path(paths[0], frame, error));
+    EXPECT_EQ(row[StudyColumn::screw_grade], static_cast<double>(known.grade));
+    EXPECT_NEAR(row[StudyColumn::screw_breach_mm], known.breach_mm, 1e-9);
+    if (known.breach_mm > 0.0) {
+      EXPECT_EQ(row[StudyColumn::screw_breach_side], static_cast<double>(known.breach_side));
+      if (known.breaches_canal) {
+        EXPECT_NEAR(row[StudyColumn::screw_canal_mm], known.breach_mm, 1e-9);
+      }
+    }
+    EXPECT_NEAR(row[StudyColumn::screw_anterior_mm], known.side_breach_mm[4], 1e-9);
+    EXPECT_EQ(row[StudyColumn::patient], row.run() < 12 ? 1.0 : 2.0);
+    EXPECT_EQ(row[StudyColumn::side], 0.0);
+    EXPECT_TRUE(std::isnan(row[StudyColumn::max_thrust_n]));
+    met.insert(error.medial_mm + error.cranial_mm);
+  }
+  EXPECT_EQ(met.size(), 5U) << "every row of the table was drawn";
+  const Json summary = read_json(in("cohort/summary.json"));
+  EXPECT_FALSE(summary.contains("breach"));
+  EXPECT_EQ(summary["screws"][0]["patients"], 2);
+  EXPECT_EQ(summary["screws"][1]["of"], "patient 1");
+}
+
+TEST_F(Study, OfACohortIsTheSameToTheByteInShards) {
+  std::vector<DrillPath> paths = read_plan(in("plan.json"));
+  paths[0].screw = PedicleScrew{"", 6.5, 45.0, 4.5};
+  write_plan(paths, in("screw.json"));
+  write(made_cohort("saltelli", 20), "blame.json");
+  expect_done("study blame.json -o blame --threads 2");
+  for (const char* shard : {"1", "2", "3"}) {
+    expect_done(std::string("study blame.json --threads 1 --shard ") + shard + "/3 -o blame" + shard);
+  }
+  expect_done("merge blame1 blame2 blame3 -o blame_merged");
+  expect_same("blame", "blame_merged");
+  const Json summary = read_json(in("blame/summary.json"));
+  ASSERT_TRUE(summary.contains("sensitivities"));
+  EXPECT_TRUE(summary["sensitivities"][0]["inputs"].contains("entry"));
+  EXPECT_TRUE(summary["sensitivities"][0]["inputs"].contains("screw"));
 }
 
 }  // namespace
