@@ -15,13 +15,11 @@
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/inside_bone.h"
 #include "core/plan/detail/tool_sections.h"
-#include "core/plan/screw_breach.h"
 #include "core/tool/plate.h"
 
 namespace spinaltap {
-namespace {
 
-void check_options(const GradeOptions& options) {
+void check_grade_options(const GradeOptions& options) {
   constexpr double kFinestMm = 0.01, kCoarsestMm = 5.0;
   if (!(options.step_mm >= kFinestMm && options.step_mm <= kCoarsestMm)) {
     fail("grade: expected a step of ", kFinestMm, " to ", kCoarsestMm, " mm, found ", options.step_mm, " mm");
@@ -43,6 +41,8 @@ void check_options(const GradeOptions& options) {
     }
   }
 }
+
+namespace {
 
 std::vector<double> depths_of(double length_mm, double step_mm) {
   std::vector<double> depths_mm;
@@ -73,13 +73,18 @@ struct Walk {
   }
 };
 
+/// The entry's surface never counts for longer than to 4 mm before the pedicle's isthmus.
+double latest_entry_end_mm(const GradedTool& tool, const SideNames& sides) {
+  constexpr double kBeforeIsthmusMm = 4.0;
+  return tool.along_mm(sides.pedicle().isthmus_mm) - kBeforeIsthmusMm;
+}
+
 /// Finds where bone first bears the whole section, the end of the entry opening, and of the rows whose nearest place of
 /// the outer surface is the surface around it: until that lies as deep as the first whole section or deeper; at the
 /// latest 4 mm before the pedicle's isthmus.
 void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNames& sides, int ring_points,
                 Walk& walk) {
-  constexpr double kBeforeIsthmusMm = 4.0;
-  const double latest_mm = tool.along_mm(sides.pedicle().isthmus_mm) - kBeforeIsthmusMm;
+  const double latest_mm = latest_entry_end_mm(tool, sides);
   double limit_mm = 0.0;  // a tool whose axis never enters bone makes no opening
   bool is_in = false;
   for (std::size_t n = 0; n < walk.rows.size(); ++n) {
@@ -110,8 +115,9 @@ void find_entry(const WallDistance& walls, const GradedTool& tool, const SideNam
   for (std::size_t n = 0; n < walk.entry_rows; ++n) walk.rows[n].is_entry = true;
 }
 
-Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
-                const GradeOptions& options) {
+/// To the target, or to the first depth from `until_mm` on.
+Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNames& sides, const GradeOptions& options,
+                double until_mm = std::numeric_limits<double>::infinity()) {
   Walk walk;
   for (const double depth_mm : depths_of(tool.length_mm(), options.step_mm)) {
     const Vec3 p_mm = tool.axis_mm(depth_mm);
@@ -125,6 +131,7 @@ Walk walk_along(const WallDistance& walls, const GradedTool& tool, const SideNam
     row.outer_side = sides.of(p_mm, at.outer);
     row.canal_side = sides.of(p_mm, at.canal);
     walk.rows.push_back(row);
+    if (depth_mm >= until_mm) break;
   }
   find_entry(walls, tool, sides, options.ring_points, walk);
   return walk;
@@ -395,7 +402,7 @@ char letter_of(Grade grade) { return static_cast<char>('A' + static_cast<int>(gr
 
 PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
                      const GradeOptions& options) {
-  check_options(options);
+  check_grade_options(options);
   check_material(material);
   if (!hu) fail("grade: expected a sampler of CT numbers");
   check_turns(path.bit, "a grade");
@@ -447,50 +454,18 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
 }
 
 double entry_end_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {
-  check_options(options);
+  check_grade_options(options);
   const GradedTool tool(path);
-  return walk_along(walls, tool, SideNames(walls.landmarks(), path), options).entry_end_mm(tool);
+  const SideNames sides(walls.landmarks(), path);
+  return walk_along(walls, tool, sides, options, latest_entry_end_mm(tool, sides)).entry_end_mm(tool);
 }
 
 double breach_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {
-  check_options(options);
+  check_grade_options(options);
   check_turns(path.bit, "a grade");
   const GradedTool tool(path);
   const Walk walk = walk_along(walls, tool, SideNames(walls.landmarks(), path), options);
   return find_breaches(walls, tool, walk.rows, walk.axis, options.ring_points).larger().breach_mm;
-}
-
-struct ScrewGrader::Impl {
-  const WallDistance& walls;
-  GradeOptions options;
-};
-
-ScrewGrader::ScrewGrader(const WallDistance& walls, const GradeOptions& options) {
-  check_options(options);
-  impl_ = std::make_unique<const Impl>(Impl{walls, options});
-}
-ScrewGrader::ScrewGrader(ScrewGrader&&) noexcept = default;
-ScrewGrader& ScrewGrader::operator=(ScrewGrader&&) noexcept = default;
-ScrewGrader::~ScrewGrader() = default;
-
-ScrewBreach ScrewGrader::grade(const DrillPath& path) const {
-  const WallDistance& walls = impl_->walls;
-  check_turns(path.bit, "a grade");
-  const GradedTool tool(path);
-  const SideNames sides(walls.landmarks(), path);
-  const Walk walk = walk_along(walls, tool, sides, impl_->options);
-  const FoundBreaches found = find_breaches(walls, tool, walk.rows, walk.axis, impl_->options.ring_points);
-  ScrewBreach breach;
-  breach.outer_mm = found.outer.breach_mm;
-  breach.canal_mm = found.canal.breach_mm;
-  const FoundBreach& larger = found.larger();
-  if (!(larger.breach_mm > 0.0)) return breach;
-  breach.breach_mm = larger.breach_mm;
-  breach.depth_mm = larger.depth_mm;
-  breach.side = sides.of(larger.place_mm, larger.wall);
-  breach.is_canal = larger.is_canal;
-  breach.side_breach_mm = side_breaches(walls, tool, sides, walk.rows, walk.axis, found);
-  return breach;
 }
 
 }  // namespace spinaltap

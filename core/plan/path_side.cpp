@@ -6,8 +6,7 @@
 namespace spinaltap {
 namespace {
 
-double distance_to_path_mm(const Vec3& p_mm, const DrillPath& path) {
-  const PathCurve curve(path);
+double distance_to_path_mm(const Vec3& p_mm, const PathCurve& curve) {
   return (curve.at_mm(std::clamp(curve.nearest_mm(p_mm), 0.0, curve.length_mm())) - p_mm).norm();
 }
 
@@ -39,11 +38,11 @@ const char* name_of(PathSide side) {
 
 SideNames::SideNames(const Landmarks& landmarks, const DrillPath& path)
     : landmarks_(landmarks),
-      pedicle_(distance_to_path_mm(landmarks.left_pedicle.isthmus_mm, path) <=
-                       distance_to_path_mm(landmarks.right_pedicle.isthmus_mm, path)
+      curve_(path),
+      pedicle_(distance_to_path_mm(landmarks.left_pedicle.isthmus_mm, curve_) <=
+                       distance_to_path_mm(landmarks.right_pedicle.isthmus_mm, curve_)
                    ? &landmarks.left_pedicle
-                   : &landmarks.right_pedicle),
-      curve_(path) {}
+                   : &landmarks.right_pedicle) {}
 
 Vec3 SideNames::towards(const Vec3& p_mm, const WallDistance::Wall& wall) {
   constexpr double kNearMm = 0.5;

@@ -43,8 +43,8 @@ class SideNames {
 
  private:
   const Landmarks& landmarks_;
-  const PedicleLandmarks* pedicle_;
   PathCurve curve_;
+  const PedicleLandmarks* pedicle_;
 };
 
 }  // namespace spinaltap

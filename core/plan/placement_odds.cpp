@@ -45,15 +45,16 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
   check_turns(path.bit, "errors of placement");
   breach_mm(walls, path, options.grade);  // rejects options without sense
   const ErrorFrame frame = error_frame(walls.landmarks(), path);
+  const BreachField field(walls, options.grade);
   const auto draws = static_cast<std::size_t>(options.draws);
   std::vector<double> breaches_mm(draws);
   std::vector<std::uint8_t> into_canal(draws, 0);
   ProgressCounter counter(progress, "grading erred paths", draws);
   tbb::parallel_for(std::size_t{0}, draws, [&](std::size_t n) {
     const PlacementError error = draw_error(errors, options.seed, static_cast<std::uint32_t>(n));
-    const FastBreach::Breaches found = FastBreach(walls, erred_path(path, frame, error), options.grade).breaches();
-    breaches_mm[n] = found.larger_mm();
-    into_canal[n] = found.canal_mm > 0.0 ? 1 : 0;
+    const FoundBreaches found = FastBreach(field, erred_path(path, frame, error)).find();
+    breaches_mm[n] = found.larger().breach_mm;
+    into_canal[n] = found.canal.breach_mm > 0.0 ? 1 : 0;
     counter.add();
   });
 
@@ -89,6 +90,7 @@ BreachMap breach_map(const WallDistance& walls, const DrillPath& path, const Bre
   const std::size_t turns = map.turn_deg.errors.size() * map.turn_deg.errors.size();
   map.shift_mm.breach_mm.resize(shifts);
   map.turn_deg.breach_mm.resize(turns);
+  const BreachField field(walls, options.grade);
   ProgressCounter counter(progress, "mapping breaches", shifts + turns);
   tbb::parallel_for(std::size_t{0}, shifts + turns, [&](std::size_t n) {
     const bool is_shift = n < shifts;
@@ -98,8 +100,8 @@ BreachMap breach_map(const WallDistance& walls, const DrillPath& path, const Bre
     const double cranial = lattice.errors[place / lattice.errors.size()];
     const PlacementError error =
         is_shift ? PlacementError{medial, cranial, 0.0, 0.0, 0.0} : PlacementError{0.0, 0.0, 0.0, medial, cranial};
-    const FastBreach fast(walls, erred_path(path, frame, error), options.grade);
-    const double breach_mm = fast.breaches().larger_mm();
+    FastBreach fast(field, erred_path(path, frame, error));
+    const double breach_mm = fast.find().larger().breach_mm;
     lattice.breach_mm[place] = breach_mm > 0.0 ? breach_mm : -fast.clearance_mm();
     counter.add();
   });

@@ -14,9 +14,10 @@ double surface_value_mm(const BoneShape& bone, const Vec3& p_mm) {
   return value_mm;
 }
 
-/// The wall near a sample, as a plane: its distance without sign, and the foot of p on it.
-WallDistance::Wall wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& normal) {
-  WallDistance::Wall wall;
+}  // namespace
+
+WallDistance::Wall WallDistance::wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& normal) {
+  Wall wall;
   wall.normal = normal;
   wall.nearest_mm = sample_mm;
   wall.distance_mm = without_sampling_error_mm(p_mm, sample_mm, normal, BoneShape::kSampleMm);
@@ -24,8 +25,6 @@ WallDistance::Wall wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& 
   if ((foot_mm - sample_mm).norm() <= BoneShape::kSampleMm) wall.nearest_mm = foot_mm;
   return wall;
 }
-
-}  // namespace
 
 WallDistance::Samples WallDistance::samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal) {
   std::vector<Vec3> points_mm;
@@ -92,10 +91,14 @@ WallDistance::Beyond WallDistance::beyond(const Vec3& p_mm, const Beyond& beside
   }
   if (most_mm <= least_mm) return result;
   const PointTree::Nearest found = bone_.tree().nearest(p_mm, guess);
-  if (found.index >= bone_.normals().size()) return result;
-  result.is_canal = landmarks_.is_canal_wall[found.index] != 0;
-  result.wall = wall_at(p_mm, bone_.points_mm()[found.index], bone_.normals()[found.index]);
-  result.wall.sample = found.index;
+  return found.index < bone_.normals().size() ? beyond_sample(p_mm, value_mm, found.index) : result;
+}
+
+WallDistance::Beyond WallDistance::beyond_sample(const Vec3& p_mm, double value_mm, std::size_t sample) const {
+  Beyond result;
+  result.is_canal = landmarks_.is_canal_wall[sample] != 0;
+  result.wall = wall_at(p_mm, bone_.points_mm()[sample], bone_.normals()[sample]);
+  result.wall.sample = sample;
   result.distance_mm = value_mm < bone_.trusted_band_mm() ? value_mm : result.wall.distance_mm;
   result.wall.distance_mm = -result.distance_mm;
   return result;

@@ -29,6 +29,8 @@ class WallDistance {
     /// To the bone's surface: negative where the place is not in the bone.
     double nearer_mm() const { return std::min(outer.distance_mm, canal.distance_mm); }
   };
+  /// The wall near a sample of it, as a plane: its distance without sign, and the foot of p on it.
+  static Wall wall_at(const Vec3& p_mm, const Vec3& sample_mm, const Vec3& normal);
   /// Both at one go, for little more than one. Right to about 0.02 mm. Not a number where the position is not.
   Walls walls(const Vec3& p_mm) const { return walls(p_mm, Walls{}); }
   /// The same, sooner where `beside` are those of a place close by.
@@ -46,6 +48,9 @@ class WallDistance {
   Beyond beyond(const Vec3& p_mm) const { return beyond(p_mm, Beyond{}); }
   /// The same, sooner where `beside` is that of a place close by; distances up to `least_mm` may be told as 0.
   Beyond beyond(const Vec3& p_mm, const Beyond& beside, double least_mm = 0.0) const;
+
+  /// The same of a place out of the bone whose nearest point of the bone's surface is known, and the surface's value.
+  Beyond beyond_sample(const Vec3& p_mm, double value_mm, std::size_t sample) const;
 
   const BoneShape& bone() const { return bone_; }
   const Landmarks& landmarks() const { return landmarks_; }

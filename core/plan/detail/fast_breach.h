@@ -1,49 +1,99 @@
 #pragma once
 
-#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/plan/detail/graded_tool.h"
+#include "core/plan/detail/nearest_cells.h"
 #include "core/plan/grade.h"
 #include "core/plan/path_side.h"
 
 namespace spinaltap {
 
-/// breach_mm() for very many paths: the lattice of the bone's shape leaves out what is deep in the bone, and the
-/// distances that grading asks for are asked for near the walls only. Options must have been checked.
+/// What breaches of very many paths in one bone are found with. Safe to ask from many threads.
+class BreachField {
+ public:
+  /// Options must have been checked; `walls` must outlive this.
+  BreachField(const WallDistance& walls, const GradeOptions& options);
+
+  const WallDistance& walls() const { return walls_; }
+  const BoneShape& bone() const { return walls_.bone(); }
+  double step_mm() const { return step_mm_; }
+  const RingTurns& turns() const { return turns_; }
+  const RingTurns& side_turns() const { return side_turns_; }
+
+  /// As BoneShape::nearest(): place in its points.
+  std::size_t nearest(const Vec3& p_mm) const { return cells_.nearest(p_mm); }
+  /// The least that a place can be from the canal's wall; infinite where the bone has none.
+  double canal_at_least_mm(const Vec3& p_mm) const;
+
+ private:
+  void measure_canal();
+
+  const WallDistance& walls_;
+  double step_mm_;
+  RingTurns turns_, side_turns_;
+  NearestCells cells_;
+  FloatGrid canal_squared_mm2_;  ///< distances to the nearest sample of its wall; no values without one
+};
+
+/// The breaches of one path, as grading finds them from all rows and rings: what cannot be among them is left out by
+/// bounds, from the lattice of the bone's shape and from nearest points, so that a path takes some microseconds.
 class FastBreach {
  public:
-  FastBreach(const WallDistance& walls, const DrillPath& path, const GradeOptions& options);
+  FastBreach(const BreachField& field, const DrillPath& path);
 
-  struct Breaches {
-    double outer_mm = 0.0, canal_mm = 0.0;
-    double larger_mm() const { return std::max(outer_mm, canal_mm); }
-  };
-  /// Through each wall. The larger is that of breach_mm(); the other one is above 0 where there is a breach.
-  Breaches breaches() const;
+  /// As find_breaches() of all rows.
+  FoundBreaches find();
+  /// As side_breaches() of all rows.
+  std::array<double, 5> sides(const FoundBreaches& found);
+  PathSide side_of(const FoundBreach& breach) const { return sides_.of(breach.place_mm, breach.wall); }
 
   /// Bone beside the tool, to any surface, where that is no longer the one around the entry opening: to 0.1 mm. At
   /// least 0; infinite where nothing counts.
-  double clearance_mm() const;
+  double clearance_mm();
 
  private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   struct Row {
-    double depth_mm, radius_mm;
-    double lattice_mm;  ///< of the axis
+    double depth_mm;
+    double radius_mm;          ///< negative until it is asked for
+    double lattice_mm;         ///< of the axis
+    bool is_deep;              ///< all the tool's section is in the bone; lattice_mm is not known
+    std::size_t axis = kNone;  ///< in axes_
   };
-  bool is_in(const Row& row) const;
-  bool is_whole(const Row& row) const;
-  void find_opening();
-  /// The least that a row's axis can be from the canal's wall.
-  std::vector<double> least_canal_mm() const;
+  /// What the axis sees.
+  struct Axis {
+    WallDistance::Wall nearer;
+    bool is_canal = false;                    ///< the nearer wall
+    std::optional<WallDistance::Walls> both;  ///< where it was not sure which one is nearer, or the other was wanted
+  };
 
-  const WallDistance& walls_;
+  double radius_mm(Row& row) const;
+  Axis& axis_of(Row& row);
+  const WallDistance::Walls& both_of(Row& row);
+  /// At most this of the tool stands out at a row.
+  double max_breach_mm(Row& row) const;
+  bool is_in(const Row& row) const;
+  bool is_whole(Row& row);
+  bool is_surely_cut(const Row& row, double radius_mm);
+  void find_opening();
+  WallDistance::Beyond beyond(const Vec3& p_mm, std::size_t guess, double least_mm) const;
+  template <class Visit>
+  void for_each_place(Row& row, const RingTurns& turns, const Visit& visit);
+
+  const BreachField& field_;
+  const BoneShape& bone_;
   GradedTool tool_;
   SideNames sides_;
-  int ring_points_;
   std::vector<Row> rows_;
-  std::size_t first_in_ = 0;      ///< whose axis is in the bone
-  std::size_t opening_rows_ = 0;  ///< in which the outer surface does not count
+  std::vector<Axis> axes_;
+  WallDistance::Walls last_both_;  ///< where the next search of both begins
+  std::size_t first_in_ = 0;       ///< whose axis is in the bone
+  std::size_t opening_rows_ = 0;   ///< in which the outer surface does not count
+  std::size_t last_cut_ = 0;       ///< where around the tool is_surely_cut() found it
 };
 
 }  // namespace spinaltap

@@ -29,29 +29,42 @@ double GradedTool::radius_mm(double depth_mm) const {
   return std::max(0.0, profile_.widest_mm(0.0, length_mm() - depth_mm));
 }
 
-std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius_mm, const Vec3& towards, int count) {
-  const Vec3 centre_mm = tool.axis_mm(depth_mm);
-  if (!(radius_mm > 0.0)) return {centre_mm};
-  const Vec3 axis = tool.direction_at(depth_mm);
-  Vec3 first = towards - towards.dot(axis) * axis;
-  first = first.norm() > 1e-3 ? Vec3(first.normalized()) : any_perpendicular(axis);
-  const Vec3 second = axis.cross(first);
-  std::vector<Vec3> ring;
+RingTurns::RingTurns(int count) {
   for (int n = 0; n < count; ++n) {
     const double angle = 2.0 * std::numbers::pi * n / count;
-    ring.push_back(centre_mm + radius_mm * (std::cos(angle) * first + std::sin(angle) * second));
+    cosines.push_back(std::cos(angle));
+    sines.push_back(std::sin(angle));
+  }
+}
+
+ToolRing::ToolRing(const GradedTool& tool, double depth_mm, double radius_mm, const Vec3& towards)
+    : centre_mm_(tool.axis_mm(depth_mm)), radius_mm_(radius_mm) {
+  const Vec3 axis = tool.direction_at(depth_mm);
+  first_ = towards - towards.dot(axis) * axis;
+  first_ = first_.norm() > 1e-3 ? Vec3(first_.normalized()) : any_perpendicular(axis);
+  second_ = axis.cross(first_);
+}
+
+Vec3 ToolRing::place_mm(double cosine, double sine) const {
+  return centre_mm_ + radius_mm_ * (cosine * first_ + sine * second_);
+}
+
+std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius_mm, const Vec3& towards, int count) {
+  if (!(radius_mm > 0.0)) return {tool.axis_mm(depth_mm)};
+  const ToolRing circle(tool, depth_mm, radius_mm, towards);
+  const RingTurns turns(count);
+  std::vector<Vec3> ring;
+  ring.reserve(turns.cosines.size());
+  for (std::size_t n = 0; n < turns.cosines.size(); ++n) {
+    ring.push_back(circle.place_mm(turns.cosines[n], turns.sines[n]));
   }
   return ring;
 }
 
-namespace {
-
-/// The distance of a breach without what its nearest sample lies beside the surface's nearest place: that is looked for
-/// along the tangent planes.
-void sharpen(const BoneShape& bone, FoundBreach& breach) {
+void sharpen_breach(const BoneShape& bone, FoundBreach& breach) {
   constexpr int kRounds = 6;
   if (!(breach.breach_mm > bone.trusted_band_mm())) return;
-  const PointTree::Nearest near = bone.nearest(breach.place_mm);
+  const PointTree::Nearest near = bone.tree().nearest(breach.place_mm, breach.wall.sample);
   Vec3 at_mm = bone.points_mm()[near.index];
   Vec3 normal = bone.normals()[near.index];
   double nearest_mm = near.distance_mm;
@@ -71,8 +84,6 @@ void sharpen(const BoneShape& bone, FoundBreach& breach) {
   breach.breach_mm = nearest_mm;
   breach.wall.distance_mm = -nearest_mm;
 }
-
-}  // namespace
 
 FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, std::span<const GradeRow> rows,
                             std::span<const WallDistance::Walls> axis, int ring_points) {
@@ -113,16 +124,14 @@ FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, s
       of_wall = {beyond.distance_mm, row.depth_mm, beyond.is_canal, p_mm, beyond.wall};
     }
   }
-  sharpen(walls.bone(), best.outer);
-  sharpen(walls.bone(), best.canal);
+  sharpen_breach(walls.bone(), best.outer);
+  sharpen_breach(walls.bone(), best.canal);
   return best;
 }
 
 std::array<double, 5> side_breaches(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,
                                     std::span<const GradeRow> rows, std::span<const WallDistance::Walls> axis,
                                     const FoundBreaches& found) {
-  constexpr double kApartMm = 1.0;
-  constexpr int kRingPoints = 16;
   std::array<double, 5> breach_mm{};
   if (!(found.larger().breach_mm > 0.0)) return breach_mm;
   const auto add = [&](double mm, const Vec3& place_mm, const WallDistance::Wall& wall) {
@@ -136,12 +145,12 @@ std::array<double, 5> side_breaches(const WallDistance& walls, const GradedTool&
   WallDistance::Beyond beyond;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (rows[n].depth_mm < next_mm && n + 1 < rows.size()) continue;
-    next_mm = rows[n].depth_mm + kApartMm - 1e-9;
+    next_mm = rows[n].depth_mm + kSideRingsApartMm - 1e-9;
     if (!(rows[n].radius_mm - axis[n].nearer_mm() > 0.0)) continue;
     const bool nearer_is_canal = axis[n].canal.distance_mm < axis[n].outer.distance_mm;
     const Vec3 towards =
         SideNames::towards(tool.axis_mm(rows[n].depth_mm), nearer_is_canal ? axis[n].canal : axis[n].outer);
-    for (const Vec3& p_mm : ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, kRingPoints)) {
+    for (const Vec3& p_mm : ring_mm(tool, rows[n].depth_mm, rows[n].radius_mm, towards, kSideRingPoints)) {
       if (walls.bone().lattice_mm(p_mm) < -kSureLatticeMm) continue;
       beyond = walls.beyond(p_mm, beyond);
       if (!(beyond.distance_mm > 0.0) || (rows[n].is_opening && !beyond.is_canal)) continue;

@@ -11,6 +11,9 @@
 
 namespace spinaltap {
 
+/// Throws Error on options of grading that make no sense.
+void check_grade_options(const GradeOptions& options);
+
 /// The body that is graded: what a path's screw, or its bit where it has none, fills on its way from the entry until
 /// its tip is at the target. Depths are along the path, from the entry.
 class GradedTool {
@@ -39,6 +42,26 @@ class GradedTool {
   PathCurve curve_;
 };
 
+/// Turns of places around an axis: cosines and sines, evenly spaced from 1 and 0 on.
+struct RingTurns {
+  explicit RingTurns(int count);
+  std::vector<double> cosines, sines;
+};
+
+/// A circle around the tool at a depth.
+class ToolRing {
+ public:
+  /// Turns are counted from `towards`.
+  ToolRing(const GradedTool& tool, double depth_mm, double radius_mm, const Vec3& towards);
+
+  const Vec3& centre_mm() const { return centre_mm_; }
+  Vec3 place_mm(double cosine, double sine) const;
+
+ private:
+  Vec3 centre_mm_, first_, second_;
+  double radius_mm_;
+};
+
 /// Places around the tool at a depth, evenly spaced, the first of them towards `towards`; one where the radius is 0.
 std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius_mm, const Vec3& towards, int count);
 
@@ -57,10 +80,18 @@ struct FoundBreaches {
   const FoundBreach& larger() const { return canal.breach_mm > outer.breach_mm ? canal : outer; }
 };
 
+/// The distance of a breach without what its nearest sample lies beside the surface's nearest place: that is looked for
+/// along the tangent planes.
+void sharpen_breach(const BoneShape& bone, FoundBreach& breach);
+
 /// Looks on rings at all rows' depths; in rows of the entry opening only beyond the canal's wall. `axis`: the walls as
 /// seen from the axis, one of each row.
 FoundBreaches find_breaches(const WallDistance& walls, const GradedTool& tool, std::span<const GradeRow> rows,
                             std::span<const WallDistance::Walls> axis, int ring_points);
+
+/// What side_breaches() looks on.
+inline constexpr double kSideRingsApartMm = 1.0;
+inline constexpr int kSideRingPoints = 16;
 
 /// The largest breach to each PathSide, on rings a millimetre apart: to about 0.2 mm, and `found` to their own.
 std::array<double, 5> side_breaches(const WallDistance& walls, const GradedTool& tool, const SideNames& sides,

@@ -162,11 +162,12 @@ TEST_F(PlacementOdds, MapsTheWallsBesideAPath) {
 void expect_fast_as_slow(const WallDistance& walls, const DrillPath& plan, int count) {
   const PlacementErrors errors = plain_errors(2.5, 5.0);
   const ErrorFrame frame = error_frame(walls.landmarks(), plan);
+  const BreachField field(walls, {});
   int breaches = 0;
   for (int n = 0; n < count; ++n) {
     const DrillPath path = erred_path(plan, frame, draw_error(errors, 7, static_cast<std::uint32_t>(n)));
     const double slow_mm = breach_mm(walls, path);
-    EXPECT_NEAR(FastBreach(walls, path, {}).breaches().larger_mm(), slow_mm, 0.03) << n;
+    EXPECT_NEAR(FastBreach(field, path).find().larger().breach_mm, slow_mm, 1e-9) << n;
     breaches += slow_mm > 0.0 ? 1 : 0;
   }
   EXPECT_GT(breaches, count / 8);
