@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "apps/spinaltap/cluster/study_commands.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/terminal_progress.h"
 #include "core/base/error.h"
@@ -62,7 +63,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("spinaltap ") + version());
   program.require_subcommand(1);
 
-  std::array<Command, 27> commands;
+  std::array<Command, 30> commands;
   add_demo(program, commands[0]);
   add_phantom(program, commands[1]);
   add_info(program, commands[2]);
@@ -90,6 +91,9 @@ int run_program(int argc, char** argv) {
   add_pivot(program, commands[24]);
   add_sound(program, commands[25]);
   add_bench_link(program, commands[26]);
+  add_study_submit(program, commands[27]);
+  add_study_status(program, commands[28]);
+  add_study_resume(program, commands[29]);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -98,7 +102,7 @@ int run_program(int argc, char** argv) {
     return kUsageOrInput;
   }
   for (const Command& command : commands) {
-    if (!command.app->parsed()) continue;
+    if (!command.app->parsed() || !command.app->get_subcommands().empty()) continue;
     check_outputs(command);
     std::unique_ptr<tbb::global_control> limit;
     if (command.threads > 0) {

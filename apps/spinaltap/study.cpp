@@ -1,9 +1,13 @@
+#include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <memory>
 
 #include "apps/report/study_report.h"
+#include "apps/spinaltap/cluster/study_commands.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/study_output.h"
+#include "apps/spinaltap/terminal_progress.h"
 #include "core/base/error.h"
 #include "core/files/study_summary_json.h"
 #include "vdb/sim/study.h"
@@ -41,10 +45,18 @@ Json figures_of(const StudyWork& work) {
           {"cpu_seconds_per_run", work.runs > 0 ? work.cpu_seconds / runs : 0.0}};
 }
 
-Json run_study(const StudyCommandOptions& options, const Progress& progress) {
+/// The shard's runs that are done.
+std::size_t done_of(const StudyShard& shard, const StudyTable& table) {
+  const std::vector<std::size_t> runs = runs_of_shard(table.identity.runs, shard);
+  return static_cast<std::size_t>(
+      std::count_if(runs.begin(), runs.end(), [&](std::size_t n) { return table.rows.contains(n); }));
+}
+
+Json run_study(const StudyCommandOptions& options, Command& command, const Progress& progress) {
   const StudyShard shard = read_shard(options.shard);
+  leave_on_signals();
   const Study study = Study::load(options.spec, progress);
-  const StudyWork work = study.run_into(options.folder, shard, progress);
+  const StudyWork work = study.run_into(options.folder, shard, progress, [] { return leave_signal() != nullptr; });
   Json figures{{"left", work.runs}};
   if (work.runs > 0) {
     figures["work"] = figures_of(work);
@@ -56,6 +68,20 @@ Json run_study(const StudyCommandOptions& options, const Progress& progress) {
     print_figure("threads", work.threads, "", 0);
     print_figure("rate", static_cast<double>(work.runs) / work.seconds, "runs/s");
     print_figure("processor time a run", 1e3 * work.cpu_seconds / static_cast<double>(work.runs), "ms");
+  }
+  if (!work.unlocked_part.empty()) {
+    print_figure("no locks on this file system", "rows of this process: " + work.unlocked_part.filename().string());
+  }
+  if (work.is_stopped) {
+    const std::size_t done = done_of(shard, merge({&options.folder, 1}));
+    const std::size_t all = runs_of_shard(study.run_count(), shard).size();
+    std::fprintf(stderr,
+                 "spinaltap: told to leave by %s: %zu of %zu runs of shard %zu/%zu are done and kept, the same "
+                 "command goes on with the others\n",
+                 leave_signal(), done, all, shard.index, shard.count);
+    figures["left_by"] = leave_signal();
+    command.exit_code = kLeftUnfinished;
+    return figures;
   }
   if (study.spec().bones.size() == 1) {
     const std::string no_landmarks = study.bone().no_landmarks(progress);
@@ -82,14 +108,18 @@ void add_study(CLI::App& program, Command& command) {
                               "Drill one path many times, with errors, on all cores; writes runs.csv, summary.json and "
                               "report.html. Started again it goes on where it was",
                               "Example: spinaltap study study.json -o study/ --shard 1/4");
-  app->add_option("spec", options->spec, "What to study: docs/studies.md")->required()->type_name("SPEC.json");
+  app->add_option("spec", options->spec, "What to study: docs/studies.md")->type_name("SPEC.json");
   app->add_option("-o,--output", options->folder, "Folder for the results, and for those so far")
       ->capture_default_str()
       ->type_name("FOLDER");
   app->add_option("--shard", options->shard, "Only the i-th of n shares of the runs; merge joins them")
       ->capture_default_str()
       ->type_name("I/N");
-  command.run = [options](const Progress& progress) { return run_study(*options, progress); };
+  app->require_subcommand(0, 1);
+  app->parse_complete_callback([app, options] {
+    if (app->get_subcommands().empty() && options->spec.empty()) throw CLI::RequiredError("spec");
+  });
+  command.run = [options, &command](const Progress& progress) { return run_study(*options, command, progress); };
 }
 
 }  // namespace spinaltap

@@ -64,6 +64,12 @@ Progress& shared_progress() {
 
 extern "C" void cancel_on_signal(int) { shared_progress().cancel(); }
 
+volatile std::sig_atomic_t told_to_leave = 0;
+
+extern "C" void note_signal(int signal) {
+  if (told_to_leave == 0) told_to_leave = signal;
+}
+
 }  // namespace
 
 Progress terminal_progress() {
@@ -80,6 +86,19 @@ Progress terminal_progress() {
   // A write beyond a file size limit is to fail like one on a full disk, not to kill the program.
   ::signal(SIGXFSZ, SIG_IGN);
   return shared_progress();
+}
+
+void leave_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = note_signal;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGUSR1, &action, nullptr);
+}
+
+const char* leave_signal() {
+  if (told_to_leave == 0) return nullptr;
+  return told_to_leave == SIGTERM ? "SIGTERM" : "SIGUSR1";
 }
 
 }  // namespace spinaltap

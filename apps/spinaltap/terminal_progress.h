@@ -10,4 +10,10 @@ namespace spinaltap {
 /// Ctrl-C kills it. To be called once.
 Progress terminal_progress();
 
+/// From now on SIGTERM and SIGUSR1 do not cancel: leave_signal() tells of them, for work that comes to an end where it
+/// can go on later. After terminal_progress().
+void leave_on_signals();
+/// Name of the first of them that came; nullptr: none.
+const char* leave_signal();
+
 }  // namespace spinaltap
