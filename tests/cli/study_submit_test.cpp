@@ -82,7 +82,7 @@ class StudySubmit : public ::testing::Test {
   static test::ProgramRun task(int shard, const std::string& also = "") {
     return test::run_command("export PATH='" + in("slurm bin").string() +
                                  "':$PATH SLURM_JOB_ID=99 SLURM_ARRAY_TASK_ID=" + std::to_string(shard) +
-                                 "; cd s && bash study.sbatch & task=$!; " + also + " wait $task",
+                                 "; (cd s; exec bash study.sbatch) & task=$!; " + also + " wait $task",
                              folder_->path());
   }
 

@@ -264,7 +264,7 @@ void add_study_submit(CLI::App& program, Command& command) {
   app->add_flag("--dry-run", options->is_dry, "Print the scripts and the commands; write and submit nothing");
   command.outputs = [options]() -> std::vector<fs::path> {
     if (options->is_dry) return {};
-    return {jobs_file(options->folder), options->folder / kArrayScript, options->folder / kMergeScript};
+    return {jobs_file(options->folder)};
   };
   command.run = [options](const Progress& progress) { return run_submit(*options, progress); };
 }
