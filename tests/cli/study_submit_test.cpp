@@ -117,8 +117,8 @@ TEST_F(StudySubmit, PrintsItsScriptsAndWritesNothingWhereItIsADryRun) {
 }
 
 TEST_F(StudySubmit, TimesRunsWhereNobodySaysWhatTheyTake) {
-  const test::ProgramRun dry = expect_done("study submit study.json -o s --cpus 2 --dry-run --json dry.json");
-  const Json figures = read_json(in("dry.json"));
+  const test::ProgramRun dry = expect_done("study submit study.json -o s --cpus 2 --dry-run --json timed.json");
+  const Json figures = read_json(in("timed.json"));
   EXPECT_GT(figures["cpu_seconds_per_run"], 0.0);
   EXPECT_LT(figures["cpu_seconds_per_run"], 60.0);
   EXPECT_EQ(figures["shards"], 1) << "ten runs of less than a minute";
@@ -142,8 +142,8 @@ TEST_F(StudySubmit, SubmitsTellsAndSubmitsWhatIsMissing) {
   // Two are done, one runs, one was lost; so was the merge. Jobs of others are none of ours.
   for (const int shard : {1, 4}) EXPECT_EQ(task(shard).exit_code, 0);
   std::ofstream(in("queue")) << "41|2|RUNNING|None\n7|3|RUNNING|None\n9|N/A|PENDING|Priority\n";
-  const test::ProgramRun told = expect_done("study status s --json status.json");
-  const Json status = read_json(in("status.json"));
+  const test::ProgramRun told = expect_done("study status s --json lost.json");
+  const Json status = read_json(in("lost.json"));
   EXPECT_EQ(status["runs"], kRuns);
   EXPECT_EQ(status["queue"], Json({{"RUNNING", 1}}));
   ASSERT_EQ(status["shards"].size(), 4U);

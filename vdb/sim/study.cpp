@@ -55,11 +55,15 @@ struct Study::State {
     for (const std::size_t n : numbers) by_screw[runs.screw_of(n)].push_back(n);
     StudyWork all;
     for (const auto& [screw, of_screw] : by_screw) {
-      if (stops && stops()) break;
+      if (all.is_stopped || (stops && stops())) {
+        all.is_stopped = true;
+        break;
+      }
       const StudyBench& shared = bench(screw, progress);
       const StudyWork done = do_study_runs(of_screw, [&shared] { return shared.make_runner(); }, finished, progress,
                                            stops, {all.runs, numbers.size()});
       all.runs += done.runs;
+      all.is_stopped = done.is_stopped;
       all.threads = std::max(all.threads, done.threads);
       all.seconds += done.seconds;
       all.cpu_seconds += done.cpu_seconds;
