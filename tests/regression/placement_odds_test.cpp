@@ -25,8 +25,8 @@ std::array<double, 5> simulated(const WallDistance& walls, const DrillPath& plan
   std::mt19937_64 generator(20261124);
   std::normal_distribution<double> normal;
   for (std::size_t n = 0; n < kSimulations; ++n) {
-    std::array<double, 5> normals{};
-    for (double& one : normals) one = normal(generator);
+    std::array<double, 6> normals{};  // the last tells outliers, which these models have none of
+    for (std::size_t k = 0; k < 5; ++k) normals[k] = normal(generator);
     paths.push_back(erred_path(plan, frame, error_of(errors, normals)));
   }
   std::vector<std::uint8_t> grades(paths.size());

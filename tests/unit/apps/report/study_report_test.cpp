@@ -46,7 +46,7 @@ std::vector<StudyRow> random_rows() {
 
 StudyReportData made_data() {
   const std::vector<StudyRow> rows = random_rows();
-  return {"A <study>", {{"Path", "left & right", ""}}, rows, summarise_study(rows, kBreachDesign)};
+  return {"A <study>", {{"Path", "left & right", ""}}, rows, summarise_study(rows, StudyRuns(kBreachDesign))};
 }
 
 TEST(StudyReport, ShowsWhatWasFoundAndIsTheSameEveryTime) {
@@ -68,7 +68,7 @@ TEST(StudyReport, ShowsWhatWasFoundAndIsTheSameEveryTime) {
 TEST(StudyReport, WarnsOfRunsThatLeftThePoints) {
   StudyReportData data = made_data();
   data.rows[3][StudyColumn::outside_volume_mm] = 0.4;
-  data.summary = summarise_study(data.rows, kBreachDesign);
+  data.summary = summarise_study(data.rows, StudyRuns(kBreachDesign));
   EXPECT_THAT(study_report(data), HasSubstr("1 runs cut beyond the cylinder"));
   data.rows.clear();
   EXPECT_THROW(study_report(data), Error);
@@ -109,7 +109,7 @@ TEST(StudyPlots, ScatterPartsRunsByWhatTheyBreached) {
 }
 
 TEST(StudyPlots, BreachOverAFactorLiesWithinItsIntervals) {
-  const StudySummary summary = summarise_study(random_rows(), kBreachDesign);
+  const StudySummary summary = summarise_study(random_rows(), StudyRuns(kBreachDesign));
   const Plot plot = breach_plot(summary.factors.at(0));
   ASSERT_EQ(plot.series.size(), plot.bands.size());
   for (std::size_t curve = 0; curve < plot.series.size(); ++curve) {
