@@ -62,8 +62,8 @@ class StudyPart {
   bool is_locked_ = true;
 };
 
-/// What a study's results depend on. Its bones' paths and fingerprints and, where it drills, `spec.volume.radius_mm` must
-/// be known by now.
+/// What a study's results depend on. Its bones' paths and fingerprints and, where it drills, `spec.volume.radius_mm`
+/// must be known by now.
 StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs);
 
 /// What an identity says of its study.

@@ -30,7 +30,8 @@ struct ScaledOutputs {
 };
 ScaledOutputs scaled(std::span<const double> outputs, std::size_t width) {
   ScaledOutputs made;
-  const double blocks = static_cast<double>(outputs.size() / width);
+  const std::size_t count = outputs.size() / width;
+  const auto blocks = static_cast<double>(count);
   for (std::size_t n = 0; n < outputs.size(); n += width) {
     made.mean += 0.5 * outputs[n] / blocks + 0.5 * outputs[n + 1] / blocks;
   }

@@ -186,6 +186,12 @@ StudyRow read_study_csv(std::string_view text) {
     row[static_cast<StudyColumn>(n)] = read_cell(text.substr(0, comma), column(n));
     if (!is_last) text.remove_prefix(comma + 1);
   }
+  for (const StudyColumn counted : {StudyColumn::patient, StudyColumn::screw}) {
+    const double number = row[counted];
+    if (std::isnan(number) || (number >= 1.0 && number <= static_cast<double>(StudyRuns::kMaxRuns))) continue;
+    fail("expected a number from 1 to ", StudyRuns::kMaxRuns, " for \"", name_of(counted),
+         "\" of a study's table, found ", number);
+  }
   if (!(row[StudyColumn::run] >= 0.0)) fail("expected the number of a run in a study's table, found none");
   return row;
 }

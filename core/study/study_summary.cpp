@@ -98,7 +98,8 @@ StudyShare share_of_screws(const Pointers& rows, const IsMet& is_met) {
   std::map<std::size_t, PatientCount> patients;
   std::size_t count = 0;
   for (const StudyRow* row : rows) {
-    PatientCount& patient = patients[static_cast<std::size_t>((*row)[StudyColumn::patient])];
+    const double number = (*row)[StudyColumn::patient];
+    PatientCount& patient = patients[std::isnan(number) ? 0 : static_cast<std::size_t>(number)];
     const std::size_t met = is_met(*row) ? 1 : 0;
     patient.met += met;
     ++patient.runs;

@@ -46,8 +46,8 @@ class StudyBench {
   std::optional<ScrewGrader> grader_;
 };
 
-/// The cylinder's radius: the one given, or `reach_mm`, that which holds every run. Throws Error on one above 15 mm that
-/// was not asked for.
+/// The cylinder's radius: the one given, or `reach_mm`, that which holds every run. Throws Error on one above 15 mm
+/// that was not asked for.
 double study_radius_mm(const StudySpec& spec, double reach_mm);
 
 /// Reads the study's bones, and takes down what its runs and results ask of them: which level, fingerprint, paths where

@@ -32,6 +32,7 @@ ProcessResult run_process(const std::vector<std::string>& words) {
   const File output(std::tmpfile(), std::fclose), errors(std::tmpfile(), std::fclose);
   if (!output || !errors) fail("cannot make a temporary file: ", std::strerror(errno));
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;

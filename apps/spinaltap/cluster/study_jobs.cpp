@@ -108,7 +108,7 @@ StudyQueue ask_queue(const StudyJobs& jobs) {
       const auto [end, error] = std::from_chars(task.data(), task.data() + task.size(), shard);
       if (error != std::errc{} || end != task.data() + task.size()) continue;
       queue.tasks[shard] = {state, reason};
-      queue.names[shard] = job + "_" + task;
+      queue.names[shard] = std::string(job).append("_").append(task);
     }
   }
   return queue;

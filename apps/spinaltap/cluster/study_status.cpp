@@ -1,11 +1,14 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <ctime>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "apps/spinaltap/cluster/study_commands.h"
 #include "apps/spinaltap/cluster/study_jobs.h"
@@ -23,18 +26,31 @@ struct StatusOptions {
   bool shows_all = false;
 };
 
+/// What a part file's name says: "part-3-of-8.csv" is shard 3 of 8. Nothing of other names.
+std::optional<StudyShard> shard_of(const std::string& name) {
+  constexpr std::string_view kPart = "part-", kOf = "-of-";
+  if (!name.starts_with(kPart)) return std::nullopt;
+  StudyShard shard;
+  const char* const end = name.data() + name.size();
+  const auto [middle, first] = std::from_chars(name.data() + kPart.size(), end, shard.index);
+  if (first != std::errc{} || !std::string_view(middle, end).starts_with(kOf)) return std::nullopt;
+  const auto [rest, second] = std::from_chars(middle + kOf.size(), end, shard.count);
+  if (second != std::errc{} || rest == end || *rest != '.') return std::nullopt;
+  return shard;
+}
+
 /// Seconds since 1970 at which a run was last finished, by shard; 0 for the last of all, whatever shards they are of.
 std::map<std::size_t, std::int64_t> last_activity(const fs::path& folder, std::size_t shards) {
   std::map<std::size_t, std::int64_t> last;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    std::size_t shard = 0, count = 0;
-    if (std::sscanf(name.c_str(), "part-%zu-of-%zu.", &shard, &count) != 2) continue;
+    const std::optional<StudyShard> shard = shard_of(name);
+    if (!shard) continue;
     struct stat status {};
     if (::stat(entry.path().c_str(), &status) != 0) continue;
     const auto time_s = static_cast<std::int64_t>(status.st_mtim.tv_sec);
     last[0] = std::max(last[0], time_s);
-    if (count == shards) last[shard] = std::max(last[shard], time_s);
+    if (shard->count == shards) last[shard->index] = std::max(last[shard->index], time_s);
   }
   return last;
 }

@@ -117,29 +117,30 @@ NearestCells::Points NearestCells::block_points(const Vec3& middle_mm) const {
 
 std::size_t NearestCells::nearest(const Vec3& p_mm) const {
   const Vec3 at_mm = p_mm - low_mm_;
-  std::array<int, 3> cell{};
+  constexpr auto kASide = static_cast<std::size_t>(kCellsASide);
+  std::array<std::size_t, 3> cell{}, of_blocks{}, in_block{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double in_cells = at_mm[static_cast<Eigen::Index>(axis)] / kCellMm;
     if (!(in_cells >= 0.0 && in_cells < static_cast<double>(size_[axis] * kCellsASide))) {
       return tree_.nearest(p_mm).index;
     }
-    cell[axis] = static_cast<int>(in_cells);
+    cell[axis] = static_cast<std::size_t>(in_cells);
+    of_blocks[axis] = cell[axis] / kASide;
+    in_block[axis] = cell[axis] % kASide;
   }
-  const std::size_t block_at =
-      (static_cast<std::size_t>(cell[2] / kCellsASide) * static_cast<std::size_t>(size_[1]) +
-       static_cast<std::size_t>(cell[1] / kCellsASide)) *
-          static_cast<std::size_t>(size_[0]) +
-      static_cast<std::size_t>(cell[0] / kCellsASide);
-  Block& block = made_once(blocks_[block_at], [&] {
-    const Vec3 first(cell[0] / kCellsASide, cell[1] / kCellsASide, cell[2] / kCellsASide);
+  const auto middle_of = [this](const std::array<std::size_t, 3>& place, double side_mm) {
+    const Vec3 first(static_cast<double>(place[0]), static_cast<double>(place[1]), static_cast<double>(place[2]));
+    return Vec3(low_mm_ + side_mm * (first + Vec3::Constant(0.5)));
+  };
+  const std::size_t columns = static_cast<std::size_t>(size_[0]), rows = static_cast<std::size_t>(size_[1]);
+  Block& block = made_once(blocks_[(of_blocks[2] * rows + of_blocks[1]) * columns + of_blocks[0]], [&] {
     auto made = std::make_unique<Block>();
-    made->points = block_points(low_mm_ + kBlockMm * (first + Vec3::Constant(0.5)));
+    made->points = block_points(middle_of(of_blocks, kBlockMm));
     return made;
   });
-  const std::size_t cell_at = static_cast<std::size_t>(
-      (cell[2] % kCellsASide * kCellsASide + cell[1] % kCellsASide) * kCellsASide + cell[0] % kCellsASide);
+  const std::size_t cell_at = (in_block[2] * kASide + in_block[1]) * kASide + in_block[0];
   const Points& points = made_once(block.cells[cell_at], [&] {
-    const Vec3 middle_mm = low_mm_ + kCellMm * (Vec3(cell[0], cell[1], cell[2]) + Vec3::Constant(0.5));
+    const Vec3 middle_mm = middle_of(cell, kCellMm);
     // A little larger: which cell a position on its border lies in is rounded.
     return std::unique_ptr<const Points>(
         std::make_unique<Points>(can_be_nearest(block.points, middle_mm, 0.5 * kCellMm + 1e-6)));

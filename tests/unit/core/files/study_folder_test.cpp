@@ -10,8 +10,8 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/ct/level.h"
 #include "core/base/staged_output.h"
+#include "core/ct/level.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
