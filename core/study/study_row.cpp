@@ -188,9 +188,9 @@ StudyRow read_study_csv(std::string_view text) {
   }
   for (const StudyColumn counted : {StudyColumn::patient, StudyColumn::screw}) {
     const double number = row[counted];
-    if (std::isnan(number) || (number >= 1.0 && number <= static_cast<double>(StudyRuns::kMaxRuns))) continue;
-    fail("expected a number from 1 to ", StudyRuns::kMaxRuns, " for \"", name_of(counted),
-         "\" of a study's table, found ", number);
+    if (std::isnan(number) || (number >= 0.0 && number <= static_cast<double>(StudyRuns::kMaxRuns))) continue;
+    fail("expected a number up to ", StudyRuns::kMaxRuns, " for \"", name_of(counted), "\" of a study's table, found ",
+         number);
   }
   if (!(row[StudyColumn::run] >= 0.0)) fail("expected the number of a run in a study's table, found none");
   return row;
