@@ -106,6 +106,7 @@ StudyShare share_of_screws(const Pointers& rows, const IsMet& is_met) {
     count += met;
   }
   std::vector<PatientCount> counts;
+  counts.reserve(patients.size());
   for (const auto& [patient, of] : patients) counts.push_back(of);
   return {rows.size(), count, clustered_share(counts).interval};
 }
