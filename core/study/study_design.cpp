@@ -215,7 +215,7 @@ double StudyRuns::probability(std::size_t distribution, std::size_t n) const {
 
 FactorValues StudyRuns::values(std::size_t n, const FactorValues& base) const {
   FactorValues values = base;
-  std::size_t combination = runs_a_screw_ > 0 ? n % runs_a_screw_ : n;
+  std::size_t combination = n % runs_a_screw_;
   for (std::size_t distribution_index = 0; distribution_index < design_.distributions.size(); ++distribution_index) {
     const FactorDistribution& distribution = design_.distributions[distribution_index];
     double& value = values.at(static_cast<std::size_t>(distribution.factor));

@@ -1,7 +1,6 @@
 #include "vdb/sim/study_run.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -142,55 +141,12 @@ void add_events(std::span<const SessionEvent> events, StudyRow& row) {
   }
 }
 
-/// Results that a run may have none of, or that the study has none of.
-constexpr std::array kMayLack{StudyColumn::level,
-                              StudyColumn::side,
-                              StudyColumn::contact,
-                              StudyColumn::breach,
-                              StudyColumn::breach_outer_mm,
-                              StudyColumn::breach_canal_mm,
-                              StudyColumn::min_clearance_outer_mm,
-                              StudyColumn::min_clearance_canal_mm,
-                              StudyColumn::grade,
-                              StudyColumn::max_thrust_n,
-                              StudyColumn::max_torque_n_mm,
-                              StudyColumn::plunge_depth_mm,
-                              StudyColumn::depth_mm,
-                              StudyColumn::time_s,
-                              StudyColumn::outer_cortical_mm,
-                              StudyColumn::cancellous_mm,
-                              StudyColumn::transitional_mm,
-                              StudyColumn::inner_cortical_mm,
-                              StudyColumn::breakthrough_mm,
-                              StudyColumn::stop_mm,
-                              StudyColumn::gave_up_mm,
-                              StudyColumn::removed_points,
-                              StudyColumn::removed_mm3,
-                              StudyColumn::screw_pullout_n,
-                              StudyColumn::screw_torque_n_mm,
-                              StudyColumn::max_temperature_c,
-                              StudyColumn::error_medial_mm,
-                              StudyColumn::error_cranial_mm,
-                              StudyColumn::error_along_mm,
-                              StudyColumn::error_medial_deg,
-                              StudyColumn::error_cranial_deg,
-                              StudyColumn::turn_left_deg,
-                              StudyColumn::turn_back_deg,
-                              StudyColumn::turn_head_deg,
-                              StudyColumn::shift_left_mm,
-                              StudyColumn::shift_back_mm,
-                              StudyColumn::shift_head_mm,
-                              StudyColumn::screw_grade,
-                              StudyColumn::screw_breach_mm,
-                              StudyColumn::screw_breach_side,
-                              StudyColumn::screw_breach_depth_mm,
-                              StudyColumn::screw_canal_mm,
-                              StudyColumn::screw_anterior_mm};
-
 /// What is drawn of a run, and nothing of what comes of it.
 StudyRow row_of(const StudySpec& spec, const DrillPath& planned, std::size_t n, const StudyTask& task) {
   StudyRow row;
-  for (const StudyColumn column : kMayLack) row[column] = kNoFigure;
+  for (std::size_t column = 0; column < kStudyColumns; ++column) row[static_cast<StudyColumn>(column)] = kNoFigure;
+  row[StudyColumn::outside_volume_mm] = 0.0;
+  row[StudyColumn::events_lost] = 0.0;
   for (std::size_t factor = 0; factor < kStudyFactors; ++factor) {
     row[static_cast<StudyFactor>(factor)] = task.values[factor];
   }
@@ -254,12 +210,7 @@ void survey_bones(StudySpec& spec, const Progress& progress) {
 
 StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, std::size_t screw, const StudyRuns& runs,
                        double reach_mm, const Progress& progress)
-    : bone_(bone),
-      spec_(spec),
-      runs_(runs),
-      screw_(screw),
-      path_(path_of(spec, screw_at(spec, screw))),
-      side_(kNoFigure) {
+    : bone_(bone), spec_(spec), runs_(runs), path_(path_of(spec, screw_at(spec, screw))), side_(kNoFigure) {
   check_straight(path_, "a study");
   check_turns(path_.bit, "a study");
   check_path_meets_bone(path_, bone.model());

@@ -38,7 +38,6 @@ class StudyBench {
   Bone bone_;
   const StudySpec& spec_;
   const StudyRuns& runs_;
-  std::size_t screw_;
   DrillPath path_;
   double side_;
   DrilledBone whole_;
