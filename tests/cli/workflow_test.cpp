@@ -28,7 +28,7 @@ TEST(CohortWorkflow, IsWhatSnakemakeTakes) {
   if (test::run_command("command -v snakemake", folder.path()).exit_code != 0) GTEST_SKIP() << "no snakemake here";
   const test::ProgramRun dry = snakemake("--cores 2 --dry-run", folder);
   EXPECT_EQ(dry.exit_code, 0) << dry.output;
-  // Five patients, two screws each, in two shards.
+  // Five patients, and one study of them all in two shards.
   for (const char* count : {"segment ", "bake ", "plan "}) {
     const std::size_t line = dry.output.find(std::string("\n") + count);
     ASSERT_NE(line, std::string::npos) << count << dry.output;
@@ -36,7 +36,7 @@ TEST(CohortWorkflow, IsWhatSnakemakeTakes) {
   }
   const std::size_t shards = dry.output.find("\nshard ");
   ASSERT_NE(shards, std::string::npos) << dry.output;
-  EXPECT_EQ(std::stoi(dry.output.substr(shards + 6)), 20);
+  EXPECT_EQ(std::stoi(dry.output.substr(shards + 6)), 2);
   // An image: the one thing that each cluster has another of, and that the check wants named.
   const test::ProgramRun lint = snakemake("--config container=docker://debian:12 --lint", folder);
   EXPECT_EQ(lint.exit_code, 0) << lint.output;

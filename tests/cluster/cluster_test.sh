@@ -132,7 +132,18 @@ step "the cohort's workflow on this computer"
 workflow local --cores 2
 step "and on Slurm"
 workflow cluster --slurm --jobs 20 --max-status-checks-per-second 1
-for file in cohort.csv report.html; do cmp "local/$file" "cluster/$file" || wrong "$file of the workflow on Slurm differs"; done
-[ "$(wc -l <local/cohort.csv)" -eq 201 ] || wrong "expected ten screws of 20 runs each, found $(wc -l <local/cohort.csv) lines"
+same local/cohort cluster/cohort
+cmp local/patients.csv cluster/patients.csv || wrong "the table of patients differs"
+[ "$(wc -l <local/cohort/runs.csv)" -eq 201 ] ||
+  wrong "expected ten screws of 20 runs each, found $(wc -l <local/cohort/runs.csv) lines"
+python3 - <<'PYTHON'
+import csv
+rows = list(csv.DictReader(open("local/cohort/runs.csv")))
+assert {row["patient"] for row in rows} == set("12345"), "five patients"
+assert {row["side"] for row in rows} == {"left", "right"}, "both sides"
+assert all(row["screw_grade"] in set("ABCDE") for row in rows), "every screw graded"
+PYTHON
+workflow cluster --cores 2
+grep -q "Nothing to be done" workflow.log || wrong "a workflow that is done did something when called again"
 step "five phantoms to one report, the same on both"
 step "done"

@@ -1,23 +1,26 @@
-"""Writes the study of one planned screw: config["study"] with its bone, its plan and its path."""
-import json
-import os
+"""Writes the study of the whole cohort: config["study"] with each patient's bone and the planned paths of the sides.
 
-output = snakemake.output[0]
-side = snakemake.wildcards.side
-with open(snakemake.input.plan) as file:
-    names = [path["name"] for path in json.load(file)["paths"]]
-paths = [name for name in names if side in name]
-if len(paths) != 1:
-    raise SystemExit(f"expected one path of the {side} side in {snakemake.input.plan}, found {names}")
-folder = os.path.dirname(output)
-study = dict(snakemake.params.study)
-study.update(
-    format="spinaltap-study",
-    version=2,
-    name=f"{snakemake.wildcards.patient}, {side}",
-    bone=os.path.relpath(snakemake.input.bone, folder),
-    plan=os.path.relpath(snakemake.input.plan, folder),
-    path=paths[0],
-)
-with open(output, "w") as file:
+And a table that tells which patient has which number in the study.
+"""
+import csv
+import json
+
+params, files = snakemake.params, snakemake.input
+bones = []
+for number, (bone, plan) in enumerate(zip(files.bones, files.plans), start=1):
+    with open(plan) as file:
+        names = [path["name"] for path in json.load(file)["paths"]]
+    paths = []
+    for side in params.sides:
+        found = [name for name in names if side in name]
+        if len(found) != 1:
+            raise SystemExit(f"expected one path of the {side} side in {plan}, found {names}")
+        paths += found
+    bones.append({"bone": bone, "patient": number, "plan": plan, "paths": paths})
+study = {"name": "cohort", **params.study, "format": "spinaltap-study", "version": 2, "bones": bones}
+with open(snakemake.output.study, "w") as file:
     json.dump(study, file, indent=2)
+with open(snakemake.output.patients, "w", newline="") as file:
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(["patient", "name"])
+    writer.writerows(enumerate(params.patients, start=1))
