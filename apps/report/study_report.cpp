@@ -183,6 +183,15 @@ void add_drilling(const IdentifiedStudy& study, std::vector<ReportRow>& rows) {
       readable_number(setup.volume.radius_mm, 2), "mm");
 }
 
+void write_runs(const StudyRows& rows, const std::filesystem::path& file, StagedOutput& output) {
+  std::string csv = study_csv_head() + "\n";
+  std::size_t size = csv.size();
+  for (const auto& [run, text] : rows) size += text.size() + 1;
+  csv.reserve(size);
+  for (const auto& [run, text] : rows) csv.append(text).append(1, '\n');
+  output.write(file, csv);
+}
+
 }  // namespace
 
 std::string study_report(const StudyReportData& data) {
@@ -278,18 +287,15 @@ StudySummary write_study_results(const std::filesystem::path& folder, const Stud
     fail("expected all ", identity.runs, " runs of the study, found ", rows.size(), "; run ", missing,
          " is the first that is missing: let every shard finish, and name all their folders");
   }
-  std::string csv = study_csv_head() + "\n";
+  StagedOutput output;
+  write_runs(rows, folder / "runs.csv", output);
   StudyReportData report;
-  for (const auto& [run, text] : rows) {
-    csv += text + "\n";
-    report.rows.push_back(read_study_csv(text));
-  }
+  report.rows.reserve(rows.size());
+  for (const auto& [run, text] : rows) report.rows.push_back(read_study_csv(text));
   const StudyInputs inputs = study_inputs(identity, folder / "study.json");
   report.title = inputs.title;
   report.inputs = inputs.rows;
   report.summary = summarise_study(report.rows, StudyRuns(inputs.design, inputs.ground));
-  StagedOutput output;
-  output.write(folder / "runs.csv", csv);
   output.write(folder / "summary.json", to_json(report.summary).dump(2) + "\n");
   output.write(folder / "report.html", study_report(report));
   output.commit();

@@ -1,7 +1,10 @@
+#include <malloc.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "apps/report/study_report.h"
 #include "apps/spinaltap/cluster/study_commands.h"
@@ -55,7 +58,8 @@ std::size_t done_of(const StudyShard& shard, const StudyTable& table) {
 Json run_study(const StudyCommandOptions& options, Command& command, const Progress& progress) {
   const StudyShard shard = read_shard(options.shard);
   leave_on_signals();
-  const Study study = Study::load(options.spec, progress);
+  std::optional<Study> loaded(Study::load(options.spec, progress));
+  const Study& study = *loaded;
   const StudyWork work = study.run_into(options.folder, shard, progress, [] { return leave_signal() != nullptr; });
   Json figures{{"left", work.runs}};
   if (work.runs > 0) {
@@ -87,6 +91,8 @@ Json run_study(const StudyCommandOptions& options, Command& command, const Progr
     const std::string no_landmarks = study.bone().no_landmarks(progress);
     if (!no_landmarks.empty()) print_figure("no canal, no landmarks", no_landmarks);
   }
+  loaded.reset();
+  ::malloc_trim(0);  // the rows take the bone's room
   const StudyTable table = merge({&options.folder, 1});
   if (table.is_whole()) {
     const StudySummary summary = write_study_results(options.folder, table.identity, table.rows);

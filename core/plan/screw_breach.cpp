@@ -18,7 +18,7 @@ ScrewGrader::ScrewGrader(ScrewGrader&&) noexcept = default;
 ScrewGrader& ScrewGrader::operator=(ScrewGrader&&) noexcept = default;
 ScrewGrader::~ScrewGrader() = default;
 
-ScrewBreach ScrewGrader::grade(const DrillPath& path) const {
+ScrewBreach ScrewGrader::grade(const DrillPath& path, ScrewSides sides) const {
   check_turns(path.bit, "a grade");
   FastBreach fast(impl_->field, path);
   const FoundBreaches found = fast.find();
@@ -31,7 +31,7 @@ ScrewBreach ScrewGrader::grade(const DrillPath& path) const {
   breach.depth_mm = larger.depth_mm;
   breach.side = fast.side_of(larger);
   breach.is_canal = larger.is_canal;
-  breach.side_breach_mm = fast.sides(found);
+  breach.side_breach_mm = fast.sides(found, sides);
   return breach;
 }
 

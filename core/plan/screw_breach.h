@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
 #include "core/plan/grade.h"
@@ -19,6 +20,12 @@ struct ScrewBreach {
   Grade grade() const { return gertzbein_robbins(breach_mm); }
 };
 
+/// Which of side_breach_mm are wanted.
+enum class ScrewSides : std::uint8_t {
+  all,
+  anterior  ///< sooner; the others' may be told too small
+};
+
 /// Grades very many screws of one bone by their breaches: thousands a second. Safe to ask from many threads.
 class ScrewGrader {
  public:
@@ -30,7 +37,7 @@ class ScrewGrader {
 
   /// Of the path's screw or, where it has none, its bit: as grade_path() tells it. Throws Error on paths that make no
   /// sense.
-  ScrewBreach grade(const DrillPath& path) const;
+  ScrewBreach grade(const DrillPath& path, ScrewSides sides = ScrewSides::all) const;
 
  private:
   struct Impl;

@@ -110,9 +110,11 @@ StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard&
   // What makes no sense leaves no files behind. In a folder that is this study's, it made sense before.
   if (!std::filesystem::exists(folder) || std::filesystem::is_empty(folder)) state_->bench(0, progress);
   open_study_folder(folder, state_->identity);
-  StudyRows done;
-  read_study_parts(folder, state_->identity, done);
-  std::erase_if(left, [&done](std::size_t n) { return done.contains(n); });
+  {
+    StudyRows done;
+    read_study_parts(folder, state_->identity, done);
+    std::erase_if(left, [&done](std::size_t n) { return done.contains(n); });
+  }
   if (left.empty()) return {};
   StudyPart part(folder, "part-" + std::to_string(shard.index) + "-of-" + std::to_string(shard.count) + ".csv",
                  state_->identity);

@@ -145,8 +145,6 @@ void add_events(std::span<const SessionEvent> events, StudyRow& row) {
 StudyRow row_of(const StudySpec& spec, const DrillPath& planned, std::size_t n, const StudyTask& task) {
   StudyRow row;
   for (std::size_t column = 0; column < kStudyColumns; ++column) row[static_cast<StudyColumn>(column)] = kNoFigure;
-  row[StudyColumn::outside_volume_mm] = 0.0;
-  row[StudyColumn::events_lost] = 0.0;
   for (std::size_t factor = 0; factor < kStudyFactors; ++factor) {
     row[static_cast<StudyFactor>(factor)] = task.values[factor];
   }
@@ -279,6 +277,7 @@ void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) 
   run_session(*session, *tool_operator, [&extremes](const Cycle& cycle) { extremes.add(cycle); });
 
   row[StudyColumn::contact] = 0.0;
+  row[StudyColumn::outside_volume_mm] = 0.0;
   add_events(session->events(), row);
   const double outer_mm = std::max(0.0, -extremes.min_clearance_outer_mm);
   const double canal_mm = std::max(0.0, -extremes.min_clearance_canal_mm);
@@ -305,7 +304,7 @@ void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) 
 }
 
 void StudyBench::grade_screw(const StudyTask& task, StudyRow& row) const {
-  const ScrewBreach found = grader_->grade(task.path);
+  const ScrewBreach found = grader_->grade(task.path, ScrewSides::anterior);
   row[StudyColumn::screw_grade] = static_cast<double>(gertzbein_robbins(found.breach_mm));
   row[StudyColumn::screw_breach_mm] = found.breach_mm;
   if (found.breach_mm > 0.0) {

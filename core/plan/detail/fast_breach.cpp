@@ -25,6 +25,39 @@ double lattice_error_mm(const BoneShape& bone, double lattice_mm) {
   return lattice_mm < -std::max(2.0, bone.trusted_band_mm() + 1.0) ? kDeepErrorMm : kSureLatticeMm;
 }
 
+/// Goes around a ring, and passes over places that are in the bone for sure.
+class RingWalk {
+ public:
+  RingWalk(const BoneShape& bone, const ToolRing& ring, const RingTurns& turns, double radius_mm)
+      : bone_(bone),
+        ring_(ring),
+        turns_(turns),
+        apart_mm_(2.0 * std::numbers::pi * radius_mm / static_cast<double>(turns.cosines.size())) {}
+
+  /// To the next place that is not passed over, from 0 on; false where there is none.
+  bool next() {
+    n_ += 1 + passed_;
+    passed_ = 0;
+    return n_ < turns_.cosines.size();
+  }
+  std::size_t turn() const { return n_; }
+  Vec3 place_mm() const { return ring_.place_mm(turns_.cosines[n_], turns_.sines[n_]); }
+  double lattice_mm(const Vec3& p_mm) {
+    constexpr double kLatticeErrorMm = 0.6;  // also where it is deep
+    const double lattice_mm = bone_.lattice_mm(p_mm);
+    const double inside_mm = -lattice_mm - kLatticeErrorMm;
+    if (inside_mm > apart_mm_) passed_ = static_cast<std::size_t>(inside_mm / apart_mm_);
+    return lattice_mm;
+  }
+
+ private:
+  const BoneShape& bone_;
+  const ToolRing& ring_;
+  const RingTurns& turns_;
+  double apart_mm_;
+  std::size_t n_ = std::numeric_limits<std::size_t>::max(), passed_ = 0;
+};
+
 double value_at(const BoneShape& bone, const Vec3& p_mm) {
   double value_mm = 0.0;
   bone.surface().evaluate({&p_mm, 1}, {&value_mm, 1}, {});
@@ -39,14 +72,23 @@ BreachField::BreachField(const WallDistance& walls, const GradeOptions& options)
       turns_(options.ring_points),
       side_turns_(kSideRingPoints),
       cells_(walls.bone().tree()) {
+  std::array<std::uint32_t, 2> counts{};
+  in_wall_.reserve(bone().points_mm().size());
+  for (std::size_t n = 0; n < bone().points_mm().size(); ++n) in_wall_.push_back(counts[is_canal(n) ? 1 : 0]++);
   measure_canal();
+}
+
+WallDistance::Walls BreachField::walls(const Vec3& p_mm, const WallDistance::Walls& beside, std::size_t sample) const {
+  WallDistance::Walls known = beside;
+  (is_canal(sample) ? known.canal : known.outer).sample = in_wall_[sample];
+  return walls_.walls(p_mm, known);
 }
 
 void BreachField::measure_canal() {
   constexpr double kSpacingMm = 2.0;
   std::vector<Vec3> canal_mm;
   for (std::size_t n = 0; n < bone().points_mm().size(); ++n) {
-    if (walls_.landmarks().is_canal_wall[n] != 0) canal_mm.push_back(bone().points_mm()[n]);
+    if (is_canal(n)) canal_mm.push_back(bone().points_mm()[n]);
   }
   if (canal_mm.empty()) return;
   const PointTree tree(std::move(canal_mm));
@@ -121,25 +163,28 @@ FastBreach::Axis& FastBreach::axis_of(Row& row) {
   row.axis = axes_.size();
   Axis& axis = axes_.emplace_back();
   const Vec3 p_mm = tool_.axis_mm(row.depth_mm);
-  const std::size_t sample = field_.nearest(p_mm);
-  if (field_.walls().landmarks().is_canal_wall[sample] == 0) {
-    axis.nearer = WallDistance::wall_at(p_mm, bone_.points_mm()[sample], bone_.normals()[sample]);
-    if (field_.canal_at_least_mm(p_mm) > axis.nearer.distance_mm) {
-      const double value_mm = value_at(bone_, p_mm);
-      if (std::abs(value_mm) < bone_.trusted_band_mm()) axis.nearer.distance_mm = std::abs(value_mm);
-      if (value_mm > 0.0) axis.nearer.distance_mm = -axis.nearer.distance_mm;
-      return axis;
-    }
+  axis.sample = field_.nearest(p_mm);
+  axis.is_canal = field_.is_canal(axis.sample);
+  axis.nearer = WallDistance::wall_at(p_mm, bone_.points_mm()[axis.sample], bone_.normals()[axis.sample]);
+  if (!axis.is_canal && field_.canal_at_least_mm(p_mm) > axis.nearer.distance_mm) {
+    const double band_mm = bone_.trusted_band_mm();
+    if (row.lattice_mm < -band_mm - kSureLatticeMm) return axis;  // the surface's value is below -band_mm
+    const double value_mm = value_at(bone_, p_mm);
+    if (std::abs(value_mm) < band_mm) axis.nearer.distance_mm = std::abs(value_mm);
+    if (value_mm > 0.0) axis.nearer.distance_mm = -axis.nearer.distance_mm;
+    return axis;
   }
-  axis.both = last_both_ = field_.walls().walls(p_mm, last_both_);
-  axis.is_canal = axis.both->canal.distance_mm < axis.both->outer.distance_mm;
-  axis.nearer = axis.is_canal ? axis.both->canal : axis.both->outer;
+  const WallDistance::Walls& both = both_of(row);
+  axis.is_canal = both.canal.distance_mm < both.outer.distance_mm;
+  axis.nearer = axis.is_canal ? both.canal : both.outer;
   return axis;
 }
 
 const WallDistance::Walls& FastBreach::both_of(Row& row) {
   Axis& axis = axis_of(row);
-  if (!axis.both) axis.both = last_both_ = field_.walls().walls(tool_.axis_mm(row.depth_mm), last_both_);
+  if (!axis.both) {
+    axis.both = last_both_ = field_.walls(tool_.axis_mm(row.depth_mm), last_both_, axis.sample);
+  }
   return *axis.both;
 }
 
@@ -188,19 +233,21 @@ bool FastBreach::is_whole(Row& row) {
   const Axis& axis = axis_of(row);
   const ToolRing ring(tool_, row.depth_mm, r_mm,
                       SideNames::towards(centre_mm, axis.is_canal ? axis.both->outer : axis.nearer));
-  const RingTurns& turns = field_.turns();
-  std::vector<Vec3> suspect_mm;
-  suspect_mm.reserve(turns.cosines.size());
-  for (std::size_t n = 0; n < turns.cosines.size(); ++n) {
-    const Vec3 p_mm = ring.place_mm(turns.cosines[n], turns.sines[n]);
-    const double lattice_mm = bone_.lattice_mm(p_mm);
+  suspect_mm_.clear();
+  for (RingWalk walk(bone_, ring, field_.turns(), r_mm); walk.next();) {
+    const Vec3 p_mm = walk.place_mm();
+    const double lattice_mm = walk.lattice_mm(p_mm);
     if (lattice_mm > kSureLatticeMm) return false;
-    if (lattice_mm >= -kSureLatticeMm) suspect_mm.push_back(p_mm);
+    if (lattice_mm >= -kSureLatticeMm) suspect_mm_.push_back(p_mm);
   }
-  if (suspect_mm.empty()) return true;
-  std::vector<double> values_mm(suspect_mm.size());
-  bone_.surface().evaluate(suspect_mm, values_mm, {});
+  const std::span<const double> values_mm = suspect_values_mm();
   return std::all_of(values_mm.begin(), values_mm.end(), [](double value_mm) { return value_mm < 0.0; });
+}
+
+std::span<const double> FastBreach::suspect_values_mm() {
+  values_mm_.resize(suspect_mm_.size());
+  if (!suspect_mm_.empty()) bone_.surface().evaluate(suspect_mm_, values_mm_, {});
+  return values_mm_;
 }
 
 void FastBreach::find_opening() {
@@ -215,27 +262,60 @@ void FastBreach::find_opening() {
   }
 }
 
-WallDistance::Beyond FastBreach::beyond(const Vec3& p_mm, std::size_t guess, double least_mm) const {
-  WallDistance::Beyond none;
-  none.wall.sample = guess;
-  const double band_mm = bone_.trusted_band_mm();
-  const double to_guess_mm = guess == kNone ? kUnbounded : (p_mm - bone_.points_mm()[guess]).norm();
-  if (std::max(to_guess_mm, band_mm) <= least_mm || bone_.lattice_mm(p_mm) < -kSureLatticeMm) return none;
-  const double value_mm = value_at(bone_, p_mm);
-  if (!(value_mm > 0.0) || (value_mm < band_mm ? value_mm : to_guess_mm) <= least_mm) return none;
-  return field_.walls().beyond_sample(p_mm, value_mm, field_.nearest(p_mm));
+bool FastBreach::may_be_anterior(const Vec3& p_mm, std::size_t sample) const {
+  // As SideNames::of() asks, with something to spare.
+  constexpr double kSpare = 1e-6, kAhead = 0.5 - kSpare;
+  const Landmarks& landmarks = field_.walls().landmarks();
+  const Vec3& normal = bone_.normals()[sample];
+  const Vec3 way_mm = p_mm - bone_.points_mm()[sample];
+  const double across_mm = way_mm.dot(normal);
+  if (!tool_.curve().is_straight() || std::abs(across_mm) < kSpare) return true;
+  const Vec3& direction = tool_.curve().chord();
+  const bool runs_forward = -direction.dot(landmarks.posterior()) > kAhead;
+  // The way of SideNames::towards() is the normal, or comes from the foot on the sample's plane, or from the sample.
+  const std::array<Vec3, 3> ways{normal, across_mm > 0.0 ? normal : Vec3(-normal), way_mm.normalized()};
+  return std::any_of(ways.begin(), ways.end(), [&](const Vec3& way) {
+    const Vec3 own = landmarks.axes.transpose() * way;
+    return -own.y() > std::max(std::abs(own.x()), std::abs(own.z())) - kSpare ||
+           (runs_forward && way.dot(direction) > kAhead);
+  });
 }
 
-template <class Visit>
-void FastBreach::for_each_place(Row& row, const RingTurns& turns, const Visit& visit) {
-  const double r_mm = radius_mm(row);
+double FastBreach::to_sample_mm(const Vec3& p_mm, std::size_t sample) const {
+  return sample == kNone ? kUnbounded : (p_mm - bone_.points_mm()[sample]).norm();
+}
+
+template <class LeastMm, class Visit>
+void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const Visit& visit) {
+  const double r_mm = radius_mm(row), band_mm = bone_.trusted_band_mm();
   const Vec3 centre_mm = tool_.axis_mm(row.depth_mm);
-  if (!(r_mm > 0.0)) {
-    visit(centre_mm);
-    return;
+  suspect_mm_.clear();
+  suspect_turns_.clear();
+  // A place's nearest sample is near to that of the same turn on the ring before: no further than it is the breach.
+  turn_samples_.resize(turns.cosines.size(), kNone);
+  if (r_mm > 0.0) {
+    const ToolRing ring(tool_, row.depth_mm, r_mm, SideNames::towards(centre_mm, axis_of(row).nearer));
+    for (RingWalk walk(bone_, ring, turns, r_mm); walk.next();) {
+      const Vec3 p_mm = walk.place_mm();
+      if (std::max(to_sample_mm(p_mm, turn_samples_[walk.turn()]), band_mm) <= least_mm()) continue;
+      if (walk.lattice_mm(p_mm) < -kSureLatticeMm) continue;
+      suspect_mm_.push_back(p_mm);
+      suspect_turns_.push_back(walk.turn());
+    }
+  } else {
+    suspect_mm_.push_back(centre_mm);
+    suspect_turns_.push_back(0);
   }
-  const ToolRing ring(tool_, row.depth_mm, r_mm, SideNames::towards(centre_mm, axis_of(row).nearer));
-  for (std::size_t n = 0; n < turns.cosines.size(); ++n) visit(ring.place_mm(turns.cosines[n], turns.sines[n]));
+  const std::span<const double> values_mm = suspect_values_mm();
+  std::size_t last = kNone;
+  for (std::size_t n = 0; n < values_mm.size(); ++n) {
+    const Vec3& p_mm = suspect_mm_[n];
+    const double value_mm = values_mm[n];
+    if (!(value_mm > 0.0)) continue;
+    if ((value_mm < band_mm ? value_mm : to_sample_mm(p_mm, last)) <= least_mm()) continue;
+    last = turn_samples_[suspect_turns_[n]] = field_.nearest(p_mm);
+    if (value_mm < band_mm || to_sample_mm(p_mm, last) > least_mm()) visit(p_mm, value_mm, last);
+  }
 }
 
 FoundBreaches FastBreach::find() {
@@ -259,7 +339,7 @@ FoundBreaches FastBreach::find() {
     if (max_mm > 0.0) candidates.push_back({max_mm, n, false});
   }
   std::priority_queue<Candidate> queue(std::less<Candidate>(), std::move(candidates));
-  std::size_t guess = kNone;
+  turn_samples_.clear();
   while (!queue.empty()) {
     Candidate top = queue.top();
     queue.pop();
@@ -286,12 +366,13 @@ FoundBreaches FastBreach::find() {
                      std::abs(both_of(row).canal.distance_mm) <= within_mm;
     }
     if (!may_be_outer && !may_be_canal) continue;
-    for_each_place(row, field_.turns(), [&](const Vec3& p_mm) {
-      const double least_mm =
-          std::min(may_be_outer ? best.outer.breach_mm : kUnbounded, may_be_canal ? best.canal.breach_mm : kUnbounded);
-      const WallDistance::Beyond found = beyond(p_mm, guess, least_mm);
-      guess = found.wall.sample;
-      if (is_opening && !found.is_canal) return;
+    const auto least_mm = [&] {
+      return std::min(may_be_outer ? best.outer.breach_mm : kUnbounded,
+                      may_be_canal ? best.canal.breach_mm : kUnbounded);
+    };
+    for_each_beyond(row, field_.turns(), least_mm, [&](const Vec3& p_mm, double value_mm, std::size_t sample) {
+      if (is_opening && !field_.is_canal(sample)) return;
+      const WallDistance::Beyond found = field_.walls().beyond_sample(p_mm, value_mm, sample);
       FoundBreach& of_wall = found.is_canal ? best.canal : best.outer;
       if (!(found.distance_mm > of_wall.breach_mm)) return;
       of_wall = {found.distance_mm, row.depth_mm, found.is_canal, p_mm, found.wall};
@@ -302,7 +383,7 @@ FoundBreaches FastBreach::find() {
   return best;
 }
 
-std::array<double, 5> FastBreach::sides(const FoundBreaches& found) {
+std::array<double, 5> FastBreach::sides(const FoundBreaches& found, ScrewSides wanted) {
   std::array<double, 5> breach_mm{};
   if (!(found.larger().breach_mm > 0.0)) return breach_mm;
   const auto add = [&](double mm, const Vec3& place_mm, const WallDistance::Wall& wall) {
@@ -312,8 +393,11 @@ std::array<double, 5> FastBreach::sides(const FoundBreaches& found) {
   for (const FoundBreach& known : {found.outer, found.canal}) {
     if (known.breach_mm > 0.0) add(known.breach_mm, known.place_mm, known.wall);
   }
+  const double& anterior_mm = breach_mm[static_cast<std::size_t>(PathSide::anterior)];
+  const bool is_all = wanted == ScrewSides::all;
+  const auto least_mm = [&] { return is_all ? 0.0 : anterior_mm; };
+  turn_samples_.clear();
   double next_mm = 0.0;
-  std::size_t guess = kNone;
   for (std::size_t n = 0; n < rows_.size(); ++n) {
     Row& row = rows_[n];
     if (row.depth_mm < next_mm && n + 1 < rows_.size()) continue;
@@ -324,11 +408,11 @@ std::array<double, 5> FastBreach::sides(const FoundBreaches& found) {
     // The outer surface does not count there: is the canal's near enough?
     if (is_opening && field_.canal_at_least_mm(tool_.axis_mm(row.depth_mm)) > radius_mm(row) + max_mm + 0.5) continue;
     if (!(radius_mm(row) - axis_of(row).nearer.distance_mm > 0.0)) continue;
-    for_each_place(row, field_.side_turns(), [&](const Vec3& p_mm) {
-      const WallDistance::Beyond beside = beyond(p_mm, guess, 0.0);
-      guess = beside.wall.sample;
-      if (!(beside.distance_mm > 0.0) || (is_opening && !beside.is_canal)) return;
-      add(beside.distance_mm, p_mm, beside.wall);
+    for_each_beyond(row, field_.side_turns(), least_mm, [&](const Vec3& p_mm, double value_mm, std::size_t sample) {
+      if (is_opening && !field_.is_canal(sample)) return;
+      if (!is_all && !may_be_anterior(p_mm, sample)) return;
+      const WallDistance::Beyond beside = field_.walls().beyond_sample(p_mm, value_mm, sample);
+      if (beside.distance_mm > 0.0) add(beside.distance_mm, p_mm, beside.wall);
     });
   }
   return breach_mm;

@@ -1,14 +1,17 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/plan/detail/graded_tool.h"
 #include "core/plan/detail/nearest_cells.h"
 #include "core/plan/grade.h"
 #include "core/plan/path_side.h"
+#include "core/plan/screw_breach.h"
 
 namespace spinaltap {
 
@@ -26,6 +29,9 @@ class BreachField {
 
   /// As BoneShape::nearest(): place in its points.
   std::size_t nearest(const Vec3& p_mm) const { return cells_.nearest(p_mm); }
+  bool is_canal(std::size_t sample) const { return walls_.landmarks().is_canal_wall[sample] != 0; }
+  /// As WallDistance::walls(), sooner: `sample` is the nearest().
+  WallDistance::Walls walls(const Vec3& p_mm, const WallDistance::Walls& beside, std::size_t sample) const;
   /// The least that a place can be from the canal's wall; infinite where the bone has none.
   double canal_at_least_mm(const Vec3& p_mm) const;
 
@@ -36,7 +42,8 @@ class BreachField {
   double step_mm_;
   RingTurns turns_, side_turns_;
   NearestCells cells_;
-  FloatGrid canal_squared_mm2_;  ///< distances to the nearest sample of its wall; no values without one
+  std::vector<std::uint32_t> in_wall_;  ///< of each sample, its place among those of its wall
+  FloatGrid canal_squared_mm2_;         ///< distances to the nearest sample of its wall; no values without one
 };
 
 /// The breaches of one path, as grading finds them from all rows and rings: what cannot be among them is left out by
@@ -48,7 +55,7 @@ class FastBreach {
   /// As find_breaches() of all rows.
   FoundBreaches find();
   /// As side_breaches() of all rows.
-  std::array<double, 5> sides(const FoundBreaches& found);
+  std::array<double, 5> sides(const FoundBreaches& found, ScrewSides wanted = ScrewSides::all);
   PathSide side_of(const FoundBreach& breach) const { return sides_.of(breach.place_mm, breach.wall); }
 
   /// Bone beside the tool, to any surface, where that is no longer the one around the entry opening: to 0.1 mm. At
@@ -66,6 +73,7 @@ class FastBreach {
   };
   /// What the axis sees.
   struct Axis {
+    std::size_t sample = kNone;  ///< the nearest
     WallDistance::Wall nearer;
     bool is_canal = false;                    ///< the nearer wall
     std::optional<WallDistance::Walls> both;  ///< where it was not sure which one is nearer, or the other was wanted
@@ -80,9 +88,15 @@ class FastBreach {
   bool is_whole(Row& row);
   bool is_surely_cut(const Row& row, double radius_mm);
   void find_opening();
-  WallDistance::Beyond beyond(const Vec3& p_mm, std::size_t guess, double least_mm) const;
-  template <class Visit>
-  void for_each_place(Row& row, const RingTurns& turns, const Visit& visit);
+  /// The surface's value at each of suspect_mm_.
+  std::span<const double> suspect_values_mm();
+  double to_sample_mm(const Vec3& p_mm, std::size_t sample) const;
+  /// False only where a place beyond the wall is to another side for sure.
+  bool may_be_anterior(const Vec3& p_mm, std::size_t sample) const;
+  /// Visits places of the ring that are out of the bone, each with the surface's value and the nearest sample; not all
+  /// of those that are out by least_mm() or less.
+  template <class LeastMm, class Visit>
+  void for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const Visit& visit);
 
   const BreachField& field_;
   const BoneShape& bone_;
@@ -94,6 +108,9 @@ class FastBreach {
   std::size_t first_in_ = 0;       ///< whose axis is in the bone
   std::size_t opening_rows_ = 0;   ///< in which the outer surface does not count
   std::size_t last_cut_ = 0;       ///< where around the tool is_surely_cut() found it
+  std::vector<Vec3> suspect_mm_;   ///< places of a ring that may be out of the bone
+  std::vector<std::size_t> suspect_turns_, turn_samples_;
+  std::vector<double> values_mm_;
 };
 
 }  // namespace spinaltap

@@ -4,47 +4,140 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 namespace spinaltap {
 namespace {
 
 /// What `make` makes, once for all threads: of several that make it at the same time one is kept.
-template <class T, class Make>
+template <class T, class Owner, class Make>
 T& made_once(std::atomic<T*>& place, const Make& make) {
   T* found = place.load(std::memory_order_acquire);
   if (found != nullptr) return *found;
-  auto made = make();
+  Owner made = make();
   if (place.compare_exchange_strong(found, made.get(), std::memory_order_acq_rel)) return *made.release();
   return *found;
 }
 
+/// From a block's middle. Single precision: small, and quick to search; what it leaves open the points themselves say.
+struct Near {
+  float x, y, z;
+};
+Near operator-(const Near& a, const Near& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+float squared(const Near& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
+float sum_of_sizes(const Near& a) { return std::abs(a.x) + std::abs(a.y) + std::abs(a.z); }
+Near near_of(const Vec3& mm) {
+  return {static_cast<float>(mm.x()), static_cast<float>(mm.y()), static_cast<float>(mm.z())};
+}
+
+/// Of a cube of cells, a little larger: which one a position on its border lies in is rounded.
+float half_with_border(double side_mm) { return static_cast<float>(0.5 * side_mm + 1e-5); }
+
+/// A cube of positions.
+struct Cube {
+  Near middle;
+  float half_mm;
+};
+
+/// Those of `places` in `points` that can be nearest to a position in the cube, and perhaps some more. Squared
+/// distances may be wrong by `tolerance_mm2`.
+template <class Place>
+std::vector<Place> can_be_nearest(const std::vector<Near>& points, std::span<const Place> places, const Cube& cube,
+                                  float tolerance_mm2) {
+  struct Candidate {
+    Near from_middle;
+    float squared_mm2;
+    Place place;
+  };
+  const auto& [middle, half_mm] = cube;
+  // The difference of two points' squared distances is linear in the position: at most this in the cube.
+  const auto is_beaten_by = [half_mm = half_mm, tolerance_mm2](const Candidate& rival, const Candidate& candidate) {
+    return rival.squared_mm2 - candidate.squared_mm2 +
+               2.0F * half_mm * sum_of_sizes(rival.from_middle - candidate.from_middle) <
+           -tolerance_mm2;
+  };
+  std::vector<Candidate> near;
+  near.reserve(places.size());
+  Candidate first{{}, std::numeric_limits<float>::infinity(), 0};
+  for (const Place place : places) {
+    const Near from_middle = points[place] - middle;
+    near.push_back({from_middle, squared(from_middle), place});
+    if (near.back().squared_mm2 < first.squared_mm2) first = near.back();
+  }
+  // What the one that is nearest to the middle beats leaves few to look at.
+  std::erase_if(near, [&](const Candidate& candidate) { return is_beaten_by(first, candidate); });
+  const auto beat_at = [&](const Near& p) {
+    Candidate rival{{}, std::numeric_limits<float>::infinity(), 0};
+    float rival_mm2 = std::numeric_limits<float>::infinity();
+    for (const Candidate& candidate : near) {
+      const float mm2 = squared(candidate.from_middle - p);
+      if (mm2 < rival_mm2) rival = candidate;
+      rival_mm2 = std::min(rival_mm2, mm2);
+    }
+    std::erase_if(near, [&](const Candidate& candidate) { return is_beaten_by(rival, candidate); });
+  };
+  for (std::size_t n = 0; n < 8; ++n) {
+    beat_at({(n & 1) != 0 ? half_mm : -half_mm, (n & 2) != 0 ? half_mm : -half_mm, (n & 4) != 0 ? half_mm : -half_mm});
+  }
+  for (std::size_t n = 0; n < 6; ++n) {
+    const float side_mm = (n & 1) != 0 ? half_mm : -half_mm;
+    beat_at({n / 2 == 0 ? side_mm : 0.0F, n / 2 == 1 ? side_mm : 0.0F, n / 2 == 2 ? side_mm : 0.0F});
+  }
+  std::vector<Place> left;
+  left.reserve(near.size());
+  for (const Candidate& candidate : near) left.push_back(candidate.place);
+  return left;
+}
+
 }  // namespace
 
-void NearestCells::Points::add(const Vec3& p_mm, std::uint32_t place) {
-  x.push_back(p_mm.x());
-  y.push_back(p_mm.y());
-  z.push_back(p_mm.z());
-  index.push_back(place);
-}
+struct NearestCells::Block {
+  Vec3 middle_mm = Vec3::Zero();
+  float tolerance_mm2 = 0.0F;        ///< by which squared distances in it may be wrong
+  std::vector<Near> points;          ///< none: too many, or too far away
+  std::vector<std::uint32_t> index;  ///< of each, its place in the tree's points
+  std::array<std::atomic<const Cell*>, kCellsASide * kCellsASide * kCellsASide> cells{};
+  std::array<std::atomic<const Cell*>, kPartsASide * kPartsASide * kPartsASide> parts{};
 
-std::vector<double> NearestCells::Points::squared_mm2(const Vec3& p_mm) const {
-  std::vector<double> squared(size());
-  for (std::size_t n = 0; n < size(); ++n) {
-    const double dx = p_mm.x() - x[n], dy = p_mm.y() - y[n], dz = p_mm.z() - z[n];
-    squared[n] = dx * dx + dy * dy + dz * dz;
+  Block() = default;
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
+  ~Block() {
+    for (std::atomic<const Cell*>& cell : cells) delete[] cell.load();
+    for (std::atomic<const Cell*>& part : parts) delete[] part.load();
   }
-  return squared;
-}
 
-std::size_t NearestCells::Points::nearest(const Vec3& p_mm) const {
-  const std::vector<double> squared = squared_mm2(p_mm);
-  return static_cast<std::size_t>(std::min_element(squared.begin(), squared.end()) - squared.begin());
-}
-
-NearestCells::Block::~Block() {
-  for (std::atomic<const Points*>& cell : cells) delete cell.load();
-}
+  /// What may be nearest in one of so many cubes a side, of places that are enough for it.
+  std::unique_ptr<const Cell[]> cube(const std::array<std::size_t, 3>& at, std::size_t a_side,
+                                     std::span<const Cell> places) const {
+    const double side_mm = kBlockMm / static_cast<double>(a_side);
+    const Vec3 first(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
+    const Vec3 of_cube_mm = side_mm * (first + Vec3::Constant(0.5)) - Vec3::Constant(0.5 * kBlockMm);
+    const std::vector<Cell> left =
+        can_be_nearest(points, places, {near_of(of_cube_mm), half_with_border(side_mm)}, tolerance_mm2);
+    auto cell = std::make_unique<Cell[]>(left.size() + 1);
+    cell[0] = static_cast<Cell>(left.size());
+    std::copy(left.begin(), left.end(), cell.get() + 1);
+    return cell;
+  }
+  std::span<const Cell> cell(const std::array<std::size_t, 3>& at) {
+    const auto place_of = [](const std::array<std::size_t, 3>& of, std::size_t a_side) {
+      return (of[2] * a_side + of[1]) * a_side + of[0];
+    };
+    using Owner = std::unique_ptr<const Cell[]>;
+    const Cell& found = made_once<const Cell, Owner>(cells[place_of(at, kCellsASide)], [&] {
+      const std::array<std::size_t, 3> around{at[0] / kCellsAPart, at[1] / kCellsAPart, at[2] / kCellsAPart};
+      const Cell& part = made_once<const Cell, Owner>(parts[place_of(around, kPartsASide)], [&] {
+        std::vector<Cell> all(points.size());
+        std::iota(all.begin(), all.end(), Cell{0});
+        return cube(around, kPartsASide, all);
+      });
+      return cube(at, kCellsASide, {&part + 1, part});
+    });
+    return {&found + 1, found};
+  }
+};
 
 NearestCells::NearestCells(const PointTree& tree) : tree_(tree) {
   constexpr double kAroundMm = 8.0;  // further away the tree is asked
@@ -54,8 +147,8 @@ NearestCells::NearestCells(const PointTree& tree) : tree_(tree) {
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double side_mm = bounds_mm.sizes()[static_cast<Eigen::Index>(axis)] + 2.0 * kAroundMm;
-    size_[axis] = static_cast<int>(std::ceil(side_mm / kBlockMm));
-    count *= static_cast<std::size_t>(size_[axis]);
+    size_[axis] = static_cast<std::size_t>(std::ceil(side_mm / kBlockMm));
+    count *= size_[axis];
   }
   blocks_ = std::vector<std::atomic<Block*>>(count);
 }
@@ -64,110 +157,87 @@ NearestCells::~NearestCells() {
   for (std::atomic<Block*>& block : blocks_) delete block.load();
 }
 
-NearestCells::Points NearestCells::can_be_nearest(const Points& around, const Vec3& middle_mm, double half_mm) {
-  // Nearest to a corner of the cell, or to its middle: what is further than any of them from all of the cell is out.
-  std::vector<double> squared = around.squared_mm2(middle_mm);
-  const double nearest_mm = std::sqrt(*std::min_element(squared.begin(), squared.end()));
-  const double furthest_mm = nearest_mm + 2.0 * std::numbers::sqrt3 * half_mm + 1e-6;
-  Points near;
-  for (std::size_t n = 0; n < around.size(); ++n) {
-    if (squared[n] > furthest_mm * furthest_mm) continue;
-    near.add(Vec3(around.x[n], around.y[n], around.z[n]), around.index[n]);
-  }
-  struct Rival {
-    Vec3 from_middle_mm;
-    double squared_mm2;
-  };
-  std::array<Rival, 9> rivals;
-  for (std::size_t corner = 0; corner < rivals.size(); ++corner) {
-    const Vec3 away = corner == 8 ? Vec3(Vec3::Zero())
-                                  : Vec3(Vec3((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
-                                              (corner & 4) != 0 ? 1.0 : -1.0));
-    const std::size_t n = near.nearest(middle_mm + half_mm * away);
-    const Vec3 from_middle_mm = Vec3(near.x[n], near.y[n], near.z[n]) - middle_mm;
-    rivals[corner] = {from_middle_mm, from_middle_mm.squaredNorm()};
-  }
-  Points left;
-  for (std::size_t n = 0; n < near.size(); ++n) {
-    const Vec3 p_mm(near.x[n], near.y[n], near.z[n]);
-    const Vec3 from_middle_mm = p_mm - middle_mm;
-    const double squared_mm2 = from_middle_mm.squaredNorm();
-    // The difference of squared distances is linear in the position: at most this in the cell.
-    const bool is_beaten = std::any_of(rivals.begin(), rivals.end(), [&](const Rival& rival) {
-      return rival.squared_mm2 - squared_mm2 +
-                 2.0 * half_mm * (rival.from_middle_mm - from_middle_mm).cwiseAbs().sum() <
-             -1e-9;
-    });
-    if (!is_beaten) left.add(p_mm, near.index[n]);
-  }
-  return left;
-}
-
-NearestCells::Points NearestCells::block_points(const Vec3& middle_mm) const {
-  const double half_mm = 0.5 * kBlockMm;
-  const double furthest_mm = tree_.nearest(middle_mm).distance_mm + 2.0 * std::numbers::sqrt3 * half_mm + 1e-6;
-  Points around;
+std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle_mm) const {
+  constexpr double kFarMm = 40.0;
+  constexpr std::size_t kMany = std::numeric_limits<Cell>::max();
+  auto block = std::make_unique<Block>();
+  block->middle_mm = middle_mm;
+  const double furthest_mm = tree_.nearest(middle_mm).distance_mm + std::numbers::sqrt3 * kBlockMm + 1e-3;
+  if (furthest_mm > kFarMm) return block;
+  std::vector<Near> around;
+  std::vector<std::uint32_t> index;
   for (const PointTree::Group& group : tree_.groups()) {
     const double reach_mm = furthest_mm + group.radius_mm;
     if ((group.middle_mm - middle_mm).squaredNorm() > reach_mm * reach_mm) continue;
-    for (const std::uint32_t n : group.points) around.add(tree_.points_mm()[n], n);
+    for (const std::uint32_t n : group.points) {
+      const Vec3 mm = tree_.points_mm()[n] - middle_mm;
+      if (mm.squaredNorm() > furthest_mm * furthest_mm) continue;
+      around.push_back(near_of(mm));
+      index.push_back(n);
+    }
   }
-  return can_be_nearest(around, middle_mm, half_mm);
+  // Coordinates are wrong by 2^-24 of themselves, and so is each sum; twice that, and as much again to spare.
+  constexpr double kRounding = 2e-6;
+  const double size_mm = furthest_mm + kBlockMm;
+  block->tolerance_mm2 = static_cast<float>(kRounding * (1.0 + size_mm * size_mm));
+  std::vector<std::uint32_t> all(around.size());
+  std::iota(all.begin(), all.end(), 0U);
+  const std::vector<std::uint32_t> left = can_be_nearest<std::uint32_t>(
+      around, all, {{0.0F, 0.0F, 0.0F}, half_with_border(kBlockMm)}, block->tolerance_mm2);
+  if (left.size() > kMany) return block;
+  for (const std::uint32_t n : left) {
+    block->points.push_back(around[n]);
+    block->index.push_back(index[n]);
+  }
+  block->points.shrink_to_fit();
+  block->index.shrink_to_fit();
+  return block;
 }
 
 std::size_t NearestCells::nearest(const Vec3& p_mm) const {
   const Vec3 at_mm = p_mm - low_mm_;
-  constexpr auto kASide = static_cast<std::size_t>(kCellsASide);
-  std::array<std::size_t, 3> cell{}, of_blocks{}, in_block{};
+  std::array<std::size_t, 3> of_blocks{}, in_block{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double in_cells = at_mm[static_cast<Eigen::Index>(axis)] / kCellMm;
     if (!(in_cells >= 0.0 && in_cells < static_cast<double>(size_[axis] * kCellsASide))) {
       return tree_.nearest(p_mm).index;
     }
-    cell[axis] = static_cast<std::size_t>(in_cells);
-    of_blocks[axis] = cell[axis] / kASide;
-    in_block[axis] = cell[axis] % kASide;
+    const auto cell = static_cast<std::size_t>(in_cells);
+    of_blocks[axis] = cell / kCellsASide;
+    in_block[axis] = cell % kCellsASide;
   }
-  const auto middle_of = [this](const std::array<std::size_t, 3>& place, double side_mm) {
-    const Vec3 first(static_cast<double>(place[0]), static_cast<double>(place[1]), static_cast<double>(place[2]));
-    return Vec3(low_mm_ + side_mm * (first + Vec3::Constant(0.5)));
-  };
-  const std::size_t columns = static_cast<std::size_t>(size_[0]), rows = static_cast<std::size_t>(size_[1]);
-  Block& block = made_once(blocks_[(of_blocks[2] * rows + of_blocks[1]) * columns + of_blocks[0]], [&] {
-    auto made = std::make_unique<Block>();
-    made->points = block_points(middle_of(of_blocks, kBlockMm));
-    return made;
-  });
-  const std::size_t cell_at = (in_block[2] * kASide + in_block[1]) * kASide + in_block[0];
-  const Points& points = made_once(block.cells[cell_at], [&] {
-    const Vec3 middle_mm = middle_of(cell, kCellMm);
-    // A little larger: which cell a position on its border lies in is rounded.
-    return std::unique_ptr<const Points>(
-        std::make_unique<Points>(can_be_nearest(block.points, middle_mm, 0.5 * kCellMm + 1e-6)));
-  });
-
-  constexpr std::size_t kAtOnce = 64;
-  std::array<double, kAtOnce> squared;
-  double best_squared = std::numeric_limits<double>::infinity();
+  Block& block = made_once<Block, std::unique_ptr<Block>>(
+      blocks_[(of_blocks[2] * size_[1] + of_blocks[1]) * size_[0] + of_blocks[0]], [&] {
+        const Vec3 first(static_cast<double>(of_blocks[0]), static_cast<double>(of_blocks[1]),
+                         static_cast<double>(of_blocks[2]));
+        return make_block(low_mm_ + kBlockMm * (first + Vec3::Constant(0.5)));
+      });
+  if (block.points.empty()) return tree_.nearest(p_mm).index;
+  const std::span<const Cell> places = block.cell(in_block);
+  const Near p = near_of(p_mm - block.middle_mm);
+  const Near* const points = block.points.data();
+  float best_mm2 = std::numeric_limits<float>::infinity(), next_mm2 = best_mm2;
   std::size_t best = 0;
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    const float mm2 = squared(points[places[n]] - p);
+    if (mm2 < best_mm2) best = n;
+    next_mm2 = std::min(next_mm2, std::max(mm2, best_mm2));
+    best_mm2 = std::min(best_mm2, mm2);
+  }
+  if (next_mm2 > best_mm2 + block.tolerance_mm2) return block.index[places[best]];
+  // As PointTree sums it, bit for bit.
+  double best_squared = std::numeric_limits<double>::infinity();
   bool is_tie = false;
-  for (std::size_t first = 0; first < points.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, points.size() - first);
-    const double *x = points.x.data() + first, *y = points.y.data() + first, *z = points.z.data() + first;
-    // As PointTree sums it, bit for bit.
-    for (std::size_t n = 0; n < count; ++n) {
-      const double dx = p_mm.x() - x[n], dy = p_mm.y() - y[n], dz = p_mm.z() - z[n];
-      squared[n] = dx * dx + dy * dy + dz * dz;
-    }
-    for (std::size_t n = 0; n < count; ++n) {
-      if (squared[n] > best_squared) continue;
-      is_tie = squared[n] == best_squared;
-      best_squared = squared[n];
-      best = first + n;
-    }
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    if (squared(points[places[n]] - p) > best_mm2 + block.tolerance_mm2) continue;
+    const double squared_mm2 = (p_mm - tree_.points_mm()[block.index[places[n]]]).squaredNorm();
+    if (squared_mm2 > best_squared) continue;
+    is_tie = squared_mm2 == best_squared;
+    best_squared = squared_mm2;
+    best = n;
   }
   // Of several as near, the tree has an order of its own.
-  return is_tie ? tree_.nearest(p_mm).index : points.index[best];
+  return is_tie ? tree_.nearest(p_mm).index : block.index[places[best]];
 }
 
 }  // namespace spinaltap

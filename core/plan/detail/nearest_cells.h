@@ -24,32 +24,17 @@ class NearestCells {
   std::size_t nearest(const Vec3& p_mm) const;
 
  private:
-  /// Points, each coordinate for itself, for vector instructions.
-  struct Points {
-    std::vector<double> x, y, z;
-    std::vector<std::uint32_t> index;
-
-    std::size_t size() const { return index.size(); }
-    void add(const Vec3& p_mm, std::uint32_t place);
-    std::vector<double> squared_mm2(const Vec3& p_mm) const;
-    std::size_t nearest(const Vec3& p_mm) const;
-  };
-  static constexpr int kCellsASide = 8;
+  static constexpr std::size_t kCellsASide = 8, kCellsAPart = 2, kPartsASide = kCellsASide / kCellsAPart;
   static constexpr double kCellMm = 0.5, kBlockMm = kCellMm * kCellsASide;
-  struct Block {
-    Points points;
-    std::array<std::atomic<const Points*>, std::size_t{kCellsASide} * kCellsASide * kCellsASide> cells{};
-    ~Block();
-  };
+  struct Block;
+  /// Places in a block's points, the first their number.
+  using Cell = std::uint16_t;
 
-  /// Those of `around` that can be nearest to a position within `half_mm` of a middle along each axis. `around` holds
-  /// at least those.
-  static Points can_be_nearest(const Points& around, const Vec3& middle_mm, double half_mm);
-  Points block_points(const Vec3& middle_mm) const;
+  std::unique_ptr<Block> make_block(const Vec3& middle_mm) const;
 
   const PointTree& tree_;
   Vec3 low_mm_ = Vec3::Zero();
-  std::array<int, 3> size_{};  ///< in blocks
+  std::array<std::size_t, 3> size_{};  ///< in blocks
   mutable std::vector<std::atomic<Block*>> blocks_;
 };
 

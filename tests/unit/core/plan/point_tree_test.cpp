@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/random.h"
+#include "core/plan/detail/nearest_cells.h"
 
 namespace spinaltap {
 namespace {
@@ -37,6 +38,26 @@ TEST(PointTree, FindsTheNearestWithAnyGuess) {
       EXPECT_NEAR(tree.nearest(p_mm, guess).distance_mm, ground_truth_mm, 1e-12);
     }
   }
+}
+
+TEST(NearestCells, FindWhatTheTreeFinds) {
+  // Points at random, close together, and in a lattice whose neighbours are as near as each other from many places.
+  std::vector<Vec3> lattice_mm;
+  for (int n = 0; n < 1000; ++n) lattice_mm.emplace_back(n % 10, n / 10 % 10, n / 100);
+  for (const std::vector<Vec3>& points_mm : {random_points(20'000), random_points(3), lattice_mm}) {
+    const PointTree tree(points_mm);
+    const NearestCells cells(tree);
+    for (std::uint64_t n = 0; n < 3000; ++n) {
+      // Into and around the points, and so far off that there is no cell; half of them between a lattice's points.
+      const Vec3 at_mm = 4.0 * random_point(7, n) - Vec3::Constant(15.0);
+      const Vec3 p_mm = n % 2 == 0 ? at_mm : Vec3(0.5 * (2.0 * at_mm).array().round());
+      ASSERT_EQ(cells.nearest(p_mm), tree.nearest(p_mm).index) << n << ": " << p_mm.transpose();
+    }
+    EXPECT_EQ(cells.nearest(Vec3::Constant(1e6)), tree.nearest(Vec3::Constant(1e6)).index);
+    EXPECT_EQ(cells.nearest(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), PointTree::Nearest{}.index);
+  }
+  const PointTree none({});
+  EXPECT_EQ(NearestCells(none).nearest(Vec3::Zero()), PointTree::Nearest{}.index);
 }
 
 TEST(PointTree, HoldsAllPointsAlongALine) {

@@ -30,6 +30,9 @@ void expect_grades_of_paths(const WallDistance& walls, const DrillPath& plan, do
     EXPECT_EQ(fast.grade(), slow.grade) << n;
     EXPECT_EQ(std::max(fast.outer_mm, fast.canal_mm), slow.breach_mm) << n;
     EXPECT_EQ(fast.side_breach_mm, slow.side_breach_mm) << n;
+    const ScrewBreach faster = grader.grade(path, ScrewSides::anterior);
+    EXPECT_EQ(faster.breach_mm, slow.breach_mm) << n;
+    EXPECT_EQ(faster.side_breach_mm.back(), slow.side_breach_mm.back()) << n;  // anterior
     if (!(slow.breach_mm > 0.0)) continue;
     ++breaches;
     EXPECT_EQ(fast.depth_mm, slow.breach_depth_mm) << n;
