@@ -15,11 +15,13 @@ namespace {
 constexpr float kNoWall = 1e12F;
 constexpr float kFarthestMm = 1e6F;
 
-Eigen::Array4f node_of(std::span<const WallDistance* const> bones, const Vec3& p_mm) {
+/// `beside`: the walls of each bone at a place close by; becomes those of this one.
+Eigen::Array4f node_of(std::span<const WallDistance* const> bones, const Vec3& p_mm,
+                       std::vector<WallDistance::Walls>& beside) {
   constexpr double kNowhereMm = std::numeric_limits<double>::infinity();
   double surface_mm = -kNowhereMm, outer_mm = kNowhereMm, canal_mm = kNowhereMm;
-  for (const WallDistance* bone : bones) {
-    const WallDistance::Walls walls = bone->walls(p_mm);
+  for (std::size_t n = 0; n < bones.size(); ++n) {
+    const WallDistance::Walls walls = beside[n] = bones[n]->walls(p_mm, beside[n]);
     surface_mm = std::max(surface_mm, walls.nearer_mm());
     outer_mm = std::min(outer_mm, std::abs(walls.outer.distance_mm));
     canal_mm = std::min(canal_mm, std::abs(walls.canal.distance_mm));
@@ -66,6 +68,7 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
     const int i = column / count_.y();
     const Vec3 foot_mm = low_mm_ + spacing_mm * Vec3(i, column - i * count_.y(), 0.0);
     if (curve.is_straight() && std::hypot(foot_mm.x(), foot_mm.y()) > widest_mm) return;
+    std::vector<WallDistance::Walls> beside(walls.size());
     for (int k = 0; k < count_.z(); ++k) {
       const Vec3 p_path = foot_mm + spacing_mm * k * Vec3::UnitZ();
       if (!curve.is_straight()) {
@@ -74,7 +77,7 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
         if ((curve.at_mm(at_mm) - p_mm).norm() > widest_mm) continue;
       }
       nodes_[static_cast<std::size_t>(column) * static_cast<std::size_t>(count_.z()) + static_cast<std::size_t>(k)] =
-          node_of(walls, frame_.to_patient(p_path));
+          node_of(walls, frame_.to_patient(p_path), beside);
     }
   });
 }
