@@ -75,7 +75,7 @@ BreachField::BreachField(const WallDistance& walls, const GradeOptions& options)
   std::array<std::uint32_t, 2> counts{};
   in_wall_.reserve(bone().points_mm().size());
   for (std::size_t n = 0; n < bone().points_mm().size(); ++n) in_wall_.push_back(counts[is_canal(n) ? 1 : 0]++);
-  measure_canal();
+  measure_walls();
 }
 
 WallDistance::Walls BreachField::walls(const Vec3& p_mm, const WallDistance::Walls& beside, std::size_t sample) const {
@@ -84,39 +84,40 @@ WallDistance::Walls BreachField::walls(const Vec3& p_mm, const WallDistance::Wal
   return walls_.walls(p_mm, known);
 }
 
-void BreachField::measure_canal() {
+void BreachField::measure_walls() {
   constexpr double kSpacingMm = 2.0;
-  std::vector<Vec3> canal_mm;
-  for (std::size_t n = 0; n < bone().points_mm().size(); ++n) {
-    if (is_canal(n)) canal_mm.push_back(bone().points_mm()[n]);
-  }
-  if (canal_mm.empty()) return;
-  const PointTree tree(std::move(canal_mm));
-  GridGeometry& geometry = canal_squared_mm2_.geometry;
+  GridGeometry geometry;
   geometry.origin_mm = bone().bounds_mm().min() - Vec3::Constant(kSpacingMm);
   geometry.spacing_mm = Vec3::Constant(kSpacingMm);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double side_mm = bone().bounds_mm().sizes()[static_cast<Eigen::Index>(axis)] + 2.0 * kSpacingMm;
     geometry.size[axis] = static_cast<int>(std::ceil(side_mm / kSpacingMm)) + 1;
   }
-  canal_squared_mm2_.values.resize(geometry.voxel_count());
+  for (FloatGrid* grid : {&outer_squared_mm2_, &canal_squared_mm2_}) {
+    grid->geometry = geometry;
+    grid->values.resize(geometry.voxel_count());
+  }
   tbb::parallel_for(0, geometry.size[2], [&](int k) {
-    std::size_t guess = PointTree::Nearest{}.index;
+    WallDistance::Walls beside;
+    const auto squared_to = [](const WallDistance::Wall& wall, const Vec3& p_mm) {
+      return static_cast<float>(std::isfinite(wall.distance_mm) ? (p_mm - wall.nearest_mm).squaredNorm() : kUnbounded);
+    };
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
-        const PointTree::Nearest found = tree.nearest(geometry.to_patient(Vec3(i, j, k)), guess);
-        guess = found.index;
-        canal_squared_mm2_.values[geometry.offset(i, j, k)] = static_cast<float>(found.distance_mm * found.distance_mm);
+        const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
+        beside = walls_.walls(p_mm, beside);
+        outer_squared_mm2_.values[geometry.offset(i, j, k)] = squared_to(beside.outer, p_mm);
+        canal_squared_mm2_.values[geometry.offset(i, j, k)] = squared_to(beside.canal, p_mm);
       }
     }
   });
 }
 
-double BreachField::canal_at_least_mm(const Vec3& p_mm) const {
-  if (canal_squared_mm2_.values.empty()) return kUnbounded;
+double BreachField::at_least_mm(const FloatGrid& to_wall_mm2, const Vec3& p_mm) {
+  if (std::isinf(to_wall_mm2.values.front())) return kUnbounded;
   // |p - s|² - |p|² is linear in p for each sample s. The least of it over the samples is therefore concave, and what
   // is interpolated between lattice places is not above it: only |p|² has to be corrected for its bend.
-  const GridGeometry& geometry = canal_squared_mm2_.geometry;
+  const GridGeometry& geometry = to_wall_mm2.geometry;
   const Vec3 index = (p_mm - geometry.origin_mm).cwiseQuotient(geometry.spacing_mm);
   double bend_mm2 = 0.0, outside_squared = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -128,8 +129,7 @@ double BreachField::canal_at_least_mm(const Vec3& p_mm) const {
     outside_squared += (index[axis] - inside) * (index[axis] - inside) * spacing_squared;
   }
   constexpr double kRoundingShare = 1e-5;  // of float
-  const double squared_mm2 =
-      sample_clamped(canal_squared_mm2_, index) * (1.0 - kRoundingShare) - bend_mm2 - kSampleSquared;
+  const double squared_mm2 = sample_clamped(to_wall_mm2, index) * (1.0 - kRoundingShare) - bend_mm2 - kSampleSquared;
   return squared_mm2 > 0.0 ? std::max(0.0, std::sqrt(squared_mm2) - std::sqrt(outside_squared)) : 0.0;
 }
 
@@ -166,7 +166,8 @@ FastBreach::Axis& FastBreach::axis_of(Row& row) {
   axis.sample = field_.nearest(p_mm);
   axis.is_canal = field_.is_canal(axis.sample);
   axis.nearer = WallDistance::wall_at(p_mm, bone_.points_mm()[axis.sample], bone_.normals()[axis.sample]);
-  if (!axis.is_canal && field_.canal_at_least_mm(p_mm) > axis.nearer.distance_mm) {
+  const double other_mm = axis.is_canal ? field_.outer_at_least_mm(p_mm) : field_.canal_at_least_mm(p_mm);
+  if (other_mm > axis.nearer.distance_mm) {
     const double band_mm = bone_.trusted_band_mm();
     if (row.lattice_mm < -band_mm - kSureLatticeMm) return axis;  // the surface's value is below -band_mm
     const double value_mm = value_at(bone_, p_mm);
@@ -230,9 +231,8 @@ bool FastBreach::is_whole(Row& row) {
   if (r_mm > 0.0 && is_surely_cut(row, r_mm)) return false;
   const Vec3 centre_mm = tool_.axis_mm(row.depth_mm);
   if (!(r_mm > 0.0)) return true;
-  const Axis& axis = axis_of(row);
   const ToolRing ring(tool_, row.depth_mm, r_mm,
-                      SideNames::towards(centre_mm, axis.is_canal ? axis.both->outer : axis.nearer));
+                      SideNames::towards(centre_mm, axis_of(row).is_canal ? both_of(row).outer : axis_of(row).nearer));
   suspect_mm_.clear();
   for (RingWalk walk(bone_, ring, field_.turns(), r_mm); walk.next();) {
     const Vec3 p_mm = walk.place_mm();
@@ -360,10 +360,14 @@ FoundBreaches FastBreach::find() {
     }
     const Axis& axis = axis_of(row);
     // The nearer wall is always near enough.
-    if (may_be_outer && axis.is_canal) may_be_outer = std::abs(axis.both->outer.distance_mm) <= within_mm;
+    const Vec3 axis_mm = tool_.axis_mm(row.depth_mm);
+    if (may_be_outer && axis.is_canal) {
+      may_be_outer =
+          field_.outer_at_least_mm(axis_mm) <= within_mm && std::abs(both_of(row).outer.distance_mm) <= within_mm;
+    }
     if (may_be_canal && !axis.is_canal) {
-      may_be_canal = field_.canal_at_least_mm(tool_.axis_mm(row.depth_mm)) <= within_mm &&
-                     std::abs(both_of(row).canal.distance_mm) <= within_mm;
+      may_be_canal =
+          field_.canal_at_least_mm(axis_mm) <= within_mm && std::abs(both_of(row).canal.distance_mm) <= within_mm;
     }
     if (!may_be_outer && !may_be_canal) continue;
     const auto least_mm = [&] {

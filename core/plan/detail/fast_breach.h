@@ -32,18 +32,21 @@ class BreachField {
   bool is_canal(std::size_t sample) const { return walls_.landmarks().is_canal_wall[sample] != 0; }
   /// As WallDistance::walls(), sooner: `sample` is the nearest().
   WallDistance::Walls walls(const Vec3& p_mm, const WallDistance::Walls& beside, std::size_t sample) const;
-  /// The least that a place can be from the canal's wall; infinite where the bone has none.
-  double canal_at_least_mm(const Vec3& p_mm) const;
+  /// The least that a place can be from the outer surface, or from the canal's wall; infinite where the bone has none.
+  double outer_at_least_mm(const Vec3& p_mm) const { return at_least_mm(outer_squared_mm2_, p_mm); }
+  double canal_at_least_mm(const Vec3& p_mm) const { return at_least_mm(canal_squared_mm2_, p_mm); }
 
  private:
-  void measure_canal();
+  void measure_walls();
+  static double at_least_mm(const FloatGrid& to_wall_mm2, const Vec3& p_mm);
 
   const WallDistance& walls_;
   double step_mm_;
   RingTurns turns_, side_turns_;
   NearestCells cells_;
   std::vector<std::uint32_t> in_wall_;  ///< of each sample, its place among those of its wall
-  FloatGrid canal_squared_mm2_;         ///< distances to the nearest sample of its wall; no values without one
+  /// Distances to the nearest sample of a wall, or up to kSampleMm less; infinite without one.
+  FloatGrid outer_squared_mm2_, canal_squared_mm2_;
 };
 
 /// The breaches of one path, as grading finds them from all rows and rings: what cannot be among them is left out by
