@@ -41,18 +41,24 @@ GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const Pla
                      const OddsOptions& options, const Progress& progress) {
   check_errors(errors);
   check_path(path);
-  check_odds_options(options);
   check_turns(path.bit, "errors of placement");
   breach_mm(walls, path, options.grade);  // rejects options without sense
   const ErrorFrame frame = error_frame(walls.landmarks(), path);
+  return grade_odds(
+      walls, [&](std::uint32_t index) { return erred_path(path, frame, draw_error(errors, options.seed, index)); },
+      options, progress);
+}
+
+GradeOdds grade_odds(const WallDistance& walls, const ErredPath& erred, const OddsOptions& options,
+                     const Progress& progress) {
+  check_odds_options(options);
   const BreachField field(walls, options.grade);
   const auto draws = static_cast<std::size_t>(options.draws);
   std::vector<double> breaches_mm(draws);
   std::vector<std::uint8_t> into_canal(draws, 0);
   ProgressCounter counter(progress, "grading erred paths", draws);
   tbb::parallel_for(std::size_t{0}, draws, [&](std::size_t n) {
-    const PlacementError error = draw_error(errors, options.seed, static_cast<std::uint32_t>(n));
-    const FoundBreaches found = FastBreach(field, erred_path(path, frame, error)).find();
+    const FoundBreaches found = FastBreach(field, erred(static_cast<std::uint32_t>(n))).find();
     breaches_mm[n] = found.larger().breach_mm;
     into_canal[n] = found.canal.breach_mm > 0.0 ? 1 : 0;
     counter.add();

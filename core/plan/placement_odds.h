@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -39,6 +40,12 @@ struct GradeOdds {
 /// and options that make no sense.
 GradeOdds grade_odds(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
                      const OddsOptions& options = {}, const Progress& progress = {});
+
+/// Where a screw ends on draw `index`: the same whatever thread asks.
+using ErredPath = std::function<DrillPath(std::uint32_t index)>;
+/// The same of paths that err in whatever way: registered_odds() has another.
+GradeOdds grade_odds(const WallDistance& walls, const ErredPath& erred, const OddsOptions& options = {},
+                     const Progress& progress = {});
 
 struct BreachMapOptions {
   double max_shift_mm = 5.0, shift_step_mm = 0.5;

@@ -1,0 +1,60 @@
+#include "core/registration/registered_odds.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/base/quasi_random.h"
+#include "core/registration/rigid_pose.h"
+#include "core/tool/plate.h"
+
+namespace spinaltap {
+namespace {
+
+/// Of the sequence of which the screw's own error has the first.
+constexpr int kFirstDimension = 5;
+
+void check_registration(const PoseCovariance& registration, const DrillPath& path) {
+  constexpr double kFurthestMm = 100.0;
+  check_covariance(registration);
+  const double worst_mm =
+      std::max(target_error_mm(registration, path.entry_mm), target_error_mm(registration, path.target_mm));
+  if (!(worst_mm <= kFurthestMm)) {
+    fail("odds of grades: expected a registration that errs by up to ", kFurthestMm, " mm at the path, found ",
+         worst_mm, " mm");
+  }
+}
+
+DrillPath moved(const DrillPath& path, const PoseCovariance& registration, std::uint64_t seed, std::uint32_t index) {
+  Vec3 a = Vec3::Zero(), b = Vec3::Zero();
+  for (int n = 0; n < 3; ++n) {
+    a[n] = sobol_normal(seed, index, kFirstDimension + n);
+    b[n] = sobol_normal(seed, index, kFirstDimension + 3 + n);
+  }
+  const PoseError error = pose_error_of(registration, a, b);
+  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, registration.centre_mm);
+  DrillPath there = path;
+  there.entry_mm = motion.apply(path.entry_mm);
+  there.target_mm = motion.apply(path.target_mm);
+  return there;
+}
+
+}  // namespace
+
+GradeOdds registered_odds(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
+                          const PoseCovariance& registration, const OddsOptions& options, const Progress& progress) {
+  check_errors(errors);
+  check_path(path);
+  check_turns(path.bit, "errors of placement");
+  check_registration(registration, path);
+  breach_mm(walls, path, options.grade);  // rejects options without sense
+  const ErrorFrame frame = error_frame(walls.landmarks(), path);
+  return grade_odds(
+      walls,
+      [&](std::uint32_t index) {
+        const DrillPath erred = erred_path(path, frame, draw_error(errors, options.seed, index));
+        return moved(erred, registration, options.seed, index);
+      },
+      options, progress);
+}
+
+}  // namespace spinaltap
