@@ -16,7 +16,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kScrewRadiusMm = 3.0;
+constexpr double kShaftRadiusMm = 3.0;
 
 double normal_share(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
@@ -29,9 +29,9 @@ class RegisteredOdds : public ::testing::Test {
   }
   /// From the block's back straight forward; `beside_mm` of bone to its lateral wall.
   static DrillPath path(double beside_mm) {
-    const double x_mm = test::Block::kHalfWidthMm - kScrewRadiusMm - beside_mm;
+    const double x_mm = test::Block::kHalfWidthMm - kShaftRadiusMm - beside_mm;
     DrillPath path{"", Vec3(x_mm, test::Block::kHalfDepthMm, 0.0), Vec3(x_mm, -12.0, 0.0), {}};
-    path.screw = PedicleScrew{"", 2.0 * kScrewRadiusMm, 45.0, 4.0};
+    path.screw = PedicleScrew{"", 2.0 * kShaftRadiusMm, 45.0, 4.0};
     return path;
   }
 };
@@ -70,7 +70,7 @@ TEST_F(RegisteredOdds, OfATurnGrowWithTheDistanceFromItsCentre) {
     double low = 0.0, high = 10.0;
     for (int round = 0; round < 60; ++round) {
       const double middle = 0.5 * (low + high) * kDegree;
-      const double out_mm = depth_mm * std::sin(middle) + kScrewRadiusMm * (std::cos(middle) - 1.0);
+      const double out_mm = depth_mm * std::sin(middle) + kShaftRadiusMm * (std::cos(middle) - 1.0);
       (out_mm < kBesideMm ? low : high) = middle / kDegree;
     }
     expect_holds(registered_odds(walls(), plan, plain_errors(0.0, 0.0), registration).grades[0],
