@@ -28,7 +28,8 @@ constexpr std::array<SobolPolynomial, kSobolDimensions - 1> kSobolPolynomials{{{
                                                                                {5, 2, {1, 1, 5, 5, 17}},
                                                                                {5, 4, {1, 1, 5, 5, 5}},
                                                                                {5, 7, {1, 1, 7, 11, 19}},
-                                                                               {5, 11, {1, 1, 5, 1, 1}}}};
+                                                                               {5, 11, {1, 1, 5, 1, 1}},
+                                                                               {5, 13, {1, 1, 1, 3, 11}}}};
 
 constexpr std::array<SobolNumbers, kSobolDimensions> make_sobol_directions() {
   std::array<SobolNumbers, kSobolDimensions> all{};

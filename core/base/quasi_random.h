@@ -5,7 +5,7 @@
 namespace spinaltap {
 
 /// How many dimensions sobol_uniform() has.
-inline constexpr int kSobolDimensions = 11;
+inline constexpr int kSobolDimensions = 12;
 
 /// Number `index` of a Sobol sequence, scrambled by `seed`: uniform in (0, 1), spread more evenly than random numbers,
 /// most evenly in whole powers of two. By counter: the same whatever thread asks, in whatever order. Directions: Joe &

@@ -11,7 +11,7 @@ namespace spinaltap {
 namespace {
 
 /// Of the sequence of which the screw's own error has the first.
-constexpr int kFirstDimension = 5;
+constexpr int kFirstDimension = 6;
 
 void check_registration(const PoseCovariance& registration, const DrillPath& path) {
   constexpr double kFurthestMm = 100.0;
