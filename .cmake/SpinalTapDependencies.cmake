@@ -43,6 +43,8 @@ if(SPINALTAP_PLANNER)
   if(Qt5_FOUND AND VTK_FOUND)
     set(SPINALTAP_PLANNER ON)
     set(SPINALTAP_VTK ${VTK_LIBRARIES})
+    # The drill as it is heard; without, the window says so.
+    find_package(Qt5Multimedia 5.15 QUIET)
   else()
     set(SPINALTAP_PLANNER OFF)
   endif()

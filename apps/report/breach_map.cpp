@@ -86,9 +86,10 @@ std::string bars(const GradeOdds& odds) {
 }
 
 /// "Errors: Robot, 726 screws", in two lines where it is longer than one.
-std::vector<std::string> title_lines(const PlacementErrors& errors) {
+std::vector<std::string> title_lines(const PlacedGrade& placed) {
   std::vector<std::string> lines{"Errors:"};
-  std::istringstream words(errors.title.empty() ? errors.name : errors.title);
+  const std::string title = placed.errors.title.empty() ? placed.errors.name : placed.errors.title;
+  std::istringstream words(placed.registration ? title + "; with " + placed.registration->name : title);
   for (std::string word; words >> word;) {
     const bool fits = lines.size() == 2 || text_width(lines.back() + " " + word, 13.0) < kWidth - kBarsLeft;
     if (fits) {
@@ -111,7 +112,7 @@ std::string breach_map_svg(const PlacedGrade& placed) {
                     text(kBarsLeft, 14.0, "start", "Grades to expect, 95 % intervals", kHead) +
                     map(placed.map.shift_mm) + bars(placed.odds);
   double y = kTop + kSide + 12.0;
-  for (const std::string& line : title_lines(placed.errors)) {
+  for (const std::string& line : title_lines(placed)) {
     svg += text(kBarsLeft, y, "start", line);
     y += 16.0;
   }

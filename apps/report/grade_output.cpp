@@ -93,6 +93,13 @@ Json json_of(const PlacementErrors& errors) {
           {"sources", errors.sources}};
 }
 
+Json json_of(const AddedRegistration& added) {
+  return {{"file", added.name},
+          {"error_at_entry_mm", added.entry_mm},
+          {"error_at_target_mm", added.target_mm},
+          {"warnings", added.warnings}};
+}
+
 Json json_of(const BreachLattice& lattice) { return {{"errors", lattice.errors}, {"breach_mm", lattice.breach_mm}}; }
 
 Json json_of(const PlacedGrade& placed, bool with_map) {
@@ -101,6 +108,7 @@ Json json_of(const PlacedGrade& placed, bool with_map) {
     grades[std::string(1, letter_of(static_cast<Grade>(n)))] = json_of(placed.odds.grades[n]);
   }
   Json json{{"errors", json_of(placed.errors)},
+            {"registration", placed.registration ? json_of(*placed.registration) : Json(nullptr)},
             {"draws", placed.odds.draws},
             {"seed", placed.odds.seed},
             {"grades", grades},
@@ -168,8 +176,15 @@ std::string odds_in_words(const PlacedGrade& placed) {
     words += (words.empty() ? "" : ", ") + std::string(1, letter_of(static_cast<Grade>(n))) + " " +
              probability_in_words(placed.odds.grades[n]);
   }
-  return words + "; breach into the canal " + probability_in_words(placed.odds.canal) + "; by " + placed.errors.name +
-         ", " + std::to_string(placed.odds.draws) + " draws";
+  return words + "; breach into the canal " + probability_in_words(placed.odds.canal) + "; by " +
+         errors_in_words(placed) + ", " + std::to_string(placed.odds.draws) + " draws";
+}
+
+std::string errors_in_words(const PlacedGrade& placed) {
+  if (!placed.registration) return placed.errors.name;
+  const AddedRegistration& added = *placed.registration;
+  return placed.errors.name + " and " + added.name + " (" + readable_number(added.entry_mm, 2) + " mm at the entry, " +
+         readable_number(added.target_mm, 2) + " mm at the target)";
 }
 
 bool hides_breach(const GradedPath& graded) {

@@ -11,11 +11,20 @@
 
 namespace spinaltap {
 
+/// The registration whose error was added to the screws' own.
+struct AddedRegistration {
+  std::string name;        ///< of its file
+  double entry_mm = 0.0;   ///< its error at the path's entry, root mean square
+  double target_mm = 0.0;  ///< and at the target
+  std::vector<std::string> warnings;
+};
+
 /// What becomes of a path where screws err.
 struct PlacedGrade {
   PlacementErrors errors;
   GradeOdds odds;
   BreachMap map;
+  std::optional<AddedRegistration> registration = {};
 };
 
 /// A path and what it was graded as.
@@ -42,6 +51,8 @@ bool hides_breach(const GradedPath& graded);
 /// "A 93 % (91 to 95), B 6 % (5 to 8); breach into the canal 2 % (1 to 3); by robot_726, 1024 draws": grades below 0.1
 /// % are left out.
 std::string odds_in_words(const PlacedGrade& placed);
+/// "robot_726", "1.5 mm, 2 degrees and registration.json (0.61 mm at the entry, 0.93 mm at the target)".
+std::string errors_in_words(const PlacedGrade& placed);
 /// "found to 0.12 mm (standard error): clearance to the canal 1.31 mm is 1.07 to 1.55 mm", of the nearer wall.
 std::string surface_in_words(const GradedPath& graded);
 

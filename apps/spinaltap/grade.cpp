@@ -55,14 +55,14 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
       read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density);
   const Material material =
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
-  const std::optional<PlacementErrors> errors = options.placement.model();
+  const PlacementModel model = options.placement.model();
   const Bone bone = Bone::load(options.bone, options.level);
   std::vector<GradedPath> graded;
   graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
     graded.push_back({path, grade(bone, path, options.grade, material, progress)});
   }
-  add_uncertainty(bone, errors, graded, progress);
+  add_uncertainty(bone, model, graded, progress);
   const auto is_breach = [](const GradedPath& one) { return one.grade.breach_mm > 0.0; };
   if (options.fails_on_breach && std::any_of(graded.begin(), graded.end(), is_breach)) exit_code = kAnswerIsNo;
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};

@@ -2,28 +2,39 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/report/grade_output.h"
 #include "core/base/progress.h"
+#include "core/registration/registration.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
 
-/// The option of commands that grade paths: --errors.
-struct PlacementOptions {
-  std::string errors = "robot_726";  ///< a shipped model, "MM,DEG", or "none"
-
-  void add_to(CLI::App& app);
-  /// The model; nothing for "none". Throws Error as placement_errors_of() does.
-  std::optional<PlacementErrors> model() const;
+/// How screws err, and how the registration does that guides them.
+struct PlacementModel {
+  std::optional<PlacementErrors> errors;
+  std::optional<Registration> registration;
+  std::string registration_name;
 };
 
-/// Fills in how likely each grade is and what errors do, where there is a model, and how well the CT shows the bone's
+/// The options of commands that grade paths: --errors and --registration.
+struct PlacementOptions {
+  std::string errors = "robot_726";  ///< a shipped model, "MM,DEG", or "none"
+  std::filesystem::path registration;
+
+  void add_to(CLI::App& app);
+  /// Nothing for "none" and where no registration is given. Throws Error as placement_errors_of() and
+  /// read_registration() do.
+  PlacementModel model() const;
+};
+
+/// Fills in how likely each grade is and what errors do, where something errs, and how well the CT shows the bone's
 /// surface, where that is known.
-void add_uncertainty(const Bone& bone, const std::optional<PlacementErrors>& errors, std::vector<GradedPath>& graded,
+void add_uncertainty(const Bone& bone, const PlacementModel& model, std::vector<GradedPath>& graded,
                      const Progress& progress = {});
 
 /// Prints them, a line each of a path.

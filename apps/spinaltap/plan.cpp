@@ -319,7 +319,7 @@ void add_plan(CLI::App& program, Command& command) {
   options->page.add_to(*app);
   app->get_option("--auto")->excludes("--entry");
   for (const char* name : {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors",
-                           "--report", "--levels"}) {
+                           "--registration", "--report", "--levels"}) {
     app->get_option(name)->needs("--auto");
   }
   app->get_option("--report")->excludes("--levels");
@@ -342,10 +342,10 @@ void add_plan(CLI::App& program, Command& command) {
       paths = {*path};
     } else if (options->is_auto) {
       options->suggest.bit = options->path.bit();
-      const std::optional<PlacementErrors> errors = options->placement.model();
+      const PlacementModel model = options->placement.model();
       const std::vector<Suggestion> suggestions = bone.suggest(options->suggest, progress);
       std::vector<GradedPath> graded = graded_paths(suggestions);
-      add_uncertainty(bone, errors, graded, progress);
+      add_uncertainty(bone, model, graded, progress);
       figures = report_suggestions(bone, suggestions, graded);
       if (!options->report.empty()) {
         CtVolume kept;

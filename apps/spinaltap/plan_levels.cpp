@@ -98,7 +98,7 @@ Json lay_rod(std::vector<PlannedLevel>& levels, std::size_t side) {
 }  // namespace
 
 Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progress& progress) {
-  const std::optional<PlacementErrors> errors = options.placement.model();
+  const PlacementModel model = options.placement.model();
   std::vector<PlannedLevel> levels;
   Json figures{{"levels", Json::array()}, {"rods", Json::array()}};
   const std::vector<Level> wanted = levels_of(options);
@@ -130,7 +130,7 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
     const std::string name = level_name(level.level);
     print_figure("level", name);
     std::vector<GradedPath> graded = graded_paths(level.suggestions);
-    add_uncertainty(level.bone, errors, graded, progress);
+    add_uncertainty(level.bone, model, graded, progress);
     Json json = report_suggestions(level.bone, level.suggestions, graded);
     json["level"] = name;
     figures["levels"].push_back(std::move(json));

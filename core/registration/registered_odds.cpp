@@ -24,21 +24,25 @@ void check_registration(const PoseCovariance& registration, const DrillPath& pat
   }
 }
 
-DrillPath moved(const DrillPath& path, const PoseCovariance& registration, std::uint64_t seed, std::uint32_t index) {
+PoseError drawn_pose_error(const PoseCovariance& registration, std::uint64_t seed, std::uint32_t index) {
   Vec3 a = Vec3::Zero(), b = Vec3::Zero();
   for (int n = 0; n < 3; ++n) {
     a[n] = sobol_normal(seed, index, kFirstDimension + n);
     b[n] = sobol_normal(seed, index, kFirstDimension + 3 + n);
   }
-  const PoseError error = pose_error_of(registration, a, b);
-  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, registration.centre_mm);
-  DrillPath there = path;
-  there.entry_mm = motion.apply(path.entry_mm);
-  there.target_mm = motion.apply(path.target_mm);
-  return there;
+  return pose_error_of(registration, a, b);
 }
 
 }  // namespace
+
+DrillPath misregistered(const DrillPath& path, const PoseError& error, const Vec3& centre_mm) {
+  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, centre_mm);
+  DrillPath moved = path;
+  moved.entry_mm = motion.apply(path.entry_mm);
+  moved.target_mm = motion.apply(path.target_mm);
+  for (Vec3& via_mm : moved.via_mm) via_mm = motion.apply(via_mm);
+  return moved;
+}
 
 GradeOdds registered_odds(const WallDistance& walls, const DrillPath& path, const PlacementErrors& errors,
                           const PoseCovariance& registration, const OddsOptions& options, const Progress& progress) {
@@ -52,7 +56,7 @@ GradeOdds registered_odds(const WallDistance& walls, const DrillPath& path, cons
       walls,
       [&](std::uint32_t index) {
         const DrillPath erred = erred_path(path, frame, draw_error(errors, options.seed, index));
-        return moved(erred, registration, options.seed, index);
+        return misregistered(erred, drawn_pose_error(registration, options.seed, index), registration.centre_mm);
       },
       options, progress);
 }

@@ -6,9 +6,8 @@
 #include "core/base/check_range.h"
 
 namespace spinaltap {
-namespace {
 
-DrillSoundOptions sound_of(const SessionSetup& setup, DrillSoundOptions options) {
+DrillSoundOptions sound_options(const SessionSetup& setup, DrillSoundOptions options) {
   if (options.edges == 0) options.edges = edges_of(setup.path.bit);
   const ComplianceOptions& compliance = setup.options.compliance;
   if (compliance.is_on && compliance.stall_n_mm > 0.0) {
@@ -18,20 +17,20 @@ DrillSoundOptions sound_of(const SessionSetup& setup, DrillSoundOptions options)
   return options;
 }
 
-}  // namespace
+DrillSoundInput sound_input(const Cycle& cycle, double rpm) {
+  return {cycle.input.spindle_on ? rpm : 0.0, cycle.force.thrust_n, cycle.force.torque_n_mm,
+          cycle.force.tip_density_g_cm3};
+}
 
 int edges_of(const DrillBit& bit) {
   return bit.shape == BitShape::round_burr || bit.shape == BitShape::conical_burr ? 8 : 2;
 }
 
 SessionSound::SessionSound(const SessionSetup& setup, DrillSoundOptions options)
-    : rpm_(setup.options.spindle.rpm), drill_(sound_of(setup, options)) {}
+    : rpm_(setup.options.spindle.rpm), drill_(sound_options(setup, options)) {}
 
 void SessionSound::add(const Cycle& cycle, std::vector<float>& samples) {
-  add(cycle.time_s,
-      {cycle.input.spindle_on ? rpm_ : 0.0, cycle.force.thrust_n, cycle.force.torque_n_mm,
-       cycle.force.tip_density_g_cm3},
-      samples);
+  add(cycle.time_s, sound_input(cycle, rpm_), samples);
 }
 
 void SessionSound::add(const RecordedCycle& cycle, std::vector<float>& samples) {

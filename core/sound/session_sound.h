@@ -13,6 +13,12 @@ namespace spinaltap {
 /// stroke. Only the number of a drill's is sure.
 int edges_of(const DrillBit& bit);
 
+/// Options with the speed's droop of the setup's motor, where that gives way, and with the edges of its tool, where
+/// `options` have 0.
+DrillSoundOptions sound_options(const SessionSetup& setup, DrillSoundOptions options);
+/// What a cycle lets be heard, of a spindle set to `rpm`.
+DrillSoundInput sound_input(const Cycle& cycle, double rpm);
+
 /// The sound of a session, cycle by cycle, live or out of a record: what a cycle tells is heard from its own time on
 /// until the next cycle's. A cycle without spindle lets the drill run down.
 class SessionSound {

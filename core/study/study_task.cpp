@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/registration/rigid_pose.h"
+#include "core/registration/registered_odds.h"
 #include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/tool/plate.h"
@@ -48,15 +48,6 @@ PoseError registration_error(const StudyRegistration& registration, const std::a
   error.turn_rad *= scale;
   error.shift_mm *= scale;
   return error;
-}
-
-/// The path as the error of registration moves it.
-DrillPath misregistered(const DrillPath& path, const PoseError& error, const Vec3& centre_mm) {
-  const RigidPose motion = small_motion(error.turn_rad, error.shift_mm, centre_mm);
-  DrillPath moved = path;
-  moved.entry_mm = motion.apply(path.entry_mm);
-  moved.target_mm = motion.apply(path.target_mm);
-  return moved;
 }
 
 double checked_scale(const FactorValues& values, StudyFactor factor) {

@@ -5,6 +5,7 @@
 
 #include "core/files/json_file.h"
 #include "core/files/plan_file.h"
+#include "core/files/registration_file.h"
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
@@ -69,6 +70,34 @@ TEST_F(Grade, WritesReportTableAndFiguresOfAllPaths) {
   EXPECT_GT(read_json(folder_->path() / "out" / "grade.json")["paths"][1]["rows"].size(), 100U);
   EXPECT_EQ(test::everything_in(folder_->path() / "out"),
             (std::vector<std::string>{"grade.csv", "grade.json", "report.html"}));
+}
+
+TEST_F(Grade, AddsTheErrorOfARegistrationToThatOfTheScrews) {
+  // It slides by 1.5 mm to each side, and no more: as screws do whose entries err by that.
+  Registration registration;
+  registration.covariance.shift_mm2 = 1.5 * 1.5 * Mat3::Identity();
+  registration.residuals_mm = {0.1, 0.2, 0.1};
+  registration.warnings = {"fiducial 2 does not fit"};
+  write_registration(registration, folder_->path() / "registration.json");
+  const auto share_of_a = [&](const std::string& errors) {
+    const test::ProgramRun run = test::run_program(
+        "grade bone.vdb plan.json --path left --screw-diameter 6.5 --screw-length 45 --force -o registered --json "
+        "registered.json --errors " +
+            errors,
+        folder_->path());
+    EXPECT_EQ(run.exit_code, 0) << run.errors;
+    EXPECT_EQ(run.output.find("registration.json: fiducial 2 does not fit") != std::string::npos,
+              errors.find("registration.json") != std::string::npos);
+    return read_json(folder_->path() / "registered.json")["paths"][0]["placement"];
+  };
+  const Json alone = share_of_a("none --registration registration.json"), screws = share_of_a("1.5,0");
+  const Json both = share_of_a("1.5,0 --registration registration.json"), as_much = share_of_a("2.12132,0");
+  EXPECT_NEAR(alone["grades"]["A"]["share"].get<double>(), screws["grades"]["A"]["share"].get<double>(), 0.03);
+  EXPECT_NEAR(both["grades"]["A"]["share"].get<double>(), as_much["grades"]["A"]["share"].get<double>(), 0.03);
+  EXPECT_LT(both["grades"]["A"]["share"].get<double>(), screws["grades"]["A"]["share"].get<double>() - 0.1);
+  EXPECT_EQ(both["registration"]["file"], "registration.json");
+  EXPECT_NEAR(both["registration"]["error_at_entry_mm"].get<double>(), 1.5 * std::sqrt(3.0), 1e-6);
+  EXPECT_TRUE(screws["registration"].is_null());
 }
 
 TEST_F(Grade, TellsABreachThatWasAskedForByItsExitCode) {

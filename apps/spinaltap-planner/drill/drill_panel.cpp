@@ -167,6 +167,7 @@ QWidget* DrillPanel::make_choices() {
   stops_ = new QCheckBox(tr("Stop at a breach of a wall"));
   stops_->setObjectName(QStringLiteral("drill_stop_on_breach"));
   stops_->setToolTip(tr("The operator stops where the drill breaks through the outer surface or into the canal"));
+  make_sound();
   connect(operator_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &DrillPanel::enable);
   connect(speed_, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
           [this] { player_.set_speed(plan().speed); });
@@ -182,7 +183,33 @@ QWidget* DrillPanel::make_choices() {
   form->addRow(tr("En&gine"), engine_);
   form->addRow(tr("&Speed"), speed_);
   form->addRow(QString(), stops_);
+  form->addRow(QString(), sound_);
+  form->addRow(silence_);
   return choices;
+}
+
+void DrillPanel::make_sound() {
+  sound_ = new QCheckBox(tr("Sou&nd of the drill"));
+  sound_->setObjectName(QStringLiteral("drill_sound"));
+  sound_->setToolTip(tr("Let the drill be heard while it drills: turning, load, and how dense the bone ahead is"));
+  silence_ = new QLabel;
+  silence_->setObjectName(QStringLiteral("drill_silence"));
+  silence_->setWordWrap(true);
+  silence_->hide();
+  connect(sound_, &QCheckBox::toggled, &sound_output_, &SoundOutput::set_on);
+  connect(&sound_output_, &SoundOutput::told, this, [this](const QString& why_silent) {
+    silence_->setText(why_silent.isEmpty() ? QString() : tr("Nothing is heard: %1").arg(why_silent));
+    silence_->setHidden(why_silent.isEmpty());
+  });
+}
+
+void DrillPanel::let_hear() {
+  const SessionSetup* setup = player_.setup();
+  if (player_.state() == DrillPlayer::State::drilling && setup != nullptr && player_.last()) {
+    sound_output_.hear(*setup, *player_.last());
+  } else {
+    sound_output_.rest();
+  }
 }
 
 QAction* DrillPanel::make_action(const char* name, const QString& text, const QString& tip, const QKeySequence& key,
@@ -291,6 +318,7 @@ void DrillPanel::enable() {
 }
 
 void DrillPanel::show_progress() {
+  let_hear();
   enable();
   figures_->show_figures(player_);
   show_plot();

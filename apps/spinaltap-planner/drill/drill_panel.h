@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/spinaltap-planner/drill/drill_player.h"
+#include "apps/spinaltap-planner/sound/sound_output.h"
 
 class QAction;
 class QCheckBox;
@@ -44,12 +45,14 @@ class DrillPanel : public QWidget {
 
  private:
   QWidget* make_choices();
+  void make_sound();
   void show_plan();
   QWidget* make_buttons();
   QAction* make_action(const char* name, const QString& text, const QString& tip, const QKeySequence& key,
                        const std::function<void()>& work);
   void enable();
   void show_progress();
+  void let_hear();
   void show_plot();
   void show_events();
 
@@ -61,6 +64,9 @@ class DrillPanel : public QWidget {
   QComboBox* engine_ = nullptr;
   QComboBox* speed_ = nullptr;
   QCheckBox* stops_ = nullptr;
+  QCheckBox* sound_ = nullptr;
+  QLabel* silence_ = nullptr;  ///< why nothing is heard
+  SoundOutput sound_output_;
   QAction *drill_ = nullptr, *go_on_ = nullptr, *back_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr, *record_ = nullptr, *report_ = nullptr;
   QAction* choose_milling_ = nullptr;
