@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kWidth = 488.0;
 constexpr double kSide = 112.0;  ///< of the map
-constexpr double kLeft = 64.0;
-constexpr double kTop = 24.0;
-constexpr double kHeight = kTop + kSide + 33.0;
-constexpr double kBarsLeft = kLeft + kSide + 50.0;
+constexpr double kMapLeft = 64.0;
+constexpr double kMapTop = 24.0;
+constexpr double kHeight = kMapTop + kSide + 33.0;
+constexpr double kBarsLeft = kMapLeft + kSide + 50.0;
 
 // From safe to bad; A in two: with over 1 mm of bone left, and with less.
 constexpr std::string_view kFarInside = "#1b7837";
@@ -47,25 +47,26 @@ std::string map(const BreachLattice& lattice) {
   for (std::size_t cranial = 0; cranial < count; ++cranial) {
     for (std::size_t medial = 0; medial < count; ++medial) {
       // A little larger, so that no gaps show.
-      svg += box(kLeft + cell * static_cast<double>(medial), kTop + cell * static_cast<double>(count - 1 - cranial),
-                 cell + 0.3, cell + 0.3, colour_of(lattice.at(medial, cranial)));
+      svg +=
+          box(kMapLeft + cell * static_cast<double>(medial), kMapTop + cell * static_cast<double>(count - 1 - cranial),
+              cell + 0.3, cell + 0.3, colour_of(lattice.at(medial, cranial)));
     }
   }
   const double low = lattice.errors.front(), high = lattice.errors.back();
   const double per_mm = (kSide - cell) / (high - low);
-  const auto x = [&](double mm) { return kLeft + 0.5 * cell + per_mm * (mm - low); };
-  const auto y = [&](double mm) { return kTop + kSide - 0.5 * cell - per_mm * (mm - low); };
+  const auto x = [&](double mm) { return kMapLeft + 0.5 * cell + per_mm * (mm - low); };
+  const auto y = [&](double mm) { return kMapTop + kSide - 0.5 * cell - per_mm * (mm - low); };
   for (double mm = std::ceil(low); mm <= high; mm += 1.0) {
     const bool is_named = std::fmod(std::abs(mm), 2.0) == 0.0;
     if (!is_named) continue;
-    svg += text(x(mm), kTop + kSide + 14.0, "middle", svg_number(mm));
-    svg += text(kLeft - 6.0, y(mm) + 4.5, "end", svg_number(mm));
+    svg += text(x(mm), kMapTop + kSide + 14.0, "middle", svg_number(mm));
+    svg += text(kMapLeft - 6.0, y(mm) + 4.5, "end", svg_number(mm));
   }
   svg += "<path d=\"M" + svg_number(x(0.0) - 5.0) + " " + svg_number(y(0.0)) + "h10m-5 -5v10\" stroke=\"#000\" " +
          "stroke-width=\"1.6\" fill=\"none\"/>\n";
-  svg += text(kLeft + 0.5 * kSide, kTop + kSide + 30.0, "middle", "mm medial");
+  svg += text(kMapLeft + 0.5 * kSide, kMapTop + kSide + 30.0, "middle", "mm medial");
   svg += text(0.0, 0.0, "middle", "mm cranial",
-              "font-size=\"12\" transform=\"translate(30 " + svg_number(kTop + 0.5 * kSide) + ") rotate(-90)\"");
+              "font-size=\"12\" transform=\"translate(30 " + svg_number(kMapTop + 0.5 * kSide) + ") rotate(-90)\"");
   return svg;
 }
 
@@ -74,13 +75,13 @@ std::string bars(const GradeOdds& odds) {
   constexpr double kBar = 84.0;
   std::string svg;
   for (std::size_t n = 0; n < odds.grades.size(); ++n) {
-    const double y = kTop + 4.0 + kRow * static_cast<double>(n);
+    const double y = kMapTop + 4.0 + kRow * static_cast<double>(n);
     const double width = std::max(1.0, kBar * odds.grades[n].share);
     svg += text(kBarsLeft, y + 11.0, "start", std::string(1, letter_of(static_cast<Grade>(n))), "font-weight=\"600\"");
     svg += box(kBarsLeft + 16.0, y, width, 12.0, kGrades[n]);
     svg += text(kBarsLeft + 16.0 + kBar + 6.0, y + 11.0, "start", probability_in_words(odds.grades[n]));
   }
-  const double below = kTop + 4.0 + kRow * 5.0;
+  const double below = kMapTop + 4.0 + kRow * 5.0;
   svg += text(kBarsLeft, below + 10.0, "start", "into the canal " + probability_in_words(odds.canal));
   return svg;
 }
@@ -111,7 +112,7 @@ std::string breach_map_svg(const PlacedGrade& placed) {
                     text(0.0, 14.0, "start", "Grade where the entry errs", kHead) +
                     text(kBarsLeft, 14.0, "start", "Grades to expect, 95 % intervals", kHead) +
                     map(placed.map.shift_mm) + bars(placed.odds);
-  double y = kTop + kSide + 12.0;
+  double y = kMapTop + kSide + 12.0;
   for (const std::string& line : title_lines(placed)) {
     svg += text(kBarsLeft, y, "start", line);
     y += 16.0;

@@ -9,7 +9,7 @@
 namespace spinaltap {
 namespace {
 
-void check_range(const char* name, double value, double low, double high) {
+void check_within(const char* name, double value, double low, double high) {
   if (!(value >= low && value <= high)) {
     fail("spine phantom: ", name, " must lie in [", low, ", ", high, "], found ", value);
   }
@@ -31,32 +31,32 @@ void check_spine_options(const SpineOptions& options) {
     fail("spine phantom: first must lie above last, found ", level_name(options.first), " and ",
          level_name(options.last));
   }
-  check_range("scale", options.scale, 0.8, 1.25);
-  if (options.cervical_disc_mm) check_range("cervical_disc_mm", *options.cervical_disc_mm, 0.3, 20.0);
-  if (options.thoracic_disc_mm) check_range("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
-  if (options.lumbar_disc_mm) check_range("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
-  check_range("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
-  check_range("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
-  check_range("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
-  check_range("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
-  check_range("scoliosis_turn", options.scoliosis_turn, 0.0, 0.6);
+  check_within("scale", options.scale, 0.8, 1.25);
+  if (options.cervical_disc_mm) check_within("cervical_disc_mm", *options.cervical_disc_mm, 0.3, 20.0);
+  if (options.thoracic_disc_mm) check_within("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
+  if (options.lumbar_disc_mm) check_within("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
+  check_within("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
+  check_within("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
+  check_within("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
+  check_within("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
+  check_within("scoliosis_turn", options.scoliosis_turn, 0.0, 0.6);
   if (options.scoliosis_first) among_the_levels("scoliosis_first", *options.scoliosis_first, options);
   if (options.scoliosis_last) among_the_levels("scoliosis_last", *options.scoliosis_last, options);
-  check_range("rib_gap_mm", options.rib_gap_mm, 0.0, 4.0);
-  check_range("rib12_mm", options.rib12_mm, 20.0, 200.0);
+  check_within("rib_gap_mm", options.rib_gap_mm, 0.0, 4.0);
+  check_within("rib12_mm", options.rib12_mm, 20.0, 200.0);
   if (options.sacrum && options.last != Level::kL5) {
     fail("spine phantom: a sacrum needs L5 as the last level, found ", level_name(options.last));
   }
-  check_range("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
-  check_range("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
-  check_range("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
+  check_within("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
+  check_within("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
+  check_within("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
   for (const Level level : options.schmorl_nodes) among_the_levels("schmorl_nodes", level, options);
   for (const Level level : options.screws) among_the_levels("screws", level, options);
-  check_range("screw_diameter_mm", options.screw_diameter_mm, 2.0, 10.0);
-  check_range("variation", options.variation, 0.0, 1.5);
+  check_within("screw_diameter_mm", options.screw_diameter_mm, 2.0, 10.0);
+  check_within("variation", options.variation, 0.0, 1.5);
   for (int axis = 0; axis < 3; ++axis) {
-    check_range("tilt_deg", options.tilt_deg[axis], -60.0, 60.0);
-    check_range("position_mm", options.position_mm[axis], -1e5, 1e5);
+    check_within("tilt_deg", options.tilt_deg[axis], -60.0, 60.0);
+    check_within("position_mm", options.position_mm[axis], -1e5, 1e5);
   }
 }
 

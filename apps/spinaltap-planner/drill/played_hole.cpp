@@ -22,7 +22,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kBeyondTargetMm = 20.0;  // operators may go further than the target
+constexpr double kFurtherMm = 20.0;  // operators may go further than the target
 
 /// What one hole has worked out about walls along its path, where another has the same.
 const ClearanceField* clearances_along(const DrillPath& path, const DrillPath& other, const BuiltSession& built) {
@@ -80,7 +80,7 @@ PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setu
           build_session(*bone_->bone, setup_, progress, nullptr,
                         other == nullptr ? nullptr : clearances_along(setup_.path, other->setup_.path, other->built_))),
       log_(DrillingOptions().log_step_mm, setup_.material,
-           setup_.volume.lead_in_mm + setup_.path.length_mm() + kBeyondTargetMm) {
+           setup_.volume.lead_in_mm + setup_.path.length_mm() + kFurtherMm) {
   // Last: a device or a link that waits is not to wait for the bone as well.
   operator_ = plan_operator(choice_, setup_, *bone_->bone, source_.get(), progress);
 }

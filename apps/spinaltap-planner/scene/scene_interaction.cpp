@@ -16,7 +16,7 @@ namespace {
 constexpr double kTurnPerPixel = 0.45 * kDegree;
 constexpr double kTurnPerKey = 10.0 * kDegree;
 constexpr double kZoomPerPixel = 1.006;
-constexpr double kZoomPerNotch = 1.15;
+constexpr double kSceneZoomPerNotch = 1.15;
 
 Eigen::Vector2d pixel_of(const QMouseEvent& event) { return {event.localPos().x(), event.localPos().y()}; }
 
@@ -141,7 +141,7 @@ void SceneInteraction::double_click(const QMouseEvent& event) {
 
 void SceneInteraction::wheel(const QWheelEvent& event) {
   constexpr double kNotch = 120.0;
-  camera_.zoom(std::pow(kZoomPerNotch, event.angleDelta().y() / kNotch));
+  camera_.zoom(std::pow(kSceneZoomPerNotch, event.angleDelta().y() / kNotch));
   Q_EMIT camera_changed();
 }
 
@@ -174,10 +174,10 @@ bool SceneInteraction::press_key(const QKeyEvent& event) {
       break;
     case Qt::Key_Plus:
     case Qt::Key_Equal:
-      camera_.zoom(kZoomPerNotch);
+      camera_.zoom(kSceneZoomPerNotch);
       break;
     case Qt::Key_Minus:
-      camera_.zoom(1.0 / kZoomPerNotch);
+      camera_.zoom(1.0 / kSceneZoomPerNotch);
       break;
     default:
       return false;

@@ -81,8 +81,8 @@ CtVolume ordered_as_lps(const CtVolume& ct) {
   return make_ct_volume(geometry, std::move(hu));
 }
 
-constexpr double kSquare = 1e-3;  // cosine between axes that are at right angles but for rounding
-constexpr double kMaxLean = 0.7;  // cosine between the third axis and the slices: 45 degrees
+constexpr double kSquare = 1e-3;       // cosine between axes that are at right angles but for rounding
+constexpr double kMaxSliceLean = 0.7;  // cosine between the third axis and the slices: 45 degrees
 constexpr std::int16_t kNotMeasuredHu = -1024;
 
 std::int16_t to_hu(double value) {
@@ -104,7 +104,7 @@ Placement place(const NiftiVolume& nifti, const std::filesystem::path& file) {
   const Vec3 length_mm = steps.colwise().norm();
   const Mat3 axes = steps * length_mm.cwiseInverse().asDiagonal();
   const Vec3 cosines(axes.col(0).dot(axes.col(1)), axes.col(0).dot(axes.col(2)), axes.col(1).dot(axes.col(2)));
-  if (!(std::abs(cosines[0]) < kSquare) || !(std::hypot(cosines[1], cosines[2]) < kMaxLean)) {
+  if (!(std::abs(cosines[0]) < kSquare) || !(std::hypot(cosines[1], cosines[2]) < kMaxSliceLean)) {
     fail("expected axes at right angles, or a third axis that leans by less than 45 degrees, found cosines of ",
          cosines[0], ", ", cosines[1], " and ", cosines[2], " between them in ", file.string());
   }

@@ -16,11 +16,11 @@ namespace spinaltap {
 namespace {
 
 using test::block;
-using test::EngineKind;
 using test::kNan;
+using test::NamedEngine;
 using test::pose_at;
 
-class EngineSteps : public ::testing::TestWithParam<EngineKind> {
+class EngineSteps : public ::testing::TestWithParam<NamedEngine> {
  protected:
   std::unique_ptr<DrillEngine> engine(PointVolume& volume, const DrillBit& bit) const {
     return GetParam().make(volume, bit, {});

@@ -12,10 +12,10 @@ namespace {
 
 using test::block;
 using test::Draw;
-using test::EngineKind;
+using test::NamedEngine;
 using test::pose_at;
 
-class EngineWays : public ::testing::TestWithParam<EngineKind> {
+class EngineWays : public ::testing::TestWithParam<NamedEngine> {
  protected:
   std::unique_ptr<DrillEngine> engine(PointVolume& volume, const DrillBit& bit) const {
     return GetParam().make(volume, bit, {});

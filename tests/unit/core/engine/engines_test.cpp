@@ -29,11 +29,11 @@ void fill_some(PointVolume& volume, std::uint64_t seed, bool only_a_ball) {
 
 /// The same volume for every engine, and its engine.
 struct Bench {
-  Bench(const PointVolume& volume, const DrillBit& bit, std::vector<test::EngineKind> some)
+  Bench(const PointVolume& volume, const DrillBit& bit, std::vector<test::NamedEngine> some)
       : kinds(std::move(some)), volumes(kinds.size(), volume) {
     for (std::size_t n = 0; n < kinds.size(); ++n) engines.push_back(kinds[n].make(volumes[n], bit, {}));
   }
-  std::vector<test::EngineKind> kinds;
+  std::vector<test::NamedEngine> kinds;
   std::vector<PointVolume> volumes;
   std::vector<std::unique_ptr<DrillEngine>> engines;
 };
@@ -180,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Motions, EnginesAtWork,
                                            Workload{"tremor off path", 3.0, 1.2, 0.0, 0.1}));
 
 /// All that a run with long steps of a burr, which are worth sharing, makes known.
-std::vector<StepResult> run(const test::EngineKind& kind, std::size_t threads, std::vector<std::uint64_t>& hashes) {
+std::vector<StepResult> run(const test::NamedEngine& kind, std::size_t threads, std::vector<std::uint64_t>& hashes) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
   const DrillBit burr{4.0, 30.0, 1.0, BitShape::round_burr, 0.0, 3.0};
   PointVolume volume(test::askew_path(12.0), {.radius_mm = 4.0, .spacing_mm = 0.1});
@@ -198,7 +198,7 @@ std::vector<StepResult> run(const test::EngineKind& kind, std::size_t threads, s
 }
 
 TEST(Engines, DoTheSameAgainAndOnAnyNumberOfThreads) {
-  for (const test::EngineKind& kind : test::three_engines()) {
+  for (const test::NamedEngine& kind : test::three_engines()) {
     SCOPED_TRACE(kind.name);
     std::vector<std::uint64_t> first_hashes;
     const std::vector<StepResult> first = run(kind, 1, first_hashes);

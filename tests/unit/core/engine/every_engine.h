@@ -13,9 +13,9 @@
 
 namespace spinaltap::test {
 
-struct EngineKind {
+struct NamedEngine {
   std::string name;
-  friend void PrintTo(const EngineKind& kind, std::ostream* out) { *out << kind.name; }
+  friend void PrintTo(const NamedEngine& kind, std::ostream* out) { *out << kind.name; }
   std::function<std::unique_ptr<DrillEngine>(PointVolume&, const DrillBit&, const Material&)> make;
 };
 
@@ -27,8 +27,8 @@ inline std::string plain_name(const detail::DiscKernels& kernels) {
 }
 
 /// All that remove points; the ring engine with each set of instructions that this machine can run.
-inline std::vector<EngineKind> every_engine() {
-  std::vector<EngineKind> kinds{{"reference", make_reference_engine}, {"arc", make_arc_engine}};
+inline std::vector<NamedEngine> every_engine() {
+  std::vector<NamedEngine> kinds{{"reference", make_reference_engine}, {"arc", make_arc_engine}};
   for (const detail::DiscKernels& kernels : detail::disc_kernels()) {
     kinds.push_back(
         {"ring_" + plain_name(kernels), [&](PointVolume& volume, const DrillBit& bit, const Material& material) {
@@ -39,8 +39,8 @@ inline std::vector<EngineKind> every_engine() {
 }
 
 /// The three engines as they are used: the ring engine with the machine's fastest instructions.
-inline std::vector<EngineKind> three_engines() {
-  const std::vector<EngineKind> all = every_engine();
+inline std::vector<NamedEngine> three_engines() {
+  const std::vector<NamedEngine> all = every_engine();
   return {all[0], all[1], all.back()};
 }
 

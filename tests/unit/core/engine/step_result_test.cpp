@@ -45,7 +45,7 @@ void fill_from(PointVolume& volume, std::uint64_t seed) {
   }
 }
 
-class StepResults : public ::testing::TestWithParam<test::EngineKind> {};
+class StepResults : public ::testing::TestWithParam<test::NamedEngine> {};
 
 INSTANTIATE_TEST_SUITE_P(Engines, StepResults, ::testing::ValuesIn(test::every_engine()),
                          [](const auto& engine) { return engine.param.name; });

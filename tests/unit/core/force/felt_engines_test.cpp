@@ -43,7 +43,7 @@ TEST(FeltEngines, GiveTheSameForcesInAnyMotion) {
     const DrillBit bit = tools[seed % tools.size()].bit;
     PointVolume whole(test::askew_path(3.0), {.radius_mm = 1.5, .spacing_mm = 0.15});
     fill_with_holes(whole, seed);
-    const std::vector<test::EngineKind> kinds = test::three_engines();
+    const std::vector<test::NamedEngine> kinds = test::three_engines();
     std::vector<PointVolume> volumes(kinds.size(), whole);
     std::vector<std::unique_ptr<DrillEngine>> engines;
     std::vector<DrillForces> forces;

@@ -132,7 +132,7 @@ TEST(PointMemory, IsAFewBytesAPointWithTheEnginesOwn) {
     // Numbers of bone, so that the engines' tables span their range.
     volume.set_hu(0, 0, -1024.0);
     volume.set_hu(0, 1, 3056.0);
-    for (const test::EngineKind& kind : test::every_engine()) {
+    for (const test::NamedEngine& kind : test::every_engine()) {
       const auto engine = kind.make(volume, {}, {});
       const auto bytes = static_cast<double>(volume.memory_bytes() + engine->memory_bytes());
       EXPECT_LE(bytes / static_cast<double>(volume.point_count()), max_bytes) << kind.name;

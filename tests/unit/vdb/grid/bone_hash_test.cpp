@@ -9,7 +9,7 @@
 namespace spinaltap {
 namespace {
 
-BoneModel ball(double radius_mm = 4.0) {
+BoneModel hashed_ball(double radius_mm = 4.0) {
   return test::made_bone([=](const Vec3& p) { return p.norm() - radius_mm; },
                          {Vec3::Constant(-20.0), Vec3::Constant(20.0)}, 0.5);
 }
@@ -27,10 +27,10 @@ BoneModel changed(const BoneModel& bone,
 }
 
 TEST(BoneHash, IsThatOfTheGridsHoweverTheyAreKept) {
-  const BoneModel bone = ball();
+  const BoneModel bone = hashed_ball();
   const std::string hash = bone_hash(bone);
   EXPECT_EQ(hash.size(), 16U);
-  EXPECT_EQ(bone_hash(ball()), hash);
+  EXPECT_EQ(bone_hash(hashed_ball()), hash);
 
   // The CT numbers are tiles of one value here: as voxels they are the same.
   ASSERT_GT(bone.grids().hu->tree().activeTileCount(), 0U);
@@ -48,9 +48,9 @@ TEST(BoneHash, IsThatOfTheGridsHoweverTheyAreKept) {
 }
 
 TEST(BoneHash, IsAnotherWhereOneValueOrPlaceIs) {
-  const BoneModel bone = ball();
+  const BoneModel bone = hashed_ball();
   const std::string hash = bone_hash(bone);
-  EXPECT_NE(bone_hash(ball(4.001)), hash);
+  EXPECT_NE(bone_hash(hashed_ball(4.001)), hash);
   EXPECT_NE(bone_hash(changed(bone, [](auto& /*sdf*/, auto& hu) { hu.tree().setValueOn({1, 2, 3}, 301.0F); })), hash);
   EXPECT_NE(bone_hash(changed(bone, [](auto& sdf, auto& /*hu*/) { sdf.tree().setValueOff({8, 0, 0}); })), hash);
   EXPECT_NE(bone_hash(changed(bone,

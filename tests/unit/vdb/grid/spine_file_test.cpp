@@ -25,7 +25,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr Level kT11{18};
+constexpr Level kThoracic11{18};
 
 /// Two balls one above the other whose CT numbers overlap: each keeps 2 mm around it, and they lie 1 mm apart.
 const test::Ball kUpper{Vec3(3.1, -2.3, 118.7), 6.0};
@@ -55,7 +55,7 @@ BoneModel baked(const test::Ball& ball, Level level, const CtVolume& ct = noisy_
 const std::vector<SpineBone>& two_bones() {
   static const std::vector<SpineBone> bones{
       {Level::kT12, baked(kLower, Level::kT12), {{"small", "a \"ball\" °"}, 0.25, "{\"frame\": \"LPS\"}", ""}},
-      {kT11, baked(kUpper, kT11), {{}, 0.0, "", "no canal"}}};
+      {kThoracic11, baked(kUpper, kThoracic11), {{}, 0.0, "", "no canal"}}};
   return bones;
 }
 
@@ -88,7 +88,7 @@ void expect_same_grid(const openvdb::FloatGrid& a, const openvdb::FloatGrid& b) 
 
 TEST_F(SpineFile, GivesEachBoneBackAsItWas) {
   const fs::path path = written();
-  EXPECT_THAT(levels_in(path), ElementsAre(kT11, Level::kT12));
+  EXPECT_THAT(levels_in(path), ElementsAre(kThoracic11, Level::kT12));
   for (const SpineBone& one : two_bones()) {
     const SpineBone back = read_spine_level(path, one.level);
     expect_same_grid(*one.bone.grids().sdf, *back.bone.grids().sdf);
@@ -102,7 +102,7 @@ TEST_F(SpineFile, GivesEachBoneBackAsItWas) {
   }
   const std::vector<SpineBone> all = read_spine(path);
   ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0].level, kT11);  // from the head down
+  EXPECT_EQ(all[0].level, kThoracic11);  // from the head down
   EXPECT_EQ(bone_hash(all[1].bone), bone_hash(two_bones()[0].bone));
 }
 
@@ -110,7 +110,7 @@ TEST_F(SpineFile, IsABoneAloneToThoseWhoTakeOne) {
   const fs::path path = written();
   write_bone(two_bones()[1].bone, file("alone.vdb"));
   const BoneModel alone = read_bone(file("alone.vdb"));
-  const BoneModel of_spine = read_bone(path, kT11);
+  const BoneModel of_spine = read_bone(path, kThoracic11);
   EXPECT_EQ(bone_hash(of_spine), bone_hash(alone));
   // Also where the other bone's CT numbers are, which it does not have.
   for (const Vec3& p : {kUpper.centre_mm, kLower.centre_mm, Vec3(0.5 * (kUpper.centre_mm + kLower.centre_mm))}) {
@@ -144,12 +144,13 @@ TEST_F(SpineFile, AsksForAChoiceOfSeveralOnly) {
 TEST_F(SpineFile, HasABoneFileGiveTheLevelThatItRecords) {
   write_bone(two_bones()[1].bone, file("t11.vdb"));
   EXPECT_TRUE(levels_in(file("t11.vdb")).empty());
-  EXPECT_NO_THROW(read_bone(file("t11.vdb"), kT11));
+  EXPECT_NO_THROW(read_bone(file("t11.vdb"), kThoracic11));
   EXPECT_THAT([&] { read_bone(file("t11.vdb"), Level::kL1); },
               ThrowsMessage<Error>(HasSubstr("expected L1, found T11")));
   write_bone(test::bake_ball(test::kSmallBall), file("unknown.vdb"));
-  EXPECT_THAT([&] { read_bone(file("unknown.vdb"), kT11); }, ThrowsMessage<Error>(HasSubstr("not known")));
-  EXPECT_THAT([&] { read_spine_level(file("t11.vdb"), kT11); }, ThrowsMessage<Error>(HasSubstr("several bones")));
+  EXPECT_THAT([&] { read_bone(file("unknown.vdb"), kThoracic11); }, ThrowsMessage<Error>(HasSubstr("not known")));
+  EXPECT_THAT([&] { read_spine_level(file("t11.vdb"), kThoracic11); },
+              ThrowsMessage<Error>(HasSubstr("several bones")));
 }
 
 TEST_F(SpineFile, RejectsBonesThatDoNotBelongTogether) {
@@ -164,9 +165,9 @@ TEST_F(SpineFile, RejectsBonesThatDoNotBelongTogether) {
   upper.level = Level::kNone;
   rejected({lower, upper}, "expected a level");
   const CtVolume other = test::even_ct(kUpper.bounds_mm(), 1.0, 300);
-  rejected({lower, {kT11, baked(kUpper, kT11, other), {}}}, "of one CT");
+  rejected({lower, {kThoracic11, baked(kUpper, kThoracic11, other), {}}}, "of one CT");
   const Pose pose{kUpper.centre_mm, Vec3::UnitZ()};
-  rejected({{kT11, test::without_hole(two_bones()[1].bone, DrillBit{}, pose, pose), {}}}, "drilled");
+  rejected({{kThoracic11, test::without_hole(two_bones()[1].bone, DrillBit{}, pose, pose), {}}}, "drilled");
   upper = two_bones()[1];
   upper.notes.warnings = {"two\nlines"};
   rejected({upper}, "one line");
@@ -200,7 +201,8 @@ TEST_F(SpineFile, SaysWhichGridOrListIsMissing) {
     const fs::path path = with("T11 T12", name);
     EXPECT_THAT([&] { read_spine(path); }, ThrowsMessage<Error>(HasSubstr(name))) << name;
   }
-  EXPECT_EQ(read_spine_level(with("T11 T12", "sdf_T12"), kT11).level, kT11);  // what is not asked for may miss
+  EXPECT_EQ(read_spine_level(with("T11 T12", "sdf_T12"), kThoracic11).level,
+            kThoracic11);  // what is not asked for may miss
   for (const char* list : {"T11 T44", "T11 T11", "Th11", ""}) {
     EXPECT_THAT([&] { levels_in(with(list, "")); }, ThrowsMessage<Error>(HasSubstr("list of levels"))) << list;
   }

@@ -552,7 +552,7 @@ const test::Ball kNearBall{Vec3(3.0, -4.0, 5.0), 5.0};
 const test::Ball kFarBall{Vec3(3.0, -4.0, 16.5), 5.0};
 constexpr std::int16_t kNearHu = 304, kFarHu = 1104;  // eight bits have them
 
-const std::vector<Bone>& two_bones() {
+const std::vector<Bone>& near_and_far() {
   static const std::vector<Bone> bones{Bone(test::bake_ball(kNearBall, 0.25, kNearHu)),
                                        Bone(test::bake_ball(kFarBall, 0.25, kFarHu))};
   return bones;
@@ -565,10 +565,10 @@ SessionSetup through_both(const DrillBit& bit = {3.1, 50.0, 3.0}) {
 }
 
 Drilling drill_both(SessionSetup setup) {
-  name_bones(setup, two_bones());
+  name_bones(setup, near_and_far());
   PlannedMotion tool_operator(setup.path,
                               {.line = {.lead_in_mm = 1.0}, .rate_hz = 50.0, .feed = {.steps = {{0.0, 1.0}}}});
-  return drill_bone(two_bones(), setup, tool_operator, {.log_step_mm = 0.5});
+  return drill_bone(near_and_far(), setup, tool_operator, {.log_step_mm = 0.5});
 }
 
 /// Of a cylinder along a ball's diameter.
@@ -615,8 +615,8 @@ TEST(SeveralBones, HaveClearancesToTheWallsOfAllTogether) {
   SessionSetup setup = through_both({2.0, 50.0, 2.0});
   setup.has_clearances = true;
   setup.path.target_mm = setup.path.entry_mm + 18.0 * Vec3::UnitZ();
-  name_bones(setup, two_bones());
-  const BuiltSession both = build_session(two_bones(), setup);
+  name_bones(setup, near_and_far());
+  const BuiltSession both = build_session(near_and_far(), setup);
   // The outline's place that is least deep in the two balls, of those past the entry opening.
   const auto expected_mm = [&](double depth_mm) {
     double min_mm = std::numeric_limits<double>::infinity();
@@ -640,8 +640,8 @@ TEST(SeveralBones, HaveClearancesToTheWallsOfAllTogether) {
   EXPECT_NEAR(expected_mm(16.5), -(std::hypot(5.75, 1.0) - 5.0), 0.01) << "the shaft in the middle of the gap";
   // The first alone says how far the tip is from it.
   SessionSetup alone = setup;
-  name_bones(alone, std::span(two_bones()).first(1));
-  const BuiltSession first = build_session(two_bones()[0], alone);
+  name_bones(alone, std::span(near_and_far()).first(1));
+  const BuiltSession first = build_session(near_and_far()[0], alone);
   EXPECT_LT(
       first.clearances->of(BitProfile(setup.path.bit), {setup.path.entry_mm + 16.5 * Vec3::UnitZ(), Vec3::UnitZ()})
           .outer_mm,
@@ -657,8 +657,8 @@ TEST(SeveralBones, ComeBackWithUndoAndReplayBitForBit) {
     const Vec3 off_mm = 0.1 * random.direction();
     inputs.push_back({{setup.path.entry_mm + (0.06 * n - 1.0) * Vec3::UnitZ() + off_mm, Vec3::UnitZ()}, true, 1e-3});
   }
-  Session session(two_bones(), setup.path, setup);
-  EXPECT_EQ(session.setup().further_bone_hashes, std::vector{two_bones()[1].hash()});
+  Session session(near_and_far(), setup.path, setup);
+  EXPECT_EQ(session.setup().further_bone_hashes, std::vector{near_and_far()[1].hash()});
   const std::vector<std::uint64_t> whole = living_words(session);
   const std::size_t blocks[2] = {session.surface_changes(0).size(), session.surface_changes(1).size()};
   session.run(inputs);
@@ -671,7 +671,7 @@ TEST(SeveralBones, ComeBackWithUndoAndReplayBitForBit) {
   std::vector<Bone> drilled = session.drilled_bones();
   ASSERT_EQ(drilled.size(), 2U);
   EXPECT_EQ(drilled[0].hash(), session.drilled().hash());
-  for (std::size_t n = 0; n < 2; ++n) EXPECT_NE(drilled[n].hash(), two_bones()[n].hash());
+  for (std::size_t n = 0; n < 2; ++n) EXPECT_NE(drilled[n].hash(), near_and_far()[n].hash());
   // From the side, both balls are seen, the one above the other, and the shaft between.
   const Vec3 middle_mm = 0.5 * (kNearBall.centre_mm + kFarBall.centre_mm);
   const Camera camera = look_at(middle_mm - 60.0 * Vec3::UnitX(), middle_mm, Vec3::UnitZ(), 0.5, 61, 61);
@@ -687,33 +687,33 @@ TEST(SeveralBones, ComeBackWithUndoAndReplayBitForBit) {
   EXPECT_TRUE(session.undo());
   EXPECT_EQ(living_words(session), whole);
   drilled = session.drilled_bones();
-  for (std::size_t n = 0; n < 2; ++n) EXPECT_EQ(drilled[n].hash(), two_bones()[n].hash());
+  for (std::size_t n = 0; n < 2; ++n) EXPECT_EQ(drilled[n].hash(), near_and_far()[n].hash());
   session.record(folder.path() / "both.h5");
   session.run(inputs);
   session.end_record();
   const SessionRecord record = read_record(folder.path() / "both.h5");
-  EXPECT_TRUE(replay(record, "both.h5", two_bones()).is_same());
-  EXPECT_THAT([&] { replay(record, "both.h5", two_bones()[0]); },
+  EXPECT_TRUE(replay(record, "both.h5", near_and_far()).is_same());
+  EXPECT_THAT([&] { replay(record, "both.h5", near_and_far()[0]); },
               ThrowsMessage<Error>(HasSubstr("expected the 2 bones")));
-  const std::vector<Bone> swapped{two_bones()[1], two_bones()[0]};
+  const std::vector<Bone> swapped{near_and_far()[1], near_and_far()[0]};
   EXPECT_THAT([&] { replay(record, "both.h5", swapped); }, ThrowsMessage<Error>(HasSubstr("that was drilled in")));
 }
 
 TEST(SeveralBones, NeedVoxels) {
   SessionSetup setup = through_both();
   setup.engine = EngineKind::automatic;
-  EXPECT_EQ(Session(two_bones(), setup.path, setup).setup().engine, EngineKind::voxel);
-  EXPECT_EQ(Session(two_bones()[0], setup.path, setup).setup().engine, EngineKind::ring);
+  EXPECT_EQ(Session(near_and_far(), setup.path, setup).setup().engine, EngineKind::voxel);
+  EXPECT_EQ(Session(near_and_far()[0], setup.path, setup).setup().engine, EngineKind::ring);
   for (const EngineKind engine : {EngineKind::ring, EngineKind::leaf}) {
     setup.engine = engine;
-    EXPECT_THAT([&] { Session(two_bones(), setup.path, setup); },
+    EXPECT_THAT([&] { Session(near_and_far(), setup.path, setup); },
                 ThrowsMessage<Error>(HasSubstr("several bones: expected the engine voxel")));
   }
   setup.engine = EngineKind::voxel;
   EXPECT_THAT([&] { Session(std::vector<Bone>(), setup.path, setup); }, ThrowsMessage<Error>(HasSubstr("a bone")));
-  EXPECT_THAT([&] { Session(std::vector(2, two_bones()[0]), setup.path, setup); },
+  EXPECT_THAT([&] { Session(std::vector(2, near_and_far()[0]), setup.path, setup); },
               ThrowsMessage<Error>(HasSubstr("one twice")));
-  EXPECT_THAT([&] { build_session(two_bones(), setup); }, ThrowsMessage<Error>(HasSubstr("expected 1 bones")));
+  EXPECT_THAT([&] { build_session(near_and_far(), setup); }, ThrowsMessage<Error>(HasSubstr("expected 1 bones")));
 }
 
 }  // namespace
