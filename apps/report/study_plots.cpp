@@ -92,6 +92,11 @@ StudyTitle title_of(StudyFactor factor) {
   return {std::string(name_of(factor)), ""};
 }
 
+std::string name_of(const StudyTolerance& tolerance) {
+  return tolerance.factors.size() == 1 ? title_of(tolerance.factors.front()).name
+                                       : "scale of all these errors together";
+}
+
 std::string words_of(const StudyTolerance& tolerance) {
   if (!tolerance.up_to) {
     return tolerance.scales.empty() ? "no screw was graded"
@@ -102,7 +107,7 @@ std::string words_of(const StudyTolerance& tolerance) {
 }
 
 Plot tolerance_plot(const StudyTolerance& tolerance) {
-  Plot plot = plot_over(title_of(tolerance.factor));
+  Plot plot = plot_over({name_of(tolerance), ""});
   plot.title = "Screws of grade A over the " + plot.x_label;
   plot.y_label = "share of grade A";
   plot.y_unit = "%";

@@ -16,6 +16,8 @@ struct StudyTitle {
 StudyTitle title_of(StudyColumn column);
 StudyTitle title_of(StudyFactor factor);
 
+/// "scale of the entry's errors", or "scale of all these errors together".
+std::string name_of(const StudyTolerance& tolerance);
 /// "0.62", "more than 2", or that the share is less even at the smallest scale.
 std::string words_of(const StudyTolerance& tolerance);
 

@@ -77,7 +77,7 @@ void add_tolerances(const std::vector<StudyTolerance>& tolerances, HtmlReport& r
   report.add_heading("How small errors must be for 95 % grade A");
   std::vector<ReportRow> rows;
   for (const StudyTolerance& tolerance : tolerances) {
-    const std::string name = title_of(tolerance.factor).name;
+    const std::string name = name_of(tolerance);
     rows.push_back({upper_case(name.substr(0, 1)) + name.substr(1) + ", up to", words_of(tolerance), ""});
   }
   report.add_table(rows);
@@ -265,7 +265,7 @@ StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::p
     }
   }
   if (study.errors) add("Errors of placement", study.errors->title, "");
-  if (study.has_registration) add("Registration, drawn for each", std::string(name_of(study.registration_per)), "");
+  if (study.registration) add("Registration, drawn for each", std::string(name_of(*study.registration)), "");
   if (study.kind == StudyKind::drilling) add_drilling(study, inputs.rows);
   for (const FactorDistribution& distribution : inputs.design.distributions)
     inputs.rows.push_back(row_of(distribution));

@@ -1,6 +1,5 @@
 #include <malloc.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <memory>
@@ -48,17 +47,10 @@ Json figures_of(const StudyWork& work) {
           {"cpu_seconds_per_run", work.runs > 0 ? work.cpu_seconds / runs : 0.0}};
 }
 
-/// The shard's runs that are done.
-std::size_t done_of(const StudyShard& shard, const StudyTable& table) {
-  const std::vector<std::size_t> runs = runs_of_shard(table.identity.runs, shard);
-  return static_cast<std::size_t>(
-      std::count_if(runs.begin(), runs.end(), [&](std::size_t n) { return table.rows.contains(n); }));
-}
-
 Json run_study(const StudyCommandOptions& options, Command& command, const Progress& progress) {
   const StudyShard shard = read_shard(options.shard);
   leave_on_signals();
-  std::optional<Study> loaded(Study::load(options.spec, progress));
+  std::optional<Study> loaded(Study::load(options.spec, progress, options.folder));
   const Study& study = *loaded;
   const StudyWork work = study.run_into(options.folder, shard, progress, [] { return leave_signal() != nullptr; });
   Json figures{{"left", work.runs}};
@@ -77,12 +69,11 @@ Json run_study(const StudyCommandOptions& options, Command& command, const Progr
     print_figure("no locks on this file system", "rows of this process: " + work.unlocked_part.filename().string());
   }
   if (work.is_stopped) {
-    const std::size_t done = done_of(shard, merge({&options.folder, 1}));
-    const std::size_t all = runs_of_shard(study.run_count(), shard).size();
+    const ShardProgress so_far = merge({&options.folder, 1}).progress_of(shard);
     std::fprintf(stderr,
                  "spinaltap: told to leave by %s: %zu of %zu runs of shard %zu/%zu are done and kept, the same "
                  "command goes on with the others\n",
-                 leave_signal(), done, all, shard.index, shard.count);
+                 leave_signal(), so_far.done, so_far.runs, shard.index, shard.count);
     figures["left_by"] = leave_signal();
     command.exit_code = kLeftUnfinished;
     return figures;

@@ -40,7 +40,7 @@ void print_bit(const StudySummary& summary) {
 }
 
 void print_tolerance(const StudyTolerance& tolerance) {
-  print_figure("95 % grade A up to a " + title_of(tolerance.factor).name, words_of(tolerance));
+  print_figure("95 % grade A up to a " + name_of(tolerance), words_of(tolerance));
 }
 
 void print_sensitivity(const StudySensitivity& sensitivity, const std::vector<std::string>& inputs) {

@@ -243,20 +243,10 @@ IdentifiedStudy study_of(const StudyIdentity& identity, const std::filesystem::p
   study.tool_operator = read_study_operator(object.at("operator"), file);
   study.design = read_study_design(object.at("design"), file);
   if (object.has("errors")) study.errors = placement_errors_in(object.at("errors"), file);
-  study.has_registration = object.has("registration");
-  if (study.has_registration)
-    study.registration_per = read_drawn_per(JsonObject(object.at("registration"), file), file);
+  if (object.has("registration")) {
+    study.registration = read_drawn_per(JsonObject(object.at("registration"), file), file);
+  }
   return study;
-}
-
-StudyGround IdentifiedStudy::ground() const {
-  StudyGround ground;
-  ground.patients.clear();
-  for (const StudyBone& bone : bones) ground.patients.insert(ground.patients.end(), bone.paths.size(), bone.patient);
-  ground.has_errors = errors.has_value();
-  ground.has_registration = has_registration;
-  ground.registration_per = registration_per;
-  return ground;
 }
 
 }  // namespace spinaltap

@@ -75,11 +75,10 @@ struct IdentifiedStudy {
   StudyOperator tool_operator;
   StudyDesign design;
   std::optional<PlacementErrors> errors;
-  bool has_registration = false;
-  DrawnPer registration_per = DrawnPer::run;
+  std::optional<DrawnPer> registration;  ///< for what it is drawn anew; nothing where there is none
 
   /// What its runs are shared out to.
-  StudyGround ground() const;
+  StudyGround ground() const { return ground_of(bones, errors.has_value(), registration); }
 };
 
 /// Reads what study_identity() made. Throws Error that names `file` and the key at fault.

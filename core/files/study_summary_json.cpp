@@ -48,7 +48,9 @@ Json json_of(const StudyTolerance& tolerance) {
   }
   Json up_to = nullptr;
   if (tolerance.up_to) up_to = std::isinf(*tolerance.up_to) ? Json("beyond") : Json(*tolerance.up_to);
-  return {{"factor", name_of(tolerance.factor)}, {"levels", std::move(levels)}, {"scale_for_95_percent_a", up_to}};
+  Json factors = Json::array();
+  for (const StudyFactor factor : tolerance.factors) factors.push_back(name_of(factor));
+  return {{"factors", std::move(factors)}, {"levels", std::move(levels)}, {"scale_for_95_percent_a", up_to}};
 }
 
 Json json_of(const Interval& interval) { return {number_or_null(interval.low), number_or_null(interval.high)}; }

@@ -7,7 +7,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr float kNowhere = std::numeric_limits<float>::infinity();
+constexpr float kEndless = std::numeric_limits<float>::infinity();
 
 /// Work space for one line: the lower envelope of parabolas.
 struct Envelope {
@@ -28,7 +28,7 @@ void transform_line(float* line, std::size_t stride, int length, double step_mm,
   for (int q = 0; q < length; ++q) {
     const auto at = static_cast<std::size_t>(q);
     envelope.value[at] = static_cast<double>(line[at * stride]);
-    if (line[at * stride] == kNowhere) continue;
+    if (line[at * stride] == kEndless) continue;
     double meet = -std::numeric_limits<double>::infinity();
     while (count > 0) {
       const int r = envelope.apex[count - 1];
@@ -56,7 +56,7 @@ void transform_line(float* line, std::size_t stride, int length, double step_mm,
 
 std::vector<float> squared_distance_to(std::span<const std::uint8_t> target, const GridGeometry& geometry) {
   std::vector<float> distance(target.size());
-  for (std::size_t i = 0; i < target.size(); ++i) distance[i] = target[i] != 0 ? 0.0F : kNowhere;
+  for (std::size_t i = 0; i < target.size(); ++i) distance[i] = target[i] != 0 ? 0.0F : kEndless;
   const auto& size = geometry.size;
   const auto transform_axis = [&](int axis, int outer_axis, int inner_axis) {
     const auto length = size[static_cast<std::size_t>(axis)];

@@ -26,14 +26,19 @@ StudyScrew screw_at(const StudySpec& spec, std::size_t n) {
   fail("study: expected more than ", n, " screws, found ", n - path);
 }
 
-StudyGround ground_of(const StudySpec& spec) {
+StudyGround ground_of(const std::vector<StudyBone>& bones, bool has_errors, std::optional<DrawnPer> registration) {
   StudyGround ground;
   ground.patients.clear();
-  for (const StudyScrew& screw : screws_of(spec)) ground.patients.push_back(spec.bones[screw.bone].patient);
-  ground.has_errors = spec.errors.has_value();
-  ground.has_registration = spec.registration.has_value();
-  if (spec.registration) ground.registration_per = spec.registration->per;
+  for (const StudyBone& bone : bones) ground.patients.insert(ground.patients.end(), bone.paths.size(), bone.patient);
+  ground.has_errors = has_errors;
+  ground.has_registration = registration.has_value();
+  if (registration) ground.registration_per = *registration;
   return ground;
+}
+
+StudyGround ground_of(const StudySpec& spec) {
+  return ground_of(spec.bones, spec.errors.has_value(),
+                   spec.registration ? std::optional(spec.registration->per) : std::nullopt);
 }
 
 FactorValues base_values(const StudySpec& spec, const DrillPath& path) {

@@ -91,7 +91,8 @@ StudyScrew screw_at(const StudySpec& spec, std::size_t n);
 inline const DrillPath& path_of(const StudySpec& spec, const StudyScrew& screw) {
   return spec.bones[screw.bone].paths[screw.path];
 }
-/// What StudyRuns asks of a study whose paths are known.
+/// What StudyRuns asks of a study whose paths are known; `registration`: for what it is drawn anew, where there is one.
+StudyGround ground_of(const std::vector<StudyBone>& bones, bool has_errors, std::optional<DrawnPer> registration);
 StudyGround ground_of(const StudySpec& spec);
 
 /// What factors are where they do not differ, along a path; not a number for those that do not apply to the study.

@@ -156,19 +156,28 @@ std::vector<StudyScrews> screws_of_rows(const Rows& rows) {
 constexpr std::array<StudyFactor, 3> kErrorScales{StudyFactor::entry_error_scale, StudyFactor::direction_error_scale,
                                                   StudyFactor::registration_scale};
 
-StudyTolerance tolerance_of(const Rows& rows, const FactorDistribution& distribution) {
+/// Of factors that go together: of the runs in which they are one scale, and the other scales 1; where there are none
+/// such, whatever the others are.
+StudyTolerance tolerance_of(const Rows& rows, std::vector<StudyFactor> factors) {
   StudyTolerance tolerance;
-  tolerance.factor = distribution.factor;
+  tolerance.factors = std::move(factors);
+  const auto go_together = [&](const StudyRow& row) {
+    return std::all_of(tolerance.factors.begin(), tolerance.factors.end(),
+                       [&](StudyFactor factor) { return row[factor] == row[tolerance.factors.front()]; });
+  };
   const auto has_others_at_1 = [&](const StudyRow& row) {
     return std::all_of(kErrorScales.begin(), kErrorScales.end(), [&](StudyFactor other) {
-      return other == distribution.factor || std::isnan(row[other]) || row[other] == 1.0;
+      const bool goes_along =
+          std::find(tolerance.factors.begin(), tolerance.factors.end(), other) != tolerance.factors.end();
+      return goes_along || std::isnan(row[other]) || row[other] == 1.0;
     });
   };
   const bool are_there = std::any_of(rows.begin(), rows.end(), has_others_at_1);
   std::map<double, Pointers> by_scale;
   for (const StudyRow& row : rows) {
-    if (std::isnan(row[StudyColumn::screw_grade]) || (are_there && !has_others_at_1(row))) continue;
-    by_scale[row[distribution.factor]].push_back(&row);
+    if (std::isnan(row[StudyColumn::screw_grade]) || !go_together(row)) continue;
+    if (are_there && !has_others_at_1(row)) continue;
+    by_scale[row[tolerance.factors.front()]].push_back(&row);
   }
   for (const auto& [scale, of] : by_scale) {
     tolerance.scales.push_back(scale);
@@ -185,6 +194,23 @@ StudyTolerance tolerance_of(const Rows& rows, const FactorDistribution& distribu
     break;
   }
   return tolerance;
+}
+
+std::vector<StudyTolerance> tolerances_of(const Rows& rows, const StudyDesign& design) {
+  std::vector<StudyFactor> scales;
+  for (const FactorDistribution& distribution : design.distributions) {
+    const bool has_levels = distribution.kind == FactorDistribution::Kind::levels && distribution.levels.size() > 1;
+    const bool is_scale =
+        std::find(kErrorScales.begin(), kErrorScales.end(), distribution.factor) != kErrorScales.end();
+    if (has_levels && is_scale) scales.push_back(distribution.factor);
+  }
+  std::vector<StudyTolerance> tolerances;
+  for (const StudyFactor factor : scales) tolerances.push_back(tolerance_of(rows, {factor}));
+  if (scales.size() > 1) {
+    StudyTolerance together = tolerance_of(rows, scales);
+    if (!together.scales.empty()) tolerances.push_back(std::move(together));  // none where no level is common to all
+  }
+  return tolerances;
 }
 
 /// Of those results that every run has.
@@ -247,11 +273,8 @@ StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyRuns&
     // One level differs from nothing.
     if (distribution.kind == FactorDistribution::Kind::levels && distribution.levels.size() == 1) continue;
     summary.factors.push_back(by_factor(rows, distribution));
-    const bool scales = std::find(kErrorScales.begin(), kErrorScales.end(), distribution.factor) != kErrorScales.end();
-    if (scales && distribution.kind == FactorDistribution::Kind::levels) {
-      summary.tolerances.push_back(tolerance_of(rows, distribution));
-    }
   }
+  summary.tolerances = tolerances_of(rows, runs.design());
   summary.screws = screws_of_rows(rows);
   summary.inputs = runs.inputs();
   summary.sensitivities = sensitivities_of(rows, runs);

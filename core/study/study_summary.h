@@ -53,11 +53,12 @@ struct StudyScrews {
   StudyShare anterior;                 ///< tip beyond the anterior wall
 };
 
-/// How small an error must be: the share of grade A over a factor that scales it, others of the kind at 1.
+/// How small errors must be: the share of grade A over what scales them.
 struct StudyTolerance {
   static constexpr double kWanted = 0.95;
 
-  StudyFactor factor = StudyFactor::entry_error_scale;
+  /// Scales that go together, those of other errors at 1: one of them, or all that the study has at levels.
+  std::vector<StudyFactor> factors;
   std::vector<double> scales;
   std::vector<StudyShare> a;  ///< of each
   /// Up to which scale the share is kWanted, linear between levels; nothing where it is less at the smallest one, and
@@ -86,8 +87,9 @@ struct StudySummary {
   std::vector<ByFactor> factors;  ///< those that differ; breaches of the bit or, where none drilled, of the screw
   /// All of them first, then by patient, level and side where there are several; none where none were graded.
   std::vector<StudyScrews> screws;
-  std::vector<StudyTolerance> tolerances;  ///< of factors that scale errors at levels
-  std::vector<std::string> inputs;         ///< of Saltelli's design
+  /// Of each factor that scales errors at levels, and of all of them together where there are several.
+  std::vector<StudyTolerance> tolerances;
+  std::vector<std::string> inputs;  ///< of Saltelli's design
   std::vector<StudySensitivity> sensitivities;
 };
 

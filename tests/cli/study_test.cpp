@@ -426,6 +426,28 @@ TEST_F(Study, OfACohortIsTheSameToTheByteInShards) {
   }
   expect_done("merge blame1 blame2 blame3 -o blame_merged");
   expect_same("blame", "blame_merged");
+
+  // Two at once in one folder, while what it keeps of its bones is deleted again and again; then once more, damaged.
+  const std::string shard_of_2 =
+      std::string("'") + SPINALTAP_PROGRAM + "' study blame.json -o shared --threads 1 --shard ";
+  const test::ProgramRun both =
+      test::run_command(shard_of_2 + "1/2 & one=$!; " + shard_of_2 + "2/2 & two=$!; " +
+                            "for n in 1 2 3 4 5 6 7 8; do rm -f shared/bone-*; sleep 0.2; done; wait $one && wait $two",
+                        folder_->path());
+  EXPECT_EQ(both.exit_code, 0) << both.errors;
+  expect_done("merge shared");
+  expect_same("blame", "shared");
+  fs::remove(in("shared/part-2-of-2.csv"));
+  expect_done("study blame.json -o shared --shard 1/2");
+  std::size_t damaged = 0;
+  for (const auto& kept : fs::directory_iterator(in("shared"))) {
+    if (!kept.path().filename().string().starts_with("bone-")) continue;
+    std::ofstream(kept.path()) << "{}";
+    ++damaged;
+  }
+  EXPECT_EQ(damaged, 1U) << "both bones are one file, with one path";
+  expect_done("study blame.json -o shared --shard 2/2");
+  expect_same("blame", "shared");
   const Json summary = read_json(in("blame/summary.json"));
   ASSERT_TRUE(summary.contains("sensitivities"));
   EXPECT_TRUE(summary["sensitivities"][0]["inputs"].contains("entry"));

@@ -88,6 +88,9 @@ wait_for "the first task's first row" 300 has_rows 1 2
 kill -KILL "$(worker 1)"
 step "task 1: its program killed by -9 after $(($(rows_of 1) - 1)) rows"
 wait_for "the second task's first row" 300 has_rows 2 2
+[ "$(ls array/bone-*.json | wc -l)" -eq 1 ] || wrong "expected what is known of the bone in the study's folder"
+rm array/bone-*.json
+step "what is known of the bone: deleted under way"
 scontrol requeue "${array}_2"
 step "task 2: requeued after $(($(rows_of 2) - 1)) rows"
 wait_for "the third task's first row" 300 has_rows 3 2
@@ -119,6 +122,7 @@ tap study resume array --json resumed.json
 merge=$(python3 -c 'import json; print(json.load(open("resumed.json"))["merge"])')
 wait_for "the merge" 400 is_gone "$merge"
 same one array
+[ "$(ls array/bone-*.json | wc -l)" -eq 1 ] || wrong "what is known of the bone was not found again"
 step "the same bytes from Slurm: one task killed, one requeued, one cancelled and resumed"
 
 # --- The cohort's workflow ------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 //   SPINALTAP_FAULT=sync:2     the disk rejects the 2nd sync and all after it
 //   SPINALTAP_FAULT=rename:1   the 1st rename fails
 //   SPINALTAP_FAULT=kill:9     the process is killed at the 9th of all of these, before it is done
+//   SPINALTAP_FAULT=locks:0    the file system has no locks
 //   SPINALTAP_FAULT_COUNTS=FILE  gets "writes syncs renames" at the end
 // What the C library writes by its own FILE is not seen; the program has none of that.
 
@@ -22,7 +23,7 @@
 
 namespace {
 
-enum Call { kWrite, kSync, kRename, kKill };
+enum Call { kWrite, kSync, kRename, kKill, kLocks };
 
 std::atomic<long> counts[3];
 
@@ -34,8 +35,8 @@ struct Fault {
 Fault wanted() {
   const char* const text = ::getenv("SPINALTAP_FAULT");
   if (text == nullptr) return {};
-  constexpr const char* kNames[] = {"write:", "sync:", "rename:", "kill:"};
-  for (int call = 0; call < 4; ++call) {
+  constexpr const char* kNames[] = {"write:", "sync:", "rename:", "kill:", "locks:"};
+  for (int call = 0; call < 5; ++call) {
     const std::size_t length = std::strlen(kNames[call]);
     if (std::strncmp(text, kNames[call], length) == 0) return {call, std::atol(text + length)};
   }
@@ -111,6 +112,13 @@ int fsync(int file) {
 int fdatasync(int file) {
   static const auto real = next<int (*)(int)>("fdatasync");
   return fails(kSync) ? rejected() : real(file);
+}
+int flock(int file, int operation) noexcept {
+  static const auto real = next<int (*)(int, int)>("flock");
+  static const bool has_locks = wanted().call != kLocks;
+  if (has_locks) return real(file, operation);
+  errno = EOPNOTSUPP;
+  return -1;
 }
 int rename(const char* from, const char* to) noexcept {
   static const auto real = next<int (*)(const char*, const char*)>("rename");

@@ -291,6 +291,21 @@ TEST_P(Faults, OfTwoProcessesAtOnceLeaveOneWholeOutput) {
   EXPECT_EQ(next_run(task, expected), "") << task.name;
 }
 
+TEST_P(Faults, OfFileSystemsWithoutLocksChangeNothing) {
+  const Task& task = GetParam();
+  const Files expected = clean(task);
+  prepare(false);
+  const test::ProgramRun done = run(task, preloaded("SPINALTAP_FAULT=locks:0"));
+  EXPECT_EQ(done.exit_code, 0) << task.name << done.errors;
+  EXPECT_EQ(torn(task, expected, false), "") << task.name;
+  const Files found = files_in(in("out"));
+  EXPECT_EQ(found.size(), expected.size()) << task.name;
+  for (const auto& [name, content] : expected) {
+    // A study's rows are in a file of that process alone.
+    EXPECT_EQ(found.contains(name), name != "study/part-1-of-1.csv") << task.name << ": " << name;
+  }
+}
+
 TEST_P(Faults, OfPlacesThatCannotBeWrittenAreToldFirst) {
   const Task& task = GetParam();
   fs::remove_all(in("out"));

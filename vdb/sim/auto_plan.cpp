@@ -8,22 +8,27 @@
 
 namespace spinaltap {
 
+std::array<std::filesystem::path, 4> files_of(const AutoPlanOptions& options) {
+  const auto file = [](const std::filesystem::path& named, const char* shipped) {
+    return named.empty() ? std::filesystem::path(data_file(shipped)) : named;
+  };
+  return {file(options.rules, "planning/pedicle.json"), file(options.screws, "screws/pedicle.json"),
+          file(options.density, "densities/vertebra.json"), file(options.material, "materials/vertebra.json")};
+}
+
 std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu, const AutoPlanOptions& options,
                                   const Progress& progress) {
-  SuggestOptions settings =
-      read_planning_rules(options.rules.empty() ? data_file("planning/pedicle.json") : options.rules);
+  const auto [rules, screw_table, density_line, cutting_model] = files_of(options);
+  SuggestOptions settings = read_planning_rules(rules);
   if (options.margin_mm) settings.margin_mm = settings.min_margin_mm = *options.margin_mm;
   settings.is_bicortical = options.is_bicortical;
   settings.sagittal = options.sagittal;
   settings.technique = options.technique;
   settings.level = options.level;
   settings.bit = options.bit;
-  const std::vector<PedicleScrew> screws =
-      read_screws(options.screws.empty() ? data_file("screws/pedicle.json") : options.screws);
-  const HuToDensity density =
-      read_density_calibration(options.density.empty() ? data_file("densities/vertebra.json") : options.density).line;
-  const Material material =
-      read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density);
+  const std::vector<PedicleScrew> screws = read_screws(screw_table);
+  const HuToDensity density = read_density_calibration(density_line).line;
+  const Material material = read_material(cutting_model, density);
   return suggest_paths(walls, hu, material, screws, settings, progress);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -22,6 +23,9 @@ struct AutoPlanOptions {
   std::filesystem::path density = {};   ///< calibration; empty: the shipped densities/vertebra.json
   std::filesystem::path material = {};  ///< cutting model; empty: the shipped materials/vertebra.json
 };
+
+/// The files that suggestions follow from: rules, screws, density and material.
+std::array<std::filesystem::path, 4> files_of(const AutoPlanOptions& options);
 
 /// suggest_paths() with tables and models from files.
 std::vector<Suggestion> auto_plan(const WallDistance& walls, const HuSampler& hu, const AutoPlanOptions& options = {},

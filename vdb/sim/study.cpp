@@ -11,21 +11,19 @@
 #include "core/files/study_folder.h"
 #include "core/files/study_spec_file.h"
 #include "core/study/study_task.h"
+#include "vdb/sim/detail/study_survey.h"
 #include "vdb/sim/study_run.h"
 
 namespace spinaltap {
 
 struct Study::State {
-  State(StudySpec its_spec, const Progress& progress)
-      : spec(surveyed(std::move(its_spec), progress)), runs(spec.design, ground_of(spec)) {
+  State(StudySpec its_spec, const std::filesystem::path& folder, const Progress& progress)
+      : spec(std::move(its_spec)),
+        surveys(detail::survey_bones(spec, folder, progress)),
+        runs(spec.design, ground_of(spec)) {
     reach_mm = radius_of_all_runs_mm(spec, runs, spec.lead_out_mm);  // and finds runs that make no sense
     if (spec.kind == StudyKind::drilling) spec.volume.radius_mm = study_radius_mm(spec, reach_mm);
     identity = study_identity(spec, runs);
-  }
-
-  static StudySpec surveyed(StudySpec spec, const Progress& progress) {
-    survey_bones(spec, progress);
-    return spec;
   }
 
   std::vector<std::size_t> runs_of(const StudyShard& shard) const { return runs_of_shard(runs.count(), shard); }
@@ -72,6 +70,7 @@ struct Study::State {
   }
 
   StudySpec spec;
+  std::vector<std::string> surveys;  ///< their keys
   StudyRuns runs;
   double reach_mm = 0.0;
   StudyIdentity identity;
@@ -81,9 +80,10 @@ struct Study::State {
   mutable std::size_t made_screw = 0;
 };
 
-Study::Study(StudySpec spec, const Progress& progress) : state_(std::make_unique<State>(std::move(spec), progress)) {}
-Study Study::load(const std::filesystem::path& spec, const Progress& progress) {
-  return Study(read_study_spec(spec), progress);
+Study::Study(StudySpec spec, const Progress& progress, const std::filesystem::path& folder)
+    : state_(std::make_unique<State>(std::move(spec), folder, progress)) {}
+Study Study::load(const std::filesystem::path& spec, const Progress& progress, const std::filesystem::path& folder) {
+  return Study(read_study_spec(spec), progress, folder);
 }
 Study::~Study() = default;
 Study::Study(Study&&) noexcept = default;
@@ -95,6 +95,11 @@ std::size_t Study::run_count() const { return state_->runs.count(); }
 const StudyIdentity& Study::identity() const { return state_->identity; }
 std::size_t Study::points() const { return state_->made_bench ? state_->made_bench->point_count() : 0; }
 std::size_t Study::bytes_a_thread() const { return state_->made_bench ? state_->made_bench->memory_bytes() : 0; }
+
+void Study::open_folder(const std::filesystem::path& folder) const {
+  open_study_folder(folder, state_->identity);
+  detail::keep_surveys(state_->spec, state_->surveys, folder);
+}
 
 std::vector<StudyRow> Study::run(const StudyShard& shard, const Progress& progress) const {
   std::vector<StudyRow> rows;
@@ -109,7 +114,7 @@ StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard&
   std::vector<std::size_t> left = state_->runs_of(shard);
   // What makes no sense leaves no files behind. In a folder that is this study's, it made sense before.
   if (!std::filesystem::exists(folder) || std::filesystem::is_empty(folder)) state_->bench(0, progress);
-  open_study_folder(folder, state_->identity);
+  open_folder(folder);
   {
     StudyRows done;
     read_study_parts(folder, state_->identity, done);
@@ -122,6 +127,12 @@ StudyWork Study::run_into(const std::filesystem::path& folder, const StudyShard&
       left, [&part](const StudyRow& row) { part.append(study_csv(row)); }, progress, stops);
   if (!part.is_locked()) work.unlocked_part = part.path();
   return work;
+}
+
+ShardProgress StudyTable::progress_of(const StudyShard& shard) const {
+  const std::vector<std::size_t> numbers = runs_of_shard(identity.runs, shard);
+  const auto done = std::count_if(numbers.begin(), numbers.end(), [&](std::size_t n) { return rows.contains(n); });
+  return {numbers.size(), static_cast<std::size_t>(done)};
 }
 
 StudyTable merge(std::span<const std::filesystem::path> folders) {

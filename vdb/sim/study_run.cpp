@@ -13,7 +13,6 @@
 #include "core/study/study_task.h"
 #include "core/tool/plate.h"
 #include "vdb/engine/voxel_bone.h"
-#include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bone_path.h"
 #include "vdb/sim/detail/bone_volumes.h"
 
@@ -187,23 +186,6 @@ double study_radius_mm(const StudySpec& spec, double reach_mm) {
          " mm, or a \"radius_mm\" of \"volume\" that says how much of that is to be drilled");
   }
   return reach_mm;
-}
-
-void survey_bones(StudySpec& spec, const Progress& progress) {
-  for (std::size_t n = 0; n < spec.bones.size(); ++n) {
-    StudyBone& of = spec.bones[n];
-    progress.report("bones", static_cast<double>(n) / static_cast<double>(spec.bones.size()));
-    const Bone bone = Bone::load(of.file, of.level);
-    of.hash = bone.hash();
-    if (bone.level() != Level::kNone) of.level = bone.level();
-    if (of.paths.empty()) of.paths = paths_of(bone.suggest({}, progress));
-    of.frames.clear();
-    for (const DrillPath& path : of.paths) {
-      check_straight(path, "a study");
-      check_turns(path.bit, "a study");
-      if (spec.errors) of.frames.push_back(error_frame(bone.landmarks(progress), path));
-    }
-  }
 }
 
 StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, std::size_t screw, const StudyRuns& runs,

@@ -49,9 +49,4 @@ class StudyBench {
 /// that was not asked for.
 double study_radius_mm(const StudySpec& spec, double reach_mm);
 
-/// Reads the study's bones, and takes down what its runs and results ask of them: which level, fingerprint, paths where
-/// they are to be suggested, frames of errors. Throws Error as Bone::load() does, where nothing can be suggested, and
-/// on a bone without landmarks where the study has errors.
-void survey_bones(StudySpec& spec, const Progress& progress = {});
-
 }  // namespace spinaltap

@@ -101,27 +101,25 @@ Json run_status(const StatusOptions& options) {
   constexpr std::size_t kMaxLines = 40;
   std::size_t lines = 0, hidden = 0, lost = 0;
   for (std::size_t shard = 1; shard <= shards; ++shard) {
-    const std::vector<std::size_t> runs = runs_of_shard(table.identity.runs, {shard, shards});
-    const auto done = static_cast<std::size_t>(
-        std::count_if(runs.begin(), runs.end(), [&](std::size_t n) { return table.rows.contains(n); }));
+    const ShardProgress so_far = table.progress_of({shard, shards});
     const auto task = queue.tasks.find(shard);
     const bool is_queued = task != queue.tasks.end();
-    std::string state = done == runs.size() ? "done" : is_queued ? task->second.state : "not in the queue";
-    if (done < runs.size() && !is_queued) ++lost;
-    Json one{{"shard", shard}, {"runs", runs.size()}, {"done", done}, {"state", state}};
+    std::string state = so_far.is_done() ? "done" : is_queued ? task->second.state : "not in the queue";
+    if (!so_far.is_done() && !is_queued) ++lost;
+    Json one{{"shard", shard}, {"runs", so_far.runs}, {"done", so_far.done}, {"state", state}};
     if (is_queued && task->second.state == "PENDING") state += " (" + task->second.reason + ")";
     if (last.contains(shard)) {
       one["last_activity_s_ago"] = now_s - last.at(shard);
       state += ", last run " + duration_text(static_cast<double>(now_s - last.at(shard))) + " ago";
     }
     figures["shards"].push_back(one);
-    if (done == runs.size() && !options.shows_all) continue;
+    if (so_far.is_done() && !options.shows_all) continue;
     if (++lines > kMaxLines && !options.shows_all) {
       ++hidden;
       continue;
     }
     print_figure("shard " + std::to_string(shard),
-                 std::to_string(done) + " of " + std::to_string(runs.size()) + ", " + state);
+                 std::to_string(so_far.done) + " of " + std::to_string(so_far.runs) + ", " + state);
   }
   if (hidden > 0) print_figure("further shards", std::to_string(hidden) + ": --all shows them");
   if (lost > 0 && queue.is_known) {

@@ -108,7 +108,7 @@ SubmittedJobs submit(StudyJobs& jobs, const std::vector<std::size_t>& shards, st
 }
 
 Json run_submit(const SubmitOptions& options, const Progress& progress) {
-  const Study study = Study::load(options.spec);
+  const Study study = Study::load(options.spec, progress, options.folder);
   const std::size_t runs = study.run_count();
   StudyJobs jobs;
   SlurmStudy& slurm = jobs.study;
@@ -163,7 +163,7 @@ Json run_submit(const SubmitOptions& options, const Progress& progress) {
   if (!slurm.options.mem.empty()) print_figure("memory of a task", slurm.options.mem);
   if (options.is_dry) return figures;
 
-  open_study_folder(slurm.folder, study.identity());
+  study.open_folder(slurm.folder);
   StagedOutput output;
   output.write(slurm.folder / kArrayScript, array);
   output.write(slurm.folder / kMergeScript, merge);
@@ -192,8 +192,7 @@ Json run_resume(const ResumeOptions& options) {
   std::vector<std::size_t> missing, queued;
   std::vector<std::string> after;
   for (std::size_t shard = 1; shard <= slurm.shards; ++shard) {
-    const std::vector<std::size_t> runs = runs_of_shard(table.identity.runs, {shard, slurm.shards});
-    if (std::all_of(runs.begin(), runs.end(), [&](std::size_t n) { return table.rows.contains(n); })) continue;
+    if (table.progress_of({shard, slurm.shards}).is_done()) continue;
     if (queue.tasks.contains(shard)) {
       queued.push_back(shard);
       after.push_back(queue.names.at(shard));

@@ -187,6 +187,52 @@ TEST(StudySummary, FindsHowSmallErrorsMustBe) {
   EXPECT_NEAR(*summary.tolerances[0].up_to, 0.5 + 0.25 * 0.5, 1e-12);
 }
 
+TEST(StudySummary, FindsHowSmallAllErrorsMustBeTogether) {
+  // Errors e of the entry and f of the direction are even from 0 to 1; a screw is A where their scaled sum is 1.5 at
+  // most. What is beyond is a corner of their square, of area (2 - 1.5 / s)^2 / 2 where both are scaled by s, and of
+  // (s - 0.5)^2 / (2 s) where one is: 5 % at s = 1.5 / (2 - sqrt(0.1)), and at s^2 - 1.1 s + 0.25 = 0.
+  constexpr double kTogether = 0.8909, kAlone = 0.7791;
+  const std::vector<double> levels{0.7, 0.75, 0.8, 0.85, 0.9, 0.95, 1.0};
+  constexpr std::size_t kRuns = 1000;
+  std::vector<StudyRow> rows;
+  for (const double entry : levels) {
+    for (const double direction : levels) {
+      for (std::size_t n = 0; n < kRuns; ++n) {
+        // Points that fill a square evenly: Roberts's sequence, by the powers of the plastic number.
+        const auto k = static_cast<double>(n);
+        const double e = std::fmod(0.5 + 0.7548776662466927 * k, 1.0), f = std::fmod(0.5 + 0.5698402909980532 * k, 1.0);
+        StudyRow row;
+        row[StudyColumn::run] = static_cast<double>(rows.size());
+        row[StudyColumn::patient] = 1.0;
+        row[StudyColumn::screw_grade] = entry * e + direction * f <= 1.5 ? 0.0 : 2.0;
+        row[StudyFactor::entry_error_scale] = entry;
+        row[StudyFactor::direction_error_scale] = direction;
+        row[StudyFactor::registration_scale] = kNan;
+        rows.push_back(row);
+      }
+    }
+  }
+  StudyDesign design;
+  design.distributions = {{StudyFactor::entry_error_scale, FactorDistribution::Kind::levels, levels},
+                          {StudyFactor::direction_error_scale, FactorDistribution::Kind::levels, levels}};
+  design.runs = kRuns;
+  const StudySummary summary = summarise_study(rows, StudyRuns(design, {.has_errors = true}));
+  ASSERT_EQ(summary.tolerances.size(), 3U);
+  // Points of a thousand miss an area by some 0.002, and lines between levels a scale by some 0.003.
+  for (const std::size_t one : {0U, 1U}) {
+    ASSERT_TRUE(summary.tolerances[one].up_to.has_value());
+    EXPECT_NEAR(*summary.tolerances[one].up_to, kAlone, 0.01);
+    EXPECT_EQ(summary.tolerances[one].factors.size(), 1U);
+  }
+  const StudyTolerance& together = summary.tolerances[2];
+  EXPECT_EQ(together.factors,
+            (std::vector<StudyFactor>{StudyFactor::entry_error_scale, StudyFactor::direction_error_scale}));
+  EXPECT_EQ(together.scales, levels);
+  EXPECT_EQ(together.a[0].runs, kRuns);
+  ASSERT_TRUE(together.up_to.has_value());
+  EXPECT_NEAR(*together.up_to, kTogether, 0.01);
+}
+
 TEST(StudySummary, BlamesTheInputThatMakesTheDifference) {
   StudyDesign design;
   design.sampling = StudySampling::saltelli;

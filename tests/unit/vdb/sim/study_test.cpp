@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "core/base/error.h"
+#include "core/base/staged_output.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
 
@@ -106,6 +109,50 @@ TEST(Study, RejectsShardsThatThereAreNotAndFoldersOfOtherStudies) {
   const std::vector<std::filesystem::path> folders{folder.path() / "one", folder.path() / "other"};
   EXPECT_THAT([&] { merge(folders); }, ThrowsMessage<Error>(HasSubstr("expected shards of one study")));
   EXPECT_THROW(merge({}), Error);
+}
+
+TEST(Study, TakesWhatIsKnownOfABoneFromItsFolderOnlyWhereItIsAsItWas) {
+  const test::TemporaryFolder folder;
+  const Study first(spec(folder.path()));
+  const std::vector<std::string> whole = texts_of(first.run());
+  const std::filesystem::path kept = folder.path() / "study";
+  const auto surveys = [&] {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(kept)) {
+      if (entry.path().filename().string().starts_with("bone-")) files.push_back(entry.path());
+    }
+    return files;
+  };
+  first.open_folder(kept);
+  ASSERT_EQ(surveys().size(), 1U);
+  const std::filesystem::path file = surveys().front();
+  const std::string text = read_whole_file(file);
+  const auto expect_same = [&](const char* what) {
+    const Study again(spec(folder.path()), {}, kept);
+    EXPECT_EQ(again.identity().study, first.identity().study) << what;
+    EXPECT_EQ(texts_of(again.run()), whole) << what;
+    again.open_folder(kept);
+    EXPECT_EQ(read_whole_file(file), text) << what << ": kept again as it was";
+  };
+  expect_same("as it was kept");
+  for (std::size_t n = 0; n < text.size(); n += 97) {
+    std::string damaged = text;
+    damaged[n] = damaged[n] == '7' ? '3' : '7';
+    std::ofstream(file, std::ios::trunc) << damaged;
+    expect_same("damaged");
+  }
+  std::ofstream(file, std::ios::trunc) << text.substr(0, text.size() / 2);
+  expect_same("cut short");
+  std::filesystem::remove(file);
+  expect_same("deleted");
+
+  // Another bone in the file's place: what was kept of the one before says nothing.
+  Bone(test::bake_ball({kStudiedBall.centre_mm, kStudiedBall.radius_mm + 0.5}, 0.4)).save(folder.path() / "bone.vdb");
+  const Study other(spec(folder.path()), {}, kept);
+  EXPECT_NE(other.identity().study, first.identity().study);
+  EXPECT_EQ(other.spec().bones[0].hash, Bone::load(folder.path() / "bone.vdb").hash());
+  EXPECT_THROW(other.open_folder(kept), Error);
+  EXPECT_EQ(surveys().size(), 1U) << "another study's folder is left alone";
 }
 
 TEST(Study, RejectsAPathThatMissesTheBone) {
