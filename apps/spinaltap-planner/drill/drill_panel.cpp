@@ -189,7 +189,7 @@ QWidget* DrillPanel::make_choices() {
 }
 
 void DrillPanel::make_sound() {
-  sound_ = new QCheckBox(tr("Sou&nd of the drill"));
+  sound_ = new QCheckBox(tr("Sound of the drill"));
   sound_->setObjectName(QStringLiteral("drill_sound"));
   sound_->setToolTip(tr("Let the drill be heard while it drills: turning, load, and how dense the bone ahead is"));
   silence_ = new QLabel;
