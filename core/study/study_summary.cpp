@@ -205,6 +205,7 @@ std::vector<StudyTolerance> tolerances_of(const Rows& rows, const StudyDesign& d
     if (has_levels && is_scale) scales.push_back(distribution.factor);
   }
   std::vector<StudyTolerance> tolerances;
+  tolerances.reserve(scales.size() + 1);
   for (const StudyFactor factor : scales) tolerances.push_back(tolerance_of(rows, {factor}));
   if (scales.size() > 1) {
     StudyTolerance together = tolerance_of(rows, scales);
