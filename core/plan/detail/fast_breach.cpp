@@ -1,7 +1,5 @@
 #include "core/plan/detail/fast_breach.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,8 +12,6 @@ namespace spinaltap {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-/// What stands between the nearest sample and the surface's nearest place.
-constexpr double kSampleSquared = BoneShape::kSampleMm * BoneShape::kSampleMm;
 
 /// By how much bone may be thinner than the lattice says. Between its samples a distance to points, D, bends by 1/D to
 /// each side at most, which is h²/8 (2/D) of error for a spacing h: 0.06 mm a millimetre from the points. Where
@@ -66,73 +62,6 @@ double value_at(const BoneShape& bone, const Vec3& p_mm) {
 
 }  // namespace
 
-BreachField::BreachField(const WallDistance& walls, const GradeOptions& options)
-    : walls_(walls),
-      step_mm_(options.step_mm),
-      turns_(options.ring_points),
-      side_turns_(kSideRingPoints),
-      cells_(walls.bone().tree()) {
-  std::array<std::uint32_t, 2> counts{};
-  in_wall_.reserve(bone().points_mm().size());
-  for (std::size_t n = 0; n < bone().points_mm().size(); ++n) in_wall_.push_back(counts[is_canal(n) ? 1 : 0]++);
-  measure_walls();
-}
-
-WallDistance::Walls BreachField::walls(const Vec3& p_mm, const WallDistance::Walls& beside, std::size_t sample) const {
-  WallDistance::Walls known = beside;
-  (is_canal(sample) ? known.canal : known.outer).sample = in_wall_[sample];
-  return walls_.walls(p_mm, known);
-}
-
-void BreachField::measure_walls() {
-  constexpr double kSpacingMm = 2.0;
-  GridGeometry geometry;
-  geometry.origin_mm = bone().bounds_mm().min() - Vec3::Constant(kSpacingMm);
-  geometry.spacing_mm = Vec3::Constant(kSpacingMm);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double side_mm = bone().bounds_mm().sizes()[static_cast<Eigen::Index>(axis)] + 2.0 * kSpacingMm;
-    geometry.size[axis] = static_cast<int>(std::ceil(side_mm / kSpacingMm)) + 1;
-  }
-  for (FloatGrid* grid : {&outer_squared_mm2_, &canal_squared_mm2_}) {
-    grid->geometry = geometry;
-    grid->values.resize(geometry.voxel_count());
-  }
-  tbb::parallel_for(0, geometry.size[2], [&](int k) {
-    WallDistance::Walls beside;
-    const auto squared_to = [](const WallDistance::Wall& wall, const Vec3& p_mm) {
-      return static_cast<float>(std::isfinite(wall.distance_mm) ? (p_mm - wall.nearest_mm).squaredNorm() : kUnbounded);
-    };
-    for (int j = 0; j < geometry.size[1]; ++j) {
-      for (int i = 0; i < geometry.size[0]; ++i) {
-        const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
-        beside = walls_.walls(p_mm, beside);
-        outer_squared_mm2_.values[geometry.offset(i, j, k)] = squared_to(beside.outer, p_mm);
-        canal_squared_mm2_.values[geometry.offset(i, j, k)] = squared_to(beside.canal, p_mm);
-      }
-    }
-  });
-}
-
-double BreachField::at_least_mm(const FloatGrid& to_wall_mm2, const Vec3& p_mm) {
-  if (std::isinf(to_wall_mm2.values.front())) return kUnbounded;
-  // |p - s|² - |p|² is linear in p for each sample s. The least of it over the samples is therefore concave, and what
-  // is interpolated between lattice places is not above it: only |p|² has to be corrected for its bend.
-  const GridGeometry& geometry = to_wall_mm2.geometry;
-  const Vec3 index = (p_mm - geometry.origin_mm).cwiseQuotient(geometry.spacing_mm);
-  double bend_mm2 = 0.0, outside_squared = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double last = geometry.size[static_cast<std::size_t>(axis)] - 1;
-    const double inside = std::clamp(index[axis], 0.0, last);
-    const double share = inside - std::floor(inside);
-    const double spacing_squared = geometry.spacing_mm[axis] * geometry.spacing_mm[axis];
-    bend_mm2 += share * (1.0 - share) * spacing_squared;
-    outside_squared += (index[axis] - inside) * (index[axis] - inside) * spacing_squared;
-  }
-  constexpr double kRoundingShare = 1e-5;  // of float
-  const double squared_mm2 = sample_clamped(to_wall_mm2, index) * (1.0 - kRoundingShare) - bend_mm2 - kSampleSquared;
-  return squared_mm2 > 0.0 ? std::max(0.0, std::sqrt(squared_mm2) - std::sqrt(outside_squared)) : 0.0;
-}
-
 FastBreach::FastBreach(const BreachField& field, const DrillPath& path)
     : field_(field), bone_(field.bone()), tool_(path), sides_(field.walls().landmarks(), path) {
   const double length_mm = tool_.length_mm(), step_mm = field.step_mm();
@@ -158,14 +87,21 @@ double FastBreach::radius_mm(Row& row) const {
   return row.radius_mm;
 }
 
+void FastBreach::find_sample(Row& row) const {
+  if (row.sample != kNone) return;
+  const Vec3 p_mm = tool_.axis_mm(row.depth_mm);
+  row.sample = field_.nearest(p_mm);
+  row.squared_mm2 = (p_mm - field_.sample_mm(row.sample)).squaredNorm();
+}
+
 FastBreach::Axis& FastBreach::axis_of(Row& row) {
   if (row.axis != kNone) return axes_[row.axis];
   row.axis = axes_.size();
   Axis& axis = axes_.emplace_back();
   const Vec3 p_mm = tool_.axis_mm(row.depth_mm);
-  axis.sample = field_.nearest(p_mm);
-  axis.is_canal = field_.is_canal(axis.sample);
-  axis.nearer = WallDistance::wall_at(p_mm, bone_.points_mm()[axis.sample], bone_.normals()[axis.sample]);
+  find_sample(row);
+  axis.is_canal = field_.is_canal(row.sample);
+  axis.nearer = WallDistance::wall_at(p_mm, field_.sample_mm(row.sample), bone_.normals()[row.sample]);
   const double other_mm = axis.is_canal ? field_.outer_at_least_mm(p_mm) : field_.canal_at_least_mm(p_mm);
   if (other_mm > axis.nearer.distance_mm) {
     const double band_mm = bone_.trusted_band_mm();
@@ -184,7 +120,7 @@ FastBreach::Axis& FastBreach::axis_of(Row& row) {
 const WallDistance::Walls& FastBreach::both_of(Row& row) {
   Axis& axis = axis_of(row);
   if (!axis.both) {
-    axis.both = last_both_ = field_.walls(tool_.axis_mm(row.depth_mm), last_both_, axis.sample);
+    axis.both = last_both_ = field_.walls(tool_.axis_mm(row.depth_mm), last_both_, row.sample);
   }
   return *axis.both;
 }
@@ -201,6 +137,27 @@ double FastBreach::max_breach_mm(Row& row) const {
   return radius_mm(row) + row.lattice_mm + error_mm;
 }
 
+double FastBreach::closer_max_breach_mm(std::size_t n) {
+  constexpr std::size_t kApart = 4;
+  Row& row = rows_[n];
+  // Nearer to the surface its value counts, and not the samples.
+  if (!tool_.curve().is_straight() || row.lattice_mm > -bone_.trusted_band_mm() - kSureLatticeMm) return kUnbounded;
+  Row& before = rows_[n / kApart * kApart];
+  Row& after = rows_[std::min(n / kApart * kApart + kApart, rows_.size() - 1)];
+  find_sample(before);
+  double squared_mm2 = before.squared_mm2;
+  if (row.depth_mm > before.depth_mm) {
+    // Along a line, squared distances to samples less the square of the way are linear: the least of them is concave.
+    find_sample(after);
+    const double behind_mm = row.depth_mm - before.depth_mm, ahead_mm = after.depth_mm - row.depth_mm;
+    const double share = behind_mm / (behind_mm + ahead_mm);
+    squared_mm2 += share * (after.squared_mm2 - before.squared_mm2) - behind_mm * ahead_mm;
+  }
+  constexpr double kRoundingMm2 = 1e-6;
+  constexpr double kSampleSquared = BoneShape::kSampleMm * BoneShape::kSampleMm;
+  return radius_mm(row) - std::sqrt(std::max(0.0, squared_mm2 - kSampleSquared - kRoundingMm2));
+}
+
 bool FastBreach::is_in(const Row& row) const {
   if (row.is_deep) return true;
   if (std::abs(row.lattice_mm) > kSureLatticeMm) return row.lattice_mm < 0.0;
@@ -212,15 +169,27 @@ bool FastBreach::is_surely_cut(const Row& row, double radius_mm) {
   const RingTurns& turns = field_.turns();
   const std::size_t count = turns.cosines.size();
   // A ring has a place within half a gap of any place, and what is further out than that is out there too.
-  const double sure_mm = kSureLatticeMm + 1.1 * std::numbers::pi * radius_mm / static_cast<double>(count);
+  const double gap_mm = 1.1 * std::numbers::pi * radius_mm / static_cast<double>(count);
+  const double sure_mm = kSureLatticeMm + gap_mm;
   const ToolRing ring(tool_, row.depth_mm, radius_mm, tool_.across_at(row.depth_mm));
+  double highest_mm = -kSureLatticeMm;
+  std::size_t highest = count;
+  const std::size_t first = last_cut_;
   for (std::size_t n = 0; n < count; n += kEvery) {
-    const std::size_t place = (last_cut_ + n) % count;
-    if (bone_.lattice_mm(ring.place_mm(turns.cosines[place], turns.sines[place])) < sure_mm) continue;
-    last_cut_ = place;
+    const std::size_t place = (first + n) % count;
+    const double lattice_mm = bone_.lattice_mm(ring.place_mm(turns.cosines[place], turns.sines[place]));
+    if (lattice_mm > highest_mm) {
+      highest_mm = lattice_mm;
+      highest = place;
+    }
+    if (highest_mm < sure_mm) continue;
+    last_cut_ = highest;
     return true;
   }
-  return false;
+  // What is in doubt by the lattice the surface itself may say.
+  if (highest == count || gap_mm >= bone_.trusted_band_mm()) return false;
+  last_cut_ = highest;
+  return value_at(bone_, ring.place_mm(turns.cosines[highest], turns.sines[highest])) > gap_mm;
 }
 
 bool FastBreach::is_whole(Row& row) {
@@ -282,11 +251,12 @@ bool FastBreach::may_be_anterior(const Vec3& p_mm, std::size_t sample) const {
 }
 
 double FastBreach::to_sample_mm(const Vec3& p_mm, std::size_t sample) const {
-  return sample == kNone ? kUnbounded : (p_mm - bone_.points_mm()[sample]).norm();
+  return sample == kNone ? kUnbounded : (p_mm - field_.sample_mm(sample)).norm();
 }
 
-template <class LeastMm, class Visit>
-void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const Visit& visit) {
+template <class LeastMm, class MayMatter, class Visit>
+void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const MayMatter& may_matter,
+                                 const Visit& visit) {
   const double r_mm = radius_mm(row), band_mm = bone_.trusted_band_mm();
   const Vec3 centre_mm = tool_.axis_mm(row.depth_mm);
   suspect_mm_.clear();
@@ -297,8 +267,10 @@ void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm
     const ToolRing ring(tool_, row.depth_mm, r_mm, SideNames::towards(centre_mm, axis_of(row).nearer));
     for (RingWalk walk(bone_, ring, turns, r_mm); walk.next();) {
       const Vec3 p_mm = walk.place_mm();
-      if (std::max(to_sample_mm(p_mm, turn_samples_[walk.turn()]), band_mm) <= least_mm()) continue;
+      const double at_most_mm = std::max(to_sample_mm(p_mm, turn_samples_[walk.turn()]), band_mm);
+      if (at_most_mm <= least_mm()) continue;
       if (walk.lattice_mm(p_mm) < -kSureLatticeMm) continue;
+      if (!may_matter(p_mm, std::min(at_most_mm, std::max(to_sample_mm(p_mm, row.sample), band_mm)))) continue;
       suspect_mm_.push_back(p_mm);
       suspect_turns_.push_back(walk.turn());
     }
@@ -312,7 +284,9 @@ void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm
     const Vec3& p_mm = suspect_mm_[n];
     const double value_mm = values_mm[n];
     if (!(value_mm > 0.0)) continue;
-    if ((value_mm < band_mm ? value_mm : to_sample_mm(p_mm, last)) <= least_mm()) continue;
+    const double at_most_mm = to_sample_mm(p_mm, last);
+    if ((value_mm < band_mm ? value_mm : at_most_mm) <= least_mm()) continue;
+    if (last != kNone && !may_matter(p_mm, std::max(at_most_mm, band_mm))) continue;
     last = turn_samples_[suspect_turns_[n]] = field_.nearest(p_mm);
     if (value_mm < band_mm || to_sample_mm(p_mm, last) > least_mm()) visit(p_mm, value_mm, last);
   }
@@ -321,10 +295,11 @@ void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm
 FoundBreaches FastBreach::find() {
   // As find_breaches(): the ring with the largest possible breach first. What is possible is known from the lattice,
   // and exactly from the walls as seen from the axis, which are asked for when it is a row's turn.
+  enum class Known { lattice, closer, exact };
   struct Candidate {
     double max_mm;
     std::size_t row;
-    bool is_exact;
+    Known by;
 
     bool operator<(const Candidate& other) const {
       if (max_mm != other.max_mm) return max_mm < other.max_mm;
@@ -336,7 +311,7 @@ FoundBreaches FastBreach::find() {
   candidates.reserve(rows_.size());
   for (std::size_t n = 0; n < rows_.size(); ++n) {
     const double max_mm = max_breach_mm(rows_[n]);
-    if (max_mm > 0.0) candidates.push_back({max_mm, n, false});
+    if (max_mm > 0.0) candidates.push_back({max_mm, n, Known::lattice});
   }
   std::priority_queue<Candidate> queue(std::less<Candidate>(), std::move(candidates));
   turn_samples_.clear();
@@ -349,12 +324,14 @@ FoundBreaches FastBreach::find() {
     const double within_mm = radius_mm(row) + top.max_mm;
     bool may_be_outer = !is_opening && top.max_mm > best.outer.breach_mm;
     bool may_be_canal = top.max_mm > best.canal.breach_mm;
-    if (!top.is_exact) {
+    if (top.by != Known::exact) {
       if (!may_be_outer && !(may_be_canal && field_.canal_at_least_mm(tool_.axis_mm(row.depth_mm)) <= within_mm)) {
         continue;
       }
-      top.max_mm = radius_mm(row) - axis_of(row).nearer.distance_mm;
-      top.is_exact = true;
+      const bool is_closer = top.by == Known::closer;
+      top.max_mm = is_closer ? radius_mm(row) - axis_of(row).nearer.distance_mm
+                             : std::min(top.max_mm, closer_max_breach_mm(top.row));
+      top.by = is_closer ? Known::exact : Known::closer;
       if (top.max_mm > 0.0) queue.push(top);
       continue;
     }
@@ -374,13 +351,22 @@ FoundBreaches FastBreach::find() {
       return std::min(may_be_outer ? best.outer.breach_mm : kUnbounded,
                       may_be_canal ? best.canal.breach_mm : kUnbounded);
     };
-    for_each_beyond(row, field_.turns(), least_mm, [&](const Vec3& p_mm, double value_mm, std::size_t sample) {
+    // Of places near to one wall for sure only that one's breach counts.
+    const auto may_matter = [&](const Vec3& p_mm, double at_most_mm) {
+      const bool to_outer = !is_opening && at_most_mm > best.outer.breach_mm;
+      const bool to_canal = at_most_mm > best.canal.breach_mm;
+      if (to_outer && to_canal) return true;
+      return (to_canal && field_.canal_at_least_mm(p_mm) <= at_most_mm) ||
+             (to_outer && field_.outer_at_least_mm(p_mm) <= at_most_mm);
+    };
+    const auto visit = [&](const Vec3& p_mm, double value_mm, std::size_t sample) {
       if (is_opening && !field_.is_canal(sample)) return;
       const WallDistance::Beyond found = field_.walls().beyond_sample(p_mm, value_mm, sample);
       FoundBreach& of_wall = found.is_canal ? best.canal : best.outer;
       if (!(found.distance_mm > of_wall.breach_mm)) return;
       of_wall = {found.distance_mm, row.depth_mm, found.is_canal, p_mm, found.wall};
-    });
+    };
+    for_each_beyond(row, field_.turns(), least_mm, may_matter, visit);
   }
   sharpen_breach(bone_, best.outer);
   sharpen_breach(bone_, best.canal);
@@ -412,12 +398,16 @@ std::array<double, 5> FastBreach::sides(const FoundBreaches& found, ScrewSides w
     // The outer surface does not count there: is the canal's near enough?
     if (is_opening && field_.canal_at_least_mm(tool_.axis_mm(row.depth_mm)) > radius_mm(row) + max_mm + 0.5) continue;
     if (!(radius_mm(row) - axis_of(row).nearer.distance_mm > 0.0)) continue;
-    for_each_beyond(row, field_.side_turns(), least_mm, [&](const Vec3& p_mm, double value_mm, std::size_t sample) {
+    const auto may_matter = [&](const Vec3& p_mm, double at_most_mm) {
+      return !is_opening || field_.canal_at_least_mm(p_mm) <= at_most_mm;
+    };
+    const auto visit = [&](const Vec3& p_mm, double value_mm, std::size_t sample) {
       if (is_opening && !field_.is_canal(sample)) return;
       if (!is_all && !may_be_anterior(p_mm, sample)) return;
       const WallDistance::Beyond beside = field_.walls().beyond_sample(p_mm, value_mm, sample);
       if (beside.distance_mm > 0.0) add(beside.distance_mm, p_mm, beside.wall);
-    });
+    };
+    for_each_beyond(row, field_.side_turns(), least_mm, may_matter, visit);
   }
   return breach_mm;
 }

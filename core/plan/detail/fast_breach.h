@@ -1,53 +1,17 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "core/plan/detail/breach_field.h"
 #include "core/plan/detail/graded_tool.h"
-#include "core/plan/detail/nearest_cells.h"
-#include "core/plan/grade.h"
 #include "core/plan/path_side.h"
 #include "core/plan/screw_breach.h"
 
 namespace spinaltap {
-
-/// What breaches of very many paths in one bone are found with. Safe to ask from many threads.
-class BreachField {
- public:
-  /// Options must have been checked; `walls` must outlive this.
-  BreachField(const WallDistance& walls, const GradeOptions& options);
-
-  const WallDistance& walls() const { return walls_; }
-  const BoneShape& bone() const { return walls_.bone(); }
-  double step_mm() const { return step_mm_; }
-  const RingTurns& turns() const { return turns_; }
-  const RingTurns& side_turns() const { return side_turns_; }
-
-  /// As BoneShape::nearest(): place in its points.
-  std::size_t nearest(const Vec3& p_mm) const { return cells_.nearest(p_mm); }
-  bool is_canal(std::size_t sample) const { return walls_.landmarks().is_canal_wall[sample] != 0; }
-  /// As WallDistance::walls(), sooner: `sample` is the nearest().
-  WallDistance::Walls walls(const Vec3& p_mm, const WallDistance::Walls& beside, std::size_t sample) const;
-  /// The least that a place can be from the outer surface, or from the canal's wall; infinite where the bone has none.
-  double outer_at_least_mm(const Vec3& p_mm) const { return at_least_mm(outer_squared_mm2_, p_mm); }
-  double canal_at_least_mm(const Vec3& p_mm) const { return at_least_mm(canal_squared_mm2_, p_mm); }
-
- private:
-  void measure_walls();
-  static double at_least_mm(const FloatGrid& to_wall_mm2, const Vec3& p_mm);
-
-  const WallDistance& walls_;
-  double step_mm_;
-  RingTurns turns_, side_turns_;
-  NearestCells cells_;
-  std::vector<std::uint32_t> in_wall_;  ///< of each sample, its place among those of its wall
-  /// Distances to the nearest sample of a wall, or up to kSampleMm less; infinite without one.
-  FloatGrid outer_squared_mm2_, canal_squared_mm2_;
-};
 
 /// The breaches of one path, as grading finds them from all rows and rings: what cannot be among them is left out by
 /// bounds, from the lattice of the bone's shape and from nearest points, so that a path takes some microseconds.
@@ -69,24 +33,28 @@ class FastBreach {
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   struct Row {
     double depth_mm;
-    double radius_mm;          ///< negative until it is asked for
-    double lattice_mm;         ///< of the axis
-    bool is_deep;              ///< all the tool's section is in the bone; lattice_mm is not known
-    std::size_t axis = kNone;  ///< in axes_
+    double radius_mm;            ///< negative until it is asked for
+    double lattice_mm;           ///< of the axis
+    bool is_deep;                ///< all the tool's section is in the bone; lattice_mm is not known
+    std::size_t sample = kNone;  ///< the nearest to the axis, once it is asked for
+    double squared_mm2 = 0.0;    ///< to it
+    std::size_t axis = kNone;    ///< in axes_
   };
   /// What the axis sees.
   struct Axis {
-    std::size_t sample = kNone;  ///< the nearest
     WallDistance::Wall nearer;
     bool is_canal = false;                    ///< the nearer wall
     std::optional<WallDistance::Walls> both;  ///< where it was not sure which one is nearer, or the other was wanted
   };
 
   double radius_mm(Row& row) const;
+  void find_sample(Row& row) const;
   Axis& axis_of(Row& row);
   const WallDistance::Walls& both_of(Row& row);
   /// At most this of the tool stands out at a row.
   double max_breach_mm(Row& row) const;
+  /// The same, closer, from nearest samples of some rows.
+  double closer_max_breach_mm(std::size_t n);
   bool is_in(const Row& row) const;
   bool is_whole(Row& row);
   bool is_surely_cut(const Row& row, double radius_mm);
@@ -97,9 +65,11 @@ class FastBreach {
   /// False only where a place beyond the wall is to another side for sure.
   bool may_be_anterior(const Vec3& p_mm, std::size_t sample) const;
   /// Visits places of the ring that are out of the bone, each with the surface's value and the nearest sample; not all
-  /// of those that are out by least_mm() or less.
-  template <class LeastMm, class Visit>
-  void for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const Visit& visit);
+  /// of those that are out by least_mm() or less, nor those that `may_matter` tells not to, of a place and the most
+  /// that its nearest sample may be away.
+  template <class LeastMm, class MayMatter, class Visit>
+  void for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const MayMatter& may_matter,
+                       const Visit& visit);
 
   const BreachField& field_;
   const BoneShape& bone_;

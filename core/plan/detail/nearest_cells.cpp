@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -21,14 +22,48 @@ T& made_once(std::atomic<T*>& place, const Make& make) {
 }
 
 /// From a block's middle. Single precision: small, and quick to search; what it leaves open the points themselves say.
-struct Near {
+struct alignas(16) Near {
   float x, y, z;
+  float none = 0.0F;  ///< fills a register's lane
 };
 Near operator-(const Near& a, const Near& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 float squared(const Near& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
 float sum_of_sizes(const Near& a) { return std::abs(a.x) + std::abs(a.y) + std::abs(a.z); }
 Near near_of(const Vec3& mm) {
   return {static_cast<float>(mm.x()), static_cast<float>(mm.y()), static_cast<float>(mm.z())};
+}
+
+/// A register of the plainest x86; other machines' compilers do as well with it.
+using Four = float __attribute__((vector_size(16)));
+constexpr std::size_t kLanes = 4;
+Four all_lanes(float value) { return Four{value, value, value, value}; }
+Four lanes_of(const Near& point) {
+  Four lanes;
+  std::memcpy(&lanes, &point, sizeof lanes);
+  return lanes;
+}
+/// A point that is nearest to nothing: lists are filled up with it to whole registers.
+constexpr Near kNowhere{1e18F, 1e18F, 1e18F};
+
+/// Writes squared distances from p of a list's points, and returns the least.
+template <class Place>
+float squares_to(const Near& p, const std::vector<Near>& points, std::span<const Place> places, float* squared_mm2) {
+  const Four px = all_lanes(p.x), py = all_lanes(p.y), pz = all_lanes(p.z);
+  Four least = all_lanes(std::numeric_limits<float>::infinity());
+  for (std::size_t n = 0; n < places.size(); n += kLanes) {
+    const Four a = lanes_of(points[places[n]]), b = lanes_of(points[places[n + 1]]);
+    const Four c = lanes_of(points[places[n + 2]]), d = lanes_of(points[places[n + 3]]);
+    const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+    const Four x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5) - px;
+    const Four y = __builtin_shufflevector(ab, cd, 2, 3, 6, 7) - py;
+    const Four z = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 3, 7),
+                                           __builtin_shufflevector(c, d, 2, 6, 3, 7), 0, 1, 4, 5) -
+                   pz;
+    const Four sum = x * x + y * y + z * z;
+    std::memcpy(squared_mm2 + n, &sum, sizeof sum);
+    least = sum < least ? sum : least;
+  }
+  return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
 }
 
 /// Of a cube of cells, a little larger: which one a position on its border lies in is rounded.
@@ -95,7 +130,7 @@ std::vector<Place> can_be_nearest(const std::vector<Near>& points, std::span<con
 struct NearestCells::Block {
   Vec3 middle_mm = Vec3::Zero();
   float tolerance_mm2 = 0.0F;        ///< by which squared distances in it may be wrong
-  std::vector<Near> points;          ///< none: too many, or too far away
+  std::vector<Near> points;          ///< and kNowhere; none: too many, or too far away
   std::vector<std::uint32_t> index;  ///< of each, its place in the tree's points
   std::array<std::atomic<const Cell*>, kCellsASide * kCellsASide * kCellsASide> cells{};
   std::array<std::atomic<const Cell*>, kPartsASide * kPartsASide * kPartsASide> parts{};
@@ -116,9 +151,11 @@ struct NearestCells::Block {
     const Vec3 of_cube_mm = side_mm * (first + Vec3::Constant(0.5)) - Vec3::Constant(0.5 * kBlockMm);
     const std::vector<Cell> left =
         can_be_nearest(points, places, {near_of(of_cube_mm), half_with_border(side_mm)}, tolerance_mm2);
-    auto cell = std::make_unique<Cell[]>(left.size() + 1);
-    cell[0] = static_cast<Cell>(left.size());
-    std::copy(left.begin(), left.end(), cell.get() + 1);
+    const std::size_t filled_up = (left.size() + kLanes - 1) / kLanes * kLanes;
+    auto cell = std::make_unique<Cell[]>(filled_up + 1);
+    cell[0] = static_cast<Cell>(filled_up);
+    std::fill_n(std::copy(left.begin(), left.end(), cell.get() + 1), filled_up - left.size(),
+                static_cast<Cell>(index.size()));
     return cell;
   }
   std::span<const Cell> cell(const std::array<std::size_t, 3>& at) {
@@ -129,7 +166,7 @@ struct NearestCells::Block {
     const Cell& found = made_once<const Cell, Owner>(cells[place_of(at, kCellsASide)], [&] {
       const std::array<std::size_t, 3> around{at[0] / kCellsAPart, at[1] / kCellsAPart, at[2] / kCellsAPart};
       const Cell& part = made_once<const Cell, Owner>(parts[place_of(around, kPartsASide)], [&] {
-        std::vector<Cell> all(points.size());
+        std::vector<Cell> all(index.size());
         std::iota(all.begin(), all.end(), Cell{0});
         return cube(around, kPartsASide, all);
       });
@@ -159,7 +196,7 @@ NearestCells::~NearestCells() {
 
 std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle_mm) const {
   constexpr double kFarMm = 40.0;
-  constexpr std::size_t kMany = std::numeric_limits<Cell>::max();
+  constexpr std::size_t kMany = std::numeric_limits<Cell>::max() - kLanes;
   auto block = std::make_unique<Block>();
   block->middle_mm = middle_mm;
   const double furthest_mm = tree_.nearest(middle_mm).distance_mm + std::numbers::sqrt3 * kBlockMm + 1e-3;
@@ -185,12 +222,13 @@ std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle
   const std::vector<std::uint32_t> left = can_be_nearest<std::uint32_t>(
       around, all, {{0.0F, 0.0F, 0.0F}, half_with_border(kBlockMm)}, block->tolerance_mm2);
   if (left.size() > kMany) return block;
+  block->points.reserve(left.size() + 1);
+  block->index.reserve(left.size());
   for (const std::uint32_t n : left) {
     block->points.push_back(around[n]);
     block->index.push_back(index[n]);
   }
-  block->points.shrink_to_fit();
-  block->index.shrink_to_fit();
+  block->points.push_back(kNowhere);
   return block;
 }
 
@@ -214,23 +252,25 @@ std::size_t NearestCells::nearest(const Vec3& p_mm) const {
       });
   if (block.points.empty()) return tree_.nearest(p_mm).index;
   const std::span<const Cell> places = block.cell(in_block);
-  const Near p = near_of(p_mm - block.middle_mm);
-  const Near* const points = block.points.data();
-  float best_mm2 = std::numeric_limits<float>::infinity(), next_mm2 = best_mm2;
-  std::size_t best = 0;
-  for (std::size_t n = 0; n < places.size(); ++n) {
-    const float mm2 = squared(points[places[n]] - p);
-    if (mm2 < best_mm2) best = n;
-    next_mm2 = std::min(next_mm2, std::max(mm2, best_mm2));
-    best_mm2 = std::min(best_mm2, mm2);
-  }
-  if (next_mm2 > best_mm2 + block.tolerance_mm2) return block.index[places[best]];
-  // As PointTree sums it, bit for bit.
+  constexpr std::size_t kMost = 512;
+  if (places.size() > kMost) return tree_.nearest(p_mm).index;
+  std::array<float, kMost> near_mm2;
+  const float least_mm2 = squares_to(near_of(p_mm - block.middle_mm), block.points, places, near_mm2.data());
+  // Those that may be it by single precision, mostly one; else as PointTree sums it, bit for bit.
+  std::size_t best = 0, count = 0;
   double best_squared = std::numeric_limits<double>::infinity();
   bool is_tie = false;
   for (std::size_t n = 0; n < places.size(); ++n) {
-    if (squared(points[places[n]] - p) > best_mm2 + block.tolerance_mm2) continue;
-    const double squared_mm2 = (p_mm - tree_.points_mm()[block.index[places[n]]]).squaredNorm();
+    if (near_mm2[n] > least_mm2 + block.tolerance_mm2) continue;
+    if (count++ == 0) {
+      best = n;
+      continue;
+    }
+    const auto squared_to = [&](std::size_t of) {
+      return (p_mm - tree_.points_mm()[block.index[places[of]]]).squaredNorm();
+    };
+    if (count == 2) best_squared = squared_to(best);
+    const double squared_mm2 = squared_to(n);
     if (squared_mm2 > best_squared) continue;
     is_tie = squared_mm2 == best_squared;
     best_squared = squared_mm2;
