@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "apps/report/label_place.h"
+#include "apps/report/square_map.h"
+#include "apps/report/svg_parts.h"
 #include "apps/report/text.h"
 
 namespace spinaltap {
@@ -30,44 +32,11 @@ std::string_view colour_of(double breach_mm) {
   return kGrades[static_cast<std::size_t>(gertzbein_robbins(std::max(0.0, breach_mm)))];
 }
 
-std::string text(double x, double y, std::string_view anchor, std::string_view words, std::string_view style = "") {
-  return "<text x=\"" + svg_number(x) + "\" y=\"" + svg_number(y) + "\" text-anchor=\"" + std::string(anchor) + "\" " +
-         std::string(style) + ">" + escape_html(words) + "</text>\n";
-}
-
-std::string box(double x, double y, double width, double height, std::string_view fill) {
-  return "<rect x=\"" + svg_number(x) + "\" y=\"" + svg_number(y) + "\" width=\"" + svg_number(width) + "\" height=\"" +
-         svg_number(height) + "\" fill=\"" + std::string(fill) + "\"/>\n";
-}
-
 std::string map(const BreachLattice& lattice) {
-  const std::size_t count = lattice.errors.size();
-  const double cell = kSide / static_cast<double>(count);
-  std::string svg;
-  for (std::size_t cranial = 0; cranial < count; ++cranial) {
-    for (std::size_t medial = 0; medial < count; ++medial) {
-      // A little larger, so that no gaps show.
-      svg +=
-          box(kMapLeft + cell * static_cast<double>(medial), kMapTop + cell * static_cast<double>(count - 1 - cranial),
-              cell + 0.3, cell + 0.3, colour_of(lattice.at(medial, cranial)));
-    }
-  }
-  const double low = lattice.errors.front(), high = lattice.errors.back();
-  const double per_mm = (kSide - cell) / (high - low);
-  const auto x = [&](double mm) { return kMapLeft + 0.5 * cell + per_mm * (mm - low); };
-  const auto y = [&](double mm) { return kMapTop + kSide - 0.5 * cell - per_mm * (mm - low); };
-  for (double mm = std::ceil(low); mm <= high; mm += 1.0) {
-    const bool is_named = std::fmod(std::abs(mm), 2.0) == 0.0;
-    if (!is_named) continue;
-    svg += text(x(mm), kMapTop + kSide + 14.0, "middle", svg_number(mm));
-    svg += text(kMapLeft - 6.0, y(mm) + 4.5, "end", svg_number(mm));
-  }
-  svg += "<path d=\"M" + svg_number(x(0.0) - 5.0) + " " + svg_number(y(0.0)) + "h10m-5 -5v10\" stroke=\"#000\" " +
-         "stroke-width=\"1.6\" fill=\"none\"/>\n";
-  svg += text(kMapLeft + 0.5 * kSide, kMapTop + kSide + 30.0, "middle", "mm medial");
-  svg += text(0.0, 0.0, "middle", "mm cranial",
-              "font-size=\"12\" transform=\"translate(30 " + svg_number(kMapTop + 0.5 * kSide) + ") rotate(-90)\"");
-  return svg;
+  return square_map_svg(
+      {kMapLeft, kMapTop, kSide, lattice.errors, "mm", [&lattice](std::size_t medial, std::size_t cranial) {
+         return svg_fill(colour_of(lattice.at(medial, cranial)));
+       }});
 }
 
 std::string bars(const GradeOdds& odds) {
@@ -77,12 +46,13 @@ std::string bars(const GradeOdds& odds) {
   for (std::size_t n = 0; n < odds.grades.size(); ++n) {
     const double y = kMapTop + 4.0 + kRow * static_cast<double>(n);
     const double width = std::max(1.0, kBar * odds.grades[n].share);
-    svg += text(kBarsLeft, y + 11.0, "start", std::string(1, letter_of(static_cast<Grade>(n))), "font-weight=\"600\"");
-    svg += box(kBarsLeft + 16.0, y, width, 12.0, kGrades[n]);
-    svg += text(kBarsLeft + 16.0 + kBar + 6.0, y + 11.0, "start", probability_in_words(odds.grades[n]));
+    svg +=
+        svg_text(kBarsLeft, y + 11.0, "start", std::string(1, letter_of(static_cast<Grade>(n))), "font-weight=\"600\"");
+    svg += svg_box(kBarsLeft + 16.0, y, width, 12.0, kGrades[n]);
+    svg += svg_text(kBarsLeft + 16.0 + kBar + 6.0, y + 11.0, "start", probability_in_words(odds.grades[n]));
   }
   const double below = kMapTop + 4.0 + kRow * 5.0;
-  svg += text(kBarsLeft, below + 10.0, "start", "into the canal " + probability_in_words(odds.canal));
+  svg += svg_text(kBarsLeft, below + 10.0, "start", "into the canal " + probability_in_words(odds.canal));
   return svg;
 }
 
@@ -109,12 +79,12 @@ std::string breach_map_svg(const PlacedGrade& placed) {
   constexpr std::string_view kHead = "font-weight=\"600\" font-size=\"14\" fill=\"#1a2026\"";
   std::string svg = "<svg class=\"map\" role=\"img\" aria-label=\"Breach by error of the entry\" viewBox=\"0 0 " +
                     svg_number(kWidth) + " " + svg_number(kHeight) + "\" font-size=\"13\" fill=\"#3d464e\">\n" +
-                    text(0.0, 14.0, "start", "Grade where the entry errs", kHead) +
-                    text(kBarsLeft, 14.0, "start", "Grades to expect, 95 % intervals", kHead) +
+                    svg_text(0.0, 14.0, "start", "Grade where the entry errs", kHead) +
+                    svg_text(kBarsLeft, 14.0, "start", "Grades to expect, 95 % intervals", kHead) +
                     map(placed.map.shift_mm) + bars(placed.odds);
   double y = kMapTop + kSide + 12.0;
   for (const std::string& line : title_lines(placed)) {
-    svg += text(kBarsLeft, y, "start", line);
+    svg += svg_text(kBarsLeft, y, "start", line);
     y += 16.0;
   }
   return svg + "</svg>\n";

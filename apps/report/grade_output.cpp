@@ -37,6 +37,16 @@ Json json_of(const Finding& finding, const DrillPath& path) {
           {"words", finding.words}};
 }
 
+Json json_of(const NeighbourContact& contact, const DrillPath& path) {
+  Json json{{"depth_mm", contact.depth_mm}};
+  if (!(contact.depth_mm > 0.0)) return json;
+  json.update(Json{{"level", level_name(contact.level)},
+                   {"part", name_of(contact.part, path)},
+                   {"at_mm", contact.at_mm},
+                   {"place_mm", to_json(contact.place_mm)}});
+  return json;
+}
+
 /// "pullout_n", "p05_pullout_n" and "p95_pullout_n".
 void add_banded(Json& json, const std::string& name, const HoldFigure& figure) {
   json[name] = figure.median;
@@ -241,6 +251,7 @@ Json to_json(const GradedPath& graded, const std::vector<double>& hu_bands, bool
   }
   json["findings"] = Json::array();
   for (const Finding& finding : grade.findings) json["findings"].push_back(json_of(finding, graded.path));
+  json["neighbour"] = grade.neighbour ? json_of(*grade.neighbour, graded.path) : Json(nullptr);
   json["instrument"] = json_of(grade.instrument);
   json["opening_end_mm"] = grade.opening_end_mm;
   json["bearing_mm"] = number_or_null(grade.bearing_mm);

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "apps/report/study_map_drawing.h"
 #include "apps/report/study_plots.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
@@ -56,10 +57,8 @@ void add_screws(const std::vector<StudyScrews>& screws, HtmlReport& report) {
   report.add_heading("Screws");
   report.add_text(
       "The planned screw where it would lie, by its deepest breach (Gertzbein & Robbins), % of the runs. In brackets "
-      "the "
-      "95 % interval for patients like these: runs of one patient resemble each other. With one patient it says "
-      "nothing "
-      "of others.");
+      "the 95 % interval for patients like these: runs of one patient resemble each other. With one patient it says "
+      "nothing of others.");
   std::vector<std::vector<std::string>> rows;
   for (const StudyScrews& one : screws) {
     std::vector<std::string> row{one.what, std::to_string(one.runs), std::to_string(one.patients)};
@@ -67,9 +66,11 @@ void add_screws(const std::vector<StudyScrews>& screws, HtmlReport& report) {
     row.push_back(with_interval(one.acceptable));
     row.push_back(with_interval(one.canal));
     row.push_back(percent(one.anterior.probability()));
+    row.push_back(one.neighbour.runs > 0 ? percent(one.neighbour.probability()) : "n/a");
     rows.push_back(std::move(row));
   }
-  report.add_table({"of", "runs", "patients", "A", "B", "C", "D", "E", "A or B", "canal", "anterior"}, rows);
+  report.add_table({"of", "runs", "patients", "A", "B", "C", "D", "E", "A or B", "canal", "anterior", "other vertebra"},
+                   rows);
 }
 
 void add_tolerances(const std::vector<StudyTolerance>& tolerances, HtmlReport& report) {
@@ -89,8 +90,8 @@ void add_sensitivities(const StudySummary& summary, HtmlReport& report) {
   report.add_heading("Which error is to blame");
   report.add_text(
       "Sobol's indices: the share of a result's variance that an input explains alone, and the share that would be "
-      "left "
-      "if all but it were known. In brackets their 95 % intervals. \"direction\" is what of the direction's error does "
+      "left if all but it were known. In brackets their 95 % intervals. \"direction\" is what of the direction's error "
+      "does "
       "not go with the entry's.");
   for (const StudySensitivity& one : summary.sensitivities) {
     std::vector<std::vector<std::string>> rows;
@@ -105,6 +106,21 @@ void add_sensitivities(const StudySummary& summary, HtmlReport& report) {
     }
     report.add_table({one.result, "alone", "with others"}, rows);
   }
+}
+
+/// Of all, and of each level where the entry lies.
+void add_maps(const std::vector<StudyMap>& maps, HtmlReport& report) {
+  if (maps.empty()) return;
+  std::vector<ReportDrawing> drawings;
+  for (const StudyMap& map : maps) {
+    const bool is_of_level = level_from_name(map.what).has_value();
+    if (map.what == "all" || (is_of_level && map.off == OffPlan::entry)) drawings.push_back({study_map_svg(map), ""});
+  }
+  report.add_heading("Breach over where screws lie");
+  report.add_text(
+      "All else of the errors being as it comes. Within the darkest squares 95 % of the screws stay in the bone. "
+      "breach_map.csv has the numbers and their intervals, also by side, and for breaches of 2 mm and more.");
+  report.add_svgs(drawings);
 }
 
 bool differs(const StudySummary& summary, StudyFactor factor) {
@@ -207,6 +223,7 @@ std::string study_report(const StudyReportData& data) {
   report.add_heading("What was studied");
   report.add_table(data.inputs);
   add_screws(summary.screws, report);
+  add_maps(summary.maps, report);
   add_tolerances(summary.tolerances, report);
   add_sensitivities(summary, report);
   if (summary.has_drilled) {
@@ -297,6 +314,7 @@ StudySummary write_study_results(const std::filesystem::path& folder, const Stud
   report.inputs = inputs.rows;
   report.summary = summarise_study(report.rows, StudyRuns(inputs.design, inputs.ground));
   output.write(folder / "summary.json", to_json(report.summary).dump(2) + "\n");
+  output.write(folder / "breach_map.csv", study_map_csv(report.summary.maps));
   output.write(folder / "report.html", study_report(report));
   output.commit();
   return std::move(report.summary);

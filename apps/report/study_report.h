@@ -32,8 +32,9 @@ struct StudyInputs {
 /// Throws Error that names `file` and the key at fault.
 StudyInputs study_inputs(const StudyIdentity& identity, const std::filesystem::path& file);
 
-/// Writes runs.csv, summary.json and report.html of a study whose runs are all there: from study.json and the rows
-/// alone, so that the bytes do not depend on who drilled what, where and when. Throws Error where runs are missing.
+/// Writes runs.csv, summary.json, breach_map.csv and report.html of a study whose runs are all there: from study.json
+/// and the rows alone, so that the bytes do not depend on who drilled what, where and when. Throws Error where runs are
+/// missing.
 StudySummary write_study_results(const std::filesystem::path& folder, const StudyIdentity& identity,
                                  const StudyRows& rows);
 

@@ -9,6 +9,7 @@
 #include "apps/report/curve_names.h"
 #include "apps/report/label_place.h"
 #include "apps/report/plot_ticks.h"
+#include "apps/report/svg_parts.h"
 #include "apps/report/text.h"
 #include "core/base/error.h"
 
@@ -92,11 +93,6 @@ std::string line(double x1, double y1, double x2, double y2, std::string_view st
          std::string(style) + "/>\n";
 }
 
-std::string label(double x, double y, std::string_view anchor, std::string_view text, std::string_view style = "") {
-  return "<text x=\"" + svg_number(x) + "\" y=\"" + svg_number(y) + "\" text-anchor=\"" + std::string(anchor) + "\" " +
-         std::string(style) + ">" + escape_html(text) + "</text>\n";
-}
-
 std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " (" + unit + ")";
 }
@@ -149,13 +145,13 @@ class PlotDrawing {
     for (const double value : y_ticks_.major) {
       if (!is_in_height(value)) continue;
       svg_ += line(x_.from, y_(value), x_.to, y_(value), "stroke=\"#d9dee2\"");
-      svg_ += label(x_.from - 8.0, y_(value) + 4.5, "end", tick_label(value, plot_.log_y ? 0.0 : step(y_ticks_)));
+      svg_ += svg_text(x_.from - 8.0, y_(value) + 4.5, "end", tick_label(value, plot_.log_y ? 0.0 : step(y_ticks_)));
     }
     const double slack = 1e-9 * (x_.high - x_.low);
     for (const double value : x_ticks_.major) {
       if (value < x_.low - slack || value > x_.high + slack) continue;
       svg_ += line(x_(value), y_.from, x_(value), y_.to, "stroke=\"#d9dee2\"");
-      svg_ += label(x_(value), y_.from + 18.0, "middle", tick_label(value, step(x_ticks_)));
+      svg_ += svg_text(x_(value), y_.from + 18.0, "middle", tick_label(value, step(x_ticks_)));
     }
   }
 
@@ -202,8 +198,8 @@ class PlotDrawing {
       const LineLabel& at = marker_labels_[n];
       const double base = y_.to - 6.0 - at.row * kMarkerRow;
       svg_ += line(at.x, y_.from, at.x, base - 9.0, "stroke=\"#333b42\" stroke-width=\"1.2\" stroke-dasharray=\"5 4\"");
-      svg_ += label(at.x + (at.is_left ? -kMarkerGap : kMarkerGap), base, at.is_left ? "end" : "start",
-                    marker_texts_[n], "fill=\"#333b42\"");
+      svg_ += svg_text(at.x + (at.is_left ? -kMarkerGap : kMarkerGap), base, at.is_left ? "end" : "start",
+                       marker_texts_[n], "fill=\"#333b42\"");
       taken_.emplace_back(Eigen::Vector2d(at.x, y_.to), Eigen::Vector2d(at.x, y_.from));
     }
   }
@@ -230,8 +226,8 @@ class PlotDrawing {
       if (!(high > low) || zone.name.empty()) continue;
       const Eigen::Vector2d corner(x_.to - 6.0, y_(low) - 3.0);
       const Eigen::Vector2d size(text_width(zone.name, kFontSize), kFontSize);
-      svg_ += label(corner.x(), corner.y() - 1.0, "end", zone.name,
-                    "font-weight=\"600\" fill=\"" + escape_html(zone.colour) + "\"");
+      svg_ += svg_text(corner.x(), corner.y() - 1.0, "end", zone.name,
+                       "font-weight=\"600\" fill=\"" + escape_html(zone.colour) + "\"");
       taken_.emplace_back(Eigen::Vector2d(corner - size), corner);
     }
   }
@@ -243,8 +239,8 @@ class PlotDrawing {
     const std::vector<Eigen::AlignedBox2d> places = place_curve_names(curves, room, kFontSize, taken_);
     for (std::size_t n = 0; n < places.size(); ++n) {
       if (places[n].isEmpty()) continue;
-      svg_ += label(places[n].min().x(), places[n].max().y() - 0.25 * kFontSize, "start", curves[n].name,
-                    "font-weight=\"600\" fill=\"" + escape_html(colour_of(n)) + "\"");
+      svg_ += svg_text(places[n].min().x(), places[n].max().y() - 0.25 * kFontSize, "start", curves[n].name,
+                       "font-weight=\"600\" fill=\"" + escape_html(colour_of(n)) + "\"");
     }
   }
 
@@ -284,11 +280,11 @@ class PlotDrawing {
             svg_number(x_.to - x_.from) + "\" height=\"" + svg_number(y_.from - y_.to) +
             "\" fill=\"none\" stroke=\"#5b6670\"/>\n";
     if (!plot_.title.empty())
-      svg_ += label(x_.from, 18.0, "start", plot_.title, "font-weight=\"600\" font-size=\"15\" fill=\"#1a2026\"");
-    svg_ += label(x_middle, y_.from + 40.0, "middle", with_unit(plot_.x_label, plot_.x_unit));
-    svg_ += label(0.0, 0.0, "middle", with_unit(plot_.y_label, plot_.y_unit),
-                  "transform=\"translate(18 " + svg_number(y_middle) + ") rotate(-90)\"");
-    if (!drew_) svg_ += label(x_middle, y_middle, "middle", "no data", "fill=\"#5b6670\" font-style=\"italic\"");
+      svg_ += svg_text(x_.from, 18.0, "start", plot_.title, "font-weight=\"600\" font-size=\"15\" fill=\"#1a2026\"");
+    svg_ += svg_text(x_middle, y_.from + 40.0, "middle", with_unit(plot_.x_label, plot_.x_unit));
+    svg_ += svg_text(0.0, 0.0, "middle", with_unit(plot_.y_label, plot_.y_unit),
+                     "transform=\"translate(18 " + svg_number(y_middle) + ") rotate(-90)\"");
+    if (!drew_) svg_ += svg_text(x_middle, y_middle, "middle", "no data", "fill=\"#5b6670\" font-style=\"italic\"");
   }
 
   /// On the title's line, ending on the right; where that is too short, on lines of its own below it.
@@ -322,7 +318,7 @@ class PlotDrawing {
       svg_ += entry.area
                   ? line(entry.x, y, entry.x + 22.0, y, "stroke=\"" + paint + "\" stroke-width=\"10\" opacity=\"0.3\"")
                   : line(entry.x, y, entry.x + 22.0, y, "stroke=\"" + paint + "\" stroke-width=\"2.5\"");
-      svg_ += label(entry.x + 28.0, entry.y, "start", entry.name);
+      svg_ += svg_text(entry.x + 28.0, entry.y, "start", entry.name);
     }
   }
 

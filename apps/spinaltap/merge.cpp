@@ -35,7 +35,7 @@ void add_merge(CLI::App& program, Command& command) {
   command.outputs = [options]() -> std::vector<std::filesystem::path> {
     if (!options->folder.empty()) return {};
     const std::filesystem::path& folder = options->folders.front();
-    return {folder / "runs.csv", folder / "summary.json", folder / "report.html"};
+    return {folder / "runs.csv", folder / "summary.json", folder / "breach_map.csv", folder / "report.html"};
   };
   command.run = [options](const Progress&) { return run_merge(*options); };
 }

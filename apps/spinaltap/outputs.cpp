@@ -23,7 +23,7 @@ const std::map<std::string_view, std::vector<const char*>>& files_in_folders() {
       {"demo", {"phantom", "bone.vdb", "bone.stl", "plan.json", "report.html"}},
       {"grade", {"report.html", "grade.json", "grade.csv"}},
       {"study", {}},
-      {"merge", {"runs.csv", "summary.json", "report.html"}},
+      {"merge", {"runs.csv", "summary.json", "breach_map.csv", "report.html"}},
   };
   return files;
 }

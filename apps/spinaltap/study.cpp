@@ -102,8 +102,8 @@ Json run_study(const StudyCommandOptions& options, Command& command, const Progr
 void add_study(CLI::App& program, Command& command) {
   const auto options = std::make_shared<StudyCommandOptions>();
   CLI::App* app = add_command(program, command, "study",
-                              "Drill one path many times, with errors, on all cores; writes runs.csv, summary.json and "
-                              "report.html. Started again it goes on where it was",
+                              "Drill one path many times, with errors, on all cores; writes runs.csv, summary.json, "
+                              "breach_map.csv and report.html. Started again it goes on where it was",
                               "Example: spinaltap study study.json -o study/ --shard 1/4");
   app->add_option("spec", options->spec, "What to study: docs/studies.md")->type_name("SPEC.json");
   app->add_option("-o,--output", options->folder, "Folder for the results, and for those so far")

@@ -26,6 +26,7 @@ void print_screws(const StudyScrews& screws) {
   print_grades("screw,", screws.grades);
   print_share("screw, grade A or B", screws.acceptable);
   print_share("screw in the canal", screws.canal);
+  if (screws.neighbour.runs > 0) print_share("screw in another vertebra", screws.neighbour);
 }
 
 void print_bit(const StudySummary& summary) {

@@ -32,6 +32,7 @@ StudyBone read_survey(const std::filesystem::path& file, const std::string& key,
   if (object.text("check") != check_of(key, survey)) fail("expected ", file.string(), " as it was written");
   const JsonObject of(survey, file);
   bone.hash = of.text("hash");
+  bone.neighbours = of.at("neighbours").get<std::vector<std::string>>();
   bone.level = level_from_name(of.text("level")).value_or(Level::kNone);
   if (bone.paths.empty()) {
     for (const Json& path : of.at("paths")) bone.paths.push_back(read_path(path, file));
@@ -68,6 +69,7 @@ void keep_survey(const std::filesystem::path& folder, const std::string& key, co
         {{"medial", to_json(frame.medial)}, {"cranial", to_json(frame.cranial)}, {"along", to_json(frame.along)}});
   }
   Json survey{{"hash", bone.hash},
+              {"neighbours", bone.neighbours},
               {"level", level_name(bone.level)},
               {"paths", std::move(paths)},
               {"frames", std::move(frames)}};

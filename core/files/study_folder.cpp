@@ -202,6 +202,7 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs) {
                      {"level", level_name(bone.level)},
                      {"patient", bone.patient + 1},
                      {"paths", std::move(paths)}});
+    if (!bone.neighbours.empty()) bones.back()["neighbours"] = bone.neighbours;
   }
   Json study{{"program", version()},
              {"code", code_fingerprint(CodeStage::drilling)},

@@ -32,13 +32,15 @@ Json json_of(const std::array<StudyShare, 5>& grades) {
 }
 
 Json json_of(const StudyScrews& screws) {
-  return {{"of", screws.what},
-          {"runs", screws.runs},
-          {"patients", screws.patients},
-          {"grades", json_of(screws.grades)},
-          {"a_or_b", json_of(screws.acceptable)},
-          {"canal_breach", json_of(screws.canal)},
-          {"anterior_breach", json_of(screws.anterior)}};
+  Json json{{"of", screws.what},
+            {"runs", screws.runs},
+            {"patients", screws.patients},
+            {"grades", json_of(screws.grades)},
+            {"a_or_b", json_of(screws.acceptable)},
+            {"canal_breach", json_of(screws.canal)},
+            {"anterior_breach", json_of(screws.anterior)}};
+  if (screws.neighbour.runs > 0) json["neighbour_breach"] = json_of(screws.neighbour);
+  return json;
 }
 
 Json json_of(const StudyTolerance& tolerance) {

@@ -453,6 +453,14 @@ PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Mater
   return graded;
 }
 
+void note_neighbours(std::span<const Neighbour> neighbours, const DrillPath& path, PathGrade& grade) {
+  grade.neighbour = neighbour_contact(neighbours, path);
+  if (!(grade.neighbour->depth_mm > kTouchMm)) return;
+  const auto first_note = std::find_if(grade.findings.begin(), grade.findings.end(),
+                                       [](const Finding& finding) { return !finding.is_warning; });
+  grade.findings.insert(first_note, finding_of(*grade.neighbour, path));
+}
+
 double entry_end_mm(const WallDistance& walls, const DrillPath& path, const GradeOptions& options) {
   check_grade_options(options);
   const GradedTool tool(path);

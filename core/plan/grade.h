@@ -9,6 +9,7 @@
 
 #include "core/force/drill_forces.h"
 #include "core/plan/instrument.h"
+#include "core/plan/neighbour_contact.h"
 #include "core/plan/path_side.h"
 #include "core/plan/screw_hold.h"
 #include "core/plan/wall_distance.h"
@@ -86,13 +87,15 @@ struct PathGrade {
   /// Nearest approaches of the tool's surface; negative where, and only where, it breaches that wall.
   Approach outer, canal;
   InstrumentContacts instrument;  ///< of all behind the entry
-  std::vector<Finding> findings;  ///< of it, of the entry and of the breach, warnings first
-  bool is_left = true;            ///< graded as a path through the left pedicle, the nearer one
-  double opening_end_mm = 0.0;    ///< depth from which on whatever stands out of the bone is a breach
-  double bearing_mm = 0.0;        ///< depth from which on bone bears the whole section; infinite where it never does
-  double entry_slant_deg = 0.0;   ///< between the path and the surface's normal at the entry; NaN away from bone
-  double entry_end_mm = 0.0;      ///< depth from which on the nearest approach to the outer surface counts
-  double hu = 0.0;                ///< mean of the tool's volume in bone; NaN where there is none
+  std::vector<Finding> findings;  ///< of it, of the entry, of the breach and of neighbours, warnings first
+  /// With other vertebrae, where they are known: grade_path() knows of none, note_neighbours() adds it.
+  std::optional<NeighbourContact> neighbour = {};
+  bool is_left = true;           ///< graded as a path through the left pedicle, the nearer one
+  double opening_end_mm = 0.0;   ///< depth from which on whatever stands out of the bone is a breach
+  double bearing_mm = 0.0;       ///< depth from which on bone bears the whole section; infinite where it never does
+  double entry_slant_deg = 0.0;  ///< between the path and the surface's normal at the entry; NaN away from bone
+  double entry_end_mm = 0.0;     ///< depth from which on the nearest approach to the outer surface counts
+  double hu = 0.0;               ///< mean of the tool's volume in bone; NaN where there is none
   std::vector<double> hu_band_shares;  ///< one more than there are borders; of the tool's volume in bone; sum 1
   double max_thrust_n = 0.0;
   std::optional<ScrewHold> hold;  ///< of the path's screw; nothing where it has none
@@ -104,6 +107,9 @@ struct PathGrade {
 /// materials and options that make no sense, and without a sampler.
 PathGrade grade_path(const WallDistance& walls, const HuSampler& hu, const Material& material, const DrillPath& path,
                      const GradeOptions& options = {});
+
+/// Adds to the grade of `path` what it meets of other vertebrae, with a finding where that is over kTouchMm.
+void note_neighbours(std::span<const Neighbour> neighbours, const DrillPath& path, PathGrade& grade);
 
 /// Only grade_path()'s entry_end_mm, for the path's screw or, where it has none, its bit. The path's length where the
 /// outer surface never counts.

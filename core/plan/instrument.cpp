@@ -3,49 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/text_writer.h"
-#include "core/tool/bit_profile.h"
-#include "core/tool/path_curve.h"
+#include "core/plan/detail/instrument_body.h"
 
 namespace spinaltap {
 namespace {
-
-/// A part of the instrument as a body of revolution about the path.
-struct Body {
-  InstrumentPart part;
-  BitProfile profile;
-  double tip_mm;  ///< where along the path its tip is
-
-  bool contains(double along_mm, double off_axis_squared_mm2) const {
-    return profile.contains(tip_mm - along_mm, off_axis_squared_mm2);
-  }
-  /// Signed, to its surface.
-  double distance_mm(double along_mm, double off_axis_mm) const {
-    return profile.distance_mm(tip_mm - along_mm, off_axis_mm);
-  }
-};
-
-std::vector<Body> bodies_of(const DrillPath& path, double opening_mm) {
-  constexpr double kWayInMm = 60.0;  // beyond it nothing of a vertebra lies
-  constexpr double kBluntMm = 1e-3;
-  std::vector<Body> bodies;
-  const DrillBit tool = path.screw ? path.screw->outline() : path.bit;
-  const DrillBit way_in{tool.diameter_mm, kWayInMm, kBluntMm, BitShape::tapered_screw, tool.diameter_mm};
-  bodies.push_back({InstrumentPart::way_in, BitProfile(way_in), -opening_mm});
-  const auto add = [&](InstrumentPart part, const std::optional<BodyBehind>& body) {
-    if (!body) return;
-    bodies.push_back({part, BitProfile(body->outline), (body->pose.tip_mm - path.entry_mm).dot(path.direction())});
-  };
-  add(InstrumentPart::head, head_of(path));
-  add(InstrumentPart::driver, driver_of(path));
-  return bodies;
-}
 
 /// A place of the surface and how far it is from a body.
 struct Touch {
@@ -54,26 +20,8 @@ struct Touch {
   Vec3 normal = Vec3::Zero();
 };
 
-class PathLine {
- public:
-  /// Behind its entry a curved path is straight as well.
-  explicit PathLine(const DrillPath& path) : entry_mm_(path.entry_mm), direction_(PathCurve(path).direction_at(0.0)) {}
-  double along_mm(const Vec3& p_mm) const { return (p_mm - entry_mm_).dot(direction_); }
-  double off_squared_mm2(const Vec3& p_mm, double along_mm) const {
-    return (p_mm - entry_mm_ - along_mm * direction_).squaredNorm();
-  }
-  double off_mm(const Vec3& p_mm, double along_mm) const { return std::sqrt(off_squared_mm2(p_mm, along_mm)); }
-  double distance_mm(const Body& body, const Vec3& p_mm) const {
-    const double along = along_mm(p_mm);
-    return body.distance_mm(along, off_mm(p_mm, along));
-  }
-
- private:
-  Vec3 entry_mm_, direction_;
-};
-
 /// The surface's place nearest to the body, or deepest in it, around a sample of it.
-Touch refined(const BoneShape& bone, const PathLine& line, const Body& body, Touch best) {
+Touch refined(const BoneShape& bone, const PathLine& line, const InstrumentBody& body, Touch best) {
   constexpr int kAround = 8, kHalvings = 4;
   double step_mm = 0.5 * BoneShape::kSampleMm;
   for (int halving = 0; halving < kHalvings; ++halving, step_mm *= 0.5) {
@@ -100,7 +48,7 @@ Touch refined(const BoneShape& bone, const PathLine& line, const Body& body, Tou
 
 std::string millimetres(double mm) { return fixed_text(mm, 1) + " mm"; }
 
-Finding finding_of(const DrillPath& path, const Body& body, VertebraPart structure, const Touch& touch,
+Finding finding_of(const DrillPath& path, const InstrumentBody& body, VertebraPart structure, const Touch& touch,
                    double along_mm) {
   Finding finding{body.part, structure, -touch.distance_mm, along_mm, touch.place_mm, false, ""};
   const bool is_joint = structure == VertebraPart::superior_joint;
@@ -151,7 +99,7 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   constexpr std::size_t kStructures = 8;
   const BoneShape& bone = walls.bone();
   const PathLine line(path);
-  const std::vector<Body> bodies = bodies_of(path, opening_mm);
+  const std::vector<InstrumentBody> bodies = instrument_bodies(path, opening_mm);
   InstrumentContacts contacts;
   const auto note_process = [&](VertebraPart structure, double depth_mm) {
     if (structure == VertebraPart::superior_joint)
@@ -165,7 +113,7 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
   };
   std::vector<OfBody> found(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const Body& body = bodies[b];
+    const InstrumentBody& body = bodies[b];
     Touch& nearest = found[b].nearest;
     // Of the way in it matters only how deep bone lies in it, which a sample beside it may still lead to.
     const double within_mm = body.part == InstrumentPart::way_in ? std::min(reach_mm, BoneShape::kSampleMm) : reach_mm;
@@ -201,7 +149,7 @@ InstrumentContacts instrument_contacts(const WallDistance& walls, const DrillPat
     }
   }
   if (path.screw) {
-    const Body thread{InstrumentPart::tool, BitProfile(path.screw->outline()), path.length_mm()};
+    const InstrumentBody thread = screw_body(path);
     for (const std::size_t n : bone.tree().along(
              {path.entry_mm, path.direction(), -opening_mm, path.length_mm(), thread.profile.radius_mm()})) {
       const Vec3& p_mm = bone.points_mm()[n];

@@ -350,4 +350,15 @@ DrillPath erred_path(const DrillPath& path, const ErrorFrame& frame, const Place
   return erred;
 }
 
+PlacementError error_between(const DrillPath& path, const ErrorFrame& frame, const DrillPath& erred) {
+  const Vec3 shift_mm = erred.entry_mm - path.entry_mm;
+  const Vec3 direction = erred.direction();
+  const double medial = direction.dot(frame.medial), cranial = direction.dot(frame.cranial);
+  const double across = std::hypot(medial, cranial);
+  const double turn_deg = std::atan2(across, direction.dot(frame.along)) / kDegree;
+  const double per_part = across > 0.0 ? turn_deg / across : 0.0;
+  return {shift_mm.dot(frame.medial), shift_mm.dot(frame.cranial), shift_mm.dot(frame.along), per_part * medial,
+          per_part * cranial};
+}
+
 }  // namespace spinaltap

@@ -111,5 +111,7 @@ ErrorFrame error_frame(const Landmarks& landmarks, const DrillPath& path);
 
 /// The path with an error: shifted, then turned about its entry.
 DrillPath erred_path(const DrillPath& path, const ErrorFrame& frame, const PlacementError& error);
+/// The error with which erred_path() makes `erred` of `path`, whatever moved it.
+PlacementError error_between(const DrillPath& path, const ErrorFrame& frame, const DrillPath& erred);
 
 }  // namespace spinaltap

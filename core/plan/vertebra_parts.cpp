@@ -29,6 +29,8 @@ const char* name_of(VertebraPart part) {
       return "superior articular process";
     case VertebraPart::superior_joint:
       return "joint surface of the superior articular process";
+    case VertebraPart::other_vertebra:
+      return "other vertebra";
     case VertebraPart::inferior_articular_process:
       break;
   }

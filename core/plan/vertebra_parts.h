@@ -16,7 +16,8 @@ enum class VertebraPart {
   transverse_process,
   superior_articular_process,
   superior_joint,  ///< the joint surface of the superior articular process
-  inferior_articular_process
+  inferior_articular_process,
+  other_vertebra  ///< a neighbour's, whatever its part
 };
 /// "superior articular process".
 const char* name_of(VertebraPart part);

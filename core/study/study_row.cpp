@@ -70,6 +70,10 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"shift_left_mm", Kind::real},
                                                                       {"shift_back_mm", Kind::real},
                                                                       {"shift_head_mm", Kind::real},
+                                                                      {"off_medial_mm", Kind::real},
+                                                                      {"off_cranial_mm", Kind::real},
+                                                                      {"off_medial_deg", Kind::real},
+                                                                      {"off_cranial_deg", Kind::real},
                                                                       {"off_entry_mm", Kind::real},
                                                                       {"off_target_mm", Kind::real},
                                                                       {"off_angle_deg", Kind::real},
@@ -78,7 +82,8 @@ constexpr std::array<Column, kStudyColumns - kStudyFactors> kResults{{{"run", Ki
                                                                       {"screw_breach_side", Kind::side},
                                                                       {"screw_breach_depth_mm", Kind::real},
                                                                       {"screw_canal_mm", Kind::real},
-                                                                      {"screw_anterior_mm", Kind::real}}};
+                                                                      {"screw_anterior_mm", Kind::real},
+                                                                      {"screw_neighbour_mm", Kind::real}}};
 
 constexpr auto kFirstResult = static_cast<std::size_t>(StudyColumn::run);
 

@@ -56,6 +56,10 @@ enum class StudyColumn : std::uint8_t {
   shift_left_mm,           ///< and a shift of the centre of its covariance
   shift_back_mm,           ///< likewise
   shift_head_mm,           ///< likewise
+  off_medial_mm,           ///< the entry from the planned one, of all errors together; not a number without landmarks
+  off_cranial_mm,          ///< likewise
+  off_medial_deg,          ///< the direction, likewise
+  off_cranial_deg,         ///< likewise
   off_entry_mm,            ///< distance of the entry from the planned one, of all errors together
   off_target_mm,           ///< of the target
   off_angle_deg,           ///< between the line and the planned one
@@ -64,9 +68,10 @@ enum class StudyColumn : std::uint8_t {
   screw_breach_side,       ///< of it: PathSide; not a number without a breach
   screw_breach_depth_mm,   ///< along the path; likewise
   screw_canal_mm,          ///< breach into the canal; 0: none
-  screw_anterior_mm        ///< beyond the anterior wall; 0: none
+  screw_anterior_mm,       ///< beyond the anterior wall; 0: none
+  screw_neighbour_mm       ///< how deep another vertebra's bone lies in it; not a number where none is known
 };
-constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::screw_anterior_mm) + 1;
+constexpr std::size_t kStudyColumns = static_cast<std::size_t>(StudyColumn::screw_neighbour_mm) + 1;
 
 std::string_view name_of(StudyColumn column);
 

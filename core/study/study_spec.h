@@ -52,11 +52,12 @@ std::string_view name_of(StudyKind kind);
 /// A bone of a study, and what is planned in it.
 struct StudyBone {
   std::filesystem::path file = {};
-  Level level = Level::kNone;           ///< which bone of a file of several; by the time a study runs: which it is
-  std::size_t patient = 0;              ///< counts from 0: bones of one patient have one
-  std::vector<DrillPath> paths = {};    ///< none: those that are suggested for it
-  std::string hash = {};                ///< of the bone; empty until it was read
-  std::vector<ErrorFrame> frames = {};  ///< of each path's errors of placement; none until the bone was read
+  Level level = Level::kNone;                ///< which bone of a file of several; by the time a study runs: which it is
+  std::size_t patient = 0;                   ///< counts from 0: bones of one patient have one
+  std::vector<DrillPath> paths = {};         ///< none: those that are suggested for it
+  std::string hash = {};                     ///< of the bone; empty until it was read
+  std::vector<std::string> neighbours = {};  ///< hashes of the vertebrae beside it in its file, likewise
+  std::vector<ErrorFrame> frames = {};       ///< of each path's errors of placement; none until the bone was read
 };
 
 /// What a study is: SPEC.json, read and checked. docs/studies.md has its keys.

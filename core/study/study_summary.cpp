@@ -10,7 +10,6 @@
 
 #include "core/base/lerp.h"
 #include "core/ct/level.h"
-#include "core/study/clustered_share.h"
 
 namespace spinaltap {
 namespace {
@@ -92,23 +91,12 @@ StudySummary::ByFactor by_factor(const Rows& rows, const FactorDistribution& dis
   return result;
 }
 
-/// The share of screws that `is_met`, by patients.
+/// The share of screws that `is_met`, for patients like these.
 template <class IsMet>
 StudyShare share_of_screws(const Pointers& rows, const IsMet& is_met) {
-  std::map<std::size_t, PatientCount> patients;
-  std::size_t count = 0;
-  for (const StudyRow* row : rows) {
-    const double number = (*row)[StudyColumn::patient];
-    PatientCount& patient = patients[std::isnan(number) ? 0 : static_cast<std::size_t>(number)];
-    const std::size_t met = is_met(*row) ? 1 : 0;
-    patient.met += met;
-    ++patient.runs;
-    count += met;
-  }
-  std::vector<PatientCount> counts;
-  counts.reserve(patients.size());
-  for (const auto& [patient, of] : patients) counts.push_back(of);
-  return {rows.size(), count, clustered_share(counts).interval};
+  ScrewCount count;
+  for (const StudyRow* row : rows) count.add(*row, is_met(*row));
+  return count.share();
 }
 
 StudyScrews screws_among(const Pointers& rows, std::string what) {
@@ -116,16 +104,23 @@ StudyScrews screws_among(const Pointers& rows, std::string what) {
   screws.what = std::move(what);
   screws.runs = rows.size();
   std::set<double> patients;
-  for (const StudyRow* row : rows) patients.insert((*row)[StudyColumn::patient]);
+  Pointers with_neighbours;
+  for (const StudyRow* row : rows) {
+    patients.insert((*row)[StudyColumn::patient]);
+    if (!std::isnan((*row)[StudyColumn::screw_neighbour_mm])) with_neighbours.push_back(row);
+  }
   screws.patients = patients.size();
   for (std::size_t n = 0; n < screws.grades.size(); ++n) {
     screws.grades[n] = share_of_screws(
         rows, [n](const StudyRow& row) { return row[StudyColumn::screw_grade] == static_cast<double>(n); });
   }
+  const auto above_0 = [](StudyColumn column) { return [column](const StudyRow& row) { return row[column] > 0.0; }; };
   screws.acceptable = share_of_screws(rows, [](const StudyRow& row) { return row[StudyColumn::screw_grade] <= 1.0; });
-  screws.canal = share_of_screws(rows, [](const StudyRow& row) { return row[StudyColumn::screw_canal_mm] > 0.0; });
-  screws.anterior =
-      share_of_screws(rows, [](const StudyRow& row) { return row[StudyColumn::screw_anterior_mm] > 0.0; });
+  screws.canal = share_of_screws(rows, above_0(StudyColumn::screw_canal_mm));
+  screws.anterior = share_of_screws(rows, above_0(StudyColumn::screw_anterior_mm));
+  if (!with_neighbours.empty()) {
+    screws.neighbour = share_of_screws(with_neighbours, above_0(StudyColumn::screw_neighbour_mm));
+  }
   return screws;
 }
 
@@ -135,22 +130,41 @@ std::string name_of_group(StudyColumn column, double value) {
   return value == 0.0 ? "left" : "right";
 }
 
-std::vector<StudyScrews> screws_of_rows(const Rows& rows) {
-  Pointers graded;
+/// Graded screws that have something in common: of all, then by patient, level and side where there are several.
+struct ScrewGroup {
+  std::string what;
+  Pointers rows;
+  bool is_of_patient = false;
+};
+std::vector<ScrewGroup> screw_groups(const Rows& rows) {
+  ScrewGroup all{"all", {}};
   for (const StudyRow& row : rows) {
-    if (!std::isnan(row[StudyColumn::screw_grade])) graded.push_back(&row);
+    if (!std::isnan(row[StudyColumn::screw_grade])) all.rows.push_back(&row);
   }
-  if (graded.empty()) return {};
-  std::vector<StudyScrews> screws{screws_among(graded, "all")};
+  if (all.rows.empty()) return {};
+  std::vector<ScrewGroup> groups{std::move(all)};
   for (const StudyColumn column : {StudyColumn::patient, StudyColumn::level, StudyColumn::side}) {
-    std::map<double, Pointers> groups;
-    for (const StudyRow* row : graded) {
-      if (!std::isnan((*row)[column])) groups[(*row)[column]].push_back(row);
+    std::map<double, Pointers> of_value;
+    for (const StudyRow* row : groups.front().rows) {
+      if (!std::isnan((*row)[column])) of_value[(*row)[column]].push_back(row);
     }
-    if (groups.size() < 2) continue;
-    for (const auto& [value, of] : groups) screws.push_back(screws_among(of, name_of_group(column, value)));
+    if (of_value.size() < 2) continue;
+    for (auto& [value, of] : of_value) {
+      groups.push_back({name_of_group(column, value), std::move(of), column == StudyColumn::patient});
+    }
   }
-  return screws;
+  return groups;
+}
+
+void add_screws(const Rows& rows, StudySummary& summary) {
+  for (const ScrewGroup& group : screw_groups(rows)) {
+    summary.screws.push_back(screws_among(group.rows, group.what));
+    if (group.is_of_patient) continue;  // too few runs for a map
+    for (const OffPlan off : {OffPlan::entry, OffPlan::direction}) {
+      StudyMap map = study_map(group.rows, group.what, off);
+      if (!map.cells.empty()) summary.maps.push_back(std::move(map));
+    }
+  }
 }
 
 constexpr std::array<StudyFactor, 3> kErrorScales{StudyFactor::entry_error_scale, StudyFactor::direction_error_scale,
@@ -241,8 +255,6 @@ std::vector<StudySensitivity> sensitivities_of(const Rows& rows, const StudyRuns
 
 }  // namespace
 
-StudyShare study_share(std::size_t count, std::size_t runs) { return {runs, count, wilson_interval(count, runs)}; }
-
 StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyRuns& runs) {
   StudySummary summary;
   summary.runs = rows.size();
@@ -276,7 +288,7 @@ StudySummary summarise_study(const std::vector<StudyRow>& rows, const StudyRuns&
     summary.factors.push_back(by_factor(rows, distribution));
   }
   summary.tolerances = tolerances_of(rows, runs.design());
-  summary.screws = screws_of_rows(rows);
+  add_screws(rows, summary);
   summary.inputs = runs.inputs();
   summary.sensitivities = sensitivities_of(rows, runs);
   return summary;

@@ -5,22 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "core/base/statistics.h"
 #include "core/study/sobol_indices.h"
 #include "core/study/study_design.h"
+#include "core/study/study_map.h"
 #include "core/study/study_row.h"
+#include "core/study/study_share.h"
 
 namespace spinaltap {
-
-/// In how many runs something came about.
-struct StudyShare {
-  std::size_t runs = 0;  ///< in which it could
-  std::size_t count = 0;
-  Interval interval;  ///< of its probability: Wilson's, 95 %
-
-  double probability() const { return runs == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(runs); }
-};
-StudyShare study_share(std::size_t count, std::size_t runs);
 
 /// Breach among the runs with one value of a factor, or within a range of it.
 struct StudyBin {
@@ -51,6 +42,7 @@ struct StudyScrews {
   StudyShare acceptable;               ///< A or B
   StudyShare canal;                    ///< breach into the canal
   StudyShare anterior;                 ///< tip beyond the anterior wall
+  StudyShare neighbour;                ///< into another vertebra; of no runs where none was known
 };
 
 /// How small errors must be: the share of grade A over what scales them.
@@ -87,6 +79,9 @@ struct StudySummary {
   std::vector<ByFactor> factors;  ///< those that differ; breaches of the bit or, where none drilled, of the screw
   /// All of them first, then by patient, level and side where there are several; none where none were graded.
   std::vector<StudyScrews> screws;
+  /// Breaches over where screws lie: of all by entry and by direction, then of each level and side where there are
+  /// several.
+  std::vector<StudyMap> maps;
   /// Of each factor that scales errors at levels, and of all of them together where there are several.
   std::vector<StudyTolerance> tolerances;
   std::vector<std::string> inputs;  ///< of Saltelli's design

@@ -174,7 +174,7 @@ TEST_F(StudySubmit, SubmitsTellsAndSubmitsWhatIsMissing) {
   for (const int shard : {2, 3}) EXPECT_EQ(task(shard).exit_code, 0);
   std::ofstream(in("queue"), std::ios::trunc);
   EXPECT_EQ(test::run_command("cd s && bash merge.sbatch", folder_->path()).exit_code, 0);
-  for (const char* name : {"runs.csv", "summary.json", "report.html"}) {
+  for (const char* name : {"runs.csv", "summary.json", "breach_map.csv", "report.html"}) {
     EXPECT_EQ(read_whole_file(in("s") / name), read_whole_file(in("whole") / name)) << name;
   }
   EXPECT_THAT(expect_done("study resume s").output, HasSubstr("all is done"));

@@ -42,7 +42,7 @@ using ::testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kBitMm = 3.2;
-const std::array<const char*, 3> kResults{"runs.csv", "summary.json", "report.html"};
+const std::array<const char*, 4> kResults{"runs.csv", "summary.json", "breach_map.csv", "report.html"};
 
 /// A study of a whole pedicle path of the phantom, at 0.1 mm and in steps of 10 µm.
 Json whole_path_study(std::size_t runs) {

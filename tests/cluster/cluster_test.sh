@@ -27,7 +27,7 @@ wrong() { echo "cluster-test: $*" >&2; exit 1; }
 tap() { "$program" "$@" >>"$here/program.log" 2>&1 || { tail -n 5 "$here/program.log" >&2; wrong "failed: $*"; }; }
 same() {
   local file
-  for file in runs.csv summary.json report.html; do
+  for file in runs.csv summary.json breach_map.csv report.html; do
     cmp "$1/$file" "$2/$file" || wrong "$file of $2 differs"
   done
 }

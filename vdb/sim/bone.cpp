@@ -1,5 +1,6 @@
 #include "vdb/sim/bone.h"
 
+#include <algorithm>
 #include <mutex>
 
 #include "core/base/error.h"
@@ -7,6 +8,7 @@
 #include "vdb/grid/bone_hash.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/isosurface.h"
+#include "vdb/grid/spine_file.h"
 #include "vdb/picture/view.h"
 #include "vdb/sim/detail/bone_surface_error.h"
 
@@ -16,12 +18,14 @@ struct Bone::State {
   explicit State(BoneModel bone) : model(std::move(bone)) {}
 
   BoneModel model;
-  std::once_flag has_hash, has_shape, has_landmarks, has_walls, has_surface_error;
+  std::filesystem::path file;  ///< that it was loaded from; empty: none
+  std::once_flag has_hash, has_shape, has_landmarks, has_walls, has_neighbours, has_surface_error;
   std::string hash;
   std::optional<BoneShape> shape;
   Landmarks landmarks;
   std::string no_landmarks;
   std::optional<WallDistance> walls;
+  std::vector<Bone> neighbours;
   std::optional<CtSurfaceError> surface_error;
 };
 
@@ -38,7 +42,11 @@ Bone Bone::from_ct(const std::filesystem::path& ct, const BoneFromCt& options, c
   return Bone(std::move(baked.bone));
 }
 
-Bone Bone::load(const std::filesystem::path& file, Level level) { return Bone(read_bone(file, level)); }
+Bone Bone::load(const std::filesystem::path& file, Level level) {
+  Bone bone(read_bone(file, level));
+  bone.state_->file = std::filesystem::absolute(file);
+  return bone;
+}
 
 void Bone::save(const std::filesystem::path& file) const {
   StagedOutput output;
@@ -121,6 +129,18 @@ const WallDistance& Bone::walls(const Progress& progress) const {
   return *state_->walls;
 }
 
+const std::vector<Bone>& Bone::neighbours() const {
+  std::call_once(state_->has_neighbours, [&] {
+    if (state_->file.empty()) return;
+    const std::vector<Level> levels = levels_in(state_->file);  // from the head down
+    const auto own = std::find(levels.begin(), levels.end(), level());
+    if (own == levels.end()) return;
+    if (own != levels.begin()) state_->neighbours.push_back(load(state_->file, *(own - 1)));
+    if (own + 1 != levels.end()) state_->neighbours.push_back(load(state_->file, *(own + 1)));
+  });
+  return state_->neighbours;
+}
+
 std::optional<CtSurfaceError> Bone::surface_error() const {
   std::call_once(state_->has_surface_error, [&] { state_->surface_error = bone_surface_error(model(), shape()); });
   return state_->surface_error;
@@ -133,6 +153,13 @@ std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Prog
   return auto_plan(walls(progress), hu_sampler(), settings, progress);
 }
 
+std::vector<Neighbour> neighbours_among(std::span<const Bone> bones, const Progress& progress) {
+  std::vector<Neighbour> neighbours;
+  neighbours.reserve(bones.size());
+  for (const Bone& bone : bones) neighbours.push_back({bone.level(), &bone.shape(progress)});
+  return neighbours;
+}
+
 ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration, const HoldModel& model) {
   return screw_hold(path, bone_density(bone.shape(), bone.hu_sampler(), calibration), model);
 }
@@ -140,7 +167,9 @@ ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity&
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options, const Material& material,
                 const Progress& progress) {
   bone.landmarks(progress);
-  return grade_path(bone.walls(progress), bone.hu_sampler(), material, path, options);
+  PathGrade graded = grade_path(bone.walls(progress), bone.hu_sampler(), material, path, options);
+  if (!bone.neighbours().empty()) note_neighbours(neighbours_among(bone.neighbours(), progress), path, graded);
+  return graded;
 }
 
 }  // namespace spinaltap

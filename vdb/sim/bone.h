@@ -75,6 +75,10 @@ class Bone {
   /// Distances to the outer surface and, where there are landmarks, to the canal.
   const WallDistance& walls(const Progress& progress = {}) const;
 
+  /// The vertebrae next above and below it in the spine.vdb that it was loaded from, which is read when they are first
+  /// asked for; none of any other bone. Throws Error as load() does.
+  const std::vector<Bone>& neighbours() const;
+
   /// How well the CT that it was baked from shows its surface; nothing where the CT's noise is not known.
   std::optional<CtSurfaceError> surface_error() const;
 
@@ -90,7 +94,10 @@ class Bone {
 ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity& calibration = {},
                      const HoldModel& model = {});
 
-/// How safe a path is; see grade_path(). Throws Error without landmarks.
+/// As what instruments may meet. The bones must outlive it.
+std::vector<Neighbour> neighbours_among(std::span<const Bone> bones, const Progress& progress = {});
+
+/// How safe a path is; see grade_path(), and of bone.neighbours() note_neighbours(). Throws Error without landmarks.
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options = {},
                 const Material& material = {}, const Progress& progress = {});
 

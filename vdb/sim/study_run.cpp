@@ -196,7 +196,9 @@ StudyBench::StudyBench(const Bone& bone, const StudySpec& spec, std::size_t scre
   check_path_meets_bone(path_, bone.model());
   if (bone.no_landmarks(progress).empty()) {
     side_ = SideNames(bone.landmarks(), path_).is_left() ? 0.0 : 1.0;
+    frame_ = error_frame(bone.landmarks(), path_);
     grader_.emplace(bone_.walls(progress), GradeOptions{});
+    neighbours_ = neighbours_among(bone_.neighbours(), progress);
   } else if (spec.kind == StudyKind::geometry) {
     bone.landmarks();  // says why there are none
   }
@@ -286,6 +288,11 @@ void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) 
 }
 
 void StudyBench::grade_screw(const StudyTask& task, StudyRow& row) const {
+  const PlacementError off = error_between(path_, *frame_, task.path);
+  row[StudyColumn::off_medial_mm] = off.medial_mm;
+  row[StudyColumn::off_cranial_mm] = off.cranial_mm;
+  row[StudyColumn::off_medial_deg] = off.medial_deg;
+  row[StudyColumn::off_cranial_deg] = off.cranial_deg;
   const ScrewBreach found = grader_->grade(task.path, ScrewSides::anterior);
   row[StudyColumn::screw_grade] = static_cast<double>(gertzbein_robbins(found.breach_mm));
   row[StudyColumn::screw_breach_mm] = found.breach_mm;
@@ -295,6 +302,9 @@ void StudyBench::grade_screw(const StudyTask& task, StudyRow& row) const {
   }
   row[StudyColumn::screw_canal_mm] = found.canal_mm;
   row[StudyColumn::screw_anterior_mm] = found.side_breach_mm[static_cast<std::size_t>(PathSide::anterior)];
+  if (!neighbours_.empty()) {
+    row[StudyColumn::screw_neighbour_mm] = neighbour_contact(neighbours_, task.path).depth_mm;
+  }
 }
 
 }  // namespace spinaltap

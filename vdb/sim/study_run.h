@@ -2,7 +2,10 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "core/plan/neighbour_contact.h"
+#include "core/plan/placement_errors.h"
 #include "core/plan/screw_breach.h"
 #include "core/study/study_row.h"
 #include "core/study/study_task.h"
@@ -42,7 +45,9 @@ class StudyBench {
   double side_;
   DrilledBone whole_;
   std::unique_ptr<const ClearanceField> clearances_;
+  std::optional<ErrorFrame> frame_;  ///< with grader_, where there are landmarks
   std::optional<ScrewGrader> grader_;
+  std::vector<Neighbour> neighbours_;
 };
 
 /// The cylinder's radius: the one given, or `reach_mm`, that which holds every run. Throws Error on one above 15 mm

@@ -135,9 +135,9 @@ std::string array_script(const SlurmStudy& study) {
 
 std::string merge_script(const SlurmStudy& study) {
   return "#!/bin/bash\n"
-         "# Joins the shards of a study, when all are done: runs.csv, summary.json and report.html. As spinaltap "
-         "study\n"
-         "# submit wrote it, which lets it wait for the array (--dependency=afterok:...).\n"
+         "# Joins the shards of a study, when all are done: runs.csv, summary.json, breach_map.csv and report.html. "
+         "As\n"
+         "# spinaltap study submit wrote it, which lets it wait for the array (--dependency=afterok:...).\n"
          "#SBATCH --job-name=" +
          job_name(study.name) +
          "-merge\n"

@@ -70,6 +70,8 @@ std::vector<DrillPath> suggested_paths(const Bone& bone, const Progress& progres
 void survey(StudyBone& of, bool has_errors, const Progress& progress) {
   const Bone bone = Bone::load(of.file, of.level);
   of.hash = bone.hash();
+  of.neighbours.clear();
+  for (const Bone& other : bone.neighbours()) of.neighbours.push_back(other.hash());
   if (bone.level() != Level::kNone) of.level = bone.level();
   if (of.paths.empty()) of.paths = suggested_paths(bone, progress);
   of.frames.clear();

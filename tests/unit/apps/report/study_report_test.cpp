@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/study_map_drawing.h"
 #include "apps/report/study_plots.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -122,6 +123,29 @@ TEST(StudyPlots, BreachOverAFactorLiesWithinItsIntervals) {
   EXPECT_LT(plot.series[0].y[4], 20.0);
   EXPECT_GT(plot.series[0].y.front(), 80.0);
   EXPECT_GT(plot.series[0].y.back(), 80.0);
+}
+
+TEST(StudyReport, DrawsAMapOfBreachesAndPalesWhatFewRunsTell) {
+  StudyMap map{"L3", OffPlan::entry, {}};
+  map.cells.push_back({0, 0, {100, 3, {}}, {}});     // 3 %
+  map.cells.push_back({1, 0, {100, 60, {}}, {}});    // 60 %
+  map.cells.push_back({-2, 1, {9, 9, {}}, {}});      // of too few runs for a number
+  map.cells.push_back({40, 0, {100, 100, {}}, {}});  // beyond what is drawn
+  const std::string svg = study_map_svg(map);
+  EXPECT_THAT(svg, HasSubstr("Breach where the entry lies, L3"));
+  EXPECT_THAT(svg, HasSubstr("mm medial"));
+  EXPECT_THAT(svg, HasSubstr(">3</text>"));
+  EXPECT_THAT(svg, HasSubstr(">60</text>"));
+  EXPECT_THAT(svg, Not(HasSubstr(">100</text>")));
+  EXPECT_THAT(svg, HasSubstr("fill=\"#e8603c\" fill-opacity=\"0.35\""));
+  const auto squares = [](const std::string& drawn) {
+    std::size_t count = 0;
+    for (auto at = drawn.find("<rect"); at != std::string::npos; at = drawn.find("<rect", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(squares(svg), 3U + 5U) << "three squares, and five of the key";
+  map.off = OffPlan::direction;
+  EXPECT_THAT(study_map_svg(map), HasSubstr("degrees cranial"));
 }
 
 }  // namespace

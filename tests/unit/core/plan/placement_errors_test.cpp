@@ -305,6 +305,24 @@ TEST(PlacementErrors, OfTheEntryComeFromItsOwnNumbersAlone) {
   }
 }
 
+TEST(PlacementErrors, AreFoundBetweenAPathAndWhatTheyMadeOfIt) {
+  DrillPath path{"", Vec3(1.0, 2.0, 3.0), Vec3(-7.0, -30.0, 12.0), {3.0, 60.0, 1.0}};
+  ErrorFrame frame;
+  frame.along = path.direction();
+  frame.medial = any_perpendicular(frame.along);
+  frame.cranial = frame.along.cross(frame.medial);
+  for (const PlacementError& error :
+       {PlacementError{1.5, -2.0, 0.7, 3.0, -4.0}, PlacementError{0.0, 0.0, 0.0, 0.0, 0.0},
+        PlacementError{-1.0, 0.0, 2.0, -50.0, 20.0}, PlacementError{0, 0, 0, 0, 120.0}}) {
+    const PlacementError found = error_between(path, frame, erred_path(path, frame, error));
+    EXPECT_NEAR(found.medial_mm, error.medial_mm, 1e-12);
+    EXPECT_NEAR(found.cranial_mm, error.cranial_mm, 1e-12);
+    EXPECT_NEAR(found.along_mm, error.along_mm, 1e-12);
+    EXPECT_NEAR(found.medial_deg, error.medial_deg, 1e-10);
+    EXPECT_NEAR(found.cranial_deg, error.cranial_deg, 1e-10);
+  }
+}
+
 TEST(PlacementErrors, RejectWhatIsNoCovariance) {
   const auto rejects = [](const auto& change) {
     PlacementErrors errors;

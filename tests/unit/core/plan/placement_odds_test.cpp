@@ -10,48 +10,25 @@
 #include "core/base/error.h"
 #include "core/base/quasi_random.h"
 #include "core/plan/detail/fast_breach.h"
+#include "tests/support/beside_a_wall.h"
 #include "tests/support/nan.h"
-#include "tests/support/planning_bones.h"
 
 namespace spinaltap {
 namespace {
 
 using test::kNan;
 
-constexpr double kRadiusMm = 3.0;
+using test::normal_share;
 
-/// The standard normal distribution's function.
-double phi(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+using PlacementOdds = test::BesideAWall;
 
-class PlacementOdds : public ::testing::Test {
- protected:
-  static const WallDistance& walls() {
-    static const test::Block block;
-    static const WallDistance walls(block.bone(), block.landmarks());
-    return walls;
-  }
-
-  /// From the block's back straight forward; `beside_mm` of bone to its lateral wall, on the left or the right.
-  static DrillPath path(double beside_mm, double side = 1.0) {
-    const double x_mm = side * (test::Block::kHalfWidthMm - kRadiusMm - beside_mm);
-    DrillPath path{"", Vec3(x_mm, test::Block::kHalfDepthMm, 0.0), Vec3(x_mm, -12.0, 0.0), {}};
-    path.screw = PedicleScrew{"", 2.0 * kRadiusMm, 45.0, 4.0};
-    return path;
-  }
-};
-
-void expect_about(const Probability& found, double expected) {
-  // Evenly spread draws: far within what 1,024 random ones would give.
-  EXPECT_NEAR(found.share, expected, 0.006);
-  EXPECT_LE(found.interval.low, expected);
-  EXPECT_GE(found.interval.high, expected);
-}
+void expect_about(const Probability& found, double expected) { test::expect_share(found, expected, 0.006); }
 
 TEST_F(PlacementOdds, OfAFlatWallAreTheNormalDistributions) {
   constexpr double kBesideMm = 1.5, kSpreadMm = 1.2;
   for (const double side : {1.0, -1.0}) {
     const GradeOdds odds = grade_odds(walls(), path(kBesideMm, side), plain_errors(kSpreadMm, 0.0));
-    const auto share_within = [&](double breach_mm) { return phi((kBesideMm + breach_mm) / kSpreadMm); };
+    const auto share_within = [&](double breach_mm) { return normal_share((kBesideMm + breach_mm) / kSpreadMm); };
     expect_about(odds.grades[0], share_within(0.0));
     expect_about(odds.grades[1], share_within(2.0) - share_within(0.0));
     expect_about(odds.grades[2], share_within(4.0) - share_within(2.0));
@@ -76,7 +53,7 @@ TEST_F(PlacementOdds, OfAPlaneTurnFollowTheAngle) {
   PlacementErrors errors = plain_errors(0.0, 0.0);
   errors.direction_deg.medial = kSpreadDeg;
   const GradeOdds odds = grade_odds(walls(), path(kBesideMm), errors);
-  expect_about(odds.grades[0], phi(low / kSpreadDeg));
+  expect_about(odds.grades[0], normal_share(low / kSpreadDeg));
 }
 
 TEST_F(PlacementOdds, KnowTheCanal) {
@@ -87,14 +64,14 @@ TEST_F(PlacementOdds, KnowTheCanal) {
   PlacementErrors errors = plain_errors(0.0, 0.0);
   errors.entry_mm.medial = 1.0;
   const GradeOdds odds = grade_odds(walls(), near, errors);
-  expect_about(odds.canal, 1.0 - phi(1.0));
-  expect_about(odds.grades[0], phi(1.0));
+  expect_about(odds.canal, 1.0 - normal_share(1.0));
+  expect_about(odds.grades[0], normal_share(1.0));
 }
 
 TEST_F(PlacementOdds, WithABiasBehaveAsAPathBesideTheirOwn) {
   PlacementErrors errors = plain_errors(1.0, 0.0);
   errors.entry_mm.medial_bias = -0.7;
-  expect_about(grade_odds(walls(), path(1.5), errors).grades[0], phi(0.8));
+  expect_about(grade_odds(walls(), path(1.5), errors).grades[0], normal_share(0.8));
 }
 
 TEST_F(PlacementOdds, WithoutErrorsAreTheGrade) {

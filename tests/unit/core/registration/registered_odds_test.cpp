@@ -10,38 +10,17 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "tests/support/beside_a_wall.h"
 #include "tests/support/nan.h"
-#include "tests/support/planning_bones.h"
 
 namespace spinaltap {
 namespace {
 
-constexpr double kShaftRadiusMm = 3.0;
+using test::normal_share;
 
-double normal_share(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+using RegisteredOdds = test::BesideAWall;
 
-class RegisteredOdds : public ::testing::Test {
- protected:
-  static const WallDistance& walls() {
-    static const test::Block block;
-    static const WallDistance walls(block.bone(), block.landmarks());
-    return walls;
-  }
-  /// From the block's back straight forward; `beside_mm` of bone to its lateral wall.
-  static DrillPath path(double beside_mm) {
-    const double x_mm = test::Block::kHalfWidthMm - kShaftRadiusMm - beside_mm;
-    DrillPath path{"", Vec3(x_mm, test::Block::kHalfDepthMm, 0.0), Vec3(x_mm, -12.0, 0.0), {}};
-    path.screw = PedicleScrew{"", 2.0 * kShaftRadiusMm, 45.0, 4.0};
-    return path;
-  }
-};
-
-void expect_holds(const Probability& found, double expected) {
-  // Evenly spread draws: within what 1,024 random ones would give.
-  EXPECT_NEAR(found.share, expected, 0.015);
-  EXPECT_LE(found.interval.low, expected);
-  EXPECT_GE(found.interval.high, expected);
-}
+void expect_holds(const Probability& found, double expected) { test::expect_share(found, expected, 0.015); }
 
 TEST_F(RegisteredOdds, OfAShiftAddVariances) {
   constexpr double kBesideMm = 1.5, kScrewMm = 0.8, kRegistrationMm = 1.1;
@@ -70,7 +49,7 @@ TEST_F(RegisteredOdds, OfATurnGrowWithTheDistanceFromItsCentre) {
     double low = 0.0, high = 10.0;
     for (int round = 0; round < 60; ++round) {
       const double middle = 0.5 * (low + high) * kDegree;
-      const double out_mm = depth_mm * std::sin(middle) + kShaftRadiusMm * (std::cos(middle) - 1.0);
+      const double out_mm = depth_mm * std::sin(middle) + kRadiusMm * (std::cos(middle) - 1.0);
       (out_mm < kBesideMm ? low : high) = middle / kDegree;
     }
     expect_holds(registered_odds(walls(), plan, plain_errors(0.0, 0.0), registration).grades[0],

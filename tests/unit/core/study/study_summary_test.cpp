@@ -173,6 +173,68 @@ TEST(StudySummary, TellsScrewsByPatientLevelAndSideWithIntervalsForPatients) {
   EXPECT_EQ(summary.screws[8].grades[2].count, 0U + 1U + 1U + 2U + 2U);
 }
 
+TEST(StudySummary, MapsBreachesOverWhereScrewsLie) {
+  // Entries on a lattice of 0.25 mm; from 1.25 mm medial on there is a breach, from 3 mm on one of grade C.
+  std::vector<StudyRow> rows;
+  for (int medial = -16; medial <= 16; ++medial) {
+    for (int cranial = -8; cranial <= 8; ++cranial) {
+      StudyRow row;
+      const double medial_mm = 0.25 * medial;
+      row[StudyColumn::run] = static_cast<double>(rows.size());
+      row[StudyColumn::patient] = 1.0 + static_cast<double>(rows.size() % 3);
+      row[StudyColumn::level] = kNan;
+      row[StudyColumn::side] = cranial < 0 ? 0.0 : 1.0;
+      row[StudyColumn::off_medial_mm] = medial_mm;
+      row[StudyColumn::off_cranial_mm] = 0.25 * cranial;
+      row[StudyColumn::off_medial_deg] = row[StudyColumn::off_cranial_deg] = kNan;
+      row[StudyColumn::screw_grade] = medial_mm >= 3.0 ? 2.0 : medial_mm >= 1.25 ? 1.0 : 0.0;
+      rows.push_back(row);
+    }
+  }
+  rows.push_back(rows.front());
+  rows.back()[StudyColumn::screw_grade] = kNan;  // graded by nobody
+  const StudySummary summary = summarise_study(rows, StudyRuns(StudyDesign{{}, rows.size()}, {.patients = {0, 1, 2}}));
+  ASSERT_EQ(summary.maps.size(), 3U) << "of all, left and right; nothing is known of directions";
+  EXPECT_EQ(summary.maps[0].what, "all");
+  EXPECT_EQ(summary.maps[1].what, "left");
+  std::size_t runs = 0;
+  std::pair<int, int> last{-99, -99};
+  for (const StudyMap::Cell& cell : summary.maps[0].cells) {
+    runs += cell.beyond_a.runs;
+    EXPECT_LT(last, (std::pair{cell.cranial, cell.medial}));
+    last = {cell.cranial, cell.medial};
+    // Halves go away from 0: the cell at 1 holds 0.5 to 1.25, that at 2 holds 1.5 to 2.25, that at 3 2.5 to 3.25.
+    const double share = cell.beyond_a.probability(), beyond_b = cell.beyond_b.probability();
+    if (cell.medial < 1) {
+      EXPECT_EQ(share, 0.0);
+    }
+    if (cell.medial == 1) {
+      EXPECT_NEAR(share, 0.25, 1e-12);
+    }
+    if (cell.medial > 1) {
+      EXPECT_EQ(share, 1.0);
+    }
+    if (cell.medial == 3) {
+      EXPECT_NEAR(beyond_b, 0.5, 1e-12);
+    }
+    if (cell.medial > 3) {
+      EXPECT_EQ(beyond_b, 1.0);
+    }
+    EXPECT_LE(cell.beyond_a.interval.low, share);
+    EXPECT_GE(cell.beyond_a.interval.high, share);
+  }
+  EXPECT_EQ(runs, rows.size() - 1);
+
+  const std::string csv = study_map_csv(summary.maps);
+  std::size_t lines = 1;
+  for (const StudyMap& map : summary.maps) lines += map.cells.size();
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), lines);
+  EXPECT_NE(csv.find("\nright,entry_mm,1,"), std::string::npos);
+  // Beyond what any screw is off by there is nothing to draw.
+  rows.front()[StudyColumn::off_medial_mm] = 1e30;
+  EXPECT_NO_THROW(summarise_study(rows, StudyRuns(StudyDesign{{}, rows.size()}, {.patients = {0, 1, 2}})));
+}
+
 TEST(StudySummary, FindsHowSmallErrorsMustBe) {
   StudyDesign design;
   design.distributions = {{StudyFactor::entry_error_scale, FactorDistribution::Kind::levels, {0.5, 1.0}}};

@@ -3,12 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/phantom/vertebra.h"
+#include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
+#include "vdb/bake/bake.h"
+#include "vdb/grid/spine_file.h"
 
 namespace spinaltap {
 namespace {
@@ -153,6 +162,78 @@ TEST(Study, TakesWhatIsKnownOfABoneFromItsFolderOnlyWhereItIsAsItWas) {
   EXPECT_EQ(other.spec().bones[0].hash, Bone::load(folder.path() / "bone.vdb").hash());
   EXPECT_THROW(other.open_folder(kept), Error);
   EXPECT_EQ(surveys().size(), 1U) << "another study's folder is left alone";
+}
+
+/// A spine of two, of one CT.
+std::filesystem::path near_vertebrae(const Vertebra& lower, const Vertebra& upper,
+                                     const std::filesystem::path& folder) {
+  Box3 box = lower.bounds_mm();
+  box.extend(upper.bounds_mm());
+  const CtVolume ct = test::even_ct(box, 2.0, 400);
+  std::vector<SpineBone> bones;
+  for (const auto& [level, vertebra] : {std::pair{Level{22}, &lower}, std::pair{Level{21}, &upper}}) {
+    const Vec3 seed_mm = vertebra_ground_truth(*vertebra).left.entry_mm;
+    bones.push_back({level,
+                     bake_bone(*vertebra, {&seed_mm, 1}, ct, {.voxel_mm = 0.5},
+                               {{"source_hash", ct.source_hash}, {"level", level_name(level)}}),
+                     {}});
+  }
+  StagedOutput output;
+  write_spine(bones, output.stage(folder / "spine.vdb"));
+  output.commit();
+  return folder / "spine.vdb";
+}
+
+TEST(Study, KnowsTheVertebraeBesideABoneOfASpine) {
+  const test::TemporaryFolder folder;
+  StudySpec spine;
+  spine.kind = StudyKind::geometry;
+  VertebraAnatomy above;
+  above.placement.position_mm = Vec3(0.0, 0.0, 38.0);
+  const Vertebra vertebra, other(above);
+  const VertebraGroundTruth truth = vertebra_ground_truth(vertebra);
+  DrillPath path{"left", truth.left.entry_mm, truth.left.target_mm, {3.2, 80.0, 1.0}};
+  path.screw = PedicleScrew{"", 6.5, 45.0, 4.5};
+  spine.bones = {{.file = near_vertebrae(vertebra, other, folder.path()), .level = Level{22}, .paths = {path}}};
+  spine.errors.emplace();
+  spine.errors->name = "measured";
+  spine.errors->measured = {{0, 0, 0, 0, 0}, {0, 0, 0, 0, 40}, {0, 0, 0, 0, -40}};
+  spine.design.runs = 12;
+  const Study study(spine);
+  const Bone bone = study.bone();
+  ASSERT_EQ(bone.neighbours().size(), 1U);
+  EXPECT_EQ(bone.neighbours()[0].level(), Level{21});
+  EXPECT_EQ(study.spec().bones[0].neighbours, std::vector<std::string>{bone.neighbours()[0].hash()});
+  std::set<double> met;
+  for (const StudyRow& row : study.run()) {
+    met.insert(row[StudyColumn::off_cranial_deg]);
+    EXPECT_NEAR(row[StudyColumn::off_cranial_deg], row[StudyColumn::error_cranial_deg], 1e-9);
+    const double depth_mm = row[StudyColumn::screw_neighbour_mm];
+    // Where the axis runs into the other bone, it is met at the axis; where no place of the screw comes near, it is
+    // not.
+    const DrillPath erred =
+        erred_path(path, error_frame(bone.landmarks(), path), {0, 0, 0, 0, row[StudyColumn::error_cranial_deg]});
+    std::vector<Vec3> axis_mm;
+    for (int n = 0; n <= 200; ++n) {
+      axis_mm.push_back(erred.target_mm - n / 200.0 * path.screw->length_mm * erred.direction());
+    }
+    std::vector<double> values_mm(axis_mm.size());
+    other.evaluate(axis_mm, values_mm, {});
+    const double nearest_mm = *std::min_element(values_mm.begin(), values_mm.end());
+    if (nearest_mm < 0.0) {
+      EXPECT_NEAR(depth_mm, 0.5 * path.screw->diameter_mm, BoneShape::kSampleMm);
+    }
+    EXPECT_EQ(depth_mm > 0.0, row[StudyColumn::error_cranial_deg] > 0.0);
+    EXPECT_EQ(nearest_mm<0.0, row[StudyColumn::error_cranial_deg]> 0.0);
+    const PathGrade graded = grade(bone, erred);
+    ASSERT_TRUE(graded.neighbour.has_value());
+    EXPECT_NEAR(graded.neighbour->depth_mm, depth_mm, 1e-9);
+  }
+  EXPECT_EQ(met.size(), 3U);
+  EXPECT_NE(study.identity().study.find(bone.neighbours()[0].hash()), std::string::npos);
+  // A bone of a file of its own has none.
+  bone.save(folder.path() / "bone.vdb");
+  EXPECT_TRUE(Bone::load(folder.path() / "bone.vdb").neighbours().empty());
 }
 
 TEST(Study, RejectsAPathThatMissesTheBone) {
