@@ -25,25 +25,29 @@ double square_x(const SquareMap& map, std::size_t medial) { return x_of(map, map
 double square_y(const SquareMap& map, std::size_t cranial) { return y_of(map, map.errors.at(cranial)); }
 
 std::string square_map_svg(const SquareMap& map) {
-  constexpr double kOverlap = 0.3;  // so that no gaps show
   constexpr double kNamedApart = 2.0;
   const double cell = cell_of(map);
-  std::string svg;
+  std::string svg = "<g shape-rendering=\"crispEdges\">\n";  // so that no gaps show
   for (std::size_t cranial = 0; cranial < map.errors.size(); ++cranial) {
     for (std::size_t medial = 0; medial < map.errors.size(); ++medial) {
       const std::string fill = map.fill(medial, cranial);
       if (fill.empty()) continue;
-      svg += svg_box(square_x(map, medial) - 0.5 * cell, square_y(map, cranial) - 0.5 * cell, cell + kOverlap,
-                     cell + kOverlap, fill);
+      svg += svg_box(square_x(map, medial) - 0.5 * cell, square_y(map, cranial) - 0.5 * cell, cell, cell, fill);
     }
   }
+  svg += "</g>\n";
   const double low = map.errors.front(), high = map.errors.back();
   for (double error = kNamedApart * std::ceil(low / kNamedApart); error <= high; error += kNamedApart) {
     svg += svg_text(x_of(map, error), map.top + map.side + 14.0, "middle", svg_number(error));
     svg += svg_text(map.left - 6.0, y_of(map, error) + 4.5, "end", svg_number(error));
   }
-  svg += "<path d=\"M" + svg_number(x_of(map, 0.0) - 5.0) + " " + svg_number(y_of(map, 0.0)) +
-         "h10m-5 -5v10\" stroke=\"#000\" stroke-width=\"1.6\" fill=\"none\"/>\n";
+  if (map.frames_none) {
+    svg += svg_box(x_of(map, 0.0) - 0.5 * cell, y_of(map, 0.0) - 0.5 * cell, cell, cell,
+                   "stroke=\"#000\" stroke-width=\"1.6\" fill=\"none\"");
+  } else {
+    svg += "<path d=\"M" + svg_number(x_of(map, 0.0) - 5.0) + " " + svg_number(y_of(map, 0.0)) +
+           "h10m-5 -5v10\" stroke=\"#000\" stroke-width=\"1.6\" fill=\"none\"/>\n";
+  }
   svg += svg_text(map.left + 0.5 * map.side, map.top + map.side + 30.0, "middle", map.unit + " medial");
   svg += svg_text(0.0, 0.0, "middle", map.unit + " cranial",
                   "font-size=\"12\" transform=\"translate(" + svg_number(map.left - 34.0) + " " +

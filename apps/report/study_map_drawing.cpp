@@ -79,6 +79,7 @@ std::string study_map_svg(const StudyMap& map) {
                       return svg_fill(shade_of(share->probability()).colour) +
                              (share->runs < kFewRuns ? " fill-opacity=\"0.35\"" : "");
                     }};
+  squares.frames_none = true;
   for (int cell = -reach; cell <= reach; ++cell) squares.errors.push_back(StudyMap::kCell * cell);
   const std::string what = map.what == "all" ? "all screws" : map.what;
   const std::string title = std::string("Breach where the ") + (is_entry ? "entry" : "direction") + " lies, " + what;

@@ -143,7 +143,7 @@ TEST(StudyReport, DrawsAMapOfBreachesAndPalesWhatFewRunsTell) {
     for (auto at = drawn.find("<rect"); at != std::string::npos; at = drawn.find("<rect", at + 1)) ++count;
     return count;
   };
-  EXPECT_EQ(squares(svg), 3U + 5U) << "three squares, and five of the key";
+  EXPECT_EQ(squares(svg), 3U + 1U + 5U) << "three squares, the frame of the plan, and five of the key";
   map.off = OffPlan::direction;
   EXPECT_THAT(study_map_svg(map), HasSubstr("degrees cranial"));
 }
