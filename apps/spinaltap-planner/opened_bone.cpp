@@ -24,13 +24,14 @@ FileKind kind_of_file(const std::filesystem::path& path) {
 
 namespace {
 
-void add_bone(BoneModel model, OpenedBone& opened, const Progress& progress) {
+void add_bone(Bone bone, OpenedBone& opened, const Progress& progress) {
   progress.report("meshing", 0.0);
-  RemainingBone remaining(model, {.voxel_mm = kSurfaceVoxelMm});
+  RemainingBone remaining(bone.model(), {.voxel_mm = kSurfaceVoxelMm});
   for (const auto& block : RemainingSurface(remaining).blocks()) opened.surface.push_back({block->block, block});
-  opened.bone.emplace(std::move(model));
+  opened.bone = std::move(bone);
   opened.bone->walls(progress);
   opened.bone->hash();  // autosaves ask for it
+  opened.neighbours = neighbours_among(opened.bone->neighbours(), progress);
 }
 
 /// Bakes a vertebra of the CT that `opened` has.
@@ -38,7 +39,7 @@ void bake_into(OpenedBone& opened, const std::filesystem::path& cache, const Pro
   BakeCtOptions options;
   options.segment.seed_mm = opened.options.seed_mm;
   options.cache = cache;
-  add_bone(bake_ct(opened.ct, options, progress).bone, opened, progress);
+  add_bone(Bone(bake_ct(opened.ct, options, progress).bone), opened, progress);
   BakeCache(cache).prune(kCacheBytes, kCacheDays);
 }
 
@@ -49,10 +50,10 @@ std::shared_ptr<const OpenedBone> open_bone(const std::filesystem::path& file, c
   opened->file = file;
   opened->options.level = level;
   progress.report("reading", 0.0);
-  BoneModel model = read_bone(file, level);
+  Bone bone = Bone::load(file, level);
   progress.report("reading", 0.5);
-  opened->ct = ct_of_bone(model);
-  add_bone(std::move(model), *opened, progress);
+  opened->ct = ct_of_bone(bone.model());
+  add_bone(std::move(bone), *opened, progress);
   return opened;
 }
 

@@ -37,6 +37,8 @@ struct OpenedBone {
   CtVolume ct;                 ///< for slices: the CT itself, or what the bone keeps of it
   bool is_whole_ct = false;    ///< the first of these: there may be other vertebrae in it
 
+  std::vector<Neighbour> neighbours;  ///< the vertebrae beside the bone in its file
+
   /// All of the surface, for those who have none of it yet: as a RemainingBone of kSurfaceVoxelMm has it, which
   /// drilling then changes block by block.
   std::vector<SurfaceUpdate> surface;

@@ -75,6 +75,7 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   try {
     check_path_meets_bone(path, bone.model());
     figures.graded.grade = grade_path(bone.bone->walls(), bone.bone->hu_sampler(), material_, path, options_);
+    if (!bone.neighbours.empty()) note_neighbours(bone.neighbours, path, figures.graded.grade);
     figures.is_graded = true;
   } catch (const Error& error) {
     figures.warnings.push_back({WarningLevel::danger, error.what()});
