@@ -125,6 +125,20 @@ const WallDistance::Walls& FastBreach::both_of(Row& row) {
   return *axis.both;
 }
 
+bool FastBreach::is_other_within(Row& row, double within_mm) {
+  const Vec3 p_mm = tool_.axis_mm(row.depth_mm);
+  const bool is_outer = axis_of(row).is_canal;
+  if ((is_outer ? field_.outer_at_least_mm(p_mm) : field_.canal_at_least_mm(p_mm)) > within_mm) return false;
+  // No further than the sample that was found last, which lies beside the place of the wall that was.
+  const WallDistance::Wall& last = is_outer ? last_both_.outer : last_both_.canal;
+  if (last.sample != WallDistance::Wall{}.sample &&
+      (p_mm - last.nearest_mm).norm() + BoneShape::kSampleMm <= within_mm) {
+    return true;
+  }
+  const WallDistance::Walls& both = both_of(row);
+  return std::abs((is_outer ? both.outer : both.canal).distance_mm) <= within_mm;
+}
+
 double FastBreach::max_breach_mm(Row& row) const {
   if (row.is_deep) return 0.0;
   // Outside, the lattice has no more than the sign; the way along the axis to where it is in the bone is a bound.
@@ -335,17 +349,10 @@ FoundBreaches FastBreach::find() {
       if (top.max_mm > 0.0) queue.push(top);
       continue;
     }
-    const Axis& axis = axis_of(row);
     // The nearer wall is always near enough.
-    const Vec3 axis_mm = tool_.axis_mm(row.depth_mm);
-    if (may_be_outer && axis.is_canal) {
-      may_be_outer =
-          field_.outer_at_least_mm(axis_mm) <= within_mm && std::abs(both_of(row).outer.distance_mm) <= within_mm;
-    }
-    if (may_be_canal && !axis.is_canal) {
-      may_be_canal =
-          field_.canal_at_least_mm(axis_mm) <= within_mm && std::abs(both_of(row).canal.distance_mm) <= within_mm;
-    }
+    const bool nearer_is_canal = axis_of(row).is_canal;
+    if (may_be_outer && nearer_is_canal) may_be_outer = is_other_within(row, within_mm);
+    if (may_be_canal && !nearer_is_canal) may_be_canal = is_other_within(row, within_mm);
     if (!may_be_outer && !may_be_canal) continue;
     const auto least_mm = [&] {
       return std::min(may_be_outer ? best.outer.breach_mm : kUnbounded,

@@ -51,6 +51,8 @@ class FastBreach {
   void find_sample(Row& row) const;
   Axis& axis_of(Row& row);
   const WallDistance::Walls& both_of(Row& row);
+  /// Whether the axis is as near as that to the wall that is not the nearer one: as both_of() tells it.
+  bool is_other_within(Row& row, double within_mm);
   /// At most this of the tool stands out at a row.
   double max_breach_mm(Row& row) const;
   /// The same, closer, from nearest samples of some rows.
