@@ -64,9 +64,16 @@ class MinDistance {
       : distances_(distances), bit_(bit), pose_(pose_path), wall_(wall), from_mm_(from_back_mm), to_mm_(to_back_mm) {
     across_ = any_perpendicular(pose_.axis);
     second_ = pose_.axis.cross(across_);
+    static const std::array<std::pair<double, double>, kDirections> turns = [] {
+      std::array<std::pair<double, double>, kDirections> made;
+      for (std::size_t n = 0; n < kDirections; ++n) {
+        const double angle = static_cast<double>(n) * kTurn;
+        made[n] = {std::cos(angle), std::sin(angle)};
+      }
+      return made;
+    }();
     for (std::size_t n = 0; n < kDirections; ++n) {
-      const double angle = static_cast<double>(n) * kTurn;
-      around_[n] = std::cos(angle) * across_ + std::sin(angle) * second_;
+      around_[n] = turns[n].first * across_ + turns[n].second * second_;
     }
   }
 

@@ -15,18 +15,20 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
   back_mm_ = line.back_mm + z_mm * line.back_slope;
   size_mm_ = approach.radius_mm;
   squeeze_ = approach.along;
+  not_quite_per_squeeze_ = DiscEllipse::kNotQuite / approach.along;
   surely_free_mm_ = approach.reach_mm;
   if (approach.is_tight) {
     const double cone_mm = approach.offset_mm + approach.slope * back_mm_;
     ellipse_ = &approach.cylinder;
     if (cone_mm < approach.radius_mm) {
       ellipse_ = &approach.cone;
-      surely_free_mm_ = (approach.reach_mm + approach.slope * approach.bit.back_mm()) * ellipse_->growth();
+      surely_free_mm_ = (approach.reach_mm + approach.slope * approach.bit.back_mm()) * ellipse_->growth;
       size_mm_ = ellipse_->gain * cone_mm;
       x_mm_ -= ellipse_->shift_x * cone_mm;
       y_mm_ -= ellipse_->shift_y * cone_mm;
     }
     squeeze_ = ellipse_->squeeze;
+    not_quite_per_squeeze_ = ellipse_->not_quite_per_squeeze;
     surely_free_mm_ = std::min(surely_free_mm_, max_passed_mm());
   } else {
     // Of other bits, what is further along the axis than a certificate is long does not matter to this disc.
@@ -35,7 +37,6 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
     size_mm_ = widest_mm < 0.0 ? -kFarMm : widest_mm;
   }
   off_axis_mm_ = std::sqrt(x_mm_ * x_mm_ + y_mm_ * y_mm_);
-  not_quite_per_squeeze_ = (1.0 - 1e-7) / squeeze_;
   touched_mm_ = (size_mm_ + surely_free_mm_) / squeeze_;
   improve(kLongestMm);
 }
@@ -74,8 +75,7 @@ bool NearestPoint::removes(const Vec3& p, double z_mm) noexcept {
 
 std::pair<double, double> NearestPoint::backs_mm() const noexcept {
   const Approach& a = approach_;
-  const double spread_mm = (a.sine * (a.radius_mm + kLongestMm + a.reach_mm) + a.reach_mm) / a.along;
-  return {back_mm_ - spread_mm - a.bit.forth_mm(), back_mm_ + spread_mm + a.bit.back_mm()};
+  return {back_mm_ - a.spread_mm - a.bit.forth_mm(), back_mm_ + a.spread_mm + a.bit.back_mm()};
 }
 
 double NearestPoint::max_passed_mm() const noexcept {
@@ -83,19 +83,12 @@ double NearestPoint::max_passed_mm() const noexcept {
   const SweptBit& bit = a.bit;
   // A turning way takes what a straight one before it left within the thicker skin, wherever the bit goes then.
   if (bit.edge_mm() > 0.0) return HUGE_VAL;
-  const double across_mm = bit.across_mm();
   const auto [first_mm, last_mm] = backs_mm();
-  const double neck_mm = (a.radius_mm - a.offset_mm) / a.slope;
-  double min_radius_mm = a.radius_mm;
   if (ellipse_ == &a.cylinder) {
-    if (!(first_mm > neck_mm && last_mm < bit.profile().length_mm())) return HUGE_VAL;
-  } else {
-    if (!(first_mm > 0.0 && last_mm < neck_mm)) return HUGE_VAL;
-    min_radius_mm = a.offset_mm + a.slope * first_mm;
+    return first_mm > a.neck_mm && last_mm < bit.profile().length_mm() ? a.cylinder_passed_mm : HUGE_VAL;
   }
-  if (!(min_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
-  const double bend_mm = across_mm * across_mm / (2.0 * (min_radius_mm - across_mm));
-  return (bend_mm + kSpareMm) * ellipse_->growth();
+  if (!(first_mm > 0.0 && last_mm < a.neck_mm)) return HUGE_VAL;
+  return a.passed_mm(a.offset_mm + a.slope * first_mm, a.cone);
 }
 
 }  // namespace spinaltap::detail

@@ -18,7 +18,8 @@ namespace spinaltap {
 /// The form sqrt(q² + squeeze² (u + shift c)²) - gain c changes no faster than the axis moves in the plane, plus
 /// growth times c.
 struct DiscEllipse {
-  double squeeze_squared, squeeze, gain, shift_x, shift_y, flatness;
+  double squeeze_squared, squeeze, not_quite_per_squeeze, gain, shift_x, shift_y, flatness;
+  double growth;  ///< how much further the ellipse reaches, at most, where c is larger by 1
 
   DiscEllipse(const Vec3& axis, double slope) {
     const double t2 = axis.x() * axis.x() + axis.y() * axis.y();
@@ -26,14 +27,16 @@ struct DiscEllipse {
     // Below the smallest, the plane meets the cone in no ellipse worth the name; see is_ellipse().
     squeeze_squared = std::max(kSmallest, 1.0 - flatness * t2);
     squeeze = std::sqrt(squeeze_squared);
+    not_quite_per_squeeze = kNotQuite / squeeze;
     gain = std::sqrt(1.0 + slope * slope * t2 / squeeze_squared);
     shift_x = slope * axis.x() / squeeze_squared;
     shift_y = slope * axis.y() / squeeze_squared;
+    growth = gain + std::sqrt(shift_x * shift_x + shift_y * shift_y);
   }
 
+  /// For the rounding of distances that are compared.
+  static constexpr double kNotQuite = 1.0 - 1e-7;
   bool is_ellipse() const { return squeeze_squared > kSmallest; }
-  /// How much further the ellipse reaches, at most, where c is larger by 1.
-  double growth() const { return gain + std::sqrt(shift_x * shift_x + shift_y * shift_y); }
   /// sqrt(q² + squeeze² u²) of a place relative to the ellipse's centre.
   double off_centre(double x, double y, const Vec3& axis) const {
     const double along = x * axis.x() + y * axis.y();
@@ -64,7 +67,10 @@ struct Approach {
   double radius_mm, slope, offset_mm;  ///< of the bounding cylinder and cone
   double reach_mm;                     ///< across the axis, by the way alone
   DiscEllipse cylinder, cone;
-  bool is_tight;  ///< cylinder and cone are the bit, and both meet discs in ellipses
+  bool is_tight;              ///< cylinder and cone are the bit, and both meet discs in ellipses
+  double spread_mm;           ///< how far along the axis, to both sides, points of a disc within reach lie
+  double neck_mm;             ///< where the cone ends, back from the tip
+  double cylinder_passed_mm;  ///< passed_mm() of the cylinder: most discs ask for it
   AxisLine line;
 
   Approach(const SweptBit& swept, double out_of_plane_mm)
@@ -86,6 +92,17 @@ struct Approach {
     line.y_mm = tip_mm.y() - tip_mm.z() * line.y_slope;
     line.back_mm = tip_mm.z() / axis.z();
     line.back_slope = -1.0 / axis.z();
+    spread_mm = (sine * (radius_mm + kLongestMm + reach_mm) + reach_mm) / along;
+    neck_mm = (radius_mm - offset_mm) / slope;
+    cylinder_passed_mm = passed_mm(radius_mm, cylinder);
+  }
+
+  /// See NearestPoint::max_passed_mm(): of a disc that meets one bound all the way, no narrower than this.
+  double passed_mm(double min_radius_mm, const DiscEllipse& ellipse) const {
+    const double across_mm = bit.across_mm();
+    if (!(min_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
+    const double bend_mm = across_mm * across_mm / (2.0 * (min_radius_mm - across_mm));
+    return (bend_mm + kSpareMm) * ellipse.growth;
   }
 };
 
@@ -114,7 +131,7 @@ class NearestPoint {
   double free_mm() const { return best_mm_ - kMarginMm - (ellipse_ == &approach_.cylinder ? 0.0 : kSpareMm); }
   double back_share() const {
     if (ellipse_ == nullptr) return 1.0;
-    return ellipse_ == &approach_.cone ? approach_.slope * ellipse_->growth() : 0.0;
+    return ellipse_ == &approach_.cone ? approach_.slope * ellipse_->growth : 0.0;
   }
 
  private:

@@ -1,6 +1,7 @@
 #include "core/force/detail/tool_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +9,20 @@ namespace spinaltap {
 namespace {
 
 constexpr int kPlacesAround = 16;
+constexpr std::size_t kProbesAround = 6;
+
+/// Cosine and sine of even steps around a chisel edge's disc.
+const std::array<Eigen::Vector2d, kProbesAround>& probes_around() noexcept {
+  static const std::array<Eigen::Vector2d, kProbesAround> around = [] {
+    std::array<Eigen::Vector2d, kProbesAround> made;
+    for (std::size_t n = 0; n < kProbesAround; ++n) {
+      const double angle = 2.0 * std::numbers::pi * static_cast<double>(n + 1) / kProbesAround;
+      made[n] = {std::cos(angle), std::sin(angle)};
+    }
+    return made;
+  }();
+  return around;
+}
 
 }  // namespace
 
@@ -133,8 +148,7 @@ Vec3 ToolContact::contact_n(const Pose& pose, HoldSum* hold) const noexcept {
 LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   // A centre and six around it stand for equal shares of the disc: radius² of the centre's share is a seventh of the
   // whole, and the six lie at their share's centroid.
-  constexpr int kAround = 6;
-  constexpr double kShare = 1.0 / (kAround + 1);
+  constexpr double kShare = 1.0 / (kProbesAround + 1);
   const double off_mm = 0.703 * edge_radius_mm_;
   if (width_mm_ > 0.0) {
     LivingBone::Mean along_edge;
@@ -148,12 +162,9 @@ LivingBone::Mean ChiselProbe::ahead_of(const Pose& pose) const noexcept {
   const Vec3 u = any_perpendicular(pose.axis);
   const Vec3 v = pose.axis.cross(u);
   LivingBone::Mean mean;
-  for (int n = 0; n <= kAround; ++n) {
-    Vec3 p = pose.tip_mm;
-    if (n > 0) {
-      const double angle = 2.0 * std::numbers::pi * n / kAround;
-      p += off_mm * (std::cos(angle) * u + std::sin(angle) * v);
-    }
+  bone_->add_ahead_of(pose.tip_mm, pose.axis, kShare, mean);
+  for (const Eigen::Vector2d& around : probes_around()) {
+    const Vec3 p = pose.tip_mm + off_mm * (around.x() * u + around.y() * v);
     bone_->add_ahead_of(p, pose.axis, kShare, mean);
   }
   return mean;

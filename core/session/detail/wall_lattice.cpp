@@ -56,6 +56,7 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
     high_mm = Vec3(aside_mm, aside_mm, about.high_mm + reach_mm);
   }
   count_ = ((high_mm - low_mm_) * per_mm_).array().ceil().cast<int>() + 1;
+  last_ = (count_ - 1).cast<double>();
   nodes_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
                     static_cast<std::size_t>(count_.z()),
                 Node(kNoWall, kNoWall, kNoWall, 0.0F));
@@ -83,24 +84,23 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
 }
 
 bool WallLattice::node_at(const Vec3& p_path, Node& node) const noexcept {
-  const Eigen::Array3d at = (p_path - low_mm_).array() * per_mm_;
+  const double x = (p_path.x() - low_mm_.x()) * per_mm_;
+  const double y = (p_path.y() - low_mm_.y()) * per_mm_;
+  const double z = (p_path.z() - low_mm_.z()) * per_mm_;
   // Also what is not a number has no distance.
-  if (!((at >= 0.0) && (at < (count_ - 1).cast<double>())).all()) return false;
-  const Eigen::Array3i cell = at.cast<int>();
-  const Eigen::Array3f share = (at - cell.cast<double>()).cast<float>();
-  const auto across = static_cast<std::size_t>(count_.z());
-  const Node* const c00 =
-      nodes_.data() +
-      (static_cast<std::size_t>(cell.x()) * static_cast<std::size_t>(count_.y()) + static_cast<std::size_t>(cell.y())) *
-          across +
-      static_cast<std::size_t>(cell.z());
-  const Node* const c01 = c00 + across;
-  const Node* const c10 = c00 + across * static_cast<std::size_t>(count_.y());
-  const Node* const c11 = c10 + across;
-  const auto along_z = [&](const Node* of) -> Node { return of[0] + share.z() * (of[1] - of[0]); };
-  const Node low = along_z(c00) + share.y() * (along_z(c01) - along_z(c00));
-  const Node high = along_z(c10) + share.y() * (along_z(c11) - along_z(c10));
-  node = low + share.x() * (high - low);
+  if (!(x >= 0.0 && y >= 0.0 && z >= 0.0 && x < last_.x() && y < last_.y() && z < last_.z())) return false;
+  const int i = static_cast<int>(x), j = static_cast<int>(y), k = static_cast<int>(z);
+  const auto share_x = static_cast<float>(x - i), share_y = static_cast<float>(y - j),
+             share_z = static_cast<float>(z - k);
+  const std::ptrdiff_t next_y = count_.z(), next_x = next_y * count_.y();
+  const Node* const c00 = nodes_.data() + i * next_x + j * next_y + k;
+  const auto along_z = [&](const Node* of) -> Node { return of[0] + share_z * (of[1] - of[0]); };
+  const auto along_y = [&](const Node* of) -> Node {
+    const Node at = along_z(of);
+    return at + share_y * (along_z(of + next_y) - at);
+  };
+  const Node low = along_y(c00);
+  node = low + share_x * (along_y(c00 + next_x) - low);
   return true;
 }
 

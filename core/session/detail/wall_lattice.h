@@ -56,6 +56,7 @@ class WallLattice {
   double per_mm_;                                  ///< nodes
   Vec3 low_mm_;                                    ///< of node 0, path-local
   Eigen::Array3i count_ = Eigen::Array3i::Zero();  ///< along x, y, z
+  Eigen::Array3d last_ = Eigen::Array3d::Zero();   ///< the last's number
   std::vector<Node> nodes_;                        ///< z runs fastest: a bit's axis stays on few cache lines
 };
 
