@@ -16,11 +16,11 @@
 namespace spinaltap {
 namespace {
 
-constexpr double kMapWidth = 488.0;
-constexpr double kMapSide = 300.0;
-constexpr double kMapLeft = 52.0;
-constexpr double kMapTop = 44.0;
-constexpr double kMapHeight = kMapTop + kMapSide + 36.0;
+constexpr double kDrawingWidth = 488.0;
+constexpr double kSquaresSide = 300.0;
+constexpr double kSquaresLeft = 52.0;
+constexpr double kSquaresTop = 44.0;
+constexpr double kDrawingHeight = kSquaresTop + kSquaresSide + 36.0;
 constexpr std::size_t kFewRuns = 10;
 constexpr int kLeastReach = 3, kMostReach = 8;  ///< cells to each side
 
@@ -49,8 +49,8 @@ int reach_of(const StudyMap& map) {
 }
 
 std::string legend_svg() {
-  constexpr double kRow = 20.0, kLegendLeft = kMapLeft + kMapSide + 16.0;
-  double y = kMapTop + 12.0;
+  constexpr double kRow = 20.0, kLegendLeft = kSquaresLeft + kSquaresSide + 16.0;
+  double y = kSquaresTop + 12.0;
   std::string svg;
   for (const Shade& shade : kShades) {
     svg += svg_box(kLegendLeft, y - 11.0, 13.0, 13.0, svg_fill(shade.colour));
@@ -73,18 +73,20 @@ std::string study_map_svg(const StudyMap& map) {
     return cell == cells.end() ? nullptr : cell->second;
   };
   const bool is_entry = map.off == OffPlan::entry;
-  SquareMap squares{kMapLeft, kMapTop, kMapSide, {}, is_entry ? "mm" : "degrees", [&at](std::size_t m, std::size_t c) {
-                      const StudyShare* const share = at(m, c);
-                      if (share == nullptr) return std::string();
-                      return svg_fill(shade_of(share->probability()).colour) +
-                             (share->runs < kFewRuns ? " fill-opacity=\"0.35\"" : "");
-                    }};
+  SquareMap squares{
+      kSquaresLeft, kSquaresTop, kSquaresSide, {}, is_entry ? "mm" : "degrees", [&at](std::size_t m, std::size_t c) {
+        const StudyShare* const share = at(m, c);
+        if (share == nullptr) return std::string();
+        return svg_fill(shade_of(share->probability()).colour) +
+               (share->runs < kFewRuns ? " fill-opacity=\"0.35\"" : "");
+      }};
   squares.frames_none = true;
   for (int cell = -reach; cell <= reach; ++cell) squares.errors.push_back(StudyMap::kCell * cell);
   const std::string what = map.what == "all" ? "all screws" : map.what;
   const std::string title = std::string("Breach where the ") + (is_entry ? "entry" : "direction") + " lies, " + what;
   std::string svg = "<svg class=\"map\" role=\"img\" aria-label=\"" + escape_html(title) + "\" viewBox=\"0 0 " +
-                    svg_number(kMapWidth) + " " + svg_number(kMapHeight) + "\" font-size=\"13\" fill=\"#3d464e\">\n" +
+                    svg_number(kDrawingWidth) + " " + svg_number(kDrawingHeight) +
+                    "\" font-size=\"13\" fill=\"#3d464e\">\n" +
                     svg_text(0.0, 14.0, "start", title, "font-weight=\"600\" font-size=\"15\" fill=\"#1a2026\"") +
                     svg_text(0.0, 32.0, "start", "% of the screws with any breach, off the plan by so much") +
                     square_map_svg(squares) + legend_svg();
