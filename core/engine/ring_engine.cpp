@@ -36,7 +36,6 @@ constexpr double kSteepest = 0.25;
 /// Certificates are about lines whose slopes differ by at most twice this.
 constexpr double kMaxTurn = 0.1;
 constexpr int kMaxRings = 4096;
-constexpr double kUnknownTurns = 2.0;
 
 class RingEngine final : public VolumeEngine {
  public:
@@ -162,7 +161,6 @@ class RingEngine final : public VolumeEngine {
   }
 
   void walk_reached_rings(int disc, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
-    constexpr double kRoundingMm = 2e-6;  // of float: of distances, and of which end of a gap is nearer
     std::array<std::uint8_t, kMaxRings + 2 * detail::kLongestVector> is_reached;
     int& first = first_living_ring_[static_cast<std::size_t>(disc)];
     const double spacing_mm = volume_.pattern().spacing_mm();
@@ -173,16 +171,13 @@ class RingEngine final : public VolumeEngine {
     if (begin >= end) return;
     // Eight bytes are read at once below; vectors may end before.
     std::memset(is_reached.data() + (end - begin) / 8 * 8, 0, 8);
-    nearest.add_distance(gaps_.min_distance_mm(disc, begin, end, nearest.x_mm(), nearest.y_mm(),
-                                               nearest.touched_mm() + kRoundingMm, is_reached.data()) -
-                         kRoundingMm);
-    double turns = kUnknownTurns;
+    nearest.add_distance(gaps_.min_distance_mm(disc, begin, end, nearest.x_mm(), nearest.y_mm(), nearest.touched_mm(),
+                                               is_reached.data()));
     for (int offset = 0; offset < end - begin; offset += 8) {
       std::uint64_t eight = 0;
       std::memcpy(&eight, is_reached.data() + offset, 8);
       for (; eight != 0; eight &= eight - 1) {
-        if (turns == kUnknownTurns) turns = nearest.turns();
-        walk_ring(disc, begin + offset + std::countr_zero(eight) / 8, z_mm, turns, nearest, removal);
+        walk_ring(disc, begin + offset + std::countr_zero(eight) / 8, z_mm, nearest, removal);
       }
     }
     while (first < rings && gaps_.is_dead(disc, first)) ++first;
@@ -191,67 +186,74 @@ class RingEngine final : public VolumeEngine {
   /// Where points lie off their rings, gaps say nothing.
   void walk_all_rings(int disc, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
     const double spacing_mm = volume_.pattern().spacing_mm();
-    const double turns = nearest.turns();
     for (int ring = 0; ring < volume_.pattern().ring_count(); ++ring) {
       const double gap_mm = std::abs(ring * spacing_mm - nearest.off_axis_mm());
       if (gap_mm > nearest.reach_mm() + 2.0 * volume_.deviation_mm(ring)) continue;
-      walk_ring(disc, ring, z_mm, turns, nearest, removal);
+      walk_ring(disc, ring, z_mm, nearest, removal);
     }
   }
 
-  void walk_ring(int disc, int ring, double z_mm, double turns, detail::NearestPoint& nearest,
-                 Removal& removal) noexcept {
+  /// Where walks over a ring's living points begin: the first of them upwards, and downwards.
+  RingGaps::Ends walk_begins(int disc, int ring, const detail::NearestPoint& nearest) const noexcept {
+    const RingGaps::Ends gap = gaps_.faced_gap(disc, ring, nearest.x_mm(), nearest.y_mm());
+    if (gap.above != RingGaps::kNowhere) return gap;
+    const std::size_t size = DiscPattern::ring_size(ring);
+    // Within half a turn of 0: truncation and one more turn take the place of divisions.
+    const double place = nearest.turns() * static_cast<double>(size);
+    const auto rounded = static_cast<std::int32_t>(place < 0.0 ? place - 0.5 : place + 0.5);
+    const auto whole = static_cast<std::int32_t>(size);
+    const auto middle = static_cast<std::size_t>(rounded < 0 ? rounded + whole : rounded < whole ? rounded : 0);
+    return {middle > 0 ? middle - 1 : size - 1, middle};
+  }
+
+  void walk_ring(int disc, int ring, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
     std::uint64_t* words = volume_.alive_words(disc).data();
     const std::size_t start = DiscPattern::ring_start(ring);
-    const std::size_t size = DiscPattern::ring_size(ring);
+    const std::size_t end = start + DiscPattern::ring_size(ring);
     const double deviation_mm = 2.0 * volume_.deviation_mm(ring);
-    constexpr std::size_t kNone = ~std::size_t{0};
-    std::size_t survivor = kNone;  ///< the first of this direction
+    const double max_mm = nearest.touched_mm() + deviation_mm;
+    const double max_square = max_mm < 0.0 ? -1.0 : max_mm * max_mm;
+    std::size_t survivor = RingGaps::kNowhere;  ///< the first of this direction
+    // Towards the side of the ring away from the middle, points are ever further from it.
     const auto visit = [&](std::size_t index) {
       ++removal.tested;
       const Vec3 p = volume_.point_in_path_mm(disc, index);
       const double x = p.x() - nearest.x_mm();
       const double y = p.y() - nearest.y_mm();
-      const double max_mm = nearest.reach_mm() + deviation_mm;
-      const bool is_far = x * x + y * y > max_mm * max_mm || max_mm < 0.0;
+      const double square = x * x + y * y;
+      const bool is_far = square > max_square;
       if (!is_far && nearest.removes(p, z_mm)) {
         words[index / 64] &= ~(std::uint64_t{1} << (index % 64));
         account(disc, index, removal);
         return true;
       }
-      if (survivor == kNone) survivor = index - start;
+      if (survivor == RingGaps::kNowhere) survivor = index - start;
+      if (is_far) nearest.add_distance(std::sqrt(square) - deviation_mm);
       return !is_far;
     };
-    // `turns` is within half a turn of 0: truncation and one more turn take the place of divisions.
-    const double place = turns * static_cast<double>(size);
-    const auto nearest_place = static_cast<std::int32_t>(place < 0.0 ? place - 0.5 : place + 0.5);
-    const auto whole = static_cast<std::int32_t>(size);
-    const auto middle = static_cast<std::size_t>(nearest_place < 0       ? nearest_place + whole
-                                                 : nearest_place < whole ? nearest_place
-                                                                         : 0);
-    // Upwards over half the ring, around its end where need be; then downwards over the other half.
-    const std::size_t half = size / 2;
-    const std::size_t up_end = middle + half + 1;
-    if (visit_up(words, start + middle, start + std::min(up_end, size), visit) && up_end > size) {
-      visit_up(words, start, start + up_end - size, visit);
+    const auto [down_from, up_from] = walk_begins(disc, ring, nearest);
+    const bool is_round_the_end = up_from > down_from;
+    // Mostly one end of a gap is reached, or none: words are looked at beyond it only.
+    const auto is_alive = [&](std::size_t place) {
+      const std::size_t index = start + place;
+      return (words[index / 64] >> (index % 64) & 1) != 0;
+    };
+    if (!is_alive(up_from) || visit(start + up_from)) {
+      if (visit_up(words, start + up_from + 1, is_round_the_end ? end : start + down_from + 1, visit) &&
+          is_round_the_end) {
+        visit_up(words, start, start + down_from + 1, visit);
+      }
     }
     const std::size_t above = survivor;
-    survivor = kNone;
-    const std::size_t down = size - half - 1;
-    if (visit_down(words, start + (middle > down ? middle - down : 0), start + middle, visit) && down > middle) {
-      visit_down(words, start + size - (down - middle), start + size, visit);
+    if (above == RingGaps::kNowhere) return gaps_.set_dead(disc, ring);
+    survivor = RingGaps::kNowhere;
+    if (!is_alive(down_from) || visit(start + down_from)) {
+      if (visit_down(words, is_round_the_end ? start : start + up_from, start + down_from, visit) && is_round_the_end) {
+        visit_down(words, start + up_from, end, visit);
+      }
     }
-    const std::size_t below = survivor;
-    if (above == kNone && below == kNone) {
-      gaps_.set_dead(disc, ring);
-    } else if (ring > 0) {
-      // A half without survivors ends the gap all the same: less is noted than there is.
-      gaps_.set_gap(disc, ring, below != kNone ? below : wrapped(middle + size - down, size),
-                    above != kNone ? above : wrapped(middle + half, size));
-    }
+    if (ring > 0) gaps_.set_gap(disc, ring, survivor, above);
   }
-
-  static std::size_t wrapped(std::size_t place, std::size_t size) { return place < size ? place : place - size; }
 
   void remove_without_certificates(const SweptBit& bit, Removal& removal) noexcept {
     certificates_.fail_all();

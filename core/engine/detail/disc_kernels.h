@@ -30,12 +30,17 @@ struct CheckArguments {
 using GapEnds = std::uint32_t;
 constexpr GapEnds kUnknownGap = 0xffffffff;
 constexpr GapEnds kDeadRing = 0xfffefffe;
+/// Beyond all rings.
+constexpr float kNoSquare = 1e30F;
 
-/// Least distances of rings: see RingGaps.
+/// Least distances of rings: see RingGaps. Lengths are in its units.
 struct GapArguments {
-  const GapEnds* ends;    ///< of all rings of the disc, readable for a vector beyond the last
-  const float* points_x;  ///< of the disc's points
-  const float* points_y;
+  // Of all rings of the disc, readable for a vector beyond the last: gaps, and where their ends lie.
+  const GapEnds* ends;
+  const std::int16_t* below_x;
+  const std::int16_t* below_y;
+  const std::int16_t* above_x;
+  const std::int16_t* above_y;
   float x, y, off_axis, spacing;
   float reach_square;
   std::size_t begin, end;  ///< rings
@@ -45,7 +50,7 @@ struct GapArguments {
 struct GapResult {
   /// Rings, whole vectors from GapArguments::begin on, a byte each: 0 where none of its points is within reach.
   std::uint8_t* is_reached;
-  float least_square;  ///< of those out of reach
+  float least_square;  ///< of those out of reach; kNoSquare where none of them lives
 };
 
 /// One set of instructions. All sets do the same operations in the same order: their results are the same bits.

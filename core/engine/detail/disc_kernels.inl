@@ -6,17 +6,13 @@ typedef float Floats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 typedef float LooseFloats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES), aligned(4), may_alias));
 typedef std::int32_t Ints __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 typedef std::int32_t LooseInts __attribute__((vector_size(SPINALTAP_VECTOR_BYTES), aligned(4), may_alias));
+typedef std::int16_t LooseShorts __attribute__((vector_size(SPINALTAP_VECTOR_BYTES / 2), aligned(2), may_alias));
 typedef std::int8_t Bytes __attribute__((vector_size(SPINALTAP_VECTOR_BYTES / 4)));
 typedef std::int8_t LooseBytes __attribute__((vector_size(SPINALTAP_VECTOR_BYTES / 4), aligned(1), may_alias));
 
 #define SPINALTAP_LOAD(pointer) (*reinterpret_cast<const LooseFloats*>(pointer))
-#if SPINALTAP_VECTOR_BYTES == 64
-#define SPINALTAP_GATHER(from, places) reinterpret_cast<Floats>(_mm512_i32gather_ps(reinterpret_cast<__m512i>(places), from, 4))
-#elif SPINALTAP_VECTOR_BYTES == 32
-#define SPINALTAP_GATHER(from, places) reinterpret_cast<Floats>(_mm256_i32gather_ps(from, reinterpret_cast<__m256i>(places), 4))
-#else
-#define SPINALTAP_GATHER(from, places) (Floats{from[places[0]], from[places[1]], from[places[2]], from[places[3]]})
-#endif
+#define SPINALTAP_LOAD_SHORTS(pointer) \
+  __builtin_convertvector(__builtin_convertvector(*reinterpret_cast<const LooseShorts*>(pointer), Ints), Floats)
 
 void check(const CheckArguments& c) {
   Floats lanes;
@@ -41,25 +37,24 @@ void check(const CheckArguments& c) {
   }
 }
 
-void gap_squares(const GapArguments& g, GapResult& result) {
+void gap_squares(const GapArguments& arguments, GapResult& result) {
+  const GapArguments g = arguments;  // which nothing that is written can be
+  std::uint8_t* const reached = result.is_reached - g.begin;
   Ints lanes;
   for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] = static_cast<std::int32_t>(lane);
-  Floats least = Floats{} + 1e30F;
+  Floats least = Floats{} + kNoSquare;
   for (std::size_t n = g.begin; n < g.end; n += kLanes) {
     const Ints ring = lanes + static_cast<std::int32_t>(n);
     const Ints size = 6 * ring;
-    const Ints start = 1 + 3 * ring * (ring - 1);
     const Ints ends = reinterpret_cast<const LooseInts*>(g.ends + n)[0];
     const Ints below = ends & 0xffff;
     const Ints above = (ends >> 16) & 0xffff;
     const Ints is_beyond = ring >= static_cast<std::int32_t>(g.end);
     const Ints is_known = (below < size) & ~is_beyond;
-    const Ints first = is_known ? start + below : Ints{};
-    const Ints last = is_known ? start + above : Ints{};
-    const Floats ax = SPINALTAP_GATHER(g.points_x, first);
-    const Floats ay = SPINALTAP_GATHER(g.points_y, first);
-    const Floats bx = SPINALTAP_GATHER(g.points_x, last);
-    const Floats by = SPINALTAP_GATHER(g.points_y, last);
+    const Floats ax = SPINALTAP_LOAD_SHORTS(g.below_x + n);
+    const Floats ay = SPINALTAP_LOAD_SHORTS(g.below_y + n);
+    const Floats bx = SPINALTAP_LOAD_SHORTS(g.above_x + n);
+    const Floats by = SPINALTAP_LOAD_SHORTS(g.above_y + n);
     // On which side of the directions to both ends does the middle lie? Gaps of half a turn and more hold all that does
     // not lie in the rest.
     const Floats from_below = ax * g.y - ay * g.x;
@@ -75,15 +70,16 @@ void gap_squares(const GapArguments& g, GapResult& result) {
     const Floats square = is_known & is_faced ? to_ends : to_circle * to_circle;
     const Ints lives = ~(is_beyond | (ends == static_cast<std::int32_t>(kDeadRing)));
     const Ints is_reached = lives & (square <= g.reach_square);
-    const Floats other = lives & ~is_reached ? square : Floats{} + 1e30F;
+    const Floats other = lives & ~is_reached ? square : Floats{} + kNoSquare;
     least = other < least ? other : least;
-    *reinterpret_cast<LooseBytes*>(result.is_reached + (n - g.begin)) = -__builtin_convertvector(is_reached, Bytes);
+    *reinterpret_cast<LooseBytes*>(reached + n) = -__builtin_convertvector(is_reached, Bytes);
+  }
+  for (std::int32_t half = kLanes / 2; half > 0; half /= 2) {
+    const Floats other = __builtin_shuffle(least, lanes + half);
+    least = other < least ? other : least;
   }
   result.least_square = least[0];
-  for (std::size_t lane = 1; lane < kLanes; ++lane) {
-    result.least_square = least[lane] < result.least_square ? least[lane] : result.least_square;
-  }
 }
 
 #undef SPINALTAP_LOAD
-#undef SPINALTAP_GATHER
+#undef SPINALTAP_LOAD_SHORTS

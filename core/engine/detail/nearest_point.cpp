@@ -41,38 +41,6 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
   improve(kLongestMm);
 }
 
-bool NearestPoint::removes(const Vec3& p, double z_mm) noexcept {
-  const Approach& a = approach_;
-  const Vec3 from_tip = p - a.bit.to().tip_mm;
-  const double back_mm = -from_tip.dot(a.axis);
-  const double off_axis_squared = std::max(0.0, from_tip.squaredNorm() - back_mm * back_mm);
-  const BitProfile& profile = a.bit.profile();
-  if (profile.contains_inlined(back_mm, off_axis_squared)) return true;
-  double from_bound_mm = 0.0;
-  if (ellipse_ != nullptr) {
-    // A point out of the disc's plane lies in another, where the middle is elsewhere and the cone of another size.
-    const double out_mm = p.z() - z_mm;
-    double x = p.x() - x_mm_ - out_mm * a.line.x_slope;
-    double y = p.y() - y_mm_ - out_mm * a.line.y_slope;
-    double size_mm = size_mm_;
-    if (ellipse_ == &a.cone && out_mm != 0.0) {
-      const double wider_mm = a.slope * out_mm * a.line.back_slope;
-      x += ellipse_->shift_x * wider_mm;
-      y += ellipse_->shift_y * wider_mm;
-      size_mm += ellipse_->gain * wider_mm;
-    }
-    from_bound_mm = ellipse_->off_centre(x, y, a.axis) - size_mm;
-    if (from_bound_mm <= surely_free_mm_ && a.bit.contains_inlined(p)) return true;
-  } else {
-    if (a.bit.contains_inlined(p)) return true;
-    const double off_axis_mm = std::sqrt(off_axis_squared);
-    if (off_axis_mm - size_mm_ >= best_mm_) return false;
-    from_bound_mm = profile.distance_mm(back_mm, off_axis_mm);
-  }
-  improve(from_bound_mm);
-  return false;
-}
-
 std::pair<double, double> NearestPoint::backs_mm() const noexcept {
   const Approach& a = approach_;
   return {back_mm_ - a.spread_mm - a.bit.forth_mm(), back_mm_ + a.spread_mm + a.bit.back_mm()};

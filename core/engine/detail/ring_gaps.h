@@ -19,18 +19,25 @@ class RingGaps {
   RingGaps(std::size_t discs, const DiscPattern& pattern, const detail::DiscKernels& kernels);
 
   /// Which rings from `begin` up to `end` may have a living point within `reach_mm` of (x, y) in a disc's plane, and
-  /// the least distance that living points of the others have, at least (1e15 without any), mm. To float's precision: a
-  /// micrometre's hundredth. `is_reached` gets a byte a ring, and some beyond: room for kLongestVector more than rings.
+  /// the least distance that living points of the others have, at least (1e15 without any), mm. `is_reached` gets a
+  /// byte a ring, and some beyond: room for kLongestVector more than rings.
   double min_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
                          std::uint8_t* is_reached) const noexcept;
 
+  /// Ends of a gap: places on the ring, counted as its points are. All after `below` and before `above`, around the
+  /// ring's end where need be, are dead.
+  struct Ends {
+    std::size_t below = kNowhere;
+    std::size_t above = kNowhere;
+  };
+  static constexpr std::size_t kNowhere = ~std::size_t{0};
+
+  /// The ring's gap where that is known and (x, y) faces it; else nowhere.
+  Ends faced_gap(int disc, int ring, double x_mm, double y_mm) const noexcept;
+
   bool is_dead(int disc, int ring) const noexcept { return ends_[place(disc, ring)] == detail::kDeadRing; }
   void set_dead(int disc, int ring) noexcept { ends_[place(disc, ring)] = detail::kDeadRing; }
-  /// Places on the ring, counted as its points are: all after `below` and before `above`, around the ring's end where
-  /// need be, are dead.
-  void set_gap(int disc, int ring, std::size_t below, std::size_t above) noexcept {
-    ends_[place(disc, ring)] = static_cast<detail::GapEnds>(below | above << 16);
-  }
+  void set_gap(int disc, int ring, std::size_t below, std::size_t above) noexcept;
 
   std::size_t memory_bytes() const;
 
@@ -39,12 +46,16 @@ class RingGaps {
     return static_cast<std::size_t>(disc) * rings_ + static_cast<std::size_t>(ring);
   }
 
+  std::int16_t units(double mm) const noexcept;
+
   detail::DiscKernels kernels_;
-  float spacing_mm_;
+  const DiscPattern& pattern_;
+  double unit_mm_, units_per_mm_;  ///< of where ends lie
+  double rounding_mm_;             ///< of distances, and of which end of a gap is nearer
   std::size_t rings_;
-  std::vector<detail::GapEnds> ends_;  ///< disc by disc
-  std::vector<float> x_mm_;            ///< of a disc's points
-  std::vector<float> y_mm_;
+  // Disc by disc: gaps, and where their ends lie. To look these up by place would take longer than all else.
+  std::vector<detail::GapEnds> ends_;
+  std::vector<std::int16_t> below_x_, below_y_, above_x_, above_y_;
 };
 
 }  // namespace spinaltap
