@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/geometry.h"
 #include "core/base/point_grid.h"
 #include "mesh/detail/half_edge_mesh.h"
 #include "mesh/detail/triangle_shape.h"
@@ -46,7 +47,7 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::array<double, 3> angles_rad(const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto angle = [](const Vec3& corner, const Vec3& p, const Vec3& q) {
-    return std::atan2((p - corner).cross(q - corner).norm(), (p - corner).dot(q - corner));
+    return angle_between_rad(p - corner, q - corner);
   };
   return {angle(a, b, c), angle(b, c, a), angle(c, a, b)};
 }
@@ -76,7 +77,7 @@ double sharpest_edge_rad(const detail::HalfEdgeMesh& mesh) {
     if (edge.is_boundary()) continue;
     const Vec3 n = normal_of(OpenMesh::HalfedgeHandle(mesh.halfedge_handle(edge, 0).idx()));
     const Vec3 m = normal_of(OpenMesh::HalfedgeHandle(mesh.halfedge_handle(edge, 1).idx()));
-    sharpest_rad = std::max(sharpest_rad, std::atan2(n.cross(m).norm(), n.dot(m)));
+    sharpest_rad = std::max(sharpest_rad, angle_between_rad(n, m));
   }
   return sharpest_rad;
 }

@@ -13,6 +13,8 @@ Vec3 any_perpendicular(const Vec3& axis) {
   return axis.cross(Vec3::Unit(min)).normalized();
 }
 
+double angle_between_rad(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
 Box3 bounds_of(std::span<const Vec3> points) {
   Box3 box;
   for (const Vec3& p : points) box.extend(p);

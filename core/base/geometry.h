@@ -19,6 +19,10 @@ inline constexpr double kDegree = std::numbers::pi / 180.0;
 /// Any unit vector at right angles to `axis` (unit). The same axis always gives the same vector.
 Vec3 any_perpendicular(const Vec3& axis);
 
+/// The angle from one direction to another, 0 to pi, rad; neither need be a unit vector. By its sine and its cosine:
+/// the cosine alone says little of small angles.
+double angle_between_rad(const Vec3& a, const Vec3& b);
+
 /// The smallest box around points; empty without any.
 Box3 bounds_of(std::span<const Vec3> points);
 

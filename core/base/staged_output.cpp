@@ -23,6 +23,8 @@ namespace spinaltap {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kPartialFile = ".spinaltap-partial-";
+
 /// Makes a folder and those above it, and adds what it made to `made`, the uppermost first.
 void make_folders(const fs::path& wanted, std::vector<fs::path>& made) {
   std::error_code error;
@@ -210,6 +212,8 @@ StagedOutput::~StagedOutput() {
   remove_empty_folders(made_folders_);
 }
 
+void StagedOutput::remove_leftovers(const fs::path& folder) { remove_stale(folder, kPartialFile); }
+
 fs::path StagedOutput::stage(const fs::path& final_path) {
   std::error_code error;
   if (final_path.filename().empty() || fs::is_directory(final_path, error)) {
@@ -218,10 +222,9 @@ fs::path StagedOutput::stage(const fs::path& final_path) {
   make_folders(final_path.parent_path(), made_folders_);
   // A folder of our own beside the file: the file keeps its name, so that messages and writers that choose the format
   // by the extension are right.
-  const std::string prefix = ".spinaltap-partial-";
-  const fs::path folder = partial_path(final_path.parent_path(), prefix);
+  const fs::path folder = partial_path(final_path.parent_path(), kPartialFile);
   if (!fs::exists(folder, error)) {
-    remove_stale(final_path.parent_path(), prefix);
+    remove_leftovers(final_path.parent_path());
     if (!fs::create_directory(folder, error)) {
       fail("cannot write into ", final_path.parent_path().string(), ": ", error.message());
     }

@@ -43,6 +43,9 @@ class StagedOutput {
   /// and puts back those that were.
   void commit();
 
+  /// Removes what killed runs of this machine left where they wrote into `folder`, as the first stage() there does too.
+  static void remove_leftovers(const std::filesystem::path& folder);
+
  private:
   struct Entry {
     std::filesystem::path temporary;

@@ -150,6 +150,8 @@ void BakeCache::remove() const {
     if (is_stage(entry.path())) ours.push_back(entry.path());
   }
   for (const fs::path& path : ours) fs::remove(path, ignored);
+  // A run that was killed just after it kept its fit leaves an empty one, and no later run writes here.
+  StagedOutput::remove_leftovers(folder_);
   fs::remove(folder_, ignored);  // an empty one only
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/geometry.h"
+
 namespace spinaltap {
 namespace {
 
@@ -31,9 +33,7 @@ DistanceToPlan distance_to_plan(const PathCurve& path, const Pose& tool) noexcep
   distance.left_mm = path.length_mm() - distance.depth_mm;
   const Mat3 axes = path.axes_at(distance.depth_mm);
   distance.at_tip_mm = (axes.transpose() * (tool.tip_mm - path.at_mm(distance.depth_mm))).head<2>();
-  // By the sine and the cosine: the cosine alone says little of small angles.
-  const Vec3 along = axes.col(2);
-  distance.angle_deg = std::atan2(tool.axis.cross(along).norm(), tool.axis.dot(along)) / kDegree;
+  distance.angle_deg = angle_between_rad(tool.axis, axes.col(2)) / kDegree;
   distance.at_entry_mm = crossing_mm(path, 0.0, tool);
   distance.at_target_mm = crossing_mm(path, path.length_mm(), tool);
   return distance;

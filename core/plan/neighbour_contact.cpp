@@ -71,9 +71,7 @@ NeighbourContact neighbour_contact(std::span<const Neighbour> neighbours, const 
   if (path.screw) {
     const PathLine line(path);
     look_at_body(path, line, screw_body(path), contact);
-    for (const InstrumentBody& body : instrument_bodies(path, 0.0)) {
-      if (body.part == InstrumentPart::head) look_at_body(path, line, body, contact);
-    }
+    look_at_body(path, line, screw_head(path), contact);
   } else {
     look_at_hole(path, contact);
   }

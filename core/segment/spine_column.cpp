@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/geometry.h"
 #include "core/base/lerp.h"
 #include "core/segment/detail/binned_ct.h"
 
@@ -41,7 +42,7 @@ void prolong(std::vector<Vec3>& points) {
   if (last >= 4 * kReach) {
     // The bend over 25 mm, between pieces whose middles lie that far apart.
     const Vec3 before = (points[last - 2 * kReach] - points[last - 3 * kReach]).normalized();
-    const double turn = std::min(std::atan2(before.cross(along).norm(), before.dot(along)), kMaxBend);
+    const double turn = std::min(angle_between_rad(before, along), kMaxBend);
     if (turn > 1e-6) bend = Eigen::AngleAxisd(turn / kPieces, before.cross(along).normalized());
   }
   for (int n = 0; n < kPieces; ++n) {
@@ -278,9 +279,8 @@ SpineColumn column_through(const std::vector<BodyCylinder>& bodies, double beyon
     constexpr double kMaxBendPerMm = kDegree;
     const Vec3 along = sign * last.axes().col(2);
     const Vec3 from = sign * before.axes().col(2);
-    const double turn_per_mm = std::min(std::atan2(from.cross(along).norm(), from.dot(along)) /
-                                            std::max(1.0, (last.centre_mm - before.centre_mm).norm()),
-                                        kMaxBendPerMm);
+    const double turn_per_mm = std::min(
+        angle_between_rad(from, along) / std::max(1.0, (last.centre_mm - before.centre_mm).norm()), kMaxBendPerMm);
     const Vec3 about = turn_per_mm > 1e-6 ? Vec3(from.cross(along).normalized()) : Vec3::UnitX();
     const Eigen::AngleAxisd bend(kStepMm * turn_per_mm, about);
     Vec3 p_mm = last.centre_mm;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/geometry.h"
 #include "core/plan/grade.h"
 #include "core/plan/path_side.h"
 #include "core/session/choose_engine.h"
@@ -170,9 +171,7 @@ StudyRow row_of(const StudySpec& spec, const DrillPath& planned, std::size_t n, 
   }
   row[StudyColumn::off_entry_mm] = (task.path.entry_mm - planned.entry_mm).norm();
   row[StudyColumn::off_target_mm] = (task.path.target_mm - planned.target_mm).norm();
-  const Vec3 direction = task.path.direction();
-  row[StudyColumn::off_angle_deg] =
-      std::atan2(direction.cross(planned.direction()).norm(), direction.dot(planned.direction())) / kDegree;
+  row[StudyColumn::off_angle_deg] = angle_between_rad(task.path.direction(), planned.direction()) / kDegree;
   return row;
 }
 

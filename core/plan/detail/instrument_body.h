@@ -29,6 +29,8 @@ struct InstrumentBody {
 std::vector<InstrumentBody> instrument_bodies(const DrillPath& path, double opening_mm);
 /// The path's screw, which it must have.
 InstrumentBody screw_body(const DrillPath& path);
+/// That screw's head.
+InstrumentBody screw_head(const DrillPath& path);
 
 /// A path as a straight line. Behind its entry a curved one is straight as well.
 class PathLine {

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/base/geometry.h"
 #include "core/base/text_writer.h"
 
 namespace spinaltap {
@@ -34,10 +35,6 @@ class Warnings {
  private:
   std::vector<std::string> lines_;
 };
-
-double degrees_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
-}
 
 void warn_of_pedicle(Warnings& warnings, const Landmarks& found, const PedicleLandmarks& pedicle, double side) {
   const std::string name = side > 0.0 ? "the left pedicle's " : "the right pedicle's ";
@@ -159,10 +156,10 @@ std::vector<std::string> warnings_about(const Landmarks& found, double asymmetry
   warnings.expect("the body's depth", body.depth_mm, 12.0, 50.0, "mm");
   warnings.expect("the body's height", body.height_mm, 10.0, 42.0, "mm");
   warnings.expect("the body's height over its depth", body.height_mm / body.depth_mm, 0.45, 1.4, "");
-  warnings.expect("the angle between the endplates", degrees_between(body.upper.normal, -body.lower.normal), 0.0, 25.0,
-                  "degrees");
+  warnings.expect("the angle between the endplates", angle_between_rad(body.upper.normal, -body.lower.normal) / kDegree,
+                  0.0, 25.0, "degrees");
   warnings.expect("the angle between the canal and the endplates' normals",
-                  degrees_between(found.canal.axis, found.superior()), 0.0, 25.0, "degrees");
+                  angle_between_rad(found.canal.axis, found.superior()) / kDegree, 0.0, 25.0, "degrees");
   warnings.expect("the canal's width", found.canal.width_mm, 10.0, 35.0, "mm");
   warnings.expect("the canal's depth", found.canal.depth_mm, 8.0, 30.0, "mm");
   warnings.expect("the distance between the surface and its mirror image", asymmetry_mm, 0.0, 1.5, "mm");

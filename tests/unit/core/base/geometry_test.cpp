@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/base/random.h"
 
 namespace spinaltap {
@@ -18,6 +20,13 @@ TEST(AnyPerpendicular, IsAUnitVectorAtRightAngles) {
     EXPECT_NEAR(across.norm(), 1.0, 1e-14);
     EXPECT_NEAR(across.dot(axis), 0.0, 1e-14);
     EXPECT_EQ(any_perpendicular(axis), across);
+  }
+}
+
+TEST(AngleBetween, IsRightForSmallAngles) {
+  for (const double angle : {0.0, 1e-12, 1e-6, 0.3, 1.5, 3.0, std::numbers::pi}) {
+    const Vec3 turned(5.0 * std::cos(angle), 0.0, 5.0 * std::sin(angle));
+    EXPECT_NEAR(angle_between_rad(2.0 * Vec3::UnitX(), turned), angle, 1e-15 + 1e-14 * angle);
   }
 }
 

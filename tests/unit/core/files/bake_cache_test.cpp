@@ -1,10 +1,13 @@
 #include "core/files/bake_cache.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 
 #include "core/base/staged_output.h"
 #include "tests/support/analytic_bodies.h"
@@ -138,6 +141,22 @@ TEST(BakeCache, RemovesItsOwnFilesOnly) {
   cache.remove();
   EXPECT_TRUE(fs::exists(folder.path() / "cache/notes.txt"));
   EXPECT_FALSE(fs::exists(folder.path() / "cache/fit-a.rbf"));
+}
+
+TEST(BakeCache, RemovesWhatAKilledRunLeftThere) {
+  const test::TemporaryFolder folder;
+  const BakeCache cache(folder.path() / "cache");
+  cache.keep_fit("a", made_fit());
+  const pid_t killed = ::fork();
+  if (killed == 0) {
+    StagedOutput output;
+    output.stage(folder.path() / "cache/fit-b.json");
+    ::_exit(0);
+  }
+  ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path() / "cache"), {}), 3);
+  cache.remove();
+  EXPECT_FALSE(fs::exists(folder.path() / "cache"));
 }
 
 TEST(BakeCache, WithoutAFolderKeepsNothing) {
