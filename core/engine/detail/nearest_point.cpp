@@ -15,7 +15,7 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
   back_mm_ = line.back_mm + z_mm * line.back_slope;
   size_mm_ = approach.radius_mm;
   squeeze_ = approach.along;
-  not_quite_per_squeeze_ = DiscEllipse::kNotQuite / approach.along;
+  per_squeeze_ = 1.0 / approach.along;
   surely_free_mm_ = approach.reach_mm;
   if (approach.is_tight) {
     const double cone_mm = approach.offset_mm + approach.slope * back_mm_;
@@ -28,7 +28,7 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
       y_mm_ -= ellipse_->shift_y * cone_mm;
     }
     squeeze_ = ellipse_->squeeze;
-    not_quite_per_squeeze_ = ellipse_->not_quite_per_squeeze;
+    per_squeeze_ = ellipse_->per_squeeze;
     surely_free_mm_ = std::min(surely_free_mm_, max_passed_mm());
   } else {
     // Of other bits, what is further along the axis than a certificate is long does not matter to this disc.
@@ -37,7 +37,7 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
     size_mm_ = widest_mm < 0.0 ? -kFarMm : widest_mm;
   }
   off_axis_mm_ = std::sqrt(x_mm_ * x_mm_ + y_mm_ * y_mm_);
-  touched_mm_ = (size_mm_ + surely_free_mm_) / squeeze_;
+  touched_mm_ = (size_mm_ + surely_free_mm_) * per_squeeze_;
   improve(kLongestMm);
 }
 

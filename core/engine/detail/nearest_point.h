@@ -18,7 +18,7 @@ namespace spinaltap {
 /// The form sqrt(q² + squeeze² (u + shift c)²) - gain c changes no faster than the axis moves in the plane, plus
 /// growth times c.
 struct DiscEllipse {
-  double squeeze_squared, squeeze, not_quite_per_squeeze, gain, shift_x, shift_y, flatness;
+  double squeeze_squared, squeeze, per_squeeze, gain, shift_x, shift_y, flatness;
   double growth;  ///< how much further the ellipse reaches, at most, where c is larger by 1
 
   DiscEllipse(const Vec3& axis, double slope) {
@@ -27,7 +27,7 @@ struct DiscEllipse {
     // Below the smallest, the plane meets the cone in no ellipse worth the name; see is_ellipse().
     squeeze_squared = std::max(kSmallest, 1.0 - flatness * t2);
     squeeze = std::sqrt(squeeze_squared);
-    not_quite_per_squeeze = kNotQuite / squeeze;
+    per_squeeze = 1.0 / squeeze;
     gain = std::sqrt(1.0 + slope * slope * t2 / squeeze_squared);
     shift_x = slope * axis.x() / squeeze_squared;
     shift_y = slope * axis.y() / squeeze_squared;
@@ -150,7 +150,7 @@ class NearestPoint {
     if (!(distance_mm < best_mm_)) return;
     best_mm_ = distance_mm;
     // Points as near as the best, but for rounding, are not looked at: often a whole ring lies equally far.
-    reach_mm_ = std::max(touched_mm_, (best_mm_ + size_mm_) * not_quite_per_squeeze_);
+    reach_mm_ = std::max(touched_mm_, (best_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
   }
 
   const Approach& approach_;
@@ -159,7 +159,7 @@ class NearestPoint {
   double off_axis_mm_;
   double size_mm_;  ///< of the bound, from its middle
   double squeeze_;  ///< distances from the bound grow at least by this with those from the middle
-  double not_quite_per_squeeze_;
+  double per_squeeze_;
   double surely_free_mm_;  ///< points further than this from the bound survive
   double touched_mm_;
   double best_mm_ = HUGE_VAL;  ///< from the bound
