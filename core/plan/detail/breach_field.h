@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/plan/detail/graded_tool.h"
@@ -23,6 +24,8 @@ class BreachField {
 
   /// As BoneShape::nearest(): place in its points.
   std::size_t nearest(const Vec3& p_mm) const { return cells_.nearest(p_mm); }
+  /// Of places that are asked for soon.
+  void expect(std::span<const Vec3> places_mm) const { cells_.expect(places_mm); }
   const Vec3& sample_mm(std::size_t sample) const { return points_mm_[sample]; }
   bool is_canal(std::size_t sample) const { return walls_.landmarks().is_canal_wall[sample] != 0; }
   /// As WallDistance::walls(), sooner: `sample` is the nearest().

@@ -11,6 +11,11 @@
 namespace spinaltap {
 namespace {
 
+/// Rows whose nearest samples bound those between: every so many.
+constexpr std::size_t kSampledApart = 4;
+/// A place of the surface may be nearer than the nearest sample by as much, squared, mm².
+constexpr double kBesideSquaredMm2 = BoneShape::kSampleMm * BoneShape::kSampleMm;
+
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// By how much bone may be thinner than the lattice says. Between its samples a distance to points, D, bends by 1/D to
@@ -68,13 +73,16 @@ FastBreach::FastBreach(const BreachField& field, const DrillPath& path)
   rows_.reserve(static_cast<std::size_t>(length_mm / step_mm) + 2);
   double deep_until_mm = 0.0;
   const auto add = [&](double depth_mm) {
-    Row row{depth_mm, -1.0, 0.0, depth_mm < deep_until_mm, kNone};
+    Row row{depth_mm, -1.0, 0.0, 0.0, depth_mm < deep_until_mm};
     if (!row.is_deep) {
       row.lattice_mm = bone_.lattice_mm(tool_.axis_mm(depth_mm));
       // As deep as that, what follows is deep enough for a while.
       deep_until_mm = depth_mm - row.lattice_mm - lattice_error_mm(bone_, row.lattice_mm) - tool_.widest_mm();
       row.is_deep = depth_mm < deep_until_mm;
     }
+    // Outside, the lattice has no more than the sign.
+    const bool is_in = row.is_deep || row.lattice_mm < -kSureLatticeMm;
+    row.inside_mm = is_in ? deep_until_mm - depth_mm + tool_.widest_mm() : -kUnbounded;
     rows_.push_back(row);
   };
   for (int n = 0; step_mm * n < length_mm - 1e-6; ++n) add(step_mm * n);
@@ -140,7 +148,7 @@ bool FastBreach::is_other_within(Row& row, double within_mm) {
 }
 
 double FastBreach::max_breach_mm(Row& row) const {
-  if (row.is_deep) return 0.0;
+  if (row.is_deep || row.is_whole) return 0.0;
   // Outside, the lattice has no more than the sign; the way along the axis to where it is in the bone is a bound.
   if (row.lattice_mm > -kSureLatticeMm) {
     if (first_in_ == rows_.size()) return kUnbounded;
@@ -151,13 +159,40 @@ double FastBreach::max_breach_mm(Row& row) const {
   return radius_mm(row) + row.lattice_mm + error_mm;
 }
 
+FastBreach::Beside FastBreach::max_beside(std::size_t n) {
+  constexpr std::size_t kApart = 2, kFurthest = 8;
+  Beside beside{kUnbounded, n};
+  if (!tool_.curve().is_straight()) return beside;
+  const Row& row = rows_[n];
+  const double r_mm = radius_mm(rows_[n]);
+  const auto see_from = [&](std::size_t other) {
+    const double way_mm = rows_[other].depth_mm - row.depth_mm;
+    const double max_mm = std::sqrt(r_mm * r_mm + way_mm * way_mm) - rows_[other].inside_mm;
+    if (max_mm < beside.max_mm) beside = {max_mm, other};
+  };
+  for (std::size_t apart = kApart; apart <= kFurthest; apart += kApart) {
+    if (n >= apart) see_from(n - apart);
+    if (n + apart < rows_.size()) see_from(n + apart);
+  }
+  return beside;
+}
+
+double FastBreach::closer_max_beside_mm(std::size_t n, std::size_t other) {
+  constexpr double kSpareMm = 0.05;  // by which a place's distance may differ from the nearest sample's plane, and more
+  Row& from = rows_[other];
+  if (!(from.inside_mm > 0.0)) return kUnbounded;
+  find_sample(from);
+  const double r_mm = radius_mm(rows_[n]), way_mm = from.depth_mm - rows_[n].depth_mm;
+  return std::sqrt(r_mm * r_mm + way_mm * way_mm) - std::sqrt(std::max(0.0, from.squared_mm2 - kBesideSquaredMm2)) +
+         kSpareMm;
+}
+
 double FastBreach::closer_max_breach_mm(std::size_t n) {
-  constexpr std::size_t kApart = 4;
   Row& row = rows_[n];
   // Nearer to the surface its value counts, and not the samples.
   if (!tool_.curve().is_straight() || row.lattice_mm > -bone_.trusted_band_mm() - kSureLatticeMm) return kUnbounded;
-  Row& before = rows_[n / kApart * kApart];
-  Row& after = rows_[std::min(n / kApart * kApart + kApart, rows_.size() - 1)];
+  Row& before = rows_[n / kSampledApart * kSampledApart];
+  Row& after = rows_[std::min(n / kSampledApart * kSampledApart + kSampledApart, rows_.size() - 1)];
   find_sample(before);
   double squared_mm2 = before.squared_mm2;
   if (row.depth_mm > before.depth_mm) {
@@ -168,8 +203,7 @@ double FastBreach::closer_max_breach_mm(std::size_t n) {
     squared_mm2 += share * (after.squared_mm2 - before.squared_mm2) - behind_mm * ahead_mm;
   }
   constexpr double kRoundingMm2 = 1e-6;
-  constexpr double kSampleSquared = BoneShape::kSampleMm * BoneShape::kSampleMm;
-  return radius_mm(row) - std::sqrt(std::max(0.0, squared_mm2 - kSampleSquared - kRoundingMm2));
+  return radius_mm(row) - std::sqrt(std::max(0.0, squared_mm2 - kBesideSquaredMm2 - kRoundingMm2));
 }
 
 bool FastBreach::is_in(const Row& row) const {
@@ -186,6 +220,11 @@ bool FastBreach::is_surely_cut(const Row& row, double radius_mm) {
   const double gap_mm = 1.1 * std::numbers::pi * radius_mm / static_cast<double>(count);
   const double sure_mm = kSureLatticeMm + gap_mm;
   const ToolRing ring(tool_, row.depth_mm, radius_mm, tool_.across_at(row.depth_mm));
+  // What is in doubt by the lattice the surface itself may say.
+  const auto is_cut_at = [&](std::size_t place, double lattice_mm) {
+    return lattice_mm > gap_mm && gap_mm < bone_.trusted_band_mm() &&
+           value_at(bone_, ring.place_mm(turns.cosines[place], turns.sines[place])) > gap_mm;
+  };
   double highest_mm = -kSureLatticeMm;
   std::size_t highest = count;
   const std::size_t first = last_cut_;
@@ -196,7 +235,7 @@ bool FastBreach::is_surely_cut(const Row& row, double radius_mm) {
       highest_mm = lattice_mm;
       highest = place;
     }
-    if (highest_mm < sure_mm) continue;
+    if (highest_mm < sure_mm && !(n == 0 && is_cut_at(place, lattice_mm))) continue;
     last_cut_ = highest;
     return true;
   }
@@ -224,7 +263,9 @@ bool FastBreach::is_whole(Row& row) {
     if (lattice_mm >= -kSureLatticeMm) suspect_mm_.push_back(p_mm);
   }
   const std::span<const double> values_mm = suspect_values_mm();
-  return std::all_of(values_mm.begin(), values_mm.end(), [](double value_mm) { return value_mm < 0.0; });
+  const bool is_whole = std::all_of(values_mm.begin(), values_mm.end(), [](double value_mm) { return value_mm < 0.0; });
+  row.is_whole = is_whole && !axis_of(row).is_canal;
+  return is_whole;
 }
 
 std::span<const double> FastBreach::suspect_values_mm() {
@@ -264,27 +305,31 @@ bool FastBreach::may_be_anterior(const Vec3& p_mm, std::size_t sample) const {
   });
 }
 
-double FastBreach::to_sample_mm(const Vec3& p_mm, std::size_t sample) const {
-  return sample == kNone ? kUnbounded : (p_mm - field_.sample_mm(sample)).norm();
-}
-
 template <class LeastMm, class MayMatter, class Visit>
 void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm& least_mm, const MayMatter& may_matter,
                                  const Visit& visit) {
   const double r_mm = radius_mm(row), band_mm = bone_.trusted_band_mm();
   const Vec3 centre_mm = tool_.axis_mm(row.depth_mm);
+  // A place is out by no more than any sample is away. Near ones: the axis' own, those of the places before it and of
+  // the first on this ring, and that of the same turn on the ring before.
+  turn_samples_.resize(turns.cosines.size(), kNone);
+  std::size_t first = kNone, last = kNone;
+  const auto at_most_mm = [&](const Vec3& p_mm, std::size_t turn) {
+    double squared_mm2 = kUnbounded;
+    for (const std::size_t sample : {row.sample, first, last, turn_samples_[turn]}) {
+      if (sample == kNone) continue;
+      squared_mm2 = std::min(squared_mm2, (p_mm - field_.sample_mm(sample)).squaredNorm());
+    }
+    return std::max(std::sqrt(squared_mm2), band_mm);
+  };
   suspect_mm_.clear();
   suspect_turns_.clear();
-  // A place's nearest sample is near to that of the same turn on the ring before: no further than it is the breach.
-  turn_samples_.resize(turns.cosines.size(), kNone);
   if (r_mm > 0.0) {
     const ToolRing ring(tool_, row.depth_mm, r_mm, SideNames::towards(centre_mm, axis_of(row).nearer));
     for (RingWalk walk(bone_, ring, turns, r_mm); walk.next();) {
       const Vec3 p_mm = walk.place_mm();
-      const double at_most_mm = std::max(to_sample_mm(p_mm, turn_samples_[walk.turn()]), band_mm);
-      if (at_most_mm <= least_mm()) continue;
-      if (walk.lattice_mm(p_mm) < -kSureLatticeMm) continue;
-      if (!may_matter(p_mm, std::min(at_most_mm, std::max(to_sample_mm(p_mm, row.sample), band_mm)))) continue;
+      const double most_mm = at_most_mm(p_mm, walk.turn());
+      if (most_mm <= least_mm() || walk.lattice_mm(p_mm) < -kSureLatticeMm || !may_matter(p_mm, most_mm)) continue;
       suspect_mm_.push_back(p_mm);
       suspect_turns_.push_back(walk.turn());
     }
@@ -292,17 +337,24 @@ void FastBreach::for_each_beyond(Row& row, const RingTurns& turns, const LeastMm
     suspect_mm_.push_back(centre_mm);
     suspect_turns_.push_back(0);
   }
+  // Those that are out of the bone, each with its value.
   const std::span<const double> values_mm = suspect_values_mm();
-  std::size_t last = kNone;
+  std::size_t count = 0;
   for (std::size_t n = 0; n < values_mm.size(); ++n) {
-    const Vec3& p_mm = suspect_mm_[n];
     const double value_mm = values_mm[n];
-    if (!(value_mm > 0.0)) continue;
-    const double at_most_mm = to_sample_mm(p_mm, last);
-    if ((value_mm < band_mm ? value_mm : at_most_mm) <= least_mm()) continue;
-    if (last != kNone && !may_matter(p_mm, std::max(at_most_mm, band_mm))) continue;
-    last = turn_samples_[suspect_turns_[n]] = field_.nearest(p_mm);
-    if (value_mm < band_mm || to_sample_mm(p_mm, last) > least_mm()) visit(p_mm, value_mm, last);
+    if (!(value_mm > 0.0) || (value_mm < band_mm && value_mm <= least_mm())) continue;
+    values_mm_[count] = value_mm;
+    suspect_mm_[count] = suspect_mm_[n];
+    suspect_turns_[count++] = suspect_turns_[n];
+  }
+  field_.expect({suspect_mm_.data(), count});
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3& p_mm = suspect_mm_[n];
+    const std::size_t turn = suspect_turns_[n];
+    if ((values_mm_[n] < band_mm ? values_mm_[n] : at_most_mm(p_mm, turn)) <= least_mm()) continue;
+    const std::size_t sample = turn_samples_[turn] = last = field_.nearest(p_mm);
+    if (first == kNone) first = sample;
+    visit(p_mm, values_mm_[n], sample);
   }
 }
 
@@ -310,8 +362,10 @@ FoundBreaches FastBreach::find() {
   // As find_breaches(): the ring with the largest possible breach first. What is possible is known from the lattice,
   // and exactly from the walls as seen from the axis, which are asked for when it is a row's turn.
   enum class Known { lattice, closer, exact };
+  constexpr double kDoubtMm = 0.25;  // what a lattice may leave in doubt
   struct Candidate {
-    double max_mm;
+    double max_mm;  ///< as find_breaches() has it, or more: the order in which rings come
+    Beside beside;  ///< the most of it, whatever the order
     std::size_t row;
     Known by;
 
@@ -325,8 +379,19 @@ FoundBreaches FastBreach::find() {
   candidates.reserve(rows_.size());
   for (std::size_t n = 0; n < rows_.size(); ++n) {
     const double max_mm = max_breach_mm(rows_[n]);
-    if (max_mm > 0.0) candidates.push_back({max_mm, n, Known::lattice});
+    if (!(max_mm > 0.0)) continue;
+    const Beside beside = max_beside(n);
+    if (beside.max_mm > 0.0) candidates.push_back({max_mm, beside, n, Known::lattice});
   }
+  suspect_mm_.clear();
+  std::size_t expected = kNone;
+  for (const Candidate& candidate : candidates) {
+    const std::size_t sampled = candidate.row / kSampledApart * kSampledApart;
+    if (sampled == expected) continue;
+    expected = sampled;
+    suspect_mm_.push_back(tool_.axis_mm(rows_[sampled].depth_mm));
+  }
+  field_.expect(suspect_mm_);
   std::priority_queue<Candidate> queue(std::less<Candidate>(), std::move(candidates));
   turn_samples_.clear();
   while (!queue.empty()) {
@@ -335,9 +400,11 @@ FoundBreaches FastBreach::find() {
     if (!(top.max_mm > std::min(best.outer.breach_mm, best.canal.breach_mm))) break;
     Row& row = rows_[top.row];
     const bool is_opening = top.row < opening_rows_;
-    const double within_mm = radius_mm(row) + top.max_mm;
-    bool may_be_outer = !is_opening && top.max_mm > best.outer.breach_mm;
-    bool may_be_canal = top.max_mm > best.canal.breach_mm;
+    const double most_mm = std::min(top.max_mm, top.beside.max_mm);
+    const double within_mm = radius_mm(row) + most_mm;
+    bool may_be_outer = !is_opening && most_mm > best.outer.breach_mm;
+    bool may_be_canal = most_mm > best.canal.breach_mm;
+    if (!may_be_outer && !may_be_canal) continue;
     if (top.by != Known::exact) {
       if (!may_be_outer && !(may_be_canal && field_.canal_at_least_mm(tool_.axis_mm(row.depth_mm)) <= within_mm)) {
         continue;
@@ -346,7 +413,10 @@ FoundBreaches FastBreach::find() {
       top.max_mm = is_closer ? radius_mm(row) - axis_of(row).nearer.distance_mm
                              : std::min(top.max_mm, closer_max_breach_mm(top.row));
       top.by = is_closer ? Known::exact : Known::closer;
-      if (top.max_mm > 0.0) queue.push(top);
+      if (!is_closer && top.beside.max_mm < kDoubtMm) {
+        top.beside.max_mm = std::min(top.beside.max_mm, closer_max_beside_mm(top.row, top.beside.from));
+      }
+      if (top.max_mm > 0.0 && top.beside.max_mm > 0.0) queue.push(top);
       continue;
     }
     // The nearer wall is always near enough.
@@ -400,7 +470,7 @@ std::array<double, 5> FastBreach::sides(const FoundBreaches& found, ScrewSides w
     if (row.depth_mm < next_mm && n + 1 < rows_.size()) continue;
     next_mm = row.depth_mm + kSideRingsApartMm - 1e-9;
     const double max_mm = max_breach_mm(row);
-    if (!(max_mm > 0.0)) continue;
+    if (!(max_mm > 0.0) || !(max_beside(n).max_mm > 0.0)) continue;
     const bool is_opening = n < opening_rows_;
     // The outer surface does not count there: is the canal's near enough?
     if (is_opening && field_.canal_at_least_mm(tool_.axis_mm(row.depth_mm)) > radius_mm(row) + max_mm + 0.5) continue;

@@ -35,7 +35,9 @@ class FastBreach {
     double depth_mm;
     double radius_mm;            ///< negative until it is asked for
     double lattice_mm;           ///< of the axis
+    double inside_mm;            ///< the axis is as deep in the bone as that, or deeper
     bool is_deep;                ///< all the tool's section is in the bone; lattice_mm is not known
+    bool is_whole = false;       ///< all places of the ring that find() looks at are
     std::size_t sample = kNone;  ///< the nearest to the axis, once it is asked for
     double squared_mm2 = 0.0;    ///< to it
     std::size_t axis = kNone;    ///< in axes_
@@ -55,7 +57,15 @@ class FastBreach {
   bool is_other_within(Row& row, double within_mm);
   /// At most this of the tool stands out at a row.
   double max_breach_mm(Row& row) const;
-  /// The same, closer, from nearest samples of some rows.
+  /// The same, by how deep another row's axis is in the bone: closer where a wall slants.
+  struct Beside {
+    double max_mm;
+    std::size_t from;  ///< that row
+  };
+  Beside max_beside(std::size_t n);
+  /// Closer, from the nearest sample of the other row.
+  double closer_max_beside_mm(std::size_t n, std::size_t other);
+  /// As max_breach_mm(), closer, from nearest samples of some rows.
   double closer_max_breach_mm(std::size_t n);
   bool is_in(const Row& row) const;
   bool is_whole(Row& row);
@@ -63,7 +73,6 @@ class FastBreach {
   void find_opening();
   /// The surface's value at each of suspect_mm_.
   std::span<const double> suspect_values_mm();
-  double to_sample_mm(const Vec3& p_mm, std::size_t sample) const;
   /// False only where a place beyond the wall is to another side for sure.
   bool may_be_anterior(const Vec3& p_mm, std::size_t sample) const;
   /// Visits places of the ring that are out of the bone, each with the surface's value and the nearest sample; not all
@@ -84,7 +93,8 @@ class FastBreach {
   std::size_t opening_rows_ = 0;   ///< in which the outer surface does not count
   std::size_t last_cut_ = 0;       ///< where around the tool is_surely_cut() found it
   std::vector<Vec3> suspect_mm_;   ///< places of a ring that may be out of the bone
-  std::vector<std::size_t> suspect_turns_, turn_samples_;
+  std::vector<std::size_t> suspect_turns_;
+  std::vector<std::size_t> turn_samples_;  ///< the last that was found of each turn of rings
   std::vector<double> values_mm_;
 };
 

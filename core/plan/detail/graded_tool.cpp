@@ -64,10 +64,12 @@ std::vector<Vec3> ring_mm(const GradedTool& tool, double depth_mm, double radius
 void sharpen_breach(const BoneShape& bone, FoundBreach& breach) {
   constexpr int kRounds = 6;
   if (!(breach.breach_mm > bone.trusted_band_mm())) return;
-  const PointTree::Nearest near = bone.tree().nearest(breach.place_mm, breach.wall.sample);
-  Vec3 at_mm = bone.points_mm()[near.index];
-  Vec3 normal = bone.normals()[near.index];
-  double nearest_mm = near.distance_mm;
+  Vec3 at_mm = bone.points_mm()[breach.wall.sample];  // the nearest
+  Vec3 normal = bone.normals()[breach.wall.sample];
+  const Vec3 to_sample_mm = breach.place_mm - at_mm;
+  // In the order in which PointTree sums.
+  double nearest_mm = std::sqrt(to_sample_mm.x() * to_sample_mm.x() + to_sample_mm.y() * to_sample_mm.y() +
+                                to_sample_mm.z() * to_sample_mm.z());
   for (int round = 0; round < kRounds; ++round) {
     // Half-way only: across an edge the whole step would overshoot.
     const Vec3 way_mm = breach.place_mm - at_mm;

@@ -34,37 +34,18 @@ Near near_of(const Vec3& mm) {
 }
 
 /// A register of the plainest x86; other machines' compilers do as well with it.
-using Four = float __attribute__((vector_size(16)));
+using Lanes = float __attribute__((vector_size(16)));
 constexpr std::size_t kLanes = 4;
-Four all_lanes(float value) { return Four{value, value, value, value}; }
-Four lanes_of(const Near& point) {
-  Four lanes;
-  std::memcpy(&lanes, &point, sizeof lanes);
-  return lanes;
-}
+Lanes all_lanes(float value) { return Lanes{value, value, value, value}; }
 /// A point that is nearest to nothing: lists are filled up with it to whole registers.
 constexpr Near kNowhere{1e18F, 1e18F, 1e18F};
 
-/// Writes squared distances from p of a list's points, and returns the least.
-template <class Place>
-float squares_to(const Near& p, const std::vector<Near>& points, std::span<const Place> places, float* squared_mm2) {
-  const Four px = all_lanes(p.x), py = all_lanes(p.y), pz = all_lanes(p.z);
-  Four least = all_lanes(std::numeric_limits<float>::infinity());
-  for (std::size_t n = 0; n < places.size(); n += kLanes) {
-    const Four a = lanes_of(points[places[n]]), b = lanes_of(points[places[n + 1]]);
-    const Four c = lanes_of(points[places[n + 2]]), d = lanes_of(points[places[n + 3]]);
-    const Four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5), cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-    const Four x = __builtin_shufflevector(ab, cd, 0, 1, 4, 5) - px;
-    const Four y = __builtin_shufflevector(ab, cd, 2, 3, 6, 7) - py;
-    const Four z = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 6, 3, 7),
-                                           __builtin_shufflevector(c, d, 2, 6, 3, 7), 0, 1, 4, 5) -
-                   pz;
-    const Four sum = x * x + y * y + z * z;
-    std::memcpy(squared_mm2 + n, &sum, sizeof sum);
-    least = sum < least ? sum : least;
-  }
-  return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
-}
+/// The nearest of a cell's points, by single precision.
+struct NearestInCell {
+  std::uint32_t index;
+  float squared_mm2;
+  float next_squared_mm2;  ///< of the next nearest
+};
 
 /// Of a cube of cells, a little larger: which one a position on its border lies in is rounded.
 float half_with_border(double side_mm) { return static_cast<float>(0.5 * side_mm + 1e-5); }
@@ -75,42 +56,72 @@ struct Cube {
   float half_mm;
 };
 
+/// Candidates as seen from a cube's middle, four at a time.
+struct FourCandidates {
+  Lanes x, y, z, squared_mm2;
+  Lanes beaten;  ///< the least of what rivals leave of it: below minus the tolerance, it is nearest nowhere in the cube
+};
+
+Lanes absolute_of(const Lanes& a) {
+  const Lanes minus = -a;
+  return a < minus ? minus : a;
+}
+
 /// Those of `places` in `points` that can be nearest to a position in the cube, and perhaps some more. Squared
 /// distances may be wrong by `tolerance_mm2`.
 template <class Place>
 std::vector<Place> can_be_nearest(const std::vector<Near>& points, std::span<const Place> places, const Cube& cube,
                                   float tolerance_mm2) {
-  struct Candidate {
-    Near from_middle;
-    float squared_mm2;
-    Place place;
-  };
   const auto& [middle, half_mm] = cube;
-  // The difference of two points' squared distances is linear in the position: at most this in the cube.
-  const auto is_beaten_by = [half_mm = half_mm, tolerance_mm2](const Candidate& rival, const Candidate& candidate) {
-    return rival.squared_mm2 - candidate.squared_mm2 +
-               2.0F * half_mm * sum_of_sizes(rival.from_middle - candidate.from_middle) <
-           -tolerance_mm2;
-  };
-  std::vector<Candidate> near;
-  near.reserve(places.size());
-  Candidate first{{}, std::numeric_limits<float>::infinity(), 0};
+  Near first = kNowhere;
+  float first_mm2 = std::numeric_limits<float>::infinity();
   for (const Place place : places) {
     const Near from_middle = points[place] - middle;
-    near.push_back({from_middle, squared(from_middle), place});
-    if (near.back().squared_mm2 < first.squared_mm2) first = near.back();
+    const float mm2 = squared(from_middle);
+    if (mm2 < first_mm2) first = from_middle;
+    first_mm2 = std::min(first_mm2, mm2);
   }
-  // What the one that is nearest to the middle beats leaves few to look at.
-  std::erase_if(near, [&](const Candidate& candidate) { return is_beaten_by(first, candidate); });
-  const auto beat_at = [&](const Near& p) {
-    Candidate rival{{}, std::numeric_limits<float>::infinity(), 0};
-    float rival_mm2 = std::numeric_limits<float>::infinity();
-    for (const Candidate& candidate : near) {
-      const float mm2 = squared(candidate.from_middle - p);
-      if (mm2 < rival_mm2) rival = candidate;
-      rival_mm2 = std::min(rival_mm2, mm2);
+  // What the one that is nearest to the middle beats leaves few to look at. The difference of two points' squared
+  // distances is linear in the position: at most this in the cube.
+  std::vector<Place> left;
+  std::vector<FourCandidates> near;
+  for (const Place place : places) {
+    const Near from_middle = points[place] - middle;
+    const float mm2 = squared(from_middle);
+    if (first_mm2 - mm2 + 2.0F * half_mm * sum_of_sizes(first - from_middle) < -tolerance_mm2) continue;
+    const std::size_t lane = left.size() % kLanes;
+    if (lane == 0) {
+      const Lanes far = all_lanes(kNowhere.x);
+      near.push_back({far, far, far, far * far, all_lanes(0.0F)});
     }
-    std::erase_if(near, [&](const Candidate& candidate) { return is_beaten_by(rival, candidate); });
+    near.back().x[lane] = from_middle.x;
+    near.back().y[lane] = from_middle.y;
+    near.back().z[lane] = from_middle.z;
+    near.back().squared_mm2[lane] = mm2;
+    left.push_back(place);
+  }
+  const auto beat_at = [&near, half_mm = half_mm](const Near& p) {
+    // Without the position's own square, which all have.
+    Lanes least = all_lanes(std::numeric_limits<float>::infinity()), rival_x{}, rival_y{}, rival_z{}, rival_mm2{};
+    for (const FourCandidates& of : near) {
+      const Lanes mm2 = of.squared_mm2 - 2.0F * (p.x * of.x + p.y * of.y + p.z * of.z);
+      const auto is_less = mm2 < least;
+      least = is_less ? mm2 : least;
+      rival_x = is_less ? of.x : rival_x;
+      rival_y = is_less ? of.y : rival_y;
+      rival_z = is_less ? of.z : rival_z;
+      rival_mm2 = is_less ? of.squared_mm2 : rival_mm2;
+    }
+    std::size_t best = 0;
+    for (std::size_t lane = 1; lane < kLanes; ++lane) {
+      if (least[lane] < least[best]) best = lane;
+    }
+    const float x = rival_x[best], y = rival_y[best], z = rival_z[best], mm2 = rival_mm2[best];
+    for (FourCandidates& of : near) {
+      const Lanes left_mm2 = mm2 - of.squared_mm2 +
+                             2.0F * half_mm * (absolute_of(x - of.x) + absolute_of(y - of.y) + absolute_of(z - of.z));
+      of.beaten = left_mm2 < of.beaten ? left_mm2 : of.beaten;
+    }
   };
   for (std::size_t n = 0; n < 8; ++n) {
     beat_at({(n & 1) != 0 ? half_mm : -half_mm, (n & 2) != 0 ? half_mm : -half_mm, (n & 4) != 0 ? half_mm : -half_mm});
@@ -119,60 +130,86 @@ std::vector<Place> can_be_nearest(const std::vector<Near>& points, std::span<con
     const float side_mm = (n & 1) != 0 ? half_mm : -half_mm;
     beat_at({n / 2 == 0 ? side_mm : 0.0F, n / 2 == 1 ? side_mm : 0.0F, n / 2 == 2 ? side_mm : 0.0F});
   }
-  std::vector<Place> left;
-  left.reserve(near.size());
-  for (const Candidate& candidate : near) left.push_back(candidate.place);
+  std::size_t n = 0;
+  std::erase_if(left, [&](Place) {
+    const bool is_beaten = near[n / kLanes].beaten[n % kLanes] < -tolerance_mm2;
+    ++n;
+    return is_beaten;
+  });
   return left;
 }
 
 }  // namespace
 
+/// Lanes points that can be nearest in a cell, from the block's middle: a cache line.
+struct alignas(64) NearestCells::Four {
+  Lanes x, y, z;
+  std::array<std::uint32_t, kLanes>
+      index;  ///< in the tree's points, below kLast; of the last four the first has it set
+
+  static constexpr std::uint32_t kLast = 0x80000000U;
+  bool is_last() const { return (index[0] & kLast) != 0; }
+  Lanes squared_to(const Near& p) const {
+    const Lanes dx = x - all_lanes(p.x), dy = y - all_lanes(p.y), dz = z - all_lanes(p.z);
+    return dx * dx + dy * dy + dz * dz;
+  }
+};
+
 struct NearestCells::Block {
+  /// Places in `points`.
+  using Place = std::uint16_t;
+  using Part = std::vector<Place>;
+
   Vec3 middle_mm = Vec3::Zero();
   float tolerance_mm2 = 0.0F;        ///< by which squared distances in it may be wrong
-  std::vector<Near> points;          ///< and kNowhere; none: too many, or too far away
+  std::vector<Near> points;          ///< none: too many, or too far away
   std::vector<std::uint32_t> index;  ///< of each, its place in the tree's points
-  std::array<std::atomic<const Cell*>, kCellsASide * kCellsASide * kCellsASide> cells{};
-  std::array<std::atomic<const Cell*>, kPartsASide * kPartsASide * kPartsASide> parts{};
+  std::array<std::atomic<const Four*>, kCellsASide * kCellsASide * kCellsASide> cells{};
+  std::array<std::atomic<const Part*>, kPartsASide * kPartsASide * kPartsASide> parts{};
 
   Block() = default;
   Block(const Block&) = delete;
   Block& operator=(const Block&) = delete;
   ~Block() {
-    for (std::atomic<const Cell*>& cell : cells) delete[] cell.load();
-    for (std::atomic<const Cell*>& part : parts) delete[] part.load();
+    for (std::atomic<const Four*>& cell : cells) delete[] cell.load();
+    for (std::atomic<const Part*>& part : parts) delete part.load();
   }
 
   /// What may be nearest in one of so many cubes a side, of places that are enough for it.
-  std::unique_ptr<const Cell[]> cube(const std::array<std::size_t, 3>& at, std::size_t a_side,
-                                     std::span<const Cell> places) const {
+  Part cube(const std::array<std::size_t, 3>& at, std::size_t a_side, std::span<const Place> places) const {
     const double side_mm = kBlockMm / static_cast<double>(a_side);
     const Vec3 first(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
     const Vec3 of_cube_mm = side_mm * (first + Vec3::Constant(0.5)) - Vec3::Constant(0.5 * kBlockMm);
-    const std::vector<Cell> left =
-        can_be_nearest(points, places, {near_of(of_cube_mm), half_with_border(side_mm)}, tolerance_mm2);
-    const std::size_t filled_up = (left.size() + kLanes - 1) / kLanes * kLanes;
-    auto cell = std::make_unique<Cell[]>(filled_up + 1);
-    cell[0] = static_cast<Cell>(filled_up);
-    std::fill_n(std::copy(left.begin(), left.end(), cell.get() + 1), filled_up - left.size(),
-                static_cast<Cell>(index.size()));
-    return cell;
+    return can_be_nearest(points, places, {near_of(of_cube_mm), half_with_border(side_mm)}, tolerance_mm2);
   }
-  std::span<const Cell> cell(const std::array<std::size_t, 3>& at) {
-    const auto place_of = [](const std::array<std::size_t, 3>& of, std::size_t a_side) {
-      return (of[2] * a_side + of[1]) * a_side + of[0];
-    };
-    using Owner = std::unique_ptr<const Cell[]>;
-    const Cell& found = made_once<const Cell, Owner>(cells[place_of(at, kCellsASide)], [&] {
+  std::unique_ptr<const Four[]> fours_of(const Part& places) const {
+    const std::size_t count = (places.size() + kLanes - 1) / kLanes;
+    auto fours = std::make_unique<Four[]>(count);
+    for (std::size_t n = 0; n < kLanes * count; ++n) {
+      const bool is_point = n < places.size();
+      const Near& point = is_point ? points[places[n]] : kNowhere;
+      Four& four = fours[n / kLanes];
+      four.x[n % kLanes] = point.x;
+      four.y[n % kLanes] = point.y;
+      four.z[n % kLanes] = point.z;
+      four.index[n % kLanes] = is_point ? index[places[n]] : 0;
+    }
+    fours[count - 1].index[0] |= Four::kLast;
+    return fours;
+  }
+  static std::size_t place_of(const std::array<std::size_t, 3>& at, std::size_t a_side) {
+    return (at[2] * a_side + at[1]) * a_side + at[0];
+  }
+  const Four* cell(const std::array<std::size_t, 3>& at) {
+    return &made_once<const Four, std::unique_ptr<const Four[]>>(cells[place_of(at, kCellsASide)], [&] {
       const std::array<std::size_t, 3> around{at[0] / kCellsAPart, at[1] / kCellsAPart, at[2] / kCellsAPart};
-      const Cell& part = made_once<const Cell, Owner>(parts[place_of(around, kPartsASide)], [&] {
-        std::vector<Cell> all(index.size());
-        std::iota(all.begin(), all.end(), Cell{0});
-        return cube(around, kPartsASide, all);
+      const Part& part = made_once<const Part, std::unique_ptr<const Part>>(parts[place_of(around, kPartsASide)], [&] {
+        Part all(index.size());
+        std::iota(all.begin(), all.end(), Place{0});
+        return std::make_unique<const Part>(cube(around, kPartsASide, all));
       });
-      return cube(at, kCellsASide, {&part + 1, part});
+      return fours_of(cube(at, kCellsASide, part));
     });
-    return {&found + 1, found};
   }
 };
 
@@ -196,7 +233,7 @@ NearestCells::~NearestCells() {
 
 std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle_mm) const {
   constexpr double kFarMm = 40.0;
-  constexpr std::size_t kMany = std::numeric_limits<Cell>::max() - kLanes;
+  constexpr std::size_t kMany = std::numeric_limits<Block::Place>::max();
   auto block = std::make_unique<Block>();
   block->middle_mm = middle_mm;
   const double furthest_mm = tree_.nearest(middle_mm).distance_mm + std::numbers::sqrt3 * kBlockMm + 1e-3;
@@ -222,62 +259,115 @@ std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle
   const std::vector<std::uint32_t> left = can_be_nearest<std::uint32_t>(
       around, all, {{0.0F, 0.0F, 0.0F}, half_with_border(kBlockMm)}, block->tolerance_mm2);
   if (left.size() > kMany) return block;
-  block->points.reserve(left.size() + 1);
+  block->points.reserve(left.size());
   block->index.reserve(left.size());
   for (const std::uint32_t n : left) {
     block->points.push_back(around[n]);
     block->index.push_back(index[n]);
   }
-  block->points.push_back(kNowhere);
   return block;
 }
 
-std::size_t NearestCells::nearest(const Vec3& p_mm) const {
+namespace {
+
+template <class Fours>
+NearestInCell nearest_in(const Fours* four, const Near& p) {
+  Lanes least = all_lanes(std::numeric_limits<float>::infinity()), next = least;
+  using Indices = std::uint32_t __attribute__((vector_size(16)));
+  Indices index{};
+  bool is_last = false;
+  for (; !is_last; ++four) {
+    const Lanes squared = four->squared_to(p);
+    Indices of;
+    std::memcpy(&of, four->index.data(), sizeof of);
+    const auto is_less = squared < least;
+    const Lanes other = is_less ? least : squared;
+    next = other < next ? other : next;
+    least = is_less ? squared : least;
+    index = is_less ? of : index;
+    is_last = four->is_last();
+  }
+  NearestInCell nearest{0, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const bool is_less = least[lane] < nearest.squared_mm2;
+    const float other = is_less ? nearest.squared_mm2 : least[lane];
+    nearest.next_squared_mm2 = std::min({nearest.next_squared_mm2, other, next[lane]});
+    if (!is_less) continue;
+    nearest.squared_mm2 = least[lane];
+    nearest.index = index[lane] & ~Fours::kLast;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+bool NearestCells::find_cell(const Vec3& p_mm, CellPlace& place) const {
   const Vec3 at_mm = p_mm - low_mm_;
-  std::array<std::size_t, 3> of_blocks{}, in_block{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double in_cells = at_mm[static_cast<Eigen::Index>(axis)] / kCellMm;
-    if (!(in_cells >= 0.0 && in_cells < static_cast<double>(size_[axis] * kCellsASide))) {
-      return tree_.nearest(p_mm).index;
-    }
+    if (!(in_cells >= 0.0 && in_cells < static_cast<double>(size_[axis] * kCellsASide))) return false;
     const auto cell = static_cast<std::size_t>(in_cells);
-    of_blocks[axis] = cell / kCellsASide;
-    in_block[axis] = cell % kCellsASide;
+    place.of_blocks[axis] = cell / kCellsASide;
+    place.in_block[axis] = cell % kCellsASide;
   }
-  Block& block = made_once<Block, std::unique_ptr<Block>>(
-      blocks_[(of_blocks[2] * size_[1] + of_blocks[1]) * size_[0] + of_blocks[0]], [&] {
-        const Vec3 first(static_cast<double>(of_blocks[0]), static_cast<double>(of_blocks[1]),
-                         static_cast<double>(of_blocks[2]));
-        return make_block(low_mm_ + kBlockMm * (first + Vec3::Constant(0.5)));
-      });
+  place.block = (place.of_blocks[2] * size_[1] + place.of_blocks[1]) * size_[0] + place.of_blocks[0];
+  return true;
+}
+
+void NearestCells::expect(std::span<const Vec3> places_mm) const {
+  // First for where the cells are, then for the cells: each is waited for no longer than the first.
+  constexpr std::size_t kMost = 64;
+  std::array<const std::atomic<const Four*>*, kMost> cells{};
+  std::size_t count = 0;
+  for (const Vec3& p_mm : places_mm.first(std::min(places_mm.size(), kMost))) {
+    CellPlace place;
+    if (!find_cell(p_mm, place)) continue;
+    const Block* const block = blocks_[place.block].load(std::memory_order_acquire);
+    if (block == nullptr) continue;
+    cells[count] = &block->cells[Block::place_of(place.in_block, kCellsASide)];
+    __builtin_prefetch(cells[count++]);
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    constexpr std::size_t kUsual = 6;
+    const Four* const cell = cells[n]->load(std::memory_order_acquire);
+    if (cell == nullptr) continue;
+    for (std::size_t four = 0; four < kUsual; ++four) __builtin_prefetch(cell + four);
+  }
+}
+
+std::size_t NearestCells::nearest(const Vec3& p_mm) const {
+  CellPlace place;
+  if (!find_cell(p_mm, place)) return tree_.nearest(p_mm).index;
+  Block& block = made_once<Block, std::unique_ptr<Block>>(blocks_[place.block], [&] {
+    const Vec3 first(static_cast<double>(place.of_blocks[0]), static_cast<double>(place.of_blocks[1]),
+                     static_cast<double>(place.of_blocks[2]));
+    return make_block(low_mm_ + kBlockMm * (first + Vec3::Constant(0.5)));
+  });
   if (block.points.empty()) return tree_.nearest(p_mm).index;
-  const std::span<const Cell> places = block.cell(in_block);
-  constexpr std::size_t kMost = 512;
-  if (places.size() > kMost) return tree_.nearest(p_mm).index;
-  std::array<float, kMost> near_mm2;
-  const float least_mm2 = squares_to(near_of(p_mm - block.middle_mm), block.points, places, near_mm2.data());
-  // Those that may be it by single precision, mostly one; else as PointTree sums it, bit for bit.
-  std::size_t best = 0, count = 0;
+  const Four* const cell = block.cell(place.in_block);
+  const Near p = near_of(p_mm - block.middle_mm);
+  const NearestInCell found = nearest_in(cell, p);
+  const float within_mm2 = found.squared_mm2 + block.tolerance_mm2;
+  if (found.next_squared_mm2 > within_mm2) return found.index;
+  // Of those that may be it by single precision, the nearest as PointTree sums it, bit for bit.
+  std::size_t best = 0;
   double best_squared = std::numeric_limits<double>::infinity();
   bool is_tie = false;
-  for (std::size_t n = 0; n < places.size(); ++n) {
-    if (near_mm2[n] > least_mm2 + block.tolerance_mm2) continue;
-    if (count++ == 0) {
-      best = n;
-      continue;
+  const Four* four = cell;
+  do {
+    const Lanes near_mm2 = four->squared_to(p);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (near_mm2[lane] > within_mm2) continue;
+      const std::size_t index = four->index[lane] & ~Four::kLast;
+      const double squared_mm2 = (p_mm - tree_.points_mm()[index]).squaredNorm();
+      if (squared_mm2 > best_squared) continue;
+      is_tie = squared_mm2 == best_squared;
+      best_squared = squared_mm2;
+      best = index;
     }
-    const auto squared_to = [&](std::size_t of) {
-      return (p_mm - tree_.points_mm()[block.index[places[of]]]).squaredNorm();
-    };
-    if (count == 2) best_squared = squared_to(best);
-    const double squared_mm2 = squared_to(n);
-    if (squared_mm2 > best_squared) continue;
-    is_tie = squared_mm2 == best_squared;
-    best_squared = squared_mm2;
-    best = n;
-  }
+  } while (!four++->is_last());
   // Of several as near, the tree has an order of its own.
-  return is_tie ? tree_.nearest(p_mm).index : block.index[places[best]];
+  return is_tie ? tree_.nearest(p_mm).index : best;
 }
 
 }  // namespace spinaltap

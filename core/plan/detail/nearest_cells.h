@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/plan/point_tree.h"
@@ -22,14 +23,21 @@ class NearestCells {
 
   /// Its place in the tree's points: the same as PointTree::nearest() finds.
   std::size_t nearest(const Vec3& p_mm) const;
+  /// Has the memory fetched that nearest() will read for these: sooner where several are asked one after the other.
+  void expect(std::span<const Vec3> places_mm) const;
 
  private:
   static constexpr std::size_t kCellsASide = 8, kCellsAPart = 2, kPartsASide = kCellsASide / kCellsAPart;
   static constexpr double kCellMm = 0.5, kBlockMm = kCellMm * kCellsASide;
+  struct Four;
   struct Block;
-  /// Places in a block's points, the first their number.
-  using Cell = std::uint16_t;
+  struct CellPlace {
+    std::array<std::size_t, 3> of_blocks{}, in_block{};
+    std::size_t block = 0;  ///< in blocks_
+  };
 
+  /// False where there is none.
+  bool find_cell(const Vec3& p_mm, CellPlace& place) const;
   std::unique_ptr<Block> make_block(const Vec3& middle_mm) const;
 
   const PointTree& tree_;
