@@ -170,7 +170,9 @@ std::string study_csv_head() {
 }
 
 std::string study_csv(const StudyRow& row) {
+  constexpr std::size_t kLong = 1024;  // longer than most
   std::string text;
+  text.reserve(kLong);
   for (std::size_t place = 0; place < kStudyColumns; ++place) {
     if (place > 0) text += ',';
     const std::size_t n = column_at(place);

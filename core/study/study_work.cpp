@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <ctime>
 #include <mutex>
+#include <string>
 
 #include "core/base/text_writer.h"
 
@@ -47,7 +48,11 @@ StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<S
   std::atomic<std::size_t> next{0};
   std::atomic<bool> has_failed{false};
   std::atomic<bool> is_stopped{false};
-  std::mutex mutex;  // of `finished` and `work`
+  std::mutex mutex;  // of `finished`, `work` and the stage's words
+  // Which take as long to write as the shortest runs' rows: a dozen times a second is enough for who reads them.
+  constexpr double kWordsApartS = 0.08;
+  std::string stage;
+  double next_words_s = 0.0;
   const auto work_on = [&] {
     const StudyRunner runner = make_runner();
     for (std::size_t n = next++; n < runs.size() && !has_failed; n = next++) {
@@ -61,8 +66,12 @@ StudyWork do_study_runs(std::span<const std::size_t> runs, const std::function<S
       finished(row);
       ++work.runs;
       const std::size_t done = place.before + work.runs;
-      progress.report(stage_of(seconds_since(start), work.runs, all_runs - place.before),
-                      static_cast<double>(done) / static_cast<double>(all_runs));
+      const double seconds = seconds_since(start);
+      if (seconds >= next_words_s || work.runs == runs.size()) {
+        stage = stage_of(seconds, work.runs, all_runs - place.before);
+        next_words_s = seconds + kWordsApartS;
+      }
+      progress.report(stage, static_cast<double>(done) / static_cast<double>(all_runs));
     }
   };
   const auto work_alone = [&](std::size_t) {
