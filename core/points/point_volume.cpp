@@ -77,6 +77,7 @@ std::size_t PointVolume::memory_bytes() const {
 }
 
 void PointVolume::set_hu(int disc, std::size_t index, double hu) {
+  hu_range_.forget();
   const std::size_t n = static_cast<std::size_t>(disc) * pattern_.point_count() + index;
   if (hu8_.empty()) {
     hu16_[n] = static_cast<std::int16_t>(std::lround(std::clamp(hu, -32768.0, 32767.0)));
@@ -87,7 +88,7 @@ void PointVolume::set_hu(int disc, std::size_t index, double hu) {
 
 namespace {
 
-/// Every engine asks at its making. std::minmax_element compares number by number; compilers turn this into vectors.
+/// std::minmax_element compares number by number; compilers turn this into vectors.
 template <class Number>
 std::pair<Number, Number> range_of(const std::vector<Number>& numbers) {
   Number lowest = numbers.front();
@@ -102,10 +103,17 @@ std::pair<Number, Number> range_of(const std::vector<Number>& numbers) {
 }  // namespace
 
 std::pair<std::int16_t, std::int16_t> PointVolume::hu_range() const {
-  if (hu8_.empty()) return range_of(hu16_);
-  const auto [lowest, highest] = range_of(hu8_);
-  return {static_cast<std::int16_t>(kLowestHuOfByte + kHuOfByteStep * lowest),
-          static_cast<std::int16_t>(kLowestHuOfByte + kHuOfByteStep * highest)};
+  // Every engine and all forces ask when they are made.
+  if (const std::optional<KeptRange::Range> kept = hu_range_.get()) return *kept;
+  KeptRange::Range range;
+  if (hu8_.empty()) {
+    range = range_of(hu16_);
+  } else {
+    const auto [lowest, highest] = range_of(hu8_);
+    range = {hu_of_byte(lowest), hu_of_byte(highest)};
+  }
+  hu_range_.keep(range);
+  return range;
 }
 
 Vec3 PointVolume::jitter(int disc, std::size_t index) const {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -83,8 +86,10 @@ class PointVolume {
     return hu8_.empty() ? hu16_[n] : hu_of_byte(hu8_[n]);
   }
   /// Stores the nearest number that there is. Engines take the range of the numbers when they are made: fill first.
+  /// Many threads may set points of their own at once.
   void set_hu(int disc, std::size_t index, double hu);
-  /// Lowest and highest CT number of all points, as stored.
+  /// Lowest and highest CT number of all points, as stored. Looks at all of them once; is then known, also of copies,
+  /// until a number is set.
   std::pair<std::int16_t, std::int16_t> hu_range() const;
 
  private:
@@ -93,6 +98,36 @@ class PointVolume {
   }
   std::uint64_t word(int disc, std::size_t index) const { return alive_[word_index(disc, index)]; }
   Vec3 jitter(int disc, std::size_t index) const;
+
+  /// What hu_range() found. Threads that fill a volume forget it at once, and engines may be made at once.
+  class KeptRange {
+   public:
+    using Range = std::pair<std::int16_t, std::int16_t>;
+
+    KeptRange() = default;
+    KeptRange(const KeptRange& other) noexcept : ends_(other.ends_.load(std::memory_order_relaxed)) {}
+    KeptRange& operator=(const KeptRange& other) noexcept {
+      ends_.store(other.ends_.load(std::memory_order_relaxed), std::memory_order_relaxed);
+      return *this;
+    }
+    ~KeptRange() = default;
+
+    std::optional<Range> get() const noexcept {
+      const Ends ends = ends_.load(std::memory_order_relaxed);
+      return ends.lowest <= ends.highest ? std::optional(Range(ends.lowest, ends.highest)) : std::nullopt;
+    }
+    void keep(const Range& range) noexcept { ends_.store({range.first, range.second}, std::memory_order_relaxed); }
+    void forget() noexcept {
+      // Threads that only look do not take the line from each other.
+      if (get()) ends_.store({}, std::memory_order_relaxed);
+    }
+
+   private:
+    struct Ends {
+      std::int16_t lowest = 1, highest = 0;  ///< of nothing
+    };
+    std::atomic<Ends> ends_{Ends{}};
+  };
 
   PathFrame frame_;
   DiscPattern pattern_;
@@ -104,6 +139,7 @@ class PointVolume {
   std::vector<std::uint64_t> alive_;
   std::vector<std::int16_t> hu16_;  ///< empty where eight bits do
   std::vector<std::uint8_t> hu8_;
+  mutable KeptRange hu_range_;
 };
 
 /// What fills a volume: for patient positions (mm), the signed distance to the bone's surface (mm, negative inside) and

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 #include "tests/unit/core/engine/askew_block.h"
@@ -123,6 +125,48 @@ TEST(PointHu, HasTheRangeOfWhatIsStored) {
   volume.set_hu(39, 2610, 1234.0);
   volume.set_hu(0, 0, -56.0);
   EXPECT_EQ(volume.hu_range(), (std::pair<std::int16_t, std::int16_t>(-56, 1234)));
+}
+
+TEST(PointHu, HasTheRangeOfWhatIsStoredNowInCopiesToo) {
+  using Range = std::pair<std::int16_t, std::int16_t>;
+  for (const HuBits bits : {HuBits::eight, HuBits::sixteen}) {
+    PointVolume volume = volume_with({.hu_bits = bits});
+    volume.set_hu(3, 100, 320.0);
+    EXPECT_EQ(volume.hu_range(), Range(0, 320));
+    PointVolume copy = volume;
+    EXPECT_EQ(copy.hu_range(), Range(0, 320));
+    copy.set_hu(3, 100, 160.0);
+    EXPECT_EQ(copy.hu_range(), Range(0, 160)) << "what was the highest is none any more";
+    EXPECT_EQ(volume.hu_range(), Range(0, 320));
+    copy.set_hu(2, 7, -64.0);
+    volume = copy;
+    EXPECT_EQ(volume.hu_range(), Range(-64, 160));
+    volume.set_hu(2, 7, 0.0);
+    EXPECT_EQ(PointVolume(std::move(volume)).hu_range(), Range(0, 160));
+    EXPECT_EQ(copy.hu_range(), Range(-64, 160));
+  }
+}
+
+TEST(PointHu, HasTheRangeOfWhatManyThreadsStored) {
+  PointVolume volume = volume_with({});
+  const auto fill = [&volume](double lowest_hu) {
+    fill_volume(volume, [&](std::span<const Vec3> points_mm, std::span<float> distance_mm, std::span<float> hu) {
+      for (std::size_t n = 0; n < points_mm.size(); ++n) {
+        distance_mm[n] = -1.0F;
+        hu[n] = static_cast<float>(lowest_hu + std::floor(std::abs(points_mm[n].z())));
+      }
+    });
+    std::int16_t lowest = 32767, highest = -32768;
+    for_all(volume, [&](int disc, std::size_t i) {
+      lowest = std::min(lowest, volume.hu(disc, i));
+      highest = std::max(highest, volume.hu(disc, i));
+    });
+    EXPECT_EQ(volume.hu_range(), std::pair(lowest, highest));
+    EXPECT_GE(lowest, lowest_hu);
+  };
+  fill(500.0);
+  fill(900.0);
+  fill(100.0);
 }
 
 TEST(PointMemory, IsAFewBytesAPointWithTheEnginesOwn) {
