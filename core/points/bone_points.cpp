@@ -56,10 +56,10 @@ BonePoints::BonePoints(std::span<const PointVolume> volumes, const Material& mat
   bones_ = Table(material, range);
 }
 
-std::size_t BonePoints::alive_count() const {
-  std::size_t alive = 0;
-  for (const PointVolume& volume : volumes_) alive += volume.alive_count();
-  return alive;
+bool BonePoints::has_living() const {
+  return std::ranges::any_of(volumes_, [](const PointVolume& volume) {
+    return std::ranges::any_of(volume.alive_words(), [](std::uint64_t word) { return word != 0; });
+  });
 }
 
 std::size_t BonePoints::volume_at(double z_mm) const noexcept {

@@ -17,7 +17,7 @@ class BonePoints final : public LivingBone {
   BonePoints(std::span<const PointVolume> volumes, const Material& material);
 
   const PathFrame& frame() const override { return volumes_.front().frame(); }
-  std::size_t alive_count() const override;
+  bool has_living() const override;
   double widest_spacing_mm() const override { return widest_spacing_mm_; }
   double spacing_mm(const Vec3& p) const noexcept override { return discs_at(p.z())->pattern().spacing_mm(); }
   /// Of jittered points, the place before that counts.

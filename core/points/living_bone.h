@@ -52,7 +52,7 @@ class LivingBone {
   virtual ~LivingBone() = default;
 
   virtual const PathFrame& frame() const = 0;
-  virtual std::size_t alive_count() const = 0;
+  virtual bool has_living() const = 0;
   /// Between neighbours, where they are widest apart.
   virtual double widest_spacing_mm() const = 0;
   /// Between neighbours at a place.

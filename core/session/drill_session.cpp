@@ -124,7 +124,7 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
   check_path(path);
   check_session_options(options);
   if (options.follows_path) states_ = StateRecogniser(rules_for(path, *bone_, options.states));
-  if (bone_->alive_count() == 0) {
+  if (!bone_->has_living()) {
     fail("path ", in_quotes(path.name),
          ": expected bone around it, found none: it misses the bone, or all is drilled away");
   }

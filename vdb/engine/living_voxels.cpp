@@ -29,7 +29,7 @@ class LivingVoxels final : public LivingBone {
         reader_(bone.leaves().tree) {}
 
   const PathFrame& frame() const override { return frame_; }
-  std::size_t alive_count() const override { return bone_.alive_count(); }
+  bool has_living() const override { return bone_.alive_count() > 0; }
   double widest_spacing_mm() const override { return bone_.voxel_mm(); }
   double spacing_mm(const Vec3& /*p*/) const noexcept override { return bone_.voxel_mm(); }
   const PointVolume* discs_at(double /*z_mm*/) const noexcept override { return nullptr; }

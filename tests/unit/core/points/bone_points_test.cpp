@@ -80,6 +80,20 @@ TEST(BonePoints, AreFoundInAllVolumesEndToEnd) {
   EXPECT_EQ(bone.living_at(bone.frame().to_path(volumes[1].frame().to_patient(Vec3::Zero()))), nullptr);
 }
 
+TEST(BonePoints, HaveLivingBoneUntilTheLastPointIsDead) {
+  std::vector<PointVolume> volumes =
+      make_segments(test::askew_path(3.0), {{0.0, 1.0, 0.2}, {1.0, 3.0, 0.1}}, {.radius_mm = 1.0});
+  const BonePoints bone(volumes, {});
+  EXPECT_TRUE(bone.has_living());
+  for (PointVolume& volume : volumes) {
+    for (int disc = 0; disc < volume.disc_count(); ++disc) std::ranges::fill(volume.alive_words(disc), 0U);
+  }
+  EXPECT_FALSE(bone.has_living());
+  PointVolume& last = volumes.back();
+  last.set_alive(last.disc_count() - 1, last.pattern().point_count() - 1, true);
+  EXPECT_TRUE(bone.has_living());
+}
+
 TEST(BonePoints, RejectVolumesThatDoNotLieAlongOnePath) {
   std::vector<PointVolume> volumes;
   volumes.push_back(test::block(2.0, 1.0, 0.2));
