@@ -236,6 +236,7 @@ struct DrillForces::State {
   Vec3 tip_mm = Vec3::Zero(), axis_before = Vec3::UnitZ();  ///< patient LPS
   bool is_placed = false;
   bool tells_hold = false;
+  bool has_support = true;
 };
 
 void DrillForces::State::take_step(const StepResult& result, const Pose& path_pose, const Vec3& axis,
@@ -319,6 +320,7 @@ DrillForces::DrillForces(DrillForces&&) noexcept = default;
 
 void DrillForces::reset() noexcept { state_->reset(); }
 void DrillForces::tell_hold() noexcept { state_->tells_hold = true; }
+void DrillForces::leave_out_support() noexcept { state_->has_support = false; }
 
 DrillForce DrillForces::update(const StepResult& result, const Pose& pose, double dt_s,
                                const Spindle& spindle) noexcept {
@@ -363,9 +365,14 @@ DrillForce DrillForces::update(const StepResult& result, const Pose& pose, doubl
   state.cut(path_pose, axis, spindle, force);
   force.thrust_band_n = state.band.thrust_n(force.thrust_n);
   force.torque_band_n_mm = state.band.torque_n_mm(force.torque_n_mm);
-  const auto turned = [&](const Vec3& patient) { return state.bone.frame().to_path(Pose{Vec3::Zero(), patient}).axis; };
-  const Vec3 support_n = state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s, told);
-  force.support_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), support_n}).axis;
+  if (state.has_support) {
+    const auto turned = [&](const Vec3& patient) {
+      return state.bone.frame().to_path(Pose{Vec3::Zero(), patient}).axis;
+    };
+    const Vec3 support_n =
+        state.wall.force_n(path_pose, turned(move_mm), turned(turn), spindle.rpm / 60.0 * dt_s, told);
+    force.support_n = state.bone.frame().to_patient(Pose{Vec3::Zero(), support_n}).axis;
+  }
   if (told != nullptr) force.hold = hold.in_patient(state.bone.frame());
   force.force_n = force.lateral_n + force.support_n - force.thrust_n * axis;
   return force;

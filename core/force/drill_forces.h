@@ -63,6 +63,9 @@ class DrillForces {
   void reset() noexcept;
   /// From now on forces have DrillForce::hold, also of a wall that nothing is pressed on yet: a microsecond a cycle.
   void tell_hold() noexcept;
+  /// From now on forces have no DrillForce::support_n, and force_n is without it: a microsecond and a half less a
+  /// cycle.
+  void leave_out_support() noexcept;
 
  private:
   struct State;

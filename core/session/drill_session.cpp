@@ -82,6 +82,9 @@ void check_session_options(const SessionOptions& options) {
   if (!(options.max_jump_mm > 0.0)) {
     fail("session: expected a longest jump above 0 mm, found ", options.max_jump_mm, " mm");
   }
+  if (options.has_device && !options.has_support) {
+    fail("session: expected the support of the hole's wall with a device, which a tool is held by, found none");
+  }
   if (options.heat) {
     check_heat_options(*options.heat);
     if (!options.follows_path) fail("session: expected no heat with a milling: only a hole along the path has it");
@@ -131,6 +134,7 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
   bone_->check_within(path);
   if (!engine_) fail("session: expected a drilling engine, found none");
   if (options.has_device) forces_.tell_hold();
+  if (!options.has_support) forces_.leave_out_support();
   tracking_ = std::make_unique<Tracking>(path, *bone_, options, clearances != nullptr);
   if (tracking_->heat) cycle_.heat = tracking_->heat->begin();
 }

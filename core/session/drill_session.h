@@ -42,6 +42,9 @@ struct SessionOptions {
   std::optional<HeatOptions> heat = {};
   ComplianceOptions compliance = {};  ///< the bit bends, its tip walks, the motor slows down
   bool has_device = false;  ///< inputs come from a tool that is coupled to a device: forces tell how bone holds it
+  /// Forces have DrillForce::support_n, which is felt and recorded, but decides nothing of a session: not where a
+  /// compliant tool goes, nor an event, nor what an operator does. A device needs it.
+  bool has_support = true;
 };
 /// Rejects options that are not numbers or make no sense.
 void check_session_options(const SessionOptions& options);

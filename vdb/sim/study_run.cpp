@@ -250,6 +250,7 @@ void StudyBench::drill(const StudyTask& task, DrilledBone& bone, StudyRow& row) 
   setup.engine = chosen_engine(setup, {.max_tilt_deg = std::acos(std::clamp(cosine, -1.0, 1.0)) / kDegree,
                                        .trembles = task.tool_operator.tremor_mm > 0.0});
   setup.options = spec_.options;
+  setup.options.has_support = false;  // no column has it
   // Where the bit really goes in is its own entry opening, which it is meant to break.
   std::optional<ClearanceField> clearances;
   if (clearances_) clearances.emplace(clearances_->with_entry_of(task.path));

@@ -44,6 +44,7 @@ SessionSetup odd_setup() {
   setup.options.states = {0.11, 0.22, 0.66, 4.4, 1.3, 0.12, 0.6};
   setup.options.compliance = {true, 61.0, 190.0, 1.0 / 3.0, 0.2, 0.4, 80.0, 0.05};
   setup.options.max_jump_mm = 49.0;
+  setup.options.has_support = false;
   setup.options.heat = HeatOptions{.bone = {.cancellous_density_g_cm3 = 0.21,
                                             .cortical_density_g_cm3 = 5.0 / 3.0,
                                             .cancellous = {2.9e-4 / 3.0, 3.1e-3},
@@ -111,6 +112,7 @@ TEST(SessionSetup, ComesBackFromItsTextToTheLastBit) {
   EXPECT_EQ(back.options.states.contact_g_cm3, 0.11);
   EXPECT_EQ(back.options.states.hold_mm, 0.12);
   EXPECT_EQ(back.options.max_jump_mm, 49.0);
+  EXPECT_FALSE(back.options.has_support);
   ASSERT_TRUE(back.options.heat);
   EXPECT_EQ(back.options.heat->bone.cancellous_density_g_cm3, 0.21);
   EXPECT_EQ(back.options.heat->bone.cortical_density_g_cm3, 5.0 / 3.0);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/session/operator/force_controlled.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/operator/recorded_motion.h"
 #include "tests/support/drill_block.h"
@@ -304,7 +305,8 @@ TEST(DrillSession, RejectsPlansOutsideTheVolumeAndOptionsWithoutSense) {
        {SessionOptions{.spindle = {.rpm = kNan}}, SessionOptions{.spindle = {.rpm = -1.0}},
         SessionOptions{.stop = {.thrust_n = 0.0}}, SessionOptions{.stop = {.thrust_n = kNan}},
         SessionOptions{.stop = {.clearance_mm = kNan}}, SessionOptions{.states = {.hold_mm = kNan}},
-        SessionOptions{.max_jump_mm = 0.0}, SessionOptions{.max_jump_mm = kNan}}) {
+        SessionOptions{.max_jump_mm = 0.0}, SessionOptions{.max_jump_mm = kNan},
+        SessionOptions{.has_device = true, .has_support = false}}) {
     EXPECT_THROW(make(block.path, options), Error);
   }
   test::DrillBlock empty([](double) { return kNan; });
@@ -364,6 +366,61 @@ TEST(DrillSession, IsTheSameWithEveryEngineAndNumberOfThreads) {
       EXPECT_EQ(events[n].kind, first_events[n].kind);
       EXPECT_EQ(events[n].cycle, first_events[n].cycle);
       EXPECT_EQ(events[n].value, first_events[n].value);
+    }
+  }
+}
+
+TEST(DrillSession, IsTheSameWithoutTheSupportOfTheHolesWallButForThatForce) {
+  const auto slab = [](double depth_mm) { return depth_mm < 0.0 || depth_mm > 6.0 ? kNan : 600.0; };
+  const auto run = [&](SessionOptions options, bool pushes, bool has_support) {
+    test::DrillBlock block(slab, 9.0, twist_drill(3.0, 60.0, 118.0, 0.48), 0.2);
+    options.has_support = has_support;
+    options.stop.thrust_n = 5.0;
+    const auto session = block.session(options);
+    PathMotionOptions motion;
+    motion.line = {.lead_in_mm = 1.0, .tilt_deg = 4.0};
+    motion.feed.steps = {{0.0, 5.0}};
+    motion.tremor_mm = 0.1;
+    ForceControlOptions push;
+    push.line = motion.line;
+    push.push_n = 20.0;
+    push.tremor_mm = motion.tremor_mm;
+    std::unique_ptr<Operator> tool_operator = std::make_unique<PlannedMotion>(block.path, motion);
+    if (pushes) tool_operator = std::make_unique<ForceControlled>(block.path, push);
+    std::vector<Cycle> cycles;
+    run_session(*session, *tool_operator, [&](const Cycle& cycle) { cycles.push_back(cycle); });
+    return std::pair(cycles, std::vector<SessionEvent>(session->events().begin(), session->events().end()));
+  };
+  SessionOptions compliant;
+  compliant.compliance.is_on = true;
+  compliant.compliance.stall_n_mm = 40.0;
+  for (const bool pushes : {false, true}) {
+    for (const SessionOptions& options : {SessionOptions{}, compliant}) {
+      const auto [with, with_events] = run(options, pushes, true);
+      auto [without, without_events] = run(options, pushes, false);
+      ASSERT_EQ(with.size(), without.size());
+      ASSERT_GT(with.size(), 1'000U);
+      double most_n = 0.0;
+      for (std::size_t n = 0; n < with.size(); ++n) {
+        const DrillForce &is = with[n].force, &left = without[n].force;
+        most_n = std::max(most_n, is.support_n.norm());
+        EXPECT_EQ(left.support_n, Vec3::Zero());
+        EXPECT_LT((left.force_n + is.support_n - is.force_n).norm(), 1e-9);
+        EXPECT_EQ(left.lateral_n, is.lateral_n);
+        EXPECT_EQ(left.contact_n, is.contact_n);
+        EXPECT_EQ(with[n].pose.tip_mm, without[n].pose.tip_mm);
+        EXPECT_EQ(with[n].input.pose.tip_mm, without[n].input.pose.tip_mm);
+        without[n].force.force_n = is.force_n;
+        expect_same(without[n], with[n]);
+      }
+      EXPECT_GT(most_n, 0.5) << "there is some to leave out";
+      ASSERT_EQ(with_events.size(), without_events.size());
+      EXPECT_GT(with_events.size(), 2U);
+      for (std::size_t n = 0; n < with_events.size(); ++n) {
+        EXPECT_EQ(with_events[n].kind, without_events[n].kind);
+        EXPECT_EQ(with_events[n].cycle, without_events[n].cycle);
+        EXPECT_EQ(with_events[n].value, without_events[n].value);
+      }
     }
   }
 }
