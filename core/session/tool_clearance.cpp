@@ -39,6 +39,7 @@ class OutlineStretch {
       const double turn = from_ + along_mm / piece_.ball_radius_mm;
       return {piece_.ball_centre_mm - piece_.ball_radius_mm * std::cos(turn), piece_.ball_radius_mm * std::sin(turn)};
     }
+    if (slope_ == 0.0) return {begin_mm_ + along_mm, piece_.begin_radius_mm};
     const double back_mm = begin_mm_ + along_mm / std::sqrt(1.0 + slope_ * slope_);
     return {back_mm, piece_.begin_radius_mm + slope_ * (back_mm - piece_.begin_mm)};
   }
@@ -55,13 +56,45 @@ class OutlineStretch {
   double length_mm_ = 0.0;
 };
 
-/// Looks for the place of a bit's outline that is least far from one wall. Rings of the outline are bounded from below
-/// by the distance at their centre less their radius; only those that may beat the best are walked around.
+/// The part of a tool's axis that counts for a wall, back from its tip, mm.
+struct AxisPart {
+  double from_mm = 0.0, to_mm = -1.0;
+
+  bool is_empty() const { return !(to_mm >= from_mm); }
+  bool holds_tip() const { return from_mm <= 0.0 && !is_empty(); }
+};
+/// The least distance to a wall, and how far back from the tip it is, mm.
+struct Least {
+  double mm = std::numeric_limits<double>::infinity();
+  double back_mm = 0.0;
+
+  void take(double distance_mm, double at_mm) noexcept {
+    if (!(distance_mm < mm)) return;
+    mm = distance_mm;
+    back_mm = at_mm;
+  }
+};
+/// Of each wall, by WallKind.
+template <class Of>
+using OfWalls = std::array<Of, 2>;
+constexpr std::size_t number_of(WallKind wall) { return static_cast<std::size_t>(wall); }
+
+/// Looks for the place of a bit's outline that is least far from each wall. Rings of the outline are bounded from below
+/// by the distance at their centre less their radius; only those that may beat the best are walked around. How far the
+/// next ring is follows from what is found at one: so both walls are looked for in turns, step by step, and neither
+/// waits for its own last step. Likewise each step's usual length is told by a branch, which is foreseen, and not by a
+/// maximum, which is waited for.
 class MinDistance {
  public:
-  MinDistance(const WallLattice& distances, const BitProfile& bit, const Pose& pose_path, WallKind wall,
-              double from_back_mm, double to_back_mm)
-      : distances_(distances), bit_(bit), pose_(pose_path), wall_(wall), from_mm_(from_back_mm), to_mm_(to_back_mm) {
+  MinDistance(const WallLattice& distances, const BitProfile& bit, const Pose& pose_path,
+              const OfWalls<AxisPart>& parts)
+      : distances_(distances), bit_(bit), pose_(pose_path), outer_part_(parts[0]), canal_part_(parts[1]) {
+    const ProfilePiece& last = bit.pieces().back();
+    if (last.ball_radius_mm == 0.0 && last.begin_radius_mm == last.end_radius_mm) {
+      shank_begin_mm_ = last.begin_mm;
+      shank_end_mm_ = last.end_mm;
+      shank_radius_mm_ = std::sqrt(last.radius_squared_mm2(last.end_mm));
+    }
     across_ = any_perpendicular(pose_.axis);
     second_ = pose_.axis.cross(across_);
     static const std::array<std::pair<double, double>, kDirections> turns = [] {
@@ -75,18 +108,33 @@ class MinDistance {
     for (std::size_t n = 0; n < kDirections; ++n) {
       around_[n] = turns[n].first * across_ + turns[n].second * second_;
     }
+    const Vec3 first = place(std::min(outer_part_.from_mm, canal_part_.from_mm));
+    const Vec3 last_place = place(std::max(outer_part_.to_mm, canal_part_.to_mm));
+    constexpr double kRoundingMm = 1e-6;
+    const Vec3 aside = Vec3::Constant(bit_.radius_mm() + kRoundingMm);
+    is_within_ =
+        distances_.holds(first.cwiseMin(last_place) - aside) && distances_.holds(first.cwiseMax(last_place) + aside);
   }
 
-  void find() noexcept {
-    if (!(to_mm_ >= from_mm_)) return;
-    start_at_the_most_promising();
+  OfWalls<Least> find() const noexcept {
+    OfWalls<Least> least;
+    Least& outer_least = least[number_of(WallKind::outer)];
+    Least& canal_least = least[number_of(WallKind::canal)];
+    start_at_the_most_promising(outer_least, canal_least);
     // The chisel edge's middle, where a blunt tip looks at a wall.
-    if (from_mm_ <= 0.0) take(centre_mm(0.0), 0.0);
-    for (const ProfilePiece& piece : bit_.pieces()) walk(piece);
+    if (outer_part_.holds_tip()) outer_least.take(centre_mm<WallKind::outer>(0.0), 0.0);
+    if (canal_part_.holds_tip()) canal_least.take(centre_mm<WallKind::canal>(0.0), 0.0);
+    for (const ProfilePiece& piece : bit_.pieces()) {
+      Walk outer(piece, outer_part_), canal(piece, canal_part_);
+      while (outer.is_on && canal.is_on) {
+        go_on<WallKind::outer>(outer, outer_least);
+        go_on<WallKind::canal>(canal, canal_least);
+      }
+      while (outer.is_on) go_on<WallKind::outer>(outer, outer_least);
+      while (canal.is_on) go_on<WallKind::canal>(canal, canal_least);
+    }
+    return least;
   }
-
-  double min_mm() const { return min_mm_; }
-  double back_mm() const { return min_back_mm_; }
 
  private:
   static constexpr double kCoarseMm = 1.0;                       ///< between the first look's places
@@ -97,68 +145,126 @@ class MinDistance {
   static constexpr std::size_t kDirections = 6;
   static constexpr double kTurn = 2.0 * std::numbers::pi / kDirections;
 
+  /// Along a piece of the outline, ring by ring.
+  struct Walk {
+    Walk(const ProfilePiece& piece, const AxisPart& part)
+        : Walk(piece, std::max(piece.begin_mm, part.from_mm), std::min(piece.end_mm, part.to_mm), part.is_empty()) {}
+    Walk(const ProfilePiece& piece, double begin_mm, double end_mm, bool is_empty)
+        : is_on(!is_empty && end_mm >= begin_mm), stretch(piece, begin_mm, end_mm) {}
+
+    bool is_on;
+    OutlineStretch stretch;
+    double along_mm = 0.0;
+  };
+  /// For the places along the axis that promise most, mm.
+  struct Look {
+    double back_mm, to_mm;
+    bool is_on() const { return back_mm <= to_mm; }
+    double promise_mm = std::numeric_limits<double>::infinity();
+    double best_back_mm = 0.0;
+  };
+
   Vec3 place(double back_mm) const { return pose_.tip_mm - back_mm * pose_.axis; }
-  double centre_mm(double back_mm) const { return distances_.distance_mm(place(back_mm), wall_); }
-  void take(double distance_mm, double back_mm) {
-    if (!(distance_mm < min_mm_)) return;
-    min_mm_ = distance_mm;
-    min_back_mm_ = back_mm;
+  template <WallKind wall>
+  double centre_mm(double back_mm) const noexcept {
+    return distance_mm<wall>(place(back_mm));
+  }
+  double radius_at_mm(double back_mm) const noexcept {
+    if (back_mm > shank_begin_mm_ && back_mm <= shank_end_mm_) return shank_radius_mm_;
+    return std::max(0.0, bit_.widest_mm(back_mm, back_mm));
+  }
+  template <WallKind wall>
+  double distance_mm(const Vec3& p) const noexcept {
+    if (!is_within_ && !distances_.holds(p)) return std::numeric_limits<double>::infinity();
+    return WallLattice::distance_of<wall>(distances_.node_within(p));
   }
 
   /// A good first value lets the walk leave out most rings.
-  void start_at_the_most_promising() {
-    double promise_mm = std::numeric_limits<double>::infinity();
-    double best_back_mm = 0.0;
-    for (double back_mm = from_mm_; back_mm <= to_mm_;) {
-      const double radius_mm = std::max(0.0, bit_.widest_mm(back_mm, back_mm));
-      const double bound_mm = centre_mm(back_mm) - radius_mm;
-      const double above_mm = bound_mm - promise_mm;
-      if (bound_mm < promise_mm) {
-        promise_mm = bound_mm;
-        best_back_mm = back_mm;
+  void start_at_the_most_promising(Least& outer_least, Least& canal_least) const noexcept {
+    Look outer{outer_part_.from_mm, outer_part_.to_mm}, canal{canal_part_.from_mm, canal_part_.to_mm};
+    while (outer.is_on() && canal.is_on()) {
+      if (is_within_ && outer.back_mm == canal.back_mm) {
+        // Mostly so: at one place the lattice tells of both walls.
+        const WallLattice::Node node = distances_.node_within(place(outer.back_mm));
+        const double radius_mm = radius_at_mm(outer.back_mm);
+        go_on(outer, WallLattice::distance_of<WallKind::outer>(node), radius_mm);
+        go_on(canal, WallLattice::distance_of<WallKind::canal>(node), radius_mm);
+      } else {
+        go_on<WallKind::outer>(outer);
+        go_on<WallKind::canal>(canal);
       }
-      // The widest part behind may promise more than this place does.
-      const double sure_mm = above_mm - (bit_.radius_mm() - radius_mm);
-      back_mm += std::isfinite(bound_mm) ? std::max(kCoarseMm, std::isfinite(sure_mm) ? sure_mm : 0.0) : kCoarseMm;
     }
-    if (std::isfinite(promise_mm)) {
-      take(ring_mm(best_back_mm, std::max(0.0, bit_.widest_mm(best_back_mm, best_back_mm))), best_back_mm);
+    while (outer.is_on()) go_on<WallKind::outer>(outer);
+    while (canal.is_on()) go_on<WallKind::canal>(canal);
+    take_best<WallKind::outer>(outer, outer_least);
+    take_best<WallKind::canal>(canal, canal_least);
+  }
+
+  template <WallKind wall>
+  void take_best(const Look& look, Least& least) const noexcept {
+    if (!std::isfinite(look.promise_mm)) return;
+    least.take(ring_mm<wall>(look.best_back_mm, radius_at_mm(look.best_back_mm)), look.best_back_mm);
+  }
+
+  template <WallKind wall>
+  void go_on(Look& look) const noexcept {
+    go_on(look, centre_mm<wall>(look.back_mm), radius_at_mm(look.back_mm));
+  }
+  void go_on(Look& look, double centre_distance_mm, double radius_mm) const noexcept {
+    const double back_mm = look.back_mm;
+    const double bound_mm = centre_distance_mm - radius_mm;
+    const double above_mm = bound_mm - look.promise_mm;
+    if (bound_mm < look.promise_mm) {
+      look.promise_mm = bound_mm;
+      look.best_back_mm = back_mm;
+    }
+    // The widest part behind may promise more than this place does.
+    const double sure_mm = above_mm - (bit_.radius_mm() - radius_mm);
+    if (sure_mm > kCoarseMm && std::isfinite(sure_mm)) {
+      look.back_mm = back_mm + sure_mm;
+    } else {
+      look.back_mm = back_mm + kCoarseMm;
     }
   }
 
-  void walk(const ProfilePiece& piece) {
-    const double begin_mm = std::max(piece.begin_mm, from_mm_);
-    const double end_mm = std::min(piece.end_mm, to_mm_);
-    if (!(end_mm >= begin_mm)) return;
-    const OutlineStretch stretch(piece, begin_mm, end_mm);
-    for (double along_mm = 0.0;;) {
-      const auto [back_mm, radius_mm] = stretch.at(along_mm);
-      double bound_mm = centre_mm(back_mm) - radius_mm;
-      if (bound_mm < min_mm_ - kGoodEnough) {
-        bound_mm = ring_mm(back_mm, radius_mm);
-        take(bound_mm, back_mm);
-      }
-      if (along_mm >= stretch.length_mm()) return;
-      const double step_mm = std::isfinite(bound_mm) ? std::max(kFineMm, bound_mm - min_mm_) : kUnknownMm;
-      along_mm = std::min(along_mm + step_mm, stretch.length_mm());
+  template <WallKind wall>
+  void go_on(Walk& walk, Least& least) const noexcept {
+    const double along_mm = walk.along_mm;
+    const auto [back_mm, radius_mm] = walk.stretch.at(along_mm);
+    double bound_mm = centre_mm<wall>(back_mm) - radius_mm;
+    if (bound_mm < least.mm - kGoodEnough) {
+      bound_mm = ring_mm<wall>(back_mm, radius_mm);
+      least.take(bound_mm, back_mm);
     }
+    if (along_mm >= walk.stretch.length_mm()) {
+      walk.is_on = false;
+      return;
+    }
+    const double sure_mm = bound_mm - least.mm;
+    double next_mm = along_mm + kFineMm;
+    if (!std::isfinite(bound_mm)) {
+      next_mm = along_mm + kUnknownMm;
+    } else if (sure_mm > kFineMm) {
+      next_mm = along_mm + sure_mm;
+    }
+    walk.along_mm = next_mm < walk.stretch.length_mm() ? next_mm : walk.stretch.length_mm();
   }
 
   /// The least distance on a ring around the axis.
-  double ring_mm(double back_mm, double radius_mm) const {
-    if (!(radius_mm > 0.0)) return centre_mm(back_mm);
+  template <WallKind wall>
+  double ring_mm(double back_mm, double radius_mm) const noexcept {
+    if (!(radius_mm > 0.0)) return centre_mm<wall>(back_mm);
     const Vec3 middle = place(back_mm);
     const auto at = [&](double angle) {
-      return distances_.distance_mm(middle + radius_mm * (std::cos(angle) * across_ + std::sin(angle) * second_),
-                                    wall_);
+      return distance_mm<wall>(middle + radius_mm * (std::cos(angle) * across_ + std::sin(angle) * second_));
     };
     std::array<double, kDirections> values_mm{};
     for (std::size_t n = 0; n < kDirections; ++n) {
-      values_mm[n] = distances_.distance_mm(middle + radius_mm * around_[n], wall_);
+      values_mm[n] = distance_mm<wall>(middle + radius_mm * around_[n]);
     }
     // Half out of the lattice: what is not known may be as bad as can be.
     if (*std::max_element(values_mm.begin(), values_mm.end()) == std::numeric_limits<double>::infinity()) {
-      return centre_mm(back_mm) - radius_mm;
+      return centre_mm<wall>(back_mm) - radius_mm;
     }
     const auto best =
         static_cast<std::size_t>(std::min_element(values_mm.begin(), values_mm.end()) - values_mm.begin());
@@ -191,10 +297,10 @@ class MinDistance {
   Pose pose_;
   Vec3 across_, second_;
   std::array<Vec3, kDirections> around_;
-  WallKind wall_;
-  double from_mm_, to_mm_;
-  double min_mm_ = std::numeric_limits<double>::infinity();
-  double min_back_mm_ = 0.0;
+  AxisPart outer_part_, canal_part_;
+  /// The last piece, where it is a cylinder: most of a drill.
+  double shank_begin_mm_ = std::numeric_limits<double>::infinity(), shank_end_mm_ = 0.0, shank_radius_mm_ = 0.0;
+  bool is_within_ = false;  ///< all places that may be looked at are in the lattice
 };
 
 /// Looks for the place of a box that is least far from one wall: boxes that may not beat the best are left out, others
@@ -266,16 +372,16 @@ class MinDistanceOfBox {
 };
 
 /// The part of a bit's axis, back from the tip, that is at least so deep along a path.
-std::pair<double, double> deeper_than(double depth_mm, double tip_depth_mm, double axis_along, double length_mm) {
+AxisPart deeper_than(double depth_mm, double tip_depth_mm, double axis_along, double length_mm) {
   constexpr double kAcross = 1e-9;
   if (std::abs(axis_along) < kAcross) return {0.0, tip_depth_mm >= depth_mm ? length_mm : -1.0};
   const double back_mm = (tip_depth_mm - depth_mm) / axis_along;
-  return axis_along > 0.0 ? std::pair(0.0, std::min(length_mm, back_mm)) : std::pair(std::max(0.0, back_mm), length_mm);
+  return axis_along > 0.0 ? AxisPart{0.0, std::min(length_mm, back_mm)} : AxisPart{std::max(0.0, back_mm), length_mm};
 }
 
 /// The part of a bit's axis at `pose` that is at least so deep along a curve, which short bits follow: from the tip
 /// back to where halving finds it, to 0.01 mm.
-std::pair<double, double> deeper_along(const PathCurve& curve, double depth_mm, const Pose& pose, double length_mm) {
+AxisPart deeper_along(const PathCurve& curve, double depth_mm, const Pose& pose, double length_mm) {
   const auto is_deep = [&](double back_mm) { return curve.nearest_mm(pose.tip_mm - back_mm * pose.axis) >= depth_mm; };
   const bool tip_is_deep = is_deep(0.0), base_is_deep = is_deep(length_mm);
   if (tip_is_deep == base_is_deep) return {0.0, tip_is_deep ? length_mm : -1.0};
@@ -285,7 +391,7 @@ std::pair<double, double> deeper_along(const PathCurve& curve, double depth_mm, 
     const double middle_mm = 0.5 * (deep_mm + shallow_mm);
     (is_deep(middle_mm) ? deep_mm : shallow_mm) = middle_mm;
   }
-  return tip_is_deep ? std::pair(0.0, deep_mm) : std::pair(deep_mm, length_mm);
+  return tip_is_deep ? AxisPart{0.0, deep_mm} : AxisPart{deep_mm, length_mm};
 }
 
 /// What the entry opening is looked for with: the bit, and for a plate a round one as wide as its diagonal.
@@ -330,43 +436,47 @@ ClearanceField ClearanceField::with_entry_of(const DrillPath& path) const { retu
 
 std::size_t ClearanceField::memory_bytes() const { return lattice_->distances.memory_bytes(); }
 
-/// `find(wall, from_mm, to_mm)`: the least distance of the tool's part from `from_mm` to `to_mm` back from its tip, and
-/// how far back that is.
+/// `find(parts)`: the least distances of the parts of a tool's axis that count for each wall.
 template <class Find>
 Clearance ClearanceField::found(double length_mm, const Pose& pose, const Find& find) const noexcept {
   Clearance clearance;
   if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return clearance;
   const double tip_depth_mm = curve_.nearest_mm(pose.tip_mm);
   const double axis_along = pose.axis.dot(curve_.direction_at(tip_depth_mm));
-  const auto min = [&](WallKind wall, double depth_mm, double& distance_mm, Vec3& at_mm) {
-    const auto [from_mm, to_mm] = curve_.is_straight() ? deeper_than(depth_mm, tip_depth_mm, axis_along, length_mm)
-                                                       : deeper_along(curve_, depth_mm, pose, length_mm);
-    const auto [least_mm, back_mm] = find(wall, from_mm, to_mm);
-    distance_mm = least_mm;
-    at_mm = pose.tip_mm - back_mm * pose.axis;
+  const auto part = [&](double depth_mm) {
+    return curve_.is_straight() ? deeper_than(depth_mm, tip_depth_mm, axis_along, length_mm)
+                                : deeper_along(curve_, depth_mm, pose, length_mm);
   };
-  min(WallKind::outer, entry_end_mm_, clearance.outer_mm, clearance.outer_at_mm);
-  min(WallKind::canal, 0.0, clearance.canal_mm, clearance.canal_at_mm);
+  OfWalls<AxisPart> parts;
+  parts[number_of(WallKind::outer)] = part(entry_end_mm_);
+  parts[number_of(WallKind::canal)] = part(0.0);
+  const OfWalls<Least> least = find(parts);
+  const Least &outer = least[number_of(WallKind::outer)], &canal = least[number_of(WallKind::canal)];
+  clearance.outer_mm = outer.mm;
+  clearance.canal_mm = canal.mm;
+  clearance.outer_at_mm = pose.tip_mm - outer.back_mm * pose.axis;
+  clearance.canal_at_mm = pose.tip_mm - canal.back_mm * pose.axis;
   return clearance;
 }
 
 Clearance ClearanceField::of(const BitProfile& bit, const Pose& pose) const noexcept {
   const WallLattice& distances = lattice_->distances;
-  const Pose pose_path = distances.frame().to_path(pose);
-  return found(bit.length_mm(), pose, [&](WallKind wall, double from_mm, double to_mm) {
-    MinDistance search(distances, bit, pose_path, wall, from_mm, to_mm);
-    search.find();
-    return std::pair(search.min_mm(), search.back_mm());
+  return found(bit.length_mm(), pose, [&](const OfWalls<AxisPart>& parts) {
+    return MinDistance(distances, bit, distances.frame().to_path(pose), parts).find();
   });
 }
 
 Clearance ClearanceField::of(const PlateBox& plate, const Pose& pose) const noexcept {
   const WallLattice& distances = lattice_->distances;
   const Pose pose_path = distances.frame().to_path(pose);
-  return found(plate.length_mm(), pose, [&](WallKind wall, double from_mm, double to_mm) {
-    MinDistanceOfBox search(distances, pose_path, wall);
-    search.find(plate, from_mm, to_mm);
-    return std::pair(search.min_mm(), search.back_mm());
+  return found(plate.length_mm(), pose, [&](const OfWalls<AxisPart>& parts) {
+    OfWalls<Least> least;
+    for (const WallKind wall : {WallKind::outer, WallKind::canal}) {
+      MinDistanceOfBox search(distances, pose_path, wall);
+      search.find(plate, parts[number_of(wall)].from_mm, parts[number_of(wall)].to_mm);
+      least[number_of(wall)] = {search.min_mm(), search.back_mm()};
+    }
+    return least;
   });
 }
 

@@ -13,7 +13,6 @@ namespace {
 
 /// Stands for no wall and for nodes out of reach; what it is mixed into is no distance any more.
 constexpr float kNoWall = 1e12F;
-constexpr float kFarthestMm = 1e6F;
 
 /// `beside`: the walls of each bone at a place close by; becomes those of this one.
 Eigen::Array4f node_of(std::span<const WallDistance* const> bones, const Vec3& p_mm,
@@ -27,7 +26,7 @@ Eigen::Array4f node_of(std::span<const WallDistance* const> bones, const Vec3& p
     canal_mm = std::min(canal_mm, std::abs(walls.canal.distance_mm));
   }
   const auto kept = [](double distance_mm) {
-    return distance_mm < static_cast<double>(kFarthestMm) ? static_cast<float>(distance_mm) : kNoWall;
+    return distance_mm < static_cast<double>(WallLattice::kFarthestMm) ? static_cast<float>(distance_mm) : kNoWall;
   };
   return {kept(surface_mm), kept(outer_mm), kept(canal_mm), 0.0F};
 }
@@ -57,6 +56,8 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
   }
   count_ = ((high_mm - low_mm_) * per_mm_).array().ceil().cast<int>() + 1;
   last_ = (count_ - 1).cast<double>();
+  next_y_ = count_.z();
+  next_x_ = next_y_ * count_.y();
   nodes_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()) *
                     static_cast<std::size_t>(count_.z()),
                 Node(kNoWall, kNoWall, kNoWall, 0.0F));
@@ -81,44 +82,6 @@ WallLattice::WallLattice(std::span<const WallDistance* const> walls, const Drill
           node_of(walls, frame_.to_patient(p_path), beside);
     }
   });
-}
-
-bool WallLattice::node_at(const Vec3& p_path, Node& node) const noexcept {
-  const double x = (p_path.x() - low_mm_.x()) * per_mm_;
-  const double y = (p_path.y() - low_mm_.y()) * per_mm_;
-  const double z = (p_path.z() - low_mm_.z()) * per_mm_;
-  // Also what is not a number has no distance.
-  if (!(x >= 0.0 && y >= 0.0 && z >= 0.0 && x < last_.x() && y < last_.y() && z < last_.z())) return false;
-  const int i = static_cast<int>(x), j = static_cast<int>(y), k = static_cast<int>(z);
-  const auto share_x = static_cast<float>(x - i), share_y = static_cast<float>(y - j),
-             share_z = static_cast<float>(z - k);
-  const std::ptrdiff_t next_y = count_.z(), next_x = next_y * count_.y();
-  const Node* const c00 = nodes_.data() + i * next_x + j * next_y + k;
-  const auto along_z = [&](const Node* of) -> Node { return of[0] + share_z * (of[1] - of[0]); };
-  const auto along_y = [&](const Node* of) -> Node {
-    const Node at = along_z(of);
-    return at + share_y * (along_z(of + next_y) - at);
-  };
-  const Node low = along_y(c00);
-  node = low + share_x * (along_y(c00 + next_x) - low);
-  return true;
-}
-
-double WallLattice::distance_mm(const Vec3& p_path, WallKind wall) const noexcept {
-  constexpr double kNoDistance = std::numeric_limits<double>::infinity();
-  Node value;
-  if (!node_at(p_path, value)) return kNoDistance;
-  // The nearer wall is the bone's surface; the other one is ahead, wherever the place is.
-  const bool is_canal_nearer = value[2] < value[1];
-  const bool is_nearer = is_canal_nearer == (wall == WallKind::canal);
-  const float distance_mm = is_nearer ? value[0] : value[wall == WallKind::canal ? 2 : 1];
-  return distance_mm < kFarthestMm ? static_cast<double>(distance_mm) : kNoDistance;
-}
-
-double WallLattice::inside_mm(const Vec3& p_path) const noexcept {
-  Node value;
-  if (!node_at(p_path, value) || !(value[0] < kFarthestMm)) return std::numeric_limits<double>::infinity();
-  return static_cast<double>(value[0]);
 }
 
 }  // namespace spinaltap
