@@ -122,7 +122,11 @@ Samples moved_to_surface(const ScalarField& surface, const std::vector<Vec3>& pl
       of_batch[n].normals.push_back(gradients[i] / slope);
     }
   });
+  std::size_t count = 0;
+  for (const Samples& some : of_batch) count += some.points_mm.size();
   Samples all;
+  all.points_mm.reserve(count);
+  all.normals.reserve(count);
   for (const Samples& some : of_batch) {
     all.points_mm.insert(all.points_mm.end(), some.points_mm.begin(), some.points_mm.end());
     all.normals.insert(all.normals.end(), some.normals.begin(), some.normals.end());

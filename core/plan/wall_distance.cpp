@@ -1,6 +1,8 @@
 #include "core/plan/wall_distance.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "core/base/error.h"
@@ -27,8 +29,13 @@ WallDistance::Wall WallDistance::wall_at(const Vec3& p_mm, const Vec3& sample_mm
 }
 
 WallDistance::Samples WallDistance::samples_of(const BoneShape& bone, const Landmarks& landmarks, bool is_canal) {
+  const std::vector<std::uint8_t>& flags = landmarks.is_canal_wall;
+  const auto count = static_cast<std::size_t>(
+      std::count_if(flags.begin(), flags.end(), [&](std::uint8_t flag) { return (flag != 0) == is_canal; }));
   std::vector<Vec3> points_mm;
   Samples samples;
+  points_mm.reserve(count);
+  samples.normals.reserve(count);
   for (std::size_t n = 0; n < bone.points_mm().size(); ++n) {
     if ((landmarks.is_canal_wall[n] != 0) != is_canal) continue;
     points_mm.push_back(bone.points_mm()[n]);

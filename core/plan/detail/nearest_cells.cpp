@@ -22,9 +22,8 @@ T& made_once(std::atomic<T*>& place, const Make& make) {
 }
 
 /// From a block's middle. Single precision: small, and quick to search; what it leaves open the points themselves say.
-struct alignas(16) Near {
+struct Near {
   float x, y, z;
-  float none = 0.0F;  ///< fills a register's lane
 };
 Near operator-(const Near& a, const Near& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 float squared(const Near& a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
@@ -67,16 +66,16 @@ Lanes absolute_of(const Lanes& a) {
   return a < minus ? minus : a;
 }
 
-/// Those of `places` in `points` that can be nearest to a position in the cube, and perhaps some more. Squared
-/// distances may be wrong by `tolerance_mm2`.
-template <class Place>
-std::vector<Place> can_be_nearest(const std::vector<Near>& points, std::span<const Place> places, const Cube& cube,
+/// Those of `places` that can be nearest to a position in the cube, and perhaps some more. Squared distances may be
+/// wrong by `tolerance_mm2`. `point(place)`: where it is.
+template <class Place, class Point>
+std::vector<Place> can_be_nearest(const Point& point, std::span<const Place> places, const Cube& cube,
                                   float tolerance_mm2) {
   const auto& [middle, half_mm] = cube;
   Near first = kNowhere;
   float first_mm2 = std::numeric_limits<float>::infinity();
   for (const Place place : places) {
-    const Near from_middle = points[place] - middle;
+    const Near from_middle = point(place) - middle;
     const float mm2 = squared(from_middle);
     if (mm2 < first_mm2) first = from_middle;
     first_mm2 = std::min(first_mm2, mm2);
@@ -86,7 +85,7 @@ std::vector<Place> can_be_nearest(const std::vector<Near>& points, std::span<con
   std::vector<Place> left;
   std::vector<FourCandidates> near;
   for (const Place place : places) {
-    const Near from_middle = points[place] - middle;
+    const Near from_middle = point(place) - middle;
     const float mm2 = squared(from_middle);
     if (first_mm2 - mm2 + 2.0F * half_mm * sum_of_sizes(first - from_middle) < -tolerance_mm2) continue;
     const std::size_t lane = left.size() % kLanes;
@@ -156,15 +155,17 @@ struct alignas(64) NearestCells::Four {
 };
 
 struct NearestCells::Block {
-  /// Places in `points`.
+  /// Places in `index`.
   using Place = std::uint16_t;
   using Part = std::vector<Place>;
 
   Vec3 middle_mm = Vec3::Zero();
-  float tolerance_mm2 = 0.0F;        ///< by which squared distances in it may be wrong
-  std::vector<Near> points;          ///< none: too many, or too far away
-  std::vector<std::uint32_t> index;  ///< of each, its place in the tree's points
+  float tolerance_mm2 = 0.0F;                    ///< by which squared distances in it may be wrong
+  const std::vector<Vec3>* points_mm = nullptr;  ///< the tree's
+  std::vector<std::uint32_t> index;              ///< in those; none: too many, or too far away
   std::array<std::atomic<const Four*>, kCellsASide * kCellsASide * kCellsASide> cells{};
+  /// How often cells that are not made were asked, at least.
+  std::array<std::atomic<std::uint8_t>, kCellsASide * kCellsASide * kCellsASide> asked{};
   std::array<std::atomic<const Part*>, kPartsASide * kPartsASide * kPartsASide> parts{};
 
   Block() = default;
@@ -175,19 +176,21 @@ struct NearestCells::Block {
     for (std::atomic<const Part*>& part : parts) delete part.load();
   }
 
+  Near near(Place place) const { return near_of((*points_mm)[index[place]] - middle_mm); }
   /// What may be nearest in one of so many cubes a side, of places that are enough for it.
   Part cube(const std::array<std::size_t, 3>& at, std::size_t a_side, std::span<const Place> places) const {
     const double side_mm = kBlockMm / static_cast<double>(a_side);
     const Vec3 first(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2]));
     const Vec3 of_cube_mm = side_mm * (first + Vec3::Constant(0.5)) - Vec3::Constant(0.5 * kBlockMm);
-    return can_be_nearest(points, places, {near_of(of_cube_mm), half_with_border(side_mm)}, tolerance_mm2);
+    const auto point = [this](Place place) { return near(place); };
+    return can_be_nearest(point, places, {near_of(of_cube_mm), half_with_border(side_mm)}, tolerance_mm2);
   }
   std::unique_ptr<const Four[]> fours_of(const Part& places) const {
     const std::size_t count = (places.size() + kLanes - 1) / kLanes;
     auto fours = std::make_unique<Four[]>(count);
     for (std::size_t n = 0; n < kLanes * count; ++n) {
       const bool is_point = n < places.size();
-      const Near& point = is_point ? points[places[n]] : kNowhere;
+      const Near point = is_point ? near(places[n]) : kNowhere;
       Four& four = fours[n / kLanes];
       four.x[n % kLanes] = point.x;
       four.y[n % kLanes] = point.y;
@@ -200,8 +203,16 @@ struct NearestCells::Block {
   static std::size_t place_of(const std::array<std::size_t, 3>& at, std::size_t a_side) {
     return (at[2] * a_side + at[1]) * a_side + at[0];
   }
+  /// None while it has been asked too seldom to be worth making: that takes as long as some searches of the tree, and
+  /// memory.
   const Four* cell(const std::array<std::size_t, 3>& at) {
-    return &made_once<const Four, std::unique_ptr<const Four[]>>(cells[place_of(at, kCellsASide)], [&] {
+    constexpr std::uint8_t kSeldom = 6;
+    const std::size_t place = place_of(at, kCellsASide);
+    if (cells[place].load(std::memory_order_relaxed) == nullptr &&
+        asked[place].fetch_add(1, std::memory_order_relaxed) < kSeldom) {
+      return nullptr;
+    }
+    return &made_once<const Four, std::unique_ptr<const Four[]>>(cells[place], [&] {
       const std::array<std::size_t, 3> around{at[0] / kCellsAPart, at[1] / kCellsAPart, at[2] / kCellsAPart};
       const Part& part = made_once<const Part, std::unique_ptr<const Part>>(parts[place_of(around, kPartsASide)], [&] {
         Part all(index.size());
@@ -236,6 +247,7 @@ std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle
   constexpr std::size_t kMany = std::numeric_limits<Block::Place>::max();
   auto block = std::make_unique<Block>();
   block->middle_mm = middle_mm;
+  block->points_mm = &tree_.points_mm();
   const double furthest_mm = tree_.nearest(middle_mm).distance_mm + std::numbers::sqrt3 * kBlockMm + 1e-3;
   if (furthest_mm > kFarMm) return block;
   std::vector<Near> around;
@@ -256,15 +268,12 @@ std::unique_ptr<NearestCells::Block> NearestCells::make_block(const Vec3& middle
   block->tolerance_mm2 = static_cast<float>(kRounding * (1.0 + size_mm * size_mm));
   std::vector<std::uint32_t> all(around.size());
   std::iota(all.begin(), all.end(), 0U);
-  const std::vector<std::uint32_t> left = can_be_nearest<std::uint32_t>(
-      around, all, {{0.0F, 0.0F, 0.0F}, half_with_border(kBlockMm)}, block->tolerance_mm2);
+  const std::vector<std::uint32_t> left =
+      can_be_nearest<std::uint32_t>([&around](std::uint32_t n) { return around[n]; }, all,
+                                    {{0.0F, 0.0F, 0.0F}, half_with_border(kBlockMm)}, block->tolerance_mm2);
   if (left.size() > kMany) return block;
-  block->points.reserve(left.size());
   block->index.reserve(left.size());
-  for (const std::uint32_t n : left) {
-    block->points.push_back(around[n]);
-    block->index.push_back(index[n]);
-  }
+  for (const std::uint32_t n : left) block->index.push_back(index[n]);
   return block;
 }
 
@@ -343,8 +352,9 @@ std::size_t NearestCells::nearest(const Vec3& p_mm) const {
                      static_cast<double>(place.of_blocks[2]));
     return make_block(low_mm_ + kBlockMm * (first + Vec3::Constant(0.5)));
   });
-  if (block.points.empty()) return tree_.nearest(p_mm).index;
+  if (block.index.empty()) return tree_.nearest(p_mm).index;
   const Four* const cell = block.cell(place.in_block);
+  if (cell == nullptr) return tree_.nearest(p_mm).index;
   const Near p = near_of(p_mm - block.middle_mm);
   const NearestInCell found = nearest_in(cell, p);
   const float within_mm2 = found.squared_mm2 + block.tolerance_mm2;
