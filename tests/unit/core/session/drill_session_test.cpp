@@ -375,11 +375,11 @@ TEST(DrillSession, IsTheSameWithoutTheSupportOfTheHolesWallButForThatForce) {
   const auto run = [&](SessionOptions options, bool pushes, bool has_support) {
     test::DrillBlock block(slab, 9.0, twist_drill(3.0, 60.0, 118.0, 0.48), 0.2);
     options.has_support = has_support;
-    options.stop.thrust_n = 5.0;
+    options.stop.thrust_n = 60.0;
     const auto session = block.session(options);
     PathMotionOptions motion;
     motion.line = {.lead_in_mm = 1.0, .tilt_deg = 4.0};
-    motion.feed.steps = {{0.0, 5.0}};
+    motion.feed.steps = {{0.0, 2.0}};
     motion.tremor_mm = 0.1;
     ForceControlOptions push;
     push.line = motion.line;
@@ -396,6 +396,7 @@ TEST(DrillSession, IsTheSameWithoutTheSupportOfTheHolesWallButForThatForce) {
   compliant.compliance.stall_n_mm = 40.0;
   for (const bool pushes : {false, true}) {
     for (const SessionOptions& options : {SessionOptions{}, compliant}) {
+      SCOPED_TRACE(::testing::Message() << "pushes " << pushes << ", compliant " << options.compliance.is_on);
       const auto [with, with_events] = run(options, pushes, true);
       auto [without, without_events] = run(options, pushes, false);
       ASSERT_EQ(with.size(), without.size());
@@ -413,7 +414,8 @@ TEST(DrillSession, IsTheSameWithoutTheSupportOfTheHolesWallButForThatForce) {
         without[n].force.force_n = is.force_n;
         expect_same(without[n], with[n]);
       }
-      EXPECT_GT(most_n, 0.5) << "there is some to leave out";
+      // A bit that gives way on a planned line lies nowhere against the wall.
+      if (pushes || !options.compliance.is_on) EXPECT_GT(most_n, 0.5) << "there is some to leave out";
       ASSERT_EQ(with_events.size(), without_events.size());
       EXPECT_GT(with_events.size(), 2U);
       for (std::size_t n = 0; n < with_events.size(); ++n) {
