@@ -4,9 +4,6 @@
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define SPINALTAP_X86_KERNELS
-// GCC 12's header passes a register on purpose that nothing has written.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#include <immintrin.h>
 #endif
 
 namespace spinaltap::detail {

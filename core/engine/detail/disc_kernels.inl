@@ -74,9 +74,11 @@ void gap_squares(const GapArguments& arguments, GapResult& result) {
     least = other < least ? other : least;
     *reinterpret_cast<LooseBytes*>(reached + n) = -__builtin_convertvector(is_reached, Bytes);
   }
-  for (std::int32_t half = kLanes / 2; half > 0; half /= 2) {
-    const Floats other = __builtin_shuffle(least, lanes + half);
-    least = other < least ? other : least;
+  // By halves: one after the other each would wait for the last.
+  for (std::size_t half = kLanes / 2; half > 0; half /= 2) {
+    for (std::size_t lane = 0; lane < half; ++lane) {
+      least[lane] = least[lane + half] < least[lane] ? least[lane + half] : least[lane];
+    }
   }
   result.least_square = least[0];
 }
