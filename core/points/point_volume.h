@@ -123,7 +123,8 @@ class PointVolume {
     }
 
    private:
-    struct Ends {
+    /// Aligned as a word: what is one to GCC is a call of libatomic to Clang.
+    struct alignas(2 * sizeof(std::int16_t)) Ends {
       std::int16_t lowest = 1, highest = 0;  ///< of nothing
     };
     std::atomic<Ends> ends_{Ends{}};

@@ -46,11 +46,11 @@ void expect_grades_of_paths(const WallDistance& walls, const DrillPath& plan, do
 TEST(ScrewGrader, GradesABlocksScrewsAsPathsAre) {
   const test::Block block;
   const WallDistance walls(block.bone(), block.landmarks());
-  constexpr double kScrewRadiusMm = 3.0;
+  constexpr double kRadiusMm = 3.0;
   for (const double beside_mm : {1.0, -2.0}) {
-    const double x_mm = test::Block::kHalfWidthMm - kScrewRadiusMm - beside_mm;
+    const double x_mm = test::Block::kHalfWidthMm - kRadiusMm - beside_mm;
     DrillPath plan{"", Vec3(x_mm, test::Block::kHalfDepthMm, 0.0), Vec3(x_mm, -12.0, 0.0), {}};
-    plan.screw = PedicleScrew{"", 2.0 * kScrewRadiusMm, 45.0, 4.0};
+    plan.screw = PedicleScrew{"", 2.0 * kRadiusMm, 45.0, 4.0};
     expect_grades_of_paths(walls, plan, 2.5, 5.0, 60);
   }
 }
