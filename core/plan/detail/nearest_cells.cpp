@@ -206,7 +206,7 @@ struct NearestCells::Block {
   /// None while it has been asked too seldom to be worth making: that takes as long as some searches of the tree, and
   /// memory.
   const Four* cell(const std::array<std::size_t, 3>& at) {
-    constexpr std::uint8_t kSeldom = 6;
+    constexpr std::uint8_t kSeldom = 2;
     const std::size_t place = place_of(at, kCellsASide);
     if (cells[place].load(std::memory_order_relaxed) == nullptr &&
         asked[place].fetch_add(1, std::memory_order_relaxed) < kSeldom) {

@@ -27,8 +27,10 @@ class NearestCells {
   void expect(std::span<const Vec3> places_mm) const;
 
  private:
-  static constexpr std::size_t kCellsASide = 8, kCellsAPart = 2, kPartsASide = kCellsASide / kCellsAPart;
-  static constexpr double kCellMm = 0.5, kBlockMm = kCellMm * kCellsASide;
+  static constexpr std::size_t kCellsASide = 4, kCellsAPart = 2, kPartsASide = kCellsASide / kCellsAPart;
+  /// Halves would be searched a little sooner, but there are several times as many to make, for places that are asked
+  /// too seldom.
+  static constexpr double kCellMm = 1.0, kBlockMm = kCellMm * kCellsASide;
   struct Four;
   struct Block;
   struct CellPlace {
