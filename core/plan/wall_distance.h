@@ -35,6 +35,10 @@ class WallDistance {
   Walls walls(const Vec3& p_mm) const { return walls(p_mm, Walls{}); }
   /// The same, sooner where `beside` are those of a place close by.
   Walls walls(const Vec3& p_mm, const Walls& beside) const;
+  /// The canal's or the outer one of walls(), sooner, where the other one is nearer for sure.
+  Wall further(const Vec3& p_mm, bool is_canal, const Wall& beside) const {
+    return nearest(is_canal ? canal_ : outer_, p_mm, beside.sample);
+  }
   Wall outer(const Vec3& p_mm) const { return walls(p_mm).outer; }
   /// Quicker than walls() in the bone.
   Wall canal(const Vec3& p_mm) const;

@@ -138,13 +138,16 @@ bool FastBreach::is_other_within(Row& row, double within_mm) {
   const bool is_outer = axis_of(row).is_canal;
   if ((is_outer ? field_.outer_at_least_mm(p_mm) : field_.canal_at_least_mm(p_mm)) > within_mm) return false;
   // No further than the sample that was found last, which lies beside the place of the wall that was.
-  const WallDistance::Wall& last = is_outer ? last_both_.outer : last_both_.canal;
+  WallDistance::Wall& last = is_outer ? last_both_.outer : last_both_.canal;
   if (last.sample != WallDistance::Wall{}.sample &&
       (p_mm - last.nearest_mm).norm() + BoneShape::kSampleMm <= within_mm) {
     return true;
   }
-  const WallDistance::Walls& both = both_of(row);
-  return std::abs((is_outer ? both.outer : both.canal).distance_mm) <= within_mm;
+  if (const std::optional<WallDistance::Walls>& both = axis_of(row).both) {
+    return std::abs((is_outer ? both->outer : both->canal).distance_mm) <= within_mm;
+  }
+  last = field_.walls().further(p_mm, !is_outer, last);
+  return last.distance_mm <= within_mm;
 }
 
 double FastBreach::max_breach_mm(Row& row) const {
