@@ -3,10 +3,10 @@
 // 1. Certificates. A disc that was just looked at has a nearest living point; until the bit has moved by the gap to it,
 //    the disc needs no look. How much of a move counts depends on where the bit is: behind the cone only what goes
 //    across its axis, in the cone also what goes forward, by the cone's slope. All discs are checked in one vector
-//    loop.
+//    loop. Behind the cone a disc also knows an empty circle: a bit that trembles in its hole comes back to it.
 // 2. Gaps. A disc that does need a look knows for each ring between which living points the bit lies. Another vector
-//    loop finds the few rings whose nearest living point the bit may reach; the others give the next certificate.
-// 3. Walks over living points only. On those rings set bits are visited from the angle nearest the bit to both sides,
+//    loop finds the few of these that the bit may reach; the others give the next certificate.
+// 3. Walks over living points only. From those on set bits are visited, on the side of the ring that is reached,
 //    until they are too far to be removed or to be the nearest survivor.
 //
 // Which points die is decided as in every engine: by SweptBit, asked only within what the step and its rounding leave
@@ -23,6 +23,7 @@
 #include <numbers>
 
 #include "core/engine/detail/disc_certificates.h"
+#include "core/engine/detail/empty_circles.h"
 #include "core/engine/detail/nearest_point.h"
 #include "core/engine/detail/ring_gaps.h"
 #include "core/engine/volume_engine.h"
@@ -42,14 +43,16 @@ class RingEngine final : public VolumeEngine {
   RingEngine(PointVolume& volume, const DrillBit& bit, const Material& material, const detail::DiscKernels& kernels)
       : VolumeEngine(volume, bit, material),
         certificates_(static_cast<std::size_t>(volume.disc_count()), volume.pattern().spacing_mm(), kernels),
+        circles_(static_cast<std::size_t>(volume.disc_count())),
         gaps_(static_cast<std::size_t>(volume.disc_count()), volume.pattern(), kernels),
         first_living_ring_(static_cast<std::size_t>(volume.disc_count()), 0),
         due_(static_cast<std::size_t>(volume.disc_count()), 0),
         deviation_mm_(volume.deviation_mm(volume.pattern().ring_count() - 1)) {}
 
   std::size_t memory_bytes() const override {
-    return VolumeEngine::memory_bytes() + certificates_.memory_bytes() + gaps_.memory_bytes() +
-           first_living_ring_.size() * sizeof(first_living_ring_[0]) + due_.size() * sizeof(due_[0]);
+    return VolumeEngine::memory_bytes() + certificates_.memory_bytes() + circles_.memory_bytes() +
+           gaps_.memory_bytes() + first_living_ring_.size() * sizeof(first_living_ring_[0]) +
+           due_.size() * sizeof(due_[0]);
   }
 
  protected:
@@ -140,13 +143,14 @@ class RingEngine final : public VolumeEngine {
   }
 
   bool is_worth_sharing(const detail::Approach& approach, std::size_t due_count) const noexcept {
-    // Measured on two cores: sharing breaks even at about 20 us of work; a look at a disc costs 0.15 us, a point 10 ns.
-    constexpr double kMinUs = 40.0;
+    // Measured on two cores: sharing breaks even at about 20 us of work; a look at a disc costs 0.1 us, a point 10 ns.
+    // Of small steps that is up to twice the work, for some discs turn out to be clear.
+    constexpr double kMinUs = 50.0;
     const double spacing_mm = volume_.pattern().spacing_mm();
     const double way_mm = approach.bit.across_mm() + approach.slope * approach.bit.back_mm();
     const double points = std::min(2.0 * approach.radius_mm * way_mm / (spacing_mm * spacing_mm),
                                    static_cast<double>(volume_.pattern().point_count()));
-    return due_count > 16 && static_cast<double>(due_count) * (0.15 + 0.01 * points) > kMinUs;
+    return due_count > 16 && static_cast<double>(due_count) * (0.1 + 0.01 * points) > kMinUs;
   }
 
   void cut_disc(int disc, const detail::Approach& approach, const AxisLine& line, Removal& removal) noexcept {
@@ -154,33 +158,59 @@ class RingEngine final : public VolumeEngine {
     detail::NearestPoint nearest(approach, z_mm);
     if (deviation_mm_ > 0.0) {
       walk_all_rings(disc, z_mm, nearest, removal);
+    } else if (!nearest.is_behind_cone()) {
+      walk_reached_rings(disc, z_mm, nearest, removal);
+    } else if (const double clear_mm = circles_.clear_mm(disc, nearest.x_mm(), nearest.y_mm());
+               clear_mm > nearest.touched_mm()) {
+      nearest.add_distance(clear_mm);
     } else {
       walk_reached_rings(disc, z_mm, nearest, removal);
+      renew_circle(disc, nearest);
     }
     certificates_.renew(disc, line, nearest.free_mm(), nearest.back_share());
   }
 
-  void walk_reached_rings(int disc, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
-    std::array<std::uint8_t, kMaxRings + 2 * detail::kLongestVector> is_reached;
-    int& first = first_living_ring_[static_cast<std::size_t>(disc)];
+  using ReachedEnds = std::array<std::uint8_t, kMaxRings + 2 * detail::kLongestVector>;
+
+  /// Rings from the first to before the last that have points within `reach_mm` of a place so far off the path.
+  std::pair<int, int> rings_within(int disc, double off_axis_mm, double reach_mm) const noexcept {
     const double spacing_mm = volume_.pattern().spacing_mm();
     const int rings = volume_.pattern().ring_count();
     const auto ring_at = [&](double mm) { return static_cast<int>(std::clamp(mm / spacing_mm, 0.0, 1.0 * rings)); };
-    const int begin = std::max(first, ring_at(nearest.off_axis_mm() - nearest.reach_mm()));
-    const int end = std::min(rings, ring_at(nearest.off_axis_mm() + nearest.reach_mm()) + 2);
+    return {std::max(first_living_ring_[static_cast<std::size_t>(disc)], ring_at(off_axis_mm - reach_mm)),
+            std::min(rings, ring_at(off_axis_mm + reach_mm) + 2)};
+  }
+
+  void walk_reached_rings(int disc, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
+    ReachedEnds reached;
+    const auto [begin, end] = rings_within(disc, nearest.off_axis_mm(), nearest.reach_mm());
     if (begin >= end) return;
     // Eight bytes are read at once below; vectors may end before.
-    std::memset(is_reached.data() + (end - begin) / 8 * 8, 0, 8);
-    nearest.add_distance(gaps_.min_distance_mm(disc, begin, end, nearest.x_mm(), nearest.y_mm(), nearest.touched_mm(),
-                                               is_reached.data()));
+    std::memset(reached.data() + (end - begin) / 8 * 8, 0, 8);
+    nearest.add_off_centre(gaps_.min_distance_mm(disc, begin, end, nearest.x_mm(), nearest.y_mm(),
+                                                 nearest.touched_off_centre_mm(), nearest.ellipse(), reached.data()));
     for (int offset = 0; offset < end - begin; offset += 8) {
       std::uint64_t eight = 0;
-      std::memcpy(&eight, is_reached.data() + offset, 8);
-      for (; eight != 0; eight &= eight - 1) {
-        walk_ring(disc, begin + offset + std::countr_zero(eight) / 8, z_mm, nearest, removal);
+      std::memcpy(&eight, reached.data() + offset, 8);
+      while (eight != 0) {
+        const int place = std::countr_zero(eight) / 8;
+        const std::uint64_t ends = eight >> 8 * place & 0xff;
+        eight ^= ends << 8 * place;
+        walk_ring(disc, begin + offset + place, z_mm, static_cast<std::uint8_t>(ends), nearest, removal);
       }
     }
-    while (first < rings && gaps_.is_dead(disc, first)) ++first;
+    int& first = first_living_ring_[static_cast<std::size_t>(disc)];
+    while (first < volume_.pattern().ring_count() && gaps_.is_dead(disc, first)) ++first;
+  }
+
+  void renew_circle(int disc, const detail::NearestPoint& nearest) noexcept {
+    const double reach_mm = nearest.touched_mm() + detail::kLongestMm;
+    circles_.renew(disc, nearest.x_mm(), nearest.y_mm(), [&](double x_mm, double y_mm) {
+      ReachedEnds none;
+      const auto [begin, end] = rings_within(disc, std::sqrt(x_mm * x_mm + y_mm * y_mm), reach_mm);
+      return std::min(reach_mm, gaps_.min_distance_mm(disc, begin, std::max(begin, end), x_mm, y_mm, -1.0,
+                                                      detail::kCircle, none.data()));
+    });
   }
 
   /// Where points lie off their rings, gaps say nothing.
@@ -189,14 +219,12 @@ class RingEngine final : public VolumeEngine {
     for (int ring = 0; ring < volume_.pattern().ring_count(); ++ring) {
       const double gap_mm = std::abs(ring * spacing_mm - nearest.off_axis_mm());
       if (gap_mm > nearest.reach_mm() + 2.0 * volume_.deviation_mm(ring)) continue;
-      walk_ring(disc, ring, z_mm, nearest, removal);
+      walk_ring(disc, ring, z_mm, detail::kReachesBoth, nearest, removal);
     }
   }
 
-  /// Where walks over a ring's living points begin: the first of them upwards, and downwards.
-  RingGaps::Ends walk_begins(int disc, int ring, const detail::NearestPoint& nearest) const noexcept {
-    const RingGaps::Ends gap = gaps_.faced_gap(disc, ring, nearest.x_mm(), nearest.y_mm());
-    if (gap.above != RingGaps::kNowhere) return gap;
+  /// Where walks from the ring's place nearest to the middle begin, downwards and upwards.
+  RingGaps::Ends nearest_places(int ring, const detail::NearestPoint& nearest) const noexcept {
     const std::size_t size = DiscPattern::ring_size(ring);
     // Within half a turn of 0: truncation and one more turn take the place of divisions.
     const double place = nearest.turns() * static_cast<double>(size);
@@ -206,14 +234,19 @@ class RingEngine final : public VolumeEngine {
     return {middle > 0 ? middle - 1 : size - 1, middle};
   }
 
-  void walk_ring(int disc, int ring, double z_mm, detail::NearestPoint& nearest, Removal& removal) noexcept {
+  /// Visits living points from those ends of the ring's gap on that are reached; from the middle to both sides where it
+  /// faces no gap that is known.
+  void walk_ring(int disc, int ring, double z_mm, std::uint8_t reached, detail::NearestPoint& nearest,
+                 Removal& removal) noexcept {
     std::uint64_t* words = volume_.alive_words(disc).data();
     const std::size_t start = DiscPattern::ring_start(ring);
     const std::size_t end = start + DiscPattern::ring_size(ring);
+    const double ring_mm = ring * volume_.pattern().spacing_mm();
     const double deviation_mm = 2.0 * volume_.deviation_mm(ring);
     const double max_mm = nearest.touched_mm() + deviation_mm;
     const double max_square = max_mm < 0.0 ? -1.0 : max_mm * max_mm;
     std::size_t survivor = RingGaps::kNowhere;  ///< the first of this direction
+    bool is_upwards = true;
     // Towards the side of the ring away from the middle, points are ever further from it.
     const auto visit = [&](std::size_t index) {
       ++removal.tested;
@@ -228,31 +261,46 @@ class RingEngine final : public VolumeEngine {
         return true;
       }
       if (survivor == RingGaps::kNowhere) survivor = index - start;
-      if (is_far) nearest.add_distance(std::sqrt(square) - deviation_mm);
-      return !is_far;
+      if (!is_far) return true;
+      if (deviation_mm > 0.0) {
+        nearest.add_distance(std::sqrt(square) - deviation_mm);
+      } else {
+        nearest.add_end(ring_mm, is_upwards, p);
+      }
+      return false;
     };
-    const auto [down_from, up_from] = walk_begins(disc, ring, nearest);
+    RingGaps::Ends gap = gaps_.faced_gap(disc, ring, nearest.x_mm(), nearest.y_mm());
+    if (gap.above == RingGaps::kNowhere) {
+      gap = nearest_places(ring, nearest);
+      reached = detail::kReachesBoth;
+    }
+    const auto [down_from, up_from] = gap;
     const bool is_round_the_end = up_from > down_from;
-    // Mostly one end of a gap is reached, or none: words are looked at beyond it only.
-    const auto is_alive = [&](std::size_t place) {
+    // Mostly a few points of a side are reached: words are looked at beyond the first only.
+    const auto goes_on = [&](std::size_t place) {
       const std::size_t index = start + place;
-      return (words[index / 64] >> (index % 64) & 1) != 0;
+      return (words[index / 64] >> (index % 64) & 1) == 0 || visit(index);
     };
-    if (!is_alive(up_from) || visit(start + up_from)) {
-      if (visit_up(words, start + up_from + 1, is_round_the_end ? end : start + down_from + 1, visit) &&
+    if ((reached & detail::kReachesAbove) != 0) {
+      if (goes_on(up_from) &&
+          visit_up(words, start + up_from + 1, is_round_the_end ? end : start + down_from + 1, visit) &&
           is_round_the_end) {
         visit_up(words, start, start + down_from + 1, visit);
       }
+      gap.above = survivor;
+      if (survivor == RingGaps::kNowhere) return gaps_.set_dead(disc, ring);
     }
-    const std::size_t above = survivor;
-    if (above == RingGaps::kNowhere) return gaps_.set_dead(disc, ring);
-    survivor = RingGaps::kNowhere;
-    if (!is_alive(down_from) || visit(start + down_from)) {
-      if (visit_down(words, is_round_the_end ? start : start + up_from, start + down_from, visit) && is_round_the_end) {
+    if ((reached & detail::kReachesBelow) != 0) {
+      survivor = RingGaps::kNowhere;
+      is_upwards = false;
+      if (goes_on(down_from) &&
+          visit_down(words, is_round_the_end ? start : start + up_from, start + down_from, visit) && is_round_the_end) {
         visit_down(words, start + up_from, end, visit);
       }
+      gap.below = survivor;
+      if (survivor == RingGaps::kNowhere) return gaps_.set_dead(disc, ring);
     }
-    if (ring > 0) gaps_.set_gap(disc, ring, survivor, above);
+    if (ring > 0) gaps_.set_gap(disc, ring, gap.below, gap.above);
   }
 
   void remove_without_certificates(const SweptBit& bit, Removal& removal) noexcept {
@@ -269,6 +317,7 @@ class RingEngine final : public VolumeEngine {
   }
 
   DiscCertificates certificates_;
+  EmptyCircles circles_;
   RingGaps gaps_;
   std::vector<int> first_living_ring_;  ///< per disc: every ring within is wholly destroyed
   std::vector<int> due_;                ///< discs to look at, for one step

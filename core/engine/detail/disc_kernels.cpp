@@ -1,5 +1,7 @@
 #include "core/engine/detail/disc_kernels.h"
 
+#include <cstring>
+
 #include "core/base/instruction_set.h"
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)

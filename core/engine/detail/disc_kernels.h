@@ -33,6 +33,18 @@ constexpr GapEnds kDeadRing = 0xfffefffe;
 /// Beyond all rings.
 constexpr float kNoSquare = 1e30F;
 
+/// Ends of a ring's gap that may be within reach, together in a byte.
+constexpr std::uint8_t kReachesBelow = 1;
+constexpr std::uint8_t kReachesAbove = 2;
+constexpr std::uint8_t kReachesBoth = kReachesBelow | kReachesAbove;
+
+/// How far off the middle places count as: |v|² - (v . tilt)², squared. See DiscEllipse::off_centre().
+struct FloatEllipse {
+  float tilt_x, tilt_y;
+  float squeeze_squared;  ///< 1 - |tilt|²
+};
+constexpr FloatEllipse kCircle{0.0F, 0.0F, 1.0F};
+
 /// Least distances of rings: see RingGaps. Lengths are in its units.
 struct GapArguments {
   // Of all rings of the disc, readable for a vector beyond the last: gaps, and where their ends lie.
@@ -41,6 +53,7 @@ struct GapArguments {
   const std::int16_t* below_y;
   const std::int16_t* above_x;
   const std::int16_t* above_y;
+  FloatEllipse ellipse;
   float x, y, off_axis, spacing;
   float reach_square;
   std::size_t begin, end;  ///< rings
@@ -48,9 +61,9 @@ struct GapArguments {
 
 /// What gap_squares finds.
 struct GapResult {
-  /// Rings, whole vectors from GapArguments::begin on, a byte each: 0 where none of its points is within reach.
-  std::uint8_t* is_reached;
-  float least_square;  ///< of those out of reach; kNoSquare where none of them lives
+  /// Rings, whole vectors from GapArguments::begin on, a byte each: the ends within reach, 0 for none.
+  std::uint8_t* reached;
+  float least_square;  ///< from the ends out of reach on; kNoSquare where no point lives there
 };
 
 /// One set of instructions. All sets do the same operations in the same order: their results are the same bits.

@@ -4,6 +4,7 @@
 constexpr std::size_t kLanes = SPINALTAP_VECTOR_BYTES / sizeof(float);
 typedef float Floats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 typedef float LooseFloats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES), aligned(4), may_alias));
+typedef float Quads __attribute__((vector_size(16)));
 typedef std::int32_t Ints __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 typedef std::int32_t LooseInts __attribute__((vector_size(SPINALTAP_VECTOR_BYTES), aligned(4), may_alias));
 typedef std::int16_t LooseShorts __attribute__((vector_size(SPINALTAP_VECTOR_BYTES / 2), aligned(2), may_alias));
@@ -39,7 +40,8 @@ void check(const CheckArguments& c) {
 
 void gap_squares(const GapArguments& arguments, GapResult& result) {
   const GapArguments g = arguments;  // which nothing that is written can be
-  std::uint8_t* const reached = result.is_reached - g.begin;
+  std::uint8_t* const reached = result.reached - g.begin;
+  const float tilt = 2.0F * (1.0F - g.ellipse.squeeze_squared);
   Ints lanes;
   for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] = static_cast<std::int32_t>(lane);
   Floats least = Floats{} + kNoSquare;
@@ -63,24 +65,40 @@ void gap_squares(const GapArguments& arguments, GapResult& result) {
     const Ints turned = width > 0 ? width : width + size;
     const Ints is_faced = 2 * turned < size ? (from_below > 0.0F) & (to_above > 0.0F)
                                             : ~((from_below < 0.0F) & (to_above < 0.0F));
-    const Floats to_a = (ax - g.x) * (ax - g.x) + (ay - g.y) * (ay - g.y);
-    const Floats to_b = (bx - g.x) * (bx - g.x) + (by - g.y) * (by - g.y);
-    const Floats to_ends = to_a < to_b ? to_a : to_b;
-    const Floats to_circle = __builtin_convertvector(ring, Floats) * g.spacing - g.off_axis;
-    const Floats square = is_known & is_faced ? to_ends : to_circle * to_circle;
+    // Along the rest of the ring points are ever further off: see DiscEllipse::far_round(). The last term is for the
+    // ends' rounding.
+    const Floats radius = __builtin_convertvector(ring, Floats) * g.spacing;
+    const Floats far_round = tilt * ((radius + g.off_axis) * radius) + g.off_axis;
+    const Floats dax = ax - g.x, day = ay - g.y, dbx = bx - g.x, dby = by - g.y;
+    const Floats along_a = dax * g.ellipse.tilt_x + day * g.ellipse.tilt_y;
+    const Floats along_b = dbx * g.ellipse.tilt_x + dby * g.ellipse.tilt_y;
+    const Floats square_a = dax * dax + day * day;
+    const Floats square_b = dbx * dbx + dby * dby;
+    const Floats to_a = from_below > far_round ? square_a - along_a * along_a : square_a * g.ellipse.squeeze_squared;
+    const Floats to_b = to_above > far_round ? square_b - along_b * along_b : square_b * g.ellipse.squeeze_squared;
+    const Floats from_circle = radius - g.off_axis;
+    const Floats to_circle = from_circle * from_circle * g.ellipse.squeeze_squared;
+    const Ints has_ends = is_known & is_faced;
+    const Floats below_square = has_ends ? to_a : to_circle;
+    const Floats above_square = has_ends ? to_b : to_circle;
     const Ints lives = ~(is_beyond | (ends == static_cast<std::int32_t>(kDeadRing)));
-    const Ints is_reached = lives & (square <= g.reach_square);
-    const Floats other = lives & ~is_reached ? square : Floats{} + kNoSquare;
+    const Ints reaches_below = lives & (below_square <= g.reach_square);
+    const Ints reaches_above = lives & (above_square <= g.reach_square);
+    const Floats other_below = lives & ~reaches_below ? below_square : Floats{} + kNoSquare;
+    const Floats other_above = lives & ~reaches_above ? above_square : Floats{} + kNoSquare;
+    const Floats other = other_below < other_above ? other_below : other_above;
     least = other < least ? other : least;
-    *reinterpret_cast<LooseBytes*>(reached + n) = -__builtin_convertvector(is_reached, Bytes);
+    *reinterpret_cast<LooseBytes*>(reached + n) =
+        __builtin_convertvector((reaches_below & kReachesBelow) | (reaches_above & kReachesAbove), Bytes);
   }
-  // By halves: one after the other each would wait for the last.
-  for (std::size_t half = kLanes / 2; half > 0; half /= 2) {
-    for (std::size_t lane = 0; lane < half; ++lane) {
-      least[lane] = least[lane + half] < least[lane] ? least[lane + half] : least[lane];
-    }
-  }
-  result.least_square = least[0];
+  // By quarters and halves: lane after lane each would wait for the last.
+  Quads quads[kLanes / 4];
+  std::memcpy(quads, &least, sizeof(least));
+  Quads few = quads[0];
+  for (std::size_t n = 1; n < kLanes / 4; ++n) few = quads[n] < few ? quads[n] : few;
+  const Quads halves = __builtin_shufflevector(few, few, 2, 3, 0, 1);
+  few = halves < few ? halves : few;
+  result.least_square = few[1] < few[0] ? few[1] : few[0];
 }
 
 #undef SPINALTAP_LOAD

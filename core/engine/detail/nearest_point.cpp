@@ -51,7 +51,15 @@ double NearestPoint::max_passed_mm() const noexcept {
   const SweptBit& bit = a.bit;
   // A turning way takes what a straight one before it left within the thicker skin, wherever the bit goes then.
   if (bit.edge_mm() > 0.0) return HUGE_VAL;
-  const auto [first_mm, last_mm] = backs_mm();
+  // How far off the axis, at the end, points that are passed lie at most, and so how far along it from the middle.
+  double off_axis_mm = a.radius_mm + a.reach_mm;
+  if (ellipse_ == &a.cone) {
+    const double cone_mm = std::max(0.0, a.offset_mm + a.slope * (back_mm_ + bit.back_mm()));
+    off_axis_mm = std::min(off_axis_mm, (cone_mm + a.reach_mm) * a.cone_widens);
+  }
+  const double spread_mm = a.tilt * off_axis_mm + a.off_plane_back_mm;
+  const double first_mm = back_mm_ - spread_mm - bit.forth_mm();
+  const double last_mm = back_mm_ + spread_mm + bit.back_mm();
   if (ellipse_ == &a.cylinder) {
     return first_mm > a.neck_mm && last_mm < bit.profile().length_mm() ? a.cylinder_passed_mm : HUGE_VAL;
   }

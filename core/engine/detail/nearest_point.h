@@ -43,6 +43,17 @@ struct DiscEllipse {
     return std::sqrt(std::max(0.0, x * x + y * y - flatness * along * along));
   }
 
+  /// On a ring around the path, of radius r, points are ever further off centre towards the side away from the
+  /// ellipse's centre c, from a point p on whose cross product with c is at least this.
+  ///
+  /// With T = 1 - squeeze², and p and a further point q at angles a < b from c, off-centre² grows from p to q by
+  ///   2 r |c| (cos a - cos b) - T ((q - p) . u) ((q + p - 2 c) . u)
+  ///     >= 4 r sin((b - a) / 2) (|c| sin((a + b) / 2) - T (r + |c|)),
+  /// u being the direction of the tilt, and that sine is at least sin(a) / 2 up to b = half a turn.
+  double far_round(double ring_mm, double off_axis_mm) const {
+    return 2.0 * (1.0 - squeeze_squared) * (ring_mm + off_axis_mm) * ring_mm;
+  }
+
  private:
   static constexpr double kSmallest = 0.0625;
 };
@@ -65,10 +76,14 @@ struct Approach {
   double along;  ///< |cosine| of the tilt
   double sine;
   double radius_mm, slope, offset_mm;  ///< of the bounding cylinder and cone
+  double off_plane_mm;                 ///< of points, with spare
   double reach_mm;                     ///< across the axis, by the way alone
   DiscEllipse cylinder, cone;
   bool is_tight;              ///< cylinder and cone are the bit, and both meet discs in ellipses
   double spread_mm;           ///< how far along the axis, to both sides, points of a disc within reach lie
+  double tilt;                ///< how far along the axis points of a disc lie for each mm off it, at most
+  double off_plane_back_mm;   ///< and by how much more, out of their plane
+  double cone_widens;         ///< by how much a tilted cone's points are further off its axis; infinite for a steep one
   double neck_mm;             ///< where the cone ends, back from the tip
   double cylinder_passed_mm;  ///< passed_mm() of the cylinder: most discs ask for it
   AxisLine line;
@@ -81,7 +96,8 @@ struct Approach {
         radius_mm(swept.profile().radius_mm()),
         slope(swept.profile().cone_slope()),
         offset_mm(swept.profile().cone_offset_mm()),
-        reach_mm(swept.across_mm() + out_of_plane_mm + kSpareMm),
+        off_plane_mm(out_of_plane_mm + kSpareMm),
+        reach_mm(swept.across_mm() + off_plane_mm),
         cylinder(axis, 0.0),
         cone(axis, slope),
         is_tight(swept.profile().is_cone_and_cylinder() && cylinder.is_ellipse() && cone.is_ellipse()) {
@@ -93,6 +109,9 @@ struct Approach {
     line.back_mm = tip_mm.z() / axis.z();
     line.back_slope = -1.0 / axis.z();
     spread_mm = (sine * (radius_mm + kLongestMm + reach_mm) + reach_mm) / along;
+    tilt = sine / along;
+    off_plane_back_mm = off_plane_mm / along;
+    cone_widens = slope * tilt < 0.5 ? 1.0 / (1.0 - slope * tilt) : HUGE_VAL;
     neck_mm = (radius_mm - offset_mm) / slope;
     cylinder_passed_mm = passed_mm(radius_mm, cylinder);
   }
@@ -119,11 +138,33 @@ class NearestPoint {
   double turns() const { return std::atan2(y_mm_, x_mm_) / (2.0 * std::numbers::pi); }
   /// Points further from the middle are not reached by the step.
   double touched_mm() const { return touched_mm_; }
+  /// The same, of points as far off the middle as ellipse() counts it.
+  double touched_off_centre_mm() const { return size_mm_ + surely_free_mm_; }
+  FloatEllipse ellipse() const {
+    const double root = std::sqrt(shape().flatness);
+    return {static_cast<float>(root * approach_.axis.x()), static_cast<float>(root * approach_.axis.y()),
+            static_cast<float>(squeeze_ * squeeze_)};
+  }
+  /// Whether all that may meet the disc is the cylinder: it stays so while the bit goes on.
+  bool is_behind_cone() const { return ellipse_ == &approach_.cylinder; }
   /// Points further from the middle are neither reached nor nearer to the bound than the nearest so far.
   double reach_mm() const { return reach_mm_; }
 
   /// There is, or may be, a living point at this distance from the middle, and none nearer among those it speaks for.
   void add_distance(double middle_mm) { improve(squeeze_ * middle_mm - size_mm_); }
+  /// The same, of a point this far off the middle as ellipse() counts it.
+  void add_off_centre(double off_centre_mm) { improve(off_centre_mm - size_mm_); }
+  /// Point p in the disc's plane lives, or may, and speaks for all beyond it, counterclockwise around its ring or
+  /// clockwise.
+  void add_end(double ring_mm, bool is_counterclockwise, const Vec3& p) {
+    const double turned = x_mm_ * p.y() - y_mm_ * p.x();
+    const double x = p.x() - x_mm_, y = p.y() - y_mm_;
+    if ((is_counterclockwise ? turned : -turned) > shape().far_round(ring_mm, off_axis_mm_)) {
+      add_off_centre(shape().off_centre(x, y, approach_.axis));
+    } else {
+      add_distance(std::sqrt(x * x + y * y));
+    }
+  }
 
   /// Whether the step removes p; where not, it may be the nearest.
   bool removes(const Vec3& p, double z_mm) noexcept;
@@ -152,6 +193,8 @@ class NearestPoint {
     // Points as near as the best, but for rounding, are not looked at: often a whole ring lies equally far.
     reach_mm_ = std::max(touched_mm_, (best_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
   }
+
+  const DiscEllipse& shape() const { return ellipse_ != nullptr ? *ellipse_ : approach_.cylinder; }
 
   const Approach& approach_;
   const DiscEllipse* ellipse_ = nullptr;  ///< of the bound that says most here; none for a bit that is neither

@@ -56,14 +56,14 @@ void RingGaps::set_gap(int disc, int ring, std::size_t below, std::size_t above)
 }
 
 double RingGaps::min_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
-                                 std::uint8_t* is_reached) const noexcept {
+                                 const detail::FloatEllipse& ellipse, std::uint8_t* reached) const noexcept {
   const auto in_units = [&](double mm) { return static_cast<float>(mm * units_per_mm_); };
   const float x = in_units(x_mm), y = in_units(y_mm), reach = in_units(reach_mm + rounding_mm_);
   const std::size_t first = place(disc, 0);
-  detail::GapResult result{is_reached, 0.0F};
+  detail::GapResult result{reached, 0.0F};
   kernels_.gap_squares(
       {ends_.data() + first, below_x_.data() + first, below_y_.data() + first, above_x_.data() + first,
-       above_y_.data() + first, x, y, std::sqrt(x * x + y * y), in_units(pattern_.spacing_mm()),
+       above_y_.data() + first, ellipse, x, y, std::sqrt(x * x + y * y), in_units(pattern_.spacing_mm()),
        reach < 0.0F ? -1.0F : reach * reach, static_cast<std::size_t>(begin), static_cast<std::size_t>(end)},
       result);
   if (result.least_square == detail::kNoSquare) return kNoneMm;

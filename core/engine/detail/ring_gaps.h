@@ -18,11 +18,12 @@ class RingGaps {
  public:
   RingGaps(std::size_t discs, const DiscPattern& pattern, const detail::DiscKernels& kernels);
 
-  /// Which rings from `begin` up to `end` may have a living point within `reach_mm` of (x, y) in a disc's plane, and
-  /// the least distance that living points of the others have, at least (1e15 without any), mm. `is_reached` gets a
-  /// byte a ring, and some beyond: room for kLongestVector more than rings.
+  /// Which ends of rings' gaps, from ring `begin` up to `end`, lie or may lie within `reach_mm` of (x, y) in a disc's
+  /// plane, and how far off it the other ends and all living points beyond them are, at least (1e15 without any), mm:
+  /// as the ellipse counts it. `reached` gets a byte a ring, kReachesBelow and kReachesAbove, and some beyond: room for
+  /// kLongestVector more than rings.
   double min_distance_mm(int disc, int begin, int end, double x_mm, double y_mm, double reach_mm,
-                         std::uint8_t* is_reached) const noexcept;
+                         const detail::FloatEllipse& ellipse, std::uint8_t* reached) const noexcept;
 
   /// Ends of a gap: places on the ring, counted as its points are. All after `below` and before `above`, around the
   /// ring's end where need be, are dead.

@@ -128,6 +128,8 @@ struct Workload {
   double offset_mm;
   double tilt_deg;
   double tremor_mm;
+  double lean = 1.0;  ///< how far the axis trembles
+  double tip_mm = 5.0;
 
   friend void PrintTo(const Workload& workload, std::ostream* out) { *out << workload.name; }
 };
@@ -145,14 +147,14 @@ class EnginesAtWork : public ::testing::TestWithParam<Workload> {
     const Vec3 start(work.offset_mm - 0.5 * kLengthMm * std::tan(tilt), 0.0, 0.0);
     // An operator trembles at 8 to 12 Hz: at 1 kHz that is 0.05 to 0.075 rad a cycle.
     const Vec3 tremor(std::sin(0.0503 * cycle) + std::sin(0.0628 * cycle), std::sin(0.0571 * cycle), 0.0);
-    const Vec3 lean(0.001 * std::sin(0.07 * cycle), 0.0007 * std::cos(0.055 * cycle), 0.0);
+    const Vec3 lean = work.lean * Vec3(0.001 * std::sin(0.07 * cycle), 0.0007 * std::cos(0.055 * cycle), 0.0);
     const bool trembles = work.tremor_mm > 0.0;
     return {start + along_mm * axis + work.tremor_mm * tremor, trembles ? (axis + lean).normalized() : axis};
   }
 };
 
 TEST_P(EnginesAtWork, RemoveEqualSetsAtEveryHundredthCycle) {
-  const DrillBit bit{GetParam().diameter_mm, 50.0, 5.0};
+  const DrillBit bit{GetParam().diameter_mm, 50.0, GetParam().tip_mm};
   PointVolume volume(test::askew_path(kLengthMm), {.radius_mm = 3.0, .spacing_mm = 0.2});
   fill_some(volume, 5, false);
   Bench bench(volume, bit, test::every_engine());
@@ -177,7 +179,9 @@ INSTANTIATE_TEST_SUITE_P(Motions, EnginesAtWork,
                                            Workload{"off path", 3.0, 1.2, 0.0, 0.0},
                                            Workload{"tilted", 3.0, 0.0, 3.0, 0.0},
                                            Workload{"tremor", 3.0, 0.0, 0.0, 0.1},
-                                           Workload{"tremor off path", 3.0, 1.2, 0.0, 0.1}));
+                                           Workload{"tremor off path", 3.0, 1.2, 0.0, 0.1},
+                                           Workload{"tremor of a steady axis, tilted", 3.0, 1.2, 4.0, 0.1, 0.0},
+                                           Workload{"tremor of a blunt drill, tilted", 3.2, 0.5, 9.0, 0.1, 0.0, 0.9}));
 
 /// All that a run with long steps of a burr, which are worth sharing, makes known.
 std::vector<StepResult> run(const test::NamedEngine& kind, std::size_t threads, std::vector<std::uint64_t>& hashes) {

@@ -48,15 +48,30 @@ struct Disc {
     }
   }
 
-  double nearest_mm(int ring, double x_mm, double y_mm) const {
+  /// The least distance of a ring's living points from a place, as the ellipse counts it.
+  double nearest_mm(int ring, double x_mm, double y_mm, const detail::FloatEllipse& ellipse) const {
     double nearest_mm = 1e15;
     const std::size_t start = DiscPattern::ring_start(ring);
     for (std::size_t i = start; i < start + DiscPattern::ring_size(ring); ++i) {
-      if (lives[i]) nearest_mm = std::min(nearest_mm, (pattern->point_mm(i) - Eigen::Vector2d(x_mm, y_mm)).norm());
+      if (!lives[i]) continue;
+      const Eigen::Vector2d from = pattern->point_mm(i) - Eigen::Vector2d(x_mm, y_mm);
+      const double along = from.x() * ellipse.tilt_x + from.y() * ellipse.tilt_y;
+      nearest_mm = std::min(nearest_mm, std::sqrt(from.squaredNorm() - along * along));
     }
     return nearest_mm;
   }
 };
+
+detail::FloatEllipse ellipse(double tilt, double turn_rad) {
+  return {static_cast<float>(tilt * std::cos(turn_rad)), static_cast<float>(tilt * std::sin(turn_rad)),
+          static_cast<float>(1.0 - tilt * tilt)};
+}
+
+/// How a drill's bounds count: the plane across its axis, its cylinder and its cone, tilted a little and far.
+detail::FloatEllipse random_ellipse(Draw& draw) {
+  const double tilt = draw(0.0, 1.0) < 0.5 ? draw(0.0, 0.2) : draw(0.0, 0.95);
+  return ellipse(draw(0.0, 1.0) < 0.1 ? 0.0 : tilt, draw(0.0, 2.0 * std::numbers::pi));
+}
 
 TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
   SCOPED_TRACE(::testing::Message() << "seed " << kGapSeed);
@@ -81,6 +96,7 @@ TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
       x_mm += draw(-0.1, 0.1);
       y_mm += draw(-0.1, 0.1);
       const double reach_mm = draw(0.0, 1.0) < 0.1 ? -1.0 : draw(1.3, 1.7);
+      const detail::FloatEllipse counted = random_ellipse(draw);
       const int begin = static_cast<int>(draw(0.0, 5.0));
       const int end = rings - static_cast<int>(draw(0.0, 5.0));
       std::vector<std::uint8_t> first;
@@ -88,7 +104,7 @@ TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
       for (std::size_t n = 0; n < sets.size(); ++n) {
         SCOPED_TRACE(kernels[n].name);
         std::vector<std::uint8_t> reached(static_cast<std::size_t>(rings) + detail::kLongestVector, 7);
-        const double min_mm = sets[n].min_distance_mm(0, begin, end, x_mm, y_mm, reach_mm, reached.data());
+        const double min_mm = sets[n].min_distance_mm(0, begin, end, x_mm, y_mm, reach_mm, counted, reached.data());
         reached.resize(static_cast<std::size_t>(end - begin));
         if (n == 0) {
           first = reached;
@@ -98,7 +114,7 @@ TEST(RingGaps, NeverPassOverALivingPointWithinReachWithAnyInstructions) {
         ASSERT_EQ(min_mm, first_mm);
       }
       for (int ring = begin; ring < end; ++ring) {
-        const double nearest_mm = disc.nearest_mm(ring, x_mm, y_mm);
+        const double nearest_mm = disc.nearest_mm(ring, x_mm, y_mm, counted);
         if (first[static_cast<std::size_t>(ring - begin)] != 0) {
           ++looked_at;
           continue;
@@ -124,7 +140,7 @@ TEST(RingGaps, SayNothingOfDeadRings) {
     EXPECT_FALSE(gaps.is_dead(0, ring));
     EXPECT_FALSE(gaps.is_dead(2, ring));
   }
-  EXPECT_GT(gaps.min_distance_mm(1, 0, pattern.ring_count(), 0.0, 0.0, 5.0, reached.data()), 1e14);
+  EXPECT_GT(gaps.min_distance_mm(1, 0, pattern.ring_count(), 0.0, 0.0, 5.0, detail::kCircle, reached.data()), 1e14);
   for (int ring = 0; ring < pattern.ring_count(); ++ring) EXPECT_EQ(reached[static_cast<std::size_t>(ring)], 0);
 }
 
