@@ -116,7 +116,8 @@ class RingEngine final : public VolumeEngine {
     // changes the ellipses, by no more than that again.
     const double far_mm = 1.2 * (approach.radius_mm + 2.0 * detail::kLongestMm) / (approach.along * approach.along);
     motion.turn_mm = 2.0 * far_mm * (approach.sine + 2.0 * kMaxTurn + slope) + volume_.out_of_plane_mm();
-    motion.across_share = 1.0 + slope * (approach.sine + 2.0 * kMaxTurn);
+    // Ellipses move with the axis. Of other outlines a tilted bit's points come further back, too.
+    motion.across_share = approach.is_tight ? 1.0 : 1.0 + slope * (approach.sine + 2.0 * kMaxTurn);
     // Between both ends of its way the bit may be further off than at either, by what turning bends it.
     const double turn = (bit.to().axis - bit.from().axis).norm() / (approach.along * approach.along);
     const double way_mm = (bit.to().tip_mm - bit.from().tip_mm).norm();
