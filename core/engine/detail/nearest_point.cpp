@@ -37,7 +37,9 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
     size_mm_ = widest_mm < 0.0 ? -kFarMm : widest_mm;
   }
   off_axis_mm_ = std::sqrt(x_mm_ * x_mm_ + y_mm_ * y_mm_);
-  touched_mm_ = (size_mm_ + surely_free_mm_) * per_squeeze_;
+  nearer_mm_ = ellipse_ == &approach.cone ? approach.nearer_mm(approach.slope, approach.cone)
+                                          : approach.nearer_mm(0.0, approach.cylinder);
+  touched_mm_ = touched_off_centre_mm() * per_squeeze_;
   improve(kLongestMm);
 }
 

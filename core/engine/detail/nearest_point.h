@@ -76,7 +76,7 @@ struct Approach {
   double along;  ///< |cosine| of the tilt
   double sine;
   double radius_mm, slope, offset_mm;  ///< of the bounding cylinder and cone
-  double off_plane_mm;                 ///< of points, with spare
+  double out_of_plane_mm;              ///< how far points lie out of their disc's plane, at most
   double reach_mm;                     ///< across the axis, by the way alone
   DiscEllipse cylinder, cone;
   bool is_tight;              ///< cylinder and cone are the bit, and both meet discs in ellipses
@@ -88,7 +88,7 @@ struct Approach {
   double cylinder_passed_mm;  ///< passed_mm() of the cylinder: most discs ask for it
   AxisLine line;
 
-  Approach(const SweptBit& swept, double out_of_plane_mm)
+  Approach(const SweptBit& swept, double points_out_of_plane_mm)
       : bit(swept),
         axis(swept.to().axis),
         along(std::abs(axis.z())),
@@ -96,8 +96,8 @@ struct Approach {
         radius_mm(swept.profile().radius_mm()),
         slope(swept.profile().cone_slope()),
         offset_mm(swept.profile().cone_offset_mm()),
-        off_plane_mm(out_of_plane_mm + kSpareMm),
-        reach_mm(swept.across_mm() + off_plane_mm),
+        out_of_plane_mm(points_out_of_plane_mm),
+        reach_mm(swept.across_mm() + points_out_of_plane_mm + kSpareMm),
         cylinder(axis, 0.0),
         cone(axis, slope),
         is_tight(swept.profile().is_cone_and_cylinder() && cylinder.is_ellipse() && cone.is_ellipse()) {
@@ -110,7 +110,7 @@ struct Approach {
     line.back_slope = -1.0 / axis.z();
     spread_mm = (sine * (radius_mm + kLongestMm + reach_mm) + reach_mm) / along;
     tilt = sine / along;
-    off_plane_back_mm = off_plane_mm / along;
+    off_plane_back_mm = (out_of_plane_mm + kSpareMm) / along;
     cone_widens = slope * tilt < 0.5 ? 1.0 / (1.0 - slope * tilt) : HUGE_VAL;
     neck_mm = (radius_mm - offset_mm) / slope;
     cylinder_passed_mm = passed_mm(radius_mm, cylinder);
@@ -122,6 +122,12 @@ struct Approach {
     if (!(min_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
     const double bend_mm = across_mm * across_mm / (2.0 * (min_radius_mm - across_mm));
     return (bend_mm + kSpareMm) * ellipse.growth;
+  }
+
+  /// How much nearer to a bound that widens by `widens` a point out of the disc's plane may be than its foot there: in
+  /// its own plane the middle lies elsewhere, and the bound is of another size.
+  double nearer_mm(double widens, const DiscEllipse& ellipse) const {
+    return out_of_plane_mm * (tilt + widens * ellipse.growth / along);
   }
 };
 
@@ -139,7 +145,7 @@ class NearestPoint {
   /// Points further from the middle are not reached by the step.
   double touched_mm() const { return touched_mm_; }
   /// The same, of points as far off the middle as ellipse() counts it.
-  double touched_off_centre_mm() const { return size_mm_ + surely_free_mm_; }
+  double touched_off_centre_mm() const { return size_mm_ + surely_free_mm_ + nearer_mm_; }
   FloatEllipse ellipse() const {
     const double root = std::sqrt(shape().flatness);
     return {static_cast<float>(root * approach_.axis.x()), static_cast<float>(root * approach_.axis.y()),
@@ -151,9 +157,9 @@ class NearestPoint {
   double reach_mm() const { return reach_mm_; }
 
   /// There is, or may be, a living point at this distance from the middle, and none nearer among those it speaks for.
-  void add_distance(double middle_mm) { improve(squeeze_ * middle_mm - size_mm_); }
+  void add_distance(double middle_mm) { improve(squeeze_ * middle_mm - size_mm_ - nearer_mm_); }
   /// The same, of a point this far off the middle as ellipse() counts it.
-  void add_off_centre(double off_centre_mm) { improve(off_centre_mm - size_mm_); }
+  void add_off_centre(double off_centre_mm) { improve(off_centre_mm - size_mm_ - nearer_mm_); }
   /// Point p in the disc's plane lives, or may, and speaks for all beyond it, counterclockwise around its ring or
   /// clockwise.
   void add_end(double ring_mm, bool is_counterclockwise, const Vec3& p) {
@@ -191,7 +197,7 @@ class NearestPoint {
     if (!(distance_mm < best_mm_)) return;
     best_mm_ = distance_mm;
     // Points as near as the best, but for rounding, are not looked at: often a whole ring lies equally far.
-    reach_mm_ = std::max(touched_mm_, (best_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
+    reach_mm_ = std::max(touched_mm_, (best_mm_ + nearer_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
   }
 
   const DiscEllipse& shape() const { return ellipse_ != nullptr ? *ellipse_ : approach_.cylinder; }
@@ -204,6 +210,7 @@ class NearestPoint {
   double squeeze_;  ///< distances from the bound grow at least by this with those from the middle
   double per_squeeze_;
   double surely_free_mm_;  ///< points further than this from the bound survive
+  double nearer_mm_;       ///< than they seem in the disc's plane, at most
   double touched_mm_;
   double best_mm_ = HUGE_VAL;  ///< from the bound
   double reach_mm_ = 0.0;

@@ -183,6 +183,31 @@ INSTANTIATE_TEST_SUITE_P(Motions, EnginesAtWork,
                                            Workload{"tremor of a steady axis, tilted", 3.0, 1.2, 4.0, 0.1, 0.0},
                                            Workload{"tremor of a blunt drill, tilted", 3.2, 0.5, 9.0, 0.1, 0.0, 0.9}));
 
+TEST(Engines, RemoveEqualSetsOfJitteredPointsByBluntBits) {
+  // Points out of their disc's plane meet a blunt cone where it is far wider, or narrower, than at the plane.
+  for (const double tip_mm : {0.1, 0.3, 0.9}) {
+    for (const double tilt : {0.0, 0.2}) {
+      SCOPED_TRACE(::testing::Message() << "tip " << tip_mm << " mm, tilt " << tilt);
+      const DrillBit bit{3.0, 50.0, tip_mm};
+      PointVolume volume(test::askew_path(3.0), {.radius_mm = 2.5, .spacing_mm = 0.15, .jitter = 0.4});
+      fill_some(volume, 8, false);
+      Bench bench(volume, bit, test::three_engines());
+      for (int cycle = 0; cycle < 150; ++cycle) {
+        SCOPED_TRACE(::testing::Message() << "cycle " << cycle);
+        const Vec3 tremor(std::sin(0.3 * cycle) + 0.5 * std::sin(0.7 * cycle), std::sin(0.5 * cycle), 0.0);
+        const Vec3 axis(std::sin(tilt), 0.0, std::cos(tilt));
+        const Pose pose = volume.frame().to_patient(Pose{(0.02 * cycle - 0.2) * axis + 0.2 * tremor, axis});
+        const StepResult reference = bench.engines[0]->step(pose);
+        for (std::size_t n = 1; n < bench.engines.size(); ++n) {
+          SCOPED_TRACE(bench.kinds[n].name);
+          ASSERT_NO_FATAL_FAILURE(expect_same(bench.engines[n]->step(pose), reference));
+        }
+      }
+      EXPECT_LT(bench.volumes[0].alive_count(), volume.point_count() * 3 / 4);
+    }
+  }
+}
+
 /// All that a run with long steps of a burr, which are worth sharing, makes known.
 std::vector<StepResult> run(const test::NamedEngine& kind, std::size_t threads, std::vector<std::uint64_t>& hashes) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
