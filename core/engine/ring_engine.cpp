@@ -47,6 +47,7 @@ class RingEngine final : public VolumeEngine {
         gaps_(static_cast<std::size_t>(volume.disc_count()), volume.pattern(), kernels),
         first_living_ring_(static_cast<std::size_t>(volume.disc_count()), 0),
         due_(static_cast<std::size_t>(volume.disc_count()), 0),
+        rings_per_mm_(1.0 / volume.pattern().spacing_mm()),
         deviation_mm_(volume.deviation_mm(volume.pattern().ring_count() - 1)) {}
 
   std::size_t memory_bytes() const override {
@@ -175,9 +176,8 @@ class RingEngine final : public VolumeEngine {
 
   /// Rings from the first to before the last that have points within `reach_mm` of a place so far off the path.
   std::pair<int, int> rings_within(int disc, double off_axis_mm, double reach_mm) const noexcept {
-    const double spacing_mm = volume_.pattern().spacing_mm();
     const int rings = volume_.pattern().ring_count();
-    const auto ring_at = [&](double mm) { return static_cast<int>(std::clamp(mm / spacing_mm, 0.0, 1.0 * rings)); };
+    const auto ring_at = [&](double mm) { return static_cast<int>(std::clamp(mm * rings_per_mm_, 0.0, 1.0 * rings)); };
     return {std::max(first_living_ring_[static_cast<std::size_t>(disc)], ring_at(off_axis_mm - reach_mm)),
             std::min(rings, ring_at(off_axis_mm + reach_mm) + 2)};
   }
@@ -322,7 +322,8 @@ class RingEngine final : public VolumeEngine {
   RingGaps gaps_;
   std::vector<int> first_living_ring_;  ///< per disc: every ring within is wholly destroyed
   std::vector<int> due_;                ///< discs to look at, for one step
-  double deviation_mm_;                 ///< of points from their rings, at most
+  double rings_per_mm_;
+  double deviation_mm_;  ///< of points from their rings, at most
   AxisLine reference_;
   bool has_reference_ = false;
 };

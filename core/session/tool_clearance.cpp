@@ -273,10 +273,12 @@ class MinDistance {
     double before_mm = values_mm[(best + kDirections - 1) % kDirections];
     double after_mm = values_mm[(best + 1) % kDirections];
     double half_turn = kTurn;
-    for (int round = 0; round < 2; ++round) {
+    static const std::array<double, 2> cosines{std::cos(kTurn), std::cos(0.25 * kTurn)};
+    static const std::array<double, 2> sines{std::sin(kTurn), std::sin(0.25 * kTurn)};
+    for (std::size_t round = 0; round < 2; ++round) {
       // Around the ring a flat wall's distance is a sinusoid: through three of its values goes one.
-      const double across = (before_mm - after_mm) * (1.0 - std::cos(half_turn));
-      const double along = (before_mm + after_mm - 2.0 * min_mm) * std::sin(half_turn);
+      const double across = (before_mm - after_mm) * (1.0 - cosines[round]);
+      const double along = (before_mm + after_mm - 2.0 * min_mm) * sines[round];
       if (!(along > 0.0) || !std::isfinite(across)) break;
       const double turned = angle + std::clamp(std::atan2(across, along), -half_turn, half_turn);
       const double there_mm = at(turned);

@@ -40,7 +40,6 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
   nearer_mm_ = ellipse_ == &approach.cone ? approach.nearer_mm(approach.slope, approach.cone)
                                           : approach.nearer_mm(0.0, approach.cylinder);
   touched_mm_ = touched_off_centre_mm() * per_squeeze_;
-  improve(kLongestMm);
 }
 
 std::pair<double, double> NearestPoint::backs_mm() const noexcept {

@@ -154,7 +154,10 @@ class NearestPoint {
   /// Whether all that may meet the disc is the cylinder: it stays so while the bit goes on.
   bool is_behind_cone() const { return ellipse_ == &approach_.cylinder; }
   /// Points further from the middle are neither reached nor nearer to the bound than the nearest so far.
-  double reach_mm() const { return reach_mm_; }
+  double reach_mm() const {
+    // Points as near as the best, but for rounding, are not looked at: often a whole ring lies equally far.
+    return std::max(touched_mm_, (best_mm_ + nearer_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
+  }
 
   /// There is, or may be, a living point at this distance from the middle, and none nearer among those it speaks for.
   void add_distance(double middle_mm) { improve(squeeze_ * middle_mm - size_mm_ - nearer_mm_); }
@@ -194,10 +197,7 @@ class NearestPoint {
   double max_passed_mm() const noexcept;
 
   void improve(double distance_mm) {
-    if (!(distance_mm < best_mm_)) return;
-    best_mm_ = distance_mm;
-    // Points as near as the best, but for rounding, are not looked at: often a whole ring lies equally far.
-    reach_mm_ = std::max(touched_mm_, (best_mm_ + nearer_mm_ + size_mm_) * DiscEllipse::kNotQuite * per_squeeze_);
+    if (distance_mm < best_mm_) best_mm_ = distance_mm;
   }
 
   const DiscEllipse& shape() const { return ellipse_ != nullptr ? *ellipse_ : approach_.cylinder; }
@@ -212,8 +212,7 @@ class NearestPoint {
   double surely_free_mm_;  ///< points further than this from the bound survive
   double nearer_mm_;       ///< than they seem in the disc's plane, at most
   double touched_mm_;
-  double best_mm_ = HUGE_VAL;  ///< from the bound
-  double reach_mm_ = 0.0;
+  double best_mm_ = kLongestMm;  ///< from the bound
 };
 
 // In sight of the engine's innermost loop.
