@@ -22,7 +22,8 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
     ellipse_ = &approach.cylinder;
     if (cone_mm < approach.radius_mm) {
       ellipse_ = &approach.cone;
-      surely_free_mm_ = (approach.reach_mm + approach.slope * approach.bit.back_mm()) * ellipse_->growth;
+      surely_free_mm_ =
+          (approach.reach_mm + approach.cone_spare_mm + approach.slope * approach.bit.back_mm()) * ellipse_->growth;
       size_mm_ = ellipse_->gain * cone_mm;
       x_mm_ -= ellipse_->shift_x * cone_mm;
       y_mm_ -= ellipse_->shift_y * cone_mm;
@@ -65,7 +66,7 @@ double NearestPoint::max_passed_mm() const noexcept {
     return first_mm > a.neck_mm && last_mm < bit.profile().length_mm() ? a.cylinder_passed_mm : HUGE_VAL;
   }
   if (!(first_mm > 0.0 && last_mm < a.neck_mm)) return HUGE_VAL;
-  return a.passed_mm(a.offset_mm + a.slope * first_mm, a.cone);
+  return a.passed_mm(a.offset_mm + a.slope * first_mm, a.cone, a.cone_spare_mm);
 }
 
 }  // namespace spinaltap::detail

@@ -64,7 +64,8 @@ namespace spinaltap::detail {
 
 /// No certificate is longer: to look for a nearest point further out costs more than to look again.
 constexpr double kLongestMm = 0.5;
-/// Rounding and the skin of a straight way, with room; that of a turning one is among what SweptBit says.
+/// Rounding and the skin of a straight way, with room; that of a turning one is among what SweptBit says. Of a cone:
+/// across its wall.
 constexpr double kSpareMm = 1e-5;
 /// What certificates are shorter by than the gap: skin, float, and the walk's shortened reach.
 constexpr double kMarginMm = 5e-6;
@@ -79,6 +80,7 @@ struct Approach {
   double out_of_plane_mm;              ///< how far points lie out of their disc's plane, at most
   double reach_mm;                     ///< across the axis, by the way alone
   DiscEllipse cylinder, cone;
+  double cone_spare_mm;       ///< kSpareMm across the axis
   bool is_tight;              ///< cylinder and cone are the bit, and both meet discs in ellipses
   double spread_mm;           ///< how far along the axis, to both sides, points of a disc within reach lie
   double tilt;                ///< how far along the axis points of a disc lie for each mm off it, at most
@@ -100,6 +102,7 @@ struct Approach {
         reach_mm(swept.across_mm() + points_out_of_plane_mm + kSpareMm),
         cylinder(axis, 0.0),
         cone(axis, slope),
+        cone_spare_mm(kSpareMm * std::sqrt(cone.flatness)),
         is_tight(swept.profile().is_cone_and_cylinder() && cylinder.is_ellipse() && cone.is_ellipse()) {
     const Vec3& tip_mm = swept.to().tip_mm;
     line.x_slope = axis.x() / axis.z();
@@ -113,15 +116,15 @@ struct Approach {
     off_plane_back_mm = (out_of_plane_mm + kSpareMm) / along;
     cone_widens = slope * tilt < 0.5 ? 1.0 / (1.0 - slope * tilt) : HUGE_VAL;
     neck_mm = (radius_mm - offset_mm) / slope;
-    cylinder_passed_mm = passed_mm(radius_mm, cylinder);
+    cylinder_passed_mm = passed_mm(radius_mm, cylinder, kSpareMm);
   }
 
   /// See NearestPoint::max_passed_mm(): of a disc that meets one bound all the way, no narrower than this.
-  double passed_mm(double min_radius_mm, const DiscEllipse& ellipse) const {
+  double passed_mm(double min_radius_mm, const DiscEllipse& ellipse, double spare_mm) const {
     const double across_mm = bit.across_mm();
     if (!(min_radius_mm > 5.0 * across_mm)) return HUGE_VAL;
     const double bend_mm = across_mm * across_mm / (2.0 * (min_radius_mm - across_mm));
-    return (bend_mm + kSpareMm) * ellipse.growth;
+    return (bend_mm + spare_mm) * ellipse.growth;
   }
 
   /// How much nearer to a bound that widens by `widens` a point out of the disc's plane may be than its foot there: in
@@ -178,7 +181,10 @@ class NearestPoint {
   /// Whether the step removes p; where not, it may be the nearest.
   bool removes(const Vec3& p, double z_mm) noexcept;
 
-  double free_mm() const { return best_mm_ - kMarginMm - (ellipse_ == &approach_.cylinder ? 0.0 : kSpareMm); }
+  double free_mm() const {
+    if (ellipse_ == &approach_.cylinder) return best_mm_ - kMarginMm;
+    return best_mm_ - kMarginMm - (ellipse_ == &approach_.cone ? approach_.cone_spare_mm : kSpareMm);
+  }
   double back_share() const {
     if (ellipse_ == nullptr) return 1.0;
     return ellipse_ == &approach_.cone ? approach_.slope * ellipse_->growth : 0.0;

@@ -208,6 +208,29 @@ TEST(Engines, RemoveEqualSetsOfJitteredPointsByBluntBits) {
   }
 }
 
+TEST(Engines, RemoveWhatTheSkinOfABluntConeReaches) {
+  // 1 nm across the wall of such a cone is 14 nm across its axis.
+  constexpr double kSlope = 14.0, kSkinNm = 14.0;
+  const DrillBit bit{4.0, 50.0, 2.0 / kSlope};
+  for (const double beside_nm : {0.0, 5.0, 12.0, 16.0}) {
+    SCOPED_TRACE(::testing::Message() << beside_nm << " nm beside a ring");
+    const PointVolume volume(test::askew_path(3.0), {.radius_mm = 2.5, .spacing_mm = 0.15});
+    Bench bench(volume, bit, test::three_engines());
+    const int ring = 5;
+    const double cone_mm = ring * volume.pattern().spacing_mm() - 1e-6 * beside_nm;
+    const double tip_mm = volume.disc_depth_mm(10) + cone_mm / kSlope;
+    for (const double depth_mm : {-0.5, tip_mm - 0.04, tip_mm}) {
+      const Pose pose = volume.frame().to_patient(Pose{Vec3(0.0, 0.0, depth_mm), Vec3::UnitZ()});
+      const StepResult reference = bench.engines[0]->step(pose);
+      for (std::size_t n = 1; n < bench.engines.size(); ++n) {
+        SCOPED_TRACE(bench.kinds[n].name);
+        ASSERT_NO_FATAL_FAILURE(expect_same(bench.engines[n]->step(pose), reference));
+      }
+    }
+    EXPECT_EQ(bench.volumes[0].is_alive(10, DiscPattern::ring_start(ring)), beside_nm > kSkinNm);
+  }
+}
+
 /// All that a run with long steps of a burr, which are worth sharing, makes known.
 std::vector<StepResult> run(const test::NamedEngine& kind, std::size_t threads, std::vector<std::uint64_t>& hashes) {
   const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
