@@ -33,19 +33,17 @@ NearestPoint::NearestPoint(const Approach& approach, double z_mm) noexcept : app
     surely_free_mm_ = std::min(surely_free_mm_, max_passed_mm());
   } else {
     // Of other bits, what is further along the axis than a certificate is long does not matter to this disc.
-    const auto [first_mm, last_mm] = backs_mm();
+    const auto [first_mm, last_mm] = backs_mm(approach.spread_mm);
     const double widest_mm = approach.bit.profile().widest_mm(first_mm - kLongestMm, last_mm + kLongestMm);
     size_mm_ = widest_mm < 0.0 ? -kFarMm : widest_mm;
   }
   off_axis_mm_ = std::sqrt(x_mm_ * x_mm_ + y_mm_ * y_mm_);
-  nearer_mm_ = ellipse_ == &approach.cone ? approach.nearer_mm(approach.slope, approach.cone)
-                                          : approach.nearer_mm(0.0, approach.cylinder);
+  nearer_mm_ = ellipse_ == &approach.cone ? approach.cone_nearer_mm : approach.cylinder_nearer_mm;
   touched_mm_ = touched_off_centre_mm() * per_squeeze_;
 }
 
-std::pair<double, double> NearestPoint::backs_mm() const noexcept {
-  const Approach& a = approach_;
-  return {back_mm_ - a.spread_mm - a.bit.forth_mm(), back_mm_ + a.spread_mm + a.bit.back_mm()};
+std::pair<double, double> NearestPoint::backs_mm(double spread_mm) const noexcept {
+  return {back_mm_ - spread_mm - approach_.bit.forth_mm(), back_mm_ + spread_mm + approach_.bit.back_mm()};
 }
 
 double NearestPoint::max_passed_mm() const noexcept {
@@ -59,9 +57,7 @@ double NearestPoint::max_passed_mm() const noexcept {
     const double cone_mm = std::max(0.0, a.offset_mm + a.slope * (back_mm_ + bit.back_mm()));
     off_axis_mm = std::min(off_axis_mm, (cone_mm + a.reach_mm) * a.cone_widens);
   }
-  const double spread_mm = a.tilt * off_axis_mm + a.off_plane_back_mm;
-  const double first_mm = back_mm_ - spread_mm - bit.forth_mm();
-  const double last_mm = back_mm_ + spread_mm + bit.back_mm();
+  const auto [first_mm, last_mm] = backs_mm(a.tilt * off_axis_mm + a.off_plane_back_mm);
   if (ellipse_ == &a.cylinder) {
     return first_mm > a.neck_mm && last_mm < bit.profile().length_mm() ? a.cylinder_passed_mm : HUGE_VAL;
   }

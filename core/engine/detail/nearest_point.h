@@ -18,12 +18,13 @@ namespace spinaltap {
 /// The form sqrt(q² + squeeze² (u + shift c)²) - gain c changes no faster than the axis moves in the plane, plus
 /// growth times c.
 struct DiscEllipse {
-  double squeeze_squared, squeeze, per_squeeze, gain, shift_x, shift_y, flatness;
+  double squeeze_squared, squeeze, per_squeeze, gain, shift_x, shift_y, flatness, root_flatness;
   double growth;  ///< how much further the ellipse reaches, at most, where c is larger by 1
 
   DiscEllipse(const Vec3& axis, double slope) {
     const double t2 = axis.x() * axis.x() + axis.y() * axis.y();
     flatness = 1.0 + slope * slope;
+    root_flatness = std::sqrt(flatness);
     // Below the smallest, the plane meets the cone in no ellipse worth the name; see is_ellipse().
     squeeze_squared = std::max(kSmallest, 1.0 - flatness * t2);
     squeeze = std::sqrt(squeeze_squared);
@@ -88,6 +89,7 @@ struct Approach {
   double cone_widens;         ///< by how much a tilted cone's points are further off its axis; infinite for a steep one
   double neck_mm;             ///< where the cone ends, back from the tip
   double cylinder_passed_mm;  ///< passed_mm() of the cylinder: most discs ask for it
+  double cylinder_nearer_mm, cone_nearer_mm;  ///< see nearer_mm()
   AxisLine line;
 
   Approach(const SweptBit& swept, double points_out_of_plane_mm)
@@ -102,7 +104,7 @@ struct Approach {
         reach_mm(swept.across_mm() + points_out_of_plane_mm + kSpareMm),
         cylinder(axis, 0.0),
         cone(axis, slope),
-        cone_spare_mm(kSpareMm * std::sqrt(cone.flatness)),
+        cone_spare_mm(kSpareMm * cone.root_flatness),
         is_tight(swept.profile().is_cone_and_cylinder() && cylinder.is_ellipse() && cone.is_ellipse()) {
     const Vec3& tip_mm = swept.to().tip_mm;
     line.x_slope = axis.x() / axis.z();
@@ -117,6 +119,8 @@ struct Approach {
     cone_widens = slope * tilt < 0.5 ? 1.0 / (1.0 - slope * tilt) : HUGE_VAL;
     neck_mm = (radius_mm - offset_mm) / slope;
     cylinder_passed_mm = passed_mm(radius_mm, cylinder, kSpareMm);
+    cylinder_nearer_mm = nearer_mm(0.0, cylinder);
+    cone_nearer_mm = nearer_mm(slope, cone);
   }
 
   /// See NearestPoint::max_passed_mm(): of a disc that meets one bound all the way, no narrower than this.
@@ -150,7 +154,7 @@ class NearestPoint {
   /// The same, of points as far off the middle as ellipse() counts it.
   double touched_off_centre_mm() const { return size_mm_ + surely_free_mm_ + nearer_mm_; }
   FloatEllipse ellipse() const {
-    const double root = std::sqrt(shape().flatness);
+    const double root = shape().root_flatness;
     return {static_cast<float>(root * approach_.axis.x()), static_cast<float>(root * approach_.axis.y()),
             static_cast<float>(squeeze_ * squeeze_)};
   }
@@ -191,8 +195,8 @@ class NearestPoint {
   }
 
  private:
-  /// How far back from the tip all points of the disc in the bit's reach lie, all the way.
-  std::pair<double, double> backs_mm() const noexcept;
+  /// How far back from the tip points of the disc lie, all the way, that lie so far along the axis from the middle.
+  std::pair<double, double> backs_mm(double spread_mm) const noexcept;
 
   /// How far from the bound a point may lie that lived at the step's start and was passed on the way; infinite where
   /// that is not known.
