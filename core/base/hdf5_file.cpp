@@ -57,6 +57,17 @@ Id memory_of(const Hdf5Row& row, std::uint64_t count, const fs::path& path) {
           H5Sclose};
 }
 
+hsize_t attribute_count(hid_t object, const fs::path& path) {
+#if H5_VERSION_GE(1, 12, 0)
+  H5O_info2_t info{};
+  checked(H5Oget_info3(object, &info, H5O_INFO_NUM_ATTRS), "read", path);
+#else
+  H5O_info_t info{};
+  checked(H5Oget_info2(object, &info, H5O_INFO_NUM_ATTRS), "read", path);
+#endif
+  return info.num_attrs;
+}
+
 }  // namespace
 
 struct Hdf5File::Handle {
@@ -72,8 +83,9 @@ Hdf5File& Hdf5File::operator=(Hdf5File&&) noexcept = default;
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   const QuietHdf5 quiet;
   const Id access(checked(H5Pcreate(H5P_FILE_ACCESS), "make", path), H5Pclose);
-  // Readers may come along, and every piece of the file's own structure has a checksum.
-  checked(H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "make", path);
+  // Readers may come along, and every piece of the file's own structure has a checksum. Not newer than what HDF5 1.10
+  // reads, whichever HDF5 writes it.
+  checked(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110), "make", path);
   checked(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "make", path);
   checked(H5Pset_driver(access.get(), hdf5_stopping_driver(), nullptr), "make", path);
   errno = 0;
@@ -130,11 +142,10 @@ std::map<std::string, std::string> Hdf5File::read_texts(const std::string& group
   constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
   const Id object(H5Gopen2(handle_->file.get(), group.c_str(), H5P_DEFAULT), H5Gclose);
   checked(object.get(), "read", path);
-  H5O_info_t info{};
-  checked(H5Oget_info2(object.get(), &info, H5O_INFO_NUM_ATTRS), "read", path);
-  if (info.num_attrs > kMaxTexts) fail("cannot read ", path.string(), ": ", info.num_attrs, " texts in ", group);
+  const hsize_t count = attribute_count(object.get(), path);
+  if (count > kMaxTexts) fail("cannot read ", path.string(), ": ", count, " texts in ", group);
   std::map<std::string, std::string> texts;
-  for (hsize_t n = 0; n < info.num_attrs; ++n) {
+  for (hsize_t n = 0; n < count; ++n) {
     const Id attribute(H5Aopen_by_idx(object.get(), ".", H5_INDEX_NAME, H5_ITER_INC, n, H5P_DEFAULT, H5P_DEFAULT),
                        H5Aclose);
     checked(attribute.get(), "read", path);

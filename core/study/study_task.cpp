@@ -138,7 +138,8 @@ double radius_of_all_runs_mm(const StudySpec& spec, const StudyRuns& runs, doubl
   double radius_mm = 0.0;
   for (std::size_t n = 0; n < runs.count(); ++n) {
     const StudyTask task = study_task(spec, runs, n);
-    const DrillPath& planned = path_of(spec, screw_at(spec, task.screw));
+    const StudyScrew screw = screw_at(spec, task.screw);
+    const DrillPath& planned = path_of(spec, screw);
     const Vec3 axis = planned.direction();
     const Vec3 direction = task.path.direction();
     const double cosine = direction.dot(axis);

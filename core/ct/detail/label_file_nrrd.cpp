@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Header {
-  std::map<std::string, std::string> fields;  ///< "sizes" to "3 2 2"
-  std::map<std::string, std::string> pairs;   ///< "Segment0_Name" to "T11": the format's key/value pairs
+  std::map<std::string, std::string, std::less<>> fields;  ///< "sizes" to "3 2 2"
+  std::map<std::string, std::string> pairs;                ///< "Segment0_Name" to "T11": the format's key/value pairs
   std::size_t data_begins = 0;
 };
 
@@ -57,7 +57,7 @@ Header read_header(const std::string& content, const std::string& what) {
   fail("expected an NRRD header that ends in an empty line, found none in ", what);
 }
 
-const std::string& field(const Header& header, const std::string& name, const std::string& what) {
+const std::string& field(const Header& header, std::string_view name, const std::string& what) {
   const auto found = header.fields.find(name);
   if (found == header.fields.end()) fail("expected an NRRD field \"", name, "\", found none in ", what);
   return found->second;
