@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::int64_t kMagic = 0x56444220;
 constexpr std::uint32_t kMinFormat = 222;
-constexpr std::uint32_t kMaxFormat = 224;
+constexpr std::uint32_t kQuietFormat = 224;            ///< OpenVDB 10 warns of a newer one, on its own
+constexpr std::uint32_t kMaxFormat = 225;              ///< OpenVDB 12's and 13's: 224, and grids of half floats
 constexpr std::size_t kTagOffset = 8 + 4 + 4 + 4 + 1;  // magic, format, library's version, whether there are offsets
 constexpr std::size_t kTagLength = 36;
 constexpr std::string_view kSealMark = "5f1a17a9-";  ///< a sealed file's tag begins so
@@ -355,6 +356,20 @@ VdbGrid read_descriptor(VdbCursor& cursor, bool has_offsets) {
   return grid;
 }
 
+/// Floats and masks lie alike in all formats that are read.
+void check_format(VdbCursor& cursor) {
+  char* const place = cursor.take(sizeof(std::uint32_t));
+  std::uint32_t format = 0;
+  std::memcpy(&format, place, sizeof format);
+  if (format < kMinFormat || format > kMaxFormat) {
+    fail("expected a .vdb file of format ", kMinFormat, " to ", kMaxFormat, ", found ", format,
+         format < kMinFormat ? ": save it with OpenVDB 2 or later"
+                             : ": an OpenVDB newer than 13 wrote it; save it with 13 or an earlier one");
+  }
+  format = std::min(format, kQuietFormat);
+  std::memcpy(place, &format, sizeof format);
+}
+
 }  // namespace
 
 VdbLayout check_vdb(std::string& bytes) {
@@ -366,11 +381,7 @@ VdbLayout check_vdb(std::string& bytes) {
     if (tag != seal_of(bytes)) fail("damaged or cut short: its checksum is another");
     layout.is_sealed = true;
   }
-  const auto format = cursor.get<std::uint32_t>();
-  if (format < kMinFormat || format > kMaxFormat) {
-    fail("expected a .vdb file of format ", kMinFormat, " to ", kMaxFormat, ", found ", format,
-         ": save it with OpenVDB 2 or later");
-  }
+  check_format(cursor);
   cursor.take(2 * sizeof(std::uint32_t));
   const auto has_offsets = cursor.get<char>();
   if (has_offsets != 0 && has_offsets != 1) cursor.reject("neither true nor false");
