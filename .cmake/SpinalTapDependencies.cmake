@@ -1,7 +1,11 @@
-# Debian 12's packages. `./run build` installs them.
+# Debian's packages; docs/building.md has their versions. `./run build` installs them.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+# 3.4 or any later: Eigen 5, which came after it, calls itself another package than 3.4.
+find_package(Eigen3 REQUIRED NO_MODULE)
+if(Eigen3_VERSION VERSION_LESS 3.4)
+  message(FATAL_ERROR "expected Eigen 3.4 or later, found ${Eigen3_VERSION}")
+endif()
 
 # GDCM's config warns about programs that only libgdcm-tools installs, and VTK is not wanted from it.
 set(GDCM_SKIP_USE_VTK ON)
@@ -37,14 +41,19 @@ if(SPINALTAP_PLANNER)
   if(NOT SPINALTAP_PLANNER STREQUAL AUTO)
     set(required REQUIRED)
   endif()
-  find_package(Qt5 5.15 ${required} QUIET COMPONENTS Svg Widgets)
   find_package(VTK 9.1 ${required} QUIET COMPONENTS CommonCore CommonDataModel CommonTransforms FiltersSources
                ImagingCore RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2)
-  if(Qt5_FOUND AND VTK_FOUND)
+  # The Qt that VTK is built with: its packages bring that one.
+  set(qt Qt5)
+  if(VTK_QT_VERSION AND NOT VTK_QT_VERSION VERSION_LESS 6)
+    set(qt Qt6)
+  endif()
+  find_package(${qt} 5.15 ${required} QUIET COMPONENTS Svg Widgets)
+  if(${qt}_FOUND AND VTK_FOUND)
     set(SPINALTAP_PLANNER ON)
     set(SPINALTAP_VTK ${VTK_LIBRARIES})
     # The drill as it is heard; without, the window says so.
-    find_package(Qt5Multimedia 5.15 QUIET)
+    find_package(${qt}Multimedia 5.15 QUIET)
   else()
     set(SPINALTAP_PLANNER OFF)
   endif()

@@ -101,8 +101,10 @@ int run_planner(int argc, char** argv) {
     fail("expected a screen for the window, found none: DISPLAY is not set; without one: xvfb-run -a ",
          "-s \"-screen 0 1400x900x24\" spinaltap-planner ...");
   }
+#if QT_VERSION < QT_VERSION_CHECK(6, 0, 0)  // 6 does so by itself
   QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
   QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
+#endif
   const QApplication application(argc, argv);
   // Qt has taken the user's locale for all of the process: numbers are read and written the same way under any.
   std::setlocale(LC_NUMERIC, "C");

@@ -85,7 +85,12 @@ class Mark final : public QAbstractNativeEventFilter {
     wait_until([this, seen] { return is_passed_ || !has_window(seen); }, kLongestMs);
   }
 
-  bool nativeEventFilter(const QByteArray& kind, void* message, long* /*result*/) override {
+#if QT_VERSION >= QT_VERSION_CHECK(6, 0, 0)
+  using Result = qintptr;
+#else
+  using Result = long;
+#endif
+  bool nativeEventFilter(const QByteArray& kind, void* message, Result* /*result*/) override {
     if (kind != "xcb_generic_event_t") return false;
     const auto* event = static_cast<const xcb_generic_event_t*>(message);
     constexpr unsigned kSentBit = 0x80;

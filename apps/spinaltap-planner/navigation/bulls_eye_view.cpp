@@ -11,6 +11,7 @@
 #include "apps/spinaltap-planner/colours.h"
 #include "apps/spinaltap-planner/slices/haloed.h"
 #include "apps/spinaltap-planner/slices/pane_marks.h"
+#include "apps/spinaltap-planner/window/mouse_place.h"
 #include "core/session/device/open_device.h"
 #include "core/tool/path_curve.h"
 
@@ -152,11 +153,11 @@ void BullsEyeView::paint_marks(QPainter& painter, const SliceFrame& shown) const
   draw_haloed_text(painter, target - QPointF(0.0, side * 20.0), TextAnchor::middle, tr("target"), QColor(kTargetRgb));
 }
 
-void BullsEyeView::mousePressEvent(QMouseEvent* event) { mouse_ = event->localPos(); }
+void BullsEyeView::mousePressEvent(QMouseEvent* event) { mouse_ = mouse_in_widget(*event); }
 
 void BullsEyeView::mouseMoveEvent(QMouseEvent* event) {
-  const QPointF way = event->localPos() - mouse_;
-  mouse_ = event->localPos();
+  const QPointF way = mouse_in_widget(*event) - mouse_;
+  mouse_ = mouse_in_widget(*event);
   if (!device_) return;
   if (event->buttons().testFlag(Qt::LeftButton)) device_->move({kMmPerMousePx * way.x(), kMmPerMousePx * way.y(), 0.0});
   if (event->buttons().testFlag(Qt::RightButton)) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "apps/report/text.h"
+#include "apps/spinaltap-planner/window/mouse_place.h"
 
 namespace spinaltap {
 namespace {
@@ -108,8 +109,8 @@ QString PlotView::values_at(double x_pixel) const {
 }
 
 void PlotView::mouseMoveEvent(QMouseEvent* event) {
-  pointer_x_ = event->localPos().x();
-  QToolTip::showText(event->globalPos(), values_at(*pointer_x_), this);
+  pointer_x_ = mouse_in_widget(*event).x();
+  QToolTip::showText(mouse_on_screen(*event), values_at(*pointer_x_), this);
   update();
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "apps/spinaltap-planner/scene/scene_pick.h"
+#include "apps/spinaltap-planner/window/mouse_place.h"
 
 namespace spinaltap {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kTurnPerKey = 10.0 * kDegree;
 constexpr double kZoomPerPixel = 1.006;
 constexpr double kSceneZoomPerNotch = 1.15;
 
-Eigen::Vector2d pixel_of(const QMouseEvent& event) { return {event.localPos().x(), event.localPos().y()}; }
+Eigen::Vector2d pixel_of(const QMouseEvent& event) { return {mouse_in_widget(event).x(), mouse_in_widget(event).y()}; }
 
 }  // namespace
 

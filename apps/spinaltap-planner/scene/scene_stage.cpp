@@ -9,7 +9,6 @@
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
-#include <vtk_glew.h>
 
 #include <algorithm>
 #include <array>
@@ -18,21 +17,23 @@
 
 #include "apps/spinaltap-planner/scene/orientation_marker.h"
 
-// OpenGL before those.
-
 namespace spinaltap {
 namespace {
+
+// OpenGL's: VTK 9.4 has its header under another name than those before.
+constexpr unsigned kColourAndDepth = 0x4000 | 0x100;  ///< GL_COLOR_BUFFER_BIT, GL_DEPTH_BUFFER_BIT
+constexpr unsigned kNearest = 0x2600;                 ///< GL_NEAREST
 
 void copy(vtkOpenGLRenderWindow& window, vtkOpenGLFramebufferObject& from, vtkOpenGLFramebufferObject& to) {
   const int* size = window.GetSize();
   const std::array<int, 4> all{0, size[0], 0, size[1]};
   vtkOpenGLState& state = *window.GetState();
   state.PushFramebufferBindings();
-  from.Bind(GL_READ_FRAMEBUFFER);
+  from.Bind(vtkOpenGLFramebufferObject::GetReadMode());
   from.ActivateReadBuffer(0);
-  to.Bind(GL_DRAW_FRAMEBUFFER);
+  to.Bind(vtkOpenGLFramebufferObject::GetDrawMode());
   to.ActivateDrawBuffer(0);
-  vtkOpenGLFramebufferObject::Blit(all.data(), all.data(), GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  vtkOpenGLFramebufferObject::Blit(all.data(), all.data(), kColourAndDepth, kNearest);
   state.PopFramebufferBindings();
 }
 
@@ -43,6 +44,15 @@ void observe(vtkObject& object, unsigned long event, const std::function<void()>
   command->SetCallback(
       [](vtkObject*, unsigned long, void* data, void*) { (*static_cast<std::function<void()>*>(data))(); });
   object.AddObserver(event, command);
+}
+
+/// VTK counts them from below.
+QImage with_rows_from_above(const QImage& image) {
+#if QT_VERSION >= QT_VERSION_CHECK(6, 9, 0)
+  return image.flipped(Qt::Vertical);
+#else
+  return image.mirrored();
+#endif
 }
 
 vtkOpenGLRenderWindow& opengl(vtkRenderWindow& window) { return dynamic_cast<vtkOpenGLRenderWindow&>(window); }
@@ -165,10 +175,8 @@ SceneStage::Frame SceneStage::draw(const QSize& device_px) {
   vtkNew<vtkUnsignedCharArray> pixels;
   window_->GetRGBACharPixelData(0, 0, device_px.width() - 1, device_px.height() - 1, 0, pixels);
   window_->ReleaseCurrent();
-  // VTK counts rows from below.
-  QImage picture = QImage(pixels->GetPointer(0), device_px.width(), device_px.height(), 4 * device_px.width(),
-                          QImage::Format_RGBX8888)
-                       .mirrored()
+  QImage picture = with_rows_from_above(QImage(pixels->GetPointer(0), device_px.width(), device_px.height(),
+                                               4 * device_px.width(), QImage::Format_RGBX8888))
                        .convertToFormat(QImage::Format_RGB32);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
   return {std::move(picture), took.count()};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/spinaltap-planner/slices/slice_view.h"
+#include "apps/spinaltap-planner/window/mouse_place.h"
 
 namespace spinaltap {
 namespace {
@@ -50,13 +51,13 @@ SliceView::Gesture SliceView::gesture_of(Qt::MouseButton button, Qt::KeyboardMod
 
 void SliceView::mousePressEvent(QMouseEvent* event) {
   if (grip_.gesture != Gesture::none || !plane()) return;
-  grip_.pressed = event->localPos();
+  grip_.pressed = mouse_in_widget(*event);
   grip_.button = event->button();
   grip_.view = view_;
   grip_.window = state_.window();
   grip_.crosshair_mm = state_.crosshair_mm();
-  grip_.gesture = gesture_of(event->button(), event->modifiers(), event->localPos());
-  if (grip_.gesture == Gesture::crosshair) go_on(event->localPos());
+  grip_.gesture = gesture_of(event->button(), event->modifiers(), mouse_in_widget(*event));
+  if (grip_.gesture == Gesture::crosshair) go_on(mouse_in_widget(*event));
   update_cursor(event->modifiers());
   update();
 }
@@ -84,14 +85,14 @@ void SliceView::go_on(const QPointF& place) {
 }
 
 void SliceView::mouseMoveEvent(QMouseEvent* event) {
-  if (grip_.gesture != Gesture::none) go_on(event->localPos());
-  point_at(event->localPos(), event->modifiers());
+  if (grip_.gesture != Gesture::none) go_on(mouse_in_widget(*event));
+  point_at(mouse_in_widget(*event), event->modifiers());
 }
 
 void SliceView::mouseReleaseEvent(QMouseEvent* event) {
   if (event->button() != grip_.button) return;
   let_go();
-  point_at(event->localPos(), event->modifiers());
+  point_at(mouse_in_widget(*event), event->modifiers());
 }
 
 void SliceView::mouseDoubleClickEvent(QMouseEvent* event) {

@@ -5,8 +5,6 @@
 
 #include "apps/spinaltap-planner/sound/sound_stream.h"
 
-class QAudioOutput;
-
 namespace spinaltap {
 
 /// Opens the computer's audio device and lets it read a stream. All of it, also its end, is on one thread, which may
@@ -24,8 +22,10 @@ class SoundPlayer : public QObject {
   void told(const QString& why_silent);
 
  private:
+  struct Output;  ///< Qt's, which Qt 5 and 6 name differently
+
   std::unique_ptr<SoundStream> stream_;
-  std::unique_ptr<QAudioOutput> output_;
+  std::unique_ptr<Output> output_;
 };
 
 }  // namespace spinaltap
