@@ -56,6 +56,13 @@ NodeName=$host NodeAddr=127.0.0.1 CPUs=2 RealMemory=$memory_mb State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
   export SLURM_CONF=$slurm/slurm.conf
+  # A later slurmd ends where it cannot have control groups of its own, as in a container; an earlier one (22.05) asks for
+  # none with this configuration, and does not know the word.
+  local version
+  version=$(slurmd -V | grep -oE '[0-9]+\.[0-9]+' | head -n 1)
+  if [ "$(printf '%s\n' 23.11 "$version" | sort -V | head -n 1)" = 23.11 ]; then
+    echo "CgroupPlugin=disabled" >"$slurm/cgroup.conf"
+  fi
   munged --foreground --force --key-file="$slurm/munge/key" --socket="$slurm/munge/socket" \
     --pid-file="$slurm/munge/pid" --log-file="$slurm/munge/log" --seed-file="$slurm/munge/seed" \
     >"$slurm/munged.out" 2>&1 &
