@@ -209,7 +209,7 @@ void MainWindow::tell(const QString& what, const QString& why) {
 
 void MainWindow::show_page(const QString& name) {
   const QStringList names{"plan", "path", "drill", "navigate"};
-  const int index = names.indexOf(name);
+  const auto index = static_cast<int>(names.indexOf(name));
   if (index < 0) fail("expected the page plan, path, drill or navigate, found \"", name.toStdString(), "\"");
   pages_->setCurrentIndex(index);
 }
