@@ -1,4 +1,5 @@
 # Targets of this project: spinaltap_library(core), spinaltap_link(core PUBLIC Eigen3::Eigen).
+include(CheckCXXSymbolExists)
 
 # The name of our own target for `core`, `vdb`, ..., or the name itself for a foreign one.
 function(spinaltap_target_name out folder)
@@ -31,6 +32,33 @@ function(spinaltap_library folder)
   target_include_directories(spinaltap_${folder} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(spinaltap_${folder} PRIVATE $<BUILD_INTERFACE:spinaltap_flags>)
+endfunction()
+
+# Adds kernels (see core/base/kernel_sets.h) to a target: sources of the current folder, compiled once for each set of
+# vector instructions with that set's flags, alone and without a precompiled header.
+function(spinaltap_kernels target)
+  check_cxx_symbol_exists(__x86_64__ "" SPINALTAP_IS_X86)
+  foreach(source IN LISTS ARGN)
+    cmake_path(GET source STEM name)
+    cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE folder)
+    foreach(set IN ITEMS "portable;portable;16" "avx2;AVX2;32;-mavx2"
+                         "avx512;AVX-512;64;-mavx512f;-mavx512bw;-mavx512vl;-mavx512dq")
+      list(POP_FRONT set id words bytes)
+      if(id STREQUAL portable OR SPINALTAP_IS_X86)
+        set(generated ${CMAKE_CURRENT_BINARY_DIR}/kernels/${name}_${id}.cpp)
+        file(CONFIGURE OUTPUT ${generated} @ONLY CONTENT
+             "#define SPINALTAP_KERNEL_SET @id@
+#define SPINALTAP_KERNEL_NAME \"@words@\"
+#define SPINALTAP_VECTOR_BYTES @bytes@
+#include \"@folder@/@source@\"
+")
+        target_sources(${target} PRIVATE ${generated})
+        # Square roots and choices in vectors; nobody here reads errno or floating-point exceptions.
+        set_source_files_properties(${generated} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
+                                    COMPILE_OPTIONS "-fno-math-errno;-fno-trapping-math;${set}")
+      endif()
+    endforeach()
+  endforeach()
 endfunction()
 
 # What a program links: spinaltap::spinaltap, the three libraries; and spinaltap::shared, the same objects in one shared

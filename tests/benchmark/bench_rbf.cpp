@@ -220,7 +220,7 @@ void direct_pairs(benchmark::State& state, bool gradient) {
         kSources, 0.0, sums);
     benchmark::DoNotOptimize(sums);
   }
-  state.SetLabel(std::string(simd.name));
+  state.SetLabel(simd.name);
   state.counters["pairs_per_s"] =
       benchmark::Counter(static_cast<double>(kSources * detail::kLanes), benchmark::Counter::kIsIterationInvariantRate);
 }

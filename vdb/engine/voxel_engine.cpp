@@ -160,6 +160,7 @@ class VoxelEngine final : public SweptEngine {
 
   WordTool word_tool(const SweptBounds& tool) const noexcept {
     const auto f = [](double value) { return static_cast<float>(value); };
+    static_assert(kMaxStretches <= WordTool::kMaxPieces);
     WordTool words{};
     for (const ToolBounds::Piece& piece : bounds_.pieces()) {
       words.pieces[words.piece_count++] = {f(piece.begin_mm),       f(piece.end_mm),  f(piece.ball_centre_mm),

@@ -71,6 +71,11 @@ struct DiscKernels {
   const char* name;
   void (*check)(const CheckArguments&);
   void (*gap_squares)(const GapArguments&, GapResult&);
+
+  // Of machines that are no x86 the first alone.
+  static DiscKernels portable();
+  static DiscKernels avx2();
+  static DiscKernels avx512();
 };
 
 /// Floats of the longest vector: columns are this long or a multiple.

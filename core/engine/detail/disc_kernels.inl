@@ -1,5 +1,9 @@
-// Included once for each set of instructions, with SPINALTAP_VECTOR_BYTES set. Sums and products are written out in one
-// order and never fused (-ffp-contract=off), so that all sets agree to the last bit.
+// Compiled once for each set of instructions: see kernel_sets.h.
+
+#include "core/engine/detail/disc_kernels.h"
+
+namespace spinaltap::detail {
+namespace {
 
 constexpr std::size_t kLanes = SPINALTAP_VECTOR_BYTES / sizeof(float);
 typedef float Floats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
@@ -63,8 +67,8 @@ void gap_squares(const GapArguments& arguments, GapResult& result) {
     const Floats to_above = g.x * by - g.y * bx;
     const Ints width = above - below;
     const Ints turned = width > 0 ? width : width + size;
-    const Ints is_faced = 2 * turned < size ? (from_below > 0.0F) & (to_above > 0.0F)
-                                            : ~((from_below < 0.0F) & (to_above < 0.0F));
+    const Ints is_faced =
+        2 * turned < size ? (from_below > 0.0F) & (to_above > 0.0F) : ~((from_below < 0.0F) & (to_above < 0.0F));
     // Along the rest of the ring points are ever further off: see DiscEllipse::far_round(). The last term is for the
     // ends' rounding.
     const Floats radius = __builtin_convertvector(ring, Floats) * g.spacing;
@@ -93,7 +97,7 @@ void gap_squares(const GapArguments& arguments, GapResult& result) {
   }
   // By quarters and halves: lane after lane each would wait for the last.
   Quads quads[kLanes / 4];
-  std::memcpy(quads, &least, sizeof(least));
+  __builtin_memcpy(quads, &least, sizeof(least));
   Quads few = quads[0];
   for (std::size_t n = 1; n < kLanes / 4; ++n) few = quads[n] < few ? quads[n] : few;
   const Quads halves = __builtin_shufflevector(few, few, 2, 3, 0, 1);
@@ -101,5 +105,8 @@ void gap_squares(const GapArguments& arguments, GapResult& result) {
   result.least_square = few[1] < few[0] ? few[1] : few[0];
 }
 
-#undef SPINALTAP_LOAD
-#undef SPINALTAP_LOAD_SHORTS
+}  // namespace
+
+DiscKernels DiscKernels::SPINALTAP_KERNEL_SET() { return {SPINALTAP_KERNEL_NAME, detail::check, detail::gap_squares}; }
+
+}  // namespace spinaltap::detail

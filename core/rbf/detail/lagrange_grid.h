@@ -3,12 +3,11 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/rbf/detail/simd_kernels.h"
 
 namespace spinaltap::detail {
 
 inline constexpr int kMinOrder = 3;
-/// Even grids of more nodes magnify rounding faster than they gain accuracy.
-inline constexpr int kMaxOrder = 12;
 
 /// Even grids of order^3 nodes over a box, and the polynomials through them (Lagrange), for the far field.
 class LagrangeGrid {

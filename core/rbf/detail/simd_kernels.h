@@ -2,13 +2,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 namespace spinaltap::detail {
 
 /// Numbers that the kernels take at once. The same on every CPU, so that sums run in the same order everywhere.
 inline constexpr std::size_t kLanes = 8;
+/// Nodes along a box's edge: even grids of more magnify rounding faster than they gain accuracy.
+inline constexpr int kMaxOrder = 12;
 
 /// Sources as arrays, one a coordinate.
 struct SourceArrays {
@@ -33,7 +34,7 @@ struct SpectrumPair {
 /// The loops where the time goes, compiled once for each instruction set. All of them round alike and give the same
 /// bits: IEEE square roots and quotients, no fused multiply-add, one order of summation.
 struct SimdKernels {
-  std::string_view name;
+  const char* name;
 
   /// Adds sum_j w_j (|t - y_j|^2 + c2)^(power/2) over sources [begin, end) for eight targets (x[8], y[8], z[8]);
   /// power is 1 or 3. A source at a target has no gradient there and adds none.
@@ -69,6 +70,11 @@ struct SimdKernels {
   /// (terms * count + count (count + 1) / 2) * kLanes numbers.
   void (*local_functions)(int power, std::size_t count, std::size_t terms, const double* points, const double* diagonal,
                           double* work, double* out);
+
+  // Of machines that are no x86 the first alone.
+  static SimdKernels portable();
+  static SimdKernels avx2();
+  static SimdKernels avx512();
 };
 
 /// The kernels that this CPU can run, portable ones first, the fastest last.

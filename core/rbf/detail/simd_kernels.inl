@@ -1,5 +1,10 @@
-// Compiled once for each instruction set by simd_kernels.cpp, which sets SPINALTAP_VECTOR_BYTES; no include guard, no
-// includes. Eight lanes are as many registers as the instruction set needs for them.
+// Compiled once for each set of instructions: see kernel_sets.h. Eight lanes are as many registers as the set needs for
+// them.
+
+#include "core/rbf/detail/simd_kernels.h"
+
+namespace spinaltap::detail {
+namespace {
 
 using Lanes = double __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
 constexpr std::size_t kWidth = SPINALTAP_VECTOR_BYTES / sizeof(double);
@@ -405,3 +410,12 @@ void local_functions(int power, std::size_t count, std::size_t terms, const doub
                                                                  factor, out + lane);
   }
 }
+
+}  // namespace
+
+SimdKernels SimdKernels::SPINALTAP_KERNEL_SET() {
+  return {SPINALTAP_KERNEL_NAME,    detail::near_sum,         detail::interpolate,    detail::interpolate_lattice,
+          detail::multiply_spectra, detail::multiply_complex, detail::local_functions};
+}
+
+}  // namespace spinaltap::detail

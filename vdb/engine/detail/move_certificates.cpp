@@ -5,87 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/instruction_set.h"
-
 namespace spinaltap::detail {
-
-namespace {
-
-struct Columns {
-  const float *x, *y, *z, *foot_x, *foot_y, *foot_z, *turn_x, *turn_y, *turn_z, *back, *free, *forward, *backward,
-      *side_x, *side_y, *side_z, *sine, *rest;
-};
-
-/// The same operations in the same order whatever the vectors' length, so that machines agree to the last bit.
-template <class Line>
-[[gnu::always_inline]] inline void check_boxes(const Columns& c, const Line& at, std::size_t begin, std::size_t count,
-                                               float* __restrict left) {
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t n = begin + i;
-    const float qx = c.x[n] - at.foot_x;
-    const float qy = c.y[n] - at.foot_y;
-    const float qz = c.z[n] - at.foot_z;
-    const float along = qx * at.axis_x + qy * at.axis_y + qz * at.axis_z;
-    const float ex = at.turn_x - c.turn_x[n];
-    const float ey = at.turn_y - c.turn_y[n];
-    const float ez = at.turn_z - c.turn_z[n];
-    const float dx = (at.foot_x - c.foot_x[n]) + along * ex;
-    const float dy = (at.foot_y - c.foot_y[n]) + along * ey;
-    const float dz = (at.foot_z - c.foot_z[n]) + along * ez;
-    const float moved = std::sqrt(dx * dx + dy * dy + dz * dz);
-    // Sums of absolute values are no less than the lengths they stand for.
-    const float turn = std::abs(ex) + std::abs(ey) + std::abs(ez) + at.turned;
-    const float off =
-        std::abs(qx - along * at.axis_x) + std::abs(qy - along * at.axis_y) + std::abs(qz - along * at.axis_z);
-    const float advance = (at.back - c.back[n]) - (c.x[n] * ex + c.y[n] * ey + c.z[n] * ez);
-    const float a = advance * c.forward[n];
-    const float b = -advance * c.backward[n];
-    const float counted = (a > b ? a : b) + c.forward[n] * at.back_noise;
-    const float to_all_sides = moved + counted;
-    // The move itself: across the old axis, and along it.
-    const float old_x = at.axis_x - ex, old_y = at.axis_y - ey, old_z = at.axis_z - ez;
-    const float forth = advance - (dx * old_x + dy * old_y + dz * old_z);
-    const float mx = dx + forth * old_x, my = dy + forth * old_y, mz = dz + forth * old_z;
-    const float square = mx * mx + my * my + mz * mz;
-    const float towards = c.side_x[n] * mx + c.side_y[n] * my + c.side_z[n] * mz;
-    const float sine = c.sine[n];
-    const float rest_square = square - towards * towards;
-    const float aside = std::sqrt(rest_square > 0.0F ? rest_square : 0.0F);
-    const float cosine = std::sqrt(1.0F - sine * sine);
-    const float whole = std::sqrt(square);
-    // The most of the move that may lead to any of the box's points.
-    const float oblique = towards * cosine + aside * sine;
-    const float of_step = at.way + at.turned * (std::abs(along - at.back) + at.half + off);
-    const float to_one_side =
-        (towards >= cosine * whole ? whole : oblique) + of_step + (4.0F * at.noise + at.back_noise);
-    const float used = sine < 1.0F ? to_one_side : to_all_sides;
-    const float turned = turn * (at.half + off) * (1.0F + 2.0F * c.forward[n]) + at.edge * (1.0F + c.forward[n]);
-    const float less = turned + at.noise;
-    // What did not hold when it was made does not hold after a move away either.
-    const float at_most_left = c.free[n] > 0.0F ? 1e30F : 0.0F;
-    const float unbounded = c.free[n] - (used + less);
-    const float left_here = unbounded < at_most_left ? unbounded : at_most_left;
-    const float left_of_rest = c.rest[n] - (to_all_sides + less);
-    left[i] = left_here < left_of_rest ? left_here : left_of_rest;
-  }
-}
-
-template <class Line>
-void check_portable(const Columns& c, const Line& at, std::size_t begin, std::size_t count, float* left) {
-  check_boxes(c, at, begin, count, left);
-}
-
-#if defined(__x86_64__)
-template <class Line>
-[[gnu::target("avx2")]] void check_avx2(const Columns& c, const Line& at, std::size_t begin, std::size_t count,
-                                        float* left) {
-  check_boxes(c, at, begin, count, left);
-}
-
-const bool kHasAvx2 = instruction_set() >= InstructionSet::avx2;
-#endif
-
-}  // namespace
 
 template <class Self, class Visit>
 void MoveCertificates::for_each_column(Self& self, const Visit& visit) {
@@ -96,8 +16,8 @@ void MoveCertificates::for_each_column(Self& self, const Visit& visit) {
   }
 }
 
-MoveCertificates::MoveCertificates(std::span<const Vec3> centres_mm, double half_mm)
-    : half_mm_(half_mm + 1e-4) {  // centres are rounded to float
+MoveCertificates::MoveCertificates(std::span<const Vec3> centres_mm, double half_mm, const MoveKernels& kernels)
+    : half_mm_(half_mm + 1e-4), kernels_(&kernels) {  // centres are rounded to float
   for_each_column(*this, [&](std::vector<float>& column) { column.assign(centres_mm.size(), 0.0F); });
   std::fill(free_.begin(), free_.end(), -1.0F);
   std::fill(sine_.begin(), sine_.end(), 1.0F);
@@ -139,14 +59,11 @@ void MoveCertificates::move_to(const BitLine& line) noexcept {
 }
 
 void MoveCertificates::check(std::size_t begin, std::size_t end, float* left_mm) const noexcept {
-  const Columns columns{x_.data(),      y_.data(),       z_.data(),        foot_x_.data(), foot_y_.data(),
-                        foot_z_.data(), turn_x_.data(),  turn_y_.data(),   turn_z_.data(), back_.data(),
-                        free_.data(),   forward_.data(), backward_.data(), side_x_.data(), side_y_.data(),
-                        side_z_.data(), sine_.data(),    rest_.data()};
-#if defined(__x86_64__)
-  if (kHasAvx2) return check_avx2(columns, line_, begin, end - begin, left_mm);
-#endif
-  check_portable(columns, line_, begin, end - begin, left_mm);
+  const MoveColumns columns{x_.data(),      y_.data(),       z_.data(),        foot_x_.data(), foot_y_.data(),
+                            foot_z_.data(), turn_x_.data(),  turn_y_.data(),   turn_z_.data(), back_.data(),
+                            free_.data(),   forward_.data(), backward_.data(), side_x_.data(), side_y_.data(),
+                            side_z_.data(), sine_.data(),    rest_.data()};
+  kernels_->check(columns, line_, begin, end - begin, left_mm);
 }
 
 FreeMove MoveCertificates::together(std::size_t begin, std::size_t end, const float* left_mm) const noexcept {
@@ -171,7 +88,7 @@ FreeMove MoveCertificates::together(std::size_t begin, std::size_t end, const fl
 }
 
 void MoveCertificates::renew(std::size_t box, const FreeMove& free) noexcept {
-  const Line& at = line_;
+  const MoveLine& at = line_;
   foot_x_[box] = at.foot_x;
   foot_y_[box] = at.foot_y;
   foot_z_[box] = at.foot_z;

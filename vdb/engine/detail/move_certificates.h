@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "vdb/engine/detail/move_kernels.h"
 
 namespace spinaltap::detail {
 
@@ -54,7 +55,8 @@ class MoveCertificates {
  public:
   MoveCertificates() = default;
   /// Boxes around `centres_mm` (path-local) whose points lie within `half_mm` of them. No certificate holds yet.
-  MoveCertificates(std::span<const Vec3> centres_mm, double half_mm);
+  MoveCertificates(std::span<const Vec3> centres_mm, double half_mm,
+                   const MoveKernels& kernels = move_kernels().back());
 
   std::size_t size() const { return free_.size(); }
   Vec3 centre_mm(std::size_t box) const { return middle_mm_ + Vec3(x_[box], y_[box], z_[box]); }
@@ -74,13 +76,6 @@ class MoveCertificates {
   std::size_t memory_bytes() const { return 18 * size() * sizeof(float); }
 
  private:
-  /// A line as certificates hold it, and what checks need beside.
-  struct Line {
-    float axis_x, axis_y, axis_z;
-    float foot_x, foot_y, foot_z, turn_x, turn_y, turn_z, back;
-    float turned, half, edge, way;
-    float noise, back_noise;  ///< what rounding may hide, mm: of feet, and of places along the axis
-  };
   template <class Self, class Visit>
   static void for_each_column(Self& self, const Visit& visit);
 
@@ -89,11 +84,12 @@ class MoveCertificates {
   std::vector<float> turn_x_, turn_y_, turn_z_;  ///< axis less axis_
   std::vector<float> back_, free_, forward_, backward_;
   std::vector<float> side_x_, side_y_, side_z_, sine_, rest_;
-  Line line_{};
+  MoveLine line_{};
   Vec3 middle_mm_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();  ///< floats of differences from it are fine
   double max_mm_ = 0.0;        ///< of a centre's distance from the middle
   double half_mm_ = 0.0;
+  const MoveKernels* kernels_ = &move_kernels().back();
 };
 
 }  // namespace spinaltap::detail

@@ -1,5 +1,17 @@
-// Included once for each set of instructions, with SPINALTAP_VECTOR_BYTES set. Sums and products are written out in one
-// order and never fused (-ffp-contract=off), so that all sets agree to the last bit.
+// Compiled once for each set of instructions: see kernel_sets.h.
+
+#include "vdb/engine/detail/word_kernels.h"
+
+#if SPINALTAP_VECTOR_BYTES > 16
+#ifndef __clang__
+// GCC 12's header passes a register on purpose that nothing has written.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+#include <immintrin.h>
+#endif
+
+namespace spinaltap::detail {
+namespace {
 
 constexpr unsigned kLanes = SPINALTAP_VECTOR_BYTES / sizeof(float);
 typedef float Floats __attribute__((vector_size(SPINALTAP_VECTOR_BYTES)));
@@ -61,7 +73,7 @@ inline std::uint64_t bits(Lanes lanes) {
   return found;
 }
 inline Floats roots(Floats squares) {
-  for (unsigned lane = 0; lane < kLanes; ++lane) squares[lane] = std::sqrt(squares[lane]);
+  for (unsigned lane = 0; lane < kLanes; ++lane) squares[lane] = __builtin_sqrtf(squares[lane]);
   return squares;
 }
 inline float least_of(Floats lanes) {
@@ -79,7 +91,7 @@ struct Places {
 
 /// A word's, seen from one end of the tool's way.
 struct WordPlace {
-  std::array<Floats, 3> first;  ///< of bit 0, in all lanes
+  Floats first[3];  ///< of bit 0, in all lanes
   const WordOffsets* offsets;
 
   WordPlace() = default;
@@ -89,7 +101,7 @@ struct WordPlace {
   /// Of bits from `bit` on.
   Places at(unsigned bit) const {
     const auto along = [&](std::size_t n) {
-      return first[n] + *reinterpret_cast<const Floats*>(offsets->of_bits[n].data() + bit);
+      return first[n] + *reinterpret_cast<const Floats*>(offsets->of_bits[n] + bit);
     };
     return {along(0), along(1), along(2)};
   }
@@ -97,7 +109,7 @@ struct WordPlace {
 
 /// A word's, at the begin of the tool's way and after each of its pieces.
 struct WordPlaces {
-  std::array<WordPlace, LeafArguments::kMostPieces + 1> after;
+  WordPlace after[LeafArguments::kMostPieces + 1];
   unsigned last;
 
   WordPlaces(const LeafArguments& leaf, float word) : last(leaf.piece_count) {
@@ -173,8 +185,8 @@ inline bool has_living(std::uint64_t alive, unsigned bit) {
       if (!is_ball || leaf.wants_cylinder) least_off = less(least_off, choose(other, off_square, far));
       if (is_ball) least = less(least, choose(other, square, far));
     }
-    const float off = !is_ball || leaf.wants_cylinder ? std::sqrt(least_of(least_off)) : 0.0F;
-    const float from = (is_ball ? std::sqrt(least_of(least)) : off) - radius;
+    const float off = !is_ball || leaf.wants_cylinder ? __builtin_sqrtf(least_of(least_off)) : 0.0F;
+    const float from = (is_ball ? __builtin_sqrtf(least_of(least)) : off) - radius;
     const float cylinder = off - tool.radius;
     // Where there is no cone, or the cylinder bounds what is near, its bound is as good as the cone's.
     words[word] = {unsure_bits, dead_bits, cylinder, cylinder, from};
@@ -193,7 +205,7 @@ inline Bounds bounds_at(const LeafArguments& leaf, const Places& at) {
   const Floats off = roots(off_square);
   Floats body = all(leaf.rest), deep = all(1e30F);
   for (unsigned left = leaf.pieces; left != 0; left &= left - 1) {
-    const WordTool::Piece& piece = tool.pieces[static_cast<std::size_t>(std::countr_zero(left))];
+    const WordTool::Piece& piece = tool.pieces[__builtin_ctz(left)];
     const Floats beyond = more(piece.begin - at.back, at.back - piece.end);
     if (piece.ball_radius > 0.0F) {
       const Floats from_centre = at.back - piece.ball_centre;
@@ -253,10 +265,16 @@ inline void look_all(const LeafArguments& leaf, WordResult* words) {
 }
 
 void look(const LeafArguments& leaf, WordResult* words) {
-  if (std::has_single_bit(leaf.pieces)) {
-    const WordTool::Piece& piece = leaf.tool->pieces[static_cast<std::size_t>(std::countr_zero(leaf.pieces))];
+  if ((leaf.pieces & (leaf.pieces - 1)) == 0) {
+    const WordTool::Piece& piece = leaf.tool->pieces[__builtin_ctz(leaf.pieces)];
     if (piece.ball_radius > 0.0F) return look_round(leaf, piece, true, words);
     if (piece.per_back == 0.0F) return look_round(leaf, piece, false, words);
   }
   look_all(leaf, words);
 }
+
+}  // namespace
+
+WordKernels WordKernels::SPINALTAP_KERNEL_SET() { return {SPINALTAP_KERNEL_NAME, detail::look}; }
+
+}  // namespace spinaltap::detail

@@ -45,7 +45,7 @@ std::vector<double> same_on_all(const Work& work) {
 }
 
 TEST(SimdKernels, BeginWithPortableOnes) {
-  EXPECT_EQ(simd_kernels().front().name, "portable");
+  EXPECT_STREQ(simd_kernels().front().name, "portable");
   EXPECT_EQ(&best_simd_kernels(), &simd_kernels().back());
 }
 
