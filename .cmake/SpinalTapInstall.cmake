@@ -10,6 +10,10 @@ foreach(program spinaltap spinaltap-planner)
   endif()
 endforeach()
 
+if(TARGET spinaltap_commands)
+  install(TARGETS spinaltap_commands RUNTIME DESTINATION libexec)  # where launcher.cpp looks for it
+endif()
+
 install(CODE "set(source \"${PROJECT_SOURCE_DIR}\")\nset(include \"${CMAKE_INSTALL_INCLUDEDIR}\")")
 install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake)
 install(DIRECTORY data/ DESTINATION ${CMAKE_INSTALL_DATADIR}/spinaltap)

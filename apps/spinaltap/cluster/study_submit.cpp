@@ -107,12 +107,20 @@ SubmittedJobs submit(StudyJobs& jobs, const std::vector<std::size_t>& shards, st
   return one;
 }
 
+/// The program as people type it (launcher.cpp), for scripts that they read.
+fs::path typed_program() {
+  const fs::path commands = fs::read_symlink("/proc/self/exe");
+  const fs::path typed = commands.parent_path().parent_path() / "bin/spinaltap";
+  std::error_code error;
+  return fs::exists(typed, error) ? typed : commands;
+}
+
 Json run_submit(const SubmitOptions& options, const Progress& progress) {
   const Study study = Study::load(options.spec, progress, options.folder);
   const std::size_t runs = study.run_count();
   StudyJobs jobs;
   SlurmStudy& slurm = jobs.study;
-  slurm.program = fs::read_symlink("/proc/self/exe");
+  slurm.program = typed_program();
   slurm.spec = absolute_path(options.spec);
   slurm.folder = absolute_path(options.folder);
   slurm.name = study.spec().name;
