@@ -16,7 +16,7 @@ namespace {
 
 using Mask = std::vector<std::uint8_t>;
 
-constexpr double kStepMm = 0.8;
+constexpr double kCutStepMm = 0.8;
 
 /// Ribs, transverse and spinous processes and the bodies above and below, in the body's own frame.
 VoxelBox box_around(const BodyCylinder& body, const GridGeometry& ct, const std::array<int, 3>& bins) {
@@ -159,7 +159,7 @@ void LevelCut::keep_probability_only() {
 LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row,
                    const std::vector<MarkedVoxels>& marks) {
   LevelCut cut;
-  cut.bins = bins_for(ct.geometry, kStepMm);
+  cut.bins = bins_for(ct.geometry, kCutStepMm);
   cut.box = box_around(row.body().cylinder, ct.geometry, cut.bins);
   FloatGrid hu = bin_hu(ct, cut.box, cut.bins);
   cut.smooth = blurred_as_asked(hu, levels, ct);

@@ -313,11 +313,12 @@ void local_functions_of(std::size_t count, std::size_t terms, const double* poin
     Lanes norm;
     square_root(square, norm);
     // Points in a plane leave nothing of a term but rounding.
-    for (std::size_t l = 0; l < kWidth; ++l) norm[l] = square[l] > 1e-20 * before[l] ? 1.0 / norm[l] : 0.0;
+    Lanes share{};
+    for (std::size_t l = 0; l < kWidth; ++l) share[l] = square[l] > 1e-20 * before[l] ? 1.0 / norm[l] : 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       Lanes b;
       load(at(basis, k * count + i), b);
-      store(b * norm, at(basis, k * count + i));
+      store(b * share, at(basis, k * count + i));
     }
   }
   // factor: rows of the lower triangle of K = -+phi + penalty * basis basis', then of its Cholesky factor.
