@@ -41,8 +41,8 @@ function slice(interpretation, n, k) {
     element(2, 3, 'UI', uid(`1.${k}`)), element(2, 0x10, 'UI', '1.2.840.10008.1.2.1'), element(2, 0x12, 'UI', '2.25.8153')]);
   const size = Buffer.alloc(4); size.writeUInt32LE(meta.length);
   return Buffer.concat([Buffer.alloc(128), Buffer.from('DICM'), element(2, 0, 'UL', size), meta,
-    element(8, 8, 'CS', 'ORIGINAL\\PRIMARY\\AXIAL'), element(8, 0x16, 'UI', '1.2.840.10008.5.1.4.1.1.2'), element(8, 0x18, 'UI', uid(`1.${k}`)),
-    element(8, 0x20, 'DA', '20260101'), element(8, 0x30, 'TM', '120000'), element(8, 0x50, 'SH', ''), element(8, 0x60, 'CS', 'CT'),
+    element(8, 8, 'CS', 'ORIGINAL\\PRIMARY\\AXIAL'), element(8, 0x16, 'UI', '1.2.840.10008.5.1.4.1.1.2'),
+    element(8, 0x18, 'UI', uid(`1.${k}`)), element(8, 0x20, 'DA', '20260101'), element(8, 0x30, 'TM', '120000'), element(8, 0x50, 'SH', ''), element(8, 0x60, 'CS', 'CT'),
     element(8, 0x70, 'LO', 'none'), element(8, 0x90, 'PN', ''), element(0x10, 0x10, 'PN', 'A^B'), element(0x10, 0x20, 'LO', '1'),
     element(0x10, 0x30, 'DA', ''), element(0x10, 0x40, 'CS', ''), element(0x18, 0x50, 'DS', '1'), element(0x18, 0x60, 'DS', '120'),
     element(0x18, 0x5100, 'CS', 'HFS'), element(0x20, 0xd, 'UI', uid(2)), element(0x20, 0xe, 'UI', uid(3)), element(0x20, 0x10, 'SH', '1'),
@@ -54,14 +54,16 @@ function slice(interpretation, n, k) {
     element(0x28, 0x103, 'US', us(1)), element(0x28, 0x1052, 'DS', '0'), element(0x28, 0x1053, 'DS', '1'),
     element(0x28, 0x1054, 'LO', 'HU'), element(0x7fe0, 0x10, 'OW', pixels)]);
 }
-const said = [], show = (name, values) => process.stdout.write(`${name}: ${Array.from(values).slice(0, 5).map((v) => Math.round(v)).join(' ')}\n`);
+const said = [];
+const show = (name, values) => process.stdout.write(`${name}: ${Array.from(values).slice(0, 5).map(Math.round).join(' ')}\n`);
 for (const way of ['log', 'info', 'warn', 'error']) console[way] = (...words) => said.push(words.join(' '));
 for (const [n, interpretation] of ['MONOCHROME2', 'MONOCHROME1'].entries()) {
   const files = [1, 2].map((k) => `${interpretation}-${k}.dcm`);
   files.forEach((file, k) => fs.writeFileSync(file, slice(interpretation, n + 1, k + 1)));
   const bytes = new Uint8Array(fs.readFileSync(files[0])), pixels = parser.parseDicom(bytes).elements.x7fe00010;
   show(`${interpretation}, stored (dicom-parser)`, new Int16Array(bytes.buffer.slice(pixels.dataOffset, pixels.dataOffset + 40)));
-  show(`${interpretation}, itk-wasm`, (await readImageDicomFileSeriesNode({ inputImages: files.map((f) => path.resolve(f)), singleSortedSeries: false })).outputImage.data);
+  const series = { inputImages: files.map((f) => path.resolve(f)), singleSortedSeries: false };
+  show(`${interpretation}, itk-wasm`, (await readImageDicomFileSeriesNode(series)).outputImage.data);
   const image = daikon.Series.parseImage(new DataView(bytes.buffer)), values = image.getInterpretedData(true);
   show(`${interpretation}, daikon`, values.data ?? values);
 }

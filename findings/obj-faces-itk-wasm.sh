@@ -38,7 +38,8 @@ for (const file of ['box.stl', 'box.obj']) {
     good += (type === 2 || type === 4) && count === 3 && ids.every((id) => id >= 0 && id < 8);
   }
   console.log(`${file}: points ${mesh.numberOfPoints}, cells ${mesh.numberOfCells}, numbers ${cells.length}, triangles ${good}`);
-  console.log(`  first: ${cells.slice(0, 5).join(' ')}; the last that is not 0 is number ${cells.length - [...cells].reverse().findIndex((c) => c)}`);
+  const last = cells.length - [...cells].reverse().findIndex((c) => c);
+  console.log(`  first: ${cells.slice(0, 5).join(' ')}; the last that is not 0 is number ${last}`);
   if (file === 'box.obj') {
     const low = Number(BigInt(cells[0]) & 0xffffffffn), high = Number(BigInt(cells[0]) >> 32n);
     console.log(`  the first of them in 32-bit numbers: ${low} ${high}`);
