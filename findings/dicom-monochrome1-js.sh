@@ -42,7 +42,8 @@ function slice(interpretation, n, k) {
   const size = Buffer.alloc(4); size.writeUInt32LE(meta.length);
   return Buffer.concat([Buffer.alloc(128), Buffer.from('DICM'), element(2, 0, 'UL', size), meta,
     element(8, 8, 'CS', 'ORIGINAL\\PRIMARY\\AXIAL'), element(8, 0x16, 'UI', '1.2.840.10008.5.1.4.1.1.2'),
-    element(8, 0x18, 'UI', uid(`1.${k}`)), element(8, 0x20, 'DA', '20260101'), element(8, 0x30, 'TM', '120000'), element(8, 0x50, 'SH', ''), element(8, 0x60, 'CS', 'CT'),
+    element(8, 0x18, 'UI', uid(`1.${k}`)), element(8, 0x20, 'DA', '20260101'), element(8, 0x30, 'TM', '120000'), element(8, 0x50, 'SH', ''),
+    element(8, 0x60, 'CS', 'CT'),
     element(8, 0x70, 'LO', 'none'), element(8, 0x90, 'PN', ''), element(0x10, 0x10, 'PN', 'A^B'), element(0x10, 0x20, 'LO', '1'),
     element(0x10, 0x30, 'DA', ''), element(0x10, 0x40, 'CS', ''), element(0x18, 0x50, 'DS', '1'), element(0x18, 0x60, 'DS', '120'),
     element(0x18, 0x5100, 'CS', 'HFS'), element(0x20, 0xd, 'UI', uid(2)), element(0x20, 0xe, 'UI', uid(3)), element(0x20, 0x10, 'SH', '1'),
