@@ -40,8 +40,9 @@ class SceneViewTest : public testing::Test {
   }
 
   void send(QEvent::Type type, const QPointF& pixel, Qt::MouseButton button, Qt::MouseButtons held) {
-    QMouseEvent event(type, pixel, button, held, Qt::NoModifier);
-    QCoreApplication::sendEvent(view_.focusProxy(), &event);
+    QWidget* const pane = view_.focusProxy();
+    QMouseEvent event(type, pixel, pane->mapToGlobal(pixel.toPoint()), button, held, Qt::NoModifier);
+    QCoreApplication::sendEvent(pane, &event);
     settle();
   }
   void press(const QPointF& pixel) { send(QEvent::MouseButtonPress, pixel, Qt::LeftButton, Qt::LeftButton); }

@@ -163,7 +163,7 @@ QLabel* DrillFiguresView::add(const char* name, const QString& label, int row, i
   auto* title = new QLabel(label, this);
   QPalette colours = title->palette();
   QColor quiet = colours.color(QPalette::WindowText);
-  quiet.setAlphaF(0.65);
+  quiet.setAlphaF(0.65F);
   colours.setColor(QPalette::WindowText, quiet);
   title->setPalette(colours);
   auto* value = new QLabel(this);

@@ -76,7 +76,7 @@ void paint_crosshair(QPainter& painter, const PaneScene& scene) {
     // Upright and level lines are sharpest on whole pixels.
     painter.setRenderHint(QPainter::Antialiasing, std::min(std::abs(way.x()), std::abs(way.y())) > 1e-6);
     QColor colour = plane_colour(plane);
-    colour.setAlphaF(0.85);
+    colour.setAlphaF(0.85F);
     for (const double side : {-1.0, 1.0}) {
       draw_haloed_line(painter, middle + side * kGapPx * way, middle + side * far_px * way, QPen(colour, 1.0));
     }
@@ -99,7 +99,7 @@ void paint_pane_words(QPainter& painter, const PaneScene& scene, const QString& 
 void paint_pane_edge(QPainter& painter, const QSizeF& size, const QColor& colour, bool has_focus) {
   const double width = has_focus ? 3.0 : 1.0;
   QColor shown = colour;
-  shown.setAlphaF(has_focus ? 1.0 : 0.45);
+  shown.setAlphaF(has_focus ? 1.0F : 0.45F);
   painter.setBrush(Qt::NoBrush);
   painter.setPen(QPen(shown, width, Qt::SolidLine, Qt::SquareCap, Qt::MiterJoin));
   painter.drawRect(QRectF(0.5 * width, 0.5 * width, size.width() - width, size.height() - width));

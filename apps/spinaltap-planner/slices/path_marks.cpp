@@ -19,7 +19,7 @@ constexpr double kFaint = 0.55;
 
 QColor with_alpha(QRgb colour, double alpha) {
   QColor faded(colour);
-  faded.setAlphaF(alpha);
+  faded.setAlphaF(static_cast<float>(alpha));
   return faded;
 }
 

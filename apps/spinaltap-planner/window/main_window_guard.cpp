@@ -118,7 +118,7 @@ void MainWindow::ask_series(const std::filesystem::path& path, OpenOptions optio
   box.setLabelText(tr("%1 holds several series. Which one?").arg(text_of(path.filename().string())));
   box.setComboBoxItems(names);
   if (box.exec() != QDialog::Accepted) return;
-  const int chosen = names.indexOf(box.textValue());
+  const auto chosen = static_cast<int>(names.indexOf(box.textValue()));
   if (chosen < 0) return;
   options.reading.series = std::to_string(several.series[static_cast<std::size_t>(chosen)].number);
   open(path, options);
