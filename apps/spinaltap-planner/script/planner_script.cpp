@@ -262,7 +262,7 @@ class ScriptRun {
         }}},
       {"pause",
        {1, 1, "pause SECONDS: lets time go by",
-        [this](const Words& w) {
+        [](const Words& w) {
           constexpr double kDayS = 86400.0;
           QEventLoop loop;
           QTimer::singleShot(static_cast<int>(1000.0 * number_within(w[0], 0.0, kDayS)), &loop, &QEventLoop::quit);

@@ -6,6 +6,7 @@
 #include "core/session/operator/path_motion.h"
 #include "core/tool/swept_bit.h"
 #include "tests/support/drilled_ball.h"
+#include "tests/support/release_only.h"
 
 namespace spinaltap {
 namespace {
@@ -52,6 +53,7 @@ TEST(RemainingVolume, IsTheBitsInSolid) {
 }
 
 TEST(RemainingVolume, IsWhatAnOperatorSweptInSolid) {
+  RELEASE_ONLY();
   for (const DrillBit& bit : short_bits()) {
     const DrillPath path{"tremor", kDrilledBall.centre_mm + Vec3(1.0, 1.0, 0.0),
                          kDrilledBall.centre_mm + Vec3(2.5, 3.0, 1.0), bit};

@@ -256,7 +256,8 @@ class PlateEngine final : public DrillEngine {
       for (std::size_t bit = 0; bit < 64; ++bit) {
         const float a = from + from_offsets[bit], b = to + to_offsets[bit];
         held[bit] &= static_cast<std::uint8_t>((b >= low) & (b <= high));
-        passed[bit] &= static_cast<std::uint8_t>((std::max(a, b) >= far_low) & (std::min(a, b) <= far_high));
+        const float upper = std::max(a, b), lower = std::min(a, b);
+        passed[bit] &= static_cast<std::uint8_t>((upper >= far_low) & (lower <= far_high));
       }
     }
     const std::uint64_t dead = packed(held);

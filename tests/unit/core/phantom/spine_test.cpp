@@ -13,6 +13,7 @@
 #include "core/base/random.h"
 #include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
+#include "tests/support/release_only.h"
 
 namespace spinaltap {
 namespace {
@@ -102,6 +103,7 @@ SpineOptions whole_spine() {
 }
 
 TEST(Spine, HasEachLevelInOnePieceWithOneHole) {
+  RELEASE_ONLY();
   SpineOptions options = whole_spine();
   options.ribs = false;
   const Spine spine(options);

@@ -12,6 +12,7 @@
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/made_bone_shape.h"
 #include "tests/support/random_vertebra.h"
+#include "tests/support/release_only.h"
 
 namespace spinaltap {
 namespace {
@@ -63,6 +64,7 @@ std::uint64_t phantoms() {
 }
 
 TEST(Landmarks, FindThePediclesOfRandomVertebrae) {
+  RELEASE_ONLY();
   for (const double noise_mm : {0.0, 0.1}) {
     LandmarkErrors worst, sum;
     const std::uint64_t seeds = phantoms();

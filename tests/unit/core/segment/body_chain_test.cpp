@@ -6,6 +6,7 @@
 
 #include "core/ct/crop.h"
 #include "core/segment/spine_bodies.h"
+#include "tests/support/release_only.h"
 #include "tests/support/spine_scan.h"
 
 namespace spinaltap {
@@ -93,6 +94,7 @@ TEST_F(SpineChain, TellsWhichBodyTheBorderCuts) {
 }
 
 TEST(SpineChainOfThinDiscs, HasEachBodyBetweenItsEndplates) {
+  RELEASE_ONLY();
   SpineOptions options;
   options.first = Level{17};  // T10
   options.last = Level{22};   // L3

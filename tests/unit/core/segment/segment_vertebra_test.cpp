@@ -13,6 +13,7 @@
 #include "core/phantom/scanner.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/random_vertebra.h"
+#include "tests/support/release_only.h"
 #include "tests/support/stacked_vertebrae.h"
 #include "tests/unit/core/ct/error_of.h"
 
@@ -102,6 +103,7 @@ TEST_F(ThreeVertebrae, RejectASeedOutsideTheCt) {
 }
 
 TEST(SegmentVertebra, FindsAVertebraWithoutASeed) {
+  RELEASE_ONLY();
   const Vertebra vertebra;
   const CtVolume ct =
       scan(vertebra, {.columns = 170, .rows = 170, .slices = 70, .pixel_mm = 0.7, .slice_step_mm = 1.0});
@@ -125,6 +127,7 @@ TEST(SegmentVertebra, FindsAVertebraWithoutASeed) {
 // An old vertebra: the body's wall, 0.25 to 0.4 mm, is thinner than a voxel, its cancellous bone as dark as soft
 // tissue, and the arch behind it, with thicker walls, is nearly as large as a small body.
 TEST(SegmentVertebra, FindsTheBodyWhereItsWallIsThinnerThanTheArchs) {
+  RELEASE_ONLY();
   for (const std::uint64_t seed : {29U, 37U}) {
     const Vertebra vertebra(test::random_anatomy(seed));
     ScanOptions options;

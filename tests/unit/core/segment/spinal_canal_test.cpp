@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/release_only.h"
 #include "tests/support/spine_scan.h"
 
 namespace spinaltap {
@@ -52,6 +53,7 @@ TEST(SpinalCanalOfAScan, LiesInTheTrueOneBehindABrightAorta) {
 }
 
 TEST(SpinalCanalOfAScan, FollowsAScoliosisOf30Degrees) {
+  RELEASE_ONLY();
   SpineOptions options;
   options.first = Level{15};  // T8
   options.last = Level{22};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "tests/support/release_only.h"
 
 namespace spinaltap {
 namespace {
@@ -126,6 +127,7 @@ double coverage_of(const BetaPatients& of, int cohorts) {
 }
 
 TEST(ClusteredShare, HoldsTheTruthOfPatientsThatDiffer) {
+  RELEASE_ONLY();
   constexpr int kCohorts = 3000;  // one deviation: 0.4 %
   for (const std::size_t patients : {5U, 10U, 20U, 50U}) {
     for (const double share : {0.1, 0.3, 0.5, 0.8}) {

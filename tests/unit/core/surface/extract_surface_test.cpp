@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/surface/surface_points.h"
+#include "tests/support/release_only.h"
 
 namespace spinaltap {
 namespace {
@@ -82,6 +83,7 @@ TEST(ExtractSurface, LiesWithinASmallFractionOfAVoxelOfABall) {
 }
 
 TEST(ExtractSurface, DoesNotCareHowTheCtLies) {
+  RELEASE_ONLY();
   const Vec3 centre_mm(100.3, -50.1, 700.2);
   const Mat3 turn = Eigen::AngleAxisd(0.6, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   const Scan turned = scanned_ball(centre_mm, grid_around(Vec3(100, -50, 700), turn));
@@ -93,6 +95,7 @@ TEST(ExtractSurface, DoesNotCareHowTheCtLies) {
 }
 
 TEST(ExtractSurface, IsBetterWithTheGreyValuesThanWithout) {
+  RELEASE_ONLY();
   const Vec3 centre_mm(0.3, -0.1, 0.2);
   const Scan scan = scanned_ball(centre_mm, grid_around(Vec3::Zero()));
   const auto mean_error_mm = [&](bool refine) {
@@ -131,6 +134,7 @@ TEST(ExtractSurface, ClosesBoneThatTheCtsBorderCuts) {
 }
 
 TEST(ExtractSurface, GivesTheSameBitsAtAnyNumberOfThreads) {
+  RELEASE_ONLY();
   const Scan scan = scanned_ball(Vec3(0.3, -0.1, 0.2), grid_around(Vec3::Zero()), 0.5 * kBallMm);
   SurfacePoints one;
   {

@@ -15,6 +15,7 @@
 #include "core/files/material_file.h"
 #include "core/files/measurements_file.h"
 #include "core/validation/detail/source_fit.h"
+#include "tests/support/release_only.h"
 
 namespace spinaltap {
 namespace {
@@ -122,6 +123,7 @@ TEST(ForceValidation, HoldsEveryRowAgainstBothLawsOrSaysWhyNot) {
 }
 
 TEST(ForceValidation, PredictsASourceWithoutAnyOfItsFigures) {
+  RELEASE_ONLY();
   const ForceValidation before = validate_forces(all_measurements(), {}, kFewSamples);
   Measurements other = all_measurements();
   for (DrillingMeasurement& row : other.drilling) {

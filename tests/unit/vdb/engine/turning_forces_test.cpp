@@ -9,6 +9,7 @@
 #include "core/force/drill_forces.h"
 #include "core/points/hu_byte.h"
 #include "tests/support/made_bone.h"
+#include "tests/support/release_only.h"
 #include "vdb/engine/living_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 
@@ -87,6 +88,7 @@ double torque_of_turning(const Material& material, const Spindle& spindle, doubl
 }
 
 TEST(TurningForces, TurnTheSpindleWithTheEnergyOfWhatIsCutWhereverTheBitTurnsAbout) {
+  RELEASE_ONLY();
   constexpr double kDeepMm = 20.0;
   const Vec3 axis = -Vec3::UnitZ();
   const Vec3 entry_mm(0.13, -0.21, kTurnedHalfMm);
@@ -149,6 +151,7 @@ TEST(TurningForces, AWobbleAboutTheTipFeelsNoKickWhenItGoesAsideAfterwards) {
 }
 
 TEST(TurningForces, AfterAStopAreNeverMoreThanTwiceTheSteadyOnes) {
+  RELEASE_ONLY();
   // Aside, about the tip, about the entry; each stops for a tenth of a second and goes on.
   const Vec3 axis = -Vec3::UnitZ();
   const Vec3 entry_mm(0.13, -0.21, kTurnedHalfMm);

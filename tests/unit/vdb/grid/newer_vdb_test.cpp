@@ -66,7 +66,7 @@ TEST_F(NewerVdb, OfFormat225IsReadWithoutAWord) {
 }
 
 TEST_F(NewerVdb, HasItsGridOfHalfFloatsRejectedByItsType) {
-  const detail::VdbFile newer(file(bytes()));
+  detail::VdbFile newer(file(bytes()));
   EXPECT_THAT([&] { newer.read_floats("density"); }, ThrowsMessage<Error>(HasSubstr("Tree_half_5_4_3")));
 }
 

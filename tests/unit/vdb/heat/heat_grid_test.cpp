@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "tests/support/made_bone.h"
+#include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/detail/vdb_file.h"
 
@@ -56,6 +57,7 @@ TEST(HeatGrid, HeatsAroundAStandingPointAsTheExactSolution) {
 }
 
 TEST(HeatGrid, FollowsAMovingPointAsRosenthal) {
+  RELEASE_ONLY();
   // Carslaw and Jaeger 10.7: from a start at rest; the first part alone, doubled, is Rosenthal's, which it comes to. A
   // pulse stands for half a step before and after it.
   const double speed_mm_s = 0.5, watts = 0.2, dt_s = 0.01, end_s = 5.0;
@@ -193,6 +195,7 @@ TEST(HeatGrid, LosesNoHeat) {
 }
 
 TEST(HeatGrid, GivesTheSameBitsAtAnyNumberOfThreads) {
+  RELEASE_ONLY();
   const auto values_of = [](std::size_t threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     const HeatGrid grid = drilled_block(kEven, 1e-3);

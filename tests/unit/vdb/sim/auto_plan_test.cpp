@@ -10,6 +10,7 @@
 #include "core/files/json_file.h"
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/sim/bone.h"
 
@@ -21,6 +22,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
+  RELEASE_ONLY();
   const Vertebra vertebra;
   const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
   const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));

@@ -7,6 +7,7 @@
 #include "core/ct/label_map.h"
 #include "core/ct/read_ct.h"
 #include "tests/support/labelled_balls.h"
+#include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "vdb/grid/bone_hash.h"
@@ -45,6 +46,7 @@ TEST(ReachesBorder, LooksAtAllSixSides) {
 }
 
 TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
+  RELEASE_ONLY();
   BakeLevelsOptions options = quick();
   options.warnings[Level::kT12] = {{"looks odd"}, 0.5};
   std::vector<std::string> stages;
@@ -74,6 +76,7 @@ TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
 }
 
 TEST(BakeLevels, GivesEachBoneAsIfBakedAloneAlsoOutOfTheFile) {
+  RELEASE_ONLY();
   const BakedLevels baked = bake_levels(balls().ct, balls().labels, quick());
   const test::TemporaryFolder folder;
   StagedOutput output;
@@ -131,6 +134,7 @@ TEST(ChooseBone, TakesALabelByItsNumberOrItsName) {
 }
 
 TEST(BakeLevels, BakesL3AndLeavesItsCutNeighboursOut) {
+  RELEASE_ONLY();
   SPINALTAP_NEED_TEST_DATA(data, "L3_ct_1.5mm");
   const CtVolume ct = read_ct(data / "dicom");
   const LabelVolume labels = read_label_volume(data / "sub-ct_seg-vert_label-22_msk.nii.gz", ct.geometry);

@@ -11,6 +11,7 @@
 #include "core/phantom/vertebra_ground_truth.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
 
 namespace spinaltap {
@@ -66,6 +67,7 @@ TEST(Bone, ComesBackFromAFileTheSameWithItsWarnings) {
 }
 
 TEST(Bone, IsSeenWhereItsSurfaceIs) {
+  RELEASE_ONLY();
   const Vertebra vertebra;
   const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
   const Vec3 middle_mm = bone.model().bounds_mm().center();
@@ -99,6 +101,7 @@ TEST(Bone, OfABallHasNoLandmarksButAnOuterWall) {
 }
 
 TEST(Bone, OfAVertebraHasItsPediclesAndAPathThroughEachWhoeverAsksFirst) {
+  RELEASE_ONLY();
   const Vertebra vertebra;
   const Bone bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0));
   const Bone copy = bone;

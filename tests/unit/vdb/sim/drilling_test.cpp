@@ -12,6 +12,7 @@
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/release_only.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/remaining/live_mesh.h"
 #include "vdb/remaining/remaining_surface.h"
@@ -193,6 +194,7 @@ TEST(DrillBone, CutsTheSameBoneWithFinerPointsNearTheSurface) {
 }
 
 TEST(DrillBone, CutsTheHoleOfATremblingOperatorOutOfTheGrid) {
+  RELEASE_ONLY();
   const SessionSetup setup = setup_of(diameter_path());
   PathMotionOptions trembling = motion_of(setup, 0.005);
   trembling.tremor_mm = 0.15;

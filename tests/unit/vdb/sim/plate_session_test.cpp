@@ -10,6 +10,7 @@
 #include "core/session/choose_engine.h"
 #include "core/session/operator/path_motion.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/release_only.h"
 #include "vdb/engine/living_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/drilling.h"
@@ -69,6 +70,7 @@ Sawing saw(const DrillBit& bit, const Spindle& spindle, double step_mm, bool asi
 }
 
 TEST(PlateForces, OfASawDoTheShareOfTheEnergyThatTheHandGives) {
+  RELEASE_ONLY();
   // The teeth go 2 strokes' lengths in a stroke, the hand one feed: of the energy of what dies the motor gives nearly
   // all. What the hand presses with is the lips' share of the force along the cut.
   const Material material;

@@ -1,6 +1,7 @@
 // Heat of whole drillings, solved on a grid: of a session, of its record, and what is written of it.
 
 #include "vdb/sim/solve_heat.h"
+#include "tests/support/release_only.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -125,6 +126,7 @@ TEST(SolveHeat, IsNearTheClosedFormThatTheSessionTold) {
 }
 
 TEST(SolveHeat, IsLessWithWaterAPilotHoleAndFeed) {
+  RELEASE_ONLY();
   const auto& [setup, drilling, record] = heated_diameter();
   const double usual_c = solved_diameter().distances[1].temperature_c;
   SolveHeatOptions wet;
