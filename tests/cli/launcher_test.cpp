@@ -47,9 +47,9 @@ TEST(Launcher, SaysTheVersionThatTheCommandsDo) {
 TEST(Launcher, IsFoundThroughALinkAndHandsOverArgumentsInputAndExitCode) {
   const test::TemporaryFolder folder;
   fs::create_symlink(SPINALTAP_PROGRAM, folder.path() / "s t");
-  const test::ProgramRun unknown = test::run_command("'./s t' 'no such' '' \"a'b\"", folder.path());
+  const test::ProgramRun unknown = test::run_command("'./s t' info 'no such' --json \"a'b\"", folder.path());
   EXPECT_EQ(unknown.exit_code, 2);
-  const test::ProgramRun direct = test::run_program("'no such' '' \"a'b\"", folder.path());
+  const test::ProgramRun direct = test::run_program("info 'no such' --json \"a'b\"", folder.path());
   EXPECT_EQ(unknown.errors, direct.errors);
   EXPECT_NE(unknown.errors.find("no such"), std::string::npos) << unknown.errors;
   const test::ProgramRun help = test::run_command("'./s t' --help", folder.path());
