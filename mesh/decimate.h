@@ -7,16 +7,19 @@
 namespace spinaltap {
 
 /// The same surface in fewer triangles: edges collapse while every vertex of `mesh`, which must be closed and manifold,
-/// stays within `max_error_mm` of the result. Creases stay sharp: a vertex on one goes along it or not at all.
+/// stays within `max_error_mm` of the result. Creases stay sharp: a vertex on one goes along it or not at all. Angles
+/// stay above 7 degrees, thin triangles of `mesh` are done away with; where nothing else helps, a crease goes.
 ///
 /// Garland & Heckbert 1997, "Surface simplification using quadric error metrics", with Klein, Liebich & Strasser 1996's
-/// bound of the distance. Changed: parts of the mesh are made coarser side by side, their borders afterwards; both
-/// distances are measured then, mesh to surface at thirteen places of each triangle, and self-intersections looked for;
-/// near the places that miss what was asked all vertices of `mesh` are kept and it is done again.
+/// bound of the distance. Changed: a collapse is looked at when it is its turn, not whenever a triangle near it
+/// changed; parts of the mesh are made coarser side by side, their borders afterwards; then thirteen places of each
+/// triangle are looked at, and self-intersections; near what misses vertices of `mesh` are asked to stay within half of
+/// what they were, in the end all to be kept, and it is done again.
 ///
-/// What could not be reached is said in the report, in which `surface` is `mesh` and `rounds` counts attempts; angles
-/// are not looked after. The same input gives the same bits at any number of threads. Throws Error on an error that is
-/// not above 0 mm, and when `mesh` is empty, not closed or not manifold.
+/// What could not be reached is said in the report, in which `surface` is `mesh` and `rounds` counts attempts; its
+/// distances are measured for it alone, and its smallest angle is what came out. The same input gives the same bits at
+/// any number of threads. Throws Error on an error that is not above 0 mm, and when `mesh` is empty, not closed or not
+/// manifold.
 TriangleMesh decimate(const TriangleMesh& mesh, double max_error_mm, RemeshReport* report = nullptr,
                       const Progress& progress = {});
 

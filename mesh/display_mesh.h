@@ -18,7 +18,7 @@ struct DisplayMeshOptions {
 /// allows. The isosurface (bone_surface()), meshed anew (remesh()); errors and report are remesh()'s.
 ///
 /// Of a drilled bone: sharp at the hole's rim (sharp_surface()) and decimated (decimate()), so that `max_error_mm` is
-/// kept but triangles may be thin.
+/// kept but angles may be half of what is asked.
 TriangleMesh display_mesh(const BoneModel& bone, const DisplayMeshOptions& options = {}, RemeshReport* report = nullptr,
                           const Progress& progress = {});
 

@@ -89,4 +89,25 @@ double TriangleGrid::distance_mm(const Vec3& p_mm) const {
   }
 }
 
+bool TriangleGrid::is_within(const Vec3& p_mm, double distance_mm) const {
+  if (boxes_.empty()) return false;
+  const double squared = distance_mm * distance_mm;
+  const Eigen::Array3i low = cell_of(p_mm - Vec3::Constant(distance_mm));
+  const Eigen::Array3i high = cell_of(p_mm + Vec3::Constant(distance_mm));
+  Eigen::Array3i at;
+  for (at.z() = low.z(); at.z() <= high.z(); ++at.z()) {
+    for (at.y() = low.y(); at.y() <= high.y(); ++at.y()) {
+      for (at.x() = low.x(); at.x() <= high.x(); ++at.x()) {
+        const std::size_t cell = index_of(at);
+        for (std::uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) {
+          const std::uint32_t t = listed_[i];
+          if (boxes_[t].squaredExteriorDistance(p_mm) > squared) continue;
+          if (squared_distance(p_mm, corner(t, 0), corner(t, 1), corner(t, 2)) <= squared) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace spinaltap::detail

@@ -29,6 +29,8 @@ class TriangleGrid {
 
   /// Distance (mm) from p to the nearest triangle.
   double distance_mm(const Vec3& p_mm) const;
+  /// Whether a triangle is that near to p; quicker.
+  bool is_within(const Vec3& p_mm, double distance_mm) const;
 
  private:
   std::size_t index_of(const Eigen::Array3i& cell) const {
