@@ -60,11 +60,8 @@ std::string encode_png(const Image& image) {
   header.height = static_cast<png_uint_32>(image.height);
   header.format = grey ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
 
-  // The first call asks for the size, the second writes.
-  png_alloc_size_t bytes = 0;
-  if (png_image_write_to_memory(&header, nullptr, &bytes, 0, pixels.data(), 0, nullptr) == 0) {
-    fail("picture cannot be written as PNG: ", header.message);
-  }
+  // Room for any picture of its size: to ask how much this one takes is to encode it twice.
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::string file(bytes, '\0');
   if (png_image_write_to_memory(&header, file.data(), &bytes, 0, pixels.data(), 0, nullptr) == 0) {
     fail("picture cannot be written as PNG: ", header.message);
