@@ -86,31 +86,55 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
   return blocks;
 }
 
-struct Direction {
-  double x, y;  ///< unit, to the left and to the back
-};
-
 constexpr int kRayDirections = 16;
+constexpr int kRayBlocks = 8;  // blocks: 20 mm
 
-std::array<Direction, kRayDirections> directions_around() {
-  std::array<Direction, kRayDirections> directions{};
+/// Steps in blocks, to the left and to the back, along one direction.
+using Ray = std::array<std::array<int, 2>, kRayBlocks>;
+
+std::array<Ray, kRayDirections> rays_around() {
+  std::array<Ray, kRayDirections> rays{};
   for (int n = 0; n < kRayDirections; ++n) {
     const double turn = 2.0 * std::numbers::pi * n / kRayDirections;
-    directions[static_cast<std::size_t>(n)] = {std::sin(turn), -std::cos(turn)};  // the first one to the front
+    const double x = std::sin(turn), y = -std::cos(turn);  // the first one to the front
+    for (int r = 1; r <= kRayBlocks; ++r) {
+      rays[static_cast<std::size_t>(n)][static_cast<std::size_t>(r - 1)] = {static_cast<int>(std::lround(x * r)),
+                                                                            static_cast<int>(std::lround(y * r))};
+    }
   }
-  return directions;
+  return rays;
 }
 
 class CanalScore {
  public:
-  explicit CanalScore(const Blocks& blocks) : blocks_(blocks) {}
+  explicit CanalScore(const Blocks& blocks) : blocks_(blocks) {
+    const GridGeometry& geometry = blocks.geometry;
+    columns_ = geometry.size[0] + 2 * kRayBlocks;
+    rows_ = geometry.size[1] + 2 * kRayBlocks;
+    is_bone_.assign(place(-kRayBlocks, -kRayBlocks, geometry.size[2]), 0);
+    density_.reserve(blocks.mean.size());
+    for (int k = 0; k < geometry.size[2]; ++k) {
+      for (int j = 0; j < geometry.size[1]; ++j) {
+        for (int i = 0; i < geometry.size[0]; ++i) {
+          const std::size_t block = geometry.offset(i, j, k);
+          is_bone_[place(i, j, k)] = blocks.is_bone[block];
+          // Cortex and metal count as bone and no more, lung no less than fat.
+          density_.push_back(std::clamp((static_cast<double>(blocks.mean[block]) - 40.0) / 160.0, -0.6, 1.2));
+        }
+      }
+    }
+    const std::array<Ray, kRayDirections> rays = rays_around();
+    for (std::size_t n = 0; n < rays.size(); ++n) {
+      for (std::size_t r = 0; r < rays[n].size(); ++r) steps_[n][r] = rays[n][r][1] * columns_ + rays[n][r][0];
+    }
+  }
 
   /// How far the middle between opposite walls lies from a block, in blocks, to the left and to the back; nothing where
   /// one of the walls is not seen.
   std::array<std::optional<double>, 2> off_middle(int i, int j, int k) const {
     const auto between = [&](std::size_t a, std::size_t b) -> std::optional<double> {
-      const int low = first_bone(i, j, k, directions_[a]);
-      const int high = first_bone(i, j, k, directions_[b]);
+      const int low = first_bone(place(i, j, k), a);
+      const int high = first_bone(place(i, j, k), b);
       if (low == 0 || high == 0) return std::nullopt;
       return 0.5 * (high - low);
     };
@@ -123,7 +147,7 @@ class CanalScore {
     // Fat is in canals too, and air in those of dry bones; cancellous bone, where it is denser, is none.
     if (here > 120.0F) return 0.0;
     std::array<int, kRayDirections> hits{};
-    for (std::size_t n = 0; n < hits.size(); ++n) hits[n] = first_bone(i, j, k, directions_[n]);
+    for (std::size_t n = 0; n < hits.size(); ++n) hits[n] = first_bone(place(i, j, k), n);
     double seen = 0.0;
     double across = 0.0;  // pairs of opposite walls, as near as a canal's and not as a body's
     constexpr std::size_t kHalf = kRayDirections / 2;
@@ -141,19 +165,24 @@ class CanalScore {
   // Of the directions, which begin at the front and go round by the left.
   static constexpr std::size_t kFront = 0, kLeft = kRayDirections / 4, kBack = kRayDirections / 2,
                                kRight = 3 * kRayDirections / 4;
-  static constexpr int kReach = 8;  // blocks: 20 mm
-  static constexpr int kNear = 5;   // 12.5 mm
+  static constexpr int kNear = 5;  // 12.5 mm
+
+  /// Of a block in is_bone_, which has kRayBlocks blocks more on the four sides that rays go to.
+  std::size_t place(int i, int j, int k) const {
+    return (static_cast<std::size_t>(k) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(j + kRayBlocks)) *
+               static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(i + kRayBlocks);
+  }
 
   bool is_bone(int i, int j, int k) const {
     return blocks_.geometry.contains(i, j, k) && blocks_.is_bone[blocks_.geometry.offset(i, j, k)] != 0;
   }
 
   /// Blocks to the first bone along a direction, at least 1; 0 when there is none within reach.
-  int first_bone(int i, int j, int k, const Direction& d) const {
-    for (int r = 1; r <= kReach; ++r) {
-      const int x = i + static_cast<int>(std::lround(d.x * r));
-      const int y = j + static_cast<int>(std::lround(d.y * r));
-      if (is_bone(x, y, k)) return r;
+  int first_bone(std::size_t from, std::size_t direction) const {
+    for (int r = 1; r <= kRayBlocks; ++r) {
+      const std::ptrdiff_t step = steps_[direction][static_cast<std::size_t>(r - 1)];
+      if (is_bone_[from + static_cast<std::size_t>(step)] != 0) return r;
     }
     return 0;
   }
@@ -176,16 +205,17 @@ class CanalScore {
       for (int x = i - kHalfWidth; x <= i + kHalfWidth; ++x) {
         ++count;
         if (!blocks_.geometry.contains(x, y, k)) continue;
-        // Cortex and metal count as bone and no more, lung no less than fat.
-        const double hu = static_cast<double>(blocks_.mean[blocks_.geometry.offset(x, y, k)]);
-        sum += std::clamp((hu - 40.0) / 160.0, -0.6, 1.2);
+        sum += density_[blocks_.geometry.offset(x, y, k)];
       }
     }
     return std::clamp(sum / count, 0.0, 1.0);
   }
 
   const Blocks& blocks_;
-  const std::array<Direction, kRayDirections> directions_ = directions_around();
+  int columns_ = 0, rows_ = 0;  ///< of is_bone_
+  std::vector<std::uint8_t> is_bone_;
+  std::vector<double> density_;  ///< of each block: 0 of what is as dense as muscle, 1 of cancellous bone
+  std::array<std::array<std::ptrdiff_t, kRayBlocks>, kRayDirections> steps_{};  ///< along each direction, in is_bone_
 };
 
 /// Mean over a block's neighbours in its slice and those above and below: single lucky places do not make a canal.
