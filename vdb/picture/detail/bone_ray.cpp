@@ -1,7 +1,5 @@
 #include "vdb/picture/detail/bone_ray.h"
 
-#include <openvdb/math/Ray.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,33 +9,31 @@ namespace spinaltap::detail {
 DrawnBone::DrawnBone(const BoneModel& its_bone) : DrawnBone(its_bone, its_bone.grids().hole) {}
 
 DrawnBone::DrawnBone(const BoneModel& its_bone, openvdb::FloatGrid::ConstPtr hole)
-    : bone(its_bone),
-      bone_grid(bone.grids().before ? bone.grids().before : bone.grids().sdf),
+    : bone(before_drilling(its_bone)),
+      bone_grid(bone.grids().sdf),
       hole_grid(std::move(hole)),
-      to_bone(*bone_grid) {
-  if (hole_grid && hole_grid->activeVoxelCount() > 0) to_hole.emplace(*hole_grid);
+      bone_box(SurfaceCrossing::box_of(*bone_grid)) {
+  if (hole_grid && hole_grid->activeVoxelCount() > 0) hole_box = SurfaceCrossing::box_of(*hole_grid);
 }
 
 BoneRay::BoneRay(const DrawnBone& bone, const std::optional<CutPlane>& cut)
     : drawn_(bone),
-      to_bone_(bone.to_bone),
-      to_hole_(bone.to_hole),
-      bone_accessor_(bone.bone_grid->getConstAccessor()),
-      bone_(bone_accessor_, bone.bone_grid->transform()),
+      to_bone_(*bone.bone_grid, bone.bone_box),
       // Never asked where there is no hole.
       hole_accessor_((bone.hole_grid ? bone.hole_grid : bone.bone_grid)->getConstAccessor()),
       hole_(hole_accessor_, bone.bone_grid->transform()),
       cut_(cut),
       step_mm_(bone.bone_grid->voxelSize()[0]) {
+  if (bone.hole_box) to_hole_.emplace(*bone.hole_grid, *bone.hole_box);
   if (cut_) cut_->normal.normalize();
 }
 
-double BoneRay::next_crossing_mm(DrawnBone::Intersector& intersector, double begin_mm) const {
+double BoneRay::next_crossing_mm(SurfaceCrossing& surface, double begin_mm) const {
   // OpenVDB's rays begin after their eye, which may lie in a voxel.
   const double after_eye_mm = std::max(begin_mm, openvdb::math::Delta<double>::value());
   const openvdb::math::Ray<double> ray(to_vdb(start_mm_), to_vdb(direction_), after_eye_mm);
   openvdb::Vec3d hit;
-  if (!intersector.intersectsWS(ray, hit)) return kMissed;
+  if (!surface.find(ray, hit)) return kMissed;
   return (from_vdb(hit) - start_mm_).dot(direction_);
 }
 
@@ -125,8 +121,6 @@ double BoneRay::refined_mm(const Surface& surface) {
 }
 
 double BoneRay::bone_mm(const Vec3& p_mm) {
-  if (drawn_.bone_grid != drawn_.bone.grids().sdf) return static_cast<double>(bone_.wsSample(to_vdb(p_mm)));
-  // The same number, quicker.
   float distance_mm = 0.0F;
   drawn_.bone.sample({&p_mm, 1}, {&distance_mm, 1}, {});
   return static_cast<double>(distance_mm);

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/RayIntersector.h>
 
 #include <limits>
 #include <optional>
 
 #include "vdb/detail/bone_grids.h"
+#include "vdb/picture/detail/surface_crossing.h"
 #include "vdb/picture/render.h"
 
 namespace spinaltap::detail {
@@ -14,13 +14,11 @@ namespace spinaltap::detail {
 /// What rays meet of a bone: its surface before it was drilled, and that of the hole in its grids. Each
 /// keeps its own surface, so that the rim between them is sharp.
 struct DrawnBone {
-  using Intersector = openvdb::tools::LevelSetRayIntersector<openvdb::FloatGrid>;
-
-  BoneModel bone;
+  BoneModel bone;  ///< before it was drilled
   openvdb::FloatGrid::ConstPtr bone_grid;
   openvdb::FloatGrid::ConstPtr hole_grid;  ///< null where nothing was drilled
-  Intersector to_bone;
-  std::optional<Intersector> to_hole = {};
+  openvdb::CoordBBox bone_box;
+  std::optional<openvdb::CoordBBox> hole_box = {};  ///< none where there is no hole
 
   explicit DrawnBone(const BoneModel& its_bone);
   /// Another hole in it.
@@ -62,15 +60,13 @@ class BoneRay {
   using Sampler = openvdb::tools::GridSampler<openvdb::FloatGrid::ConstAccessor, openvdb::tools::BoxSampler>;
 
   double hole_mm(const Vec3& p_mm) { return static_cast<double>(hole_.wsSample(to_vdb(p_mm))); }
-  double next_crossing_mm(DrawnBone::Intersector& intersector, double begin_mm) const;
+  double next_crossing_mm(SurfaceCrossing& surface, double begin_mm) const;
   void find_hole(double begin_mm);
   Vec3 at(double way_mm) const { return start_mm_ + way_mm * direction_; }
 
   const DrawnBone& drawn_;
-  DrawnBone::Intersector to_bone_;
-  std::optional<DrawnBone::Intersector> to_hole_;
-  openvdb::FloatGrid::ConstAccessor bone_accessor_;
-  Sampler bone_;
+  SurfaceCrossing to_bone_;
+  std::optional<SurfaceCrossing> to_hole_;
   openvdb::FloatGrid::ConstAccessor hole_accessor_;
   Sampler hole_;
   std::optional<CutPlane> cut_;
