@@ -94,9 +94,10 @@ MeshDistance figures_of(std::vector<double> distances_mm) {
   if (distances_mm.empty()) return figures;
   for (const double d : distances_mm) figures.mean_mm += d;
   figures.mean_mm /= static_cast<double>(distances_mm.size());
-  std::sort(distances_mm.begin(), distances_mm.end());
-  figures.p99_mm = distances_mm[(distances_mm.size() - 1) * 99 / 100];
-  figures.max_mm = distances_mm.back();
+  const auto p99 = distances_mm.begin() + static_cast<std::ptrdiff_t>((distances_mm.size() - 1) * 99 / 100);
+  std::nth_element(distances_mm.begin(), p99, distances_mm.end());
+  figures.p99_mm = *p99;
+  figures.max_mm = *std::max_element(p99, distances_mm.end());
   return figures;
 }
 
