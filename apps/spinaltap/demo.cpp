@@ -11,6 +11,7 @@
 #include "apps/spinaltap/phantom_options.h"
 #include "apps/spinaltap/placement_options.h"
 #include "apps/spinaltap/report_options.h"
+#include "apps/spinaltap/stage_times.h"
 #include "core/base/staged_output.h"
 #include "core/files/plan_file.h"
 #include "mesh/display_mesh.h"
@@ -39,6 +40,7 @@ void heading(const char* text) { std::printf("%s\n", text); }
 
 Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   Json figures = Json::object();
+  StageClock clock;
   std::optional<Phantom> phantom;
   std::vector<DrillPath> paths;
   if (options.ct.folder.empty()) {
@@ -49,17 +51,20 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     options.ct.folder = folder / "ct";
     if (phantom->ground_truth) paths = read_plan(folder / "plan.json");
     print_figure("written", folder.string());
+    clock.end("phantom");
   }
 
   heading("CT to bone");
   const std::optional<CtVolume> ct = options.ct.read(progress);
+  clock.end("read");
   const BakedCt baked = options.ct.make_bone(*ct, progress);
+  clock.take(baked.times);
   figures["bake"] = report_baked(*ct, baked);
-  const TriangleMesh surface = bone_surface(baked.bone);
-  const TriangleMesh mesh = options.drill.writes_full_mesh ? surface : display_mesh(baked.bone, {}, nullptr, progress);
+  const TriangleMesh mesh =
+      options.drill.writes_full_mesh ? bone_surface(baked.bone) : display_mesh(baked.bone, {}, nullptr, progress);
   figures["mesh"] = report_mesh(measure_mesh(mesh));
   if (phantom) {
-    const SurfaceError error = surface_error(surface, *phantom->solid);
+    const SurfaceError error = surface_error(bone_surface(baked.bone), *phantom->solid);
     print_figure("distance to the ground truth, mean", error.mean_mm, "mm", 3);
     print_figure("distance to the ground truth, 99 %", error.p99_mm, "mm", 3);
     figures["ground_truth"] = {{"mean_mm", error.mean_mm}, {"p99_mm", error.p99_mm}, {"bias_mm", error.bias_mm}};
@@ -67,6 +72,7 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   StagedOutput output;  // of the whole demonstration: each part is shown when it is there
   write_bone(baked.bone, output.stage(options.folder / "bone.vdb"));
   write_mesh(mesh, output.stage(options.folder / "bone.stl"));
+  clock.end("meshed");
 
   const Bone bone(baked.bone);
   heading("Plan");
@@ -84,6 +90,8 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
     output.also_list(options.folder / "plan.html");
     if (graded.empty()) {  // nothing to drill
       output.commit();
+      clock.end("planned");
+      figures["times"] = report_times(clock);
       exit_code = kAnswerIsNo;
       return figures;
     }
@@ -92,14 +100,16 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   figures["plan"].update(report_paths(paths));
   write_plan(paths, options.folder / "plan.json");
   output.also_list(options.folder / "plan.json");
+  clock.end("planned");
 
   heading("Drilling");
   const std::string title = "Drilling " + (phantom ? "the phantom" : level_or(baked.level, "a vertebra"));
   figures["drill"] = run_drill({title, options.command, &*ct}, {&bone, 1}, paths.front(), options.drill, options.folder,
-                               output, progress);
+                               output, clock, progress);
   if (baked.warnings) {
     exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
   }
+  figures["times"] = report_times(clock);
   return figures;
 }
 

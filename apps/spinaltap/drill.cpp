@@ -9,6 +9,7 @@
 #include "apps/spinaltap/further_bones.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/report_options.h"
+#include "apps/spinaltap/stage_times.h"
 #include "core/files/plan_file.h"
 #include "core/session/session_event.h"
 
@@ -45,6 +46,7 @@ void add_drill(CLI::App& program, Command& command) {
 
   command.outputs = [options] { return std::vector{options->drill.record}; };
   command.run = [options, &command](const Progress& progress) {
+    StageClock clock;
     options->drill.bones = 1 + options->also.size();
     options->drill.may_replace_record = command.is_forced;
     const std::vector<DrillPath> paths = read_plan(options->plan);
@@ -53,15 +55,17 @@ void add_drill(CLI::App& program, Command& command) {
     const std::vector<Bone> bones = load_bones(options->bone, options->level, options->also);
     const Bone& bone = bones.front();
     const std::optional<CtVolume> ct = options->page.read({&bone, 1}, progress);
+    clock.end("read");
     StagedOutput output;
     Json figures =
         run_drill({options->page.title_of(bone, "Drilling " + path.name), options->page.command, ct ? &*ct : nullptr},
-                  bones, path, options->drill, options->folder, output, progress);
+                  bones, path, options->drill, options->folder, output, clock, progress);
     const auto is_breach = [](const Json& event) { return event["event"] == name_of(EventKind::stop_breach); };
     if (std::any_of(figures["events"].begin(), figures["events"].end(), is_breach) ||
         figures["operator_end"] != name_of(OperatorEnd::as_planned)) {
       command.exit_code = kAnswerIsNo;
     }
+    figures["times"] = report_times(clock);
     return figures;
   };
 }

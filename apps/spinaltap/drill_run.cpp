@@ -1,5 +1,7 @@
 #include "apps/spinaltap/drill_run.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -298,7 +300,7 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
 }
 
 Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPath& path, const DrillOptions& options,
-               const std::filesystem::path& folder, StagedOutput& output, const Progress& progress) {
+               const std::filesystem::path& folder, StagedOutput& output, StageClock& clock, const Progress& progress) {
   options.check(path.bit);
   SessionSetup setup = options.setup;
   setup.path = path;
@@ -341,20 +343,29 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   recording.close(drilling.events);
   std::optional<SolvedHeat> heat;
   if (options.solves_heat) heat.emplace(solve_heat(drilling.before, setup, drilling.heat_steps, {}, progress));
+  clock.end("drilled");
   const auto mesh_of = [&](const BoneModel& drilled) {
     return options.writes_full_mesh ? sharp_surface(drilled) : display_mesh(drilled, {}, nullptr, progress);
   };
-  TriangleMesh surface = mesh_of(drilling.drilled);
-  const LooseChips chips = drop_loose_chips(surface);
-
-  progress.report("meshing", 0.0);
-  const MeshQuality quality = measure_mesh(surface);
+  // Neither needs the other.
+  TriangleMesh surface;
+  LooseChips chips;
+  MeshQuality quality;
+  std::vector<ReportPicture> pictures;
+  tbb::parallel_invoke(
+      [&] {
+        surface = mesh_of(drilling.drilled);
+        chips = drop_loose_chips(surface);
+        quality = measure_mesh(surface);
+      },
+      [&] { pictures = drill_pictures(drilling.before, drilling.drilled, path, progress); });
+  clock.end("meshed and drawn");
   const DrillFigures figures{
       drilling, bone, setup, tool_operator.words, quality, chips, recording.lost(), heat ? &*heat : nullptr};
   DrillReportData data = report_data(page.title, page.ct, figures);
   data.command = page.command;
   data.date = today();
-  data.renders = drill_pictures(drilling.before, drilling.drilled, path, progress);
+  data.renders = std::move(pictures);
 
   stage_drilling(drilling, surface, data, folder, output);
   if (heat) heat->grid->write(output.stage(folder / "heat.vdb"), heat->heat.bone.temperature_c);
@@ -384,6 +395,7 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   }
   output.list_in(folder);
   output.commit();
+  clock.end("written");
 
   print_drilling(figures, density);
   for (const std::string& name : further)

@@ -7,6 +7,7 @@
 #include "apps/report/drilling_report.h"
 #include "apps/spinaltap/drill_options.h"
 #include "core/base/progress.h"
+#include "core/base/stage_clock.h"
 #include "core/base/staged_output.h"
 #include "core/ct/ct_volume.h"
 #include "core/files/json_file.h"
@@ -28,8 +29,8 @@ struct DrillPage {
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as
 /// points.vdb or voxels as voxels.nii.gz into a folder, with what `output` holds already: all of them or none. Of
 /// several bones all but the first have drilled_NAME.vdb and .stl: names_of_further(). A record grows where its option
-/// says, and stays whatever happens. Prints the figures and gives them as JSON.
+/// says, and stays whatever happens. Prints the figures and gives them as JSON. `clock` gets the stages' times.
 Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPath& path, const DrillOptions& options,
-               const std::filesystem::path& folder, StagedOutput& output, const Progress& progress);
+               const std::filesystem::path& folder, StagedOutput& output, StageClock& clock, const Progress& progress);
 
 }  // namespace spinaltap

@@ -121,20 +121,28 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
 BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options, const Progress& progress) {
   const BakeCache cache(options.cache);
   bool fit_from_cache = false;
+  StageClock clock;
   const SurfacePoints surface = extract_surface(ct, mask.mask, options.surface, progress);
+  clock.end("points");
   const SurfaceFit fit = make_fit(ct, mask.mask, surface, options, cache, fit_from_cache, progress);
+  clock.end("fitted");
   BakeReport report;
   const BoneModel bone = bake_bone(fit.field, surface.positions_mm, ct, options.bake,
                                    metadata_of(ct, options, mask, fit.report), &report, progress);
   const auto mask_voxels =
       static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
-  return {bone, mask_voxels, fit.report, report, mask.level, mask.warnings, false, fit_from_cache};
+  clock.end("baked");
+  return {bone, mask_voxels, fit.report, report, mask.level, mask.warnings, false, fit_from_cache, clock.times()};
 }
 
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {
   bool mask_from_cache = false;
+  StageClock clock;
   const MaskStage mask = make_mask(ct, options, BakeCache(options.cache), mask_from_cache, progress);
+  clock.end("segmented");
   BakedCt baked = bake_mask(ct, mask, options, progress);
+  clock.take(baked.times);
+  baked.times = clock.times();
   baked.mask_from_cache = mask_from_cache;
   return baked;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/progress.h"
+#include "core/base/stage_clock.h"
 #include "core/ct/ct_volume.h"
 #include "core/ct/label_volume.h"
 #include "core/files/bake_cache.h"
@@ -40,6 +41,7 @@ struct BakedCt {
   std::optional<LevelWarnings> warnings{};  ///< without a label map
   bool mask_from_cache = false;
   bool fit_from_cache = false;
+  std::vector<StageTime> times{};  ///< how long it took: "segmented" (by bake_ct() alone), "points", "fitted", "baked"
 };
 
 /// Which voxels are the wanted bone, and how they were found.
