@@ -28,9 +28,10 @@ constexpr std::string_view kFloatGridType = "Tree_float_5_4_3";
 constexpr std::string_view kMaskGridType = "Tree_mask_5_4_3";
 
 /// Checks a file's checksum, where seal_vdb() gave it one, and its head. Metadata that OpenVDB would unpack without
-/// looking at its sizes are renamed in `bytes`, so that it skips them, and a format that OpenVDB 10 warns of is lowered.
-/// A file written without places to jump to, as into a pipe, is looked through as check_vdb_grid() does. Throws Error on
-/// a file that is damaged, is none, is older than OpenVDB 2 (format 222), or newer than OpenVDB 13 (225).
+/// looking at its sizes are renamed in `bytes`, so that it skips them, and a format that OpenVDB 10 warns of is
+/// lowered. A file written without places to jump to, as into a pipe, is looked through as check_vdb_grid() does.
+/// Throws Error on a file that is damaged, is none, is older than OpenVDB 2 (format 222), or newer than OpenVDB 13
+/// (225).
 VdbLayout check_vdb(std::string& bytes);
 
 /// Walks through a grid of floats or a mask, or one that shares such a tree, as OpenVDB's reader will: each count, size
