@@ -84,7 +84,7 @@ class CollapseQueue {
   struct Cost {
     float mm2;
     std::uint32_t to;
-    auto operator<=>(const Cost&) const = default;
+    auto operator<=>(const Cost&) const = default;  // NOLINT(modernize-use-nullptr): clang-tidy 14 sees a 0 in it
   };
   static constexpr Cost kAll{-1.0F, 0};  ///< less than any
   struct Entry {
