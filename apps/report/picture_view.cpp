@@ -144,9 +144,10 @@ std::vector<ReportPicture> drill_pictures(const BoneModel& bone, const BoneModel
 
   std::vector<ReportPicture> pictures;
   pictures.push_back({render_bone(bone, behind, progress), "Before, from behind"});
-  pictures.push_back({render_bone(drilled, behind, progress), "After, from behind"});
+  pictures.push_back({render_drilled(drilled, pictures.back().image, behind, progress), "After, from behind"});
   pictures.push_back({render_bone(bone, oblique, progress), "Before, from the side of the hole"});
-  pictures.push_back({render_bone(drilled, oblique, progress), "After, from the side of the hole"});
+  pictures.push_back(
+      {render_drilled(drilled, pictures.back().image, oblique, progress), "After, from the side of the hole"});
   pictures.push_back(
       {render_bone(drilled, seen(view_onto(along), along), progress),
        "After, cut open along the path and seen from the feet, as on the axial slice: cancellous bone red, cortex "

@@ -51,4 +51,9 @@ struct RenderOptions {
 /// close-up of nothing, and a bad bit or path.
 Image render_bone(const BoneModel& bone, const RenderOptions& options, const Progress& progress = {});
 
+/// The same picture of a drilled bone, sooner, where there is one of the bone before (by the same options): only rays
+/// that pass near a hole are traced. Throws Error where the picture is of another size, too.
+Image render_drilled(const BoneModel& drilled, const Image& before, const RenderOptions& options,
+                     const Progress& progress = {});
+
 }  // namespace spinaltap

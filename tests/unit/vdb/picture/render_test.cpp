@@ -91,6 +91,27 @@ TEST(RenderBone, IsTheSameAtOneAndTwoThreads) {
   EXPECT_EQ(render_bone(shown_ball(), options()).rgb, many.rgb);
 }
 
+TEST(RenderDrilled, IsTheSameAsWhenAllIsTracedAgain) {
+  const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};
+  const Pose end{kBall.centre_mm, -Vec3::UnitY()};
+  const BoneModel drilled = test::without_hole(shown_ball(), {3.0, 30.0, 1.0}, start, end);
+  for (const Vec3& from : {Vec3(0.0, 1.0, 0.0), Vec3(0.7, 0.6, 0.3), Vec3(0.0, -1.0, 0.0)}) {
+    for (const double opacity : {1.0, 0.4}) {
+      RenderOptions how = options();
+      how.from = from;
+      how.opacity = opacity;
+      const Image before = render_bone(shown_ball(), how);
+      const Image whole = render_bone(drilled, how);
+      EXPECT_EQ(render_drilled(drilled, before, how).rgb, whole.rgb) << from.transpose() << ", " << opacity;
+      EXPECT_EQ(render_drilled(shown_ball(), before, how).rgb, before.rgb);
+      if (opacity < 1.0) {
+        EXPECT_NE(whole.rgb, before.rgb);
+      }
+    }
+  }
+  EXPECT_THROW(render_drilled(drilled, {3, 3, std::vector<std::uint8_t>(27)}, options()), Error);
+}
+
 TEST(RenderBone, ColoursWhatWasDrilledByItsCtNumber) {
   // Straight into the middle of the picture, 100 HU: cancellous bone, which is red.
   const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};
