@@ -48,7 +48,10 @@ Eigen::Array3i PointGrid::cell_of(const Vec3& p_mm) const {
 PointGrid::Nearest PointGrid::nearest_within(const Vec3& p_mm, double radius_mm) const {
   Nearest nearest;
   for_each_within(p_mm, radius_mm, [&](std::size_t index) {
-    const double distance_mm = (points_mm_[index] - p_mm).norm();
+    const double squared_mm2 = (points_mm_[index] - p_mm).squaredNorm();
+    // No root for those that are further in any case.
+    if (squared_mm2 > 1.000001 * nearest.distance_mm * nearest.distance_mm) return;
+    const double distance_mm = std::sqrt(squared_mm2);
     if (distance_mm < nearest.distance_mm || (distance_mm == nearest.distance_mm && index < nearest.index)) {
       nearest = {index, distance_mm};
     }
