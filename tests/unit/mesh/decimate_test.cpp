@@ -74,6 +74,16 @@ TEST(DecimateDrilledBall, IsWhatADrilledBoneIsShownAs) {
   EXPECT_EQ(mesh.vertices_mm, same.vertices_mm);
 }
 
+// The rim is cut from cells at any place: the fine mesh has triangles as thin as one likes.
+TEST(DecimateDrilledBall, HasNoThinTriangles) {
+  const TriangleMesh fine = sharp_surface(ball_with_hole());
+  ASSERT_LT(measure_mesh(fine).smallest_angle_deg, 1.0);
+  RemeshReport report;
+  const TriangleMesh mesh = decimate(fine, 0.05, &report);
+  EXPECT_GE(measure_mesh(mesh).smallest_angle_deg, 5.0);
+  EXPECT_EQ(report.smallest_angle_deg, measure_mesh(mesh).smallest_angle_deg);
+}
+
 TEST(DecimateDrilledBall, GivesFewerTrianglesForALargerError) {
   const TriangleMesh fine = sharp_surface(ball_with_hole());
   RemeshReport coarse;
@@ -135,12 +145,36 @@ TEST(Decimate, GivesTheSameBitsAtAnyNumberOfThreads) {
   EXPECT_EQ(one.triangles, two.triangles);
 }
 
+// A finger of three thin triangles on a side: no edge at its foot can collapse before it is gone.
+TEST(Decimate, TakesAwayASpikeThatNoTriangleAroundAllowsToCollapse) {
+  TriangleMesh fine = test::torus_mesh(10.0, 4.0, 72, 36);
+  const auto [a, b, c] = fine.triangles.front();
+  const Eigen::Vector3f foot = (fine.vertices_mm[a] + fine.vertices_mm[b] + fine.vertices_mm[c]) / 3.0F;
+  const Eigen::Vector3f out =
+      (fine.vertices_mm[b] - fine.vertices_mm[a]).cross(fine.vertices_mm[c] - fine.vertices_mm[a]).normalized();
+  const auto tip = static_cast<std::uint32_t>(fine.vertices_mm.size());
+  fine.vertices_mm.push_back(foot + 0.002F * out + 0.3F * (fine.vertices_mm[a] - foot));
+  fine.triangles.front() = {a, b, tip};
+  fine.triangles.push_back({b, c, tip});
+  fine.triangles.push_back({c, a, tip});
+  RemeshReport report;
+  const TriangleMesh mesh = decimate(fine, 0.05, &report);
+  EXPECT_TRUE(report.reached);
+  EXPECT_GE(report.smallest_angle_deg, 5.0);
+  EXPECT_EQ(measure_mesh(mesh).euler_number, 0);
+}
+
 TEST(Decimate, RejectsWhatIsNotClosed) {
   TriangleMesh open = test::torus_mesh(10.0, 4.0, 24, 12);
   EXPECT_THROW(decimate(open, 0.0), Error);
   EXPECT_THROW(decimate(open, std::numeric_limits<double>::quiet_NaN()), Error);
   open.triangles.pop_back();
   EXPECT_THROW(decimate(open, 0.05), Error);
+  TriangleMesh pinched = test::torus_mesh(10.0, 4.0, 24, 12);
+  for (auto& t : pinched.triangles) {
+    for (std::uint32_t& corner : t) corner = corner == 100 ? 3 : corner;  // two places of the surface meet in one
+  }
+  EXPECT_THROW(decimate(pinched, 0.05), Error);
   EXPECT_THROW(decimate({}, 0.05), Error);
 }
 
