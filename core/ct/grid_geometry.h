@@ -29,7 +29,10 @@ struct GridGeometry {
 
   /// Matrix from index steps to patient mm: directions times spacing.
   Mat3 index_to_patient_matrix() const { return directions * spacing_mm.asDiagonal(); }
-  Vec3 to_patient(const Vec3& p_index) const { return origin_mm + directions * p_index.cwiseProduct(spacing_mm); }
+  // Always inline: a user's compiler with fused products must not bring its own in place of the library's.
+  [[gnu::always_inline]] Vec3 to_patient(const Vec3& p_index) const {
+    return origin_mm + directions * p_index.cwiseProduct(spacing_mm);
+  }
   Vec3 to_index(const Vec3& p_patient) const;
   double smallest_spacing_mm() const { return spacing_mm.minCoeff(); }
 };

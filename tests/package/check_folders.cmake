@@ -126,7 +126,7 @@ foreach(entry IN LISTS entries)
 endforeach()
 
 # Without git, build folders cannot be told from others but by their name, which .gitignore gives.
-set(allowed CMakeLists.txt CMakePresets.json core vdb mesh apps tests data README.md LICENSE docs run)
+set(allowed CMakeLists.txt CMakePresets.json core vdb mesh apps tests data README.md LICENSE docs findings run)
 file(GLOB entries RELATIVE ${SOURCE_DIR} LIST_DIRECTORIES true ${SOURCE_DIR}/*)
 foreach(entry IN LISTS entries)
   if(entry IN_LIST allowed OR entry MATCHES "^\\." OR entry MATCHES "^build")
