@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "core/base/staged_output.h"
+#include "core/files/json_file.h"
 #include "core/files/plan_file.h"
 #include "mesh/mesh_io.h"
 #include "mesh/mesh_quality.h"
@@ -135,6 +137,24 @@ TEST_F(Outputs, OfDrillAreMeshesToShowUnlessFullOnesAreAskedFor) {
   EXPECT_GT(shown.smallest_angle_deg, 1.0);  // slivers of 0.2 degrees were what such meshes had
   EXPECT_TRUE(shown.closed());
   EXPECT_NEAR(shown.volume_mm3, full.volume_mm3, 0.02 * full.area_mm2);
+}
+
+TEST_F(Outputs, OfDrillSayHowLongEachStageTook) {
+  const test::ProgramRun drilled = drill("-o shown --json figures.json");
+  ASSERT_EQ(drilled.exit_code, 0) << drilled.errors;
+  const Json times = read_json(in("figures.json"))["times"];
+  std::vector<std::string> names;
+  double wall_s = 0.0, processor_s = 0.0;
+  for (const Json& stage : times["stages"]) {
+    names.push_back(stage["stage"]);
+    wall_s += stage["wall_s"].get<double>();
+    processor_s += stage["processor_s"].get<double>();
+  }
+  EXPECT_THAT(names, ElementsAre("read", "drilled", "meshed and drawn", "written"));
+  EXPECT_NEAR(times["total"]["wall_s"].get<double>(), wall_s, 1e-6);
+  EXPECT_NEAR(times["total"]["processor_s"].get<double>(), processor_s, 1e-6);
+  EXPECT_GT(processor_s, 0.0);
+  EXPECT_THAT(drilled.output, HasSubstr("of processor time): read "));
 }
 
 TEST_F(Outputs, OfMeshThatMissWhatWasAskedAreAnExitCode) {
