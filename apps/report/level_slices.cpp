@@ -137,7 +137,7 @@ Image LevelSlices::draw(const BentFrame& frame) const {
   const LabelPixels pixels = pixels_of(frame);
   for (const auto& [label, box] : boxes_mm_) {
     const auto level = std::find_if(levels_.begin(), levels_.end(),
-                                    [label = label](const PictureLevel& one) { return one.label == label; });
+                                    [wanted = label](const PictureLevel& one) { return one.label == wanted; });
     const bool known = level != levels_.end();
     draw_label_outline(image, pixels, label, known ? colour(*level) : kOtherLabels, known && level->suspect);
   }

@@ -71,7 +71,8 @@ Lanes absolute_of(const Lanes& a) {
 template <class Place, class Point>
 std::vector<Place> can_be_nearest(const Point& point, std::span<const Place> places, const Cube& cube,
                                   float tolerance_mm2) {
-  const auto& [middle, half_mm] = cube;
+  const Near middle = cube.middle;
+  const float half_mm = cube.half_mm;
   Near first = kNowhere;
   float first_mm2 = std::numeric_limits<float>::infinity();
   for (const Place place : places) {
@@ -99,7 +100,7 @@ std::vector<Place> can_be_nearest(const Point& point, std::span<const Place> pla
     near.back().squared_mm2[lane] = mm2;
     left.push_back(place);
   }
-  const auto beat_at = [&near, half_mm = half_mm](const Near& p) {
+  const auto beat_at = [&near, half_mm](const Near& p) {
     // Without the position's own square, which all have.
     Lanes least = all_lanes(std::numeric_limits<float>::infinity()), rival_x{}, rival_y{}, rival_z{}, rival_mm2{};
     for (const FourCandidates& of : near) {
