@@ -6,14 +6,14 @@ cmake_minimum_required(VERSION 3.25)
 
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY TIMEOUT 120)
 
-# Whether a test's full name matches one of the patterns.
+# Whether a test's full name, or what is behind its instance's name, matches one of the patterns.
 function(matches out name patterns)
   set(${out} FALSE PARENT_SCOPE)
   string(REPLACE "," ";" patterns "${patterns}")
   foreach(pattern IN LISTS patterns)
     string(REPLACE "." "\\." regex "${pattern}")
     string(REPLACE "*" ".*" regex "${regex}")
-    if(name MATCHES "^${regex}$")
+    if(name MATCHES "^(.*/)?${regex}$")
       set(${out} TRUE PARENT_SCOPE)
       return()
     endif()
@@ -27,8 +27,12 @@ function(plain_suite out suite)
   set(${out} ${plain} PARENT_SCOPE)
 endfunction()
 
+# Names begin with the program's, without test_: two programs may have suites of one name.
+cmake_path(GET PROGRAM STEM program)
+string(REGEX REPLACE "^test_" "" program ${program})
 set(content "")
-function(write_test name filter label cost)
+function(write_test suite filter label cost)
+  set(name ${program}.${suite})
   string(APPEND content "add_test([==[${name}]==] \"${PROGRAM}\" \"--gtest_filter=${filter}\")\n"
          "set_tests_properties([==[${name}]==] PROPERTIES LABELS \"${label}\" COST ${cost} TIMEOUT ${TIMEOUT}"
          " FAIL_REGULAR_EXPRESSION \"Running 0 tests\" SKIP_RETURN_CODE 77)\n")
@@ -68,7 +72,7 @@ foreach(suite IN LISTS suites)
   if(filter AND whole_of_${suite})
     write_test(${suite} "${filter}" "${label}" ${cost})
   elseif(filter)
-    write_test(${suite} "${suite}.*:*/${suite}.*:${suite}/*:*/${suite}/*" "${label}" ${cost})
+    write_test(${suite} "${suite}.*:*/${suite}.*:${suite}/?.*:*/${suite}/?.*" "${label}" ${cost})
   endif()
   # All that is whole of a suite in one process too.
   if(whole_of_${suite})
