@@ -178,9 +178,8 @@ class Decimation {
     }
     PassedVertices next = next_;  // the parts may be needed again
     detail::collapse_edges(fine_, next, whole, stays);
-    detail::widen_angles(fine_, next, whole, kWantedAngleRad);
     TriangleMesh mesh;
-    for (const std::uint32_t vertex : whole.originals) mesh.vertices_mm.push_back(mesh_.vertices_mm[vertex]);
+    mesh.vertices_mm = detail::widen_angles(fine_, next, whole, kWantedAngleRad);
     mesh.triangles = std::move(whole.triangles);
     return mesh;
   }

@@ -8,7 +8,8 @@ namespace spinaltap {
 
 /// The same surface in fewer triangles: edges collapse while every vertex of `mesh`, which must be closed and manifold,
 /// stays within `max_error_mm` of the result. Creases stay sharp: a vertex on one goes along it or not at all. Angles
-/// stay above 7 degrees, thin triangles of `mesh` are done away with; where nothing else helps, a crease goes.
+/// stay above 7 degrees and thin triangles of `mesh` are done away with as far as that allows; vertices move a little
+/// for it, and where nothing else helps, a crease goes.
 ///
 /// Garland & Heckbert 1997, "Surface simplification using quadric error metrics", with Klein, Liebich & Strasser 1996's
 /// bound of the distance. Changed: a collapse is looked at when it is its turn, not whenever a triangle near it

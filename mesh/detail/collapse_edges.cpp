@@ -130,6 +130,21 @@ class CollapseQueue {
 
 constexpr double kGain = 1e-4;  // of a cosine
 
+/// Moves a vertex to the first of some places around it that does its triangles good: far ones first. Where a hole just
+/// meets another surface there are necks of a micrometre, which no collapse may close.
+bool spread(EdgeCollapser& mesh, std::uint32_t vertex, const EdgeCollapser::Limits& limits) {
+  const double mean_mm = mesh.mean_edge_mm(vertex);
+  const Vec3 from_mm = mesh.at_mm(vertex);
+  for (const double step : {0.2, 0.1, 0.05, 0.02}) {
+    for (int n = 0; n < 27; ++n) {
+      if (n == 13) continue;
+      const Vec3 way(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+      if (mesh.move(vertex, from_mm + step * mean_mm * way.normalized(), limits)) return true;
+    }
+  }
+  return false;
+}
+
 bool widen(EdgeCollapser& mesh, std::uint32_t triangle, const EdgeCollapser::Limits& limits) {
   const EdgeCollapser::Triangle t = mesh.corners(triangle);
   // Across the longest edge first, along the shortest first: what thin triangles want.
@@ -142,7 +157,9 @@ bool widen(EdgeCollapser& mesh, std::uint32_t triangle, const EdgeCollapser::Lim
     const auto& [c, d] = edges[edges.size() - 1 - n];
     if (mesh.flip(c, d, limits)) return true;
   }
-  if (limits.keeps_creases) return false;
+  bool has_moved = false;
+  for (const std::uint32_t corner : t) has_moved = spread(mesh, corner, limits) || has_moved;
+  if (has_moved || limits.keeps_creases) return has_moved;
   // A spike of three triangles keeps the edges around it from collapsing: without it the next pass may do that.
   for (const std::uint32_t corner : t) {
     if (mesh.fans().of(corner).size() != 3) continue;
@@ -163,27 +180,24 @@ void collapse_edges(const FineSurface& fine, PassedVertices& next, CollapsedPart
   part = mesh.part();
 }
 
-std::size_t widen_angles(const FineSurface& fine, PassedVertices& next, CollapsedPart& part, double wanted_rad) {
-  constexpr int kPasses = 12;
+std::vector<Eigen::Vector3f> widen_angles(const FineSurface& fine, PassedVertices& next, CollapsedPart& part,
+                                          double wanted_rad) {
+  constexpr int kPasses = 24;
   const double wanted_cosine = std::cos(wanted_rad);
   EdgeCollapser mesh(fine, next, part, std::vector<std::uint8_t>(part.originals.size(), 0));
-  std::size_t thin = 0;
-  bool keeps_creases = true;
+  EdgeCollapser::Limits limits{.angle_cosine = wanted_cosine, .gain = kGain};
   for (int pass = 0; pass < kPasses; ++pass) {
-    thin = 0;
-    bool is_changed = false;
+    bool is_thin = false, is_changed = false;
     for (std::uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
       if (mesh.is_dead(triangle) || mesh.angle_cosine(triangle) <= wanted_cosine) continue;
-      ++thin;
-      is_changed =
-          widen(mesh, triangle, {.angle_cosine = wanted_cosine, .gain = kGain, .keeps_creases = keeps_creases}) ||
-          is_changed;
+      is_thin = true;
+      is_changed = widen(mesh, triangle, limits) || is_changed;
     }
-    if (thin == 0 || (!is_changed && !keeps_creases)) break;
-    if (!is_changed) keeps_creases = false;
+    if (!is_thin || (!is_changed && !limits.keeps_creases)) break;
+    if (!is_changed) limits.keeps_creases = false;
   }
   part = mesh.part();
-  return thin;
+  return mesh.positions_mm();
 }
 
 }  // namespace spinaltap::detail

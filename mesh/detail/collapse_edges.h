@@ -12,9 +12,10 @@ namespace spinaltap::detail {
 void collapse_edges(const FineSurface& fine, PassedVertices& next, CollapsedPart& part,
                     const std::vector<std::uint8_t>& is_kept);
 
-/// Turns and collapses edges around triangles with an angle below `wanted_rad`, each time so that the smallest angle
-/// around gets larger and all that has gone stays within its tolerance; a crease goes where nothing else helps. Returns
-/// how many such triangles are left.
-std::size_t widen_angles(const FineSurface& fine, PassedVertices& next, CollapsedPart& part, double wanted_rad);
+/// Turns and collapses edges around triangles with an angle below `wanted_rad`, and moves their corners, each time so
+/// that the smallest angle around gets larger and all that has gone, or was where a corner moved from, stays within its
+/// tolerance; a crease goes where nothing else helps. Returns where the vertices are.
+std::vector<Eigen::Vector3f> widen_angles(const FineSurface& fine, PassedVertices& next, CollapsedPart& part,
+                                          double wanted_rad);
 
 }  // namespace spinaltap::detail

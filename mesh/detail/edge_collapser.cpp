@@ -36,6 +36,7 @@ EdgeCollapser::EdgeCollapser(const FineSurface& fine, PassedVertices& next, cons
       fans_(part.originals.size(), part.triangles),
       stays_(is_kept),
       is_border_(part.originals.size(), 0),
+      has_moved_(part.originals.size(), 0),
       mark_(part.originals.size(), 0) {
   at_mm_.reserve(originals_.size());
   for (const std::uint32_t original : originals_) at_mm_.push_back(fine_mm(original));
@@ -119,7 +120,6 @@ bool EdgeCollapser::add_new(std::uint32_t index, const Vec3& a, const Vec3& b, c
 
 bool EdgeCollapser::keeps_shape(std::uint32_t from, std::uint32_t to, const Limits& limits) {
   double before = 0.5;
-  Vec3 sum = Vec3::Zero();
   new_.clear();
   double after = 0.5;
   for (const std::uint32_t triangle : dying_) before = std::max(before, angle_cosine(triangle));
@@ -132,19 +132,26 @@ bool EdgeCollapser::keeps_shape(std::uint32_t from, std::uint32_t to, const Limi
     if (after > allowed) return false;
     if (!add_new(triangle, moved(0), moved(1), moved(2))) return false;
   }
-  if (!limits.keeps_creases && old_.size() == 1) return true;  // of a spike: the triangle at its foot may face anywhere
+  return keeps_turns(limits, before);
+}
+
+/// Whether no new triangle faces away from the old one in its place. `before`: of the thinnest old triangle.
+bool EdgeCollapser::keeps_turns(const Limits& limits, double before) const {
+  // Of a spike: the triangle at its foot may face anywhere.
+  if (!limits.keeps_creases && old_.size() == 1) return true;
+  const auto normal_of = [&](std::uint32_t triangle) -> Vec3 {
+    const Triangle& t = triangles_[triangle];
+    return (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
+  };
+  Vec3 sum = Vec3::Zero();
   for (std::size_t n = 0; n < old_.size(); ++n) {
-    const Triangle& t = triangles_[old_[n]];
-    const Vec3 normal = (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
+    const Vec3 normal = normal_of(old_[n]);
     sum += normal;
     if (before > kThinCosine && angle_cosine(old_[n]) > kThinCosine) continue;
     if (normal.dot(new_[n].normal) < kLargestTurnCosine * normal.norm()) return false;
   }
   if (before <= kThinCosine) return true;
-  for (const std::uint32_t triangle : dying_) {
-    const Triangle& t = triangles_[triangle];
-    sum += (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
-  }
+  for (const std::uint32_t triangle : dying_) sum += normal_of(triangle);
   return std::all_of(new_.begin(), new_.end(), [&](const NewTriangle& t) { return t.normal.dot(sum) > 0.0; });
 }
 
@@ -252,9 +259,8 @@ bool EdgeCollapser::collapse(std::uint32_t from, std::uint32_t to, const Limits&
   if (limits.keeps_creases && is_along && !moves_crease) return false;
   moved_.clear();
   std::size_t hint = 0;
-  if (!take_over(originals_[from], hint) || !take_over_chains(dying_, hint) || !take_over_chains(old_, hint)) {
-    return false;
-  }
+  if (has_moved_[from] == 0 && !take_over(originals_[from], hint)) return false;
+  if (!take_over_chains(dying_, hint) || !take_over_chains(old_, hint)) return false;
   if (moves_crease) {
     move_crease(from, to);
   } else {
@@ -342,6 +348,55 @@ bool EdgeCollapser::flip(std::uint32_t a, std::uint32_t b, const Limits& limits)
   for (const std::uint32_t triangle : old_) passed_[triangle] = kNoVertex;
   hand_over();
   return true;
+}
+
+double EdgeCollapser::mean_edge_mm(std::uint32_t vertex) {
+  find_ring(vertex, ring_);
+  double sum_mm = 0.0;
+  for (const std::uint32_t beside : ring_) sum_mm += (at_mm_[beside] - at_mm_[vertex]).norm();
+  return sum_mm / static_cast<double>(ring_.size());
+}
+
+bool EdgeCollapser::move(std::uint32_t vertex, const Vec3& to_mm, const Limits& limits) {
+  if (stays(vertex) || (limits.keeps_creases && creases_[vertex].kind != CreaseVertex::Kind::smooth)) return false;
+  const auto fan = fans_.of(vertex);
+  old_.assign(fan.begin(), fan.end());
+  dying_.clear();
+  new_.clear();
+  double before = 0.5, after = 0.5;
+  for (const std::uint32_t triangle : old_) before = std::max(before, angle_cosine(triangle));
+  for (const std::uint32_t triangle : old_) {
+    const Triangle& t = triangles_[triangle];
+    const auto moved = [&](std::size_t c) -> const Vec3& { return t[c] == vertex ? to_mm : at_mm_[t[c]]; };
+    after = std::max(after, smallest_angle_cosine(moved(0), moved(1), moved(2)));
+    if (after > before - limits.gain || !add_new(triangle, moved(0), moved(1), moved(2))) return false;
+  }
+  // Thin ones say nothing; the others keep the place.
+  for (std::size_t n = 0; n < old_.size(); ++n) {
+    if (angle_cosine(old_[n]) > kThinCosine) continue;
+    const Triangle& t = triangles_[old_[n]];
+    const Vec3 normal = (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
+    if (normal.dot(new_[n].normal) < kLargestTurnCosine * normal.norm()) return false;
+  }
+  moved_.clear();
+  std::size_t hint = 0;
+  if (has_moved_[vertex] == 0 && !take_over(originals_[vertex], hint)) return false;
+  if (!take_over_chains(old_, hint)) return false;
+  has_moved_[vertex] = 1;
+  at_mm_[vertex] = to_mm;
+  for (const std::uint32_t triangle : old_) passed_[triangle] = kNoVertex;
+  hand_over();
+  return true;
+}
+
+std::vector<Eigen::Vector3f> EdgeCollapser::positions_mm() const {
+  std::vector<Eigen::Vector3f> positions_mm;
+  for (std::uint32_t vertex = 0; vertex < originals_.size(); ++vertex) {
+    if (is_gone(vertex)) continue;
+    positions_mm.push_back(has_moved_[vertex] != 0 ? Vec3(at_mm_[vertex] + origin_mm_).cast<float>()
+                                                   : fine_.mesh.vertices_mm[originals_[vertex]]);
+  }
+  return positions_mm;
 }
 
 CollapsedPart EdgeCollapser::part() const {

@@ -54,8 +54,16 @@ class EdgeCollapser {
   /// Turns the edge between two triangles if that is allowed and makes the smallest angle of both larger.
   bool flip(std::uint32_t a, std::uint32_t b, const Limits& limits);
 
-  /// What is left.
+  /// Moves a vertex if that is allowed and makes the smallest angle around it larger. Where it came from counts as a
+  /// vertex that went from then on.
+  bool move(std::uint32_t vertex, const Vec3& to_mm, const Limits& limits);
+  /// Mean length of the edges at a vertex.
+  double mean_edge_mm(std::uint32_t vertex);
+
+  /// What is left; vertices that moved are as they were in it...
   CollapsedPart part() const;
+  /// ...and where they are now here: of each vertex of part().
+  std::vector<Eigen::Vector3f> positions_mm() const;
 
  private:
   /// A triangle that takes the place of others, and what of the vertices that went it takes over.
@@ -73,6 +81,7 @@ class EdgeCollapser {
   std::uint32_t local(std::uint32_t original) const;
   bool keeps_manifold(std::uint32_t from, std::uint32_t to);
   bool keeps_shape(std::uint32_t from, std::uint32_t to, const Limits& limits);
+  bool keeps_turns(const Limits& limits, double before) const;
   bool keeps_crease(std::uint32_t from, std::uint32_t to);
   bool take_over(std::uint32_t vertex, std::size_t& hint);
   bool take_over_chains(std::span<const std::uint32_t> triangles, std::size_t& hint);
@@ -90,7 +99,7 @@ class EdgeCollapser {
   Vec3 origin_mm_;  ///< near to all: places are seen from here
   std::vector<Vec3> at_mm_;
   TriangleFans fans_;
-  std::vector<std::uint8_t> stays_, is_border_;
+  std::vector<std::uint8_t> stays_, is_border_, has_moved_;
 
   // Of the step that is looked at.
   std::vector<std::uint32_t> mark_;
