@@ -12,6 +12,7 @@
 #include "core/ct/dicom_read.h"
 #include "core/ct/label_map.h"
 #include "core/session/operator/path_motion.h"
+#include "mesh/display_mesh.h"
 #include "mesh/mesh_quality.h"
 #include "tests/support/test_data.h"
 #include "vdb/grid/isosurface.h"
@@ -134,6 +135,27 @@ TEST(RealCt, T11IsClosed) {
   const CtVolume ct = read_dicom(folder / "dicom");
   EXPECT_EQ(ct.geometry.size, (std::array<int, 3>{512, 512, 70}));
   expect_closed(print_quality("T11", bake_ct(ct)));
+}
+
+// As `demo` makes it; slivers of 0.4 degrees were what such meshes had.
+TEST(RealCt, T11DrilledHasNoThinTriangles) {
+  SPINALTAP_NEED_TEST_DATA(folder, "T11_ct_0.78mm")
+  const Bone bone(bake_ct(read_dicom(folder / "dicom")).bone);
+  const std::vector<DrillPath> paths = paths_of(bone.suggest({}));
+  ASSERT_EQ(paths.size(), 2U);
+  SessionSetup setup;
+  setup.path = paths.front();
+  setup.has_clearances = false;
+  PlannedMotion tool_operator(setup.path, in_steps_of(0.02, {.lead_in_mm = setup.volume.lead_in_mm}));
+  RemeshReport report;
+  const TriangleMesh mesh = display_mesh(drill_bone(bone, setup, tool_operator).drilled, {}, &report);
+  const MeshQuality quality = measure_mesh(mesh);
+  std::printf("T11, drilled: %zu triangles, smallest angle %.1f degrees, mesh to surface %.3f mm, back %.3f mm\n",
+              quality.triangles, quality.smallest_angle_deg, report.to_surface.max_mm, report.from_surface.max_mm);
+  EXPECT_TRUE(report.reached);
+  EXPECT_TRUE(quality.closed());
+  EXPECT_EQ(quality.euler_number, 0);
+  EXPECT_GE(quality.smallest_angle_deg, 5.0);
 }
 
 TEST(RealCt, Jpeg2000ThoraxIsClosed) {
