@@ -174,7 +174,7 @@ Nothing changes it; any number of threads may use it at once. Positions are pati
 seed_mm: a point in the body of the wanted vertebra; without it, the largest whole one.
 labels: a label map (NIfTI or NRRD) that says which bone is meant, by the number `label` or by the name `level`.
 cache: a folder for finished stages, which the next call takes from there.
-accept_warnings: take a vertebra that is likely not right; see `warnings`.
+accept_warnings: take a vertebra or a CT that is likely not right; see `warnings`.
 progress: called as progress(stage, fraction). Ctrl-C cancels.
 Raises Error on a CT that cannot be read, and without a vertebra.)")
       .def_static(
@@ -203,8 +203,15 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
           "metadata", [](const Bone& bone) { return bone.model().metadata(); }, "What was baked and how, as text.")
       .def_property_readonly(
           "warnings",
-          [](const Bone& bone) { return bone.warnings() ? bone.warnings()->warnings : std::vector<std::string>{}; },
-          "What speaks against it, a line each; empty where it was marked by hand.")
+          [](const Bone& bone) {
+            std::vector<std::string> lines = bone.input_warnings();
+            if (const std::optional<LevelWarnings> marked = bone.warnings()) {
+              lines.insert(lines.end(), marked->warnings.begin(), marked->warnings.end());
+            }
+            return lines;
+          },
+          "What speaks against the files that it was made of, then against it, a line each; the latter are none where "
+          "it was marked by hand.")
       .def(
           "distance",
           [](const Bone& bone, const Numbers& points_mm) {

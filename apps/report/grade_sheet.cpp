@@ -109,6 +109,9 @@ class Sheets {
   /// What is wrong with the bone itself: all that stands below rests on it.
   std::vector<std::string> notes() const {
     std::vector<std::string> lines;
+    if (data_.bone != nullptr) {
+      for (const std::string& warning : data_.bone->input_warnings()) lines.push_back("The CT: " + warning);
+    }
     const std::optional<LevelWarnings> bone = data_.bone != nullptr ? data_.bone->warnings() : std::nullopt;
     if (bone && !bone->warnings.empty()) {
       std::string line = bone->is_suspect() ? "This bone is SUSPECT, look at it before its paths: " : "The bone: ";

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -36,8 +38,13 @@ Json bake_one(BakeCommandOptions& options, StagedOutput& output, const Progress&
   write_bone(baked.bone, staged);
   output.commit();
   Json figures = report_baked(ct, baked);
+  const bool accepts_warnings = options.ct.finding.accepts_warnings;
+  const std::vector<std::string> of_input = input_warnings_in(baked.bone.metadata());
+  report_input_warnings(of_input, figures);
+  options.exit_code = say_input_warnings(of_input, accepts_warnings);
   if (baked.warnings) {
-    options.exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
+    options.exit_code =
+        std::max(options.exit_code, say_suspect(level_name(baked.level), *baked.warnings, accepts_warnings));
   }
   return figures;
 }
@@ -91,12 +98,18 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
   if (target.extension() != ".vdb") output.list_in(target);
   output.commit();
   std::vector<std::string> suspect;
+  std::vector<std::string> of_inputs;  // those of one CT are the same for all its levels
   Json figures{{"ct_hash", ct.source_hash}, {"levels", Json::array()}, {"skipped", Json::array()}};
   for (const BakedLevel& one : baked.levels) {
     Json level = report_baked(ct, one.baked);
     level["level"] = level_name(one.level);
     level["warnings"] = one.notes.warnings;
     level["severity"] = one.notes.severity;
+    const std::vector<std::string> of_input = input_warnings_in(one.baked.bone.metadata());
+    level["input_warnings"] = of_input;
+    for (const std::string& warning : of_input) {
+      if (std::find(of_inputs.begin(), of_inputs.end(), warning) == of_inputs.end()) of_inputs.push_back(warning);
+    }
     if (!one.notes.landmarks.empty()) level["landmarks"] = Json::parse(one.notes.landmarks);
     if (!one.notes.no_landmarks.empty()) level["no_landmarks"] = one.notes.no_landmarks;
     // The first ones are those of the mask, which are printed.
@@ -110,7 +123,9 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
     print_figure(level_name(one.level), "left out: " + one.reason);
     figures["skipped"].push_back({{"level", level_name(one.level)}, {"reason", one.reason}});
   }
-  options.exit_code = say_suspect(suspect, options.ct.finding.accepts_warnings);
+  const bool accepts_warnings = options.ct.finding.accepts_warnings;
+  report_input_warnings(of_inputs, figures);
+  options.exit_code = std::max(say_input_warnings(of_inputs, accepts_warnings), say_suspect(suspect, accepts_warnings));
   return figures;
 }
 
@@ -147,10 +162,9 @@ void add_bake(CLI::App& program, Command& command) {
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --label L3 -o bone.vdb\n"
       "          spinaltap bake ct/ --labels vertebrae.nii.gz --all -o spine.vdb\n"
       "With --all, vertebrae that the CT's border cuts and those that cannot be baked are told and left\n"
-      "out; the exit code is 2 where none is left, and 1 where one is suspect (docs/segmentation.md), with all "
-      "written, "
-      "unless\n"
-      "--accept-warnings. docs/label-maps.md tells how vertebrae get their names.");
+      "out; the exit code is 2 where none is left, and 1 where one is suspect (docs/segmentation.md) or the CT\n"
+      "is doubtful (docs/reading.md), with all written, unless --accept-warnings.\n"
+      "docs/label-maps.md tells how vertebrae get their names.");
   app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
       ->required()
       ->type_name("PATH");

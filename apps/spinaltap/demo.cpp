@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -5,6 +6,7 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/drill_run.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "apps/spinaltap/path_options.h"
@@ -60,6 +62,8 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   const BakedCt baked = options.ct.make_bone(*ct, progress);
   clock.take(baked.times);
   figures["bake"] = report_baked(*ct, baked);
+  const std::vector<std::string> of_input = input_warnings_in(baked.bone.metadata());
+  report_input_warnings(of_input, figures);
   const TriangleMesh mesh =
       options.drill.writes_full_mesh ? bone_surface(baked.bone) : display_mesh(baked.bone, {}, nullptr, progress);
   figures["mesh"] = report_mesh(measure_mesh(mesh));
@@ -106,8 +110,10 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
   const std::string title = "Drilling " + (phantom ? "the phantom" : level_or(baked.level, "a vertebra"));
   figures["drill"] = run_drill({title, options.command, &*ct}, {&bone, 1}, paths.front(), options.drill, options.folder,
                                output, clock, progress);
+  const bool accepts_warnings = options.ct.finding.accepts_warnings;
+  exit_code = say_input_warnings(of_input, accepts_warnings);
   if (baked.warnings) {
-    exit_code = say_suspect(level_name(baked.level), *baked.warnings, options.ct.finding.accepts_warnings);
+    exit_code = std::max(exit_code, say_suspect(level_name(baked.level), *baked.warnings, accepts_warnings));
   }
   figures["times"] = report_times(clock);
   return figures;

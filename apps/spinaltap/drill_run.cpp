@@ -17,6 +17,7 @@
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/further_bones.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/mesh_figures.h"
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
@@ -403,6 +404,7 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   print_figure("report", (folder / "report.html").string());
   recording.rethrow_trouble();
   Json json = drilling_json(figures, density);
+  report_input_warnings(bone.model(), json);
   for (const std::string& name : further) json["also_drilled"].push_back("drilled_" + name + ".vdb");
   return json;
 }

@@ -7,6 +7,7 @@
 #include "apps/report/grade_output.h"
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/placement_options.h"
 #include "apps/spinaltap/report_options.h"
@@ -66,6 +67,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   const auto is_breach = [](const GradedPath& one) { return one.grade.breach_mm > 0.0; };
   if (options.fails_on_breach && std::any_of(graded.begin(), graded.end(), is_breach)) exit_code = kAnswerIsNo;
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
+  figures["input_warnings"] = bone.input_warnings();
   Json whole = format_head({.name = "spinaltap-grades"});
   whole.update(figures);
   for (const GradedPath& one : graded) {
@@ -84,6 +86,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   print_uncertainty(graded);
+  report_input_warnings(bone.model(), figures);
   for (const std::string& warning : bone.landmarks().warnings) print_figure("warning", warning);
   print_figure("report", (options.folder / "report.html").string());
   return figures;

@@ -7,6 +7,7 @@
 #include "apps/report/slice_frame.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -34,14 +35,16 @@ Json info_of_grids(const BoneModel& bone) {
   print_figure("to", triple(bounds_mm.max(), "mm"));
   Json metadata = Json::object();
   for (const auto& [key, value] : bone.metadata()) {
-    if (key != "warnings" && key != "severity") print_figure(key, value);
+    if (key != "warnings" && key != "severity" && key != "input_warnings") print_figure(key, value);
     metadata[key] = value;
   }
-  return {{"active_voxels", bone.active_voxels()},
-          {"voxel_mm", bone.voxel_mm()},
-          {"low_mm", to_json(bounds_mm.min())},
-          {"high_mm", to_json(bounds_mm.max())},
-          {"metadata", metadata}};
+  Json json{{"active_voxels", bone.active_voxels()},
+            {"voxel_mm", bone.voxel_mm()},
+            {"low_mm", to_json(bounds_mm.min())},
+            {"high_mm", to_json(bounds_mm.max())},
+            {"metadata", metadata}};
+  report_input_warnings(bone, json);
+  return json;
 }
 
 Json info_of_bone(const BoneModel& bone) {
@@ -209,8 +212,10 @@ void add_info(CLI::App& program, Command& command) {
                   "Write up to 20 slices of the CT, evenly chosen, as one PNG picture at a bone window")
       ->type_name("FILE");
   options->ct.add_reading(*app);
+  app->add_flag("--accept-warnings", options->ct.finding.accepts_warnings,
+                "Exit with 0 also where a CT is doubtful; without it the exit code is then 1");
 
-  command.run = [options](const Progress& progress) -> Json {
+  command.run = [options, &command](const Progress& progress) -> Json {
     const std::filesystem::path& path = options->ct.folder;
     if (path.extension() == ".vdb") {
       if (!options->contact_sheet.empty()) fail("expected a CT for a contact sheet, found ", path.string());
@@ -234,6 +239,8 @@ void add_info(CLI::App& program, Command& command) {
     if (!is_one) return figures;
     const CtVolume ct = options->ct.read(progress);
     figures["ct"] = info_of_ct(ct);
+    report_input_warnings(ct.warnings, figures);
+    command.exit_code = say_input_warnings(ct.warnings, options->ct.finding.accepts_warnings);
     if (!options->contact_sheet.empty()) write_contact_sheet(ct, options->contact_sheet);
     return figures;
   };

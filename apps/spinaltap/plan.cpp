@@ -5,6 +5,7 @@
 
 #include "apps/report/grade_report.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/placement_options.h"
@@ -355,6 +356,7 @@ void add_plan(CLI::App& program, Command& command) {
             suggestions, graded, options->suggest.screws, options->report, progress);
       }
       if (graded.empty()) {  // all is written that there is
+        report_input_warnings(bone.model(), figures);
         command.exit_code = kAnswerIsNo;
         return figures;
       }
@@ -364,6 +366,7 @@ void add_plan(CLI::App& program, Command& command) {
     }
     write_plan(paths, options->output);
     figures.update(report_paths(paths));
+    report_input_warnings(bone.model(), figures);
     print_figure("written", options->output.string());
     return figures;
   };

@@ -6,6 +6,7 @@
 
 #include "apps/report/text.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/path_options.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -133,6 +134,7 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
     add_uncertainty(level.bone, model, graded, progress);
     Json json = report_suggestions(level.bone, level.suggestions, graded);
     json["level"] = name;
+    report_input_warnings(level.bone.model(), json);
     figures["levels"].push_back(std::move(json));
     if (graded.size() < level.suggestions.size()) exit_code = kAnswerIsNo;
     CtVolume kept;

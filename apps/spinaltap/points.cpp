@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <memory>
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/staged_output.h"
 #include "core/surface/surface_samples.h"
@@ -54,12 +56,15 @@ void add_points(CLI::App& program, Command& command) {
                  {"dropped", samples.dropped},
                  {"without_off_surface_point", samples.without_off},
                  {"ct_hash", ct.source_hash}};
+    const bool accepts_warnings = options->ct.finding.accepts_warnings;
+    report_input_warnings(ct.warnings, figures);
+    command.exit_code = say_input_warnings(ct.warnings, accepts_warnings);
     if (bone.found) {
       const LevelWarnings warnings = warnings_of(bone.found->report);
       print_warnings(warnings);
       figures["warnings"] = warnings.warnings;
       figures["severity"] = warnings.severity;
-      command.exit_code = say_suspect(bone.found->report.name, warnings, options->ct.finding.accepts_warnings);
+      command.exit_code = std::max(command.exit_code, say_suspect(bone.found->report.name, warnings, accepts_warnings));
     }
     return figures;
   };

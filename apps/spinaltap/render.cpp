@@ -8,6 +8,7 @@
 #include "apps/report/png.h"
 #include "apps/report/view_picture.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -152,17 +153,26 @@ Json write_picture(const Options& options, const Painter& painter, const BoneMod
 
 Json render(const Options& options, const Progress& progress) {
   const BoneModel bone = read_bone(options.bone, options.level);
+  Json figures = Json::object();
+  report_input_warnings(bone, figures);
   const BoneModel before = before_drilling(bone);
   std::optional<Recorded> recorded;
   if (!options.record.empty()) recorded.emplace(options.record, bone);
   Painter painter(options, before, paths_of(options, recorded));
-  if (!recorded) return write_picture(options, painter, bone, progress);
+  if (!recorded) {
+    figures.update(write_picture(options, painter, bone, progress));
+    return figures;
+  }
   const DrillBit& bit = recorded->setup.path.bit;
   RecordedHole hole(bone, recorded->record, recorded->setup);
-  if (!options.frames.empty()) return write_frames(options, painter, hole, bit, progress);
+  if (!options.frames.empty()) {
+    figures.update(write_frames(options, painter, hole, bit, progress));
+    return figures;
+  }
   hole.go_to(options.at_s.value_or(hole.end_s()));
   painter.show(bit, hole.pose());
-  return write_picture(options, painter, hole.drilled(), progress);
+  figures.update(write_picture(options, painter, hole.drilled(), progress));
+  return figures;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "apps/report/png.h"
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/ct_options.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
@@ -221,6 +222,8 @@ Json segment(const SegmentCommandOptions& options, const Progress& progress, int
                  : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
                                              : copy_all(ct, options, output);
   figures["ct_hash"] = ct.source_hash;
+  report_input_warnings(ct.warnings, figures);
+  code = std::max(code, say_input_warnings(ct.warnings, options.ct.finding.accepts_warnings));
   print_figure("written", options.output_or_default().string());
   exit_code = code;
   return figures;
@@ -237,7 +240,8 @@ void add_segment(CLI::App& program, Command& command) {
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 --include T11=-9,260,-650 --exclude 30,250,-640\n"
       "Points are patient LPS, mm (x to the left, y to the back, z to the head). Without --level, names are a\n"
       "hint from the sacrum or the last ribs, or V1, V2, ... from the top. A seed takes its vertebra, with --all\n"
-      "its column. The exit code is 1 where a vertebra is suspect, with all written, unless --accept-warnings.\n"
+      "its column. The exit code is 1 where a vertebra is suspect or the CT is doubtful, with all written, unless\n"
+      "--accept-warnings.\n"
       "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb\n"
       "Or paint strokes there, in segments named T11, T12 and exclude, and add --strokes strokes.seg.nrrd.");
   add_options(*app, *options);

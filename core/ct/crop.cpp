@@ -90,7 +90,9 @@ VoxelBlock block_around(const BoneMask& mask, double margin_mm) {
 
 CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
   const GridGeometry geometry = block_geometry(ct.geometry, block);  // checks the block, so it comes first
-  return make_ct_volume(geometry, copy_block(ct.geometry, ct.hu, block));
+  CtVolume cropped = make_ct_volume(geometry, copy_block(ct.geometry, ct.hu, block));
+  cropped.warnings = ct.warnings;
+  return cropped;
 }
 
 BoneMask crop(const BoneMask& mask, const VoxelBlock& block) {

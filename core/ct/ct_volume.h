@@ -13,6 +13,9 @@ struct CtVolume {
   GridGeometry geometry;
   std::vector<std::int16_t> hu;  ///< geometry.voxel_count() values, i fastest
   std::string source_hash;       ///< hexadecimal FNV-1a of geometry and voxels: same CT, same hash
+  /// What speaks against it or how it was read, a line each, without names of files or anything of the patient; no part
+  /// of the hash. Kept as a bone's metadata: add_input_warnings().
+  std::vector<std::string> warnings{};
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };

@@ -1,5 +1,6 @@
 #include "core/segment/warning_metadata.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "core/base/error.h"
@@ -7,6 +8,26 @@
 #include "core/base/text_writer.h"
 
 namespace spinaltap {
+namespace {
+
+constexpr const char* kInputWarnings = "input_warnings";
+
+std::string joined_lines(std::span<const std::string> lines) {
+  std::string text;
+  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+  return text;
+}
+
+std::vector<std::string> lines_in(const std::map<std::string, std::string>& metadata, const char* key) {
+  std::vector<std::string> lines;
+  const auto found = metadata.find(key);
+  if (found == metadata.end()) return lines;
+  std::istringstream text(found->second);
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace
 
 LevelWarnings warnings_of(const LevelReport& report) {
   LevelWarnings warnings;
@@ -20,9 +41,7 @@ LevelWarnings warnings_of(const LevelReport& report) {
 
 void add_warnings(const LevelWarnings& warnings, std::map<std::string, std::string>& metadata) {
   metadata["severity"] = short_text(warnings.severity);
-  std::string lines;
-  for (const std::string& warning : warnings.warnings) lines += (lines.empty() ? "" : "\n") + warning;
-  if (!lines.empty()) metadata["warnings"] = lines;
+  if (!warnings.warnings.empty()) metadata["warnings"] = joined_lines(warnings.warnings);
 }
 
 std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string>& metadata) {
@@ -32,11 +51,21 @@ std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string
   const std::optional<double> number = parse_number(severity->second);
   if (!number) fail("expected a number as the metadata \"severity\", found ", in_quotes(severity->second));
   warnings.severity = *number;
-  if (const auto found = metadata.find("warnings"); found != metadata.end()) {
-    std::istringstream lines(found->second);
-    for (std::string line; std::getline(lines, line);) warnings.warnings.push_back(line);
-  }
+  warnings.warnings = lines_in(metadata, "warnings");
   return warnings;
+}
+
+void add_input_warnings(std::span<const std::string> lines, std::map<std::string, std::string>& metadata) {
+  std::vector<std::string> all = lines_in(metadata, kInputWarnings);
+  for (const std::string& line : lines) {
+    if (line.find('\n') != std::string::npos) fail("expected input warnings of one line, found ", in_quotes(line));
+    if (std::find(all.begin(), all.end(), line) == all.end()) all.push_back(line);
+  }
+  if (!all.empty()) metadata[kInputWarnings] = joined_lines(all);
+}
+
+std::vector<std::string> input_warnings_in(const std::map<std::string, std::string>& metadata) {
+  return lines_in(metadata, kInputWarnings);
 }
 
 }  // namespace spinaltap

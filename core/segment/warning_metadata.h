@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,5 +26,10 @@ LevelWarnings warnings_of(const LevelReport& report);
 /// metadata.
 void add_warnings(const LevelWarnings& warnings, std::map<std::string, std::string>& metadata);
 std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string>& metadata);
+
+/// What speaks against the files that a bone was made of (CtVolume::warnings, and those of its label map), as the
+/// metadata "input_warnings", a line each, and back. Lines that are there already are not added again.
+void add_input_warnings(std::span<const std::string> lines, std::map<std::string, std::string>& metadata);
+std::vector<std::string> input_warnings_in(const std::map<std::string, std::string>& metadata);
 
 }  // namespace spinaltap

@@ -113,6 +113,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
   if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = joined(*noise_hu);
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
+  add_input_warnings(ct.warnings, metadata);
   return metadata;
 }
 

@@ -57,7 +57,7 @@ ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& lab
                        const Progress& progress = {});
 
 /// The rest of the chain, from a mask on. The metadata records how the mask came about, its level, warnings and
-/// severity.
+/// severity, and what speaks against the CT.
 BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions& options,
                   const Progress& progress = {});
 

@@ -31,8 +31,22 @@ struct Bone::State {
 
 Bone::Bone(BoneModel model) : state_(std::make_shared<State>(std::move(model))) {}
 
+namespace {
+
+void check_inputs(std::span<const std::string> warnings, bool accepts_warnings) {
+  if (warnings.empty() || accepts_warnings) return;
+  std::string words;
+  for (const std::string& warning : warnings) words += (words.empty() ? "" : "; ") + warning;
+  fail("the CT or its label map is likely not what it seems (", words, "): look at it, then accept it");
+}
+
+}  // namespace
+
 Bone Bone::from_ct(const std::filesystem::path& ct, const BoneFromCt& options, const Progress& progress) {
-  BakedCt baked = bake_ct(read_ct(ct, options.reading, progress), options.bake, progress);
+  const CtVolume volume = read_ct(ct, options.reading, progress);
+  check_inputs(volume.warnings, options.accepts_warnings);  // before the work
+  BakedCt baked = bake_ct(volume, options.bake, progress);
+  check_inputs(input_warnings_in(baked.bone.metadata()), options.accepts_warnings);
   if (baked.warnings && baked.warnings->is_suspect() && !options.accepts_warnings) {
     std::string words;
     for (const std::string& warning : baked.warnings->warnings) words += "; " + warning;
@@ -62,6 +76,8 @@ const std::string& Bone::hash() const {
 }
 
 std::optional<LevelWarnings> Bone::warnings() const { return warnings_in(model().metadata()); }
+
+std::vector<std::string> Bone::input_warnings() const { return input_warnings_in(model().metadata()); }
 
 Level Bone::level() const {
   const auto recorded = model().metadata().find("level");

@@ -26,8 +26,10 @@ namespace spinaltap {
 
 struct BoneFromCt {
   CtReadOptions reading = {};
-  BakeCtOptions bake = {};        ///< which vertebra, and how it is baked
-  bool accepts_warnings = false;  ///< take a vertebra that is likely not right; its warnings are kept: Bone::warnings()
+  BakeCtOptions bake = {};  ///< which vertebra, and how it is baked
+  /// Take a vertebra or a CT that is likely not right; what speaks against them is kept: Bone::warnings() and
+  /// input_warnings().
+  bool accepts_warnings = false;
 };
 
 /// A baked bone and all that planning and drilling ask of it. Copies share what they stand on; nothing changes it, and
@@ -38,7 +40,7 @@ class Bone {
   explicit Bone(BoneModel model);
 
   /// From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes. Throws Error as read_ct() and
-  /// bake_ct() do, and on a vertebra that is suspect where that was not accepted.
+  /// bake_ct() do, and on a vertebra or a CT that is suspect where that was not accepted.
   static Bone from_ct(const std::filesystem::path& ct, const BoneFromCt& options = {}, const Progress& progress = {});
   /// From a bone.vdb, or one level of a spine.vdb. Throws Error as read_bone() does.
   static Bone load(const std::filesystem::path& file, Level level = Level::kNone);
@@ -50,6 +52,8 @@ class Bone {
   const std::string& hash() const;
   /// What whoever marked it thinks of it; nothing where it was marked by hand.
   std::optional<LevelWarnings> warnings() const;
+  /// What speaks against the CT and the label map that it was made of, a line each.
+  std::vector<std::string> input_warnings() const;
 
   /// Which vertebra it is; kNone where the file does not say.
   Level level() const;

@@ -94,6 +94,9 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
     warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
   }
+  for (const std::string& warning : bone.bone->input_warnings()) {
+    warnings.push_back({WarningLevel::caution, "the CT: " + warning});
+  }
   if (const std::optional<LevelWarnings> marked = bone.bone->warnings()) {
     for (const std::string& warning : marked->warnings) {
       warnings.push_back({marked->is_suspect() ? WarningLevel::caution : WarningLevel::note, "the bone: " + warning});

@@ -34,5 +34,19 @@ TEST(LevelWarnings, ComeBackOutOfABonesMetadata) {
   EXPECT_THROW(warnings_in(metadata), Error);
 }
 
+TEST(InputWarnings, ComeBackOutOfABonesMetadataEachOnce) {
+  std::map<std::string, std::string> metadata;
+  add_input_warnings({}, metadata);
+  EXPECT_TRUE(metadata.empty());
+  EXPECT_TRUE(input_warnings_in(metadata).empty());
+  const std::vector<std::string> of_ct{"one thing", "another"}, of_labels{"another", "a third"};
+  add_input_warnings(of_ct, metadata);
+  add_input_warnings(of_labels, metadata);
+  EXPECT_EQ(metadata.at("input_warnings"), "one thing\nanother\na third");
+  EXPECT_EQ(input_warnings_in(metadata), (std::vector<std::string>{"one thing", "another", "a third"}));
+  EXPECT_FALSE(warnings_in(metadata));  // those are of the vertebra
+  EXPECT_THROW(add_input_warnings(std::vector<std::string>{"two\nlines"}, metadata), Error);
+}
+
 }  // namespace
 }  // namespace spinaltap

@@ -1,0 +1,26 @@
+#include "apps/spinaltap/input_warnings.h"
+
+#include "apps/spinaltap/command.h"
+#include "core/segment/warning_metadata.h"
+
+namespace spinaltap {
+
+void report_input_warnings(std::span<const std::string> warnings, Json& figures) {
+  for (const std::string& warning : warnings) print_figure("warning", warning);
+  figures["input_warnings"] = Json::array();
+  for (const std::string& warning : warnings) figures["input_warnings"].push_back(warning);
+}
+
+void report_input_warnings(const BoneModel& bone, Json& figures) {
+  report_input_warnings(input_warnings_in(bone.metadata()), figures);
+}
+
+int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings) {
+  if (warnings.empty()) return kDone;
+  print_figure("doubtful", accepts_warnings ? "what was read: accepted"
+                                            : "what was read: the exit code is 1; once you have looked at it, "
+                                              "--accept-warnings");
+  return accepts_warnings ? kDone : kAnswerIsNo;
+}
+
+}  // namespace spinaltap

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/files/json_file.h"
+#include "vdb/grid/bone_model.h"
+
+namespace spinaltap {
+
+/// Prints what speaks against inputs, a line each, and puts it into `figures` as "input_warnings".
+void report_input_warnings(std::span<const std::string> warnings, Json& figures);
+/// The same of what a bone was made of.
+void report_input_warnings(const BoneModel& bone, Json& figures);
+
+/// For commands that read the inputs themselves: says what it means that something speaks against them; nothing where
+/// nothing does. Gives the exit code.
+int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings);
+
+}  // namespace spinaltap
