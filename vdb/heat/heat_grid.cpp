@@ -226,6 +226,35 @@ void HeatGrid::State::renew_faces(HeatBlock& block) const {
   }
 }
 
+namespace {
+
+/// Calls for all voxels of a layer across an axis.
+template <typename Call>
+void for_layer(std::size_t axis, std::size_t layer, const Call& call) {
+  const std::size_t first = layer * kStride[axis];
+  const std::size_t outer = axis == 0 ? kStride[1] : kStride[0];
+  const std::size_t inner = axis == 2 ? kStride[1] : kStride[2];
+  for (std::size_t i = 0; i < kHeatSide; ++i) {
+    for (std::size_t j = 0; j < kHeatSide; ++j) call(first + i * outer + j * inner);
+  }
+}
+
+/// Adds what flows between a block's own voxels along an axis: from the one before first, then to the one behind.
+void flow_within(const std::array<float, kHeatVoxels>& face, const std::array<double, kHeatVoxels>& now,
+                 std::size_t stride, std::array<double, kHeatVoxels>& flow) {
+  std::array<double, kHeatVoxels> through;
+  for (std::size_t n = 0; n + stride < kHeatVoxels; ++n) {
+    through[n] = static_cast<double>(face[n]) * (now[n + stride] - now[n]);
+  }
+  // Voxels that lie one behind the other have a row of `stride` beside them, which is one loop.
+  for (std::size_t row = 0; row < kHeatVoxels; row += kHeatSide * stride) {
+    for (std::size_t n = row + stride; n < row + kHeatSide * stride; ++n) flow[n] -= through[n - stride];
+    for (std::size_t n = row; n < row + (kHeatSide - 1) * stride; ++n) flow[n] += through[n];
+  }
+}
+
+}  // namespace
+
 void HeatGrid::State::step(HeatBlock& block, double dt_s) const {
   const std::array<double, kHeatVoxels>& now = block.rise_k[turn];
   std::array<double, kHeatVoxels>& next = block.rise_k[1 - turn];
@@ -234,38 +263,41 @@ void HeatGrid::State::step(HeatBlock& block, double dt_s) const {
   // What flows in through the faces, W/mm³ without the square of the voxel.
   std::array<double, kHeatVoxels> flow{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t stride = kStride[axis];
-    const std::array<float, kHeatVoxels>& face = block.face[axis];
-    const HeatBlock* before = block.near[2 * axis];
-    const HeatBlock* after = block.near[2 * axis + 1];
-    const std::size_t across_block = (kHeatSide - 1) * stride;
-    for (std::size_t n = 0; n < kHeatVoxels; ++n) {
-      const std::size_t in = n / stride % kHeatSide;
-      if (in < kHeatSide - 1) {
-        const double through = static_cast<double>(face[n]) * (now[n + stride] - now[n]);
-        flow[n] += through;
-        flow[n + stride] -= through;
-      } else if (after != nullptr) {
-        flow[n] += static_cast<double>(face[n]) * (after->rise_k[turn][n - across_block] - now[n]);
-      }
-      if (in == 0 && before != nullptr) {
+    flow_within(block.face[axis], now, kStride[axis], flow);
+    const std::size_t across_block = (kHeatSide - 1) * kStride[axis];
+    if (const HeatBlock* after = block.near[2 * axis + 1]; after != nullptr) {
+      for_layer(axis, kHeatSide - 1, [&](std::size_t n) {
+        flow[n] += static_cast<double>(block.face[axis][n]) * (after->rise_k[turn][n - across_block] - now[n]);
+      });
+    }
+    if (const HeatBlock* before = block.near[2 * axis]; before != nullptr) {
+      for_layer(axis, 0, [&](std::size_t n) {
         const std::size_t m = n + across_block;
         flow[n] += static_cast<double>(before->face[axis][m]) * (before->rise_k[turn][m] - now[n]);
-      }
+      });
     }
   }
+  std::array<double, kHeatVoxels> to_water_w_mm3{};
   block.water_k_mm3_s = 0.0;
   for (std::size_t n = 0; n < kHeatVoxels; ++n) {
-    if (block.voxel[n] != HeatVoxel::bone) continue;
-    const double to_water_w_mm3 = block.wall[n] > 0.0F ? static_cast<double>(block.wall[n]) * wall_transfer(block, n) /
-                                                             options.voxel_mm * (now[n] - options.water_rise_k)
-                                                       : 0.0;
-    block.water_k_mm3_s += to_water_w_mm3 * dt_s;
-    const double rise = now[n] + dt_s * block.per_capacity[n] * (flow[n] * per_square_mm2 - to_water_w_mm3);
-    next[n] = rise;
-    block.max_k[n] = std::max(block.max_k[n], static_cast<float>(rise));
-    for (std::size_t which = 0; which < 2; ++which) {
-      if (rise > options.hot_rise_k[which]) block.hot_s[which][n] += static_cast<float>(dt_s);
+    if (!(block.wall[n] > 0.0F)) continue;
+    to_water_w_mm3[n] = static_cast<double>(block.wall[n]) * wall_transfer(block, n) / options.voxel_mm *
+                        (now[n] - options.water_rise_k);
+    block.water_k_mm3_s += to_water_w_mm3[n] * dt_s;
+  }
+  // What is no bone has no faces, no capacity and no rise: these loops have no branches, so that compilers make
+  // vectors.
+  for (std::size_t n = 0; n < kHeatVoxels; ++n) {
+    next[n] = now[n] + dt_s * block.per_capacity[n] * (flow[n] * per_square_mm2 - to_water_w_mm3[n]);
+  }
+  for (std::size_t n = 0; n < kHeatVoxels; ++n) {
+    block.max_k[n] = std::max(block.max_k[n], static_cast<float>(next[n]));
+  }
+  for (std::size_t which = 0; which < 2; ++which) {
+    const double hot_k = options.hot_rise_k[which];
+    if (std::none_of(next.begin(), next.end(), [&](double rise) { return rise > hot_k; })) continue;
+    for (std::size_t n = 0; n < kHeatVoxels; ++n) {
+      if (block.voxel[n] == HeatVoxel::bone && next[n] > hot_k) block.hot_s[which][n] += static_cast<float>(dt_s);
     }
   }
   for (std::size_t side = 0; side < 6; ++side) {
