@@ -74,6 +74,8 @@ TEST(StudyWork, UsesAllThreadsThatAreAllowedAtOnce) {
   for (const int threads : {1, 3}) {
     const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     std::atomic<int> now{0}, max{0};
+    // A thread that waits for a processor comes late: the first runs wait for it.
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     do_study_runs(
         numbers(24),
         [&] {
@@ -82,7 +84,9 @@ TEST(StudyWork, UsesAllThreadsThatAreAllowedAtOnce) {
             const int here = ++now;
             while (here > seen && !max.compare_exchange_weak(seen, here)) {
             }
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            do {
+              std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            } while (max < threads && std::chrono::steady_clock::now() < deadline);
             --now;
             return row_of(run);
           };
