@@ -135,23 +135,36 @@ bool EdgeCollapser::keeps_shape(std::uint32_t from, std::uint32_t to, const Limi
   return keeps_turns(limits, before);
 }
 
-/// Whether no new triangle faces away from the old one in its place. `before`: of the thinnest old triangle.
+/// Across a triangle, twice its area long.
+Vec3 EdgeCollapser::area_normal(std::uint32_t triangle) const {
+  const Triangle& t = triangles_[triangle];
+  return (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
+}
+
+Vec3 EdgeCollapser::normals_of(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> others) const {
+  Vec3 sum = Vec3::Zero();
+  for (const std::uint32_t triangle : triangles) sum += area_normal(triangle);
+  for (const std::uint32_t triangle : others) sum += area_normal(triangle);
+  return sum;
+}
+
+/// Whether no new triangle faces away from the old one in its place; thin old ones say nothing.
+bool EdgeCollapser::keeps_facing() const {
+  for (std::size_t n = 0; n < old_.size(); ++n) {
+    if (angle_cosine(old_[n]) > kThinCosine) continue;
+    const Vec3 normal = area_normal(old_[n]);
+    if (normal.dot(new_[n].normal) < kLargestTurnCosine * normal.norm()) return false;
+  }
+  return true;
+}
+
+/// Whether the new triangles face as the old ones do. `before`: the smallest angle's cosine of all that are old.
 bool EdgeCollapser::keeps_turns(const Limits& limits, double before) const {
   // Of a spike: the triangle at its foot may face anywhere.
   if (!limits.keeps_creases && old_.size() == 1) return true;
-  const auto normal_of = [&](std::uint32_t triangle) -> Vec3 {
-    const Triangle& t = triangles_[triangle];
-    return (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
-  };
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t n = 0; n < old_.size(); ++n) {
-    const Vec3 normal = normal_of(old_[n]);
-    sum += normal;
-    if (before > kThinCosine && angle_cosine(old_[n]) > kThinCosine) continue;
-    if (normal.dot(new_[n].normal) < kLargestTurnCosine * normal.norm()) return false;
-  }
+  if (!keeps_facing()) return false;
   if (before <= kThinCosine) return true;
-  for (const std::uint32_t triangle : dying_) sum += normal_of(triangle);
+  const Vec3 sum = normals_of(old_, dying_);
   return std::all_of(new_.begin(), new_.end(), [&](const NewTriangle& t) { return t.normal.dot(sum) > 0.0; });
 }
 
@@ -325,11 +338,7 @@ bool EdgeCollapser::flip(std::uint32_t a, std::uint32_t b, const Limits& limits)
     after = std::max(after, smallest_angle_cosine(at_mm_[t[0]], at_mm_[t[1]], at_mm_[t[2]]));
     if (after > before - limits.gain || !add_new(old_[n], at_mm_[t[0]], at_mm_[t[1]], at_mm_[t[2]])) return false;
   }
-  Vec3 sum = Vec3::Zero();
-  for (const std::uint32_t triangle : old_) {
-    const Triangle& t = triangles_[triangle];
-    sum += (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
-  }
+  const Vec3 sum = normals_of(old_);
   for (const NewTriangle& t : new_) {
     if (t.normal.dot(sum) < kLargestTurnCosine * sum.norm()) return false;
   }
@@ -371,13 +380,7 @@ bool EdgeCollapser::move(std::uint32_t vertex, const Vec3& to_mm, const Limits& 
     after = std::max(after, smallest_angle_cosine(moved(0), moved(1), moved(2)));
     if (after > before - limits.gain || !add_new(triangle, moved(0), moved(1), moved(2))) return false;
   }
-  // Thin ones say nothing; the others keep the place.
-  for (std::size_t n = 0; n < old_.size(); ++n) {
-    if (angle_cosine(old_[n]) > kThinCosine) continue;
-    const Triangle& t = triangles_[old_[n]];
-    const Vec3 normal = (at_mm_[t[1]] - at_mm_[t[0]]).cross(at_mm_[t[2]] - at_mm_[t[0]]);
-    if (normal.dot(new_[n].normal) < kLargestTurnCosine * normal.norm()) return false;
-  }
+  if (!keeps_facing()) return false;
   moved_.clear();
   std::size_t hint = 0;
   if (has_moved_[vertex] == 0 && !take_over(originals_[vertex], hint)) return false;

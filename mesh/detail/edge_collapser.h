@@ -81,6 +81,9 @@ class EdgeCollapser {
   std::uint32_t local(std::uint32_t original) const;
   bool keeps_manifold(std::uint32_t from, std::uint32_t to);
   bool keeps_shape(std::uint32_t from, std::uint32_t to, const Limits& limits);
+  Vec3 area_normal(std::uint32_t triangle) const;
+  Vec3 normals_of(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> others = {}) const;
+  bool keeps_facing() const;
   bool keeps_turns(const Limits& limits, double before) const;
   bool keeps_crease(std::uint32_t from, std::uint32_t to);
   bool take_over(std::uint32_t vertex, std::size_t& hint);
