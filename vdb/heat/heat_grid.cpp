@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -15,49 +14,27 @@
 #include "core/base/error.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/detail/vdb_file.h"
+#include "vdb/heat/detail/heat_block.h"
 
 namespace spinaltap {
+
+using detail::flow_within;
+using detail::for_layer;
+using detail::heat_index_in;
+using detail::heat_origin_of;
+using detail::heat_place_in;
+using detail::HeatBlock;
+using detail::HeatIndex;
+using detail::HeatVoxel;
+using detail::kHeatSide;
+using detail::kHeatStride;
+using detail::kHeatVoxels;
+
 namespace {
 
-constexpr int kHeatSide = 8;
-constexpr std::size_t kHeatVoxels = 512;
 constexpr double kSeenRiseK = 3e-3;   ///< at a block's border from which the next block is there
 constexpr double kBehindWall = 0.25;  ///< voxels from the wall to where its heat goes in
 constexpr double kStable = 0.5;       ///< of the longest stable step: at more, checkerboards die out slowly
-
-using HeatIndex = std::array<int, 3>;
-
-enum class HeatVoxel : std::uint8_t { air, bone, drilled };
-
-/// Voxels in OpenVDB's order of a leaf: x slowest.
-struct HeatBlock {
-  HeatIndex origin{};
-  std::array<std::array<double, kHeatVoxels>, 2> rise_k{};  ///< now and next, by turns
-  std::array<float, kHeatVoxels> conductivity{};
-  std::array<double, kHeatVoxels> per_capacity{};  ///< mm³ K / J
-  /// Conductivity between a voxel and the next one along x, y, z.
-  std::array<std::array<float, kHeatVoxels>, 3> face{};
-  std::array<float, kHeatVoxels> wall{};  ///< share of a face that looks into the hole
-  std::array<float, kHeatVoxels> max_k{};
-  std::array<std::array<float, kHeatVoxels>, 2> hot_s{};
-  std::array<HeatVoxel, kHeatVoxels> voxel{};
-  std::array<HeatBlock*, 6> near{};  ///< towards -x, +x, -y, +y, -z, +z; null: none
-  std::array<bool, 6> is_seen{};     ///< heat has come to that side
-  double max_rate_per_s = 0.0;
-  double water_k_mm3_s = 0.0;
-  bool is_stale = true;  ///< faces are to be worked out
-};
-
-constexpr std::array<std::size_t, 3> kStride{64, 8, 1};
-
-std::size_t heat_index_in(const HeatIndex& voxel) {
-  const int place = (voxel[0] & 7) * 64 + (voxel[1] & 7) * 8 + (voxel[2] & 7);
-  return static_cast<std::size_t>(place);
-}
-HeatIndex origin_of(const HeatIndex& voxel) { return {voxel[0] & ~7, voxel[1] & ~7, voxel[2] & ~7}; }
-HeatIndex place_in(std::size_t n) {
-  return {static_cast<int>(n / 64), static_cast<int>(n / 8 % 8), static_cast<int>(n % 8)};
-}
 
 }  // namespace
 
@@ -82,12 +59,12 @@ struct HeatGrid::State {
     return options.origin_mm + options.voxel_mm * (options.axes * Vec3(voxel[0], voxel[1], voxel[2]));
   }
   Vec3 place_mm(const HeatBlock& block, std::size_t n) const {
-    const HeatIndex in = place_in(n);
+    const HeatIndex in = heat_place_in(n);
     return to_patient({block.origin[0] + in[0], block.origin[1] + in[1], block.origin[2] + in[2]});
   }
 
   const HeatBlock* find(const HeatIndex& voxel) const {
-    const auto found = by_origin.find(origin_of(voxel));
+    const auto found = by_origin.find(heat_origin_of(voxel));
     return found == by_origin.end() ? nullptr : found->second;
   }
   HeatBlock* block_at(const HeatIndex& voxel);
@@ -106,7 +83,7 @@ struct HeatGrid::State {
     block.max_k[n] = std::max(block.max_k[n], static_cast<float>(block.rise_k[turn][n]));
     // At once, or the first step would go to one side only.
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t layer = n / kStride[axis] % kHeatSide;
+      const std::size_t layer = n / kHeatStride[axis] % kHeatSide;
       if (layer == 0) block.is_seen[2 * axis] = true;
       if (layer == kHeatSide - 1) block.is_seen[2 * axis + 1] = true;
     }
@@ -114,7 +91,7 @@ struct HeatGrid::State {
 };
 
 HeatBlock* HeatGrid::State::block_at(const HeatIndex& voxel) {
-  const HeatIndex origin = origin_of(voxel);
+  const HeatIndex origin = heat_origin_of(voxel);
   const auto [place, is_new] = by_origin.try_emplace(origin, nullptr);
   if (!is_new) return place->second;
   auto block = std::make_unique<HeatBlock>();
@@ -201,7 +178,7 @@ void HeatGrid::State::renew_faces(HeatBlock& block) const {
     const Vec3 from_tip = place_mm(block, n) - hole_tip_mm;
     const Vec3 across = from_tip - from_tip.dot(hole_axis) * hole_axis;
     const Vec3 normal = options.axes.transpose() * across.normalized();
-    const HeatIndex in = place_in(n);
+    const HeatIndex in = heat_place_in(n);
     double sum = 0.0;
     for (std::size_t side = 0; side < 6; ++side) {
       const std::size_t axis = side / 2;
@@ -209,9 +186,9 @@ void HeatGrid::State::renew_faces(HeatBlock& block) const {
       const bool is_inside = is_up ? in[axis] < kHeatSide - 1 : in[axis] > 0;
       const HeatBlock* other = is_inside ? &block : block.near[side];
       if (other == nullptr) continue;
-      const std::size_t across_block = (kHeatSide - 1) * kStride[axis];
-      const std::size_t m =
-          is_inside ? (is_up ? n + kStride[axis] : n - kStride[axis]) : (is_up ? n - across_block : n + across_block);
+      const std::size_t across_block = (kHeatSide - 1) * kHeatStride[axis];
+      const std::size_t m = is_inside ? (is_up ? n + kHeatStride[axis] : n - kHeatStride[axis])
+                                      : (is_up ? n - across_block : n + across_block);
       if (other->voxel[m] == HeatVoxel::drilled) {
         block.wall[n] += static_cast<float>(std::abs(normal[static_cast<Eigen::Index>(axis)]));
       } else if (other->voxel[m] == HeatVoxel::bone) {
@@ -226,35 +203,6 @@ void HeatGrid::State::renew_faces(HeatBlock& block) const {
   }
 }
 
-namespace {
-
-/// Calls for all voxels of a layer across an axis.
-template <typename Call>
-void for_layer(std::size_t axis, std::size_t layer, const Call& call) {
-  const std::size_t first = layer * kStride[axis];
-  const std::size_t outer = axis == 0 ? kStride[1] : kStride[0];
-  const std::size_t inner = axis == 2 ? kStride[1] : kStride[2];
-  for (std::size_t i = 0; i < kHeatSide; ++i) {
-    for (std::size_t j = 0; j < kHeatSide; ++j) call(first + i * outer + j * inner);
-  }
-}
-
-/// Adds what flows between a block's own voxels along an axis: from the one before first, then to the one behind.
-void flow_within(const std::array<float, kHeatVoxels>& face, const std::array<double, kHeatVoxels>& now,
-                 std::size_t stride, std::array<double, kHeatVoxels>& flow) {
-  std::array<double, kHeatVoxels> through;
-  for (std::size_t n = 0; n + stride < kHeatVoxels; ++n) {
-    through[n] = static_cast<double>(face[n]) * (now[n + stride] - now[n]);
-  }
-  // Voxels that lie one behind the other have a row of `stride` beside them, which is one loop.
-  for (std::size_t row = 0; row < kHeatVoxels; row += kHeatSide * stride) {
-    for (std::size_t n = row + stride; n < row + kHeatSide * stride; ++n) flow[n] -= through[n - stride];
-    for (std::size_t n = row; n < row + (kHeatSide - 1) * stride; ++n) flow[n] += through[n];
-  }
-}
-
-}  // namespace
-
 void HeatGrid::State::step(HeatBlock& block, double dt_s) const {
   const std::array<double, kHeatVoxels>& now = block.rise_k[turn];
   std::array<double, kHeatVoxels>& next = block.rise_k[1 - turn];
@@ -263,8 +211,8 @@ void HeatGrid::State::step(HeatBlock& block, double dt_s) const {
   // What flows in through the faces, W/mm³ without the square of the voxel.
   std::array<double, kHeatVoxels> flow{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    flow_within(block.face[axis], now, kStride[axis], flow);
-    const std::size_t across_block = (kHeatSide - 1) * kStride[axis];
+    flow_within(block.face[axis], now, kHeatStride[axis], flow);
+    const std::size_t across_block = (kHeatSide - 1) * kHeatStride[axis];
     if (const HeatBlock* after = block.near[2 * axis + 1]; after != nullptr) {
       for_layer(axis, kHeatSide - 1, [&](std::size_t n) {
         flow[n] += static_cast<double>(block.face[axis][n]) * (after->rise_k[turn][n - across_block] - now[n]);
@@ -302,11 +250,9 @@ void HeatGrid::State::step(HeatBlock& block, double dt_s) const {
   }
   for (std::size_t side = 0; side < 6; ++side) {
     if (block.near[side] != nullptr || block.is_seen[side]) continue;
-    const std::size_t axis = side / 2;
-    const std::size_t layer = side % 2 == 0 ? 0 : kHeatSide - 1;
-    for (std::size_t n = 0; n < kHeatVoxels; ++n) {
-      if (n / kStride[axis] % kHeatSide == layer && std::abs(next[n]) > kSeenRiseK) block.is_seen[side] = true;
-    }
+    for_layer(side / 2, side % 2 == 0 ? 0 : kHeatSide - 1, [&](std::size_t n) {
+      if (std::abs(next[n]) > kSeenRiseK) block.is_seen[side] = true;
+    });
   }
 }
 
@@ -369,8 +315,8 @@ void HeatGrid::drill(const BitProfile& bit, const Pose& pose) {
     box.extend(on_axis + reach);
   }
   const HeatIndex low =
-      origin_of({static_cast<int>(std::floor(box.min().x())), static_cast<int>(std::floor(box.min().y())),
-                 static_cast<int>(std::floor(box.min().z()))});
+      heat_origin_of({static_cast<int>(std::floor(box.min().x())), static_cast<int>(std::floor(box.min().y())),
+                      static_cast<int>(std::floor(box.min().z()))});
   for (int x = low[0]; x <= box.max().x(); x += kHeatSide) {
     for (int y = low[1]; y <= box.max().y(); y += kHeatSide) {
       for (int z = low[2]; z <= box.max().z(); z += kHeatSide) {
@@ -518,7 +464,7 @@ HeatVolume HeatGrid::volume() const {
   volume.max_rise_k.resize(grid.voxel_count());
   for (const auto& block : s.blocks) {
     for (std::size_t n = 0; n < kHeatVoxels; ++n) {
-      const HeatIndex in = place_in(n);
+      const HeatIndex in = heat_place_in(n);
       volume.max_rise_k[grid.offset(block->origin[0] - low[0] + in[0], block->origin[1] - low[1] + in[1],
                                     block->origin[2] - low[2] + in[2])] = block->max_k[n];
     }
