@@ -98,7 +98,7 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
   if (target.extension() != ".vdb") output.list_in(target);
   output.commit();
   std::vector<std::string> suspect;
-  std::vector<std::string> of_inputs;  // those of one CT are the same for all its levels
+  std::map<std::string, std::string> inputs;  // of all levels: those of one CT are the same for all
   Json figures{{"ct_hash", ct.source_hash}, {"levels", Json::array()}, {"skipped", Json::array()}};
   for (const BakedLevel& one : baked.levels) {
     Json level = report_baked(ct, one.baked);
@@ -107,9 +107,7 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
     level["severity"] = one.notes.severity;
     const std::vector<std::string> of_input = input_warnings_in(one.baked.bone.metadata());
     level["input_warnings"] = of_input;
-    for (const std::string& warning : of_input) {
-      if (std::find(of_inputs.begin(), of_inputs.end(), warning) == of_inputs.end()) of_inputs.push_back(warning);
-    }
+    add_input_warnings(of_input, inputs);
     if (!one.notes.landmarks.empty()) level["landmarks"] = Json::parse(one.notes.landmarks);
     if (!one.notes.no_landmarks.empty()) level["no_landmarks"] = one.notes.no_landmarks;
     // The first ones are those of the mask, which are printed.
@@ -124,6 +122,7 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
     figures["skipped"].push_back({{"level", level_name(one.level)}, {"reason", one.reason}});
   }
   const bool accepts_warnings = options.ct.finding.accepts_warnings;
+  const std::vector<std::string> of_inputs = input_warnings_in(inputs);
   report_input_warnings(of_inputs, figures);
   options.exit_code = std::max(say_input_warnings(of_inputs, accepts_warnings), say_suspect(suspect, accepts_warnings));
   return figures;
