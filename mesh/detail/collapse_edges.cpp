@@ -138,8 +138,8 @@ bool spread(EdgeCollapser& mesh, std::uint32_t vertex, const EdgeCollapser::Limi
   for (const double step : {0.2, 0.1, 0.05, 0.02}) {
     for (int n = 0; n < 27; ++n) {
       if (n == 13) continue;
-      const Vec3 way(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-      if (mesh.move(vertex, from_mm + step * mean_mm * way.normalized(), limits)) return true;
+      const Eigen::Vector3i way(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+      if (mesh.move(vertex, from_mm + step * mean_mm * way.cast<double>().normalized(), limits)) return true;
     }
   }
   return false;
