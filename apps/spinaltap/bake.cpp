@@ -164,7 +164,7 @@ void add_bake(CLI::App& program, Command& command) {
       "out; the exit code is 2 where none is left, and 1 where one is suspect (docs/segmentation.md) or the CT\n"
       "is doubtful (docs/reading.md), with all written, unless --accept-warnings.\n"
       "docs/label-maps.md tells how vertebrae get their names.");
-  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
+  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI, NRRD or MetaImage file")
       ->required()
       ->type_name("PATH");
   app->add_option("-o,--output", options->output,

@@ -25,8 +25,10 @@ void CtOptions::add_reading(CLI::App& app) {
 
 void CtOptions::add_choosing(CLI::App& app) {
   CLI::Option* labels_option =
-      app.add_option("--labels", labels,
-                     "Label map that marks the bone, NIfTI or NRRD; without it the vertebra is found")
+      app.add_option(
+             "--labels", labels,
+             "Label map that marks the bone: NIfTI, NRRD, MetaImage, DICOM SEG or RTSTRUCT; without it the vertebra is "
+             "found")
           ->type_name("FILE");
   app.add_option(
          "--label", label,

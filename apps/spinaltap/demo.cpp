@@ -127,7 +127,8 @@ void add_demo(CLI::App& program, Command& command) {
                               "Run the whole chain, from a CT to a drilled bone: on a phantom, or on your own CT",
                               "Examples: spinaltap demo\n"
                               "          spinaltap demo ct/ --labels vertebrae.nii.gz --label 22 -o out/");
-  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file; default: a phantom")
+  app->add_option("ct", options->ct.folder,
+                  "Folder with a DICOM CT series, or a NIfTI, NRRD or MetaImage file; default: a phantom")
       ->type_name("PATH");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
   options->ct.add_reading(*app);

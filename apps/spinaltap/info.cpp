@@ -203,8 +203,9 @@ void add_info(CLI::App& program, Command& command) {
   const auto options = std::make_shared<Options>();
   CLI::App* app = add_command(program, command, "info", "Show what a CT, a bone.vdb or a recorded drilling holds",
                               "Example: spinaltap info ct/ --contact-sheet ct.png --json ct.json");
-  app->add_option("path", options->ct.folder,
-                  "Folder with DICOM files, a NIfTI file, a bone.vdb or spine.vdb, or a record (.h5)")
+  app->add_option(
+         "path", options->ct.folder,
+         "Folder with DICOM files, a NIfTI, NRRD or MetaImage file, a bone.vdb or spine.vdb, or a record (.h5)")
       ->required()
       ->type_name("PATH");
   add_level(*app, options->level);
@@ -228,8 +229,8 @@ void add_info(CLI::App& program, Command& command) {
     Json figures = Json::object();
     // Of several series, only the chosen one is read. A contact sheet needs one: reading then says which there are.
     bool is_one = true;
-    std::error_code error;
-    if (!is_nifti_name(path) || std::filesystem::is_directory(path, error)) {
+    if (!is_one_volume(path)) {
+      check_ct_file(path);
       const std::vector<SeriesInfo> series = list_dicom_series(path, progress);
       Json list = Json::array();
       for (const SeriesInfo& one : series) list.push_back(info_of_series(one));

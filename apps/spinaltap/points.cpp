@@ -21,7 +21,7 @@ void add_points(CLI::App& program, Command& command) {
                               "Example: spinaltap points ct/ --seed-point -9,222,-638 --method contours -o t11.ply\n"
                               "Each point has x, y, z (mm, patient LPS), nx, ny, nz and value: 0 on the surface,\n"
                               "otherwise the signed distance from it, mm, positive outside.");
-  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
+  app->add_option("ct", options->ct.folder, "Folder with a DICOM CT series, or a NIfTI, NRRD or MetaImage file")
       ->required()
       ->type_name("PATH");
   app->add_option("-o,--output", options->output, "The .ply file to write")->capture_default_str()->type_name("FILE");

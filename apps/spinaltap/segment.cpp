@@ -23,7 +23,13 @@ struct SegmentCommandOptions {
   bool is_all = false;
   std::filesystem::path output;
   std::filesystem::path picture;
+  bool hides_ct = false;
 
+  /// What a DICOM object names of its CT; nothing for other formats.
+  DicomSource source(const CtVolume& ct, const Progress& progress) const {
+    if (hides_ct || !is_dicom_label_name(output_or_default())) return {};
+    return find_dicom_source(this->ct.folder, this->ct.reading.series, ct.geometry, progress);
+  }
   std::filesystem::path output_or_default() const {
     if (!output.empty()) return output;
     return is_all ? "spine.seg.nrrd" : "vertebra.seg.nrrd";
@@ -31,24 +37,27 @@ struct SegmentCommandOptions {
 };
 
 void add_options(CLI::App& app, SegmentCommandOptions& options) {
-  app.add_option("ct", options.ct.folder, "Folder with a DICOM CT series, or a NIfTI file")
+  app.add_option("ct", options.ct.folder, "Folder with a DICOM CT series, or a NIfTI, NRRD or MetaImage file")
       ->required()
       ->type_name("PATH");
   app.add_option("-o,--output", options.output,
-                 "The label map to write: .nii.gz, .nii, .nrrd or .seg.nrrd; default: vertebra.seg.nrrd, or "
-                 "spine.seg.nrrd with --all")
+                 "The label map to write: .nii.gz, .nii, .nrrd, .seg.nrrd, .dcm (DICOM SEG) or .rtstruct.dcm (DICOM "
+                 "RTSTRUCT); default: vertebra.seg.nrrd, or spine.seg.nrrd with --all")
       ->type_name("FILE");
   CLI::Option* all = app.add_flag("--all", options.is_all, "All vertebrae, with the sacrum and ribs that were seen");
   options.ct.add_reading(app);
-  CLI::Option* labels =
-      app.add_option("--labels", options.ct.labels, "Take the bone from this label map instead, NIfTI or NRRD")
-          ->type_name("FILE");
+  CLI::Option* labels = app.add_option("--labels", options.ct.labels,
+                                       "Take the bone from this label map instead: NIfTI, NRRD, MetaImage, "
+                                       "DICOM SEG or RTSTRUCT")
+                            ->type_name("FILE");
   app.add_option("--label", options.label, "Which label of that map is the bone")
       ->needs(labels)
       ->excludes(all)
       ->type_name("N");
   add_convention(app, options.ct.convention, labels);
   options.ct.finding.add_to(app, labels);
+  app.add_flag("--no-ct-references", options.hides_ct,
+               "DICOM SEG and RTSTRUCT: do not name the CT's study, frame of reference and images by their UIDs");
   app.add_option("--write-label", options.write_label,
                  "The value that the vertebra gets in the map; default: 1 to 24 for C1 to L5, 28 for T13, or 1")
       ->check(CLI::Range(1, 32767))
@@ -116,11 +125,15 @@ Json report_found(std::span<const LevelReport> levels, const BoneReport& bone, c
 }
 
 /// A map of one bone. It carries the level's name where there is one and a byte holds the label.
-std::string encode_one(const BoneMask& mask, int label, Level level, const std::filesystem::path& name) {
-  if (level == Level::kNone || label > 255) return encode_label_map(mask, label, name);
-  LabelVolume map{mask.geometry, mask.inside, {{label, {level_name(level), level}}}};
+std::string encode_one(const BoneMask& mask, int label, Level level, const std::filesystem::path& name,
+                       const DicomSource& source) {
+  const bool is_dicom = is_dicom_label_name(name);  // there segments count from 1, and name their CT
+  if (is_dicom) label = 1;
+  if (!is_dicom && (level == Level::kNone || label > 255)) return encode_label_map(mask, label, name);
+  const std::string bone = level == Level::kNone ? "vertebra" : level_name(level);
+  LabelVolume map{mask.geometry, mask.inside, {{label, {bone, level}}}};
   for (std::uint8_t& voxel : map.labels) voxel = static_cast<std::uint8_t>(voxel != 0 ? label : 0);
-  return encode_label_volume(map, name);
+  return encode_label_volume(map, name, source);
 }
 
 Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
@@ -132,7 +145,8 @@ Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, Stage
   const ChosenBone bone = choose_bone(ct, labels, options.ct.finding.complete(ct), progress);
   const int number = bone.level == Level::kNone ? 1 : static_cast<int>(bone.level);
   const int label = options.write_label != 0 ? options.write_label : number;
-  output.write(options.output_or_default(), encode_one(bone.mask, label, bone.level, options.output_or_default()));
+  output.write(options.output_or_default(),
+               encode_one(bone.mask, label, bone.level, options.output_or_default(), options.source(ct, progress)));
 
   const std::string name = bone.found ? bone.found->report.name : level_name(bone.level);
   const LabelVolume map{bone.mask.geometry, bone.mask.inside, {{1, {name.empty() ? "bone" : name, bone.level}}}};
@@ -176,9 +190,11 @@ LabelVolume renumbered(const LabelVolume& map) {
   return result;
 }
 
-Json copy_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output) {
+Json copy_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
+              const Progress& progress) {
   const LabelVolume map = renumbered(read_label_volume(options.ct.labels, ct.geometry, options.ct.convention));
-  output.write(options.output_or_default(), encode_label_volume(map, options.output_or_default()));
+  output.write(options.output_or_default(),
+               encode_label_volume(map, options.output_or_default(), options.source(ct, progress)));
   LevelsPicture what;
   Json levels = Json::array();
   for (const Level level : levels_of(map)) {
@@ -198,7 +214,8 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
                  const Progress& progress, int& exit_code) {
   const SpineSegmentation found = segment_spine(ct, options.ct.finding.complete(ct), progress);
   if (found.levels.empty()) fail("expected vertebrae in the CT, found none above the sacrum");
-  output.write(options.output_or_default(), encode_label_volume(found.labels, options.output_or_default()));
+  output.write(options.output_or_default(),
+               encode_label_volume(found.labels, options.output_or_default(), options.source(ct, progress)));
   LevelsPicture what;
   what.seed_mm = options.ct.finding.given_seed();
   for (const LevelReport& level : found.levels) {
@@ -220,7 +237,7 @@ Json segment(const SegmentCommandOptions& options, const Progress& progress, int
   int code = 0;
   Json figures = !options.is_all             ? segment_one(ct, options, output, progress, code)
                  : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
-                                             : copy_all(ct, options, output);
+                                             : copy_all(ct, options, output, progress);
   figures["ct_hash"] = ct.source_hash;
   report_input_warnings(ct.warnings, figures);
   code = std::max(code, say_input_warnings(ct.warnings, options.ct.finding.accepts_warnings));

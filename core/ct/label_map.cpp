@@ -12,6 +12,8 @@
 #include "core/base/error.h"
 #include "core/base/gzip.h"
 #include "core/base/text_writer.h"
+#include "core/ct/detail/dicom_label_writer.h"
+#include "core/ct/detail/label_colour.h"
 #include "core/ct/detail/label_file.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/nrrd_head.h"
@@ -134,22 +136,15 @@ std::string encode(const GridGeometry& geometry, const std::string& bytes, bool 
     const std::string whole = nifti_header(geometry, is_wide, extension) + bytes;
     return file.ends_with(".gz") ? gzip(whole) : whole;
   }
-  fail("expected a label map's name to end in .nii, .nii.gz, .nrrd or .seg.nrrd, found ", name.string());
+  fail(
+      "expected a label map's name to end in .nii, .nii.gz, .nrrd, .seg.nrrd, .dcm (DICOM segmentation) or "
+      ".rtstruct.dcm (DICOM structure set), found ",
+      name.string());
 }
 
-/// Colours that neighbours do not share: hues a golden section of the circle apart (a row of them is spread evenly,
-/// however long it is), pale enough for the outlines of slices.
 std::string colour_of(int number) {
-  constexpr double kGoldenSection = 0.6180339887498949;
-  constexpr double kPale = 0.35;
-  const double hue = 6.0 * std::fmod(kGoldenSection * number, 1.0);
-  std::string text;
-  for (const double shift : {0.0, 4.0, 2.0}) {  // red, green, blue: of HSV, value 0.95
-    const double x = std::fmod(hue + shift, 6.0);
-    const double ramp = std::clamp(std::abs(x - 3.0) - 1.0, 0.0, 1.0);
-    text += (shift == 0.0 ? "" : " ") + fixed_text(0.95 * (kPale + (1.0 - kPale) * ramp), 2);
-  }
-  return text;
+  const Vec3 colour = detail::label_colour(number);
+  return fixed_text(colour[0], 2) + " " + fixed_text(colour[1], 2) + " " + fixed_text(colour[2], 2);
 }
 
 }  // namespace
@@ -160,7 +155,7 @@ BoneMask read_label_map(const std::filesystem::path& file, int label, const Grid
   std::set<long long> present;          // without 0
   long long last = 0;
   const detail::LabelFile labels = detail::read_label_file(
-      file, [&](const detail::LabelFile& head) { has_label.reserve(head.voxel_count()); },
+      file, ct_geometry, label, [&](const detail::LabelFile& head) { has_label.reserve(head.voxel_count()); },
       [&](std::span<const double> values) {
         for (const double value : values) {
           const bool is_label = std::abs(value) < 1e15;  // false also for what is not a number
@@ -187,11 +182,20 @@ BoneMask read_label_map(const std::filesystem::path& file, int label, const Grid
 std::string encode_label_map(const BoneMask& mask, int label, const std::filesystem::path& name) {
   check_geometry(mask.geometry, "label map");
   if (label < 1 || label > 32767) fail("expected a label from 1 to 32767, found ", label);
+  if (is_dicom_label_name(name)) {
+    // Its segments count from 1, whatever the label.
+    LabelVolume volume{mask.geometry, mask.inside, {{1, {"vertebra", Level::kNone}}}};
+    for (std::uint8_t& voxel : volume.labels) voxel = voxel != 0 ? 1 : 0;
+    return encode_label_volume(volume, name);
+  }
   return encode(mask.geometry, voxel_bytes(mask, label), label > 255,
                 {{label, "vertebra", "vertebra", "0.95 0.84 0.57"}}, false, name);
 }
 
-std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name) {
+bool is_dicom_label_name(const std::filesystem::path& name) { return name.filename().string().ends_with(".dcm"); }
+
+std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name,
+                                const DicomSource& source) {
   check_geometry(volume.geometry, "label map");
   if (volume.labels.size() != volume.geometry.voxel_count()) {
     fail("expected ", volume.geometry.voxel_count(), " voxels in the label map, found ", volume.labels.size());
@@ -207,6 +211,10 @@ std::string encode_label_volume(const LabelVolume& volume, const std::filesystem
     // 3D Slicer asks for IDs that no two segments share.
     const std::string id = label.level == Level::kNone ? "label_" + std::to_string(number) : level_name(label.level);
     segments.push_back({number, id, own_name, colour_of(number)});
+  }
+  if (is_dicom_label_name(name)) {
+    const bool is_set = name.filename().string().ends_with(".rtstruct.dcm");
+    return is_set ? detail::encode_dicom_contours(volume, source) : detail::encode_dicom_segmentation(volume, source);
   }
   return encode(volume.geometry, std::string(volume.labels.begin(), volume.labels.end()), false, segments, true, name);
 }

@@ -7,15 +7,14 @@
 
 namespace spinaltap {
 
-/// Reads a label map as 3D Slicer and TotalSegmentator write them, NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .seg.nrrd), on
-/// any grid, and gives the voxels of `ct_geometry` whose centre lies in a voxel with `label`. Throws Error when the
-/// file is neither, does not say where its voxels lie, or the label does not occur in it (the message lists those that
-/// do) or not within the CT.
+/// Reads a label map in any of the formats of read_label_volume(), on any grid, and gives the voxels of `ct_geometry`
+/// whose centre lies in a voxel with `label`. Throws Error when the file is none of them, does not say where its voxels
+/// lie, or the label does not occur in it (the message lists those that do) or not within the CT.
 BoneMask read_label_map(const std::filesystem::path& file, int label, const GridGeometry& ct_geometry);
 
 /// A mask as a label map's bytes: `label` in the mask, 0 elsewhere, on the mask's grid. The format follows the name's
-/// ending: .nii, .nii.gz, .nrrd, or .seg.nrrd (which 3D Slicer opens as a segmentation). The same mask gives the same
-/// bytes. Throws Error on another ending and on labels that are not 1 to 32767.
+/// ending, as encode_label_volume() has it. The same mask gives the same bytes. Throws Error on another ending and on
+/// labels that are not 1 to 32767.
 std::string encode_label_map(const BoneMask& mask, int label, const std::filesystem::path& name);
 
 }  // namespace spinaltap

@@ -23,11 +23,11 @@ struct LabelsOfFile {
   std::vector<std::uint8_t> labels;
 };
 
-LabelsOfFile read_all(const fs::path& file) {
+LabelsOfFile read_all(const fs::path& file, const GridGeometry& ct_geometry) {
   constexpr double kRounding = 1e-3;  // of maps that were stored as floats
   LabelsOfFile read;
   read.head = detail::read_label_file(
-      file, [&](const detail::LabelFile& head) { read.labels.reserve(head.voxel_count()); },
+      file, ct_geometry, {}, [&](const detail::LabelFile& head) { read.labels.reserve(head.voxel_count()); },
       [&](std::span<const double> values) {
         for (const double value : values) {
           const double label = std::round(value);
@@ -96,7 +96,7 @@ std::map<int, LabelName> names_automatically(const LabelsOfFile& read, const fs:
   const std::map<int, double> heights = heights_mm(read);
   const std::set<int> present = numbers_of(heights);
   std::map<int, LabelName> names = detail::levels_by_names(present, read.head.names);
-  if (has_level(names)) return names;
+  if (has_level(names) || read.head.numbers_are_ranks) return names;
   const std::vector<LabelConvention> possible = detail::possible_conventions(heights);
   if (possible.empty()) return names;
   const std::optional<LabelConvention> sure = detail::sure_convention(heights);
@@ -139,7 +139,7 @@ std::string list_of_levels(const LabelVolume& volume) {
 
 LabelVolume read_label_volume(const fs::path& file, const GridGeometry& ct_geometry, LabelConvention convention) {
   check_geometry(ct_geometry, "CT");
-  const LabelsOfFile read = read_all(file);
+  const LabelsOfFile read = read_all(file, ct_geometry);
   const std::map<int, LabelName> names = names_of(read, convention, file);
   check_each_level_once(names, file);
 

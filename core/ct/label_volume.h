@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/ct/ct_volume.h"
+#include "core/ct/dicom_source.h"
 #include "core/ct/level.h"
 
 namespace spinaltap {
@@ -36,12 +37,12 @@ struct LabelVolume {
   std::map<int, LabelName> names;    ///< by label, those that occur in `labels`; no level twice
 };
 
-/// Reads all labels of a map as 3D Slicer, TotalSegmentator and SPINEPS write them, NIfTI (.nii, .nii.gz) or NRRD
-/// (.nrrd, .seg.nrrd), on any grid: each voxel of `ct_geometry` takes the label of the file's voxel that its centre
-/// lies in. Where none of the labels is a vertebra, all have level kNone. Throws Error when the file is neither or
-/// damaged, has labels that are not whole numbers from 0 to 255, or none within the CT; when two labels have the same
-/// level; and when `convention` is automatic and the numbers can be meant in several ways (the message has them), or
-/// names and the file names no vertebra.
+/// Reads all labels of a map as 3D Slicer, TotalSegmentator and SPINEPS write them, NIfTI (.nii, .nii.gz), NRRD (.nrrd,
+/// .nhdr, .seg.nrrd), MetaImage (.mha, .mhd), DICOM segmentation or structure set, on any grid: each voxel of
+/// `ct_geometry` takes the label of the file's voxel that its centre lies in. Where none of the labels is a vertebra,
+/// all have level kNone. Throws Error when the file is none of them or damaged, has labels that are not whole numbers
+/// from 0 to 255, or none within the CT; when two labels have the same level; and when `convention` is automatic and
+/// the numbers can be meant in several ways (the message has them), or names and the file names no vertebra.
 LabelVolume read_label_volume(const std::filesystem::path& file, const GridGeometry& ct_geometry,
                               LabelConvention convention = LabelConvention::automatic);
 
@@ -57,9 +58,15 @@ BoneMask mask_of(const LabelVolume& volume, int label);
 BoneMask mask_of(const LabelVolume& volume, Level level);
 
 /// The label map as bytes, in the format of the name's ending: .nii, .nii.gz, .nrrd, or .seg.nrrd, which 3D Slicer
-/// opens as a segmentation with a segment of its own name and colour a label. NIfTI carries the names in an extension,
-/// as TotalSegmentator writes it; .nrrd carries none. read_label_volume() reads them again. The same volume gives the
-/// same bytes. Throws Error on another ending, and on names with line breaks.
-std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name);
+/// opens as a segmentation with a segment of its own name and colour a label; .dcm or .seg.dcm for a DICOM
+/// segmentation, .rtstruct.dcm for a DICOM structure set, which name the images of `source` and nothing else of them.
+/// NIfTI carries the names in an extension, as TotalSegmentator writes it; .nrrd carries none. read_label_volume()
+/// reads them again; a DICOM segmentation's labels are then 1, 2, 3, ... The same volume gives the same bytes. Throws
+/// Error on another ending, and on names with line breaks.
+std::string encode_label_volume(const LabelVolume& volume, const std::filesystem::path& name,
+                                const DicomSource& source = {});
+
+/// Whether a label map of that name is a DICOM object, which wants to name its CT's images.
+bool is_dicom_label_name(const std::filesystem::path& name);
 
 }  // namespace spinaltap

@@ -1,25 +1,128 @@
 #include "core/ct/read_ct.h"
 
+#include <array>
+#include <fstream>
+#include <string_view>
+
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
+#include "core/ct/detail/dicom_header.h"
+#include "core/ct/detail/dicom_labels.h"
 #include "core/ct/detail/nifti_read.h"
+#include "core/ct/detail/volume_file.h"
 #include "core/ct/dicom_read.h"
 
 namespace spinaltap {
+namespace {
 
-bool is_nifti_name(const std::filesystem::path& path) {
-  const std::string name = path.filename().string();
-  return name.ends_with(".nii") || name.ends_with(".nii.gz");
+namespace fs = std::filesystem;
+
+constexpr const char* kWhatIsRead =
+    "a folder with DICOM images, a multi-frame DICOM file, NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage "
+    "(.mha, .mhd)";
+
+/// A kind of file that people try and that holds no CT that can be read, and what to do with it.
+struct Foreign {
+  std::string_view magic;  ///< what it begins with; empty: by the ending
+  std::size_t at;          ///< where that stands, bytes from the start
+  std::string_view ending;
+  std::string_view what;
+  std::string_view advice;
+};
+
+constexpr std::string_view kUnpack = "unpack it and give the folder";
+constexpr std::string_view kPair =
+    "an Analyze header does not say which side is left; of a NIfTI pair make one .nii file, as nifti_tool or 3D Slicer "
+    "do";
+constexpr std::string_view kConvert =
+    "open it in the program it is from, or in 3D Slicer, and save it as .nrrd or .nii.gz";
+constexpr std::string_view kPicture = "a picture holds no CT numbers: give the DICOM images that it was made from";
+
+constexpr std::array<Foreign, 25> kForeign{{
+    {"PK\3\4", 0, "", "a ZIP archive", kUnpack},
+    {"\x1f\x8b", 0, "", "a gzip file that is no .nii.gz", "unpack it; a packed NIfTI file's name ends in .nii.gz"},
+    {"7z\xbc\xaf", 0, "", "a 7z archive", kUnpack},
+    {"Rar!", 0, "", "a RAR archive", kUnpack},
+    {"BZh", 0, "", "a bzip2 file", kUnpack},
+    {"\xfd"
+     "7zXZ",
+     0, "", "an xz file", kUnpack},
+    {"ustar", 257, "", "a tar archive", kUnpack},
+    {"ni1", 344, "", "the header of a NIfTI pair", kPair},
+    {"\x89PNG", 0, "", "a PNG picture", kPicture},
+    {"\xff\xd8\xff", 0, "", "a JPEG picture", kPicture},
+    {"II*", 0, "", "a TIFF picture", kPicture},
+    {"MM\0*", 0, "", "a TIFF picture", kPicture},
+    {"# vtk DataFile", 0, "", "a VTK file", kConvert},
+    {"CDF", 0, "", "a MINC file", kConvert},
+    {"", 0, ".hdr", "the header of an Analyze or NIfTI pair", kPair},
+    {"", 0, ".img", "the voxels of an Analyze or NIfTI pair", kPair},
+    {"", 0, ".raw", "voxels without a header",
+     "write a header beside it (.nhdr or .mhd) that says sizes, type and place"},
+    {"", 0, ".bin", "voxels without a header",
+     "write a header beside it (.nhdr or .mhd) that says sizes, type and place"},
+    {"", 0, ".vti", "a VTK file", kConvert},
+    {"", 0, ".mnc", "a MINC file", kConvert},
+    {"", 0, ".mgz", "a FreeSurfer volume", kConvert},
+    {"", 0, ".mgh", "a FreeSurfer volume", kConvert},
+    {"", 0, ".stl", "a mesh", "give the CT that it was made from"},
+    {"", 0, ".mat", "a MATLAB file", kConvert},
+    {"", 0, ".npy", "a NumPy array", kConvert},
+}};
+
+/// Says what a file is that is none that we read, as far as that can be seen.
+[[noreturn]] void reject_foreign(const fs::path& file) {
+  std::string bytes(512, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  const std::string name = lower_case(file.filename().string());
+  for (const Foreign& foreign : kForeign) {
+    const bool is_one =
+        foreign.magic.empty()
+            ? name.ends_with(foreign.ending)
+            : bytes.size() >= foreign.at && std::string_view(bytes).substr(foreign.at).starts_with(foreign.magic);
+    if (is_one) {
+      fail("expected a CT as ", kWhatIsRead, ", found ", foreign.what, ": ", file.string(), " (", foreign.advice, ")");
+    }
+  }
+  fail("expected a CT as ", kWhatIsRead, ", found ", bytes.empty() ? "an empty file" : "another file", ": ",
+       file.string());
 }
 
-CtVolume read_ct(const std::filesystem::path& path, const CtReadOptions& options, const Progress& progress) {
+}  // namespace
+
+bool is_one_volume(const fs::path& path) { return detail::volume_format_of(path) != detail::VolumeFormat::kNone; }
+
+void check_ct_file(const fs::path& file) {
   std::error_code error;
-  if (!is_nifti_name(path) || std::filesystem::is_directory(path, error)) {
+  if (!fs::is_regular_file(file, error) || is_one_volume(file)) return;
+  switch (detail::dicom_kind_of(file)) {
+    case detail::DicomKind::kSegmentation:
+    case detail::DicomKind::kLabelMapSegmentation:
+    case detail::DicomKind::kSurfaceSegmentation:
+      fail("expected a CT, found a DICOM segmentation, which is a label map: ", file.string());
+    case detail::DicomKind::kStructureSet:
+      fail("expected a CT, found a DICOM structure set, which is a label map: ", file.string());
+    case detail::DicomKind::kOther:
+      return;
+    case detail::DicomKind::kNone:
+      // Perhaps without the mark of a DICOM file: its reader knows.
+      if (read_dicom_headers(file).empty()) reject_foreign(file);
+  }
+}
+
+CtVolume read_ct(const fs::path& path, const CtReadOptions& options, const Progress& progress) {
+  const detail::VolumeFormat format = detail::volume_format_of(path);
+  if (format == detail::VolumeFormat::kNone) {
+    check_ct_file(path);
     return read_dicom(path, {.series = options.series, .resample = options.resample}, progress);
   }
   if (!options.series.empty()) {
-    fail("expected no series for a NIfTI file, which holds one CT, found \"", options.series, "\" for ", path.string());
+    fail("expected no series for a file that holds one CT, found \"", options.series, "\" for ", path.string());
   }
-  return read_nifti_ct(path, progress);
+  if (format == detail::VolumeFormat::kNifti) return read_nifti_ct(path, progress);
+  return detail::ct_of_volume(detail::open_volume_file(path, format), path, progress);
 }
 
 }  // namespace spinaltap

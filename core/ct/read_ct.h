@@ -13,11 +13,16 @@ struct CtReadOptions {
   bool resample = false;  ///< interpolate unequal steps, gaps of up to 6 mm and uneven sideways shifts of DICOM slices
 };
 
-/// Whether the name is one of a NIfTI file: .nii or .nii.gz.
-bool is_nifti_name(const std::filesystem::path& path);
+/// Whether the path is a file of a format that holds one CT, NIfTI, NRRD or MetaImage, and not DICOM's.
+bool is_one_volume(const std::filesystem::path& path);
 
-/// Reads a CT from wherever it is: a folder with a DICOM series, one DICOM file of many frames, or a NIfTI file.
-/// As read_dicom() and read_nifti_ct(); throws what they throw.
+/// Throws Error for a file that is none that read_ct() reads, with the formats that are read and what to do. Says
+/// nothing of folders, and of what does not exist.
+void check_ct_file(const std::filesystem::path& file);
+
+/// Reads a CT from wherever it is: a folder with a DICOM series, one DICOM file of many frames, or a file of NIfTI
+/// (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd), known by what it begins with. Throws Error for what
+/// is damaged, does not say where it lies, or is none of these, with what can be done about that.
 CtVolume read_ct(const std::filesystem::path& path, const CtReadOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

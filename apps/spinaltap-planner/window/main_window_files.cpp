@@ -32,9 +32,9 @@ void MainWindow::make_file_menu() {
     open(folder.toStdString());
   });
   add_action(file, tr("&Open a bone, a plan or a CT file..."), QKeySequence::Open, "open", [this] {
-    const QString name =
-        QFileDialog::getOpenFileName(this, tr("A bone, a plan or a CT"), last_folder(),
-                                     tr("All that can be opened (*.vdb *.json *.nii *.nii.gz *.dcm);;All files (*)"));
+    const QString name = QFileDialog::getOpenFileName(
+        this, tr("A bone, a plan or a CT"), last_folder(),
+        tr("All that can be opened (*.vdb *.json *.nii *.nii.gz *.nrrd *.nhdr *.mha *.mhd *.dcm);;All files (*)"));
     if (name.isEmpty()) return;
     keep_folder(name);
     open(name.toStdString());

@@ -6,6 +6,8 @@
 
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
+#include "core/ct/detail/dicom_labels.h"
+#include "core/ct/detail/volume_file.h"
 
 namespace spinaltap::detail {
 
@@ -15,17 +17,53 @@ std::size_t LabelFile::voxel_count() const {
   return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
 }
 
-LabelFile read_label_file(const fs::path& file, const std::function<void(const LabelFile&)>& begin,
-                          const TakeLabels& take) {
+namespace {
+
+LabelFile read_volume_labels(const fs::path& file, VolumeFormat format,
+                             const std::function<void(const LabelFile&)>& begin, const TakeLabels& take) {
+  const VolumeFile volume = open_volume_file(file, format);
+  LabelFile labels;
+  labels.size = volume.size;
+  labels.index_to_patient = volume.index_to_patient;
+  labels.origin_mm = volume.origin_mm;
+  if (begin) begin(labels);
+  volume.read_values(take);
+  labels.names = volume.read_label_names();
+  return labels;
+}
+
+}  // namespace
+
+LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, std::optional<long long> only,
+                          const std::function<void(const LabelFile&)>& begin, const TakeLabels& take) {
   std::error_code error;
   if (!fs::exists(file, error)) fail("no such file: ", file.string());
   if (!fs::is_regular_file(file, error)) fail("expected a label map, found something else: ", file.string());
-  const std::string name = file.filename().string();
-  if (name.ends_with(".nrrd")) return read_nrrd_labels(file, begin, take);
-  if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) {
-    fail("expected a label map as NIfTI (.nii, .nii.gz) or NRRD (.nrrd, .seg.nrrd), found ", file.string());
+  switch (dicom_kind_of(file)) {
+    case DicomKind::kSegmentation:
+    case DicomKind::kLabelMapSegmentation:
+      return read_dicom_segmentation(file, only, begin, take);
+    case DicomKind::kStructureSet:
+      return read_dicom_contours(file, ct, only, begin, take);
+    case DicomKind::kSurfaceSegmentation:
+      fail("expected a DICOM segmentation of voxels, found one of surfaces: ", file.string(),
+           " (save it from 3D Slicer as a label map)");
+    case DicomKind::kOther:
+      fail("expected a DICOM segmentation (SEG) or structure set (RTSTRUCT) as a label map, found another DICOM file: ",
+           file.string());
+    case DicomKind::kNone:
+      break;
   }
-  return read_nifti_labels(file, begin, take);
+  const VolumeFormat format = volume_format_of(file);
+  if (format == VolumeFormat::kNifti) return read_nifti_labels(file, begin, take);
+  if (format == VolumeFormat::kNone) {
+    fail(
+        "expected a label map as NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr, .seg.nrrd), MetaImage (.mha, .mhd) or "
+        "DICOM "
+        "(SEG, RTSTRUCT), found ",
+        file.string());
+  }
+  return read_volume_labels(file, format, begin, take);
 }
 
 void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
@@ -64,13 +102,6 @@ std::string list_for_people(const std::set<long long>& labels) {
     text << (count > 1 ? ", " : "") << label;
   }
   return text.str();
-}
-
-void check_transform(const LabelFile& labels, const std::string& what) {
-  const double volume_mm3 = std::abs(labels.index_to_patient.determinant());
-  if (!labels.index_to_patient.allFinite() || !labels.origin_mm.allFinite() || !(volume_mm3 > 1e-12)) {
-    fail("expected a transform that gives voxels a volume, found one that does not in ", what);
-  }
 }
 
 }  // namespace spinaltap::detail

@@ -7,11 +7,8 @@
 
 namespace spinaltap {
 
-/// Reads a CT from a NIfTI file (.nii, .nii.gz) whose values are HU: rounded, clamped to 16 bit; what is not a number
-/// becomes air. RAS is turned into LPS here, and the axes change places until i, j and k run as nearly to the left, to
-/// the back and to the head as they can, so that a CT converted from axial DICOM gets its slices back. A stack that
-/// leans (a tilted gantry's, kept as shear of the third axis) is resampled onto an orthogonal grid (resample_stack()).
-/// Throws Error for what NiftiVolume rejects, for one slice alone, and for any other shear.
+/// Reads a CT from a NIfTI file (.nii, .nii.gz) whose values are HU, as ct_of_volume() has it: RAS is turned into LPS
+/// here. Throws Error for what NiftiVolume and ct_of_volume() reject.
 CtVolume read_nifti_ct(const std::filesystem::path& file, const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -1,0 +1,495 @@
+// DICOM segmentations: PS3.3, A.51 and C.8.20.
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/text_fields.h"
+#include "core/ct/detail/dicom_bytes.h"
+#include "core/ct/detail/dicom_codec.h"
+#include "core/ct/detail/dicom_frames.h"
+#include "core/ct/detail/dicom_labels.h"
+#include "core/ct/detail/dicom_values.h"
+
+namespace spinaltap::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxFrames = 200'000;
+constexpr std::string_view kDeflatedFrames = "1.2.840.10008.1.2.8.1";
+constexpr std::string_view kEncapsulatedPlain = "1.2.840.10008.1.2.1.98";
+
+/// What a functional group says of a frame; lists are empty where it says nothing.
+struct FrameGroup {
+  std::vector<double> position_mm, orientation, pixel_spacing_mm, step_mm, thickness_mm;
+  std::uint32_t segment = 0;
+};
+
+struct Segmentation {
+  DicomHeader header;
+  std::string type;  ///< BINARY, FRACTIONAL, LABELMAP
+  std::uint32_t max_fraction = 255;
+  std::vector<DicomSegment> segments;
+  std::vector<double> frame_count;
+  FrameGroup shared;
+  std::vector<FrameGroup> frames;
+  DicomPixelData pixels;
+  bool has_pixels = false;
+};
+
+/// The elements of groups that we know have tags of their own: which group one stands in tells nothing more.
+void take_group(DicomElementWalker& walker, const DicomElement& element, FrameGroup& group) {
+  switch (element.tag) {
+    case 0x00200032:
+      group.position_mm = dicom_decimals(walker.value(element));
+      return;
+    case 0x00200037:
+      group.orientation = dicom_decimals(walker.value(element));
+      return;
+    case 0x00280030:
+      group.pixel_spacing_mm = dicom_decimals(walker.value(element));
+      return;
+    case 0x00180088:
+      group.step_mm = dicom_decimals(walker.value(element));
+      return;
+    case 0x00180050:
+      group.thickness_mm = dicom_decimals(walker.value(element));
+      return;
+    case 0x0062000b:
+      group.segment = dicom_unsigned(walker.value(element), walker.is_big_endian());
+      return;
+    default:
+      walker.skip(element);
+  }
+}
+
+bool is_wanted_group(std::uint32_t tag) {
+  return tag == 0x00209113 || tag == 0x00209116 || tag == 0x00289110 || tag == 0x0062000a;
+}
+
+void read_groups(DicomElementWalker& walker, const DicomElement& sequence,
+                 const std::function<FrameGroup&(std::size_t)>& group_of) {
+  walker.items(sequence, [&](std::size_t item, const DicomElement& macro) {
+    if (!is_wanted_group(macro.tag)) return walker.skip(macro);
+    walker.items(macro, [&](std::size_t, const DicomElement& element) { take_group(walker, element, group_of(item)); });
+  });
+}
+
+void read_segments(DicomElementWalker& walker, const DicomElement& sequence, std::vector<DicomSegment>& segments) {
+  constexpr std::size_t kMaxSegments = 65535;
+  walker.items(sequence, [&](std::size_t item, const DicomElement& element) {
+    if (item >= kMaxSegments) fail("expected at most ", kMaxSegments, " segments, found more");
+    if (segments.size() <= item) segments.resize(item + 1);
+    DicomSegment& segment = segments[item];
+    switch (element.tag) {
+      case 0x00620004:
+        segment.number = dicom_unsigned(walker.value(element), walker.is_big_endian());
+        return;
+      case 0x00620005:
+        segment.label = dicom_text(walker.value(element));
+        return;
+      case 0x00620006:
+        segment.description = dicom_text(walker.value(element));
+        return;
+      case 0x0062000f:
+        segment.type = read_code(walker, element);
+        return;
+      case 0x00082218:
+        segment.region = read_code(walker, element);
+        return;
+      default:
+        walker.skip(element);
+    }
+  });
+}
+
+Segmentation read_head(const fs::path& file) {
+  Segmentation seg;
+  DicomElementWalker walker;
+  if (!walker.open(file)) fail("expected a DICOM file, found one that is not: ", file.string());
+  DicomHeader& header = seg.header;
+  header.file = file;
+  const auto number = [&](const DicomElement& element) {
+    return dicom_unsigned(walker.value(element), walker.is_big_endian());
+  };
+  const auto small = [&](const DicomElement& element) { return static_cast<int>(std::min(number(element), 65535U)); };
+  for (DicomElement element; !seg.has_pixels && walker.next(element);) {
+    switch (element.tag) {
+      case 0x00020010:
+        header.transfer_syntax = dicom_text(walker.value(element));
+        walker.set_transfer_syntax(header.transfer_syntax);
+        break;
+      case 0x00280002:
+        header.samples = small(element);
+        break;
+      case 0x00280008:
+        seg.frame_count = dicom_decimals(walker.value(element));
+        break;
+      case 0x00280010:
+        header.rows = small(element);
+        break;
+      case 0x00280011:
+        header.columns = small(element);
+        break;
+      case 0x00280100:
+        header.bits_allocated = small(element);
+        break;
+      case 0x00280101:
+        header.bits_stored = small(element);
+        break;
+      case 0x00280102:
+        header.high_bit = small(element);
+        break;
+      case 0x00280120:
+        header.padding = number(element);
+        break;
+      case 0x00620001:
+        seg.type = dicom_text(walker.value(element));
+        break;
+      case 0x00620002:
+        read_segments(walker, element, seg.segments);
+        break;
+      case 0x0062000e:
+        seg.max_fraction = number(element);
+        break;
+      case 0x52009229:
+        read_groups(walker, element, [&](std::size_t) -> FrameGroup& { return seg.shared; });
+        break;
+      case 0x52009230:
+        read_groups(walker, element, [&](std::size_t item) -> FrameGroup& {
+          if (item >= kMaxFrames) fail("expected at most ", kMaxFrames, " frames, found more in ", file.string());
+          if (seg.frames.size() <= item) seg.frames.resize(item + 1);
+          return seg.frames[item];
+        });
+        break;
+      case 0x7fe00010:
+        seg.has_pixels = true;
+        header.encapsulated = element.undefined_length;
+        header.big_endian = walker.is_big_endian();
+        if (walker.is_deflated()) header.deflated_at = walker.data_set_offset();
+        if (header.encapsulated) {
+          seg.pixels.encapsulated = walker.fragments();
+        } else {
+          seg.pixels.plain = {element.offset, element.length};
+        }
+        break;
+      default:
+        walker.skip(element);
+    }
+  }
+  return seg;
+}
+
+/// Frames with what all share, checked: each has a place, a segment and pixels.
+void check_head(Segmentation& seg) {
+  const DicomHeader& header = seg.header;
+  const std::string file = header.file.string();
+  const bool is_binary = seg.type == "BINARY";
+  const bool is_map = seg.type == "LABELMAP";
+  if (!is_binary && !is_map && seg.type != "FRACTIONAL") {
+    fail("expected a DICOM segmentation of type BINARY, FRACTIONAL or LABELMAP, found ", in_quotes(seg.type), " in ",
+         file);
+  }
+  const int bits = header.bits_allocated;
+  const bool fits = is_binary ? bits == 1 : is_map ? bits == 8 || bits == 16 : bits == 8;
+  if (!fits || header.samples != 1 || header.rows < 1 || header.columns < 1) {
+    fail("expected pixels of ",
+         is_binary ? "1 bit"
+         : is_map  ? "8 or 16 bits"
+                   : "8 bits",
+         " for a segmentation of type ", seg.type, ", found ", header.columns, " x ", header.rows, " x ",
+         header.samples, " of ", bits, " in ", file);
+  }
+  if (!is_binary && !is_map && (seg.max_fraction < 1 || seg.max_fraction > 255)) {
+    fail("expected a MaximumFractionalValue from 1 to 255, found ", seg.max_fraction, " in ", file);
+  }
+  const double stated = seg.frame_count.empty() ? 1.0 : seg.frame_count.front();
+  if (seg.frames.empty() && stated == 1.0) seg.frames.resize(1);
+  if (!seg.has_pixels || stated != static_cast<double>(seg.frames.size())) {
+    fail("expected ", seg.frames.size(), " frames with pixels, as there are functional groups, found NumberOfFrames ",
+         stated, seg.has_pixels ? "" : " and no pixels", " in ", file);
+  }
+  if (header.big_endian) fail("expected a segmentation in little endian, found a big endian one (retired): ", file);
+  std::map<long long, int> known;
+  for (const DicomSegment& segment : seg.segments) {
+    if (segment.number > 65535 || (segment.number == 0 && !is_map)) {
+      fail("expected segment numbers from 1 to 65535, found ", segment.number, " in ", file);
+    }
+    if (++known[segment.number] > 1) fail("expected one segment a number, found two of ", segment.number, " in ", file);
+  }
+  for (FrameGroup& frame : seg.frames) {
+    const auto or_shared = [&](std::vector<double> FrameGroup::*part) {
+      if ((frame.*part).empty()) frame.*part = seg.shared.*part;
+    };
+    or_shared(&FrameGroup::position_mm);
+    or_shared(&FrameGroup::orientation);
+    or_shared(&FrameGroup::pixel_spacing_mm);
+    or_shared(&FrameGroup::step_mm);
+    or_shared(&FrameGroup::thickness_mm);
+    if (frame.segment == 0) frame.segment = seg.shared.segment;
+    if (!is_map && !known.contains(frame.segment)) {
+      fail("expected frames of the segments that the file describes, found one of segment ", frame.segment, " in ",
+           file);
+    }
+    if (frame.position_mm.size() != 3 || frame.orientation.size() != 6 || frame.pixel_spacing_mm.size() != 2) {
+      fail("expected a position, an orientation and a pixel spacing for each frame, found none in ", file);
+    }
+  }
+}
+
+/// The slices that frames lie in: a grid, and for each frame which of its slices.
+struct FrameGrid {
+  LabelFile labels;
+  std::vector<int> slice_of;
+};
+
+Vec3 position_of(const FrameGroup& frame) { return {frame.position_mm[0], frame.position_mm[1], frame.position_mm[2]}; }
+
+/// How far along `heights` (sorted, all different) each lies in whole steps. Most neighbours are one step apart; some
+/// are several, where slices between are empty and not stored.
+std::vector<int> steps_along(const std::vector<double>& heights, double& step_mm) {
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < heights.size(); ++n) gaps.push_back(heights[n] - heights[n - 1]);
+  const double min_mm = *std::min_element(gaps.begin(), gaps.end());
+  double sum_mm = 0.0;
+  int count = 0;
+  for (const double gap_mm : gaps) {
+    if (gap_mm > 1.5 * min_mm) continue;
+    sum_mm += gap_mm;
+    ++count;
+  }
+  step_mm = sum_mm / count;
+  std::vector<int> steps{0};
+  constexpr double kMaxSteps = 1e6;
+  for (const double gap_mm : gaps) {
+    const double more = std::min(std::max(1.0, std::round(gap_mm / step_mm)), kMaxSteps);
+    steps.push_back(static_cast<int>(std::min(steps.back() + more, kMaxSteps)));
+  }
+  step_mm = (heights.back() - heights.front()) / steps.back();
+  return steps;
+}
+
+/// Rejects sizes that the file's bytes cannot hold, before memory is taken for them.
+void check_pixels(const Segmentation& seg) {
+  constexpr std::uint64_t kMaxShrink = 1032;  // deflate's, which of all codecs here shrinks most
+  const std::uint64_t wanted =
+      (static_cast<std::uint64_t>(seg.header.rows) * static_cast<std::uint64_t>(seg.header.columns) *
+           static_cast<std::uint64_t>(seg.header.bits_allocated) * seg.frames.size() +
+       7) /
+      8;
+  std::uint64_t there = seg.pixels.plain.length;
+  if (seg.header.encapsulated) {
+    there = 0;
+    for (const ByteRange& fragment : seg.pixels.encapsulated.fragments) there += kMaxShrink * fragment.length;
+  }
+  if (there < wanted) {
+    fail("expected ", wanted, " bytes of pixels for ", seg.frames.size(), " frames, found ", there, " in ",
+         seg.header.file.string());
+  }
+}
+
+FrameGrid grid_of(const Segmentation& seg) {
+  constexpr double kSame = 1e-3;  // mm, or of a direction's component
+  const std::string file = seg.header.file.string();
+  const FrameGroup& first = seg.frames.front();
+  const Vec3 along_row(first.orientation[0], first.orientation[1], first.orientation[2]);
+  const Vec3 along_column(first.orientation[3], first.orientation[4], first.orientation[5]);
+  const Vec3 normal = along_row.cross(along_column);
+  if (!(std::abs(normal.norm() - 1.0) < kSame) || !(std::abs(along_row.norm() - 1.0) < kSame)) {
+    fail("expected an orientation of two unit vectors at right angles, found another in ", file);
+  }
+  std::vector<double> heights;
+  for (const FrameGroup& frame : seg.frames) {
+    const auto differs = [&](const std::vector<double>& a, const std::vector<double>& b) {
+      for (std::size_t n = 0; n < a.size(); ++n) {
+        if (!(std::abs(a[n] - b[n]) < kSame)) return true;
+      }
+      return false;
+    };
+    if (differs(frame.orientation, first.orientation) || differs(frame.pixel_spacing_mm, first.pixel_spacing_mm)) {
+      fail("expected frames of one orientation and pixel spacing, found several in ", file);
+    }
+    if (!position_of(frame).allFinite()) fail("expected positions that are numbers, found others in ", file);
+    heights.push_back(normal.dot(position_of(frame)));
+  }
+  std::vector<double> sorted = heights;
+  std::sort(sorted.begin(), sorted.end());
+  constexpr double kMinStepMm = 0.01;
+  sorted.erase(std::unique(sorted.begin(), sorted.end(), [](double a, double b) { return b - a < kMinStepMm; }),
+               sorted.end());
+  const auto stated = [&] {
+    if (!first.step_mm.empty()) return first.step_mm.front();
+    return first.thickness_mm.empty() ? 0.0 : first.thickness_mm.front();
+  };
+  double step_mm = sorted.size() < 2 ? stated() : 0.0;
+  const std::vector<int> steps = sorted.size() < 2 ? std::vector<int>{0} : steps_along(sorted, step_mm);
+  if (!(step_mm >= kMinStepMm)) {
+    fail("expected frames at several places, or a spacing between slices, found neither in ", file);
+  }
+  FrameGrid grid;
+  std::size_t lowest = 0, highest = 0;
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    const auto place = std::lower_bound(sorted.begin(), sorted.end(), heights[n] - kMinStepMm);
+    const auto at = static_cast<std::size_t>(place - sorted.begin());
+    grid.slice_of.push_back(steps[std::min(at, steps.size() - 1)]);
+    if (heights[n] < heights[lowest]) lowest = n;
+    if (heights[n] > heights[highest]) highest = n;
+  }
+  const Vec3 p_first = position_of(seg.frames[lowest]);
+  const int slices = steps.back() + 1;
+  // Slices of a tilted gantry drift sideways; a label map may.
+  const Vec3 step = slices > 1 ? Vec3((position_of(seg.frames[highest]) - p_first) / steps.back()) : step_mm * normal;
+  for (std::size_t n = 0; n < heights.size(); ++n) {
+    const double off_mm = (position_of(seg.frames[n]) - p_first - grid.slice_of[n] * step).norm();
+    if (!(off_mm < 0.1 * step_mm + 0.05)) {
+      fail("expected frames that are slices of one grid, found one ", off_mm, " mm beside it (frame ", n + 1, ") in ",
+           file);
+    }
+  }
+  LabelFile& labels = grid.labels;
+  labels.origin_mm = p_first;
+  // PixelSpacing: from row to row, then from column to column.
+  labels.index_to_patient.col(0) = along_row * first.pixel_spacing_mm[1];
+  labels.index_to_patient.col(1) = along_column * first.pixel_spacing_mm[0];
+  labels.index_to_patient.col(2) = step;
+  labels.size = {seg.header.columns, seg.header.rows, slices};
+  constexpr std::size_t kMaxVoxels = std::size_t{1} << 30;
+  // Slices without frames cost the file nothing: there may be some between bones, and no more.
+  const std::size_t max_slices = 1000 + 30 * sorted.size();
+  const double volume_mm3 = std::abs(labels.index_to_patient.determinant());
+  if (labels.voxel_count() > kMaxVoxels || static_cast<std::size_t>(slices) > max_slices || !(volume_mm3 > 1e-12) ||
+      !labels.index_to_patient.allFinite()) {
+    fail("expected frames that make a grid of at most ", kMaxVoxels, " voxels with a volume, found ", labels.size[0],
+         " x ", labels.size[1], " x ", labels.size[2], " in ", file);
+  }
+  return grid;
+}
+
+std::vector<char> inflated(const std::vector<char>& packed, std::size_t size, const std::string& file) {
+  std::vector<char> bytes(size);
+  z_stream zlib{};
+  if (inflateInit2(&zlib, -MAX_WBITS) != Z_OK) fail("cannot inflate ", file);
+  std::vector<char> in = packed;
+  zlib.next_in = reinterpret_cast<Bytef*>(in.data());
+  zlib.avail_in = static_cast<uInt>(in.size());
+  zlib.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  zlib.avail_out = static_cast<uInt>(bytes.size());
+  static_cast<void>(inflate(&zlib, Z_FINISH));
+  const bool is_whole = zlib.avail_out == 0;
+  inflateEnd(&zlib);
+  if (!is_whole) fail("expected ", size, " bytes of a deflated frame, found fewer in ", file);
+  return bytes;
+}
+
+/// Calls `visit` for each frame with its bytes, and with the bit of the first byte that its first pixel is.
+void for_each_frame(const Segmentation& seg,
+                    const std::function<void(std::size_t, const std::vector<char>&, std::size_t)>& visit) {
+  const DicomHeader& header = seg.header;
+  const std::string file = header.file.string();
+  const std::uint64_t pixels = static_cast<std::uint64_t>(header.rows) * static_cast<std::uint64_t>(header.columns);
+  const auto bits = static_cast<std::uint64_t>(header.bits_allocated);
+  const std::uint64_t frame_size = (pixels * bits + 7) / 8;
+  if (header.encapsulated) {
+    const bool is_deflated = header.transfer_syntax == kDeflatedFrames;
+    const bool is_plain = header.transfer_syntax == kEncapsulatedPlain;
+    if (!is_deflated && !is_plain &&
+        (header.bits_allocated == 1 || !is_compressed_syntax(header.transfer_syntax) ||
+         !is_known_syntax(header.transfer_syntax))) {
+      fail(
+          "expected segments' pixels plain, deflated, or for bytes in RLE, JPEG-LS or JPEG 2000, found transfer "
+          "syntax ",
+          in_quotes(header.transfer_syntax), " in ", file, " (dcmconv or gdcmconv --raw undo it)");
+    }
+    DicomFrameGroups groups;
+    groups.frame_count = {static_cast<double>(seg.frames.size())};
+    const std::vector<DicomHeader> frames = split_into_frames(header, groups, seg.pixels);
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+      if (!is_deflated && !is_plain) {
+        visit(n, decompress_frame(frames[n]), 0);
+        continue;
+      }
+      std::vector<char> bytes;
+      for (const std::vector<char>& part : read_fragments(frames[n]))
+        bytes.insert(bytes.end(), part.begin(), part.end());
+      if (is_deflated) bytes = inflated(bytes, frame_size, file);
+      if (bytes.size() < frame_size) fail("expected ", frame_size, " bytes a frame, found fewer in ", file);
+      visit(n, bytes, 0);
+    }
+    return;
+  }
+  // Frames of single bits follow each other without a gap: PS3.5, 8.1.1.
+  DicomBytes stream;
+  bool is_there = stream.open(header.file);
+  if (is_there && header.deflated_at) {
+    is_there = stream.skip(*header.deflated_at);
+    stream.inflate_from_here();
+  }
+  is_there = is_there && stream.skip(seg.pixels.plain.offset - stream.position());
+  std::vector<char> bytes;
+  std::uint64_t held_from = 0;  // the byte of the pixels that bytes.front() is
+  for (std::size_t n = 0; n < seg.frames.size(); ++n) {
+    const std::uint64_t from = n * pixels * bits / 8;
+    const std::uint64_t to = ((n + 1) * pixels * bits + 7) / 8;
+    // The byte that two frames share is read once.
+    const std::uint64_t held_to = held_from + bytes.size();
+    std::vector<char> next(bytes.end() - static_cast<std::ptrdiff_t>(held_to - std::min(held_to, from)), bytes.end());
+    const std::size_t kept = next.size();
+    next.resize(to - from);
+    is_there = is_there && stream.read(next.data() + kept, next.size() - kept);
+    if (!is_there) fail("cannot read the pixels of ", file);
+    bytes = std::move(next);
+    held_from = from;
+    visit(n, bytes, static_cast<std::size_t>(n * pixels * bits % 8));
+  }
+}
+
+}  // namespace
+
+LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long> only,
+                                  const std::function<void(const LabelFile&)>& begin, const TakeLabels& take) {
+  Segmentation seg = read_head(file);
+  check_head(seg);
+  check_pixels(seg);
+  FrameGrid grid = grid_of(seg);
+  const bool is_map = seg.type == "LABELMAP";
+  std::map<long long, std::string> names;
+  for (const DicomSegment& segment : seg.segments) {
+    if (segment.number > 0) names[segment.number] = name_of_segment(segment, file);
+  }
+  // Numbers of other types count from 1: PS3.3, C.8.20.4.
+  grid.labels.numbers_are_ranks = !is_map;
+  if (begin) begin(grid.labels);
+  LabelPainter painter(grid.labels.voxel_count(), names);
+  const std::size_t pixels =
+      static_cast<std::size_t>(grid.labels.size[0]) * static_cast<std::size_t>(grid.labels.size[1]);
+  const std::uint32_t background = is_map ? seg.header.padding.value_or(0) : 0;
+  for_each_frame(seg, [&](std::size_t n, const std::vector<char>& bytes, std::size_t first_bit) {
+    const std::uint32_t segment = seg.frames[n].segment;
+    if (!is_map && only && *only != static_cast<long long>(segment)) return;
+    const std::size_t at = pixels * static_cast<std::size_t>(grid.slice_of[n]);
+    const auto byte = [&](std::size_t p) { return static_cast<unsigned char>(bytes[p]); };
+    for (std::size_t p = 0; p < pixels; ++p) {
+      if (seg.type == "BINARY") {
+        const std::size_t bit = first_bit + p;
+        if ((byte(bit / 8) >> (bit % 8) & 1) != 0) painter.put(at + p, static_cast<std::uint16_t>(segment));
+      } else if (is_map) {
+        const bool is_wide = seg.header.bits_allocated == 16;
+        const std::uint32_t value = is_wide ? static_cast<std::uint32_t>(byte(2 * p) | byte(2 * p + 1) << 8) : byte(p);
+        if (value == background || value == 0 || (only && *only != value)) continue;
+        painter.put(at + p, static_cast<std::uint16_t>(value));
+      } else if (2U * byte(p) >= seg.max_fraction) {
+        const std::uint32_t part = std::min<std::uint32_t>(255, 255U * byte(p) / seg.max_fraction);
+        painter.put(at + p, static_cast<std::uint16_t>(segment), static_cast<std::uint8_t>(part));
+      }
+    }
+  });
+  painter.check_shared(file);
+  painter.give_to(take);
+  grid.labels.names = std::move(names);
+  return grid.labels;
+}
+
+}  // namespace spinaltap::detail
