@@ -231,7 +231,7 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
 
 Json segment(const SegmentCommandOptions& options, const Progress& progress, int& exit_code) {
   // A bad name is said before the work is done.
-  encode_label_map({{{1, 1, 1}}, {0}}, 1, options.output_or_default());
+  encode_label_map({{{1, 1, 1}}, {1}}, 1, options.output_or_default());
   const CtVolume ct = options.ct.read(progress);
   StagedOutput output;
   int code = 0;

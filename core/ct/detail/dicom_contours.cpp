@@ -315,9 +315,10 @@ LabelFile read_dicom_contours(const fs::path& file, const GridGeometry& ct, std:
   head.names.clear();
   if (begin) begin(head);
   LabelPainter painter(ct.voxel_count(), labels.names);
-  for (const auto& [label, region] : by_label) {
-    if (only && *only != label) continue;
-    const std::vector<Plane> planes = planes_of(*region, axis);
+  for (const auto& entry : by_label) {
+    const auto label = static_cast<std::uint16_t>(entry.first);
+    if (only && *only != entry.first) continue;
+    const std::vector<Plane> planes = planes_of(*entry.second, axis);
     if (planes.empty()) continue;
     const double reach = reach_of(planes);
     std::size_t nearest = 0;
@@ -330,7 +331,7 @@ LabelFile read_dicom_contours(const fs::path& file, const GridGeometry& ct, std:
         p[static_cast<std::size_t>(axis)] = slice;
         p[static_cast<std::size_t>(axis_a)] = a;
         p[static_cast<std::size_t>(axis_b)] = b;
-        painter.put(ct.offset(p[0], p[1], p[2]), static_cast<std::uint16_t>(label));
+        painter.put(ct.offset(p[0], p[1], p[2]), label);
       });
     }
   }

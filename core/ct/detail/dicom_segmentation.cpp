@@ -325,7 +325,20 @@ FrameGrid grid_of(const Segmentation& seg) {
     return first.thickness_mm.empty() ? 0.0 : first.thickness_mm.front();
   };
   double step_mm = sorted.size() < 2 ? stated() : 0.0;
-  const std::vector<int> steps = sorted.size() < 2 ? std::vector<int>{0} : steps_along(sorted, step_mm);
+  std::vector<int> steps = sorted.size() < 2 ? std::vector<int>{0} : steps_along(sorted, step_mm);
+  // Frames that stand nearer to each other than is stated decide; such as stand farther apart leave slices out, which
+  // two alone may do.
+  const double stated_mm = first.step_mm.empty() ? 0.0 : first.step_mm.front();
+  if (sorted.size() >= 2 && stated_mm >= kMinStepMm && step_mm > 1.1 * stated_mm) {
+    const double slices_apart = std::round(step_mm / stated_mm);
+    const bool fits = std::abs(step_mm - slices_apart * stated_mm) < 0.1 * stated_mm && slices_apart < 1e4;
+    if (sorted.size() > 2 || !fits) {
+      fail("expected frames that are slices of one grid, found them ", step_mm,
+           " mm apart, and SpacingBetweenSlices of ", stated_mm, " mm, in ", file);
+    }
+    steps.back() = static_cast<int>(slices_apart);
+    step_mm /= slices_apart;
+  }
   if (!(step_mm >= kMinStepMm)) {
     fail("expected frames at several places, or a spacing between slices, found neither in ", file);
   }

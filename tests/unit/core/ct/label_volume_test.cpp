@@ -47,7 +47,7 @@ std::string nrrd(const std::vector<double>& from_the_top, const std::string& hea
                  const std::string& type = "double") {
   return "NRRD0004\ntype: " + type + "\ndimension: 3\nspace: left-posterior-superior\nsizes: 1 1 " +
          std::to_string(from_the_top.size()) +
-         "\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nkinds: domain domain domain\nencoding: raw\n"
+         "\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nkinds: domain domain domain\nendian: little\nencoding: raw\n"
          "space origin: (0,0,0)\n" +
          head + "\n" + upwards<double>(from_the_top);
 }

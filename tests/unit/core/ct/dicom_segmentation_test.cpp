@@ -1,0 +1,240 @@
+// Label maps as DICOM segmentations, read: files put together byte by byte.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/base/staged_output.h"
+#include "core/ct/label_map.h"
+#include "core/ct/label_volume.h"
+#include "tests/support/made_dicom_labels.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/core/ct/error_of.h"
+
+namespace spinaltap {
+namespace {
+
+using test::error_of;
+using test::MadeSegmentation;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+/// Voxels of MadeSegmentation's grid, slices at z = 10, 12, 14, ...
+GridGeometry seg_grid(int slices = 4) {
+  GridGeometry geometry;
+  geometry.size = {5, 3, slices};
+  geometry.spacing_mm = Vec3(1.0, 0.5, 2.0);
+  geometry.origin_mm = Vec3(-20.0, 30.0, 10.0);
+  return geometry;
+}
+
+Vec3 slice_at(int k) { return {-20.0, 30.0, 10.0 + 2.0 * k}; }
+
+/// 15 pixels with `value` at (i, j).
+std::vector<int> pixel_at(int i, int j, int value = 1) {
+  std::vector<int> pixels(15, 0);
+  pixels[static_cast<std::size_t>(5 * j + i)] = value;
+  return pixels;
+}
+
+/// L3 at (1, 1) of slices 0 and 3, L4 at (4, 2) of slice 1, in no order; slice 2 is empty and not stored.
+MadeSegmentation two_segments() {
+  MadeSegmentation seg;
+  seg.segments = {{1, "", "36470004", "SCT", ""}, {2, "L4", "", "", ""}};
+  seg.frames = {{2, slice_at(1), pixel_at(4, 2)}, {1, slice_at(3), pixel_at(1, 1)}, {1, slice_at(0), pixel_at(1, 1)}};
+  return seg;
+}
+
+LabelVolume read_seg(const std::string& bytes, const GridGeometry& grid = seg_grid()) {
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "map.dcm", bytes);
+  return read_label_volume(folder.path() / "map.dcm", grid);
+}
+
+std::string seg_error(const MadeSegmentation& seg) {
+  return error_of([&] { read_seg(seg.bytes()); });
+}
+
+Level level_at(const LabelVolume& map, int i, int j, int k) {
+  const int label = map.labels[map.geometry.offset(i, j, k)];
+  return label == 0 ? Level::kNone : map.names.at(label).level;
+}
+
+std::ptrdiff_t labelled(const LabelVolume& map) {
+  return std::count_if(map.labels.begin(), map.labels.end(), [](std::uint8_t label) { return label != 0; });
+}
+
+TEST(DicomSegmentation, IsReadWithFramesInAnyOrderAndSlicesLeftOut) {
+  for (const bool is_open : {false, true}) {
+    MadeSegmentation seg = two_segments();
+    seg.is_open = is_open;
+    const LabelVolume map = read_seg(seg.bytes());
+    EXPECT_EQ(level_at(map, 1, 1, 0), *level_from_name("L3"));
+    EXPECT_EQ(level_at(map, 1, 1, 3), *level_from_name("L3"));
+    EXPECT_EQ(level_at(map, 4, 2, 1), *level_from_name("L4"));
+    EXPECT_EQ(labelled(map), 3);
+  }
+}
+
+TEST(DicomSegmentation, IsPlacedByItsFramesOnAnyGrid) {
+  GridGeometry shifted = seg_grid();
+  shifted.origin_mm += Vec3(1.0, 0.5, 2.0);
+  const LabelVolume map = read_seg(two_segments().bytes(), shifted);
+  EXPECT_EQ(level_at(map, 0, 0, 2), *level_from_name("L3"));
+  EXPECT_EQ(level_at(map, 3, 1, 0), *level_from_name("L4"));
+  EXPECT_EQ(labelled(map), 2);
+}
+
+TEST(DicomSegmentation, OfATiltedGantryKeepsItsLean) {
+  MadeSegmentation seg = two_segments();
+  for (auto& frame : seg.frames) frame.p_mm.y() += 0.25 * (frame.p_mm.z() - 10.0);  // one pixel a slice
+  const LabelVolume map = read_seg(seg.bytes());
+  EXPECT_EQ(level_at(map, 1, 1, 0), *level_from_name("L3"));
+  EXPECT_EQ(labelled(map), 1);  // the others drifted off this grid
+}
+
+TEST(DicomSegmentation, OfOneFrameTakesItsStatedStep) {
+  MadeSegmentation seg = two_segments();
+  seg.frames.resize(1);
+  EXPECT_EQ(level_at(read_seg(seg.bytes()), 4, 2, 1), *level_from_name("L4"));
+  seg.step_mm = 0.0;
+  EXPECT_THAT(seg_error(seg), HasSubstr("spacing between slices"));
+}
+
+TEST(DicomSegmentation, OfTwoFramesFarApartLeavesTheSlicesBetweenEmpty) {
+  MadeSegmentation seg = two_segments();
+  seg.frames.erase(seg.frames.begin());  // slices 0 and 3 are left
+  EXPECT_EQ(labelled(read_seg(seg.bytes())), 2);
+  seg.step_mm = 4.0;  // not stated for thirds of 6 mm
+  EXPECT_THAT(seg_error(seg), HasSubstr("6 mm apart"));
+}
+
+TEST(DicomSegmentation, OfFractionsIsTakenFromHalfOnAndTheLargerPartWins) {
+  MadeSegmentation seg = two_segments();
+  seg.type = "FRACTIONAL";
+  seg.bits = 8;
+  seg.max_fraction = 200;
+  seg.frames = {{1, slice_at(0), pixel_at(0, 0, 99)},
+                {1, slice_at(1), pixel_at(1, 0, 100)},
+                {2, slice_at(1), pixel_at(1, 0, 120)},
+                {1, slice_at(2), pixel_at(2, 0, 150)},
+                {2, slice_at(2), pixel_at(2, 0, 120)}};
+  const LabelVolume map = read_seg(seg.bytes());
+  EXPECT_EQ(level_at(map, 1, 0, 1), *level_from_name("L4"));
+  EXPECT_EQ(level_at(map, 2, 0, 2), *level_from_name("L3"));
+  EXPECT_EQ(labelled(map), 2);
+  seg.frames[1].pixels = pixel_at(1, 0, 200);
+  seg.frames[2].pixels = pixel_at(1, 0, 200);
+  EXPECT_THAT(seg_error(seg), HasSubstr("do not overlap"));
+}
+
+TEST(DicomSegmentation, OfTypeLabelMapHasAllSegmentsInEachFrame) {
+  for (const int bits : {8, 16}) {
+    MadeSegmentation seg;
+    seg.type = "LABELMAP";
+    seg.bits = bits;
+    seg.background = 7;
+    seg.segments = {{7, "Background", "", "", ""}, {40, "", "T-11930", "SRT", ""}, {200, "L4 vertebra", "", "", ""}};
+    for (int k = 0; k < 3; ++k) {
+      std::vector<int> pixels(15, 7);
+      pixels[3] = k == 1 ? 40 : 7;
+      pixels[14] = k == 2 ? 200 : 7;
+      seg.frames.push_back({0, slice_at(k), pixels});
+    }
+    const LabelVolume map = read_seg(seg.bytes());
+    EXPECT_EQ(level_at(map, 3, 0, 1), *level_from_name("L3"));
+    EXPECT_EQ(level_at(map, 4, 2, 2), *level_from_name("L4"));
+    EXPECT_EQ(labelled(map), 2);
+    EXPECT_EQ(map.names.begin()->first, 40);
+  }
+}
+
+TEST(DicomSegmentation, SaysItsLevelsByCodeOrName) {
+  const auto level_of = [](const MadeSegmentation::Segment& segment) {
+    MadeSegmentation seg = two_segments();
+    seg.segments = {segment, {2, "disc L3/4", "", "", ""}};
+    const LabelVolume map = read_seg(seg.bytes());
+    return level_name(map.names.at(1).level);
+  };
+  EXPECT_EQ(level_of({1, "Segment_1", "12989004", "SCT", ""}), "T11");
+  EXPECT_EQ(level_of({1, "Segment_1", "T-117B0", "SRT", ""}), "T11");
+  EXPECT_EQ(level_of({1, "bone of mine", "T-11670", "SNM3", ""}), "C7");
+  EXPECT_EQ(level_of({1, "vertebrae_T11", "51282000", "SCT", ""}), "T11");
+  EXPECT_EQ(level_of({1, "", "51282000", "SCT", "12989004", "SCT"}), "T11");
+  EXPECT_EQ(level_of({1, "", "54735007", "SCT", ""}), "sacrum");
+  // A lesion in T11 is not T11, and a number of another scheme not a vertebra's.
+  EXPECT_EQ(level_of({1, "lesion", "52988006", "SCT", "12989004", "SCT"}), "");
+  EXPECT_EQ(level_of({1, "thing", "12989004", "DCM", ""}), "");
+  MadeSegmentation twofold = two_segments();
+  twofold.segments[0].label = "L2";
+  EXPECT_THAT(seg_error(twofold), HasSubstr("code of L3 and the name of L2"));
+}
+
+TEST(DicomSegmentation, NumbersSegmentsByRankSoThatNoConventionIsSeen) {
+  MadeSegmentation seg = two_segments();
+  seg.segments = {{1, "a", "", "", ""}, {2, "b", "", "", ""}};
+  const LabelVolume map = read_seg(seg.bytes());
+  EXPECT_EQ(map.names.at(1), (LabelName{"a", Level::kNone}));
+  EXPECT_EQ(map.names.at(2), (LabelName{"b", Level::kNone}));
+}
+
+TEST(DicomSegmentation, RejectsVertebraeThatOverlapAndReadsOneAlone) {
+  MadeSegmentation seg = two_segments();
+  seg.frames.push_back({2, slice_at(3), pixel_at(1, 1)});
+  const std::string message = seg_error(seg);
+  EXPECT_THAT(message, HasSubstr("1 voxel in two of them"));
+  EXPECT_THAT(message, HasSubstr("1 (L3) and 2 (L4)"));
+  const TemporaryFolder folder;
+  write_whole_file(folder.path() / "map.dcm", seg.bytes());
+  const BoneMask l4 = read_label_map(folder.path() / "map.dcm", 2, seg_grid());
+  EXPECT_TRUE(l4.at(1, 1, 3) && l4.at(4, 2, 1));
+  EXPECT_EQ(std::count(l4.inside.begin(), l4.inside.end(), 1), 2);
+  // What is no vertebra gives way, whichever comes first.
+  seg.segments[1].label = "spine";
+  EXPECT_EQ(level_at(read_seg(seg.bytes()), 1, 1, 3), *level_from_name("L3"));
+  std::swap(seg.frames[1], seg.frames[3]);
+  EXPECT_EQ(level_at(read_seg(seg.bytes()), 1, 1, 3), *level_from_name("L3"));
+}
+
+TEST(DicomSegmentation, SaysWhatIsWrong) {
+  MadeSegmentation uneven = two_segments();
+  uneven.frames[0].p_mm.z() += 0.9;
+  EXPECT_THAT(seg_error(uneven), HasSubstr("slices of one grid"));
+  MadeSegmentation aside = two_segments();
+  aside.frames[0].p_mm.x() += 1.0;
+  EXPECT_THAT(seg_error(aside), HasSubstr("slices of one grid"));
+  MadeSegmentation far = two_segments();
+  far.frames[1].p_mm.z() += 1e5;
+  EXPECT_THAT(seg_error(far), HasSubstr("grid of at most"));
+  MadeSegmentation other = two_segments();
+  other.type = "SURFACE";
+  EXPECT_THAT(seg_error(other), HasSubstr("\"SURFACE\""));
+  MadeSegmentation bits = two_segments();
+  bits.bits = 8;
+  EXPECT_THAT(seg_error(bits), HasSubstr("pixels of 1 bit"));
+  MadeSegmentation unknown = two_segments();
+  unknown.frames[0].segment = 9;
+  EXPECT_THAT(seg_error(unknown), HasSubstr("segment 9"));
+  MadeSegmentation twice = two_segments();
+  twice.segments[1].number = 1;
+  EXPECT_THAT(seg_error(twice), HasSubstr("two of 1"));
+  const auto changed = [](const std::function<void(test::MadeItem&)>& change) {
+    test::MadeItem data = two_segments().data_set();
+    change(data);
+    return error_of([&] { read_seg(data.file()); });
+  };
+  EXPECT_THAT(changed([](auto& data) { data.put(0x7fe00010, "OB", "\1"); }), HasSubstr("bytes of pixels"));
+  EXPECT_THAT(changed([](auto& data) { data.remove(0x7fe00010); }), HasSubstr("no pixels"));
+  EXPECT_THAT(changed([](auto& data) { data.put(0x00280008, "IS", "4"); }), HasSubstr("NumberOfFrames 4"));
+  EXPECT_THAT(changed([](auto& data) { data.remove(0x52009229); }), HasSubstr("an orientation"));
+  EXPECT_THAT(changed([](auto& data) { data.put(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.5"); }),
+              HasSubstr("one of surfaces"));
+  EXPECT_THAT(changed([](auto& data) { data.put(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2"); }),
+              HasSubstr("another DICOM file"));
+  const std::string whole = two_segments().bytes();
+  EXPECT_THAT(error_of([&] { read_seg(whole.substr(0, whole.size() - 10)); }), HasSubstr("cut short"));
+}
+
+}  // namespace
+}  // namespace spinaltap
