@@ -157,6 +157,30 @@ TEST_F(Segment, CopiesAllLevelsOfAForeignMap) {
   EXPECT_EQ(level_at(found, Vec3::Zero()), Level{22});
 }
 
+TEST_F(Segment, WritesDicomThatNamesItsCtAndIsReadAgain) {
+  const std::vector<std::uint8_t> labels = map("all.seg.nrrd").labels;
+  const DicomSource source = find_dicom_source(in("spine/ct"), "", grid());
+  for (const char* name : {"spine.dcm", "spine.rtstruct.dcm"}) {
+    const std::string command = std::string("segment spine/ct --all --labels all.seg.nrrd -o ") + name;
+    const test::ProgramRun written = run(command);
+    ASSERT_EQ(written.exit_code, 0) << written.errors;
+    const std::string bytes = whole(name);
+    EXPECT_THAT(bytes, AllOf(HasSubstr(source.study_uid), HasSubstr(source.frame_of_reference_uid)));
+    EXPECT_THAT(bytes, HasSubstr(source.slices[static_cast<std::size_t>(grid().size[2] / 2)]->sop_instance));
+    const LabelVolume back = map(name);
+    EXPECT_EQ(levels_of(back), (std::vector{Level{21}, Level{22}, Level{23}}));
+    std::size_t other = 0;
+    for (std::size_t v = 0; v < labels.size(); ++v) {
+      const auto found = back.names.find(back.labels[v]);
+      const int level = found == back.names.end() ? 0 : static_cast<int>(found->second.level);
+      if (level != (labels[v] >= 21 && labels[v] <= 23 ? labels[v] : 0)) ++other;
+    }
+    EXPECT_EQ(other, 0U) << name;
+    ASSERT_EQ(run(command + " --no-ct-references").exit_code, 0);
+    EXPECT_THAT(whole(name), Not(HasSubstr(source.study_uid)));
+  }
+}
+
 TEST_F(Segment, TellsASuspectVertebraByItsExitCodeWithAllWritten) {
   // Screws in the pedicles: CT numbers around metal are not bone's.
   ASSERT_EQ(run(std::string("phantom metal --spine L2-L4 --metal L3") + kScan).exit_code, 0);
