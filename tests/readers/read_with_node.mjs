@@ -45,6 +45,6 @@ try {
     if (value !== 0) found.itk.voxels.push([at, value]);
   });
 } catch (error) {
-  found.itk = { error: String(error) };
+  found.itk = { error: error instanceof Error ? error.message : JSON.stringify(error) };
 }
 writeFileSync(process.argv[3], JSON.stringify(found));

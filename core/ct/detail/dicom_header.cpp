@@ -16,6 +16,9 @@ bool is_ct_class(const std::string& uid) {
   return uid == ct || uid == ct + ".1" || uid == ct + ".2";
 }
 
+/// Segmentations of voxels and of surfaces, label maps: pictures of no scanner, which people keep beside their CT.
+bool is_segmentation_class(const std::string& uid) { return uid.starts_with("1.2.840.10008.5.1.4.1.1.66."); }
+
 /// What a file says, while it is read.
 struct Reading {
   DicomElementWalker walker;
@@ -157,6 +160,7 @@ std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file) {
   try {
     for (DicomElement element; reading.walker.next(element) && reading.take(element);) {
     }
+    if (is_segmentation_class(header.sop_class)) return {};
     const bool is_image = header.rows >= 0 && header.columns >= 0;
     if (is_image) return split_into_frames(header, reading.groups, reading.pixels);
   } catch (const Error&) {

@@ -468,6 +468,8 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   check_pixels(seg);
   FrameGrid grid = grid_of(seg);
   const bool is_map = seg.type == "LABELMAP";
+  const bool is_binary = seg.type == "BINARY";
+  const bool is_wide = seg.header.bits_allocated == 16;
   std::map<long long, std::string> names;
   for (const DicomSegment& segment : seg.segments) {
     if (segment.number > 0) names[segment.number] = name_of_segment(segment, file);
@@ -485,15 +487,18 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
     const std::size_t at = pixels * static_cast<std::size_t>(grid.slice_of[n]);
     const auto byte = [&](std::size_t p) { return static_cast<unsigned char>(bytes[p]); };
     for (std::size_t p = 0; p < pixels; ++p) {
-      if (seg.type == "BINARY") {
+      if (is_binary) {
         const std::size_t bit = first_bit + p;
-        if ((byte(bit / 8) >> (bit % 8) & 1) != 0) painter.put(at + p, static_cast<std::uint16_t>(segment));
+        if (bit % 8 == 0 && byte(bit / 8) == 0) {
+          p += 7;  // most bytes hold none
+        } else if ((byte(bit / 8) >> (bit % 8) & 1) != 0) {
+          painter.put(at + p, static_cast<std::uint16_t>(segment));
+        }
       } else if (is_map) {
-        const bool is_wide = seg.header.bits_allocated == 16;
         const std::uint32_t value = is_wide ? static_cast<std::uint32_t>(byte(2 * p) | byte(2 * p + 1) << 8) : byte(p);
         if (value == background || value == 0 || (only && *only != value)) continue;
         painter.put(at + p, static_cast<std::uint16_t>(value));
-      } else if (2U * byte(p) >= seg.max_fraction) {
+      } else if (byte(p) != 0 && 2U * byte(p) >= seg.max_fraction) {
         const std::uint32_t part = std::min<std::uint32_t>(255, 255U * byte(p) / seg.max_fraction);
         painter.put(at + p, static_cast<std::uint16_t>(segment), static_cast<std::uint8_t>(part));
       }

@@ -51,13 +51,15 @@ std::vector<std::vector<ContourPoint>> outlines_of(std::span<const std::uint8_t>
                label;
   };
   for (int b = 0; b < rows; ++b) {
-    for (int a = 0; a < columns; ++a) {
-      if (!has_label(a, b)) continue;
-      first_a = std::min(first_a, a);
-      last_a = std::max(last_a, a);
-      first_b = std::min(first_b, b);
-      last_b = b;
-    }
+    const auto row = slice.subspan(static_cast<std::size_t>(b) * static_cast<std::size_t>(columns),
+                                   static_cast<std::size_t>(columns));
+    const auto first = std::find(row.begin(), row.end(), label);
+    if (first == row.end()) continue;
+    const auto last = std::find(row.rbegin(), row.rend(), label);
+    first_a = std::min(first_a, static_cast<int>(first - row.begin()));
+    last_a = std::max(last_a, columns - 1 - static_cast<int>(last - row.rbegin()));
+    first_b = std::min(first_b, b);
+    last_b = b;
   }
   std::map<HalfPoint, HalfPoint> next;
   for (int b = first_b - 1; b <= last_b; ++b) {
