@@ -11,6 +11,7 @@
 #include "apps/python/long_call.h"
 #include "apps/python/names.h"
 #include "vdb/sim/bone.h"
+#include "vdb/sim/bone_path.h"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -188,6 +189,11 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
       .def("save", &Bone::save, "file"_a, py::call_guard<py::gil_scoped_release>(),
            "Writes a bone.vdb, whole or not at all.")
       .def_property_readonly("hash", &Bone::hash, "A fingerprint of its grids, however the file was written.")
+      .def_property_readonly(
+          "ct_hash", [](const Bone& bone) { return bone.identity().ct_hash; },
+          "Of the CT that it was baked from, at whatever voxel size; of a bone without one its own. Plans name it.")
+      .def_property_readonly(
+          "level", [](const Bone& bone) { return level_name(bone.level()); }, "\"L3\" and the like; empty: not known.")
       .def_property_readonly("voxel_mm", [](const Bone& bone) { return bone.model().voxel_mm(); })
       .def_property_readonly(
           "band_mm", [](const Bone& bone) { return bone.model().band_mm(); },
@@ -269,7 +275,18 @@ Raises Error on a CT that cannot be read, and without a vertebra.)")
           [](const Bone& bone, const DrillPath& path, const py::object& progress) {
             return long_call(progress, [&](const Progress& heard) { return grade(bone, path, {}, {}, heard); });
           },
-          "path"_a, "progress"_a = py::none(), "How safe a path is. Raises Error without landmarks.");
+          "path"_a, "progress"_a = py::none(),
+          "How safe a path is. Raises Error without landmarks, and on a path that names another CT or vertebra.")
+      .def(
+          "path_warnings",
+          [](const Bone& bone, const DrillPath& path, bool from_front) {
+            const py::gil_scoped_release unlocked;
+            const PathCheck check = check_path_on_bone(bone, path, {.from_the_front = from_front});
+            return check.fits() ? std::vector<std::string>() : std::vector{check.words(path)};
+          },
+          "path"_a, py::kw_only(), "from_front"_a = false,
+          "Why a path does not fit the bone, with the likely cause: an entry more than 2 mm off its surface, ends that "
+          "are swapped, RAS for LPS, another level; empty where it fits. from_front: it may come from there.");
 }
 
 }  // namespace spinaltap

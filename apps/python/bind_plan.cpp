@@ -17,6 +17,7 @@
 #include "core/files/bit_file.h"
 #include "core/files/plan_file.h"
 #include "core/tool/drill_path.h"
+#include "vdb/sim/bone.h"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -182,6 +183,19 @@ void bind_plan(py::module_& module) {
       .def_property_readonly("length_mm", &DrillPath::length_mm)
       .def_readonly("bit", &DrillPath::bit)
       .def_readonly("screw", &DrillPath::screw)
+      .def_property_readonly(
+          "ct_hash", [](const DrillPath& path) { return path.bone.ct_hash; },
+          "Of the CT that it is planned in, as Bone.ct_hash; empty: not known. A bone of another is refused.")
+      .def_property_readonly(
+          "level", [](const DrillPath& path) { return level_name(path.bone.level); },
+          "The vertebra that it is planned for; empty: not known.")
+      .def(
+          "for_bone",
+          [](DrillPath path, const Bone& bone) {
+            path.bone = bone.identity();
+            return path;
+          },
+          "bone"_a, "The same path, planned for this bone: to take one of another CT or vertebra all the same.")
       .def("__repr__", [](const DrillPath& path) {
         return "<Path \"" + path.name + "\" from " + text_of(path.entry_mm) + " to " + text_of(path.target_mm) + " mm>";
       });

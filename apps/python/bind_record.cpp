@@ -155,15 +155,18 @@ void bind_record(py::module_& module) {
   module.def(
       "replay",
       [](const std::filesystem::path& record, const Bone& bone, const std::string& engine, const py::object& progress,
-         const std::vector<Bone>& also) {
+         const std::vector<Bone>& also, bool other_ct) {
         const std::optional<EngineKind> kind = engine_of(engine);
         std::vector<Bone> bones{bone};
         bones.insert(bones.end(), also.begin(), also.end());
-        return long_call(
-            progress, [&](const Progress& heard) { return replay(read_record(record), record, bones, kind, heard); });
+        return long_call(progress, [&](const Progress& heard) {
+          return replay(read_record(record), record, bones, kind, heard, other_ct);
+        });
       },
       "record"_a, "bone"_a, "engine"_a = "", "progress"_a = py::none(), "also"_a = std::vector<Bone>(),
-      "Runs a record again on the bone that it was drilled in, and those beside it, and compares every bit.");
+      "other_ct"_a = false,
+      "Runs a record again on the bone that it was drilled in, and those beside it, and compares every bit. other_ct: "
+      "take another bone all the same.");
 }
 
 }  // namespace spinaltap

@@ -38,13 +38,18 @@ std::vector<RigidPose> tracked_poses(const Numbers& matrices) {
 Registration surface_registration(const Bone& bone, const Numbers& touched_mm, const std::optional<Registration>& start,
                                   double noise_mm, double search_mm, double search_deg, const py::object& progress) {
   TouchedOptions options;
-  if (start) options.start = start->ct_from_patient;
+  if (start) {
+    check_same_bone("the registration to start with", start->bone, bone.identity());
+    options.start = start->ct_from_patient;
+  }
   options.noise_mm = noise_mm;
   options.search_mm = search_mm;
   options.search_deg = search_deg;
   const std::vector<Vec3> points_mm = points_of(touched_mm);
-  return long_call(
+  Registration found = long_call(
       progress, [&](const Progress& heard) { return register_surface(bone.shape(heard), points_mm, options, heard); });
+  found.bone = bone.identity();
+  return found;
 }
 
 std::vector<Vec3> applied(const Registration& registration, const Numbers& points_mm) {
@@ -65,6 +70,10 @@ void bind_registration(py::module_& module) {
   py::class_<Registration>(module, "Registration", "Where the patient is: a pose with what is known of its error.")
       .def_static("load", &read_registration, "file"_a)
       .def("save", &save_registration, "file"_a, "Writes it as JSON, whole or not at all.")
+      .def_property_readonly(
+          "ct_hash", [](const Registration& found) { return found.bone.ct_hash; },
+          "Of the CT that it places the patient in, as Bone.ct_hash; empty: not known.")
+      .def_property_readonly("level", [](const Registration& found) { return level_name(found.bone.level); })
       .def_property_readonly("kind", [](const Registration& found) { return name_of(found.kind); })
       .def_property_readonly(
           "rotation", [](const Registration& found) { return array_of(found.ct_from_patient.rotation); },

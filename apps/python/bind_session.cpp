@@ -89,8 +89,10 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
                                            double stop_thrust_n, double stop_clearance_mm, bool stop_on_breach,
                                            const std::filesystem::path& material, const std::filesystem::path& density,
                                            const std::vector<Bone>& also, bool follows_path, bool heat, bool irrigation,
-                                           const std::filesystem::path& thermal_bone, const py::object& progress) {
+                                           const std::filesystem::path& thermal_bone, bool other_ct,
+                                           const py::object& progress) {
   SessionSetup setup;
+  setup.takes_other_ct = other_ct;
   setup.material = material_of(material, density);
   setup.volume.radius_mm = radius_mm;
   setup.volume.spacing_mm = spacing_mm;
@@ -264,7 +266,7 @@ The drilling of one hole is one session: it begins at time 0 and cycle 0; end_ho
            "rpm"_a = 1250.0, "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
            "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "also"_a = std::vector<Bone>(),
            "follows_path"_a = true, "heat"_a = false, "irrigation"_a = false, "thermal_bone"_a = "",
-           "progress"_a = py::none(),
+           "other_ct"_a = false, "progress"_a = py::none(),
            R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; "voxel", for
 any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" of a plate or where
@@ -274,7 +276,8 @@ clearances: look for the walls, which takes seconds the first time. stop_...: wh
 density: files of cutting models and density calibrations; the shipped ones by default. also: further bones of the same
 patient, which are drilled wherever the tool meets them; voxels only. follows_path: False of a milling, whose way leaves
 the path: neither states nor breakthroughs nor plunges are told, and "auto" takes voxels. heat: work out how warm the bone beside the hole gets, live;
-irrigation: with water along its wall; thermal_bone: a file of how bone takes up heat; the shipped one by default. Raises Error where the path misses the bone.)")
+irrigation: with water along its wall; thermal_bone: a file of how bone takes up heat; the shipped one by default. other_ct: take a path that names another CT or
+vertebra, which the record says. Raises Error where the path misses the bone, or names another.)")
       .def(
           "step",
           [](OwnedSession& self, const Numbers& tip_mm, const Numbers& axis, double dt_s, bool spindle_on,

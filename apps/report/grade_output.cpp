@@ -299,8 +299,11 @@ std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<d
     csv << ",share_" << name;
   }
   csv << '\n';
+  const auto number = [&](double value) {
+    if (std::isfinite(value)) csv << value;  // empty where it is none, as append_csv_number() has it
+  };
   const auto field = [&](double value) {
-    if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
+    number(value);
     csv << ',';
   };
   for (const GradedPath& graded : paths) {
@@ -313,8 +316,13 @@ std::string grades_csv(const std::vector<GradedPath>& paths, const std::vector<d
       field(row.canal_mm);
       csv << name_of(row.canal_side) << ',' << (row.is_opening ? 1 : 0) << ',' << (row.is_entry ? 1 : 0) << ',';
       field(row.hu);
-      csv << row.thrust_n << ',' << row.thrust_band_n.low << ',' << row.thrust_band_n.high;
-      for (const double share : row.hu_band_shares) csv << ',' << share;
+      field(row.thrust_n);
+      field(row.thrust_band_n.low);
+      number(row.thrust_band_n.high);
+      for (const double share : row.hu_band_shares) {
+        csv << ',';
+        number(share);
+      }
       csv << '\n';
     }
   }

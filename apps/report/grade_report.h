@@ -43,6 +43,7 @@ struct GradeReportData {
   bool has_own_ct = false;     ///< `ct` is the CT itself, not the CT numbers that the bone keeps
   std::string command = {};    ///< that made the report, without names; empty: not told
   std::string date = {};       ///< "2026-11-24"; empty: not told
+  std::vector<std::string> notes = {};  ///< on the plan and the bone, shown above all that rests on them
 };
 
 /// The report as one self-contained HTML file. Pages of paper come first, one for each pair of a right and a left path:

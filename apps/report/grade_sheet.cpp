@@ -108,7 +108,7 @@ class Sheets {
  private:
   /// What is wrong with the bone itself: all that stands below rests on it.
   std::vector<std::string> notes() const {
-    std::vector<std::string> lines;
+    std::vector<std::string> lines = data_.notes;
     if (data_.bone != nullptr) {
       for (const std::string& warning : data_.bone->input_warnings()) lines.push_back("The CT: " + warning);
     }

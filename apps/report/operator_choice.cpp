@@ -136,6 +136,14 @@ ExpectedWay OperatorChoice::expected_way() const {
           .is_free = has_device()};
 }
 
+std::vector<double> OperatorChoice::asked_feeds_mm_s() const {
+  if (is_milling()) return {(milling ? *milling : read_milling(name)).feed_mm_s};
+  std::vector<double> feeds_mm_s;
+  if (feed.empty()) return feeds_mm_s;
+  for (const FeedStep& step : feed_steps(feed)) feeds_mm_s.push_back(step.mm_s);
+  return feeds_mm_s;
+}
+
 double OperatorChoice::tremor_or_default_mm() const { return tremor_mm.value_or(name == "tremor" ? kTremorMm : 0.0); }
 
 void OperatorChoice::add_planned_motion(const DrillPath& path, const GuideLine& line, OperatorPlan& plan) const {

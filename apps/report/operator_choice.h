@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/scalar_field.h"
 #include "core/session/choose_engine.h"
@@ -56,6 +57,9 @@ struct OperatorChoice {
   bool is_milling() const { return milling || name.ends_with(".json"); }
   /// As far as it is known before files are read.
   ExpectedWay expected_way() const;
+  /// The feeds that were asked for, mm/s: of --feed, by depth, or of a milling's file; none where a default or the bone
+  /// decides.
+  std::vector<double> asked_feeds_mm_s() const;
   /// The operator, from `lead_in_mm` before the path's entry; `bone`: the distance to its surface, which a milling
   /// follows, asked here only. Throws Error on values out of range, where a file of poses or a milling cannot be read,
   /// and on a milling without a bone. Opens the device, where there is one.

@@ -204,7 +204,7 @@ void write_runs(const StudyRows& rows, const std::filesystem::path& file, Staged
   std::size_t size = csv.size();
   for (const auto& [run, text] : rows) size += text.size() + 1;
   csv.reserve(size);
-  for (const auto& [run, text] : rows) csv.append(text).append(1, '\n');
+  for (const auto& [run, text] : rows) csv.append(study_csv_for_others(text)).append(1, '\n');
   output.write(file, csv);
 }
 

@@ -117,6 +117,10 @@ Json json_of(const Measurements& measurements, const std::vector<PredictedFigure
 
 void add_lines(const Measurements& measurements, std::string_view law, const std::vector<PredictedFigure>& figures,
                TextWriter& csv) {
+  const auto field = [&](double value) {
+    csv << ',';
+    if (std::isfinite(value)) csv << value;  // empty where it is none, as append_csv_number() has it
+  };
   for (const PredictedFigure& figure : figures) {
     const DrillingMeasurement& row = measurements.drilling[figure.row];
     csv << law << ',' << row.source << ',' << bone_of(row) << ',' << quantity_of(figure) << ',' << unit_of(figure)
@@ -124,8 +128,10 @@ void add_lines(const Measurements& measurements, std::string_view law, const std
     if (figure.measured_range) csv << figure.measured_range->low;
     csv << ',';
     if (figure.measured_range) csv << figure.measured_range->high;
-    csv << ',' << figure.predicted << ',' << figure.p05 << ',' << figure.p95 << ',' << (figure.is_inside() ? 1 : 0)
-        << ',' << figure.error_factor() << '\n';
+    for (const double value : {figure.predicted, figure.p05, figure.p95}) field(value);
+    csv << ',' << (figure.is_inside() ? 1 : 0);
+    field(figure.error_factor());
+    csv << '\n';
   }
 }
 

@@ -15,6 +15,7 @@
 #include "core/files/plan_file.h"
 #include "core/tool/path_curve.h"
 #include "vdb/sim/auto_plan.h"
+#include "vdb/sim/bone_identity.h"
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
@@ -35,6 +36,21 @@ bool meets(const DrillPath& path, const BoneModel& bone) {
     return false;
   }
   return true;
+}
+
+/// What speaks against a plan for a bone, a line each: another bone that it names, paths that do not fit.
+QString against_plan(const Bone& bone, const std::vector<DrillPath>& paths) {
+  QStringList lines;
+  for (const DrillPath& path : paths) {
+    try {
+      check_path_is_of(path, bone.identity());
+    } catch (const Error& error) {
+      lines += text_of(error.what());
+    }
+    const PathCheck check = check_path_on_bone(bone, path);
+    if (!check.fits()) lines += text_of(check.words(path));
+  }
+  return lines.join("\n");
 }
 
 QString name_of_file(const std::filesystem::path& path) { return text_of(path.filename().string()); }
@@ -139,25 +155,49 @@ void Planner::open_plan(const std::filesystem::path& file) {
   if (!document_.bone()) {
     fail("expected a bone for the plan ", file.string(), ", found none: open the CT or the bone it is for first");
   }
+  const bool meets_any = std::any_of(paths.begin(), paths.end(),
+                                     [&](const DrillPath& path) { return meets(path, document_.bone()->model()); });
+  if (!meets_any) {
+    const PathCheck check = check_path_on_bone(*document_.bone()->bone, paths.front());
+    fail("none of the ", paths.size(), " paths of ", file.string(),
+         " meets this bone: the plan is for another one, or in another frame; ", check.words(paths.front()));
+  }
+  const QString against = against_plan(*document_.bone()->bone, paths);
+  if (against.isEmpty()) {
+    take_plan(std::move(paths), file);
+  } else if (questions_.whether_to_take_plan) {
+    questions_.whether_to_take_plan(file, against, [this, paths, file, bone = document_.bone()] {
+      if (document_.bone() == bone) take_plan(paths, file);
+    });
+  } else {
+    fail(file.string(), ": ", against.simplified().toStdString());
+  }
+}
+
+void Planner::take_plan(std::vector<DrillPath> paths, const std::filesystem::path& file) {
   const auto met = std::count_if(paths.begin(), paths.end(),
                                  [&](const DrillPath& path) { return meets(path, document_.bone()->model()); });
-  if (met == 0) {
-    fail("none of the ", paths.size(), " paths of ", file.string(),
-         " meets this bone: the plan is for another one, or in another frame");
-  }
+  const bool names_ct =
+      std::all_of(paths.begin(), paths.end(), [](const DrillPath& path) { return path.bone.names_ct(); });
   document_.set_paths(std::move(paths));
   const bool is_ours = !file.string().ends_with(".mrk.json");
   take_plan_file(is_ours ? file : std::filesystem::path());
   view_.set_crosshair(document_.chosen_path()->entry_mm);
   const auto beside = static_cast<std::ptrdiff_t>(document_.paths().size()) - met;
-  Q_EMIT said(beside == 0 ? tr("Opened %1").arg(name_of_file(file))
-                          : tr("Opened %1; %2 of its paths do not meet this bone").arg(name_of_file(file)).arg(beside));
+  QString what = tr("Opened %1").arg(name_of_file(file));
+  if (beside > 0) what += tr("; %1 of its paths do not meet this bone").arg(beside);
+  if (!names_ct) what += tr("; this plan does not name its CT");
+  Q_EMIT said(what);
   Q_EMIT opened(text_of(file.string()));
 }
 
 void Planner::save_plan(const std::filesystem::path& path) {
   if (document_.paths().empty()) fail("expected a path to save, found none: add one, or let paths be suggested");
-  write_plan(document_.paths(), path);
+  std::vector<DrillPath> paths = document_.paths();
+  for (DrillPath& one : paths) {
+    if (one.bone.is_empty() && document_.bone()) one.bone = document_.bone()->bone->identity();
+  }
+  write_plan(paths, path);
   if (!path.string().ends_with(".mrk.json")) {
     take_plan_file(path);
     document_.undo_stack().setClean();

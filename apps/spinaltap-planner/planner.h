@@ -24,6 +24,9 @@ struct Questions {
   /// The file could be opened with other options.
   std::function<void(const std::filesystem::path&, const OpenOptions&, const SeveralSeries&)> which_series;
   std::function<void(const std::filesystem::path&, const OpenOptions&, const UnevenSlices&)> whether_to_resample;
+  /// A plan names another bone, or its paths do not fit this one: `why`, a line each. `take` opens it all the same.
+  std::function<void(const std::filesystem::path&, const QString& why, std::function<void()> take)>
+      whether_to_take_plan;
 };
 
 /// All of the program but its window: the plan, what the panes show, the drilling, files and long work. A window and
@@ -85,6 +88,7 @@ class Planner : public QObject {
   void show_chosen_path();
   void take_plan_file(const std::filesystem::path& file);
   void open_plan(const std::filesystem::path& file);
+  void take_plan(std::vector<DrillPath> paths, const std::filesystem::path& file);
 
   PathGrader grader_;
   PlanDocument document_;

@@ -365,6 +365,7 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
       drilling, bone, setup, tool_operator.words, quality, chips, recording.lost(), heat ? &*heat : nullptr};
   DrillReportData data = report_data(page.title, page.ct, figures);
   data.command = page.command;
+  data.notes.insert(data.notes.end(), page.notes.begin(), page.notes.end());
   data.date = today();
   data.renders = std::move(pictures);
 

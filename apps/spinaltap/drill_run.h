@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "apps/report/drilling_report.h"
 #include "apps/spinaltap/drill_options.h"
@@ -22,8 +23,9 @@ Json drilling_json(const DrillFigures& figures, const DensityCalibration& densit
 /// What a drilling's report says of itself, and shows.
 struct DrillPage {
   std::string title;
-  std::string command;           ///< as the report shows it
-  const CtVolume* ct = nullptr;  ///< for the slices; none without it
+  std::string command;                  ///< as the report shows it
+  const CtVolume* ct = nullptr;         ///< for the slices; none without it
+  std::vector<std::string> notes = {};  ///< on the plan and the bone
 };
 
 /// Drills, and writes report.html, drilled.vdb, drilled.stl, log.csv, events.csv and, where asked, the living points as

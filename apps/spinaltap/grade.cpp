@@ -10,6 +10,7 @@
 #include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/plan_check.h"
 #include "apps/spinaltap/report_options.h"
 #include "core/base/staged_output.h"
 #include "core/files/data_files.h"
@@ -30,6 +31,7 @@ struct GradeCommandOptions {
   GradeOptions grade;
   PlacementOptions placement;
   PageOptions page;
+  PlanCheckOptions check;
   std::filesystem::path folder = "graded";
   bool fails_on_breach = false;
 };
@@ -58,16 +60,21 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
   const PlacementModel model = options.placement.model();
   const Bone bone = Bone::load(options.bone, options.level);
+  PlanFindings findings = check_plan(bone, paths, options.check);
+  check_registration(model, bone, options.check, findings);
   std::vector<GradedPath> graded;
   graded.reserve(paths.size());
   for (const DrillPath& path : paths) {
-    graded.push_back({path, grade(bone, path, options.grade, material, progress)});
+    DrillPath taken = path;
+    taken.bone = {};  // which bone it names was looked at
+    graded.push_back({path, grade(bone, taken, options.grade, material, progress)});
   }
   add_uncertainty(bone, model, graded, progress);
   const auto is_breach = [](const GradedPath& one) { return one.grade.breach_mm > 0.0; };
   if (options.fails_on_breach && std::any_of(graded.begin(), graded.end(), is_breach)) exit_code = kAnswerIsNo;
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
   figures["input_warnings"] = bone.input_warnings();
+  add_findings(bone, findings, figures);
   Json whole = format_head({.name = "spinaltap-grades"});
   whole.update(figures);
   for (const GradedPath& one : graded) {
@@ -82,12 +89,14 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   GradeReportData data = report_head(options.page.title_of(bone, "Graded paths"), options.page.command, bone, ct, kept);
   data.paths = graded;
   data.hu_bands = options.grade.hu_bands;
+  data.notes = findings.lines();
   output.write(options.folder / "report.html", grade_report(data, progress));
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   print_uncertainty(graded);
   report_input_warnings(bone.model(), figures);
   for (const std::string& warning : bone.landmarks().warnings) print_figure("warning", warning);
+  if (const int code = say_findings(findings, options.check.accepts_warnings); code != kDone) exit_code = code;
   print_figure("report", (options.folder / "report.html").string());
   return figures;
 }
@@ -126,6 +135,9 @@ void add_grade(CLI::App& program, Command& command) {
       ->type_name("MM");
   options->placement.add_to(*app);
   options->page.add_to(*app);
+  options->check.add_other_ct(*app);
+  options->check.add_from_front(*app);
+  options->check.add_accept_warnings(*app);
   app->add_flag("--fail-on-breach", options->fails_on_breach, "Exit with 1 where a path breaches, with all written");
   app->add_option("-o,--output", options->folder, "Folder for the results")->capture_default_str()->type_name("FOLDER");
   command.run = [options, &command](const Progress& progress) { return grade(*options, progress, command.exit_code); };

@@ -14,6 +14,7 @@
 #include "apps/spinaltap/drill_options.h"
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/link_figures.h"
+#include "apps/spinaltap/plan_check.h"
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
@@ -21,6 +22,7 @@
 #include "core/files/material_file.h"
 #include "core/files/plan_file.h"
 #include "core/files/registration_file.h"
+#include "core/tool/tool_speed.h"
 
 namespace spinaltap {
 namespace {
@@ -39,6 +41,7 @@ struct LinkCommandOptions {
   std::string connect;
   std::vector<double> tip_mm{0.0, 0.0, 0.0}, axis{0.0, 0.0, 1.0};
   LinkedOptions linked;
+  PlanCheckOptions check;
 };
 
 void add_link_options(CLI::App& app, LinkCommandOptions& options) {
@@ -156,7 +159,7 @@ Json tell_registration(const Registration& registration, const DrillPath& path) 
   return {{"error_at_entry_mm", entry_mm}, {"error_at_target_mm", target_mm}, {"warnings", registration.warnings}};
 }
 
-Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress) {
+Json link(LinkCommandOptions& options, bool is_forced, int& exit_code, const Progress& progress) {
   LinkServerOptions& server = options.linked.server;
   if (!options.connect.empty()) set_server_to_connect(options.connect, server);
   if (options.accepts_nobody && options.connect.empty()) fail("expected --connect with --no-server");
@@ -189,6 +192,16 @@ Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress)
       read_material(options.material.empty() ? data_file("materials/vertebra.json") : options.material, density.line);
   const Json told = registration ? tell_registration(*registration, setup.path) : Json();
   const Bone bone = Bone::load(options.bone, options.level);
+  PlanFindings findings = check_plan(bone, {&setup.path, 1}, options.check);
+  if (registration) {
+    const std::string what = "registration " + options.registration.filename().string();
+    if (!registration->bone.names_ct()) findings.notes.push_back(what + " does not name its CT");
+    options.check.check_same(what, registration->bone, bone.identity(), findings.notes);
+  }
+  const std::vector<std::string> speeds = speed_warnings(setup.path.bit, {}, setup.options.spindle.rpm);
+  findings.warnings.insert(findings.warnings.end(), speeds.begin(), speeds.end());
+  setup.takes_other_ct = options.check.takes_other_ct;
+  exit_code = say_findings(findings, options.check.accepts_warnings);  // before anybody connects
   options.linked.ready = [&](std::uint16_t port) {
     if (port != 0) std::printf("listening at %s, port %d\n", server.bind_address.c_str(), static_cast<int>(port));
     if (!server.connect_host.empty()) {
@@ -200,6 +213,7 @@ Json link(LinkCommandOptions& options, bool is_forced, const Progress& progress)
   print_linked(linked);
   if (!linked.record_trouble.empty()) fail(linked.record_trouble);
   Json figures = linked_json(linked);
+  add_findings(bone, findings, figures);
   if (registration) figures["registration"] = told;
   return figures;
 }
@@ -225,8 +239,13 @@ void add_link(CLI::App& program, Command& command) {
   app->add_option("--path", options->path_name, "Name of the path in the plan; default: the first")->type_name("NAME");
   add_link_options(*app, *options);
   add_bone_options(*app, *options);
+  options->check.add_other_ct(*app);
+  options->check.add_from_front(*app);
+  options->check.add_accept_warnings(*app);
   command.outputs = [options] { return std::vector{options->linked.record}; };
-  command.run = [options, &command](const Progress& progress) { return link(*options, command.is_forced, progress); };
+  command.run = [options, &command](const Progress& progress) {
+    return link(*options, command.is_forced, command.exit_code, progress);
+  };
 }
 
 }  // namespace spinaltap

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/report/grade_output.h"
+#include "apps/spinaltap/plan_check.h"
 #include "core/base/progress.h"
 #include "core/registration/registration.h"
 #include "vdb/sim/bone.h"
@@ -36,6 +37,10 @@ struct PlacementOptions {
 /// surface, where that is known.
 void add_uncertainty(const Bone& bone, const PlacementModel& model, std::vector<GradedPath>& graded,
                      const Progress& progress = {});
+
+/// Throws Error where the registration names another bone, unless the options take that.
+void check_registration(const PlacementModel& model, const Bone& bone, const PlanCheckOptions& options,
+                        PlanFindings& findings);
 
 /// Prints them, a line each of a path.
 void print_uncertainty(const std::vector<GradedPath>& graded);

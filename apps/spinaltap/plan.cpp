@@ -9,6 +9,7 @@
 #include "apps/spinaltap/level_output.h"
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/plan_check.h"
 #include "apps/spinaltap/plan_levels.h"
 #include "apps/spinaltap/report_options.h"
 #include "core/base/error.h"
@@ -288,6 +289,7 @@ void add_plan(CLI::App& program, Command& command) {
     PlacementOptions placement;
     std::filesystem::path report;
     PageOptions page;
+    PlanCheckOptions check;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* app = add_command(
@@ -318,6 +320,9 @@ void add_plan(CLI::App& program, Command& command) {
   app->add_option("--report", options->report, "Also write a page with slices, plots, grades and safe zones")
       ->type_name("FILE");
   options->page.add_to(*app);
+  options->check.add_other_ct(*app);
+  options->check.add_from_front(*app);
+  options->check.add_accept_warnings(*app);
   app->get_option("--auto")->excludes("--entry");
   for (const char* name : {"--screws", "--rules", "--margin", "--bicortical", "--sagittal", "--technique", "--errors",
                            "--registration", "--report", "--levels"}) {
@@ -329,21 +334,25 @@ void add_plan(CLI::App& program, Command& command) {
     Json figures = Json::object();
     if (!options->levels.empty()) {
       options->suggest.bit = options->path.bit();
-      return plan_levels(
-          {options->bone, options->levels, options->output, options->suggest, options->placement, options->page},
-          command.exit_code, progress);
+      return plan_levels({options->bone, options->levels, options->output, options->suggest, options->placement,
+                          options->page, options->check},
+                         command.exit_code, progress);
     }
     if (options->report.empty() && !(options->page.ct.folder.empty() && options->page.title.empty())) {
       fail("--ct and --title are for a report: expected --report or --levels too");
     }
     const Bone bone = Bone::load(options->bone, options->level);
     std::vector<DrillPath> paths;
-    if (const std::optional<DrillPath> path = options->path.given_path(options->name)) {
+    PlanFindings findings;
+    if (std::optional<DrillPath> path = options->path.given_path(options->name)) {
       check_path_meets_bone(*path, bone.model());
+      path->bone = bone.identity();
       paths = {*path};
+      findings = check_plan(bone, paths, options->check);
     } else if (options->is_auto) {
       options->suggest.bit = options->path.bit();
       const PlacementModel model = options->placement.model();
+      check_registration(model, bone, options->check, findings);
       const std::vector<Suggestion> suggestions = bone.suggest(options->suggest, progress);
       std::vector<GradedPath> graded = graded_paths(suggestions);
       add_uncertainty(bone, model, graded, progress);
@@ -351,9 +360,10 @@ void add_plan(CLI::App& program, Command& command) {
       if (!options->report.empty()) {
         CtVolume kept;
         const std::optional<CtVolume> ct = options->page.read({&bone, 1}, progress);
-        write_planning_report(
-            report_head(options->page.title_of(bone, "Suggested paths"), options->page.command, bone, ct, kept),
-            suggestions, graded, options->suggest.screws, options->report, progress);
+        GradeReportData head =
+            report_head(options->page.title_of(bone, "Suggested paths"), options->page.command, bone, ct, kept);
+        head.notes = findings.lines();
+        write_planning_report(head, suggestions, graded, options->suggest.screws, options->report, progress);
       }
       if (graded.empty()) {  // all is written that there is
         report_input_warnings(bone.model(), figures);
@@ -367,6 +377,8 @@ void add_plan(CLI::App& program, Command& command) {
     write_plan(paths, options->output);
     figures.update(report_paths(paths));
     report_input_warnings(bone.model(), figures);
+    add_findings(bone, findings, figures);
+    command.exit_code = say_findings(findings, options->check.accepts_warnings);
     print_figure("written", options->output.string());
     return figures;
   };

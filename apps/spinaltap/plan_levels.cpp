@@ -107,6 +107,9 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
   bones.reserve(wanted.size());
   for (const Level level : wanted) bones.push_back(Bone::load(options.spine, level));
   const std::optional<CtVolume> ct = options.page.read(bones, progress);
+  PlanFindings findings;
+  for (const Bone& bone : bones) check_registration(model, bone, options.check, findings);
+  findings.notes.erase(std::unique(findings.notes.begin(), findings.notes.end()), findings.notes.end());
   for (std::size_t n = 0; n < wanted.size(); ++n) {
     const Level level = wanted[n];
     const Bone& bone = bones[n];
@@ -139,9 +142,10 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
     if (graded.size() < level.suggestions.size()) exit_code = kAnswerIsNo;
     CtVolume kept;
     const std::string title = options.page.title.empty() ? name : options.page.title + ", " + name;
+    GradeReportData head = report_head(title, options.page.command, level.bone, ct, kept);
+    head.notes = findings.lines();
     output.write(options.folder / (name + ".html"),
-                 planning_report(report_head(title, options.page.command, level.bone, ct, kept), level.suggestions,
-                                 graded, options.suggest.screws, progress));
+                 planning_report(head, level.suggestions, graded, options.suggest.screws, progress));
     if (!graded.empty()) {
       std::vector<DrillPath> paths;
       paths.reserve(graded.size());
@@ -150,6 +154,8 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
     }
   }
   output.commit();
+  figures["plan_notes"] = findings.notes;
+  say_findings(findings, true);
   print_figure("written", options.folder.string());
   return figures;
 }

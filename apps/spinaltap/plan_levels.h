@@ -19,6 +19,7 @@ struct PlanLevelsOptions {
   AutoPlanOptions suggest;
   PlacementOptions placement;
   PageOptions page;  ///< of all reports
+  PlanCheckOptions check = {};
 };
 
 /// Plans each level of a spine.vdb, both sides, with heads that lie in line for a rod: a plan and a report a level,

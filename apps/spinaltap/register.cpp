@@ -4,6 +4,7 @@
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/level_output.h"
+#include "apps/spinaltap/plan_check.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/files/measured_points_file.h"
@@ -23,6 +24,7 @@ struct RegisterCommandOptions {
   TouchedOptions surface;
   double max_slide_mm = 1.0;
   double max_tre_mm = 2.0;
+  PlanCheckOptions check;
 };
 
 Registration register_marks(const RegisterCommandOptions& options) {
@@ -34,7 +36,7 @@ Registration register_marks(const RegisterCommandOptions& options) {
 }
 
 Registration registration_of(const RegisterCommandOptions& options, const std::optional<Bone>& bone,
-                             const Progress& progress) {
+                             std::vector<std::string>& notes, const Progress& progress) {
   if (options.touched.empty()) {
     if (options.fiducials.empty()) fail("register: expected --fiducials with --patient, or --touched, found neither");
     return register_marks(options);
@@ -42,7 +44,13 @@ Registration registration_of(const RegisterCommandOptions& options, const std::o
   if (!bone) fail("register: expected a bone for --touched, found none");
   TouchedOptions surface = options.surface;
   surface.max_slide_mm = options.max_slide_mm;
-  if (!options.start.empty()) surface.start = read_registration(options.start).ct_from_patient;
+  if (!options.start.empty()) {
+    const Registration start = read_registration(options.start);
+    const std::string what = "registration " + options.start.filename().string();
+    if (!start.bone.names_ct()) notes.push_back(what + " does not name its CT");
+    options.check.check_same(what, start.bone, bone->identity(), notes);
+    surface.start = start.ct_from_patient;
+  }
   if (!options.fiducials.empty()) surface.start = register_marks(options).ct_from_patient;
   std::vector<Vec3> touched_mm;
   for (const MeasuredPoint& point : read_measured_points(options.touched, options.frame)) {
@@ -77,7 +85,9 @@ Json pedicle_figures(const std::string& name, const PedicleLandmarks& pedicle, c
 Json register_patient(const RegisterCommandOptions& options, const Progress& progress, int& exit_code) {
   std::optional<Bone> bone;
   if (!options.bone.empty()) bone = Bone::load(options.bone, options.level);
-  Registration found = registration_of(options, bone, progress);
+  std::vector<std::string> notes;
+  Registration found = registration_of(options, bone, notes, progress);
+  if (bone) found.bone = bone->identity();
   print_figure("registered by", name_of(found.kind));
   print_figure("points", joined(found.residuals_mm.size() - found.rejected.size(), " of ", found.residuals_mm.size()));
   const bool is_surface = found.kind == Registration::Kind::surface;
@@ -95,12 +105,17 @@ Json register_patient(const RegisterCommandOptions& options, const Progress& pro
   StagedOutput output;
   write_registration(found, output.stage(options.output));
   output.commit();
+  for (const std::string& note : notes) print_figure("note", note);
   for (const std::string& warning : found.warnings) print_figure("warning", warning);
   print_figure("registration", options.output.string());
   exit_code = found.warnings.empty() ? kDone : kAnswerIsNo;
-  return {{"kind", name_of(found.kind)}, {"residual_rms_mm", found.residual_rms_mm},
-          {"noise_mm", found.noise_mm},  {"rejected", found.rejected},
-          {"targets", targets},          {"warnings", found.warnings}};
+  return {{"kind", name_of(found.kind)},
+          {"residual_rms_mm", found.residual_rms_mm},
+          {"noise_mm", found.noise_mm},
+          {"rejected", found.rejected},
+          {"targets", targets},
+          {"warnings", found.warnings},
+          {"notes", notes}};
 }
 
 struct PivotCommandOptions {
@@ -182,6 +197,7 @@ void add_register(CLI::App& program, Command& command) {
   app->add_option("--max-tre", options->max_tre_mm, "Warn of a larger error to expect at a pedicle, mm")
       ->capture_default_str()
       ->type_name("MM");
+  options->check.add_other_ct(*app);
   app->add_option("-o,--output", options->output, "Where the registration is written")
       ->capture_default_str()
       ->type_name("FILE");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -10,14 +11,17 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
+#include "apps/spinaltap/plan_check.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
+#include "core/base/text_fields.h"
 #include "core/base/text_writer.h"
 #include "core/files/plan_file.h"
 #include "core/files/recorded_setup.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/picture/render.h"
 #include "vdb/picture/view.h"
+#include "vdb/sim/bone_identity.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {
@@ -33,6 +37,7 @@ struct Options {
   double frames_per_s = 25.0;
   double speed = 1.0;
   bool is_depth = false;
+  PlanCheckOptions check;
 };
 
 /// "900x700"
@@ -120,6 +125,19 @@ std::vector<DrillPath> paths_of(const Options& options, const std::optional<Reco
   return {choose_path(paths, options.path)};
 }
 
+/// Throws Error where a path names another bone, unless that is taken.
+void check_paths(const Options& options, const std::vector<DrillPath>& paths, const BoneModel& bone) {
+  std::vector<std::string> notes;
+  for (const DrillPath& path : paths) {
+    if (path.bone.is_empty()) continue;
+    options.check.check_same("plan, path " + in_quotes(path.name) + ",", path.bone, identity_of(bone), notes);
+  }
+  if (std::ranges::any_of(paths, [](const DrillPath& path) { return !path.bone.names_ct(); })) {
+    notes.emplace_back("this plan does not name its CT");
+  }
+  for (const std::string& note : notes) print_figure("note", note);
+}
+
 /// Numbered pictures at even times of a record, from its begin to its end.
 Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, const DrillBit& bit,
                   const Progress& progress) {
@@ -158,7 +176,9 @@ Json render(const Options& options, const Progress& progress) {
   const BoneModel before = before_drilling(bone);
   std::optional<Recorded> recorded;
   if (!options.record.empty()) recorded.emplace(options.record, bone);
-  Painter painter(options, before, paths_of(options, recorded));
+  const std::vector<DrillPath> paths = paths_of(options, recorded);
+  if (!recorded) check_paths(options, paths, bone);
+  Painter painter(options, before, paths);
   if (!recorded) {
     figures.update(write_picture(options, painter, bone, progress));
     return figures;
@@ -193,6 +213,7 @@ void add_render(CLI::App& program, Command& command) {
   add_level(*app, options->level);
   app->add_option("-o,--output", options->output, "The picture to write")->capture_default_str()->type_name("FILE");
   CLI::Option* plan = app->add_option("--plan", options->plan, "Draw the paths of this plan")->type_name("FILE");
+  options->check.add_other_ct(*app);
   app->add_option("--path", options->path, "Of these, only the one of this name")->needs(plan)->type_name("NAME");
   CLI::Option* record =
       app->add_option("--record", options->record, "Drill what this record holds, and draw its bit and path");

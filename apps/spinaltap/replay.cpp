@@ -3,6 +3,8 @@
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/further_bones.h"
 #include "apps/spinaltap/level_output.h"
+#include "apps/spinaltap/plan_check.h"
+#include "core/files/recorded_setup.h"
 #include "vdb/sim/replay.h"
 
 namespace spinaltap {
@@ -13,14 +15,18 @@ struct ReplayOptions {
   Level level = Level::kNone;
   std::vector<std::string> also;
   std::optional<EngineKind> engine;
+  PlanCheckOptions check;
 };
 
 Json replay(const ReplayOptions& options, const Progress& progress, int& exit_code) {
   const SessionRecord record = read_record(options.record);
   const std::string hash = hash_of(record);
   const std::vector<Bone> bones = load_bones(options.bone, options.level, options.also);
-  const Replay result = spinaltap::replay(record, options.record, bones, options.engine, progress);
+  const Replay result =
+      spinaltap::replay(record, options.record, bones, options.engine, progress, options.check.takes_other_ct);
   exit_code = result.is_same() ? kDone : kAnswerIsNo;
+  const bool is_other = recorded_setup(record.setup, options.record).bone_hash != bones.front().hash();
+  if (is_other) print_figure("note", "another bone than the one that was drilled, as --other-ct says");
   print_figure("record", record.is_whole ? "whole" : "cut short");
   print_figure("its hash", hash);
   print_figure("cycles compared", static_cast<double>(result.cycles), "", 0);
@@ -31,7 +37,8 @@ Json replay(const ReplayOptions& options, const Progress& progress, int& exit_co
           {"is_whole", record.is_whole}, {"cycles", result.cycles},
           {"events", result.events},     {"recorded", record.cycles.size()},
           {"lost", record.lost},         {"difference", result.difference},
-          {"gap", result.gap},           {"seconds", result.seconds}};
+          {"gap", result.gap},           {"seconds", result.seconds},
+          {"other_bone", is_other}};
 }
 
 }  // namespace
@@ -51,6 +58,7 @@ void add_replay(CLI::App& program, Command& command) {
                   "Drilling engine: ring, leaf, arc, reference (default, and auto: that of the record); same result")
       ->transform(one_of(engine_kinds()))
       ->type_name("NAME");
+  options->check.add_other_ct(*app);
   command.run = [options, &command](const Progress& progress) { return replay(*options, progress, command.exit_code); };
 }
 

@@ -1,16 +1,22 @@
 #include <malloc.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "apps/report/study_report.h"
 #include "apps/spinaltap/cluster/study_commands.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/plan_check.h"
 #include "apps/spinaltap/study_output.h"
 #include "apps/spinaltap/terminal_progress.h"
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
+#include "core/ct/bone_identity.h"
+#include "core/files/study_spec_file.h"
 #include "core/files/study_summary_json.h"
 #include "vdb/sim/study.h"
 
@@ -35,6 +41,7 @@ struct StudyCommandOptions {
   std::filesystem::path spec;
   std::string shard = "1/1";
   std::filesystem::path folder = "study";
+  PlanCheckOptions check;
 };
 
 Json figures_of(const StudyWork& work) {
@@ -47,11 +54,41 @@ Json figures_of(const StudyWork& work) {
           {"cpu_seconds_per_run", work.runs > 0 ? work.cpu_seconds / runs : 0.0}};
 }
 
+/// What speaks against the plans and speeds of a study, whose bones were looked at when it was made.
+PlanFindings findings_of(const StudySpec& spec) {
+  PlanFindings findings;
+  const auto is_nameless = [](const DrillPath& path) { return !path.bone.names_ct(); };
+  for (const StudyBone& bone : spec.bones) {
+    findings.warnings.insert(findings.warnings.end(), bone.faults.begin(), bone.faults.end());
+    if (spec.takes_other_ct) {
+      for (const DrillPath& path : bone.paths) {
+        if (may_be_same(path.bone, bone.identity)) continue;
+        findings.notes.push_back("plan, path " + in_quotes(path.name) + ", is of " + words_of(path.bone) +
+                                 ", the bone is " + words_of(bone.identity) + ": taken all the same");
+      }
+    }
+  }
+  if (std::ranges::any_of(spec.bones,
+                          [&](const StudyBone& bone) { return std::ranges::any_of(bone.paths, is_nameless); })) {
+    findings.notes.emplace_back("a plan does not name its CT: nothing tells whether it was made for its bone");
+  }
+  if (spec.registration && !spec.registration->bone.names_ct()) {
+    findings.notes.emplace_back("the study's registration does not name its CT");
+  }
+  const std::vector<std::string> speeds = speed_warnings(spec);
+  findings.warnings.insert(findings.warnings.end(), speeds.begin(), speeds.end());
+  return findings;
+}
+
 Json run_study(const StudyCommandOptions& options, Command& command, const Progress& progress) {
   const StudyShard shard = read_shard(options.shard);
   leave_on_signals();
-  std::optional<Study> loaded(Study::load(options.spec, progress, options.folder));
+  StudySpec spec = read_study_spec(options.spec);
+  spec.takes_other_ct = spec.takes_other_ct || options.check.takes_other_ct;
+  spec.from_the_front = spec.from_the_front || options.check.from_the_front;
+  std::optional<Study> loaded(Study(std::move(spec), progress, options.folder));
   const Study& study = *loaded;
+  const PlanFindings findings = findings_of(study.spec());
   const StudyWork work = study.run_into(options.folder, shard, progress, [] { return leave_signal() != nullptr; });
   Json figures{{"left", work.runs}};
   if (work.runs > 0) {
@@ -82,6 +119,10 @@ Json run_study(const StudyCommandOptions& options, Command& command, const Progr
     const std::string no_landmarks = study.bone().no_landmarks(progress);
     if (!no_landmarks.empty()) print_figure("no canal, no landmarks", no_landmarks);
   }
+  figures["plan_notes"] = findings.notes;
+  figures["plan_warnings"] = findings.warnings;
+  const int code = say_findings(findings, options.check.accepts_warnings);
+  if (shard.count == 1) command.exit_code = code;  // a job of a cluster has not failed
   loaded.reset();
   ::malloc_trim(0);  // the rows take the bone's room
   const StudyTable table = merge({&options.folder, 1});
@@ -112,6 +153,9 @@ void add_study(CLI::App& program, Command& command) {
   app->add_option("--shard", options->shard, "Only the i-th of n shares of the runs; merge joins them")
       ->capture_default_str()
       ->type_name("I/N");
+  options->check.add_other_ct(*app);
+  options->check.add_from_front(*app);
+  options->check.add_accept_warnings(*app);
   app->require_subcommand(0, 1);
   app->parse_complete_callback([app, options] {
     if (app->get_subcommands().empty() && options->spec.empty()) throw CLI::RequiredError("spec");

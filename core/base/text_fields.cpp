@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace spinaltap {
 namespace {
@@ -12,6 +13,10 @@ unsigned byte_at(std::string_view text, std::size_t i) {
 }
 
 }  // namespace
+
+void append_csv_number(double number, std::string& text) {
+  if (std::isfinite(number)) append_number(number, text);
+}
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");

@@ -14,6 +14,10 @@ std::optional<double> parse_number(std::string_view text);
 /// The shortest text that gives `number` back exactly, appended to `text`.
 void append_number(double number, std::string& text);
 
+/// The same in a field of a CSV, which stays empty where the number is infinite or none: gawk takes "inf" for 0,
+/// SQLite for text, and an empty field is a missing value to most readers.
+void append_csv_number(double number, std::string& text);
+
 /// Without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 

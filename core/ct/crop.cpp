@@ -92,6 +92,7 @@ CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
   const GridGeometry geometry = block_geometry(ct.geometry, block);  // checks the block, so it comes first
   CtVolume cropped = make_ct_volume(geometry, copy_block(ct.geometry, ct.hu, block));
   cropped.warnings = ct.warnings;
+  cropped.whole_hash = ct.whole_hash;  // a part of the same CT
   return cropped;
 }
 

@@ -20,7 +20,7 @@ CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> 
   hash.add(geometry.spacing_mm.data(), 3 * sizeof(double));
   hash.add(geometry.directions.data(), 9 * sizeof(double));
   hash.add(hu.data(), hu.size() * sizeof(std::int16_t));
-  return {geometry, std::move(hu), hash.hex(), {}};
+  return {geometry, std::move(hu), hash.hex(), {}, hash.hex()};
 }
 
 double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu) {

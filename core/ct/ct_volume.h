@@ -16,6 +16,7 @@ struct CtVolume {
   /// What speaks against it or how it was read, a line each, without names of files or anything of the patient; no part
   /// of the hash. Kept as a bone's metadata: add_input_warnings().
   std::vector<std::string> warnings{};
+  std::string whole_hash{};  ///< of what was cropped to this: that of the whole CT; else source_hash
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };
@@ -28,7 +29,7 @@ struct BoneMask {
   bool at(int i, int j, int k) const { return inside[geometry.offset(i, j, k)] != 0; }
 };
 
-/// Checks sizes and geometry and fills in `source_hash`. Throws Error.
+/// Checks sizes and geometry and fills in the hashes. Throws Error.
 CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> hu);
 
 /// HU at a patient position (mm) by tri-linear interpolation; `outside_hu` beyond the outermost voxel centres.

@@ -52,13 +52,17 @@ std::string decimals(std::initializer_list<double> values) {
 
 std::string decimals(const Vec3& v) { return decimals({v.x(), v.y(), v.z()}); }
 
+/// When the study was: the same for the same bytes each time, and there, since a DICOMDIR must have it (PS3.3, F.5.2).
+constexpr const char* kStudyDate = "20000101";
+constexpr const char* kStudyTime = "000000";
+
 /// Patient, study, equipment and frame of reference (PS3.3, A.3): all that must be there, empty where it is not known.
 void put_series(gdcm::DataSet& data, const SeriesText& series) {
   using gdcm::VR;
   put(data, {0x0008, 0x0005}, VR::CS, "ISO_IR 192");  // UTF-8
   put(data, {0x0008, 0x0008}, VR::CS, "DERIVED\\PRIMARY\\AXIAL");
-  put(data, {0x0008, 0x0020}, VR::DA, "");  // StudyDate
-  put(data, {0x0008, 0x0030}, VR::TM, "");  // StudyTime
+  put(data, {0x0008, 0x0020}, VR::DA, kStudyDate);
+  put(data, {0x0008, 0x0030}, VR::TM, kStudyTime);
   put(data, {0x0008, 0x0050}, VR::SH, "");  // AccessionNumber
   put(data, {0x0008, 0x0060}, VR::CS, "CT");
   put(data, {0x0008, 0x0070}, VR::LO, "SpinalTap");  // Manufacturer
@@ -66,8 +70,9 @@ void put_series(gdcm::DataSet& data, const SeriesText& series) {
   put(data, {0x0008, 0x103e}, VR::LO, series.description);
   put(data, {0x0010, 0x0010}, VR::PN, "SpinalTap^Phantom");
   put(data, {0x0010, 0x0020}, VR::LO, "PHANTOM");
-  put(data, {0x0010, 0x0030}, VR::DA, "");  // PatientBirthDate
-  put(data, {0x0010, 0x0040}, VR::CS, "");  // PatientSex
+  put(data, {0x0010, 0x0030}, VR::DA, "");       // PatientBirthDate
+  put(data, {0x0010, 0x0040}, VR::CS, "");       // PatientSex
+  put(data, {0x0018, 0x0015}, VR::CS, "SPINE");  // BodyPartExamined: no paired part, which would need a Laterality
   put(data, {0x0018, 0x0050}, VR::DS, series.thickness_mm);
   put(data, {0x0018, 0x0060}, VR::DS, "");     // KVP
   put(data, {0x0018, 0x5100}, VR::CS, "HFS");  // PatientPosition: head first, supine

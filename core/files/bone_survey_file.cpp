@@ -33,7 +33,9 @@ StudyBone read_survey(const std::filesystem::path& file, const std::string& key,
   const JsonObject of(survey, file);
   bone.hash = of.text("hash");
   bone.neighbours = of.at("neighbours").get<std::vector<std::string>>();
+  bone.faults = of.at("faults").get<std::vector<std::string>>();
   bone.level = level_from_name(of.text("level")).value_or(Level::kNone);
+  bone.identity = {of.text("ct"), bone.level};
   if (bone.paths.empty()) {
     for (const Json& path : of.at("paths")) bone.paths.push_back(read_path(path, file));
   }
@@ -69,6 +71,8 @@ void keep_survey(const std::filesystem::path& folder, const std::string& key, co
         {{"medial", to_json(frame.medial)}, {"cranial", to_json(frame.cranial)}, {"along", to_json(frame.along)}});
   }
   Json survey{{"hash", bone.hash},
+              {"ct", bone.identity.ct_hash},
+              {"faults", bone.faults},
               {"neighbours", bone.neighbours},
               {"level", level_name(bone.level)},
               {"paths", std::move(paths)},

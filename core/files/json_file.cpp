@@ -141,7 +141,8 @@ void check_keys(const Json& json, std::initializer_list<std::string_view> known,
   }
 }
 
-void check_format(const Json& json, const FileFormat& format, const std::filesystem::path& file) {
+void check_format(const Json& json, const FileFormat& format, const std::filesystem::path& file,
+                  std::initializer_list<int> versions) {
   const JsonObject object(json, file);
   const bool has_format = object.has("format");
   if (has_format && object.text("format") != format.name) {
@@ -152,7 +153,8 @@ void check_format(const Json& json, const FileFormat& format, const std::filesys
          has_format ? "version" : "format", "\"; version ", kFormatVersion, " (\"format\": \"", format.name,
          "\", \"version\": ", kFormatVersion, ") is expected: ", format.remedy);
   }
-  if (const double version = object.number("version"); version != kFormatVersion) {
+  const double version = object.number("version");
+  if (std::ranges::find(versions, version) == versions.end()) {
     fail(file.string(), ": this is a version ", version, " ", format.what, "; version ", kFormatVersion,
          " is expected: ", format.remedy);
   }

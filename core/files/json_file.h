@@ -60,9 +60,10 @@ struct FileFormat {
   const char* what = "";    ///< as people call it: "plan"
   const char* remedy = "";  ///< for a file of an older version: "plan again"
 };
-/// Throws Error that names the file, its version and the remedy, where it is not of this format in kFormatVersion.
-/// Version 1 of some formats had neither key.
-void check_format(const Json& json, const FileFormat& format, const std::filesystem::path& file);
+/// Throws Error that names the file, its version and the remedy, where it is not of this format in one of `versions`,
+/// of which there may be more than kFormatVersion. Version 1 of some formats had neither key.
+void check_format(const Json& json, const FileFormat& format, const std::filesystem::path& file,
+                  std::initializer_list<int> versions = {kFormatVersion});
 /// What begins a file of it: "format" and "version".
 Json format_head(const FileFormat& format);
 

@@ -15,19 +15,11 @@ constexpr FileFormat kPlanFormat{"spinaltap-plan", "plan", "plan again, or see d
 /// A plan with a curved path is of a version of its own, so that no program that knows straight ones only drills its
 /// chord.
 constexpr int kCurvedVersion = 3;
-
-void check_plan_format(const Json& json, const std::filesystem::path& file) {
-  const auto version = json.find("version");
-  if (!json.is_object() || version == json.end() || *version != kCurvedVersion) {
-    return check_format(json, kPlanFormat, file);
-  }
-  Json head = format_head(kPlanFormat);
-  if (json.contains("format")) head["format"] = json.at("format");
-  check_format(head, kPlanFormat, file);
-}
+/// Likewise one that names the bone that it is for: a program that does not compare it would drill it in any other.
+constexpr int kNamesBoneVersion = 4;
 
 std::vector<DrillPath> paths_of_plan(const Json& json, const std::filesystem::path& file) {
-  check_plan_format(json, file);
+  check_format(json, kPlanFormat, file, {kFormatVersion, kCurvedVersion, kNamesBoneVersion});
   const JsonObject plan(json, file);
   if (plan.text("frame") != "LPS" || plan.text("unit") != "mm") {
     fail("expected a plan in the frame LPS and the unit mm in ", file.string());
@@ -57,7 +49,8 @@ Json plan_of(const std::vector<DrillPath>& paths) {
   plan.update(Json{{"frame", "LPS"}, {"unit", "mm"}, {"paths", Json::array()}});
   for (const DrillPath& drill_path : paths) {
     plan["paths"].push_back(to_json(drill_path));
-    if (drill_path.is_curved()) plan["version"] = kCurvedVersion;
+    if (drill_path.is_curved() && plan["version"] != kNamesBoneVersion) plan["version"] = kCurvedVersion;
+    if (!drill_path.bone.is_empty()) plan["version"] = kNamesBoneVersion;
   }
   return plan;
 }

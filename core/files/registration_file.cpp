@@ -6,12 +6,15 @@
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
 #include "core/files/detail/registration_json.h"
+#include "core/files/detail/tool_json.h"
 #include "core/files/json_file.h"
 
 namespace spinaltap {
 namespace {
 
 constexpr FileFormat kRegistrationFormat{"spinaltap-registration", "registration", "register again"};
+/// One that names its bone: a program that does not compare it would guide any other by it.
+constexpr int kRegistrationVersion = 3;
 constexpr FileFormat kPivotFormat{"spinaltap-pivot", "pivot calibration", "calibrate again"};
 
 Json rows_of(const Mat3& matrix) {
@@ -58,15 +61,19 @@ void write_registration(const Registration& registration, const std::filesystem:
   json["residuals_mm"] = registration.residuals_mm;
   json["rejected"] = registration.rejected;
   json["warnings"] = registration.warnings;
+  if (!registration.bone.is_empty()) {
+    json["version"] = kRegistrationVersion;
+    json["bone"] = to_json(registration.bone);
+  }
   write_json(json, path);
 }
 
 Registration read_registration(const std::filesystem::path& path) {
   const Json json = read_json(path);
-  check_format(json, kRegistrationFormat, path);
+  check_format(json, kRegistrationFormat, path, {kFormatVersion, kRegistrationVersion});
   check_keys(json,
              {"format", "version", "kind", "frame", "unit", "ct_from_patient", "covariance", "noise_mm",
-              "noise_was_told", "residual_rms_mm", "residuals_mm", "rejected", "warnings"},
+              "noise_was_told", "residual_rms_mm", "residuals_mm", "rejected", "warnings", "bone"},
              path, "a key of a registration");
   const JsonObject object(json, path);
   if (object.text("frame") != "LPS" || object.text("unit") != "mm") {
@@ -105,6 +112,7 @@ Registration read_registration(const std::filesystem::path& path) {
         "one of texts for \"warnings\" in ",
         path.string());
   }
+  if (object.has("bone")) found.bone = read_bone_identity(object.at("bone"), path);
   return found;
 }
 

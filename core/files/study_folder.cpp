@@ -202,6 +202,7 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs) {
                      {"level", level_name(bone.level)},
                      {"patient", bone.patient + 1},
                      {"paths", std::move(paths)}});
+    if (bone.identity.names_ct()) bones.back()["ct"] = bone.identity.ct_hash;
     if (!bone.neighbours.empty()) bones.back()["neighbours"] = bone.neighbours;
   }
   Json study{{"program", version()},
@@ -217,7 +218,9 @@ StudyIdentity study_identity(const StudySpec& spec, const StudyRuns& runs) {
   if (spec.registration) {
     study["registration"] = to_json(spec.registration->covariance);
     study["registration"]["per"] = name_of(spec.registration->per);
+    if (!spec.registration->bone.is_empty()) study["registration"]["bone"] = to_json(spec.registration->bone);
   }
+  if (spec.takes_other_ct) study["takes_other_ct"] = true;
   return {study.dump(), runs.count()};
 }
 
@@ -234,6 +237,7 @@ IdentifiedStudy study_of(const StudyIdentity& identity, const std::filesystem::p
     StudyBone bone;
     bone.hash = of.text("hash");
     bone.level = level_from_name(of.text("level")).value_or(Level::kNone);
+    bone.identity = {of.has("ct") ? of.text("ct") : "", bone.level};
     bone.patient = checked_patient(of.whole_number("patient"), file);
     const Json& paths = of.at("paths");
     if (!paths.is_array() || paths.empty()) fail("expected paths of each bone in ", file.string(), ", found none");

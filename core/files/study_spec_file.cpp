@@ -155,7 +155,8 @@ PlacementErrors read_errors_of(const Json& json, const std::filesystem::path& fi
 StudyRegistration read_registration_of(const Json& json, const std::filesystem::path& file) {
   check_keys(json, {"file", "per"}, file, "a key of \"registration\"");
   const JsonObject object(json, file);
-  return {read_registration(beside(file, object.text("file"))).covariance, read_drawn_per(object, file)};
+  const Registration registration = read_registration(beside(file, object.text("file")));
+  return {registration.covariance, read_drawn_per(object, file), registration.bone};
 }
 
 StopRules read_stop(const Json& json, const std::filesystem::path& file) {
@@ -208,9 +209,10 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   const Json json = read_json(file);
   const JsonObject object(json, file);
   check_format(json, kSpecFormat, file);
-  check_keys(json, {"format",   "version", "name",         "bone",   "level",       "plan",  "path",
-                    "material", "density", "volume",       "engine", "spindle_rpm", "stop",  "heat",
-                    "operator", "design",  "registration", "kind",   "bones",       "plans", "errors"},
+  check_keys(json,
+             {"format",       "version", "name",   "bone",        "level",  "plan",           "path",      "material",
+              "density",      "volume",  "engine", "spindle_rpm", "stop",   "heat",           "operator",  "design",
+              "registration", "kind",    "bones",  "plans",       "errors", "takes_other_ct", "from_front"},
              file, kStudyKey);
   StudySpec spec;
   spec.name = object.has("name") ? object.text("name") : file.stem().string();
@@ -235,6 +237,8 @@ StudySpec read_study_spec(const std::filesystem::path& file) {
   spec.design = read_study_design(object.at("design"), file, spec.material);
   if (object.has("errors")) spec.errors = read_errors_of(object.at("errors"), file);
   if (object.has("registration")) spec.registration = read_registration_of(object.at("registration"), file);
+  if (object.has("takes_other_ct")) spec.takes_other_ct = object.flag("takes_other_ct");
+  if (object.has("from_front")) spec.from_the_front = object.flag("from_front");
   check_factors(spec, file);
   return spec;
 }

@@ -30,7 +30,7 @@ void write_csv(const EvaluatedPoints& points, FileWriter& file) {
   for (std::size_t i = 0; i < points.points_mm.size(); ++i) {
     line.clear();
     for (const double number : numbers_of(points, i, numbers)) {
-      append_number(number, line);
+      append_csv_number(number, line);
       line += ',';
     }
     line.back() = '\n';

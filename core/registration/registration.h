@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ct/bone_identity.h"
 #include "core/registration/pose_covariance.h"
 #include "core/registration/rigid_pose.h"
 
@@ -29,6 +30,9 @@ struct Registration {
   bool noise_was_told = false;
   /// Why the pose may be wrong, each a sentence; none: nothing speaks against it.
   std::vector<std::string> warnings;
+  /// In whose CT it places the patient: of the bone that was touched, or that was given with the marks; empty: not
+  /// known.
+  BoneIdentity bone = {};
 };
 
 /// "fiducials", "surface"

@@ -98,7 +98,7 @@ std::string log_csv(const std::vector<DepthRow>& rows) {
          "outer_mm,min_clearance_canal_mm,max_temperature_c,cycles_per_s\n";
   const auto number = [&](double value) {
     csv << ',';
-    if (std::isfinite(value)) csv << value;  // an empty field is what pandas reads as missing
+    if (std::isfinite(value)) csv << value;  // empty where it is none, as append_csv_number() has it
   };
   for (const DepthRow& row : rows) {
     csv << row.depth_mm << ',' << row.cycles << ',' << row.removed << ',' << row.tested;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/ct/bone_identity.h"
 #include "core/engine/drill_engine.h"
 #include "core/points/point_volume.h"
 #include "core/session/drill_session.h"
@@ -15,7 +16,9 @@ namespace spinaltap {
 /// All that decides what a session does, but the bone itself and the operator's poses. A record holds it as JSON
 /// (core/files/recorded_setup.h), and replay runs the session from it.
 struct SessionSetup {
-  std::string bone_hash;  ///< of its grids: bone_hash()
+  std::string bone_hash;        ///< of its grids: bone_hash()
+  BoneIdentity bone = {};       ///< which vertebra of which CT it is; empty: not known
+  bool takes_other_ct = false;  ///< the path may name another bone: it is drilled in this one all the same
   DrillPath path;
   Material material;
   PointVolumeOptions volume{.radius_mm = 3.0, .spacing_mm = 0.1, .lead_in_mm = 3.0};

@@ -23,7 +23,7 @@ OffColumns columns_of(OffPlan off) {
 void append_share(const StudyShare& share, std::string& text) {
   for (const double number : {share.probability(), share.interval.low, share.interval.high}) {
     text += ',';
-    append_number(number, text);
+    append_csv_number(number, text);
   }
 }
 
@@ -64,7 +64,7 @@ std::string study_map_csv(const std::vector<StudyMap>& maps) {
       for (const double number :
            {StudyMap::kCell * cell.medial, StudyMap::kCell * cell.cranial, static_cast<double>(cell.beyond_a.runs)}) {
         text += ',';
-        append_number(number, text);
+        append_csv_number(number, text);
       }
       append_share(cell.beyond_a, text);
       append_share(cell.beyond_b, text);

@@ -181,6 +181,19 @@ std::string study_csv(const StudyRow& row) {
   return text;
 }
 
+std::string study_csv_for_others(std::string_view row) {
+  std::string text;
+  text.reserve(row.size());
+  while (true) {
+    const std::size_t comma = row.find(',');
+    const std::string_view field = row.substr(0, comma);
+    if (field != "inf" && field != "-inf") text += field;
+    if (comma == std::string_view::npos) return text;
+    text += ',';
+    row.remove_prefix(comma + 1);
+  }
+}
+
 StudyRow read_study_csv(std::string_view text) {
   StudyRow row;
   for (std::size_t place = 0; place < kStudyColumns; ++place) {

@@ -94,6 +94,8 @@ std::string study_csv_head();
 /// A row: the shortest digits that give each number back exactly, empty where there is none, grades as letters. The
 /// same row gives the same text.
 std::string study_csv(const StudyRow& row);
+/// A row of study_csv() for other programs: what is infinite is an empty field; see append_csv_number().
+std::string study_csv_for_others(std::string_view row);
 /// Reads what study_csv() made. Throws Error that names the column at fault.
 StudyRow read_study_csv(std::string_view text);
 

@@ -1,9 +1,11 @@
 #include "core/study/study_spec.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/tool/tool_speed.h"
 
 namespace spinaltap {
 
@@ -39,6 +41,27 @@ StudyGround ground_of(const std::vector<StudyBone>& bones, bool has_errors, std:
 StudyGround ground_of(const StudySpec& spec) {
   return ground_of(spec.bones, spec.errors.has_value(),
                    spec.registration ? std::optional(spec.registration->per) : std::nullopt);
+}
+
+std::vector<std::string> speed_warnings(const StudySpec& spec) {
+  if (spec.kind != StudyKind::drilling) return {};
+  std::vector<double> feeds_mm_s;
+  if (spec.tool_operator.kind == StudyOperator::Kind::feed) {
+    feeds_mm_s.push_back(spec.tool_operator.feed_mm_s);
+    for (const FactorDistribution& factor : spec.design.distributions) {
+      if (factor.factor != StudyFactor::feed_mm_s) continue;
+      feeds_mm_s.insert(feeds_mm_s.end(), factor.levels.begin(), factor.levels.end());
+      if (factor.kind == FactorDistribution::Kind::uniform) feeds_mm_s.insert(feeds_mm_s.end(), {factor.a, factor.b});
+      if (factor.kind == FactorDistribution::Kind::normal) feeds_mm_s.push_back(factor.a);
+    }
+  }
+  std::vector<std::string> warnings;
+  for (const StudyScrew& screw : screws_of(spec)) {
+    for (const std::string& line : speed_warnings(path_of(spec, screw).bit, feeds_mm_s, spec.options.spindle.rpm)) {
+      if (std::ranges::find(warnings, line) == warnings.end()) warnings.push_back(line);
+    }
+  }
+  return warnings;
 }
 
 FactorValues base_values(const StudySpec& spec, const DrillPath& path) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/ct/bone_identity.h"
 #include "core/ct/level.h"
 #include "core/engine/drill_engine.h"
 #include "core/plan/placement_errors.h"
@@ -39,6 +40,7 @@ struct StudyOperator {
 struct StudyRegistration {
   PoseCovariance covariance;
   DrawnPer per = DrawnPer::run;  ///< for what the patient is registered anew
+  BoneIdentity bone = {};        ///< that it is of; empty: not known
 };
 
 /// What a study's runs do.
@@ -56,7 +58,9 @@ struct StudyBone {
   std::size_t patient = 0;                   ///< counts from 0: bones of one patient have one
   std::vector<DrillPath> paths = {};         ///< none: those that are suggested for it
   std::string hash = {};                     ///< of the bone; empty until it was read
+  BoneIdentity identity = {};                ///< likewise: which vertebra of which CT
   std::vector<std::string> neighbours = {};  ///< hashes of the vertebrae beside it in its file, likewise
+  std::vector<std::string> faults = {};      ///< of paths that do not fit the bone, likewise: PathCheck::words()
   std::vector<ErrorFrame> frames = {};       ///< of each path's errors of placement; none until the bone was read
 };
 
@@ -78,6 +82,8 @@ struct StudySpec {
   /// is known, and where the patient is taken to be.
   std::optional<PlacementErrors> errors;
   std::optional<StudyRegistration> registration;
+  bool from_the_front = false;  ///< paths may enter the vertebrae from their front
+  bool takes_other_ct = false;  ///< plans and registration may name other bones than those: they are taken all the same
 };
 
 /// One planned screw, or hole, of a study: a path of a bone.
@@ -95,6 +101,10 @@ inline const DrillPath& path_of(const StudySpec& spec, const StudyScrew& screw) 
 /// What StudyRuns asks of a study whose paths are known; `registration`: for what it is drawn anew, where there is one.
 StudyGround ground_of(const std::vector<StudyBone>& bones, bool has_errors, std::optional<DrawnPer> registration);
 StudyGround ground_of(const StudySpec& spec);
+
+/// What is beyond the tools' usual speeds: of the operator's feed, the spindle, and the levels and bounds of a factor
+/// of feed.
+std::vector<std::string> speed_warnings(const StudySpec& spec);
 
 /// What factors are where they do not differ, along a path; not a number for those that do not apply to the study.
 FactorValues base_values(const StudySpec& spec, const DrillPath& path);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/ct/bone_identity.h"
 #include "core/tool/drill_bit.h"
 #include "core/tool/screw_thread.h"
 
@@ -49,6 +50,7 @@ struct DrillPath {
   std::optional<PedicleScrew> screw = {};  ///< that the hole is for; its tip comes to the target
   /// Places that a curved path passes between entry and target, in order, patient LPS; none: a straight path.
   std::vector<Vec3> via_mm = {};
+  BoneIdentity bone = {};  ///< that it is planned for; empty: not known
 
   bool is_curved() const { return !via_mm.empty(); }
   /// Along the path: of a curved one its arc length, which takes some 20 µs to find.

@@ -17,6 +17,33 @@ def poses(feed_mm_s=20.0):
     return spinaltap.PlannedMotion(made_bone.path(), feed_mm_s=feed_mm_s).poses()
 
 
+class WhichBone(unittest.TestCase):
+    def test_is_named_by_paths_and_held_to(self):
+        path = made_bone.path()
+        self.assertEqual(path.ct_hash, made_bone.bone().ct_hash)
+        with tempfile.TemporaryDirectory() as folder:
+            file = FilePath(folder) / "plan.json"
+            text = (made_bone.FOLDER / "plan.json").read_text().replace(path.ct_hash, "0" * 16)
+            file.write_text(text)
+            other = spinaltap.read_plan(file)[0]
+        self.assertEqual(other.ct_hash, "0" * 16)
+        with self.assertRaisesRegex(spinaltap.Error, path.ct_hash):
+            spinaltap.Session(made_bone.bone(), other, spacing_mm=0.4, clearances=False)
+        with self.assertRaisesRegex(spinaltap.Error, path.ct_hash):
+            made_bone.bone().grade(other)
+        spinaltap.Session(made_bone.bone(), other, spacing_mm=0.4, clearances=False, other_ct=True)
+        self.assertEqual(other.for_bone(made_bone.bone()).ct_hash, path.ct_hash)
+
+    def test_is_told_from_where_paths_lie(self):
+        path = made_bone.path()
+        self.assertEqual(made_bone.bone().path_warnings(path), [])
+        flip = np.array([-1.0, -1.0, 1.0])
+        ras = spinaltap.Path(path.entry_mm * flip, path.target_mm * flip)
+        self.assertRegex(made_bone.bone().path_warnings(ras)[0], "RAS")
+        swapped = spinaltap.Path(path.target_mm, path.entry_mm)
+        self.assertRegex(made_bone.bone().path_warnings(swapped)[0], "swapped")
+
+
 class Bit(unittest.TestCase):
     def test_is_of_any_outline(self):
         head = spinaltap.Bit.read("match-head")

@@ -132,7 +132,8 @@ BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, co
   return BoneModel(grids);
 }
 
-BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu, const Progress& progress) {
+BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu, const Progress& progress,
+                     const std::map<std::string, std::string>& metadata) {
   initialize_openvdb();
   check_options(options);
   BakeReport report;
@@ -154,7 +155,8 @@ BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surr
     const double hu = distance_mm < 0.0 ? solid.hu(p_mm, distance_mm, options.voxel_mm) : surroundings_hu;
     return static_cast<float>(hu);
   });
-  grids->metadata = {{"program", version()}, {"method", "ground truth of a phantom"}};
+  grids->metadata = metadata;
+  grids->metadata.insert({{"program", version()}, {"method", "ground truth of a phantom"}});
   return BoneModel(grids);
 }
 

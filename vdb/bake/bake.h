@@ -33,8 +33,8 @@ BoneModel bake_bone(const ScalarField& field, std::span<const Vec3> seeds_mm, co
                     BakeReport* report = nullptr, const Progress& progress = {});
 
 /// Bakes the ground truth of a phantom in the same form: its distance, and its own CT numbers, without blur or noise,
-/// on a grid of the same voxel; `surroundings_hu` beside it.
+/// on a grid of the same voxel; `surroundings_hu` beside it. `metadata` are added to the model's own.
 BoneModel bake_solid(const Solid& solid, const BakeOptions& options, double surroundings_hu,
-                     const Progress& progress = {});
+                     const Progress& progress = {}, const std::map<std::string, std::string>& metadata = {});
 
 }  // namespace spinaltap

@@ -9,6 +9,7 @@
 #include "core/base/version.h"
 #include "core/ct/ct_noise.h"
 #include "core/ct/label_map.h"
+#include "vdb/sim/bone_identity.h"
 #include "vdb/sim/detail/bone_surface_error.h"
 #include "vdb/sim/detail/stage_key.h"
 
@@ -90,7 +91,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
   std::map<std::string, std::string> metadata{
       {"program", version()},
       {"method", "edges in the CT, biharmonic radial basis function"},
-      {"source_hash", ct.source_hash},
+      {kSourceHash, ct.source_hash},
       {"ct_size", joined(geometry.size[0], " ", geometry.size[1], " ", geometry.size[2])},
       {kCtSpacing, joined(geometry.spacing_mm.transpose())},
       {"ct_origin_mm", joined(geometry.origin_mm.transpose())},
@@ -111,6 +112,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"hu_margin_mm", joined(options.bake.hu_margin_mm)},
   };
   if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = joined(*noise_hu);
+  if (ct.whole_hash != ct.source_hash) metadata[kWholeCtHash] = ct.whole_hash;
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
   add_input_warnings(ct.warnings, metadata);

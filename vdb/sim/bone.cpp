@@ -10,6 +10,7 @@
 #include "vdb/grid/isosurface.h"
 #include "vdb/grid/spine_file.h"
 #include "vdb/picture/view.h"
+#include "vdb/sim/bone_identity.h"
 #include "vdb/sim/detail/bone_surface_error.h"
 
 namespace spinaltap {
@@ -19,8 +20,9 @@ struct Bone::State {
 
   BoneModel model;
   std::filesystem::path file;  ///< that it was loaded from; empty: none
-  std::once_flag has_hash, has_shape, has_landmarks, has_walls, has_neighbours, has_surface_error;
+  std::once_flag has_hash, has_identity, has_shape, has_landmarks, has_walls, has_neighbours, has_surface_error;
   std::string hash;
+  BoneIdentity identity;
   std::optional<BoneShape> shape;
   Landmarks landmarks;
   std::string no_landmarks;
@@ -73,6 +75,11 @@ const BoneModel& Bone::model() const { return state_->model; }
 const std::string& Bone::hash() const {
   std::call_once(state_->has_hash, [&] { state_->hash = bone_hash(state_->model); });
   return state_->hash;
+}
+
+const BoneIdentity& Bone::identity() const {
+  std::call_once(state_->has_identity, [&] { state_->identity = identity_of(state_->model); });
+  return state_->identity;
 }
 
 std::optional<LevelWarnings> Bone::warnings() const { return warnings_in(model().metadata()); }
@@ -166,7 +173,12 @@ std::vector<Suggestion> Bone::suggest(const AutoPlanOptions& options, const Prog
   landmarks(progress);
   AutoPlanOptions settings = options;
   if (settings.level == Level::kNone) settings.level = level();
-  return auto_plan(walls(progress), hu_sampler(), settings, progress);
+  std::vector<Suggestion> suggestions = auto_plan(walls(progress), hu_sampler(), settings, progress);
+  for (Suggestion& suggestion : suggestions) {
+    if (suggestion.best) suggestion.best->path.bone = identity();
+    for (SuggestedPath& other : suggestion.others) other.path.bone = identity();
+  }
+  return suggestions;
 }
 
 std::vector<Neighbour> neighbours_among(std::span<const Bone> bones, const Progress& progress) {
@@ -182,6 +194,7 @@ ScrewHold screw_hold(const Bone& bone, const DrillPath& path, const HuToDensity&
 
 PathGrade grade(const Bone& bone, const DrillPath& path, const GradeOptions& options, const Material& material,
                 const Progress& progress) {
+  if (!path.bone.is_empty()) check_path_is_of(path, bone.identity());
   bone.landmarks(progress);
   PathGrade graded = grade_path(bone.walls(progress), bone.hu_sampler(), material, path, options);
   if (!bone.neighbours().empty()) note_neighbours(neighbours_among(bone.neighbours(), progress), path, graded);

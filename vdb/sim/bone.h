@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/base/triangle_mesh.h"
 #include "core/base/view.h"
+#include "core/ct/bone_identity.h"
 #include "core/ct/level.h"
 #include "core/ct/read_ct.h"
 #include "core/plan/ct_surface_error.h"
@@ -55,6 +56,8 @@ class Bone {
   /// What speaks against the CT and the label map that it was made of, a line each.
   std::vector<std::string> input_warnings() const;
 
+  /// Which vertebra of which CT it is; see identity_of(). Plans, records and registrations of it name that.
+  const BoneIdentity& identity() const;
   /// Which vertebra it is; kNone where the file does not say.
   Level level() const;
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
@@ -9,6 +12,16 @@
 #include "core/tool/path_curve.h"
 
 namespace spinaltap {
+namespace {
+
+PathCheckBone as_checked(const BoneModel& bone) {
+  return {[bone](std::span<const Vec3> points_mm, std::span<float> distance_mm) {
+            bone.sample(points_mm, distance_mm, {});
+          },
+          bone.band_mm(), bone.bounds_mm()};
+}
+
+}  // namespace
 
 void check_path_meets_bone(const DrillPath& path, const BoneModel& bone) {
   constexpr double kStepMm = 0.1;
@@ -23,11 +36,25 @@ void check_path_meets_bone(const DrillPath& path, const BoneModel& bone) {
   std::vector<float> distance_mm(points_mm.size());
   bone.sample(points_mm, distance_mm, {});
   if (std::any_of(distance_mm.begin(), distance_mm.end(), [](float value) { return value < 0.0F; })) return;
-  const Box3 bounds_mm = bone.bounds_mm();
-  const Eigen::IOFormat format(4, Eigen::DontAlignCols, ", ", ", ");
-  fail("path ", in_quotes(path.name), " misses the bone: it runs from (", path.entry_mm.transpose().format(format),
-       ") to (", path.target_mm.transpose().format(format), "), the bone lies within (",
-       bounds_mm.min().transpose().format(format), ") and (", bounds_mm.max().transpose().format(format), ") mm");
+  const PathCheck check = check_path_on_bone(path, as_checked(bone), {});
+  std::string words;
+  for (const std::string& fault : check.faults) words += (words.empty() ? "" : "; ") + fault;
+  if (!check.likely_cause.empty()) words += "; it fits if " + check.likely_cause;
+  fail("path ", in_quotes(path.name), " ", words.substr(std::string_view("it ").size()));
+}
+
+PathCheck check_path_on_bone(const Bone& bone, const DrillPath& path, const PathCheckOptions& options) {
+  const auto checked = [&](const Bone& one) {
+    PathCheckBone as = as_checked(one.model());
+    as.landmarks = [&one] { return one.no_landmarks().empty() ? &one.landmarks() : nullptr; };
+    return check_path_on_bone(path, as, options);
+  };
+  PathCheck check = checked(bone);
+  if (check.fits() || !check.likely_cause.empty()) return check;
+  for (const Bone& neighbour : bone.neighbours()) {
+    if (checked(neighbour).fits()) check.likely_cause = "it is of " + level_name(neighbour.level());
+  }
+  return check;
 }
 
 }  // namespace spinaltap

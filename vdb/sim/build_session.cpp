@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "vdb/sim/bone_identity.h"
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
@@ -16,6 +17,7 @@ BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Pr
 void name_bones(SessionSetup& setup, std::span<const Bone> bones) {
   if (bones.empty()) fail("expected a bone to drill, found none");
   setup.bone_hash = bones.front().hash();
+  setup.bone = bones.front().identity();
   setup.further_bone_hashes.clear();
   for (const Bone& bone : bones.subspan(1)) {
     if (bone.hash() == setup.bone_hash || std::ranges::count(setup.further_bone_hashes, bone.hash()) > 0) {
@@ -30,6 +32,7 @@ BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setu
   if (bones.size() != 1 + setup.further_bone_hashes.size()) {
     fail("expected ", 1 + setup.further_bone_hashes.size(), " bones to drill, found ", bones.size());
   }
+  if (!setup.takes_other_ct && !setup.path.bone.is_empty()) check_path_is_of(setup.path, bones.front().identity());
   check_path_meets_bone(setup.path, bones.front().model());
   std::vector<BoneModel> models;
   for (const Bone& bone : bones) models.push_back(bone.model());

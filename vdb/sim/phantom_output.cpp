@@ -8,6 +8,7 @@
 #include "core/phantom/spine_ground_truth.h"
 #include "core/phantom/true_labels.h"
 #include "vdb/bake/bake.h"
+#include "vdb/sim/bone_identity.h"
 
 namespace spinaltap {
 namespace {
@@ -39,13 +40,17 @@ void write_phantom(const Solid& solid, const std::optional<VertebraGroundTruth>&
   StagedFolder staged(folder, "ground_truth.json");
   const CtVolume ct = scan(solid, options.scan, progress);
   write_ct(ct, options.scan.slice_width_mm, staged.temporary() / "ct", progress);
-  write_bone(bake_solid(solid, {.voxel_mm = options.ground_truth_voxel_mm}, options.scan.surroundings_hu, progress),
+  write_bone(bake_solid(solid, {.voxel_mm = options.ground_truth_voxel_mm}, options.scan.surroundings_hu, progress,
+                        {{kSourceHash, ct.source_hash}}),
              staged.temporary() / "ground_truth.vdb");
   write_ground_truth(ground_truth, options.scan, ct.source_hash, staged.temporary() / "ground_truth.json");
   if (ground_truth) {
-    const DrillBit bit;
-    write_plan({{"left", ground_truth->left.entry_mm, ground_truth->left.target_mm, bit},
-                {"right", ground_truth->right.entry_mm, ground_truth->right.target_mm, bit}},
+    const auto path = [&](const char* name, const PedicleGroundTruth& pedicle) {
+      DrillPath planned{name, pedicle.entry_mm, pedicle.target_mm, DrillBit()};
+      planned.bone.ct_hash = ct.whole_hash;
+      return planned;
+    };
+    write_plan({path("left", ground_truth->left), path("right", ground_truth->right)},
                staged.temporary() / "plan.json");
   }
   staged.commit();

@@ -95,7 +95,7 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, co
 }
 
 Replay replay(const SessionRecord& record, const std::filesystem::path& file, std::span<const Bone> bones,
-              std::optional<EngineKind> engine, const Progress& progress) {
+              std::optional<EngineKind> engine, const Progress& progress, bool takes_other_ct) {
   SessionSetup setup = recorded_setup(record.setup, file);
   std::vector<std::string> hashes = setup.further_bone_hashes;
   hashes.insert(hashes.begin(), setup.bone_hash);
@@ -103,10 +103,14 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, st
     fail("expected the ", hashes.size(), " bones that were drilled in ", file.string(), ", found ", bones.size());
   }
   for (std::size_t n = 0; n < bones.size(); ++n) {
-    if (bones[n].hash() == hashes[n]) continue;
-    fail("expected the bone that was drilled in ", file.string(), ", of hash ", hashes[n], "; found one of hash ",
-         bones[n].hash());
+    if (bones[n].hash() == hashes[n] || takes_other_ct) continue;
+    if (n == 0) check_same_bone("record " + file.string(), setup.bone, bones[n].identity());
+    fail("expected the bone that was drilled in ", file.string(), ", ",
+         n == 0 && !setup.bone.is_empty() ? words_of(setup.bone) + ", " : std::string(), "of hash ", hashes[n],
+         "; found one of hash ", bones[n].hash(), ", ", words_of(bones[n].identity()),
+         ": baked otherwise, drilled since, or another bone");
   }
+  setup.takes_other_ct = setup.takes_other_ct || takes_other_ct;
   if (engine && *engine != EngineKind::automatic) setup.engine = *engine;
   const BuiltSession built = build_session(bones, setup, progress);
   const std::int64_t start_ns = wall_ns();

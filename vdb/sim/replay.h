@@ -44,9 +44,10 @@ Replay replay(const std::filesystem::path& record, const Bone& bone, std::option
 /// As above, of a record that was read from `file`, which messages name.
 Replay replay(const SessionRecord& record, const std::filesystem::path& file, const Bone& bone,
               std::optional<EngineKind> engine = {}, const Progress& progress = {});
-/// Of several bones, in the order in which they were drilled.
+/// Of several bones, in the order in which they were drilled. `takes_other_ct`: other bones than those that were
+/// drilled are taken all the same, which the cycles then tell.
 Replay replay(const SessionRecord& record, const std::filesystem::path& file, std::span<const Bone> bones,
-              std::optional<EngineKind> engine = {}, const Progress& progress = {});
+              std::optional<EngineKind> engine = {}, const Progress& progress = {}, bool takes_other_ct = false);
 
 /// The bone at any moment of a recorded drilling.
 class RecordedHole {

@@ -70,10 +70,22 @@ SessionSetup session_setup(const DrillPath& path, const DrillPlan& plan) {
   return setup;
 }
 
+namespace {
+
+/// Whether a plan of another bone is to be taken was asked when it was opened.
+SessionSetup for_bone(SessionSetup setup, const Bone& bone) {
+  setup.bone = bone.identity();
+  setup.takes_other_ct = !may_be_same(setup.path.bone, setup.bone);
+  return setup;
+}
+
+}  // namespace
+
 PlayedHole::PlayedHole(std::shared_ptr<const OpenedBone> bone, SessionSetup setup, OperatorChoice tool_operator,
                        const PlayedHole* other, const Progress& progress, std::shared_ptr<NavigationSource> source)
     : bone_(std::move(bone)),
-      setup_(setup_for(std::move(setup), source ? ExpectedWay{.is_free = true} : tool_operator.expected_way())),
+      setup_(setup_for(for_bone(std::move(setup), *bone_->bone),
+                       source ? ExpectedWay{.is_free = true} : tool_operator.expected_way())),
       choice_(std::move(tool_operator)),
       source_(std::move(source)),
       built_(

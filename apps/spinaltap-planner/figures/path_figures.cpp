@@ -91,7 +91,13 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   add_breach("the outer surface", grade.outer, margin_mm_, warnings);
   if (path.screw) add_length(path.screw->length_mm - path.length_mm(), warnings);
   add_findings(grade, warnings);
-  if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
+  if (!may_be_same(path.bone, bone.bone->identity())) {
+    warnings.push_back({WarningLevel::danger,
+                        "planned for " + words_of(path.bone) + ": this bone is " + words_of(bone.bone->identity())});
+  }
+  if (const PathCheck check = check_path_on_bone(*bone.bone, path); !check.fits()) {
+    warnings.push_back({WarningLevel::danger, check.words(path)});
+  } else if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
     warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
   }
   for (const std::string& warning : bone.bone->input_warnings()) {

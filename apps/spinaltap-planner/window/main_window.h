@@ -99,6 +99,7 @@ class MainWindow : public QMainWindow {
   void offer_what_opened(const std::function<void()>& show);
   void connect_questions();
   void ask_series(const std::filesystem::path& path, OpenOptions options, const SeveralSeries& several);
+  void ask_plan(const std::filesystem::path& file, const QString& why, const std::function<void()>& take);
   void ask_resampling(const std::filesystem::path& path, OpenOptions options, const UnevenSlices& uneven);
   void open_at_once(const std::filesystem::path& path, const OpenOptions& options);
   void bring_back(const LostWork& lost);

@@ -164,6 +164,7 @@ void MainWindow::add_path_here() {
   path.name = "path";
   path.target_mm = target_mm;
   path.entry_mm = entry_behind(*document.bone(), target_mm);
+  path.bone = document.bone()->bone->identity();
   if (const DrillPath* chosen = document.chosen_path()) path.bit = chosen->bit;
   document.add_path(path);
 }

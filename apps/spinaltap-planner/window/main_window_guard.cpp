@@ -34,6 +34,10 @@ void MainWindow::connect_questions() {
                                          const UnevenSlices& uneven) {
     QTimer::singleShot(0, this, [this, path, options, uneven] { ask_resampling(path, options, uneven); });
   };
+  questions.whether_to_take_plan = [this](const std::filesystem::path& file, const QString& why,
+                                          const std::function<void()>& take) {
+    QTimer::singleShot(0, this, [this, file, why, take] { ask_plan(file, why, take); });
+  };
   planner_.set_questions(std::move(questions));
   connect(&planner_, &Planner::no_bone, this, [this](const QString& why) {
     tell(tr("No vertebra was found in this CT."), tr("%1.\n\nIts slices are shown: put the crosshair into the middle "
@@ -136,6 +140,21 @@ void MainWindow::ask_resampling(const std::filesystem::path& path, OpenOptions o
   if (box.exec() != QMessageBox::Yes) return;
   options.reading.resample = true;
   open(path, options);
+}
+
+void MainWindow::ask_plan(const std::filesystem::path& file, const QString& why, const std::function<void()>& take) {
+  QMessageBox box(QMessageBox::Warning, tr("SpinalTap planner"),
+                  tr("%1 does not fit this bone.").arg(text_of(file.filename().string())),
+                  QMessageBox::Open | QMessageBox::Cancel, this);
+  box.setObjectName("otherPlan");
+  box.setInformativeText(why);
+  box.button(QMessageBox::Open)->setText(tr("&Open it all the same"));
+  box.setDefaultButton(QMessageBox::Cancel);
+  if (box.exec() != QMessageBox::Open) return;
+  attempt(tr("Cannot open %1").arg(text_of(file.string())), [&] {
+    take();
+    given_up_ = current_work();
+  });
 }
 
 bool MainWindow::may_lose_plan() {

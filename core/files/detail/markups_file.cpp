@@ -62,6 +62,7 @@ DrillPath path_of_markup(const Json& json, bool is_curve, const std::string& nam
     const JsonObject ours(markup.at("spinaltap"), file);
     path.bit = read_bit(ours.at("bit"), file);
     if (ours.has("screw")) path.screw = read_screw(ours.at("screw"), file);
+    if (ours.has("bone")) path.bone = read_bone_identity(ours.at("bone"), file);
   }
   return path;
 }
@@ -95,6 +96,7 @@ Json markups_of(const std::vector<DrillPath>& paths) {
   for (const DrillPath& path : paths) {
     Json ours{{"bit", to_json(path.bit)}};
     if (path.screw) ours["screw"] = to_json(*path.screw);
+    if (!path.bone.is_empty()) ours["bone"] = to_json(path.bone);
     Json points = Json::array();
     points.push_back(control_point(1, "entry", path.entry_mm));
     int number = 1;

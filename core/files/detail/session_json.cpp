@@ -267,6 +267,8 @@ Json to_json(const SessionSetup& setup) {
       {"engine", name_of(chosen_engine(setup))},
       {"options", json_of(setup.options)},
       {"has_clearances", setup.has_clearances}};
+  if (!setup.bone.is_empty()) json["bone"] = to_json(setup.bone);
+  if (setup.takes_other_ct) json["takes_other_ct"] = true;
   if (setup.region_mm) json["region_mm"] = {to_json(setup.region_mm->min()), to_json(setup.region_mm->max())};
   for (const DrilledHole& hole : setup.holes) json["holes"].push_back(json_of(hole));
   if (!setup.further_bone_hashes.empty()) json["further_bone_hashes"] = setup.further_bone_hashes;
@@ -286,6 +288,8 @@ SessionSetup read_session_setup(const Json& json, const std::filesystem::path& f
   const JsonObject object(json, file);
   SessionSetup setup;
   setup.bone_hash = object.text("bone_hash");
+  if (object.has("bone")) setup.bone = read_bone_identity(object.at("bone"), file);
+  if (object.has("takes_other_ct")) setup.takes_other_ct = object.flag("takes_other_ct");
   setup.path = read_path(object.at("path"), file);
   setup.material = material_of(object.at("material"), file);
   setup.volume = read_volume_part(part_of(object, "volume", file), file);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,8 @@
 namespace spinaltap {
 
 namespace {
+
+bool is_hash_letter(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == '-'; }
 
 Json outline_point_json(const OutlinePoint& point) {
   Json json{{"back_mm", point.back_mm}, {"radius_mm", point.radius_mm}};
@@ -186,7 +190,40 @@ Json to_json(const DrillPath& path) {
     json["via_mm"] = Json::array();
     for (const Vec3& via_mm : path.via_mm) json["via_mm"].push_back(to_json(via_mm));
   }
+  if (!path.bone.is_empty()) json["bone"] = to_json(path.bone);
   return json;
+}
+
+Json to_json(const BoneIdentity& bone) {
+  Json json = Json::object();
+  if (bone.names_ct()) json["ct"] = bone.ct_hash;
+  if (bone.level != Level::kNone) json["level"] = level_name(bone.level);
+  return json;
+}
+
+BoneIdentity read_bone_identity(const Json& json, const std::filesystem::path& file) {
+  check_keys(json, {"ct", "level"}, file, "\"ct\" or \"level\" of a \"bone\"");
+  const JsonObject object(json, file);
+  BoneIdentity bone;
+  if (object.has("ct")) {
+    bone.ct_hash = object.text("ct");
+    constexpr std::size_t kLongest = 64;
+    const bool is_hash = !bone.ct_hash.empty() && bone.ct_hash.size() <= kLongest &&
+                         std::ranges::all_of(bone.ct_hash, [](char c) { return is_hash_letter(c); });
+    if (!is_hash) {
+      fail("expected the hash of a CT, letters a to z, digits and \"-\", for \"ct\" of \"bone\" in ", file.string(),
+           ", found ", in_quotes(bone.ct_hash));
+    }
+  }
+  if (object.has("level")) {
+    const std::optional<Level> level = level_from_name(object.text("level"));
+    if (!level) {
+      fail("expected a vertebra such as \"L3\" for \"level\" of \"bone\" in ", file.string(), ", found ",
+           in_quotes(object.text("level")));
+    }
+    bone.level = *level;
+  }
+  return bone;
 }
 
 DrillPath read_path(const Json& json, const std::filesystem::path& file) {
@@ -197,6 +234,7 @@ DrillPath read_path(const Json& json, const std::filesystem::path& file) {
   path.target_mm = object.vector("target_mm");
   path.bit = read_bit(object.at("bit"), file);
   if (object.has("screw")) path.screw = read_screw(object.at("screw"), file);
+  if (object.has("bone")) path.bone = read_bone_identity(object.at("bone"), file);
   if (object.has("via_mm")) {
     const Json& places = object.at("via_mm");
     if (!places.is_array() || places.size() > kMaxVias) {

@@ -11,6 +11,8 @@ Json to_json(const ScrewHead& head);
 Json to_json(const ScrewThread& thread);
 Json to_json(const PedicleScrew& screw);
 Json to_json(const DrillPath& path);
+/// {"ct": hash, "level": name}, without what is not known.
+Json to_json(const BoneIdentity& bone);
 
 /// Read what to_json() made. Throw Error that names the file and the key at fault; do not check the path.
 DrillBit read_bit(const Json& json, const std::filesystem::path& file);
@@ -20,5 +22,6 @@ ScrewHead read_screw_head(const Json& json, const std::filesystem::path& file);
 ScrewThread read_screw_thread(const Json& json, const std::filesystem::path& file);
 PedicleScrew read_screw(const Json& json, const std::filesystem::path& file);
 DrillPath read_path(const Json& json, const std::filesystem::path& file);
+BoneIdentity read_bone_identity(const Json& json, const std::filesystem::path& file);
 
 }  // namespace spinaltap

@@ -12,14 +12,14 @@ namespace {
 using Bytes = std::array<std::byte, 24>;
 constexpr RecordParts kAllParts{.has_sides = true, .has_heat = true, .has_device = true};
 
-/// A quantity's number in a row of CSV: nothing where it is none, which is what pandas reads as missing.
+/// A quantity's number in a row of CSV: nothing where it is infinite or none, as append_csv_number() has it.
 template <class Row>
 void append_field(const RecordColumn<Row>& column, const Bytes& bytes, std::size_t n, std::string& text) {
   const std::byte* from = bytes.data() + n * bytes_of(column.number);
   if (column.number == Hdf5Number::f64) {
     double value = 0.0;
     std::memcpy(&value, from, sizeof value);
-    if (std::isnan(value)) return;
+    if (!std::isfinite(value)) return;
   }
   append_number(column.number, from, text);
 }

@@ -12,6 +12,8 @@
 #include "core/tool/plate.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bone.h"
+#include "vdb/sim/bone_identity.h"
+#include "vdb/sim/bone_path.h"
 
 namespace spinaltap::detail {
 namespace {
@@ -46,11 +48,11 @@ class SurveyKey {
 };
 
 /// Empty where a file cannot be read: whoever loads it says why.
-std::string key_of(const StudyBone& bone, bool has_errors) {
+std::string key_of(const StudyBone& bone, const StudySpec& spec) {
   SurveyKey key;
   for (const std::string_view text :
        {std::string_view(version()), std::string_view(code_fingerprint(CodeStage::drilling)),
-        std::string_view(has_errors ? "errors" : "")}) {
+        std::string_view(spec.errors ? "errors" : ""), std::string_view(spec.from_the_front ? "from the front" : "")}) {
     key.add(text);
   }
   key.add(level_name(bone.level));
@@ -67,19 +69,31 @@ std::vector<DrillPath> suggested_paths(const Bone& bone, const Progress& progres
   return paths_of_text(plan_text(paths_of(bone.suggest({}, progress))), "the suggested paths");
 }
 
-void survey(StudyBone& of, bool has_errors, const Progress& progress) {
+void survey(StudyBone& of, const StudySpec& spec, const Progress& progress) {
   const Bone bone = Bone::load(of.file, of.level);
   of.hash = bone.hash();
+  of.identity = bone.identity();
   of.neighbours.clear();
   for (const Bone& other : bone.neighbours()) of.neighbours.push_back(other.hash());
   if (bone.level() != Level::kNone) of.level = bone.level();
+  of.faults.clear();
+  for (const DrillPath& path : of.paths) {
+    const PathCheck check = check_path_on_bone(bone, path, {.from_the_front = spec.from_the_front});
+    if (!check.fits()) of.faults.push_back(check.words(path));
+  }
   if (of.paths.empty()) of.paths = suggested_paths(bone, progress);
   of.frames.clear();
   for (const DrillPath& path : of.paths) {
     check_straight(path, "a study");
     check_turns(path.bit, "a study");
-    if (has_errors) of.frames.push_back(error_frame(bone.landmarks(progress), path));
+    if (spec.errors) of.frames.push_back(error_frame(bone.landmarks(progress), path));
   }
+}
+
+/// Throws Error where a plan, or the registration, names another bone.
+void check_is_of(const StudySpec& spec, const StudyBone& bone) {
+  for (const DrillPath& path : bone.paths) check_path_is_of(path, bone.identity);
+  if (spec.registration) check_same_bone("the study's registration", spec.registration->bone, bone.identity);
 }
 
 }  // namespace
@@ -91,15 +105,16 @@ std::vector<std::string> survey_bones(StudySpec& spec, const std::filesystem::pa
     StudyBone& of = spec.bones[n];
     progress.report("bones", static_cast<double>(n) / static_cast<double>(spec.bones.size()));
     const StudyBone asked = of;
-    std::string key = key_of(asked, spec.errors.has_value());
+    std::string key = key_of(asked, spec);
     std::optional<StudyBone> known;
     if (!known_in.empty() && !key.empty()) known = find_survey(known_in, key, of);
     if (known) {
       of = *known;
     } else {
-      survey(of, spec.errors.has_value(), progress);
-      if (key != key_of(asked, spec.errors.has_value())) key.clear();
+      survey(of, spec, progress);
+      if (key != key_of(asked, spec)) key.clear();
     }
+    if (!spec.takes_other_ct) check_is_of(spec, of);
     keys.push_back(std::move(key));
   }
   return keys;

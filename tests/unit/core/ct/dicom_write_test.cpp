@@ -4,8 +4,13 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <array>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
@@ -21,6 +26,7 @@ namespace fs = std::filesystem;
 using test::error_of;
 using test::TemporaryFolder;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Every voxel different from its neighbours, over the whole range of 16 bits.
 CtVolume noisy_ct(const GridGeometry& geometry) {
@@ -105,6 +111,51 @@ TEST(WriteDicom, WritesTheAttributesOfACtSlice) {
   EXPECT_THAT(bytes, HasSubstr(std::string("\x18\0\x88\0DS\x06\0", 8) + "0.625 "));  // SpacingBetweenSlices
   EXPECT_THAT(bytes, HasSubstr(std::string("\x28\0\x30\0DS\x08\0", 8) + "0.7\\0.3 "));
   EXPECT_THAT(bytes, HasSubstr(std::string("\x20\0\x13\0IS\x02\0", 8) + "12"));  // InstanceNumber
+}
+
+TEST(WriteDicom, SaysWhenTheStudyWasAndOfWhatPart) {
+  const TemporaryFolder folder;
+  write_dicom(noisy_ct(straight_grid()), folder.path());
+  const std::string bytes = read_whole_file(folder.path() / "0001.dcm");
+  EXPECT_THAT(bytes, HasSubstr(std::string("\x08\0\x20\0DA\x08\0", 8) + "20000101"));  // dcmmkdir asks for both
+  EXPECT_THAT(bytes, HasSubstr(std::string("\x08\0\x30\0TM\x06\0", 8) + "000000"));
+  EXPECT_THAT(bytes,
+              HasSubstr(std::string("\x18\0\x15\0CS\x06\0", 8) + "SPINE "));  // else dciodvfy asks for a Laterality
+}
+
+/// What a command writes, of both streams, and its exit status; nothing where there is no such program.
+std::optional<std::pair<std::string, int>> answer_of(const std::string& program, const std::string& arguments) {
+  if (std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) != 0) return std::nullopt;
+  FILE* pipe = ::popen((program + " " + arguments + " 2>&1").c_str(), "r");
+  std::string text;
+  std::array<char, 4096> buffer{};
+  for (std::size_t got = 0; (got = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    text.append(buffer.data(), got);
+  return std::pair{text, ::pclose(pipe)};
+}
+
+TEST(WriteDicom, IsWithoutErrorsInDciodvfy) {
+  const TemporaryFolder folder;
+  write_dicom(noisy_ct(oblique_grid()), folder.path());
+  const auto answer = answer_of("dciodvfy", (folder.path() / "0003.dcm").string());
+  if (!answer) GTEST_SKIP() << "dciodvfy is not there: Debian's package dicom3tools has it";
+  EXPECT_THAT(answer->first, HasSubstr("CTImage"));
+  EXPECT_THAT(answer->first, Not(HasSubstr("Error")));
+  EXPECT_THAT(answer->first, Not(HasSubstr("DICOMDIR")));
+}
+
+TEST(WriteDicom, IsTakenIntoADicomdirByDcmmkdir) {
+  const TemporaryFolder folder;
+  write_dicom(noisy_ct(straight_grid()), folder.path());
+  // Names of files on a medium are capitals and digits without an ending.
+  for (int n = 1; n <= 3; ++n) {
+    fs::copy_file(folder.path() / ("000" + std::to_string(n) + ".dcm"), folder.path() / ("IM" + std::to_string(n)));
+  }
+  const auto answer = answer_of(
+      "dcmmkdir", "+id " + folder.path().string() + " +D " + (folder.path() / "DICOMDIR").string() + " IM1 IM2 IM3");
+  if (!answer) GTEST_SKIP() << "dcmmkdir is not there: Debian's package dcmtk has it";
+  EXPECT_EQ(answer->second, 0) << answer->first;
+  EXPECT_TRUE(fs::exists(folder.path() / "DICOMDIR"));
 }
 
 TEST(WriteDicom, RejectsWhatItCannotWrite) {

@@ -160,6 +160,30 @@ TEST_F(PlanFile, KeepsAPlateBitForBit) {
       << "of a drill";
 }
 
+TEST_F(PlanFile, NamesTheBoneThatItIsForInAVersionOfItsOwn) {
+  std::vector<DrillPath> paths = two_paths();
+  paths[1].bone = {"0123456789abcdef", Level::kL3};
+  write_plan(paths, path());
+  EXPECT_THAT(read_whole_file(path()), HasSubstr("\"version\": 4"));
+  EXPECT_TRUE(read_plan(path())[0].bone.is_empty());
+  EXPECT_EQ(read_plan(path())[1].bone, paths[1].bone);
+  write_plan(paths, folder() / "lines.mrk.json");
+  EXPECT_EQ(read_plan(folder() / "lines.mrk.json")[1].bone, paths[1].bone);
+  paths[1].bone = {"", Level::kL3};  // typed by hand: a level is better than nothing
+  write_plan(paths, path());
+  EXPECT_EQ(read_plan(path())[1].bone.level, Level::kL3);
+  EXPECT_FALSE(read_plan(path())[1].bone.names_ct());
+  const auto rejects = [&](const Json& bone, const char* word) {
+    Json json = read_json(path());
+    json["paths"][1]["bone"] = bone;
+    std::ofstream(path()) << json.dump();
+    EXPECT_THAT([&] { read_plan(path()); }, ThrowsMessage<Error>(HasSubstr(word))) << bone.dump();
+  };
+  rejects({{"ct", "../../x"}}, "hash");
+  rejects({{"level", "L33"}}, "L33");
+  rejects({{"patient", "Doe"}}, "patient");
+}
+
 TEST_F(PlanFile, KeepsPlacesOfACurvedPathToTheLastBit) {
   std::vector<DrillPath> paths = two_paths();
   paths[1].via_mm = {{-4.0 / 3.0, -9.7, 810.5}, {-6.1, -20.0, 806.0 + 1e-9}};
@@ -184,8 +208,8 @@ TEST_F(PlanFile, KeepsPlacesOfACurvedPathToTheLastBit) {
   rejected(Json(std::vector<int>(40, 1)), "up to 32 places");
   rejected({{-1.5, 0.1, 812.0}}, "0.1 mm apart");
   rejected({{-3.0, -15.0, 806.0}}, "bit short enough");
-  EXPECT_THAT([&] { read_changed([](Json& json) { json["version"] = 4; }); },
-              ThrowsMessage<Error>(HasSubstr("version 4")));
+  EXPECT_THAT([&] { read_changed([](Json& json) { json["version"] = 5; }); },
+              ThrowsMessage<Error>(HasSubstr("version 5")));
   EXPECT_THAT([&] { read_changed([](Json& json) { json["version"] = 3, json["format"] = "other"; }); },
               ThrowsMessage<Error>(HasSubstr("other")));
 }

@@ -75,6 +75,9 @@ TEST(StudyRow, IsWrittenAsReadersOfTablesTakeIt) {
   EXPECT_THAT(text, HasSubstr(",caudal,"));  // of its breach
   EXPECT_THAT(text, HasSubstr(",,"));        // what there is not
   EXPECT_THAT(text, HasSubstr(",inf,"));
+  // For other programs it is an empty field, and nothing else changes.
+  EXPECT_EQ(study_csv_for_others("3,inf,1.5,,-inf,D"), "3,,1.5,,,D");
+  EXPECT_EQ(study_csv_for_others("inf"), "");
 }
 
 TEST(StudyRow, RejectsTextThatIsNoRow) {

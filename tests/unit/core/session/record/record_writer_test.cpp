@@ -420,7 +420,7 @@ TEST(RecordCsv, HasUnitsInItsHeadAndOneRowACycle) {
             "removed_hu,work_n_mm,force_x_n,force_y_n,force_z_n,thrust_n,torque_n_mm,feed_mm_per_turn,"
             "tip_density_g_cm3,depth_mm,clearance_outer_mm,clearance_canal_mm\n"
             "0,0,0,0,0,0,0,0,1,1,initial,0,0,0,0,0,0,0,0,0,0,0,0,0\n"
-            "1,0,0,0.1,-2,1e-07,0,0,1,1,cancellous,0,0,0,0,0,0,,0,0,0,0,0,inf\n");
+            "1,0,0,0.1,-2,1e-07,0,0,1,1,cancellous,0,0,0,0,0,0,,0,0,0,0,0,\n");
   record.parts.has_sides = true;
   record.cycles.resize(1);
   record.cycles[0].side = {0.6, -0.8, 0.0};
