@@ -23,6 +23,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr const char* kCt = "00000000000000a1";
+constexpr Level kL3{22};
 constexpr const char* kOtherCt = "00000000000000b2";
 constexpr const char* kDrill = " --radius 2 --spacing 0.4 --step 0.05 --no-clearances -o out ";
 
@@ -43,7 +44,7 @@ class WhichPatient : public ::testing::Test {
     const VertebraGroundTruth truth = vertebra_ground_truth(vertebra);
     DrillPath path{"left", truth.left.entry_mm, truth.left.target_mm, {3.0, 80.0, 1.0, BitShape::drill, 0.5}};
     write_plan({path}, in("nameless.json"));
-    path.bone = {kCt, Level::kL3};
+    path.bone = {kCt, kL3};
     write_plan({path}, in("plan.json"));
     path.bone = {};
     for (Vec3* end : {&path.entry_mm, &path.target_mm}) *end = Vec3(-end->x(), -end->y(), end->z());
@@ -76,7 +77,7 @@ TEST_F(WhichPatient, APlanNamesTheCtAndTheLevelOfItsBone) {
     EXPECT_EQ(path["bone"]["level"], "L3");
   }
   ASSERT_EQ(run("plan l3.vdb --auto -o auto.mrk.json").exit_code, 0);
-  EXPECT_EQ(read_plan(in("auto.mrk.json")).front().bone, (BoneIdentity{kCt, Level::kL3}));
+  EXPECT_EQ(read_plan(in("auto.mrk.json")).front().bone, (BoneIdentity{kCt, kL3}));
 }
 
 TEST_F(WhichPatient, OtherPatientsAndLevelsAreRefusedByName) {
@@ -204,7 +205,7 @@ TEST_F(WhichPatient, ARegistrationIsOfOneBone) {
   found.noise_mm = 0.3;
   found.covariance.shift_mm2 = 0.01 * Mat3::Identity();
   found.covariance.turn_rad2 = 1e-6 * Mat3::Identity();
-  found.bone = {kCt, Level::kL3};
+  found.bone = {kCt, kL3};
   write_registration(found, in("r.json"));
   EXPECT_EQ(read_json(in("r.json"))["version"], 3);
   EXPECT_EQ(read_registration(in("r.json")).bone, found.bone);

@@ -162,16 +162,16 @@ TEST_F(PlanFile, KeepsAPlateBitForBit) {
 
 TEST_F(PlanFile, NamesTheBoneThatItIsForInAVersionOfItsOwn) {
   std::vector<DrillPath> paths = two_paths();
-  paths[1].bone = {"0123456789abcdef", Level::kL3};
+  paths[1].bone = {"0123456789abcdef", Level{22}};
   write_plan(paths, path());
   EXPECT_THAT(read_whole_file(path()), HasSubstr("\"version\": 4"));
   EXPECT_TRUE(read_plan(path())[0].bone.is_empty());
   EXPECT_EQ(read_plan(path())[1].bone, paths[1].bone);
   write_plan(paths, folder() / "lines.mrk.json");
   EXPECT_EQ(read_plan(folder() / "lines.mrk.json")[1].bone, paths[1].bone);
-  paths[1].bone = {"", Level::kL3};  // typed by hand: a level is better than nothing
+  paths[1].bone = {"", Level{22}};  // typed by hand: a level is better than nothing
   write_plan(paths, path());
-  EXPECT_EQ(read_plan(path())[1].bone.level, Level::kL3);
+  EXPECT_EQ(read_plan(path())[1].bone.level, Level{22});
   EXPECT_FALSE(read_plan(path())[1].bone.names_ct());
   const auto rejects = [&](const Json& bone, const char* word) {
     Json json = read_json(path());
