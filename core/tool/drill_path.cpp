@@ -116,6 +116,18 @@ void check_straight(const DrillPath& path, const char* what) {
   fail("path ", in_quotes(path.name), ": expected a straight path for ", what, ", found a curved one");
 }
 
+namespace {
+
+/// What a path of no use may have been given in, by its length.
+const char* unit_meant(double length_mm) {
+  constexpr double kMetre = 1e3, kMicrometre = 1e-3, kShortMm = 5.0, kLongMm = 300.0;
+  const auto is_usual = [&](double mm) { return mm >= kShortMm && mm <= kLongMm; };
+  if (is_usual(kMetre * length_mm)) return ": are its points in m?";
+  return is_usual(kMicrometre * length_mm) ? ": are its points in µm?" : "";
+}
+
+}  // namespace
+
 void check_path(const DrillPath& path) {
   constexpr double kShortestMm = 0.1;
   constexpr double kLongestMm = 500.0;
@@ -125,7 +137,7 @@ void check_path(const DrillPath& path) {
   const double length_mm = path.length_mm();
   if (!(length_mm >= kShortestMm && length_mm <= kLongestMm)) {
     fail("path ", in_quotes(path.name), ": expected ", kShortestMm, " to ", kLongestMm,
-         " mm from entry to target, found ", length_mm, " mm");
+         " mm from entry to target, found ", length_mm, " mm", unit_meant(length_mm));
   }
   check_bit(path.bit);
   if (path.screw) check_screw(*path.screw);

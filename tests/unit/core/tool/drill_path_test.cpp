@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
@@ -25,6 +26,20 @@ TEST(DrillPath, RejectsEndsThatMakeNoPath) {
   EXPECT_THROW(check_to(Vec3(nan, 0, 1)), Error);
   EXPECT_THROW(check_to(Vec3(std::numeric_limits<double>::infinity(), 0, 1)), Error);
   EXPECT_THROW(check_path({"test", Vec3::Zero(), Vec3(0, 0, 10), {-3.0, 50.0, 5.0}}), Error);
+}
+
+TEST(DrillPath, NamesTheUnitThatItsLengthSpeaksFor) {
+  const auto error_to = [](const Vec3& target_mm) -> std::string {
+    try {
+      check_path({"", Vec3::Zero(), target_mm, {}});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(error_to(Vec3(0.0, 0.0, 0.045)).find("in m?"), std::string::npos);
+  EXPECT_NE(error_to(Vec3(0.0, 0.0, 45'000.0)).find("in µm?"), std::string::npos);
+  EXPECT_EQ(error_to(Vec3(0.0, 0.0, 1e-6)).find("in m?"), std::string::npos);
 }
 
 TEST(PathFrame, IsRigidAndRightHandedForEveryDirection) {
