@@ -1,4 +1,6 @@
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "apps/spinaltap/command.h"
 #include "apps/spinaltap/further_bones.h"
@@ -22,10 +24,15 @@ Json replay(const ReplayOptions& options, const Progress& progress, int& exit_co
   const SessionRecord record = read_record(options.record);
   const std::string hash = hash_of(record);
   const std::vector<Bone> bones = load_bones(options.bone, options.level, options.also);
+  const SessionSetup setup = recorded_setup(record.setup, options.record);
+  std::vector<std::string> notes;
+  options.check.check_same("record " + options.record.filename().string() + ",", setup.bone, bones.front().identity(),
+                           notes);
+  for (const std::string& note : notes) print_figure("note", note);
   const Replay result =
       spinaltap::replay(record, options.record, bones, options.engine, progress, options.check.takes_other_ct);
   exit_code = result.is_same() ? kDone : kAnswerIsNo;
-  const bool is_other = recorded_setup(record.setup, options.record).bone_hash != bones.front().hash();
+  const bool is_other = setup.bone_hash != bones.front().hash();
   if (is_other) print_figure("note", "another bone than the one that was drilled, as --other-ct says");
   print_figure("record", record.is_whole ? "whole" : "cut short");
   print_figure("its hash", hash);

@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <optional>
+#include <string>
 
 #include "core/base/code_fingerprint.h"
 #include "core/base/error.h"
@@ -92,8 +93,9 @@ void survey(StudyBone& of, const StudySpec& spec, const Progress& progress) {
 
 /// Throws Error where a plan, or the registration, names another bone.
 void check_is_of(const StudySpec& spec, const StudyBone& bone) {
-  for (const DrillPath& path : bone.paths) check_path_is_of(path, bone.identity);
-  if (spec.registration) check_same_bone("the study's registration", spec.registration->bone, bone.identity);
+  const std::string remedy = R"(, or "takes_other_ct": true in the study's file to take it all the same)";
+  for (const DrillPath& path : bone.paths) check_path_is_of(path, bone.identity, remedy);
+  if (spec.registration) check_same_bone("the study's registration", spec.registration->bone, bone.identity, remedy);
 }
 
 }  // namespace
