@@ -12,6 +12,7 @@
 #include "apps/spinaltap/path_options.h"
 #include "apps/spinaltap/phantom_options.h"
 #include "apps/spinaltap/placement_options.h"
+#include "apps/spinaltap/plan_check.h"
 #include "apps/spinaltap/report_options.h"
 #include "apps/spinaltap/stage_times.h"
 #include "core/base/staged_output.h"
@@ -80,8 +81,11 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
 
   const Bone bone(baked.bone);
   heading("Plan");
-  if (const std::optional<DrillPath> given = options.path.given_path("given")) {
+  PlanFindings findings;
+  if (std::optional<DrillPath> given = options.path.given_path("given")) {
+    given->bone = bone.identity();
     paths = {*given};
+    findings = check_plan(bone, paths, {});
   } else if (paths.empty()) {
     const std::vector<Suggestion> suggestions = bone.suggest(
         {.bit = options.path.bit(), .density = options.drill.density, .material = options.drill.material}, progress);
@@ -112,6 +116,8 @@ Json demo(DemoOptions options, const Progress& progress, int& exit_code) {
                                output, clock, progress);
   const bool accepts_warnings = options.ct.finding.accepts_warnings;
   exit_code = say_input_warnings(of_input, accepts_warnings);
+  add_findings(bone, findings, figures["plan"]);
+  exit_code = std::max(exit_code, say_findings(findings, options.ct.finding.accepts_warnings));
   if (baked.warnings) {
     exit_code = std::max(exit_code, say_suspect(level_name(baked.level), *baked.warnings, accepts_warnings));
   }

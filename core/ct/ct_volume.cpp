@@ -1,26 +1,60 @@
 #include "core/ct/ct_volume.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/hash.h"
 
 namespace spinaltap {
 
-CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> hu) {
-  check_geometry(geometry, "CT");
-  if (hu.size() != geometry.voxel_count()) {
-    fail("CT: expected ", geometry.voxel_count(), " voxels, found ", hu.size());
+namespace {
+
+/// The same for the same CT in another format, whose text or floats round places: geometry counts in steps that no
+/// decimal number lies between two of, and that are far above such rounding.
+std::string whole_hash(const GridGeometry& geometry, const std::vector<std::int16_t>& hu) {
+  const double kPlaceMm = 0.01 * std::numbers::sqrt2;
+  const double kSpacingMm = 1e-3 * std::numbers::sqrt2, kDirection = 1e-3 * std::numbers::sqrt2;
+  WordHash64 hash;
+  const auto add = [&hash](double value, double step) {
+    const std::int64_t steps = std::llround(value / step);
+    hash.add(&steps, sizeof steps);
+  };
+  hash.add(geometry.size.data(), sizeof geometry.size);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    add(geometry.origin_mm[axis], kPlaceMm);
+    add(geometry.spacing_mm[axis], kSpacingMm);
   }
+  for (Eigen::Index n = 0; n < 9; ++n) add(geometry.directions.data()[n], kDirection);
+  hash.add(hu.data(), hu.size() * sizeof(std::int16_t));
+  return hash.hex();
+}
+
+std::string exact_hash(const GridGeometry& geometry, const std::vector<std::int16_t>& hu) {
   WordHash64 hash;
   hash.add(geometry.size.data(), sizeof geometry.size);
   hash.add(geometry.origin_mm.data(), 3 * sizeof(double));
   hash.add(geometry.spacing_mm.data(), 3 * sizeof(double));
   hash.add(geometry.directions.data(), 9 * sizeof(double));
   hash.add(hu.data(), hu.size() * sizeof(std::int16_t));
-  return {geometry, std::move(hu), hash.hex(), {}, hash.hex()};
+  return hash.hex();
+}
+
+}  // namespace
+
+CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> hu) {
+  check_geometry(geometry, "CT");
+  if (hu.size() != geometry.voxel_count()) {
+    fail("CT: expected ", geometry.voxel_count(), " voxels, found ", hu.size());
+  }
+  std::string exact, whole;
+  tbb::parallel_invoke([&] { exact = exact_hash(geometry, hu); }, [&] { whole = whole_hash(geometry, hu); });
+  return {geometry, std::move(hu), std::move(exact), {}, std::move(whole)};
 }
 
 double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu) {

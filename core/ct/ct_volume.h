@@ -16,7 +16,9 @@ struct CtVolume {
   /// What speaks against it or how it was read, a line each, without names of files or anything of the patient; no part
   /// of the hash. Kept as a bone's metadata: add_input_warnings().
   std::vector<std::string> warnings{};
-  std::string whole_hash{};  ///< of what was cropped to this: that of the whole CT; else source_hash
+  /// Which CT it is: the same in another format, whose text or floats round places, and of a part that was cropped from
+  /// it. Plans name it.
+  std::string whole_hash{};
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };

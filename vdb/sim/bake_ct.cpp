@@ -112,7 +112,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
       {"hu_margin_mm", joined(options.bake.hu_margin_mm)},
   };
   if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = joined(*noise_hu);
-  if (ct.whole_hash != ct.source_hash) metadata[kWholeCtHash] = ct.whole_hash;
+  metadata[kWholeCtHash] = ct.whole_hash;
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
   add_input_warnings(ct.warnings, metadata);

@@ -6,7 +6,7 @@
 
 namespace spinaltap {
 
-/// A bone's metadata: CtVolume::source_hash of the CT that it was baked from, and, where that was cropped, whole_hash.
+/// A bone's metadata: CtVolume::source_hash and whole_hash of the CT that it was baked from.
 inline constexpr const char* kSourceHash = "source_hash";
 inline constexpr const char* kWholeCtHash = "whole_ct_hash";
 

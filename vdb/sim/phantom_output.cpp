@@ -41,7 +41,7 @@ void write_phantom(const Solid& solid, const std::optional<VertebraGroundTruth>&
   const CtVolume ct = scan(solid, options.scan, progress);
   write_ct(ct, options.scan.slice_width_mm, staged.temporary() / "ct", progress);
   write_bone(bake_solid(solid, {.voxel_mm = options.ground_truth_voxel_mm}, options.scan.surroundings_hu, progress,
-                        {{kSourceHash, ct.source_hash}}),
+                        {{kWholeCtHash, ct.whole_hash}}),
              staged.temporary() / "ground_truth.vdb");
   write_ground_truth(ground_truth, options.scan, ct.source_hash, staged.temporary() / "ground_truth.json");
   if (ground_truth) {

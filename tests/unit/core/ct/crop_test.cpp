@@ -30,10 +30,10 @@ TEST(Crop, KeepsTheVoxelsWhoseCentresLieInTheBox) {
   EXPECT_THAT(cropped.geometry.size, ElementsAre(4, 3, 3));
   EXPECT_EQ(cropped.geometry.origin_mm, Vec3(-19.5, 32.0, 5.0));
   EXPECT_NE(cropped.source_hash, ct.source_hash);
-  EXPECT_EQ(cropped.whole_hash, ct.source_hash);  // of the same CT: what was planned in the one fits the other
+  EXPECT_EQ(cropped.whole_hash, ct.whole_hash);  // of the same CT: what was planned in the one fits the other
   EXPECT_EQ(
       crop(cropped, block_in_box(cropped.geometry, Box3(Vec3(-19.5, 32.0, 0.0), Vec3(-19.0, 33.0, 9.0)))).whole_hash,
-      ct.source_hash);
+      ct.whole_hash);
   for (int k = 0; k < 3; ++k) {
     for (int j = 0; j < 3; ++j) {
       for (int i = 0; i < 4; ++i) EXPECT_EQ(cropped.at(i, j, k), ct.at(i + 1, j + 2, k));

@@ -67,6 +67,8 @@ TEST(WriteDicom, ReadsBackAnObliqueVolumeWithExactVoxels) {
   write_dicom(ct, folder.path());
   const CtVolume back = read_dicom(folder.path());
   EXPECT_EQ(back.hu, ct.hu);
+  EXPECT_NE(back.source_hash, ct.source_hash);  // the last digits of places
+  EXPECT_EQ(back.whole_hash, ct.whole_hash);    // but it is the same CT
   EXPECT_EQ(back.geometry.size, ct.geometry.size);
   // 16 characters keep 11 decimals of a position below 1000 mm and 13 of a direction.
   EXPECT_LT((back.geometry.origin_mm - ct.geometry.origin_mm).norm(), 1e-10);
