@@ -31,7 +31,8 @@ Bone bone_from_ct(const std::filesystem::path& ct, const std::optional<Numbers>&
                   const std::string& series, bool resample, bool accept_warnings, const std::filesystem::path& cache,
                   const py::object& progress) {
   BoneFromCt options;
-  options.reading = {series, resample};
+  options.reading.series = series;
+  options.reading.resample = resample;
   options.accepts_warnings = accept_warnings;
   options.bake.labels = label_choice(labels, label, level);
   options.bake.bake.voxel_mm = voxel_mm;

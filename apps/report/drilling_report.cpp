@@ -127,7 +127,7 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
     const std::vector<ReportRow> rows = heat_rows(*figures.heat);
     data.figures.insert(data.figures.end(), rows.begin(), rows.end());
   }
-  for (const std::string& warning : figures.bone.input_warnings()) data.notes.push_back("The CT: " + warning);
+  for (const std::string& warning : figures.bone.input_remarks()) data.notes.push_back("The CT: " + warning);
   if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
     data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());
   }

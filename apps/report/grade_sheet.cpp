@@ -110,7 +110,7 @@ class Sheets {
   std::vector<std::string> notes() const {
     std::vector<std::string> lines = data_.notes;
     if (data_.bone != nullptr) {
-      for (const std::string& warning : data_.bone->input_warnings()) lines.push_back("The CT: " + warning);
+      for (const std::string& warning : data_.bone->input_remarks()) lines.push_back("The CT: " + warning);
     }
     const std::optional<LevelWarnings> bone = data_.bone != nullptr ? data_.bone->warnings() : std::nullopt;
     if (bone && !bone->warnings.empty()) {

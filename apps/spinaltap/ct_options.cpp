@@ -14,6 +14,16 @@ void CtOptions::add_reading(CLI::App& app) {
   app.add_option("--series", reading.series,
                  "SeriesInstanceUID or number of the series, where the folder holds several")
       ->type_name("UID");
+  app.add_option("--stack", reading.stack, "Which stack of the series, where it holds several acquisitions: see info")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  app.add_option("--hu-scale", reading.hu.scale,
+                 "Multiply the CT's numbers by this, for who knows better than its files")
+      ->capture_default_str()
+      ->type_name("FACTOR");
+  app.add_option("--hu-offset", reading.hu.offset, "Then add this, HU: -1024 for CT numbers + 1024")
+      ->capture_default_str()
+      ->type_name("HU");
   app.add_flag(
       "--resample", reading.resample,
       "Interpolate unequal slice steps, gaps of up to 6 mm and uneven sideways shifts instead of rejecting them");
@@ -62,6 +72,7 @@ void CtOptions::add_baking(CLI::App& app) {
 
 CtVolume CtOptions::read(const Progress& progress) const {
   CtVolume ct = read_ct(folder, reading, progress);
+  for (const std::string& note : ct.notes) print_figure("note", note);
   if (crop_mm.size() == 6) {
     const auto corner = [&](std::size_t n) { return Vec3(crop_mm[n], crop_mm[n + 1], crop_mm[n + 2]); };
     ct = crop(ct, block_in_box(ct.geometry, Box3(corner(0), corner(3))));

@@ -157,13 +157,22 @@ Json info_of_series(const SeriesInfo& series) {
        << (series.uid.empty() ? "none" : series.uid);
   print_figure(name, text.str());
   print_figure("  stored as", series.transfer_syntax);
+  if (!series.told_apart_by.empty()) {
+    print_figure("  stack", std::to_string(series.stack) + " of " + std::to_string(series.stacks) +
+                                " of this series, told apart by " + series.told_apart_by);
+  }
   Json json{{"number", series.number},
             {"modality", series.modality},
             {"files", series.files.size()},
             {"slices", series.slices},
             {"columns", series.columns},
             {"rows", series.rows},
-            {"transfer_syntax", series.transfer_syntax}};
+            {"transfer_syntax", series.transfer_syntax},
+            {"stack", series.stack},
+            {"stacks", series.stacks},
+            {"told_apart_by", series.told_apart_by},
+            {"notes", series.notes},
+            {"input_warnings", series.warnings}};
   if (!series.layout) {
     print_figure("  slices", "without a place in space, or only one");
     return json;
@@ -235,11 +244,15 @@ void add_info(CLI::App& program, Command& command) {
       Json list = Json::array();
       for (const SeriesInfo& one : series) list.push_back(info_of_series(one));
       figures["series"] = list;
-      is_one = series.size() == 1 || !options->ct.reading.series.empty() || !options->contact_sheet.empty();
+      figures["passed_over"] = series.front().passed_over;
+      is_one = series.size() == 1 || !options->ct.reading.series.empty() || options->ct.reading.stack != 0 ||
+               !options->contact_sheet.empty();
+      if (!is_one && !series.front().passed_over.empty()) print_figure("note", series.front().passed_over);
     }
     if (!is_one) return figures;
     const CtVolume ct = options->ct.read(progress);
     figures["ct"] = info_of_ct(ct);
+    figures["notes"] = ct.notes;
     report_input_warnings(ct.warnings, figures);
     command.exit_code = say_input_warnings(ct.warnings, options->ct.finding.accepts_warnings);
     if (!options->contact_sheet.empty()) write_contact_sheet(ct, options->contact_sheet);

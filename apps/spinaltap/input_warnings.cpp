@@ -13,6 +13,10 @@ void report_input_warnings(std::span<const std::string> warnings, Json& figures)
 
 void report_input_warnings(const BoneModel& bone, Json& figures) {
   report_input_warnings(input_warnings_in(bone.metadata()), figures);
+  if (const std::string change = hu_change_in(bone.metadata()); !change.empty()) {
+    print_figure("CT numbers changed", change);
+    figures["hu_change"] = change;
+  }
 }
 
 int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings) {

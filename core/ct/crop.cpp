@@ -93,6 +93,8 @@ CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
   CtVolume cropped = make_ct_volume(geometry, copy_block(ct.geometry, ct.hu, block));
   cropped.warnings = ct.warnings;
   cropped.whole_hash = ct.whole_hash;  // a part of the same CT
+  cropped.notes = ct.notes;
+  cropped.hu_change = ct.hu_change;
   return cropped;
 }
 

@@ -54,7 +54,9 @@ CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> 
   }
   std::string exact, whole;
   tbb::parallel_invoke([&] { exact = exact_hash(geometry, hu); }, [&] { whole = whole_hash(geometry, hu); });
-  return {geometry, std::move(hu), std::move(exact), {}, std::move(whole)};
+  CtVolume ct{.geometry = geometry, .hu = std::move(hu), .source_hash = std::move(exact)};
+  ct.whole_hash = std::move(whole);
+  return ct;
 }
 
 double sample_hu(const CtVolume& ct, const Vec3& p_patient, double outside_hu) {

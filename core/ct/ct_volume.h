@@ -8,6 +8,14 @@
 
 namespace spinaltap {
 
+/// What whoever knows better made of the numbers that were read: value * scale + offset.
+struct HuChange {
+  double scale = 1.0;
+  double offset = 0.0;
+
+  bool is_none() const { return scale == 1.0 && offset == 0.0; }
+};
+
 /// A CT: Hounsfield units on a regular grid. Holds nothing that identifies a patient.
 struct CtVolume {
   GridGeometry geometry;
@@ -19,6 +27,9 @@ struct CtVolume {
   /// Which CT it is: the same in another format, whose text or floats round places, and of a part that was cropped from
   /// it. Plans name it.
   std::string whole_hash{};
+  /// How it was read where that may surprise, a line each; as warnings, but no doubt.
+  std::vector<std::string> notes{};
+  HuChange hu_change{};  ///< that was made of its numbers
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };

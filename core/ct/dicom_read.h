@@ -36,6 +36,12 @@ struct SeriesInfo {
   std::string transfer_syntax;               ///< how the first is stored: "JPEG 2000, lossless", ...
   std::optional<StackLayout> layout;         ///< where the slices lie, where they say so
   std::vector<std::filesystem::path> files;  ///< in the order of the names
+  int stack = 1;              ///< of the series' stacks, from 1: a series may hold several acquisitions or sizes
+  int stacks = 1;             ///< that the series holds
+  std::string told_apart_by;  ///< the attributes that part it from the series' other stacks; empty: size, orientation
+  std::vector<std::string> notes;     ///< what was assumed of it, a line each
+  std::vector<std::string> warnings;  ///< what speaks against it, a line each
+  std::string passed_over;            ///< of the whole folder: how many files were, and why; empty: none
 };
 
 /// What read_dicom() throws where a choice is missing: of several series, or of several sets of pictures of one.
@@ -54,14 +60,20 @@ class UnevenSlices : public Error {
 };
 
 /// The DICOM image series below a folder, or in one file, ordered by UID (then orientation, stack and size, which split
-/// a series whose pictures do not fit into one volume). Files without the mark of a DICOM file ("DICM" after 128
-/// bytes), DICOM objects without pixels and what cannot be opened are passed over; links to folders are not followed.
+/// a series whose pictures do not fit into one volume, and acquisitions and frames of reference, see
+/// part_into_acquisitions()). What is not DICOM, DICOM objects without pixels and what cannot be opened are passed over
+/// and counted; links to folders are not followed.
 /// Throws Error when the path is missing or holds no DICOM image, and for a file cut short that may be a CT.
 std::vector<SeriesInfo> list_dicom_series(const std::filesystem::path& path, const Progress& progress = {});
 
 struct DicomReadOptions {
   /// SeriesInstanceUID or number of the series to read; may be empty where the folder holds just one.
-  std::string series;
+  std::string series{};
+  /// Which of the series' stacks, from 1; 0: the only one.
+  int stack = 0;
+  /// Stored values of slices without RescaleSlope and RescaleIntercept are taken as they are: the caller knows their
+  /// unit.
+  bool takes_stored = false;
   /// Unequal steps, gaps of up to 6 mm and uneven sideways shifts are interpolated instead of rejected.
   bool resample = false;
 };

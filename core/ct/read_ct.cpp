@@ -1,7 +1,10 @@
 #include "core/ct/read_ct.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <string_view>
 
 #include "core/base/error.h"
@@ -11,6 +14,7 @@
 #include "core/ct/detail/nifti_read.h"
 #include "core/ct/detail/volume_file.h"
 #include "core/ct/dicom_read.h"
+#include "core/ct/hu_check.h"
 
 namespace spinaltap {
 namespace {
@@ -90,6 +94,40 @@ constexpr std::array<Foreign, 25> kForeign{{
        file.string());
 }
 
+CtVolume read_any(const fs::path& path, const CtReadOptions& options, const Progress& progress) {
+  const detail::VolumeFormat format = detail::volume_format_of(path);
+  if (format == detail::VolumeFormat::kNone) {
+    check_ct_file(path);
+    return read_dicom(path,
+                      {.series = options.series,
+                       .stack = options.stack,
+                       .takes_stored = !options.hu.is_none(),
+                       .resample = options.resample},
+                      progress);
+  }
+  if (!options.series.empty() || options.stack != 0) {
+    fail("expected no series for a file that holds one CT, found ",
+         options.series.empty() ? "a stack" : in_quotes(options.series), " for ", path.string());
+  }
+  if (format == detail::VolumeFormat::kNifti) return read_nifti_ct(path, progress);
+  return detail::ct_of_volume(detail::open_volume_file(path, format), path, progress);
+}
+
+CtVolume changed(CtVolume ct, const HuChange& change) {
+  if (!std::isfinite(change.offset) || !std::isfinite(change.scale) || change.scale == 0.0) {
+    fail("expected a scale other than 0 and an offset for CT numbers, found ", change.scale, " and ", change.offset);
+  }
+  constexpr double kMin = std::numeric_limits<std::int16_t>::min(), kMax = std::numeric_limits<std::int16_t>::max();
+  for (std::int16_t& hu : ct.hu) {
+    hu = static_cast<std::int16_t>(std::lround(std::clamp(hu * change.scale + change.offset, kMin, kMax)));
+  }
+  CtVolume made = make_ct_volume(ct.geometry, std::move(ct.hu));
+  made.warnings = std::move(ct.warnings);
+  made.notes = std::move(ct.notes);
+  made.hu_change = change;
+  return made;
+}
+
 }  // namespace
 
 bool is_one_volume(const fs::path& path) { return detail::volume_format_of(path) != detail::VolumeFormat::kNone; }
@@ -113,16 +151,10 @@ void check_ct_file(const fs::path& file) {
 }
 
 CtVolume read_ct(const fs::path& path, const CtReadOptions& options, const Progress& progress) {
-  const detail::VolumeFormat format = detail::volume_format_of(path);
-  if (format == detail::VolumeFormat::kNone) {
-    check_ct_file(path);
-    return read_dicom(path, {.series = options.series, .resample = options.resample}, progress);
-  }
-  if (!options.series.empty()) {
-    fail("expected no series for a file that holds one CT, found \"", options.series, "\" for ", path.string());
-  }
-  if (format == detail::VolumeFormat::kNifti) return read_nifti_ct(path, progress);
-  return detail::ct_of_volume(detail::open_volume_file(path, format), path, progress);
+  CtVolume ct = read_any(path, options, progress);
+  if (!options.hu.is_none()) ct = changed(std::move(ct), options.hu);
+  for (std::string& warning : check_hu(ct).warnings) ct.warnings.push_back(std::move(warning));
+  return ct;
 }
 
 }  // namespace spinaltap

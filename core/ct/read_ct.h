@@ -9,8 +9,12 @@
 namespace spinaltap {
 
 struct CtReadOptions {
-  std::string series;     ///< SeriesInstanceUID or number, where a folder holds several
+  std::string series{};   ///< SeriesInstanceUID or number, where a folder holds several
+  int stack = 0;          ///< which of the series' stacks, from 1, where it holds several acquisitions; 0: the only one
   bool resample = false;  ///< interpolate unequal steps, gaps of up to 6 mm and uneven sideways shifts of DICOM slices
+  /// What to make of the numbers, for who knows their unit; other than none, DICOM slices that state no rescaling are
+  /// read too.
+  HuChange hu = {};
 };
 
 /// Whether the path is a file of a format that holds one CT, NIfTI, NRRD or MetaImage, and not DICOM's.
@@ -21,8 +25,9 @@ bool is_one_volume(const std::filesystem::path& path);
 void check_ct_file(const std::filesystem::path& file);
 
 /// Reads a CT from wherever it is: a folder with a DICOM series, one DICOM file of many frames, or a file of NIfTI
-/// (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd), known by what it begins with. Throws Error for what
-/// is damaged, does not say where it lies, or is none of these, with what can be done about that.
+/// (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd), known by what it begins with; with what check_hu()
+/// says of its values. Throws Error for what is damaged, does not say where it lies, or is none of these, with what can
+/// be done about that.
 CtVolume read_ct(const std::filesystem::path& path, const CtReadOptions& options = {}, const Progress& progress = {});
 
 }  // namespace spinaltap

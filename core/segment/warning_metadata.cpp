@@ -68,4 +68,17 @@ std::vector<std::string> input_warnings_in(const std::map<std::string, std::stri
   return lines_in(metadata, kInputWarnings);
 }
 
+void add_hu_change(const HuChange& change, std::map<std::string, std::string>& metadata) {
+  if (change.is_none()) return;
+  metadata["hu_scale"] = short_text(change.scale);
+  metadata["hu_offset"] = short_text(change.offset);
+}
+
+std::string hu_change_in(const std::map<std::string, std::string>& metadata) {
+  const auto scale = metadata.find("hu_scale"), offset = metadata.find("hu_offset");
+  if (scale == metadata.end() || offset == metadata.end()) return {};
+  const bool is_minus = offset->second.starts_with('-');
+  return "x " + scale->second + (is_minus ? " - " + offset->second.substr(1) : " + " + offset->second) + ", as told";
+}
+
 }  // namespace spinaltap

@@ -32,4 +32,9 @@ std::optional<LevelWarnings> warnings_in(const std::map<std::string, std::string
 void add_input_warnings(std::span<const std::string> lines, std::map<std::string, std::string>& metadata);
 std::vector<std::string> input_warnings_in(const std::map<std::string, std::string>& metadata);
 
+/// What was made of the CT's numbers (CtVolume::hu_change), as the metadata "hu_scale" and "hu_offset", and in words:
+/// "x 1 - 1024, as told"; nothing where nothing was.
+void add_hu_change(const HuChange& change, std::map<std::string, std::string>& metadata);
+std::string hu_change_in(const std::map<std::string, std::string>& metadata);
+
 }  // namespace spinaltap

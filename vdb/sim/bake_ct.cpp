@@ -116,6 +116,7 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
   add_input_warnings(ct.warnings, metadata);
+  add_hu_change(ct.hu_change, metadata);
   return metadata;
 }
 

@@ -86,6 +86,14 @@ std::optional<LevelWarnings> Bone::warnings() const { return warnings_in(model()
 
 std::vector<std::string> Bone::input_warnings() const { return input_warnings_in(model().metadata()); }
 
+std::vector<std::string> Bone::input_remarks() const {
+  std::vector<std::string> lines = input_warnings();
+  if (const std::string change = hu_change_in(model().metadata()); !change.empty()) {
+    lines.push_back("its numbers were changed: " + change);
+  }
+  return lines;
+}
+
 Level Bone::level() const {
   const auto recorded = model().metadata().find("level");
   return recorded == model().metadata().end() ? Level::kNone : level_from_name(recorded->second).value_or(Level::kNone);

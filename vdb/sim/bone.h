@@ -55,6 +55,8 @@ class Bone {
   std::optional<LevelWarnings> warnings() const;
   /// What speaks against the CT and the label map that it was made of, a line each.
   std::vector<std::string> input_warnings() const;
+  /// These, and what was made of the CT's numbers before, in words: what reports say.
+  std::vector<std::string> input_remarks() const;
 
   /// Which vertebra of which CT it is; see identity_of(). Plans, records and registrations of it name that.
   const BoneIdentity& identity() const;

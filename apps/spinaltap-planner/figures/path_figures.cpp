@@ -100,7 +100,7 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   } else if (const double off_mm = off_surface_mm(bone, path.entry_mm); off_mm > 1.0) {
     warnings.push_back({WarningLevel::caution, "the entry is " + mm_text(off_mm) + " off the bone's surface"});
   }
-  for (const std::string& warning : bone.bone->input_warnings()) {
+  for (const std::string& warning : bone.bone->input_remarks()) {
     warnings.push_back({WarningLevel::caution, "the CT: " + warning});
   }
   if (const std::optional<LevelWarnings> marked = bone.bone->warnings()) {

@@ -139,4 +139,11 @@ bool DicomBytes::skip(std::uint64_t count) {
   return true;
 }
 
+bool DicomBytes::rewind() {
+  stream_.clear();
+  stream_.seekg(0);
+  position_ = 0;
+  return static_cast<bool>(stream_);
+}
+
 }  // namespace spinaltap

@@ -30,6 +30,8 @@ class DicomBytes {
   /// As read(), without going on. `count`: up to 16.
   bool peek(char* bytes, std::uint64_t count);
   bool skip(std::uint64_t count);
+  /// Goes back to the file's begin; not for deflated bytes.
+  bool rewind();
 
  private:
   struct Inflater;

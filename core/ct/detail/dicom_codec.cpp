@@ -49,7 +49,22 @@ const Syntax* find_syntax(const std::string& uid) {
   return nullptr;
 }
 
-void check_codestream(const DicomHeader& header, std::span<const char> bytes) {
+/// A codestream that disagrees with the header about signs cannot be read: either may be right, and 2^bits lies
+/// between the two.
+void check_sign(const DicomHeader& header, const CodestreamSize& found) {
+  if (found.is_signed && *found.is_signed != header.is_signed) {
+    fail("expected ", header.is_signed ? "signed" : "unsigned", " values as PixelRepresentation says, found ",
+         *found.is_signed ? "signed" : "unsigned", " ones of ", found.bits, " bits in the codestream of ",
+         path_of(header), " (a converter's fault: write the pixels anew)");
+  }
+  // JPEG and JPEG-LS keep two's complement, whose sign is the codestream's highest bit.
+  if (!found.is_signed && header.is_signed && found.bits < header.bits_stored) {
+    fail("expected signed values of BitsStored ", header.bits_stored, ", found ", found.bits,
+         " bits in the codestream, whose sign cannot be told, of ", path_of(header));
+  }
+}
+
+CodestreamSize check_codestream(const DicomHeader& header, std::span<const char> bytes) {
   const std::optional<CodestreamSize> found = codestream_size(bytes);
   if (!found) fail("cannot decode the compressed pixels, which have no readable header, of ", path_of(header));
   const int bits_allocated = found->bits <= 8 ? 8 : found->bits <= 16 ? 16 : 32;
@@ -58,6 +73,30 @@ void check_codestream(const DicomHeader& header, std::span<const char> bytes) {
     fail("expected compressed pixels of ", header.columns, " x ", header.rows, " values of ", header.bits_allocated,
          " bits, found ", found->columns, " x ", found->rows, " x ", found->components, " of ", found->bits,
          " bits in ", path_of(header));
+  }
+  check_sign(header, *found);
+  return *found;
+}
+
+/// Where the codestream has more bits than the header says are used, those above must repeat the sign or be 0.
+void check_upper_bits(const DicomHeader& header, const CodestreamSize& found, const std::vector<char>& bytes) {
+  if (found.bits <= header.bits_stored || header.bits_stored >= 32) return;
+  const auto size = static_cast<std::size_t>(header.bits_allocated / 8);
+  const std::uint32_t all =
+      header.bits_allocated == 32 ? ~std::uint32_t{0} : (std::uint32_t{1} << header.bits_allocated) - 1;
+  const int sign_bits = header.is_signed ? 1 : 0;
+  for (std::size_t n = 0; n + size <= bytes.size(); n += size) {
+    std::uint32_t value = 0;
+    for (std::size_t byte = 0; byte < size; ++byte) {
+      value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[n + byte])) << (8 * byte);
+    }
+    const std::uint32_t above = value >> (header.bits_stored - sign_bits);
+    const bool is_padding = header.padding && value == (*header.padding & all);
+    const bool fits =
+        value >> header.bits_stored == 0 || (header.is_signed && above == all >> (header.bits_stored - sign_bits));
+    if (is_padding || fits) continue;
+    fail("expected compressed values of BitsStored ", header.bits_stored, ", found ", found.bits,
+         " bits in use in the codestream of ", path_of(header));
   }
 }
 
@@ -148,7 +187,7 @@ std::vector<char> decompress_frame(const DicomHeader& header) {
     }
     return bytes;
   }
-  check_codestream(header, whole);
+  const CodestreamSize codestream = check_codestream(header, whole);
   if (is_jpeg(header.transfer_syntax)) {
     const std::optional<std::vector<char>> plain = plain_jpeg_stream(whole);
     if (!plain) fail("cannot decode the JPEG pixels, which are broken or of another process, of ", path_of(header));
@@ -160,7 +199,9 @@ std::vector<char> decompress_frame(const DicomHeader& header) {
     constexpr std::array<char, 2> kEndOfImage{'\xff', '\xd9'};
     whole.insert(whole.end(), kEndOfImage.begin(), kEndOfImage.end());
   }
-  return decode_with_gdcm(header, whole);
+  std::vector<char> bytes = decode_with_gdcm(header, whole);
+  check_upper_bits(header, codestream, bytes);
+  return bytes;
 }
 
 }  // namespace spinaltap

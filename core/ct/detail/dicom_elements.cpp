@@ -27,13 +27,32 @@ bool has_long_length(std::string_view vr) {
   return false;
 }
 
+/// Whether the first eight bytes are those of an element of group 0002 or of the first of group 0008, little endian.
+bool begins_data_set(const std::array<char, 8>& head) {
+  const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(head[n]); };
+  constexpr unsigned kLastTag = 0x70;  // Manufacturer: a data set begins with one of the tags before it
+  constexpr unsigned kMaxLength = 256;
+  if ((byte(0) != 2 && byte(0) != 8) || byte(1) != 0 || byte(2) > kLastTag || byte(3) != 0) return false;
+  if (is_upper(head[4]) && is_upper(head[5])) return true;
+  const unsigned length = byte(4) | static_cast<unsigned>(byte(5)) << 8;
+  return byte(6) == 0 && byte(7) == 0 && length <= kMaxLength && length % 2 == 0;
+}
+
 }  // namespace
 
 bool DicomElementWalker::open(const std::filesystem::path& file) {
   file_ = file;
+  if (!bytes_.open(file)) return false;
+  std::array<char, 8> head{};
+  const bool begins_at_once = bytes_.peek(head.data(), head.size()) && begins_data_set(head);
   std::array<char, 132> start{};
-  return bytes_.open(file) && bytes_.read(start.data(), start.size()) &&
-         std::memcmp(start.data() + 128, "DICM", 4) == 0;
+  has_preamble_ = bytes_.read(start.data(), start.size()) && std::memcmp(start.data() + 128, "DICM", 4) == 0;
+  return has_preamble_ || (begins_at_once && bytes_.rewind());
+}
+
+std::string DicomElementWalker::plain_syntax() const {
+  if (big_endian_) return "1.2.840.10008.1.2.2";
+  return implicit_ ? "1.2.840.10008.1.2" : "1.2.840.10008.1.2.1";
 }
 
 void DicomElementWalker::set_transfer_syntax(std::string_view uid) { deflated_ = uid == "1.2.840.10008.1.2.1.99"; }

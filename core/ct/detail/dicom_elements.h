@@ -40,8 +40,12 @@ struct DicomFragments {
 /// program, and it fills missing pixels with what memory holds.
 class DicomElementWalker {
  public:
-  /// Whether the file can be opened and has the mark "DICM" after its first 128 bytes, as every DICOM file has.
+  /// Whether the file can be opened and has the mark "DICM" after its first 128 bytes, as every DICOM file has, or
+  /// begins with a data set at once, as old programs write it.
   bool open(const std::filesystem::path& file);
+  bool has_preamble() const { return has_preamble_; }
+  /// Of a file that names no transfer syntax: the one of plain pixels that its elements show.
+  std::string plain_syntax() const;
 
   /// Says how the elements behind group 0002 are stored; call it where TransferSyntaxUID stands.
   void set_transfer_syntax(std::string_view uid);
@@ -83,6 +87,7 @@ class DicomElementWalker {
   std::filesystem::path file_;
   DicomBytes bytes_;
   std::uint64_t data_set_offset_ = 0;
+  bool has_preamble_ = false;
   bool past_meta_ = false;
   bool deflated_ = false;
   bool implicit_ = false;

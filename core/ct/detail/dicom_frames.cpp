@@ -19,6 +19,30 @@ void take_from_group(DicomElementWalker& walker, const DicomElement& element, Di
     case 0x00200037:
       frame.orientation = dicom_decimals(walker.value(element));
       return;
+    case 0x00089007:
+      frame.image_type = dicom_text(walker.value(element));
+      return;
+    case 0x00180060:
+      frame.kvp = dicom_text(walker.value(element));
+      return;
+    case 0x00181210:
+      frame.kernel = dicom_text(walker.value(element));
+      return;
+    case 0x00189074:
+      frame.acquisition_time = dicom_text(walker.value(element));
+      return;
+    case 0x00209128:
+      frame.temporal_position = std::to_string(dicom_unsigned(walker.value(element), walker.is_big_endian()));
+      return;
+    case 0x00209156:
+      frame.acquisition_number = std::to_string(dicom_unsigned(walker.value(element), walker.is_big_endian()));
+      return;
+    case 0x00209241:
+      frame.cardiac_phase = dicom_text(walker.value(element));
+      return;
+    case 0x00281054:
+      frame.rescale_type = dicom_text(walker.value(element));
+      return;
     case 0x00209056:
       frame.stack_id = dicom_text(walker.value(element));
       return;
@@ -37,7 +61,8 @@ void take_from_group(DicomElementWalker& walker, const DicomElement& element, Di
 }
 
 bool is_wanted_group(std::uint32_t tag) {
-  return tag == 0x00209113 || tag == 0x00209116 || tag == 0x00209111 || tag == 0x00289110 || tag == 0x00289145;
+  return tag == 0x00209113 || tag == 0x00209116 || tag == 0x00209111 || tag == 0x00289110 || tag == 0x00289145 ||
+         tag == 0x00189314 || tag == 0x00189325 || tag == 0x00189329 || tag == 0x00189118;
 }
 
 void overlay(const DicomFrame& from, DicomFrame& to) {
@@ -46,7 +71,14 @@ void overlay(const DicomFrame& from, DicomFrame& to) {
   if (!from.pixel_spacing_mm.empty()) to.pixel_spacing_mm = from.pixel_spacing_mm;
   if (!from.rescale_slope.empty()) to.rescale_slope = from.rescale_slope;
   if (!from.rescale_intercept.empty()) to.rescale_intercept = from.rescale_intercept;
-  if (!from.stack_id.empty()) to.stack_id = from.stack_id;
+  const auto take = [&](std::string DicomFrame::*text) {
+    if (!(from.*text).empty()) to.*text = from.*text;
+  };
+  for (const auto text : {&DicomFrame::rescale_type, &DicomFrame::stack_id, &DicomFrame::image_type,
+                          &DicomFrame::kernel, &DicomFrame::kvp, &DicomFrame::acquisition_number,
+                          &DicomFrame::acquisition_time, &DicomFrame::temporal_position, &DicomFrame::cardiac_phase}) {
+    take(text);
+  }
 }
 
 /// As the file states it; 0 where it states too much.

@@ -15,7 +15,7 @@ struct DicomFrameGroups {
 
 /// Reads a SharedFunctionalGroupsSequence or PerFrameFunctionalGroupsSequence, which the walker just gave: an entry an
 /// item. Of the groups, those that place a frame and rescale it: plane position, plane orientation, pixel measures,
-/// pixel value transformation, and the stack of the frame content.
+/// pixel value transformation, the stack of the frame content, and what tells acquisitions apart.
 std::vector<DicomFrame> read_functional_groups(DicomElementWalker& walker, const DicomElement& sequence);
 
 /// All pixels of a file, before they are shared out to frames.

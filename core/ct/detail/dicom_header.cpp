@@ -25,6 +25,7 @@ struct Reading {
   DicomHeader header;
   DicomFrameGroups groups;
   DicomPixelData pixels;
+  std::string acquisition_date, acquisition_date_time;
 
   bool take(const DicomElement& element);
   void take_pixels(const DicomElement& element);
@@ -61,20 +62,65 @@ bool Reading::take(const DicomElement& element) {
       header.transfer_syntax = text(element);
       walker.set_transfer_syntax(header.transfer_syntax);
       return true;
+    case 0x00080008:
+      header.image_type = text(element);
+      return true;
     case 0x00080016:
       if (std::string uid = text(element); !uid.empty()) header.sop_class = std::move(uid);
+      return true;
+    case 0x00080018:
+      header.instance_uid = text(element);
+      return true;
+    case 0x00080022:
+      acquisition_date = text(element);
+      return true;
+    case 0x0008002a:
+      acquisition_date_time = text(element);
+      return true;
+    case 0x00080032:
+      header.acquisition_time = text(element);
       return true;
     case 0x00080060:
       header.modality = text(element);
       return true;
+    case 0x00180010:
+      header.contrast = text(element);
+      return true;
+    case 0x00180050:
+      if (header.stated_step_mm.empty()) header.stated_step_mm = decimals(element);
+      return true;
+    case 0x00180060:
+      header.kvp = text(element);
+      return true;
+    case 0x00180088:
+      header.stated_step_mm = decimals(element);
+      return true;
+    case 0x00181060:
+      header.cardiac_phase = text(element);
+      return true;
+    case 0x00181210:
+      header.kernel = text(element);
+      return true;
     case 0x0020000e:
       header.series_uid = text(element);
+      return true;
+    case 0x00200012:
+      header.acquisition_number = text(element);
       return true;
     case 0x00200032:
       header.position_mm = decimals(element);
       return true;
     case 0x00200037:
       header.orientation = decimals(element);
+      return true;
+    case 0x00200052:
+      header.frame_of_reference = text(element);
+      return true;
+    case 0x00200100:
+      header.temporal_position = text(element);
+      return true;
+    case 0x00209241:
+      header.cardiac_phase = text(element);
       return true;
     case 0x00280002:
       header.samples = small(element);
@@ -124,6 +170,13 @@ bool Reading::take(const DicomElement& element) {
     case 0x00281053:
       header.rescale_slope = decimals(element);
       return true;
+    case 0x00281054:
+      header.rescale_type = text(element);
+      return true;
+    case 0x00283000:
+      header.has_modality_lut = element.undefined_length || element.length > 0;
+      walker.skip(element);
+      return true;
     case 0x52009229:
       groups.shared = read_functional_groups(walker, element);
       return true;
@@ -148,30 +201,45 @@ std::string with_frame(const std::string& name, const DicomHeader& header) {
 std::string name_of(const DicomHeader& header) { return with_frame(header.file.filename().string(), header); }
 std::string path_of(const DicomHeader& header) { return with_frame(header.file.string(), header); }
 
-std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file) {
+std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file, std::string* why_none) {
+  const auto pass_over = [&](const std::string& why) -> std::vector<DicomHeader> {
+    if (why_none != nullptr) *why_none = why;
+    return {};
+  };
   Reading reading;
-  if (!reading.walker.open(file)) return {};
+  if (!reading.walker.open(file)) return pass_over("not DICOM");
   DicomHeader& header = reading.header;
   header.file = file;
+  const bool has_preamble = reading.walker.has_preamble();
   const auto may_be_ct = [&] {
     return is_ct_class(header.sop_class) || header.modality == "CT" ||
-           (header.sop_class.empty() && header.modality.empty());
+           (has_preamble && header.sop_class.empty() && header.modality.empty());
   };
+  constexpr const char* kDirectory = "1.2.840.10008.1.3.10";
   try {
     for (DicomElement element; reading.walker.next(element) && reading.take(element);) {
     }
-    if (is_segmentation_class(header.sop_class)) return {};
+    if (is_segmentation_class(header.sop_class)) return pass_over("a segmentation");
+    if (!has_preamble && header.transfer_syntax.empty()) header.transfer_syntax = reading.walker.plain_syntax();
+    if (!reading.acquisition_date_time.empty()) {
+      header.acquisition_time = reading.acquisition_date_time;
+    } else if (!header.acquisition_time.empty()) {
+      header.acquisition_time = reading.acquisition_date + header.acquisition_time;
+    }
     const bool is_image = header.rows >= 0 && header.columns >= 0;
     if (is_image) return split_into_frames(header, reading.groups, reading.pixels);
   } catch (const Error&) {
     if (may_be_ct()) throw;
-    return {};
+    const bool is_dicom = has_preamble || !header.sop_class.empty() || !header.modality.empty();
+    return pass_over(is_dicom ? "cut short or broken, of another modality" : "not DICOM");
   }
   // Other objects of modality CT have no pixels: structured reports, raw data.
   if (is_ct_class(header.sop_class) || (header.sop_class.empty() && may_be_ct())) {
     fail("expected Rows and Columns of a CT slice, found none (file cut short?) in ", file.string());
   }
-  return {};
+  if (header.sop_class == kDirectory) return pass_over("a directory (DICOMDIR)");
+  if (header.sop_class.empty() && header.modality.empty()) return pass_over("not DICOM");
+  return pass_over("without pictures" + (header.modality.empty() ? std::string() : ", " + header.modality));
 }
 
 }  // namespace spinaltap

@@ -18,7 +18,17 @@ struct DicomFrame {
   std::vector<double> pixel_spacing_mm;   ///< PixelSpacing: from row to row, then from column to column
   std::vector<double> rescale_slope;      ///< RescaleSlope
   std::vector<double> rescale_intercept;  ///< RescaleIntercept
+  std::string rescale_type;               ///< RescaleType: the unit of rescaled values; empty: HU (PS3.3, C.11.1.1.2)
   std::string stack_id;                   ///< StackID: frames of one multi-frame file that belong together
+  // What tells acquisitions apart that stand in one series; empty where the attribute is missing.
+  std::string image_type;          ///< ImageType, or FrameType
+  std::string kernel;              ///< ConvolutionKernel
+  std::string kvp;                 ///< KVP: the tube's voltage
+  std::string contrast;            ///< ContrastBolusAgent
+  std::string acquisition_number;  ///< AcquisitionNumber, or FrameAcquisitionNumber
+  std::string acquisition_time;    ///< AcquisitionDateTime, or AcquisitionDate and AcquisitionTime
+  std::string temporal_position;   ///< TemporalPositionIdentifier, or TemporalPositionIndex
+  std::string cardiac_phase;       ///< NominalPercentageOfCardiacPhase, or TriggerTime
 };
 
 /// What the reader needs to know of one DICOM picture (a file, or a frame of one) before its pixels are decoded, as the
@@ -28,6 +38,8 @@ struct DicomHeader : DicomFrame {
   std::string transfer_syntax;  ///< UID of how the pixels are stored
   std::string sop_class;
   std::string series_uid;
+  std::string instance_uid;        ///< SOPInstanceUID: no two pictures have the same
+  std::string frame_of_reference;  ///< FrameOfReferenceUID: positions are of this frame
   std::string modality;
   std::string photometric;  ///< "MONOCHROME2", ...
   int columns = -1;         ///< -1 while missing
@@ -39,6 +51,8 @@ struct DicomHeader : DicomFrame {
   bool is_signed = false;                      ///< stored values are two's complement
   std::optional<std::uint32_t> padding;        ///< PixelPaddingValue, as stored: not a measured value
   std::optional<std::uint32_t> padding_limit;  ///< PixelPaddingRangeLimit: the other end of a range of such values
+  bool has_modality_lut = false;               ///< values go through a table instead of slope and intercept
+  std::vector<double> stated_step_mm;          ///< SpacingBetweenSlices, or SliceThickness: a hint, no more
   int frame = 0;                               ///< which of `frames`, from 0
   int frames = 1;                              ///< in the file
   std::vector<ByteRange> pixels;               ///< of this frame: one range, or the fragments of compressed pixels
@@ -54,7 +68,8 @@ std::string name_of(const DicomHeader& header);
 std::string path_of(const DicomHeader& header);
 
 /// Reads all but the pixels: one header a frame. Nothing for a file that is not DICOM, cannot be opened, or is no
-/// image. Throws Error for a file that ends early or is broken and may be a CT: it must not be lost in silence.
-std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file);
+/// image; `why_none` then says which, in words for many such files. Files without the 128 bytes and mark in front are
+/// read too. Throws Error for a file that ends early or is broken and may be a CT: it must not be lost in silence.
+std::vector<DicomHeader> read_dicom_headers(const std::filesystem::path& file, std::string* why_none = nullptr);
 
 }  // namespace spinaltap

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/ct/detail/dicom_codec.h"
 #include "core/ct/detail/dicom_parallel.h"
+#include "core/ct/detail/dicom_parts.h"
 #include "core/ct/detail/dicom_stack.h"
 
 namespace spinaltap {
@@ -81,11 +84,54 @@ void describe(const std::vector<DicomHeader>& headers, SeriesInfo& info) {
   }
 }
 
+/// "passed over 3 of 50 files: 1 a directory (DICOMDIR), 2 not DICOM"; empty where none was.
+std::string list_passed_over(const std::vector<std::string>& why_none) {
+  std::map<std::string, std::size_t> counts;
+  for (const std::string& why : why_none) {
+    if (!why.empty()) ++counts[why];
+  }
+  TextWriter text;
+  std::size_t all = 0;
+  for (const auto& [why, count] : counts) {
+    text << (all == 0 ? "" : ", ") << count << ' ' << why;
+    all += count;
+  }
+  return all == 0 ? std::string() : joined("passed over ", all, " of ", why_none.size(), " files: ", text.str());
+}
+
+/// CTs are parted into acquisitions; pictures of other modalities are only listed.
+std::vector<ScannedSeries> parted(std::vector<ScannedSeries> series) {
+  std::vector<ScannedSeries> all;
+  for (ScannedSeries& one : series) {
+    if (one.headers.front().modality != "CT") {
+      all.push_back(std::move(one));
+      continue;
+    }
+    for (DicomPart& part : part_into_acquisitions(std::move(one.headers))) {
+      ScannedSeries& made = all.emplace_back();
+      made.headers = std::move(part.headers);
+      made.info.told_apart_by = std::move(part.told_apart_by);
+      made.info.notes = std::move(part.notes);
+      made.info.warnings = std::move(part.warnings);
+    }
+  }
+  return all;
+}
+
+void number_stacks(std::vector<ScannedSeries>& series) {
+  const auto key = [](const ScannedSeries& one) { return std::tie(one.info.uid, one.info.modality); };
+  std::map<std::tuple<std::string, std::string>, int> counts;
+  for (ScannedSeries& one : series) one.info.stack = ++counts[key(one)];
+  for (ScannedSeries& one : series) one.info.stacks = counts[key(one)];
+}
+
 std::vector<ScannedSeries> scan_files(const std::vector<fs::path>& files, const fs::path& where,
                                       const Progress& progress) {
   std::vector<std::vector<DicomHeader>> headers(files.size());
+  std::vector<std::string> why_none(files.size());
   for_each_file(files.size(), "reading DICOM headers", progress,
-                [&](std::size_t n) { headers[n] = read_dicom_headers(files[n]); });
+                [&](std::size_t n) { headers[n] = read_dicom_headers(files[n], &why_none[n]); });
+  const std::string passed_over = list_passed_over(why_none);
 
   std::vector<ScannedSeries> series;
   for (std::vector<DicomHeader>& frames : headers) {
@@ -99,15 +145,19 @@ std::vector<ScannedSeries> scan_files(const std::vector<fs::path>& files, const 
   }
   if (series.empty()) {
     fail("expected DICOM images, found none among ", files.size(), files.size() == 1 ? " file in " : " files in ",
-         where.string());
+         where.string(), passed_over.empty() ? "" : ": ", passed_over);
   }
   std::sort(series.begin(), series.end(), [](const ScannedSeries& a, const ScannedSeries& b) {
     return comes_before(a.headers.front(), b.headers.front());
   });
+  series = parted(std::move(series));
   for (std::size_t n = 0; n < series.size(); ++n) {
-    describe(series[n].headers, series[n].info);
-    series[n].info.number = static_cast<int>(n) + 1;
+    SeriesInfo& info = series[n].info;
+    describe(series[n].headers, info);
+    info.number = static_cast<int>(n) + 1;
+    info.passed_over = passed_over;
   }
+  number_stacks(series);
   return series;
 }
 

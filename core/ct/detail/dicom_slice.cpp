@@ -42,13 +42,30 @@ void check_pixel_format(const DicomHeader& header) {
   }
 }
 
-Rescale rescale_of(const DicomHeader& header) {
+/// RescaleType (PS3.3, C.11.1.1.2): without one, a CT's values are HU. US is "unspecified", which some converters write
+/// into any CT; HU_MOD are Hounsfield units that were calculated. Both are read and warned of: see odd_rescale_types().
+bool is_hu(const std::string& type) { return type.empty() || type == "HU" || type == "US" || type == "HU_MOD"; }
+
+/// `takes_stored`: stored values without a rescaling are taken as they are.
+Rescale rescale_of(const DicomHeader& header, bool takes_stored) {
   const bool has_slope = !header.rescale_slope.empty();
   const bool has_intercept = !header.rescale_intercept.empty();
-  if (!has_slope && !has_intercept && header.is_signed) return {};  // stored as HU
+  if (header.has_modality_lut) {
+    fail("expected RescaleSlope and RescaleIntercept, found a Modality LUT, which is not read, in ", path_of(header));
+  }
+  if (!is_hu(header.rescale_type)) {
+    fail("expected CT numbers in HU, found the RescaleType ", shown(header.rescale_type),
+         " (electron density, effective atomic number and the like are no CT numbers) in ", path_of(header));
+  }
+  if (!has_slope && !has_intercept && takes_stored) return {};
   if (!has_slope || !has_intercept) {
-    fail("expected RescaleSlope and RescaleIntercept, without which stored values have no unit, found ",
-         has_slope ? "no RescaleIntercept" : "no RescaleSlope", " in ", path_of(header));
+    fail(
+        "expected RescaleSlope and RescaleIntercept, which a CT image must have (PS3.3, C.8.2.1) and without which "
+        "stored values have no unit, found no ",
+        has_slope       ? "RescaleIntercept"
+        : has_intercept ? "RescaleSlope"
+                        : "RescaleSlope and no RescaleIntercept",
+        " in ", path_of(header), " (export the series anew; who knows its unit says it: CtReadOptions::hu)");
   }
   const Rescale rescale{header.rescale_slope.front(), header.rescale_intercept.front()};
   if (!std::isfinite(rescale.slope) || rescale.slope == 0.0 || !std::isfinite(rescale.intercept)) {
@@ -136,9 +153,9 @@ void to_hu(const std::vector<char>& bytes, const DicomHeader& header, Rescale re
 
 }  // namespace
 
-void check_dicom_slice(const DicomHeader& header) {
+void check_dicom_slice(const DicomHeader& header, bool takes_stored) {
   check_pixel_format(header);
-  static_cast<void>(rescale_of(header));
+  static_cast<void>(rescale_of(header, takes_stored));
   const std::uint64_t wanted = frame_bytes(header);
   std::uint64_t found = 0;
   for (const ByteRange& range : header.pixels) found += range.length;
@@ -150,10 +167,10 @@ void check_dicom_slice(const DicomHeader& header) {
   if (!is_enough) fail("expected ", wanted, " bytes of pixels, found ", found, " in ", path_of(header));
 }
 
-void decode_dicom_slice(const DicomHeader& header, std::span<std::int16_t> hu) {
+void decode_dicom_slice(const DicomHeader& header, std::span<std::int16_t> hu, bool takes_stored) {
   static_assert(std::endian::native == std::endian::little, "stored values are little endian");
-  check_dicom_slice(header);
-  const Rescale rescale = rescale_of(header);
+  check_dicom_slice(header, takes_stored);
+  const Rescale rescale = rescale_of(header, takes_stored);
   const std::vector<char> bytes = header.encapsulated ? decompress_frame(header) : plain_frame(header);
   if (header.bits_allocated == 8) return to_hu<std::uint8_t>(bytes, header, rescale, hu);
   if (header.bits_allocated == 16) return to_hu<std::uint16_t>(bytes, header, rescale, hu);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <tuple>
 
 #include "core/base/error.h"
@@ -111,17 +113,60 @@ double median(std::vector<double> values) {
 double without_dust(double value_mm) { return std::round(value_mm * 1e9) * 1e-9; }
 
 struct Steps {
-  double step_mm;    ///< of the grid
-  bool are_unequal;  ///< slices must be interpolated
+  double step_mm;      ///< of the grid
+  bool are_unequal;    ///< slices must be interpolated
+  std::string note{};  ///< what was assumed
 };
+
+/// Whether all positions are whole multiples of `grain_mm`, as where a program wrote few digits.
+bool are_multiples_of(double grain_mm, const std::vector<Placed>& slices) {
+  return std::all_of(slices.begin(), slices.end(), [&](const Placed& slice) {
+    return std::all_of(slice.header.position_mm.begin(), slice.header.position_mm.end(), [&](double value_mm) {
+      const double grains = value_mm / grain_mm;
+      return std::abs(grains - std::round(grains)) < 1e-4;
+    });
+  });
+}
+
+/// The even step that explains all places, each rounded to 0.1 mm; nothing where there is none. Of all such steps the
+/// one that the files state, else the one in the middle.
+std::optional<double> step_of_rounded(const std::vector<Placed>& slices, const Vec3& normal) {
+  constexpr double kGrainMm = 0.1;
+  constexpr double kMaxGrainOfStep = 0.35;  // beyond, rounding would explain anything
+  if (slices.size() < 4 || !are_multiples_of(kGrainMm, slices)) return std::nullopt;
+  const double mean_mm = slices.back().place.along_mm / static_cast<double>(slices.size() - 1);
+  if (!(kGrainMm < kMaxGrainOfStep * mean_mm)) return std::nullopt;
+  const double off_mm = 2.0 * (0.5 * kGrainMm * normal.cwiseAbs().sum() + 1e-6);  // of two places against each other
+  double least = 0.0, most = std::numeric_limits<double>::max();
+  for (std::size_t last = 1; last < slices.size(); ++last) {
+    for (std::size_t first = 0; first < last; ++first) {
+      const double apart_mm = slices[last].along_mm - slices[first].along_mm;
+      const auto steps = static_cast<double>(last - first);
+      least = std::max(least, (apart_mm - off_mm) / steps);
+      most = std::min(most, (apart_mm + off_mm) / steps);
+    }
+  }
+  if (!(least <= most)) return std::nullopt;
+  const std::vector<double>& stated = slices.front().header.stated_step_mm;
+  const bool is_stated = stated.size() == 1 && stated.front() >= least && stated.front() <= most;
+  return is_stated ? stated.front() : 0.5 * (least + most);
+}
 
 /// Checks each step against the usual one. Where all agree, the mean is the grid's: over many slices it is more exact
 /// than any one. Where they do not and `resample` is set, the usual one.
-Steps judge_steps(const std::vector<Placed>& slices, bool resample) {
+Steps judge_steps(const std::vector<Placed>& slices, const Vec3& normal, bool resample) {
   std::vector<double> steps_mm;
   for (std::size_t k = 1; k < slices.size(); ++k) steps_mm.push_back(slices[k].along_mm - slices[k - 1].along_mm);
   const double usual_mm = median(steps_mm);
   const double tolerance_mm = std::max(kStepTolerance * usual_mm, kStepToleranceMm);
+  const bool are_even = std::all_of(steps_mm.begin(), steps_mm.end(),
+                                    [&](double step_mm) { return std::abs(step_mm - usual_mm) <= tolerance_mm; });
+  if (!are_even) {
+    if (const std::optional<double> step_mm = step_of_rounded(slices, normal)) {
+      return {without_dust(*step_mm), false,
+              joined("positions are rounded to 0.1 mm: taken for even steps of ", without_dust(*step_mm), " mm")};
+    }
+  }
   bool are_unequal = false;
   for (std::size_t k = 1; k < slices.size(); ++k) {
     const double step_mm = steps_mm[k - 1];
@@ -192,7 +237,7 @@ DicomStack stack_slices(std::vector<DicomHeader> headers, bool resample) {
   const std::vector<double> pixel_spacing_mm = headers.front().pixel_spacing_mm;
 
   std::vector<Placed> placed = place(std::move(headers), directions);
-  const Steps steps = judge_steps(placed, resample);
+  const Steps steps = judge_steps(placed, directions.col(2), resample);
   const bool is_shifted = judge_drift(placed, std::min(pixel_spacing_mm[0], pixel_spacing_mm[1]), resample);
 
   DicomStack stack;
@@ -203,6 +248,7 @@ DicomStack stack_slices(std::vector<DicomHeader> headers, bool resample) {
   stack.geometry.directions = directions;
   check_geometry(stack.geometry, "CT");
   stack.needs_resampling = steps.are_unequal || is_shifted;
+  stack.note = steps.note;
   for (std::size_t k = 0; k < placed.size(); ++k) {
     SlicePlace& at = stack.places.emplace_back(placed[k].place);
     // Steps that agree but for rounding, and shifts below tolerance, are none.

@@ -16,6 +16,7 @@ struct DicomStack {
   std::vector<DicomHeader> slices;  ///< geometry.size[2] of them, along the normal
   std::vector<SlicePlace> places;   ///< of each slice, against the first
   bool needs_resampling = false;    ///< slices drift sideways, or their steps differ
+  std::string note;                 ///< what was assumed of the steps; empty: nothing
 };
 
 /// Sorts slices of one size by position along their normal (columns' direction x rows' direction) and derives the grid.

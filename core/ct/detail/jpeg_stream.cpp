@@ -33,7 +33,7 @@ std::optional<CodestreamSize> jpeg2000_size(const BigEndian& bytes, std::size_t 
   const long long tiles = (number(6) / tile_columns + 1) * (number(10) / tile_rows + 1);
   if (tiles > kMaxTiles) return std::nullopt;
   return CodestreamSize{number(6) - number(14), number(10) - number(18), bytes.u16(siz + 38),
-                        (bytes.u8(siz + 40) & 0x7f) + 1};
+                        (bytes.u8(siz + 40) & 0x7f) + 1, (bytes.u8(siz + 40) & 0x80) != 0};
 }
 
 std::optional<CodestreamSize> jpeg_size(const BigEndian& bytes) {
@@ -47,7 +47,7 @@ std::optional<CodestreamSize> jpeg_size(const BigEndian& bytes) {
         (marker >= 0xffc0 && marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc) ||
         marker == 0xfff7;  // JPEG-LS
     if (is_frame) {
-      return CodestreamSize{bytes.u16(at + 7), bytes.u16(at + 5), bytes.u8(at + 9), bytes.u8(at + 4)};
+      return CodestreamSize{bytes.u16(at + 7), bytes.u16(at + 5), bytes.u8(at + 9), bytes.u8(at + 4), std::nullopt};
     }
     const int length = bytes.u16(at + 2);
     if (marker < 0xffc0 || marker == 0xffda || length < 2) return std::nullopt;

@@ -10,8 +10,9 @@ namespace spinaltap {
 struct CodestreamSize {
   long long columns = 0;
   long long rows = 0;
-  int components = 0;  ///< values a pixel
-  int bits = 0;        ///< of a value
+  int components = 0;               ///< values a pixel
+  int bits = 0;                     ///< of a value
+  std::optional<bool> is_signed{};  ///< JPEG 2000 says so; the others do not
 };
 
 /// Reads the frame header of JPEG, JPEG-LS or JPEG 2000 pixels; nothing where there is none.
