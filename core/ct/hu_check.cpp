@@ -75,7 +75,7 @@ std::string cause_of(const Values& values) {
   if (values.low() >= -1 && values.high() <= 1) {
     return range + ": looks like values scaled to 1, as programs for learning want them, not HU";
   }
-  if (values.distinct() <= kFewDistinct) {
+  if (values.distinct() <= kFewDistinct && values.high() <= 255) {
     return joined(values.distinct(), " different values from ", values.low(), " to ", values.high(),
                   ": looks like a label map or scaled values, not HU");
   }
@@ -106,7 +106,8 @@ std::string cause_of(const Values& values) {
   }
   const bool is_masked = !values.spikes().empty() && values.part_of(values.spikes().front()) > 0.2;
   constexpr int kHighestOfWindow = 2000;
-  if (values.high() < kHighestOfWindow && values.part_of(values.high()) > 3e-3 &&
+  // Made CTs without noise have many at either end too, and little between.
+  if (values.measured_part() > 0.25 && values.high() < kHighestOfWindow && values.part_of(values.high()) > 3e-3 &&
       values.part_in(values.high() - 20, values.high() - 1) < 20.0 * values.part_of(values.high()) &&
       values.part_of(values.low()) > 3e-3) {
     return range + ", with many at either end: looks like a window that was cut out, not all CT numbers";
