@@ -85,7 +85,11 @@ std::string cause_of(const Values& values) {
   if (values.part_in(kLowest, -150) < 2e-4 && at_1024 > 0.25 && at_1024 > 3.0 * above_water) {
     return "nothing below 0 HU and soft tissue at 1,000 to 1,100: looks like CT numbers + 1024 (or + 1000)";
   }
-  if (values.part_in(-150, 300) < 0.05 && values.part_in(-1200, -1060) > 0.03 && values.part_in(-1174, -874) > 0.25) {
+  const bool has_peak_at_air = values.part_in(-1174, -874) > 0.25;
+  const bool has_bone_below =
+      values.high() < 700 && values.part_in(-860, -300) > 0.05 && values.part_in(-30, 110) < 0.1;
+  if (has_peak_at_air && ((values.part_in(-150, 300) < 0.05 && values.part_in(-1200, -1060) > 0.03) ||
+                          (has_bone_below && values.part_in(-1174, -874) > 0.5))) {
     return "soft tissue at -1,000 and values below air: looks like CT numbers - 1024, the intercept taken off twice";
   }
   if (values.part_in(4000, kHighest) > 0.1 && values.part_in(4000, kHighest) > values.part_in(-200, 200)) {
@@ -104,16 +108,21 @@ std::string cause_of(const Values& values) {
   if (values.part_in(3100, kHighest) > 0.1 && values.part_in(-600, -200) > values.part_in(-200, -30)) {
     return "values above 3,100 in over 10 % of what was measured: looks like CT numbers x 10";
   }
-  const bool is_masked = !values.spikes().empty() && values.part_of(values.spikes().front()) > 0.2;
+  // A value that was set and lies below all others: outside of a mask, or clamped air.
+  const bool is_masked = !values.spikes().empty() && values.spikes().front() == values.low();
+  // Made CTs without noise have many at their upper end too, and little between.
   constexpr int kHighestOfWindow = 2000;
-  // Made CTs without noise have many at either end too, and little between.
-  if (values.measured_part() > 0.25 && values.high() < kHighestOfWindow && values.part_of(values.high()) > 3e-3 &&
-      values.part_in(values.high() - 20, values.high() - 1) < 20.0 * values.part_of(values.high()) &&
-      values.part_of(values.low()) > 3e-3) {
-    return range + ", with many at either end: looks like a window that was cut out, not all CT numbers";
+  const double at_end = values.part_of(values.high());
+  if (values.measured_part() > 0.25 && values.high() < kHighestOfWindow && at_end > 1e-4 &&
+      at_end * static_cast<double>(values.samples()) > 50.0 &&
+      at_end > values.part_in(values.high() - 20, values.high() - 1)) {
+    return range + ", with many at the upper end: looks like a window that was cut out, not all CT numbers";
   }
-  if (values.high() < 350) {
-    return range + ": nothing as dense as bone's cortex (500 to 2,000 HU): looks like scaled values";
+  if (values.high() < 350 && values.low() > -250 && values.part_in(-20, 20) > values.part_in(30, 80)) {
+    return range + ", most of them near 0: looks like CT numbers / 10, or scaled otherwise";
+  }
+  if (values.low() >= 0 && values.part_in(1175, kHighest) > 0.5) {
+    return range + ": nothing below 0 HU, most above 1,175: looks like scaled CT numbers";
   }
   // A small box around a bone may hold muscle and bone alone.
   if (values.low() >= 0 && !is_masked && values.part_in(10, 110) < 0.1) {

@@ -107,6 +107,8 @@ TEST(HuCheck, NamesTheLikelyCause) {
       {"window", [](double v) { return std::clamp(v, -100.0, 800.0); }, true},
       {"offset", [](double v) { return v + 8192.0; }},
       {"offset", [](double v) { return v < 0.0 ? 32767.0 : v; }, true},
+      {"/ 10", [](double v) { return v / 10.0; }},
+      {"scaled", [](double v) { return 4095.0 * std::clamp((v + 1000.0) / 3000.0, 0.0, 1.0); }},
       {"x 10", [](double v) { return 10.0 * v; }},
   };
   for (const Kind& kind : kinds) {
