@@ -18,9 +18,14 @@ namespace {
 
 /// "1 = 1.2.3 (CT, 512 x 512, 70 files); 2 = ..."
 std::string list_for_people(const std::vector<ScannedSeries>& all) {
+  constexpr std::ptrdiff_t kMost = 20;
   TextWriter text;
   for (const ScannedSeries& series : all) {
     const SeriesInfo& info = series.info;
+    if (&series - all.data() == kMost) {
+      text << "; and " << all.size() - static_cast<std::size_t>(kMost) << " more";
+      break;
+    }
     text << (info.number == all.front().info.number ? "" : "; ") << info.number << " = "
          << (info.uid.empty() ? "no UID" : info.uid) << " (" << (info.modality.empty() ? "no modality" : info.modality)
          << ", " << info.columns << " x " << info.rows << ", " << info.files.size()

@@ -141,10 +141,11 @@ std::vector<DicomPart> part_by_frame(DicomPart part) {
   const Groups groups = groups_by(part.headers, kFrameOfReference);
   const std::size_t values = count_of_values(groups), slices = part.headers.size();
   if (values < 2) return {std::move(part)};
-  constexpr std::size_t kFewest = 8;
-  const bool says_nothing = slices > 2 && (values == slices || (slices >= kFewest && 2 * values > slices));
+  constexpr std::size_t kMost = 8;  // no series is of so many scans
+  const bool says_nothing = (slices > 2 && values == slices) || values > kMost;
   if (says_nothing) {
-    part.notes.push_back("nearly each slice names a FrameOfReferenceUID of its own: they are taken for one frame");
+    part.notes.push_back(
+        joined(values, " FrameOfReferenceUIDs in ", slices, " slices, as anonymizers write them: taken for one frame"));
     return {std::move(part)};
   }
   return split(std::move(part), groups, kFrameOfReference.name);

@@ -17,8 +17,8 @@ struct DicomPart {
 
 /// Parts slices of one series, size and orientation into acquisitions:
 /// - by FrameOfReferenceUID, since positions of two frames cannot be compared (PS3.3, C.7.4.1); where each slice has
-/// one
-///   of its own, as after some anonymizers, it says nothing;
+/// one of its own, or there
+///   are more than eight, as after some anonymizers, it says nothing;
 /// - by ConvolutionKernel, KVP, ImageType and ContrastBolusAgent, where two slices or more share each value; a single
 ///   slice that differs is warned of;
 /// - by temporal position, cardiac phase, AcquisitionNumber and AcquisitionTime only where two slices lie at one place,
