@@ -43,5 +43,27 @@ TEST(CohortWorkflow, IsWhatSnakemakeTakes) {
   EXPECT_THAT(lint.output, HasSubstr("good condition"));
 }
 
+TEST(CohortWorkflow, RejectsAPatientsNameThatYamlTakesForANumber) {
+  const test::TemporaryFolder folder;
+  if (test::run_command("command -v snakemake", folder.path()).exit_code != 0) GTEST_SKIP() << "no snakemake here";
+  const std::string workflow = data_file("workflows/cohort/Snakefile").parent_path();
+  for (const char* name : {"12", "0012", "yes"}) {
+    const test::ProgramRun dry =
+        test::run_command("export XDG_CACHE_HOME=$PWD/cache HOME=$PWD; sed 's/^  p1:/  " + std::string(name) + ":/' '" +
+                              workflow + "/example.yaml' > own.yaml; snakemake --snakefile '" + workflow +
+                              "/Snakefile' --configfile own.yaml --directory out --cores 2 --dry-run 2>&1",
+                          folder.path());
+    EXPECT_NE(dry.exit_code, 0) << name;
+    EXPECT_THAT(dry.output, HasSubstr("put the name in quotes")) << name;
+  }
+  const test::ProgramRun quoted =
+      test::run_command("export XDG_CACHE_HOME=$PWD/cache HOME=$PWD; sed 's/^  p1:/  \"0012\":/' '" + workflow +
+                            "/example.yaml' > own.yaml; snakemake --snakefile '" + workflow +
+                            "/Snakefile' --configfile own.yaml --directory out --cores 2 --dry-run 2>&1",
+                        folder.path());
+  EXPECT_EQ(quoted.exit_code, 0) << quoted.output;
+  EXPECT_THAT(quoted.output, HasSubstr("0012"));
+}
+
 }  // namespace
 }  // namespace spinaltap
