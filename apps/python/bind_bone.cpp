@@ -10,6 +10,8 @@
 #include "apps/python/bindings.h"
 #include "apps/python/long_call.h"
 #include "apps/python/names.h"
+#include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "vdb/sim/bone.h"
 #include "vdb/sim/bone_path.h"
 
@@ -21,20 +23,35 @@ namespace spinaltap {
 namespace {
 
 /// The bone that a label map marks, by number or by name; none without a map.
-std::optional<LabelChoice> label_choice(const std::filesystem::path& file, int label, const std::string& level) {
+std::optional<LabelChoice> label_choice(const std::filesystem::path& file, int label, const std::string& level,
+                                        const std::string& convention, NiftiAffine affine) {
   if (file.empty()) return std::nullopt;
-  return LabelChoice{.file = file, .label = label, .level = level_named(level)};
+  const auto found = label_conventions().find(convention);
+  if (found == label_conventions().end()) {
+    std::string words;
+    for (const auto& entry : label_conventions()) words += (words.empty() ? "" : ", ") + entry.first;
+    fail("expected as convention one of ", words, ", found ", in_quotes(convention));
+  }
+  return LabelChoice{file, label, level_named(level), found->second, affine};
+}
+
+NiftiAffine affine_named(const std::string& name) {
+  if (name == "automatic") return NiftiAffine::automatic;
+  if (name == "sform") return NiftiAffine::sform;
+  if (name == "qform") return NiftiAffine::qform;
+  fail("expected as affine automatic, sform or qform, found ", in_quotes(name));
 }
 
 Bone bone_from_ct(const std::filesystem::path& ct, const std::optional<Numbers>& seed_mm,
                   const std::filesystem::path& labels, int label, const std::string& level, double voxel_mm,
-                  const std::string& series, bool resample, bool accept_warnings, const std::filesystem::path& cache,
-                  const py::object& progress) {
+                  const std::string& series, bool resample, const std::string& convention, const std::string& affine,
+                  bool accept_warnings, const std::filesystem::path& cache, const py::object& progress) {
   BoneFromCt options;
   options.reading.series = series;
   options.reading.resample = resample;
+  options.reading.affine = affine_named(affine);
   options.accepts_warnings = accept_warnings;
-  options.bake.labels = label_choice(labels, label, level);
+  options.bake.labels = label_choice(labels, label, level, convention, options.reading.affine);
   options.bake.bake.voxel_mm = voxel_mm;
   options.bake.cache = cache;
   if (seed_mm) options.bake.segment.seed_mm = vec3_of(*seed_mm, "seed_mm");
@@ -170,11 +187,15 @@ void bind_bone(py::module_& module) {
 Nothing changes it; any number of threads may use it at once. Positions are patient LPS, mm, of shape (n, 3).)")
       .def_static("from_ct", &bone_from_ct, "ct"_a, py::kw_only(), "seed_mm"_a = py::none(), "labels"_a = "",
                   "label"_a = 1, "level"_a = "", "voxel_mm"_a = 0.25, "series"_a = "", "resample"_a = false,
-                  "accept_warnings"_a = false, "cache"_a = "", "progress"_a = py::none(),
+                  "convention"_a = "automatic", "affine"_a = "automatic", "accept_warnings"_a = false, "cache"_a = "",
+                  "progress"_a = py::none(),
                   R"(From a folder with a DICOM series, or a NIfTI file: reads, segments, fits and bakes.
 
 seed_mm: a point in the body of the wanted vertebra; without it, the largest whole one.
 labels: a label map (NIfTI or NRRD) that says which bone is meant, by the number `label` or by the name `level`.
+convention: what the map's numbers mean, where it names no vertebrae, such as "verse"; without it an error where several
+    are possible (docs/label-maps.md).
+affine: "sform" or "qform", of a NIfTI CT or map whose two transforms differ (docs/reading.md).
 cache: a folder for finished stages, which the next call takes from there.
 accept_warnings: take a vertebra or a CT that is likely not right; see `warnings`.
 progress: called as progress(stage, fraction). Ctrl-C cancels.

@@ -128,6 +128,11 @@ DrillReportData report_data(const std::string& title, const CtVolume* ct, const 
     data.figures.insert(data.figures.end(), rows.begin(), rows.end());
   }
   for (const std::string& warning : figures.bone.input_remarks()) data.notes.push_back("The CT: " + warning);
+  if (const std::optional<LevelWarnings> marked = figures.bone.warnings()) {
+    for (const std::string& warning : marked->warnings) {
+      data.notes.push_back((marked->is_suspect() ? "This bone is SUSPECT: " : "The bone: ") + warning);
+    }
+  }
   if (figures.setup.has_clearances && !figures.bone.no_landmarks().empty()) {
     data.notes.push_back("No canal and no sides were found: " + figures.bone.no_landmarks());
   }

@@ -87,10 +87,8 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
   // Named twice where it is a file: this tells at once that it cannot be written to.
   if (target.extension() == ".vdb") StagedOutput().stage(target);
   const CtVolume ct = options.ct.read(progress);
-  const MarkedLevels marked =
-      options.ct.labels.empty()
-          ? find_levels(ct, options.ct.finding, progress)
-          : MarkedLevels{read_label_volume(options.ct.labels, ct.geometry, options.ct.convention), {}};
+  const MarkedLevels marked = options.ct.labels.empty() ? find_levels(ct, options.ct.finding, progress)
+                                                        : MarkedLevels{options.ct.read_labels(ct), {}};
   const BakedLevels baked =
       bake_levels(ct, marked.labels,
                   {.bake = options.ct.bake, .warnings = marked.warnings, .is_strict = options.is_strict}, progress);

@@ -1,5 +1,6 @@
 #include "apps/spinaltap/ct_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <map>
 
@@ -27,6 +28,12 @@ void CtOptions::add_reading(CLI::App& app) {
   app.add_flag(
       "--resample", reading.resample,
       "Interpolate unequal slice steps, gaps of up to 6 mm and uneven sideways shifts instead of rejecting them");
+  app.add_option("--affine", reading.affine,
+                 "Which transform of a NIfTI CT or label map says where it lies, where the two differ: automatic\n"
+                 "(default: the one that is sure), sform, qform; docs/reading.md")
+      ->transform(one_of(std::map<std::string, NiftiAffine>{
+          {"automatic", NiftiAffine::automatic}, {"sform", NiftiAffine::sform}, {"qform", NiftiAffine::qform}}))
+      ->type_name("NAME");
   app.add_option("--crop", crop_mm, "Take only this box, patient LPS, mm")
       ->delimiter(',')
       ->expected(6)
@@ -78,13 +85,19 @@ CtVolume CtOptions::read(const Progress& progress) const {
     ct = crop(ct, block_in_box(ct.geometry, Box3(corner(0), corner(3))));
   }
   if (crop_margin_mm >= 0.0) {
-    ct = crop(ct, block_around(choose_bone(ct, label_choice(), {}).mask, crop_margin_mm));
+    // A voxel at least: a bone on the border would look cut by it.
+    const double margin_mm = std::max(crop_margin_mm, ct.geometry.spacing_mm.maxCoeff());
+    ct = crop(ct, block_around(label_mask(label_choice(), ct.geometry), margin_mm));
   }
   return ct;
 }
 
+LabelVolume CtOptions::read_labels(const CtVolume& ct) const {
+  return read_label_volume(labels, ct.geometry, {.convention = convention, .affine = reading.affine});
+}
+
 LabelChoice CtOptions::label_choice() const {
-  LabelChoice choice{labels, 0, Level::kNone, convention};
+  LabelChoice choice{labels, 0, Level::kNone, convention, reading.affine};
   if (label.empty()) return choice;
   const char* const end = label.data() + label.size();
   const auto [stop, error] = std::from_chars(label.data(), end, choice.label);
@@ -112,15 +125,14 @@ BakedCt CtOptions::make_bone(const CtVolume& ct, const Progress& progress) const
 }
 
 void add_convention(CLI::App& app, LabelConvention& convention, CLI::Option* labels) {
-  app.add_option("--convention", convention,
-                 "What the map's numbers mean: automatic (default), names, verse, totalsegmentator, "
-                 "totalsegmentator_v1; docs/label-maps.md")
-      ->transform(
-          one_of(std::map<std::string, LabelConvention>{{"automatic", LabelConvention::automatic},
-                                                        {"names", LabelConvention::names},
-                                                        {"verse", LabelConvention::verse},
-                                                        {"totalsegmentator", LabelConvention::totalsegmentator},
-                                                        {"totalsegmentator_v1", LabelConvention::totalsegmentator_v1}}))
+  std::string words;
+  for (const auto& entry : label_conventions()) words += (words.empty() ? "" : ", ") + entry.first;
+  app.add_option(
+         "--convention", convention,
+         "What the map's numbers mean, where it names no vertebrae: automatic (default: an error where several\n"
+         "are possible) or one of " +
+             words + "; docs/label-maps.md")
+      ->transform(one_of(label_conventions()))
       ->needs(labels)
       ->type_name("NAME");
 }
@@ -128,6 +140,7 @@ void add_convention(CLI::App& app, LabelConvention& convention, CLI::Option* lab
 Json report_baked(const CtVolume& ct, const BakedCt& baked) {
   const Vec3 size_mm = baked.bone.bounds_mm().sizes();
   if (baked.level != Level::kNone) print_figure("vertebra", level_name(baked.level));
+  if (!baked.level_source.empty()) print_figure("vertebra known by", baked.level_source);
   print_figure("CT voxels", static_cast<double>(ct.geometry.voxel_count()), "", 0);
   print_figure("bone voxels", static_cast<double>(baked.mask_voxels), "", 0);
   print_figure("surface points", static_cast<double>(baked.fit.points), "", 0);
@@ -155,6 +168,7 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
                {"dropped_pieces", baked.bake.dropped_pieces},
                {"size_mm", to_json(size_mm)}};
   if (baked.level != Level::kNone) figures["level"] = level_name(baked.level);
+  if (!baked.level_source.empty()) figures["level_source"] = baked.level_source;
   if (baked.warnings) {
     print_warnings(*baked.warnings);
     figures["warnings"] = baked.warnings->warnings;

@@ -36,6 +36,8 @@ struct CtOptions {
   void add_baking(CLI::App& app);
 
   CtVolume read(const Progress& progress) const;
+  /// All labels of the map. Throws Error as read_label_volume() does.
+  LabelVolume read_labels(const CtVolume& ct) const;
   /// What --labels and --label say. Throws Error where the label is neither a number nor a vertebra.
   LabelChoice label_choice() const;
   /// The options for baking, with the label map, the seed and the corrections that were given.

@@ -405,7 +405,7 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
   print_figure("report", (folder / "report.html").string());
   recording.rethrow_trouble();
   Json json = drilling_json(figures, density);
-  report_input_warnings(bone.model(), json);
+  report_bone_warnings(bone.model(), json);
   for (const std::string& name : further) json["also_drilled"].push_back("drilled_" + name + ".vdb");
   return json;
 }

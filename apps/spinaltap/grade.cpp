@@ -75,6 +75,10 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
   figures["input_warnings"] = bone.input_warnings();
   add_findings(bone, findings, figures);
+  if (const std::optional<LevelWarnings> marked = bone.warnings()) {
+    figures["bone_warnings"] = marked->warnings;
+    figures["bone_severity"] = marked->severity;
+  }
   Json whole = format_head({.name = "spinaltap-grades"});
   whole.update(figures);
   for (const GradedPath& one : graded) {
@@ -94,7 +98,7 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   print_uncertainty(graded);
-  report_input_warnings(bone.model(), figures);
+  report_bone_warnings(bone.model(), figures);
   for (const std::string& warning : bone.landmarks().warnings) print_figure("warning", warning);
   if (const int code = say_findings(findings, options.check.accepts_warnings); code != kDone) exit_code = code;
   print_figure("report", (options.folder / "report.html").string());

@@ -19,6 +19,16 @@ void report_input_warnings(const BoneModel& bone, Json& figures) {
   }
 }
 
+void report_bone_warnings(const BoneModel& bone, Json& figures) {
+  report_input_warnings(bone, figures);
+  const LevelWarnings marked = warnings_in(bone.metadata()).value_or(LevelWarnings{});
+  for (const std::string& warning : marked.warnings) {
+    print_figure("warning", (marked.is_suspect() ? "this bone is SUSPECT: " : "the bone: ") + warning);
+  }
+  figures["bone_warnings"] = marked.warnings;
+  figures["bone_severity"] = marked.severity;
+}
+
 int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings) {
   if (warnings.empty()) return kDone;
   print_figure("doubtful", accepts_warnings ? "what was read: accepted"

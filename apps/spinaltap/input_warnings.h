@@ -13,6 +13,10 @@ void report_input_warnings(std::span<const std::string> warnings, Json& figures)
 /// The same of what a bone was made of.
 void report_input_warnings(const BoneModel& bone, Json& figures);
 
+/// Those, and what whoever marked the bone thinks of it, as "bone_warnings" and "bone_severity": whatever is planned,
+/// graded or drilled in it rests on that.
+void report_bone_warnings(const BoneModel& bone, Json& figures);
+
 /// For commands that read the inputs themselves: says what it means that something speaks against them; nothing where
 /// nothing does. Gives the exit code.
 int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings);

@@ -366,7 +366,7 @@ void add_plan(CLI::App& program, Command& command) {
         write_planning_report(head, suggestions, graded, options->suggest.screws, options->report, progress);
       }
       if (graded.empty()) {  // all is written that there is
-        report_input_warnings(bone.model(), figures);
+        report_bone_warnings(bone.model(), figures);
         command.exit_code = kAnswerIsNo;
         return figures;
       }
@@ -376,7 +376,7 @@ void add_plan(CLI::App& program, Command& command) {
     }
     write_plan(paths, options->output);
     figures.update(report_paths(paths));
-    report_input_warnings(bone.model(), figures);
+    report_bone_warnings(bone.model(), figures);
     add_findings(bone, findings, figures);
     command.exit_code = say_findings(findings, options->check.accepts_warnings);
     print_figure("written", options->output.string());

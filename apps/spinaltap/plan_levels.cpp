@@ -137,7 +137,7 @@ Json plan_levels(const PlanLevelsOptions& options, int& exit_code, const Progres
     add_uncertainty(level.bone, model, graded, progress);
     Json json = report_suggestions(level.bone, level.suggestions, graded);
     json["level"] = name;
-    report_input_warnings(level.bone.model(), json);
+    report_bone_warnings(level.bone.model(), json);
     figures["levels"].push_back(std::move(json));
     if (graded.size() < level.suggestions.size()) exit_code = kAnswerIsNo;
     CtVolume kept;

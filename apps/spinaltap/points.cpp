@@ -59,13 +59,11 @@ void add_points(CLI::App& program, Command& command) {
     const bool accepts_warnings = options->ct.finding.accepts_warnings;
     report_input_warnings(ct.warnings, figures);
     command.exit_code = say_input_warnings(ct.warnings, accepts_warnings);
-    if (bone.found) {
-      const LevelWarnings warnings = warnings_of(bone.found->report);
-      print_warnings(warnings);
-      figures["warnings"] = warnings.warnings;
-      figures["severity"] = warnings.severity;
-      command.exit_code = std::max(command.exit_code, say_suspect(bone.found->report.name, warnings, accepts_warnings));
-    }
+    print_warnings(bone.warnings);
+    figures["warnings"] = bone.warnings.warnings;
+    figures["severity"] = bone.warnings.severity;
+    const std::string name = bone.found ? bone.found->report.name : level_name(bone.level);
+    command.exit_code = std::max(command.exit_code, say_suspect(name, bone.warnings, accepts_warnings));
     return figures;
   };
 }

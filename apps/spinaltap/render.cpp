@@ -172,7 +172,7 @@ Json write_picture(const Options& options, const Painter& painter, const BoneMod
 Json render(const Options& options, const Progress& progress) {
   const BoneModel bone = read_bone(options.bone, options.level);
   Json figures = Json::object();
-  report_input_warnings(bone, figures);
+  report_bone_warnings(bone, figures);
   const BoneModel before = before_drilling(bone);
   std::optional<Recorded> recorded;
   if (!options.record.empty()) recorded.emplace(options.record, bone);

@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
+#include "vdb/sim/label_warnings.h"
 
 namespace spinaltap {
 namespace {
@@ -140,7 +141,8 @@ Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, Stage
                  const Progress& progress, int& exit_code) {
   std::optional<LabelChoice> labels;
   if (!options.ct.labels.empty()) {
-    labels = LabelChoice{options.ct.labels, options.label, Level::kNone, options.ct.convention};
+    labels =
+        LabelChoice{options.ct.labels, options.label, Level::kNone, options.ct.convention, options.ct.reading.affine};
   }
   const ChosenBone bone = choose_bone(ct, labels, options.ct.finding.complete(ct), progress);
   const int number = bone.level == Level::kNone ? 1 : static_cast<int>(bone.level);
@@ -164,6 +166,18 @@ Json segment_one(const CtVolume& ct, const SegmentCommandOptions& options, Stage
     figures = report_found(std::span(&report, 1), bone.found->bone, options, exit_code);
     figures.update(to_json(report));
     figures["seed_mm"] = to_json(bone.found->seed_mm);
+  }
+  if (labels) {
+    print_warnings(bone.warnings);
+    figures["warnings"] = bone.warnings.warnings;
+    figures["severity"] = bone.warnings.severity;
+    if (bone.level != Level::kNone) {
+      print_figure("vertebra", level_name(bone.level));
+      print_figure("vertebra known by", bone.level_source);
+      figures["level"] = level_name(bone.level);
+      figures["level_source"] = bone.level_source;
+    }
+    exit_code = say_suspect(level_name(bone.level), bone.warnings, options.ct.finding.accepts_warnings);
   }
   const auto voxels = std::count(bone.mask.inside.begin(), bone.mask.inside.end(), std::uint8_t{1});
   const double volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
@@ -190,24 +204,35 @@ LabelVolume renumbered(const LabelVolume& map) {
   return result;
 }
 
-Json copy_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
-              const Progress& progress) {
-  const LabelVolume map = renumbered(read_label_volume(options.ct.labels, ct.geometry, options.ct.convention));
+Json copy_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output, const Progress& progress,
+              int& exit_code) {
+  const LabelVolume read = options.ct.read_labels(ct);
+  const LabelVolume map = renumbered(read);
   output.write(options.output_or_default(),
                encode_label_volume(map, options.output_or_default(), options.source(ct, progress)));
   LevelsPicture what;
   Json levels = Json::array();
+  std::vector<std::string> suspect;
+  print_figure("vertebrae known by", read.level_source);
   for (const Level level : levels_of(map)) {
     const int label = static_cast<int>(level);
     const auto voxels = std::count(map.labels.begin(), map.labels.end(), static_cast<std::uint8_t>(label));
     const double volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
-    what.levels.push_back({label, middle_of(map, label), false, {}});
+    const LevelWarnings warnings = warnings_of_label(ct, mask_of(map, label), level, read.warnings, progress);
+    if (warnings.is_suspect()) suspect.push_back(level_name(level));
+    what.levels.push_back({label, middle_of(map, label), warnings.is_suspect(), warnings.warnings});
     print_figure(level_name(level), volume_mm3, "mm3", 0);
-    levels.push_back({{"label", label}, {"level", level_name(level)}, {"volume_mm3", volume_mm3}});
+    print_warnings(warnings);
+    levels.push_back({{"label", label},
+                      {"level", level_name(level)},
+                      {"volume_mm3", volume_mm3},
+                      {"warnings", warnings.warnings},
+                      {"severity", warnings.severity}});
   }
   write_picture(ct, map, what, options, output);
   output.commit();
-  return {{"levels", levels}};
+  exit_code = say_suspect(suspect, options.ct.finding.accepts_warnings);
+  return {{"levels", levels}, {"level_source", read.level_source}};
 }
 
 Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, StagedOutput& output,
@@ -237,7 +262,7 @@ Json segment(const SegmentCommandOptions& options, const Progress& progress, int
   int code = 0;
   Json figures = !options.is_all             ? segment_one(ct, options, output, progress, code)
                  : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
-                                             : copy_all(ct, options, output, progress);
+                                             : copy_all(ct, options, output, progress, code);
   figures["ct_hash"] = ct.source_hash;
   report_input_warnings(ct.warnings, figures);
   code = std::max(code, say_input_warnings(ct.warnings, options.ct.finding.accepts_warnings));

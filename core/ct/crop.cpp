@@ -95,6 +95,7 @@ CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
   cropped.whole_hash = ct.whole_hash;  // a part of the same CT
   cropped.notes = ct.notes;
   cropped.hu_change = ct.hu_change;
+  cropped.choices = ct.choices;
   return cropped;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct CtVolume {
   /// How it was read where that may surprise, a line each; as warnings, but no doubt.
   std::vector<std::string> notes{};
   HuChange hu_change{};  ///< that was made of its numbers
+  /// How it was read where someone decided that; no part of the hash. Goes into a bone's metadata.
+  std::map<std::string, std::string> choices{};
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };

@@ -70,6 +70,25 @@ std::string nifti_extension(const std::vector<Segment>& segments) {
   return bytes + content;
 }
 
+/// The same place as a quaternion: ITK 5.2 takes no sform alone whose 32 bits leave its axes at right angles by less
+/// than 1e-4.
+void set_qform(const GridGeometry& geometry, nifti_1_header& header) {
+  Mat3 turn = Vec3(-1.0, -1.0, 1.0).asDiagonal() * geometry.directions;
+  const bool is_mirrored = turn.determinant() < 0.0;
+  if (is_mirrored) turn.col(2) *= -1.0;
+  header.pixdim[0] = is_mirrored ? -1.0F : 1.0F;
+  Eigen::Quaterniond quaternion(turn);
+  quaternion.normalize();
+  if (quaternion.w() < 0.0) quaternion.coeffs() *= -1.0;
+  header.qform_code = NIFTI_XFORM_SCANNER_ANAT;
+  header.quatern_b = static_cast<float>(quaternion.x());
+  header.quatern_c = static_cast<float>(quaternion.y());
+  header.quatern_d = static_cast<float>(quaternion.z());
+  header.qoffset_x = static_cast<float>(-geometry.origin_mm.x());
+  header.qoffset_y = static_cast<float>(-geometry.origin_mm.y());
+  header.qoffset_z = static_cast<float>(geometry.origin_mm.z());
+}
+
 /// NIfTI's frame is RAS (x to the right, y anterior): both turn round here.
 std::string nifti_header(const GridGeometry& geometry, bool is_wide, const std::string& extension) {
   nifti_1_header header{};
@@ -81,7 +100,6 @@ std::string nifti_header(const GridGeometry& geometry, bool is_wide, const std::
     header.dim[axis + 1] = static_cast<short>(geometry.size[axis]);
     header.pixdim[axis + 1] = static_cast<float>(geometry.spacing_mm[static_cast<Eigen::Index>(axis)]);
   }
-  header.pixdim[0] = 1.0F;
   header.datatype = is_wide ? DT_INT16 : DT_UINT8;
   header.bitpix = is_wide ? 16 : 8;
   header.vox_offset = static_cast<float>(352 + extension.size());
@@ -94,6 +112,7 @@ std::string nifti_header(const GridGeometry& geometry, bool is_wide, const std::
     for (int column = 0; column < 3; ++column) rows[row][column] = static_cast<float>(sign * matrix(row, column));
     rows[row][3] = static_cast<float>(sign * geometry.origin_mm[row]);
   }
+  set_qform(geometry, header);
   std::memcpy(header.magic, "n+1", 4);
   std::string bytes(352, '\0');
   std::memcpy(bytes.data(), &header, sizeof header);
@@ -149,13 +168,15 @@ std::string colour_of(int number) {
 
 }  // namespace
 
-BoneMask read_label_map(const std::filesystem::path& file, int label, const GridGeometry& ct_geometry) {
+BoneMask read_label_map(const std::filesystem::path& file, int label, const GridGeometry& ct_geometry,
+                        NiftiAffine affine, std::vector<std::string>* warnings) {
   check_geometry(ct_geometry, "CT");
   std::vector<std::uint8_t> has_label;  // of the file's voxels
   std::set<long long> present;          // without 0
   long long last = 0;
   const detail::LabelFile labels = detail::read_label_file(
-      file, ct_geometry, label, [&](const detail::LabelFile& head) { has_label.reserve(head.voxel_count()); },
+      file, ct_geometry, {.only = label, .affine = affine},
+      [&](const detail::LabelFile& head) { has_label.reserve(head.voxel_count()); },
       [&](std::span<const double> values) {
         for (const double value : values) {
           const bool is_label = std::abs(value) < 1e15;  // false also for what is not a number
@@ -165,6 +186,7 @@ BoneMask read_label_map(const std::filesystem::path& file, int label, const Grid
           has_label.push_back(is_label && found == label ? 1 : 0);
         }
       });
+  if (warnings != nullptr) *warnings = labels.warnings;
   if (label == 0 || !present.contains(label)) {
     fail("no label ", label, " in ", file.string(), "; there are: ", detail::list_for_people(present));
   }

@@ -7,8 +7,9 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/ct/detail/label_conventions.h"
 #include "core/ct/detail/label_file.h"
-#include "core/ct/detail/label_names.h"
+#include "core/ct/detail/label_meaning.h"
 
 namespace spinaltap {
 namespace {
@@ -23,98 +24,63 @@ struct LabelsOfFile {
   std::vector<std::uint8_t> labels;
 };
 
-LabelsOfFile read_all(const fs::path& file, const GridGeometry& ct_geometry) {
+LabelsOfFile read_all(const fs::path& file, const GridGeometry& ct_geometry, const LabelReadOptions& options) {
   constexpr double kRounding = 1e-3;  // of maps that were stored as floats
+  detail::LabelFileOptions of_file{.affine = options.affine};
+  if (options.wanted != 0) of_file.only = options.wanted;
   LabelsOfFile read;
   read.head = detail::read_label_file(
-      file, ct_geometry, {}, [&](const detail::LabelFile& head) { read.labels.reserve(head.voxel_count()); },
+      file, ct_geometry, of_file, [&](const detail::LabelFile& head) { read.labels.reserve(head.voxel_count()); },
       [&](std::span<const double> values) {
         for (const double value : values) {
           const double label = std::round(value);
-          if (!(label >= 0.0 && label < static_cast<double>(kLabels) && std::abs(value - label) <= kRounding)) {
+          const bool is_label =
+              label >= 0.0 && label < static_cast<double>(kLabels) && std::abs(value - label) <= kRounding;
+          if (!is_label && options.wanted == 0) {
             fail("expected labels that are whole numbers from 0 to ", kLabels - 1, ", found ", value, " in ",
                  file.string());
           }
-          read.labels.push_back(static_cast<std::uint8_t>(label));
+          read.labels.push_back(is_label ? static_cast<std::uint8_t>(label) : std::uint8_t{0});
         }
       });
   return read;
 }
 
-/// Where along the patient the middle of each label lies, z of LPS, mm.
-std::map<int, double> heights_mm(const LabelsOfFile& read) {
-  std::array<double, kLabels> sum_mm{};
-  std::array<double, kLabels> count{};
+std::map<int, detail::LabelShape> shapes_of(const LabelsOfFile& read) {
+  struct Sums {
+    Vec3 index = Vec3::Zero();
+    double count = 0.0;
+    Box3 box_mm;  ///< of the voxels' middles, but for the origin
+    bool is_cut = false;
+  };
+  std::array<Sums, kLabels> of_label;
+  const std::array<int, 3>& size = read.head.size;
   std::size_t at = 0;
-  for (int k = 0; k < read.head.size[2]; ++k) {
-    for (int j = 0; j < read.head.size[1]; ++j) {
-      for (int i = 0; i < read.head.size[0]; ++i) {
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
         const std::uint8_t label = read.labels[at++];
         if (label == 0) continue;
-        sum_mm[label] += read.head.index_to_patient.row(2).dot(Vec3(i, j, k));
-        count[label] += 1.0;
+        const Vec3 index(i, j, k);
+        Sums& sums = of_label[label];
+        sums.index += index;
+        sums.count += 1.0;
+        sums.box_mm.extend(read.head.index_to_patient * index);
+        sums.is_cut =
+            sums.is_cut || i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
       }
     }
   }
-  std::map<int, double> heights;
+  std::map<int, detail::LabelShape> shapes;
+  const Vec3 step_mm = read.head.index_to_patient.cwiseAbs().rowwise().sum();
+  const double voxel_mm3 = std::abs(read.head.index_to_patient.determinant());
   for (std::size_t label = 1; label < kLabels; ++label) {
-    if (count[label] > 0.0) heights[static_cast<int>(label)] = sum_mm[label] / count[label];
+    const Sums& sums = of_label[label];
+    if (!(sums.count > 0.0)) continue;
+    shapes[static_cast<int>(label)] = {read.head.origin_mm + read.head.index_to_patient * (sums.index / sums.count),
+                                       sums.box_mm.sizes() + step_mm, sums.count * voxel_mm3, sums.is_cut};
   }
-  return heights;
-}
-
-bool has_level(const std::map<int, LabelName>& names) {
-  return std::any_of(names.begin(), names.end(), [](const auto& entry) { return entry.second.level != Level::kNone; });
-}
-
-std::set<int> numbers_of(const std::map<int, double>& heights) {
-  std::set<int> numbers;
-  for (const auto& entry : heights) numbers.insert(entry.first);
-  return numbers;
-}
-
-/// "22 is L3 in VerSe or L1 in TotalSegmentator 1", by a number that they do not agree on.
-std::string meanings_of(const std::map<int, double>& heights, const std::vector<LabelConvention>& conventions) {
-  std::string first;
-  for (const auto& entry : heights) {
-    std::string text;
-    std::set<Level> levels;
-    for (const LabelConvention convention : conventions) {
-      const Level level = detail::level_of_number(convention, entry.first);
-      levels.insert(level);
-      const std::string name = level == Level::kNone ? "no vertebra" : level_name(level);
-      text += (text.empty() ? std::to_string(entry.first) + " is " : " or ") + name + " in " +
-              detail::convention_name(convention);
-    }
-    if (levels.size() > 1) return text;
-    if (first.empty() && !levels.contains(Level::kNone)) first = text;
-  }
-  return first;
-}
-
-std::map<int, LabelName> names_automatically(const LabelsOfFile& read, const fs::path& file) {
-  const std::map<int, double> heights = heights_mm(read);
-  const std::set<int> present = numbers_of(heights);
-  std::map<int, LabelName> names = detail::levels_by_names(present, read.head.names);
-  if (has_level(names) || read.head.numbers_are_ranks) return names;
-  const std::vector<LabelConvention> possible = detail::possible_conventions(heights);
-  if (possible.empty()) return names;
-  const std::optional<LabelConvention> sure = detail::sure_convention(heights);
-  if (sure) return detail::levels_by_numbers(*sure, present, read.head.names);
-  fail("expected a label map that names its vertebrae, found numbers that do not tell: ",
-       meanings_of(heights, possible), "; say which convention is meant: ", file.string());
-}
-
-std::map<int, LabelName> names_of(const LabelsOfFile& read, LabelConvention convention, const fs::path& file) {
-  if (convention == LabelConvention::automatic) return names_automatically(read, file);
-  const std::set<int> present = numbers_of(heights_mm(read));
-  if (convention != LabelConvention::names && convention != LabelConvention::any_names) {
-    return detail::levels_by_numbers(convention, present, read.head.names);
-  }
-  std::map<int, LabelName> names = detail::levels_by_names(present, read.head.names);
-  if (convention == LabelConvention::names && !has_level(names))
-    fail("expected a label map that names vertebrae, found no such name in ", file.string());
-  return names;
+  return shapes;
 }
 
 void check_each_level_once(const std::map<int, LabelName>& names, const fs::path& file) {
@@ -137,13 +103,19 @@ std::string list_of_levels(const LabelVolume& volume) {
 
 }  // namespace
 
-LabelVolume read_label_volume(const fs::path& file, const GridGeometry& ct_geometry, LabelConvention convention) {
+LabelVolume read_label_volume(const fs::path& file, const GridGeometry& ct_geometry, const LabelReadOptions& options) {
   check_geometry(ct_geometry, "CT");
-  const LabelsOfFile read = read_all(file, ct_geometry);
-  const std::map<int, LabelName> names = names_of(read, convention, file);
+  const LabelsOfFile read = read_all(file, ct_geometry, options);
+  LabelReadOptions meant = options;
+  if (read.head.numbers_are_ranks && meant.convention == LabelConvention::automatic) {
+    meant.convention = LabelConvention::any_names;
+  }
+  const detail::LabelMeaning meaning = detail::meaning_of(shapes_of(read), read.head.names, meant, file.string());
+  const std::map<int, LabelName>& names = meaning.names;
   check_each_level_once(names, file);
 
-  LabelVolume volume{ct_geometry, std::vector<std::uint8_t>(ct_geometry.voxel_count(), 0), {}};
+  LabelVolume volume{
+      ct_geometry, std::vector<std::uint8_t>(ct_geometry.voxel_count(), 0), {}, meaning.source, read.head.warnings};
   std::array<std::atomic<bool>, kLabels> found{};
   detail::for_each_nearest(read.head, ct_geometry, [&](std::size_t at, std::size_t at_file) {
     const std::uint8_t label = read.labels[at_file];
@@ -161,6 +133,18 @@ LabelVolume read_label_volume(const fs::path& file, const GridGeometry& ct_geome
          file.string());
   }
   return volume;
+}
+
+const std::map<std::string, LabelConvention>& label_conventions() {
+  static const std::map<std::string, LabelConvention> kWords = [] {
+    std::map<std::string, LabelConvention> words{
+        {"automatic", LabelConvention::automatic}, {"names", LabelConvention::names}, {"none", LabelConvention::none}};
+    for (const detail::LabelNumbering& one : detail::label_numberings()) {
+      words[std::string(one.keyword)] = one.convention;
+    }
+    return words;
+  }();
+  return kWords;
 }
 
 std::optional<int> label_of(const LabelVolume& volume, Level level) {

@@ -109,7 +109,13 @@ CtVolume read_any(const fs::path& path, const CtReadOptions& options, const Prog
     fail("expected no series for a file that holds one CT, found ",
          options.series.empty() ? "a stack" : in_quotes(options.series), " for ", path.string());
   }
-  if (format == detail::VolumeFormat::kNifti) return read_nifti_ct(path, progress);
+  if (format == detail::VolumeFormat::kNifti) {
+    CtVolume ct = read_nifti_ct(path, options.affine, progress);
+    if (options.affine != NiftiAffine::automatic) {
+      ct.choices["nifti_affine"] = options.affine == NiftiAffine::sform ? "sform, as was said" : "qform, as was said";
+    }
+    return ct;
+  }
   return detail::ct_of_volume(detail::open_volume_file(path, format), path, progress);
 }
 
@@ -124,6 +130,7 @@ CtVolume changed(CtVolume ct, const HuChange& change) {
   CtVolume made = make_ct_volume(ct.geometry, std::move(ct.hu));
   made.warnings = std::move(ct.warnings);
   made.notes = std::move(ct.notes);
+  made.choices = std::move(ct.choices);
   made.hu_change = change;
   return made;
 }

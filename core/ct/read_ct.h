@@ -5,6 +5,7 @@
 
 #include "core/base/progress.h"
 #include "core/ct/ct_volume.h"
+#include "core/ct/nifti_affine.h"
 
 namespace spinaltap {
 
@@ -15,6 +16,7 @@ struct CtReadOptions {
   /// What to make of the numbers, for who knows their unit; other than none, DICOM slices that state no rescaling are
   /// read too.
   HuChange hu = {};
+  NiftiAffine affine = NiftiAffine::automatic;  ///< of a NIfTI file whose two transforms differ
 };
 
 /// Whether the path is a file of a format that holds one CT, NIfTI, NRRD or MetaImage, and not DICOM's.

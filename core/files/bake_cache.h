@@ -17,7 +17,8 @@ struct MaskStage {
   BoneMask mask;
   std::string method;
   Level level = Level::kNone;               ///< where it is known
-  std::optional<LevelWarnings> warnings{};  ///< where the mask was found; nothing for a label map
+  std::optional<LevelWarnings> warnings{};  ///< what speaks against the mask; nothing where nothing looked at it
+  std::string level_source{};               ///< how the level is known, in words; empty: it is not, or was found
 };
 
 /// A folder of finished stages, so that a bake that was stopped goes on where it was, and one with other options for

@@ -42,7 +42,7 @@ class SparsePoints {
 }  // namespace
 
 std::vector<Correction> read_strokes(const std::filesystem::path& file, const GridGeometry& ct_geometry) {
-  const LabelVolume strokes = read_label_volume(file, ct_geometry, LabelConvention::any_names);
+  const LabelVolume strokes = read_label_volume(file, ct_geometry, {.convention = LabelConvention::any_names});
   std::map<int, SparsePoints> points;
   std::vector<Correction> corrections;
   std::size_t at = 0;

@@ -105,7 +105,8 @@ TEST_F(Drill, GoesThroughSeveralBonesAndWritesEach) {
   around.size = {120, 120, 120};
   around.spacing_mm = Vec3::Constant(0.2);
   around.origin_mm = centre_mm - Vec3::Constant(12.0);
-  const LabelVolume map = read_label_volume(folder / "out" / "voxels.nii.gz", around, LabelConvention::any_names);
+  const LabelVolume map =
+      read_label_volume(folder / "out" / "voxels.nii.gz", around, {.convention = LabelConvention::any_names});
   EXPECT_EQ(map.names.at(1).name, "living bone");
   EXPECT_EQ(map.labels[around.offset(60, 60, 60)], 0) << "in the hole";
   const Vec3 beside = around.to_index(places[1]).array().round();

@@ -68,6 +68,31 @@ TEST_F(Levels, BakesIntoAFolderAndAloneTheSameBones) {
   EXPECT_THAT(run("info t12.vdb --level T11").errors, HasSubstr("expected T11, found T12"));
 }
 
+TEST_F(Levels, BakesOneThatTheCtsBorderCutsWithAWarningThatItsGradesCarry) {
+  const test::ProgramRun cut = run("bake ct --labels map.seg.nrrd --label L1 --voxel 0.5 -o cut.vdb --json cut.json");
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_THAT(cut.output, HasSubstr("cut by the CT's border"));
+  EXPECT_THAT(read_json(in("cut.json"))["warnings"].dump(), HasSubstr("cut by the CT's border"));
+  EXPECT_EQ(run("bake ct --labels map.seg.nrrd --label L1 --voxel 0.5 -o cut.vdb --accept-warnings").exit_code, 0);
+  const test::ProgramRun info = run("info cut.vdb");
+  EXPECT_THAT(info.output, HasSubstr("cut by the CT's border"));
+  const test::ProgramRun drawn = run("render cut.vdb -o cut.png --json drawn.json");
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.errors;
+  EXPECT_THAT(drawn.output, HasSubstr("this bone is SUSPECT: cut by the CT's border"));
+  EXPECT_THAT(read_json(in("drawn.json"))["bone_warnings"].dump(), HasSubstr("cut by the CT's border"));
+}
+
+TEST_F(Levels, WarnsOfALabelThatWasMoved) {
+  LabelVolume moved = test::LabelledBalls().labels;
+  moved.geometry.origin_mm.x() += 2.0;
+  write_whole_file(in("moved.seg.nrrd"), encode_label_volume(moved, "moved.seg.nrrd"));
+  const test::ProgramRun warned = run("bake ct --labels moved.seg.nrrd --label T12 --voxel 0.5 -o moved.vdb");
+  EXPECT_EQ(warned.exit_code, 1);
+  EXPECT_THAT(warned.output, HasSubstr("looks moved by"));
+  EXPECT_THAT(run("bake ct --labels moved.seg.nrrd --all --voxel 0.5 -o moved.vdb").output,
+              HasSubstr("looks moved by"));
+}
+
 TEST_F(Levels, WritesNothingWhereItMustNotLeaveOneOut) {
   const test::ProgramRun strict = run("bake ct --labels map.seg.nrrd --all --strict --voxel 0.5 -o strict.vdb");
   EXPECT_EQ(strict.exit_code, 2);
@@ -76,8 +101,21 @@ TEST_F(Levels, WritesNothingWhereItMustNotLeaveOneOut) {
 }
 
 TEST_F(Levels, TakesTheConventionThatIsSaid) {
-  // Numbers that grow downwards are VerSe's; TotalSegmentator counts the other way, and can be insisted on.
-  EXPECT_EQ(run("bake ct --labels map.nrrd --label T12 --voxel 0.5 --cache cache -o v.vdb").exit_code, 0);
+  // Balls of 10 mm have the size of no vertebra: nothing tells what their numbers mean.
+  for (const char* label : {"T12", "19"}) {
+    const test::ProgramRun unsaid = run(std::string("bake ct --labels map.nrrd --voxel 0.5 -o u.vdb --label ") + label);
+    EXPECT_EQ(unsaid.exit_code, 2);
+    EXPECT_THAT(unsaid.errors, AllOf(HasSubstr("19 is T12 in VerSe"), HasSubstr("convention")));
+    EXPECT_FALSE(std::filesystem::exists(in("u.vdb")));
+  }
+  const test::ProgramRun open = run("bake ct --labels map.nrrd --label 19 --convention none --voxel 0.5 -o open.vdb");
+  EXPECT_EQ(open.exit_code, 0) << open.errors;
+  EXPECT_FALSE(read_bone(in("open.vdb")).metadata().contains("level"));
+  const test::ProgramRun verse =
+      run("bake ct --labels map.nrrd --label T12 --convention verse --voxel 0.5 --cache cache -o v.vdb");
+  EXPECT_EQ(verse.exit_code, 0) << verse.errors;
+  EXPECT_THAT(verse.output, HasSubstr("numbers as of VerSe, as was said"));
+  EXPECT_EQ(read_bone(in("v.vdb")).metadata().at("level_source"), "numbers as of VerSe, as was said");
   const test::ProgramRun other =
       run("bake ct --labels map.nrrd --label L4 --convention totalsegmentator_v1 --voxel 0.5 --cache cache -o o.vdb");
   EXPECT_EQ(other.exit_code, 0) << other.errors;

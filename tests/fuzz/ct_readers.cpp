@@ -173,7 +173,7 @@ std::vector<Seed> dicom_label_seeds() {
 
 void read_labels(const fs::path& folder) {
   const fs::path file = only_file(folder);
-  const LabelVolume volume = read_label_volume(file, label_grid(), LabelConvention::any_names);
+  const LabelVolume volume = read_label_volume(file, label_grid(), {.convention = LabelConvention::any_names});
   for (const auto& [label, name] : volume.names) static_cast<void>(mask_of(volume, label));
   static_cast<void>(levels_of(volume));
   static_cast<void>(read_strokes(file, label_grid()));

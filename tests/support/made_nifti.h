@@ -25,8 +25,14 @@ struct MadeNifti {
   Vec3 ras_origin_mm = Vec3::Zero();
   double slope = 0.0;
   double intercept = 0.0;
-  double values_at = -1.0;  ///< vox_offset; -1: right behind the header
-  bool is_second = false;   ///< NIfTI-2
+  double values_at = -1.0;      ///< vox_offset; -1: right behind the header
+  std::int16_t sform_code = 1;  ///< scanner
+  std::int16_t qform_code = 0;
+  Vec3 quaternion = Vec3::Zero();    ///< b, c and d
+  Vec3 q_origin_mm = Vec3::Zero();   ///< qoffset, RAS
+  Vec3 pixdim = Vec3::Constant(-1);  ///< below 0: as long as `ras_steps`
+  std::uint8_t unit = 0;             ///< xyzt_units
+  bool is_second = false;            ///< NIfTI-2
   bool is_big_endian = false;
   const char* magic = nullptr;  ///< nullptr: of header and voxels in one file
 
@@ -46,7 +52,9 @@ struct MadeNifti {
     const double offset = values_at < 0.0 ? static_cast<double>(header_bytes) : values_at;
     for (std::size_t n = 0; n < 4; ++n) {
       put_real(file, is_second ? 104 + 8 * n : 76 + 4 * n,
-               n == 0 ? 1.0 : ras_steps.col(static_cast<int>(n) - 1).norm());
+               n == 0                                           ? 1.0
+               : pixdim[static_cast<Eigen::Index>(n) - 1] < 0.0 ? ras_steps.col(static_cast<int>(n) - 1).norm()
+                                                                : pixdim[static_cast<Eigen::Index>(n) - 1]);
     }
     if (is_second)
       put<std::int64_t>(file, 168, static_cast<std::int64_t>(offset));
@@ -54,10 +62,19 @@ struct MadeNifti {
       put<float>(file, 108, static_cast<float>(offset));
     put_real(file, is_second ? 176 : 112, slope);
     put_real(file, is_second ? 184 : 116, intercept);
-    if (is_second)
-      put<std::int32_t>(file, 348, 1);
-    else
-      put<std::int16_t>(file, 254, 1);  // sform_code: scanner
+    if (is_second) {
+      put<std::int32_t>(file, 344, qform_code);
+      put<std::int32_t>(file, 348, sform_code);
+      put<std::int32_t>(file, 500, unit);
+    } else {
+      put<std::int16_t>(file, 252, qform_code);
+      put<std::int16_t>(file, 254, sform_code);
+      file[123] = static_cast<char>(unit);
+    }
+    for (std::size_t n = 0; n < 3; ++n) {
+      put_real(file, is_second ? 352 + 8 * n : 256 + 4 * n, quaternion[static_cast<Eigen::Index>(n)]);
+      put_real(file, is_second ? 376 + 8 * n : 268 + 4 * n, q_origin_mm[static_cast<Eigen::Index>(n)]);
+    }
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {
         const auto n = static_cast<std::size_t>(4 * row + column);

@@ -12,42 +12,58 @@
 #include "vdb/sim/bone_identity.h"
 #include "vdb/sim/detail/bone_surface_error.h"
 #include "vdb/sim/detail/stage_key.h"
+#include "vdb/sim/label_warnings.h"
 
 namespace spinaltap {
 
 namespace {
 
-/// All that the map says of its labels; nothing where it does not say it clearly, which one number does not need.
-std::optional<LabelVolume> labels_if_clear(const LabelChoice& choice, const GridGeometry& geometry) {
-  try {
-    return read_label_volume(choice.file, geometry, choice.convention);
-  } catch (const Error&) {
-    if (choice.convention != LabelConvention::automatic) throw;
-    return std::nullopt;
-  }
-}
-
-ChosenBone chosen_label(const LabelChoice& choice, const GridGeometry& geometry) {
+ChosenBone chosen_label(const LabelChoice& choice, const GridGeometry& geometry, std::vector<std::string>& of_place) {
+  constexpr int kMaxNamed = 255;
+  LabelReadOptions options{choice.convention, choice.affine, 0};
   if (choice.level != Level::kNone) {
-    const LabelVolume volume = read_label_volume(choice.file, geometry, choice.convention);
+    const LabelVolume volume = read_label_volume(choice.file, geometry, options);
+    of_place = volume.warnings;
     BoneMask mask = mask_of(volume, choice.level);
-    return {std::move(mask), std::nullopt, choice.level, *label_of(volume, choice.level)};
+    return {std::move(mask), std::nullopt, choice.level, *label_of(volume, choice.level), volume.level_source};
   }
-  const std::optional<LabelVolume> volume = labels_if_clear(choice, geometry);
   int label = choice.label;
-  if (label == 0) label = volume && volume->names.size() == 1 ? volume->names.begin()->first : 1;
-  const Level level = volume && volume->names.contains(label) ? volume->names.at(label).level : Level::kNone;
-  return {read_label_map(choice.file, label, geometry), std::nullopt, level, label};
+  ChosenBone chosen;
+  // No numbering goes further; such a label has no level.
+  if (label <= kMaxNamed) {
+    options.wanted = label == 0 ? 1 : label;
+    const LabelVolume volume = read_label_volume(choice.file, geometry, options);
+    if (label == 0) label = volume.names.size() == 1 ? volume.names.begin()->first : 1;
+    if (const auto found = volume.names.find(label); found != volume.names.end()) chosen.level = found->second.level;
+    if (chosen.level != Level::kNone) chosen.level_source = volume.level_source;
+  }
+  chosen.mask = read_label_map(choice.file, label, geometry, choice.affine, &of_place);
+  chosen.label = label;
+  return chosen;
 }
 
 }  // namespace
 
+BoneMask label_mask(const LabelChoice& choice, const GridGeometry& geometry) {
+  std::vector<std::string> of_place;
+  return chosen_label(choice, geometry, of_place).mask;
+}
+
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress) {
-  if (labels) return chosen_label(*labels, ct.geometry);
-  Segmentation segmentation = segment_vertebra(ct, options, progress);
-  ChosenBone chosen{std::move(segmentation.mask), std::nullopt, segmentation.report.level, 0};
-  chosen.found = std::move(segmentation);
+  ChosenBone chosen;
+  if (labels) {
+    std::vector<std::string> of_place;
+    chosen = chosen_label(*labels, ct.geometry, of_place);
+    chosen.warnings = warnings_of_label(ct, chosen.mask, chosen.level, of_place, progress);
+  } else {
+    Segmentation segmentation = segment_vertebra(ct, options, progress);
+    chosen.mask = std::move(segmentation.mask);
+    chosen.level = segmentation.report.level;
+    chosen.warnings = warnings_of(segmentation.report);
+    chosen.found = std::move(segmentation);
+  }
+  warn_of_border(chosen.mask, chosen.warnings);
   return chosen;
 }
 
@@ -66,8 +82,9 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
   MaskStage stage{
       std::move(chosen.mask),
       chosen.found ? joined("threshold ", chosen.found->bone.threshold_hu, " HU") : joined("label ", chosen.label),
-      chosen.level, std::nullopt};
-  if (chosen.found) stage.warnings = warnings_of(chosen.found->report);
+      chosen.level, std::nullopt, chosen.level_source};
+  const bool is_doubted = !chosen.warnings.warnings.empty();
+  if (chosen.found || is_doubted) stage.warnings = chosen.warnings;
   if (!options.labels) cache.keep_mask(key, stage);
   return stage;
 }
@@ -114,9 +131,11 @@ std::map<std::string, std::string> metadata_of(const CtVolume& ct, const BakeCtO
   if (const std::optional<double> noise_hu = ct_noise_hu(ct)) metadata[kCtNoise] = joined(*noise_hu);
   metadata[kWholeCtHash] = ct.whole_hash;
   if (mask.level != Level::kNone) metadata["level"] = level_name(mask.level);
+  if (!mask.level_source.empty()) metadata["level_source"] = mask.level_source;
   if (mask.warnings) add_warnings(*mask.warnings, metadata);
   add_input_warnings(ct.warnings, metadata);
   add_hu_change(ct.hu_change, metadata);
+  metadata.insert(ct.choices.begin(), ct.choices.end());
   return metadata;
 }
 
@@ -136,7 +155,8 @@ BakedCt bake_mask(const CtVolume& ct, const MaskStage& mask, const BakeCtOptions
   const auto mask_voxels =
       static_cast<std::size_t>(std::count(mask.mask.inside.begin(), mask.mask.inside.end(), std::uint8_t{1}));
   clock.end("baked");
-  return {bone, mask_voxels, fit.report, report, mask.level, mask.warnings, false, fit_from_cache, clock.times()};
+  return {bone,          mask_voxels,       fit.report, report,         mask.level,
+          mask.warnings, mask.level_source, false,      fit_from_cache, clock.times()};
 }
 
 BakedCt bake_ct(const CtVolume& ct, const BakeCtOptions& options, const Progress& progress) {

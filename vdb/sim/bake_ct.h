@@ -21,6 +21,7 @@ struct LabelChoice {
   int label = 1;               ///< 0: the only one, or 1 where there are several
   Level level = Level::kNone;  ///< other than kNone: in place of the number
   LabelConvention convention = LabelConvention::automatic;
+  NiftiAffine affine = NiftiAffine::automatic;  ///< of a NIfTI file whose two transforms differ
 };
 
 struct BakeCtOptions {
@@ -38,7 +39,8 @@ struct BakedCt {
   SurfaceFitReport fit;
   BakeReport bake;
   Level level = Level::kNone;               ///< where it is known
-  std::optional<LevelWarnings> warnings{};  ///< without a label map
+  std::optional<LevelWarnings> warnings{};  ///< what speaks against the mask
+  std::string level_source{};               ///< how a label map's level is known, in words; empty where it is not
   bool mask_from_cache = false;
   bool fit_from_cache = false;
   std::vector<StageTime> times{};  ///< how long it took: "segmented" (by bake_ct() alone), "points", "fitted", "baked"
@@ -50,11 +52,17 @@ struct ChosenBone {
   std::optional<Segmentation> found;  ///< without a label map; its mask is moved out
   Level level = Level::kNone;         ///< kNone: not known
   int label = 0;                      ///< of the map
+  std::string level_source{};         ///< how the map's level is known, in words; empty where it is not
+  LevelWarnings warnings{};           ///< what speaks against the mask
 };
 
-/// The bone that a label map marks, or the vertebra that segment_vertebra() finds.
+/// The bone that a label map marks, or the vertebra that segment_vertebra() finds, with what speaks against it: a label
+/// whose edge lies on no edges of bone, a bone that the CT's border cuts.
 ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& labels, const SegmentOptions& options,
                        const Progress& progress = {});
+
+/// The voxels that a label map marks, without a look at the CT. Throws Error as read_label_volume() does.
+BoneMask label_mask(const LabelChoice& choice, const GridGeometry& geometry);
 
 /// The rest of the chain, from a mask on. The metadata records how the mask came about, its level, warnings and
 /// severity, and what speaks against the CT.

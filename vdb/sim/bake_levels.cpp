@@ -7,6 +7,7 @@
 #include "core/files/landmarks_text.h"
 #include "core/plan/landmarks.h"
 #include "vdb/grid/bone_model.h"
+#include "vdb/sim/label_warnings.h"
 
 namespace spinaltap {
 namespace {
@@ -80,7 +81,7 @@ BakedLevels bake_levels(const CtVolume& ct, const LabelVolume& labels, const Bak
   for (std::size_t n = 0; n < whole.size(); ++n) {
     const Level level = whole[n];
     const int label = *label_of(labels, level);
-    MaskStage mask{mask_of(labels, label), "label " + std::to_string(label), level, std::nullopt};
+    MaskStage mask{mask_of(labels, label), "label " + std::to_string(label), level, std::nullopt, labels.level_source};
     const Progress of_level = progress_of_level(progress, level, n + 1, whole.size());
     LevelNotes notes;
     if (const auto found = options.warnings.find(level); found != options.warnings.end()) {
@@ -89,6 +90,12 @@ BakedLevels bake_levels(const CtVolume& ct, const LabelVolume& labels, const Bak
       notes.severity = found->second.severity;
     }
     try {
+      if (!mask.warnings) {
+        LevelWarnings of_label = warnings_of_label(ct, mask.mask, level, labels.warnings, of_level);
+        notes.warnings = of_label.warnings;
+        notes.severity = of_label.severity;
+        if (!of_label.warnings.empty()) mask.warnings = std::move(of_label);
+      }
       const BakedCt baked = bake_mask(ct, mask, options.bake, of_level);
       if (options.finds_landmarks) add_landmarks(baked.bone, of_level, notes);
       result.levels.push_back({level, baked, notes});

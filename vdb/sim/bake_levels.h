@@ -13,10 +13,11 @@
 namespace spinaltap {
 
 struct BakeLevelsOptions {
-  BakeCtOptions bake;                       ///< but for `labels` and `segment`
-  std::map<Level, LevelWarnings> warnings;  ///< go into the bones' notes and metadata
-  bool finds_landmarks = true;              ///< into the notes too; seconds a level
-  bool is_strict = false;                   ///< throw where a level cannot be baked, instead of leaving it out
+  BakeCtOptions bake;  ///< but for `labels` and `segment`
+  /// Go into the bones' notes and metadata; levels that are not in it are compared with the CT, as of a foreign map.
+  std::map<Level, LevelWarnings> warnings;
+  bool finds_landmarks = true;  ///< into the notes too; seconds a level
+  bool is_strict = false;       ///< throw where a level cannot be baked, instead of leaving it out
 };
 
 struct BakedLevel {

@@ -34,7 +34,7 @@ LabelFile read_volume_labels(const fs::path& file, VolumeFormat format,
 
 }  // namespace
 
-LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, std::optional<long long> only,
+LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, const LabelFileOptions& options,
                           const std::function<void(const LabelFile&)>& begin, const TakeLabels& take) {
   std::error_code error;
   if (!fs::exists(file, error)) fail("no such file: ", file.string());
@@ -42,9 +42,9 @@ LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, std::opt
   switch (dicom_kind_of(file)) {
     case DicomKind::kSegmentation:
     case DicomKind::kLabelMapSegmentation:
-      return read_dicom_segmentation(file, only, begin, take);
+      return read_dicom_segmentation(file, options.only, begin, take);
     case DicomKind::kStructureSet:
-      return read_dicom_contours(file, ct, only, begin, take);
+      return read_dicom_contours(file, ct, options.only, begin, take);
     case DicomKind::kSurfaceSegmentation:
       fail("expected a DICOM segmentation of voxels, found one of surfaces: ", file.string(),
            " (save it from 3D Slicer as a label map)");
@@ -55,12 +55,11 @@ LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, std::opt
       break;
   }
   const VolumeFormat format = volume_format_of(file);
-  if (format == VolumeFormat::kNifti) return read_nifti_labels(file, begin, take);
+  if (format == VolumeFormat::kNifti) return read_nifti_labels(file, options.affine, begin, take);
   if (format == VolumeFormat::kNone) {
     fail(
         "expected a label map as NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr, .seg.nrrd), MetaImage (.mha, .mhd) or "
-        "DICOM "
-        "(SEG, RTSTRUCT), found ",
+        "DICOM (SEG, RTSTRUCT), found ",
         file.string());
   }
   return read_volume_labels(file, format, begin, take);

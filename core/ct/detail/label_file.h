@@ -9,8 +9,10 @@
 #include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/ct/grid_geometry.h"
+#include "core/ct/nifti_affine.h"
 
 namespace spinaltap::detail {
 
@@ -23,6 +25,7 @@ struct LabelFile {
   std::map<long long, std::string> names;
   /// The format makes labels 1, 2, 3, ...: no convention can be seen in them.
   bool numbers_are_ranks = false;
+  std::vector<std::string> warnings{};  ///< what speaks against the place of its voxels, a line each
 
   std::size_t voxel_count() const;
 };
@@ -30,11 +33,15 @@ struct LabelFile {
 /// Is given the voxels' values from first to last, some at a time; not a number where the file has none.
 using TakeLabels = std::function<void(std::span<const double>)>;
 
+struct LabelFileOptions {
+  std::optional<long long> only{};              ///< of formats where segments may overlap, this one is read alone
+  NiftiAffine affine = NiftiAffine::automatic;  ///< of a NIfTI file whose two transforms differ
+};
+
 /// Reads NIfTI, NRRD (.seg.nrrd is one), MetaImage, DICOM segmentations, and DICOM structure sets, whose contours are
 /// put onto the grid of `ct`. `begin`, which may be empty, is given the file's head, without names, before `take` its
-/// voxels. `only`: of formats where segments may overlap, this one is read alone. Throws Error when the file is none of
-/// them or is damaged.
-LabelFile read_label_file(const std::filesystem::path& file, const GridGeometry& ct, std::optional<long long> only,
+/// voxels. Throws Error when the file is none of them or is damaged.
+LabelFile read_label_file(const std::filesystem::path& file, const GridGeometry& ct, const LabelFileOptions& options,
                           const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
 
 /// For each voxel of `grid` whose centre lies in one of the file's: its offset and the file's. Called from many
@@ -49,6 +56,7 @@ std::string list_for_people(const std::set<long long>& labels);
 /// ...><![CDATA[vertebrae_L5]]></Label>`. Takes what it understands and leaves the rest.
 std::map<long long, std::string> names_of_label_table(const std::string& xml);
 
-LabelFile read_nifti_labels(const std::filesystem::path& file, const std::function<void(const LabelFile&)>& begin,
-                            const TakeLabels& take);
+LabelFile read_nifti_labels(const std::filesystem::path& file, NiftiAffine affine,
+                            const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
+
 }  // namespace spinaltap::detail

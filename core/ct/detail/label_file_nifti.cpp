@@ -33,13 +33,14 @@ std::map<long long, std::string> names_of_label_table(const std::string& xml) {
   return names;
 }
 
-LabelFile read_nifti_labels(const std::filesystem::path& file, const std::function<void(const LabelFile&)>& begin,
-                            const TakeLabels& take) {
-  const NiftiVolume nifti(file);
+LabelFile read_nifti_labels(const std::filesystem::path& file, NiftiAffine affine,
+                            const std::function<void(const LabelFile&)>& begin, const TakeLabels& take) {
+  const NiftiVolume nifti(file, affine);
   LabelFile labels;
   labels.size = nifti.size();
   labels.index_to_patient = nifti.index_to_patient();
   labels.origin_mm = nifti.origin_mm();
+  labels.warnings = nifti.warnings();
   if (begin) begin(labels);
   nifti.read_values(take);
   for (const std::string& extension : nifti.read_extensions()) labels.names.merge(names_of_label_table(extension));

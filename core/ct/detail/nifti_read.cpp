@@ -5,15 +5,17 @@
 
 namespace spinaltap {
 
-CtVolume read_nifti_ct(const std::filesystem::path& file, const Progress& progress) {
-  const NiftiVolume nifti(file);
+CtVolume read_nifti_ct(const std::filesystem::path& file, NiftiAffine affine, const Progress& progress) {
+  const NiftiVolume nifti(file, affine);
   detail::VolumeFile volume;
   volume.format = "NIfTI";
   volume.size = nifti.size();
   volume.index_to_patient = nifti.index_to_patient();
   volume.origin_mm = nifti.origin_mm();
   volume.read_values = [&](const detail::TakeValues& take) { nifti.read_values(take); };
-  return detail::ct_of_volume(volume, file, progress);
+  CtVolume ct = detail::ct_of_volume(volume, file, progress);
+  ct.warnings = nifti.warnings();
+  return ct;
 }
 
 }  // namespace spinaltap

@@ -45,7 +45,8 @@ Number number_at(const std::vector<char>& bytes, std::size_t at, bool swapped) {
 }
 
 /// What the library takes for granted, so that it can be given any file: marks, sizes, and where the voxels begin.
-void check_header(const fs::path& file) {
+/// Gives the voxels' steps as the header has them, in its unit: the library would put 1 where there are none.
+Vec3 check_header(const fs::path& file) {
   std::vector<char> bytes(kHeader2, '\0');
   const int found = ::gzread(open_bytes(file).get(), bytes.data(), static_cast<unsigned>(bytes.size()));
   if (found < static_cast<int>(kHeader1)) fail_not_nifti(file);
@@ -89,9 +90,10 @@ void check_header(const fs::path& file) {
   if (!std::isfinite(slope) || !std::isfinite(intercept)) {
     fail("expected scl_slope and scl_inter to be numbers, found ", slope, " and ", intercept, " in ", file.string());
   }
+  return {real(80, 112), real(84, 120), real(88, 128)};
 }
 
-NiftiImage open_nifti(const fs::path& file) {
+NiftiImage open_nifti(const fs::path& file, Vec3& pixdim) {
   static const bool silent = [] {
     nifti_set_debug_level(0);
     return true;
@@ -105,7 +107,7 @@ NiftiImage open_nifti(const fs::path& file) {
   if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) {
     fail("expected a NIfTI file (.nii or .nii.gz), found ", file.string());
   }
-  check_header(file);
+  pixdim = check_header(file);
   NiftiImage image(nifti_image_read(file.c_str(), 0), nifti_image_free);
   if (!image) fail_not_nifti(file);
   return image;
@@ -148,6 +150,46 @@ void convert(const std::vector<char>& bytes, bool swapped, std::span<double> val
   }
 }
 
+NiftiTransform transform_of(int code, const nifti_dmat44& ras, double unit_mm) {
+  NiftiTransform form;
+  form.code = code;
+  if (!form.is_there()) return form;
+  for (int row = 0; row < 3; ++row) {
+    const double scale = unit_mm * (row < 2 ? -1.0 : 1.0);
+    for (int column = 0; column < 3; ++column) form.steps_mm(row, column) = scale * ras.m[row][column];
+    form.origin_mm[row] = scale * ras.m[row][3];
+  }
+  return form;
+}
+
+/// The fourth part of a quaternion is the root of what the other three leave of 1. Near half a turn it is small, and
+/// the rounding of the others to 32 bits is large beside it; the library takes it for 0 where its square is below 1e-7.
+double rounding_of_qform(const nifti_image& image) {
+  constexpr double kFloat = 6e-8;
+  const double squares =
+      image.quatern_b * image.quatern_b + image.quatern_c * image.quatern_c + image.quatern_d * image.quatern_d;
+  const double fourth = std::sqrt(std::max(0.0, 1.0 - squares));
+  return 6.0 * kFloat + 2.0 * std::min(2.0 * kFloat / std::max(fourth, 1e-9), std::sqrt(1e-7));
+}
+
+NiftiForms forms_of(const nifti_image& image, const Vec3& pixdim, const fs::path& file) {
+  constexpr double kMaxSquares = 1.001;  // of what a quaternion of length 1 can have, with rounding
+  const double unit_mm = unit_in_mm(image);
+  NiftiForms forms;
+  forms.size = {static_cast<int>(image.nx), static_cast<int>(image.ny), static_cast<int>(image.nz)};
+  forms.sform = transform_of(image.sform_code, image.sto_xyz, unit_mm);
+  forms.qform = transform_of(image.qform_code, image.qto_xyz, unit_mm);
+  forms.pixdim_mm = unit_mm * pixdim;
+  forms.qform_rounding_rad = rounding_of_qform(image);
+  forms.unit = image.xyz_units;
+  const double squares =
+      image.quatern_b * image.quatern_b + image.quatern_c * image.quatern_c + image.quatern_d * image.quatern_d;
+  if (forms.qform.is_there() && !forms.sform.is_there() && !(squares <= kMaxSquares)) {
+    fail("expected a quaternion whose squares add to 1 at most, found ", squares, " in ", file.string());
+  }
+  return forms;
+}
+
 using Convert = void (*)(const std::vector<char>&, bool, std::span<double>);
 
 /// Null for types that are not one plain number a voxel.
@@ -180,23 +222,12 @@ Convert convert_of(int type) {
 
 }  // namespace
 
-NiftiVolume::NiftiVolume(const fs::path& file) : file_(file) {
-  const NiftiImage image = open_nifti(file);
+NiftiVolume::NiftiVolume(const fs::path& file, NiftiAffine affine) : file_(file) {
+  Vec3 pixdim;
+  const NiftiImage image = open_nifti(file, pixdim);
   check_size(*image, file);
   size_ = {static_cast<int>(image->nx), static_cast<int>(image->ny), static_cast<int>(image->nz)};
-  if (image->sform_code <= 0 && image->qform_code <= 0) {
-    fail("expected a NIfTI sform or qform that says where the voxels lie, found neither in ", file.string());
-  }
-  const nifti_dmat44& ras = image->sform_code > 0 ? image->sto_xyz : image->qto_xyz;
-  for (int row = 0; row < 3; ++row) {
-    const double scale = unit_in_mm(*image) * (row < 2 ? -1.0 : 1.0);
-    for (int column = 0; column < 3; ++column) index_to_patient_(row, column) = scale * ras.m[row][column];
-    origin_mm_[row] = scale * ras.m[row][3];
-  }
-  const double volume_mm3 = std::abs(index_to_patient_.determinant());
-  if (!index_to_patient_.allFinite() || !origin_mm_.allFinite() || !(volume_mm3 > 1e-12)) {
-    fail("expected a NIfTI transform that gives voxels a volume, found one that does not in ", file.string());
-  }
+  place_ = place_nifti(forms_of(*image, pixdim, file), affine, file.string());
   type_ = image->datatype;
   value_bytes_ = image->nbyper;
   if (convert_of(type_) == nullptr) {

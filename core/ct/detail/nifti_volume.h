@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/ct/detail/nifti_place.h"
 
 namespace spinaltap {
 
@@ -17,15 +18,17 @@ namespace spinaltap {
 class NiftiVolume {
  public:
   /// Throws Error for what is not a NIfTI file with header and voxels in one, holds more than one volume, claims more
-  /// voxels than the file can hold, or does not say where they lie.
-  explicit NiftiVolume(const std::filesystem::path& file);
+  /// voxels than the file can hold, or does not surely say where they lie (place_nifti()).
+  explicit NiftiVolume(const std::filesystem::path& file, NiftiAffine affine = NiftiAffine::automatic);
 
   const std::array<int, 3>& size() const { return size_; }
   std::size_t voxel_count() const;
   /// Index steps to mm, patient LPS (NIfTI's frame is RAS: x and y turn round). Steps of any length and angle.
-  const Mat3& index_to_patient() const { return index_to_patient_; }
+  const Mat3& index_to_patient() const { return place_.steps_mm; }
   /// Centre of voxel (0, 0, 0), patient LPS.
-  const Vec3& origin_mm() const { return origin_mm_; }
+  const Vec3& origin_mm() const { return place_.origin_mm; }
+  /// What speaks against that place, a line each.
+  const std::vector<std::string>& warnings() const { return place_.warnings; }
 
   /// Calls `take` with the values from first to last, some at a time, scaled by scl_slope and scl_inter; not a number
   /// where the file has none. Throws Error where the file ends early.
@@ -38,8 +41,7 @@ class NiftiVolume {
  private:
   std::filesystem::path file_;
   std::array<int, 3> size_{};
-  Mat3 index_to_patient_ = Mat3::Identity();
-  Vec3 origin_mm_ = Vec3::Zero();
+  NiftiPlace place_;
   int type_ = 0;         ///< NIfTI's number of the stored type
   int value_bytes_ = 0;  ///< of one stored value
   bool is_swapped_ = false;

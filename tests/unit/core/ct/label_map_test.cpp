@@ -107,6 +107,29 @@ TEST(ReadLabelMap, UsesTheQformWithoutASform) {
   EXPECT_THAT(nifti_error({.sform_code = 0}), HasSubstr("sform or qform"));
 }
 
+TEST(EncodeLabelMap, WritesAQformThatSaysTheSamePlaceAsTheSform) {
+  for (const bool is_mirrored : {false, true}) {
+    for (const double angle_rad : {0.0, 0.3, 1.9, 3.1415}) {
+      BoneMask mask;
+      mask.geometry.size = {7, 5, 4};
+      mask.geometry.spacing_mm = Vec3(0.7, 0.9, 1.25);
+      mask.geometry.origin_mm = Vec3(-101.25, 33.7, -679.8);
+      mask.geometry.directions = Eigen::AngleAxisd(angle_rad, Vec3(1, -2, 2).normalized()).toRotationMatrix();
+      if (is_mirrored) mask.geometry.directions.col(2) *= -1.0;
+      mask.inside.assign(mask.geometry.voxel_count(), 0);
+      mask.inside[mask.geometry.offset(6, 1, 2)] = mask.inside[mask.geometry.offset(0, 4, 3)] = 1;
+      const TemporaryFolder folder;
+      const auto file = folder.path() / "mask.nii.gz";
+      write_whole_file(file, encode_label_map(mask, 3, file));
+      for (const NiftiAffine affine : {NiftiAffine::automatic, NiftiAffine::sform, NiftiAffine::qform}) {
+        std::vector<std::string> warnings;
+        EXPECT_EQ(read_label_map(file, 3, mask.geometry, affine, &warnings).inside, mask.inside) << angle_rad;
+        EXPECT_TRUE(warnings.empty()) << warnings.front();
+      }
+    }
+  }
+}
+
 TEST(ReadLabelMap, TakesTheNearestVoxelOnAFinerGrid) {
   GridGeometry fine = nifti_grid();
   fine.size = {12, 8, 8};

@@ -93,7 +93,7 @@ LabelVolume read(const std::string& bytes, std::size_t voxels, LabelConvention c
                  const std::string& name = "map.seg.nrrd") {
   const test::TemporaryFolder folder;
   write_whole_file(folder.path() / name, bytes);
-  return read_label_volume(folder.path() / name, column_grid(voxels), convention);
+  return read_label_volume(folder.path() / name, column_grid(voxels), {.convention = convention});
 }
 
 LabelVolume read_numbers(const std::vector<double>& from_the_top,
@@ -148,8 +148,10 @@ TEST(ReadLabelVolume, TakesLevelsFromTheLabelTableOfTotalSegmentator) {
 TEST(ReadLabelVolume, LeavesTheTableAloneWhereItIsDamaged) {
   for (const std::string table : {"<Label Key=\"22", "<Label Key=\"22\">L3", "<Label Key=\"x\">L3</Label>", "<Label >",
                                   "<Label Key=\"99999999999999999999\">L3</Label>"}) {
-    EXPECT_THAT(names_of(read(nifti({21, 22}, table), 2, LabelConvention::automatic, "map.nii")),
-                ElementsAre("L2", "L3"))
+    EXPECT_THAT(error_of([&] {
+                  read(nifti({21, 22}, table), 2, LabelConvention::automatic, "map.nii");
+                }),
+                HasSubstr("22 is L3 in VerSe"))
         << table;
   }
 }
@@ -163,25 +165,56 @@ TEST(ReadLabelVolume, KnowsEachConventionsNumbers) {
               ElementsAre("C1", "C7", "T1", "T12", "L1", "L5"));
 }
 
-TEST(ReadLabelVolume, KnowsVerseByTheOrderOfItsNumbers) {
+/// Boxes of the size of lumbar vertebrae, 60 x 60 x 20 mm, one below the other in voxels of 10 mm, as a file.
+std::string lumbar_boxes(const std::vector<std::uint8_t>& from_the_top) {
+  const std::size_t count = from_the_top.size();
+  std::string voxels;
+  for (auto label = from_the_top.rbegin(); label != from_the_top.rend(); ++label) {
+    for (int slice = 0; slice < 3; ++slice) {
+      for (int j = 0; j < 8; ++j) {
+        for (int i = 0; i < 8; ++i) {
+          const bool is_in = slice > 0 && i > 0 && i < 7 && j > 0 && j < 7;
+          voxels += static_cast<char>(is_in ? *label : 0);
+        }
+      }
+    }
+  }
+  voxels += std::string(64, '\0');
+  return "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 8 8 " +
+         std::to_string(3 * count + 1) +
+         "\nspace directions: (10,0,0) (0,10,0) (0,0,10)\nkinds: domain domain domain\nencoding: raw\n"
+         "space origin: (0,0,0)\n\n" +
+         voxels;
+}
+
+LabelVolume read_boxes(const std::vector<std::uint8_t>& from_the_top, const LabelReadOptions& options = {}) {
+  const test::TemporaryFolder folder;
+  write_whole_file(folder.path() / "map.nrrd", lumbar_boxes(from_the_top));
+  GridGeometry geometry;
+  geometry.size = {8, 8, static_cast<int>(3 * from_the_top.size()) + 1};
+  geometry.spacing_mm = Vec3::Constant(10.0);
+  return read_label_volume(folder.path() / "map.nrrd", geometry, options);
+}
+
+TEST(ReadLabelVolume, TakesNumbersWhoseOrderAndSizesLeaveOneMeaning) {
+  EXPECT_THAT(names_of(read_boxes({21, 22, 23})), ElementsAre("L2", "L3", "L4"));
+  EXPECT_THAT(read_boxes({21, 22, 23}).level_source, HasSubstr("VerSe or CTSpine1K"));
+  EXPECT_THAT(names_of(read_boxes({30, 29, 28})), ElementsAre("L2", "L3", "L4"));
+  EXPECT_THAT(error_of([&] { read_boxes({12, 13, 14}); }), HasSubstr("C3 in TotalSpineSeg"));
+  EXPECT_THAT(error_of([&] { read_boxes({2, 3, 4}); }), HasSubstr("L3 in a count from L1"));
+}
+
+TEST(ReadLabelVolume, TakesOneWantedLabelOfAMapThatHasNoOther) {
+  LabelReadOptions wanted;
+  wanted.wanted = 22;
+  EXPECT_TRUE(levels_of(read_boxes({22}, wanted)).empty());
+  EXPECT_THAT(error_of([&] { read_boxes({22}); }), HasSubstr("L3 in VerSe"));
+  EXPECT_THAT(error_of([&] { read_boxes({12, 13, 14}, wanted); }), HasSubstr("convention"));
+}
+
+TEST(ReadLabelVolume, TakesNoOtherMapsOrgansForVertebrae) {
+  // 28 alone would be L4 in TotalSegmentator 2.
   EXPECT_THAT(names_of(read_numbers({18, 19, 28, 20})), ElementsAre("T11", "T12", "T13", "L1"));
-  // SPINEPS: discs at 100 and endplates at 200 more.
-  EXPECT_THAT(names_of(read_numbers({21, 121, 221, 22})), ElementsAre("L2", "L3"));
-  std::vector<double> whole;
-  for (int number = 1; number <= 24; ++number) whole.push_back(number);
-  EXPECT_EQ(names_of(read_numbers(whole)).size(), 24U);
-}
-
-TEST(ReadLabelVolume, KnowsTotalSegmentator2ByWhatVersion1HasNot) {
-  EXPECT_THAT(names_of(read_numbers({105, 31, 30, 29})), ElementsAre("L1", "L2", "L3"));
-}
-
-TEST(ReadLabelVolume, DoesNotGuessWhereNumbersCanBeMeantInSeveralWays) {
-  EXPECT_THAT(numbers_error({22}), HasSubstr("22 is L3 in VerSe or L1 in TotalSegmentator 1"));
-  EXPECT_THAT(numbers_error({31, 30, 29}), HasSubstr("L3 in TotalSegmentator 2 or T6 in TotalSegmentator 1"));
-  EXPECT_THAT(numbers_error({22, 21}), HasSubstr("21 is L2 in TotalSegmentator 1"));  // also another count from below
-  EXPECT_THAT(numbers_error({1}), HasSubstr("C1 in VerSe"));
-  EXPECT_THAT(numbers_error({1, 2, 3}), HasSubstr("C1 in VerSe"));  // or three vertebrae counted through
 }
 
 TEST(ReadLabelVolume, FindsNoLevelWhereThereIsNone) {
@@ -211,15 +244,17 @@ TEST(ReadLabelVolume, SaysWhenAllLabelsLieOutsideTheCt) {
   write_whole_file(folder.path() / "map.nrrd", nrrd({21, 22}));
   GridGeometry far = column_grid(2);
   far.origin_mm.x() += 100.0;
-  EXPECT_THAT(error_of([&] { read_label_volume(folder.path() / "map.nrrd", far); }), HasSubstr("only outside"));
-  // The order that tells the convention is that of the whole file, also where the CT shows one level only.
+  EXPECT_THAT(
+      error_of([&] { read_label_volume(folder.path() / "map.nrrd", far, {.convention = LabelConvention::verse}); }),
+      HasSubstr("only outside"));
   GridGeometry part = column_grid(1);
-  const LabelVolume volume = read_label_volume(folder.path() / "map.nrrd", part);
+  const LabelVolume volume =
+      read_label_volume(folder.path() / "map.nrrd", part, {.convention = LabelConvention::verse});
   EXPECT_THAT(names_of(volume), ElementsAre("L3"));
 }
 
 TEST(MaskOf, SaysWhatThereIs) {
-  const LabelVolume volume = read_numbers({21, 22});
+  const LabelVolume volume = read_numbers({21, 22}, LabelConvention::verse);
   EXPECT_THAT(error_of([&] { mask_of(volume, 5); }), HasSubstr("there are: 21, 22"));
   EXPECT_THAT(error_of([&] { mask_of(volume, 0); }), HasSubstr("no label 0"));
   EXPECT_THAT(error_of([&] { mask_of(volume, Level::kT12); }), HasSubstr("no T12 in the label map; there are: L2, L3"));
@@ -249,8 +284,9 @@ TEST_P(WrittenLabelVolume, ComesBackWithItsNames) {
   const test::TemporaryFolder folder;
   write_whole_file(folder.path() / GetParam(), bytes);
   const bool has_names = GetParam() != "map.nrrd";
-  const LabelVolume back = read_label_volume(folder.path() / GetParam(), volume.geometry,
-                                             has_names ? LabelConvention::names : LabelConvention::verse);
+  const LabelVolume back =
+      read_label_volume(folder.path() / GetParam(), volume.geometry,
+                        {.convention = has_names ? LabelConvention::names : LabelConvention::verse});
   EXPECT_EQ(back.labels, volume.labels);
   if (has_names) {
     EXPECT_EQ(back.names, volume.names);

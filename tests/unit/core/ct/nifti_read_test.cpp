@@ -136,6 +136,36 @@ TEST(ReadNiftiCt, ResamplesAStackThatLeans) {
   }
 }
 
+TEST(ReadNiftiCt, TakesTheScannersPlaceBesideOneInATemplate) {
+  for (const bool is_second : {false, true}) {
+    MadeNifti nifti = numbered_nifti();
+    nifti.is_second = is_second;
+    nifti.ras_steps = 1.65 * Mat3::Identity();
+    nifti.sform_code = 4;
+    nifti.qform_code = 1;
+    nifti.pixdim = Vec3::Constant(1.5);
+    const TemporaryFolder folder;
+    write_whole_file(folder.path() / "ct.nii", nifti.bytes());
+    const CtVolume ct = read_ct(folder.path() / "ct.nii");
+    EXPECT_EQ(ct.geometry.spacing_mm, Vec3::Constant(1.5));
+    ASSERT_EQ(ct.warnings.size(), 1U);
+    EXPECT_THAT(ct.warnings.front(), HasSubstr("the MNI 152 template"));
+    const CtVolume by_sform = read_ct(folder.path() / "ct.nii", {.affine = NiftiAffine::sform});
+    EXPECT_NEAR(by_sform.geometry.spacing_mm.x(), 1.65, 1e-6);
+    EXPECT_TRUE(by_sform.warnings.empty());
+    EXPECT_EQ(by_sform.choices.at("nifti_affine"), "sform, as was said");
+  }
+}
+
+TEST(ReadNiftiCt, ReadsLengthsInTheHeadersUnit) {
+  MadeNifti nifti = numbered_nifti();
+  nifti.ras_steps = 1500.0 * Mat3::Identity();
+  nifti.unit = 3;
+  EXPECT_EQ(read_made(nifti).geometry.spacing_mm, Vec3::Constant(1.5));
+  nifti.unit = 2;
+  EXPECT_THAT(test::error_of([&] { read_made(nifti); }), HasSubstr("xyzt_units"));
+}
+
 TEST(ReadNiftiCt, RejectsASeriesForAFileThatHoldsNone) {
   const TemporaryFolder folder;
   write_whole_file(folder.path() / "ct.nii", numbered_nifti().bytes());

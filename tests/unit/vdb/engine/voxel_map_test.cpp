@@ -69,7 +69,8 @@ TEST(VoxelMap, HasWhatLivesWhereItLies) {
   for (const char* name : {"voxels.nii.gz", "voxels.seg.nrrd"}) {
     SCOPED_TRACE(name);
     write_whole_file(folder.path() / name, encode_label_volume(map, name));
-    const LabelVolume read = read_label_volume(folder.path() / name, map.geometry, LabelConvention::any_names);
+    const LabelVolume read =
+        read_label_volume(folder.path() / name, map.geometry, {.convention = LabelConvention::any_names});
     EXPECT_EQ(read.names.at(1).name, "living bone");
     std::size_t alive = 0;
     for (int k = 0; k < map.geometry.size[2]; ++k) {
