@@ -205,8 +205,8 @@ TEST_F(Errors, CarriesALabelMapFromOneFormatToAnotherAndBack) {
     EXPECT_EQ(done.exit_code, 0) << done.errors;
     EXPECT_THAT(done.output, HasSubstr("32768"));  // every voxel of the CT
   };
-  run("--labels labels.nii --label 5 --write-label 300 -o work/map.seg.nrrd --picture work/map.png");
-  run("--labels work/map.seg.nrrd --label 300 -o work/map.nii.gz");
+  run("--accept-warnings --labels labels.nii --label 5 --write-label 300 -o work/map.seg.nrrd --picture work/map.png");
+  run("--accept-warnings --labels work/map.seg.nrrd --label 300 -o work/map.nii.gz");
   EXPECT_THAT(everything_in(work()), ::testing::ElementsAre("map.nii.gz", "map.png", "map.seg.nrrd"));
 }
 

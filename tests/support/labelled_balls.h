@@ -47,6 +47,7 @@ struct LabelledBalls {
     }
     ct = make_ct_volume(geometry, std::move(hu));
     labels.names = {{18, {"T11", Level{18}}}, {19, {"T12", Level::kT12}}, {20, {"L1", Level::kL1}}};
+    labels.level_source = "names in the label map";  // as of one that was read
   }
 };
 
