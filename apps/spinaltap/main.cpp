@@ -46,7 +46,9 @@ namespace {
 /// Libraries speak of their options' names; who types commands knows them as flags.
 std::string with_flags(std::string text) {
   for (const auto& [name, flag] :
-       {std::pair{"CtReadOptions::series", "--series"}, std::pair{"CtReadOptions::resample", "--resample"}}) {
+       {std::pair{"CtReadOptions::series", "--series"}, std::pair{"CtReadOptions::stack", "--stack"},
+        std::pair{"CtReadOptions::resample", "--resample"},
+        std::pair{"CtReadOptions::hu", "--hu-scale, --hu-offset"}}) {
     const std::size_t at = text.find(name);
     if (at != std::string::npos) text.replace(at, std::string_view(name).size(), flag);
   }

@@ -11,6 +11,7 @@
 #include "core/ct/detail/dicom_scan.h"
 #include "core/ct/detail/dicom_slice.h"
 #include "core/ct/detail/dicom_stack.h"
+#include "core/ct/detail/dicom_witnesses.h"
 #include "core/ct/hu_check.h"
 
 namespace spinaltap {
@@ -114,6 +115,7 @@ CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& o
                     : resample_stack(stack.geometry, stack.places, stack.geometry.spacing_mm.z(), hu, progress);
   ct.warnings = std::move(series.info.warnings);
   for (std::string& line : disagreements_of(stack.slices)) ct.warnings.push_back(std::move(line));
+  for (std::string& line : contradictions_of(stack)) ct.warnings.push_back(std::move(line));
   if (has_rescale_type(stack.slices, "US") && !check_hu(ct).shows_tissue) {
     ct.warnings.emplace_back(
         "RescaleType US says that the unit is not specified, and the values do not show that it is HU");

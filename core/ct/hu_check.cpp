@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <optional>
 
 #include "core/base/text_writer.h"
 
@@ -68,6 +69,42 @@ class Values {
   int low_ = 0, high_ = 0;
 };
 
+/// The air around a body: where the lowest values lie close together, as lung does not; none where there is little.
+std::optional<int> air_peak(const Values& values) {
+  constexpr int kHalf = 16, kAround = 60;
+  constexpr double kLeast = 0.05;
+  int peak = 0;
+  double most = 0.0;
+  for (int middle = -1600; middle <= -650; middle += kHalf / 2) {
+    const double part = values.part_in(middle - kHalf, middle + kHalf);
+    if (part > most) most = part, peak = middle;
+  }
+  if (!(values.part_in(peak - kAround, peak + kAround) > kLeast)) return std::nullopt;
+  return peak;
+}
+
+/// Air and soft tissue, each a witness for the other; empty where they stand in their places, or one is not there.
+std::string cause_by_air(const Values& values) {
+  constexpr int kAirHu = -1000, kLeastShift = 40;
+  const std::optional<int> air = air_peak(values);
+  if (!air) return {};
+  const int shift = *air - kAirHu;
+  const auto muscle = [&](int by) { return values.part_in(20 + by, 80 + by); };
+  // Fat that was shifted by some 150 HU lies where muscle was, but none where fat was.
+  const auto muscle_and_fat = [&](int by) { return muscle(by) * values.part_in(-130 + by, -70 + by); };
+  const bool both_fit = muscle(shift) > 3.0 * muscle(0) || muscle_and_fat(shift) > 9.0 * muscle_and_fat(0);
+  if (std::abs(shift) >= kLeastShift && muscle(shift) > 0.1 && both_fit) {
+    return joined("air at ", *air, " HU and soft tissue by as much off its place: looks like CT numbers ",
+                  shift > 0 ? "+ " : "- ", std::abs(shift));
+  }
+  constexpr int kLowestAir = -1070, kHighestAir = -930;
+  if (*air < kLowestAir) return joined("air at ", *air, " HU: looks like shifted or scaled CT numbers");
+  if (*air < kHighestAir && values.part_in(-150, 150) < 0.5 * values.part_in(-300, 1500)) {
+    return joined("air at ", *air, " HU, and soft tissue not between -150 and 150: looks like scaled CT numbers");
+  }
+  return {};
+}
+
 /// A likely cause in words; empty where the values may be Hounsfield units. The first rule that holds counts.
 std::string cause_of(const Values& values) {
   const std::string range = joined("values from ", values.low(), " to ", values.high());
@@ -109,7 +146,8 @@ std::string cause_of(const Values& values) {
     return "values above 3,100 in over 10 % of what was measured: looks like CT numbers x 10";
   }
   // A value that was set and lies below all others: outside of a mask, or clamped air.
-  const bool is_masked = !values.spikes().empty() && values.spikes().front() == values.low();
+  const bool has_air_above = values.low() < -900 && values.part_in(values.low() + 1, -800) > 0.05;
+  const bool is_masked = !values.spikes().empty() && values.spikes().front() == values.low() && !has_air_above;
   // Made CTs without noise have many at their upper end too, and little between.
   constexpr int kHighestOfWindow = 2000;
   const double at_end = values.part_of(values.high());
@@ -131,7 +169,7 @@ std::string cause_of(const Values& values) {
   if (!is_masked && values.part_in(-200, 200) < 0.01 * values.part_in(-800, kHighest)) {
     return "no value near 0 HU, where water and soft tissue lie: looks like shifted or scaled CT numbers";
   }
-  return {};
+  return cause_by_air(values);
 }
 
 /// The median of what CT numbers grow by from slice k to the next, and how many of the differences lie near it.

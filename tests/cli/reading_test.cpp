@@ -31,9 +31,10 @@ class Reading : public testing::Test {
     fs::create_directory(folder_.path() / "ct");
     make_series(recipe).write(folder_.path() / "ct");
   }
-  /// Runs the program and gives its figures.
+  /// Runs the program and gives its figures. Made series hold neither air nor fat, of which it warns.
   Json figures_of(const std::string& arguments) {
-    const test::ProgramRun run = run_program(arguments + " --force --json figures.json", folder_.path());
+    const test::ProgramRun run =
+        run_program(arguments + " --force --accept-warnings --json figures.json", folder_.path());
     EXPECT_EQ(run.exit_code, 0) << run.errors;
     EXPECT_EQ(run.errors, "");
     output_ = run.output;

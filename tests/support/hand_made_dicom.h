@@ -55,6 +55,11 @@ class HandMadeDicom {
     values_.erase(tag);
     return *this;
   }
+  /// The attribute's value; null where there is none.
+  const Value* find(std::uint32_t tag) const {
+    const auto found = values_.find(tag);
+    return found == values_.end() ? nullptr : &found->second;
+  }
   HandMadeDicom& make_implicit() {
     implicit_ = true;
     return *this;

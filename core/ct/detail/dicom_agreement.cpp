@@ -40,6 +40,9 @@ std::vector<std::string> disagreements_of(std::span<const DicomHeader> slices) {
       slices, "PixelRepresentation", [](const DicomHeader& h) { return h.is_signed ? 1 : 0; }, lines);
   compare(
       slices, "BitsStored", [](const DicomHeader& h) { return h.bits_stored; }, lines);
+  compare(
+      slices, "PixelPaddingValue",
+      [](const DicomHeader& h) { return h.padding ? std::to_string(*h.padding) : std::string("none"); }, lines);
   return lines;
 }
 

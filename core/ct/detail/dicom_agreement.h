@@ -8,8 +8,8 @@
 
 namespace spinaltap {
 
-/// What slices of one stack say otherwise than most of them, where most agree: slope, intercept, sign and bits. One
-/// line each. Series in which each slice has a rescaling of its own are left alone.
+/// What slices of one stack say otherwise than most of them, where most agree: slope, intercept, sign, bits and
+/// padding. One line each. Series in which each slice has a rescaling of its own are left alone.
 std::vector<std::string> disagreements_of(std::span<const DicomHeader> slices);
 
 /// Whether a slice has this RescaleType.

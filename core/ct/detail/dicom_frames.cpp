@@ -155,11 +155,14 @@ std::vector<DicomHeader> split_into_frames(const DicomHeader& file, const DicomF
     fail("expected ", frames, " frames of ", bytes, " bytes, found ", pixels.plain.length, " bytes of pixels in ",
          file.file.string());
   }
+  const std::uint64_t surplus =
+      file.encapsulated || pixels.plain.length <= frames * bytes ? 0 : pixels.plain.length - frames * bytes;
   std::vector<DicomHeader> headers(frames, file);
   for (std::size_t n = 0; n < frames; ++n) {
     DicomHeader& header = headers[n];
     header.frame = static_cast<int>(n);
     header.frames = static_cast<int>(frames);
+    header.surplus_bytes = surplus;
     if (!groups.shared.empty()) overlay(groups.shared.front(), header);
     if (!groups.per_frame.empty()) overlay(groups.per_frame[n], header);
     if (file.encapsulated) {

@@ -87,13 +87,19 @@ bool Reading::take(const DicomElement& element) {
       header.contrast = text(element);
       return true;
     case 0x00180050:
-      if (header.stated_step_mm.empty()) header.stated_step_mm = decimals(element);
+      header.slice_thickness_mm = decimals(element);
       return true;
     case 0x00180060:
       header.kvp = text(element);
       return true;
     case 0x00180088:
-      header.stated_step_mm = decimals(element);
+      header.slice_spacing_mm = decimals(element);
+      return true;
+    case 0x00181100:
+      header.reconstruction_mm = decimals(element);
+      return true;
+    case 0x00181120:
+      header.gantry_tilt_deg = decimals(element);
       return true;
     case 0x00181060:
       header.cardiac_phase = text(element);
@@ -106,6 +112,15 @@ bool Reading::take(const DicomElement& element) {
       return true;
     case 0x00200012:
       header.acquisition_number = text(element);
+      return true;
+    case 0x00200013:
+      header.instance_number = decimals(element);
+      return true;
+    case 0x00200020:
+      header.patient_orientation = text(element);
+      return true;
+    case 0x00201041:
+      header.slice_location_mm = decimals(element);
       return true;
     case 0x00200032:
       header.position_mm = decimals(element);

@@ -52,14 +52,22 @@ struct DicomHeader : DicomFrame {
   std::optional<std::uint32_t> padding;        ///< PixelPaddingValue, as stored: not a measured value
   std::optional<std::uint32_t> padding_limit;  ///< PixelPaddingRangeLimit: the other end of a range of such values
   bool has_modality_lut = false;               ///< values go through a table instead of slope and intercept
-  std::vector<double> stated_step_mm;          ///< SpacingBetweenSlices, or SliceThickness: a hint, no more
-  int frame = 0;                               ///< which of `frames`, from 0
-  int frames = 1;                              ///< in the file
-  std::vector<ByteRange> pixels;               ///< of this frame: one range, or the fragments of compressed pixels
-  bool encapsulated = false;                   ///< pixels are fragments
-  bool big_endian = false;                     ///< plain pixels: most significant byte first
-  bool swapped_bytes = false;                  ///< 8-bit pixels in 16-bit words of a big endian file
-  std::optional<std::uint64_t> deflated_at;    ///< where the deflated data set begins, whose bytes `pixels` counts
+  std::vector<double> slice_spacing_mm;        ///< SpacingBetweenSlices: a hint of the step, no more
+  std::vector<double> slice_thickness_mm;      ///< SliceThickness: another
+  // What says again, in other words, where a slice lies and how large it is: witnesses, nothing is read from them.
+  std::vector<double> slice_location_mm;     ///< SliceLocation
+  std::vector<double> instance_number;       ///< InstanceNumber
+  std::vector<double> reconstruction_mm;     ///< ReconstructionDiameter
+  std::vector<double> gantry_tilt_deg;       ///< GantryDetectorTilt
+  std::string patient_orientation;           ///< PatientOrientation: "L\P"
+  std::uint64_t surplus_bytes = 0;           ///< of plain pixels, beyond what sizes and frames take
+  int frame = 0;                             ///< which of `frames`, from 0
+  int frames = 1;                            ///< in the file
+  std::vector<ByteRange> pixels;             ///< of this frame: one range, or the fragments of compressed pixels
+  bool encapsulated = false;                 ///< pixels are fragments
+  bool big_endian = false;                   ///< plain pixels: most significant byte first
+  bool swapped_bytes = false;                ///< 8-bit pixels in 16-bit words of a big endian file
+  std::optional<std::uint64_t> deflated_at;  ///< where the deflated data set begins, whose bytes `pixels` counts
 };
 
 /// "IM0042.dcm", or "IM0042.dcm, frame 7" (counted from 1), for messages.

@@ -1,6 +1,7 @@
 #include "core/ct/detail/dicom_slice.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -67,10 +68,14 @@ Rescale rescale_of(const DicomHeader& header, bool takes_stored) {
                         : "RescaleSlope and no RescaleIntercept",
         " in ", path_of(header), " (export the series anew; who knows its unit says it: CtReadOptions::hu)");
   }
+  if (header.rescale_slope.size() > 1 || header.rescale_intercept.size() > 1) {
+    fail("expected one RescaleSlope and one RescaleIntercept, found ", header.rescale_slope.size(), " and ",
+         header.rescale_intercept.size(), " in ", path_of(header));
+  }
   const Rescale rescale{header.rescale_slope.front(), header.rescale_intercept.front()};
-  if (!std::isfinite(rescale.slope) || rescale.slope == 0.0 || !std::isfinite(rescale.intercept)) {
-    fail("expected a RescaleSlope other than 0 and a RescaleIntercept, found ", rescale.slope, " and ",
-         rescale.intercept, " in ", path_of(header));
+  if (!(rescale.slope > 0.0) || !std::isfinite(rescale.slope) || !std::isfinite(rescale.intercept)) {
+    fail("expected a RescaleSlope above 0 and a RescaleIntercept, found ", rescale.slope, " and ", rescale.intercept,
+         " in ", path_of(header));
   }
   return rescale;
 }
@@ -120,6 +125,9 @@ class Padding {
     if (header.padding_limit) high_ = value_(*header.padding_limit);
     if (high_ < low_) std::swap(low_, high_);
   }
+  bool meets_stored_values() const { return raw_ && fits_; }
+  double low() const { return low_; }
+  double high() const { return high_; }
   bool holds(std::uint32_t raw, double value) const {
     return raw_ && (raw == *raw_ || (fits_ && value >= low_ && value <= high_));
   }
@@ -152,6 +160,16 @@ void to_hu(const std::vector<char>& bytes, const DicomHeader& header, Rescale re
 }
 
 }  // namespace
+
+std::optional<std::array<double, 2>> padded_hu(const DicomHeader& header) {
+  const Padding padding(header);
+  if (!padding.meets_stored_values() || header.rescale_slope.size() != 1 || header.rescale_intercept.size() != 1) {
+    return std::nullopt;
+  }
+  const auto hu = [&](double stored) { return stored * header.rescale_slope[0] + header.rescale_intercept[0]; };
+  const double a = hu(padding.low()), b = hu(padding.high());
+  return std::array{std::min(a, b), std::max(a, b)};
+}
 
 void check_dicom_slice(const DicomHeader& header, bool takes_stored) {
   check_pixel_format(header);

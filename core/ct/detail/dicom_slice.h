@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/ct/detail/dicom_header.h"
@@ -14,6 +16,9 @@ constexpr std::int16_t kAirHu = -1024;
 /// memory is taken for it.
 /// `takes_stored`: values without a rescaling are taken as they are stored.
 void check_dicom_slice(const DicomHeader& header, bool takes_stored = false);
+
+/// The lowest and the highest CT number that padding takes from measured values; nothing where there is none.
+std::optional<std::array<double, 2>> padded_hu(const DicomHeader& header);
 
 /// Decodes the pixels of one slice into `hu` (header.columns * header.rows values, columns fastest), rescaled, rounded
 /// and clamped to 16 bit; padding becomes air. Safe to call from many threads. Throws Error for what is not one grey

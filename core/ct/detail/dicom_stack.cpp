@@ -19,6 +19,7 @@ constexpr double kStepToleranceMm = 0.011;
 constexpr double kStepTolerance = 0.01;
 constexpr double kMaxShiftMm = 0.05;  // sideways, from one slice to the next
 constexpr double kMaxGapMm = 6.0;     // across which slices are interpolated
+constexpr double kMaxPixelMm = 25.0;  // a body is then some twenty pixels wide
 constexpr double kMaxTilt = 0.79;     // rad, 45 degrees: gantries tilt by 30
 constexpr double kMaxDirectionError = 1e-3;
 
@@ -65,8 +66,9 @@ void check_pixel_spacing(const DicomHeader& header, const DicomHeader& first) {
   }
   for (std::size_t n = 0; n < 2; ++n) {
     const double spacing_mm = header.pixel_spacing_mm[n];
-    if (!(spacing_mm > 0.0) || !std::isfinite(spacing_mm)) {
-      fail("expected PixelSpacing above 0 mm, found ", spacing_mm, " in ", path_of(header));
+    if (!(spacing_mm > 0.0) || !(spacing_mm < kMaxPixelMm)) {
+      fail("expected PixelSpacing above 0 mm and below ", kMaxPixelMm, " mm, found ", spacing_mm, " in ",
+           path_of(header));
     }
     if (!(std::abs(spacing_mm - first.pixel_spacing_mm[n]) <= 1e-4 * first.pixel_spacing_mm[n])) {
       fail("expected PixelSpacing ", first.pixel_spacing_mm[n], " mm as in ", name_of(first), ", found ", spacing_mm,
@@ -147,7 +149,9 @@ std::optional<double> step_of_rounded(const std::vector<Placed>& slices, const V
     }
   }
   if (!(least <= most)) return std::nullopt;
-  const std::vector<double>& stated = slices.front().header.stated_step_mm;
+  const DicomHeader& first = slices.front().header;
+  const std::vector<double>& stated =
+      first.slice_spacing_mm.empty() ? first.slice_thickness_mm : first.slice_spacing_mm;
   const bool is_stated = stated.size() == 1 && stated.front() >= least && stated.front() <= most;
   return is_stated ? stated.front() : 0.5 * (least + most);
 }

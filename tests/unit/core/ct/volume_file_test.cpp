@@ -370,7 +370,7 @@ TEST_F(VolumeFiles, HoldLabelMapsToo) {
   const auto check = [&](const std::string& name, const std::string& content) {
     SCOPED_TRACE(name);
     write_whole_file(folder_.path() / name, content);
-    const LabelVolume map = read_label_volume(folder_.path() / name, grid, LabelConvention::verse);
+    const LabelVolume map = read_label_volume(folder_.path() / name, grid, {.convention = LabelConvention::verse});
     EXPECT_EQ(map.labels[1], 20);
     EXPECT_EQ(map.labels[23], 21);
     EXPECT_EQ(map.names.at(20).level, Level::kL1);
