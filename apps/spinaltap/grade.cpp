@@ -73,12 +73,8 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   const auto is_breach = [](const GradedPath& one) { return one.grade.breach_mm > 0.0; };
   if (options.fails_on_breach && std::any_of(graded.begin(), graded.end(), is_breach)) exit_code = kAnswerIsNo;
   Json figures{{"paths", Json::array()}, {"warnings", bone.landmarks().warnings}};
-  figures["input_warnings"] = bone.input_warnings();
+  report_bone_warnings(bone.model(), figures);
   add_findings(bone, findings, figures);
-  if (const std::optional<LevelWarnings> marked = bone.warnings()) {
-    figures["bone_warnings"] = marked->warnings;
-    figures["bone_severity"] = marked->severity;
-  }
   Json whole = format_head({.name = "spinaltap-grades"});
   whole.update(figures);
   for (const GradedPath& one : graded) {
@@ -98,7 +94,6 @@ Json grade(const GradeCommandOptions& options, const Progress& progress, int& ex
   output.commit();
   std::fputs(grades_table(graded, options.grade.hu_bands).c_str(), stdout);
   print_uncertainty(graded);
-  report_bone_warnings(bone.model(), figures);
   for (const std::string& warning : bone.landmarks().warnings) print_figure("warning", warning);
   if (const int code = say_findings(findings, options.check.accepts_warnings); code != kDone) exit_code = code;
   print_figure("report", (options.folder / "report.html").string());

@@ -29,12 +29,15 @@ void report_bone_warnings(const BoneModel& bone, Json& figures) {
   figures["bone_severity"] = marked.severity;
 }
 
-int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings) {
-  if (warnings.empty()) return kDone;
-  print_figure("doubtful", accepts_warnings ? "what was read: accepted"
-                                            : "what was read: the exit code is 1; once you have looked at it, "
-                                              "--accept-warnings");
+int say_doubt(const char* label, const std::string& what, bool accepts_warnings) {
+  print_figure(
+      label,
+      what + (accepts_warnings ? ": accepted" : ": the exit code is 1; once you have looked at it, --accept-warnings"));
   return accepts_warnings ? kDone : kAnswerIsNo;
+}
+
+int say_input_warnings(std::span<const std::string> warnings, bool accepts_warnings) {
+  return warnings.empty() ? kDone : say_doubt("doubtful", "what was read", accepts_warnings);
 }
 
 }  // namespace spinaltap

@@ -7,6 +7,7 @@
 #include "apps/report/text.h"
 #include "apps/report/text_table.h"
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "core/base/text_writer.h"
 
 namespace spinaltap {
@@ -131,10 +132,7 @@ int say_suspect(std::span<const std::string> names, bool accepts_warnings) {
   if (names.empty()) return kDone;
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  print_figure("suspect", list + (accepts_warnings ? ": accepted"
-                                                   : ": written, but the exit code is 1; once you have looked at it, "
-                                                     "--accept-warnings"));
-  return accepts_warnings ? kDone : kAnswerIsNo;
+  return say_doubt("suspect", list, accepts_warnings);
 }
 
 int say_suspect(const std::string& name, const LevelWarnings& warnings, bool accepts_warnings) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/spinaltap/command.h"
+#include "apps/spinaltap/input_warnings.h"
 #include "core/base/text_fields.h"
 #include "vdb/sim/bone_identity.h"
 #include "vdb/sim/bone_path.h"
@@ -73,11 +74,7 @@ void add_findings(const Bone& bone, const PlanFindings& findings, Json& figures)
 int say_findings(const PlanFindings& findings, bool accepts_warnings) {
   for (const std::string& note : findings.notes) print_figure("note", note);
   for (const std::string& warning : findings.warnings) print_figure("warning", warning);
-  if (findings.warnings.empty()) return kDone;
-  print_figure("doubtful", accepts_warnings ? "the plan: accepted"
-                                            : "the plan: the exit code is 1; once you have looked at it, "
-                                              "--accept-warnings");
-  return accepts_warnings ? kDone : kAnswerIsNo;
+  return findings.warnings.empty() ? kDone : say_doubt("doubtful", "the plan", accepts_warnings);
 }
 
 }  // namespace spinaltap

@@ -169,29 +169,27 @@ Json write_picture(const Options& options, const Painter& painter, const BoneMod
   return {{"picture", options.output.string()}};
 }
 
-Json render(const Options& options, const Progress& progress) {
-  const BoneModel bone = read_bone(options.bone, options.level);
-  Json figures = Json::object();
-  report_bone_warnings(bone, figures);
+Json draw(const Options& options, const BoneModel& bone, const Progress& progress) {
   const BoneModel before = before_drilling(bone);
   std::optional<Recorded> recorded;
   if (!options.record.empty()) recorded.emplace(options.record, bone);
   const std::vector<DrillPath> paths = paths_of(options, recorded);
   if (!recorded) check_paths(options, paths, bone);
   Painter painter(options, before, paths);
-  if (!recorded) {
-    figures.update(write_picture(options, painter, bone, progress));
-    return figures;
-  }
+  if (!recorded) return write_picture(options, painter, bone, progress);
   const DrillBit& bit = recorded->setup.path.bit;
   RecordedHole hole(bone, recorded->record, recorded->setup);
-  if (!options.frames.empty()) {
-    figures.update(write_frames(options, painter, hole, bit, progress));
-    return figures;
-  }
+  if (!options.frames.empty()) return write_frames(options, painter, hole, bit, progress);
   hole.go_to(options.at_s.value_or(hole.end_s()));
   painter.show(bit, hole.pose());
-  figures.update(write_picture(options, painter, hole.drilled(), progress));
+  return write_picture(options, painter, hole.drilled(), progress);
+}
+
+Json render(const Options& options, const Progress& progress) {
+  const BoneModel bone = read_bone(options.bone, options.level);
+  Json figures = Json::object();
+  report_bone_warnings(bone, figures);
+  figures.update(draw(options, bone, progress));
   return figures;
 }
 

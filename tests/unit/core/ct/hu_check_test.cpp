@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
 #include "core/base/random.h"
+#include "core/phantom/scanner.h"
+#include "core/phantom/spine.h"
+#include "core/phantom/surroundings.h"
 
 namespace spinaltap {
 namespace {
@@ -67,6 +71,30 @@ TEST(HuCheck, SaysNothingOfHounsfieldUnits) {
     }
   }
   EXPECT_TRUE(check_hu(made_ct()).shows_tissue);
+}
+
+TEST(HuCheck, SaysNothingOfPhantomsOfManySeedsKernelsAndFields) {
+  const std::array<double, 4> kBlurMm{0.0, 0.35, 0.8, 1.2}, kNoiseHu{3.0, 12.0, 30.0, 60.0};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SpineOptions body;
+    body.first = level_from_name(seed % 2 == 0 ? "T8" : "L2").value();
+    body.last = level_from_name(seed % 2 == 0 ? "T9" : "L3").value();
+    const Spine spine(body);
+    const SoftTissue tissue(spine, {.seed = seed});
+    const ScanOptions options{.pixel_mm = 1.5,
+                              .slice_step_mm = 3.0,
+                              .blur_mm = kBlurMm[seed % 4],
+                              .noise_hu = kNoiseHu[seed / 4 % 4],
+                              .seed = seed,
+                              .samples_per_pixel = 1,
+                              .samples_per_step = 1};
+    // A trunk with air behind it, and a field of view that shows the spine alone.
+    for (const double half_mm : {120.0, 45.0}) {
+      const Vec3 half(half_mm, half_mm, 25.0);
+      const CtVolume ct = scan(spine, tissue, scan_of_box(Box3(-half, half), options));
+      EXPECT_THAT(check_hu(ct).warnings, IsEmpty()) << "seed " << seed << ", " << half_mm << " mm";
+    }
+  }
 }
 
 TEST(HuCheck, SaysNothingOfMaskedCts) {
