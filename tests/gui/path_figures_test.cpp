@@ -40,8 +40,10 @@ TEST(PathFigures, SayWhatIsWrongWithABadPath) {
   EXPECT_EQ(figures.warnings.front().level, WarningLevel::danger);  // the worst first
 
   path = test::phantom_paths().front();
-  path.entry_mm -= 6.0 * path.direction();
+  path.entry_mm -= 1.5 * path.direction();
   EXPECT_TRUE(warns(grader.figures(bone, path), WarningLevel::caution, "off the bone's surface"));
+  path.entry_mm -= 4.5 * path.direction();
+  EXPECT_TRUE(warns(grader.figures(bone, path), WarningLevel::danger, "mm off the bone's surface"));
 
   path.entry_mm += Vec3(300.0, 0.0, 0.0);
   path.target_mm += Vec3(300.0, 0.0, 0.0);
