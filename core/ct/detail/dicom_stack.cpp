@@ -66,9 +66,11 @@ void check_pixel_spacing(const DicomHeader& header, const DicomHeader& first) {
   }
   for (std::size_t n = 0; n < 2; ++n) {
     const double spacing_mm = header.pixel_spacing_mm[n];
-    if (!(spacing_mm > 0.0) || !(spacing_mm < kMaxPixelMm)) {
-      fail("expected PixelSpacing above 0 mm and below ", kMaxPixelMm, " mm, found ", spacing_mm, " in ",
-           path_of(header));
+    if (!(spacing_mm > 0.0) || !std::isfinite(spacing_mm)) {
+      fail("expected PixelSpacing above 0 mm, found ", spacing_mm, " in ", path_of(header));
+    }
+    if (spacing_mm >= kMaxPixelMm) {
+      fail("expected PixelSpacing below ", kMaxPixelMm, " mm, found ", spacing_mm, " in ", path_of(header));
     }
     if (!(std::abs(spacing_mm - first.pixel_spacing_mm[n]) <= 1e-4 * first.pixel_spacing_mm[n])) {
       fail("expected PixelSpacing ", first.pixel_spacing_mm[n], " mm as in ", name_of(first), ", found ", spacing_mm,
