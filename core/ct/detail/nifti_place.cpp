@@ -73,13 +73,13 @@ Apart apart(const NiftiForms& forms) {
 }
 
 /// How an sform's steps go with pixdim.
-enum class Steps {
+enum class StepFit {
   fit,    ///< as long as pixdim says, at right angles
   lean,   ///< as long, the third axis leans
   other,  ///< neither
 };
 
-Steps steps_of(const NiftiForms& forms) {
+StepFit steps_of(const NiftiForms& forms) {
   constexpr double kSquare = 1e-3;  // cosine between axes that are at right angles but for rounding
   constexpr double kSameMm = 1e-3;  // as ITK has it
   const Vec3 length_mm = lengths_mm(forms.sform);
@@ -91,11 +91,11 @@ Steps steps_of(const NiftiForms& forms) {
   };
   const bool is_square = std::abs(axes.col(0).dot(axes.col(1))) < kSquare;
   const double upright = std::abs(axes.col(2).dot(normal));
-  if (!is_square || !is_length(0, length_mm[0]) || !is_length(1, length_mm[1])) return Steps::other;
+  if (!is_square || !is_length(0, length_mm[0]) || !is_length(1, length_mm[1])) return StepFit::other;
   // Writers say the step along the third axis, or the distance of the slices.
-  if (!is_length(2, length_mm[2]) && !is_length(2, length_mm[2] * upright)) return Steps::other;
+  if (!is_length(2, length_mm[2]) && !is_length(2, length_mm[2] * upright)) return StepFit::other;
   const bool leans = std::hypot(axes.col(2).dot(axes.col(0)), axes.col(2).dot(axes.col(1))) >= kSquare;
-  return leans ? Steps::lean : Steps::fit;
+  return leans ? StepFit::lean : StepFit::fit;
 }
 
 /// What ITK takes of two transforms that differ.
@@ -141,7 +141,7 @@ NiftiPlace taken(const NiftiTransform& form, std::vector<std::string> warnings =
 }
 
 NiftiPlace place_by_sform(const NiftiForms& forms, const std::string& file) {
-  if (steps_of(forms) == Steps::other) {
+  if (steps_of(forms) == StepFit::other) {
     const std::string known_cause =
         is_template(forms.sform) ? "as of a scan that was scaled to a template" : "as of shear that is half undone";
     fail(
@@ -167,21 +167,21 @@ NiftiPlace place_by_either(const NiftiForms& forms, const std::string& file) {
   if (is_template(forms.sform) && !is_template(forms.qform)) {
     return taken(forms.qform, {places + ": the qform is taken, which is the scanner's; " + what_others_take(forms)});
   }
-  const Steps steps = steps_of(forms);
-  if (steps == Steps::lean) {
+  const StepFit steps = steps_of(forms);
+  if (steps == StepFit::lean) {
     return taken(forms.sform, {places +
                                ": the sform is taken, whose slices lean as of a tilted gantry, which a qform "
                                "cannot hold; " +
                                what_others_take(forms)});
   }
-  if (steps == Steps::fit && forms.sform.code == kScanner) {
+  if (steps == StepFit::fit && forms.sform.code == kScanner) {
     return taken(forms.sform, {places + ": the sform is taken; " + what_others_take(forms)});
   }
   fail_unsure(forms, most,
-              steps == Steps::other ? joined("pixdim says ", by(forms.pixdim_mm),
-                                             " mm, which the sform contradicts, as of shear of a tilted gantry that "
-                                             "is half undone (dcm2niix of 2022) or of scaling")
-                                    : std::string("neither is sure"),
+              steps == StepFit::other ? joined("pixdim says ", by(forms.pixdim_mm),
+                                               " mm, which the sform contradicts, as of shear of a tilted gantry that "
+                                               "is half undone (dcm2niix of 2022) or of scaling")
+                                      : std::string("neither is sure"),
               file);
 }
 
