@@ -22,19 +22,19 @@ std::string enhanced_bytes() {
 }
 
 /// The tag as explicit little endian has it, with its VR.
-const std::string kPosition(
+const std::string kPositionBytes(
     "\x20\x00\x32\x00"
     "DS",
     6);
-const std::string kSpacing(
+const std::string kSpacingBytes(
     "\x28\x00\x30\x00"
     "DS",
     6);
-const std::string kIntercept(
+const std::string kInterceptBytes(
     "\x28\x00\x52\x10"
     "DS",
     6);
-const std::string kSlope(
+const std::string kSlopeBytes(
     "\x28\x00\x53\x10"
     "DS",
     6);
@@ -48,45 +48,46 @@ std::size_t find_tag(const std::string& bytes, const std::string& tag, int n) {
 }
 
 /// The attribute of one frame becomes one that nobody reads.
-std::string without(std::string bytes, const std::string& tag, int frame) {
+std::string without_tag(std::string bytes, const std::string& tag, int frame) {
   bytes[find_tag(bytes, tag, frame) + 2] = '\x77';
   return bytes;
 }
 
-CtVolume read(const std::string& bytes) {
+CtVolume read_enhanced(const std::string& bytes) {
   const test::TemporaryFolder folder;
   write_whole_file(folder.path() / "enhanced.dcm", bytes);
   return read_dicom(folder.path() / "enhanced.dcm");
 }
 
 TEST(EnhancedCt, MustStateRescalingPlaceAndSpacingInEachFrame) {
-  EXPECT_EQ(read(enhanced_bytes()).geometry.size[2], 6);
+  EXPECT_EQ(read_enhanced(enhanced_bytes()).geometry.size[2], 6);
   for (const int frame : {0, 3, 5}) {
     const auto error = [&](const std::string& tag) {
-      return error_of([&] { read(without(enhanced_bytes(), tag, frame)); });
+      return error_of([&] { read_enhanced(without_tag(enhanced_bytes(), tag, frame)); });
     };
-    EXPECT_THAT(error(kIntercept), AllOf(HasSubstr("no RescaleIntercept"), HasSubstr("frame")));
-    EXPECT_THAT(error(kSlope), HasSubstr("no RescaleSlope"));
-    EXPECT_THAT(error(kSpacing), HasSubstr("PixelSpacing"));
-    EXPECT_THAT(error(kPosition), HasSubstr("ImagePositionPatient"));
+    EXPECT_THAT(error(kInterceptBytes), AllOf(HasSubstr("no RescaleIntercept"), HasSubstr("frame")));
+    EXPECT_THAT(error(kSlopeBytes), HasSubstr("no RescaleSlope"));
+    EXPECT_THAT(error(kSpacingBytes), HasSubstr("PixelSpacing"));
+    EXPECT_THAT(error(kPositionBytes), HasSubstr("ImagePositionPatient"));
   }
 }
 
 TEST(EnhancedCt, OfFramesThatDisagreeInRescalingIsDoubtful) {
   std::string bytes = enhanced_bytes();
-  const std::size_t value = find_tag(bytes, kIntercept, 2) + 8;
+  const std::size_t value = find_tag(bytes, kInterceptBytes, 2) + 8;
   ASSERT_EQ(bytes.substr(value, 2), "0 ");
   bytes.replace(value, 2, "99");
-  EXPECT_THAT(read(bytes).warnings, Contains(HasSubstr("slices disagree in RescaleIntercept: 0 in 5 of 6, 99 in 1")));
+  EXPECT_THAT(read_enhanced(bytes).warnings,
+              Contains(HasSubstr("slices disagree in RescaleIntercept: 0 in 5 of 6, 99 in 1")));
 }
 
 TEST(EnhancedCt, OfTwoFramesAtOnePlaceIsRefused) {
   std::string bytes = enhanced_bytes();
-  const std::size_t first = find_tag(bytes, kPosition, 0), second = find_tag(bytes, kPosition, 1);
+  const std::size_t first = find_tag(bytes, kPositionBytes, 0), second = find_tag(bytes, kPositionBytes, 1);
   ASSERT_EQ(bytes[first + 6], bytes[second + 6]);  // values of one length
   const auto length = static_cast<std::size_t>(static_cast<unsigned char>(bytes[first + 6]));
   bytes.replace(second + 8, length, bytes.substr(first + 8, length));
-  EXPECT_THAT(error_of([&] { read(bytes); }), HasSubstr("one slice at each position"));
+  EXPECT_THAT(error_of([&] { read_enhanced(bytes); }), HasSubstr("one slice at each position"));
 }
 
 }  // namespace

@@ -21,21 +21,22 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr std::uint32_t kImageType = 0x00080008, kThickness = 0x00180050, kDiameter = 0x00181100, kTilt = 0x00181120,
-                        kInstance = 0x00200013, kSides = 0x00200020, kPosition = 0x00200032, kOrientation = 0x00200037,
-                        kLocation = 0x00201041, kPadding = 0x00280120, kSpacing = 0x00280030;
+constexpr std::uint32_t kImageTypeTag = 0x00080008, kThicknessTag = 0x00180050, kDiameterTag = 0x00181100,
+                        kTiltTag = 0x00181120, kInstanceTag = 0x00200013, kSidesTag = 0x00200020,
+                        kPositionTag = 0x00200032, kOrientationTag = 0x00200037, kLocationTag = 0x00201041,
+                        kPaddingTag = 0x00280120, kSpacingTag = 0x00280030;
 
 using Change = std::function<void(HandMadeDicom&, int)>;
 
-constexpr int kSlices = 10;
+constexpr int kCountOfSlices = 10;
 
 std::string warning_of(const Change& change) {
   const TemporaryFolder folder;
-  for (int k = 0; k < kSlices; ++k) {
+  for (int k = 0; k < kCountOfSlices; ++k) {
     HandMadeDicom slice;
     slice.set_z(2.0 * k).set(0x00080018, "UI", "1.2.3." + std::to_string(k + 1));
-    slice.set(kInstance, "IS", std::to_string(k + 1)).set(kLocation, "DS", std::to_string(100 - 2 * k));
-    slice.set(kThickness, "DS", "2");
+    slice.set(kInstanceTag, "IS", std::to_string(k + 1)).set(kLocationTag, "DS", std::to_string(100 - 2 * k));
+    slice.set(kThicknessTag, "DS", "2");
     change(slice, k);
     write_whole_file(folder.path() / ("slice" + std::to_string(100 + k)), slice.bytes());
   }
@@ -56,7 +57,7 @@ TEST(DicomWitnesses, SlicesThatChangedPlacesAreFoundByWhatCountsThem) {
                                          HasSubstr("where InstanceNumber counts them")));
   EXPECT_THAT(warning_of([&](HandMadeDicom& slice, int k) {
                 swapped(slice, k);
-                slice.remove(kLocation);
+                slice.remove(kLocationTag);
               }),
               HasSubstr("InstanceNumber"));
 }
@@ -64,12 +65,13 @@ TEST(DicomWitnesses, SlicesThatChangedPlacesAreFoundByWhatCountsThem) {
 TEST(DicomWitnesses, NumbersThatDoNotCountEvenlyAreNone) {
   // Two blocks, the upper one first; no numbers; one that is odd.
   EXPECT_THAT(warning_of([](HandMadeDicom& slice, int k) {
-                slice.set(kInstance, "IS", std::to_string((k + 5) % kSlices)).remove(kLocation);
+                slice.set(kInstanceTag, "IS", std::to_string((k + 5) % kCountOfSlices)).remove(kLocationTag);
               }),
               IsEmpty());
-  EXPECT_THAT(warning_of([](HandMadeDicom& slice, int) { slice.remove(kInstance).remove(kLocation); }), IsEmpty());
+  EXPECT_THAT(warning_of([](HandMadeDicom& slice, int) { slice.remove(kInstanceTag).remove(kLocationTag); }),
+              IsEmpty());
   EXPECT_THAT(warning_of([](HandMadeDicom& slice, int k) {
-                if (k == 4) slice.set(kInstance, "IS", "1000");
+                if (k == 4) slice.set(kInstanceTag, "IS", "1000");
               }),
               IsEmpty());
 }
@@ -81,7 +83,7 @@ TEST(DicomWitnesses, StepsThatSliceLocationCountsOtherwiseAreDoubtful) {
 
 TEST(DicomWitnesses, ThicknessIsHeldAgainstTheStepOnlyWhereItIsAbsurd) {
   const auto of = [](const char* thickness_mm) {
-    return warning_of([&](HandMadeDicom& slice, int) { slice.set(kThickness, "DS", thickness_mm); });
+    return warning_of([&](HandMadeDicom& slice, int) { slice.set(kThicknessTag, "DS", thickness_mm); });
   };
   for (const char* usual : {"1", "1.25", "2", "3", "5"}) EXPECT_THAT(of(usual), IsEmpty()) << usual;
   EXPECT_THAT(of("0.6"), HasSubstr("slices 0.6 mm thick stand 2 mm apart: what lies between them was not seen"));
@@ -91,7 +93,10 @@ TEST(DicomWitnesses, ThicknessIsHeldAgainstTheStepOnlyWhereItIsAbsurd) {
 TEST(DicomWitnesses, PatientOrientationIsHeldAgainstTheDirections) {
   const auto of = [](const char* sides, const char* directions) {
     return warning_of([&](HandMadeDicom& slice, int) {
-      slice.set(kSides, "CS", sides).set(kOrientation, "DS", directions).remove(kLocation).remove(kInstance);
+      slice.set(kSidesTag, "CS", sides)
+          .set(kOrientationTag, "DS", directions)
+          .remove(kLocationTag)
+          .remove(kInstanceTag);
     });
   };
   const char* const kAxial = "1\\0\\0\\0\\1\\0";
@@ -105,7 +110,7 @@ TEST(DicomWitnesses, PatientOrientationIsHeldAgainstTheDirections) {
 
 TEST(DicomWitnesses, TheDiameterIsHeldAgainstPixelsAndTheirNumber) {
   const auto of = [](const char* diameter_mm) {
-    return warning_of([&](HandMadeDicom& slice, int) { slice.set(kDiameter, "DS", diameter_mm); });
+    return warning_of([&](HandMadeDicom& slice, int) { slice.set(kDiameterTag, "DS", diameter_mm); });
   };
   // Four pixels of 0.25 mm, three of 0.5: a part that was cut out may be smaller.
   EXPECT_THAT(of("1.5"), IsEmpty());
@@ -116,7 +121,7 @@ TEST(DicomWitnesses, TheDiameterIsHeldAgainstPixelsAndTheirNumber) {
 TEST(DicomWitnesses, PixelsOfScannersAreSquare) {
   const auto of = [](const char* type, const char* spacing) {
     return warning_of(
-        [&](HandMadeDicom& slice, int) { slice.set(kImageType, "CS", type).set(kSpacing, "DS", spacing); });
+        [&](HandMadeDicom& slice, int) { slice.set(kImageTypeTag, "CS", type).set(kSpacingTag, "DS", spacing); });
   };
   EXPECT_THAT(of("ORIGINAL\\PRIMARY\\AXIAL", "0.5\\0.5"), IsEmpty());
   EXPECT_THAT(of("DERIVED\\SECONDARY\\REFORMATTED", "0.5\\0.25"), IsEmpty());
@@ -126,10 +131,10 @@ TEST(DicomWitnesses, PixelsOfScannersAreSquare) {
 TEST(DicomWitnesses, DriftIsAGantrysWhereTheHeaderSaysSo) {
   const auto of = [](double along_x, double along_y, const char* tilt_deg) {
     return warning_of([&](HandMadeDicom& slice, int k) {
-      slice.set(kPosition, "DS",
+      slice.set(kPositionTag, "DS",
                 std::to_string(along_x * k) + "\\" + std::to_string(along_y * k) + "\\" + std::to_string(0.3 * k));
-      slice.set(kThickness, "DS", "0.3").remove(kLocation);
-      if (tilt_deg != nullptr) slice.set(kTilt, "DS", tilt_deg);
+      slice.set(kThicknessTag, "DS", "0.3").remove(kLocationTag);
+      if (tilt_deg != nullptr) slice.set(kTiltTag, "DS", tilt_deg);
     });
   };
   const double drift = 0.3 * std::tan(0.2617994);  // of 15 degrees
@@ -143,7 +148,7 @@ TEST(DicomWitnesses, DriftIsAGantrysWhereTheHeaderSaysSo) {
 
 TEST(DicomWitnesses, PaddingThatTissueHasIsDoubtful) {
   const auto of = [](int padding) {
-    return warning_of([&](HandMadeDicom& slice, int) { slice.set_short(kPadding, padding); });
+    return warning_of([&](HandMadeDicom& slice, int) { slice.set_short(kPaddingTag, padding); });
   };
   // Stored values are CT numbers + 1024.
   EXPECT_THAT(of(0), IsEmpty());
@@ -163,7 +168,7 @@ TEST(DicomWitnesses, RescalingIsOneNumberAboveZero) {
   EXPECT_THAT(error(0x00281053, "-1"), HasSubstr("RescaleSlope above 0"));
   EXPECT_THAT(error(0x00281053, "1\\1"), HasSubstr("one RescaleSlope"));
   EXPECT_THAT(error(0x00281052, "0\\-1024"), HasSubstr("one RescaleSlope and one RescaleIntercept, found 1 and 2"));
-  EXPECT_THAT(error(kSpacing, "0.5\\102.4"), HasSubstr("below 25 mm"));
+  EXPECT_THAT(error(kSpacingTag, "0.5\\102.4"), HasSubstr("below 25 mm"));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ PathCheckBone checked(const ScalarField& solid, const Box3& bounds_mm) {
 }
 
 /// A block of bone: its distance is right outside its edges' corners, and its faces are plane.
-class Block final : public ScalarField {
+class SolidBlock final : public ScalarField {
  public:
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3>) const override {
     std::ranges::transform(points_mm, values_mm.begin(), [](const Vec3& p) {
@@ -130,8 +130,8 @@ TEST_F(PathOnVertebra, TakesAPathFromTheFrontOnlyWhereThatIsMeant) {
 }
 
 TEST(PathOnBlock, AllowsTwoMillimetresOffTheSurfaceToEitherSide) {
-  const Block block;
-  const PathCheckBone bone = checked(block, Block::bounds_mm());
+  const SolidBlock block;
+  const PathCheckBone bone = checked(block, SolidBlock::bounds_mm());
   const auto off = [&](double outward_mm) {
     const DrillPath path{"p", Vec3(3.0, 70.0 + outward_mm, -2.0), Vec3(3.0, 45.0, -2.0), {}};
     return check_path_on_bone(path, bone);
@@ -143,8 +143,8 @@ TEST(PathOnBlock, AllowsTwoMillimetresOffTheSurfaceToEitherSide) {
 }
 
 TEST(PathOnBlock, AllowsBurrsAndPlatesWhatTheyReachBesideTheirAxes) {
-  const Block block;
-  const PathCheckBone bone = checked(block, Block::bounds_mm());
+  const SolidBlock block;
+  const PathCheckBone bone = checked(block, SolidBlock::bounds_mm());
   DrillPath path{"p", Vec3(3.0, 74.0, -2.0), Vec3(3.0, 45.0, -2.0), {}};
   EXPECT_FALSE(check_path_on_bone(path, bone).fits());
   path.bit = {6.0, 20.0, 3.0, BitShape::round_burr};
@@ -154,9 +154,9 @@ TEST(PathOnBlock, AllowsBurrsAndPlatesWhatTheyReachBesideTheirAxes) {
 }
 
 TEST(PathOnBlock, SaysWhereAPathLeadsOutOfTheBone) {
-  const Block block;
+  const SolidBlock block;
   const DrillPath path{"out", Vec3(0.0, 50.0, 0.0), Vec3(0.0, 80.0, 0.0), {}};
-  const PathCheck found = check_path_on_bone(path, checked(block, Block::bounds_mm()));
+  const PathCheck found = check_path_on_bone(path, checked(block, SolidBlock::bounds_mm()));
   ASSERT_FALSE(found.fits());
   EXPECT_THAT(found.faults.front(), HasSubstr("leads out of the bone"));
 }
