@@ -17,7 +17,8 @@ void report_input_warnings(const BoneModel& bone, Json& figures);
 /// graded or drilled in it rests on that.
 void report_bone_warnings(const BoneModel& bone, Json& figures);
 
-/// Says what it means that something is in doubt, and gives the exit code. `label`: "doubtful", "suspect"; `what`: that.
+/// Says what it means that something is in doubt, and gives the exit code. `label`: "doubtful", "suspect"; `what`:
+/// that.
 int say_doubt(const char* label, const std::string& what, bool accepts_warnings);
 /// For commands that read the inputs themselves: says what it means that something speaks against them; nothing where
 /// nothing does. Gives the exit code.

@@ -26,8 +26,7 @@ Json replay(const ReplayOptions& options, const Progress& progress, int& exit_co
   const std::vector<Bone> bones = load_bones(options.bone, options.level, options.also);
   const SessionSetup setup = recorded_setup(record.setup, options.record);
   std::vector<std::string> notes;
-  options.check.check_same("record " + options.record.filename().string(), setup.bone, bones.front().identity(),
-                           notes);
+  options.check.check_same("record " + options.record.filename().string(), setup.bone, bones.front().identity(), notes);
   for (const std::string& note : notes) print_figure("note", note);
   const Replay result =
       spinaltap::replay(record, options.record, bones, options.engine, progress, options.check.takes_other_ct);
