@@ -130,7 +130,8 @@ class EdgeSearch {
       }
       Offset best{0.0, -1e9, true};
       for (int i = kHalf; i < kCount - kHalf; ++i) {
-        const double fall_hu = hu[static_cast<std::size_t>(i - kHalf)] - hu[static_cast<std::size_t>(i + kHalf)];
+        const double* const here = hu.data() + i;
+        const double fall_hu = here[-kHalf] - here[kHalf];
         if (fall_hu > best.fall_hu) best = {(i - kSide) * kStepMm, fall_hu, true};
       }
       offsets[n] = best;

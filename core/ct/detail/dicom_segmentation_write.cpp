@@ -188,6 +188,7 @@ std::string encode_dicom_segmentation(const LabelVolume& volume, const DicomSour
   data.put_items(0x00620002, std::move(segments)).put_items(0x52009229, {shared_groups(geometry)});
 
   std::vector<int> slices;
+  slices.reserve(frames.size());
   for (const Frame& frame : frames) slices.push_back(frame.slice);
   std::sort(slices.begin(), slices.end());
   slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
