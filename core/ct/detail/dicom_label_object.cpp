@@ -12,7 +12,7 @@
 namespace spinaltap::detail {
 
 std::string name_to_write(int number, const LabelName& name) {
-  const std::string text = name.name.empty() ? "label " + std::to_string(number) : name.name;
+  std::string text = name.name.empty() ? "label " + std::to_string(number) : name.name;
   constexpr std::size_t kMax = 64;  // LO: PS3.5, table 6.2-1
   const bool is_text = std::all_of(text.begin(), text.end(), [](char c) {
     return c != '\\' && static_cast<unsigned char>(c) >= ' ' && static_cast<unsigned char>(c) < 0x7f;
