@@ -150,7 +150,7 @@ LabelMeaning by_numbers(const LabelNumbering& numbering, const Shapes& shapes,
 
 LabelMeaning by_what_is_left(const Shapes& shapes, const std::map<long long, std::string>& names,
                              const LabelReadOptions& options, const std::string& file) {
-  const LabelMeaning nothing{levels_by_names(shapes, names), {}};
+  LabelMeaning nothing{levels_by_names(shapes, names), {}};
   if (options.wanted != 0 && shapes.size() == 1) return nothing;
   const std::vector<Reading> readings = readings_of(shapes);
   if (readings.empty()) return nothing;
