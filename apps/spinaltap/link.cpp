@@ -194,9 +194,8 @@ Json link(LinkCommandOptions& options, bool is_forced, int& exit_code, const Pro
   const Bone bone = Bone::load(options.bone, options.level);
   PlanFindings findings = check_plan(bone, {&setup.path, 1}, options.check);
   if (registration) {
-    const std::string what = "registration " + options.registration.filename().string();
-    if (!registration->bone.names_ct()) findings.notes.push_back(what + " does not name its CT");
-    options.check.check_same(what, registration->bone, bone.identity(), findings.notes);
+    options.check.check_registration(options.registration.filename().string(), registration->bone, bone.identity(),
+                                     findings.notes);
   }
   const std::vector<std::string> speeds = speed_warnings(setup.path.bit, {}, setup.options.spindle.rpm);
   findings.warnings.insert(findings.warnings.end(), speeds.begin(), speeds.end());

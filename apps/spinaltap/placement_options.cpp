@@ -67,9 +67,7 @@ void add_uncertainty(const Bone& bone, const PlacementModel& model, std::vector<
 void check_registration(const PlacementModel& model, const Bone& bone, const PlanCheckOptions& options,
                         PlanFindings& findings) {
   if (!model.registration) return;
-  const std::string what = "registration " + model.registration_name;
-  if (!model.registration->bone.names_ct()) findings.notes.push_back(what + " does not name its CT");
-  options.check_same(what, model.registration->bone, bone.identity(), findings.notes);
+  options.check_registration(model.registration_name, model.registration->bone, bone.identity(), findings.notes);
 }
 
 void print_uncertainty(const std::vector<GradedPath>& graded) {

@@ -40,6 +40,23 @@ void PlanCheckOptions::check_same(const std::string& what, const BoneIdentity& n
   }
 }
 
+void PlanCheckOptions::check_registration(const std::string& name, const BoneIdentity& named, const BoneIdentity& bone,
+                                          std::vector<std::string>& notes) const {
+  const std::string what = "registration " + name;
+  if (!named.names_ct()) notes.push_back(what + " does not name its CT");
+  check_same(what, named, bone, notes);
+}
+
+void PlanCheckOptions::check_paths(std::span<const DrillPath> paths, const BoneIdentity& bone,
+                                   std::vector<std::string>& notes) const {
+  for (const DrillPath& path : paths) {
+    if (!path.bone.is_empty()) check_same("plan, path " + in_quotes(path.name) + ",", path.bone, bone, notes);
+  }
+  if (std::ranges::any_of(paths, [](const DrillPath& path) { return !path.bone.names_ct(); })) {
+    notes.emplace_back("this plan does not name its CT: nothing tells whether it was made for this bone");
+  }
+}
+
 std::vector<std::string> PlanFindings::lines() const {
   std::vector<std::string> all = notes;
   all.insert(all.end(), warnings.begin(), warnings.end());
@@ -49,14 +66,7 @@ std::vector<std::string> PlanFindings::lines() const {
 PlanFindings check_plan(const Bone& bone, std::span<const DrillPath> paths, const PlanCheckOptions& options,
                         double tolerance_mm) {
   PlanFindings findings;
-  for (const DrillPath& path : paths) {
-    if (!path.bone.is_empty()) {
-      options.check_same("plan, path " + in_quotes(path.name) + ",", path.bone, bone.identity(), findings.notes);
-    }
-  }
-  if (std::ranges::any_of(paths, [](const DrillPath& path) { return !path.bone.names_ct(); })) {
-    findings.notes.emplace_back("this plan does not name its CT: nothing tells whether it was made for this bone");
-  }
+  options.check_paths(paths, bone.identity(), findings.notes);
   for (const DrillPath& path : paths) {
     const PathCheck check =
         check_path_on_bone(bone, path, {.tolerance_mm = tolerance_mm, .from_the_front = options.from_the_front});

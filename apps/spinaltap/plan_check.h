@@ -31,6 +31,11 @@ struct PlanCheckOptions {
   /// Throws Error where `what` names another bone, unless that is taken; then `notes` get a line that says so.
   void check_same(const std::string& what, const BoneIdentity& named, const BoneIdentity& bone,
                   std::vector<std::string>& notes) const;
+  /// The same of a registration, of which `notes` also say where it names no CT. `name`: its file's.
+  void check_registration(const std::string& name, const BoneIdentity& named, const BoneIdentity& bone,
+                          std::vector<std::string>& notes) const;
+  /// The same of a plan's paths, those that name a bone; one note where some name no CT.
+  void check_paths(std::span<const DrillPath> paths, const BoneIdentity& bone, std::vector<std::string>& notes) const;
 };
 
 /// What is to be said of paths and the bone that they were taken to, a line each.

@@ -46,9 +46,7 @@ Registration registration_of(const RegisterCommandOptions& options, const std::o
   surface.max_slide_mm = options.max_slide_mm;
   if (!options.start.empty()) {
     const Registration start = read_registration(options.start);
-    const std::string what = "registration " + options.start.filename().string();
-    if (!start.bone.names_ct()) notes.push_back(what + " does not name its CT");
-    options.check.check_same(what, start.bone, bone->identity(), notes);
+    options.check.check_registration(options.start.filename().string(), start.bone, bone->identity(), notes);
     surface.start = start.ct_from_patient;
   }
   if (!options.fiducials.empty()) surface.start = register_marks(options).ct_from_patient;

@@ -128,13 +128,7 @@ std::vector<DrillPath> paths_of(const Options& options, const std::optional<Reco
 /// Throws Error where a path names another bone, unless that is taken.
 void check_paths(const Options& options, const std::vector<DrillPath>& paths, const BoneModel& bone) {
   std::vector<std::string> notes;
-  for (const DrillPath& path : paths) {
-    if (path.bone.is_empty()) continue;
-    options.check.check_same("plan, path " + in_quotes(path.name) + ",", path.bone, identity_of(bone), notes);
-  }
-  if (std::ranges::any_of(paths, [](const DrillPath& path) { return !path.bone.names_ct(); })) {
-    notes.emplace_back("this plan does not name its CT");
-  }
+  options.check.check_paths(paths, identity_of(bone), notes);
   for (const std::string& note : notes) print_figure("note", note);
 }
 
