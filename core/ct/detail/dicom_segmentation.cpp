@@ -195,7 +195,7 @@ void for_each_frame(const DicomSegmentation& seg,
       fail(
           "expected segments' pixels plain, deflated, or for bytes in RLE, JPEG-LS or JPEG 2000, found transfer "
           "syntax ",
-          in_quotes(header.transfer_syntax), " in ", file, " (dcmconv or gdcmconv --raw undo it)");
+          in_quotes(header.transfer_syntax), " in ", file, " (gdcmconv makes them plain)");
     }
     DicomFrameGroups groups;
     groups.frame_count = {static_cast<double>(seg.frames.size())};

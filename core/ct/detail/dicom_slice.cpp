@@ -44,7 +44,7 @@ void check_pixel_format(const DicomHeader& header) {
 }
 
 /// RescaleType (PS3.3, C.11.1.1.2): without one, a CT's values are HU. US is "unspecified", which some converters write
-/// into any CT; HU_MOD are Hounsfield units that were calculated. Both are read and warned of: see odd_rescale_types().
+/// into any CT; HU_MOD are Hounsfield units that were calculated. Both are read and warned of: see read_dicom().
 bool is_hu(const std::string& type) { return type.empty() || type == "HU" || type == "US" || type == "HU_MOD"; }
 
 /// `takes_stored`: stored values without a rescaling are taken as they are.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "core/base/text_writer.h"
 #include "core/ct/detail/dicom_slice.h"
@@ -44,7 +45,7 @@ bool are_even(std::vector<double> values) {
 void check_order(const Slices& slices, const char* name, std::vector<double> DicomHeader::*witness,
                  std::vector<std::string>& lines) {
   constexpr std::size_t kLeast = 4;
-  constexpr double kMostInOrder = 0.6;
+  constexpr double kLeastInOrder = 0.6;
   if (slices.size() < kLeast) return;
   std::vector<double> values;
   for (const DicomHeader& slice : slices) {
@@ -52,16 +53,12 @@ void check_order(const Slices& slices, const char* name, std::vector<double> Dic
     values.push_back((slice.*witness).front());
   }
   if (!are_even(values)) return;
-  const std::size_t rising = longest_rise(values);
-  for (double& value : values) value = -value;
-  const std::size_t falling = longest_rise(values);
-  const bool is_falling = falling > rising;
-  const std::size_t in_order = std::max(rising, falling);
-  if (in_order == slices.size() || static_cast<double>(in_order) < kMostInOrder * static_cast<double>(slices.size())) {
+  std::vector<double> turned = values;
+  for (double& value : turned) value = -value;
+  if (longest_rise(turned) > longest_rise(values)) values = std::move(turned);
+  const std::size_t in_order = longest_rise(values);
+  if (in_order == slices.size() || static_cast<double>(in_order) < kLeastInOrder * static_cast<double>(slices.size())) {
     return;
-  }
-  if (!is_falling) {
-    for (double& value : values) value = -value;
   }
   std::vector<double> sorted = values;
   std::sort(sorted.begin(), sorted.end());
@@ -193,11 +190,10 @@ void check_padding(const Slices& slices, std::vector<std::string>& lines) {
 }
 
 void check_bytes(const Slices& slices, std::vector<std::string>& lines) {
-  const auto longer =
-      std::count_if(slices.begin(), slices.end(), [](const DicomHeader& h) { return h.surplus_bytes > 1; });
-  if (longer == 0) return;
-  const auto first =
-      std::find_if(slices.begin(), slices.end(), [](const DicomHeader& h) { return h.surplus_bytes > 1; });
+  const auto is_longer = [](const DicomHeader& h) { return h.surplus_bytes > 1; };
+  const auto first = std::find_if(slices.begin(), slices.end(), is_longer);
+  if (first == slices.end()) return;
+  const auto longer = std::count_if(first, slices.end(), is_longer);
   lines.push_back(joined("PixelData is longer than Rows, Columns and BitsAllocated say, by ", first->surplus_bytes,
                          " bytes, in ", longer, " of ", slices.size(), " slices: sizes may be wrong"));
 }

@@ -46,33 +46,36 @@ AxisOrder order_of(const Mat3& directions) {
 
 /// The same voxels with i, j and k as near as they come to the patient's left, posterior and superior (LPS), and a
 /// right-handed grid. Nothing is interpolated: axes change places or turn round.
-CtVolume ordered_as_lps(const CtVolume& ct) {
-  const AxisOrder order = order_of(ct.geometry.directions);
-  GridGeometry geometry = ct.geometry;
+CtVolume ordered_as_lps(const GridGeometry& from_geometry, const std::vector<std::int16_t>& values) {
+  if (values.size() != from_geometry.voxel_count()) {
+    fail("CT: expected ", from_geometry.voxel_count(), " voxels, found ", values.size());
+  }
+  const AxisOrder order = order_of(from_geometry.directions);
+  GridGeometry geometry = from_geometry;
   Vec3 first_index = Vec3::Zero();
   std::array<std::ptrdiff_t, 3> step{};
   std::ptrdiff_t start = 0;
-  const std::array<std::ptrdiff_t, 3> strides{1, ct.geometry.size[0],
-                                              static_cast<std::ptrdiff_t>(ct.geometry.size[0]) * ct.geometry.size[1]};
+  const std::array<std::ptrdiff_t, 3> strides{
+      1, from_geometry.size[0], static_cast<std::ptrdiff_t>(from_geometry.size[0]) * from_geometry.size[1]};
   for (std::size_t n = 0; n < 3; ++n) {
     const auto from = static_cast<std::size_t>(order.from[n]);
-    const int last = ct.geometry.size[from] - 1;
+    const int last = from_geometry.size[from] - 1;
     const double sign = order.turned[n] ? -1.0 : 1.0;
-    geometry.size[n] = ct.geometry.size[from];
-    geometry.spacing_mm[static_cast<Eigen::Index>(n)] = ct.geometry.spacing_mm[order.from[n]];
-    geometry.directions.col(static_cast<Eigen::Index>(n)) = sign * ct.geometry.directions.col(order.from[n]);
+    geometry.size[n] = from_geometry.size[from];
+    geometry.spacing_mm[static_cast<Eigen::Index>(n)] = from_geometry.spacing_mm[order.from[n]];
+    geometry.directions.col(static_cast<Eigen::Index>(n)) = sign * from_geometry.directions.col(order.from[n]);
     if (order.turned[n]) first_index[order.from[n]] = last;
     step[n] = (order.turned[n] ? -1 : 1) * strides[from];
     if (order.turned[n]) start += last * strides[from];
   }
-  geometry.origin_mm = ct.geometry.to_patient(first_index);
-  std::vector<std::int16_t> hu(ct.hu.size());
+  geometry.origin_mm = from_geometry.to_patient(first_index);
+  std::vector<std::int16_t> hu(values.size());
   std::size_t out = 0;
   for (std::ptrdiff_t k = 0; k < geometry.size[2]; ++k) {
     for (std::ptrdiff_t j = 0; j < geometry.size[1]; ++j) {
       const std::ptrdiff_t row = start + k * step[2] + j * step[1];
       for (std::ptrdiff_t i = 0; i < geometry.size[0]; ++i)
-        hu[out++] = ct.hu[static_cast<std::size_t>(row + i * step[0])];
+        hu[out++] = values[static_cast<std::size_t>(row + i * step[0])];
     }
   }
   return make_ct_volume(geometry, std::move(hu));
@@ -134,13 +137,14 @@ CtVolume ct_of_volume(const VolumeFile& volume, const std::filesystem::path& fil
     progress.report("reading voxels", static_cast<double>(hu.size()) / static_cast<double>(volume.voxel_count()));
     for (const double value : values) hu.push_back(to_hu(value));
   });
-  if (!placement.leans) return ordered_as_lps(make_ct_volume(placement.grid, std::move(hu)));
+  if (!placement.leans) return ordered_as_lps(placement.grid, hu);
   std::vector<SlicePlace> places;
   places.reserve(static_cast<std::size_t>(placement.grid.size[2]));
   for (int k = 0; k < placement.grid.size[2]; ++k) {
     places.push_back({k * placement.step.z(), k * placement.step.head<2>()});
   }
-  return ordered_as_lps(resample_stack(placement.grid, places, placement.step.z(), hu, progress));
+  const CtVolume upright = resample_stack(placement.grid, places, placement.step.z(), hu, progress);
+  return ordered_as_lps(upright.geometry, upright.hu);
 }
 
 }  // namespace spinaltap::detail
