@@ -73,14 +73,22 @@ void check_pixels(const DicomSegmentation& seg) {
 }
 
 FrameGrid grid_of(const DicomSegmentation& seg) {
-  constexpr double kSame = 1e-3;  // mm, or of a direction's component
+  constexpr double kSame = 1e-3;        // mm, or of a direction's component
+  constexpr double kMaxPixelMm = 25.0;  // as of a CT
   const std::string file = seg.header.file.string();
   const SegmentFrame& first = seg.frames.front();
   const Vec3 along_row(first.orientation[0], first.orientation[1], first.orientation[2]);
   const Vec3 along_column(first.orientation[3], first.orientation[4], first.orientation[5]);
   const Vec3 normal = along_row.cross(along_column);
-  if (!(std::abs(normal.norm() - 1.0) < kSame) || !(std::abs(along_row.norm() - 1.0) < kSame)) {
-    fail("expected an orientation of two unit vectors at right angles, found another in ", file);
+  if (!(std::abs(along_row.norm() - 1.0) < kSame) || !(std::abs(along_column.norm() - 1.0) < kSame) ||
+      !(std::abs(along_row.dot(along_column)) < kSame)) {
+    fail("expected ImageOrientationPatient to hold two unit vectors at right angles, found (", along_row.transpose(),
+         ") and (", along_column.transpose(), ") in ", file);
+  }
+  for (const double spacing_mm : first.pixel_spacing_mm) {
+    if (!(spacing_mm > 0.0 && spacing_mm < kMaxPixelMm)) {
+      fail("expected PixelSpacing above 0 and below ", kMaxPixelMm, " mm, found ", spacing_mm, " in ", file);
+    }
   }
   std::vector<double> heights;
   for (const SegmentFrame& frame : seg.frames) {

@@ -197,6 +197,26 @@ TEST(DicomSegmentation, RejectsVertebraeThatOverlapAndReadsOneAlone) {
   EXPECT_EQ(level_at(read_seg(seg.bytes()), 1, 1, 3), *level_from_name("L3"));
 }
 
+// As a CT's slices: a mirrored or sheared map would be another bone.
+TEST(DicomSegmentation, IsPlacedByUnitVectorsAtRightAnglesAndSpacingsAboveZero) {
+  const auto placed = [](const std::string& orientation, const std::string& spacing) {
+    test::MadeItem data = two_segments().data_set(), plane, measures, shared;
+    plane.put(0x00200037, "DS", orientation);
+    measures.put(0x00180088, "DS", "2").put(0x00280030, "DS", spacing);
+    shared.put_items(0x00209116, {plane}).put_items(0x00289110, {measures});
+    data.put_items(0x52009229, {shared});
+    return error_of([&] { read_seg(data.file()); });
+  };
+  const std::string axial = "1\\0\\0\\0\\1\\0", spacing = "0.5\\1.0";
+  EXPECT_EQ(placed(axial, spacing), "");
+  // Their cross product is a unit vector too.
+  EXPECT_THAT(placed("1\\0\\0\\1.7320508\\1\\0", spacing), HasSubstr("right angles"));
+  EXPECT_THAT(placed("1\\0\\0\\0.03\\0.99955\\0", spacing), HasSubstr("right angles"));
+  for (const char* wrong : {"-0.5\\1.0", "0.5\\-1.0", "0\\1.0", "0.5\\wide", "25\\1.0"}) {
+    EXPECT_THAT(placed(axial, wrong), HasSubstr("PixelSpacing")) << wrong;
+  }
+}
+
 TEST(DicomSegmentation, SaysWhatIsWrong) {
   MadeSegmentation uneven = two_segments();
   uneven.frames[0].p_mm.z() += 0.9;
