@@ -170,8 +170,10 @@ FrameGrid grid_of(const DicomSegmentation& seg) {
   return grid;
 }
 
+/// As many bytes as are wanted, and some that may be there beyond.
 std::vector<char> inflated(const std::vector<char>& packed, std::size_t size, const std::string& file) {
-  std::vector<char> bytes(size);
+  constexpr std::size_t kBeyond = 16;
+  std::vector<char> bytes(size + kBeyond);
   z_stream zlib{};
   if (inflateInit2(&zlib, -MAX_WBITS) != Z_OK) fail("cannot inflate ", file);
   std::vector<char> in = packed;
@@ -180,15 +182,19 @@ std::vector<char> inflated(const std::vector<char>& packed, std::size_t size, co
   zlib.next_out = reinterpret_cast<Bytef*>(bytes.data());
   zlib.avail_out = static_cast<uInt>(bytes.size());
   static_cast<void>(inflate(&zlib, Z_FINISH));
-  const bool is_whole = zlib.avail_out == 0;
+  bytes.resize(bytes.size() - zlib.avail_out);
   inflateEnd(&zlib);
-  if (!is_whole) fail("expected ", size, " bytes of a deflated frame, found fewer in ", file);
+  if (bytes.size() < size) fail("expected ", size, " bytes of a deflated frame, found fewer in ", file);
   return bytes;
 }
 
-/// Calls `visit` for each frame with its bytes, and with the bit of the first byte that its first pixel is.
-void for_each_frame(const DicomSegmentation& seg,
-                    const std::function<void(std::size_t, const std::vector<char>&, std::size_t)>& visit) {
+/// How many bytes there are behind those that are wanted and the padding to even length.
+std::uint64_t beyond(std::uint64_t there, std::uint64_t wanted) { return there - std::min(there, wanted + wanted % 2); }
+
+/// Calls `visit` for each frame with its bytes, and with the bit of the first byte that its first pixel is. Gives how
+/// many bytes lie beyond those that the sizes take, of encapsulated frames in one of them.
+std::uint64_t for_each_frame(const DicomSegmentation& seg,
+                             const std::function<void(std::size_t, const std::vector<char>&, std::size_t)>& visit) {
   const DicomHeader& header = seg.header;
   const std::string file = header.file.string();
   const std::uint64_t pixels = static_cast<std::uint64_t>(header.rows) * static_cast<std::uint64_t>(header.columns);
@@ -208,6 +214,7 @@ void for_each_frame(const DicomSegmentation& seg,
     DicomFrameGroups groups;
     groups.frame_count = {static_cast<double>(seg.frames.size())};
     const std::vector<DicomHeader> frames = split_into_frames(header, groups, seg.pixels);
+    std::uint64_t max_surplus = 0;
     for (std::size_t n = 0; n < frames.size(); ++n) {
       if (!is_deflated && !is_plain) {
         visit(n, decompress_frame(frames[n]), 0);
@@ -218,9 +225,10 @@ void for_each_frame(const DicomSegmentation& seg,
         bytes.insert(bytes.end(), part.begin(), part.end());
       if (is_deflated) bytes = inflated(bytes, frame_size, file);
       if (bytes.size() < frame_size) fail("expected ", frame_size, " bytes a frame, found fewer in ", file);
+      max_surplus = std::max(max_surplus, beyond(bytes.size(), frame_size));
       visit(n, bytes, 0);
     }
-    return;
+    return max_surplus;
   }
   // Frames of single bits follow each other without a gap: PS3.5, 8.1.1.
   DicomBytes stream;
@@ -246,6 +254,8 @@ void for_each_frame(const DicomSegmentation& seg,
     held_from = from;
     visit(n, bytes, static_cast<std::size_t>(n * pixels * bits % 8));
   }
+  const std::uint64_t wanted = (seg.frames.size() * pixels * bits + 7) / 8;
+  return beyond(seg.pixels.plain.length, wanted);
 }
 
 }  // namespace
@@ -269,7 +279,7 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   const std::size_t pixels =
       static_cast<std::size_t>(grid.labels.size[0]) * static_cast<std::size_t>(grid.labels.size[1]);
   const std::uint32_t background = is_map ? seg.header.padding.value_or(0) : 0;
-  for_each_frame(seg, [&](std::size_t n, const std::vector<char>& bytes, std::size_t first_bit) {
+  const auto take_frame = [&](std::size_t n, const std::vector<char>& bytes, std::size_t first_bit) {
     const std::uint32_t segment = seg.frames[n].segment;
     if (!is_map && only && *only != static_cast<long long>(segment)) return;
     const std::size_t at = pixels * static_cast<std::size_t>(grid.slice_of[n]);
@@ -291,7 +301,12 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
         painter.put(at + p, static_cast<std::uint16_t>(segment), static_cast<std::uint8_t>(part));
       }
     }
-  });
+  };
+  if (const std::uint64_t surplus = for_each_frame(seg, take_frame); surplus > 0) {
+    grid.labels.warnings.push_back(
+        joined("PixelData of the label map is longer than Rows, Columns and NumberOfFrames say, by ", surplus,
+               " bytes: its sizes may be wrong"));
+  }
   painter.check_shared(file);
   painter.give_to(take);
   grid.labels.names = std::move(names);

@@ -217,6 +217,48 @@ TEST(DicomSegmentation, IsPlacedByUnitVectorsAtRightAnglesAndSpacingsAboveZero) 
   }
 }
 
+/// Encapsulated pixels of a fragment each, behind an empty offset table.
+std::string encapsulated(const std::vector<std::string>& fragments) {
+  const auto item = [](const std::string& bytes) {
+    return std::string("\xfe\xff\x00\xe0", 4) + test::MadeItem::little_endian(static_cast<long long>(bytes.size()), 4) +
+           bytes;
+  };
+  std::string all = std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + item("");
+  for (const std::string& fragment : fragments) all += item(fragment);
+  return all + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+}
+
+/// A deflated stream that shrinks nothing (RFC 1951, 3.2.4).
+std::string deflated(const std::string& bytes) {
+  const auto size = static_cast<long long>(bytes.size());
+  return "\x01" + test::MadeItem::little_endian(size, 2) + test::MadeItem::little_endian(~size, 2) + bytes;
+}
+
+// As with a CT's, more bytes than the sizes take say that the sizes may be wrong.
+TEST(DicomSegmentation, WarnsWhereItsPixelsAreLongerThanItsSizes) {
+  const auto said = [](const std::string& bytes) {
+    std::string all;
+    for (const std::string& line : read_seg(bytes).warnings) all += line;
+    return all;
+  };
+  const auto rows = [](int count) { return two_segments().data_set().put_short(0x00280010, count); };
+  EXPECT_EQ(said(rows(3).file()), "");
+  EXPECT_THAT(said(rows(2).file()), HasSubstr("longer than Rows, Columns and NumberOfFrames say, by 2 bytes"));
+  // Frames of 15 bits: two bytes each.
+  const std::vector<std::string> frames{std::string("\0\x40", 2), std::string("\x40\0", 2), std::string("\x40\0", 2)};
+  const auto packed = [&](int count, bool is_deflated, const std::string& more) {
+    std::vector<std::string> fragments;
+    for (const std::string& frame : frames) fragments.push_back(is_deflated ? deflated(frame + more) : frame + more);
+    return rows(count).remove(0x7fe00010).file(is_deflated ? "1.2.840.10008.1.2.8.1" : "1.2.840.10008.1.2.1.98") +
+           encapsulated(fragments);
+  };
+  for (const bool is_deflated : {false, true}) {
+    EXPECT_EQ(labelled(read_seg(packed(3, is_deflated, ""))), 3);
+    EXPECT_EQ(said(packed(3, is_deflated, "")), "");
+    EXPECT_THAT(said(packed(3, is_deflated, "more")), HasSubstr("longer than Rows")) << is_deflated;
+  }
+}
+
 TEST(DicomSegmentation, SaysWhatIsWrong) {
   MadeSegmentation uneven = two_segments();
   uneven.frames[0].p_mm.z() += 0.9;
