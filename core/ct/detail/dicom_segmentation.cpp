@@ -269,7 +269,9 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   const bool is_binary = seg.type == "BINARY";
   const bool is_wide = seg.header.bits_allocated == 16;
   std::map<long long, std::string> names;
+  std::vector<bool> is_described(65536, false);
   for (const DicomSegment& segment : seg.segments) {
+    is_described[static_cast<std::size_t>(segment.number)] = true;
     if (segment.number > 0) names[segment.number] = name_of_segment(segment, file);
   }
   // Numbers of other types count from 1: PS3.3, C.8.20.4.
@@ -278,6 +280,11 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   LabelPainter painter(grid.labels.voxel_count(), names);
   const std::size_t pixels =
       static_cast<std::size_t>(grid.labels.size[0]) * static_cast<std::size_t>(grid.labels.size[1]);
+  const auto check_described = [&](std::uint32_t value) {
+    if (is_described[value]) return;
+    fail("expected pixels of the segments that the file describes, found one of segment ", value, " in ",
+         file.string());
+  };
   const std::uint32_t background = is_map ? seg.header.padding.value_or(0) : 0;
   const auto take_frame = [&](std::size_t n, const std::vector<char>& bytes, std::size_t first_bit) {
     const std::uint32_t segment = seg.frames[n].segment;
@@ -294,10 +301,15 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
         }
       } else if (is_map) {
         const std::uint32_t value = is_wide ? static_cast<std::uint32_t>(byte(2 * p) | byte(2 * p + 1) << 8) : byte(p);
-        if (value == background || value == 0 || (only && *only != value)) continue;
+        if (value == background || value == 0) continue;
+        check_described(value);
+        if (only && *only != value) continue;
         painter.put(at + p, static_cast<std::uint16_t>(value));
+      } else if (byte(p) > seg.max_fraction) {
+        fail("expected values of at most MaximumFractionalValue, ", seg.max_fraction, ", found ", int{byte(p)}, " in ",
+             file.string());
       } else if (byte(p) != 0 && 2U * byte(p) >= seg.max_fraction) {
-        const std::uint32_t part = std::min<std::uint32_t>(255, 255U * byte(p) / seg.max_fraction);
+        const std::uint32_t part = 255U * byte(p) / seg.max_fraction;
         painter.put(at + p, static_cast<std::uint16_t>(segment), static_cast<std::uint8_t>(part));
       }
     }

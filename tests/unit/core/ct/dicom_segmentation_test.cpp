@@ -259,6 +259,31 @@ TEST(DicomSegmentation, WarnsWhereItsPixelsAreLongerThanItsSizes) {
   }
 }
 
+TEST(DicomSegmentation, HoldsNoValuesButThoseThatItDescribes) {
+  MadeSegmentation part = two_segments();
+  part.type = "FRACTIONAL";
+  part.bits = 8;
+  part.max_fraction = 100;
+  for (auto& frame : part.frames) {
+    for (int& value : frame.pixels) value *= 100;
+  }
+  EXPECT_EQ(labelled(read_seg(part.bytes())), 3);
+  // Half of what, where the most is not said (type 1C: PS3.3, C.8.20.2)?
+  EXPECT_THAT(error_of([&] { read_seg(part.data_set().remove(0x0062000e).file()); }),
+              HasSubstr("MaximumFractionalValue"));
+  part.frames[1].pixels[6] = 101;
+  EXPECT_THAT(seg_error(part), HasSubstr("at most MaximumFractionalValue, 100, found 101"));
+
+  MadeSegmentation map;
+  map.type = "LABELMAP";
+  map.bits = 8;
+  map.segments = {{1, "L3", "", "", ""}};
+  map.frames = {{0, slice_at(0), pixel_at(1, 1)}, {0, slice_at(1), pixel_at(1, 1)}};
+  EXPECT_EQ(labelled(read_seg(map.bytes())), 2);
+  map.frames[1].pixels[6] = 2;
+  EXPECT_THAT(seg_error(map), HasSubstr("segments that the file describes, found one of segment 2"));
+}
+
 TEST(DicomSegmentation, SaysWhatIsWrong) {
   MadeSegmentation uneven = two_segments();
   uneven.frames[0].p_mm.z() += 0.9;
