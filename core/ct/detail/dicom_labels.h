@@ -34,7 +34,7 @@ struct DicomSegment {
 DicomCode read_code(DicomElementWalker& walker, const DicomElement& sequence);
 
 /// What a segment is called: the vertebra by its code, else the vertebra that its label or description names, else its
-/// label. Throws Error where code and name are of two vertebrae: a wrong level is worse than none.
+/// label. Throws Error where codes, label and description are of two vertebrae: a wrong level is worse than none.
 std::string name_of_segment(const DicomSegment& segment, const std::filesystem::path& file);
 
 /// Reads BINARY, FRACTIONAL (from half of the maximum on) and LABELMAP segmentations, frames in any order and number,

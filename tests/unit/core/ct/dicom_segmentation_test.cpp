@@ -171,6 +171,31 @@ TEST(DicomSegmentation, SaysItsLevelsByCodeOrName) {
   EXPECT_THAT(seg_error(twofold), HasSubstr("code of L3 and the name of L2"));
 }
 
+// Type, region, label and description may each name a vertebra.
+TEST(DicomSegmentation, RejectsTwoVertebraeInAllThatSaysWhichItIs) {
+  const std::string l3 = "36470004", l4 = "11994002", vertebra = "51282000";
+  const auto read = [](const std::string& type, const std::string& region, const std::string& label,
+                       const std::string& description) {
+    test::MadeItem data = two_segments().data_set(), first, second;
+    first.put_short(0x00620004, 1).put(0x00620005, "LO", label).put(0x00620006, "ST", description);
+    if (!type.empty()) first.put_code(0x0062000f, type, "SCT");
+    if (!region.empty()) first.put_code(0x00082218, region, "SCT");
+    second.put_short(0x00620004, 2);
+    data.put_items(0x00620002, {first, second});
+    std::string level;
+    const std::string error = error_of([&] { level = level_name(read_seg(data.file()).names.at(1).level); });
+    return level + error;
+  };
+  EXPECT_EQ(read(l3, l3, "L3", "L3 vertebra"), "L3");
+  EXPECT_EQ(read("", "", "Segment_1", "L3"), "L3");
+  EXPECT_EQ(read(vertebra, l3, "bone", "as drawn"), "L3");
+  EXPECT_EQ(read("65985001", "", "Segment_1", "S1"), "sacrum");
+  EXPECT_THAT(read(l3, l4, "", ""), HasSubstr("the code of L3 and the region of L4"));
+  EXPECT_THAT(read(vertebra, l3, "L4", ""), HasSubstr("the region of L3 and the name of L4"));
+  EXPECT_THAT(read(l3, "", "L3", "L4"), HasSubstr("the code of L3 and the description of L4"));
+  EXPECT_THAT(read("", "", "L3", "L4"), HasSubstr("the name of L3 and the description of L4"));
+}
+
 TEST(DicomSegmentation, NumbersSegmentsByRankSoThatNoConventionIsSeen) {
   MadeSegmentation seg = two_segments();
   seg.segments = {{1, "a", "", "", ""}, {2, "b", "", "", ""}};
