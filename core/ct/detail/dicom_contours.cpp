@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 struct Contour {
   std::string type;
-  std::vector<Vec3> points;  ///< patient LPS, mm; later: index of the CT
+  std::vector<double> stated_points;  ///< NumberOfContourPoints
+  std::vector<Vec3> points;           ///< patient LPS, mm; later: index of the CT
 };
 
 struct Region {
@@ -89,6 +90,14 @@ std::vector<Vec3> points_of(DicomElementWalker& walker, const DicomElement& elem
   return points;
 }
 
+/// A contour that lost points encloses something else.
+void check_count(const Contour& contour, const fs::path& file) {
+  if (contour.stated_points.empty() || contour.stated_points.front() == static_cast<double>(contour.points.size()))
+    return;
+  fail("expected a contour of as many points as NumberOfContourPoints, ", contour.stated_points.front(), ", found ",
+       contour.points.size(), " in ", file.string());
+}
+
 /// ROIContourSequence: contours stand before or behind the number of the region that they are of.
 void read_contours(DicomElementWalker& walker, const DicomElement& sequence, const fs::path& file,
                    std::map<long long, std::vector<Contour>>& contours) {
@@ -112,12 +121,15 @@ void read_contours(DicomElementWalker& walker, const DicomElement& sequence, con
         if (found.size() <= n) found.resize(n + 1);
         if (part.tag == 0x30060042) {
           found[n].type = dicom_text(walker.value(part));
+        } else if (part.tag == 0x30060046) {
+          found[n].stated_points = dicom_decimals(walker.value(part));
         } else if (part.tag == 0x30060050) {
           found[n].points = points_of(walker, part, file);
         } else {
           walker.skip(part);
         }
       });
+      for (const Contour& contour : found) check_count(contour, file);
       held.insert(held.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
     } else {
       walker.skip(element);
@@ -232,7 +244,10 @@ std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
   std::vector<Plane> planes;
   for (const auto& [at, contour] : sorted) {
     if (planes.empty() || at - planes.back().at > kSame) planes.push_back({at, {}});
-    planes.back().contours.push_back(contour);
+    std::vector<const Contour*>& there = planes.back().contours;
+    const auto is_copy = [&](const Contour* other) { return other->points == contour->points; };
+    // Copies count once: two would leave nothing within an odd number of them.
+    if (std::none_of(there.begin(), there.end(), is_copy)) there.push_back(contour);
   }
   return planes;
 }

@@ -133,6 +133,22 @@ TEST(DicomContours, SayTheirLevelsByCodeOrNameAndTakeAnyRoiNumber) {
   EXPECT_THAT(set_error(set), HasSubstr("code of L3 and the name of L5"));
 }
 
+TEST(DicomContours, HaveAsManyPointsAsTheySay) {
+  MadeStructureSet set{{{1, "L3", {square(0.0, 50.0, 14.0, 4.1), square(0.0, 50.0, 15.0, 4.1)}}}};
+  EXPECT_EQ(set_error(set), "");
+  set.rois[0].points_too_many = 1;  // one was lost
+  EXPECT_THAT(set_error(set), HasSubstr("NumberOfContourPoints, 5, found 4"));
+}
+
+// Two that are the same would leave nothing within an odd number of them.
+TEST(DicomContours, ThatAreCopiesCountOnce) {
+  MadeStructureSet once{{{1, "L3", {square(0.0, 50.0, 14.0, 10.1), square(0.0, 50.0, 14.0, 5.3)}}}};
+  MadeStructureSet twice = once;
+  twice.rois[0].contours.insert(twice.rois[0].contours.end(), once.rois[0].contours.begin(),
+                                once.rois[0].contours.end());
+  EXPECT_EQ(read_set(twice).labels, read_set(once).labels);
+}
+
 TEST(DicomContours, SayWhatIsWrong) {
   MadeStructureSet set{{{1, "L1", {square(0.0, 50.0, 14.0, 4.1)}}, {2, "L2", {square(6.0, 50.0, 14.0, 4.1)}}}};
   EXPECT_THAT(set_error(set), HasSubstr("do not overlap"));
