@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -251,7 +252,7 @@ VoxelEncoding encoding_of(const NrrdHeader& header) {
 }
 
 long long number_field(const NrrdHeader& header, std::string_view name, long long min, long long if_missing) {
-  constexpr long long kMax = 1LL << 31;
+  constexpr long long kMax = std::numeric_limits<int>::max();
   const std::string* text = header.find(name);
   if (text == nullptr) return if_missing;
   const std::optional<long long> number = whole_number(*text);

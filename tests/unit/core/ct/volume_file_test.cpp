@@ -275,6 +275,17 @@ TEST_F(VolumeFiles, FindDetachedData) {
               HasSubstr("one number in it"));
 }
 
+TEST_F(VolumeFiles, AreAsLongAsTheirHeaderSaysBehindSkippedLinesToo) {
+  write_whole_file(folder_.path() / "lines.raw", "two lines\nof text\n" + stored<std::int16_t>(numbered()));
+  const auto lines = [](const std::string& skip) {
+    return nrrd().set("data file", "lines.raw").set("line skip", skip);
+  };
+  expect_numbered("lines.nhdr", lines("2").text());
+  EXPECT_THAT(error("narrow.nhdr", lines("2").set("sizes", "3 3 2").text()), HasSubstr("12 more"));
+  EXPECT_THAT(error("early.nhdr", lines("1").text()), HasSubstr("8 more"));
+  EXPECT_THAT(error("many.nhdr", lines("2147483648").text()), HasSubstr("line skip"));
+}
+
 TEST_F(VolumeFiles, MayHaveAFourthAxisOfOne) {
   MadeHeader layered = nrrd();
   layered.set("dimension", "4").set("sizes", "4 3 2 1").set("space directions", "(0.5,0,0) (0,0.75,0) (0,0,2) none");
