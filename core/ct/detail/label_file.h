@@ -44,6 +44,9 @@ struct LabelFileOptions {
 LabelFile read_label_file(const std::filesystem::path& file, const GridGeometry& ct, const LabelFileOptions& options,
                           const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
 
+/// The whole number that a voxel holds, but for the rounding of maps that were stored as floats; nothing for others.
+std::optional<long long> label_in(double value);
+
 /// For each voxel of `grid` whose centre lies in one of the file's: its offset and the file's. Called from many
 /// threads, once a voxel of `grid`.
 void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
