@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
@@ -252,20 +251,26 @@ std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
   return planes;
 }
 
-/// How far a plane's contours reach to either side, voxels: to the middle between neighbours, as they mostly lie.
-double reach_of(const std::vector<Plane>& planes) {
-  double min_gap = std::numeric_limits<double>::infinity();
-  for (std::size_t n = 1; n < planes.size(); ++n) min_gap = std::min(min_gap, planes[n].at - planes[n - 1].at);
-  double sum = 0.0;
-  int count = 0;
-  for (std::size_t n = 1; n < planes.size(); ++n) {
-    const double gap = planes[n].at - planes[n - 1].at;
-    if (gap > 1.5 * min_gap) continue;  // slices without bone
-    sum += gap;
-    ++count;
-  }
+/// The distance that most planes have, voxels, at least one slice. Not the smallest: one plane more between others
+/// would leave the slices between those empty.
+double usual_gap(const std::vector<Plane>& planes) {
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < planes.size(); ++n) gaps.push_back(planes[n].at - planes[n - 1].at);
+  if (gaps.empty()) return 1.0;
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return std::max(1.0, *middle);
+}
+
+/// How far the contours of plane `n` reach towards a slice, voxels: half-way to the next plane; where that is far,
+/// since slices between are without bone, or there is none, as far as most reach.
+double reach_of(const std::vector<Plane>& planes, std::size_t n, double slice, double usual) {
+  double gap = usual;
+  if (slice > planes[n].at && n + 1 < planes.size()) gap = planes[n + 1].at - planes[n].at;
+  if (slice < planes[n].at && n > 0) gap = planes[n].at - planes[n - 1].at;
+  if (gap > 1.5 * usual) gap = usual;
   constexpr double kRounding = 1e-3;
-  return 0.5 * (count > 0 ? std::max(1.0, sum / count) : 1.0) + kRounding;
+  return 0.5 * std::max(1.0, gap) + kRounding;
 }
 
 /// Calls `put` with the pixels (a, b) whose centres lie within an odd number of the contours.
@@ -335,12 +340,12 @@ LabelFile read_dicom_contours(const fs::path& file, const GridGeometry& ct, std:
     if (only && *only != entry.first) continue;
     const std::vector<Plane> planes = planes_of(*entry.second, axis);
     if (planes.empty()) continue;
-    const double reach = reach_of(planes);
+    const double usual = usual_gap(planes);
     std::size_t nearest = 0;
     for (int slice = 0; slice < size_of(axis); ++slice) {
       const auto distance = [&](std::size_t n) { return std::abs(planes[n].at - slice); };
       while (nearest + 1 < planes.size() && distance(nearest + 1) < distance(nearest)) ++nearest;
-      if (!(distance(nearest) <= reach)) continue;
+      if (!(distance(nearest) <= reach_of(planes, nearest, slice, usual))) continue;
       fill(planes[nearest].contours, axis_a, axis_b, size_of(axis_a), size_of(axis_b), [&](int a, int b) {
         std::array<int, 3> p{};
         p[static_cast<std::size_t>(axis)] = slice;

@@ -113,6 +113,20 @@ TEST(DicomContours, FillTheSlicesBetweenTheirPlanesButNoGap) {
   EXPECT_EQ(filled, (std::vector<int>{4, 5, 6, 7, 8, 9, 10, 11, 12, 29, 30, 31}));
 }
 
+// One slice more that was drawn leaves no holes beside the others.
+TEST(DicomContours, FillTheSlicesBetweenUnevenPlanesToo) {
+  for (const double step : {3.0, 4.0}) {
+    MadeStructureSet set{{{1, "L1", {}}}};
+    for (const double z : {15.0, 15.0 + step, 15.0 + 2 * step, 16.0 + 2 * step, 16.0 + 3 * step}) {
+      set.rois[0].contours.push_back(square(0.0, 50.0, z, 4.1));
+    }
+    const LabelVolume map = read_set(set);
+    for (int k = 5; k <= 6 + 3 * static_cast<int>(step); ++k) {
+      EXPECT_EQ(map.labels[map.geometry.offset(25, 25, k)], 1) << step << " " << k;
+    }
+  }
+}
+
 TEST(DicomContours, LieInPlanesOfAnyAxisOfTheCt) {
   MadeStructureSet set{{{1, "L1", {}}}};
   const double x = -20.0 + 0.8 * 30;
