@@ -179,11 +179,14 @@ BoneMask read_label_map(const std::filesystem::path& file, int label, const Grid
       [&](const detail::LabelFile& head) { has_label.reserve(head.voxel_count()); },
       [&](std::span<const double> values) {
         for (const double value : values) {
-          const bool is_label = std::abs(value) < 1e15;  // false also for what is not a number
-          const long long found = is_label ? std::llround(value) : 0;
+          const std::optional<long long> whole = detail::label_in(value);
+          if (!whole && std::isfinite(value)) {
+            fail("expected labels that are whole numbers, found ", value, " in ", file.string());
+          }
+          const long long found = whole.value_or(0);
           if (found != last && found != 0) present.insert(found);
           last = found;
-          has_label.push_back(is_label && found == label ? 1 : 0);
+          has_label.push_back(found == label ? 1 : 0);
         }
       });
   if (warnings != nullptr) *warnings = labels.warnings;

@@ -11,8 +11,9 @@ namespace spinaltap {
 
 /// Reads a label map in any of the formats of read_label_volume(), on any grid, and gives the voxels of `ct_geometry`
 /// whose centre lies in a voxel with `label`. Throws Error when the file is none of them, does not say where its voxels
-/// lie, or the label does not occur in it (the message lists those that do) or not within the CT. `affine`: of a NIfTI
-/// file whose two transforms differ. `warnings`: gets what speaks against the place of the file's voxels.
+/// lie, holds fractions, or the label does not occur in it (the message lists those that do) or not within the CT.
+/// `affine`: of a NIfTI file whose two transforms differ. `warnings`: gets what speaks against the place of the file's
+/// voxels.
 BoneMask read_label_map(const std::filesystem::path& file, int label, const GridGeometry& ct_geometry,
                         NiftiAffine affine = NiftiAffine::automatic, std::vector<std::string>* warnings = nullptr);
 

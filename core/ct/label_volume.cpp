@@ -25,7 +25,6 @@ struct LabelsOfFile {
 };
 
 LabelsOfFile read_all(const fs::path& file, const GridGeometry& ct_geometry, const LabelReadOptions& options) {
-  constexpr double kRounding = 1e-3;  // of maps that were stored as floats
   detail::LabelFileOptions of_file{.affine = options.affine};
   if (options.wanted != 0) of_file.only = options.wanted;
   LabelsOfFile read;
@@ -33,14 +32,13 @@ LabelsOfFile read_all(const fs::path& file, const GridGeometry& ct_geometry, con
       file, ct_geometry, of_file, [&](const detail::LabelFile& head) { read.labels.reserve(head.voxel_count()); },
       [&](std::span<const double> values) {
         for (const double value : values) {
-          const double label = std::round(value);
-          const bool is_label =
-              label >= 0.0 && label < static_cast<double>(kLabels) && std::abs(value - label) <= kRounding;
+          const std::optional<long long> label = detail::label_in(value);
+          const bool is_label = label && *label >= 0 && *label < static_cast<long long>(kLabels);
           if (!is_label && options.wanted == 0) {
             fail("expected labels that are whole numbers from 0 to ", kLabels - 1, ", found ", value, " in ",
                  file.string());
           }
-          read.labels.push_back(is_label ? static_cast<std::uint8_t>(label) : std::uint8_t{0});
+          read.labels.push_back(is_label ? static_cast<std::uint8_t>(*label) : std::uint8_t{0});
         }
       });
   return read;

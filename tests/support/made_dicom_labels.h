@@ -165,7 +165,8 @@ struct MadeStructureSet {
     std::string name;
     std::vector<std::vector<Vec3>> contours;  ///< patient LPS, mm
     std::string type = "CLOSED_PLANAR";
-    std::string code = {};  ///< of SNOMED CT
+    std::string code = {};    ///< of SNOMED CT
+    int points_too_many = 0;  ///< that NumberOfContourPoints counts
   };
   std::vector<Roi> rois;
 
@@ -178,10 +179,11 @@ struct MadeStructureSet {
       for (const std::vector<Vec3>& contour : roi.contours) {
         std::string points;
         for (const Vec3& p : contour) points += (points.empty() ? "" : "\\") + numbers_text({p.x(), p.y(), p.z()});
-        contours.push_back(MadeItem()
-                               .put(0x30060042, "CS", roi.type)
-                               .put(0x30060046, "IS", std::to_string(contour.size()))
-                               .put(0x30060050, "UN", points));  // longer than DS can be with an explicit length
+        contours.push_back(
+            MadeItem()
+                .put(0x30060042, "CS", roi.type)
+                .put(0x30060046, "IS", std::to_string(static_cast<int>(contour.size()) + roi.points_too_many))
+                .put(0x30060050, "UN", points));  // longer than DS can be with an explicit length
       }
       shapes.push_back(MadeItem().put_items(0x30060040, contours).put(0x30060084, "IS", number));
       MadeItem observation;

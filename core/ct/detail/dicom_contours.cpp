@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
@@ -17,7 +16,8 @@ namespace fs = std::filesystem;
 
 struct Contour {
   std::string type;
-  std::vector<Vec3> points;  ///< patient LPS, mm; later: index of the CT
+  std::vector<double> stated_points;  ///< NumberOfContourPoints
+  std::vector<Vec3> points;           ///< patient LPS, mm; later: index of the CT
 };
 
 struct Region {
@@ -89,6 +89,14 @@ std::vector<Vec3> points_of(DicomElementWalker& walker, const DicomElement& elem
   return points;
 }
 
+/// A contour that lost points encloses something else.
+void check_count(const Contour& contour, const fs::path& file) {
+  if (contour.stated_points.empty() || contour.stated_points.front() == static_cast<double>(contour.points.size()))
+    return;
+  fail("expected a contour of as many points as NumberOfContourPoints, ", contour.stated_points.front(), ", found ",
+       contour.points.size(), " in ", file.string());
+}
+
 /// ROIContourSequence: contours stand before or behind the number of the region that they are of.
 void read_contours(DicomElementWalker& walker, const DicomElement& sequence, const fs::path& file,
                    std::map<long long, std::vector<Contour>>& contours) {
@@ -112,12 +120,15 @@ void read_contours(DicomElementWalker& walker, const DicomElement& sequence, con
         if (found.size() <= n) found.resize(n + 1);
         if (part.tag == 0x30060042) {
           found[n].type = dicom_text(walker.value(part));
+        } else if (part.tag == 0x30060046) {
+          found[n].stated_points = dicom_decimals(walker.value(part));
         } else if (part.tag == 0x30060050) {
           found[n].points = points_of(walker, part, file);
         } else {
           walker.skip(part);
         }
       });
+      for (const Contour& contour : found) check_count(contour, file);
       held.insert(held.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
     } else {
       walker.skip(element);
@@ -232,25 +243,34 @@ std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
   std::vector<Plane> planes;
   for (const auto& [at, contour] : sorted) {
     if (planes.empty() || at - planes.back().at > kSame) planes.push_back({at, {}});
-    planes.back().contours.push_back(contour);
+    std::vector<const Contour*>& there = planes.back().contours;
+    const auto is_copy = [&](const Contour* other) { return other->points == contour->points; };
+    // Copies count once: two would leave nothing within an odd number of them.
+    if (std::none_of(there.begin(), there.end(), is_copy)) there.push_back(contour);
   }
   return planes;
 }
 
-/// How far a plane's contours reach to either side, voxels: to the middle between neighbours, as they mostly lie.
-double reach_of(const std::vector<Plane>& planes) {
-  double min_gap = std::numeric_limits<double>::infinity();
-  for (std::size_t n = 1; n < planes.size(); ++n) min_gap = std::min(min_gap, planes[n].at - planes[n - 1].at);
-  double sum = 0.0;
-  int count = 0;
-  for (std::size_t n = 1; n < planes.size(); ++n) {
-    const double gap = planes[n].at - planes[n - 1].at;
-    if (gap > 1.5 * min_gap) continue;  // slices without bone
-    sum += gap;
-    ++count;
-  }
+/// The distance that most planes have, voxels, at least one slice. Not the smallest: one plane more between others
+/// would leave the slices between those empty.
+double usual_gap(const std::vector<Plane>& planes) {
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < planes.size(); ++n) gaps.push_back(planes[n].at - planes[n - 1].at);
+  if (gaps.empty()) return 1.0;
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return std::max(1.0, *middle);
+}
+
+/// How far the contours of plane `n` reach towards a slice, voxels: half-way to the next plane; where that is far,
+/// since slices between are without bone, or there is none, as far as most reach.
+double reach_of(const std::vector<Plane>& planes, std::size_t n, double slice, double usual) {
+  double gap = usual;
+  if (slice > planes[n].at && n + 1 < planes.size()) gap = planes[n + 1].at - planes[n].at;
+  if (slice < planes[n].at && n > 0) gap = planes[n].at - planes[n - 1].at;
+  if (gap > 1.5 * usual) gap = usual;
   constexpr double kRounding = 1e-3;
-  return 0.5 * (count > 0 ? std::max(1.0, sum / count) : 1.0) + kRounding;
+  return 0.5 * std::max(1.0, gap) + kRounding;
 }
 
 /// Calls `put` with the pixels (a, b) whose centres lie within an odd number of the contours.
@@ -320,12 +340,12 @@ LabelFile read_dicom_contours(const fs::path& file, const GridGeometry& ct, std:
     if (only && *only != entry.first) continue;
     const std::vector<Plane> planes = planes_of(*entry.second, axis);
     if (planes.empty()) continue;
-    const double reach = reach_of(planes);
+    const double usual = usual_gap(planes);
     std::size_t nearest = 0;
     for (int slice = 0; slice < size_of(axis); ++slice) {
       const auto distance = [&](std::size_t n) { return std::abs(planes[n].at - slice); };
       while (nearest + 1 < planes.size() && distance(nearest + 1) < distance(nearest)) ++nearest;
-      if (!(distance(nearest) <= reach)) continue;
+      if (!(distance(nearest) <= reach_of(planes, nearest, slice, usual))) continue;
       fill(planes[nearest].contours, axis_a, axis_b, size_of(axis_a), size_of(axis_b), [&](int a, int b) {
         std::array<int, 3> p{};
         p[static_cast<std::size_t>(axis)] = slice;

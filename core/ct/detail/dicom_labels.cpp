@@ -53,21 +53,32 @@ DicomCode read_code(DicomElementWalker& walker, const DicomElement& sequence) {
 }
 
 std::string name_of_segment(const DicomSegment& segment, const fs::path& file) {
-  Level by_code = level_of_code(segment.type);
-  if (by_code == Level::kNone && (segment.type.value.empty() || is_any_bone_code(segment.type))) {
-    by_code = level_of_code(segment.region);
+  struct Witness {
+    const char* what;
+    Level level;
+  };
+  const Level by_type = level_of_code(segment.type);
+  const bool is_bone = by_type != Level::kNone || segment.type.value.empty() || is_any_bone_code(segment.type);
+  const Level by_region = is_bone ? level_of_code(segment.region) : Level::kNone;
+  const Level by_label = level_in_name(segment.label).value_or(Level::kNone);
+  const Level by_description = level_in_name(segment.description).value_or(Level::kNone);
+  const Witness* first = nullptr;
+  const std::array<Witness, 4> all{
+      {{"code", by_type}, {"region", by_region}, {"name", by_label}, {"description", by_description}}};
+  for (const Witness& one : all) {
+    if (one.level == Level::kNone) continue;
+    if (first == nullptr) first = &one;
+    if (one.level == first->level) continue;
+    fail("expected a segment whose codes and names are of one vertebra, found segment ", segment.number, " with the ",
+         first->what, " of ", level_name(first->level), " and the ", one.what, " of ", level_name(one.level), " in ",
+         file.string());
   }
-  std::optional<Level> by_name = level_in_name(segment.label);
-  if (!by_name) by_name = level_in_name(segment.description);
-  if (by_code == Level::kNone) {
-    if (!by_name) return segment.label;
-    return level_in_name(segment.label) ? segment.label : segment.description;
-  }
-  if (by_name && *by_name != by_code) {
-    fail("expected a segment whose code and name are of one vertebra, found segment ", segment.number,
-         " with the code of ", level_name(by_code), " and the name of ", level_name(*by_name), " in ", file.string());
-  }
-  return by_name && *by_name == Level::kSacrum ? segment.label : level_name(by_code);
+  const std::string& text =
+      by_label == Level::kNone && by_description != Level::kNone ? segment.description : segment.label;
+  const bool is_coded = by_type != Level::kNone || by_region != Level::kNone;
+  // "S1" may be a part of the sacrum: the text says more than the level.
+  if (!is_coded || level_in_name(text) == Level::kSacrum) return text;
+  return level_name(first->level);
 }
 
 LabelPainter::LabelPainter(std::size_t voxels, std::map<long long, std::string> names)

@@ -34,7 +34,7 @@ struct DicomSegment {
 DicomCode read_code(DicomElementWalker& walker, const DicomElement& sequence);
 
 /// What a segment is called: the vertebra by its code, else the vertebra that its label or description names, else its
-/// label. Throws Error where code and name are of two vertebrae: a wrong level is worse than none.
+/// label. Throws Error where codes, label and description are of two vertebrae: a wrong level is worse than none.
 std::string name_of_segment(const DicomSegment& segment, const std::filesystem::path& file);
 
 /// Reads BINARY, FRACTIONAL (from half of the maximum on) and LABELMAP segmentations, frames in any order and number,
@@ -48,7 +48,7 @@ LabelFile read_dicom_segmentation(const std::filesystem::path& file, std::option
 /// Reads the closed planar contours of a structure set, on the CT's grid: a voxel belongs to a region where its centre
 /// lies within an odd number of the region's contours of the nearest plane (holes by XOR: PS3.3, C.8.8.6.3). Labels are
 /// ROI numbers, or 1, 2, ... where those do not fit into a byte. Overlaps as above. Throws Error where contours lie in
-/// planes that are not the CT's, for vertebrae without closed contours, and for what is damaged.
+/// planes that are not parallel to the CT's, for vertebrae without closed contours, and for what is damaged.
 LabelFile read_dicom_contours(const std::filesystem::path& file, const GridGeometry& ct, std::optional<long long> only,
                               const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
 

@@ -73,14 +73,22 @@ void check_pixels(const DicomSegmentation& seg) {
 }
 
 FrameGrid grid_of(const DicomSegmentation& seg) {
-  constexpr double kSame = 1e-3;  // mm, or of a direction's component
+  constexpr double kSame = 1e-3;        // mm, or of a direction's component
+  constexpr double kMaxPixelMm = 25.0;  // as of a CT
   const std::string file = seg.header.file.string();
   const SegmentFrame& first = seg.frames.front();
   const Vec3 along_row(first.orientation[0], first.orientation[1], first.orientation[2]);
   const Vec3 along_column(first.orientation[3], first.orientation[4], first.orientation[5]);
   const Vec3 normal = along_row.cross(along_column);
-  if (!(std::abs(normal.norm() - 1.0) < kSame) || !(std::abs(along_row.norm() - 1.0) < kSame)) {
-    fail("expected an orientation of two unit vectors at right angles, found another in ", file);
+  if (!(std::abs(along_row.norm() - 1.0) < kSame) || !(std::abs(along_column.norm() - 1.0) < kSame) ||
+      !(std::abs(along_row.dot(along_column)) < kSame)) {
+    fail("expected ImageOrientationPatient to hold two unit vectors at right angles, found (", along_row.transpose(),
+         ") and (", along_column.transpose(), ") in ", file);
+  }
+  for (const double spacing_mm : first.pixel_spacing_mm) {
+    if (!(spacing_mm > 0.0 && spacing_mm < kMaxPixelMm)) {
+      fail("expected PixelSpacing above 0 and below ", kMaxPixelMm, " mm, found ", spacing_mm, " in ", file);
+    }
   }
   std::vector<double> heights;
   for (const SegmentFrame& frame : seg.frames) {
@@ -162,8 +170,10 @@ FrameGrid grid_of(const DicomSegmentation& seg) {
   return grid;
 }
 
+/// As many bytes as are wanted, and some that may be there beyond.
 std::vector<char> inflated(const std::vector<char>& packed, std::size_t size, const std::string& file) {
-  std::vector<char> bytes(size);
+  constexpr std::size_t kBeyond = 16;
+  std::vector<char> bytes(size + kBeyond);
   z_stream zlib{};
   if (inflateInit2(&zlib, -MAX_WBITS) != Z_OK) fail("cannot inflate ", file);
   std::vector<char> in = packed;
@@ -172,15 +182,19 @@ std::vector<char> inflated(const std::vector<char>& packed, std::size_t size, co
   zlib.next_out = reinterpret_cast<Bytef*>(bytes.data());
   zlib.avail_out = static_cast<uInt>(bytes.size());
   static_cast<void>(inflate(&zlib, Z_FINISH));
-  const bool is_whole = zlib.avail_out == 0;
+  bytes.resize(bytes.size() - zlib.avail_out);
   inflateEnd(&zlib);
-  if (!is_whole) fail("expected ", size, " bytes of a deflated frame, found fewer in ", file);
+  if (bytes.size() < size) fail("expected ", size, " bytes of a deflated frame, found fewer in ", file);
   return bytes;
 }
 
-/// Calls `visit` for each frame with its bytes, and with the bit of the first byte that its first pixel is.
-void for_each_frame(const DicomSegmentation& seg,
-                    const std::function<void(std::size_t, const std::vector<char>&, std::size_t)>& visit) {
+/// How many bytes there are behind those that are wanted and the padding to even length.
+std::uint64_t beyond(std::uint64_t there, std::uint64_t wanted) { return there - std::min(there, wanted + wanted % 2); }
+
+/// Calls `visit` for each frame with its bytes, and with the bit of the first byte that its first pixel is. Gives how
+/// many bytes lie beyond those that the sizes take, of encapsulated frames in one of them.
+std::uint64_t for_each_frame(const DicomSegmentation& seg,
+                             const std::function<void(std::size_t, const std::vector<char>&, std::size_t)>& visit) {
   const DicomHeader& header = seg.header;
   const std::string file = header.file.string();
   const std::uint64_t pixels = static_cast<std::uint64_t>(header.rows) * static_cast<std::uint64_t>(header.columns);
@@ -200,6 +214,7 @@ void for_each_frame(const DicomSegmentation& seg,
     DicomFrameGroups groups;
     groups.frame_count = {static_cast<double>(seg.frames.size())};
     const std::vector<DicomHeader> frames = split_into_frames(header, groups, seg.pixels);
+    std::uint64_t max_surplus = 0;
     for (std::size_t n = 0; n < frames.size(); ++n) {
       if (!is_deflated && !is_plain) {
         visit(n, decompress_frame(frames[n]), 0);
@@ -210,9 +225,10 @@ void for_each_frame(const DicomSegmentation& seg,
         bytes.insert(bytes.end(), part.begin(), part.end());
       if (is_deflated) bytes = inflated(bytes, frame_size, file);
       if (bytes.size() < frame_size) fail("expected ", frame_size, " bytes a frame, found fewer in ", file);
+      max_surplus = std::max(max_surplus, beyond(bytes.size(), frame_size));
       visit(n, bytes, 0);
     }
-    return;
+    return max_surplus;
   }
   // Frames of single bits follow each other without a gap: PS3.5, 8.1.1.
   DicomBytes stream;
@@ -238,6 +254,8 @@ void for_each_frame(const DicomSegmentation& seg,
     held_from = from;
     visit(n, bytes, static_cast<std::size_t>(n * pixels * bits % 8));
   }
+  const std::uint64_t wanted = (seg.frames.size() * pixels * bits + 7) / 8;
+  return beyond(seg.pixels.plain.length, wanted);
 }
 
 }  // namespace
@@ -251,7 +269,9 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   const bool is_binary = seg.type == "BINARY";
   const bool is_wide = seg.header.bits_allocated == 16;
   std::map<long long, std::string> names;
+  std::vector<bool> is_described(65536, false);
   for (const DicomSegment& segment : seg.segments) {
+    is_described[static_cast<std::size_t>(segment.number)] = true;
     if (segment.number > 0) names[segment.number] = name_of_segment(segment, file);
   }
   // Numbers of other types count from 1: PS3.3, C.8.20.4.
@@ -260,8 +280,13 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   LabelPainter painter(grid.labels.voxel_count(), names);
   const std::size_t pixels =
       static_cast<std::size_t>(grid.labels.size[0]) * static_cast<std::size_t>(grid.labels.size[1]);
+  const auto check_described = [&](std::uint32_t value) {
+    if (is_described[value]) return;
+    fail("expected pixels of the segments that the file describes, found one of segment ", value, " in ",
+         file.string());
+  };
   const std::uint32_t background = is_map ? seg.header.padding.value_or(0) : 0;
-  for_each_frame(seg, [&](std::size_t n, const std::vector<char>& bytes, std::size_t first_bit) {
+  const auto take_frame = [&](std::size_t n, const std::vector<char>& bytes, std::size_t first_bit) {
     const std::uint32_t segment = seg.frames[n].segment;
     if (!is_map && only && *only != static_cast<long long>(segment)) return;
     const std::size_t at = pixels * static_cast<std::size_t>(grid.slice_of[n]);
@@ -276,14 +301,24 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
         }
       } else if (is_map) {
         const std::uint32_t value = is_wide ? static_cast<std::uint32_t>(byte(2 * p) | byte(2 * p + 1) << 8) : byte(p);
-        if (value == background || value == 0 || (only && *only != value)) continue;
+        if (value == background || value == 0) continue;
+        check_described(value);
+        if (only && *only != value) continue;
         painter.put(at + p, static_cast<std::uint16_t>(value));
+      } else if (byte(p) > seg.max_fraction) {
+        fail("expected values of at most MaximumFractionalValue, ", seg.max_fraction, ", found ", int{byte(p)}, " in ",
+             file.string());
       } else if (byte(p) != 0 && 2U * byte(p) >= seg.max_fraction) {
-        const std::uint32_t part = std::min<std::uint32_t>(255, 255U * byte(p) / seg.max_fraction);
+        const std::uint32_t part = 255U * byte(p) / seg.max_fraction;
         painter.put(at + p, static_cast<std::uint16_t>(segment), static_cast<std::uint8_t>(part));
       }
     }
-  });
+  };
+  if (const std::uint64_t surplus = for_each_frame(seg, take_frame); surplus > 0) {
+    grid.labels.warnings.push_back(
+        joined("PixelData of the label map is longer than Rows, Columns and NumberOfFrames say, by ", surplus,
+               " bytes: its sizes may be wrong"));
+  }
   painter.check_shared(file);
   painter.give_to(take);
   grid.labels.names = std::move(names);

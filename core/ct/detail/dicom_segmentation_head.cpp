@@ -174,6 +174,7 @@ void check_head(DicomSegmentation& seg) {
          " for a segmentation of type ", seg.type, ", found ", header.columns, " x ", header.rows, " x ",
          header.samples, " of ", bits, " in ", file);
   }
+  // Type 1C: without it nobody knows what half is.
   if (!is_binary && !is_map && (seg.max_fraction < 1 || seg.max_fraction > 255)) {
     fail("expected a MaximumFractionalValue from 1 to 255, found ", seg.max_fraction, " in ", file);
   }

@@ -18,8 +18,8 @@ struct SegmentFrame {
 /// What a DICOM segmentation says before its pixels are decoded.
 struct DicomSegmentation {
   DicomHeader header;
-  std::string type;  ///< BINARY, FRACTIONAL, LABELMAP
-  std::uint32_t max_fraction = 255;
+  std::string type;                ///< BINARY, FRACTIONAL, LABELMAP
+  std::uint32_t max_fraction = 0;  ///< MaximumFractionalValue; 0: not said
   std::vector<DicomSegment> segments;
   std::vector<double> frame_count;
   SegmentFrame shared;

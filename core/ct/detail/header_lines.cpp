@@ -23,6 +23,14 @@ std::string read_header_bytes(const fs::path& file) {
   return bytes;
 }
 
+void put_field(std::map<std::string, std::string, std::less<>>& fields, const std::string& name, std::string_view value,
+               const char* format, const fs::path& file) {
+  const auto [at, is_new] = fields.emplace(name, value);
+  if (is_new || at->second == value) return;
+  fail("expected ", format, " field ", in_quotes(name), " once, found ", in_quotes(at->second), " and ",
+       in_quotes(value), " in ", file.string());
+}
+
 std::vector<std::string> words_of(std::string_view text) {
   std::vector<std::string> words;
   bool in_word = false;

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +17,11 @@ namespace spinaltap::detail {
 
 /// The first bytes of a file, as many as a header may have. Throws Error where it is missing or no regular file.
 std::string read_header_bytes(const std::filesystem::path& file);
+
+/// Puts a field into those that were read. Throws Error where it is there with another value: programs differ in which
+/// they take. `format`: "NRRD".
+void put_field(std::map<std::string, std::string, std::less<>>& fields, const std::string& name, std::string_view value,
+               const char* format, const std::filesystem::path& file);
 
 /// What stands between blanks.
 std::vector<std::string> words_of(std::string_view text);

@@ -65,6 +65,13 @@ LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, const La
   return read_volume_labels(file, format, begin, take);
 }
 
+std::optional<long long> label_in(double value) {
+  constexpr double kRounding = 1e-3;
+  constexpr double kMax = 1e15;  // false also for what is not a number
+  if (!(std::abs(value) < kMax) || std::abs(value - std::round(value)) > kRounding) return std::nullopt;
+  return std::llround(value);
+}
+
 void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
                       const std::function<void(std::size_t, std::size_t)>& visit) {
   GridGeometry of_file;  // for its offsets

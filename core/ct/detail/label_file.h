@@ -44,6 +44,9 @@ struct LabelFileOptions {
 LabelFile read_label_file(const std::filesystem::path& file, const GridGeometry& ct, const LabelFileOptions& options,
                           const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
 
+/// The whole number that a voxel holds, but for the rounding of maps that were stored as floats; nothing for others.
+std::optional<long long> label_in(double value);
+
 /// For each voxel of `grid` whose centre lies in one of the file's: its offset and the file's. Called from many
 /// threads, once a voxel of `grid`.
 void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
@@ -53,8 +56,10 @@ void for_each_nearest(const LabelFile& file, const GridGeometry& grid,
 std::string list_for_people(const std::set<long long>& labels);
 
 /// The labels of a CARET label table in XML, as TotalSegmentator writes it into a NIfTI extension: `<Label Key="27"
-/// ...><![CDATA[vertebrae_L5]]></Label>`. Takes what it understands and leaves the rest.
-std::map<long long, std::string> names_of_label_table(const std::string& xml);
+/// ...><![CDATA[vertebrae_L5]]></Label>`. Takes what it understands and leaves the rest. Throws Error where a label has
+/// two names.
+void add_names_of_label_table(const std::string& xml, const std::filesystem::path& file,
+                              std::map<long long, std::string>& names);
 
 LabelFile read_nifti_labels(const std::filesystem::path& file, NiftiAffine affine,
                             const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);

@@ -1,19 +1,21 @@
 #include <charconv>
 #include <string_view>
 
+#include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/ct/detail/label_file.h"
 #include "core/ct/detail/nifti_volume.h"
 
 namespace spinaltap::detail {
 
-std::map<long long, std::string> names_of_label_table(const std::string& xml) {
+void add_names_of_label_table(const std::string& xml, const std::filesystem::path& file,
+                              std::map<long long, std::string>& names) {
   constexpr std::string_view kOpen = "<Label ";
   constexpr std::string_view kKey = "Key=\"";
   constexpr std::string_view kClose = "</Label>";
   constexpr std::string_view kCdata = "<![CDATA[";
   constexpr std::string_view kCdataEnd = "]]>";
   constexpr std::size_t kMax = 70'000;  // labels; a file of more is not one that people made
-  std::map<long long, std::string> names;
   const std::string_view text = xml;
   for (std::size_t at = text.find(kOpen); at != text.npos && names.size() < kMax; at = text.find(kOpen, at + 1)) {
     const std::size_t head_end = text.find('>', at);
@@ -28,9 +30,12 @@ std::map<long long, std::string> names_of_label_table(const std::string& xml) {
     if (name.starts_with(kCdata) && name.ends_with(kCdataEnd)) {
       name = name.substr(kCdata.size(), name.size() - kCdata.size() - kCdataEnd.size());
     }
-    names[number] = std::string(name);
+    const auto [there, is_new] = names.emplace(number, name);
+    if (!is_new && there->second != name) {
+      fail("expected one name a label, found ", in_quotes(there->second), " and ", in_quotes(name), " for label ",
+           number, " in ", file.string());
+    }
   }
-  return names;
 }
 
 LabelFile read_nifti_labels(const std::filesystem::path& file, NiftiAffine affine,
@@ -43,7 +48,7 @@ LabelFile read_nifti_labels(const std::filesystem::path& file, NiftiAffine affin
   labels.warnings = nifti.warnings();
   if (begin) begin(labels);
   nifti.read_values(take);
-  for (const std::string& extension : nifti.read_extensions()) labels.names.merge(names_of_label_table(extension));
+  for (const std::string& extension : nifti.read_extensions()) add_names_of_label_table(extension, file, labels.names);
   return labels;
 }
 

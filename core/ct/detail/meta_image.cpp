@@ -40,6 +40,18 @@ struct MetaHeader {
   }
 };
 
+/// One name a field: some have several. ElementSize is none of them: it may differ from the step.
+std::string meta_field_name(std::string_view name) {
+  static const std::map<std::string, std::string, std::less<>> kOtherNames{
+      {"Position", "Offset"},
+      {"Origin", "Offset"},
+      {"Rotation", "TransformMatrix"},
+      {"Orientation", "TransformMatrix"},
+      {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}};
+  const auto other = kOtherNames.find(name);
+  return other == kOtherNames.end() ? std::string(name) : other->second;
+}
+
 MetaHeader read_meta_header(const fs::path& file) {
   const std::string content = read_header_bytes(file);
   MetaHeader header;
@@ -55,8 +67,8 @@ MetaHeader read_meta_header(const fs::path& file) {
     if (is_listing) {
       if (!line.empty()) header.listed.emplace_back(line);
     } else if (equals != std::string_view::npos) {
-      const std::string key(trimmed(line.substr(0, equals)));
-      header.fields[key] = std::string(trimmed(line.substr(equals + 1)));
+      const std::string key = meta_field_name(trimmed(line.substr(0, equals)));
+      put_field(header.fields, key, trimmed(line.substr(equals + 1)), "MetaImage", file);
       if (key != "ElementDataFile") continue;
       header.data_begins = begin;
       is_listing = header.fields[key].starts_with("LIST");
@@ -162,10 +174,10 @@ void place(const MetaHeader& header, VolumeFile& volume) {
   volume.size = three_sizes(sizes, "MetaImage axes", header.at({"DimSize"}), header.file);
   const double unit_mm = unit_in_mm(header);
   const std::vector<double> spacing = numbers(header, {"ElementSpacing", "ElementSize"}, axes);
-  const std::vector<double> offset = numbers(header, {"Offset", "Position", "Origin"}, axes);
+  const std::vector<double> offset = numbers(header, {"Offset"}, axes);
   Mat3 directions = Mat3::Identity();
-  if (header.find({"TransformMatrix", "Rotation", "Orientation"}) != nullptr) {
-    const std::vector<double> matrix = numbers(header, {"TransformMatrix", "Rotation", "Orientation"}, axes * axes);
+  if (header.find({"TransformMatrix"}) != nullptr) {
+    const std::vector<double> matrix = numbers(header, {"TransformMatrix"}, axes * axes);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (std::size_t row = 0; row < 3; ++row) {
         directions(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(axis)) = matrix[axes * axis + row];
@@ -240,7 +252,7 @@ StoredVoxels stored_voxels(const MetaHeader& header, std::size_t voxel_count) {
   if (!is_binary && is_deflated) {
     fail("expected MetaImage CompressedData of BinaryData only, found it of text in ", header.file.string());
   }
-  voxels.is_big_endian = is_true(header, {"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}, false);
+  voxels.is_big_endian = is_true(header, {"BinaryDataByteOrderMSB"}, false);
   const std::string* head = header.find({"HeaderSize"});
   const std::optional<long long> skip = head == nullptr ? 0 : whole_number(*head);
   const bool is_plain = is_binary && !is_deflated;

@@ -266,6 +266,13 @@ void NiftiVolume::read_values(const std::function<void(std::span<const double>)>
     }
     take(values);
   }
+  // As of other raw voxels (stored_voxels.h): what is longer has another header's sizes.
+  constexpr int kMaxSurplus = 4;
+  std::array<char, kMaxSurplus + 1> more{};
+  if (::gzread(file.get(), more.data(), more.size()) > kMaxSurplus) {
+    fail("expected ", voxel_count() * static_cast<std::size_t>(value_bytes_),
+         " bytes of voxels, found more (other sizes or another type than the header says?): ", file_.string());
+  }
 }
 
 // Extensions: nifti1.h, "EXTENDED HEADER STRUCTURE". Four bytes behind the header, of which the first says whether

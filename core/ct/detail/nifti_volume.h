@@ -31,7 +31,7 @@ class NiftiVolume {
   const std::vector<std::string>& warnings() const { return place_.warnings; }
 
   /// Calls `take` with the values from first to last, some at a time, scaled by scl_slope and scl_inter; not a number
-  /// where the file has none. Throws Error where the file ends early.
+  /// where the file has none. Throws Error where the file ends early or goes on behind the values.
   void read_values(const std::function<void(std::span<const double>)>& take) const;
 
   /// What stands between the header and the values: the bytes of each extension, whatever its code. None where the

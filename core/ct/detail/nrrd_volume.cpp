@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 struct NrrdHeader {
   fs::path file;
   std::map<std::string, std::string, std::less<>> fields;  ///< "sizes" to "3 2 2"
-  std::map<std::string, std::string> pairs;                ///< "Segment0_Name" to "T11": the format's key/value pairs
+  std::map<std::string, std::string, std::less<>> pairs;   ///< "Segment0_Name" to "T11": the format's key/value pairs
   std::vector<std::string> listed;                         ///< lines behind "data file: LIST"
   std::size_t data_begins = 0;
 
@@ -73,10 +74,11 @@ NrrdHeader read_nrrd_header(const fs::path& file) {
     if (is_listing) {
       if (!text.empty()) header.listed.push_back(text);
     } else if (text.front() != '#' && colon < equals) {
-      header.fields[field_name(text.substr(0, colon))] = std::string(trimmed(text.substr(colon + 2)));
+      put_field(header.fields, field_name(text.substr(0, colon)), trimmed(std::string_view(text).substr(colon + 2)),
+                "NRRD", file);
       is_listing = has_list(header);
     } else if (text.front() != '#' && equals != std::string::npos) {
-      header.pairs[text.substr(0, equals)] = std::string(trimmed(text.substr(equals + 2)));
+      put_field(header.pairs, text.substr(0, equals), trimmed(std::string_view(text).substr(equals + 2)), "NRRD", file);
     }
     begin = end;
   }
@@ -251,7 +253,7 @@ VoxelEncoding encoding_of(const NrrdHeader& header) {
 }
 
 long long number_field(const NrrdHeader& header, std::string_view name, long long min, long long if_missing) {
-  constexpr long long kMax = 1LL << 31;
+  constexpr long long kMax = std::numeric_limits<int>::max();
   const std::string* text = header.find(name);
   if (text == nullptr) return if_missing;
   const std::optional<long long> number = whole_number(*text);

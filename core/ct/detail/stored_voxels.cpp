@@ -65,6 +65,14 @@ class PartBytes {
     return count - zlib_.avail_out;
   }
 
+  /// How many plain bytes of the file are left.
+  std::uint64_t rest() {
+    const std::streampos at = stream_.tellg();
+    stream_.seekg(0, std::ios::end);
+    const std::streamoff left = stream_.tellg() - at;
+    return left > 0 ? static_cast<std::uint64_t>(left) : 0;
+  }
+
  private:
   void inflate_some() {
     if (zlib_.avail_in == 0) {
@@ -185,6 +193,12 @@ class PartNumbers {
   std::size_t end_ = 0;
 };
 
+void check_surplus(std::uint64_t wanted, std::uint64_t surplus, const VoxelPart& part) {
+  if (surplus <= kMaxSurplus) return;
+  fail("expected ", wanted, " bytes of voxels, found ", surplus,
+       " more (other sizes or another type than the header says, or a head of the data's own?): ", part.file.string());
+}
+
 void check_part(const StoredVoxels& voxels, const VoxelPart& part, std::size_t count) {
   std::error_code error;
   if (!fs::is_regular_file(part.file, error)) fail("no such file with the voxels: ", part.file.string());
@@ -200,11 +214,7 @@ void check_part(const StoredVoxels& voxels, const VoxelPart& part, std::size_t c
     fail("expected ", wanted, " bytes of voxels, found ", there, " (cut short?): ", part.file.string());
   }
   const bool is_counted = voxels.encoding == VoxelEncoding::kRaw && !is_from_end && part.skip_lines == 0;
-  if (is_counted && there - min_bytes > kMaxSurplus) {
-    fail(
-        "expected ", wanted, " bytes of voxels, found ", there - min_bytes,
-        " more (other sizes or another type than the header says, or a head of the data's own?): ", part.file.string());
-  }
+  if (is_counted) check_surplus(wanted, there - min_bytes, part);
 }
 
 void read_numbers(const StoredVoxels& voxels, const VoxelPart& part, std::size_t count, const TakeValues& take) {
@@ -239,6 +249,9 @@ void read_numbers(const StoredVoxels& voxels, const VoxelPart& part, std::size_t
     fail("expected ", count * bytes_of(voxels.type), " bytes of voxels, found a gzip stream of more in ",
          part.file.string());
   }
+  // Where skipped lines end is known only now.
+  if (voxels.encoding == VoxelEncoding::kRaw && part.skip_lines > 0)
+    check_surplus(count * bytes_of(voxels.type), bytes.rest(), part);
 }
 
 }  // namespace

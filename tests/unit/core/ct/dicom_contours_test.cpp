@@ -113,6 +113,20 @@ TEST(DicomContours, FillTheSlicesBetweenTheirPlanesButNoGap) {
   EXPECT_EQ(filled, (std::vector<int>{4, 5, 6, 7, 8, 9, 10, 11, 12, 29, 30, 31}));
 }
 
+// One slice more that was drawn leaves no holes beside the others.
+TEST(DicomContours, FillTheSlicesBetweenUnevenPlanesToo) {
+  for (const double step : {3.0, 4.0}) {
+    MadeStructureSet set{{{1, "L1", {}}}};
+    for (const double z : {15.0, 15.0 + step, 15.0 + 2 * step, 16.0 + 2 * step, 16.0 + 3 * step}) {
+      set.rois[0].contours.push_back(square(0.0, 50.0, z, 4.1));
+    }
+    const LabelVolume map = read_set(set);
+    for (int k = 5; k <= 6 + 3 * static_cast<int>(step); ++k) {
+      EXPECT_EQ(map.labels[map.geometry.offset(25, 25, k)], 1) << step << " " << k;
+    }
+  }
+}
+
 TEST(DicomContours, LieInPlanesOfAnyAxisOfTheCt) {
   MadeStructureSet set{{{1, "L1", {}}}};
   const double x = -20.0 + 0.8 * 30;
@@ -131,6 +145,22 @@ TEST(DicomContours, SayTheirLevelsByCodeOrNameAndTakeAnyRoiNumber) {
   EXPECT_EQ(levels_of(map), (std::vector<Level>{*level_from_name("L3"), *level_from_name("L4")}));
   set.rois[0].name = "L5";
   EXPECT_THAT(set_error(set), HasSubstr("code of L3 and the name of L5"));
+}
+
+TEST(DicomContours, HaveAsManyPointsAsTheySay) {
+  MadeStructureSet set{{{1, "L3", {square(0.0, 50.0, 14.0, 4.1), square(0.0, 50.0, 15.0, 4.1)}}}};
+  EXPECT_EQ(set_error(set), "");
+  set.rois[0].points_too_many = 1;  // one was lost
+  EXPECT_THAT(set_error(set), HasSubstr("NumberOfContourPoints, 5, found 4"));
+}
+
+// Two that are the same would leave nothing within an odd number of them.
+TEST(DicomContours, ThatAreCopiesCountOnce) {
+  MadeStructureSet once{{{1, "L3", {square(0.0, 50.0, 14.0, 10.1), square(0.0, 50.0, 14.0, 5.3)}}}};
+  MadeStructureSet twice = once;
+  twice.rois[0].contours.insert(twice.rois[0].contours.end(), once.rois[0].contours.begin(),
+                                once.rois[0].contours.end());
+  EXPECT_EQ(read_set(twice).labels, read_set(once).labels);
 }
 
 TEST(DicomContours, SayWhatIsWrong) {

@@ -171,6 +171,31 @@ TEST(DicomSegmentation, SaysItsLevelsByCodeOrName) {
   EXPECT_THAT(seg_error(twofold), HasSubstr("code of L3 and the name of L2"));
 }
 
+// Type, region, label and description may each name a vertebra.
+TEST(DicomSegmentation, RejectsTwoVertebraeInAllThatSaysWhichItIs) {
+  const std::string l3 = "36470004", l4 = "11994002", vertebra = "51282000";
+  const auto read = [](const std::string& type, const std::string& region, const std::string& label,
+                       const std::string& description) {
+    test::MadeItem data = two_segments().data_set(), first, second;
+    first.put_short(0x00620004, 1).put(0x00620005, "LO", label).put(0x00620006, "ST", description);
+    if (!type.empty()) first.put_code(0x0062000f, type, "SCT");
+    if (!region.empty()) first.put_code(0x00082218, region, "SCT");
+    second.put_short(0x00620004, 2);
+    data.put_items(0x00620002, {first, second});
+    std::string level;
+    const std::string error = error_of([&] { level = level_name(read_seg(data.file()).names.at(1).level); });
+    return level + error;
+  };
+  EXPECT_EQ(read(l3, l3, "L3", "L3 vertebra"), "L3");
+  EXPECT_EQ(read("", "", "Segment_1", "L3"), "L3");
+  EXPECT_EQ(read(vertebra, l3, "bone", "as drawn"), "L3");
+  EXPECT_EQ(read("65985001", "", "Segment_1", "S1"), "sacrum");
+  EXPECT_THAT(read(l3, l4, "", ""), HasSubstr("the code of L3 and the region of L4"));
+  EXPECT_THAT(read(vertebra, l3, "L4", ""), HasSubstr("the region of L3 and the name of L4"));
+  EXPECT_THAT(read(l3, "", "L3", "L4"), HasSubstr("the code of L3 and the description of L4"));
+  EXPECT_THAT(read("", "", "L3", "L4"), HasSubstr("the name of L3 and the description of L4"));
+}
+
 TEST(DicomSegmentation, NumbersSegmentsByRankSoThatNoConventionIsSeen) {
   MadeSegmentation seg = two_segments();
   seg.segments = {{1, "a", "", "", ""}, {2, "b", "", "", ""}};
@@ -195,6 +220,93 @@ TEST(DicomSegmentation, RejectsVertebraeThatOverlapAndReadsOneAlone) {
   EXPECT_EQ(level_at(read_seg(seg.bytes()), 1, 1, 3), *level_from_name("L3"));
   std::swap(seg.frames[1], seg.frames[3]);
   EXPECT_EQ(level_at(read_seg(seg.bytes()), 1, 1, 3), *level_from_name("L3"));
+}
+
+// As a CT's slices: a mirrored or sheared map would be another bone.
+TEST(DicomSegmentation, IsPlacedByUnitVectorsAtRightAnglesAndSpacingsAboveZero) {
+  const auto placed = [](const std::string& orientation, const std::string& spacing) {
+    test::MadeItem data = two_segments().data_set(), plane, measures, shared;
+    plane.put(0x00200037, "DS", orientation);
+    measures.put(0x00180088, "DS", "2").put(0x00280030, "DS", spacing);
+    shared.put_items(0x00209116, {plane}).put_items(0x00289110, {measures});
+    data.put_items(0x52009229, {shared});
+    return error_of([&] { read_seg(data.file()); });
+  };
+  const std::string axial = "1\\0\\0\\0\\1\\0", spacing = "0.5\\1.0";
+  EXPECT_EQ(placed(axial, spacing), "");
+  // Their cross product is a unit vector too.
+  EXPECT_THAT(placed("1\\0\\0\\1.7320508\\1\\0", spacing), HasSubstr("right angles"));
+  EXPECT_THAT(placed("1\\0\\0\\0.03\\0.99955\\0", spacing), HasSubstr("right angles"));
+  for (const char* wrong : {"-0.5\\1.0", "0.5\\-1.0", "0\\1.0", "0.5\\wide", "25\\1.0"}) {
+    EXPECT_THAT(placed(axial, wrong), HasSubstr("PixelSpacing")) << wrong;
+  }
+}
+
+/// Encapsulated pixels of a fragment each, behind an empty offset table.
+std::string encapsulated(const std::vector<std::string>& fragments) {
+  const auto item = [](const std::string& bytes) {
+    return std::string("\xfe\xff\x00\xe0", 4) + test::MadeItem::little_endian(static_cast<long long>(bytes.size()), 4) +
+           bytes;
+  };
+  std::string all = std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + item("");
+  for (const std::string& fragment : fragments) all += item(fragment);
+  return all + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+}
+
+/// A deflated stream that shrinks nothing (RFC 1951, 3.2.4).
+std::string deflated(const std::string& bytes) {
+  const auto size = static_cast<long long>(bytes.size());
+  return "\x01" + test::MadeItem::little_endian(size, 2) + test::MadeItem::little_endian(~size, 2) + bytes;
+}
+
+// As with a CT's, more bytes than the sizes take say that the sizes may be wrong.
+TEST(DicomSegmentation, WarnsWhereItsPixelsAreLongerThanItsSizes) {
+  const auto said = [](const std::string& bytes) {
+    std::string all;
+    for (const std::string& line : read_seg(bytes).warnings) all += line;
+    return all;
+  };
+  const auto rows = [](int count) { return two_segments().data_set().put_short(0x00280010, count); };
+  EXPECT_EQ(said(rows(3).file()), "");
+  EXPECT_THAT(said(rows(2).file()), HasSubstr("longer than Rows, Columns and NumberOfFrames say, by 2 bytes"));
+  // Frames of 15 bits: two bytes each.
+  const std::vector<std::string> frames{std::string("\0\x40", 2), std::string("\x40\0", 2), std::string("\x40\0", 2)};
+  const auto packed = [&](int count, bool is_deflated, const std::string& more) {
+    std::vector<std::string> fragments;
+    for (const std::string& frame : frames) fragments.push_back(is_deflated ? deflated(frame + more) : frame + more);
+    return rows(count).remove(0x7fe00010).file(is_deflated ? "1.2.840.10008.1.2.8.1" : "1.2.840.10008.1.2.1.98") +
+           encapsulated(fragments);
+  };
+  for (const bool is_deflated : {false, true}) {
+    EXPECT_EQ(labelled(read_seg(packed(3, is_deflated, ""))), 3);
+    EXPECT_EQ(said(packed(3, is_deflated, "")), "");
+    EXPECT_THAT(said(packed(3, is_deflated, "more")), HasSubstr("longer than Rows")) << is_deflated;
+  }
+}
+
+TEST(DicomSegmentation, HoldsNoValuesButThoseThatItDescribes) {
+  MadeSegmentation part = two_segments();
+  part.type = "FRACTIONAL";
+  part.bits = 8;
+  part.max_fraction = 100;
+  for (auto& frame : part.frames) {
+    for (int& value : frame.pixels) value *= 100;
+  }
+  EXPECT_EQ(labelled(read_seg(part.bytes())), 3);
+  // Half of what, where the most is not said (type 1C: PS3.3, C.8.20.2)?
+  EXPECT_THAT(error_of([&] { read_seg(part.data_set().remove(0x0062000e).file()); }),
+              HasSubstr("MaximumFractionalValue"));
+  part.frames[1].pixels[6] = 101;
+  EXPECT_THAT(seg_error(part), HasSubstr("at most MaximumFractionalValue, 100, found 101"));
+
+  MadeSegmentation map;
+  map.type = "LABELMAP";
+  map.bits = 8;
+  map.segments = {{1, "L3", "", "", ""}};
+  map.frames = {{0, slice_at(0), pixel_at(1, 1)}, {0, slice_at(1), pixel_at(1, 1)}};
+  EXPECT_EQ(labelled(read_seg(map.bytes())), 2);
+  map.frames[1].pixels[6] = 2;
+  EXPECT_THAT(seg_error(map), HasSubstr("segments that the file describes, found one of segment 2"));
 }
 
 TEST(DicomSegmentation, SaysWhatIsWrong) {

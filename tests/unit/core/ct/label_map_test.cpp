@@ -98,6 +98,15 @@ TEST(ReadLabelMap, ReadsEachTypeOfNumber) {
   }
 }
 
+// A map of probabilities has no labels; 5 is no 5.4 that was rounded.
+TEST(ReadLabelMap, RejectsFractions) {
+  HandMadeNifti nifti{.type = Type::kFloat};
+  nifti.values[2] = 5.0004;  // of a map that was stored as floats
+  EXPECT_TRUE(read_nifti(nifti, 5).at(0, 1, 0));
+  nifti.values[6] = 5.4;
+  EXPECT_THAT(nifti_error(nifti), HasSubstr("whole numbers, found 5.4"));
+}
+
 TEST(ReadLabelMap, AppliesTheSlope) {
   EXPECT_TRUE(read_nifti({.slope = 2.0F, .intercept = 1.0F}, 11).at(0, 1, 0));  // 2 * 5 + 1
 }

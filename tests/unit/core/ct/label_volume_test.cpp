@@ -118,6 +118,15 @@ std::string segment(int number, const std::string& name, int label) {
          key + "_Layer:=0\n" + key + "_Name:=" + name + "\n";
 }
 
+TEST(ReadLabelVolume, TakesOneNameOfALabelTableALabel) {
+  const auto error = [](const std::string& table) {
+    return error_of([&] { read(nifti({21, 22}, table), 2, LabelConvention::automatic, "map.nii"); });
+  };
+  EXPECT_EQ(error(label_table({{21, "L2"}, {22, "L3"}, {22, "L3"}})), "");
+  EXPECT_THAT(error(label_table({{21, "L2"}, {22, "L3"}, {22, "L4"}})),
+              HasSubstr("one name a label, found \"L3\" and \"L4\" for label 22"));
+}
+
 TEST(ReadLabelVolume, TakesLevelsFromTheNamesOf3DSlicersSegments) {
   const std::string head = segment(0, "T11", 1) + segment(1, "vertebrae_T12", 2) + segment(2, "L1 vertebra", 3) +
                            segment(3, "Th10", 4) + segment(4, "T11 rib left", 5) + segment(5, "T11-T12 disc", 6);

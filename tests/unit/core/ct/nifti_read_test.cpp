@@ -166,6 +166,21 @@ TEST(ReadNiftiCt, ReadsLengthsInTheHeadersUnit) {
   EXPECT_THAT(test::error_of([&] { read_made(nifti); }), HasSubstr("xyzt_units"));
 }
 
+// As other raw voxels: what is longer has another header's sizes.
+TEST(ReadNiftiCt, RejectsMoreVoxelsThanTheHeaderSays) {
+  for (const bool zipped : {false, true}) {
+    MadeNifti nifti = numbered_nifti();
+    nifti.dim[1] = 3;
+    EXPECT_THAT(test::error_of([&] { read_made(nifti, zipped); }),
+                HasSubstr("expected 36 bytes of voxels, found more"));
+    // Axes that are not counted may not have voxels either.
+    nifti = numbered_nifti();
+    nifti.dim = {3, 4, 3, 2, 2, 1, 1, 1};
+    nifti.values.insert(nifti.values.end(), 24, 0.0);
+    EXPECT_THAT(test::error_of([&] { read_made(nifti, zipped); }), HasSubstr("found more"));
+  }
+}
+
 TEST(ReadNiftiCt, RejectsASeriesForAFileThatHoldsNone) {
   const TemporaryFolder folder;
   write_whole_file(folder.path() / "ct.nii", numbered_nifti().bytes());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
 
 #include "core/base/gzip.h"
 #include "core/base/staged_output.h"
@@ -275,6 +276,17 @@ TEST_F(VolumeFiles, FindDetachedData) {
               HasSubstr("one number in it"));
 }
 
+TEST_F(VolumeFiles, AreAsLongAsTheirHeaderSaysBehindSkippedLinesToo) {
+  write_whole_file(folder_.path() / "lines.raw", "two lines\nof text\n" + stored<std::int16_t>(numbered()));
+  const auto lines = [](const std::string& skip) {
+    return nrrd().set("data file", "lines.raw").set("line skip", skip);
+  };
+  expect_numbered("lines.nhdr", lines("2").text());
+  EXPECT_THAT(error("narrow.nhdr", lines("2").set("sizes", "3 3 2").text()), HasSubstr("12 more"));
+  EXPECT_THAT(error("early.nhdr", lines("1").text()), HasSubstr("8 more"));
+  EXPECT_THAT(error("many.nhdr", lines("2147483648").text()), HasSubstr("line skip"));
+}
+
 TEST_F(VolumeFiles, MayHaveAFourthAxisOfOne) {
   MadeHeader layered = nrrd();
   layered.set("dimension", "4").set("sizes", "4 3 2 1").set("space directions", "(0.5,0,0) (0,0.75,0) (0,0,2) none");
@@ -342,6 +354,28 @@ TEST_F(VolumeFiles, OfMetaImageSayWhatIsWrong) {
   for (const char* letters : {"RAI", "LPS", "???", ""}) {
     expect_numbered("letters.mha", meta_file(meta().set("AnatomicalOrientation", letters)));
   }
+}
+
+TEST_F(VolumeFiles, SayNothingTwiceUnlessItIsTheSame) {
+  const auto again = [](MadeHeader header, const std::string& name, const std::string& value) {
+    header.fields.insert(header.fields.end() - 1, {name, value});
+    return header;
+  };
+  expect_numbered("same.nrrd", nrrd_file(again(nrrd(), "space origin", "(-10,-20,30)")));
+  expect_numbered("same.mha", meta_file(again(meta(), "Position", "-10 -20 30")));
+  EXPECT_THAT(error("two.nrrd", nrrd_file(again(nrrd(), "space origin", "(-10,-20,31)"))),
+              HasSubstr("\"space origin\" once, found \"(-10,-20,30)\" and \"(-10,-20,31)\""));
+  EXPECT_THAT(error("names.nrrd", nrrd_file(again(nrrd(), "spaceorigin", "(-10,-20,31)"))), HasSubstr("once"));
+  EXPECT_THAT(error("two.mha", meta_file(again(meta(), "Offset", "-10 -20 31"))),
+              HasSubstr("\"Offset\" once, found \"-10 -20 30\" and \"-10 -20 31\""));
+  for (const auto& [name, value] : std::map<std::string, std::string>{{"Position", "-10 -20 31"},
+                                                                      {"Origin", "-10 -20 31"},
+                                                                      {"Rotation", "-1 0 0 0 -1 0 0 0 1"},
+                                                                      {"ElementByteOrderMSB", "True"}}) {
+    EXPECT_THAT(error("names.mha", meta_file(again(meta(), name, value))), HasSubstr("once, found")) << name;
+  }
+  // MetaIO's size of a voxel, which is not its step.
+  expect_numbered("size.mha", meta_file(again(meta(), "ElementSize", "0.5 0.75 3")));
 }
 
 TEST_F(VolumeFiles, OfOtherKindsAreToldWithWhatToDo) {
