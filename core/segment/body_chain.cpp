@@ -66,6 +66,35 @@ Vec3 tilted_up(const ColumnSection& section, const Tilt& tilt) {
   return section.axes * Vec3(std::tan(tilt.roll_rad), std::tan(tilt.pitch_rad), 1.0).normalized();
 }
 
+/// Over how many places to each side an endplate's edge is measured: 1 mm, across its outer edge and no further than
+/// the middle of a thin disc, or half a step of voxels along the column, over which thick slices spread it.
+std::size_t arm_places(const GridGeometry& geometry, const SpineColumn& column) {
+  constexpr double kArmMm = 1.0;
+  const Vec3 up = (column.sections.back().centre_mm - column.sections.front().centre_mm).normalized();
+  const double step_mm = (geometry.directions.transpose() * up).cwiseAbs().cwiseProduct(geometry.spacing_mm).maxCoeff();
+  return static_cast<std::size_t>(std::lround(std::max(kArmMm, 0.5 * step_mm) / kPlaceStepMm));
+}
+
+/// Makes edges stronger where all are weak: thick slices and soft kernels spread them, and noise asks for blur.
+void strengthen(Profile& profile) {
+  constexpr int kWindow = 40;  // places, 20 mm: a body or a disc at least
+  constexpr double kEnough = 0.5, kMaxGain = 2.5;
+  std::vector<float> best;
+  for (const std::vector<float>* edges : {&profile.rise, &profile.fall}) {
+    for (int n = profile.first; n + kWindow <= profile.last + 1; n += kWindow / 2) {
+      best.push_back(*std::max_element(edges->begin() + n, edges->begin() + n + kWindow));
+    }
+  }
+  if (best.empty()) return;
+  const auto middle = best.begin() + static_cast<std::ptrdiff_t>(best.size() / 2);
+  std::nth_element(best.begin(), middle, best.end());
+  const double gain = std::clamp(kEnough / std::max(static_cast<double>(*middle), 0.01), 1.0, kMaxGain);
+  if (gain == 1.0) return;
+  for (std::vector<float>* edges : {&profile.rise, &profile.fall}) {
+    for (float& edge : *edges) edge = static_cast<float>(std::min(1.0, gain * static_cast<double>(edge)));
+  }
+}
+
 Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels) {
   const std::vector<Tilt> kinds = tilts();
   const std::vector<Eigen::Vector2d> disc = disc_points();
@@ -105,8 +134,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   const auto last = std::find(in_ct.rbegin(), in_ct.rend(), 1);
   profile.first = static_cast<int>(first - in_ct.begin());
   profile.last = static_cast<int>(in_ct.rend() - last) - 1;
-  constexpr std::size_t kArm =
-      2;  // 1 mm: across an endplate's outer edge, and no further than the middle of a thin disc
+  const std::size_t kArm = arm_places(probe.geometry(), column);
   for (std::size_t n = kArm; n + kArm < count; ++n) {
     for (std::size_t t = 0; t < kinds.size(); ++t) {
       const float below = means[(n - kArm) * kinds.size() + t];
@@ -126,6 +154,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
       }
     }
   }
+  strengthen(profile);
   return profile;
 }
 
@@ -172,7 +201,9 @@ class ChainSearch {
         2.0 * static_cast<double>(profile_.half_size_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A body's height over its size across, the root of width times depth: 0.65 to 0.85 from the neck to L5.
     const double off = std::log(height_mm / (0.74 * size_mm)) / 0.28;
-    const double size_cost = is_whole || off > 0.0 ? 0.5 * off * off : 0.0;
+    // A crushed body may be half as high: that is rare, and no reason to end a row.
+    constexpr double kMaxShort = 1.2;
+    const double size_cost = off > 0.0 ? 0.5 * off * off : is_whole ? std::min(0.5 * off * off, kMaxShort) : 0.0;
     constexpr int kRim = 4;  // 2 mm: rims may bridge
     const double wall = mean(wall_sums_, lower + kRim, std::max(lower + kRim + 1, upper - kRim));
     constexpr int kEnd = 8;    // 4 mm: wedged and hollow ends
@@ -204,7 +235,7 @@ class ChainSearch {
 
   double height_change_cost(int height, int other) const {
     const double off = std::log(static_cast<double>(height) / other) / 0.16;
-    return 0.5 * std::min(off * off, 9.0);
+    return 0.5 * std::min(off * off, 2.2);
   }
 
   const Profile& profile_;

@@ -33,7 +33,20 @@ Box3 box_of(const GridGeometry& geometry) {
   return box;
 }
 
-/// Each voxel of the CT, in steps of about 1 mm and blurred as its noise asks for, goes to the block that it lies in.
+/// How many samples a voxel gives along each axis, itself and others on the way to the next one, so that no block of
+/// kBlockMm stays empty between voxels that stand far apart.
+std::array<int, 3> samples_of(const GridGeometry& geometry) {
+  constexpr double kMaxStepMm = 0.65 * kBlockMm;
+  std::array<int, 3> samples{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double spacing_mm = geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
+    samples[axis] = std::max(1, static_cast<int>(std::ceil(spacing_mm / kMaxStepMm)));
+  }
+  return samples;
+}
+
+/// Each voxel of the CT, in steps of about 1 mm and blurred as its noise asks for, goes to the block that it lies in;
+/// of larger voxels samples between them too.
 Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
   const VoxelBox whole{{0, 0, 0}, {ct.geometry.size[0] - 1, ct.geometry.size[1] - 1, ct.geometry.size[2] - 1}};
   const FloatGrid fine = blurred_as_asked(bin_hu(ct, whole, bins_for(ct.geometry, 1.0)), levels, ct);
@@ -52,21 +65,31 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
   std::vector<int> count(geometry.voxel_count(), 0);
   const Mat3 step = fine.geometry.index_to_patient_matrix() / kBlockMm;
   const Vec3 first = geometry.to_index(fine.geometry.origin_mm);
+  const auto put = [&](const Vec3& at, float value) {
+    const int x = static_cast<int>(std::floor(at.x()));
+    const int y = static_cast<int>(std::floor(at.y()));
+    const int z = static_cast<int>(std::floor(at.z()));
+    if (!geometry.contains(x, y, z)) return;
+    const std::size_t block = geometry.offset(x, y, z);
+    blocks.brightest[block] = std::max(blocks.brightest[block], value);
+    sum[block] += value;
+    ++count[block];
+  };
   // One thread: blocks are shared by slices of a CT of any orientation, and sums must not depend on an order.
+  const std::array<int, 3> samples = samples_of(fine.geometry);
   std::size_t voxel = 0;
   for (int k = 0; k < fine.geometry.size[2]; ++k) {
     for (int j = 0; j < fine.geometry.size[1]; ++j) {
       Vec3 at = first + step.col(1) * j + step.col(2) * k + Vec3::Constant(0.5);
       for (int i = 0; i < fine.geometry.size[0]; ++i, ++voxel, at += step.col(0)) {
-        const int x = static_cast<int>(std::floor(at.x()));
-        const int y = static_cast<int>(std::floor(at.y()));
-        const int z = static_cast<int>(std::floor(at.z()));
-        if (!geometry.contains(x, y, z)) continue;
-        const std::size_t block = geometry.offset(x, y, z);
-        const float value = fine.values[voxel];
-        blocks.brightest[block] = std::max(blocks.brightest[block], value);
-        sum[block] += value;
-        ++count[block];
+        put(at, fine.values[voxel]);
+        if (samples[0] * samples[1] * samples[2] == 1) continue;
+        for (int s = 1; s < samples[0] * samples[1] * samples[2]; ++s) {
+          const Vec3 part(static_cast<double>(s % samples[0]) / samples[0],
+                          static_cast<double>(s / samples[0] % samples[1]) / samples[1],
+                          static_cast<double>(s / samples[0] / samples[1]) / samples[2]);
+          put(at + step * part, static_cast<float>(sample_clamped(fine, Vec3(i, j, k) + part)));
+        }
       }
     }
   }
@@ -326,6 +349,41 @@ std::vector<Vec3> evened(const std::vector<Vec3>& points, int reach) {
   return even;
 }
 
+/// A chain that goes aside by more than 40 degrees over 30 mm, as no spine does, is several: the part with most gain,
+/// or that which holds `middle` where a place was asked for.
+std::vector<Index> straightest_part(const std::vector<Index>& chain, const std::vector<float>& score,
+                                    const GridGeometry& geometry, const CanalSearch& search, const Index& middle) {
+  constexpr std::size_t kReach = 12;  // blocks, 30 mm
+  constexpr double kMaxAside = 0.84;  // tan 40 degrees
+  std::vector<bool> is_steep(chain.size(), false);
+  for (std::size_t n = 0; n + kReach < chain.size(); ++n) {
+    const double aside = std::hypot(chain[n + kReach][0] - chain[n][0], 0.0);
+    if (aside <= kMaxAside * kReach) continue;
+    for (std::size_t m = n + kReach / 4; m <= n + kReach - kReach / 4; ++m) is_steep[m] = true;
+  }
+  std::vector<Index> best, part;
+  double best_gain = -1.0, gain = 0.0;
+  const auto end = [&] {
+    const bool is_asked = search.near_mm && std::find(part.begin(), part.end(), middle) != part.end();
+    if (!part.empty() && (is_asked || gain > best_gain)) {
+      best_gain = is_asked ? std::numeric_limits<double>::infinity() : gain;
+      best = part;
+    }
+    part.clear();
+    gain = 0.0;
+  };
+  for (std::size_t n = 0; n < chain.size(); ++n) {
+    if (is_steep[n]) {
+      end();
+      continue;
+    }
+    part.push_back(chain[n]);
+    gain += static_cast<double>(score[geometry.offset(chain[n][0], chain[n][1], chain[n][2])]) - kMinScore;
+  }
+  end();
+  return best;
+}
+
 /// No canal goes where another one was found.
 void take_out(const SpinalCanal& canal, const GridGeometry& geometry, std::vector<float>& score) {
   constexpr double kNearMm = 12.0;
@@ -385,6 +443,8 @@ SpinalCanal find_spinal_canal(const CtVolume& ct, const BoneLevels& levels, cons
   const std::vector<Index> upper = follow(down, geometry, middle, -1);
   chain.insert(chain.end(), upper.begin() + 1, upper.end());
   constexpr std::size_t kMinBlocks = 4;
+  if (chain.size() < kMinBlocks) return canal;
+  chain = straightest_part(chain, score, geometry, search, middle);
   if (chain.size() < kMinBlocks) return canal;
   for (const Vec3& place : centred(chain, score_at)) canal.points_mm.push_back(geometry.to_patient(place));
   for (const Index& at : chain) {

@@ -29,6 +29,11 @@ bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) 
   return std::min(bone[0], bone[1]) > kMinShare * count;
 }
 
+/// A sacrum has five bodies, the first of which is the widest of a spine but for L5: 50 +- 4 mm across, and 38 in small
+/// adults. Shoulders, and the skull beside a neck's body of 24 mm, are no alae.
+constexpr std::size_t kMaxSacral = 5;
+constexpr double kMinSacrumMm = 32.0;
+
 /// Mean edge over the middle of a plane across a body.
 double endplate_of(const WallProbe& probe, const BodyEnd& end, const ColumnSection& middle, double outward) {
   constexpr int kPlaces = 7;
@@ -149,8 +154,9 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   });
   // What lies below the sacrum's first body is sacrum too.
   std::size_t lowest = 0;
-  for (std::size_t n = 0; n < bodies.size(); ++n) {
-    if (!has_alae(probe, bodies[n]->cylinder, walls.bone_hu)) continue;
+  for (std::size_t n = 0; n < std::min(bodies.size(), kMaxSacral); ++n) {
+    const BodyCylinder& body = bodies[n]->cylinder;
+    if (2.0 * body.half_mm.x() < kMinSacrumMm || !has_alae(probe, body, walls.bone_hu)) continue;
     lowest = n;
     spine.has_sacrum = true;
   }
@@ -166,12 +172,18 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   return spine;
 }
 
-double height_of_sure_bodies_mm(const SpineBodies& spine) {
-  std::vector<BodyCylinder> cylinders;
-  cylinders.reserve(spine.bodies.size());
-  for (const VertebralBody& body : spine.bodies) cylinders.push_back(body.cylinder);
+/// Of the bodies that have walls and the proportions of one, the heights.
+double height_of_bodies_mm(const SpineBodies& spine) {
+  constexpr double kMinFit = 0.3, kMinHalfWidthMm = 7.0, kMinHalfDepthMm = 6.0, kMinHalfHeightMm = 4.0;
+  constexpr double kMinShape = 0.85, kMaxShape = 2.2;  // width over depth
   double sum_mm = 0.0;
-  for (const BodyCylinder& body : sure_bodies(cylinders, spine.chain)) sum_mm += 2.0 * body.half_mm.z();
+  for (const VertebralBody& body : spine.bodies) {
+    const Vec3& half_mm = body.cylinder.half_mm;
+    const double shape = half_mm.x() / half_mm.y();
+    if (body.cylinder.fit < kMinFit || half_mm.x() < kMinHalfWidthMm || half_mm.y() < kMinHalfDepthMm) continue;
+    if (half_mm.z() < kMinHalfHeightMm || shape < kMinShape || shape > kMaxShape) continue;
+    sum_mm += 2.0 * half_mm.z();
+  }
   return sum_mm;
 }
 
@@ -186,23 +198,23 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
   double best_mm = 0.0;
   // A body whose cancellous bone is as dark as a canal's contents, with a bright vessel in front, looks like a canal
   // too.
-  constexpr int kMaxTries = 3;
+  constexpr int kMaxTries = 6;
   for (int n = 0; n < kMaxTries; ++n) {
     SpinalCanal canal = find_spinal_canal(ct, levels, search, progress);
     if (canal.points_mm.empty()) break;
     const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
     SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);
-    const double sure_mm = height_of_sure_bodies_mm(spine);
+    const double bodies_mm = height_of_bodies_mm(spine);
     // What sees the same bodies from further away may find them a little higher.
     constexpr double kClearlyMore = 1.3;
     search.but_not.push_back(spine.canal);
-    if (n == 0 || sure_mm > kClearlyMore * best_mm) {
-      best_mm = sure_mm;
+    if (n == 0 || bodies_mm > kClearlyMore * best_mm) {
+      best_mm = bodies_mm;
       best = std::move(spine);
     }
     // Discs are a quarter of a spine, and of ends some are unsure.
     constexpr double kMinShare = 0.4;
-    if (sure_mm >= kMinShare * canal_mm) break;
+    if (bodies_mm >= kMinShare * canal_mm) break;
   }
   progress.report("finding the vertebral bodies", 1.0);
   return best;
