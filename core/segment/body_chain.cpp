@@ -66,13 +66,58 @@ Vec3 tilted_up(const ColumnSection& section, const Tilt& tilt) {
   return section.axes * Vec3(std::tan(tilt.roll_rad), std::tan(tilt.pitch_rad), 1.0).normalized();
 }
 
+/// The CT's voxels' step along the column.
+double step_along_mm(const GridGeometry& geometry, const SpineColumn& column) {
+  const Vec3 up = (column.sections.back().centre_mm - column.sections.front().centre_mm).normalized();
+  return (geometry.directions.transpose() * up).cwiseAbs().cwiseProduct(geometry.spacing_mm).maxCoeff();
+}
+
 /// Over how many places to each side an endplate's edge is measured: 1 mm, across its outer edge and no further than
 /// the middle of a thin disc, or half a step of voxels along the column, over which thick slices spread it.
-std::size_t arm_places(const GridGeometry& geometry, const SpineColumn& column) {
+std::size_t arm_places(double step_mm) {
   constexpr double kArmMm = 1.0;
-  const Vec3 up = (column.sections.back().centre_mm - column.sections.front().centre_mm).normalized();
-  const double step_mm = (geometry.directions.transpose() * up).cwiseAbs().cwiseProduct(geometry.spacing_mm).maxCoeff();
   return static_cast<std::size_t>(std::lround(std::max(kArmMm, 0.5 * step_mm) / kPlaceStepMm));
+}
+
+/// In slices of 2 mm and more a thin disc is not seen between its endplates: the three are one bright band. Its middle
+/// is taken for a disc of 2 mm then. `means`: across the column, at each place for each tilt.
+void add_bands(Profile& profile, const std::vector<float>& means, const std::vector<Tilt>& kinds, double full_drop_hu,
+               double step_mm) {
+  constexpr double kSideMm = 3.5;   // from the band into the bodies
+  constexpr std::size_t kHalf = 2;  // places: half of the disc
+  const auto side = static_cast<std::size_t>(std::lround(std::max(kSideMm, step_mm) / kPlaceStepMm));
+  const std::size_t count = profile.level.size();
+  std::vector<float> band(count, 0.0F);
+  std::vector<std::uint16_t> tilt(count, 0);
+  for (std::size_t n = side; n + side < count; ++n) {
+    for (std::size_t t = 0; t < kinds.size(); ++t) {
+      const double size = std::hypot(kinds[t].pitch_rad, kinds[t].roll_rad) / kLargeTilt;
+      const auto at = [&](std::size_t place) { return static_cast<double>(means[place * kinds.size() + t]); };
+      const double over = at(n) - std::max(at(n - side), at(n + side));
+      const auto strength = static_cast<float>(std::min(over / full_drop_hu, 1.0) - kTiltCost * size * size);
+      if (strength <= band[n]) continue;
+      band[n] = strength;
+      tilt[n] = static_cast<std::uint16_t>(t);
+    }
+  }
+  const std::vector<float> level = profile.level;
+  for (std::size_t n = side; n + side < count; ++n) {
+    const auto peak = std::max_element(band.begin() + static_cast<std::ptrdiff_t>(n - 2),
+                                       band.begin() + static_cast<std::ptrdiff_t>(n + 3));
+    if (*peak <= 0.0F || *peak != band[n]) continue;
+    if (band[n] > profile.rise[n + kHalf]) {
+      profile.rise[n + kHalf] = band[n];
+      profile.rise_tilt[n + kHalf] = tilt[n];
+    }
+    if (band[n] > profile.fall[n - kHalf]) {
+      profile.fall[n - kHalf] = band[n];
+      profile.fall_tilt[n - kHalf] = tilt[n];
+    }
+    // As dark as a disc is beside its bodies.
+    for (std::size_t m = n - kHalf; m <= n + kHalf; ++m) {
+      profile.level[m] = std::min(profile.level[m], std::min(level[n - side], level[n + side]));
+    }
+  }
 }
 
 /// Makes edges stronger where all are weak: thick slices and soft kernels spread them, and noise asks for blur.
@@ -95,7 +140,9 @@ void strengthen(Profile& profile) {
   }
 }
 
-Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels) {
+enum class Discs { as_seen, in_bands };
+
+Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels, Discs discs) {
   const std::vector<Tilt> kinds = tilts();
   const std::vector<Eigen::Vector2d> disc = disc_points();
   const auto count = static_cast<std::size_t>(column.length_mm() / kPlaceStepMm) + 1;
@@ -108,7 +155,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   profile.wall.assign(count, 0.0F);
   profile.half_size_mm.assign(count, 0.0F);
   std::vector<std::uint8_t> in_ct(count, 0);
-  // Means across the column for each place and tilt; an edge is the difference of two that are 2 kArm apart.
+  // Means across the column for each place and tilt; an edge is the difference of two that are 2 arms apart.
   std::vector<float> means(count * kinds.size());
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
     const ColumnSection section = column.at(kPlaceStepMm * static_cast<double>(n));
@@ -134,11 +181,12 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   const auto last = std::find(in_ct.rbegin(), in_ct.rend(), 1);
   profile.first = static_cast<int>(first - in_ct.begin());
   profile.last = static_cast<int>(in_ct.rend() - last) - 1;
-  const std::size_t kArm = arm_places(probe.geometry(), column);
-  for (std::size_t n = kArm; n + kArm < count; ++n) {
+  const double step_mm = step_along_mm(probe.geometry(), column);
+  const std::size_t arm = arm_places(step_mm);
+  for (std::size_t n = arm; n + arm < count; ++n) {
     for (std::size_t t = 0; t < kinds.size(); ++t) {
-      const float below = means[(n - kArm) * kinds.size() + t];
-      const float above = means[(n + kArm) * kinds.size() + t];
+      const float below = means[(n - arm) * kinds.size() + t];
+      const float above = means[(n + arm) * kinds.size() + t];
       const double size = std::hypot(kinds[t].pitch_rad, kinds[t].roll_rad) / kLargeTilt;
       const double cost = kTiltCost * size * size;
       const double change = (static_cast<double>(above) - static_cast<double>(below)) / levels.full_drop_hu;
@@ -154,6 +202,7 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
       }
     }
   }
+  if (discs == Discs::in_bands) add_bands(profile, means, kinds, levels.full_drop_hu, step_mm);
   strengthen(profile);
   return profile;
 }
@@ -243,6 +292,13 @@ class ChainSearch {
   int count_;
   std::vector<double> wall_sums_, level_sums_;
 };
+
+/// How much of the column bodies take, in places.
+double places_of(const std::vector<ChainSearch::Body>& bodies) {
+  double sum = 0.0;
+  for (const ChainSearch::Body& body : bodies) sum += body.upper - body.lower;
+  return sum;
+}
 
 /// What an end costs that is not there, against a clear endplate's 1.
 constexpr double kCutEnd = 0.0;
@@ -336,10 +392,22 @@ void complete(BodySpan& span, const std::vector<BodySpan>& chain) {
 std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& column, const WallLevels& levels) {
   if (column.sections.size() < 2) fail("chain of bodies: expected a column of at least two sections");
   const WallProbe probe(hu, levels);
-  const Profile profile = make_profile(probe, column, levels);
+  Profile profile = make_profile(probe, column, levels, Discs::as_seen);
+  std::vector<ChainSearch::Body> found = ChainSearch(profile, levels).best_chain();
+  constexpr double kThickMm = 2.0;
+  if (step_along_mm(hu.geometry, column) >= kThickMm) {
+    // Where discs are seen, as in most of the lumbar spine, bands would only be endplates.
+    constexpr double kClearlyMore = 1.3;
+    Profile banded = make_profile(probe, column, levels, Discs::in_bands);
+    std::vector<ChainSearch::Body> more = ChainSearch(banded, levels).best_chain();
+    if (places_of(more) > kClearlyMore * places_of(found)) {
+      profile = std::move(banded);
+      found = std::move(more);
+    }
+  }
   const std::vector<Tilt> kinds = tilts();
   std::vector<BodySpan> chain;
-  for (const ChainSearch::Body& body : ChainSearch(profile, levels).best_chain()) {
+  for (const ChainSearch::Body& body : found) {
     const auto end = [&](int place, bool is_cut, const std::vector<float>& edges,
                          const std::vector<std::uint16_t>& edge_tilts) {
       BodyEnd found;

@@ -85,21 +85,31 @@ std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& 
   return best;
 }
 
-/// Whole bodies with clear endplates and as much wall as most.
+/// Whole bodies with clear endplates, or in thick slices as clear as most, and as much wall as most.
 std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, const std::vector<BodySpan>& chain) {
   std::vector<double> fits;
   fits.reserve(bodies.size());
   for (const BodyCylinder& body : bodies) fits.push_back(body.fit);
   std::sort(fits.begin(), fits.end());
   constexpr double kMinShare = 0.75;
-  constexpr double kMinEdge = 0.4;
+  constexpr double kClearEdge = 0.4;
+  std::vector<double> edges;
+  for (const BodySpan& span : chain) edges.push_back(std::min(span.lower.edge, span.upper.edge));
+  std::sort(edges.begin(), edges.end());
+  const double min_edge = std::min(kClearEdge, edges.empty() ? kClearEdge : kMinShare * edges[edges.size() / 2]);
   std::vector<BodyCylinder> sure;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     const BodySpan& span = chain[n];
-    if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < kMinEdge) continue;
+    if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < min_edge) continue;
     if (bodies[n].fit >= kMinShare * fits[fits.size() / 2]) sure.push_back(bodies[n]);
   }
   return sure;
+}
+
+double height_mm(const std::vector<BodySpan>& chain) {
+  double sum_mm = 0.0;
+  for (const BodySpan& span : chain) sum_mm += span.height_mm();
+  return sum_mm;
 }
 
 /// A body, and its like where the next one up may be.
@@ -141,7 +151,9 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
     // A single body says nothing of how the column bends: straight on, and only for bodies that the canal missed.
     const SpineColumn second = column_through(sure.size() >= 2 ? sure : with_one_above(sure.front()), beyond_mm, probe);
     std::vector<BodySpan> again = find_body_chain(as_asked, second, walls);
-    if (sure.size() >= 2 || again.size() > spine.chain.size()) {
+    constexpr double kMuchLess = 0.7;  // bodies were lost, as a column does that bends where nothing holds it
+    const bool is_as_much = height_mm(again) > kMuchLess * height_mm(spine.chain);
+    if ((sure.size() >= 2 && is_as_much) || again.size() > spine.chain.size()) {
       spine.chain = std::move(again);
       cylinders = find_body_cylinders(probe, spine.chain);
     }
