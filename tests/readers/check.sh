@@ -18,6 +18,16 @@ for name in map.dcm map.rtstruct.dcm; do
   fi
 done
 /usr/bin/python3 "$here/read_with_pydicom.py" "$out/map.nii.gz" "$out/map.dcm" "$out/map.rtstruct.dcm"
+# plastimatch 1.9.4 fills the contours itself, on a grid of its own (512 x 512 around them), and takes the CT's voxels from
+# that. It adds closed contours up, so that holes must be keyholes: it fills those that are contours of their own (but for
+# --xor-contours), and passes CLOSEDPLANAR_XOR over as if there was no bone. dciodvfy of 2022 knows no such type either.
+plastimatch convert --input "$out/map.rtstruct.dcm" --referenced-ct "$ct" --output-labelmap "$out/found.nii.gz" \
+  --output-ss-list "$out/found.txt" --output-cxt "$out/found.cxt" > "$out/words" 2>&1 || {
+  cat "$out/words"
+  exit 1
+}
+/usr/bin/python3 "$here/compare_plastimatch.py" "$out/map.nii.gz" "$out/map.rtstruct.dcm" "$out/found.nii.gz" \
+  "$out/found.txt" "$out/found.cxt"
 if [ -n "${NODE_FOLDER:-}" ]; then
   cp "$here/read_with_node.mjs" "$NODE_FOLDER/"
   node "$NODE_FOLDER/read_with_node.mjs" "$out/map.dcm" "$out/node.json"

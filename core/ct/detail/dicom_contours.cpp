@@ -278,16 +278,20 @@ void fill(const std::vector<const Contour*>& contours, Eigen::Index axis_a, Eige
           const std::function<void(int, int)>& put) {
   std::vector<std::vector<double>> crossings(static_cast<std::size_t>(size_b));
   for (const Contour* contour : contours) {
-    Vec3 from = contour->points.back();
-    for (const Vec3& to : contour->points) {
+    const Vec3* before = &contour->points.back();
+    for (const Vec3& point : contour->points) {
+      // From the lower end, so that both sides of a channel to a hole cross at the same place, rounding and all: a
+      // centre on it would lie between them else, and outside.
+      const bool is_up = (*before)[axis_b] < point[axis_b];
+      const Vec3& low = is_up ? *before : point;
+      const Vec3& high = is_up ? point : *before;
       // An end on a row's line counts for the side above, so that each crossing counts once.
-      const double low = std::min(from[axis_b], to[axis_b]), high = std::max(from[axis_b], to[axis_b]);
-      const int first = static_cast<int>(std::ceil(std::clamp(low, 0.0, static_cast<double>(size_b))));
-      for (int b = first; b < size_b && b < high; ++b) {
-        const double t = (b - from[axis_b]) / (to[axis_b] - from[axis_b]);
-        crossings[static_cast<std::size_t>(b)].push_back(from[axis_a] + t * (to[axis_a] - from[axis_a]));
+      const int first = static_cast<int>(std::ceil(std::clamp(low[axis_b], 0.0, static_cast<double>(size_b))));
+      for (int b = first; b < size_b && b < high[axis_b]; ++b) {
+        const double t = (b - low[axis_b]) / (high[axis_b] - low[axis_b]);
+        crossings[static_cast<std::size_t>(b)].push_back(low[axis_a] + t * (high[axis_a] - low[axis_a]));
       }
-      from = to;
+      before = &point;
     }
   }
   for (int b = 0; b < size_b; ++b) {

@@ -11,9 +11,9 @@ namespace spinaltap::detail {
 /// of the slices that have any of it, explicit little endian. Codes say which vertebra a segment is.
 std::string encode_dicom_segmentation(const LabelVolume& volume, const DicomSource& source);
 
-/// A label map as a DICOM structure set (PS3.3, A.19): closed planar contours half-way between voxels in and out, so
-/// that the centres within an odd number of a slice's contours are the label's voxels again; implicit little endian,
-/// whose contours may have any length.
+/// A label map as a DICOM structure set (PS3.3, A.19): closed planar contours half-way between voxels in and out, holes
+/// as keyholes, so that the centres within one of a slice's contours are the label's voxels again; implicit little
+/// endian, whose contours may have any length.
 std::string encode_dicom_contours(const LabelVolume& volume, const DicomSource& source);
 
 }  // namespace spinaltap::detail

@@ -46,9 +46,10 @@ LabelFile read_dicom_segmentation(const std::filesystem::path& file, std::option
                                   const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
 
 /// Reads the closed planar contours of a structure set, on the CT's grid: a voxel belongs to a region where its centre
-/// lies within an odd number of the region's contours of the nearest plane (holes by XOR: PS3.3, C.8.8.6.3). Labels are
-/// ROI numbers, or 1, 2, ... where those do not fit into a byte. Overlaps as above. Throws Error where contours lie in
-/// planes that are not parallel to the CT's, for vertebrae without closed contours, and for what is damaged.
+/// lies within an odd number of the region's contours of the nearest plane (holes by XOR or keyholes: PS3.3,
+/// C.8.8.6.3). Labels are ROI numbers, or 1, 2, ... where those do not fit into a byte. Overlaps as above. Throws Error
+/// where contours lie in planes that are not parallel to the CT's, for vertebrae without closed contours, and for what
+/// is damaged.
 LabelFile read_dicom_contours(const std::filesystem::path& file, const GridGeometry& ct, std::optional<long long> only,
                               const std::function<void(const LabelFile&)>& begin, const TakeLabels& take);
 

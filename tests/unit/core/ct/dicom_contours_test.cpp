@@ -101,6 +101,29 @@ TEST(DicomContours, OfAnEllipsoidWithAHoleGiveItsVoxels) {
   EXPECT_GT(both / either, 0.98);
 }
 
+// Other programs lead channels through voxels' centres, which belong to the region (PS3.3, C.8.8.6.3), and rounding
+// must not part the channel's two sides there.
+TEST(DicomContours, MayReachTheirHolesByChannelsOfNoWidth) {
+  for (const double spacing_mm : {0.3, 0.352, 0.7, 0.8}) {
+    GridGeometry grid = ct_grid();
+    grid.spacing_mm.head<2>().setConstant(spacing_mm);
+    MadeStructureSet set{{{3, "L3", {{}}}}};
+    const double around[][2] = {{10.5, 10.5}, {40.5, 10.5}, {40.5, 40.5}, {10.5, 40.5}, {10.5, 10.5}};
+    const double hole[][2] = {{20.5, 20.5}, {20.5, 30.5}, {30.5, 30.5}, {30.5, 20.5}, {20.5, 20.5}};
+    for (const auto& [i, j] : around) set.rois[0].contours[0].push_back(grid.to_patient(Vec3(i, j, 4.0)));
+    for (const auto& [i, j] : hole) set.rois[0].contours[0].push_back(grid.to_patient(Vec3(i, j, 4.0)));
+    const LabelVolume map = read_set(set, grid);
+    const auto is_within = [](int n, int low, int high) { return n > low && n <= high; };
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        const bool is_hole = is_within(i, 20, 30) && is_within(j, 20, 30);
+        ASSERT_EQ(map.labels[grid.offset(i, j, 4)] == 3, is_within(i, 10, 40) && is_within(j, 10, 40) && !is_hole)
+            << spacing_mm << " mm: " << i << " " << j;
+      }
+    }
+  }
+}
+
 TEST(DicomContours, FillTheSlicesBetweenTheirPlanesButNoGap) {
   // Drawn on every third slice, then none, then one alone.
   MadeStructureSet set{{{1, "L1", {}}}};

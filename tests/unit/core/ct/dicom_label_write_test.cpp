@@ -7,7 +7,6 @@
 
 #include "core/base/random.h"
 #include "core/base/staged_output.h"
-#include "core/ct/detail/mask_contours.h"
 #include "core/ct/dicom_source.h"
 #include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"
@@ -182,31 +181,6 @@ TEST_F(DicomSources, DoNotMakeACtOfALabelMap) {
   EXPECT_THAT(test::error_of([&] { read_ct(folder_.path() / "labels.seg.dcm"); }), HasSubstr("which is a label map"));
   // Beside its CT it is no CT's series.
   EXPECT_EQ(read_ct(folder_.path()).source_hash, ct_.source_hash);
-}
-
-TEST(OutlinesOf, GoAroundHolesAndPartPixelsThatTouchAtACorner) {
-  const std::vector<std::uint8_t> slice{1, 1, 1, 0, 0,   //
-                                        1, 0, 1, 0, 1,   //
-                                        1, 1, 1, 1, 0};  //
-  const auto outlines = detail::outlines_of(slice, 5, 3, 1);
-  EXPECT_EQ(outlines.size(), 3U);  // around all but one pixel, around the hole, around that pixel
-  const auto twice_area = [](const std::vector<detail::ContourPoint>& outline) {
-    double sum = 0.0;
-    for (std::size_t n = 0; n < outline.size(); ++n) {
-      const auto& p = outline[n];
-      const auto& q = outline[(n + 1) % outline.size()];
-      sum += p.a * q.b - q.a * p.b;
-    }
-    return sum;
-  };
-  // A lone pixel's outline is a square on its corner, of half a pixel; a hole runs the other way round.
-  double lone = 0.0, hole = 0.0;
-  for (const auto& outline : outlines) {
-    if (outline.size() == 4 && outline.front().a > 3.0) lone = twice_area(outline);
-    if (outline.size() == 4 && outline.front().a < 3.0) hole = twice_area(outline);
-  }
-  EXPECT_EQ(std::abs(lone), 1.0);
-  EXPECT_EQ(hole, -lone);
 }
 
 TEST(EncodeLabelVolume, RejectsNamesThatDicomCannotHold) {
