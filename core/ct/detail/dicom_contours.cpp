@@ -244,7 +244,7 @@ std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
   for (const auto& [at, contour] : sorted) {
     if (planes.empty() || at - planes.back().at > kSame) planes.push_back({at, {}});
     std::vector<const Contour*>& there = planes.back().contours;
-    const auto is_copy = [&](const Contour* other) { return other->points == contour->points; };
+    const auto is_copy = [one = contour](const Contour* other) { return other->points == one->points; };
     // Copies count once: two would leave nothing within an odd number of them.
     if (std::none_of(there.begin(), there.end(), is_copy)) there.push_back(contour);
   }
