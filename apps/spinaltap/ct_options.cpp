@@ -8,6 +8,7 @@
 #include "apps/spinaltap/level_output.h"
 #include "core/base/error.h"
 #include "core/ct/crop.h"
+#include "core/ct/label_frame.h"
 
 namespace spinaltap {
 
@@ -93,7 +94,9 @@ CtVolume CtOptions::read(const Progress& progress) const {
 }
 
 LabelVolume CtOptions::read_labels(const CtVolume& ct) const {
-  return read_label_volume(labels, ct.geometry, {.convention = convention, .affine = reading.affine});
+  LabelVolume volume = read_label_volume(labels, ct.geometry, {.convention = convention, .affine = reading.affine});
+  if (const auto warning = warning_of_frame(labels, ct)) volume.warnings.push_back(*warning);
+  return volume;
 }
 
 LabelChoice CtOptions::label_choice() const {

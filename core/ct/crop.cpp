@@ -96,6 +96,7 @@ CtVolume crop(const CtVolume& ct, const VoxelBlock& block) {
   cropped.notes = ct.notes;
   cropped.hu_change = ct.hu_change;
   cropped.choices = ct.choices;
+  cropped.frame_hash = ct.frame_hash;
   return cropped;
 }
 

@@ -33,6 +33,8 @@ struct CtVolume {
   HuChange hu_change{};  ///< that was made of its numbers
   /// How it was read where someone decided that; no part of the hash. Goes into a bone's metadata.
   std::map<std::string, std::string> choices{};
+  /// Of a DICOM CT a hash of its FrameOfReferenceUID, for maps that name theirs; empty where it has none or several.
+  std::string frame_hash{};
 
   std::int16_t at(int i, int j, int k) const { return hu[geometry.offset(i, j, k)]; }
 };

@@ -13,6 +13,7 @@
 #include "core/ct/detail/dicom_stack.h"
 #include "core/ct/detail/dicom_witnesses.h"
 #include "core/ct/hu_check.h"
+#include "core/ct/label_frame.h"
 
 namespace spinaltap {
 namespace {
@@ -123,6 +124,10 @@ CtVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& o
   if (has_rescale_type(stack.slices, "HU_MOD")) {
     ct.warnings.emplace_back("RescaleType HU_MOD: modified Hounsfield units, calculated and not measured");
   }
+  const std::string& frame = stack.slices.front().frame_of_reference;
+  const bool is_one_frame = std::all_of(stack.slices.begin(), stack.slices.end(),
+                                        [&](const DicomHeader& slice) { return slice.frame_of_reference == frame; });
+  if (is_one_frame) ct.frame_hash = hash_of_frame(frame);
   ct.notes = std::move(series.info.notes);
   if (!stack.note.empty()) ct.notes.push_back(stack.note);
   if (!series.info.passed_over.empty()) ct.notes.push_back(series.info.passed_over);

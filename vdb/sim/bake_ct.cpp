@@ -8,6 +8,7 @@
 #include "core/base/text_writer.h"
 #include "core/base/version.h"
 #include "core/ct/ct_noise.h"
+#include "core/ct/label_frame.h"
 #include "core/ct/label_map.h"
 #include "vdb/sim/bone_identity.h"
 #include "vdb/sim/detail/bone_surface_error.h"
@@ -55,6 +56,7 @@ ChosenBone choose_bone(const CtVolume& ct, const std::optional<LabelChoice>& lab
   if (labels) {
     std::vector<std::string> of_place;
     chosen = chosen_label(*labels, ct.geometry, of_place);
+    if (const auto warning = warning_of_frame(labels->file, ct)) of_place.push_back(*warning);
     chosen.warnings = warnings_of_label(ct, chosen.mask, chosen.level, of_place, progress);
   } else {
     Segmentation segmentation = segment_vertebra(ct, options, progress);
