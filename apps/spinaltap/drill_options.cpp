@@ -143,6 +143,8 @@ void DrillOptions::add_to(CLI::App& app) {
       ->type_name("MM|X0,Y0,Z0,X1,Y1,Z1");
   app.add_flag("--full-mesh", writes_full_mesh,
                "Write surfaces with triangles of a voxel's size, not display meshes within 0.05 mm of them");
+  app.add_flag("--no-pictures", leaves_pictures,
+               "Leave the report's shaded pictures out: drawing them takes seconds, whatever is drilled");
   app.add_flag("--points", writes_points, "Also write the points left as points.vdb, for Houdini, Blender, ParaView");
   app.add_flag(
       "--splats", writes_splats,

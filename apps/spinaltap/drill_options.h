@@ -43,6 +43,7 @@ struct DrillOptions {
   std::filesystem::path record;  ///< empty: none
   bool may_replace_record = false;
   bool writes_full_mesh = false;
+  bool leaves_pictures = false;
   bool is_real_time = false;
   std::optional<double> seconds;
   std::optional<double> output_rate_hz;

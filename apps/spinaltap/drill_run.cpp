@@ -359,7 +359,9 @@ Json run_drill(const DrillPage& page, std::span<const Bone> bones, const DrillPa
         chips = drop_loose_chips(surface);
         quality = measure_mesh(surface);
       },
-      [&] { pictures = drill_pictures(drilling.before, drilling.drilled, path, progress); });
+      [&] {
+        if (!options.leaves_pictures) pictures = drill_pictures(drilling.before, drilling.drilled, path, progress);
+      });
   clock.end("meshed and drawn");
   const DrillFigures figures{
       drilling, bone, setup, tool_operator.words, quality, chips, recording.lost(), heat ? &*heat : nullptr};

@@ -55,10 +55,12 @@ class Drill : public ::testing::Test {
   }
 
   static Json drill(const std::string& options, const std::string& plan = "plan.json", int exit_code = 0) {
-    const test::ProgramRun run = test::run_program(
-        "drill bone.vdb " + plan + " --radius 2 --spacing 0.2 --step 0.01 -o out --force --json out.json --full-mesh " +
-            options,
-        folder_->path());
+    const test::ProgramRun run =
+        test::run_program("drill bone.vdb " + plan +
+                              " --radius 2 --spacing 0.2 --step 0.01 -o out --force --json out.json --full-mesh "
+                              "--no-pictures " +
+                              options,
+                          folder_->path());
     EXPECT_EQ(run.exit_code, exit_code) << options << "\n" << run.errors;
     return read_json(folder_->path() / "out.json");
   }
@@ -244,14 +246,16 @@ TEST_F(Drill, TakesEveryOperator) {
   EXPECT_EQ(drill("--operator tilted --tilt 5")["operator"]["tilt"], "5 degrees");
   EXPECT_EQ(drill("--operator tremor --seed 7")["operator"]["tremor"], "0.1 mm, seed 7");
   const test::ProgramRun pushed = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --force --json out.json --operator push --push 30",
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --force --json out.json --operator push --push 30 "
+      "--no-pictures",
       folder_->path());
   ASSERT_EQ(pushed.exit_code, 0) << pushed.errors;
   EXPECT_EQ(read_json(folder_->path() / "out.json")["operator"]["push"], "30 N");
   // Feed over rate is the step: the same poses either way, and the same bone.
   const Json by_step = drill("");
   const test::ProgramRun by_rate = test::run_program(
-      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --feed 1 --rate 100 -o out --force --json out.json",
+      "drill bone.vdb plan.json --radius 2 --spacing 0.2 --feed 1 --rate 100 -o out --force --json out.json "
+      "--no-pictures",
       folder_->path());
   ASSERT_EQ(by_rate.exit_code, 0) << by_rate.errors;
   EXPECT_EQ(read_json(folder_->path() / "out.json")["removed"], by_step["removed"]);
@@ -261,7 +265,7 @@ TEST_F(Drill, TakesEveryOperator) {
 TEST_F(Drill, PushesToItsTargetOrSaysWhyNot) {
   const auto pushed = [&](const std::string& options) {
     return test::run_program(
-        "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --force --json out.json "
+        "drill bone.vdb plan.json --radius 2 --spacing 0.2 -o out --force --json out.json --no-pictures "
         "--operator push " +
             options,
         folder_->path());
@@ -312,8 +316,7 @@ TEST_F(Drill, RunsInRealTimeAndRecordsWhatCanBeReplayed) {
   std::filesystem::remove(folder_->path() / "run.h5");
   const std::string options =
       "drill bone.vdb plan.json --radius 2 --spacing 0.2 --operator tremor --feed 10 --rate 500 --real-time --seconds "
-      "1 "
-      "--output-rate 2000 --record run.h5 -o out --json out.json";
+      "1 --output-rate 2000 --record run.h5 -o out --json out.json --no-pictures";
   const test::ProgramRun run = test::run_program(options + " --force", folder_->path());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const Json figures = read_json(folder_->path() / "out.json");
@@ -385,6 +388,7 @@ TEST_F(Drill, DrillsVoxelsOfTheWholeBone) {
   const std::string report = read_whole_file(folder_->path() / "out" / "report.html");
   EXPECT_THAT(report, HasSubstr("Voxels removed"));
   EXPECT_THAT(report, HasSubstr("Voxels removed at each step"));
+  EXPECT_THAT(report, Not(HasSubstr("The bone before and after"))) << "--no-pictures";
   EXPECT_THAT(report, Not(HasSubstr("oints")));
 }
 
@@ -497,6 +501,7 @@ TEST_F(Drill, CutsAKerfWithASawAndReplaysIt) {
   const std::string report = read_whole_file(folder_->path() / "saw" / "report.html");
   EXPECT_THAT(report, HasSubstr("Saw, width × thickness × length"));
   EXPECT_THAT(report, HasSubstr("20.0 × 1.0 × 30.0"));
+  EXPECT_THAT(report, HasSubstr("The bone before and after"));
   EXPECT_THAT(report, Not(HasSubstr("conical tip")));
   EXPECT_THAT(run.output, HasSubstr("20.0 × 1.0 × 30.0 mm"));
   const test::ProgramRun replay = test::run_program("replay saw.h5 bone.vdb", folder_->path());
