@@ -31,7 +31,8 @@ class DrillByDevice : public ::testing::Test {
   }
   test::ProgramRun drill(const std::string& options) const {
     return test::run_program(
-        "drill bone.vdb plan.json --spacing 0.2 --lead-in 1 -o out --force --json out.json --full-mesh " + options,
+        "drill bone.vdb plan.json --spacing 0.2 --lead-in 1 -o out --force --json out.json --full-mesh --no-pictures " +
+            options,
         folder_.path());
   }
   Json figures() const { return read_json(folder_.path() / "out.json"); }

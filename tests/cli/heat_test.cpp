@@ -56,7 +56,7 @@ class Heat : public ::testing::Test {
 
   static inline const std::string kDrill =
       "drill bone.vdb plan.json --density cortex.json --radius 2 --spacing 0.2 --rate 200 --no-clearances --full-mesh "
-      "-o out ";
+      "--no-pictures -o out ";
   static const test::TemporaryFolder* folder_;
   static const std::string* output_;
 };

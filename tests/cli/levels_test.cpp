@@ -140,8 +140,8 @@ TEST_F(Levels, CommandsTakeOneBoneOfSeveral) {
   EXPECT_THAT(run("plan spine.vdb --entry 10,-9,32 --target 10,-4,32 -o x.json --level T11").errors,
               HasSubstr("misses the bone"));
   const test::ProgramRun drilled =
-      run("drill spine.vdb plan.json --level T12 --step 0.5 --spacing 0.4 --no-clearances --full-mesh --record r.h5 -o "
-          "drilled");
+      run("drill spine.vdb plan.json --level T12 --step 0.5 --spacing 0.4 --no-clearances --full-mesh --no-pictures "
+          "--record r.h5 -o drilled");
   EXPECT_EQ(drilled.exit_code, 0) << drilled.errors;
   EXPECT_EQ(run("replay r.h5 spine.vdb --level T12").exit_code, 0);
   EXPECT_EQ(run("replay r.h5 spine.vdb --level T11").exit_code, 2);

@@ -38,7 +38,8 @@ class Outputs : public ::testing::Test {
   fs::path in(const std::string& name) const { return folder_.path() / name; }
   test::ProgramRun run(const std::string& arguments) const { return test::run_program(arguments, folder_.path()); }
   test::ProgramRun drill(const std::string& arguments) const {
-    return run("drill bone.vdb plan.json --radius 1.2 --spacing 0.2 --step 0.02 --no-clearances " + arguments);
+    return run("drill bone.vdb plan.json --radius 1.2 --spacing 0.2 --step 0.02 --no-clearances --no-pictures " +
+               arguments);
   }
 
   test::TemporaryFolder folder_;

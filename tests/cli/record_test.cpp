@@ -39,7 +39,8 @@ class Record : public ::testing::Test {
 
   static test::ProgramRun drill(const std::string& options) {
     return test::run_program(
-        "drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --operator tremor --full-mesh -o out " + options,
+        "drill bone.vdb plan.json --radius 1.6 --spacing 0.1 --operator tremor --full-mesh --no-pictures -o out " +
+            options,
         folder_->path());
   }
   static test::ProgramRun run(const std::string& arguments) {

@@ -44,7 +44,7 @@ class Render : public ::testing::Test {
                  DrillBit{2.0, 30.0, 2.0}}},
                folder_->path() / "plan.json");
     const test::ProgramRun drilled =
-        run("drill bone.vdb plan.json --radius 1.6 --operator tremor --record run.h5 --splats -o out");
+        run("drill bone.vdb plan.json --radius 1.6 --operator tremor --record run.h5 --splats --no-pictures -o out");
     EXPECT_EQ(drilled.exit_code, 0) << drilled.errors;
   }
   static void TearDownTestSuite() { delete folder_; }

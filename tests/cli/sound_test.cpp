@@ -139,8 +139,8 @@ TEST_F(Sound, TellsWhenTheDrillBrokeThroughAndThatItWasHeard) {
 
 TEST_F(Sound, IsMadeOfWhatDrillRecords) {
   const test::ProgramRun drilled = run_program(
-      "drill bone.vdb plan.json --radius 1.2 --spacing 0.2 --step 0.02 --no-clearances --full-mesh --record ball.h5 -o "
-      "out",
+      "drill bone.vdb plan.json --radius 1.2 --spacing 0.2 --step 0.02 --no-clearances --full-mesh --no-pictures "
+      "--record ball.h5 -o out",
       folder_->path());
   ASSERT_EQ(drilled.exit_code, 0) << drilled.errors;
   const test::ProgramRun heard = sound("ball.h5 -o ball.wav");
