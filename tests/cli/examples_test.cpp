@@ -32,7 +32,7 @@ class Examples : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
-    for (const char* command : {"phantom l3 --pixel 0.6 --size 300 --slices 50 --slice-step 1",
+    for (const char* command : {"phantom l3 --pixel 0.6 --size 300 --slices 50 --slice-step 1 --ground-truth-voxel 1",
                                 "bake l3/ct -o bone.vdb --voxel 0.6", "plan bone.vdb --auto -o plan.json"}) {
       const test::ProgramRun run = test::run_program(command, folder_->path());
       ASSERT_EQ(run.exit_code, 0) << command << ": " << run.errors;

@@ -108,7 +108,7 @@ TEST(Locale, IsNothingToTheProgram) {
     const std::string before = "LC_ALL=" + locale + " LOCPATH='" + german.path() + "'";
     Files said;
     for (const std::string arguments :
-         {"phantom l3 --pixel 1.6 --size 80 --slice-step 3.5 --slices 14 --json phantom.json",
+         {"phantom l3 --pixel 1.6 --size 80 --slice-step 3.5 --slices 14 --ground-truth-voxel 1 --json phantom.json",
           "info l3/ct --json ct.json", "info bone.vdb --json bone.json",
           "plan bone.vdb --entry 4,-8,34 --target 12.5,0.5,26 -o mine.json",
           "render bone.vdb --plan plan.json --cut path -o cut.png", "mesh bone.vdb -o bone.obj --json mesh.json",

@@ -21,7 +21,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr const char* kCoarse = " --pixel 1.5 --size 80 --slices 30 --slice-step 3 --slice-width 3";
+constexpr const char* kCoarse =
+    " --pixel 1.5 --size 80 --slices 30 --slice-step 3 --slice-width 3 --ground-truth-voxel 1";
 
 test::ProgramRun scan_of(const TriangleMesh& mesh, const std::string& options) {
   const test::TemporaryFolder folder;
