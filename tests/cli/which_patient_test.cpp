@@ -25,7 +25,8 @@ using ::testing::Not;
 constexpr const char* kCt = "00000000000000a1";
 constexpr Level kL3{22};
 constexpr const char* kOtherCt = "00000000000000b2";
-constexpr const char* kDrill = " --radius 2 --spacing 0.4 --step 0.05 --no-clearances -o out ";
+constexpr const char* kDrill =
+    " --radius 2 --spacing 0.4 --step 0.05 --no-clearances --full-mesh --no-pictures -o out ";
 
 /// One vertebra as the L3 and the L4 of a CT, in a coarser grid, and as the L3 of another CT.
 class WhichPatient : public ::testing::Test {
@@ -37,10 +38,10 @@ class WhichPatient : public ::testing::Test {
       write_bone(bake_solid(vertebra, {.voxel_mm = voxel_mm}, 40.0, {}, {{"source_hash", ct}, {"level", level}}),
                  in(name));
     };
-    write("l3.vdb", 0.4, kCt, "L3");
-    write("l3_coarse.vdb", 0.5, kCt, "L3");
-    write("l4.vdb", 0.5, kCt, "L4");
-    write("other.vdb", 0.5, kOtherCt, "L3");
+    write("l3.vdb", 0.8, kCt, "L3");
+    write("l3_coarse.vdb", 1.0, kCt, "L3");
+    write("l4.vdb", 1.0, kCt, "L4");
+    write("other.vdb", 1.0, kOtherCt, "L3");
     const VertebraGroundTruth truth = vertebra_ground_truth(vertebra);
     DrillPath path{"left", truth.left.entry_mm, truth.left.target_mm, {3.0, 80.0, 1.0, BitShape::drill, 0.5}};
     write_plan({path}, in("nameless.json"));
@@ -163,12 +164,13 @@ TEST_F(WhichPatient, GivenPointsAreCheckedToo) {
 
 TEST_F(WhichPatient, AFeedBeyondTheToolsRangeWarns) {
   const std::string drill = std::string("drill l3.vdb plan.json --rate 1000 --feed ");
-  const test::ProgramRun fast = run(drill + "120 --radius 2 --spacing 0.4 --no-clearances -o out --json f.json");
+  const std::string options = " --radius 2 --spacing 0.4 --no-clearances --full-mesh --no-pictures -o out ";
+  const test::ProgramRun fast = run(drill + "120" + options + "--json f.json");
   EXPECT_EQ(fast.exit_code, 1) << fast.errors;
   EXPECT_THAT(fast.output, HasSubstr("mm/min"));
   EXPECT_THAT(read_json(in("f.json"))["plan_warnings"].dump(), HasSubstr("2 mm/s"));
-  EXPECT_EQ(run(drill + "120 --accept-warnings --radius 2 --spacing 0.4 --no-clearances -o out").exit_code, 0);
-  EXPECT_EQ(run(drill + "10 --radius 2 --spacing 0.4 --no-clearances -o out").exit_code, 0);
+  EXPECT_EQ(run(drill + "120 --accept-warnings" + options).exit_code, 0);
+  EXPECT_EQ(run(drill + "10" + options).exit_code, 0);
   const test::ProgramRun slow = run(std::string("drill l3.vdb plan.json --spindle 20") + kDrill);
   EXPECT_EQ(slow.exit_code, 1) << slow.errors;
   EXPECT_THAT(slow.output, HasSubstr("1200 rpm"));
