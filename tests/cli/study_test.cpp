@@ -75,7 +75,7 @@ class Study : public ::testing::Test {
   static void SetUpTestSuite() {
     folder_ = new test::TemporaryFolder;
     const Vertebra vertebra;
-    write_bone(bake_solid(vertebra, {}, 40.0), folder_->path() / "bone.vdb");
+    write_bone(bake_solid(vertebra, {.voxel_mm = 0.5}, 40.0), folder_->path() / "bone.vdb");
     const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra);
     write_plan(
         {{"left", ground_truth.left.entry_mm, ground_truth.left.target_mm, {kBitMm, 80.0, 1.0, BitShape::drill, 0.5}}},
@@ -208,12 +208,14 @@ TEST_F(Study, FollowsTheAnatomy) {
   Json spec = whole_path_study(1);
   spec["operator"] = {{"kind", "feed"}, {"feed_mm_s", 1.0}, {"step_mm", 0.05}};
   spec["volume"] = {{"spacing_mm", 0.2}};
+  write_bone(bake_solid(Vertebra(), {}, 40.0), in("fine.vdb"));
+  spec["bone"] = "fine.vdb";
   spec["design"]["factors"] = {{"entry_left_mm", {{"levels", {-4.5, -1.0, 0.0, 1.0}}}},
                                {"density_scale", {{"levels", {0.6, 1.0}}}}};
   write(spec, "anatomy.json");
   expect_done("study anatomy.json -o anatomy");
   const double half_width_mm = 0.5 * vertebra_ground_truth(Vertebra()).left.width_mm;
-  const Bone bone(read_bone(in("bone.vdb")));
+  const Bone bone(read_bone(in("fine.vdb")));
   const DrillPath planned = read_plan(in("plan.json")).front();
   std::map<double, double> thrust_n;
   for (const StudyRow& row : rows_of("anatomy")) {
