@@ -94,6 +94,7 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
   constexpr double kMinShare = 0.75;
   constexpr double kClearEdge = 0.4;
   std::vector<double> edges;
+  edges.reserve(chain.size());
   for (const BodySpan& span : chain) edges.push_back(std::min(span.lower.edge, span.upper.edge));
   std::sort(edges.begin(), edges.end());
   const double min_edge = std::min(kClearEdge, edges.empty() ? kClearEdge : kMinShare * edges[edges.size() / 2]);

@@ -19,8 +19,9 @@ for name in map.dcm map.rtstruct.dcm; do
 done
 /usr/bin/python3 "$here/read_with_pydicom.py" "$out/map.nii.gz" "$out/map.dcm" "$out/map.rtstruct.dcm"
 # plastimatch 1.9.4 fills the contours itself, on a grid of its own (512 x 512 around them), and takes the CT's voxels from
-# that. It adds closed contours up, so that holes must be keyholes: it fills those that are contours of their own (but for
-# --xor-contours), and passes CLOSEDPLANAR_XOR over as if there was no bone. dciodvfy of 2022 knows no such type either.
+# that. It adds closed contours up, in a label map whatever --xor-contours says, so that holes must be keyholes; of
+# CLOSEDPLANAR_XOR it says on stdout that it skips them, and leaves the region empty (findings/rtstruct-xor-plastimatch.sh).
+# dciodvfy of 2022 knows no such type either.
 plastimatch convert --input "$out/map.rtstruct.dcm" --referenced-ct "$ct" --output-labelmap "$out/found.nii.gz" \
   --output-ss-list "$out/found.txt" --output-cxt "$out/found.cxt" > "$out/words" 2>&1 || {
   cat "$out/words"
