@@ -22,6 +22,7 @@ class LabelFrame : public testing::TestWithParam<std::string> {
     GridGeometry geometry;
     geometry.size = {8, 7, 6};
     geometry.spacing_mm = Vec3(1.0, 1.0, 1.5);
+    std::filesystem::create_directory(folder);
     write_dicom(make_ct_volume(geometry, std::vector<std::int16_t>(geometry.voxel_count(), hu)), folder);
     return read_dicom(folder);
   }
