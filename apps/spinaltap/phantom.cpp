@@ -37,8 +37,7 @@ void PhantomCommandOptions::add_to(CLI::App& app) {
   app.add_option("--surroundings", surroundings, "What the bone lies in")
       ->capture_default_str()
       ->check(CLI::IsMember({"tissue", "air"}));
-  app.add_option("--ground-truth-voxel", phantom.ground_truth_voxel_mm,
-                 "Voxel of ground_truth.vdb, mm: twice as large, a fifth of the time")
+  app.add_option("--ground-truth-voxel", phantom.ground_truth_voxel_mm, "Voxel of ground_truth.vdb, mm")
       ->capture_default_str()
       ->type_name("MM");
 }

@@ -57,7 +57,7 @@ std::optional<std::string> warning_of_frame(const std::filesystem::path& labels,
   const std::vector<std::string> frames = frames_of(labels);
   const auto is_cts = [&](const std::string& frame) { return hash_of_frame(frame) == ct.frame_hash; };
   if (frames.empty() || std::any_of(frames.begin(), frames.end(), is_cts)) return std::nullopt;
-  return "the label map names another frame of reference (FrameOfReferenceUID) than the CT: it may be another scan's";
+  return "its FrameOfReferenceUID is not the CT's: it may be of another scan";
 }
 
 }  // namespace spinaltap
