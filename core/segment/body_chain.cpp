@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "core/base/error.h"
 
@@ -39,6 +40,11 @@ std::vector<Tilt> tilts() {
   return all;
 }
 
+double cost_of(const Tilt& tilt) {
+  const double size = std::hypot(tilt.pitch_rad, tilt.roll_rad) / kLargeTilt;
+  return kTiltCost * size * size;
+}
+
 /// Points of the unit disc that an endplate is judged by: its middle, where it is without rim and osteophytes.
 std::vector<Eigen::Vector2d> disc_points() {
   constexpr int kCount = 44;
@@ -60,6 +66,7 @@ struct Profile {
   std::vector<float> wall;   ///< at the sides
   std::vector<float> half_size_mm;
   int first = 0, last = -1;  ///< the places whose middle lies within the CT
+  std::vector<float> means;  ///< across the column, at each place for each tilt; an edge is a difference of two
 };
 
 Vec3 tilted_up(const ColumnSection& section, const Tilt& tilt) {
@@ -80,9 +87,8 @@ std::size_t arm_places(double step_mm) {
 }
 
 /// In slices of 2 mm and more a thin disc is not seen between its endplates: the three are one bright band. Its middle
-/// is taken for a disc of 2 mm then. `means`: across the column, at each place for each tilt.
-void add_bands(Profile& profile, const std::vector<float>& means, const std::vector<Tilt>& kinds, double full_drop_hu,
-               double step_mm) {
+/// is taken for a disc of 2 mm then.
+void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_drop_hu, double step_mm) {
   constexpr double kSideMm = 3.5;   // from the band into the bodies
   constexpr std::size_t kHalf = 2;  // places: half of the disc
   const auto side = static_cast<std::size_t>(std::lround(std::max(kSideMm, step_mm) / kPlaceStepMm));
@@ -91,10 +97,9 @@ void add_bands(Profile& profile, const std::vector<float>& means, const std::vec
   std::vector<std::uint16_t> tilt(count, 0);
   for (std::size_t n = side; n + side < count; ++n) {
     for (std::size_t t = 0; t < kinds.size(); ++t) {
-      const double size = std::hypot(kinds[t].pitch_rad, kinds[t].roll_rad) / kLargeTilt;
-      const auto at = [&](std::size_t place) { return static_cast<double>(means[place * kinds.size() + t]); };
+      const auto at = [&](std::size_t place) { return static_cast<double>(profile.means[place * kinds.size() + t]); };
       const double over = at(n) - std::max(at(n - side), at(n + side));
-      const auto strength = static_cast<float>(std::min(over / full_drop_hu, 1.0) - kTiltCost * size * size);
+      const auto strength = static_cast<float>(std::min(over / full_drop_hu, 1.0) - cost_of(kinds[t]));
       if (strength <= band[n]) continue;
       band[n] = strength;
       tilt[n] = static_cast<std::uint16_t>(t);
@@ -140,10 +145,8 @@ void strengthen(Profile& profile) {
   }
 }
 
-enum class Discs { as_seen, in_bands };
-
-Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels, Discs discs) {
-  const std::vector<Tilt> kinds = tilts();
+Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels,
+                     const std::vector<Tilt>& kinds, double step_mm) {
   const std::vector<Eigen::Vector2d> disc = disc_points();
   const auto count = static_cast<std::size_t>(column.length_mm() / kPlaceStepMm) + 1;
   Profile profile;
@@ -155,8 +158,8 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   profile.wall.assign(count, 0.0F);
   profile.half_size_mm.assign(count, 0.0F);
   std::vector<std::uint8_t> in_ct(count, 0);
-  // Means across the column for each place and tilt; an edge is the difference of two that are 2 arms apart.
-  std::vector<float> means(count * kinds.size());
+  std::vector<float>& means = profile.means;
+  means.resize(count * kinds.size());
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
     const ColumnSection section = column.at(kPlaceStepMm * static_cast<double>(n));
     profile.half_size_mm[n] = static_cast<float>(std::sqrt(section.half_depth_mm * section.half_width_mm));
@@ -181,14 +184,12 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
   const auto last = std::find(in_ct.rbegin(), in_ct.rend(), 1);
   profile.first = static_cast<int>(first - in_ct.begin());
   profile.last = static_cast<int>(in_ct.rend() - last) - 1;
-  const double step_mm = step_along_mm(probe.geometry(), column);
   const std::size_t arm = arm_places(step_mm);
   for (std::size_t n = arm; n + arm < count; ++n) {
     for (std::size_t t = 0; t < kinds.size(); ++t) {
       const float below = means[(n - arm) * kinds.size() + t];
       const float above = means[(n + arm) * kinds.size() + t];
-      const double size = std::hypot(kinds[t].pitch_rad, kinds[t].roll_rad) / kLargeTilt;
-      const double cost = kTiltCost * size * size;
+      const double cost = cost_of(kinds[t]);
       const double change = (static_cast<double>(above) - static_cast<double>(below)) / levels.full_drop_hu;
       const auto rise = static_cast<float>(std::min(change, 1.0) - cost);
       const auto fall = static_cast<float>(std::min(-change, 1.0) - cost);
@@ -202,8 +203,6 @@ Profile make_profile(const WallProbe& probe, const SpineColumn& column, const Wa
       }
     }
   }
-  if (discs == Discs::in_bands) add_bands(profile, means, kinds, levels.full_drop_hu, step_mm);
-  strengthen(profile);
   return profile;
 }
 
@@ -392,22 +391,26 @@ void complete(BodySpan& span, const std::vector<BodySpan>& chain) {
 std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& column, const WallLevels& levels) {
   if (column.sections.size() < 2) fail("chain of bodies: expected a column of at least two sections");
   const WallProbe probe(hu, levels);
-  Profile profile = make_profile(probe, column, levels, Discs::as_seen);
-  std::vector<ChainSearch::Body> found = ChainSearch(profile, levels).best_chain();
+  const std::vector<Tilt> kinds = tilts();
+  const double step_mm = step_along_mm(hu.geometry, column);
+  Profile profile = make_profile(probe, column, levels, kinds, step_mm);
   constexpr double kThickMm = 2.0;
-  if (step_along_mm(hu.geometry, column) >= kThickMm) {
+  std::optional<Profile> banded;
+  if (step_mm >= kThickMm) add_bands(banded.emplace(profile), kinds, levels.full_drop_hu, step_mm);
+  strengthen(profile);
+  std::vector<ChainSearch::Body> row = ChainSearch(profile, levels).best_chain();
+  if (banded) {
     // Where discs are seen, as in most of the lumbar spine, bands would only be endplates.
     constexpr double kClearlyMore = 1.3;
-    Profile banded = make_profile(probe, column, levels, Discs::in_bands);
-    std::vector<ChainSearch::Body> more = ChainSearch(banded, levels).best_chain();
-    if (places_of(more) > kClearlyMore * places_of(found)) {
-      profile = std::move(banded);
-      found = std::move(more);
+    strengthen(*banded);
+    std::vector<ChainSearch::Body> more = ChainSearch(*banded, levels).best_chain();
+    if (places_of(more) > kClearlyMore * places_of(row)) {
+      profile = std::move(*banded);
+      row = std::move(more);
     }
   }
-  const std::vector<Tilt> kinds = tilts();
   std::vector<BodySpan> chain;
-  for (const ChainSearch::Body& body : found) {
+  for (const ChainSearch::Body& body : row) {
     const auto end = [&](int place, bool is_cut, const std::vector<float>& edges,
                          const std::vector<std::uint16_t>& edge_tilts) {
       BodyEnd found;

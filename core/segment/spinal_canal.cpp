@@ -357,7 +357,7 @@ std::vector<Index> straightest_part(const std::vector<Index>& chain, const std::
   constexpr double kMaxAside = 0.84;  // tan 40 degrees
   std::vector<bool> is_steep(chain.size(), false);
   for (std::size_t n = 0; n + kReach < chain.size(); ++n) {
-    const double aside = std::hypot(chain[n + kReach][0] - chain[n][0], 0.0);
+    const double aside = std::abs(chain[n + kReach][0] - chain[n][0]);
     if (aside <= kMaxAside * kReach) continue;
     for (std::size_t m = n + kReach / 4; m <= n + kReach - kReach / 4; ++m) is_steep[m] = true;
   }

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "core/ct/label_map.h"
+#include "core/ct/label_volume.h"
 #include "core/ct/read_ct.h"
 #include "core/segment/segment_spine.h"
 #include "tests/regression/thoracic_marks.h"
@@ -15,14 +16,6 @@
 
 namespace spinaltap {
 namespace {
-
-BoneMask label_mask(const LabelVolume& volume, int label) {
-  BoneMask mask;
-  mask.geometry = volume.geometry;
-  mask.inside.reserve(volume.labels.size());
-  for (const std::uint8_t here : volume.labels) mask.inside.push_back(here == label ? 1 : 0);
-  return mask;
-}
 
 TEST(ThickSlices, OfAnAbdomenShowItsLumbarSpineBesideHips) {
   SPINALTAP_NEED_TEST_DATA(folder, "abdomen_pelvis_3mm")
@@ -33,7 +26,7 @@ TEST(ThickSlices, OfAnAbdomenShowItsLumbarSpineBesideHips) {
     const BoneMask map = read_label_map(folder / "vertebrae_totalsegmentator2.nii.gz", number, ct.geometry);
     double best = 0.0;
     for (const LevelReport& level : found.levels) {
-      best = std::max(best, test::dice(label_mask(found.labels, level.label), map));
+      best = std::max(best, test::dice(mask_of(found.labels, level.label), map));
     }
     std::printf("%d: Dice %.3f\n", number, best);
     // Asked are 0.85 of each: L5 falls short by less than 0.001, with the sacrum's processes beside its own.

@@ -10,6 +10,9 @@
 
 namespace spinaltap {
 
+/// PixelSpacing lies below it: a body is then some twenty pixels wide.
+inline constexpr double kMaxPixelMm = 25.0;
+
 /// What may differ from frame to frame of a multi-frame file. Lists are empty where the attribute is missing; a part
 /// that is not a number is NaN.
 struct DicomFrame {

@@ -73,8 +73,7 @@ void check_pixels(const DicomSegmentation& seg) {
 }
 
 FrameGrid grid_of(const DicomSegmentation& seg) {
-  constexpr double kSame = 1e-3;        // mm, or of a direction's component
-  constexpr double kMaxPixelMm = 25.0;  // as of a CT
+  constexpr double kSame = 1e-3;  // mm, or of a direction's component
   const std::string file = seg.header.file.string();
   const SegmentFrame& first = seg.frames.front();
   const Vec3 along_row(first.orientation[0], first.orientation[1], first.orientation[2]);

@@ -19,7 +19,6 @@ constexpr double kStepToleranceMm = 0.011;
 constexpr double kStepTolerance = 0.01;
 constexpr double kMaxShiftMm = 0.05;  // sideways, from one slice to the next
 constexpr double kMaxGapMm = 6.0;     // across which slices are interpolated
-constexpr double kMaxPixelMm = 25.0;  // a body is then some twenty pixels wide
 constexpr double kMaxTilt = 0.79;     // rad, 45 degrees: gantries tilt by 30
 constexpr double kMaxDirectionError = 1e-3;
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/ct/detail/stored_voxels.h"
 
 namespace spinaltap {
 namespace {
@@ -266,10 +267,8 @@ void NiftiVolume::read_values(const std::function<void(std::span<const double>)>
     }
     take(values);
   }
-  // As of other raw voxels (stored_voxels.h): what is longer has another header's sizes.
-  constexpr int kMaxSurplus = 4;
-  std::array<char, kMaxSurplus + 1> more{};
-  if (::gzread(file.get(), more.data(), more.size()) > kMaxSurplus) {
+  std::array<char, detail::kMaxSurplus + 1> more{};
+  if (::gzread(file.get(), more.data(), more.size()) > detail::kMaxSurplus) {
     fail("expected ", voxel_count() * static_cast<std::size_t>(value_bytes_),
          " bytes of voxels, found more (other sizes or another type than the header says?): ", file_.string());
   }

@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kChunkBytes = 64 * 1024;
 constexpr std::uint64_t kMaxInflation = 1032;  // deflate cannot shrink further
-constexpr std::uint64_t kMaxSurplus = 4;       // raw bytes behind the last: a line's end, or padding to a word
 
 [[noreturn]] void fail_short(const VoxelPart& part) {
   fail("cannot read the voxels (file cut short?) of ", part.file.string());

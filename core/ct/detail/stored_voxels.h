@@ -8,6 +8,9 @@
 
 namespace spinaltap::detail {
 
+/// Raw bytes that may lie behind the last voxel: a line's end, or padding to a word. More have another header's sizes.
+inline constexpr int kMaxSurplus = 4;
+
 /// How a number is stored.
 enum class StoredType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64 };
 
