@@ -208,7 +208,8 @@ TEST(LinkServer, TellsStateEventsPlanAndStatusAndEndsAtACommand) {
   EXPECT_EQ(parse_json(*string_of(event->content), "event")["event"], "contact");
   const auto is_drilling = [](const LinkMessage& message) {
     return message.type == "STRING" && message.device == "State" &&
-           parse_json(*string_of(message.content), "state")["depth_mm"].get<double>() > 1.075;  // the second of two poses
+           parse_json(*string_of(message.content), "state")["depth_mm"].get<double>() >
+               1.075;  // the second of two poses
   };
   ASSERT_TRUE(drill(peer, linked, 1.0, 1.1, 2));
   const std::optional<LinkMessage> state = peer.receive(is_drilling);
