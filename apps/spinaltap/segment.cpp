@@ -29,7 +29,7 @@ struct SegmentCommandOptions {
   /// What a DICOM object names of its CT; nothing for other formats.
   DicomSource source(const CtVolume& ct, const Progress& progress) const {
     if (hides_ct || !is_dicom_label_name(output_or_default())) return {};
-    return find_dicom_source(this->ct.folder, this->ct.reading.series, ct.geometry, progress);
+    return find_dicom_source(this->ct.folder, this->ct.reading.series, this->ct.reading.stack, ct.geometry, progress);
   }
   std::filesystem::path output_or_default() const {
     if (!output.empty()) return output;

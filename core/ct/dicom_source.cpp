@@ -61,8 +61,8 @@ std::optional<std::size_t> slice_of(const DicomHeader& header, const GridGeometr
 
 }  // namespace
 
-DicomSource find_dicom_source(const fs::path& path, const std::string& series, const GridGeometry& geometry,
-                              const Progress& progress) {
+DicomSource find_dicom_source(const fs::path& path, const std::string& series, int stack,
+                              const GridGeometry& geometry, const Progress& progress) {
   const auto slices = static_cast<std::size_t>(geometry.size[2]);
   DicomSource best;
   best.slices.resize(slices);
@@ -70,7 +70,8 @@ DicomSource find_dicom_source(const fs::path& path, const std::string& series, c
   std::size_t max = 0;
   for (const ScannedSeries& scanned : scan_dicom(path, progress)) {
     const bool is_wanted =
-        series.empty() || scanned.info.uid == series || std::to_string(scanned.info.number) == series;
+        (series.empty() || scanned.info.uid == series || std::to_string(scanned.info.number) == series) &&
+        (stack == 0 || scanned.info.stack == stack);
     if (!is_wanted) continue;
     std::vector<const DicomHeader*> images(slices, nullptr);
     std::size_t found = 0;

@@ -159,7 +159,7 @@ TEST_F(Segment, CopiesAllLevelsOfAForeignMap) {
 
 TEST_F(Segment, WritesDicomThatNamesItsCtAndIsReadAgain) {
   const std::vector<std::uint8_t> labels = map("all.seg.nrrd").labels;
-  const DicomSource source = find_dicom_source(in("spine/ct"), "", grid());
+  const DicomSource source = find_dicom_source(in("spine/ct"), "", 0, grid());
   for (const char* name : {"spine.dcm", "spine.rtstruct.dcm"}) {
     const std::string command = std::string("segment spine/ct --all --labels all.seg.nrrd -o ") + name;
     const test::ProgramRun written = run(command);

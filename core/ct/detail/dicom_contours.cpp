@@ -231,8 +231,21 @@ struct Plane {
   std::vector<const Contour*> contours;
 };
 
+/// How far apart heights (sorted) may be that are one plane's, voxels: rounding, against the distance that planes have.
+double same_plane(const std::vector<double>& heights) {
+  constexpr double kExact = 0.05, kRounded = 0.25;
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < heights.size(); ++n) {
+    if (heights[n] - heights[n - 1] > kExact) gaps.push_back(heights[n] - heights[n - 1]);
+  }
+  if (gaps.empty()) return kExact;
+  // Where each plane is two by rounding, every other gap is one of planes.
+  const auto upper = gaps.begin() + static_cast<std::ptrdiff_t>(3 * gaps.size() / 4);
+  std::nth_element(gaps.begin(), upper, gaps.end());
+  return std::clamp(kRounded * *upper, kExact, kRounded);
+}
+
 std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
-  constexpr double kSame = 0.05;  // voxels
   std::vector<std::pair<double, const Contour*>> sorted;
   for (const Contour& contour : region.contours) {
     double sum = 0.0;
@@ -240,9 +253,12 @@ std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
     sorted.emplace_back(sum / static_cast<double>(contour.points.size()), &contour);
   }
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<double> heights;
+  for (const auto& [at, contour] : sorted) heights.push_back(at);
+  const double same = same_plane(heights);
   std::vector<Plane> planes;
   for (const auto& [at, contour] : sorted) {
-    if (planes.empty() || at - planes.back().at > kSame) planes.push_back({at, {}});
+    if (planes.empty() || at - planes.back().at > same) planes.push_back({at, {}});
     std::vector<const Contour*>& there = planes.back().contours;
     const auto is_copy = [one = contour](const Contour* other) { return other->points == one->points; };
     // Copies count once: two would leave nothing within an odd number of them.
@@ -325,6 +341,7 @@ LabelFile read_dicom_contours(const fs::path& file, const GridGeometry& ct, std:
     const long long label = fit ? number : ++rank;
     if (label > 65535) fail("expected at most 65535 regions of interest, found more in ", file.string());
     const std::string name = name_of_segment(region.segment, file);
+    if (std::optional<std::string> doubt = doubt_of_segment(region.segment)) labels.warnings.push_back(*std::move(doubt));
     keep_closed(region, level_in_name(name).has_value(), file);
     for (Contour& contour : region.contours) {
       for (Vec3& p : contour.points) p = ct.to_index(p);

@@ -81,6 +81,17 @@ std::string name_of_segment(const DicomSegment& segment, const fs::path& file) {
   return level_name(first->level);
 }
 
+std::optional<std::string> doubt_of_segment(const DicomSegment& segment) {
+  if (!is_other_code(segment.type)) return std::nullopt;
+  for (const std::string& text : {segment.label, segment.description}) {
+    if (!level_in_name(text)) continue;
+    return joined("segment ", segment.number, " is named ", in_quotes(text), ", but its type is coded as ",
+                  in_quotes(segment.type.meaning), " (", segment.type.scheme, " ", segment.type.value,
+                  "): it may be no vertebra");
+  }
+  return std::nullopt;
+}
+
 LabelPainter::LabelPainter(std::size_t voxels, std::map<long long, std::string> names)
     : labels_(voxels, 0), names_(std::move(names)), is_vertebra_(65536, false) {
   for (const auto& [number, name] : names_) {

@@ -37,6 +37,10 @@ DicomCode read_code(DicomElementWalker& walker, const DicomElement& sequence);
 /// label. Throws Error where codes, label and description are of two vertebrae: a wrong level is worse than none.
 std::string name_of_segment(const DicomSegment& segment, const std::filesystem::path& file);
 
+/// What speaks against a segment's being the vertebra that its name says: its type is coded as something else. Nothing
+/// where it is none, or nothing does.
+std::optional<std::string> doubt_of_segment(const DicomSegment& segment);
+
 /// Reads BINARY, FRACTIONAL (from half of the maximum on) and LABELMAP segmentations, frames in any order and number,
 /// on the file's own grid; labels are segment numbers. With `only`, this segment alone.
 ///

@@ -3,6 +3,7 @@
 
 #include "core/ct/detail/dicom_level_codes.h"
 
+#include <algorithm>
 #include <array>
 
 #include "core/base/text_fields.h"
@@ -56,6 +57,14 @@ bool is_any_bone_code(const DicomCode& code) {
   if (is_srt(code)) return code.value == "T-11510" || code.value == "T-D016E" || code.value == "T-10000";
   return is_sct(code) && (code.value == kVertebra || code.value == kBone || code.value == "3138006" ||
                           code.value == "90780006" || code.value == "421060004");
+}
+
+bool is_other_code(const DicomCode& code) {
+  // Anatomical structure (two of them), tissue, organ.
+  constexpr std::array<std::string_view, 8> kDefaults{"91723000", "123037004", "85756007", "113343008",
+                                                      "T-D0005",  "T-D000A",   "T-D0050",  "T-D0060"};
+  return (is_sct(code) || is_srt(code)) && !code.value.empty() && level_of_code(code) == Level::kNone &&
+         !is_any_bone_code(code) && std::find(kDefaults.begin(), kDefaults.end(), code.value) == kDefaults.end();
 }
 
 DicomCode code_to_write(Level level, std::string_view name) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/error.h"
 #include "core/base/text_fields.h"
@@ -169,6 +170,18 @@ FrameGrid grid_of(const DicomSegmentation& seg) {
   return grid;
 }
 
+/// Two frames of one segment at one place would be put together; one of them may be of another time or segment.
+void check_places(const DicomSegmentation& seg, const std::vector<int>& slice_of) {
+  std::map<std::pair<std::uint32_t, int>, std::size_t> first;
+  for (std::size_t n = 0; n < seg.frames.size(); ++n) {
+    const std::uint32_t segment = seg.type == "LABELMAP" ? 0 : seg.frames[n].segment;
+    const auto [at, is_new] = first.try_emplace({segment, slice_of[n]}, n);
+    if (is_new) continue;
+    fail("expected one frame", segment == 0 ? "" : joined(" of segment ", segment), " at a place, found frames ",
+         at->second + 1, " and ", n + 1, " there in ", seg.header.file.string());
+  }
+}
+
 /// As many bytes as are wanted, and some that may be there beyond.
 std::vector<char> inflated(const std::vector<char>& packed, std::size_t size, const std::string& file) {
   constexpr std::size_t kBeyond = 16;
@@ -264,6 +277,7 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   const DicomSegmentation seg = read_segmentation_head(file);
   check_pixels(seg);
   FrameGrid grid = grid_of(seg);
+  check_places(seg, grid.slice_of);
   const bool is_map = seg.type == "LABELMAP";
   const bool is_binary = seg.type == "BINARY";
   const bool is_wide = seg.header.bits_allocated == 16;
@@ -271,7 +285,9 @@ LabelFile read_dicom_segmentation(const fs::path& file, std::optional<long long>
   std::vector<bool> is_described(65536, false);
   for (const DicomSegment& segment : seg.segments) {
     is_described[static_cast<std::size_t>(segment.number)] = true;
-    if (segment.number > 0) names[segment.number] = name_of_segment(segment, file);
+    if (segment.number == 0) continue;
+    names[segment.number] = name_of_segment(segment, file);
+    if (std::optional<std::string> doubt = doubt_of_segment(segment)) grid.labels.warnings.push_back(*std::move(doubt));
   }
   // Numbers of other types count from 1: PS3.3, C.8.20.4.
   grid.labels.numbers_are_ranks = !is_map;

@@ -79,6 +79,9 @@ NrrdHeader read_nrrd_header(const fs::path& file) {
       is_listing = has_list(header);
     } else if (text.front() != '#' && equals != std::string::npos) {
       put_field(header.pairs, text.substr(0, equals), trimmed(std::string_view(text).substr(equals + 2)), "NRRD", file);
+    } else if (text.front() != '#') {
+      fail("expected lines of an NRRD header to be \"field: value\", with a blank, or \"key:=value\", found ",
+           in_quotes(text), " in ", file.string());
     }
     begin = end;
   }
@@ -211,6 +214,11 @@ double unit_in_mm(const NrrdHeader& header) {
 /// Sizes and directions: an axis without a direction counts values a voxel, layers or times, and may have one only.
 void place(const NrrdHeader& header, VolumeFile& volume) {
   const std::vector<std::string> words = words_of(header.at("sizes"));
+  if (const std::string* dimension = header.find("dimension");
+      dimension != nullptr && *dimension != std::to_string(words.size())) {
+    fail("expected as many NRRD sizes as the dimension, ", in_quotes(*dimension), ", says, found ",
+         in_quotes(header.at("sizes")), " in ", header.file.string());
+  }
   const Vec3 to_lps = space_to_lps(header);
   const std::vector<std::string> directions = vectors_of(header.at("space directions"));
   const double unit_mm = unit_in_mm(header);

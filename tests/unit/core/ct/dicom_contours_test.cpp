@@ -178,6 +178,31 @@ TEST(DicomContours, HaveAsManyPointsAsTheySay) {
 }
 
 // Two that are the same would leave nothing within an odd number of them.
+TEST(DicomContours, WarnWhereAVertebrasNameHasTheCodeOfSomethingElse) {
+  MadeStructureSet set{{{3, "L3", {square(0.0, 50.0, 14.0, 10.1)}}}};
+  EXPECT_TRUE(read_set(set).warnings.empty());
+  set.rois[0].code = "113197003";
+  EXPECT_THAT(read_set(set).warnings, testing::ElementsAre(HasSubstr("named \"L3\"")));
+}
+
+// A hole whose plane was rounded to another height than its rim's.
+TEST(DicomContours, OfOnePlaneMayDifferByRounding) {
+  MadeStructureSet set{{{3, "L3", {}}}};
+  for (int k = 0; k < 5; ++k) {
+    set.rois[0].contours.push_back(square(0.0, 50.0, 14.0 + k, 10.1));
+    set.rois[0].contours.push_back(square(0.0, 50.0, 14.1 + k, 5.3));
+  }
+  const LabelVolume map = read_set(set);
+  for (int k = 4; k < 9; ++k) {
+    EXPECT_EQ(map.labels[map.geometry.offset(25, 25, k)], 0) << k;  // the middle
+    EXPECT_EQ(map.labels[map.geometry.offset(25, 16, k)], 3) << k;  // the rim
+  }
+  // Planes of a CT four times finer stay what they are.
+  MadeStructureSet fine{{{3, "L3", {}}}};
+  for (int n = 0; n < 20; ++n) fine.rois[0].contours.push_back(square(0.0, 50.0, 14.0 + 0.25 * n, 10.1));
+  EXPECT_EQ(read_set(fine).labels[ct_grid().offset(25, 25, 6)], 3);
+}
+
 TEST(DicomContours, ThatAreCopiesCountOnce) {
   MadeStructureSet once{{{1, "L3", {square(0.0, 50.0, 14.0, 10.1), square(0.0, 50.0, 14.0, 5.3)}}}};
   MadeStructureSet twice = once;

@@ -133,7 +133,7 @@ class DicomSources : public testing::Test {
 };
 
 TEST_F(DicomSources, AreTheImagesThatLieWhereTheSlicesDo) {
-  const DicomSource source = find_dicom_source(folder_.path(), "", ct_.geometry);
+  const DicomSource source = find_dicom_source(folder_.path(), "", 0, ct_.geometry);
   EXPECT_EQ(source.study_uid, "1.2.826.5");
   EXPECT_EQ(source.series_uid, "1.2.3");
   EXPECT_EQ(source.frame_of_reference_uid, "1.2.826.6");
@@ -142,15 +142,37 @@ TEST_F(DicomSources, AreTheImagesThatLieWhereTheSlicesDo) {
   GridGeometry cropped = ct_.geometry;
   cropped.size[2] = 2;
   cropped.origin_mm = cropped.to_patient(Vec3(1.0, 1.0, 2.0));
-  EXPECT_EQ(find_dicom_source(folder_.path(), "1.2.3", cropped).slices[1]->sop_instance, "1.2.826.7.3");
+  EXPECT_EQ(find_dicom_source(folder_.path(), "1.2.3", 0, cropped).slices[1]->sop_instance, "1.2.826.7.3");
   GridGeometry between = ct_.geometry;
   between.origin_mm.z() += 1.0;
-  EXPECT_FALSE(find_dicom_source(folder_.path(), "", between).slices[0].has_value());
-  EXPECT_TRUE(find_dicom_source(folder_.path(), "1.2.4", ct_.geometry).study_uid.empty());
+  EXPECT_FALSE(find_dicom_source(folder_.path(), "", 0, between).slices[0].has_value());
+  EXPECT_TRUE(find_dicom_source(folder_.path(), "1.2.4", 0, ct_.geometry).study_uid.empty());
+}
+
+// Two stacks of one series lie at the same places.
+TEST_F(DicomSources, AreThoseOfTheStackThatWasRead) {
+  for (int k = 0; k < 4; ++k) {
+    HandMadeDicom slice;
+    slice.set(0x00080018, "UI", "1.2.826.8." + std::to_string(k))
+        .set(0x0020000d, "UI", "1.2.826.5")
+        .set(0x00200052, "UI", "1.2.826.9")
+        .set(0x00281054, "LO", "HU")
+        .set_z(2.0 * k);
+    write_whole_file(folder_.path() / ("other" + std::to_string(k) + ".dcm"), slice.bytes());
+  }
+  for (int stack = 1; stack <= 2; ++stack) {
+    const CtVolume ct = read_ct(folder_.path(), {.stack = stack});
+    const DicomSource source = find_dicom_source(folder_.path(), "", stack, ct.geometry);
+    const bool is_first = ct.frame_hash == ct_.frame_hash;
+    EXPECT_EQ(source.frame_of_reference_uid, is_first ? "1.2.826.6" : "1.2.826.9");
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(source.slices[k]->sop_instance, (is_first ? "1.2.826.7." : "1.2.826.8.") + std::to_string(k));
+    }
+  }
 }
 
 TEST_F(DicomSources, AreNamedAndNothingElseOfThem) {
-  const DicomSource source = find_dicom_source(folder_.path(), "", ct_.geometry);
+  const DicomSource source = find_dicom_source(folder_.path(), "", 0, ct_.geometry);
   for (const char* name : {"map.dcm", "map.rtstruct.dcm"}) {
     const std::string bytes = encode_label_volume(labels_, name, source);
     for (const char* uid : {"1.2.826.5", "1.2.826.6", "1.2.826.7.0", "1.2.826.7.2"}) EXPECT_THAT(bytes, HasSubstr(uid));
@@ -168,7 +190,7 @@ TEST_F(DicomSources, OfManyFramesAreFrames) {
   const TemporaryFolder folder;
   const test::MadeSeries series = test::make_series(recipe);
   series.write(folder.path());
-  const DicomSource source = find_dicom_source(folder.path(), "", series.ground_truth.geometry);
+  const DicomSource source = find_dicom_source(folder.path(), "", 0, series.ground_truth.geometry);
   for (std::size_t k = 0; k < source.slices.size(); ++k) {
     ASSERT_TRUE(source.slices[k].has_value());
     EXPECT_GT(source.slices[k]->frame, 0);

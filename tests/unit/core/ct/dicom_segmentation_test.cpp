@@ -196,6 +196,40 @@ TEST(DicomSegmentation, RejectsTwoVertebraeInAllThatSaysWhichItIs) {
   EXPECT_THAT(read("", "", "L3", "L4"), HasSubstr("the name of L3 and the description of L4"));
 }
 
+// Named as a vertebra by who drew it, and coded as something else.
+TEST(DicomSegmentation, WarnsWhereAVertebrasNameHasTheCodeOfSomethingElse) {
+  const auto warnings_of = [](const MadeSegmentation::Segment& segment) {
+    MadeSegmentation seg = two_segments();
+    seg.segments[0] = segment;
+    const LabelVolume map = read_seg(seg.bytes());
+    return map.warnings.empty() ? std::string() : map.warnings.front();
+  };
+  EXPECT_THAT(warnings_of({1, "L3", "113197003", "SCT", ""}),
+              HasSubstr("segment 1 is named \"L3\", but its type is coded as \"\" (SCT 113197003)"));
+  EXPECT_THAT(warnings_of({1, "L3", "T-11300", "SRT", ""}), HasSubstr("T-11300"));
+  EXPECT_THAT(warnings_of({1, "vertebra L3", "360499006", "SCT", ""}), HasSubstr("may be no vertebra"));
+  // What writers put where they are told nothing, and what says no more than bone.
+  for (const char* plain : {"85756007", "91723000", "123037004", "113343008", "51282000", "272673000", "36470004"}) {
+    EXPECT_EQ(warnings_of({1, "L3", plain, "SCT", ""}), "") << plain;
+  }
+  EXPECT_EQ(warnings_of({1, "L3", "113197003", "99LOCAL", ""}), "");
+  EXPECT_EQ(warnings_of({1, "rib", "113197003", "SCT", ""}), "");
+}
+
+TEST(DicomSegmentation, HasOneFrameOfASegmentAtAPlace) {
+  MadeSegmentation seg = two_segments();
+  seg.frames.push_back({1, slice_at(3), pixel_at(2, 1)});
+  EXPECT_THAT(seg_error(seg), HasSubstr("one frame of segment 1 at a place, found frames 2 and 4 there"));
+  seg.frames.back().segment = 2;
+  EXPECT_EQ(labelled(read_seg(seg.bytes())), 4);
+  MadeSegmentation map;
+  map.type = "LABELMAP";
+  map.bits = 8;
+  map.segments = {{1, "L3", "", "", ""}};
+  map.frames = {{0, slice_at(0), pixel_at(1, 1)}, {0, slice_at(1), pixel_at(1, 1)}, {0, slice_at(1), pixel_at(2, 1)}};
+  EXPECT_THAT(seg_error(map), HasSubstr("one frame at a place, found frames 2 and 3 there"));
+}
+
 TEST(DicomSegmentation, NumbersSegmentsByRankSoThatNoConventionIsSeen) {
   MadeSegmentation seg = two_segments();
   seg.segments = {{1, "a", "", "", ""}, {2, "b", "", "", ""}};

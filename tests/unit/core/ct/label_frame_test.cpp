@@ -32,7 +32,7 @@ class LabelFrame : public testing::TestWithParam<std::string> {
                                          const std::filesystem::path& file) {
     LabelVolume labels{ct.geometry, std::vector<std::uint8_t>(ct.hu.size(), 0), {{22, {"L3", Level{22}}}}};
     labels.labels[ct.geometry.offset(3, 3, 3)] = 22;
-    write_whole_file(file, encode_label_volume(labels, file, find_dicom_source(ct_folder, "", ct.geometry)));
+    write_whole_file(file, encode_label_volume(labels, file, find_dicom_source(ct_folder, "", 0, ct.geometry)));
     return file;
   }
 

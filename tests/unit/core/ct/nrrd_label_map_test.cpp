@@ -28,9 +28,10 @@ struct HandMadeNrrd {
   std::string encoding = "raw";
   std::string more = {};
   std::string voxels = std::string("\0\0\5\0\0\0\7\0\0\0\0\0", 12);
+  std::string dimension = "3";
 
   std::string bytes() const {
-    return "NRRD0004\n# by hand\ntype: " + type + "\ndimension: 3\n" + space + "sizes: " + sizes +
+    return "NRRD0004\n# by hand\ntype: " + type + "\ndimension: " + dimension + "\n" + space + "sizes: " + sizes +
            "\nspace directions: " + directions + "\nspace origin: " + origin + "\nencoding: " + encoding + "\n" + more +
            "\n" + voxels;
   }
@@ -93,6 +94,7 @@ TEST(ReadNrrd, ReadsGzipAndBothByteOrders) {
 TEST(ReadNrrd, TakesOneLayerOf3DSlicerAndRejectsMore) {
   HandMadeNrrd layer;
   layer.sizes = "1 3 2 2";
+  layer.dimension = "4";
   layer.directions = "none (1,0,0) (0,1,0) (0,0,1)";
   layer.more = "kinds: list domain domain domain\nSegment0_LabelValue:=5\nSegment0_Name:=L3: mine\n";
   EXPECT_TRUE(read_nrrd(layer.bytes(), 5, nrrd_grid(), "s.seg.nrrd").at(2, 0, 0));
@@ -113,7 +115,10 @@ TEST(ReadNrrd, SaysWhatIsWrong) {
   EXPECT_THAT(error_of([] { read_nrrd("not NRRD at all", 5); }), HasSubstr("expected an NRRD file"));
   EXPECT_THAT(error_of([] { read_nrrd("NRRD0004\ntype: uint8\n", 5); }), HasSubstr("empty line"));
   EXPECT_THAT(nrrd_error({.type = "block"}), HasSubstr("\"block\""));
-  EXPECT_THAT(nrrd_error({.sizes = "3 2"}), HasSubstr("three NRRD axes"));
+  EXPECT_THAT(nrrd_error({.sizes = "3 2", .dimension = "2"}), HasSubstr("three NRRD axes"));
+  EXPECT_THAT(nrrd_error({.sizes = "3 2"}), HasSubstr("as the dimension, \"3\", says, found \"3 2\""));
+  // Without a blank behind the colon it is no field, to other readers neither: a skip that is passed over moves all.
+  EXPECT_THAT(nrrd_error({.more = "byte skip:3\n"}), HasSubstr("found \"byte skip:3\""));
   EXPECT_THAT(nrrd_error({.sizes = "3 2 -2"}), HasSubstr("\"3 2 -2\""));
   EXPECT_THAT(nrrd_error({.sizes = "99999 99999 99999"}), HasSubstr("at most"));
   EXPECT_THAT(nrrd_error({.sizes = "900 900 900"}), HasSubstr("cut short"));
