@@ -6,19 +6,42 @@
 #include <cstring>
 
 namespace spinaltap {
+namespace {
 
-void WordHash64::add(const void* data, std::size_t bytes) {
+std::uint64_t state_after(std::uint64_t state, std::uint64_t word) {
   constexpr std::uint64_t kPrime = 0x100000001b3ULL;
+  state = (state ^ word) * kPrime;
+  return state ^ state >> 32;  // words, not bytes: fold the high half back so that it reaches every bit
+}
+
+/// Calls `take` with each 8 bytes, of the last as many as there are.
+template <class Take>
+void for_each_word(const void* data, std::size_t bytes, const Take& take) {
   const auto* next = static_cast<const unsigned char*>(data);
   while (bytes > 0) {
     std::uint64_t word = 0;
     const std::size_t taken = std::min<std::size_t>(bytes, sizeof word);
     std::memcpy(&word, next, taken);
-    state_ = (state_ ^ word) * kPrime;
-    state_ ^= state_ >> 32;  // words, not bytes: fold the high half back so that it reaches every bit
+    take(word);
     next += taken;
     bytes -= taken;
   }
+}
+
+}  // namespace
+
+void WordHash64::add(const void* data, std::size_t bytes) {
+  for_each_word(data, bytes, [this](std::uint64_t word) { state_ = state_after(state_, word); });
+}
+
+void WordHash64::add_to_both(WordHash64& first, WordHash64& second, const void* data, std::size_t bytes) {
+  std::uint64_t a = first.state_, b = second.state_;
+  for_each_word(data, bytes, [&](std::uint64_t word) {
+    a = state_after(a, word);
+    b = state_after(b, word);
+  });
+  first.state_ = a;
+  second.state_ = b;
 }
 
 std::string WordHash64::hex() const {

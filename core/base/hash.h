@@ -12,6 +12,8 @@ namespace spinaltap {
 class WordHash64 {
  public:
   void add(const void* data, std::size_t bytes);
+  /// As add() of each, in the time of one: a state waits for its own multiplications.
+  static void add_to_both(WordHash64& first, WordHash64& second, const void* data, std::size_t bytes);
   std::uint64_t value() const { return state_; }
   /// 16 hexadecimal digits.
   std::string hex() const;

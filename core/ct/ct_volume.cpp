@@ -1,7 +1,5 @@
 #include "core/ct/ct_volume.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -17,7 +15,7 @@ namespace {
 
 /// The same for the same CT in another format, whose text or floats round places: geometry counts in steps that no
 /// decimal number lies between two of, and that are far above such rounding.
-std::string whole_hash(const GridGeometry& geometry, const std::vector<std::int16_t>& hu) {
+WordHash64 begun_whole_hash(const GridGeometry& geometry) {
   const double kPlaceMm = 0.01 * std::numbers::sqrt2;
   const double kSpacingMm = 1e-3 * std::numbers::sqrt2, kDirection = 1e-3 * std::numbers::sqrt2;
   WordHash64 hash;
@@ -31,18 +29,16 @@ std::string whole_hash(const GridGeometry& geometry, const std::vector<std::int1
     add(geometry.spacing_mm[axis], kSpacingMm);
   }
   for (Eigen::Index n = 0; n < 9; ++n) add(geometry.directions.data()[n], kDirection);
-  hash.add(hu.data(), hu.size() * sizeof(std::int16_t));
-  return hash.hex();
+  return hash;
 }
 
-std::string exact_hash(const GridGeometry& geometry, const std::vector<std::int16_t>& hu) {
+WordHash64 begun_exact_hash(const GridGeometry& geometry) {
   WordHash64 hash;
   hash.add(geometry.size.data(), sizeof geometry.size);
   hash.add(geometry.origin_mm.data(), 3 * sizeof(double));
   hash.add(geometry.spacing_mm.data(), 3 * sizeof(double));
   hash.add(geometry.directions.data(), 9 * sizeof(double));
-  hash.add(hu.data(), hu.size() * sizeof(std::int16_t));
-  return hash.hex();
+  return hash;
 }
 
 }  // namespace
@@ -52,10 +48,10 @@ CtVolume make_ct_volume(const GridGeometry& geometry, std::vector<std::int16_t> 
   if (hu.size() != geometry.voxel_count()) {
     fail("CT: expected ", geometry.voxel_count(), " voxels, found ", hu.size());
   }
-  std::string exact, whole;
-  tbb::parallel_invoke([&] { exact = exact_hash(geometry, hu); }, [&] { whole = whole_hash(geometry, hu); });
-  CtVolume ct{.geometry = geometry, .hu = std::move(hu), .source_hash = std::move(exact)};
-  ct.whole_hash = std::move(whole);
+  WordHash64 exact = begun_exact_hash(geometry), whole = begun_whole_hash(geometry);
+  WordHash64::add_to_both(exact, whole, hu.data(), hu.size() * sizeof(std::int16_t));
+  CtVolume ct{.geometry = geometry, .hu = std::move(hu), .source_hash = exact.hex()};
+  ct.whole_hash = whole.hex();
   return ct;
 }
 

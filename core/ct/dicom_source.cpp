@@ -61,8 +61,8 @@ std::optional<std::size_t> slice_of(const DicomHeader& header, const GridGeometr
 
 }  // namespace
 
-DicomSource find_dicom_source(const fs::path& path, const std::string& series, int stack,
-                              const GridGeometry& geometry, const Progress& progress) {
+DicomSource find_dicom_source(const fs::path& path, const std::string& series, int stack, const GridGeometry& geometry,
+                              const Progress& progress) {
   const auto slices = static_cast<std::size_t>(geometry.size[2]);
   DicomSource best;
   best.slices.resize(slices);

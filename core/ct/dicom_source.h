@@ -26,8 +26,8 @@ struct DicomSource {
 };
 
 /// Finds the images below a folder, or in a file, that lie where the slices of `geometry` do. `series`
-/// and `stack` as CtReadOptions has them. Where several series do, the one with most such images. No images where there are none, as
-/// for a CT out of another format.
+/// and `stack` as CtReadOptions has them. Where several series do, the one with most such images. No images where there
+/// are none, as for a CT out of another format.
 DicomSource find_dicom_source(const std::filesystem::path& path, const std::string& series, int stack,
                               const GridGeometry& geometry, const Progress& progress = {});
 

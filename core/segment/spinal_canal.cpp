@@ -85,9 +85,9 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
         put(at, fine.values[voxel]);
         if (samples[0] * samples[1] * samples[2] == 1) continue;
         for (int s = 1; s < samples[0] * samples[1] * samples[2]; ++s) {
+          const int row = s / samples[0], layer = row / samples[1];
           const Vec3 part(static_cast<double>(s % samples[0]) / samples[0],
-                          static_cast<double>(s / samples[0] % samples[1]) / samples[1],
-                          static_cast<double>(s / samples[0] / samples[1]) / samples[2]);
+                          static_cast<double>(row % samples[1]) / samples[1], static_cast<double>(layer) / samples[2]);
           put(at + step * part, static_cast<float>(sample_clamped(fine, Vec3(i, j, k) + part)));
         }
       }

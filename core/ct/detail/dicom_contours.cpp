@@ -341,7 +341,8 @@ LabelFile read_dicom_contours(const fs::path& file, const GridGeometry& ct, std:
     const long long label = fit ? number : ++rank;
     if (label > 65535) fail("expected at most 65535 regions of interest, found more in ", file.string());
     const std::string name = name_of_segment(region.segment, file);
-    if (std::optional<std::string> doubt = doubt_of_segment(region.segment)) labels.warnings.push_back(*std::move(doubt));
+    if (std::optional<std::string> doubt = doubt_of_segment(region.segment))
+      labels.warnings.push_back(*std::move(doubt));
     keep_closed(region, level_in_name(name).has_value(), file);
     for (Contour& contour : region.contours) {
       for (Vec3& p : contour.points) p = ct.to_index(p);

@@ -36,6 +36,18 @@ TEST(WordHash64, ChangesWithTheOrderOfWords) {
   EXPECT_NE(hash_of(forth), hash_of(back));
 }
 
+TEST(WordHash64, OfTwoAtOnceIsThatOfEach) {
+  std::vector<unsigned char> bytes(37);
+  for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<unsigned char>(7 * n);
+  WordHash64 first, second, alone;
+  first.add("begun ..", 8);
+  alone.add("begun ..", 8);
+  WordHash64::add_to_both(first, second, bytes.data(), bytes.size());
+  alone.add(bytes.data(), bytes.size());
+  EXPECT_EQ(first.value(), alone.value());
+  EXPECT_EQ(second.hex(), hash_of(bytes));
+}
+
 TEST(WordHash64, GoesOnWhereItStopped) {
   const char text[] = "sixteen bytes ...";
   WordHash64 whole, parts;
