@@ -4,12 +4,14 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/text_fields.h"
 #include "core/ct/detail/stored_voxels.h"
 
 namespace spinaltap {
@@ -19,6 +21,7 @@ namespace fs = std::filesystem;
 using NiftiImage = std::unique_ptr<nifti_image, void (*)(nifti_image*)>;
 using GzFile = std::unique_ptr<gzFile_s, int (*)(gzFile)>;
 
+constexpr std::array<const char*, 4> kEndings{".nii", ".nii.gz", ".NII", ".NII.GZ"};
 constexpr std::int64_t kMaxVoxels = std::int64_t{1} << 30;
 constexpr std::size_t kHeader1 = 348;  ///< bytes of a NIfTI-1 header
 constexpr std::size_t kHeader2 = 540;  ///< and of a NIfTI-2 header
@@ -105,8 +108,10 @@ NiftiImage open_nifti(const fs::path& file, Vec3& pixdim) {
   if (!fs::is_regular_file(file, error)) fail("expected a NIfTI file, found something else: ", file.string());
   // The library takes the format from the name, and complains aloud about other names.
   const std::string name = file.filename().string();
-  if (!name.ends_with(".nii") && !name.ends_with(".nii.gz")) {
-    fail("expected a NIfTI file (.nii or .nii.gz), found ", file.string());
+  const bool is_known =
+      std::any_of(kEndings.begin(), kEndings.end(), [&](const char* one) { return name.ends_with(one); });
+  if (!is_known) {
+    fail("expected a name that ends in .nii or .nii.gz, all in small letters or in capitals, found ", file.string());
   }
   pixdim = check_header(file);
   NiftiImage image(nifti_image_read(file.c_str(), 0), nifti_image_free);
@@ -119,7 +124,8 @@ void check_size(const nifti_image& image, const fs::path& file) {
   // Deflate shrinks by a factor of 1032 at most.
   std::error_code error;
   const std::uintmax_t bytes_on_disk = fs::file_size(file, error);
-  const std::uintmax_t max_bytes = file.extension() == ".gz" ? bytes_on_disk * 1032 : bytes_on_disk;
+  const std::uintmax_t max_bytes =
+      lower_case(file.extension().string()) == ".gz" ? bytes_on_disk * 1032 : bytes_on_disk;
   const auto wanted = static_cast<std::uintmax_t>(image.nvox) * static_cast<std::uintmax_t>(std::max(image.nbyper, 0));
   if (error || image.nvox < 1 || image.nvox > kMaxVoxels || image.nvox != image.nx * image.ny * image.nz ||
       wanted > max_bytes) {

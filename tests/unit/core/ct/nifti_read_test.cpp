@@ -96,6 +96,20 @@ TEST(ReadNiftiCt, ReadsBothVersionsByteOrdersAndZippedAlike) {
   }
 }
 
+// As programs and disks of old write names.
+TEST(ReadNiftiCt, TakesNamesInCapitals) {
+  const test::TemporaryFolder folder;
+  const std::string bytes = numbered_nifti().bytes();
+  for (const char* name : {"CT.NII", "ct.nii"}) write_whole_file(folder.path() / name, bytes);
+  for (const char* name : {"CT.NII.GZ", "ct.nii.gz"}) write_whole_file(folder.path() / name, test::gzipped(bytes));
+  const std::string plain = read_ct(folder.path() / "ct.nii").source_hash;
+  for (const char* name : {"CT.NII", "CT.NII.GZ", "ct.nii.gz"}) {
+    EXPECT_EQ(read_ct(folder.path() / name).source_hash, plain) << name;
+  }
+  write_whole_file(folder.path() / "ct.Nii", bytes);
+  EXPECT_THAT(test::error_of([&] { read_ct(folder.path() / "ct.Nii"); }), HasSubstr("small letters or in capitals"));
+}
+
 TEST(ReadNiftiCt, ScalesRoundsClampsAndMakesAirOfWhatIsNoNumber) {
   MadeNifti nifti = numbered_nifti();
   nifti.type = MadeNifti::Type::kFloat;
