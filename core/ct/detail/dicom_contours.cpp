@@ -254,6 +254,7 @@ std::vector<Plane> planes_of(const Region& region, Eigen::Index axis) {
   }
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<double> heights;
+  heights.reserve(sorted.size());
   for (const auto& [at, contour] : sorted) heights.push_back(at);
   const double same = same_plane(heights);
   std::vector<Plane> planes;
