@@ -21,7 +21,7 @@ def _split(name: str) -> list[str]:
 def to_frame(table: NDArray[Any]) -> Any:
     """A pandas DataFrame of cycles, events or a study's rows: vectors in three columns, states, kinds and grades by
     name. Needs pandas, which nothing else here does."""
-    import pandas  # type: ignore[import]
+    import pandas  # type: ignore  # its kind has another name from mypy 1.7 on
 
     names = table.dtype.names
     if names is None:
