@@ -198,7 +198,7 @@ void check_bridges(const std::array<Bridge, kContacts>& bridges, Warnings& warni
     told.push_back(n);
     sum_mm2 += bridges[n].mm2;
   }
-  const double severity = 0.4 * ramp(sum_mm2, 40.0, 160.0);
+  const double severity = 0.4 * ramp(sum_mm2, 15.0, 60.0);
   for (const std::size_t n : told) {
     // What they leave of the whole together is what the sum's severity does.
     const double own = 1.0 - std::pow(1.0 - severity, bridges[n].mm2 / sum_mm2);
