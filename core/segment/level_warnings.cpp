@@ -78,7 +78,33 @@ double side_of(const Vec3& p, const Vec3& canal) {
   return p.x() - canal.x() * std::clamp(p.y() / canal.y(), -0.5, 1.5);
 }
 
-/// The largest piece of the arch that the plane through body and canal mirrors to where the vertebra is not.
+/// A plane that one side is mirrored to the other by, in a body's frame.
+struct MirrorPlane {
+  Vec3 through;
+  Vec3 normal;
+  double side_of(const Vec3& p) const { return (p - through).dot(normal); }
+  Vec3 mirrored(const Vec3& p) const { return p - 2.0 * side_of(p) * normal; }
+};
+
+/// The plane through the body's middle and the canal, and others near it: in a spine that turns to a side the arch is
+/// turned and tilted against the body.
+std::vector<MirrorPlane> mirror_planes(const Vec3& canal) {
+  constexpr std::array<double, 5> kTurnsRad{0.0, -0.06, 0.06, -0.12, 0.12};
+  const double to_canal = std::atan2(canal.x(), canal.y());
+  std::vector<MirrorPlane> planes;
+  for (const double about_z : kTurnsRad) {
+    for (const double about_y : kTurnsRad) {
+      const Mat3 turn =
+          (Eigen::AngleAxisd(about_z - to_canal, Vec3::UnitZ()) * Eigen::AngleAxisd(about_y, Vec3::UnitY()))
+              .toRotationMatrix();
+      planes.push_back({Vec3(canal.x(), canal.y(), 0.0), turn.col(0)});
+    }
+  }
+  return planes;
+}
+
+/// The largest piece of the arch that a plane mirrors to where the vertebra is not; of the planes, by the one that
+/// leaves the least of the arch without its like.
 void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
                    const Vec3& canal, LevelFigures& figures) {
   constexpr double kFarMm = 4.0;  // vertebrae are hardly more alike
@@ -87,20 +113,31 @@ void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, c
   const GridGeometry& geometry = cut.geometry();
   const Mat3 axes = body.axes();
   const std::vector<float> to_mine = squared_distance_to(mine, geometry);
-  std::vector<std::uint8_t> alone(mine.size(), 0);
+  std::vector<std::pair<std::size_t, Vec3>> arch;
   for_voxels_by_body(mine, geometry, body, [&](std::size_t voxel, const Vec3& p) {
-    const double side = side_of(p, canal);
-    if (p.y() < body.half_mm.y() || (p.y() > canal.y() + kSpinousMm && std::abs(side) < kSpinousMm)) return;
-    const Vec3 mirrored = geometry.to_index(body.centre_mm + axes * (p - Vec3(2.0 * side, 0.0, 0.0)));
-    const Eigen::Vector3i at = mirrored.array().round().cast<int>();
-    // What the box does not hold is no vertebra's.
-    const bool is_near =
-        geometry.contains(at.x(), at.y(), at.z()) && to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
-    if (!is_near) alone[voxel] = 1;
+    if (p.y() >= body.half_mm.y()) arch.emplace_back(voxel, p);
   });
+  std::vector<std::size_t> least, alone;
+  bool is_first = true;
+  for (const MirrorPlane& plane : mirror_planes(canal)) {
+    alone.clear();
+    for (const auto& [voxel, p] : arch) {
+      if (p.y() > canal.y() + kSpinousMm && std::abs(plane.side_of(p)) < kSpinousMm) continue;
+      const Vec3 mirrored = geometry.to_index(body.centre_mm + axes * plane.mirrored(p));
+      const Eigen::Vector3i at = mirrored.array().round().cast<int>();
+      // What the box does not hold is no vertebra's.
+      const bool is_near = geometry.contains(at.x(), at.y(), at.z()) &&
+                           to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
+      if (!is_near) alone.push_back(voxel);
+    }
+    if (is_first || alone.size() < least.size()) least = alone;
+    is_first = false;
+  }
+  std::vector<std::uint8_t> without_like(mine.size(), 0);
+  for (const std::size_t voxel : least) without_like[voxel] = 1;
   Vec3 sum_mm = Vec3::Zero();
   double count = 0.0;
-  for_voxels_by_body(largest_part(alone, geometry), geometry, body, [&](std::size_t, const Vec3& p) {
+  for_voxels_by_body(largest_part(without_like, geometry), geometry, body, [&](std::size_t, const Vec3& p) {
     sum_mm += body.centre_mm + axes * p;
     count += 1.0;
   });
