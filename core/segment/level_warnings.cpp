@@ -103,8 +103,8 @@ std::vector<MirrorPlane> mirror_planes(const Vec3& canal) {
   return planes;
 }
 
-/// The largest piece of the arch that a plane mirrors to where the vertebra is not; of the planes, by the one that
-/// leaves the least of the arch without its like.
+/// The largest piece of the arch that a plane mirrors to where the vertebra is not; of the planes, by the
+/// one that leaves the least of the arch without its like, where that is less than half of what the plain one leaves.
 void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
                    const Vec3& canal, LevelFigures& figures) {
   constexpr double kFarMm = 4.0;  // vertebrae are hardly more alike
@@ -117,7 +117,7 @@ void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, c
   for_voxels_by_body(mine, geometry, body, [&](std::size_t voxel, const Vec3& p) {
     if (p.y() >= body.half_mm.y()) arch.emplace_back(voxel, p);
   });
-  std::vector<std::size_t> least, alone;
+  std::vector<std::size_t> plain, least, alone;
   bool is_first = true;
   for (const MirrorPlane& plane : mirror_planes(canal)) {
     alone.clear();
@@ -130,9 +130,12 @@ void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, c
                            to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
       if (!is_near) alone.push_back(voxel);
     }
-    if (is_first || alone.size() < least.size()) least = alone;
+    if (is_first) plain = least = alone;
+    if (alone.size() < least.size()) least = alone;
     is_first = false;
   }
+  // A piece that is too much can be turned away in part; what was turned in the spine goes nearly whole.
+  if (2 * least.size() > plain.size()) least = std::move(plain);
   std::vector<std::uint8_t> without_like(mine.size(), 0);
   for (const std::size_t voxel : least) without_like[voxel] = 1;
   Vec3 sum_mm = Vec3::Zero();
