@@ -299,6 +299,12 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   if (mask_box(result.mask).empty()) fail("found no bone around ", in_words(result.report.body_centre_mm));
   set_name(result.report, names.levels[index], names.source, spine.bodies.size() - 1 - index);
   result.seed_mm = options.seed_mm ? *options.seed_mm : result.report.body_centre_mm;
+  const bool is_asked_for = options.seed_mm || options.names.size() == 1;
+  result.choice = joined(result.report.name, " of ", spine.bodies.size() - lowest, " found",
+                         is_asked_for           ? ""
+                         : result.report.is_cut ? ", the largest; none is whole"
+                                                : ", the largest that is whole",
+                         result.report.level == Level::kNone ? "; its level is not known" : "");
   return result;
 }
 
