@@ -50,16 +50,20 @@ void find_kept(const CtVolume& ct, std::int16_t set_hu, MaskedCt& masked) {
   masked.kept = {ct.geometry, largest_part(inside, ct.geometry)};
   const double largest = count(masked.kept.inside);
   masked.kept.inside = fill_hollows(masked.kept.inside, ct.geometry, 0.0);
-  constexpr double kNearlyAll = 0.9, kMinMm3 = 3000.0, kMaxMm3 = 150'000.0, kMaxMm = 160.0;
+  constexpr double kNearlyAll = 0.9, kMinMm3 = 3000.0, kMaxMm3 = 150'000.0;
   const double mm3 = count(masked.kept.inside) * ct.geometry.spacing_mm.prod();
   masked.is_one = largest > kNearlyAll * all && mm3 > kMinMm3 && mm3 < kMaxMm3;
   if (!masked.is_one) return;
+  // Along the patient's height a vertebra with its processes is lower than two bodies with theirs.
+  const Vec3 kMaxMm(150.0, 150.0, 95.0);
   const VoxelBlock block = block_around(masked.kept, 0.0);
+  Vec3 size_mm;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double size_mm =
-        (block.last[axis] - block.first[axis] + 1) * ct.geometry.spacing_mm[static_cast<Eigen::Index>(axis)];
-    masked.is_one = masked.is_one && size_mm < kMaxMm;
+    const auto n = static_cast<Eigen::Index>(axis);
+    size_mm[n] = (block.last[axis] - block.first[axis] + 1) * ct.geometry.spacing_mm[n];
   }
+  const Vec3 in_patient_mm = ct.geometry.directions.cwiseAbs() * size_mm;
+  masked.is_one = (in_patient_mm.array() < kMaxMm.array()).all();
 }
 
 }  // namespace
