@@ -144,6 +144,9 @@ Json report_baked(const CtVolume& ct, const BakedCt& baked) {
   const Vec3 size_mm = baked.bone.bounds_mm().sizes();
   if (baked.level != Level::kNone) print_figure("vertebra", level_name(baked.level));
   if (!baked.level_source.empty()) print_figure("vertebra known by", baked.level_source);
+  if (const auto mask = baked.bone.metadata().find("mask"); mask != baked.bone.metadata().end()) {
+    print_figure("taken", mask->second);
+  }
   print_figure("CT voxels", static_cast<double>(ct.geometry.voxel_count()), "", 0);
   print_figure("bone voxels", static_cast<double>(baked.mask_voxels), "", 0);
   print_figure("surface points", static_cast<double>(baked.fit.points), "", 0);

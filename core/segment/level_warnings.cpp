@@ -78,7 +78,33 @@ double side_of(const Vec3& p, const Vec3& canal) {
   return p.x() - canal.x() * std::clamp(p.y() / canal.y(), -0.5, 1.5);
 }
 
-/// The largest piece of the arch that the plane through body and canal mirrors to where the vertebra is not.
+/// A plane that one side is mirrored to the other by, in a body's frame.
+struct MirrorPlane {
+  Vec3 through;
+  Vec3 normal;
+  double side_of(const Vec3& p) const { return (p - through).dot(normal); }
+  Vec3 mirrored(const Vec3& p) const { return p - 2.0 * side_of(p) * normal; }
+};
+
+/// The plane through the body's middle and the canal, and others near it: in a spine that turns to a side the arch is
+/// turned and tilted against the body.
+std::vector<MirrorPlane> mirror_planes(const Vec3& canal) {
+  constexpr std::array<double, 5> kTurnsRad{0.0, -0.06, 0.06, -0.12, 0.12};
+  const double to_canal = std::atan2(canal.x(), canal.y());
+  std::vector<MirrorPlane> planes;
+  for (const double about_z : kTurnsRad) {
+    for (const double about_y : kTurnsRad) {
+      const Mat3 turn =
+          (Eigen::AngleAxisd(about_z - to_canal, Vec3::UnitZ()) * Eigen::AngleAxisd(about_y, Vec3::UnitY()))
+              .toRotationMatrix();
+      planes.push_back({Vec3(canal.x(), canal.y(), 0.0), turn.col(0)});
+    }
+  }
+  return planes;
+}
+
+/// The largest piece of the arch that a plane mirrors to where the vertebra is not; of the planes, by the
+/// one that leaves the least of the arch without its like, where that is less than half of what the plain one leaves.
 void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
                    const Vec3& canal, LevelFigures& figures) {
   constexpr double kFarMm = 4.0;  // vertebrae are hardly more alike
@@ -87,20 +113,34 @@ void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, c
   const GridGeometry& geometry = cut.geometry();
   const Mat3 axes = body.axes();
   const std::vector<float> to_mine = squared_distance_to(mine, geometry);
-  std::vector<std::uint8_t> alone(mine.size(), 0);
+  std::vector<std::pair<std::size_t, Vec3>> arch;
   for_voxels_by_body(mine, geometry, body, [&](std::size_t voxel, const Vec3& p) {
-    const double side = side_of(p, canal);
-    if (p.y() < body.half_mm.y() || (p.y() > canal.y() + kSpinousMm && std::abs(side) < kSpinousMm)) return;
-    const Vec3 mirrored = geometry.to_index(body.centre_mm + axes * (p - Vec3(2.0 * side, 0.0, 0.0)));
-    const Eigen::Vector3i at = mirrored.array().round().cast<int>();
-    // What the box does not hold is no vertebra's.
-    const bool is_near =
-        geometry.contains(at.x(), at.y(), at.z()) && to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
-    if (!is_near) alone[voxel] = 1;
+    if (p.y() >= body.half_mm.y()) arch.emplace_back(voxel, p);
   });
+  std::vector<std::size_t> plain, least, alone;
+  bool is_first = true;
+  for (const MirrorPlane& plane : mirror_planes(canal)) {
+    alone.clear();
+    for (const auto& [voxel, p] : arch) {
+      if (p.y() > canal.y() + kSpinousMm && std::abs(plane.side_of(p)) < kSpinousMm) continue;
+      const Vec3 mirrored = geometry.to_index(body.centre_mm + axes * plane.mirrored(p));
+      const Eigen::Vector3i at = mirrored.array().round().cast<int>();
+      // What the box does not hold is no vertebra's.
+      const bool is_near = geometry.contains(at.x(), at.y(), at.z()) &&
+                           to_mine[geometry.offset(at.x(), at.y(), at.z())] < kFarMm * kFarMm;
+      if (!is_near) alone.push_back(voxel);
+    }
+    if (is_first) plain = least = alone;
+    if (alone.size() < least.size()) least = alone;
+    is_first = false;
+  }
+  // A piece that is too much can be turned away in part; what was turned in the spine goes nearly whole.
+  if (2 * least.size() > plain.size()) least = std::move(plain);
+  std::vector<std::uint8_t> without_like(mine.size(), 0);
+  for (const std::size_t voxel : least) without_like[voxel] = 1;
   Vec3 sum_mm = Vec3::Zero();
   double count = 0.0;
-  for_voxels_by_body(largest_part(alone, geometry), geometry, body, [&](std::size_t, const Vec3& p) {
+  for_voxels_by_body(largest_part(without_like, geometry), geometry, body, [&](std::size_t, const Vec3& p) {
     sum_mm += body.centre_mm + axes * p;
     count += 1.0;
   });
@@ -143,13 +183,68 @@ class Warnings {
  public:
   void add(double severity, std::string text, const std::optional<Vec3>& where_mm = std::nullopt) {
     constexpr double kMin = 0.1;  // less is not worth a word
-    if (severity >= kMin) list_.push_back({std::move(text), severity, where_mm});
+    if (severity >= kMin) note(severity, std::move(text), where_mm);
+  }
+  /// Worth a word however small.
+  void note(double severity, std::string text, const std::optional<Vec3>& where_mm) {
+    list_.push_back({std::move(text), severity, where_mm});
   }
   std::vector<LevelWarning> take() { return std::move(list_); }
 
  private:
   std::vector<LevelWarning> list_;
 };
+
+/// A body of another size than its neighbours that are whole: where there are two, than either, so that a crushed body
+/// speaks against itself alone.
+void check_sizes(const std::vector<BodySpan>& chain, const BodyInRow& row, Warnings& warnings) {
+  struct Neighbour {
+    const char* side;
+    Vec3 ratio;
+  };
+  std::vector<Neighbour> neighbours;
+  const Vec3& half_mm = row.body().cylinder.half_mm;
+  for (const std::size_t other : {row.own - 1, row.own + 1}) {
+    if (other >= chain.size() || chain[other].lower.is_cut || chain[other].upper.is_cut) continue;
+    neighbours.push_back(
+        {other < row.own ? "lower" : "upper", half_mm.cwiseQuotient(row.bodies[other].cylinder.half_mm)});
+  }
+  if (neighbours.empty()) return;
+  for (const auto& [axis, name] : {std::pair{0, "wide"}, std::pair{1, "deep"}, std::pair{2, "high"}}) {
+    const auto off = [n = axis](const Neighbour& one) { return std::abs(std::log(one.ratio[n])); };
+    const auto nearest =
+        std::min_element(neighbours.begin(), neighbours.end(),
+                         [&](const Neighbour& one, const Neighbour& other) { return off(one) < off(other); });
+    warnings.add(0.6 * ramp(off(*nearest), std::log(1.3), std::log(1.6)),
+                 words("the body is ", nearest->ratio[axis], " times as ", name, " as its ", nearest->side,
+                       " neighbour", neighbours.size() > 1 ? ", and as unlike the other" : ""),
+                 row.body().cylinder.centre_mm);
+  }
+}
+
+/// Cuts through joints and ribs that no gap shows cost a vertebra little, and neighbours share them: each is told, and
+/// all together speak against it by their area.
+void check_bridges(const std::array<Bridge, kContacts>& bridges, Warnings& warnings) {
+  constexpr double kWorthAWordMm2 = 12.0, kNoteSeverity = 0.02;
+  const auto text_of = [](double mm2, Contact contact) {
+    return words("no gap shows over ", mm2, " mm2 between it and ", name_of(contact), ": the cut there is a guess");
+  };
+  const Bridge& ends = bridges[static_cast<std::size_t>(Contact::ends)];
+  warnings.add(0.7 * ramp(ends.mm2, 90.0, 200.0), text_of(ends.mm2, Contact::ends), ends.where_mm);
+  std::vector<std::size_t> told;
+  double sum_mm2 = 0.0;
+  for (std::size_t n = 0; n < kContacts; ++n) {
+    if (static_cast<Contact>(n) == Contact::ends || bridges[n].mm2 < kWorthAWordMm2) continue;
+    told.push_back(n);
+    sum_mm2 += bridges[n].mm2;
+  }
+  const double severity = 0.4 * ramp(sum_mm2, 15.0, 60.0);
+  for (const std::size_t n : told) {
+    // What they leave of the whole together is what the sum's severity does.
+    const double own = 1.0 - std::pow(1.0 - severity, bridges[n].mm2 / sum_mm2);
+    warnings.note(std::max(own, kNoteSeverity), text_of(bridges[n].mm2, static_cast<Contact>(n)), bridges[n].where_mm);
+  }
+}
 
 }  // namespace
 
@@ -230,16 +325,11 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
                  words("the ", name, " endplate is weak: ", end->edge, " of a clear one, expected 0.35 and more"),
                  end->centre_mm);
   }
-  // Against the neighbours that are whole.
+  if (!is_cut) check_sizes(chain, row, warnings);
+  // Gaps to the neighbours that are whole.
   for (const std::size_t other : {row.own - 1, row.own + 1}) {
     if (other >= chain.size() || is_cut || chain[other].lower.is_cut || chain[other].upper.is_cut) continue;
-    const Vec3 ratio = body.half_mm.cwiseQuotient(row.bodies[other].cylinder.half_mm);
     const char* side = other < row.own ? "lower" : "upper";
-    for (const auto& [value, name] :
-         {std::pair{ratio.x(), "wide"}, std::pair{ratio.y(), "deep"}, std::pair{ratio.z(), "high"}}) {
-      warnings.add(0.6 * ramp(std::abs(std::log(value)), std::log(1.3), std::log(1.6)),
-                   words("the body is ", value, " times as ", name, " as its ", side, " neighbour"), body.centre_mm);
-    }
     const BodySpan& lower = other < row.own ? chain[other] : span;
     const BodySpan& upper = other < row.own ? span : chain[other];
     const double gap_mm = (upper.lower.centre_mm - lower.upper.centre_mm).norm();
@@ -291,15 +381,7 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
   warnings.add(0.7 * ramp(reach_mm, 7.0, 14.0),
                words("it reaches ", figures.left_reach_mm, " mm to the left and ", figures.right_reach_mm,
                      " mm to the right: a rib may have stayed on, or a process be cut off"));
-  for (std::size_t n = 0; n < kContacts; ++n) {
-    const auto& [mm2, where_mm] = figures.bridges[n];
-    const auto contact = static_cast<Contact>(n);
-    const bool is_ends = contact == Contact::ends;
-    warnings.add(
-        is_ends ? 0.7 * ramp(mm2, 90.0, 200.0) : 0.4 * ramp(mm2, 8.0, 25.0),
-        words("no gap shows over ", mm2, " mm2 between it and ", name_of(contact), ": the cut there is a guess"),
-        where_mm);
-  }
+  check_bridges(figures.bridges, warnings);
   warnings.add(
       0.7 * ramp(figures.lopsided_mm3, 300.0, 1000.0),
       words("a piece of ", figures.lopsided_mm3,

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/segment/cut_levels.h"
+#include "core/segment/masked_ct.h"
 
 namespace spinaltap {
 namespace {
@@ -214,10 +215,8 @@ BoneReport bone_of(const BoneLevels& levels) {
   return {.threshold_hu = levels.low_hu, .sure_threshold_hu = levels.sure_hu, .noise_hu = levels.noise_hu};
 }
 
-}  // namespace
-
-SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
-  const SpineBodies spine = bodies_for(ct, options, progress);
+SpineSegmentation spine_of(const CtVolume& ct, const SpineBodies& spine, const SegmentOptions& options,
+                           const Progress& progress) {
   Names names = given_names(spine, options.names);
   if (!options.corrections.empty() && options.names.empty() && !spine.has_sacrum) {
     const bool any_level = std::any_of(options.corrections.begin(), options.corrections.end(),
@@ -265,8 +264,8 @@ SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& option
   return result;
 }
 
-Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
-  const SpineBodies spine = bodies_for(ct, options, progress);
+Segmentation vertebra_of(const CtVolume& ct, const SpineBodies& spine, const SegmentOptions& options,
+                         const Progress& progress) {
   const std::size_t lowest = spine.has_sacrum ? 1 : 0;
   std::size_t index = lowest;
   if (options.seed_mm) {
@@ -299,6 +298,106 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   if (mask_box(result.mask).empty()) fail("found no bone around ", in_words(result.report.body_centre_mm));
   set_name(result.report, names.levels[index], names.source, spine.bodies.size() - 1 - index);
   result.seed_mm = options.seed_mm ? *options.seed_mm : result.report.body_centre_mm;
+  const bool is_asked_for = options.seed_mm || options.names.size() == 1;
+  result.choice = joined(result.report.name, " of ", spine.bodies.size() - lowest, " found",
+                         is_asked_for           ? ""
+                         : result.report.is_cut ? ", the largest; none is whole"
+                                                : ", the largest that is whole",
+                         result.report.level == Level::kNone ? "; its level is not known" : "");
+  return result;
+}
+
+/// The bone that was kept of a masked CT, for a vertebra in which no body and canal were seen.
+LevelReport report_of_kept(const BoneMask& kept) {
+  LevelReport report;
+  Vec3 sum = Vec3::Zero();
+  double count = 0.0;
+  std::size_t voxel = 0;
+  for (int k = 0; k < kept.geometry.size[2]; ++k) {
+    for (int j = 0; j < kept.geometry.size[1]; ++j) {
+      for (int i = 0; i < kept.geometry.size[0]; ++i) {
+        if (kept.inside[voxel++] == 0) continue;
+        sum += Vec3(i, j, k);
+        count += 1.0;
+      }
+    }
+  }
+  report.body_centre_mm = kept.geometry.to_patient(sum / count);
+  report.volume_mm3 = count * kept.geometry.spacing_mm.prod();
+  report.warnings = {{"the CT is masked, and no body and canal were seen in the bone that it keeps: taken as it stands",
+                      kSuspect, std::nullopt}};
+  report.severity = total_severity(report.warnings);
+  set_name(report, Level::kNone, NameSource::counted, 0);
+  return report;
+}
+
+/// Where all of a masked CT is one vertebra, its mask is better than what thresholds find in it. `found` has its
+/// volume.
+bool is_kept_alone(const MaskedCt& masked, const LevelReport& found) {
+  constexpr double kMostMore = 1.25;  // a mask that was drawn with a margin is none of a bone
+  const auto voxels = std::count(masked.kept.inside.begin(), masked.kept.inside.end(), std::uint8_t{1});
+  const double kept_mm3 = static_cast<double>(voxels) * masked.kept.geometry.spacing_mm.prod();
+  return masked.is_one && kept_mm3 < kMostMore * found.volume_mm3;
+}
+
+void take_kept(const MaskedCt& masked, LevelReport& report) {
+  const auto voxels = std::count(masked.kept.inside.begin(), masked.kept.inside.end(), std::uint8_t{1});
+  report.volume_mm3 = static_cast<double>(voxels) * masked.kept.geometry.spacing_mm.prod();
+  report.warnings.push_back({"the CT is masked: the bone that it keeps is taken as it stands", 0.1, std::nullopt});
+  report.severity = total_severity(report.warnings);
+}
+
+/// As bodies_for(), and empty where there is no spine, but a bone that may be a vertebra.
+SpineBodies bodies_in_masked(const MaskedCt& masked, const SegmentOptions& options, const Progress& progress) {
+  if (options.seed_mm || !options.names.empty() || !masked.is_one) return bodies_for(masked.ct, options, progress);
+  return find_spine_bodies(masked.ct, options.threshold_hu, std::nullopt, progress);
+}
+
+}  // namespace
+
+SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  const std::optional<MaskedCt> masked = as_masked(ct);
+  if (!masked) return spine_of(ct, bodies_for(ct, options, progress), options, progress);
+  const SpineBodies spine = bodies_in_masked(*masked, options, progress);
+  SpineSegmentation result;
+  if (spine.bodies.empty()) {
+    result.bone = bone_of(spine.levels);
+    result.levels = {report_of_kept(masked->kept)};
+  } else {
+    result = spine_of(masked->ct, spine, options, progress);
+    BoneMask labels = crop(BoneMask{masked->ct.geometry, std::move(result.labels.labels)}, masked->original);
+    result.labels.labels = std::move(labels.inside);
+    result.labels.geometry = ct.geometry;
+    if (result.levels.size() != 1 || !is_kept_alone(*masked, result.levels.front())) return result;
+    take_kept(*masked, result.levels.front());
+  }
+  const LevelReport& one = result.levels.front();
+  result.labels.geometry = ct.geometry;
+  result.labels.labels = masked->kept.inside;
+  for (std::uint8_t& label : result.labels.labels) label = label != 0 ? static_cast<std::uint8_t>(one.label) : 0;
+  result.labels.names = {{one.label, {one.name, one.level}}};
+  return result;
+}
+
+Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  const std::optional<MaskedCt> masked = as_masked(ct);
+  if (!masked) return vertebra_of(ct, bodies_for(ct, options, progress), options, progress);
+  const SpineBodies spine = bodies_in_masked(*masked, options, progress);
+  Segmentation result;
+  if (spine.bodies.empty()) {
+    result.bone = bone_of(spine.levels);
+    result.report = report_of_kept(masked->kept);
+    result.mask = masked->kept;
+    result.seed_mm = result.report.body_centre_mm;
+    result.choice = "the bone that a masked CT keeps; its level is not known";
+    return result;
+  }
+  result = vertebra_of(masked->ct, spine, options, progress);
+  result.mask = crop(result.mask, masked->original);
+  if (spine.bodies.size() == 1 && is_kept_alone(*masked, result.report)) {
+    take_kept(*masked, result.report);
+    result.mask = masked->kept;
+  }
   return result;
 }
 

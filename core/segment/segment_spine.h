@@ -90,6 +90,7 @@ struct Segmentation {
   LevelReport report;
   BoneReport bone;
   Vec3 seed_mm = Vec3::Zero();  ///< given, or the body's middle
+  std::string choice;           ///< which it is of those that were found: "V2 of 3 found, the largest that is whole"
 };
 
 /// One vertebra: what segment_spine() makes of it, in less time. Throws Error when the seed is outside the CT or in no

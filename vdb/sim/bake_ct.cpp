@@ -81,10 +81,10 @@ MaskStage make_mask(const CtVolume& ct, const BakeCtOptions& options, const Bake
     }
   }
   ChosenBone chosen = choose_bone(ct, options.labels, options.segment, progress);
-  MaskStage stage{
-      std::move(chosen.mask),
-      chosen.found ? joined("threshold ", chosen.found->bone.threshold_hu, " HU") : joined("label ", chosen.label),
-      chosen.level, std::nullopt, chosen.level_source};
+  MaskStage stage{std::move(chosen.mask),
+                  chosen.found ? joined(chosen.found->choice, "; bone from ", chosen.found->bone.threshold_hu, " HU on")
+                               : joined("label ", chosen.label),
+                  chosen.level, std::nullopt, chosen.level_source};
   const bool is_doubted = !chosen.warnings.warnings.empty();
   if (chosen.found || is_doubted) stage.warnings = chosen.warnings;
   if (!options.labels) cache.keep_mask(key, stage);

@@ -142,10 +142,19 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"a fourth", [](BodyColumn& c) { bridge(c, Contact::lower_right); }, "below, in the right joint", false},
         Spoilt{"a fused rib", [](BodyColumn& c) { bridge(c, Contact::left_rib); }, "the left rib", false},
         Spoilt{"another rib", [](BodyColumn& c) { bridge(c, Contact::right_rib); }, "the right rib", false},
-        Spoilt{"two bridged joints",
+        // A guess at its joints leaves most of a vertebra right.
+        Spoilt{"all joints bridged",
                [](BodyColumn& c) {
-                 bridge(c, Contact::upper_left);
-                 bridge(c, Contact::upper_right);
+                 for (const Contact contact :
+                      {Contact::upper_left, Contact::upper_right, Contact::lower_left, Contact::lower_right}) {
+                   bridge(c, contact);
+                 }
+               },
+               "in the right joint", false},
+        Spoilt{"all joints bridged, and a piece too much",
+               [](BodyColumn& c) {
+                 for (std::size_t n = 1; n < kContacts; ++n) c.figures.bridges[n].mm2 = 30.0;
+                 c.figures.lopsided_mm3 = 600.0;
                },
                "in the right joint", true},
         Spoilt{"whose is it", [](BodyColumn& c) { c.figures.unsure_share = 0.4; }, "unsure whose", true},
@@ -161,6 +170,15 @@ TEST(LevelWarnings, TellWhereTheCanalGoesOnBeyondTheOutermostBodies) {
   EXPECT_THAT(texts_of(column.warnings(2)), HasSubstr("a vertebra may be missing"));
   EXPECT_EQ(texts_of(column.warnings(1)), "");
   EXPECT_EQ(texts_of(column.warnings(0)), "");
+}
+
+TEST(LevelWarnings, OfACrushedBodyAreItsOwn) {
+  BodyColumn column;
+  column.bodies[1].cylinder.half_mm.z() *= 0.6;
+  EXPECT_THAT(texts_of(column.warnings(1)), HasSubstr("times as high as its"));
+  column = BodyColumn();
+  column.bodies[2].cylinder.half_mm.z() *= 0.6;
+  EXPECT_EQ(texts_of(column.warnings(1)), "");
 }
 
 TEST(LevelWarnings, AddsSmallWarningsUp) {
