@@ -54,10 +54,13 @@ std::size_t body_of(const SpineBodies& spine, const std::string& what, const Vec
        in_words((10.0 * nearest->cylinder.centre_mm).array().round().matrix() / 10.0));
 }
 
-/// The bodies of the CT; where they do not hold the seed, those of the spine nearest to it.
-SpineBodies bodies_for(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+void check_points(const CtVolume& ct, const SegmentOptions& options) {
   if (options.seed_mm) check_point(ct, "seed", *options.seed_mm);
   for (const LevelPoint& name : options.names) check_point(ct, level_name(name.level), name.p_mm);
+}
+
+/// The bodies of the CT; where they do not hold the seed, those of the spine nearest to it.
+SpineBodies bodies_for(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
   // Without the seed first: where it finds the same bodies, the seed's place changes nothing.
   SpineBodies spine = find_spine_bodies(ct, options.threshold_hu, std::nullopt, progress);
   const bool has_seed = options.seed_mm || !options.names.empty();
@@ -356,6 +359,7 @@ SpineBodies bodies_in_masked(const MaskedCt& masked, const SegmentOptions& optio
 }  // namespace
 
 SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  check_points(ct, options);
   const std::optional<MaskedCt> masked = as_masked(ct);
   if (!masked) return spine_of(ct, bodies_for(ct, options, progress), options, progress);
   const SpineBodies spine = bodies_in_masked(*masked, options, progress);
@@ -380,6 +384,7 @@ SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& option
 }
 
 Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options, const Progress& progress) {
+  check_points(ct, options);
   const std::optional<MaskedCt> masked = as_masked(ct);
   if (!masked) return vertebra_of(ct, bodies_for(ct, options, progress), options, progress);
   const SpineBodies spine = bodies_in_masked(*masked, options, progress);
