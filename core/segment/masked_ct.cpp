@@ -1,6 +1,7 @@
 #include "core/segment/masked_ct.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/segment/detail/connected_parts.h"
@@ -50,8 +51,8 @@ void find_kept(const CtVolume& ct, std::int16_t set_hu, MaskedCt& masked) {
   const double largest = count(masked.kept.inside);
   masked.kept.inside = fill_hollows(masked.kept.inside, ct.geometry, 0.0);
   constexpr double kNearlyAll = 0.9, kMinMm3 = 3000.0, kMaxMm3 = 150'000.0;
-  const double mm3 = count(masked.kept.inside) * ct.geometry.spacing_mm.prod();
-  masked.is_one = largest > kNearlyAll * all && mm3 > kMinMm3 && mm3 < kMaxMm3;
+  masked.kept_mm3 = count(masked.kept.inside) * ct.geometry.spacing_mm.prod();
+  masked.is_one = largest > kNearlyAll * all && masked.kept_mm3 > kMinMm3 && masked.kept_mm3 < kMaxMm3;
   if (!masked.is_one) return;
   // Along the patient's height a vertebra with its processes is lower than two bodies with theirs.
   const Vec3 kMaxMm(150.0, 150.0, 95.0);
@@ -65,6 +66,29 @@ void find_kept(const CtVolume& ct, std::int16_t set_hu, MaskedCt& masked) {
   masked.is_one = (in_patient_mm.array() < kMaxMm.array()).all();
 }
 
+/// The voxels around the given ones at an axis' first and last end.
+std::array<int, 2> margins(const BoneMask& kept, std::size_t axis) {
+  constexpr double kCutMm2 = 200.0;  // less are tips of processes, more is a body
+  const GridGeometry& geometry = kept.geometry;
+  const auto n = static_cast<Eigen::Index>(axis);
+  const int margin = static_cast<int>(std::ceil(kMarginMm / geometry.spacing_mm[n]));
+  Eigen::Index upright = 0;
+  geometry.directions.row(2).cwiseAbs().maxCoeff(&upright);
+  if (n != upright) return {margin, margin};
+  std::array<double, 2> mm2{};
+  const double face_mm2 = geometry.spacing_mm.prod() / geometry.spacing_mm[n];
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        const int at = std::array{i, j, k}[axis];
+        if (at == 0 && kept.at(i, j, k)) mm2[0] += face_mm2;
+        if (at == geometry.size[axis] - 1 && kept.at(i, j, k)) mm2[1] += face_mm2;
+      }
+    }
+  }
+  return {mm2[0] > kCutMm2 ? 0 : margin, mm2[1] > kCutMm2 ? 0 : margin};
+}
+
 }  // namespace
 
 std::optional<MaskedCt> as_masked(const CtVolume& ct) {
@@ -76,11 +100,11 @@ std::optional<MaskedCt> as_masked(const CtVolume& ct) {
   Vec3 first;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto n = static_cast<Eigen::Index>(axis);
-    const int margin = static_cast<int>(std::ceil(kMarginMm / ct.geometry.spacing_mm[n]));
-    first[n] = -margin;
-    geometry.size[axis] += 2 * margin;
-    masked.original.first[axis] = margin;
-    masked.original.last[axis] = margin + ct.geometry.size[axis] - 1;
+    const auto [before, behind] = margins(masked.kept, axis);
+    first[n] = -before;
+    geometry.size[axis] += before + behind;
+    masked.original.first[axis] = before;
+    masked.original.last[axis] = before + ct.geometry.size[axis] - 1;
   }
   geometry.origin_mm = ct.geometry.to_patient(first);
   std::vector<std::int16_t> hu(geometry.voxel_count(), 0);

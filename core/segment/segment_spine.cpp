@@ -311,22 +311,19 @@ Segmentation vertebra_of(const CtVolume& ct, const SpineBodies& spine, const Seg
 }
 
 /// The bone that was kept of a masked CT, for a vertebra in which no body and canal were seen.
-LevelReport report_of_kept(const BoneMask& kept) {
+LevelReport report_of_kept(const MaskedCt& masked) {
   LevelReport report;
+  const GridGeometry& geometry = masked.kept.geometry;
   Vec3 sum = Vec3::Zero();
-  double count = 0.0;
-  std::size_t voxel = 0;
-  for (int k = 0; k < kept.geometry.size[2]; ++k) {
-    for (int j = 0; j < kept.geometry.size[1]; ++j) {
-      for (int i = 0; i < kept.geometry.size[0]; ++i) {
-        if (kept.inside[voxel++] == 0) continue;
-        sum += Vec3(i, j, k);
-        count += 1.0;
-      }
-    }
-  }
-  report.body_centre_mm = kept.geometry.to_patient(sum / count);
-  report.volume_mm3 = count * kept.geometry.spacing_mm.prod();
+  for_box(geometry, mask_box(masked.kept), [&](std::size_t offset, std::size_t) {
+    if (masked.kept.inside[offset] == 0) return;
+    const auto slice = static_cast<std::ptrdiff_t>(geometry.offset(0, 0, 1));
+    const auto row = static_cast<std::ptrdiff_t>(geometry.offset(0, 1, 0));
+    const auto at = static_cast<std::ptrdiff_t>(offset);
+    sum += Vec3(static_cast<double>(at % row), static_cast<double>(at % slice / row), static_cast<double>(at / slice));
+  });
+  report.body_centre_mm = geometry.to_patient(sum * geometry.spacing_mm.prod() / masked.kept_mm3);
+  report.volume_mm3 = masked.kept_mm3;
   report.warnings = {{"the CT is masked, and no body and canal were seen in the bone that it keeps: taken as it stands",
                       kSuspect, std::nullopt}};
   report.severity = total_severity(report.warnings);
@@ -334,20 +331,15 @@ LevelReport report_of_kept(const BoneMask& kept) {
   return report;
 }
 
-/// Where all of a masked CT is one vertebra, its mask is better than what thresholds find in it. `found` has its
-/// volume.
-bool is_kept_alone(const MaskedCt& masked, const LevelReport& found) {
+/// Where all of a masked CT is one vertebra, its mask is better than what thresholds find in it: then `found`, a report
+/// of that, is made one of the mask.
+bool take_kept(const MaskedCt& masked, const SpineBodies& spine, LevelReport& found) {
   constexpr double kMostMore = 1.25;  // a mask that was drawn with a margin is none of a bone
-  const auto voxels = std::count(masked.kept.inside.begin(), masked.kept.inside.end(), std::uint8_t{1});
-  const double kept_mm3 = static_cast<double>(voxels) * masked.kept.geometry.spacing_mm.prod();
-  return masked.is_one && kept_mm3 < kMostMore * found.volume_mm3;
-}
-
-void take_kept(const MaskedCt& masked, LevelReport& report) {
-  const auto voxels = std::count(masked.kept.inside.begin(), masked.kept.inside.end(), std::uint8_t{1});
-  report.volume_mm3 = static_cast<double>(voxels) * masked.kept.geometry.spacing_mm.prod();
-  report.warnings.push_back({"the CT is masked: the bone that it keeps is taken as it stands", 0.1, std::nullopt});
-  report.severity = total_severity(report.warnings);
+  if (!masked.is_one || spine.bodies.size() != 1 || !(masked.kept_mm3 < kMostMore * found.volume_mm3)) return false;
+  found.volume_mm3 = masked.kept_mm3;
+  found.warnings.push_back({"the CT is masked: the bone that it keeps is taken as it stands", 0.1, std::nullopt});
+  found.severity = total_severity(found.warnings);
+  return true;
 }
 
 /// As bodies_for(), and empty where there is no spine, but a bone that may be a vertebra.
@@ -366,14 +358,13 @@ SpineSegmentation segment_spine(const CtVolume& ct, const SegmentOptions& option
   SpineSegmentation result;
   if (spine.bodies.empty()) {
     result.bone = bone_of(spine.levels);
-    result.levels = {report_of_kept(masked->kept)};
+    result.levels = {report_of_kept(*masked)};
   } else {
     result = spine_of(masked->ct, spine, options, progress);
     BoneMask labels = crop(BoneMask{masked->ct.geometry, std::move(result.labels.labels)}, masked->original);
     result.labels.labels = std::move(labels.inside);
     result.labels.geometry = ct.geometry;
-    if (result.levels.size() != 1 || !is_kept_alone(*masked, result.levels.front())) return result;
-    take_kept(*masked, result.levels.front());
+    if (result.levels.empty() || !take_kept(*masked, spine, result.levels.front())) return result;
   }
   const LevelReport& one = result.levels.front();
   result.labels.geometry = ct.geometry;
@@ -391,7 +382,7 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   Segmentation result;
   if (spine.bodies.empty()) {
     result.bone = bone_of(spine.levels);
-    result.report = report_of_kept(masked->kept);
+    result.report = report_of_kept(*masked);
     result.mask = masked->kept;
     result.seed_mm = result.report.body_centre_mm;
     result.choice = "the bone that a masked CT keeps; its level is not known";
@@ -399,10 +390,7 @@ Segmentation segment_vertebra(const CtVolume& ct, const SegmentOptions& options,
   }
   result = vertebra_of(masked->ct, spine, options, progress);
   result.mask = crop(result.mask, masked->original);
-  if (spine.bodies.size() == 1 && is_kept_alone(*masked, result.report)) {
-    take_kept(*masked, result.report);
-    result.mask = masked->kept;
-  }
+  if (take_kept(*masked, spine, result.report)) result.mask = masked->kept;
   return result;
 }
 

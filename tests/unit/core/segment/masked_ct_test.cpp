@@ -148,5 +148,25 @@ TEST_F(MaskedSpine, OfSeveralIsPartedAsAnyOther) {
   }
 }
 
+// Water beyond would make an endplate of the cut.
+TEST_F(MaskedSpine, ThatTheCtCutsIsToldToBeCut) {
+  for (const std::int16_t hu : {std::int16_t{0}, std::int16_t{-1024}}) {
+    const CtVolume whole = keep({Level::kT12, Level::kL1, Level{21}}, hu);
+    const BoneMask lowest = mask_of(*truth_, Level{21});
+    const VoxelBlock box = block_around(lowest, 0.0);
+    VoxelBlock part{{0, 0, 0}, {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) part.last[axis] = whole.geometry.size[axis] - 1;
+    // Through the middle of the upper half of L2: its body is there.
+    part.first[2] = box.first[2] + (box.last[2] - box.first[2]) * 5 / 8;
+    const CtVolume ct = crop(whole, part);
+    EXPECT_EQ(as_masked(ct)->original.first[2], 0);
+    EXPECT_GT(as_masked(ct)->original.first[0], 0);
+    const SpineSegmentation found = segment_spine(ct);
+    ASSERT_FALSE(found.levels.empty());
+    EXPECT_TRUE(found.levels.back().is_cut) << hu;
+    EXPECT_FALSE(found.levels.back().warnings.empty());
+  }
+}
+
 }  // namespace
 }  // namespace spinaltap
