@@ -320,7 +320,7 @@ LevelReport report_of_kept(const MaskedCt& masked) {
     const auto slice = static_cast<std::ptrdiff_t>(geometry.offset(0, 0, 1));
     const auto row = static_cast<std::ptrdiff_t>(geometry.offset(0, 1, 0));
     const auto at = static_cast<std::ptrdiff_t>(offset);
-    sum += Vec3(static_cast<double>(at % row), static_cast<double>(at % slice / row), static_cast<double>(at / slice));
+    sum += Eigen::Matrix<std::ptrdiff_t, 3, 1>(at % row, at % slice / row, at / slice).cast<double>();
   });
   report.body_centre_mm = geometry.to_patient(sum * geometry.spacing_mm.prod() / masked.kept_mm3);
   report.volume_mm3 = masked.kept_mm3;
