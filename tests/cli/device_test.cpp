@@ -13,6 +13,7 @@
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace spinaltap {
 namespace {
@@ -62,7 +63,7 @@ TEST_F(DrillByDevice, LoopbackIsRecordedAndReplaysBitForBit) {
 }
 
 TEST_F(DrillByDevice, APluginIsLoadedAndDrills) {
-  const std::string plugin = SPINALTAP_EXAMPLE_PLUGIN;
+  const std::string plugin = test::kExamplePlugin;
   const test::ProgramRun run = drill("--device " + plugin + ":push --seconds 4 --record run.h5");
   EXPECT_EQ(run.exit_code, 1) << run.errors;  // this hand never ends it: the time does
   EXPECT_EQ(figures()["operator"]["device"], "pushed mass");
@@ -101,7 +102,7 @@ TEST_F(DrillByDevice, WrongDevicesAndOptionsAreRejectedInWords) {
   };
   EXPECT_THAT(error("--device none.so"), HasSubstr("expected a device's plug-in, found no such file: none.so"));
   EXPECT_THAT(error("--device plan.json"), HasSubstr("found no shared library that can be loaded in plan.json"));
-  EXPECT_THAT(error(std::string("--device ") + SPINALTAP_EXAMPLE_PLUGIN + ":pull"),
+  EXPECT_THAT(error(std::string("--device ") + test::kExamplePlugin + ":pull"),
               HasSubstr("expected the option push or none, found pull"));
   EXPECT_THAT(error("--device loopback:pull=3"), HasSubstr("expected push=, delay=, seconds=, pulled= or seed="));
   EXPECT_THAT(error("--device loopback:push=much"), HasSubstr("expected push= from 0 to 50, found \"much\""));

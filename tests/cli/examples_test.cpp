@@ -18,6 +18,7 @@
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
@@ -41,7 +42,8 @@ class Examples : public ::testing::Test {
   static void TearDownTestSuite() { delete folder_; }
 
   static test::ProgramRun example(const std::string& name, const std::string& arguments) {
-    return test::run_command("'" SPINALTAP_EXAMPLES "/example_" + name + "' " + arguments, folder_->path());
+    return test::run_command(std::string("'") + test::kProgramFolder + "/example_" + name + "' " + arguments,
+                             folder_->path());
   }
 
   static inline test::TemporaryFolder* folder_ = nullptr;
@@ -62,7 +64,7 @@ TEST_F(Examples, BakeAndDrillGivesForcesAtEachStepInFifteenLines) {
   EXPECT_GT(max_n, 3.0) << "the cortex resists";
   EXPECT_LT(max_n, 300.0);
 
-  std::ifstream source(SPINALTAP_EXAMPLE_SOURCES "/bake_and_drill.cpp");
+  std::ifstream source(std::string(test::kSourceFolder) + "/apps/examples/bake_and_drill.cpp");
   std::size_t lines_of_code = 0;
   for (std::string line; std::getline(source, line);) {
     if (!line.empty() && !line.starts_with("//")) ++lines_of_code;
@@ -188,7 +190,7 @@ TEST_F(Examples, OpenVdbAloneFindsWhatABoneSays) {
 TEST_F(Examples, StandInTheirGuides) {
   const auto text_of = [](const std::string& file) {
     std::ostringstream text;
-    text << std::ifstream(SPINALTAP_EXAMPLE_SOURCES "/" + file).rdbuf();
+    text << std::ifstream(std::string(test::kSourceFolder) + "/apps/examples/" + file).rdbuf();
     return text.str();
   };
   const std::map<std::string, std::string> guides{

@@ -12,6 +12,7 @@
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace spinaltap {
 namespace {
@@ -50,9 +51,9 @@ class Link : public ::testing::Test {
         "' link bone.vdb plan.json --port 0 --seconds 60 --json link.json --force " +
             options +
             " > out.txt & pid=$!; for n in $(seq 600); do grep -q port out.txt && break; sleep 0.05; done;"
-            " port=$(sed -n 's/.*port \\([0-9]*\\)$/\\1/p' out.txt); /usr/bin/python3 '" SPINALTAP_LINK_CLIENT
-            "' $port --from=" +
-            begin + " --to=" + end + " " + client_options + " > client.json; " + in_between + " wait $pid",
+            " port=$(sed -n 's/.*port \\([0-9]*\\)$/\\1/p' out.txt); /usr/bin/python3 '" +
+            test::kSourceFolder + "/tests/cli/link_client.py' $port --from=" + begin + " --to=" + end + " " +
+            client_options + " > client.json; " + in_between + " wait $pid",
         folder_->path());
   }
   static Json json(const std::string& name) { return read_json(folder_->path() / name); }

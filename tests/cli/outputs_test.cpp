@@ -15,6 +15,7 @@
 #include "tests/cli/bone_ball.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace spinaltap {
 namespace {
@@ -182,7 +183,7 @@ TEST_F(Outputs, OfRunAreWhereItWasCalled) {
   fs::create_directories(in("tree/build/bin"));
   fs::create_directories(in("tools"));
   fs::create_directories(in("caller"));
-  fs::copy_file(SPINALTAP_RUN_SCRIPT, in("tree/run"));
+  fs::copy_file(fs::path(test::kSourceFolder) / "run", in("tree/run"));
   write_whole_file(in("tree/build/build.ninja"), "test_planner spinaltap_python");
   const auto tool = [&](const std::string& name, const std::string& text) {
     write_whole_file(in(name), "#!/bin/sh\n" + text + "\n");

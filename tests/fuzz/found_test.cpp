@@ -8,13 +8,14 @@
 #include "tests/fuzz/mutate.h"
 #include "tests/fuzz/readers.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace spinaltap::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFound = fs::path(SPINALTAP_SOURCE_DIR) / "tests/fuzz/found";
+const fs::path kFound = fs::path(test::kSourceFolder) / "tests/fuzz/found";
 
 class FuzzedReader : public testing::TestWithParam<std::string> {
  protected:

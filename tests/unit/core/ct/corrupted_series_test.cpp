@@ -10,6 +10,7 @@
 #include "core/ct/read_ct.h"
 #include "tests/support/corrupted_series.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace spinaltap {
 namespace {
@@ -114,7 +115,7 @@ TEST(CorruptedSeries, NoneOfTwoThousandIsReadWrongWithoutAWord) {
     for (std::size_t n = 0; n + 1 < kOutcomes; ++n) text += " " + std::to_string(counts[n]) + " |";
     text += "\n";
   }
-  EXPECT_NE(read_whole_file(SPINALTAP_SOURCE_DIR "/docs/checks.md").find(text), std::string::npos)
+  EXPECT_NE(read_whole_file(std::string(test::kSourceFolder) + "/docs/checks.md").find(text), std::string::npos)
       << "the page's table is to be\n"
       << text;
 }

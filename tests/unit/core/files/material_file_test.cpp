@@ -10,6 +10,7 @@
 #include "core/files/json_file.h"
 #include "core/files/material_file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 #include "tests/support/with_format.h"
 
 namespace spinaltap {
@@ -20,7 +21,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 const std::filesystem::path kShippedDensity =
-    std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/densities/vertebra.json";
+    std::filesystem::path(test::kSourceFolder) / "data/densities/vertebra.json";
 
 class DensityFile : public testing::Test {
  protected:
@@ -77,7 +78,7 @@ TEST_F(DensityFile, IsRejectedWithFileAndFaultNamed) {
 }
 
 const std::filesystem::path kShippedMaterial =
-    std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/materials/vertebra.json";
+    std::filesystem::path(test::kSourceFolder) / "data/materials/vertebra.json";
 
 /// Every key, and the member that it is for.
 const std::map<std::string, double Material::*> kMembers{

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/phantom/vertebra.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 #include "tests/support/with_format.h"
 
 namespace spinaltap {
@@ -18,7 +19,7 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::filesystem::path kShipped = std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/phantom/l3.json";
+const std::filesystem::path kShipped = std::filesystem::path(test::kSourceFolder) / "data/phantom/l3.json";
 
 json shipped() { return json::parse(std::ifstream(kShipped)); }
 

@@ -29,7 +29,7 @@ std::string complaint_about(const Json& json) {
   return "";
 }
 
-Json shipped() { return read_json(data_file("errors/robot_726.json")); }
+Json shipped_errors() { return read_json(data_file("errors/robot_726.json")); }
 
 TEST(PlacementErrorsFile, AreThoseOf726ScrewsWhereTheRobotIsAskedFor) {
   const PlacementErrors errors = placement_errors_of("robot_726");
@@ -63,7 +63,7 @@ TEST(PlacementErrorsFile, TwoNumbersAreStandardDeviations) {
 
 TEST(PlacementErrorsFile, SidesAndBiasesAreReadToo) {
   const test::TemporaryFolder folder;
-  Json json = shipped();
+  Json json = shipped_errors();
   json.erase("tip");
   json.erase("screw_length_mm");
   json["correlation"] = 0.25;
@@ -81,28 +81,28 @@ TEST(PlacementErrorsFile, SidesAndBiasesAreReadToo) {
 }
 
 TEST(PlacementErrorsFile, ComplaintsNameFileAndKey) {
-  Json json = shipped();
+  Json json = shipped_errors();
   json["entri"] = 1.0;
   EXPECT_THAT(complaint_about(json), HasSubstr("\"entri\""));
-  json = shipped();
+  json = shipped_errors();
   json["entry"]["distance_mm"]["median"] = 1.0;
   EXPECT_THAT(complaint_about(json), HasSubstr("\"median\""));
-  json = shipped();
+  json = shipped_errors();
   json["entry"]["distance_mm"]["sd"] = -1.0;
   EXPECT_THAT(complaint_about(json), HasSubstr("errors.json"));
-  json = shipped();
+  json = shipped_errors();
   json["correlation"] = 0.0;  // beside a tip
   EXPECT_THAT(complaint_about(json), HasSubstr("\"correlation\""));
-  json = shipped();
+  json = shipped_errors();
   json.erase("sources");
   EXPECT_THAT(complaint_about(json), HasSubstr("\"sources\""));
-  json = shipped();
+  json = shipped_errors();
   json["version"] = 1;
   EXPECT_THAT(complaint_about(json), HasSubstr("version 1"));
-  json = shipped();
+  json = shipped_errors();
   json["format"] = "spinaltap-screws";
   EXPECT_THAT(complaint_about(json), HasSubstr("spinaltap-screws"));
-  json = shipped();
+  json = shipped_errors();
   json["tip"]["distance_mm"]["mean"] = 30.0;
   EXPECT_THAT(complaint_about(json), HasSubstr("expected a tip that errs"));
 }

@@ -15,6 +15,7 @@
 #include "core/files/json_file.h"
 #include "core/phantom/vertebra.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/test_paths.h"
 #include "vdb/detail/bone_grids.h"
 
 namespace spinaltap {
@@ -66,7 +67,7 @@ TEST_P(GoldenGrid, HasTheFiguresOnRecord) {
   const BoneModel bone = GetParam().bake();
   const Figures found = measure(bone);
   const auto file =
-      std::filesystem::path(SPINALTAP_SOURCE_DIR) / "data/golden" / (std::string(GetParam().name) + ".json");
+      std::filesystem::path(test::kSourceFolder) / "data/golden" / (std::string(GetParam().name) + ".json");
   if (std::getenv("SPINALTAP_WRITE_GOLDEN") != nullptr) {
     write_json({{"grid", "sdf"},
                 {"voxel_mm", bone.voxel_mm()},

@@ -9,6 +9,7 @@
 #include "core/session/device/coupled_operator.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_paths.h"
 
 namespace spinaltap {
 namespace {
@@ -23,7 +24,7 @@ std::string plugin_error(const std::filesystem::path& library, const std::string
 }
 
 TEST(PluginDevice, TheExampleIsLoadedAndDrills) {
-  const std::unique_ptr<HapticDevice> device = open_device_plugin(SPINALTAP_EXAMPLE_PLUGIN, "push");
+  const std::unique_ptr<HapticDevice> device = open_device_plugin(test::kExamplePlugin, "push");
   EXPECT_EQ(device->name(), "pushed mass");
   EXPECT_EQ(device->limits().max_force_n, 10.0);
   EXPECT_FALSE(device->limits().senses_turn);
@@ -52,11 +53,12 @@ TEST(PluginDevice, SaysWhatIsWrongWithALibrary) {
   const std::filesystem::path text = folder.path() / "text.so";
   std::ofstream(text) << "a text";
   EXPECT_THAT(plugin_error(text), testing::HasSubstr("no shared library that can be loaded"));
-  EXPECT_THAT(plugin_error(SPINALTAP_NO_PLUGIN), testing::HasSubstr("exports spinaltap_device_plugin, found none"));
-  EXPECT_THAT(plugin_error(SPINALTAP_OLD_PLUGIN), testing::HasSubstr("version 1, found version 2"));
-  EXPECT_THAT(plugin_error(SPINALTAP_HALF_PLUGIN), testing::HasSubstr("lacks some"));
-  EXPECT_THAT(plugin_error(SPINALTAP_EXAMPLE_PLUGIN, "pull"), testing::HasSubstr("cannot open the device pushed mass"));
-  EXPECT_THAT(plugin_error(SPINALTAP_EXAMPLE_PLUGIN, "pull"), testing::HasSubstr("found pull"));
+  EXPECT_THAT(plugin_error(test::kPluginWithoutEntry),
+              testing::HasSubstr("exports spinaltap_device_plugin, found none"));
+  EXPECT_THAT(plugin_error(test::kPluginOfOldVersion), testing::HasSubstr("version 1, found version 2"));
+  EXPECT_THAT(plugin_error(test::kPluginOfHalf), testing::HasSubstr("lacks some"));
+  EXPECT_THAT(plugin_error(test::kExamplePlugin, "pull"), testing::HasSubstr("cannot open the device pushed mass"));
+  EXPECT_THAT(plugin_error(test::kExamplePlugin, "pull"), testing::HasSubstr("found pull"));
 }
 
 }  // namespace
