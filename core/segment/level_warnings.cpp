@@ -176,9 +176,6 @@ std::string words(const Parts&... parts) {
   return text.str();
 }
 
-/// 0 at and within `fine`, 1 at and beyond `bad`.
-double ramp(double value, double fine, double bad) { return std::clamp((value - fine) / (bad - fine), 0.0, 1.0); }
-
 class Warnings {
  public:
   void add(double severity, std::string text, const std::optional<Vec3>& where_mm = std::nullopt) {
@@ -247,6 +244,8 @@ void check_bridges(const std::array<Bridge, kContacts>& bridges, Warnings& warni
 }
 
 }  // namespace
+
+double ramp(double value, double fine, double bad) { return std::clamp((value - fine) / (bad - fine), 0.0, 1.0); }
 
 LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const BodyInRow& row) {
   const std::vector<std::uint8_t>& mine = masks.finished;

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/segment/cut_levels.h"
+#include "core/segment/mask_shape.h"
 #include "core/segment/masked_ct.h"
 
 namespace spinaltap {
@@ -203,6 +204,12 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   }
   report.figures = cut.figures;
   report.warnings = check_level(cut.figures, spine.chain, row);
+  GridGeometry box;
+  box.spacing_mm = ct.geometry.spacing_mm;
+  for (std::size_t axis = 0; axis < 3; ++axis) box.size[axis] = cut.box.high[axis] - cut.box.low[axis] + 1;
+  // That its arch may lack a part, check_level() tells.
+  for (LevelWarning& one : check_shape(measure_shape(cut.inside, box), false))
+    report.warnings.push_back(std::move(one));
   report.severity = total_severity(report.warnings);
   return report;
 }

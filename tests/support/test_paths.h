@@ -1,7 +1,7 @@
 #pragma once
 
-/// Where tests find what lies in the sources or was built. In a file of their own, which CMake writes: a folder's name in
-/// a test's own source would keep it out of its batch, and a compiler cache from knowing it in another clone.
+/// Where tests find what lies in the sources or was built. In a file of their own, which CMake writes: a folder's name
+/// in a test's own source would keep it out of its batch, and a compiler cache from knowing it in another clone.
 namespace spinaltap::test {
 
 extern const char* const kSourceFolder;   ///< of the repository

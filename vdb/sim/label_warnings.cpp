@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
+#include "core/segment/mask_shape.h"
 #include "vdb/sim/bake_levels.h"
 
 namespace spinaltap {
@@ -62,6 +63,12 @@ LevelWarnings warnings_of_label(const CtVolume& ct, const BoneMask& mask, Level 
   LevelWarnings warnings =
       warnings_of_edges(find_label_edges(ct, mask, progress), ct.geometry.spacing_mm.maxCoeff(), level);
   for (const std::string& warning : of_place) add(warnings, "the label map: " + warning);
+  const bool is_vertebra = level != Level::kNone && level != Level::kSacrum;
+  for (LevelWarning& one :
+       check_shape(measure_shape(mask.inside, mask.geometry), is_vertebra && !reaches_border(mask))) {
+    warnings.warnings.push_back("the label: " + std::move(one.text));
+    warnings.severity = std::max(warnings.severity, one.severity);
+  }
   return warnings;
 }
 

@@ -11,6 +11,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
 #include "vdb/grid/bone_hash.h"
+#include "vdb/sim/label_warnings.h"
 
 namespace spinaltap {
 namespace {
@@ -45,6 +46,25 @@ TEST(ReachesBorder, LooksAtAllSixSides) {
   }
 }
 
+TEST(LabelWarnings, SuspectALabelThatIsAShell) {
+  const test::LabelledBalls& made = balls();
+  const BoneMask whole = mask_of(made.labels, kT11);
+  EXPECT_LT(warnings_of_label(made.ct, whole, kT11, {}, {}).severity, kSuspect);
+  BoneMask shell = whole;
+  for (int k = 0; k < shell.geometry.size[2]; ++k) {
+    for (int j = 0; j < shell.geometry.size[1]; ++j) {
+      for (int i = 0; i < shell.geometry.size[0]; ++i) {
+        const Vec3 p_mm = shell.geometry.to_patient(Vec3(i, j, k));
+        if ((p_mm - made.balls[0].centre_mm).norm() < 3.5) shell.inside[shell.geometry.offset(i, j, k)] = 0;
+      }
+    }
+  }
+  const LevelWarnings warnings = warnings_of_label(made.ct, shell, kT11, {}, {});
+  EXPECT_GE(warnings.severity, kSuspect);
+  EXPECT_THAT(warnings.warnings, testing::Contains(HasSubstr("the label: it encloses hollows of")));
+  EXPECT_THAT(warnings.warnings, testing::Contains(HasSubstr("the label: nowhere is it deeper than")));
+}
+
 TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
   RELEASE_ONLY();
   BakeLevelsOptions options = quick();
@@ -67,7 +87,7 @@ TEST(BakeLevels, BakesWholeLevelsAndLeavesTheCutOneOut) {
     EXPECT_NE(baked.levels[n].notes.no_landmarks, "");  // a ball has no canal
   }
   EXPECT_EQ(baked.levels[0].baked.bone.metadata().at("level"), "T11");
-  EXPECT_TRUE(baked.levels[0].notes.warnings.empty());
+  EXPECT_THAT(baked.levels[0].notes.warnings, ElementsAre(HasSubstr("no ring of bone closes round the canal")));
   EXPECT_THAT(baked.levels[1].notes.warnings, ElementsAre("looks odd"));
   EXPECT_EQ(baked.levels[1].notes.severity, 0.5);
   ASSERT_FALSE(stages.empty());
