@@ -104,6 +104,8 @@ class BoneFromCt(unittest.TestCase):
             spinaltap.Bone.from_ct(made_bone.CT, progress=reject)
 
     def test_stops_on_ctrl_c(self):
+        # A shell's background job is born without it.
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
         threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         begin = time.monotonic()
         with self.assertRaises(KeyboardInterrupt):
