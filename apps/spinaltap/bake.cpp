@@ -53,11 +53,12 @@ Json bake_one(BakeCommandOptions& options, StagedOutput& output, const Progress&
 struct MarkedLevels {
   LabelVolume labels;
   std::map<Level, LevelWarnings> warnings;
+  std::vector<std::string> gaps;  ///< where vertebrae may have been missed
 };
 
 MarkedLevels find_levels(const CtVolume& ct, const FindingOptions& finding, const Progress& progress) {
   SpineSegmentation found = segment_spine(ct, finding.complete(ct), progress);
-  MarkedLevels marked{std::move(found.labels), {}};
+  MarkedLevels marked{std::move(found.labels), {}, std::move(found.gaps)};
   marked.labels.names.clear();
   std::string unnamed;
   for (const LevelReport& level : found.levels) {
@@ -88,7 +89,7 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
   if (target.extension() == ".vdb") StagedOutput().stage(target);
   const CtVolume ct = options.ct.read(progress);
   const MarkedLevels marked = options.ct.labels.empty() ? find_levels(ct, options.ct.finding, progress)
-                                                        : MarkedLevels{options.ct.read_labels(ct), {}};
+                                                        : MarkedLevels{options.ct.read_labels(ct), {}, {}};
   const BakedLevels baked =
       bake_levels(ct, marked.labels,
                   {.bake = options.ct.bake, .warnings = marked.warnings, .is_strict = options.is_strict}, progress);
@@ -122,7 +123,8 @@ Json bake_all(BakeCommandOptions& options, StagedOutput& output, const Progress&
   const bool accepts_warnings = options.ct.finding.accepts_warnings;
   const std::vector<std::string> of_inputs = input_warnings_in(inputs);
   report_input_warnings(of_inputs, figures);
-  options.exit_code = std::max(say_input_warnings(of_inputs, accepts_warnings), say_suspect(suspect, accepts_warnings));
+  options.exit_code = std::max({say_input_warnings(of_inputs, accepts_warnings), say_suspect(suspect, accepts_warnings),
+                                say_gaps(marked.gaps, accepts_warnings, figures)});
   return figures;
 }
 

@@ -140,4 +140,13 @@ int say_suspect(const std::string& name, const LevelWarnings& warnings, bool acc
   return say_suspect(warnings.is_suspect() ? std::span(names) : std::span<const std::string>(), accepts_warnings);
 }
 
+int say_gaps(std::span<const std::string> gaps, bool accepts_warnings, Json& figures) {
+  figures["gaps"] = Json::array();
+  for (const std::string& gap : gaps) {
+    print_figure("warning", gap);
+    figures["gaps"].push_back(gap);
+  }
+  return gaps.empty() ? kDone : say_doubt("doubtful", "whether all vertebrae were found", accepts_warnings);
+}
+
 }  // namespace spinaltap

@@ -33,4 +33,7 @@ int say_suspect(std::span<const std::string> names, bool accepts_warnings);
 /// As above, for one bone: `name` may be empty.
 int say_suspect(const std::string& name, const LevelWarnings& warnings, bool accepts_warnings);
 
+/// Says where vertebrae may have been missed, a line each and as "gaps" of `figures`. Gives the exit code.
+int say_gaps(std::span<const std::string> gaps, bool accepts_warnings, Json& figures);
+
 }  // namespace spinaltap

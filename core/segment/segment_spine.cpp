@@ -9,6 +9,7 @@
 #include "core/segment/cut_levels.h"
 #include "core/segment/mask_shape.h"
 #include "core/segment/masked_ct.h"
+#include "core/segment/row_gaps.h"
 
 namespace spinaltap {
 namespace {
@@ -55,6 +56,24 @@ std::size_t body_of(const SpineBodies& spine, const std::string& what, const Vec
        in_words((10.0 * nearest->cylinder.centre_mm).array().round().matrix() / 10.0));
 }
 
+/// Where a spine was looked for, and how far that went.
+std::string what_was_seen(const CtVolume& ct, const SpineBodies& spine) {
+  const GridGeometry& geometry = ct.geometry;
+  const Vec3 first_mm = geometry.origin_mm;
+  const Vec3 last_mm = geometry.to_patient(Vec3(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1));
+  TextWriter text;
+  text << "looked from z " << std::lround(std::min(first_mm.z(), last_mm.z())) << " to "
+       << std::lround(std::max(first_mm.z(), last_mm.z())) << " mm, bone from " << std::lround(spine.levels.low_hu)
+       << " HU on; saw ";
+  if (spine.canal.points_mm.empty()) {
+    text << "no canal with bone on most sides and a body's depth of it in front";
+  } else {
+    text << "what may be a canal from z " << std::lround(spine.canal.points_mm.front().z()) << " to "
+         << std::lround(spine.canal.points_mm.back().z()) << " mm, and no row of bodies in front of it";
+  }
+  return text.str();
+}
+
 void check_points(const CtVolume& ct, const SegmentOptions& options) {
   if (options.seed_mm) check_point(ct, "seed", *options.seed_mm);
   for (const LevelPoint& name : options.names) check_point(ct, level_name(name.level), name.p_mm);
@@ -71,7 +90,9 @@ SpineBodies bodies_for(const CtVolume& ct, const SegmentOptions& options, const 
   }
   if (spine.bodies.empty()) {
     if (has_seed) body_of(spine, "seed", seed_mm);
-    fail("found no spine in the CT: no canal with vertebral bodies in front; give a point in a body");
+    fail("found no spine in the CT: ", what_was_seen(ct, spine),
+         "; give a point in a body, or the CT number from which on there is bone, and check that its slices stand "
+         "across the patient and are at most some 5 mm apart");
   }
   return spine;
 }
@@ -236,6 +257,7 @@ SpineSegmentation spine_of(const CtVolume& ct, const SpineBodies& spine, const S
   if (options.names.empty() && spine.has_sacrum) names = hinted_names(spine, {});
   SpineSegmentation result;
   result.bone = bone_of(spine.levels);
+  result.gaps = gaps_in_row(spine);
   result.labels.geometry = ct.geometry;
   result.labels.labels.assign(ct.geometry.voxel_count(), 0);
   std::vector<Ribs> ribs(spine.bodies.size(), Ribs::none);

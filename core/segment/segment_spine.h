@@ -77,6 +77,7 @@ struct SpineSegmentation {
   LabelVolume labels;               ///< on the CT's grid: vertebrae, sacrum, ribs
   std::vector<LevelReport> levels;  ///< vertebrae from the head down
   BoneReport bone;
+  std::vector<std::string> gaps;  ///< where vertebrae may have been missed, in words: gaps_in_row()
 };
 
 /// All vertebrae of a CT, each parted from its neighbours, ribs and all other bone; see docs/segmentation.md. The same

@@ -1,0 +1,61 @@
+#include "core/segment/row_gaps.h"
+
+#include <gmock/gmock.h>
+
+namespace spinaltap {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kApartMm = 35.0, kHighMm = 27.0;
+
+/// Bodies of a straight spine at multiples of 35 mm, from below, in front of a canal from `low` to `high` mm.
+SpineBodies row_at(const std::vector<int>& places, double low, double high) {
+  SpineBodies spine;
+  for (const int place : places) {
+    BodySpan span;
+    const Vec3 middle_mm(0.0, 0.0, kApartMm * place);
+    span.lower.centre_mm = middle_mm - 0.5 * kHighMm * Vec3::UnitZ();
+    span.upper.centre_mm = middle_mm + 0.5 * kHighMm * Vec3::UnitZ();
+    span.lower.s_mm = span.lower.centre_mm.z();
+    span.upper.s_mm = span.upper.centre_mm.z();
+    spine.chain.push_back(span);
+    spine.bodies.push_back({{}, StarSurface(middle_mm, 100)});
+    spine.bodies.back().cylinder.centre_mm = middle_mm;
+    spine.bodies.back().cylinder.half_mm = Vec3(22.0, 16.0, 0.5 * kHighMm);
+  }
+  for (double z = low; z <= high; z += SpinalCanal::kStepMm) spine.canal.points_mm.emplace_back(0.0, 25.0, z);
+  return spine;
+}
+
+TEST(GapsInRow, AreNoneWhereTheCanalEndsWithTheRow) {
+  EXPECT_THAT(gaps_in_row(row_at({0, 1, 2, 3}, -40.0, 150.0)), IsEmpty());
+  EXPECT_THAT(gaps_in_row(row_at({0}, -200.0, 300.0)), IsEmpty()) << "one body tells no step";
+  EXPECT_THAT(gaps_in_row({}), IsEmpty());
+}
+
+TEST(GapsInRow, SayWhereABodyHasRoom) {
+  EXPECT_THAT(gaps_in_row(row_at({0, 1, 3}, -40.0, 150.0)),
+              ElementsAre("a body may be missed between z 105 mm and z 35 mm: 43 mm lie between two of 27 mm"));
+}
+
+TEST(GapsInRow, SayHowFarTheCanalGoesOnBeyondTheRow) {
+  EXPECT_THAT(gaps_in_row(row_at({0, 1, 2}, -40.0, 260.0)),
+              ElementsAre("vertebrae may be missed above the row: it ends at z 70 mm, the canal goes on to z 260 mm, "
+                          "vertebrae are 35 mm apart"));
+  SpineBodies below = row_at({0, 1, 2}, -180.0, 100.0);
+  EXPECT_THAT(gaps_in_row(below), ElementsAre(HasSubstr("may be missed below the row: it ends at z 0 mm")));
+  below.has_sacrum = true;
+  EXPECT_THAT(gaps_in_row(below), IsEmpty());
+}
+
+TEST(GapsInRow, SayNothingBeyondABodyThatTheCtCuts) {
+  SpineBodies spine = row_at({0, 1, 2}, -40.0, 260.0);
+  spine.chain.back().upper.is_cut = true;
+  EXPECT_THAT(gaps_in_row(spine), IsEmpty());
+}
+
+}  // namespace
+}  // namespace spinaltap
