@@ -5,10 +5,16 @@
 
 namespace spinaltap {
 
+void report_warnings(const char* key, std::span<const std::string> warnings, Json& figures) {
+  figures[key] = Json::array();
+  for (const std::string& warning : warnings) {
+    print_figure("warning", warning);
+    figures[key].push_back(warning);
+  }
+}
+
 void report_input_warnings(std::span<const std::string> warnings, Json& figures) {
-  for (const std::string& warning : warnings) print_figure("warning", warning);
-  figures["input_warnings"] = Json::array();
-  for (const std::string& warning : warnings) figures["input_warnings"].push_back(warning);
+  report_warnings("input_warnings", warnings, figures);
 }
 
 void report_input_warnings(const BoneModel& bone, Json& figures) {

@@ -8,7 +8,9 @@
 
 namespace spinaltap {
 
-/// Prints what speaks against inputs, a line each, and puts it into `figures` as "input_warnings".
+/// Prints warnings, a line each, and puts them into `figures` as `key`.
+void report_warnings(const char* key, std::span<const std::string> warnings, Json& figures);
+/// The same of what speaks against inputs, as "input_warnings".
 void report_input_warnings(std::span<const std::string> warnings, Json& figures);
 /// The same of what a bone was made of.
 void report_input_warnings(const BoneModel& bone, Json& figures);

@@ -141,11 +141,7 @@ int say_suspect(const std::string& name, const LevelWarnings& warnings, bool acc
 }
 
 int say_gaps(std::span<const std::string> gaps, bool accepts_warnings, Json& figures) {
-  figures["gaps"] = Json::array();
-  for (const std::string& gap : gaps) {
-    print_figure("warning", gap);
-    figures["gaps"].push_back(gap);
-  }
+  report_warnings("gaps", gaps, figures);
   return gaps.empty() ? kDone : say_doubt("doubtful", "whether all vertebrae were found", accepts_warnings);
 }
 

@@ -17,6 +17,8 @@ std::string written(double value, std::chars_format format, int digits) {
 
 std::string fixed_text(double value, int decimals) { return written(value, std::chars_format::fixed, decimals); }
 
+std::string percent_text(double share) { return fixed_text(100.0 * share, 0) + " %"; }
+
 std::string short_text(double value, int digits) { return written(value, std::chars_format::general, digits); }
 
 std::string padded_number(std::uint64_t number, std::size_t digits) {

@@ -14,6 +14,9 @@ namespace spinaltap {
 /// "%.*f": `decimals` digits after the point.
 std::string fixed_text(double value, int decimals);
 
+/// A share as a whole percentage: "42 %".
+std::string percent_text(double share);
+
 /// "%.*g": at most `digits` significant digits, without zeros at the end.
 std::string short_text(double value, int digits = 6);
 

@@ -8,6 +8,7 @@
 #include "core/base/lerp.h"
 #include "core/base/text_writer.h"
 #include "core/segment/detail/connected_parts.h"
+#include "core/segment/detail/warning_list.h"
 #include "core/segment/distance_transform.h"
 
 namespace spinaltap {
@@ -176,25 +177,9 @@ std::string words(const Parts&... parts) {
   return text.str();
 }
 
-class Warnings {
- public:
-  void add(double severity, std::string text, const std::optional<Vec3>& where_mm = std::nullopt) {
-    constexpr double kMin = 0.1;  // less is not worth a word
-    if (severity >= kMin) note(severity, std::move(text), where_mm);
-  }
-  /// Worth a word however small.
-  void note(double severity, std::string text, const std::optional<Vec3>& where_mm) {
-    list_.push_back({std::move(text), severity, where_mm});
-  }
-  std::vector<LevelWarning> take() { return std::move(list_); }
-
- private:
-  std::vector<LevelWarning> list_;
-};
-
 /// A body of another size than its neighbours that are whole: where there are two, than either, so that a crushed body
 /// speaks against itself alone.
-void check_sizes(const std::vector<BodySpan>& chain, const BodyInRow& row, Warnings& warnings) {
+void check_sizes(const std::vector<BodySpan>& chain, const BodyInRow& row, WarningList& warnings) {
   struct Neighbour {
     const char* side;
     Vec3 ratio;
@@ -221,7 +206,7 @@ void check_sizes(const std::vector<BodySpan>& chain, const BodyInRow& row, Warni
 
 /// Cuts through joints and ribs that no gap shows cost a vertebra little, and neighbours share them: each is told, and
 /// all together speak against it by their area.
-void check_bridges(const std::array<Bridge, kContacts>& bridges, Warnings& warnings) {
+void check_bridges(const std::array<Bridge, kContacts>& bridges, WarningList& warnings) {
   constexpr double kWorthAWordMm2 = 12.0, kNoteSeverity = 0.02;
   const auto text_of = [](double mm2, Contact contact) {
     return words("no gap shows over ", mm2, " mm2 between it and ", name_of(contact), ": the cut there is a guess");
@@ -244,8 +229,6 @@ void check_bridges(const std::array<Bridge, kContacts>& bridges, Warnings& warni
 }
 
 }  // namespace
-
-double ramp(double value, double fine, double bad) { return std::clamp((value - fine) / (bad - fine), 0.0, 1.0); }
 
 LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const BodyInRow& row) {
   const std::vector<std::uint8_t>& mine = masks.finished;
@@ -311,7 +294,7 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
 
 std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::vector<BodySpan>& chain,
                                       const BodyInRow& row) {
-  Warnings warnings;
+  WarningList warnings;
   const BodySpan& span = chain[row.own];
   const BodyCylinder& body = row.body().cylinder;
   const bool is_cut = span.lower.is_cut || span.upper.is_cut;

@@ -17,9 +17,6 @@ struct LevelWarning {
 };
 inline constexpr double kSuspect = 0.5;
 
-/// 0 at `fine` and on its side, 1 at `bad` and beyond, even between them: how much a figure speaks against a vertebra.
-double ramp(double value, double fine, double bad);
-
 /// Where a vertebra meets another bone.
 enum class Contact { ends, upper_left, upper_right, lower_left, lower_right, left_rib, right_rib };
 inline constexpr std::size_t kContacts = 7;

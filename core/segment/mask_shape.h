@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <span>
 #include <vector>
 
-#include "core/ct/grid_geometry.h"
+#include "core/ct/ct_volume.h"
 #include "core/segment/level_warnings.h"
 
 namespace spinaltap {
@@ -20,9 +18,8 @@ struct MaskShape {
   double depth_mm = 0.0;       ///< of the voxel that is farthest from any outside, between centres
 };
 
-/// Measures the voxels where `inside` is not 0, i fastest; only the size and the spacing of `geometry` count. All 0
-/// where there is none. Throws Error when the sizes differ.
-MaskShape measure_shape(std::span<const std::uint8_t> inside, const GridGeometry& geometry);
+/// Measures a mask; all 0 where it has no voxel. Throws Error when it has not as many as its geometry says.
+MaskShape measure_shape(const BoneMask& mask);
 
 /// What no whole bone has: pieces, hollows, many handles, no depth. `is_whole_vertebra`: also where it has no handle,
 /// so that no arch closes round a canal.

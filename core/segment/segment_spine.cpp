@@ -16,6 +16,16 @@ namespace {
 
 std::string in_words(const Vec3& p_mm) { return joined('(', p_mm.x(), ", ", p_mm.y(), ", ", p_mm.z(), ") mm"); }
 
+/// The box around the middles of a grid's outermost voxels, patient LPS, mm.
+Box3 reach_of(const GridGeometry& geometry) {
+  Box3 reach(geometry.origin_mm, geometry.origin_mm);
+  const Vec3 last(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1);
+  for (int corner = 0; corner < 8; ++corner) {
+    reach.extend(geometry.to_patient(last.cwiseProduct(Vec3(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1))));
+  }
+  return reach;
+}
+
 /// Rejects a point outside the CT or in air. `what` begins the message.
 void check_point(const CtVolume& ct, const std::string& what, const Vec3& p_mm) {
   if (!p_mm.allFinite()) fail(what, ": expected a position in mm, found one that is not a number");
@@ -24,11 +34,7 @@ void check_point(const CtVolume& ct, const std::string& what, const Vec3& p_mm) 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double at = p[static_cast<Eigen::Index>(axis)];
     if (at >= -0.5 && at <= geometry.size[axis] - 0.5) continue;
-    Box3 reach(geometry.origin_mm, geometry.origin_mm);
-    const Vec3 last(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1);
-    for (int corner = 0; corner < 8; ++corner) {
-      reach.extend(geometry.to_patient(last.cwiseProduct(Vec3(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1))));
-    }
+    const Box3 reach = reach_of(geometry);
     fail(what, ": expected a point in the CT, from ", in_words(reach.min()), " to ", in_words(reach.max()), ", found ",
          in_words(p_mm));
   }
@@ -58,13 +64,10 @@ std::size_t body_of(const SpineBodies& spine, const std::string& what, const Vec
 
 /// Where a spine was looked for, and how far that went.
 std::string what_was_seen(const CtVolume& ct, const SpineBodies& spine) {
-  const GridGeometry& geometry = ct.geometry;
-  const Vec3 first_mm = geometry.origin_mm;
-  const Vec3 last_mm = geometry.to_patient(Vec3(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1));
+  const Box3 reach = reach_of(ct.geometry);
   TextWriter text;
-  text << "looked from z " << std::lround(std::min(first_mm.z(), last_mm.z())) << " to "
-       << std::lround(std::max(first_mm.z(), last_mm.z())) << " mm, bone from " << std::lround(spine.levels.low_hu)
-       << " HU on; saw ";
+  text << "looked from z " << std::lround(reach.min().z()) << " to " << std::lround(reach.max().z())
+       << " mm, bone from " << std::lround(spine.levels.low_hu) << " HU on; saw ";
   if (spine.canal.points_mm.empty()) {
     text << "no canal with bone on most sides and a body's depth of it in front";
   } else {
@@ -225,12 +228,9 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   }
   report.figures = cut.figures;
   report.warnings = check_level(cut.figures, spine.chain, row);
-  GridGeometry box;
-  box.spacing_mm = ct.geometry.spacing_mm;
-  for (std::size_t axis = 0; axis < 3; ++axis) box.size[axis] = cut.box.high[axis] - cut.box.low[axis] + 1;
   // That its arch may lack a part, check_level() tells.
-  for (LevelWarning& one : check_shape(measure_shape(cut.inside, box), false))
-    report.warnings.push_back(std::move(one));
+  const MaskShape shape = measure_shape({crop_geometry(ct.geometry, cut.box), cut.inside});
+  for (LevelWarning& one : check_shape(shape, false)) report.warnings.push_back(std::move(one));
   report.severity = total_severity(report.warnings);
   return report;
 }

@@ -19,8 +19,6 @@ void add(LevelWarnings& warnings, std::string text) {
   warnings.severity = std::max(warnings.severity, kSevere);
 }
 
-std::string percent(double share) { return fixed_text(100.0 * share, 0) + " %"; }
-
 }  // namespace
 
 // The figures behind these limits: docs/label-maps.md, "Does the map go with the CT?"
@@ -35,15 +33,15 @@ LevelWarnings warnings_of_edges(const LabelEdges& edges, double step_mm, Level l
   Eigen::Index turn = 0;
   const double mirrored = edges.on_edge_mirrored.maxCoeff(&turn);
   if (mirrored >= min_on_edge && mirrored > edges.on_edge + kClearlyMore) {
-    add(warnings, joined("the label looks mirrored, ", kTurns[static_cast<std::size_t>(turn)], ": ", percent(mirrored),
-                         " of its edge would lie on edges of bone, ", percent(edges.on_edge),
-                         " do as it is; check the map's orientation"));
+    add(warnings, joined("the label looks mirrored, ", kTurns[static_cast<std::size_t>(turn)], ": ",
+                         percent_text(mirrored), " of its edge would lie on edges of bone, ",
+                         percent_text(edges.on_edge), " do as it is; check the map's orientation"));
     return warnings;
   }
   if (!(edges.on_edge >= min_on_edge)) {
-    add(warnings,
-        joined("only ", percent(edges.on_edge), " of the label's edge lie on edges of bone, expected ",
-               percent(min_on_edge), " and more: a map of another CT or patient, or placed far from where it belongs"));
+    add(warnings, joined("only ", percent_text(edges.on_edge), " of the label's edge lie on edges of bone, expected ",
+                         percent_text(min_on_edge),
+                         " and more: a map of another CT or patient, or placed far from where it belongs"));
     return warnings;
   }
   const double max_moved_mm = std::max(0.5, 0.1 + 0.4 * step_mm);
@@ -64,8 +62,7 @@ LevelWarnings warnings_of_label(const CtVolume& ct, const BoneMask& mask, Level 
       warnings_of_edges(find_label_edges(ct, mask, progress), ct.geometry.spacing_mm.maxCoeff(), level);
   for (const std::string& warning : of_place) add(warnings, "the label map: " + warning);
   const bool is_vertebra = level != Level::kNone && level != Level::kSacrum;
-  for (LevelWarning& one :
-       check_shape(measure_shape(mask.inside, mask.geometry), is_vertebra && !reaches_border(mask))) {
+  for (LevelWarning& one : check_shape(measure_shape(mask), is_vertebra && !reaches_border(mask))) {
     warnings.warnings.push_back("the label: " + std::move(one.text));
     warnings.severity = std::max(warnings.severity, one.severity);
   }

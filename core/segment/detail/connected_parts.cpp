@@ -16,21 +16,27 @@ struct Run {
   std::size_t root;
 };
 
-/// Face-connected parts as runs, by union of the runs of neighbouring rows (Hoshen & Kopelman 1976).
+/// Connected parts as runs, by union of the runs of neighbouring rows (Hoshen & Kopelman 1976).
 class Parts {
  public:
-  Parts(std::span<const std::uint8_t> inside, const GridGeometry& geometry) : geometry_(geometry) {
+  Parts(std::span<const std::uint8_t> inside, const GridGeometry& geometry, Neighbours neighbours = Neighbours::by_face)
+      : geometry_(geometry), reach_(neighbours == Neighbours::by_corner ? 1 : 0) {
     if (inside.size() != geometry.voxel_count()) {
       fail("connected parts: expected ", geometry.voxel_count(), " voxels, found ", inside.size());
     }
     const int rows = geometry.size[1];
+    const auto row_count = static_cast<std::size_t>(rows);
     first_.push_back(0);
     for (int k = 0; k < geometry.size[2]; ++k) {
       for (int j = 0; j < rows; ++j) {
         find_runs(inside.subspan(geometry.offset(0, j, k), static_cast<std::size_t>(geometry.size[0])));
         const std::size_t row = first_.size() - 2;
         if (j > 0) join(row, row - 1);
-        if (k > 0) join(row, row - static_cast<std::size_t>(rows));
+        if (k == 0) continue;
+        join(row, row - row_count);
+        if (reach_ == 0) continue;
+        if (j > 0) join(row, row - row_count - 1);
+        if (j + 1 < rows) join(row, row - row_count + 1);
       }
     }
     for (Run& run : runs_) run.root = find(run.root);
@@ -73,7 +79,7 @@ class Parts {
     std::size_t a = first_[row];
     std::size_t b = first_[other_row];
     while (a < first_[row + 1] && b < first_[other_row + 1]) {
-      if (runs_[a].begin < runs_[b].end && runs_[b].begin < runs_[a].end) {
+      if (runs_[a].begin < runs_[b].end + reach_ && runs_[b].begin < runs_[a].end + reach_) {
         const std::size_t root_a = find(a);
         const std::size_t root_b = find(b);
         runs_[std::max(root_a, root_b)].root = std::min(root_a, root_b);
@@ -91,6 +97,7 @@ class Parts {
   }
 
   const GridGeometry& geometry_;
+  int reach_;  ///< how far apart along i two runs of neighbouring rows may end and begin
   std::vector<Run> runs_;
   std::vector<std::size_t> first_;  ///< run of each row, and one past the last
 };
@@ -133,8 +140,9 @@ std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside,
   return result;
 }
 
-std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry) {
-  std::vector<std::size_t> voxels = Parts(inside, geometry).voxels_by_root();
+std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry,
+                                    Neighbours neighbours) {
+  std::vector<std::size_t> voxels = Parts(inside, geometry, neighbours).voxels_by_root();
   std::erase(voxels, std::size_t{0});
   std::sort(voxels.begin(), voxels.end(), std::greater<>());
   return voxels;

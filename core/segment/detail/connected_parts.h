@@ -13,8 +13,12 @@ namespace spinaltap {
 std::vector<std::uint8_t> parts_that_touch(std::span<const std::uint8_t> inside, std::span<const std::uint8_t> touched,
                                            const GridGeometry& geometry);
 
-/// The number of voxels where `inside` is not 0, of each face-connected part; largest first.
-std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry);
+/// What joins two voxels to a part: a face that they share, or an edge or corner too.
+enum class Neighbours { by_face, by_corner };
+
+/// The number of voxels where `inside` is not 0, of each connected part; largest first.
+std::vector<std::size_t> part_sizes(std::span<const std::uint8_t> inside, const GridGeometry& geometry,
+                                    Neighbours neighbours = Neighbours::by_face);
 
 /// Of the face-connected parts of the voxels where `inside` is not 0 the largest, the first of several: 1 in it, 0
 /// elsewhere. All 0 where `inside` is.

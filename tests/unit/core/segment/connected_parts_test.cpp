@@ -84,6 +84,22 @@ TEST(ConnectedParts, JoinsThroughFacesOnly) {
   EXPECT_EQ(part_sizes(Voxels{1, 0, 0, 1}, geometry_of(2, 2, 1)), (std::vector<std::size_t>{1, 1}));
 }
 
+TEST(ConnectedParts, JoinThroughEdgesAndCornersWhereThatIsAsked) {
+  const auto sizes = [](const Voxels& inside, const GridGeometry& geometry) {
+    return part_sizes(inside, geometry, Neighbours::by_corner);
+  };
+  EXPECT_EQ(sizes(Voxels{1, 0, 0, 1}, geometry_of(2, 2, 1)), std::vector<std::size_t>{2});
+  EXPECT_EQ(sizes(Voxels{0, 1, 1, 0}, geometry_of(2, 2, 1)), std::vector<std::size_t>{2});
+  for (int corner = 0; corner < 4; ++corner) {  // the diagonals of a cube
+    Voxels inside(8, 0);
+    inside[static_cast<std::size_t>(corner)] = inside[static_cast<std::size_t>(7 - corner)] = 1;
+    EXPECT_EQ(sizes(inside, geometry_of(2, 2, 2)), std::vector<std::size_t>{2}) << corner;
+    EXPECT_EQ(part_sizes(inside, geometry_of(2, 2, 2)).size(), 2U);
+  }
+  EXPECT_EQ(sizes(Voxels{1, 0, 0, 0, 0, 1}, geometry_of(3, 2, 1)), (std::vector<std::size_t>{1, 1}));
+  EXPECT_EQ(sizes(Voxels{1, 1, 0, 1, 0, 0, 1, 0}, geometry_of(4, 2, 1)), std::vector<std::size_t>{4});
+}
+
 TEST(ConnectedParts, GivesTheLargestAndOfEqualOnesTheFirst) {
   const GridGeometry geometry = geometry_of(8, 1, 1);
   EXPECT_EQ(largest_part(Voxels{1, 0, 1, 1, 0, 1, 1, 0}, geometry), (Voxels{0, 0, 1, 1, 0, 0, 0, 0}));

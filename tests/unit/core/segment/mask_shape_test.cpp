@@ -13,14 +13,9 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-struct Mask {
-  GridGeometry geometry;
-  std::vector<std::uint8_t> inside;
-};
-
 /// Of 60 x 60 x 40 voxels of 1 mm those that `is_inside` says, asked from their middle on.
-Mask mask_where(const std::function<bool(const Vec3&)>& is_inside, const Vec3& spacing_mm = Vec3::Ones()) {
-  Mask mask;
+BoneMask mask_where(const std::function<bool(const Vec3&)>& is_inside, const Vec3& spacing_mm = Vec3::Ones()) {
+  BoneMask mask;
   mask.geometry.size = {60, 60, 40};
   mask.geometry.spacing_mm = spacing_mm;
   mask.inside.assign(mask.geometry.voxel_count(), 0);
@@ -34,8 +29,8 @@ Mask mask_where(const std::function<bool(const Vec3&)>& is_inside, const Vec3& s
   return mask;
 }
 MaskShape shape_where(const std::function<bool(const Vec3&)>& is_inside) {
-  const Mask mask = mask_where(is_inside);
-  return measure_shape(mask.inside, mask.geometry);
+  const BoneMask mask = mask_where(is_inside);
+  return measure_shape(mask);
 }
 bool in_ring(const Vec3& p, double middle_x) {
   return std::hypot(std::hypot(p.x() - middle_x, p.y()) - 12.0, p.z()) < 4.5;
@@ -71,15 +66,15 @@ TEST(MaskShape, CountsHandlesPiecesAndHollows) {
 }
 
 TEST(MaskShape, MeasuresDepthInMillimetresAndAtTheGridsBorder) {
-  const Mask block = mask_where([](const Vec3&) { return true; }, Vec3(1.0, 1.0, 0.5));
-  EXPECT_NEAR(measure_shape(block.inside, block.geometry).depth_mm, 10.0, 1e-6);
+  const BoneMask block = mask_where([](const Vec3&) { return true; }, Vec3(1.0, 1.0, 0.5));
+  EXPECT_NEAR(measure_shape(block).depth_mm, 10.0, 1e-6);
 }
 
 TEST(MaskShape, OfNothingIsNothingAndOfAnotherSizeAnError) {
-  const Mask empty = mask_where([](const Vec3&) { return false; });
-  EXPECT_EQ(measure_shape(empty.inside, empty.geometry).pieces, 0U);
+  const BoneMask empty = mask_where([](const Vec3&) { return false; });
+  EXPECT_EQ(measure_shape(empty).pieces, 0U);
   EXPECT_THAT(check_shape({}, true), IsEmpty());
-  EXPECT_THROW(measure_shape(std::vector<std::uint8_t>(7, 1), empty.geometry), Error);
+  EXPECT_THROW(measure_shape({empty.geometry, std::vector<std::uint8_t>(7, 1)}), Error);
 }
 
 TEST(CheckShape, SaysNothingOfABodyWithARing) {
