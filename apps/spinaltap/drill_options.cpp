@@ -220,22 +220,21 @@ void DrillOptions::check(const DrillBit& tool) const {
   }
   SessionSetup session = setup;
   session.path.bit = tool;
+  const auto check_for_voxels = [&](const char* with) {
+    if (setup.engine == EngineKind::automatic || setup.engine == EngineKind::voxel) return;
+    fail("expected no --engine ", name_of(setup.engine), " with ", with);
+  };
   if (!region.empty()) {
     region_numbers(region);
     session.region_mm.emplace();
-    if (setup.engine != EngineKind::automatic && setup.engine != EngineKind::voxel) {
-      fail("expected no --engine ", name_of(setup.engine), " with --region: only voxels can fill one");
-    }
+    check_for_voxels("--region: only voxels can fill one");
   }
   if (bones > 1) {
     session.further_bone_hashes.resize(bones - 1);
-    if (setup.engine != EngineKind::automatic && setup.engine != EngineKind::voxel) {
-      fail("expected no --engine ", name_of(setup.engine), " with --also: only voxels can fill several bones");
-    }
+    check_for_voxels("--also: only voxels can fill several bones");
   }
-  if (tool.shape == BitShape::plate && setup.engine != EngineKind::automatic && setup.engine != EngineKind::voxel) {
-    fail("expected no --engine ", name_of(setup.engine), " with a plate: only voxels can be cut by one");
-  }
+  if (tool.shape == BitShape::plate) check_for_voxels("a plate: only voxels can be cut by one");
+  if (tool_operator.has_device()) check_for_voxels("--device: a hand leaves the cylinder that points fill");
   const bool drills_voxels = chosen_engine(session, tool_operator.expected_way()) == EngineKind::voxel;
   if (writes_voxels && !drills_voxels) {
     fail("expected voxels with --voxels: a milling, a device, a plate, a --region, several bones, or --engine voxel");

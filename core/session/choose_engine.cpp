@@ -10,10 +10,10 @@ namespace spinaltap {
 // docs/drilling-benchmarks.md has a run. The numbers here are of points 0.1 mm apart and tools of 3 mm.
 EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   if (setup.engine != EngineKind::automatic) return setup.engine;
-  // Points fill a cylinder around the session's one path: a region, a way that leaves the path or may, and further
-  // bones need voxels. Plates cut voxels only.
+  // Points fill a cylinder around the session's one path: a region, a way that leaves the path or may, a hand at a
+  // device, and further bones need voxels. Plates cut voxels only.
   if (setup.path.bit.shape == BitShape::plate || setup.region_mm || !way.keeps_to_path || way.is_free ||
-      !setup.options.follows_path || !setup.further_bone_hashes.empty()) {
+      setup.options.has_device || !setup.options.follows_path || !setup.further_bone_hashes.empty()) {
     return EngineKind::voxel;
   }
   // Discs across the path are soon in reach of a bit that leans over; boxes do not care how it lies. `ring` was faster

@@ -21,7 +21,8 @@ enum class EventKind : std::uint8_t {
   invalid_pose = 9,    ///< not finite, no direction, no time, or 10 m away: the cycle did nothing; value: in a row
   jump = 10,           ///< the tip moved further than the limit in one cycle; value: how far, mm. The way is not cut
   outside_volume =
-      11,            ///< the bit cuts beyond the point volume's cylinder; value: how far at most until it is back, mm
+      11,  ///< the bit is where bone may be that the cylinder of points or the region of voxels does not hold, and cuts
+           ///< nothing there; value: how far at most until it is back, mm
   record_lost = 12,  ///< the record cannot be written any more; value: cycles not recorded
   touch = 13,        ///< the bit is pressed on bone with the spindle off; value: max contact force until it is free, N
   gave_up = 14,      ///< the operator ended short of its target, unasked; value: how far short, mm

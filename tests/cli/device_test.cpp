@@ -107,6 +107,7 @@ TEST_F(DrillByDevice, WrongDevicesAndOptionsAreRejectedInWords) {
   EXPECT_THAT(error("--device loopback:pull=3"), HasSubstr("expected push=, delay=, seconds=, pulled= or seed="));
   EXPECT_THAT(error("--device loopback:push=much"), HasSubstr("expected push= from 0 to 50, found \"much\""));
   EXPECT_THAT(error("--device loopback --operator push"), HasSubstr("expected no --operator with --device"));
+  EXPECT_THAT(error("--device loopback --engine ring"), HasSubstr("expected no --engine ring with --device"));
   EXPECT_THAT(error("--device loopback --real-time"), HasSubstr("no clock of its own"));
   EXPECT_THAT(error("--force-scale 0.2"), HasSubstr("expected --device with --force-scale"));
   EXPECT_THAT(error("--device loopback --force-scale 0"), HasSubstr("expected"));

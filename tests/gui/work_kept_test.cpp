@@ -156,10 +156,15 @@ TEST_F(WorkKept, OpeningAnotherBoneAsksForADrillingAndAnotherPlanDoesNot) {
 
 TEST_F(WorkKept, ADrillingThatBeginsWhileABoneOpensIsAskedAbout) {
   show_phantom();
-  window->open(phantom_file());
-  planner().player().start({.speed = 1.0});
+  // On a busy machine the bone may be open before the drill has its points: then there is nothing to ask about yet.
   answer_box(QMessageBox::Cancel);
-  ASSERT_TRUE(wait_until([&] { return !box_text.isEmpty(); }, 60000));
+  for (int attempt = 0; attempt < 10 && box_text.isEmpty(); ++attempt) {
+    document().set_bone(phantom_bone());
+    document().set_paths(phantom_paths());
+    window->open(phantom_file());
+    planner().player().start({.speed = 1.0});
+    ASSERT_TRUE(wait_until([&] { return !box_text.isEmpty() || document().bone() != phantom_bone(); }, 60000));
+  }
   EXPECT_THAT(box_text.toStdString(), testing::HasSubstr("drilling is not saved"));
   EXPECT_EQ(document().bone(), phantom_bone());
   planner().player().stop();

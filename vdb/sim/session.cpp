@@ -115,6 +115,10 @@ SessionSetup complete(std::span<const Bone> bones, const DrillPath& path, Sessio
   name_bones(setup, bones);
   setup.path = path;
   setup.engine = chosen_engine(setup);
+  if (setup.options.has_device && setup.engine != EngineKind::voxel) {
+    fail("a device: expected the engine voxel, found ", name_of(setup.engine),
+         ", whose points fill a cylinder along the path, which a hand leaves");
+  }
   return setup;
 }
 

@@ -160,12 +160,13 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
 }
 
 double SessionWatch::beyond_side_mm(const Pose& pose) const noexcept {
-  if (const auto* profile = std::get_if<BitProfile>(&bit_)) return bone_->beyond_side_mm(*profile, pose, contact_mm_);
+  const Vec3 from_mm = has_contact_ ? contact_mm_ : pose.tip_mm;
+  if (const auto* profile = std::get_if<BitProfile>(&bit_)) return bone_->beyond_side_mm(*profile, pose, from_mm);
   // A box lies within what its corners lie in.
   const auto* plate = std::get_if<PlateBox>(&bit_);
   if (plate == nullptr) return -std::numeric_limits<double>::infinity();
   const PlateBox& box = *plate;
-  const double deep_mm = std::clamp((pose.tip_mm - contact_mm_).dot(pose.axis), 0.0, box.length_mm());
+  const double deep_mm = std::clamp((pose.tip_mm - from_mm).dot(pose.axis), 0.0, box.length_mm());
   const Mat3 rows = plate_rows(pose);
   double most_mm = -std::numeric_limits<double>::infinity();
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -177,8 +178,13 @@ double SessionWatch::beyond_side_mm(const Pose& pose) const noexcept {
 }
 
 void SessionWatch::watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
-  if (!has_contact_) return;
   double beyond_mm = beyond_side_mm(pose);
+  // Before the first contact a bit beside the volume is in the air, or in bone that the volume does not hold: the
+  // bone's surface tells, and where that is unknown, whether the bit is deeper than the entry.
+  const bool is_known = has_clearances_ && std::isfinite(cycle.tip.inside_mm);
+  if (!has_contact_ && !(is_known ? cycle.tip.inside_mm > 0.0 : cycle.depth_mm > 0.0)) {
+    beyond_mm = -std::numeric_limits<double>::infinity();
+  }
   // Through the far side of the bone, the cylinder's end is not missed.
   if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, bone_->past_end_mm(pose.tip_mm));
   volume_.update(beyond_mm, bone_->widest_spacing_mm(), bone_->widest_spacing_mm(),

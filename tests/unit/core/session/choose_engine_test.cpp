@@ -37,6 +37,9 @@ TEST(ChosenEngine, IsOneOfPointsUnlessPointsCannotServe) {
     EXPECT_EQ(chosen_engine(other, {.trembles = false}), EngineKind::ring);
   }
   EXPECT_EQ(chosen_engine(setup, {.keeps_to_path = false}), EngineKind::voxel);
+  SessionSetup at_device;
+  at_device.options.has_device = true;
+  EXPECT_EQ(chosen_engine(at_device), EngineKind::voxel);
   setup.region_mm = Box3(Vec3::Zero(), Vec3::Ones());
   EXPECT_EQ(chosen_engine(setup), EngineKind::voxel);
 }

@@ -94,6 +94,50 @@ TEST(Session, OutlivesTheBoneAndThePathItWasMadeFrom) {
   EXPECT_GT(moved.run(straight_in(300)).back().thrust_n, 0.0);
 }
 
+// A hand leaves the path, and with it the cylinder of points: it used to go through all bone beside it as through air.
+TEST(Session, WithADeviceDrillsBesideThePathAsVoxelsDo) {
+  SessionSetup device = setup(), voxels = setup();
+  device.options.has_device = true;
+  voxels.options.has_device = true;
+  voxels.engine = EngineKind::voxel;
+  for (const double aside_mm : {0.0, 4.0, 6.0}) {
+    Session at_device(ball(), path(), device), in_voxels(ball(), path(), voxels);
+    EXPECT_EQ(at_device.setup().engine, EngineKind::voxel);
+    const std::vector<RecordedCycle> rows = at_device.run(straight_in(500, aside_mm));
+    EXPECT_EQ(rows, in_voxels.run(straight_in(500, aside_mm))) << aside_mm;
+    EXPECT_GT(std::ranges::max(rows, {}, &RecordedCycle::thrust_n).thrust_n, 1.0) << aside_mm;
+    EXPECT_EQ(at_device.events().size(), in_voxels.events().size());
+    EXPECT_TRUE(std::ranges::count(at_device.events(), EventKind::contact, &SessionEvent::kind) == 1) << aside_mm;
+  }
+}
+
+TEST(Session, TakesNoPointsForADevice) {
+  SessionSetup device = setup();
+  device.options.has_device = true;
+  device.engine = EngineKind::ring;
+  EXPECT_THAT([&] { Session(ball(), path(), device); },
+              ThrowsMessage<Error>(HasSubstr("a device: expected the engine voxel, found ring")));
+}
+
+TEST(Session, SaysWhereAHandGoesThroughBoneThatItsPointsDoNotHold) {
+  for (const bool has_clearances : {false, true}) {
+    SessionSetup points = setup();
+    points.has_clearances = has_clearances;
+    Session session(ball(), path(), points);
+    const std::vector<RecordedCycle> rows = session.run(straight_in(500, 5.0));
+    EXPECT_EQ(std::ranges::max(rows, {}, &RecordedCycle::thrust_n).thrust_n, 0.0);
+    const auto event = std::ranges::find(session.events(), EventKind::outside_volume, &SessionEvent::kind);
+    ASSERT_NE(event, session.events().end()) << has_clearances;
+    EXPECT_NEAR(event->value, 5.0 - 2.0, 0.15);
+  }
+}
+
+TEST(Session, SaysNothingOfAHandInTheAirBesideThePath) {
+  Session session(ball(), path(), setup());
+  session.run(straight_in(50, 7.0));  // before the entry's depth
+  EXPECT_TRUE(session.events().empty());
+}
+
 TEST(Session, UndoPutsBackTheHoleSoFarAndThenTheOnesBefore) {
   const std::vector<ToolInput> inputs = straight_in(300);
   Session session(ball(), path(), setup());
