@@ -15,6 +15,7 @@
 #include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/german_locale.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -101,6 +102,8 @@ std::map<std::string, std::string> hashes(const Conditions& at, const std::strin
   keep("drilled/log.csv, without its last column", rows);
   return found;
 }
+
+WHOLE_RUNS("Determinism.*");
 
 TEST(Determinism, OfEveryFile) {
   const test::GermanLocale german;

@@ -11,6 +11,7 @@
 #include "tests/cli/program.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -35,6 +36,8 @@ class PlanAuto : public ::testing::Test {
 };
 
 const test::TemporaryFolder* PlanAuto::folder_ = nullptr;
+
+WHOLE_RUNS("PlanAuto.MakesACurvedPathThatIsGradedAndDrilledAlongItsCurve");
 
 TEST_F(PlanAuto, WritesAPathWithAScrewForEachSideThatGradeCallsA) {
   const test::ProgramRun planned = run("plan bone.vdb --auto -o plan.json --report plan.html --json out.json");

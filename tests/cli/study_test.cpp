@@ -31,6 +31,7 @@
 #include "core/tool/bit_profile.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/sim/bone.h"
 
@@ -111,6 +112,9 @@ class Study : public ::testing::Test {
 };
 
 const test::TemporaryFolder* Study::folder_ = nullptr;
+
+WHOLE_RUNS("Study.FollowsTheAnatomy", "Study.IsTheSameToTheByteWithOneThreadTwoThreadsAndShards",
+           "Study.KilledAtAnyMomentGoesOnAndEndsTheSame");
 
 TEST_F(Study, IsTheSameToTheByteWithOneThreadTwoThreadsAndShards) {
   const std::size_t runs = runs_of_the_large_study() / 2 * 2;

@@ -20,6 +20,7 @@
 #include "core/files/json_file.h"
 #include "tests/cli/program.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -196,6 +197,8 @@ class Faults : public ::testing::TestWithParam<Task> {
 };
 
 const test::TemporaryFolder* Faults::folder_ = nullptr;
+
+WHOLE_RUNS("Faults.*");
 
 TEST_P(Faults, OfWritesSyncsRenamesAndKillsLoseNothing) {
   const Task& task = GetParam();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/support/coupled_hand.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -26,6 +27,8 @@ class CoupledHands : public testing::Test {
 
   static inline std::vector<test::CoupledHand::Outcome> outcomes_;
 };
+
+WHOLE_RUNS("CoupledHands.*");
 
 TEST_F(CoupledHands, GetNoMoreEnergyThanTheyPutInButAMillijoule) {
   double most = 0.0;

@@ -18,6 +18,7 @@
 #include "core/session/operator/path_motion.h"
 #include "tests/support/read_walls.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_levels.h"
@@ -159,6 +160,8 @@ void drill_both_sides(const Bone& bone, const std::string& name, Level level, st
     push_to_target(bone, suggestion.best->path, side_name, seeds, *clearances, tally);
   }
 }
+
+WHOLE_RUNS("DrilledWalls.*");
 
 TEST(DrilledWalls, OfL3) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_ct_1.5mm")

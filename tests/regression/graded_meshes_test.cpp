@@ -13,6 +13,7 @@
 #include "core/plan/point_tree.h"
 #include "core/tool/bit_profile.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bone.h"
@@ -97,6 +98,8 @@ double breach_by_brute_force_mm(const Bone& bone, const PointTree& surface, cons
 }
 
 class GradedMeshes : public testing::TestWithParam<std::size_t> {};
+
+WHOLE_RUNS("GradedMeshes.*");
 
 TEST_P(GradedMeshes, AgreeWithBruteForceWithHeadsAndShanks) {
   const test::RealMesh real = test::real_meshes()[GetParam()];

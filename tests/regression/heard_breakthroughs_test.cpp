@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/heard_drilling.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -26,6 +27,8 @@ test::HeardFigures heard_figures(std::uint64_t first, std::uint64_t last, const 
   figures.print(what);
   return figures;
 }
+
+WHOLE_RUNS("HeardBreakthroughsOfManyPhantoms.*");
 
 TEST(HeardBreakthroughsOfManyPhantoms, AreFoundOnThoseThatTheListenerWasSetOn) {
   const test::HeardFigures figures = heard_figures(1, 12, "seeds 1 to 12");

@@ -11,6 +11,7 @@
 #include "core/surface/surface_points.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
@@ -58,6 +59,8 @@ Landmarks landmarks_through_a_ct(const TriangleMesh& mesh) {
 }
 
 class LandmarksOfRealMeshes : public testing::TestWithParam<std::size_t> {};
+
+WHOLE_RUNS("LandmarksOfRealMeshes.*");
 
 TEST_P(LandmarksOfRealMeshes, AreThoseOfTheMesh) {
   const test::RealMesh real = test::real_meshes()[GetParam()];

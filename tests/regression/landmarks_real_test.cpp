@@ -10,6 +10,7 @@
 #include "core/plan/landmarks.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
@@ -54,6 +55,8 @@ void expect_sides_alike(const Landmarks& found) {
   EXPECT_GT(found.superior().dot(left.isthmus_mm - found.body.centre_mm), 0.0);
   EXPECT_LT(left_own.z(), found.to_own(found.body.upper.centre_mm).z());
 }
+
+WHOLE_RUNS("LandmarksOfRealVertebrae.*");
 
 TEST(LandmarksOfRealVertebrae, ScannedL3) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_mesh")

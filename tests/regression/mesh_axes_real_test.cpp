@@ -9,11 +9,14 @@
 #include "mesh/vertebra_mesh.h"
 #include "tests/support/filed_mesh.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
 
 class RealMeshAxes : public testing::TestWithParam<std::size_t> {};
+
+WHOLE_RUNS("RealMeshAxes.*");
 
 TEST_P(RealMeshAxes, AreFound) {
   const test::RealMesh real = test::real_meshes()[GetParam()];

@@ -7,10 +7,13 @@
 
 #include "core/phantom/scanner.h"
 #include "tests/support/pedicle_drilling.h"
+#include "tests/support/test_kind.h"
 #include "vdb/sim/bake_ct.h"
 
 namespace spinaltap {
 namespace {
+
+WHOLE_RUNS("PedicleChain.*");
 
 TEST(PedicleChain, TellsStatesAtThePhantomsTrueBoundaries) {
   constexpr double kAskedMm = 0.5;

@@ -15,6 +15,7 @@
 #include "tests/support/surface_distance.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_kind.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_ct.h"
@@ -81,6 +82,8 @@ void expect_chain_gives_back(const Solid& solid, const std::optional<VertebraGro
   EXPECT_GE(shown.smallest_angle_deg, 15.0);
   EXPECT_NEAR(shown.volume_mm3, true_volume_mm3, 0.005 * true_volume_mm3);
 }
+
+WHOLE_RUNS("PhantomChain.GivesBackTheMeshOfARealVertebra");
 
 TEST(PhantomChain, GivesBackTheVertebra) {
   const Vertebra vertebra;

@@ -12,6 +12,7 @@
 #include "core/files/placement_errors_file.h"
 #include "core/plan/placement_odds.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -38,6 +39,8 @@ std::array<double, 5> simulated(const WallDistance& walls, const DrillPath& plan
   for (const std::uint8_t grade : grades) shares[grade] += 1.0 / static_cast<double>(kSimulations);
   return shares;
 }
+
+WHOLE_RUNS("PlacementOddsOfThePhantom.*");
 
 TEST(PlacementOddsOfThePhantom, HoldTheSharesOf20000SimulationsInTheirIntervals) {
   const test::PhantomBone phantom;

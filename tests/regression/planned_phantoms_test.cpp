@@ -15,6 +15,7 @@
 #include "core/phantom/vertebra_ground_truth.h"
 #include "core/tool/bit_profile.h"
 #include "tests/support/random_vertebra.h"
+#include "tests/support/test_kind.h"
 #include "vdb/sim/auto_plan.h"
 #include "vdb/sim/bake_ct.h"
 #include "vdb/sim/bone.h"
@@ -71,6 +72,8 @@ double min_clearance_mm(const Vertebra& vertebra, const DrillPath& path, double 
   }
   return min_mm;
 }
+
+WHOLE_RUNS("PlannedPhantoms.*");
 
 TEST(PlannedPhantoms, HaveTheirPediclesFoundAndSafePathsSuggested) {
   PedicleError worst{};

@@ -13,6 +13,7 @@
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/value_file.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -49,6 +50,8 @@ const RbfFit& reduced_one_off(const RbfValues& data) {
   static const RbfFit fit = fit_and_print("one_off", data, {.reduction_mm = 0.1});
   return fit;
 }
+
+WHOLE_RUNS("RbfPoints.*");
 
 TEST(RbfPoints, AreFittedToAHundredthOfAMillimetre) {
   SPINALTAP_NEED_TEST_DATA(folder, "rbf_points")

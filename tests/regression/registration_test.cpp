@@ -16,6 +16,7 @@
 #include "core/phantom/vertebra.h"
 #include "core/registration/register_surface.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bone.h"
@@ -181,6 +182,8 @@ class RegistrationOfBones : public testing::TestWithParam<std::size_t> {
   if (registered_bones()[GetParam()].file != nullptr) {                 \
     SPINALTAP_NEED_TEST_DATA(file, registered_bones()[GetParam()].file) \
   }
+
+WHOLE_RUNS("RegistrationOfBones.*");
 
 TEST_P(RegistrationOfBones, PredictTheErrorAtThePediclesOf1000Trials) {
   SPINALTAP_NEED_REGISTERED_BONE()

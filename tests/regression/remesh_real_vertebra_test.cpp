@@ -9,12 +9,15 @@
 #include "mesh/self_intersections.h"
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/isosurface.h"
 #include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
 namespace {
+
+WHOLE_RUNS("RemeshRealVertebra.*");
 
 TEST(RemeshRealVertebra, KeepsItsTopologyWithoutThinTriangles) {
   SPINALTAP_NEED_TEST_DATA(folder, "L3_mesh")

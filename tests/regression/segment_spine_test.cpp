@@ -11,6 +11,7 @@
 
 #include "tests/support/spine_scan.h"
 #include "tests/support/spine_scores.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -64,6 +65,8 @@ void expect_levels(const SpineOptions& options, const ScanOptions& scan_options,
     EXPECT_LE(level.neighbour_share, bounds.neighbour_share);
   }
 }
+
+WHOLE_RUNS("SegmentSpine.GivesTheSameFromAnySeedInABody", "SegmentSpine.IsRightOrSuspectOnRandomSpines");
 
 TEST(SegmentSpine, PartsTheLevelsOfASoundSpine) {
   expect_levels(small_or_whole(), clinical_scan(1.0), "sound, 1 mm:", {});

@@ -20,6 +20,7 @@
 #include "tests/support/mask_overlap.h"
 #include "tests/support/mesh_landmarks.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/grid/bone_model.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_levels.h"
@@ -207,6 +208,8 @@ std::size_t right_of(const Stack& stack) {
   }
   return right;
 }
+
+WHOLE_RUNS("SegmentStackedMeshes.*");
 
 TEST(SegmentStackedMeshes, OfOnePersonGiveTheirLandmarks) {
   if (!all_asked_for()) GTEST_SKIP() << "set SPINALTAP_SPINES; by default they are taken as they stand";

@@ -13,6 +13,7 @@
 #include "core/plan/convergence.h"
 #include "core/segment/segment_spine.h"
 #include "tests/support/real_meshes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/mesh_solid.h"
 #include "vdb/sim/bake_levels.h"
@@ -127,6 +128,8 @@ void expect_signed_for(const Bone& bone, const std::string& name, Level level) {
 }
 
 class SuggestedForMeshes : public testing::TestWithParam<std::size_t> {};
+
+WHOLE_RUNS("SuggestedForMeshes.*", "SuggestedForThoracicSpine.*");
 
 TEST_P(SuggestedForMeshes, WouldBeSignedFor) {
   const test::RealMesh real = test::real_meshes()[GetParam()];

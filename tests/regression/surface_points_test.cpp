@@ -12,6 +12,7 @@
 #include "tests/support/mesh_of_real_vertebra.h"
 #include "tests/support/point_error.h"
 #include "tests/support/test_data.h"
+#include "tests/support/test_kind.h"
 #include "vdb/grid/mesh_solid.h"
 
 namespace spinaltap {
@@ -42,6 +43,8 @@ void expect_points_on(const Solid& solid) {
   EXPECT_LT(contours.inter_slice_jitter_mm, 0.5 * normals.inter_slice_jitter_mm);
   EXPECT_LT(contours.inter_slice_jitter_mm, 0.5 * pixels.inter_slice_jitter_mm);
 }
+
+WHOLE_RUNS("SurfacePointsOfScans.*");
 
 TEST(SurfacePointsOfScans, LieOnThePhantom) { expect_points_on(Vertebra()); }
 

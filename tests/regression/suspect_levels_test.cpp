@@ -12,6 +12,7 @@
 #include "core/segment/cut_levels.h"
 #include "tests/support/spine_scan.h"
 #include "tests/support/spine_scores.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -151,6 +152,8 @@ void tally_straddled(const CtVolume& ct, const SpineBodies& right, std::size_t n
               texts);
   });
 }
+
+WHOLE_RUNS("SuspectLevels.*");
 
 TEST(SuspectLevels, AreToldWhateverSpoilsThem) {
   const Spine spine(t10_to_l2());

@@ -16,6 +16,7 @@
 #include "tests/support/cut_hole.h"
 #include "tests/support/drilled_ball.h"
 #include "tests/support/mesh_shapes.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -35,6 +36,8 @@ double off_surface_mm(const Vec3& p_mm) {
   return std::abs(
       std::max(kDrilledBall.distance_mm(p_mm), -bit_distance_mm(BitProfile(test::paper_drill()), kHoleEnd, p_mm)));
 }
+
+SLOW_TESTS("DecimateDrilledBall.*");
 
 TEST(DecimateDrilledBall, KeepsTheErrorAndTheRim) {
   constexpr double kMaxErrorMm = 0.05;

@@ -5,11 +5,14 @@
 #include "core/phantom/vertebra.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/self_intersections.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
 namespace {
+
+SLOW_TESTS("DisplayMesh.*");
 
 TEST(DisplayMesh, OfThePhantomVertebraIsGoodEverywhere) {
   const BoneModel bone = bake_solid(Vertebra(), {}, 40.0);

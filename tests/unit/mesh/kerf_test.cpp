@@ -13,6 +13,7 @@
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/drilled_ball.h"
+#include "tests/support/test_kind.h"
 #include "vdb/remaining/hole_cutter.h"
 #include "vdb/remaining/remaining_surface.h"
 
@@ -86,6 +87,8 @@ const DrillBit kSaw = plate_bit(8.0, 1.0, 30.0);
 std::vector<Pose> plunge(const Vec3& down, double deep_mm) {
   return {sawing_pose(on_top() - 3.0 * down, down), sawing_pose(on_top() + deep_mm * down, down)};
 }
+
+SLOW_TESTS("Kerf.OfAHandIsClosedAndTheSameAtOneThreadAndTwoWholeAndInParts");
 
 TEST(Kerf, OfAPlungeIsWidthTimesThicknessTimesDepth) {
   const double expected_mm3 = kSaw.diameter_mm * kSaw.thickness_mm * kDeepMm;

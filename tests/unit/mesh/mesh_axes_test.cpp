@@ -14,6 +14,7 @@
 #include "tests/support/filed_mesh.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/random_vertebra.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/isosurface.h"
 
@@ -29,6 +30,9 @@ const TriangleMesh& phantom_mesh() {
   static const TriangleMesh mesh = mesh_of(Vertebra());
   return mesh;
 }
+
+SLOW_TESTS("MeshAxes.*");
+WHOLE_RUNS("MeshAxes.AreFoundOfAPhantomInAll24");
 
 TEST(MeshAxes, HaveTwentyFourRightHandedNames) {
   const auto& all = right_handed_axes();

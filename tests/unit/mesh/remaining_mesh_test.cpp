@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "tests/support/drilled_ball.h"
 #include "tests/support/mesh_shapes.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -40,6 +41,8 @@ Pose random_start(Dice& dice) {
   const Vec3 out = dice.direction();
   return {kDrilledBall.centre_mm + dice(4.0, 10.0) * out, dice.near(-out, 0.6)};
 }
+
+SLOW_TESTS("RemainingMesh.StaysClosedAndEqualsTheWholeMeshedAtOnceThroughRandomDrilling");
 
 TEST(RemainingMesh, IsTheBoneBeforeDrilling) {
   RemainingBone bone(test::ball_to_drill());

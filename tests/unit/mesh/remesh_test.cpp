@@ -14,6 +14,7 @@
 #include "mesh/self_intersections.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/mesh_shapes.h"
+#include "tests/support/test_kind.h"
 #include "vdb/grid/isosurface.h"
 
 namespace spinaltap {
@@ -70,6 +71,9 @@ void expect_good(const TriangleMesh& mesh, const RemeshReport& report, const For
   EXPECT_LE(report.to_surface.max_mm, max_error_mm);
   EXPECT_LE(report.from_surface.max_mm, max_error_mm);
 }
+
+SLOW_TESTS("Remesh.IsTheSameAtOneAndTwoThreads", "Remesh.HasFewerTrianglesWhereMoreErrorIsAllowed",
+           "Remesh.KeepsTheHoleOfATorus");
 
 TEST(Remesh, GivesSpheresOfAnySizeWithinTheError) {
   for (const double radius_mm : {0.8, 4.0, 20.0}) {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tests/support/test_kind.h"
+
 namespace spinaltap {
 namespace {
 
@@ -11,6 +13,8 @@ const BoneModel& milled() {
   static const BoneModel bone = milling_bone();
   return bone;
 }
+
+SLOW_TESTS("MillingWorkload.BeginsOnTheEndplate", "MillingWorkload.TakesTheSameVolumeOfPointsAndVoxels");
 
 TEST(MillingWorkload, GoesItsWayInStepsAndTrembles) {
   for (const double step_mm : {0.05, 0.01}) {

@@ -10,6 +10,7 @@
 #include "core/ct/read_ct.h"
 #include "tests/support/corrupted_series.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "tests/support/test_paths.h"
 
 namespace spinaltap {
@@ -85,6 +86,8 @@ Answer answer_to(const SoundSeries& series) {
     return {Outcome::refused, error.what()};
   }
 }
+
+SLOW_TESTS("CorruptedSeries.NoneOfTwoThousandIsReadWrongWithoutAWord");
 
 TEST(CorruptedSeries, SoundOnesAreReadWithoutAWord) {
   for (const SoundSeries& series : test::sound_series()) {

@@ -12,6 +12,7 @@
 #include "core/phantom/scanner.h"
 #include "core/phantom/spine.h"
 #include "core/phantom/surroundings.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -61,6 +62,8 @@ CtVolume mapped(const CtVolume& ct, const std::function<double(double)>& change)
   }
   return make_ct_volume(ct.geometry, std::move(hu));
 }
+
+SLOW_TESTS("HuCheck.SaysNothingOfPhantomsOfManySeedsKernelsAndFields");
 
 TEST(HuCheck, SaysNothingOfHounsfieldUnits) {
   for (const double sd_hu : {3.0, 15.0, 60.0}) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/engine/every_engine.h"
 #include "tests/unit/core/engine/tools.h"
 
@@ -24,6 +25,8 @@ class EngineWays : public ::testing::TestWithParam<NamedEngine> {
 
 INSTANTIATE_TEST_SUITE_P(Engines, EngineWays, ::testing::ValuesIn(test::three_engines()),
                          [](const auto& engine) { return engine.param.name; });
+
+SLOW_TESTS("EngineWays.*");
 
 TEST_P(EngineWays, LeaveNothingInAJumpSidewaysThatSmallStepsRemove) {
   const DrillBit bit{3.0, 50.0, 5.0};

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/engine/drill_engine.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/engine/askew_block.h"
 #include "tests/unit/core/engine/dense_walk.h"
 
@@ -64,6 +65,8 @@ TEST_P(ReferenceEngineMotion, RemovesWhatADenseWalkHoldsAndNothingBesideIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, ReferenceEngineMotion, ::testing::Values(1, 2, 3, 4, 5, 6, 7, 8));
+
+SLOW_TESTS("ReferenceEngine.*");
 
 TEST(ReferenceEngine, RemovesNothingWhenTheBitIsOutside) {
   PointVolume volume = block(4.0, 1.0, 0.1);

@@ -13,6 +13,7 @@
 #include "core/base/staged_output.h"
 #include "core/ct/level.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -106,6 +107,8 @@ class StudyFolder : public ::testing::Test {
   test::TemporaryFolder folder_;
   std::filesystem::path path_ = folder_.path() / "study";
 };
+
+SLOW_TESTS("StudyFolder.CutAnywhereLosesOnlyTheRowThatWasCut");
 
 TEST_F(StudyFolder, GivesRowsBackAsTheyWereAppended) {
   append(10, 20);

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/files/thermal_bone_file.h"
 #include "core/points/material.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -48,6 +49,8 @@ CuttingState femoral_cortex(double rpm) {
   // MacAvelia 2012, as drilling.csv has it: 3.2 mm, 120 mm/min.
   return {.torque_n_mm = 157.8, .thrust_n = 180.6, .rpm = rpm, .feed_mm_per_turn = 120.0 / rpm, .density_g_cm3 = 1.9};
 }
+
+SLOW_TESTS("ShearPlaneShare.IsWhatASweptLayerLeavesBehind");
 
 TEST(ShearPlaneShare, IsWhatASweptLayerLeavesBehind) {
   // Twice the value of the finer cells less that of the coarser: their error is of first order.

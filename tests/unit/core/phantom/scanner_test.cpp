@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/phantom/vertebra.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -42,6 +43,8 @@ ScanOptions small_scan() {
   options.slices = 60;
   return options;
 }
+
+SLOW_TESTS("Scanner.GivesTheSameVoxelsAtAnyNumberOfThreadsAndOthersForAnotherSeed");
 
 TEST(Scanner, GivesTheExactNumberInsideAHomogeneousBallAndOutside) {
   ScanOptions options = small_scan();

@@ -13,6 +13,7 @@
 #include "tests/support/made_bone_shape.h"
 #include "tests/support/random_vertebra.h"
 #include "tests/support/release_only.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -137,6 +138,8 @@ class LandmarksOfOneVertebra : public ::testing::Test {
   static Made* made_;
 };
 LandmarksOfOneVertebra::Made* LandmarksOfOneVertebra::made_ = nullptr;
+
+SLOW_TESTS("LandmarksOfOneVertebra.*");
 
 TEST_F(LandmarksOfOneVertebra, HaveItsAxesAndMidsagittalPlane) {
   EXPECT_LE(degrees_between(found().left(), Vec3::UnitX()), 0.1);

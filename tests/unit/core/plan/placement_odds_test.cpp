@@ -12,6 +12,7 @@
 #include "core/plan/detail/fast_breach.h"
 #include "tests/support/beside_a_wall.h"
 #include "tests/support/nan.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -155,6 +156,8 @@ TEST_F(PlacementOdds, TakeBreachesThatAreThoseOfGrading) {
   expect_fast_as_slow(walls(), path(1.0), 60);
   expect_fast_as_slow(walls(), path(-2.0), 60);
 }
+
+SLOW_TESTS("PlacementOddsPhantom.*");
 
 TEST(PlacementOddsPhantom, TakesBreachesThatAreThoseOfGrading) {
   const test::PhantomBone phantom;

@@ -8,6 +8,7 @@
 
 #include "core/plan/grade.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -78,6 +79,8 @@ class Placements : public ::testing::Test {
     return nullptr;
   }
 };
+
+SLOW_TESTS("Placements.*");
 
 TEST_F(Placements, BreachToAllSidesByAllGrades) {
   struct Expected {

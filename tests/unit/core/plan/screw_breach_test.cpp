@@ -9,6 +9,7 @@
 #include "core/plan/placement_errors.h"
 #include "tests/support/nan.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -42,6 +43,8 @@ void expect_grades_of_paths(const WallDistance& walls, const DrillPath& plan, do
   EXPECT_GT(breaches, count / 50);
   EXPECT_LT(breaches, count);
 }
+
+SLOW_TESTS("ScrewGrader.GradesThePhantomsScrewsAsPathsAre");
 
 TEST(ScrewGrader, GradesABlocksScrewsAsPathsAre) {
   const test::Block block;

@@ -10,6 +10,7 @@
 #include "core/plan/convergence.h"
 #include "core/plan/suggest.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -49,6 +50,8 @@ class SuggestPaths : public testing::Test {
     return value;
   }
 };
+
+SLOW_TESTS("SuggestPaths.*");
 
 TEST_F(SuggestPaths, RunThroughTheIsthmusOfEachSideIntoTheBody) {
   const VertebraGroundTruth ground_truth = vertebra_ground_truth(vertebra());

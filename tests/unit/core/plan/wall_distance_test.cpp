@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/phantom/surface_seeds.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 #include "tests/support/true_places.h"
 
 namespace spinaltap {
@@ -99,6 +100,8 @@ Nearest nearest(const test::TruePlaces& surface, const std::vector<std::uint8_t>
   }
   return found;
 }
+
+SLOW_TESTS("PhantomWalls.*");
 
 TEST(PhantomWalls, AgreeWithBruteForceOverTheTrueSurface) {
   VertebraAnatomy anatomy;

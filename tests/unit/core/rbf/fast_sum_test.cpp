@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tests/support/release_only.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
@@ -88,6 +89,9 @@ TEST(DirectSums, AreTheFormula) {
     }
   }
 }
+
+SLOW_TESTS("FastSum.GivesTheSameBitsAtAnyNumberOfThreadsAndWithAnyInstructionSet",
+           "FastSum.GivesALatticeTheBitsOfItsPlaces");
 
 TEST(FastSum, AgreesWithTheSumTermByTerm) {
   RELEASE_ONLY();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/rbf/rbf_field.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/rbf/dense_solution.h"
 #include "tests/unit/core/rbf/kernels.h"
 #include "tests/unit/core/rbf/plain_sum.h"
@@ -36,6 +37,8 @@ double worst_residual(const RbfModel& model, const RbfValues& data) {
   }
   return worst_mm;
 }
+
+SLOW_TESTS("FitRbf.PassesThroughAVertebrasPointsOnPixels", "FitRbf.PassesThroughItsDataToTheAccuracyAsked");
 
 TEST(FitRbf, PassesThroughItsDataToTheAccuracyAsked) {
   SCOPED_TRACE(::testing::Message() << "seed " << kFitSeed);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/rbf/point_sets.h"
 
 namespace spinaltap::detail {
@@ -43,6 +44,8 @@ void for_each_case(const Check& check) {
     }
   }
 }
+
+SLOW_TESTS("InteractionLists.CoverEverySourceOnceForEveryLeaf");
 
 TEST(InteractionLists, CoverEverySourceOnceForEveryLeaf) {
   for_each_case([](const Octree& tree, const std::vector<bool>& is_target, std::size_t, const InteractionLists& lists) {

@@ -9,6 +9,7 @@
 
 #include "core/rbf/detail/fast_sum.h"
 #include "core/rbf/detail/polynomial.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
@@ -30,6 +31,8 @@ RbfModel model_of(std::size_t count, RadialKernel kernel = RadialKernel::biharmo
   model.polynomial.assign(polynomial_terms(kernel), 0.1);
   return model;
 }
+
+SLOW_TESTS("RbfField.IsWithinItsAccuracyOfTheSumTermByTerm");
 
 TEST(RbfField, IsTheSumThatItsWeightsSay) {
   RbfModel model;

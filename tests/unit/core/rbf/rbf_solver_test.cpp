@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include "core/base/error.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/ct/error_of.h"
 #include "tests/unit/core/rbf/dense_solution.h"
 #include "tests/unit/core/rbf/kernels.h"
@@ -23,6 +24,8 @@ const char* name_of(RadialKernel kernel) { return kernel == RadialKernel::biharm
 double norm_of(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size())).norm();
 }
+
+SLOW_TESTS("RbfSolver.MeetsItsEquationsToTheAccuracyAsked");
 
 TEST(RbfSolver, FindsWhatADenseSolverFinds) {
   SCOPED_TRACE(::testing::Message() << "seed " << kSolverSeed);

@@ -6,6 +6,7 @@
 
 #include "core/rbf/fit_rbf.h"
 #include "core/rbf/merge_points.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/rbf/plain_sum.h"
 #include "tests/unit/core/rbf/point_sets.h"
 #include "tests/unit/core/rbf/vertebra_points.h"
@@ -48,6 +49,8 @@ std::vector<double> differences(const RbfModel& model, const RbfValues& data) {
 }
 
 double largest(const std::vector<double>& numbers) { return *std::max_element(numbers.begin(), numbers.end()); }
+
+SLOW_TESTS("ReduceCentres.KeepsEveryPointWithinTheToleranceWithFewerCentres");
 
 TEST(ReduceCentres, KeepsEveryPointWithinTheToleranceWithFewerCentres) {
   for (const RbfValues& data : {ball_values(700), vertebra()}) {

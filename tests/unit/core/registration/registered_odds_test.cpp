@@ -12,6 +12,7 @@
 #include "core/base/random.h"
 #include "tests/support/beside_a_wall.h"
 #include "tests/support/nan.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -21,6 +22,8 @@ using test::normal_share;
 using RegisteredOdds = test::BesideAWall;
 
 void expect_holds(const Probability& found, double expected) { test::expect_share(found, expected, 0.015); }
+
+SLOW_TESTS("RegisteredOdds.OfATurnThatGoesWithAShiftAreThoseOfASimulation");
 
 TEST_F(RegisteredOdds, OfAShiftAddVariances) {
   constexpr double kBesideMm = 1.5, kScrewMm = 0.8, kRegistrationMm = 1.1;

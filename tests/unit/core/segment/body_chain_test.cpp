@@ -8,6 +8,7 @@
 #include "core/segment/spine_bodies.h"
 #include "tests/support/release_only.h"
 #include "tests/support/spine_scan.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -54,6 +55,8 @@ class SpineChain : public ::testing::Test {
 };
 const Spine* SpineChain::spine_ = nullptr;
 const CtVolume* SpineChain::ct_ = nullptr;
+
+SLOW_TESTS("SpineChain.*");
 
 TEST_F(SpineChain, HasEachBodyBetweenItsEndplates) { expect_true_bodies(find_spine_bodies(*ct_), *spine_, 1.5); }
 

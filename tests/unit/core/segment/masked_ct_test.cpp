@@ -10,6 +10,7 @@
 #include "core/segment/segment_spine.h"
 #include "tests/support/mask_overlap.h"
 #include "tests/support/spine_scan.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -57,6 +58,8 @@ class MaskedSpine : public ::testing::Test {
 };
 const CtVolume* MaskedSpine::ct_ = nullptr;
 const LabelVolume* MaskedSpine::truth_ = nullptr;
+
+SLOW_TESTS("MaskedSpine.OfOneVertebraIsItsMask", "MaskedSpine.OfSeveralIsPartedAsAnyOther");
 
 TEST_F(MaskedSpine, IsNoneWhereAirOrSoftTissueAreOfOneValue) {
   EXPECT_FALSE(as_masked(*ct_).has_value());

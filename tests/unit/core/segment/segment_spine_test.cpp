@@ -12,6 +12,7 @@
 #include "tests/support/mask_overlap.h"
 #include "tests/support/release_only.h"
 #include "tests/support/spine_scan.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -81,6 +82,8 @@ class SpineLevels : public ::testing::Test {
 const Spine* SpineLevels::spine_ = nullptr;
 const CtVolume* SpineLevels::ct_ = nullptr;
 const SpineSegmentation* SpineLevels::found_ = nullptr;
+
+SLOW_TESTS("SpineLevels.*", "SpineLevelsAlone.AreNumberedFromTheHeadWhereNothingTellsTheirNames");
 
 TEST_F(SpineLevels, AreCountedFromTheGivenOne) {
   ASSERT_THAT(names_of(*found_), ElementsAre("T11", "T12", "L1", "L2"));

@@ -15,6 +15,7 @@
 #include "tests/support/random_vertebra.h"
 #include "tests/support/release_only.h"
 #include "tests/support/stacked_vertebrae.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/ct/error_of.h"
 
 namespace spinaltap {
@@ -76,6 +77,8 @@ class ThreeVertebrae : public ::testing::Test {
 const test::StackedVertebrae* ThreeVertebrae::stack_ = nullptr;
 const CtVolume* ThreeVertebrae::ct_ = nullptr;
 const Segmentation* ThreeVertebrae::middle_ = nullptr;
+
+SLOW_TESTS("ThreeVertebrae.*");
 
 TEST_F(ThreeVertebrae, GiveTheMiddleOneFromASeedInItsMiddle) { expect_the_middle_one(*middle_); }
 

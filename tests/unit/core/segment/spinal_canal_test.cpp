@@ -7,6 +7,7 @@
 
 #include "tests/support/release_only.h"
 #include "tests/support/spine_scan.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -39,6 +40,8 @@ void expect_true_canal(const SpinalCanal& canal, const Spine& spine) {
     EXPECT_GT(canal.points_mm[n].z(), canal.points_mm[n - 1].z());
   }
 }
+
+SLOW_TESTS("SpinalCanalOfAScan.LiesInTheTrueOneBehindABrightAorta");
 
 TEST(SpinalCanalOfAScan, LiesInTheTrueOneBehindABrightAorta) {
   SpineOptions options;

@@ -13,6 +13,7 @@
 #include "core/session/session_setup.h"
 #include "core/session/tool_clearance.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -47,6 +48,8 @@ double section_to_canal_mm(const PathCurve& curve, double depth_mm, double radiu
   const double foot_mm = std::clamp(-centre_mm.dot(across), -radius_mm, radius_mm);
   return canal_mm(centre_mm + foot_mm * across);
 }
+
+SLOW_TESTS("CurvedPath.HasTheClearancesOfItsBallWhereThatIs");
 
 TEST(CurvedPath, IsGradedByItsCurveWhereItsChordBreaches) {
   const DrillPath path = path_beside_canal(7.5, 12.5);

@@ -8,6 +8,7 @@
 #include "core/phantom/scanner.h"
 #include "tests/support/gridded_field.h"
 #include "tests/support/pedicle_drilling.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -76,6 +77,8 @@ class PedicleStates : public ::testing::Test {
     }
   }
 };
+
+SLOW_TESTS("PedicleStates.*");
 
 TEST_F(PedicleStates, BeginAtTheSharpLayersBoundaries) { expect_states_at_true_boundaries(formulas(), "formulas"); }
 

@@ -14,6 +14,7 @@
 #include "core/plan/grade.h"
 #include "core/session/real_time/timing.h"
 #include "tests/support/planning_bones.h"
+#include "tests/support/test_kind.h"
 #include "tests/support/true_places.h"
 
 namespace spinaltap {
@@ -95,6 +96,10 @@ class BlockClearance : public ::testing::Test {
   }
   static double canal_mm(const Vec3& p_mm) { return std::hypot(p_mm.x(), p_mm.y()) - test::Block::kHoleMm; }
 };
+
+SLOW_TESTS("PhantomClearance.*", "BlockClearance.OfAPlateAgreesWithTheFormulaForEveryTiltAndTurn",
+           "BlockClearance.OfTheConeIsThatOfItsOutlineAndNotOfBallsInIt",
+           "BlockClearance.IsNegativeByHowFarTheBitIsBeyond", "BlockClearance.AgreesWithTheFormulaForEveryToolAndTilt");
 
 TEST_F(BlockClearance, AgreesWithTheFormulaForEveryToolAndTilt) {
   double worst_mm = 0.0;

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/heard_drilling.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
+
+SLOW_TESTS("HeardBreakthroughs.AreHeardWithin140MsOnUnseenPhantoms");
 
 TEST(HeardBreakthroughs, AreHeardWithin140MsOnUnseenPhantoms) {
   // ListenerOptions was set on the seeds 1 to 12.

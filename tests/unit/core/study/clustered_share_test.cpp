@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "tests/support/release_only.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -155,6 +156,8 @@ TEST(ClusteredShare, HoldsTheTruthWhereABootstrapDoesNot) {
   EXPECT_LT(bootstrap, 88.0);
   EXPECT_GT(coverage_of(five, 4000), 93.0);
 }
+
+WHOLE_RUNS("ClusteredShareOfManyCohorts.*");
 
 TEST(ClusteredShareOfManyCohorts, HoldsTheTruth) {
   for (const std::size_t patients : {2U, 3U, 5U, 10U, 20U, 50U}) {

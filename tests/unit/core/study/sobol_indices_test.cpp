@@ -15,6 +15,7 @@
 #include "core/base/random.h"
 #include "tests/support/nan.h"
 #include "tests/support/release_only.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -166,6 +167,8 @@ TEST(SobolIndices, HoldTheTruthInNinetyFiveOfAHundred) {
     }
   }
 }
+
+WHOLE_RUNS("SobolIndicesOfManySeeds.*");
 
 TEST(SobolIndicesOfManySeeds, HoldTheTruthInNinetyFiveOfAHundred) {
   for (const std::size_t blocks : {64U, 256U, 1024U}) {

@@ -15,6 +15,7 @@
 #include "core/tool/plate.h"
 #include "tests/support/made_bone.h"
 #include "tests/support/random_drilling.h"
+#include "tests/support/test_kind.h"
 #include "vdb/engine/make_engine.h"
 #include "vdb/engine/voxel_engine.h"
 
@@ -130,6 +131,8 @@ class PlateBruteForce {
   std::vector<Voxel> alive_;
   std::optional<Pose> last_;
 };
+
+SLOW_TESTS("PlateEngine.RemovesWhatEveryVoxelPutToTheSweptBoxSays");
 
 TEST(PlateEngine, RemovesWhatEveryVoxelPutToTheSweptBoxSays) {
   constexpr double kHalfMm = 2.5;

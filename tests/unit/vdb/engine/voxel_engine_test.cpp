@@ -17,6 +17,7 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/made_bone.h"
 #include "tests/support/random_drilling.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/engine/tools.h"
 #include "vdb/detail/bone_samplers.h"
 #include "vdb/engine/detail/word_kernels.h"
@@ -330,6 +331,8 @@ void step_alike(DrillEngine& engine, BruteForce& expected, const Pose& pose, Rem
   sum.removed += a.removed;
   sum.tested += a.tested;
 }
+
+SLOW_TESTS("VoxelEngine.IsTheSameWithAllInstructionsAndAtAnyNumberOfThreads");
 
 TEST(VoxelEngine, RemovesWhatBruteForceDoesInAnyMotionOfAnyTool) {
 #if defined(SPINALTAP_ADDRESS_SANITIZER)

@@ -15,6 +15,7 @@
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/bake/bake.h"
 #include "vdb/detail/bone_grids.h"
@@ -46,7 +47,8 @@ class DamagedVdb : public testing::Test {
     geometry.origin_mm = ball.centre_mm - Vec3::Constant(4.0);
     std::vector<std::int16_t> hu;
     for (std::size_t i = 0; i < geometry.voxel_count(); ++i) hu.push_back(static_cast<std::int16_t>(i * 37 % 2048));
-    return bake_bone(ball.field(), ball.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {},
+    // Coarse: a small file has the same parts, and each is read some thousand times.
+    return bake_bone(ball.field(), ball.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {.voxel_mm = 0.5},
                      {{"method", "ball"}});
   }
 
@@ -149,6 +151,7 @@ class DamagedForeignVdb : public DamagedVdb, public testing::WithParamInterface<
 
 // OpenVDB's own reader wrote past its buffers, freed twice or took gigabytes on hundreds of these.
 TEST_P(DamagedForeignVdb, IsRejectedOrReadWhateverNumberStandsInIt) {
+  if (GetParam() == 0U) RELEASE_ONLY();  // the others are enough there
   const std::string whole = foreign(GetParam());
   int rejected = 0;
   for (std::size_t at = 0; at + 4 <= whole.size(); at += at < 900 ? 5 : 997) {

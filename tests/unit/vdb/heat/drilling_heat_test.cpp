@@ -12,6 +12,7 @@
 #include "core/files/thermal_bone_file.h"
 #include "core/force/drill_forces.h"
 #include "core/heat/hole_heat.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -125,6 +126,9 @@ Rises rises_of(const BlockDrilling& drilling, double voxel_mm = 0.2) {
   }
   return rises;
 }
+
+SLOW_TESTS("DrillingHeat.*");
+WHOLE_RUNS("DrillingHeat.OfShortPecksWithLongPausesIsThatOfAFinerGrid", "DrillingHeat.OfTheClosedFormIsThatOfTheGrid");
 
 TEST(DrillingHeat, OfTheClosedFormIsThatOfTheGrid) {
   const auto compare = [](const char* what, const BlockDrilling& drilling, double voxel_mm = 0.2) {

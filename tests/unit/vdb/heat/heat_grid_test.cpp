@@ -13,6 +13,7 @@
 #include "tests/support/made_bone.h"
 #include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "vdb/detail/vdb_file.h"
 
 namespace spinaltap {
@@ -28,6 +29,8 @@ double instant_point_k(double heat_j, double distance_mm, double time_s) {
   return heat_j / kHeatedCortex.capacity_j_mm3_k * std::pow(kGridPi * spread, -1.5) *
          std::exp(-distance_mm * distance_mm / spread);
 }
+
+SLOW_TESTS("HeatGrid.TellsHowLongWhichVolumeWasHot", "HeatGrid.StaysWithinABakedBone");
 
 TEST(HeatGrid, SpreadsAnInstantPointAsTheExactSolution) {
   HeatGrid grid(kEven, {.voxel_mm = 0.125});

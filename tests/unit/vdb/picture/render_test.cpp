@@ -12,6 +12,7 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/cut_hole.h"
 #include "tests/support/picture_colours.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
@@ -90,6 +91,8 @@ TEST(RenderBone, IsTheSameAtOneAndTwoThreads) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(render_bone(shown_ball(), options()).rgb, many.rgb);
 }
+
+SLOW_TESTS("RenderDrilled.IsTheSameAsWhenAllIsTracedAgain");
 
 TEST(RenderDrilled, IsTheSameAsWhenAllIsTracedAgain) {
   const Pose start{kBall.centre_mm + 14.0 * Vec3::UnitY(), -Vec3::UnitY()};

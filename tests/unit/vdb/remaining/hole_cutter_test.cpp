@@ -14,6 +14,7 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/cut_hole.h"
 #include "tests/support/release_only.h"
+#include "tests/support/test_kind.h"
 #include "vdb/detail/bone_grids.h"
 #include "vdb/grid/bone_hash.h"
 #include "vdb/grid/isosurface.h"
@@ -58,6 +59,8 @@ double shared_volume_mm3(const DrillBit& bit, const Pose& pose) {
   }
   return static_cast<double>(inside) * std::pow(kStepMm, 3);
 }
+
+SLOW_TESTS("HoleCutter.TakesTheSameThroughPosesBetween", "HoleCutter.TakesWhatTheBitSweptThroughTheSurface");
 
 TEST(HoleCutter, TakesTheBitsVolumeOutOfSolid) {
   const Vec3 axis = Vec3(0.3, -0.5, 0.8).normalized();

@@ -12,6 +12,7 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "vdb/sim/bone.h"
 
 namespace spinaltap {
@@ -20,6 +21,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
+
+SLOW_TESTS("AutoPlan.PredictsThrustsWithTheGivenDensityAndCuttingModel");
 
 TEST(AutoPlan, SuggestsAScrewOfTheShippedTableForEachPedicleOfABakedVertebra) {
   RELEASE_ONLY();

@@ -13,11 +13,14 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/release_only.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 
 namespace spinaltap {
 namespace {
 
 const test::Ball kPlainBall{Vec3(3.0, -4.0, 5.0), 9.0};
+
+SLOW_TESTS("Bone.StopsWhereTheWorkIsCancelledAndBeginsAgainWhenAskedAgain");
 
 TEST(Bone, HasTheBallsDistancesNumbersNormalsAndSurface) {
   const Bone bone(test::bake_ball(kPlainBall, 0.3, 700));

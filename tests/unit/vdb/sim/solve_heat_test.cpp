@@ -20,6 +20,7 @@
 #include "core/session/operator/path_motion.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "tests/unit/core/ct/error_of.h"
 #include "vdb/sim/drilling.h"
 #include "vdb/sim/replay.h"
@@ -74,6 +75,9 @@ const SolvedHeat& solved_diameter() {
       solve_heat(heated_diameter().drilling.before, heated_diameter().setup, heated_diameter().drilling.heat_steps);
   return heat;
 }
+
+SLOW_TESTS("SolveHeat.OfARecordIsThatOfItsSessionToTheLastBitAtAnyThreadCount",
+           "SolveHeat.WritesWhatItFoundWhereItFoundIt", "SolveHeat.AccountsForAllHeatThatTheSessionGaveTheBone");
 
 TEST(SolveHeat, AccountsForAllHeatThatTheSessionGaveTheBone) {
   const auto& [setup, drilling, record] = heated_diameter();

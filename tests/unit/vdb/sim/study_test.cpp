@@ -16,6 +16,7 @@
 #include "core/phantom/vertebra_ground_truth.h"
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "vdb/bake/bake.h"
 #include "vdb/grid/spine_file.h"
 
@@ -50,6 +51,9 @@ std::vector<std::string> texts_of(const std::vector<StudyRow>& rows) {
   for (const StudyRow& row : rows) texts.push_back(study_csv(row));
   return texts;
 }
+
+SLOW_TESTS("Study.KnowsTheVertebraeBesideABoneOfASpine",
+           "Study.TakesWhatIsKnownOfABoneFromItsFolderOnlyWhereItIsAsItWas");
 
 TEST(Study, HasEachRunOnceWhateverItsShardAndWhateverIsDoneAlready) {
   const test::TemporaryFolder folder;

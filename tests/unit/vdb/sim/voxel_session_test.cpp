@@ -23,6 +23,7 @@
 #include "tests/support/analytic_bodies.h"
 #include "tests/support/random_drilling.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_kind.h"
 #include "vdb/engine/living_voxels.h"
 #include "vdb/engine/voxel_engine.h"
 #include "vdb/sim/drilling.h"
@@ -453,6 +454,8 @@ VoxelHole run_hole(Session& session, const std::vector<ToolInput>& inputs,
   hole.drilled = session.drilled().hash();
   return hole;
 }
+
+SLOW_TESTS("VoxelUndo.LeavesNoTraceOfWhatWasTakenBack");
 
 TEST(VoxelUndo, LeavesNoTraceOfWhatWasTakenBack) {
   for (const bool has_region : {false, true}) {
