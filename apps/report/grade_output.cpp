@@ -135,7 +135,8 @@ Json json_of(const PlacedGrade& placed, bool with_map) {
 Json json_of(const CtSurfaceError& surface, const PathGrade& grade) {
   Json json{{"standard_error_mm", surface.standard_error_mm()}, {"ct_noise_hu", surface.noise_hu},
             {"ct_voxel_mm", to_json(surface.voxel_mm)},         {"edge_hu_per_mm", surface.edge_hu_per_mm},
-            {"noise_part_mm", surface.noise_part_mm},           {"sampling_part_mm", surface.sampling_part_mm}};
+            {"noise_part_mm", surface.noise_part_mm},           {"sampling_part_mm", surface.sampling_part_mm},
+            {"curved_part_mm", surface.curved_part_mm}};
   for (const auto& [name, approach] :
        {std::pair{"outer_band_95_mm", &grade.outer}, std::pair{"canal_band_95_mm", &grade.canal}}) {
     json[name] = std::isfinite(approach->clearance_mm) ? json_of(surface.band(approach->clearance_mm)) : Json(nullptr);

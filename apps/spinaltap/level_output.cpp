@@ -17,8 +17,9 @@ std::string number(double value, int digits) { return readable_number(value, dig
 
 Json level_figures_json(const LevelFigures& figures) {
   Json bridges;
-  constexpr std::array<const char*, kContacts> kNames{"ends",        "upper_left", "upper_right", "lower_left",
-                                                      "lower_right", "left_rib",   "right_rib"};
+  constexpr std::array<const char*, kContacts> kNames{"body_above",  "body_below",  "beside",
+                                                      "upper_left",  "upper_right", "lower_left",
+                                                      "lower_right", "left_rib",    "right_rib"};
   for (std::size_t n = 0; n < kContacts; ++n) bridges[kNames[n]] = figures.bridges[n].mm2;
   return {{"left_share", figures.left_share},
           {"left_pedicle_mm2", figures.left_pedicle_mm2},
@@ -28,6 +29,9 @@ Json level_figures_json(const LevelFigures& figures) {
           {"left_reach_mm", figures.left_reach_mm},
           {"right_reach_mm", figures.right_reach_mm},
           {"bridges_mm2", bridges},
+          {"is_cut_behind", figures.is_cut_behind},
+          {"is_cut_left", figures.is_cut_left},
+          {"is_cut_right", figures.is_cut_right},
           {"lopsided_mm3", figures.lopsided_mm3},
           {"unsure_share", figures.unsure_share},
           {"metal_mm3", figures.metal_mm3},

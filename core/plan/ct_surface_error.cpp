@@ -8,7 +8,7 @@
 
 namespace spinaltap {
 
-double CtSurfaceError::standard_error_mm() const { return std::hypot(noise_part_mm, sampling_part_mm); }
+double CtSurfaceError::standard_error_mm() const { return std::hypot(noise_part_mm, sampling_part_mm, curved_part_mm); }
 
 Interval CtSurfaceError::band(double clearance_mm, double confidence) const {
   if (!(confidence > 0.0 && confidence < 1.0)) {
@@ -42,6 +42,9 @@ CtSurfaceError ct_surface_error(double noise_hu, const Vec3& voxel_mm, std::span
   // a voxel, p being the share of bone in the voxel that it cuts; root mean square over all p.
   constexpr double kPartialVolume = 0.0624;
   error.sampling_part_mm = kPartialVolume * std::sqrt(voxel_mm.squaredNorm() / 3.0);
+  // Measured on eggs as slender as pedicles in voxels of 0.4 to 5 mm.
+  constexpr double kFineMm = 0.6, kPerMm = 0.12;
+  error.curved_part_mm = kPerMm * (voxel_mm.array() - kFineMm).max(0.0).matrix().norm();
   return error;
 }
 

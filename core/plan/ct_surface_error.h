@@ -15,6 +15,7 @@ struct CtSurfaceError {
   double edge_hu_per_mm = 0.0;    ///< slope of the CT numbers at the surface: median
   double noise_part_mm = 0.0;     ///< standard error by the noise, over the slope
   double sampling_part_mm = 0.0;  ///< and by partial volume in the voxels
+  double curved_part_mm = 0.0;    ///< and by how voxels of over 0.6 mm shrink a wall as curved as a pedicle's
 
   double standard_error_mm() const;
   /// Where a clearance (mm) lies, the surface being known no better. Throws Error on a confidence not between 0 and 1.

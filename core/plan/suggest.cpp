@@ -316,8 +316,53 @@ class SideSearch {
                       "behind the entry");
     }
     if (!alike_.empty()) words.push_back(alike_);
+    const std::size_t before = words.size();
     add_comparison(words);
+    if (alike_.empty() && words.size() == before) add_what_thicker_would(words);
     return words;
+  }
+
+  /// Why a screw that is thin for its pedicle is no thicker: what the next one of the table would do on its way.
+  void add_what_thicker_would(std::vector<std::string>& words) const {
+    const detail::Attempt& attempt = best().attempt;
+    const PedicleScrew& screw = *best().path.path.screw;
+    if (attempt.technique == Technique::in_out_in || attempt.margin_mm < 0.0) return;
+    if (screw.diameter_mm >= kThin * search_.pedicle().width_mm) return;
+    // Of those that are thicker the thinnest, and of these the one of the length that is nearest.
+    const PedicleScrew* next = nullptr;
+    for (const PedicleScrew& other : screws_) {
+      if (other.diameter_mm <= screw.diameter_mm) continue;
+      const auto far_mm = [&](const PedicleScrew& one) { return std::abs(one.length_mm - screw.length_mm); };
+      if (next == nullptr || other.diameter_mm < next->diameter_mm ||
+          (other.diameter_mm == next->diameter_mm && far_mm(other) < far_mm(*next))) {
+        next = &other;
+      }
+    }
+    if (next == nullptr) {
+      words.push_back("the table has no thicker screw");
+      return;
+    }
+    detail::ScrewCandidate candidate = best().candidate;
+    candidate.path.screw = *next;
+    candidate.path.target_mm += (next->length_mm - screw.length_mm) * candidate.path.direction();
+    const Graded thicker = grade(candidate, attempt);
+    const PathGrade& grade = thicker.path.grade;
+    const bool is_canal = grade.canal.clearance_mm < grade.outer.clearance_mm;
+    const double clearance_mm = std::min(grade.canal.clearance_mm, grade.outer.clearance_mm);
+    const std::string would = "a screw of " + short_number(next->diameter_mm) + " x " +
+                              short_number(next->length_mm, 0) + " mm on this way would ";
+    if (clearance_mm < attempt.margin_mm) {
+      const std::string wall = is_canal ? "the canal" : "the outer surface";
+      words.push_back(would + (clearance_mm < 0.0
+                                   ? "breach " + wall + " by " + short_number(-clearance_mm, 2) + " mm"
+                                   : "leave " + short_number(clearance_mm, 2) + " mm of bone at " + wall + ", and " +
+                                         short_number(attempt.margin_mm, 2) + " mm are looked for"));
+    } else if (!is_acceptable(thicker.path, attempt)) {
+      words.push_back(would +
+                      (grade.facet > 1 ? "stand in the joint" : std::string("be of grade ") + letter_of(grade.grade)));
+    } else {
+      words.push_back(would + "do too, and leave " + short_number(clearance_mm, 2) + " mm of bone around it");
+    }
   }
 
   /// What the chosen one has more of than another; empty where there is nothing to tell.

@@ -90,7 +90,7 @@ void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const Mask& sure, 
 CutVertebra finished(const CtVolume& ct, const SpineBodies& spine, std::size_t index, const LevelCut& cut,
                      const std::vector<const LevelCut*>& neighbours) {
   CutVertebra level;
-  const BodyInRow row{spine.bodies, spine.canal, index};
+  const BodyInRow row{spine.bodies, spine.canal, index, spine.has_sacrum};
   Mask mine = own_voxels(cut, neighbours);
   Mask ribs = cut.ribs;
   double sharpness = 1.0;
@@ -143,7 +143,7 @@ void cut_levels(const CtVolume& ct, const SpineBodies& spine, std::size_t first,
   for (std::size_t begin = low; begin <= high; begin += at_once) {
     const std::size_t end = std::min(begin + at_once, high + 1);
     tbb::parallel_for(begin, end, [&](std::size_t n) {
-      cuts[n] = std::make_unique<LevelCut>(cut_level(ct, spine.levels, {spine.bodies, spine.canal, n}, marks));
+      cuts[n] = std::make_unique<LevelCut>(cut_level(ct, spine.levels, {spine.bodies, spine.canal, n, spine.has_sacrum}, marks));
       if (n < first || n > last) cuts[n]->keep_probability_only();
       counter.add();
     });

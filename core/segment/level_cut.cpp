@@ -69,18 +69,21 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
 }
 
 /// Ribs: bone that goes on from where transverse processes may end to where they certainly have, or to the CT's border;
-/// and what of the same bones lies beside the body.
+/// and what of the same bones lies beside the body. Beside a lumbar body that is a hip bone, whose head it has none.
 Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::vector<float>& depth_in_others_mm,
-               const BodyCylinder& body, const GridGeometry& geometry, const GridGeometry& ct) {
-  constexpr double kFromMm = 38.0;    // thoracic transverse processes, which meet ribs, end before
-  constexpr double kBeyondMm = 55.0;  // and so do the longest lumbar ones
-  const Mask side = voxels_to_the_side(bone, body, geometry, kFromMm);
+               const BodyInRow& row, const GridGeometry& geometry, const GridGeometry& ct) {
+  const BodyCylinder& body = row.body().cylinder;
+  constexpr double kThoracicMm = 38.0;  // transverse processes that meet ribs end before
+  constexpr double kLumbarMm = 48.0;    // those of L3 and L5 reach as far
+  constexpr double kBeyondMm = 55.0;    // and the longest end before
+  const Mask side = voxels_to_the_side(bone, body, geometry, row.is_lumbar() ? kLumbarMm : kThoracicMm);
   Mask goes_on = voxels_to_the_side(bone, body, geometry, kBeyondMm);
   const Mask border = voxels_on_border(geometry, ct);
   for (std::size_t v = 0; v < border.size(); ++v) {
     if (border[v] != 0 && side[v] != 0) goes_on[v] = 1;
   }
   Mask ribs = parts_that_touch(side, goes_on, geometry);
+  if (row.is_lumbar()) return ribs;
   constexpr double kBesideMm = 4.0;
   const Mask beside = voxels_to_the_side(bone, body, geometry, body.half_mm.x() + kBesideMm);
   const Mask reached = parts_that_touch(beside, ribs, geometry);
@@ -168,7 +171,7 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
   {
     const std::vector<float> others_mm = depth_in_others(row, geometry);
     cut.bone = find_bone(cut.smooth, levels, cut.depth_mm, others_mm);
-    cut.ribs = find_ribs(cut.bone, cut.depth_mm, others_mm, row.body().cylinder, geometry, ct.geometry);
+    cut.ribs = find_ribs(cut.bone, cut.depth_mm, others_mm, row, geometry, ct.geometry);
     cut.markers = place_markers({.bone = cut.bone,
                                  .ribs = cut.ribs,
                                  .depth_mm = cut.depth_mm,

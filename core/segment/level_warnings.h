@@ -17,9 +17,20 @@ struct LevelWarning {
 };
 inline constexpr double kSuspect = 0.5;
 
-/// Where a vertebra meets another bone.
-enum class Contact { ends, upper_left, upper_right, lower_left, lower_right, left_rib, right_rib };
-inline constexpr std::size_t kContacts = 7;
+/// Where a vertebra meets another bone: a neighbour's body above or below its own, other bone beside its body, joints,
+/// ribs.
+enum class Contact {
+  body_above,
+  body_below,
+  beside,
+  upper_left,
+  upper_right,
+  lower_left,
+  lower_right,
+  left_rib,
+  right_rib
+};
+inline constexpr std::size_t kContacts = 9;
 
 /// Of the cut there, what goes through bone and not through a gap that the CT shows.
 struct Bridge {
@@ -41,8 +52,11 @@ struct LevelFigures {
   Vec3 lopsided_at_mm = Vec3::Zero();       ///< its middle, patient LPS
   double unsure_share = 0.0;                ///< of its bone, where the walker hardly preferred it
   double side_sharpness = 1.0;  ///< the least of both sides', see SideBone; small where a rib may have stayed on
-  double metal_mm3 = 0.0;       ///< voxels over 2,500 HU in it or on it
-  double cement_mm3 = 0.0;      ///< dense lump in the body's inside
+  bool is_cut_behind = false;   ///< it reaches the CT's border behind the canal
+  bool is_cut_left = false;     ///< and to the left of its body
+  bool is_cut_right = false;
+  double metal_mm3 = 0.0;   ///< voxels over 2,500 HU in it or on it
+  double cement_mm3 = 0.0;  ///< dense lump in the body's inside
 };
 
 /// Voxels of a cut: 1 where it is so.
@@ -52,6 +66,10 @@ struct CutMasks {
   const std::vector<std::uint8_t>& others;    ///< its neighbours
 };
 LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const BodyInRow& row);
+
+/// Whether the vertebra, `inside` of a box of the CT, reaches the CT's border; where it does, the figures are told.
+bool find_border(const GridGeometry& ct, const VoxelBox& box, const std::vector<std::uint8_t>& inside,
+                 const BodyInRow& row, LevelFigures& figures);
 
 /// Everything that speaks against a vertebra: ends that are no endplates, a size unlike its neighbours', a part that is
 /// missing or too much, a cut through bone, metal. `chain` and `row` are of the same bodies.

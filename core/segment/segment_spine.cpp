@@ -205,7 +205,7 @@ void for_box(const GridGeometry& ct, const VoxelBox& box, const Visit& visit) {
 
 LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVertebra& cut) {
   LevelReport report;
-  const BodyInRow row{spine.bodies, spine.canal, cut.index};
+  const BodyInRow row{spine.bodies, spine.canal, cut.index, spine.has_sacrum};
   const BodyCylinder& body = row.body().cylinder;
   report.body_centre_mm = body.centre_mm;
   report.body_size_mm = 2.0 * body.half_mm;
@@ -216,18 +216,9 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   const auto voxels = std::count(cut.inside.begin(), cut.inside.end(), std::uint8_t{1});
   report.volume_mm3 = static_cast<double>(voxels) * ct.geometry.spacing_mm.prod();
   report.is_cut = spine.chain[cut.index].lower.is_cut || spine.chain[cut.index].upper.is_cut;
-  const std::array<int, 3>& size = ct.geometry.size;
-  std::size_t at = 0;
-  for (int k = cut.box.low[2]; k <= cut.box.high[2]; ++k) {
-    for (int j = cut.box.low[1]; j <= cut.box.high[1]; ++j) {
-      for (int i = cut.box.low[0]; i <= cut.box.high[0]; ++i, ++at) {
-        const bool on_border = i == 0 || j == 0 || k == 0 || i == size[0] - 1 || j == size[1] - 1 || k == size[2] - 1;
-        if (on_border && cut.inside[at] != 0) report.reaches_border = true;
-      }
-    }
-  }
   report.figures = cut.figures;
-  report.warnings = check_level(cut.figures, spine.chain, row);
+  report.reaches_border = find_border(ct.geometry, cut.box, cut.inside, row, report.figures);
+  report.warnings = check_level(report.figures, spine.chain, row);
   // That its arch may lack a part, check_level() tells.
   const MaskShape shape = measure_shape({crop_geometry(ct.geometry, cut.box), cut.inside});
   for (LevelWarning& one : check_shape(shape, false)) report.warnings.push_back(std::move(one));

@@ -3,14 +3,15 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace spinaltap {
 namespace {
 
-/// Whether a body has bone at both sides as far out as only the sacrum has, level with its middle.
-bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
-  constexpr double kMinShare = 0.5;
+/// How much of the room at either side of a body, level with its middle and as far out as only the sacrum has bone, is
+/// bone; of the side with less.
+double alae_share(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
   double bone[2] = {0.0, 0.0};
   double count = 0.0;
   for (double beside = 5.0; beside <= 17.0; beside += 1.5) {
@@ -26,13 +27,36 @@ bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) 
       }
     }
   }
-  return std::min(bone[0], bone[1]) > kMinShare * count;
+  return std::min(bone[0], bone[1]) / count;
+}
+bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
+  constexpr double kMinShare = 0.5;
+  return alae_share(probe, body, bone_hu) > kMinShare;
 }
 
 /// A sacrum has five bodies, the first of which is the widest of a spine but for L5: 50 +- 4 mm across, and 38 in small
 /// adults. Shoulders, and the skull beside a neck's body of 24 mm, are no alae.
 constexpr std::size_t kMaxSacral = 5;
 constexpr double kMinSacrumMm = 32.0;
+
+/// Whether the lowest of a row is a sacrum whose alae are thin or light: it leans back as no lumbar body does and more
+/// than the one above, is as wide, and where alae begin it has no wall.
+bool leans_as_a_sacrum(const WallProbe& probe, const std::vector<std::optional<VertebralBody>>& bodies,
+                       double bone_hu) {
+  constexpr double kMinShare = 0.2, kMinLeanDeg = 35.0, kMinKinkDeg = 12.0, kMinWidth = 0.95, kMaxWall = 0.75;
+  if (bodies.size() < 3) return false;
+  const BodyCylinder &lowest = bodies[0]->cylinder, &above = bodies[1]->cylinder;
+  const auto lean_deg = [](const BodyCylinder& body) {
+    const Vec3 up = body.axes().col(2);
+    return std::atan2(-up.y(), up.z()) / kDegree;
+  };
+  std::vector<double> walls;
+  for (std::size_t n = 1; n < bodies.size(); ++n) walls.push_back(bodies[n]->cylinder.fit);
+  std::nth_element(walls.begin(), walls.begin() + static_cast<std::ptrdiff_t>(walls.size() / 2), walls.end());
+  return lean_deg(lowest) >= kMinLeanDeg && lean_deg(lowest) - lean_deg(above) >= kMinKinkDeg &&
+         lowest.half_mm.x() >= kMinWidth * above.half_mm.x() && lowest.fit <= kMaxWall * walls[walls.size() / 2] &&
+         alae_share(probe, lowest, bone_hu) >= kMinShare;
+}
 
 /// Mean edge over the middle of a plane across a body.
 double endplate_of(const WallProbe& probe, const BodyEnd& end, const ColumnSection& middle, double outward) {
@@ -169,7 +193,8 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   std::size_t lowest = 0;
   for (std::size_t n = 0; n < std::min(bodies.size(), kMaxSacral); ++n) {
     const BodyCylinder& body = bodies[n]->cylinder;
-    if (2.0 * body.half_mm.x() < kMinSacrumMm || !has_alae(probe, body, walls.bone_hu)) continue;
+    if (2.0 * body.half_mm.x() < kMinSacrumMm) continue;
+    if (!has_alae(probe, body, walls.bone_hu) && !(n == 0 && leans_as_a_sacrum(probe, bodies, walls.bone_hu))) continue;
     lowest = n;
     spine.has_sacrum = true;
   }

@@ -31,8 +31,11 @@ struct BodyInRow {
   std::span<const VertebralBody> bodies;
   const SpinalCanal& canal;
   std::size_t own = 0;
+  bool has_sacrum = false;  ///< the first of the bodies is the sacrum's
 
   const VertebralBody& body() const { return bodies[own]; }
+  /// Whether it is a lumbar one for sure: one of the four above a sacrum.
+  bool is_lumbar() const { return has_sacrum && own >= 1 && own <= 4; }
 };
 
 /// What is known of each bone voxel before the walk, from anatomy:

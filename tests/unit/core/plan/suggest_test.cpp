@@ -193,6 +193,27 @@ TEST_F(SuggestPaths, SayWhyThereIsNone) {
   }
 }
 
+TEST_F(SuggestPaths, SayWhyAThinScrewIsNoThicker) {
+  // In a pedicle of 9 mm, half filled.
+  const auto reasons_of = [&](const std::vector<PedicleScrew>& screws) {
+    std::string all;
+    for (const Suggestion& suggestion : suggest_paths(walls(), hu_of_200, {}, screws)) {
+      for (const std::string& reason : suggestion.best.value().reasons) all += reason + "\n";
+    }
+    return all;
+  };
+  const std::string wide = reasons_of({{"", 4.5, 40.0, 4.0}, {"", 7.6, 40.0, 4.0}});
+  EXPECT_NE(wide.find("a screw of 7.6 x 40 mm on this way would leave 0."), std::string::npos) << wide;
+  EXPECT_NE(wide.find("and 1 mm are looked for"), std::string::npos) << wide;
+  const std::string wider = reasons_of({{"", 4.5, 40.0, 4.0}, {"", 10.5, 40.0, 4.0}});
+  EXPECT_NE(wider.find("a screw of 10.5 x 40 mm on this way would breach"), std::string::npos) << wider;
+  const std::string single = reasons_of({{"", 4.5, 40.0, 4.0}});
+  EXPECT_NE(single.find("the table has no thicker screw"), std::string::npos) << single;
+  for (const Suggestion& suggestion : suggested()) {
+    for (const std::string& reason : suggestion.best->reasons) EXPECT_EQ(reason.find("on this way"), std::string::npos);
+  }
+}
+
 TEST_F(SuggestPaths, RejectOptionsWithoutSense) {
   const auto rejected = [&](const auto& change) {
     SuggestOptions options;

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -134,7 +136,44 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"little to the left", [](BodyColumn& c) { c.figures.left_share = 0.38; }, "lie to the left", true},
         Spoilt{"a rib left on", [](BodyColumn& c) { c.figures.right_reach_mm = 58.0; }, "a rib may have stayed on",
                true},
-        Spoilt{"bridged ends", [](BodyColumn& c) { c.figures.bridges[0].mm2 = 230.0; }, "no gap shows over 230", true},
+        Spoilt{"bone beside the body",
+               [](BodyColumn& c) { c.figures.bridges[static_cast<std::size_t>(Contact::beside)].mm2 = 230.0; },
+               "no gap shows over 230", true},
+        // Thin discs close in coarse CTs, and the bodies are right.
+        Spoilt{"a body that touches the one above",
+               [](BodyColumn& c) { c.figures.bridges[static_cast<std::size_t>(Contact::body_above)].mm2 = 800.0; },
+               "no gap shows over 800 mm2 between it and the body above", false},
+        Spoilt{"a body that touches both",
+               [](BodyColumn& c) {
+                 c.figures.bridges[static_cast<std::size_t>(Contact::body_above)].mm2 = 800.0;
+                 c.figures.bridges[static_cast<std::size_t>(Contact::body_below)].mm2 = 800.0;
+               },
+               "no gap shows over 800 mm2 between it and the body below", false},
+        Spoilt{"a body that touches where its endplate is weak",
+               [](BodyColumn& c) {
+                 c.figures.bridges[static_cast<std::size_t>(Contact::body_above)].mm2 = 800.0;
+                 c.chain[1].upper.edge = 0.15;
+               },
+               "the upper endplate is weak", true},
+        Spoilt{"a spinous process beyond the CT",
+               [](BodyColumn& c) {
+                 c.figures.behind_canal_mm = 10.0;
+                 c.figures.is_cut_behind = true;
+               },
+               "at the CT's border: the spinous process is cut there", false},
+        Spoilt{"a transverse process beyond the CT",
+               [](BodyColumn& c) {
+                 c.figures.left_reach_mm = 20.0;
+                 c.figures.left_share = 0.38;
+                 c.figures.is_cut_left = true;
+               },
+               "on one side to the CT's border", false},
+        Spoilt{"a transverse process too short where the other one is beyond the CT",
+               [](BodyColumn& c) {
+                 c.figures.left_reach_mm = 20.0;
+                 c.figures.is_cut_right = true;
+               },
+               "a process be cut off", true},
         Spoilt{"a bridged joint", [](BodyColumn& c) { bridge(c, Contact::upper_left); }, "above, in the left joint",
                false},
         Spoilt{"another", [](BodyColumn& c) { bridge(c, Contact::upper_right); }, "above, in the right joint", false},
@@ -153,7 +192,9 @@ INSTANTIATE_TEST_SUITE_P(
                "in the right joint", false},
         Spoilt{"all joints bridged, and a piece too much",
                [](BodyColumn& c) {
-                 for (std::size_t n = 1; n < kContacts; ++n) c.figures.bridges[n].mm2 = 30.0;
+                 for (auto n = static_cast<std::size_t>(Contact::upper_left); n < kContacts; ++n) {
+                   c.figures.bridges[n].mm2 = 30.0;
+                 }
                  c.figures.lopsided_mm3 = 600.0;
                },
                "in the right joint", true},
@@ -342,7 +383,68 @@ TEST(MeasureLevel, AddsUpTheBoneThatACutGoesThrough) {
   EXPECT_NEAR(mm2(Contact::lower_left), 0.25 * 2.0 * 7.0, 1e-6);
   EXPECT_NEAR(mm2(Contact::lower_right), 0.25 * 3.0 * 7.0, 1e-6);
   EXPECT_EQ(mm2(Contact::left_rib), 0.0);
-  EXPECT_EQ(mm2(Contact::ends), 0.0);
+  for (const Contact contact : {Contact::body_above, Contact::body_below, Contact::beside}) {
+    EXPECT_EQ(mm2(contact), 0.0);
+  }
+}
+
+TEST(MeasureLevel, TellsABodyThatTouchesFromBoneBesideIt) {
+  const BodyColumn column;
+  const BodyCylinder& body = column.bodies[1].cylinder;
+  DrawnLevel level(body);
+  // All bone that is above the body or at its side is another's.
+  const GridGeometry& geometry = level.cut.geometry();
+  for (int k = 0; k < geometry.size[2]; ++k) {
+    for (int j = 0; j < geometry.size[1]; ++j) {
+      for (int i = 0; i < geometry.size[0]; ++i) {
+        const Vec3 p = geometry.to_patient(Vec3(i, j, k)) - body.centre_mm;
+        const std::size_t voxel = geometry.offset(i, j, k);
+        const bool is_above = p.z() > 12.2 && std::abs(p.x()) < 5.5 && std::abs(p.y()) < 5.5;
+        const bool is_beside = p.x() > 19.8 && std::abs(p.y()) < 2.5 && std::abs(p.z()) < 2.5;
+        if (!(is_above || is_beside) || level.mine[voxel] != 0) continue;
+        level.cut.markers[voxel] = WalkerVoxel::kOther;
+        level.cut.conductivity[voxel] = 1.0F;
+        level.others[voxel] = is_above ? 1 : 0;
+      }
+    }
+  }
+  const LevelFigures figures = measure_level(level.cut, level.masks(), column.row());
+  const auto mm2 = [&](Contact contact) { return figures.bridges[static_cast<std::size_t>(contact)].mm2; };
+  EXPECT_NEAR(mm2(Contact::body_above), 11.0 * 11.0, 23.0);
+  EXPECT_EQ(mm2(Contact::body_below), 0.0);
+  EXPECT_GT(mm2(Contact::beside), 15.0);
+  EXPECT_LT(mm2(Contact::beside), 40.0);
+}
+
+TEST(FindBorder, TellsWhereAVertebraReachesIt) {
+  const BodyColumn column;
+  const BodyCylinder& body = column.bodies[1].cylinder;
+  // The CT ends 20 mm to the right of the body's middle, 60 mm to the left, in front and above, and 50 mm behind.
+  GridGeometry ct;
+  ct.origin_mm = body.centre_mm - Vec3(20.0, 60.0, 60.0);
+  ct.size = {81, 111, 121};
+  const auto border_of = [&](const std::function<bool(const Vec3&)>& in) {
+    const VoxelBox box{{0, 0, 0}, {ct.size[0] - 1, ct.size[1] - 1, ct.size[2] - 1}};
+    std::vector<std::uint8_t> inside;
+    for (int k = 0; k < ct.size[2]; ++k) {
+      for (int j = 0; j < ct.size[1]; ++j) {
+        for (int i = 0; i < ct.size[0]; ++i)
+          inside.push_back(in(ct.to_patient(Vec3(i, j, k)) - body.centre_mm) ? 1 : 0);
+      }
+    }
+    LevelFigures figures;
+    const bool reaches = find_border(ct, box, inside, column.row(), figures);
+    return std::array{reaches, figures.is_cut_behind, figures.is_cut_left, figures.is_cut_right};
+  };
+  const auto within = [](double x, double y, double z) {
+    return [=](const Vec3& p) { return std::abs(p.x()) < x && std::abs(p.y()) < y && std::abs(p.z()) < z; };
+  };
+  EXPECT_EQ(border_of(within(15.0, 30.0, 10.0)), (std::array{false, false, false, false}));
+  EXPECT_EQ(border_of(within(45.0, 30.0, 10.0)), (std::array{true, false, false, true}));
+  EXPECT_EQ(border_of(within(3.0, 55.0, 10.0)), (std::array{true, true, false, false}));
+  // One voxel may be noise's.
+  EXPECT_EQ(border_of([](const Vec3& p) { return p.y() > 49.5 && p.norm() < 50.005; }),
+            (std::array{true, false, false, false}));
 }
 
 TEST(MeasureLevel, FindsThePieceThatOneSideLacks) {
