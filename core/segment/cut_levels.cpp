@@ -143,7 +143,8 @@ void cut_levels(const CtVolume& ct, const SpineBodies& spine, std::size_t first,
   for (std::size_t begin = low; begin <= high; begin += at_once) {
     const std::size_t end = std::min(begin + at_once, high + 1);
     tbb::parallel_for(begin, end, [&](std::size_t n) {
-      cuts[n] = std::make_unique<LevelCut>(cut_level(ct, spine.levels, {spine.bodies, spine.canal, n, spine.has_sacrum}, marks));
+      cuts[n] = std::make_unique<LevelCut>(
+          cut_level(ct, spine.levels, {spine.bodies, spine.canal, n, spine.has_sacrum}, marks));
       if (n < first || n > last) cuts[n]->keep_probability_only();
       counter.add();
     });
