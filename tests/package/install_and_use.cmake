@@ -1,6 +1,6 @@
 # cmake -P: installs BUILD_DIR below WORK_DIR, configures and builds CONSUMER_DIR against it, and drills the same hole
 # with the installed program and with the consumer, static, shared and compiled for this CPU, and from PYTHON, where there
-# is one, with the package in PYTHON_DIR: one record's fingerprint.
+# is one, with the package in PYTHON_DIR: one record's fingerprint. The headers that SOURCE_DIR's pages name compile.
 cmake_minimum_required(VERSION 3.25)
 function(run what)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -54,9 +54,36 @@ foreach(file IN LISTS package_files)
   endif()
 endforeach()
 
+# Pages name headers as a user has them: all of them, in one source of the consumer's.
+file(GLOB pages ${SOURCE_DIR}/docs/*.md ${SOURCE_DIR}/README.md)
+set(named "")
+foreach(page IN LISTS pages)
+  cmake_path(GET page FILENAME name)
+  file(STRINGS ${page} lines REGEX "^ *#include [\"<]")
+  foreach(line IN LISTS lines)
+    if(line MATCHES "\"(core|vdb|mesh|apps|tests)/")
+      message(FATAL_ERROR "${name}: a user has no such header: ${line}")
+    elseif(line MATCHES "<(spinaltap/[^>]+)>")
+      if(NOT EXISTS ${prefix}/include/${CMAKE_MATCH_1})
+        message(FATAL_ERROR "${name}: not installed: ${line}")
+      endif()
+      string(STRIP "${line}" line)
+      list(APPEND named "${line}")
+    endif()
+  endforeach()
+endforeach()
+list(REMOVE_DUPLICATES named)
+list(LENGTH named count)
+if(count LESS 10)
+  message(FATAL_ERROR "the pages name ${count} headers: they were not read")
+endif()
+list(JOIN named "\n" named)
+file(WRITE ${WORK_DIR}/page_headers.cpp "${named}\n")
+
 run("configuring the consumer" ${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${WORK_DIR}/build -G ${GENERATOR}
     -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${CXX_FLAGS}
-    "-DCMAKE_PREFIX_PATH=${prefix};${PREFIX_PATH}" -DEXPECTED_VERSION=${VERSION})
+    "-DCMAKE_PREFIX_PATH=${prefix};${PREFIX_PATH}" -DEXPECTED_VERSION=${VERSION}
+    -DPAGE_HEADERS=${WORK_DIR}/page_headers.cpp)
 run("building the consumer" ${CMAKE_COMMAND} --build ${WORK_DIR}/build --config ${CONFIG})
 
 set(program ${prefix}/${BINDIR}/spinaltap)
