@@ -164,6 +164,7 @@ void Session::run(Operator& tool, const CycleObserver& observe, const Progress& 
 }
 
 const Cycle& Session::last() const { return state_->built.session->last(); }
+ToolFeedback Session::feedback() const { return state_->built.session->feedback(); }
 std::span<const SessionEvent> Session::events() const { return state_->built.session->events(); }
 bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
 

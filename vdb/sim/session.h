@@ -49,6 +49,8 @@ class Session {
 
   /// The last cycle; before the first, zeros.
   const Cycle& last() const;
+  /// What an operator, or a VirtualCoupling, is told next.
+  ToolFeedback feedback() const;
   /// Entries, states, breaches, stops: in the order in which they began.
   std::span<const SessionEvent> events() const;
   /// The stop rules ask to stop.
