@@ -8,6 +8,7 @@
 #include <QTabWidget>
 #include <QTableWidget>
 #include <map>
+#include <vector>
 
 #include "apps/spinaltap-planner/scene/scene_view.h"
 #include "core/phantom/vertebra_ground_truth.h"
@@ -37,6 +38,36 @@ TEST_F(PlannerWindowTest, OpensABoneThroughItsDialog) {
   EXPECT_EQ(document().bone()->file, phantom_file());
   EXPECT_TRUE(document().paths().empty());
   EXPECT_TRUE(child<QAction>("suggest").isEnabled());
+}
+
+TEST_F(PlannerWindowTest, TheWheelTurnsNoNumberThatHasNotTheKeyboard) {
+  show_phantom();
+  const DrillPath before = *document().chosen_path();
+  child<QTableWidget>("paths").setFocus();
+  std::vector<QWidget*> fields{&child<QComboBox>("bit"), &child<QComboBox>("screw")};
+  for (const char* name : {"bitDiameter", "bitLength", "entryL", "entryP", "entryS", "targetL", "targetP", "targetS"}) {
+    fields.push_back(&child<QDoubleSpinBox>(name));
+  }
+  for (QWidget* field : fields) {
+    for (const int steps : {3, -3}) {
+      input.move(*field, field->rect().center());
+      input.wheel(steps);
+      let_work(30);
+      const DrillPath& after = *document().chosen_path();
+      EXPECT_EQ(after.entry_mm, before.entry_mm) << field->objectName().toStdString();
+      EXPECT_EQ(after.target_mm, before.target_mm) << field->objectName().toStdString();
+      EXPECT_EQ(after.bit.diameter_mm, before.bit.diameter_mm) << field->objectName().toStdString();
+      EXPECT_EQ(after.bit.length_mm, before.bit.length_mm) << field->objectName().toStdString();
+      EXPECT_EQ(after.screw.has_value(), before.screw.has_value()) << field->objectName().toStdString();
+      EXPECT_FALSE(field->hasFocus()) << field->objectName().toStdString();
+    }
+  }
+  // With the keyboard it turns.
+  auto& box = child<QDoubleSpinBox>("targetS");
+  input.click(box);
+  ASSERT_TRUE(wait_until([&] { return box.hasFocus(); }));
+  input.wheel(1);
+  EXPECT_TRUE(wait_until([&] { return document().chosen_path()->target_mm != before.target_mm; }));
 }
 
 TEST_F(PlannerWindowTest, EveryKeyMeansOneThing) {

@@ -25,6 +25,7 @@
 #include "apps/spinaltap-planner/window/elided_label.h"
 #include "apps/spinaltap-planner/window/four_panes.h"
 #include "apps/spinaltap-planner/window/path_panel.h"
+#include "apps/spinaltap-planner/window/wheel_needs_focus.h"
 #include "apps/spinaltap-planner/window/words.h"
 #include "core/base/error.h"
 
@@ -46,6 +47,7 @@ QWidget* scrolled(QWidget* page) {
 
 MainWindow::MainWindow() {
   setObjectName("planner");
+  new WheelNeedsFocus(this);  // the window's child
   setAcceptDrops(true);
   setDockOptions(AnimatedDocks);
   panes_ = new FourPanes(planner_.document(), planner_.view());
