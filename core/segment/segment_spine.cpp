@@ -315,6 +315,12 @@ Segmentation vertebra_of(const CtVolume& ct, const SpineBodies& spine, const Seg
       ct, spine, index, index, marks_of(ct, options.corrections, names.levels),
       [&](CutVertebra&& cut) { vertebra = std::move(cut); }, progress);
   result.report = report_of(ct, spine, vertebra);
+  // A name that is counted in a row that lacks vertebrae is another's.
+  constexpr double kRowSeverity = 0.1;
+  for (const std::string& gap : gaps_in_row(spine)) {
+    result.report.warnings.push_back({"the row that it is counted in: " + gap, kRowSeverity, std::nullopt});
+  }
+  result.report.severity = total_severity(result.report.warnings);
   result.mask = {ct.geometry, std::vector<std::uint8_t>(ct.geometry.voxel_count(), 0)};
   for_box(ct.geometry, vertebra.box,
           [&](std::size_t to, std::size_t from) { result.mask.inside[to] = vertebra.inside[from]; });

@@ -103,5 +103,19 @@ TEST(ThickSlices, OfAThoracicSpineShowEachBodyWhereAnAnatomistHasIt) {
   }
 }
 
+// In means of 5 mm levels are missed: whoever takes one is told, for its name is counted in that row.
+TEST(ThickSlices, OfOneVertebraSayWhereItsRowLacksSome) {
+  SPINALTAP_NEED_TEST_DATA(folder, "thoracic_spine_ct")
+  const CtVolume thick = in_thick_slices(read_ct(folder / "lidc-0314_spine.nii.gz"), 5);
+  const Segmentation one = segment_vertebra(thick, {});
+  const SpineSegmentation all = segment_spine(thick, {});
+  EXPECT_FALSE(all.gaps.empty());
+  for (const std::string& gap : all.gaps) {
+    EXPECT_TRUE(std::ranges::any_of(one.report.warnings, [&](const LevelWarning& warning) {
+      return warning.text == "the row that it is counted in: " + gap;
+    })) << gap;
+  }
+}
+
 }  // namespace
 }  // namespace spinaltap
