@@ -3,9 +3,16 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "core/phantom/vertebra_ground_truth.h"
+#include "core/segment/warning_metadata.h"
 #include "tests/gui/phantom_bone.h"
+#include "tests/support/temporary_folder.h"
+#include "vdb/bake/bake.h"
 
 namespace spinaltap {
 namespace {
@@ -27,6 +34,28 @@ TEST(PathFigures, OfAPathAlongThePediclesAxisAreThePhantoms) {
   EXPECT_NEAR(figures.angles.convergence_deg, VertebraAnatomy().pedicle.convergence_deg, 2.0);
   EXPECT_TRUE(figures.angles_are_the_vertebras);
   EXPECT_FALSE(warns(figures, WarningLevel::danger, ""));
+}
+
+/// The phantom's bone, with what its maker says against it or its CT.
+std::shared_ptr<const OpenedBone> doubted(const LevelWarnings& warnings, const std::vector<std::string>& of_ct) {
+  const test::TemporaryFolder folder;
+  std::map<std::string, std::string> metadata;
+  add_warnings(warnings, metadata);
+  add_input_warnings(of_ct, metadata);
+  write_bone(bake_solid(Vertebra(), {.voxel_mm = 0.8}, 60.0, {}, metadata), folder.path() / "bone.vdb");
+  return open_bone(folder.path() / "bone.vdb");
+}
+
+TEST(PathFigures, SayWhereAGoodGradeLeansOnWhatMayBeWrong) {
+  const DrillPath path = test::phantom_paths().front();
+  const PathGrader grader;
+  EXPECT_EQ(grader.figures(*test::phantom_bone(), path).doubt, "");
+  const std::vector<std::string> filled{"2 slices are missing between 12 and 15 mm: interpolated"};
+  EXPECT_EQ(grader.figures(*doubted({{}, 0.0}, filled), path).doubt, "the CT");
+  const LevelWarnings cut{{"the body goes on beyond the CT: its lower end is not in it"}, 0.3};
+  EXPECT_EQ(grader.figures(*doubted(cut, {}), path).doubt, "the bone");
+  EXPECT_EQ(grader.figures(*doubted(cut, filled), path).doubt, "the CT and the bone");
+  EXPECT_EQ(grader.figures(*doubted({{"no gap shows"}, 0.1}, {}), path).doubt, "");
 }
 
 TEST(PathFigures, SayWhatIsWrongWithABadPath) {

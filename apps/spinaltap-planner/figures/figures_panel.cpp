@@ -16,6 +16,7 @@ namespace spinaltap {
 namespace {
 
 // Dark on light, for all kinds of colour vision; words say the same.
+constexpr const char* kCaution = "#8a5a00";
 QString colour_of(Grade grade) {
   switch (grade) {
     case Grade::A:
@@ -32,7 +33,7 @@ QString sign_of(WarningLevel level) {
     case WarningLevel::danger:
       return QStringLiteral("<b style='color:#b3261e'>\u26a0 ");
     case WarningLevel::caution:
-      return QStringLiteral("<b style='color:#8a5a00'>\u25b2 ");
+      return QStringLiteral("<b style='color:%1'>\u25b2 ").arg(kCaution);
     case WarningLevel::note:
       break;
   }
@@ -145,8 +146,12 @@ void FiguresPanel::show_figures(const PathFigures* figures, const std::vector<do
   } else {
     const PathGrade& grade = figures->graded.grade;
     if (figures->is_graded) {
+      // A good grade of a surface that may be wrong is not green.
+      QString text = text_of(meaning_of(grade.grade));
+      const bool leans_on_doubt = grade.grade <= Grade::B && !figures->doubt.empty();
+      if (leans_on_doubt) text += tr(", but %1 may be wrong: see below").arg(text_of(figures->doubt));
       grade_->setText(QString("<b style='font-size:large;color:%1'>%2</b>")
-                          .arg(colour_of(grade.grade), text_of(meaning_of(grade.grade)).toHtmlEscaped()));
+                          .arg(leans_on_doubt ? kCaution : colour_of(grade.grade), text.toHtmlEscaped()));
       walls_->setText(walls_text(grade, hu_bands) + instrument_text(grade));
       plots_ = {clearance_plot(figures->graded), hu_plot(figures->graded), bands_plot(figures->graded, hu_bands),
                 predicted_thrust_plot(figures->graded)};

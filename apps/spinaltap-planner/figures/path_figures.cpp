@@ -103,7 +103,10 @@ PathFigures PathGrader::figures(const OpenedBone& bone, const DrillPath& path) c
   for (const std::string& warning : bone.bone->input_remarks()) {
     warnings.push_back({WarningLevel::caution, "the CT: " + warning});
   }
+  if (!bone.bone->input_warnings().empty()) figures.doubt = "the CT";
   if (const std::optional<LevelWarnings> marked = bone.bone->warnings()) {
+    constexpr double kDoubtful = 0.3;  // that the CT's border cuts the body alone makes as much
+    if (marked->severity >= kDoubtful) figures.doubt += figures.doubt.empty() ? "the bone" : " and the bone";
     for (const std::string& warning : marked->warnings) {
       warnings.push_back({marked->is_suspect() ? WarningLevel::caution : WarningLevel::note, "the bone: " + warning});
     }

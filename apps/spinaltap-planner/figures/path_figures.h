@@ -28,6 +28,7 @@ struct PathFigures {
   bool angles_are_the_vertebras = false;
   bool is_graded = false;                   ///< the path goes through the bone
   std::vector<PathWarning> warnings;        ///< the worst first; the grade's findings are among them
+  std::string doubt = {};                   ///< what a grade leans on that may be wrong: "the bone"; empty: nothing
   std::optional<Technique> technique = {};  ///< of a path that is as it was suggested
   std::vector<std::string> reasons = {};    ///< why it was, likewise
 };
