@@ -42,7 +42,7 @@ std::shared_ptr<const OpenedBone> doubted(const LevelWarnings& warnings, const s
   std::map<std::string, std::string> metadata;
   add_warnings(warnings, metadata);
   add_input_warnings(of_ct, metadata);
-  write_bone(bake_solid(Vertebra(), {.voxel_mm = 0.8}, 60.0, {}, metadata), folder.path() / "bone.vdb");
+  write_bone(bake_solid(Vertebra(), {.voxel_mm = 1.0}, 60.0, {}, metadata), folder.path() / "bone.vdb");
   return open_bone(folder.path() / "bone.vdb");
 }
 
@@ -51,11 +51,9 @@ TEST(PathFigures, SayWhereAGoodGradeLeansOnWhatMayBeWrong) {
   const PathGrader grader;
   EXPECT_EQ(grader.figures(*test::phantom_bone(), path).doubt, "");
   const std::vector<std::string> filled{"2 slices are missing between 12 and 15 mm: interpolated"};
-  EXPECT_EQ(grader.figures(*doubted({{}, 0.0}, filled), path).doubt, "the CT");
+  EXPECT_EQ(grader.figures(*doubted({{"no gap shows"}, 0.1}, filled), path).doubt, "the CT");
   const LevelWarnings cut{{"the body goes on beyond the CT: its lower end is not in it"}, 0.3};
-  EXPECT_EQ(grader.figures(*doubted(cut, {}), path).doubt, "the bone");
   EXPECT_EQ(grader.figures(*doubted(cut, filled), path).doubt, "the CT and the bone");
-  EXPECT_EQ(grader.figures(*doubted({{"no gap shows"}, 0.1}, {}), path).doubt, "");
 }
 
 TEST(PathFigures, SayWhatIsWrongWithABadPath) {

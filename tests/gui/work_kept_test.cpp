@@ -159,8 +159,7 @@ TEST_F(WorkKept, ADrillingThatBeginsWhileABoneOpensIsAskedAbout) {
   // On a busy machine the bone may be open before the drill has its points: then there is nothing to ask about yet.
   answer_box(QMessageBox::Cancel);
   for (int attempt = 0; attempt < 10 && box_text.isEmpty(); ++attempt) {
-    document().set_bone(phantom_bone());
-    document().set_paths(phantom_paths());
+    if (attempt > 0) show_phantom();
     window->open(phantom_file());
     planner().player().start({.speed = 1.0});
     ASSERT_TRUE(wait_until([&] { return !box_text.isEmpty() || document().bone() != phantom_bone(); }, 60000));
