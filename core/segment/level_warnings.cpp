@@ -452,6 +452,17 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
   return warnings.take();
 }
 
+std::vector<LevelWarning> check_voxels(const Vec3& spacing_mm) {
+  // Of a real CT in slices of 2.5 and 3 mm all whole levels have a Dice of 0.83 and more with what is found in it as it
+  // is; of 4 mm 6 of 11 have 0.8, of 5 mm 4 of 14.
+  constexpr double kFineMm = 3.0, kCoarseMm = 3.5;
+  const double widest_mm = spacing_mm.maxCoeff();
+  WarningList warnings;
+  warnings.add(kSuspect * ramp(widest_mm, kFineMm, kCoarseMm),
+               words("the CT's voxels are ", widest_mm, " mm long: bodies can be parted in it, arches cannot"));
+  return warnings.take();
+}
+
 double total_severity(const std::vector<LevelWarning>& warnings) {
   double sound = 1.0;
   for (const LevelWarning& warning : warnings) sound *= 1.0 - warning.severity;

@@ -76,6 +76,9 @@ bool find_border(const GridGeometry& ct, const VoxelBox& box, const std::vector<
 std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::vector<BodySpan>& chain,
                                       const BodyInRow& row);
 
+/// Voxels (mm) in which arches cannot be parted, as those of thick slices; empty where they can.
+std::vector<LevelWarning> check_voxels(const Vec3& spacing_mm);
+
 /// 1 less the product of what is left of the severities: several small ones add up.
 double total_severity(const std::vector<LevelWarning>& warnings);
 

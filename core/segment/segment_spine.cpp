@@ -222,6 +222,7 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   // That its arch may lack a part, check_level() tells.
   const MaskShape shape = measure_shape({crop_geometry(ct.geometry, cut.box), cut.inside});
   for (LevelWarning& one : check_shape(shape, false)) report.warnings.push_back(std::move(one));
+  for (LevelWarning& one : check_voxels(ct.geometry.spacing_mm)) report.warnings.push_back(std::move(one));
   report.severity = total_severity(report.warnings);
   return report;
 }

@@ -416,6 +416,16 @@ TEST(MeasureLevel, TellsABodyThatTouchesFromBoneBesideIt) {
   EXPECT_LT(mm2(Contact::beside), 40.0);
 }
 
+TEST(CheckVoxels, SaysWhereArchesCannotBeParted) {
+  EXPECT_THAT(check_voxels(Vec3(0.8, 0.8, 2.5)), IsEmpty());
+  EXPECT_THAT(check_voxels(Vec3(3.0, 3.0, 3.0)), IsEmpty());
+  const std::vector<LevelWarning> thick = check_voxels(Vec3(0.8, 0.8, 5.0));
+  ASSERT_EQ(thick.size(), 1U);
+  EXPECT_GE(thick[0].severity, kSuspect);
+  EXPECT_THAT(thick[0].text, HasSubstr("the CT's voxels are 5 mm long"));
+  EXPECT_GE(check_voxels(Vec3(4.0, 1.0, 1.0)).at(0).severity, kSuspect);
+}
+
 TEST(FindBorder, TellsWhereAVertebraReachesIt) {
   const BodyColumn column;
   const BodyCylinder& body = column.bodies[1].cylinder;
