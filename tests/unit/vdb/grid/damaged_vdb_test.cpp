@@ -47,8 +47,7 @@ class DamagedVdb : public testing::Test {
     geometry.origin_mm = ball.centre_mm - Vec3::Constant(4.0);
     std::vector<std::int16_t> hu;
     for (std::size_t i = 0; i < geometry.voxel_count(); ++i) hu.push_back(static_cast<std::int16_t>(i * 37 % 2048));
-    // Coarse: a small file has the same parts, and each is read some thousand times.
-    return bake_bone(ball.field(), ball.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {.voxel_mm = 0.5},
+    return bake_bone(ball.field(), ball.surface_points(1.0), make_ct_volume(geometry, std::move(hu)), {},
                      {{"method", "ball"}});
   }
 
