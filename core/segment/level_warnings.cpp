@@ -255,8 +255,7 @@ void check_bridges(const LevelFigures& figures, WarningList& warnings) {
   }
   const double unsure = 0.6 * ramp(figures.unsure_share, 0.18, 0.35);
   const double beyond = unsure > severity ? 1.0 - (1.0 - unsure) / (1.0 - severity) : 0.0;
-  constexpr double kWorthAWord = 0.1;
-  if (unsure < kWorthAWord) return;
+  if (unsure < WarningList::kMin) return;
   warnings.note(std::max(beyond, kNoteSeverity),
                 words("of ", 100.0 * figures.unsure_share, " % of it, it is unsure whose they are"), std::nullopt);
 }
@@ -359,7 +358,6 @@ bool find_border(const GridGeometry& ct, const VoxelBox& box, const std::vector<
 
 std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::vector<BodySpan>& chain,
                                       const BodyInRow& row) {
-  constexpr double kAtBorder = 0.1;
   WarningList warnings;
   const BodySpan& span = chain[row.own];
   const BodyCylinder& body = row.body().cylinder;
@@ -421,21 +419,24 @@ std::vector<LevelWarning> check_level(const LevelFigures& figures, const std::ve
   warnings.add(missing * ramp(-figures.canal_closed, -0.97, -0.85),
                words("the vertebra closes ", 100.0 * figures.canal_closed, " % of the way around the canal"));
   // What ends at the CT's border is told, and is no fault of the cut.
+  const auto unless_cut = [](double severity, bool is_at_border) {
+    return is_at_border ? std::min(severity, WarningList::kMin) : severity;
+  };
   const double spinous = missing * ramp(-figures.behind_canal_mm, -17.0, -11.0);
-  warnings.add(figures.is_cut_behind ? std::min(spinous, kAtBorder) : spinous,
+  warnings.add(unless_cut(spinous, figures.is_cut_behind),
                words("it ends ", figures.behind_canal_mm, " mm behind the canal's middle",
                      figures.is_cut_behind ? ", at the CT's border: the spinous process is cut there"
                                            : ": the spinous process is missing"));
   const double lean = 0.8 * ramp(std::abs(figures.left_share - 0.5), 0.06, 0.11);
   const bool is_less_cut = figures.left_share < 0.5 ? figures.is_cut_left : figures.is_cut_right;
-  warnings.add(is_less_cut ? std::min(lean, kAtBorder) : lean,
+  warnings.add(unless_cut(lean, is_less_cut),
                words(100.0 * figures.left_share, " % of it lie to the left: one side ",
                      is_less_cut ? "is cut by the CT's border" : "has too much or too little"));
   const double reach = 0.7 * ramp(std::abs(figures.left_reach_mm - figures.right_reach_mm), 7.0, 14.0);
   const bool is_shorter_cut =
       figures.left_reach_mm < figures.right_reach_mm ? figures.is_cut_left : figures.is_cut_right;
   warnings.add(
-      is_shorter_cut ? std::min(reach, kAtBorder) : reach,
+      unless_cut(reach, is_shorter_cut),
       words(
           "it reaches ", figures.left_reach_mm, " mm to the left and ", figures.right_reach_mm, " mm to the right",
           is_shorter_cut ? ", on one side to the CT's border" : ": a rib may have stayed on, or a process be cut off"));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace spinaltap {
 namespace {
@@ -29,21 +31,24 @@ double alae_share(const WallProbe& probe, const BodyCylinder& body, double bone_
   }
   return std::min(bone[0], bone[1]) / count;
 }
-bool has_alae(const WallProbe& probe, const BodyCylinder& body, double bone_hu) {
-  constexpr double kMinShare = 0.5;
-  return alae_share(probe, body, bone_hu) > kMinShare;
-}
+constexpr double kAlaeShare = 0.5;
 
 /// A sacrum has five bodies, the first of which is the widest of a spine but for L5: 50 +- 4 mm across, and 38 in small
 /// adults. Shoulders, and the skull beside a neck's body of 24 mm, are no alae.
 constexpr std::size_t kMaxSacral = 5;
 constexpr double kMinSacrumMm = 32.0;
 
-/// Whether the lowest of a row is a sacrum whose alae are thin or light: it leans back as no lumbar body does and more
-/// than the one above, is as wide, and where alae begin it has no wall.
-bool leans_as_a_sacrum(const WallProbe& probe, const std::vector<std::optional<VertebralBody>>& bodies,
-                       double bone_hu) {
-  constexpr double kMinShare = 0.2, kMinLeanDeg = 35.0, kMinKinkDeg = 12.0, kMinWidth = 0.95, kMaxWall = 0.75;
+/// The middle one, of two the greater.
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Whether the lowest of a row leans as a sacrum: as no lumbar body does, and more than the one above; is as wide, and
+/// has no wall where alae begin.
+bool leans_as_a_sacrum(const std::vector<std::optional<VertebralBody>>& bodies) {
+  constexpr double kMinLeanDeg = 35.0, kMinKinkDeg = 12.0, kMinWidth = 0.95, kMaxWall = 0.75;
   if (bodies.size() < 3) return false;
   const BodyCylinder &lowest = bodies[0]->cylinder, &above = bodies[1]->cylinder;
   const auto lean_deg = [](const BodyCylinder& body) {
@@ -52,10 +57,19 @@ bool leans_as_a_sacrum(const WallProbe& probe, const std::vector<std::optional<V
   };
   std::vector<double> walls;
   for (std::size_t n = 1; n < bodies.size(); ++n) walls.push_back(bodies[n]->cylinder.fit);
-  std::nth_element(walls.begin(), walls.begin() + static_cast<std::ptrdiff_t>(walls.size() / 2), walls.end());
   return lean_deg(lowest) >= kMinLeanDeg && lean_deg(lowest) - lean_deg(above) >= kMinKinkDeg &&
-         lowest.half_mm.x() >= kMinWidth * above.half_mm.x() && lowest.fit <= kMaxWall * walls[walls.size() / 2] &&
-         alae_share(probe, lowest, bone_hu) >= kMinShare;
+         lowest.half_mm.x() >= kMinWidth * above.half_mm.x() && lowest.fit <= kMaxWall * middle_of(std::move(walls));
+}
+
+/// Whether a body of the row is the sacrum's: by its alae, or where these are thin or light, as the lowest's, by how it
+/// leans too.
+bool is_sacral(const WallProbe& probe, const std::vector<std::optional<VertebralBody>>& bodies, std::size_t n,
+               double bone_hu) {
+  constexpr double kThinAlaeShare = 0.2;
+  const BodyCylinder& body = bodies[n]->cylinder;
+  if (2.0 * body.half_mm.x() < kMinSacrumMm) return false;
+  const double share = alae_share(probe, body, bone_hu);
+  return share > kAlaeShare || (n == 0 && share >= kThinAlaeShare && leans_as_a_sacrum(bodies));
 }
 
 /// Mean edge over the middle of a plane across a body.
@@ -103,7 +117,7 @@ std::optional<BodySpan> find_sacrum(const WallProbe& probe, const BodyCylinder& 
       body.centre_mm = span.middle.centre_mm;
       body.half_mm = Vec3(span.middle.half_width_mm, span.middle.half_depth_mm, 0.5 * height_mm);
       body.set_axes(axes);
-      if (has_alae(probe, body, bone_hu)) best = span;
+      if (alae_share(probe, body, bone_hu) > kAlaeShare) best = span;
     }
   }
   return best;
@@ -114,19 +128,18 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
   std::vector<double> fits;
   fits.reserve(bodies.size());
   for (const BodyCylinder& body : bodies) fits.push_back(body.fit);
-  std::sort(fits.begin(), fits.end());
   constexpr double kMinShare = 0.75;
   constexpr double kClearEdge = 0.4;
   std::vector<double> edges;
   edges.reserve(chain.size());
   for (const BodySpan& span : chain) edges.push_back(std::min(span.lower.edge, span.upper.edge));
-  std::sort(edges.begin(), edges.end());
-  const double min_edge = std::min(kClearEdge, edges.empty() ? kClearEdge : kMinShare * edges[edges.size() / 2]);
+  const double min_edge = edges.empty() ? kClearEdge : std::min(kClearEdge, kMinShare * middle_of(edges));
+  const double min_fit = fits.empty() ? 0.0 : kMinShare * middle_of(fits);
   std::vector<BodyCylinder> sure;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     const BodySpan& span = chain[n];
     if (span.lower.is_cut || span.upper.is_cut || std::min(span.lower.edge, span.upper.edge) < min_edge) continue;
-    if (bodies[n].fit >= kMinShare * fits[fits.size() / 2]) sure.push_back(bodies[n]);
+    if (bodies[n].fit >= min_fit) sure.push_back(bodies[n]);
   }
   return sure;
 }
@@ -192,9 +205,7 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
   // What lies below the sacrum's first body is sacrum too.
   std::size_t lowest = 0;
   for (std::size_t n = 0; n < std::min(bodies.size(), kMaxSacral); ++n) {
-    const BodyCylinder& body = bodies[n]->cylinder;
-    if (2.0 * body.half_mm.x() < kMinSacrumMm) continue;
-    if (!has_alae(probe, body, walls.bone_hu) && !(n == 0 && leans_as_a_sacrum(probe, bodies, walls.bone_hu))) continue;
+    if (!is_sacral(probe, bodies, n, walls.bone_hu)) continue;
     lowest = n;
     spine.has_sacrum = true;
   }

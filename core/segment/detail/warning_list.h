@@ -18,8 +18,9 @@ inline double ramp(double value, double fine, double bad) {
 /// What speaks against a vertebra, as it is found.
 class WarningList {
  public:
+  static constexpr double kMin = 0.1;  ///< less is not worth a word
+
   void add(double severity, std::string text, const std::optional<Vec3>& where_mm = std::nullopt) {
-    constexpr double kMin = 0.1;  // less is not worth a word
     if (severity >= kMin) note(severity, std::move(text), where_mm);
   }
   /// Worth a word however small.

@@ -133,7 +133,7 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
   // Where the volume ends there is no bone to be seen, which does not mean that there is none.
   if (!has_contact_ || !(bone_->past_end_mm(pose.tip_mm) < -bone_->widest_spacing_mm())) return;
   // Cancellous bone may be as light as nothing: where the far surface is known, the tip is through when it is there.
-  const bool is_known = has_clearances_ && std::isfinite(cycle.tip.inside_mm);
+  const bool is_known = knows_surface(cycle);
   if (cycle.force.tip_density_g_cm3 > 0.0 || (is_known && cycle.tip.inside_mm > 0.0)) {
     tip_is_in_bone_ = true;
     is_in_air_ = false;
@@ -159,6 +159,10 @@ void SessionWatch::watch_breakthrough(const Cycle& cycle, const Pose& pose, Even
   after_breakthrough_.start(event);
 }
 
+bool SessionWatch::knows_surface(const Cycle& cycle) const noexcept {
+  return has_clearances_ && std::isfinite(cycle.tip.inside_mm);
+}
+
 double SessionWatch::beyond_side_mm(const Pose& pose) const noexcept {
   const Vec3 from_mm = has_contact_ ? contact_mm_ : pose.tip_mm;
   if (const auto* profile = std::get_if<BitProfile>(&bit_)) return bone_->beyond_side_mm(*profile, pose, from_mm);
@@ -178,13 +182,10 @@ double SessionWatch::beyond_side_mm(const Pose& pose) const noexcept {
 }
 
 void SessionWatch::watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept {
-  double beyond_mm = beyond_side_mm(pose);
   // Before the first contact a bit beside the volume is in the air, or in bone that the volume does not hold: the
   // bone's surface tells, and where that is unknown, whether the bit is deeper than the entry.
-  const bool is_known = has_clearances_ && std::isfinite(cycle.tip.inside_mm);
-  if (!has_contact_ && !(is_known ? cycle.tip.inside_mm > 0.0 : cycle.depth_mm > 0.0)) {
-    beyond_mm = -std::numeric_limits<double>::infinity();
-  }
+  const bool may_be_in_bone = has_contact_ || (knows_surface(cycle) ? cycle.tip.inside_mm > 0.0 : cycle.depth_mm > 0.0);
+  double beyond_mm = may_be_in_bone ? beyond_side_mm(pose) : -std::numeric_limits<double>::infinity();
   // Through the far side of the bone, the cylinder's end is not missed.
   if (tip_is_in_bone_) beyond_mm = std::max(beyond_mm, bone_->past_end_mm(pose.tip_mm));
   volume_.update(beyond_mm, bone_->widest_spacing_mm(), bone_->widest_spacing_mm(),

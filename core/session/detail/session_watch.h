@@ -117,6 +117,8 @@ class SessionWatch {
   void watch_breaches(const Cycle& cycle, EventLog& log) noexcept;
   void watch_breakthrough(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
   void watch_volume(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
+  /// Whether the cycle tells how deep in bone the tip is.
+  bool knows_surface(const Cycle& cycle) const noexcept;
   double beyond_side_mm(const Pose& pose) const noexcept;
   void watch_stops(const Cycle& cycle, const Pose& pose, EventLog& log) noexcept;
   void stop(const Cycle& cycle, const Pose& pose, EventKind kind, double value, EventLog& log) noexcept;
