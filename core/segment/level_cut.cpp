@@ -139,8 +139,8 @@ void apply(const std::vector<MarkedVoxels>& marks, std::size_t own, const GridGe
 void trim_rim(Mask& mine, const LevelCut& cut) {
   Mask soft(cut.bone.size());
   std::transform(cut.bone.begin(), cut.bone.end(), soft.begin(), [](std::uint8_t b) { return std::uint8_t{b == 0}; });
-  const std::vector<float> to_soft = squared_distance_to(soft, cut.geometry());
   const double reach_mm = 1.01 * cut.geometry().spacing_mm.maxCoeff();
+  const std::vector<float> to_soft = squared_distance_within(soft, cut.geometry(), reach_mm);
   for (std::size_t v = 0; v < mine.size(); ++v) {
     const bool on_rim = static_cast<double>(to_soft[v]) <= reach_mm * reach_mm;
     if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.smooth.values[v] < min_share_of_peak(cut.peak_hu[v])) {

@@ -124,7 +124,7 @@ void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, c
   // Vertebrae are hardly more alike, and in voxels over 1 mm each side is so much less sure.
   const double far_mm = 4.0 + std::max(0.0, geometry.spacing_mm.maxCoeff() - 1.0);
   const Mat3 axes = body.axes();
-  const std::vector<float> to_mine = squared_distance_to(mine, geometry);
+  const std::vector<float> to_mine = squared_distance_within(mine, geometry, far_mm);
   std::vector<std::pair<std::size_t, Vec3>> arch;
   for_voxels_by_body(mine, geometry, body, [&](std::size_t voxel, const Vec3& p) {
     if (p.y() >= body.half_mm.y()) arch.emplace_back(voxel, p);

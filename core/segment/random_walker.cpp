@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/segment/detail/coarse_correction.h"
 
 namespace spinaltap {
 namespace {
@@ -57,6 +58,44 @@ std::vector<int> number_nodes(std::span<const WalkerVoxel> voxels, const GridGeo
   return node;
 }
 
+/// Parts of the nodes for CoarseCorrection: blocks of three voxels a side, divided where they conduct badly.
+struct NodeParts {
+  std::vector<int> part;  ///< of each node
+  int count = 0;
+};
+
+NodeParts divide_nodes(std::span<const int> node, int count, std::span<const float> conductivity,
+                       const GridGeometry& geometry) {
+  // Measured: blocks of 2 have too large a matrix, of 4 and 6 too many steps; shares of 0.01 and 0.3 are little slower.
+  constexpr int kBlock = 3;
+  constexpr float kBadly = 0.1F;  // of the better conductor
+  constexpr int kNone = -1;
+  NodeParts parts{std::vector<int>(static_cast<std::size_t>(count), kNone), 0};
+  const auto part_of = [&](std::size_t voxel) -> int& { return parts.part[static_cast<std::size_t>(node[voxel])]; };
+  std::vector<std::size_t> open;
+  for (std::size_t v = 0; v < node.size(); ++v) {
+    if (node[v] == kUnreached || part_of(v) != kNone) continue;
+    const std::array<int, 3> first = index_of(geometry, v);
+    part_of(v) = parts.count;
+    open.push_back(v);
+    while (!open.empty()) {
+      const std::size_t here = open.back();
+      open.pop_back();
+      const auto [i, j, k] = index_of(geometry, here);
+      for_neighbours(geometry, i, j, k, [&](std::size_t neighbour, std::size_t axis) {
+        if (node[neighbour] == kUnreached || part_of(neighbour) != kNone) return;
+        const bool in_block = index_of(geometry, neighbour)[axis] / kBlock == first[axis] / kBlock;
+        const auto [worse, better] = std::minmax(conductivity[here], conductivity[neighbour]);
+        if (!in_block || worse < kBadly * better) return;
+        part_of(neighbour) = parts.count;
+        open.push_back(neighbour);
+      });
+    }
+    ++parts.count;
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::vector<float> walk_randomly(std::span<const WalkerVoxel> voxels, std::span<const float> conductivity,
@@ -74,22 +113,20 @@ std::vector<float> walk_randomly(std::span<const WalkerVoxel> voxels, std::span<
 
   const Vec3& step = geometry.spacing_mm;
   const Vec3 area_over_length = (step.prod() / step.array().square()).matrix();
-  Eigen::SparseMatrix<double> laplacian(count, count);
-  laplacian.reserve(Eigen::VectorXi::Constant(count, 4));
+  Eigen::SparseMatrix<double, Eigen::RowMajor> laplacian(count, count);
+  laplacian.reserve(Eigen::VectorXi::Constant(count, 7));
   Eigen::VectorXd from_markers = Eigen::VectorXd::Zero(count);
-  Eigen::VectorXd guess = Eigen::VectorXd::Zero(count);
   for (std::size_t v = 0; v < voxels.size(); ++v) {
     if (node[v] == kUnreached) continue;
     const auto [i, j, k] = index_of(geometry, v);
     double sum = 0.0;
-    // The lower triangle, column by column, the diagonal first.
     laplacian.insert(node[v], node[v]) = 0.0;
     for_neighbours(geometry, i, j, k, [&](std::size_t neighbour, std::size_t axis) {
       if (voxels[neighbour] == WalkerVoxel::kOutside) return;
       const double weight = static_cast<double>(std::min(conductivity[v], conductivity[neighbour])) *
                             area_over_length[static_cast<Eigen::Index>(axis)];
       sum += weight;
-      if (node[neighbour] > node[v]) laplacian.insert(node[neighbour], node[v]) = -weight;
+      if (node[neighbour] != kUnreached) laplacian.insert(node[v], node[neighbour]) = -weight;
       if (voxels[neighbour] == WalkerVoxel::kWanted) from_markers[node[v]] += weight;
     });
     laplacian.coeffRef(node[v], node[v]) = sum;
@@ -97,9 +134,10 @@ std::vector<float> walk_randomly(std::span<const WalkerVoxel> voxels, std::span<
   laplacian.makeCompressed();
   progress.report("parting bones", 0.2);
 
-  Eigen::ConjugateGradient<Eigen::SparseMatrix<double>, Eigen::Lower,
-                           Eigen::IncompleteCholesky<double, Eigen::Lower, Eigen::NaturalOrdering<int>>>
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper, CoarseCorrection>
       solver;
+  NodeParts parts = divide_nodes(node, count, conductivity, geometry);
+  solver.preconditioner().set_parts(std::move(parts.part), parts.count);
   solver.setTolerance(1e-5);
   solver.setMaxIterations(2000);
   solver.compute(laplacian);

@@ -22,8 +22,8 @@ enum class WalkerVoxel : std::uint8_t {
 /// their conductivities (above 0) times the face's area over the distance. 1 and 0 at markers; 0 outside and where no
 /// marker can be reached.
 ///
-/// Solved by Eigen's conjugate gradients with an incomplete Cholesky factor on one thread, so that the result does not
-/// depend on the number of threads. Throws Error when it does not converge.
+/// Solved by Eigen's conjugate gradients (CoarseCorrection) on one thread, so that the result does not depend on the
+/// number of threads. Throws Error when it does not converge.
 std::vector<float> walk_randomly(std::span<const WalkerVoxel> voxels, std::span<const float> conductivity,
                                  const GridGeometry& geometry, const Progress& progress = {});
 

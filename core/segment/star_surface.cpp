@@ -32,6 +32,27 @@ std::pair<int, int> band(double z, double reach_rad, int count) {
   return {index(z + reach_rad), index(z - reach_rad)};
 }
 
+Eigen::Array3i cell_at(const Vec3& p, int cells_a_side) {
+  return (0.5 * cells_a_side * (p.array() + 1.0)).floor().cast<int>().max(0).min(cells_a_side - 1);
+}
+
+std::size_t cell_number(int x, int y, int z, int cells_a_side) {
+  const auto side = static_cast<std::size_t>(cells_a_side);
+  return (static_cast<std::size_t>(z) * side + static_cast<std::size_t>(y)) * side + static_cast<std::size_t>(x);
+}
+
+/// Calls `visit(cell)` for the cells that a point within `reach` of p may lie in, and a few more.
+template <class Visit>
+void for_cells_near(const Vec3& p, double reach, int cells_a_side, const Visit& visit) {
+  const Eigen::Array3i low = cell_at(p - Vec3::Constant(reach), cells_a_side);
+  const Eigen::Array3i high = cell_at(p + Vec3::Constant(reach), cells_a_side);
+  for (int z = low.z(); z <= high.z(); ++z) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) visit(cell_number(x, y, z, cells_a_side));
+    }
+  }
+}
+
 }  // namespace
 
 StarSurface::StarSurface(const Vec3& centre_mm, int direction_count) : centre_mm_(centre_mm) {
@@ -50,15 +71,33 @@ StarSurface::StarSurface(const Vec3& centre_mm, int direction_count) : centre_mm
       }
     }
   }
+  cells_a_side_ = std::max(1, static_cast<int>(2.0 / reach_rad));
+  const auto cells = static_cast<std::size_t>(cells_a_side_) * static_cast<std::size_t>(cells_a_side_) *
+                     static_cast<std::size_t>(cells_a_side_);
+  std::vector<std::vector<int>> near(cells);
+  for (int i = 0; i < direction_count; ++i) {
+    for_cells_near(directions_[static_cast<std::size_t>(i)], reach_rad, cells_a_side_,
+                   [&](std::size_t cell) { near[cell].push_back(i); });
+  }
+  cell_begin_.push_back(0);
+  for (const std::vector<int>& cell : near) {
+    in_cells_.insert(in_cells_.end(), cell.begin(), cell.end());
+    cell_begin_.push_back(static_cast<std::uint32_t>(in_cells_.size()));
+  }
+}
+
+std::size_t StarSurface::cell_of(const Vec3& direction) const {
+  const Eigen::Array3i cell = cell_at(direction, cells_a_side_);
+  return cell_number(cell.x(), cell.y(), cell.z(), cells_a_side_);
 }
 
 double StarSurface::radius_towards_mm(const Vec3& direction) const {
   const double reach_rad = kNeighbourReach * spacing_rad_;
-  const auto [first, last] = band(direction.z(), reach_rad, static_cast<int>(directions_.size()));
+  const std::size_t cell = cell_of(direction);
   double sum = 0.0;
   double weights = 0.0;
-  for (int i = first; i <= last; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+  for (std::uint32_t n = cell_begin_[cell]; n < cell_begin_[cell + 1]; ++n) {
+    const auto at = static_cast<std::size_t>(in_cells_[n]);
     const double share = 1.0 - (directions_[at] - direction).squaredNorm() / (reach_rad * reach_rad);
     if (share <= 0.0) continue;
     sum += share * share * radii_mm_[at];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -35,6 +36,12 @@ class StarSurface {
   std::vector<std::vector<int>> neighbours_;
   std::vector<double> radii_mm_;
   double spacing_rad_;
+
+  // The cube around the unit sphere in cells: the directions that may weigh within each, in order.
+  std::size_t cell_of(const Vec3& direction) const;
+  int cells_a_side_;
+  std::vector<std::uint32_t> cell_begin_;
+  std::vector<int> in_cells_;
 };
 
 /// What choose_radii() minimises: the sum of cost(direction, step) over the directions, plus `stiffness` for each step

@@ -20,6 +20,21 @@ void for_all(const GridGeometry& geometry, const Visit& visit) {
   });
 }
 
+/// The same for those of the box around a sphere.
+template <class Visit>
+void for_near(const GridGeometry& geometry, const Vec3& centre_mm, double radius_mm, const Visit& visit) {
+  const Eigen::Array3d middle = geometry.to_index(centre_mm).array();
+  const Eigen::Array3d reach = radius_mm / geometry.spacing_mm.array();
+  const Eigen::Array3d last(geometry.size[0] - 1, geometry.size[1] - 1, geometry.size[2] - 1);
+  const Eigen::Array3i low = (middle - reach).floor().max(0.0).min(last).cast<int>();
+  const Eigen::Array3i high = (middle + reach).ceil().max(0.0).min(last).cast<int>();
+  tbb::parallel_for(low.z(), high.z() + 1, [&](int k) {
+    for (int j = low.y(); j <= high.y(); ++j) {
+      for (int i = low.x(); i <= high.x(); ++i) visit(geometry.offset(i, j, k), geometry.to_patient(Vec3(i, j, k)));
+    }
+  });
+}
+
 /// A point seen from the body: its own frame, and how far outside the cylinder.
 struct Place {
   Vec3 p_body_mm;    ///< to the left, back and up from the middle
@@ -100,7 +115,7 @@ std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometr
   constexpr double kWallMm = 0.8;
   std::vector<float> depth_mm(geometry.voxel_count(), kFar);
   const double reach_mm = body.surface.largest_radius_mm() + kMarginMm;
-  for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
+  for_near(geometry, body.surface.centre_mm(), reach_mm, [&](std::size_t voxel, const Vec3& p_mm) {
     if ((p_mm - body.surface.centre_mm()).norm() > reach_mm) return;
     const double depth = body.surface.depth_mm(p_mm) - kWallMm;
     const bool held_back = depth > 0.0 && body.cylinder.scale_to(p_mm) > 1.0;

@@ -168,11 +168,11 @@ std::vector<std::uint8_t> fill_hollows(std::span<const std::uint8_t> inside, con
   std::vector<std::uint8_t> roomy(inside.size());
   const auto is_far = [&](float squared_mm2) { return static_cast<std::uint8_t>(squared_mm2 > limit ? 1 : 0); };
   {
-    const std::vector<float> to_bone = squared_distance_to(inside, geometry);
+    const std::vector<float> to_bone = squared_distance_within(inside, geometry, seal_mm);
     std::transform(to_bone.begin(), to_bone.end(), roomy.begin(), is_far);
   }
   const std::vector<std::uint8_t> reached = parts_that_touch(roomy, border_of(geometry), geometry);
-  const std::vector<float> to_reached = squared_distance_to(reached, geometry);
+  const std::vector<float> to_reached = squared_distance_within(reached, geometry, seal_mm);
   for (std::size_t i = 0; i < filled.size(); ++i) {
     if (is_far(to_reached[i]) != 0) filled[i] = 1;
   }

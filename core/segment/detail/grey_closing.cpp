@@ -8,23 +8,31 @@
 namespace spinaltap {
 namespace {
 
-/// Replaces each value by the `better` one of those within `reach` voxels along one axis.
+/// Replaces each value by the `better` one of those within `reach` voxels along one axis: of i one by one, of the
+/// others a row at a time.
 template <class Better>
 void extreme_along(std::vector<float>& values, const GridGeometry& geometry, std::size_t axis, int reach,
                    const Better& better) {
   const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
-  std::vector<float> result(values.size());
+  const auto columns = static_cast<std::size_t>(geometry.size[0]);
+  std::vector<float> result = values;
   tbb::parallel_for(0, geometry.size[2], [&](int k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
-      for (int i = 0; i < geometry.size[0]; ++i) {
-        const std::array<int, 3> index{i, j, k};
-        const std::size_t here = geometry.offset(i, j, k);
-        float best = values[here];
-        const int before = std::min(reach, index[axis]);
-        const int after = std::min(reach, geometry.size[axis] - 1 - index[axis]);
-        std::size_t at = here - static_cast<std::size_t>(before) * stride[axis];
-        for (int step = -before; step <= after; ++step, at += stride[axis]) best = better(best, values[at]);
-        result[here] = best;
+      const std::size_t row = geometry.offset(0, j, k);
+      for (int step = 1; step <= reach; ++step) {
+        const std::size_t way = static_cast<std::size_t>(step) * stride[axis];
+        const std::size_t from = axis == 0 ? std::min(columns, way) : 0;  // columns that have a value so far before
+        const int at = axis == 1 ? j : k;
+        if (axis == 0 || at >= step) {
+          for (std::size_t i = from; i < columns; ++i) {
+            result[row + i] = better(result[row + i], values[row + i - way]);
+          }
+        }
+        if (axis == 0 || at + step < geometry.size[axis]) {
+          for (std::size_t i = 0; i < columns - from; ++i) {
+            result[row + i] = better(result[row + i], values[row + i + way]);
+          }
+        }
       }
     }
   });

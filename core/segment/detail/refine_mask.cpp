@@ -37,11 +37,11 @@ RefinedMask refine_mask(const BinnedVertebra& binned, const CtVolume& ct, const 
     not_mine[v] = binned.mine[v] == 0 ? 1 : 0;
     other[v] = not_mine[v] != 0 && binned.bone[v] != 0 ? 1 : 0;
   }
-  const std::vector<float> to_mine = squared_distance_to(binned.mine, binned.geometry);
-  const std::vector<float> to_other = squared_distance_to(other, binned.geometry);
-  const std::vector<float> to_outside = squared_distance_to(not_mine, binned.geometry);
-  const double bin_mm = binned.geometry.spacing_mm.maxCoeff();
-  const auto one_bin = static_cast<float>(1.01 * bin_mm * 1.01 * bin_mm);
+  const double bin_mm = 1.01 * binned.geometry.spacing_mm.maxCoeff();
+  const auto one_bin = static_cast<float>(bin_mm * bin_mm);
+  const std::vector<float> to_mine = squared_distance_within(binned.mine, binned.geometry, bin_mm);
+  const std::vector<float> to_other = squared_distance_within(other, binned.geometry, bin_mm);
+  const std::vector<float> to_outside = squared_distance_within(not_mine, binned.geometry, bin_mm);
   const bool is_fine = binned.bins != std::array<int, 3>{1, 1, 1};
 
   const FloatGrid hu = blurred_as_asked(crop_hu(ct, box), levels, ct);

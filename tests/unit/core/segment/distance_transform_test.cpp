@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/error.h"
 #include "core/base/random.h"
 
 namespace spinaltap {
@@ -34,6 +35,8 @@ TEST_P(RandomTarget, IsAsFarAsTheNearestOfAllItsVoxels) {
     }
   }
   const std::vector<float> distance = squared_distance_to(target, geometry);
+  const double reach_mm = seed % 5 == 0 ? 0.0 : 6.0 * random_uniform(seed, 20);
+  const std::vector<float> within = squared_distance_within(target, geometry, reach_mm);
   for (int k = 0; k < geometry.size[2]; ++k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
@@ -46,6 +49,12 @@ TEST_P(RandomTarget, IsAsFarAsTheNearestOfAllItsVoxels) {
         } else {
           // Each of three passes rounds to float: 3 times 6e-8 of the value.
           ASSERT_NEAR(found, expected, 2e-7 * expected + 1e-12);
+        }
+        const float near = within[geometry.offset(i, j, k)];
+        if (near < std::numeric_limits<float>::infinity()) {
+          ASSERT_NEAR(near, expected, 2e-7 * expected + 1e-12);
+        } else {
+          ASSERT_GT(expected, (1.0 - 1e-6) * reach_mm * reach_mm);
         }
       }
     }
@@ -60,6 +69,30 @@ TEST(SquaredDistance, IsInfiniteWithoutATarget) {
   for (const float value : squared_distance_to(std::vector<std::uint8_t>(60, 0), geometry)) {
     EXPECT_EQ(value, std::numeric_limits<float>::infinity());
   }
+}
+
+TEST(SquaredDistance, WithinAReachIsThatOfTheWholeAndNothingBeyond) {
+  GridGeometry geometry;
+  geometry.size = {40, 30, 20};
+  geometry.spacing_mm = Vec3(0.4, 0.7, 1.5);
+  std::vector<std::uint8_t> target(geometry.voxel_count(), 0);
+  for (std::size_t i = 0; i < target.size(); ++i) target[i] = random_uniform(8, i) < 0.002 ? 1 : 0;
+  const std::vector<float> whole = squared_distance_to(target, geometry);
+  const std::vector<float> within = squared_distance_within(target, geometry, 4.0);
+  std::size_t near = 0;
+  for (std::size_t v = 0; v < whole.size(); ++v) {
+    if (whole[v] < 15.999F) {
+      ASSERT_NEAR(within[v], whole[v], 1e-5F);
+      ++near;
+    } else if (whole[v] > 16.001F) {
+      ASSERT_EQ(within[v], std::numeric_limits<float>::infinity());
+    }
+  }
+  EXPECT_GT(near, 1000U);
+  EXPECT_LT(near, whole.size());
+  EXPECT_EQ(squared_distance_within(target, geometry, std::numeric_limits<double>::infinity()).size(), target.size());
+  EXPECT_THROW(squared_distance_within(target, geometry, -1.0), Error);
+  EXPECT_THROW(squared_distance_within(target, geometry, std::numeric_limits<double>::quiet_NaN()), Error);
 }
 
 TEST(SquaredDistance, IsZeroOnTheTargetAndCountsStepsFromACorner) {
@@ -80,13 +113,15 @@ TEST(SquaredDistance, GivesTheSameBitsAtAnyNumberOfThreads) {
   geometry.spacing_mm = Vec3(0.352, 0.352, 0.5);
   std::vector<std::uint8_t> target(geometry.voxel_count());
   for (std::size_t i = 0; i < target.size(); ++i) target[i] = random_uniform(3, i) < 0.02 ? 1 : 0;
-  std::vector<float> one;
+  std::vector<float> one, one_within;
   {
     const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
     one = squared_distance_to(target, geometry);
+    one_within = squared_distance_within(target, geometry, 1.5);
   }
   const tbb::global_control parallel(tbb::global_control::max_allowed_parallelism, 2);
   EXPECT_EQ(squared_distance_to(target, geometry), one);
+  EXPECT_EQ(squared_distance_within(target, geometry, 1.5), one_within);
 }
 
 }  // namespace
