@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/free_memory.h"
 #include "core/segment/detail/binned_ct.h"
 #include "core/segment/detail/connected_parts.h"
 #include "core/segment/detail/grey_closing.h"
@@ -143,20 +144,22 @@ void trim_rim(Mask& mine, const LevelCut& cut) {
   const std::vector<float> to_soft = squared_distance_within(soft, cut.geometry(), reach_mm);
   for (std::size_t v = 0; v < mine.size(); ++v) {
     const bool on_rim = static_cast<double>(to_soft[v]) <= reach_mm * reach_mm;
-    if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.smooth.values[v] < min_share_of_peak(cut.peak_hu[v])) {
+    if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.brightness[v] == Brightness::kDim) {
       mine[v] = 0;
     }
   }
 }
 
+Brightness brightness_of(float hu, float peak_hu) {
+  constexpr float kMetalHu = 2500.0F, kCementHu = 900.0F;
+  if (hu < min_share_of_peak(peak_hu)) return Brightness::kDim;
+  return hu < kCementHu ? Brightness::kBone : hu < kMetalHu ? Brightness::kCement : Brightness::kMetal;
+}
+
 }  // namespace
 
 void LevelCut::keep_probability_only() {
-  smooth.values = {};
-  peak_hu = depth_mm = conductivity = {};
-  bone = ribs = {};
-  markers = {};
-  given_away = {};
+  free_memory(brightness, peak_hu, depth_mm, conductivity, bone, ribs, markers, given_away);
 }
 
 LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow& row,
@@ -165,18 +168,19 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
   cut.bins = bins_for(ct.geometry, kCutStepMm);
   cut.box = box_around(row.body().cylinder, ct.geometry, cut.bins);
   FloatGrid hu = bin_hu(ct, cut.box, cut.bins);
-  cut.smooth = blurred_as_asked(hu, levels, ct);
+  FloatGrid smooth = blurred_as_asked(hu, levels, ct);
+  cut.blocks = smooth.geometry;
   const GridGeometry& geometry = cut.geometry();
   cut.depth_mm = depth_in_body_mm(row.body(), geometry);
   {
     const std::vector<float> others_mm = depth_in_others(row, geometry);
-    cut.bone = find_bone(cut.smooth, levels, cut.depth_mm, others_mm);
+    cut.bone = find_bone(smooth, levels, cut.depth_mm, others_mm);
     cut.ribs = find_ribs(cut.bone, cut.depth_mm, others_mm, row, geometry, ct.geometry);
     cut.markers = place_markers({.bone = cut.bone,
                                  .ribs = cut.ribs,
                                  .depth_mm = cut.depth_mm,
                                  .depth_in_others_mm = others_mm,
-                                 .hu = cut.smooth,
+                                 .hu = smooth,
                                  .dense_hu = 0.5 * (levels.low_hu + levels.sure_hu),
                                  .ct_geometry = ct.geometry},
                                 row);
@@ -186,11 +190,14 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
   {
     GreyClosing closing = close_gaps(hu, kGapReachMm);
     cut.conductivity = conductivity_of(hu, closing.closed, cut.depth_mm);
-    hu.values = {};
-    closing.closed = {};
+    free_memory(hu.values, closing.closed);
     // Of the blurred CT: the brightest of many noisy voxels says more about noise than about bone.
-    cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(cut.smooth, kGapReachMm).peak : std::move(closing.peak);
+    cut.peak_hu = levels.blur_voxels > 0.0 ? close_gaps(smooth, kGapReachMm).peak : std::move(closing.peak);
   }
+  cut.brightness.resize(cut.peak_hu.size());
+  std::transform(smooth.values.begin(), smooth.values.end(), cut.peak_hu.begin(), cut.brightness.begin(),
+                 brightness_of);
+  free_memory(smooth.values);
   cut.probability = walk_randomly(cut.markers, cut.conductivity, geometry);
   return cut;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -8,12 +9,21 @@
 
 namespace spinaltap {
 
+/// What a block's blurred CT number says of bone that was found there.
+enum class Brightness : std::uint8_t {
+  kDim,     ///< too dark for bone beside what is as dense: its blur
+  kBone,    ///< bone, or soft tissue
+  kCement,  ///< 900 HU and more
+  kMetal,   ///< 2500 HU and more
+};
+
 /// The part of a CT in which one vertebra is parted from its neighbours, in steps of about 0.8 mm, and what the walker
 /// found there. Boxes of all levels of a CT lie on one lattice of blocks, so that their voxels can be compared.
 struct LevelCut {
   VoxelBox box;  ///< of the CT; begins at a multiple of `bins`
   std::array<int, 3> bins{1, 1, 1};
-  FloatGrid smooth;                     ///< CT numbers, blurred as the noise asks for
+  GridGeometry blocks;
+  std::vector<Brightness> brightness;
   std::vector<float> peak_hu;           ///< the greatest within 1.6 mm
   std::vector<float> depth_mm;          ///< in the vertebra's body
   std::vector<std::uint8_t> bone;       ///< all bone, neighbours included
@@ -23,7 +33,7 @@ struct LevelCut {
   std::vector<float> conductivity;      ///< of the walker's steps, 0 to 1: little in gaps between bones
   std::vector<float> probability;       ///< that a walker from here meets the vertebra's body first
 
-  const GridGeometry& geometry() const { return smooth.geometry; }
+  const GridGeometry& geometry() const { return blocks; }
   /// Frees all that its neighbours do not ask for.
   void keep_probability_only();
 };

@@ -276,8 +276,6 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
   // Voxels count with the share of their depth that lies in a slab.
   const double voxel_depth_mm = body.axes().col(1).cwiseAbs().dot(cut.geometry().spacing_mm);
   const double max = std::min(1.0, kSlabMm / voxel_depth_mm);
-  constexpr double kMetalHu = 2500.0;
-  constexpr double kCementHu = 900.0;
   std::array<bool, kDirections> seen{};
   double left = 0.0;
   double all = 0.0;
@@ -306,9 +304,8 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
       const double turn = std::atan2(x, y) / (2.0 * std::numbers::pi) + 0.5;
       seen[static_cast<std::size_t>(std::min(kDirections - 1, static_cast<int>(turn * kDirections)))] = true;
     }
-    const auto hu = static_cast<double>(cut.smooth.values[voxel]);
-    if (hu >= kMetalHu) figures.metal_mm3 += voxel_mm3;
-    if (hu >= kCementHu && hu < kMetalHu && cut.depth_mm[voxel] > 4.0F) dense[voxel] = 1;
+    if (cut.brightness[voxel] == Brightness::kMetal) figures.metal_mm3 += voxel_mm3;
+    if (cut.brightness[voxel] == Brightness::kCement && cut.depth_mm[voxel] > 4.0F) dense[voxel] = 1;
   });
   figures.left_pedicle_mm2 = *std::min_element(sections[0].begin(), sections[0].end());
   figures.right_pedicle_mm2 = *std::min_element(sections[1].begin(), sections[1].end());

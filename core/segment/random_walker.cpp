@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/free_memory.h"
 #include "core/segment/detail/coarse_correction.h"
 
 namespace spinaltap {
@@ -96,6 +97,51 @@ NodeParts divide_nodes(std::span<const int> node, int count, std::span<const flo
   return parts;
 }
 
+/// The walker's equations: a row of the Laplacian for each node, and what flows in from the wanted markers.
+struct Walk {
+  Eigen::SparseMatrix<double> laplacian;
+  Eigen::VectorXd from_markers;
+};
+
+Walk equations_of(std::span<const int> node, int count, std::span<const WalkerVoxel> voxels,
+                  std::span<const float> conductivity, const GridGeometry& geometry) {
+  const Vec3& step = geometry.spacing_mm;
+  const Vec3 area_over_length = (step.prod() / step.array().square()).matrix();
+  Walk walk{Eigen::SparseMatrix<double>(count, count), Eigen::VectorXd::Zero(count)};
+  walk.laplacian.reserve(Eigen::VectorXi::Constant(count, 7));
+  for (std::size_t v = 0; v < voxels.size(); ++v) {
+    if (node[v] == kUnreached) continue;
+    const auto [i, j, k] = index_of(geometry, v);
+    double sum = 0.0;
+    walk.laplacian.insert(node[v], node[v]) = 0.0;
+    for_neighbours(geometry, i, j, k, [&](std::size_t neighbour, std::size_t axis) {
+      if (voxels[neighbour] == WalkerVoxel::kOutside) return;
+      const double weight = static_cast<double>(std::min(conductivity[v], conductivity[neighbour])) *
+                            area_over_length[static_cast<Eigen::Index>(axis)];
+      sum += weight;
+      if (node[neighbour] != kUnreached) walk.laplacian.insert(node[neighbour], node[v]) = -weight;
+      if (voxels[neighbour] == WalkerVoxel::kWanted) walk.from_markers[node[v]] += weight;
+    });
+    walk.laplacian.coeffRef(node[v], node[v]) = sum;
+  }
+  walk.laplacian.makeCompressed();
+  return walk;
+}
+
+Eigen::VectorXd solve(const Walk& walk, NodeParts&& parts) {
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double>, Eigen::Lower | Eigen::Upper, CoarseCorrection> solver;
+  solver.preconditioner().set_parts(std::move(parts.part), parts.count);
+  solver.setTolerance(1e-5);
+  solver.setMaxIterations(2000);
+  solver.compute(walk.laplacian);
+  if (solver.info() != Eigen::Success) fail("random walker: the system has no Cholesky factor");
+  Eigen::VectorXd solution = solver.solve(walk.from_markers);
+  if (solver.info() != Eigen::Success) {
+    fail("random walker: no solution within 1e-5 after ", solver.iterations(), " steps, residual ", solver.error());
+  }
+  return solution;
+}
+
 }  // namespace
 
 std::vector<float> walk_randomly(std::span<const WalkerVoxel> voxels, std::span<const float> conductivity,
@@ -106,49 +152,24 @@ std::vector<float> walk_randomly(std::span<const WalkerVoxel> voxels, std::span<
   }
   progress.report("parting bones", 0.0);
   int count = 0;
-  const std::vector<int> node = number_nodes(voxels, geometry, count);
+  std::vector<int> node = number_nodes(voxels, geometry, count);
+  std::vector<std::size_t> voxel_of;
+  voxel_of.reserve(static_cast<std::size_t>(count));
+  for (std::size_t v = 0; v < voxels.size(); ++v) {
+    if (node[v] != kUnreached) voxel_of.push_back(v);
+  }
+  Eigen::VectorXd solution;
+  if (count > 0) {
+    const Walk walk = equations_of(node, count, voxels, conductivity, geometry);
+    NodeParts parts = divide_nodes(node, count, conductivity, geometry);
+    free_memory(node);  // the solver's own is most of what segmentation takes
+    progress.report("parting bones", 0.2);
+    solution = solve(walk, std::move(parts));
+  }
   std::vector<float> probability(voxels.size(), 0.0F);
   for (std::size_t v = 0; v < voxels.size(); ++v) probability[v] = voxels[v] == WalkerVoxel::kWanted ? 1.0F : 0.0F;
-  if (count == 0) return probability;
-
-  const Vec3& step = geometry.spacing_mm;
-  const Vec3 area_over_length = (step.prod() / step.array().square()).matrix();
-  Eigen::SparseMatrix<double, Eigen::RowMajor> laplacian(count, count);
-  laplacian.reserve(Eigen::VectorXi::Constant(count, 7));
-  Eigen::VectorXd from_markers = Eigen::VectorXd::Zero(count);
-  for (std::size_t v = 0; v < voxels.size(); ++v) {
-    if (node[v] == kUnreached) continue;
-    const auto [i, j, k] = index_of(geometry, v);
-    double sum = 0.0;
-    laplacian.insert(node[v], node[v]) = 0.0;
-    for_neighbours(geometry, i, j, k, [&](std::size_t neighbour, std::size_t axis) {
-      if (voxels[neighbour] == WalkerVoxel::kOutside) return;
-      const double weight = static_cast<double>(std::min(conductivity[v], conductivity[neighbour])) *
-                            area_over_length[static_cast<Eigen::Index>(axis)];
-      sum += weight;
-      if (node[neighbour] != kUnreached) laplacian.insert(node[v], node[neighbour]) = -weight;
-      if (voxels[neighbour] == WalkerVoxel::kWanted) from_markers[node[v]] += weight;
-    });
-    laplacian.coeffRef(node[v], node[v]) = sum;
-  }
-  laplacian.makeCompressed();
-  progress.report("parting bones", 0.2);
-
-  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper, CoarseCorrection>
-      solver;
-  NodeParts parts = divide_nodes(node, count, conductivity, geometry);
-  solver.preconditioner().set_parts(std::move(parts.part), parts.count);
-  solver.setTolerance(1e-5);
-  solver.setMaxIterations(2000);
-  solver.compute(laplacian);
-  if (solver.info() != Eigen::Success) fail("random walker: the system has no Cholesky factor");
-  const Eigen::VectorXd solution = solver.solve(from_markers);
-  if (solver.info() != Eigen::Success) {
-    fail("random walker: no solution within 1e-5 after ", solver.iterations(), " steps, residual ", solver.error());
-  }
-  for (std::size_t v = 0; v < voxels.size(); ++v) {
-    if (node[v] != kUnreached) probability[v] = static_cast<float>(solution[node[v]]);
-  }
+  Eigen::Index number = 0;
+  for (const std::size_t v : voxel_of) probability[v] = static_cast<float>(solution[number++]);
   progress.report("parting bones", 1.0);
   return probability;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/free_memory.h"
+
 namespace spinaltap::detail {
 namespace {
 
@@ -25,8 +27,7 @@ class Maker {
     for (std::uint32_t b = 0; b < boxes_.size(); ++b) {
       if (is_target_[b]) visit(b);
       // A box is visited after its parent and never again.
-      colleagues_[b] = {};
-      coarse_[b] = {};
+      free_memory(colleagues_[b], coarse_[b]);
     }
     const std::size_t count = boxes_.size();
     return {{count, far_}, {count, near_}, {count, finer_}, {count, coarser_}};

@@ -19,15 +19,19 @@ class CoarseCorrection {
   }
 
   /// Of a symmetric matrix, stored whole.
-  void compute(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix) {
-    factor_.compute(Eigen::SparseMatrix<double>(matrix));
+  void compute(const Eigen::SparseMatrix<double>& matrix) {
+    factor_.compute(matrix);
+    // The sums over pairs of parts: the lower triangle, which is all that its factor looks at.
+    std::vector<double> within(static_cast<std::size_t>(count_), 0.0);
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(matrix.nonZeros()));
-    for (Eigen::Index row = 0; row < matrix.outerSize(); ++row) {
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(matrix, row); it; ++it) {
-        entries.emplace_back(part_of(it.row()), part_of(it.col()), it.value());
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
+      for (Eigen::SparseMatrix<double>::InnerIterator it(matrix, column); it; ++it) {
+        const int row_part = part_of(it.row()), column_part = part_of(column);
+        if (row_part == column_part) within[static_cast<std::size_t>(row_part)] += it.value();
+        if (row_part > column_part) entries.emplace_back(row_part, column_part, it.value());
       }
     }
+    for (int part = 0; part < count_; ++part) entries.emplace_back(part, part, within[static_cast<std::size_t>(part)]);
     Eigen::SparseMatrix<double> coarse(count_, count_);
     coarse.setFromTriplets(entries.begin(), entries.end());
     coarse_.compute(coarse);

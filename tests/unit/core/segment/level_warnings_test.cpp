@@ -238,12 +238,12 @@ struct DrawnLevel {
   CutMasks masks() const { return {.finished = mine, .given = mine, .others = others}; }
 
   explicit DrawnLevel(const BodyCylinder& body, double from_mm = 0.5) {
-    GridGeometry& geometry = cut.smooth.geometry;
+    GridGeometry& geometry = cut.blocks;
     geometry.size = {101, 102, 61};
     geometry.origin_mm = body.centre_mm + Vec3(-50.0, -30.0 - from_mm, -30.0);
     cut.box.high = {100, 101, 60};
     const std::size_t count = geometry.voxel_count();
-    cut.smooth.values.assign(count, 60.0F);
+    cut.brightness.assign(count, Brightness::kBone);
     cut.peak_hu.assign(count, 60.0F);
     cut.depth_mm.assign(count, -1.0F);
     cut.bone.assign(count, 0);
@@ -276,7 +276,6 @@ struct DrawnLevel {
           if (!in(geometry.to_patient(Vec3(i, j, k)) - body.centre_mm)) continue;
           mine[voxel] = cut.bone[voxel] = add ? 1 : 0;
           cut.probability[voxel] = add ? 1.0F : 0.0F;
-          cut.smooth.values[voxel] = add ? 400.0F : 60.0F;
         }
       }
     }
@@ -338,9 +337,9 @@ TEST(MeasureLevel, CountsMetalAndALumpOfCement) {
         const std::size_t voxel = geometry.offset(i, j, k);
         const Vec3 p = geometry.to_patient(Vec3(i, j, k)) - body.centre_mm;
         if (std::hypot(p.x() / 21.0, p.y() / 16.0) < 1.0 && std::abs(p.z()) < 13.0) level.cut.depth_mm[voxel] = 6.0F;
-        if (p.cwiseAbs().maxCoeff() < 5.5) level.cut.smooth.values[voxel] = 1300.0F;
+        if (p.cwiseAbs().maxCoeff() < 5.5) level.cut.brightness[voxel] = Brightness::kCement;
         if (std::abs(p.x() - 14.0) < 2.5 && std::abs(p.y() - 20.0) < 5.5 && std::abs(p.z()) < 2.5) {
-          level.cut.smooth.values[voxel] = 3000.0F;
+          level.cut.brightness[voxel] = Brightness::kMetal;
         }
       }
     }
