@@ -32,6 +32,8 @@ class PlannerWindow : public testing::Test {
     window = std::make_unique<MainWindow>();
     window->resize(1400, 900);
     input.show(*window);
+    QObject::connect(&each_second_, &QTimer::timeout, [this] { close_what_nobody_answers(); });
+    each_second_.start(1000);
   }
 
   Planner& planner() { return window->planner(); }
@@ -87,7 +89,22 @@ class PlannerWindow : public testing::Test {
   QString box_text;
 
  private:
+  /// A dialog that a test did not expect would hold it up for ever.
+  void close_what_nobody_answers() {
+    constexpr int kLongestS = 150;
+    QWidget* const dialog = QApplication::activeModalWidget();
+    waited_s_ = dialog != nullptr && dialog == unanswered_ ? waited_s_ + 1 : 0;
+    unanswered_ = dialog;
+    if (waited_s_ < kLongestS) return;
+    const auto* box = qobject_cast<QMessageBox*>(dialog);
+    ADD_FAILURE() << "nobody answers " << (box != nullptr ? box->text() : dialog->windowTitle()).toStdString();
+    dialog->close();
+  }
+
   QObject timer_;
+  QTimer each_second_;
+  const QWidget* unanswered_ = nullptr;
+  int waited_s_ = 0;
 };
 
 }  // namespace spinaltap::test
