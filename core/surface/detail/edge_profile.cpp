@@ -56,9 +56,9 @@ class NormalTable {
   std::array<Value, kCells + 2> cells_{};
 };
 
-NormalTable::Value normal(double z) {
+const NormalTable& normal_table() {
   static const NormalTable table;
-  return table.at(z);
+  return table;
 }
 
 /// Samples of a profile from the cancellous bone behind the cortex's peak to the lowest place outside it.
@@ -143,8 +143,8 @@ class CortexEdge {
 
   /// What the model leaves of sample i, and the model's slope by its numbers.
   double miss(const Vector& q, int i, Vector& slope) const {
-    const NormalTable::Value inner = normal(profile_.beyond(i, q[0] - q[1]));
-    const NormalTable::Value outer = normal(profile_.beyond(i, q[0]));
+    const NormalTable::Value inner = normal_.at(profile_.beyond(i, q[0] - q[1]));
+    const NormalTable::Value outer = normal_.at(profile_.beyond(i, q[0]));
     const double by_inner = (cortex_hu_ - q[2]) * inner.pdf / blur_mm_;
     const double by_outer = (cortex_hu_ - q[3]) * outer.pdf / blur_mm_;
     slope = Vector(by_outer - by_inner, by_inner, 1.0 - inner.cdf, outer.cdf);
@@ -154,6 +154,7 @@ class CortexEdge {
  private:
   const WindowedProfile& profile_;
   double blur_mm_, cortex_hu_;
+  const NormalTable& normal_ = normal_table();
 };
 
 /// Bone as dense inside as at its edge: offset, inside, outside.
@@ -169,13 +170,14 @@ class PlainEdge {
   }
   Vector bound(const Vector& q) const { return {profile_.bound_way(q[0]), q[1], q[2]}; }
   double miss(const Vector& q, int i, Vector& slope) const {
-    const NormalTable::Value outer = normal(profile_.beyond(i, q[0]));
+    const NormalTable::Value outer = normal_.at(profile_.beyond(i, q[0]));
     slope = Vector((q[1] - q[2]) * outer.pdf / profile_.blur_mm(), 1.0 - outer.cdf, outer.cdf);
     return profile_.hu(i) - lerp(q[1], q[2], outer.cdf);
   }
 
  private:
   const WindowedProfile& profile_;
+  const NormalTable& normal_ = normal_table();
 };
 
 template <class Edge>
@@ -192,7 +194,7 @@ Solution<Edge> solve(const Edge& edge, const WindowedProfile& profile) {
   constexpr double kMaxDamping = 1e6;
   using Vector = typename Edge::Vector;
   struct Normal {
-    typename Edge::Matrix matrix = Edge::Matrix::Zero();
+    typename Edge::Matrix matrix = Edge::Matrix::Zero();  // its lower triangle, which is what is solved
     Vector right_side = Vector::Zero();
     double squares = 0.0;
   };
@@ -201,7 +203,11 @@ Solution<Edge> solve(const Edge& edge, const WindowedProfile& profile) {
     Vector slope;
     for (int i = profile.begin(); i < profile.end(); ++i) {
       const double miss = edge.miss(q, i, slope);
-      normal_equations.matrix += slope * slope.transpose();
+      for (Eigen::Index column = 0; column < slope.size(); ++column) {
+        for (Eigen::Index row = column; row < slope.size(); ++row) {
+          normal_equations.matrix(row, column) += slope[row] * slope[column];
+        }
+      }
       normal_equations.right_side += slope * miss;
       normal_equations.squares += miss * miss;
     }
