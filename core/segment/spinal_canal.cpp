@@ -45,12 +45,55 @@ std::array<int, 3> samples_of(const GridGeometry& geometry) {
   return samples;
 }
 
+/// The CT in steps of about 1 mm, blurred as its noise asks for, some layers of it at a time: as floats the whole would
+/// take more memory than all else.
+class LayeredCt {
+ public:
+  LayeredCt(const CtVolume& ct, const BoneLevels& levels)
+      : ct_(ct), levels_(levels), bins_(bins_for(ct.geometry, 1.0)), geometry_(whole_geometry()) {
+    const double blur_mm = levels.blur_voxels * ct.geometry.smallest_spacing_mm();
+    constexpr double kReach = 3.0;  // of the blur, in standard deviations
+    margin_ = static_cast<int>(std::ceil(kReach * blur_mm / geometry_.spacing_mm.z())) + 1;
+  }
+
+  const GridGeometry& geometry() const { return geometry_; }
+
+  /// Calls `visit(layer, grid, its place in the grid)` for each layer from below; the next one is in the grid too.
+  template <class Visit>
+  void for_layers(const Visit& visit) const {
+    constexpr int kAtOnce = 48;
+    const int layers = geometry_.size[2];
+    for (int begin = 0; begin < layers; begin += kAtOnce) {
+      const int end = std::min(begin + kAtOnce, layers);
+      const int low = std::max(0, begin - margin_);
+      const int high = std::min(layers, end + margin_) - 1;
+      const VoxelBox box{{0, 0, low * bins_[2]},
+                         {ct_.geometry.size[0] - 1, ct_.geometry.size[1] - 1,
+                          std::min((high + 1) * bins_[2], ct_.geometry.size[2]) - 1}};
+      const FloatGrid grid = blurred_as_asked(bin_hu(ct_, box, bins_), levels_, ct_);
+      for (int layer = begin; layer < end; ++layer) visit(layer, grid, layer - low);
+    }
+  }
+
+ private:
+  GridGeometry whole_geometry() const {
+    const auto& size = ct_.geometry.size;
+    return binned_geometry(ct_.geometry, {{0, 0, 0}, {size[0] - 1, size[1] - 1, size[2] - 1}}, bins_);
+  }
+
+  const CtVolume& ct_;
+  const BoneLevels& levels_;
+  std::array<int, 3> bins_;
+  GridGeometry geometry_;
+  int margin_ = 1;
+};
+
 /// Each voxel of the CT, in steps of about 1 mm and blurred as its noise asks for, goes to the block that it lies in;
 /// of larger voxels samples between them too.
 Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
-  const VoxelBox whole{{0, 0, 0}, {ct.geometry.size[0] - 1, ct.geometry.size[1] - 1, ct.geometry.size[2] - 1}};
-  const FloatGrid fine = blurred_as_asked(bin_hu(ct, whole, bins_for(ct.geometry, 1.0)), levels, ct);
-  const Box3 box = box_of(fine.geometry);
+  const LayeredCt layered(ct, levels);
+  const GridGeometry& fine = layered.geometry();
+  const Box3 box = box_of(fine);
   Blocks blocks;
   blocks.geometry.spacing_mm = Vec3::Constant(kBlockMm);
   blocks.geometry.origin_mm = box.min() + Vec3::Constant(0.5 * kBlockMm);
@@ -63,8 +106,8 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
   blocks.brightest.assign(geometry.voxel_count(), kNothing);
   std::vector<float> sum(geometry.voxel_count(), 0.0F);
   std::vector<int> count(geometry.voxel_count(), 0);
-  const Mat3 step = fine.geometry.index_to_patient_matrix() / kBlockMm;
-  const Vec3 first = geometry.to_index(fine.geometry.origin_mm);
+  const Mat3 step = fine.index_to_patient_matrix() / kBlockMm;
+  const Vec3 first = geometry.to_index(fine.origin_mm);
   const auto put = [&](const Vec3& at, float value) {
     const int x = static_cast<int>(std::floor(at.x()));
     const int y = static_cast<int>(std::floor(at.y()));
@@ -76,23 +119,22 @@ Blocks blocks_of(const CtVolume& ct, const BoneLevels& levels) {
     ++count[block];
   };
   // One thread: blocks are shared by slices of a CT of any orientation, and sums must not depend on an order.
-  const std::array<int, 3> samples = samples_of(fine.geometry);
-  std::size_t voxel = 0;
-  for (int k = 0; k < fine.geometry.size[2]; ++k) {
-    for (int j = 0; j < fine.geometry.size[1]; ++j) {
+  const std::array<int, 3> samples = samples_of(fine);
+  layered.for_layers([&](int k, const FloatGrid& grid, int layer) {
+    std::size_t voxel = grid.geometry.offset(0, 0, layer);
+    for (int j = 0; j < fine.size[1]; ++j) {
       Vec3 at = first + step.col(1) * j + step.col(2) * k + Vec3::Constant(0.5);
-      for (int i = 0; i < fine.geometry.size[0]; ++i, ++voxel, at += step.col(0)) {
-        put(at, fine.values[voxel]);
-        if (samples[0] * samples[1] * samples[2] == 1) continue;
+      for (int i = 0; i < fine.size[0]; ++i, ++voxel, at += step.col(0)) {
+        put(at, grid.values[voxel]);
         for (int s = 1; s < samples[0] * samples[1] * samples[2]; ++s) {
-          const int row = s / samples[0], layer = row / samples[1];
+          const int row = s / samples[0], slice = row / samples[1];
           const Vec3 part(static_cast<double>(s % samples[0]) / samples[0],
-                          static_cast<double>(row % samples[1]) / samples[1], static_cast<double>(layer) / samples[2]);
-          put(at + step * part, static_cast<float>(sample_clamped(fine, Vec3(i, j, k) + part)));
+                          static_cast<double>(row % samples[1]) / samples[1], static_cast<double>(slice) / samples[2]);
+          put(at + step * part, static_cast<float>(sample_clamped(grid, Vec3(i, j, layer) + part)));
         }
       }
     }
-  }
+  });
   blocks.mean.resize(sum.size());
   constexpr float kAirHu = -1000.0F;
   for (std::size_t b = 0; b < sum.size(); ++b) {
