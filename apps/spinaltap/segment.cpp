@@ -9,6 +9,7 @@
 #include "apps/spinaltap/ct_options.h"
 #include "apps/spinaltap/input_warnings.h"
 #include "apps/spinaltap/level_output.h"
+#include "apps/spinaltap/stage_times.h"
 #include "core/base/error.h"
 #include "core/base/staged_output.h"
 #include "core/ct/label_map.h"
@@ -258,16 +259,20 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
 Json segment(const SegmentCommandOptions& options, const Progress& progress, int& exit_code) {
   // A bad name is said before the work is done.
   encode_label_map({{{1, 1, 1}}, {1}}, 1, options.output_or_default());
+  StageClock clock;
   const CtVolume ct = options.ct.read(progress);
+  clock.end("read");
   StagedOutput output;
   int code = 0;
   Json figures = !options.is_all             ? segment_one(ct, options, output, progress, code)
                  : options.ct.labels.empty() ? segment_all(ct, options, output, progress, code)
                                              : copy_all(ct, options, output, progress, code);
+  clock.end("segmented and written");
   figures["ct_hash"] = ct.source_hash;
   report_input_warnings(ct.warnings, figures);
   code = std::max(code, say_input_warnings(ct.warnings, options.ct.finding.accepts_warnings));
   print_figure("written", options.output_or_default().string());
+  report_times(clock);  // not in --json, which is the same each time
   exit_code = code;
   return figures;
 }

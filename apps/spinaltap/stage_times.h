@@ -5,8 +5,8 @@
 
 namespace spinaltap {
 
-/// Prints how long the stages took, all on one line, and gives it as JSON: `stages` and `total`, each with `wall_s` and
-/// `processor_s`.
+/// Prints how long the stages took and the most memory that the program had, all on one line, and gives it as JSON:
+/// `stages` and `total`, each with `wall_s` and `processor_s`, and `most_memory_bytes`.
 Json report_times(const StageClock& clock);
 
 }  // namespace spinaltap

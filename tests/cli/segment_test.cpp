@@ -70,7 +70,8 @@ const test::TemporaryFolder* Segment::folder_ = nullptr;
 test::ProgramRun Segment::made_;
 
 TEST_F(Segment, WritesAllLevelsUnderTheirNames) {
-  EXPECT_THAT(made_.output, AllOf(HasSubstr("counted from L3=0,0,0"), HasSubstr("L2  "), HasSubstr("L4  ")));
+  EXPECT_THAT(made_.output, AllOf(HasSubstr("counted from L3=0,0,0"), HasSubstr("L2  "), HasSubstr("L4  "),
+                                  HasSubstr("GB of memory at most): read ")));
   const LabelVolume found = map("all.seg.nrrd");
   EXPECT_EQ(levels_of(found), (std::vector{Level{21}, Level{22}, Level{23}}));
   const Json ground_truth = read_json(in("spine/ground_truth.json"))["levels"];
