@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace spinaltap {
 namespace {
@@ -47,17 +48,33 @@ void BreachField::measure_walls() {
     grid->geometry = geometry;
     grid->values.resize(geometry.voxel_count());
   }
-  tbb::parallel_for(0, geometry.size[2], [&](int k) {
-    WallDistance::Walls beside;
-    const auto squared_to = [](const WallDistance::Wall& wall, const Vec3& p_mm) {
-      return static_cast<float>(std::isfinite(wall.distance_mm) ? (p_mm - wall.nearest_mm).squaredNorm() : kNoWallMm);
-    };
-    for (int j = 0; j < geometry.size[1]; ++j) {
-      for (int i = 0; i < geometry.size[0]; ++i) {
-        const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
-        beside = walls_.walls(p_mm, beside);
-        outer_squared_mm2_.values[geometry.offset(i, j, k)] = squared_to(beside.outer, p_mm);
-        canal_squared_mm2_.values[geometry.offset(i, j, k)] = squared_to(beside.canal, p_mm);
+  // By cubes of places. Where a wall is further than any tool reaches, what its middle says bounds them all: searches
+  // for what is far away take longest.
+  constexpr int kSide = 4;
+  constexpr double kFarMm = 12.0, kHalfMm = 0.5 * (kSide - 1) * kSpacingMm;
+  std::array<int, 3> cubes{};
+  for (std::size_t axis = 0; axis < 3; ++axis) cubes[axis] = (geometry.size[axis] + kSide - 1) / kSide;
+  tbb::parallel_for(0, cubes[0] * cubes[1] * cubes[2], [&](int cube) {
+    const std::array<int, 3> low{kSide * (cube % cubes[0]), kSide * (cube / cubes[0] % cubes[1]),
+                                 kSide * (cube / cubes[0] / cubes[1])};
+    const Vec3 middle_mm = geometry.to_patient(Vec3(low[0], low[1], low[2])) + Vec3::Constant(kHalfMm);
+    for (const bool is_canal : {false, true}) {
+      FloatGrid& grid = is_canal ? canal_squared_mm2_ : outer_squared_mm2_;
+      const auto to_wall_mm = [](const WallDistance::Wall& wall, const Vec3& p_mm) {
+        return std::isfinite(wall.distance_mm) ? (p_mm - wall.nearest_mm).norm() : kNoWallMm;
+      };
+      WallDistance::Wall beside = walls_.further(middle_mm, is_canal, {});
+      const double of_middle_mm = to_wall_mm(beside, middle_mm);
+      const bool is_far = of_middle_mm - std::numbers::sqrt3 * kHalfMm > kFarMm;
+      for (int k = low[2]; k < std::min(low[2] + kSide, geometry.size[2]); ++k) {
+        for (int j = low[1]; j < std::min(low[1] + kSide, geometry.size[1]); ++j) {
+          for (int i = low[0]; i < std::min(low[0] + kSide, geometry.size[0]); ++i) {
+            const Vec3 p_mm = geometry.to_patient(Vec3(i, j, k));
+            if (!is_far) beside = walls_.further(p_mm, is_canal, beside);
+            const double mm = is_far ? of_middle_mm - (p_mm - middle_mm).norm() : to_wall_mm(beside, p_mm);
+            grid.values[geometry.offset(i, j, k)] = static_cast<float>(mm * mm);
+          }
+        }
       }
     }
   });

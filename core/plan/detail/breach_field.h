@@ -44,7 +44,8 @@ class BreachField {
   RingTurns turns_, side_turns_;
   NearestCells cells_;
   std::vector<std::uint32_t> in_wall_;  ///< of each sample, its place among those of its wall
-  /// Distances to the nearest sample of a wall, or up to kSampleMm less; infinite without one.
+  /// Squared distances to the nearest sample of a wall, or up to kSampleMm nearer, and far away less; infinite without
+  /// one.
   FloatGrid outer_squared_mm2_, canal_squared_mm2_;
 };
 
