@@ -14,7 +14,9 @@ namespace {
 TEST(PhantomFromTheShell, IsBakedFromASeedInItsBody) {
   const test::TemporaryFolder folder;
   const test::ProgramRun phantom = test::run_program(
-      "phantom phantom --pixel 0.9 --size 112 --slices 38 --slice-step 1.4 --slice-width 1.4 --seed 5", folder.path());
+      "phantom phantom --pixel 0.9 --size 112 --slices 38 --slice-step 1.4 --slice-width 1.4 --seed 5 "
+      "--ground-truth-voxel 1",
+      folder.path());
   ASSERT_EQ(phantom.exit_code, 0) << phantom.errors;
   const test::ProgramRun bake = test::run_program(
       "bake phantom/ct -o bone.vdb --voxel 0.7 --point-spacing 1 --seed-point 0,-10,0", folder.path());

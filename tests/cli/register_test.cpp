@@ -76,7 +76,9 @@ std::vector<Vec3> touched_phantom(std::size_t count) {
 }
 
 TEST_F(Register, FindsATouchedBoneAndTellsOfAPatchThatDoesNotHoldIt) {
-  ASSERT_EQ(run_program("phantom l3", folder_.path()).exit_code, 0);
+  constexpr const char* kPhantom =
+      "phantom l3 --pixel 1.6 --size 80 --slice-step 3.5 --slices 14 --ground-truth-voxel 0.5";
+  ASSERT_EQ(run_program(kPhantom, folder_.path()).exit_code, 0);
   const RigidPose patient_from_ct =
       small_motion(Vec3(0.10, -0.08, 0.12), Vec3(6.0, -5.0, 9.0), Vec3(0.0, 30.0, 0.0)).inverse();
   std::ostringstream all, patch;
