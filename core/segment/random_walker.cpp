@@ -67,7 +67,8 @@ struct NodeParts {
 
 NodeParts divide_nodes(std::span<const int> node, int count, std::span<const float> conductivity,
                        const GridGeometry& geometry) {
-  // Measured: blocks of 2 have too large a matrix, of 4 and 6 too many steps; shares of 0.01 and 0.3 are little slower.
+  // Measured on three levels: blocks of 4, 6 and 8 voxels take 1.1, 1.2 and 1.5 times as long, shares of 0.01 and 0.3
+  // 1.1 times.
   constexpr int kBlock = 3;
   constexpr float kBadly = 0.1F;  // of the better conductor
   constexpr int kNone = -1;
