@@ -23,12 +23,12 @@ void for_shared(const LevelCut& a, const LevelCut& b, const Visit& visit) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     shift[axis] = (a.box.low[axis] - b.box.low[axis]) / a.bins[axis];  // from a's blocks to b's
     low[axis] = std::max(0, -shift[axis]);
-    high[axis] = std::min(a.geometry().size[axis], b.geometry().size[axis] - shift[axis]);
+    high[axis] = std::min(a.geometry.size[axis], b.geometry.size[axis] - shift[axis]);
   }
   for (int k = low[2]; k < high[2]; ++k) {
     for (int j = low[1]; j < high[1]; ++j) {
       for (int i = low[0]; i < high[0]; ++i) {
-        visit(a.geometry().offset(i, j, k), b.geometry().offset(i + shift[0], j + shift[1], k + shift[2]));
+        visit(a.geometry.offset(i, j, k), b.geometry.offset(i + shift[0], j + shift[1], k + shift[2]));
       }
     }
   }
@@ -61,25 +61,25 @@ void find_ribs_of(const LevelCut& cut, const Mask& vertebrae, const Mask& sure, 
     rest[v] = cut.bone[v] != 0 && vertebrae[v] == 0 && cut.markers[v] != WalkerVoxel::kOutside ? 1 : 0;
   }
   // Spurs and discs between the bodies are nobody's; ribs end beside the column.
-  for_voxels_by_body(rest, cut.geometry(), body, [&](std::size_t voxel, const Vec3& p) {
+  for_voxels_by_body(rest, cut.geometry, body, [&](std::size_t voxel, const Vec3& p) {
     if (std::abs(p.x()) < body.half_mm.x()) rest[voxel] = 0;
   });
-  const Mask ribs = parts_that_touch(rest, sure, cut.geometry());
+  const Mask ribs = parts_that_touch(rest, sure, cut.geometry);
   level.ribs_box = cut.box;
   const std::array<int, 3>& bins = cut.bins;
   level.ribs.reserve(crop_geometry(ct, cut.box).voxel_count());
   for (int k = cut.box.low[2]; k <= cut.box.high[2]; ++k) {
     for (int j = cut.box.low[1]; j <= cut.box.high[1]; ++j) {
       for (int i = cut.box.low[0]; i <= cut.box.high[0]; ++i) {
-        level.ribs.push_back(ribs[cut.geometry().offset((i - cut.box.low[0]) / bins[0], (j - cut.box.low[1]) / bins[1],
-                                                        (k - cut.box.low[2]) / bins[2])]);
+        level.ribs.push_back(ribs[cut.geometry.offset((i - cut.box.low[0]) / bins[0], (j - cut.box.low[1]) / bins[1],
+                                                      (k - cut.box.low[2]) / bins[2])]);
       }
     }
   }
   // Between the transverse process and where the ribs of the level above have long gone sideways.
   constexpr double kNearMm = 32.0;
-  const double voxel_mm3 = cut.geometry().spacing_mm.prod();
-  for_voxels_by_body(ribs, cut.geometry(), body, [&](std::size_t, const Vec3& p) {
+  const double voxel_mm3 = cut.geometry.spacing_mm.prod();
+  for_voxels_by_body(ribs, cut.geometry, body, [&](std::size_t, const Vec3& p) {
     if (std::abs(p.x()) > kNearMm || std::abs(p.z()) > 1.3 * body.half_mm.z() || p.y() < -0.3 * body.half_mm.y()) {
       return;
     }

@@ -56,11 +56,14 @@ void transform_line(float* line, std::size_t stride, int length, double step_mm,
   }
 }
 
-/// Squares of 0, 1, ... steps of a row of `length`, as far as `reach_mm`.
-std::vector<float> squared_ways(int length, double step_mm, double reach_mm) {
+/// Squares of 0, 1, ... steps of a row of `length`, up to `most`.
+std::vector<float> squared_ways(int length, double step_mm, float most) {
   std::vector<float> squares;
-  for (int n = 0; n < length && step_mm * n <= reach_mm; ++n)
-    squares.push_back(static_cast<float>(step_mm * step_mm * n * n));
+  for (int n = 0; n < length; ++n) {
+    const auto square = static_cast<float>(step_mm * step_mm * n * n);
+    if (square > most) break;
+    squares.push_back(square);
+  }
   return squares;
 }
 
@@ -126,8 +129,9 @@ std::vector<float> squared_distance_within(std::span<const std::uint8_t> target,
                                         static_cast<std::size_t>(geometry.size[1]),
                                         static_cast<std::size_t>(geometry.size[2])};
   const std::size_t rows = size[1] * size[2];
+  const auto most = static_cast<float>(reach_mm * reach_mm);
   Rows from{std::vector<float>(target.size()), std::vector<std::uint8_t>(rows), size[0]};
-  const std::vector<float> along_i = squared_ways(geometry.size[0], geometry.spacing_mm.x(), reach_mm);
+  const std::vector<float> along_i = squared_ways(geometry.size[0], geometry.spacing_mm.x(), most);
   tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
     sweep_row(target.subspan(row * size[0], size[0]), from.row(row), along_i);
     from.look_at(row);
@@ -136,7 +140,7 @@ std::vector<float> squared_distance_within(std::span<const std::uint8_t> target,
   Rows to = from;
   for (const std::size_t axis : {std::size_t{1}, std::size_t{2}}) {
     const std::vector<float> squares =
-        squared_ways(geometry.size[axis], geometry.spacing_mm[static_cast<Eigen::Index>(axis)], reach_mm);
+        squared_ways(geometry.size[axis], geometry.spacing_mm[static_cast<Eigen::Index>(axis)], most);
     const std::size_t stride = axis == 1 ? 1 : size[1];
     tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
       const std::size_t at = axis == 1 ? row % size[1] : row / size[1];
@@ -155,7 +159,6 @@ std::vector<float> squared_distance_within(std::span<const std::uint8_t> target,
     });
     std::swap(from, to);
   }
-  const auto most = static_cast<float>(reach_mm * reach_mm);
   for (float& value : from.values) value = value <= most ? value : kEndless;
   return std::move(from.values);
 }

@@ -12,7 +12,7 @@ namespace spinaltap {
 namespace {
 
 std::vector<float> gaussian_kernel(double sigma_voxels) {
-  const int reach = std::max(1, static_cast<int>(std::ceil(3.0 * sigma_voxels)));
+  const int reach = std::max(1, static_cast<int>(std::ceil(kBlurReach * sigma_voxels)));
   std::vector<double> kernel;
   kernel.reserve(2 * static_cast<std::size_t>(reach) + 1);
   double sum = 0.0;

@@ -38,6 +38,9 @@ FloatGrid crop_hu(const CtVolume& ct, const VoxelBox& box);
 /// 1 inside the mask and 0 outside it, within a box; 0 beyond the mask's grid.
 FloatGrid crop_mask(const BoneMask& mask, const VoxelBox& box);
 
+/// How far gaussian_blur() looks along each axis, in standard deviations; in whole voxels, at least one.
+inline constexpr double kBlurReach = 3.0;
+
 /// Gaussian blur of standard deviation `sigma_mm` along each axis, values beyond the border repeating the border's.
 /// Bit-identical at any thread count. Throws Error when the width is not above 0 or over 1,000 voxels.
 FloatGrid gaussian_blur(const FloatGrid& grid, double sigma_mm);

@@ -128,7 +128,7 @@ void apply(const std::vector<MarkedVoxels>& marks, std::size_t own, const GridGe
         block[axis] = (voxel[axis] - cut.box.low[axis]) / cut.bins[axis];
       }
       if (!is_within) continue;
-      const std::size_t at = cut.geometry().offset(block[0], block[1], block[2]);
+      const std::size_t at = cut.geometry.offset(block[0], block[1], block[2]);
       if (cut.bone[at] == 0) continue;
       cut.markers[at] = marked.body == own ? WalkerVoxel::kWanted : WalkerVoxel::kOther;
       if (marked.body != own) cut.given_away.push_back(at);
@@ -140,8 +140,8 @@ void apply(const std::vector<MarkedVoxels>& marks, std::size_t own, const GridGe
 void trim_rim(Mask& mine, const LevelCut& cut) {
   Mask soft(cut.bone.size());
   std::transform(cut.bone.begin(), cut.bone.end(), soft.begin(), [](std::uint8_t b) { return std::uint8_t{b == 0}; });
-  const double reach_mm = 1.01 * cut.geometry().spacing_mm.maxCoeff();
-  const std::vector<float> to_soft = squared_distance_within(soft, cut.geometry(), reach_mm);
+  const double reach_mm = 1.01 * cut.geometry.spacing_mm.maxCoeff();
+  const std::vector<float> to_soft = squared_distance_within(soft, cut.geometry, reach_mm);
   for (std::size_t v = 0; v < mine.size(); ++v) {
     const bool on_rim = static_cast<double>(to_soft[v]) <= reach_mm * reach_mm;
     if (on_rim && !(cut.depth_mm[v] > kSureDepthMm) && cut.brightness[v] == Brightness::kDim) {
@@ -169,8 +169,8 @@ LevelCut cut_level(const CtVolume& ct, const BoneLevels& levels, const BodyInRow
   cut.box = box_around(row.body().cylinder, ct.geometry, cut.bins);
   FloatGrid hu = bin_hu(ct, cut.box, cut.bins);
   FloatGrid smooth = blurred_as_asked(hu, levels, ct);
-  cut.blocks = smooth.geometry;
-  const GridGeometry& geometry = cut.geometry();
+  cut.geometry = smooth.geometry;
+  const GridGeometry& geometry = cut.geometry;
   cut.depth_mm = depth_in_body_mm(row.body(), geometry);
   {
     const std::vector<float> others_mm = depth_in_others(row, geometry);
@@ -206,7 +206,7 @@ SideBone find_side_bone(const LevelCut& cut, const Mask& mine, const BodyCylinde
   constexpr double kBesideMm = 4.0;  // from the body's side: here begin heads of ribs and transverse processes
   constexpr double kMinReachMm = 14.0;
   constexpr double kEndMm = 5.0;
-  const GridGeometry& geometry = cut.geometry();
+  const GridGeometry& geometry = cut.geometry;
   const auto for_mine = [&](const auto& visit) {
     for_voxels_by_body(mine, geometry, body,
                        [&](std::size_t voxel, const Vec3& p) { visit(voxel, side * p.x() - body.half_mm.x()); });
@@ -242,7 +242,7 @@ SideBone find_side_bone(const LevelCut& cut, const Mask& mine, const BodyCylinde
 }
 
 double cut_area_mm2(const LevelCut& cut, const Mask& mine) {
-  const GridGeometry& geometry = cut.geometry();
+  const GridGeometry& geometry = cut.geometry;
   const auto is_bone = [&](std::size_t voxel) { return cut.markers[voxel] != WalkerVoxel::kOutside; };
   const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
   double area_mm2 = 0.0;
@@ -271,17 +271,17 @@ FinishedLevel finish_level(const LevelCut& cut, Mask mine, const Mask& others, c
                  [](WalkerVoxel marker) { return std::uint8_t{marker == WalkerVoxel::kWanted}; });
   trim_rim(mine, cut);
   constexpr double kPitMm = 1.5;
-  mine = fill_hollows(mine, cut.geometry(), kPitMm);
+  mine = fill_hollows(mine, cut.geometry, kPitMm);
   for (std::size_t v = 0; v < mine.size(); ++v) {
     if (others[v] != 0) mine[v] = 0;
   }
   for (const std::size_t voxel : cut.given_away) mine[voxel] = 0;
   FinishedLevel finished;
-  const std::size_t parts = part_sizes(mine, cut.geometry()).size();
+  const std::size_t parts = part_sizes(mine, cut.geometry).size();
   finished.parts_dropped = parts > 0 ? parts - 1 : 0;
-  mine = parts_that_touch(mine, core, cut.geometry());
+  mine = parts_that_touch(mine, core, cut.geometry);
   RefinedMask refined =
-      refine_mask({mine, cut.bone, cut.depth_mm, cut.peak_hu, cut.geometry(), cut.box, cut.bins}, ct, levels);
+      refine_mask({mine, cut.bone, cut.depth_mm, cut.peak_hu, cut.geometry, cut.box, cut.bins}, ct, levels);
   finished.blocks = std::move(mine);
   finished.inside = std::move(refined.inside);
   finished.box = refined.box;

@@ -22,7 +22,7 @@ enum class Brightness : std::uint8_t {
 struct LevelCut {
   VoxelBox box;  ///< of the CT; begins at a multiple of `bins`
   std::array<int, 3> bins{1, 1, 1};
-  GridGeometry blocks;
+  GridGeometry geometry;  ///< of its blocks
   std::vector<Brightness> brightness;
   std::vector<float> peak_hu;           ///< the greatest within 1.6 mm
   std::vector<float> depth_mm;          ///< in the vertebra's body
@@ -33,7 +33,6 @@ struct LevelCut {
   std::vector<float> conductivity;      ///< of the walker's steps, 0 to 1: little in gaps between bones
   std::vector<float> probability;       ///< that a walker from here meets the vertebra's body first
 
-  const GridGeometry& geometry() const { return blocks; }
   /// Frees all that its neighbours do not ask for.
   void keep_probability_only();
 };

@@ -54,7 +54,7 @@ Contact contact_at(const Vec3& p, bool is_vertebra, const BodyCylinder& body) {
 
 /// Sums over the faces between the vertebra and other bone of their area times how well bone goes on through them.
 std::array<Bridge, kContacts> find_bridges(const LevelCut& cut, const CutMasks& masks, const BodyCylinder& body) {
-  const GridGeometry& geometry = cut.geometry();
+  const GridGeometry& geometry = cut.geometry;
   const std::vector<std::uint8_t>& mine = masks.given;
   const std::array<std::size_t, 3> stride{1, geometry.offset(0, 1, 0), geometry.offset(0, 0, 1)};
   const Mat3 to_body = body.axes().transpose();
@@ -120,7 +120,7 @@ std::vector<MirrorPlane> mirror_planes(const Vec3& canal) {
 /// one that leaves the least of the arch without its like, where that is less than half of what the plain one leaves.
 void find_lopsided(const LevelCut& cut, const std::vector<std::uint8_t>& mine, const BodyCylinder& body,
                    const Vec3& canal, LevelFigures& figures) {
-  const GridGeometry& geometry = cut.geometry();
+  const GridGeometry& geometry = cut.geometry;
   // Vertebrae are hardly more alike, and in voxels over 1 mm each side is so much less sure.
   const double far_mm = 4.0 + std::max(0.0, geometry.spacing_mm.maxCoeff() - 1.0);
   const Mat3 axes = body.axes();
@@ -265,7 +265,7 @@ void check_bridges(const LevelFigures& figures, WarningList& warnings) {
 LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const BodyInRow& row) {
   const std::vector<std::uint8_t>& mine = masks.finished;
   const BodyCylinder& body = row.body().cylinder;
-  const double voxel_mm3 = cut.geometry().spacing_mm.prod();
+  const double voxel_mm3 = cut.geometry.spacing_mm.prod();
   LevelFigures figures;
   const Vec3 canal = canal_or_behind(row.canal, body);
   constexpr int kDirections = 72;
@@ -274,14 +274,14 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
   constexpr std::size_t kSlabs = 9;
   std::array<std::array<double, kSlabs>, 2> sections{};
   // Voxels count with the share of their depth that lies in a slab.
-  const double voxel_depth_mm = body.axes().col(1).cwiseAbs().dot(cut.geometry().spacing_mm);
+  const double voxel_depth_mm = body.axes().col(1).cwiseAbs().dot(cut.geometry.spacing_mm);
   const double max = std::min(1.0, kSlabMm / voxel_depth_mm);
   std::array<bool, kDirections> seen{};
   double left = 0.0;
   double all = 0.0;
   double unsure = 0.0;
   std::vector<std::uint8_t> dense(mine.size(), 0);
-  for_voxels_by_body(mine, cut.geometry(), body, [&](std::size_t voxel, const Vec3& p) {
+  for_voxels_by_body(mine, cut.geometry, body, [&](std::size_t voxel, const Vec3& p) {
     const double side = side_of(p, canal);
     all += 1.0;
     if (side > 0.0) left += 1.0;
@@ -314,7 +314,7 @@ LevelFigures measure_level(const LevelCut& cut, const CutMasks& masks, const Bod
     figures.unsure_share = unsure / all;
   }
   figures.canal_closed = static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kDirections;
-  const std::vector<std::size_t> lumps = part_sizes(dense, cut.geometry());
+  const std::vector<std::size_t> lumps = part_sizes(dense, cut.geometry);
   if (!lumps.empty()) figures.cement_mm3 = static_cast<double>(lumps.front()) * voxel_mm3;
   figures.bridges = find_bridges(cut, masks, body);
   find_lopsided(cut, mine, body, canal, figures);

@@ -52,8 +52,7 @@ class LayeredCt {
   LayeredCt(const CtVolume& ct, const BoneLevels& levels)
       : ct_(ct), levels_(levels), bins_(bins_for(ct.geometry, 1.0)), geometry_(whole_geometry()) {
     const double blur_mm = levels.blur_voxels * ct.geometry.smallest_spacing_mm();
-    constexpr double kReach = 3.0;  // of the blur, in standard deviations
-    margin_ = static_cast<int>(std::ceil(kReach * blur_mm / geometry_.spacing_mm.z())) + 1;
+    margin_ = static_cast<int>(std::ceil(kBlurReach * blur_mm / geometry_.spacing_mm.z())) + 1;
   }
 
   const GridGeometry& geometry() const { return geometry_; }

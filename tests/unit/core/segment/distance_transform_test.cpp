@@ -95,6 +95,16 @@ TEST(SquaredDistance, WithinAReachIsThatOfTheWholeAndNothingBeyond) {
   EXPECT_THROW(squared_distance_within(target, geometry, std::numeric_limits<double>::quiet_NaN()), Error);
 }
 
+// Three times 0.1 is a little over 0.3 in doubles.
+TEST(SquaredDistance, WithinAReachHoldsWhatLiesJustAtIt) {
+  GridGeometry geometry;
+  geometry.size = {5, 1, 1};
+  geometry.spacing_mm = Vec3(0.1, 1.0, 1.0);
+  const std::vector<float> within = squared_distance_within(std::vector<std::uint8_t>{1, 0, 0, 0, 0}, geometry, 0.3);
+  EXPECT_NEAR(within[3], 0.09F, 1e-7F);
+  EXPECT_EQ(within[4], std::numeric_limits<float>::infinity());
+}
+
 TEST(SquaredDistance, IsZeroOnTheTargetAndCountsStepsFromACorner) {
   GridGeometry geometry;
   geometry.size = {5, 5, 5};

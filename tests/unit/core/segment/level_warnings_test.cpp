@@ -238,7 +238,7 @@ struct DrawnLevel {
   CutMasks masks() const { return {.finished = mine, .given = mine, .others = others}; }
 
   explicit DrawnLevel(const BodyCylinder& body, double from_mm = 0.5) {
-    GridGeometry& geometry = cut.blocks;
+    GridGeometry& geometry = cut.geometry;
     geometry.size = {101, 102, 61};
     geometry.origin_mm = body.centre_mm + Vec3(-50.0, -30.0 - from_mm, -30.0);
     cut.box.high = {100, 101, 60};
@@ -268,7 +268,7 @@ struct DrawnLevel {
 
   /// Adds what `in` says, in the body's frame, or takes it away.
   void draw(const BodyCylinder& body, const std::function<bool(const Vec3&)>& in, bool add = true) {
-    const GridGeometry& geometry = cut.geometry();
+    const GridGeometry& geometry = cut.geometry;
     for (int k = 0; k < geometry.size[2]; ++k) {
       for (int j = 0; j < geometry.size[1]; ++j) {
         for (int i = 0; i < geometry.size[0]; ++i) {
@@ -330,7 +330,7 @@ TEST(MeasureLevel, CountsMetalAndALumpOfCement) {
   const BodyColumn column;
   const BodyCylinder& body = column.bodies[1].cylinder;
   DrawnLevel level(body);
-  const GridGeometry& geometry = level.cut.geometry();
+  const GridGeometry& geometry = level.cut.geometry;
   for (int k = 0; k < geometry.size[2]; ++k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
@@ -356,7 +356,7 @@ TEST(MeasureLevel, AddsUpTheBoneThatACutGoesThrough) {
   const BodyColumn column;
   DrawnLevel level(column.bodies[1].cylinder);
   // A bar of another bone, 5 x 13 mm, goes on from the tip of the spinous process, at a quarter of bone's conductivity.
-  const GridGeometry& geometry = level.cut.geometry();
+  const GridGeometry& geometry = level.cut.geometry;
   for (int k = 0; k < geometry.size[2]; ++k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
@@ -392,7 +392,7 @@ TEST(MeasureLevel, TellsABodyThatTouchesFromBoneBesideIt) {
   const BodyCylinder& body = column.bodies[1].cylinder;
   DrawnLevel level(body);
   // All bone that is above the body or at its side is another's.
-  const GridGeometry& geometry = level.cut.geometry();
+  const GridGeometry& geometry = level.cut.geometry;
   for (int k = 0; k < geometry.size[2]; ++k) {
     for (int j = 0; j < geometry.size[1]; ++j) {
       for (int i = 0; i < geometry.size[0]; ++i) {
