@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // A thousand headers that lie: each is read right, refused or warned of.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

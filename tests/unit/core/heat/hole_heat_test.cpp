@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/heat/hole_heat.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // Screws placed by hand in bones of boxes and capsules, where breaches, contacts and grades follow from geometry.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/plan/screw_breach.h"
 
 #include <gtest/gtest.h>

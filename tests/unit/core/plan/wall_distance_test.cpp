@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/plan/wall_distance.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/rbf/rbf_field.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/rbf/detail/rbf_solver.h"
 
 #include <gmock/gmock.h>

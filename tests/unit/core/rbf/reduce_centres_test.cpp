@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/rbf/reduce_centres.h"
 
 #include <gtest/gtest.h>

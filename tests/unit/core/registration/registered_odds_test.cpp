@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/registration/registered_odds.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include <gtest/gtest.h>
 
 #include <cmath>

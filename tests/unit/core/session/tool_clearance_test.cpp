@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/session/tool_clearance.h"
 
 #include <gtest/gtest.h>

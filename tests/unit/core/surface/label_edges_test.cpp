@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/surface/label_edges.h"
 
 #include <gmock/gmock.h>

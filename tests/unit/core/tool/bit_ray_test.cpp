@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/tool/bit_ray.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/tool/swept_bit.h"
 
 #include <gtest/gtest.h>

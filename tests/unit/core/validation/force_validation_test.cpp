@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // Laws against published forces: what is left out stays out, and the band is that of the sources.
 
 #include "core/validation/force_validation.h"

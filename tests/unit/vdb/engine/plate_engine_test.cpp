@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // Plates through voxels: against every voxel put to the swept box, and against volumes that geometry tells.
 
 #include <gmock/gmock.h>

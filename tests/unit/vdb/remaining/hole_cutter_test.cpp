@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "vdb/remaining/hole_cutter.h"
 
 #include <gtest/gtest.h>
