@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/engine/detail/ring_gaps.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/points/point_splats.h"
 
 #include <gtest/gtest.h>

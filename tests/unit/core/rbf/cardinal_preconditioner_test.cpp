@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/rbf/detail/cardinal_preconditioner.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/rbf/detail/far_field.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/segment/level_warnings.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "vdb/engine/voxel_engine.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // Living voxels to look at: the map that other programs open, and the live mesh, which is cut from the swept tool and
 // knows no voxel, beside them.
 

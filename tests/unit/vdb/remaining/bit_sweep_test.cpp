@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "vdb/remaining/detail/bit_sweep.h"
 
 #include <gtest/gtest.h>

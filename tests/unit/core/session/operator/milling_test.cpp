@@ -1,3 +1,5 @@
+// Compiled with optimisation: long loops of its own.
+
 #include "core/session/operator/milling.h"
 
 #include <gmock/gmock.h>
