@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // The whole chain on real CTs; see tests/support/test_data.h for where they lie.
 
 #include <gtest/gtest.h>

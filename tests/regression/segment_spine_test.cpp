@@ -1,3 +1,4 @@
+// Compiled with optimisation: long loops of its own.
 // All levels of phantom spines: sound ones, bent and worn ones, random ones. Small ones by default;
 // SPINALTAP_SPINES=200 takes T6 to L5 in fine scans, and two hundred random pieces of spines.
 
