@@ -37,7 +37,7 @@ WallDistance::Walls BreachField::walls(const Vec3& p_mm, const WallDistance::Wal
 }
 
 void BreachField::measure_walls() {
-  constexpr double kSpacingMm = 3.0;
+  constexpr double kSpacingMm = 3.0;  // at 2 grades and plans take a tenth longer: more places than they spare searches
   GridGeometry geometry;
   geometry.origin_mm = bone().bounds_mm().min() - Vec3::Constant(kSpacingMm);
   geometry.spacing_mm = Vec3::Constant(kSpacingMm);

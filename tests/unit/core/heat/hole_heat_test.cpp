@@ -1,4 +1,4 @@
-// Compiled with optimisation: long loops of its own.
+// Compiled with optimisation: it measures time where it is.
 
 #include "core/heat/hole_heat.h"
 

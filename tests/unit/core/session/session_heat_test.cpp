@@ -1,4 +1,4 @@
-// Compiled with optimisation: long loops of its own.
+// Compiled with optimisation: it measures time where it is.
 // Heat of a session: what the bone gets, how warm it gets beside the hole, and what is told of it.
 
 #include <gtest/gtest.h>
