@@ -86,11 +86,12 @@ std::size_t arm_places(double step_mm) {
   return static_cast<std::size_t>(std::lround(std::max(kArmMm, 0.5 * step_mm) / kPlaceStepMm));
 }
 
-/// In slices of 2 mm and more a thin disc is not seen between its endplates: the three are one bright band. Its middle
-/// is taken for a disc of 2 mm then.
-void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_drop_hu, double step_mm) {
-  constexpr double kSideMm = 3.5;   // from the band into the bodies
-  constexpr std::size_t kHalf = 2;  // places: half of the disc
+/// In slices of 1.2 mm and more a thin disc may not be seen between its endplates: the three are one bright band, up to
+/// 10 mm wide. Its middle is taken for a disc of 2 mm then. `gain`: of edges, as strengthen() has it.
+void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_drop_hu, double step_mm, double gain) {
+  constexpr double kSideMm = 6.5;    // from the band into the bodies
+  constexpr std::size_t kHalf = 2;   // places: half of the disc
+  constexpr float kMinBand = 0.15F;  // as the least of an endplate
   const auto side = static_cast<std::size_t>(std::lround(std::max(kSideMm, step_mm) / kPlaceStepMm));
   const std::size_t count = profile.level.size();
   std::vector<float> band(count, 0.0F);
@@ -99,7 +100,7 @@ void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_dro
     for (std::size_t t = 0; t < kinds.size(); ++t) {
       const auto at = [&](std::size_t place) { return static_cast<double>(profile.means[place * kinds.size() + t]); };
       const double over = at(n) - std::max(at(n - side), at(n + side));
-      const auto strength = static_cast<float>(std::min(over / full_drop_hu, 1.0) - cost_of(kinds[t]));
+      const auto strength = static_cast<float>(std::min(gain * over / full_drop_hu, 1.0) - cost_of(kinds[t]));
       if (strength <= band[n]) continue;
       band[n] = strength;
       tilt[n] = static_cast<std::uint16_t>(t);
@@ -109,7 +110,7 @@ void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_dro
   for (std::size_t n = side; n + side < count; ++n) {
     const auto peak = std::max_element(band.begin() + static_cast<std::ptrdiff_t>(n - 2),
                                        band.begin() + static_cast<std::ptrdiff_t>(n + 3));
-    if (*peak <= 0.0F || *peak != band[n]) continue;
+    if (*peak < kMinBand || *peak != band[n]) continue;
     if (band[n] > profile.rise[n + kHalf]) {
       profile.rise[n + kHalf] = band[n];
       profile.rise_tilt[n + kHalf] = tilt[n];
@@ -125,8 +126,9 @@ void add_bands(Profile& profile, const std::vector<Tilt>& kinds, double full_dro
   }
 }
 
-/// Makes edges stronger where all are weak: thick slices and soft kernels spread them, and noise asks for blur.
-void strengthen(Profile& profile) {
+/// Makes edges stronger where all are weak: thick slices and soft kernels spread them, and noise asks for blur. By how
+/// much is returned.
+double strengthen(Profile& profile) {
   constexpr int kWindow = 40;  // places, 20 mm: a body or a disc at least
   constexpr double kEnough = 0.5, kMaxGain = 2.5;
   std::vector<float> best;
@@ -135,14 +137,15 @@ void strengthen(Profile& profile) {
       best.push_back(*std::max_element(edges->begin() + n, edges->begin() + n + kWindow));
     }
   }
-  if (best.empty()) return;
+  if (best.empty()) return 1.0;
   const auto middle = best.begin() + static_cast<std::ptrdiff_t>(best.size() / 2);
   std::nth_element(best.begin(), middle, best.end());
   const double gain = std::clamp(kEnough / std::max(static_cast<double>(*middle), 0.01), 1.0, kMaxGain);
-  if (gain == 1.0) return;
+  if (gain == 1.0) return gain;
   for (std::vector<float>* edges : {&profile.rise, &profile.fall}) {
     for (float& edge : *edges) edge = static_cast<float>(std::min(1.0, gain * static_cast<double>(edge)));
   }
+  return gain;
 }
 
 Profile make_profile(const WallProbe& probe, const SpineColumn& column, const WallLevels& levels,
@@ -299,11 +302,20 @@ double places_of(const std::vector<ChainSearch::Body>& bodies) {
   return sum;
 }
 
+double gain_of(const std::vector<ChainSearch::Body>& bodies) {
+  double sum = 0.0;
+  for (const ChainSearch::Body& body : bodies) sum += body.gain;
+  return sum;
+}
+
 /// What an end costs that is not there, against a clear endplate's 1.
 constexpr double kCutEnd = 0.0;
 /// What each body must bring at least.
 constexpr double kMinGain = 0.9;
 constexpr double kMinCutGain = 0.4;  // of one that the CT cuts, which has one end only
+/// What it costs to leave out a stretch in which no bodies are seen, as beside a crushed one: more than one body
+/// brings.
+constexpr double kSkipCost = 2.0;
 
 std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   // State: a body that ends with its upper endplate at a place, of a height. Its gain is the best of all rows up to it.
@@ -321,7 +333,11 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   // Only the CT's border cuts; where the column ends within the CT, bodies have ends there too.
   const int cut_below = first_lower + static_cast<int>(cut_mm / kPlaceStepMm);
   const int cut_above = last_upper - static_cast<int>(cut_mm / kPlaceStepMm);
+  // Of the rows that end at a place or below it, the best one's last body; -1: none.
+  std::vector<int> best_below(static_cast<std::size_t>(count_), -1);
   for (int upper = first_lower; upper <= last_upper; ++upper) {
+    auto& best_here = best_below[static_cast<std::size_t>(upper)];
+    if (upper > first_lower) best_here = best_below[static_cast<std::size_t>(upper - 1)];
     const bool upper_cut = upper == last_upper && last_upper + 1 < count_;
     const double fall = upper_cut ? kCutEnd : static_cast<double>(profile_.fall[static_cast<std::size_t>(upper)]);
     if (!upper_cut && (fall < 0.15 || upper > cut_above)) continue;
@@ -350,8 +366,20 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
           from[here] = static_cast<int>(state(below, other));
         }
       }
+      // Where what lies between is no gap, the row goes on beyond it.
+      const int beyond = lower - kMaxGap - 1;
+      const int before = !lower_cut && beyond >= first_lower ? best_below[static_cast<std::size_t>(beyond)] : -1;
+      if (before >= 0 && gain[static_cast<std::size_t>(before)] - kSkipCost > best) {
+        best = gain[static_cast<std::size_t>(before)] - kSkipCost;
+        from[here] = before;
+      }
       gain[here] = own[here] + best;
     });
+    for (int height = kMinHeight; height <= kMaxHeight; ++height) {
+      const auto here = static_cast<int>(state(upper, height));
+      const double so_far = best_here < 0 ? 0.0 : gain[static_cast<std::size_t>(best_here)];
+      if (gain[static_cast<std::size_t>(here)] > so_far) best_here = here;
+    }
   }
   std::vector<Body> chain;
   const auto best = std::max_element(gain.begin(), gain.end());
@@ -394,17 +422,16 @@ std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& co
   const std::vector<Tilt> kinds = tilts();
   const double step_mm = step_along_mm(hu.geometry, column);
   Profile profile = make_profile(probe, column, levels, kinds, step_mm);
-  constexpr double kThickMm = 2.0;
+  constexpr double kThickMm = 1.2;
   std::optional<Profile> banded;
-  if (step_mm >= kThickMm) add_bands(banded.emplace(profile), kinds, levels.full_drop_hu, step_mm);
-  strengthen(profile);
+  const double gain = strengthen(profile);
+  if (step_mm >= kThickMm) add_bands(banded.emplace(profile), kinds, levels.full_drop_hu, step_mm, gain);
   std::vector<ChainSearch::Body> row = ChainSearch(profile, levels).best_chain();
   if (banded) {
     // Where discs are seen, as in most of the lumbar spine, bands would only be endplates.
     constexpr double kClearlyMore = 1.3;
-    strengthen(*banded);
     std::vector<ChainSearch::Body> more = ChainSearch(*banded, levels).best_chain();
-    if (places_of(more) > kClearlyMore * places_of(row)) {
+    if (places_of(more) > kClearlyMore * places_of(row) && gain_of(more) > kClearlyMore * gain_of(row)) {
       profile = std::move(*banded);
       row = std::move(more);
     }

@@ -1,5 +1,6 @@
 #include "core/segment/row_gaps.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/text_writer.h"
@@ -29,36 +30,74 @@ Beyond canal_beyond(const SpinalCanal& canal, const Vec3& middle_mm, const Vec3&
   return beyond;
 }
 
+Vec3 middle_mm(const SpineBodies& spine, std::size_t n) { return spine.bodies[n].cylinder.centre_mm; }
+
+/// Between a body and the next above, middle to middle and end to end.
+double step_mm(const SpineBodies& spine, std::size_t lower) {
+  return (middle_mm(spine, lower + 1) - middle_mm(spine, lower)).norm();
+}
+double gap_mm(const SpineBodies& spine, std::size_t lower) {
+  return (spine.chain[lower + 1].lower.centre_mm - spine.chain[lower].upper.centre_mm).norm();
+}
+
+double mean_height_mm(const SpineBodies& spine, std::size_t lower) {
+  return 0.5 * (spine.chain[lower].height_mm() + spine.chain[lower + 1].height_mm());
+}
+
+/// The middle one of what is measured between all neighbours, of two the less.
+template <class Measure>
+double median_between(const SpineBodies& spine, const Measure& measure) {
+  std::vector<double> all;
+  for (std::size_t n = 0; n + 1 < spine.chain.size(); ++n) all.push_back(measure(spine, n));
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
+/// Whether there is room for a body between one and the next above. Discs are up to half as high as their bodies, and a
+/// crushed body has room in less, where the row's discs are thin.
+bool has_room_above(const SpineBodies& spine, std::size_t lower) {
+  constexpr double kBodyOverHeight = 0.9, kCrushedOverHeight = 0.6, kCrushedOverDisc = 2.5;
+  const double room_mm = gap_mm(spine, lower), height_mm = mean_height_mm(spine, lower);
+  if (room_mm >= kBodyOverHeight * height_mm) return true;
+  return room_mm >= kCrushedOverHeight * height_mm && room_mm >= kCrushedOverDisc * median_between(spine, gap_mm);
+}
+
 }  // namespace
+
+std::optional<int> bodies_missing_above(const SpineBodies& spine, std::size_t lower) {
+  if (!has_room_above(spine, lower)) return 0;
+  constexpr double kMaxOff = 0.25;
+  constexpr int kMost = 2;  // steps change along a spine
+  const double steps = step_mm(spine, lower) / median_between(spine, step_mm);
+  const int missing = static_cast<int>(std::lround(steps)) - 1;
+  if (missing < 1 || missing > kMost || std::abs(steps - std::round(steps)) > kMaxOff) return std::nullopt;
+  return missing;
+}
 
 std::vector<std::string> gaps_in_row(const SpineBodies& spine) {
   std::vector<std::string> gaps;
   const std::size_t count = spine.chain.size();
   if (count < 2) return gaps;
-  const auto middle_mm = [&](std::size_t n) { return spine.bodies[n].cylinder.centre_mm; };
-  const auto step_mm = [&](std::size_t lower) { return (middle_mm(lower + 1) - middle_mm(lower)).norm(); };
-  // From below: between neighbours. Discs are up to half as high as their bodies, and a crushed body leaves more.
-  constexpr double kMinGapOverHeight = 0.9;
+  // From below: between neighbours.
   for (std::size_t n = 0; n + 1 < count; ++n) {
-    const double height_mm = 0.5 * (spine.chain[n].height_mm() + spine.chain[n + 1].height_mm());
-    const double gap_mm = (spine.chain[n + 1].lower.centre_mm - spine.chain[n].upper.centre_mm).norm();
-    if (gap_mm < kMinGapOverHeight * height_mm) continue;
-    gaps.push_back(joined("a body may be missed between ", at_height(middle_mm(n + 1)), " and ",
-                          at_height(middle_mm(n)), ": ", std::lround(gap_mm), " mm lie between two of ",
-                          std::lround(height_mm), " mm"));
+    if (!has_room_above(spine, n)) continue;
+    gaps.push_back(joined("a body may be missed between ", at_height(middle_mm(spine, n + 1)), " and ",
+                          at_height(middle_mm(spine, n)), ": ", std::lround(gap_mm(spine, n)),
+                          " mm lie between two of ", std::lround(mean_height_mm(spine, n)), " mm"));
   }
   // Half a vertebra belongs to the outermost body itself, half a one may be cut by the CT's border or the canal's end.
   constexpr double kMinVertebrae = 2.0;
   const auto check_end = [&](std::size_t end, double vertebra_mm, const Vec3& outward, const char* side) {
     if (spine.chain[end].lower.is_cut || spine.chain[end].upper.is_cut) return;
-    const Beyond beyond = canal_beyond(spine.canal, middle_mm(end), outward);
+    const Beyond beyond = canal_beyond(spine.canal, middle_mm(spine, end), outward);
     if (beyond.mm < kMinVertebrae * vertebra_mm) return;
-    gaps.push_back(joined("vertebrae may be missed ", side, " the row: it ends at ", at_height(middle_mm(end)),
+    gaps.push_back(joined("vertebrae may be missed ", side, " the row: it ends at ", at_height(middle_mm(spine, end)),
                           ", the canal goes on to ", at_height(beyond.end_mm), ", vertebrae are ",
                           std::lround(vertebra_mm), " mm apart"));
   };
-  check_end(count - 1, step_mm(count - 2), spine.bodies[count - 1].cylinder.axes().col(2), "above");
-  if (!spine.has_sacrum) check_end(0, step_mm(0), -spine.bodies[0].cylinder.axes().col(2), "below");
+  check_end(count - 1, step_mm(spine, count - 2), spine.bodies[count - 1].cylinder.axes().col(2), "above");
+  if (!spine.has_sacrum) check_end(0, step_mm(spine, 0), -spine.bodies[0].cylinder.axes().col(2), "below");
   return gaps;
 }
 

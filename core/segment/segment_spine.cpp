@@ -106,12 +106,19 @@ struct Names {
   NameSource source = NameSource::counted;
 };
 
-/// Counts up and down from one body with a known level.
+/// Counts up and down from one body with a known level, over what the row lacks; no further than where it is not clear
+/// how many bodies that are.
 std::vector<Level> counted_from(const SpineBodies& spine, std::size_t index, Level level) {
   std::vector<Level> levels(spine.bodies.size(), Level::kNone);
   levels[index] = level;
-  for (std::size_t n = index + 1; n < levels.size(); ++n) levels[n] = level_above(levels[n - 1]);
-  for (std::size_t n = index; n-- > 0;) levels[n] = level_below(levels[n + 1]);
+  const auto count_on = [&](std::size_t from, std::size_t to, Level (*next)(Level)) {
+    const std::optional<int> missing = bodies_missing_above(spine, std::min(from, to));
+    if (!missing) return;
+    levels[to] = levels[from];
+    for (int step = 0; step <= *missing; ++step) levels[to] = next(levels[to]);
+  };
+  for (std::size_t n = index + 1; n < levels.size(); ++n) count_on(n - 1, n, level_above);
+  for (std::size_t n = index; n-- > 0;) count_on(n + 1, n, level_below);
   return levels;
 }
 
@@ -121,10 +128,14 @@ Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given
   for (std::size_t n = 0; n < given.size(); ++n) {
     const std::size_t index = body_of(spine, level_name(given[n].level), given[n].p_mm);
     const std::vector<Level> counted = counted_from(spine, index, given[n].level);
-    if (n == 0) names.levels = counted;
-    if (counted == names.levels) continue;
-    fail(level_name(given[n].level), ": expected a point that agrees with ", level_name(given[0].level),
-         "; counted from there it lies in ", level_name(names.levels[index]));
+    // Beyond a gap of the row each word may know what the other does not.
+    if (names.levels[index] != Level::kNone && names.levels[index] != given[n].level) {
+      fail(level_name(given[n].level), ": expected a point that agrees with ", level_name(given[0].level),
+           "; counted from there it lies in ", level_name(names.levels[index]));
+    }
+    for (std::size_t body = 0; body < counted.size(); ++body) {
+      if (counted[body] != Level::kNone) names.levels[body] = counted[body];
+    }
   }
   names.source = NameSource::given;
   return names;

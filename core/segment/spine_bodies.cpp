@@ -189,8 +189,10 @@ SpineBodies bodies_along(const CtVolume& ct, const BoneLevels& levels, SpinalCan
     // A single body says nothing of how the column bends: straight on, and only for bodies that the canal missed.
     const SpineColumn second = column_through(sure.size() >= 2 ? sure : with_one_above(sure.front()), beyond_mm, probe);
     std::vector<BodySpan> again = find_body_chain(as_asked, second, walls);
-    constexpr double kMuchLess = 0.7;  // bodies were lost, as a column does that bends where nothing holds it
-    const bool is_as_much = height_mm(again) > kMuchLess * height_mm(spine.chain);
+    // Bodies are lost by a column that bends where nothing holds it; one may have been none.
+    constexpr double kMuchLess = 0.7;
+    const bool is_as_much =
+        height_mm(again) > kMuchLess * height_mm(spine.chain) && again.size() + 1 >= spine.chain.size();
     if ((sure.size() >= 2 && is_as_much) || again.size() > spine.chain.size()) {
       spine.chain = std::move(again);
       cylinders = find_body_cylinders(probe, spine.chain);
@@ -245,25 +247,39 @@ SpineBodies find_spine_bodies(const CtVolume& ct, std::optional<double> threshol
   SpineBodies best;
   best.levels = levels;
   double best_mm = 0.0;
-  // A body whose cancellous bone is as dark as a canal's contents, with a bright vessel in front, looks like a canal
-  // too.
-  constexpr int kMaxTries = 6;
-  for (int n = 0; n < kMaxTries; ++n) {
-    SpinalCanal canal = find_spinal_canal(ct, levels, search, progress);
-    if (canal.points_mm.empty()) break;
-    const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
-    SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);
-    const double bodies_mm = height_of_bodies_mm(spine);
-    // What sees the same bodies from further away may find them a little higher.
-    constexpr double kClearlyMore = 1.3;
-    search.but_not.push_back(spine.canal);
-    if (n == 0 || bodies_mm > kClearlyMore * best_mm) {
-      best_mm = bodies_mm;
-      best = std::move(spine);
+  // What looks like a canal may be none: a body whose cancellous bone is as dark as a canal's contents, with a bright
+  // vessel in front, or a hip. Where no row of bodies stands in front of any, walls of light or thickly sliced bone may
+  // be too weak, and lower levels are tried.
+  constexpr int kMaxTries = 8;
+  constexpr double kMinRowMm = 60.0;  // three bodies
+  for (const double share : {1.0, 0.75, 0.6}) {
+    if (best_mm >= kMinRowMm) break;
+    search.but_not.clear();
+    BoneLevels canal_levels = levels;
+    canal_levels.low_hu *= share;
+    canal_levels.sure_hu *= share;
+    for (int n = 0; n < kMaxTries; ++n) {
+      SpinalCanal canal = find_spinal_canal(ct, canal_levels, search, progress);
+      if (canal.points_mm.empty()) break;
+      const double canal_mm = SpinalCanal::kStepMm * static_cast<double>(canal.points_mm.size());
+      SpineBodies spine = bodies_along(ct, levels, std::move(canal), progress);
+      const double bodies_mm = height_of_bodies_mm(spine);
+      search.but_not.push_back(spine.canal);
+      // What sees the same bodies from further away may find them a little higher.
+      constexpr double kClearlyMore = 1.3;
+      const bool is_first = share == 1.0 && n == 0;
+      const bool is_row = share == 1.0 || bodies_mm >= kMinRowMm;
+      if (is_first || (is_row && bodies_mm > kClearlyMore * best_mm)) {
+        best_mm = bodies_mm;
+        best = std::move(spine);
+      }
+      // Discs are a quarter of a spine, and of ends some are unsure.
+      constexpr double kMinShare = 0.4;
+      if (is_row && bodies_mm >= kMinShare * canal_mm) {
+        progress.report("finding the vertebral bodies", 1.0);
+        return best;
+      }
     }
-    // Discs are a quarter of a spine, and of ends some are unsure.
-    constexpr double kMinShare = 0.4;
-    if (bodies_mm >= kMinShare * canal_mm) break;
   }
   progress.report("finding the vertebral bodies", 1.0);
   return best;

@@ -41,6 +41,33 @@ TEST(GapsInRow, SayWhereABodyHasRoom) {
               ElementsAre("a body may be missed between z 105 mm and z 35 mm: 43 mm lie between two of 27 mm"));
 }
 
+// Bodies of 27 mm, discs of 8; a crushed one of 8 mm with its discs leaves 20.
+TEST(GapsInRow, SayWhereACrushedBodyHasRoomAmongThinDiscs) {
+  SpineBodies spine = row_at({0, 1, 2, 3}, -40.0, 150.0);
+  const auto raise = [&](std::size_t n, double by_mm) {
+    spine.bodies[n].cylinder.centre_mm.z() += by_mm;
+    for (BodyEnd* end : {&spine.chain[n].lower, &spine.chain[n].upper}) {
+      end->centre_mm.z() += by_mm;
+      end->s_mm += by_mm;
+    }
+  };
+  raise(3, 12.5);
+  EXPECT_THAT(gaps_in_row(spine),
+              ElementsAre("a body may be missed between z 118 mm and z 70 mm: 21 mm lie between two of 27 mm"));
+  EXPECT_EQ(bodies_missing_above(spine, 1), 0);
+  EXPECT_EQ(bodies_missing_above(spine, 2), std::nullopt) << "one that is crushed, or none";
+  raise(3, -4.0);
+  EXPECT_THAT(gaps_in_row(spine), IsEmpty()) << "a disc of 17 mm";
+}
+
+TEST(GapsInRow, HaveRoomForSoManyBodies) {
+  const SpineBodies spine = row_at({0, 1, 3, 6, 11, 12, 13, 14}, -40.0, 400.0);
+  EXPECT_EQ(bodies_missing_above(spine, 0), 0);
+  EXPECT_EQ(bodies_missing_above(spine, 1), 1);
+  EXPECT_EQ(bodies_missing_above(spine, 2), 2);
+  EXPECT_EQ(bodies_missing_above(spine, 3), std::nullopt) << "four: steps change on the way";
+}
+
 TEST(GapsInRow, SayHowFarTheCanalGoesOnBeyondTheRow) {
   EXPECT_THAT(gaps_in_row(row_at({0, 1, 2}, -40.0, 260.0)),
               ElementsAre("vertebrae may be missed above the row: it ends at z 70 mm, the canal goes on to z 260 mm, "
