@@ -117,19 +117,19 @@ Count count_all(const CtVolume& ct) {
 TEST(AlteredCts, OfAThoracicSpineShowItsBodies) {
   SPINALTAP_NEED_TEST_DATA(folder, "thoracic_spine_ct")
   const Count sum = count_all(read_ct(folder / "lidc-0314_spine.nii.gz"));
-  EXPECT_GE(sum.found, sum.whole * 9 / 10);
+  EXPECT_GE(sum.found, sum.whole * 19 / 20);
 }
 
 TEST(AlteredCts, OfAChestWithAStentShowItsBodies) {
   SPINALTAP_NEED_TEST_DATA(folder, "thoracic_ct_stent_1.5mm")
   const Count sum = count_all(read_ct(folder / "ct_cropped.nii.gz"));
-  EXPECT_GE(sum.found, sum.whole * 8 / 10);
+  EXPECT_GE(sum.found, sum.whole * 9 / 10);
 }
 
 TEST(AlteredCts, OfAnAbdomenShowItsBodies) {
   SPINALTAP_NEED_TEST_DATA(folder, "abdomen_pelvis_3mm")
   const Count sum = count_all(read_ct(folder / "example_ct.nii.gz"));
-  EXPECT_GE(sum.found, sum.whole * 7 / 10);
+  EXPECT_GE(sum.found, sum.whole * 3 / 4);
 }
 
 }  // namespace
