@@ -9,8 +9,10 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/segment/detail/median.h"
 
 namespace spinaltap {
 namespace {
@@ -138,9 +140,8 @@ double strengthen(Profile& profile) {
     }
   }
   if (best.empty()) return 1.0;
-  const auto middle = best.begin() + static_cast<std::ptrdiff_t>(best.size() / 2);
-  std::nth_element(best.begin(), middle, best.end());
-  const double gain = std::clamp(kEnough / std::max(static_cast<double>(*middle), 0.01), 1.0, kMaxGain);
+  const auto middle = static_cast<double>(detail::upper_median(std::move(best)));
+  const double gain = std::clamp(kEnough / std::max(middle, 0.01), 1.0, kMaxGain);
   if (gain == 1.0) return gain;
   for (std::vector<float>* edges : {&profile.rise, &profile.fall}) {
     for (float& edge : *edges) edge = static_cast<float>(std::min(1.0, gain * static_cast<double>(edge)));

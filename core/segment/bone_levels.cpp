@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/lerp.h"
+#include "core/segment/detail/median.h"
 
 namespace spinaltap {
 namespace {
@@ -32,10 +34,8 @@ double estimate_noise_hu(const CtVolume& ct) {
     differences.push_back(static_cast<float>(std::abs(ct.hu[i + 1] - ct.hu[i])));
   }
   if (differences.empty()) return 0.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
   // The median of |a - b| of two normal numbers is 0.6745 * sqrt(2) deviations.
-  return static_cast<double>(*middle) / (0.6745 * std::sqrt(2.0));
+  return static_cast<double>(detail::upper_median(std::move(differences))) / (0.6745 * std::sqrt(2.0));
 }
 
 BoneLevels choose_bone_levels(const CtVolume& ct, std::optional<double> threshold_hu) {

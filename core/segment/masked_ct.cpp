@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/segment/detail/connected_parts.h"
+#include "core/segment/detail/median.h"
 
 namespace spinaltap {
 namespace {
@@ -23,11 +24,8 @@ std::optional<std::int16_t> set_value(const CtVolume& ct) {
   samples.reserve(ct.hu.size() / stride + 1);
   for (std::size_t n = 0; n < ct.hu.size(); n += stride) samples.push_back(ct.hu[n]);
   if (samples.empty()) return std::nullopt;
-  std::vector<std::int16_t> sorted = samples;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
   // What fills half of all is, or stands beside, the median.
-  const std::int16_t value = *middle;
+  const std::int16_t value = detail::upper_median(samples);
   if (value != 0 && value > kAirHu) return std::nullopt;
   const auto set = static_cast<double>(std::count(samples.begin(), samples.end(), value));
   const auto all = static_cast<double>(samples.size());

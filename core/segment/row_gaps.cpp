@@ -1,9 +1,11 @@
 #include "core/segment/row_gaps.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/base/text_writer.h"
+#include "core/segment/detail/median.h"
 
 namespace spinaltap {
 namespace {
@@ -44,14 +46,12 @@ double mean_height_mm(const SpineBodies& spine, std::size_t lower) {
   return 0.5 * (spine.chain[lower].height_mm() + spine.chain[lower + 1].height_mm());
 }
 
-/// The middle one of what is measured between all neighbours, of two the less.
+/// The median of what is measured between all neighbours: of two the less, for the other may be a gap's.
 template <class Measure>
 double median_between(const SpineBodies& spine, const Measure& measure) {
   std::vector<double> all;
   for (std::size_t n = 0; n + 1 < spine.chain.size(); ++n) all.push_back(measure(spine, n));
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
+  return detail::lower_median(std::move(all));
 }
 
 /// Whether there is room for a body between one and the next above. Discs are up to half as high as their bodies, and a

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/segment/detail/binned_ct.h"
 #include "core/segment/detail/grey_closing.h"
+#include "core/segment/detail/median.h"
 
 namespace spinaltap {
 namespace {
@@ -368,9 +370,7 @@ std::vector<Vec3> centred(const std::vector<Index>& chain, const CanalScore& sco
         if (one) middles.push_back(*one);
       }
       if (middles.empty()) continue;
-      const auto middle = middles.begin() + static_cast<std::ptrdiff_t>(middles.size() / 2);
-      std::nth_element(middles.begin(), middle, middles.end());
-      place[static_cast<Eigen::Index>(axis)] += *middle;
+      place[static_cast<Eigen::Index>(axis)] += detail::upper_median(std::move(middles));
     }
     places.push_back(place);
   }

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/segment/detail/median.h"
+
 namespace spinaltap {
 namespace {
 
@@ -38,13 +40,6 @@ constexpr double kAlaeShare = 0.5;
 constexpr std::size_t kMaxSacral = 5;
 constexpr double kMinSacrumMm = 32.0;
 
-/// The middle one, of two the greater.
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Whether the lowest of a row leans as a sacrum: as no lumbar body does, and more than the one above; is as wide, and
 /// has no wall where alae begin.
 bool leans_as_a_sacrum(const std::vector<std::optional<VertebralBody>>& bodies) {
@@ -58,7 +53,8 @@ bool leans_as_a_sacrum(const std::vector<std::optional<VertebralBody>>& bodies) 
   std::vector<double> walls;
   for (std::size_t n = 1; n < bodies.size(); ++n) walls.push_back(bodies[n]->cylinder.fit);
   return lean_deg(lowest) >= kMinLeanDeg && lean_deg(lowest) - lean_deg(above) >= kMinKinkDeg &&
-         lowest.half_mm.x() >= kMinWidth * above.half_mm.x() && lowest.fit <= kMaxWall * middle_of(std::move(walls));
+         lowest.half_mm.x() >= kMinWidth * above.half_mm.x() &&
+         lowest.fit <= kMaxWall * detail::upper_median(std::move(walls));
 }
 
 /// Whether a body of the row is the sacrum's: by its alae, or where these are thin or light, as the lowest's, by how it
@@ -133,8 +129,8 @@ std::vector<BodyCylinder> sure_bodies(const std::vector<BodyCylinder>& bodies, c
   std::vector<double> edges;
   edges.reserve(chain.size());
   for (const BodySpan& span : chain) edges.push_back(std::min(span.lower.edge, span.upper.edge));
-  const double min_edge = edges.empty() ? kClearEdge : std::min(kClearEdge, kMinShare * middle_of(edges));
-  const double min_fit = fits.empty() ? 0.0 : kMinShare * middle_of(fits);
+  const double min_edge = edges.empty() ? kClearEdge : std::min(kClearEdge, kMinShare * detail::upper_median(edges));
+  const double min_fit = fits.empty() ? 0.0 : kMinShare * detail::upper_median(fits);
   std::vector<BodyCylinder> sure;
   for (std::size_t n = 0; n < bodies.size(); ++n) {
     const BodySpan& span = chain[n];
