@@ -40,7 +40,8 @@ void SpineCommandOptions::add_to(CLI::App& app) {
   const auto number = [&](const char* name, double& value, const char* text, const char* unit) {
     app.add_option(name, value, text)->capture_default_str()->type_name(unit)->group("Spine");
   };
-  app.add_option("--spine", levels, "Make these levels of a spine, such as T6-L5 or L3, and not a single vertebra")
+  app.add_option("--spine", levels,
+                 "Make these levels of a spine from C1 to L5, such as T6-L5 or L3, and not a single vertebra")
       ->type_name("LEVELS")
       ->group("Spine");
   app.add_option("--random-spine", random, "Make a random patient of this seed; options of the spine are then its own")
@@ -50,6 +51,7 @@ void SpineCommandOptions::add_to(CLI::App& app) {
       ->type_name("MM")
       ->group("Spine");
   number("--facet-gap", spine.facet_gap_mm, "Min distance between neighbours, mm", "MM");
+  number("--cervical-lordosis", spine.cervical_lordosis_deg, "From C3 to C7, degrees", "DEG");
   number("--kyphosis", spine.kyphosis_deg, "From T1 to T12, degrees", "DEG");
   number("--lordosis", spine.lordosis_deg, "From L1 to the sacrum, degrees", "DEG");
   number("--scoliosis", spine.scoliosis_deg, "Cobb's angle, degrees; above 0: convex to the right", "DEG");
@@ -57,6 +59,7 @@ void SpineCommandOptions::add_to(CLI::App& app) {
   app.add_flag("--ribs,!--no-ribs", spine.ribs, "With or without ribs")->group("Spine");
   number("--rib12", spine.rib12_mm, "Length of the twelfth ribs, mm", "MM");
   app.add_flag("--sacrum", spine.sacrum, "A sacrum below L5")->group("Spine");
+  app.add_flag("--skull", spine.skull, "A skull over C1")->group("Spine");
   number("--osteophytes", spine.osteophyte_mm, "Radius of spurs at the rims, mm; 0: none", "MM");
   number("--osteophyte-gap", spine.osteophyte_gap_mm, "Between spurs across a disc, mm; 0: they bridge it", "MM");
   app.add_flag("--osteoporosis", spine.osteoporosis, "Thin cortex, empty cancellous bone")->group("Spine");

@@ -23,16 +23,17 @@ struct LevelMeasures {
   double spinous_drop_deg;       ///< of the spinous process below the horizontal
   double spinous_tip_height_mm;  ///< of its end
   double lamina_height_mm;
-  double facet_x_mm;        ///< of the middle of the superior facet
-  double facet_inward_deg;  ///< how far it looks inward from backward; below 0: outward
-  double facet_upward_deg;  ///< how far it looks upward
-  double disc_below_mm;     ///< height of the disc below, in its middle
-  double flexion_deg;       ///< of the vertebra in the natural curve: how far its top leans forward
-  double lumbar_share;      ///< of the shape of its arch: 0 thoracic, 1 lumbar
+  double facet_x_mm;            ///< of the middle of the superior facet
+  double facet_inward_deg;      ///< how far it looks inward from backward; below 0: outward
+  double facet_upward_deg;      ///< how far it looks upward
+  double disc_below_mm;         ///< height of the disc below, in its middle
+  double flexion_deg;           ///< of the vertebra in the natural curve: how far its top leans forward
+  double lumbar_share;          ///< of the shape of its arch: 0 thoracic, 1 lumbar
+  double cervical_share = 0.0;  ///< of the shape of its arch: 1 cervical
 };
 
-/// First and last level with measures.
-inline constexpr Level kFirstMeasured = Level::kT1, kLastMeasured = Level::kL5;
+/// First and last level with measures. C1, C2 and the sacrum are simple solids of their own.
+inline constexpr Level kFirstMeasured = Level{3}, kLastMeasured = Level::kL5;
 
 /// Measures of an adult's level. Throws Error when the level has none.
 const LevelMeasures& level_measures(Level level);

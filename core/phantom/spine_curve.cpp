@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/phantom/detail/level_anatomy.h"
+#include "core/phantom/detail/upper_neck.h"
 #include "core/phantom/vertebra_ground_truth.h"
 
 namespace spinaltap {
@@ -96,9 +97,13 @@ double side_tilt_deg(double place, const SpineOptions& options) {
 }
 
 double flexion_deg(const LevelMeasures& m, Level level, const SpineOptions& options) {
+  if (is_cervical(level)) {
+    // Above T1, as it leans: the natural curve has 25 degrees from C3 to C7.
+    const double t1_deg = level_measures(Level::kT1).flexion_deg;
+    return t1_deg * options.kyphosis_deg / 40.0 - (t1_deg - m.flexion_deg) * options.cervical_lordosis_deg / 25.0;
+  }
   // The natural curve has 40 degrees from T1 to T12 and 55 from L1 to the sacrum; T9 and L3 hardly lean.
-  return m.flexion_deg *
-         (is_thoracic(level) || is_cervical(level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0);
+  return m.flexion_deg * (is_thoracic(level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0);
 }
 
 /// Upward normal of an endplate, own frame of its vertebra; `side`: 1 for the upper one, -1 for the lower one.
@@ -120,7 +125,11 @@ double own_disc_mm(const PlacedLevel& above, const SpineOptions& options) {
 }
 
 /// Puts `below`, which is turned already, under `above`.
-void stack(const PlacedLevel& above, PlacedLevel& below, double disc_mm) {
+void stack(const PlacedLevel& above, PlacedLevel& below, double disc_mm, double scale) {
+  if (above.level == Level::kC1) {  // around the dens
+    below.position_mm = above.position_mm - below.rotation * (scale * kDensMm);
+    return;
+  }
   const Vec3 upper = above.rotation * endplate_normal(above, -1.0),
              lower = below.rotation * endplate_normal(below, 1.0);
   const Vec3 normal = (upper + lower).normalized();
@@ -148,16 +157,21 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
   check_spine_options(options);
   std::vector<PlacedLevel> levels;
   for (Level level = options.first;; level = level_below(level)) {
-    levels.push_back({.level = level, .measures = level_measures(level)});
+    levels.push_back(
+        {.level = level, .measures = is_upper_neck(level) ? upper_neck_measures(level) : level_measures(level)});
     if (level == options.last) break;
   }
   if (options.sacrum) levels.push_back({.level = Level::kSacrum, .measures = sacrum_measures()});
   const Mat3 patient = rotation_from_degrees(options.tilt_deg);
   for (PlacedLevel& placed : levels) {
     const bool sacrum = placed.level == Level::kSacrum;
-    placed.measures.wedge_deg *= is_thoracic(placed.level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0;
+    if (!is_cervical(placed.level)) {
+      placed.measures.wedge_deg *=
+          is_thoracic(placed.level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0;
+    }
     const double flexion = flexion_deg(placed.measures, placed.level, options);
-    if (options.variation > 0.0 && !sacrum) placed.measures = sound_variation(placed.measures, placed.level, options);
+    if (options.variation > 0.0 && !sacrum && !is_upper_neck(placed.level))
+      placed.measures = sound_variation(placed.measures, placed.level, options);
     placed.measures = scaled(placed.measures, options.scale);
     const double place = place_in_curve(placed.level, options);
     const double step = 0.5 / std::max<double>(1.0, static_cast<double>(levels.size()) - 1.0);
@@ -172,7 +186,9 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
     for (int axis = 0; axis < 3; ++axis) degrees[axis] += options.variation * (axis == 2 ? 3.0 : 1.5) * chances.next();
     placed.rotation = patient * rotation_from_degrees(degrees);
   }
-  for (std::size_t n = 1; n < levels.size(); ++n) stack(levels[n - 1], levels[n], own_disc_mm(levels[n - 1], options));
+  for (std::size_t n = 1; n < levels.size(); ++n) {
+    stack(levels[n - 1], levels[n], own_disc_mm(levels[n - 1], options), options.scale);
+  }
   const Vec3 shift = options.position_mm - levels[(levels.size() - 1) / 2].position_mm;
   for (PlacedLevel& placed : levels) placed.position_mm += shift;
   return levels;

@@ -25,7 +25,7 @@ void among_the_levels(const char* name, Level level, const SpineOptions& options
 }  // namespace
 
 void check_spine_options(const SpineOptions& options) {
-  (void)level_measures(options.first);
+  if (!is_upper_neck(options.first)) (void)level_measures(options.first);
   (void)level_measures(options.last);
   if (level_rank(options.first) > level_rank(options.last)) {
     fail("spine phantom: first must lie above last, found ", level_name(options.first), " and ",
@@ -36,6 +36,7 @@ void check_spine_options(const SpineOptions& options) {
   if (options.thoracic_disc_mm) check_within("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
   if (options.lumbar_disc_mm) check_within("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
   check_within("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
+  check_within("cervical_lordosis_deg", options.cervical_lordosis_deg, -20.0, 60.0);
   check_within("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
   check_within("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
   check_within("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
@@ -46,6 +47,9 @@ void check_spine_options(const SpineOptions& options) {
   check_within("rib12_mm", options.rib12_mm, 20.0, 200.0);
   if (options.sacrum && options.last != Level::kL5) {
     fail("spine phantom: a sacrum needs L5 as the last level, found ", level_name(options.last));
+  }
+  if (options.skull && options.first != Level::kC1) {
+    fail("spine phantom: a skull needs C1 as the first level, found ", level_name(options.first));
   }
   check_within("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
   check_within("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);

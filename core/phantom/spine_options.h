@@ -11,7 +11,7 @@ namespace spinaltap {
 
 /// What a spine phantom is made like. The defaults give a healthy adult.
 struct SpineOptions {
-  Level first = Level{13};  ///< uppermost level: T6
+  Level first = Level{13};  ///< uppermost level: T6; C1 and C2 are simple solids
   Level last = Level::kL5;  ///< lowest level
 
   double scale = 1.0;  ///< of all vertebrae, ribs and discs
@@ -20,6 +20,7 @@ struct SpineOptions {
   std::optional<double> cervical_disc_mm{}, thoracic_disc_mm{}, lumbar_disc_mm{};
   double facet_gap_mm = 1.0;  ///< least distance between the bone of neighbours, at the facets and elsewhere
 
+  double cervical_lordosis_deg = 25.0;                       ///< from C3 to C7
   double kyphosis_deg = 40.0;                                ///< from T1 to T12
   double lordosis_deg = 55.0;                                ///< from L1 to the sacrum
   double scoliosis_deg = 0.0;                                ///< Cobb's angle; above 0: convex to the right
@@ -31,6 +32,7 @@ struct SpineOptions {
   double rib12_mm = 100.0;  ///< length of the twelfth ribs
 
   bool sacrum = false;
+  bool skull = false;  ///< a braincase and a jaw over C1: bones without a level
 
   double osteophyte_mm = 0.0;          ///< radius of the bony spurs at the rims; 0: none
   double osteophyte_gap_mm = 1.0;      ///< between spurs that face each other across a disc; 0: they bridge it
@@ -48,6 +50,9 @@ struct SpineOptions {
   Vec3 tilt_deg = Vec3::Zero();     ///< of the whole patient, about x, then y, then z
   Vec3 position_mm = Vec3::Zero();  ///< where the body of the middle level stands, patient LPS
 };
+
+/// C1 and C2, which are simple solids without measures.
+inline bool is_upper_neck(Level level) { return level == Level::kC1 || level == Level{2}; }
 
 /// Throws Error, which names the value, on options without sense.
 void check_spine_options(const SpineOptions& options);

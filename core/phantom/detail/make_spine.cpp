@@ -10,6 +10,7 @@
 #include "core/phantom/detail/rib.h"
 #include "core/phantom/detail/shape_solid.h"
 #include "core/phantom/detail/shapes.h"
+#include "core/phantom/detail/upper_neck.h"
 #include "core/phantom/level_measures.h"
 #include "core/phantom/vertebra_ground_truth.h"
 
@@ -105,7 +106,8 @@ std::shared_ptr<const Vertebra> make_vertebra(const SpineOptions& options, const
   const PlacedLevel& level = placed[n];
   VertebraAnatomy anatomy = level_anatomy(level.measures);
   if (n + 1 < placed.size()) {
-    aim_inferior_processes(anatomy, facet_from_above(level, placed[n + 1]), kShaped - options.facet_gap_mm);
+    aim_inferior_processes(anatomy, facet_from_above(level, placed[n + 1]), kShaped - options.facet_gap_mm,
+                           level.measures.cervical_share);
   }
   anatomy.body.side_wedge_deg = level.side_wedge_deg;
   if (options.osteoporosis) weaken(anatomy);
@@ -233,6 +235,11 @@ std::vector<SpinePart> make_parts(const SpineOptions& options, const std::vector
       part.solid = std::make_shared<const ShapeSolid<shapes::SacrumShape>>(
           shapes::SacrumShape(placed[n].measures), placed[n].rotation, placed[n].position_mm, 1.0,
           options.osteoporosis ? ShellBone{0.5, 900.0, 40.0} : ShellBone{1.0, 1000.0, 140.0});
+    } else if (is_upper_neck(placed[n].level)) {
+      const ShellBone bone = options.osteoporosis ? ShellBone{0.7, 1000.0, 150.0} : ShellBone{1.2, 1200.0, 320.0};
+      part.solid = placed[n].level == Level::kC1 ? make_atlas(placed[n], options.scale, bone)
+                                                 : make_axis(placed[n], placed[n + 1], options.scale, bone);
+      if (n + 1 < placed.size()) part.cuts.push_back({n + 1, options.facet_gap_mm});
     } else {
       part.vertebra = make_vertebra(options, placed, n);
       std::vector<Pit> pits = make_pits(options, placed[n]);
@@ -249,10 +256,21 @@ std::vector<SpinePart> make_parts(const SpineOptions& options, const std::vector
       for (const double side : {1.0, -1.0}) {
         for (Spur& spur : make_spurs(options, placed, n, side)) part.spurs.push_back(spur);
       }
+      if (placed[n].measures.cervical_share > 0.5) {
+        for (const Spur& spur : cervical_spurs(placed[n], part.vertebra->anatomy(), n > 0 ? &placed[n - 1] : nullptr)) {
+          part.spurs.push_back(spur);
+        }
+      }
     }
     parts.push_back(std::move(part));
   }
   if (options.ribs) add_ribs(options, placed, parts);
+  if (options.skull) {
+    const ShellBone bone{1.6, 1400.0, 500.0};
+    const SpinePart::Cut atlas{0, options.facet_gap_mm};
+    parts.push_back({.label = kOtherBoneLabel, .solid = make_skull(placed[0], options.scale, bone), .cuts = {atlas}});
+    parts.push_back({.label = kOtherBoneLabel, .solid = make_jaw(placed[0], options.scale), .cuts = {atlas}});
+  }
   return parts;
 }
 
