@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 
 namespace spinaltap {
 namespace {
@@ -44,6 +45,35 @@ constexpr std::array<LevelMeasures, 22> kMeasures{{
 // clang-format on
 
 }  // namespace
+
+LevelMeasures mixed(const LevelMeasures& a, const LevelMeasures& b, double share) {
+  LevelMeasures m = a;
+  for (double LevelMeasures::*const value : {&LevelMeasures::body_width_mm,
+                                             &LevelMeasures::body_depth_mm,
+                                             &LevelMeasures::body_height_mm,
+                                             &LevelMeasures::wedge_deg,
+                                             &LevelMeasures::pedicle_width_mm,
+                                             &LevelMeasures::pedicle_height_mm,
+                                             &LevelMeasures::pedicle_convergence_deg,
+                                             &LevelMeasures::canal_width_mm,
+                                             &LevelMeasures::canal_depth_mm,
+                                             &LevelMeasures::transverse_span_mm,
+                                             &LevelMeasures::transverse_back_deg,
+                                             &LevelMeasures::transverse_rise_mm,
+                                             &LevelMeasures::spinous_length_mm,
+                                             &LevelMeasures::spinous_drop_deg,
+                                             &LevelMeasures::spinous_tip_height_mm,
+                                             &LevelMeasures::lamina_height_mm,
+                                             &LevelMeasures::facet_x_mm,
+                                             &LevelMeasures::facet_inward_deg,
+                                             &LevelMeasures::facet_upward_deg,
+                                             &LevelMeasures::disc_below_mm,
+                                             &LevelMeasures::flexion_deg,
+                                             &LevelMeasures::lumbar_share}) {
+    m.*value = lerp(a.*value, b.*value, share);
+  }
+  return m;
+}
 
 const LevelMeasures& level_measures(Level level) {
   const int first = static_cast<int>(kFirstMeasured), last = static_cast<int>(kLastMeasured);

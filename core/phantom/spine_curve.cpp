@@ -13,8 +13,33 @@ namespace spinaltap {
 namespace {
 
 bool is_cervical(Level level) { return static_cast<int>(level) <= static_cast<int>(Level::kC7); }
-bool is_thoracic(Level level) {
-  return !is_cervical(level) && static_cast<int>(level) <= static_cast<int>(Level::kT12);
+bool is_thoracic(Level level) { return !is_cervical(level) && level_rank(level) < level_rank(Level::kL1); }
+
+/// Of a level of a spine with as many as the options say: the usual ones' measures, spread over them.
+LevelMeasures measures_among(Level level, const SpineOptions& options) {
+  if (is_upper_neck(level)) return upper_neck_measures(level);
+  if (is_cervical(level)) return level_measures(level);
+  const bool thoracic = is_thoracic(level);
+  const Level first = thoracic ? Level::kT1 : Level::kL1;
+  const int usual = thoracic ? 12 : 5, count = thoracic ? options.thoracic_levels : options.lumbar_levels;
+  const int place = level == Level::kT13 ? 12 : static_cast<int>(level) - static_cast<int>(first);
+  const double spread = static_cast<double>(place * (usual - 1)) / (count - 1);
+  const int whole = static_cast<int>(spread + 1e-9);
+  const auto row = [&](int n) {
+    return level_measures(static_cast<Level>(static_cast<int>(first) + std::min(n, usual - 1)));
+  };
+  return mixed(row(whole), row(whole + 1), std::max(0.0, spread - whole));
+}
+
+/// Crushes a body. Its arch hangs from the rim behind.
+void crush(LevelMeasures& m, const CrushedLevel& crushed) {
+  const double lean_mm = m.body_depth_mm * std::tan(0.5 * m.wedge_deg * kDegree);
+  const double front_mm = crushed.front_share * (m.body_height_mm - lean_mm);
+  const double back_mm = crushed.back_share * (m.body_height_mm + lean_mm);
+  m.body_height_mm = 0.5 * (front_mm + back_mm);
+  m.back_rise_mm = 0.5 * (back_mm - lean_mm - m.body_height_mm);
+  m.wedge_deg = 2.0 * std::atan(0.5 * (back_mm - front_mm) / m.body_depth_mm) / kDegree;
+  m.crushed = 1.0 - crushed.front_share;
 }
 
 /// Numbers of one level of one seed.
@@ -156,23 +181,38 @@ double disc_height_mm(const PlacedLevel& above, const PlacedLevel& below) {
 std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
   check_spine_options(options);
   std::vector<PlacedLevel> levels;
-  for (Level level = options.first;; level = level_below(level)) {
-    levels.push_back(
-        {.level = level, .measures = is_upper_neck(level) ? upper_neck_measures(level) : level_measures(level)});
+  for (Level level = options.first;; level = level_below(level, options)) {
+    levels.push_back({.level = level, .measures = measures_among(level, options)});
     if (level == options.last) break;
   }
   if (options.sacrum) levels.push_back({.level = Level::kSacrum, .measures = sacrum_measures()});
   const Mat3 patient = rotation_from_degrees(options.tilt_deg);
-  for (PlacedLevel& placed : levels) {
+  std::vector<double> bend_deg(levels.size(), 0.0), flexion(levels.size(), 0.0);
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    PlacedLevel& placed = levels[n];
     const bool sacrum = placed.level == Level::kSacrum;
     if (!is_cervical(placed.level)) {
       placed.measures.wedge_deg *=
           is_thoracic(placed.level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0;
     }
-    const double flexion = flexion_deg(placed.measures, placed.level, options);
+    flexion[n] = flexion_deg(placed.measures, placed.level, options);
     if (options.variation > 0.0 && !sacrum && !is_upper_neck(placed.level))
       placed.measures = sound_variation(placed.measures, placed.level, options);
     placed.measures = scaled(placed.measures, options.scale);
+    for (const CrushedLevel& crushed : options.crushed) {
+      if (crushed.level != placed.level) continue;
+      const double wedge_deg = placed.measures.wedge_deg;
+      crush(placed.measures, crushed);
+      // The levels above lean forward by what the body bends, those below backward.
+      const double half_deg = 0.5 * (placed.measures.wedge_deg - wedge_deg);
+      for (PlacedLevel& other : levels) {
+        const int below = level_rank(other.level) - level_rank(placed.level);
+        if (below != 0) bend_deg[static_cast<std::size_t>(&other - levels.data())] += below < 0 ? half_deg : -half_deg;
+      }
+    }
+  }
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    PlacedLevel& placed = levels[n];
     const double place = place_in_curve(placed.level, options);
     const double step = 0.5 / std::max<double>(1.0, static_cast<double>(levels.size()) - 1.0);
     if (place > 1e-9 && place < 1.0 - 1e-9) {
@@ -182,7 +222,7 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
     const double turn =
         -options.scoliosis_turn * options.scoliosis_deg * std::sin(std::numbers::pi * std::clamp(place, 0.0, 1.0));
     Chances chances(options.seed + 1, placed.level);
-    Vec3 degrees(flexion, side_tilt_deg(place, options), turn);
+    Vec3 degrees(flexion[n] + bend_deg[n], side_tilt_deg(place, options), turn);
     for (int axis = 0; axis < 3; ++axis) degrees[axis] += options.variation * (axis == 2 ? 3.0 : 1.5) * chances.next();
     placed.rotation = patient * rotation_from_degrees(degrees);
   }

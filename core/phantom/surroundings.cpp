@@ -96,7 +96,7 @@ double SoftTissue::in_neck_hu(double hu, const Vec3& p, const Station& here) con
   neck = lerp(hu, neck, shapes::smooth_step(0.0, 1.0, here.neck));
   // It widens to the shoulders.
   const double shoulder = 1.0 - here.neck;
-  double outline = ellipse_mm(x, y + 4.0 + 25.0 * shoulder, 63.0 + 130.0 * shoulder, 68.0 + 30.0 * shoulder);
+  double outline = ellipse_mm(x, y + 4.0 + 20.0 * shoulder, 63.0 + 130.0 * shoulder, 68.0 + 55.0 * shoulder);
   if (head_) {
     const Vec3 q = head_->rotation.transpose() * (p - head_->centre_mm);
     const Vec3 half(head_->half_width_mm, head_->half_depth_mm, head_->half_height_mm);

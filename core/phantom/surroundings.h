@@ -39,7 +39,6 @@ class SoftTissue : public Surroundings {
 
   double hu(const Vec3& p_patient) const override;
 
- private:
   /// A place along the column: a body's or a disc's middle.
   struct Station {
     Vec3 centre_mm;
@@ -50,6 +49,11 @@ class SoftTissue : public Surroundings {
     double lung;                                                  ///< 1 beside the lungs, 0 below them
     double neck;                                                  ///< 1 in the neck, 0 below it
   };
+  /// The column's place at a height, between those of the bodies above and below.
+  Station at_height(double z_mm) const;
+  const SoftTissueOptions& options() const { return options_; }
+
+ private:
   /// A disc in its own frame, or a head.
   struct Disc {
     Vec3 centre_mm;
@@ -57,7 +61,6 @@ class SoftTissue : public Surroundings {
     double half_width_mm, half_depth_mm, half_height_mm;
   };
 
-  Station at_height(double z_mm) const;
   double in_neck_hu(double hu, const Vec3& p, const Station& here) const;
 
   std::vector<Station> stations_;  ///< from above

@@ -27,9 +27,9 @@ struct Plan {
   explicit Plan(const LevelMeasures& m) : lumbar(m.lumbar_share) {
     const double half_depth = 0.5 * m.body_depth_mm;
     const double below_rim = of_arch(m, 0.5, 3.3, 1.0);
-    isthmus_mm =
-        Vec3(0.5 * (m.canal_width_mm + lerp(1.0, 0.6, m.cervical_share) * m.pedicle_width_mm),
-             half_depth + of_arch(m, 3.2, 4.0, 1.5), 0.5 * (m.body_height_mm - m.pedicle_height_mm) - below_rim);
+    isthmus_mm = Vec3(0.5 * (m.canal_width_mm + lerp(1.0, 0.6, m.cervical_share) * m.pedicle_width_mm),
+                      half_depth + of_arch(m, 3.2, 4.0, 1.5),
+                      0.5 * (m.body_height_mm - m.pedicle_height_mm) - below_rim + m.back_rise_mm);
     // The isthmus of a pedicle that converges reaches back on its inner side.
     const double turned = 0.5 * m.pedicle_width_mm * std::fabs(std::sin(m.pedicle_convergence_deg * kDegree));
     arch_y_mm = isthmus_mm.y() + of_arch(m, 7.5, 9.0, 2.5) + turned;
@@ -52,7 +52,7 @@ VertebraAnatomy::Body make_body(const LevelMeasures& m) {
   body.waist_mm = 0.06 * m.body_depth_mm;
   body.kidney_mm = lerp(0.12, 0.07, m.cervical_share) * m.body_depth_mm;
   body.kidney_width_mm = 0.24 * m.body_depth_mm;
-  body.superior_hollow_mm = 0.075 * m.body_height_mm;
+  body.superior_hollow_mm = lerp(0.075, 0.16, m.crushed) * m.body_height_mm;
   body.inferior_hollow_mm = 0.09 * m.body_height_mm;
   body.rim_mm = 0.075 * m.body_depth_mm;
   body.edge_mm = 0.09 * m.body_height_mm;
@@ -156,7 +156,8 @@ FacetPlace superior_facet(const LevelMeasures& m) {
   const double share = std::clamp(m.facet_inward_deg / 45.0, 0.0, 1.0);
   const double behind = lerp(lerp(1.2, 3.6, share), 2.0, m.cervical_share);
   const double above = lerp(lerp(3.6, 2.5, share), 0.5, m.cervical_share);
-  return {Vec3(m.facet_x_mm, plan.arch_y_mm + behind, 0.5 * m.body_height_mm + above), normal.normalized()};
+  return {Vec3(m.facet_x_mm, plan.arch_y_mm + behind, 0.5 * m.body_height_mm + above + m.back_rise_mm),
+          normal.normalized()};
 }
 
 VertebraAnatomy level_anatomy(const LevelMeasures& m) {
@@ -207,7 +208,7 @@ LevelMeasures scaled(const LevelMeasures& measures, double by) {
   for (double* length :
        {&m.body_width_mm, &m.body_depth_mm, &m.body_height_mm, &m.pedicle_width_mm, &m.pedicle_height_mm,
         &m.canal_width_mm, &m.canal_depth_mm, &m.transverse_span_mm, &m.transverse_rise_mm, &m.spinous_length_mm,
-        &m.spinous_tip_height_mm, &m.lamina_height_mm, &m.facet_x_mm, &m.disc_below_mm}) {
+        &m.spinous_tip_height_mm, &m.lamina_height_mm, &m.facet_x_mm, &m.disc_below_mm, &m.back_rise_mm}) {
     *length *= by;
   }
   return m;
