@@ -99,6 +99,10 @@ void SpineCommandOptions::add_to(CLI::App& app) {
   number("--osteophytes", spine.osteophyte_mm, "Radius of spurs at the rims, mm; 0: none", "MM");
   number("--osteophyte-gap", spine.osteophyte_gap_mm, "Between spurs across a disc, mm; 0: they bridge it", "MM");
   app.add_flag("--osteoporosis", spine.osteoporosis, "Thin cortex, empty cancellous bone")->group(kSickness);
+  app.add_option("--density", spine.density, "Of cancellous bone: a factor of its CT numbers")
+      ->capture_default_str()
+      ->type_name("FACTOR")
+      ->group(kSickness);
   app.add_option("--schmorl", pits, "Levels with a pit in the upper endplate")->type_name("LEVEL")->group(kSickness);
   app.add_option("--metal", metal, "Levels with screws in their pedicles")->type_name("LEVEL")->group(kSickness);
   app.add_option("--crush", crushed,

@@ -51,7 +51,7 @@ View random_view(TrunkDice& dice, int count) {
 
 /// What ails the patient, beyond what random_spine_options() gives; `mildness` 0 to 1 takes from it.
 void add_sicknesses(TrunkDice& dice, const std::vector<Level>& seen, double mildness, SpineOptions& options) {
-  const bool crushed = dice.chance(0.25);
+  const bool crushed = dice.chance(0.31);  // necks are not crushed: a quarter of all
   const int crushes = dice.chance(0.65) ? 1 : dice.pick(2, 3);
   const int last = static_cast<int>(seen.size()) - 1;
   for (int n = 0; n < 3; ++n) {
@@ -143,6 +143,7 @@ TrunkOptions draw_trunk(std::uint64_t seed, double mildness) {
   const bool arms_down = dice.chance(0.6);
   const double lordosis = dice.within(5.0, 38.0), gentle = dice.within(-5.0, 5.0);
   spine.cervical_lordosis_deg = lordosis;
+  spine.density = dice.within(0.6, 1.5);
   spine.sacrum = view.bottom + kBeyond >= last;
   spine.pelvis = spine.sacrum;
   const int t2 = level_rank(Level{9});

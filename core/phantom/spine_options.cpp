@@ -95,6 +95,7 @@ void check_spine_options(const SpineOptions& options) {
   check_within("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
   check_within("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
   check_within("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
+  check_within("density", options.density, 0.2, 3.0);
   for (const Level level : options.schmorl_nodes) among_the_levels("schmorl_nodes", level, options);
   for (const Level level : options.screws) among_the_levels("screws", level, options);
   for (const Level level : options.cement) among_the_levels("cement", level, options);

@@ -49,6 +49,7 @@ struct SpineOptions {
   double osteophyte_gap_mm = 1.0;      ///< between spurs that face each other across a disc; 0: they bridge it
   double osteophyte_share = 0.6;       ///< of the places at the rims that have one
   bool osteoporosis = false;           ///< thin cortex, empty cancellous bone
+  double density = 1.0;                ///< of cancellous bone in the vertebrae: a factor of its CT numbers
   std::vector<Level> schmorl_nodes{};  ///< levels with a pit in the upper endplate
   std::vector<CrushedLevel> crushed{};
   std::vector<Level> cement{};     ///< levels with bone cement in the body

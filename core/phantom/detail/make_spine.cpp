@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 #include "core/base/random.h"
 #include "core/phantom/detail/level_anatomy.h"
 #include "core/phantom/detail/rib.h"
@@ -112,6 +113,11 @@ std::shared_ptr<const Vertebra> make_vertebra(const SpineOptions& options, const
   }
   anatomy.body.side_wedge_deg = level.side_wedge_deg;
   if (options.osteoporosis) weaken(anatomy);
+  // A neck's is denser.
+  const double density = options.density * lerp(1.0, 1.5, level.measures.cervical_share);
+  for (double* hu : {&anatomy.cancellous.body_hu, &anatomy.cancellous.pedicle_hu, &anatomy.cancellous.posterior_hu}) {
+    *hu *= density;
+  }
   if (level.measures.crushed > 0.0) anatomy.cancellous.body_hu += 90.0;  // pressed together
   anatomy.cancellous.texture_seed = mix_bits(options.seed) + static_cast<std::uint64_t>(level.level);
   anatomy.placement.position_mm = level.position_mm;
