@@ -110,12 +110,12 @@ ScanOptions random_scanner(TrunkDice& dice) {
   scan.slice_step_mm = 0.1 * std::round(10.0 * scan.slice_step_mm);
   scan.slice_width_mm = scan.slice_step_mm * (dice.chance(0.3) ? dice.within(1.0, 1.6) : 1.0);
   scan.pixel_mm = std::max(dice.within(0.6, 0.98), scan.slice_step_mm < 1.0 ? 0.7 : 0.0);
-  const double sharpness = dice.within(0.5, 3.0), blur = dice.within(0.45, 0.8);
+  const double sharpness = dice.within(0.5, 3.0), blur = dice.within(0.45, 1.1);
   const bool is_sharp = dice.chance(0.4);
   scan.sharpness = is_sharp ? sharpness : 0.0;
-  scan.blur_mm = is_sharp ? 0.85 * blur : blur;
-  const double noise = dice.within(9.0, 28.0), low_dose = dice.within(28.0, 60.0);
-  scan.noise_hu = (dice.chance(0.2) ? low_dose : noise) * (is_sharp ? 1.5 : 1.0);
+  scan.blur_mm = is_sharp ? 0.7 * blur : blur;
+  const double noise = dice.within(16.0, 55.0), low_dose = dice.within(55.0, 120.0);
+  scan.noise_hu = (dice.chance(0.2) ? low_dose : noise) * (is_sharp ? 1.3 : 1.0);
   scan.seed = dice.seed();
   scan.samples_per_pixel = 1;
   // Thick slices average over what they hold, as a scanner's do.
@@ -143,7 +143,7 @@ TrunkOptions draw_trunk(std::uint64_t seed, double mildness) {
   const bool arms_down = dice.chance(0.6);
   const double lordosis = dice.within(5.0, 38.0), gentle = dice.within(-5.0, 5.0);
   spine.cervical_lordosis_deg = lordosis;
-  spine.density = dice.within(0.6, 1.5);
+  spine.density = dice.within(0.6, 1.7);
   spine.sacrum = view.bottom + kBeyond >= last;
   spine.pelvis = spine.sacrum;
   const int t2 = level_rank(Level{9});
