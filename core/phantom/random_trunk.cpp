@@ -183,7 +183,7 @@ TrunkOptions draw_trunk(std::uint64_t seed, double mildness) {
   view_mm.min() -= Vec3(whole_body ? wide - off : half - off, whole_body ? far_front : front, 0.0);
   view_mm.max() += Vec3(whole_body ? wide + off : half + off, whole_body ? back + 30.0 : back, 0.0);
   // Large views are not scanned in the finest voxels.
-  constexpr double kMaxVoxels = 4.5e7;
+  constexpr double kMaxVoxels = 2.6e7;
   ScanOptions& scan = trunk.scan;
   while (view_mm.volume() / (scan.pixel_mm * scan.pixel_mm * scan.slice_step_mm) > kMaxVoxels) {
     if (scan.slice_step_mm < 1.4) {

@@ -47,7 +47,7 @@ TEST(Trunk, CanBeMadeOfEverySeedWithOddsAsAskedFor) {
     thick += scan.slice_step_mm > 3.0 ? 1 : 0;
     EXPECT_GE(scan.slice_step_mm, 0.5);
     EXPECT_LE(scan.slice_step_mm, 5.0);
-    EXPECT_LT(static_cast<double>(scan.columns) * scan.rows * scan.slices, 5e7);
+    EXPECT_LT(static_cast<double>(scan.columns) * scan.rows * scan.slices, 3e7);
   }
   // Within three standard deviations of 25 %, a little below 25 % (necks are not crushed), 15 %, 12 % and 22 %.
   EXPECT_NEAR(necks, 50, 19);
