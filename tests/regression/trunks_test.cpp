@@ -60,7 +60,7 @@ struct Reliability {
   }
 };
 
-std::string warnings_of(const LevelReport& report) {
+std::string trunk_warnings_of(const LevelReport& report) {
   std::string texts;
   for (const LevelWarning& warning : report.warnings) texts += (texts.empty() ? "" : "; ") + warning.text;
   return texts;
@@ -108,7 +108,7 @@ TrunkCounts examine(std::uint64_t seed, Reliability& reliability) {
     counts.untold += level.is_told ? 0 : 1;
     std::printf("%s %s: Dice %.3f, centre %.1f mm, severity %.2f%s %s\n", what.c_str(), level_name(level.level).c_str(),
                 level.dice, level.centre_mm, report.severity, level.is_told ? "" : ", NO WORD",
-                warnings_of(report).c_str());
+                trunk_warnings_of(report).c_str());
   }
   for (const std::size_t n : score.extra) {
     ++counts.extra;
