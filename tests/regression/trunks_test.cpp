@@ -149,6 +149,8 @@ TEST(Trunks, OfRandomPatientsAreFoundOrTold) {
   print_row("all", all);
   std::printf("no word: wrong ones without a warning; missed: without a word; suspect: of right ones\n");
   reliability.print();
+  // Of even seeds 0 to 10, 42 of 45 were found.
+  EXPECT_GE(all.found, all.whole * 8 / 10);
   EXPECT_GT(all.whole, 0);
 }
 
