@@ -24,10 +24,11 @@ void write_ct(const CtVolume& ct, double slice_width_mm, const std::filesystem::
 
 }  // namespace
 
-void write_spine_phantom(const Spine& spine, bool soft_tissue, const ScanOptions& options,
+void write_spine_phantom(const Spine& spine, const Surroundings* surroundings, const ScanOptions& options,
                          const std::filesystem::path& folder, const Progress& progress) {
   StagedFolder staged(folder, "ground_truth.json");
-  const CtVolume ct = soft_tissue ? scan(spine, SoftTissue(spine), options, progress) : scan(spine, options, progress);
+  const CtVolume ct =
+      surroundings != nullptr ? scan(spine, *surroundings, options, progress) : scan(spine, options, progress);
   write_ct(ct, options.slice_width_mm, staged.temporary() / "ct", progress);
   const std::filesystem::path labels = staged.temporary() / "ground_truth_labels.nii.gz";
   write_whole_file(labels, encode_label_volume(true_labels(spine, ct.geometry), labels));
