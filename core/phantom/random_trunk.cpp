@@ -110,7 +110,8 @@ ScanOptions random_scanner(TrunkDice& dice) {
   scan.slice_step_mm = 0.1 * std::round(10.0 * scan.slice_step_mm);
   scan.slice_width_mm = scan.slice_step_mm * (dice.chance(0.3) ? dice.within(1.0, 1.6) : 1.0);
   scan.pixel_mm = std::max(dice.within(0.6, 0.98), scan.slice_step_mm < 1.0 ? 0.7 : 0.0);
-  const double sharpness = dice.within(0.5, 3.0), blur = dice.within(0.45, 1.1);
+  // The softest body kernels pass half of 2.5 line pairs a cm: a Gaussian of 0.75 mm.
+  const double sharpness = dice.within(0.5, 3.0), blur = dice.within(0.4, 0.75);
   const bool is_sharp = dice.chance(0.4);
   scan.sharpness = is_sharp ? sharpness : 0.0;
   scan.blur_mm = is_sharp ? 0.7 * blur : blur;

@@ -412,6 +412,43 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
   return chain;
 }
 
+/// Where a band was taken for a disc, but a fall and a rise show within it, the disc lies between these: it may be 5 mm
+/// high. `plain`: without bands. What edges the band had is kept where neither shows.
+void part_at_edges(std::vector<ChainSearch::Body>& row, Profile& profile, const Profile& plain) {
+  constexpr int kReach = 8;        // places, 4 mm to either side of the band's middle
+  constexpr int kMostGap = 6;      // what was taken for a disc in a band
+  constexpr float kLeast = 0.15F;  // as the least of an endplate
+  for (std::size_t n = 0; n + 1 < row.size(); ++n) {
+    ChainSearch::Body &below = row[n], &above = row[n + 1];
+    if (above.lower - below.upper > kMostGap) continue;
+    const int middle = (below.upper + above.lower) / 2;
+    const int first = std::max(middle - kReach, plain.first), last = std::min(middle + kReach, plain.last);
+    int best_fall = -1, best_rise = -1;
+    float best = 0.0F;
+    for (int fall = first; fall <= last; ++fall) {
+      if (plain.fall[static_cast<std::size_t>(fall)] < kLeast) continue;
+      for (int rise = fall + 1; rise <= last; ++rise) {
+        const float here = plain.fall[static_cast<std::size_t>(fall)] + plain.rise[static_cast<std::size_t>(rise)];
+        if (plain.rise[static_cast<std::size_t>(rise)] < kLeast || here <= best) continue;
+        best = here;
+        best_fall = fall;
+        best_rise = rise;
+      }
+    }
+    if (best_fall < 0) continue;
+    const auto take = [](std::vector<float>& edges, std::vector<std::uint16_t>& tilts, const std::vector<float>& from,
+                         const std::vector<std::uint16_t>& from_tilts, int place) {
+      const auto at = static_cast<std::size_t>(place);
+      edges[at] = from[at];
+      tilts[at] = from_tilts[at];
+    };
+    take(profile.fall, profile.fall_tilt, plain.fall, plain.fall_tilt, best_fall);
+    take(profile.rise, profile.rise_tilt, plain.rise, plain.rise_tilt, best_rise);
+    below.upper = best_fall;
+    above.lower = best_rise;
+  }
+}
+
 /// Moves the cut end of a body to where it would be if the body were as high as the nearest whole one.
 void complete(BodySpan& span, const std::vector<BodySpan>& chain) {
   const auto is_whole = [](const BodySpan& other) { return !other.lower.is_cut && !other.upper.is_cut; };
@@ -450,6 +487,7 @@ std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& co
     constexpr double kClearlyMore = 1.3;
     std::vector<ChainSearch::Body> more = ChainSearch(*banded, levels, step_mm).best_chain();
     if (places_of(more) > kClearlyMore * places_of(row) && gain_of(more) > kClearlyMore * gain_of(row)) {
+      part_at_edges(more, *banded, profile);
       profile = std::move(*banded);
       row = std::move(more);
     }

@@ -95,6 +95,7 @@ CutVertebra finished(const CtVolume& ct, const SpineBodies& spine, std::size_t i
   Mask ribs = cut.ribs;
   double sharpness = 1.0;
   for (const double side : {1.0, -1.0}) {
+    if (row.is_cervical()) break;  // the bars around a foramen are as thin as a rib's joint
     const SideBone bone = find_side_bone(cut, mine, row.body().cylinder, side);
     if (bone.voxels.empty()) sharpness = std::min(sharpness, bone.sharpness);
     for (const std::size_t voxel : bone.voxels) {

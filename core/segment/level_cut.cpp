@@ -70,7 +70,8 @@ std::vector<float> conductivity_of(const FloatGrid& hu, const std::vector<float>
 }
 
 /// Ribs: bone that goes on from where transverse processes may end to where they certainly have, or to the CT's border;
-/// and what of the same bones lies beside the body. Beside a lumbar body that is a hip bone, whose head it has none.
+/// and what of the same bones lies beside the body. Beside a lumbar body that is a hip bone, which has no head there,
+/// and beside one of the neck a first rib or a collarbone.
 Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::vector<float>& depth_in_others_mm,
                const BodyInRow& row, const GridGeometry& geometry, const GridGeometry& ct) {
   const BodyCylinder& body = row.body().cylinder;
@@ -84,7 +85,7 @@ Mask find_ribs(const Mask& bone, const std::vector<float>& depth_mm, const std::
     if (border[v] != 0 && side[v] != 0) goes_on[v] = 1;
   }
   Mask ribs = parts_that_touch(side, goes_on, geometry);
-  if (row.is_lumbar()) return ribs;
+  if (row.is_lumbar() || row.is_cervical()) return ribs;
   constexpr double kBesideMm = 4.0;
   const Mask beside = voxels_to_the_side(bone, body, geometry, body.half_mm.x() + kBesideMm);
   const Mask reached = parts_that_touch(beside, ribs, geometry);

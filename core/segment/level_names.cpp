@@ -33,10 +33,15 @@ std::vector<Level> levels_of(const Numbering& kind) {
 
 /// How likely the ribs that were found at a level are. The last pair may be short; of 636 levels of random phantoms
 /// that it named none was misnamed, so that it is seldom missed.
-double ribs_likelihood(Ribs found, bool has_ribs, bool is_last) {
+double ribs_likelihood(Ribs found, Level level, Level last) {
   if (found == Ribs::unknown) return 1.0;
+  // Its transverse processes are long, and the first ribs rise beside them.
+  if (level == Level::kC7) return found == Ribs::none ? 0.8 : 0.1;
+  const bool has_ribs =
+      static_cast<int>(level) >= static_cast<int>(Level::kT1) && static_cast<int>(level) <= static_cast<int>(last);
+  const bool is_last = level == last;
   if (!has_ribs) return found == Ribs::none ? 0.96 : found == Ribs::one_side ? 0.03 : 0.01;
-  if (is_last) return found == Ribs::none ? 0.06 : found == Ribs::one_side ? 0.14 : 0.8;
+  if (is_last) return found == Ribs::none ? 0.02 : found == Ribs::one_side ? 0.14 : 0.84;
   return found == Ribs::none ? 0.03 : found == Ribs::one_side ? 0.12 : 0.85;
 }
 
@@ -57,9 +62,9 @@ const BodyMeasures& measures_of(Level level) {
 
 /// Log likelihood of logarithms of sizes over the table's: each off by chance, all by the person's size.
 double log_of_sizes(const std::vector<double>& off) {
-  constexpr double kOne = 0.12, kAll = 0.15;
+  constexpr double kOne = 0.12, kAll = 0.1;
   // Neighbours are off together, by what is measured and by the person.
-  constexpr double kTemper = 0.4;
+  constexpr double kTemper = 0.6;
   const auto count = static_cast<double>(off.size());
   double sum = 0.0, squares = 0.0;
   for (const double one : off) {
@@ -75,6 +80,18 @@ struct Stretch {
   std::size_t first = 0;
   std::vector<int> places;
 };
+
+/// Log likelihood of the ribs of a stretch where they tell nothing: hips, shoulders or arms taken for ribs are so at
+/// all levels beside them.
+double log_of_no_ribs(const std::vector<Ribs>& ribs, const Stretch& stretch) {
+  constexpr double kSame = 0.9, kKinds = 3.0;
+  double sum = -std::log(kKinds);
+  for (std::size_t m = 1; m < stretch.places.size(); ++m) {
+    const bool is_same = ribs[stretch.first + m] == ribs[stretch.first + m - 1];
+    sum += std::log(is_same ? kSame : 0.5 * (1.0 - kSame));
+  }
+  return sum;
+}
 
 std::vector<Stretch> stretches_of(const SpineBodies& spine) {
   std::vector<Stretch> all;
@@ -100,7 +117,7 @@ struct Vote {
 
 double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, const Stretch& stretch,
                       const Numbering& kind, const std::vector<Level>& levels, int lowest_place) {
-  double sum = std::log(kind.people);
+  double sum = std::log(kind.people), of_ribs = 0.0;
   std::vector<double> widths, heights;
   for (std::size_t m = 0; m < stretch.places.size(); ++m) {
     const std::size_t n = stretch.first + m;
@@ -117,16 +134,17 @@ double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, c
       sum += std::log(0.05);
       continue;
     }
-    const bool has_ribs = static_cast<int>(level) >= static_cast<int>(Level::kT1) &&
-                          static_cast<int>(level) <= static_cast<int>(kind.last_ribs);
-    sum += std::log(ribs_likelihood(ribs[n], has_ribs, level == kind.last_ribs));
+    of_ribs += std::log(ribs_likelihood(ribs[n], level, kind.last_ribs));
     if (is_cut(spine.chain[n])) continue;
     const Vec3& half_mm = spine.bodies[n].cylinder.half_mm;
     const BodyMeasures& measures = measures_of(level);
     widths.push_back(std::log(2.0 * half_mm.x() / measures.width_mm));
     heights.push_back(std::log(2.0 * half_mm.z() / measures.height_mm));
   }
-  return sum + log_of_sizes(widths) + log_of_sizes(heights);
+  constexpr double kTellNothing = 0.03;
+  const double ribs_sum =
+      std::log((1.0 - kTellNothing) * std::exp(of_ribs) + kTellNothing * std::exp(log_of_no_ribs(ribs, stretch)));
+  return sum + ribs_sum + log_of_sizes(widths) + log_of_sizes(heights);
 }
 
 /// All places of a stretch in all kinds of people.
@@ -170,7 +188,7 @@ std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t ind
 }
 
 LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs) {
-  constexpr double kNamed = 0.8, kTold = 0.01;
+  constexpr double kNamed = 0.9, kTold = 0.01;
   constexpr int kUsualBetween = 5;
   LevelNames names;
   names.levels.assign(spine.bodies.size(), Level::kNone);

@@ -71,6 +71,7 @@ constexpr double kDeepMm = 1.7;  // away from the wall, whose place is unsure
 struct AtVoxel {
   double depth_mm, depth_in_others_mm;
   bool is_rib, is_on_border, is_dense;
+  double front_mm;  ///< in front of this only the column itself has bone
 };
 
 /// Whether a voxel is so far above or below that it cannot be the vertebra's.
@@ -97,7 +98,7 @@ WalkerVoxel marker_at(const Place& place, const BodyCylinder& body, const AtVoxe
     if (at.depth_in_others_mm > 0.0) return WalkerVoxel::kFree;
   }
   if (at.depth_mm > kDeepMm && place.across < 0.9 && end_share < 0.9) return WalkerVoxel::kWanted;
-  if (at.is_rib || (place.p_body_mm.y() < 0.0 && place.across > kInFront)) return WalkerVoxel::kOther;
+  if (at.is_rib || (place.p_body_mm.y() < at.front_mm && place.across > kInFront)) return WalkerVoxel::kOther;
   if (place.across < 1.0 && place.beyond_mm > kNextBodyMm) return WalkerVoxel::kOther;
   const bool on_endplate =
       (place.across < 1.0 && end_share > 0.6) ||
@@ -107,6 +108,14 @@ WalkerVoxel marker_at(const Place& place, const BodyCylinder& body, const AtVoxe
 }
 
 }  // namespace
+
+// Panjabi 1991, 1992: C3 to C7 are 16 to 22 mm wide, 15 to 18 deep, 11 to 13 high; T1 is 24 mm wide and 14 high, T4 19
+// and more in some, but as deep.
+bool BodyInRow::is_cervical() const {
+  constexpr double kMaxWidthMm = 23.5, kMaxHeightMm = 14.5, kMinShape = 1.1;  // width over depth
+  const Vec3& half_mm = body().cylinder.half_mm;
+  return 2.0 * half_mm.x() < kMaxWidthMm && 2.0 * half_mm.z() < kMaxHeightMm && half_mm.x() > kMinShape * half_mm.y();
+}
 
 std::vector<float> depth_in_body_mm(const VertebralBody& body, const GridGeometry& geometry) {
   constexpr float kFar = -1000.0F;
@@ -226,13 +235,15 @@ std::vector<WalkerVoxel> place_markers(const MarkerInput& input, const BodyInRow
   const BodyCylinder& body = row.body().cylinder;
   std::vector<WalkerVoxel> markers(input.bone.size(), WalkerVoxel::kOutside);
   const PlaceFinder place_of(body);
+  constexpr double kFrontOfNeck = -0.6;  // of half the depth: anterior tubercles of transverse processes end there
+  const double front_mm = row.is_cervical() ? kFrontOfNeck * body.half_mm.y() : 0.0;
   for_all(geometry, [&](std::size_t voxel, const Vec3& p_mm) {
     if (input.bone[voxel] == 0) return;
     markers[voxel] =
         marker_at(place_of(p_mm), body,
                   {static_cast<double>(input.depth_mm[voxel]), static_cast<double>(input.depth_in_others_mm[voxel]),
                    input.ribs[voxel] != 0, is_on_border(input.ct_geometry, p_mm, geometry.spacing_mm),
-                   static_cast<double>(input.hu.values[voxel]) >= input.dense_hu});
+                   static_cast<double>(input.hu.values[voxel]) >= input.dense_hu, front_mm});
   });
   for (std::size_t n = 0; n < row.bodies.size(); ++n) {
     constexpr double kReachMm = 130.0;  // further than the grid

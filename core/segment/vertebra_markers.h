@@ -36,6 +36,8 @@ struct BodyInRow {
   const VertebralBody& body() const { return bodies[own]; }
   /// Whether it is a lumbar one for sure: one of the four above a sacrum.
   bool is_lumbar() const { return has_sacrum && own >= 1 && own <= 4; }
+  /// Whether it is one of C3 to C7 for sure, by its size: its transverse processes stand beside the body, no ribs do.
+  bool is_cervical() const;
 };
 
 /// What is known of each bone voxel before the walk, from anatomy:

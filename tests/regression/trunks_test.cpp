@@ -97,7 +97,12 @@ TrunkCounts examine(std::uint64_t seed, Reliability& reliability) {
     if (report.level == Level::kNone) {
       ++counts.unnamed;
     } else {
-      ++(report.level == level.level ? counts.named : counts.misnamed);
+      const bool is_right = report.level == level.level;
+      ++(is_right ? counts.named : counts.misnamed);
+      if (!is_right && counts.misnamed == 1) {
+        std::printf("%s %s: named %s, likely %s\n", what.c_str(), level_name(level.level).c_str(), report.name.c_str(),
+                    in_words(report.name_odds).c_str());
+      }
     }
     if (!is_wrong) {
       ++counts.right;
