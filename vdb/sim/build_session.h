@@ -29,6 +29,8 @@ BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setu
 /// Their fingerprints. Throws Error where there is none, or one is there twice.
 void name_bones(SessionSetup& setup, std::span<const Bone> bones);
 
+/// Where a cycle's tool was, of a compliant one its real pose, and whether it cut: with the spindle off at no speed.
+ToolMove cutting_move(const Cycle& cycle, const SessionOptions& options) noexcept;
 /// What a cycle's input took: with the spindle off at no speed, as a session has it, and where a compliant tool was.
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options);
 /// The hole that a session's inputs made.

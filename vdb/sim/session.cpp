@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <optional>
 
 #include "core/base/error.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/choose_engine.h"
+#include "core/session/operator/motion_log.h"
 #include "vdb/picture/view.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/detail/shown_bone.h"
@@ -17,16 +19,21 @@ namespace spinaltap {
 struct Session::State {
   State(std::vector<Bone> its_bones, const SessionSetup& its_setup, const Progress& progress)
       : bones(std::move(its_bones)),
-        shown(bones.begin(), bones.end()),
         setup(its_setup),
         built(build_session(bones, setup, progress)),
-        living(built.bone.living_words()) {}
+        motion(ShownBone::kReaders * bones.size()),
+        living(built.bone.living_words()) {
+    for (const Bone& bone : bones) shown.emplace_back(bone, ShownBone::kReaders * shown.size());
+    begin_motion();
+  }
 
   std::vector<Bone> bones;
   std::vector<ShownBone> shown;  ///< one each
   SessionSetup setup;            ///< its holes: those that are done
   BuiltSession built;
-  std::vector<ToolInput> inputs;      ///< of this hole
+  MotionLog motion;                   ///< of this hole
+  std::size_t cycles = 0;             ///< likewise
+  std::optional<Pose> at;             ///< the tool is, in this hole; nothing before the first sound pose
   std::vector<std::uint64_t> living;  ///< DrilledBone::living_words() when this hole began
   struct TakenWord {
     std::size_t place;  ///< in `living`
@@ -34,12 +41,11 @@ struct Session::State {
   };
   std::vector<std::vector<TakenWord>> taken;  ///< by each hole of this session: the last of the setup's
   std::unique_ptr<RecordWriter> record;
-  /// Where the bit is; nothing before the first sound pose.
-  std::optional<Pose> bit_pose() const {
-    for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
-      if (std::optional<Pose> pose = sound_pose(input->pose, setup.path.bit)) return pose;
-    }
-    return std::nullopt;
+
+  void begin_motion() {
+    motion.begin(setup.path.bit, setup.options.max_jump_mm);
+    cycles = 0;
+    at.reset();
   }
   /// Begins again at cycle 0, in the bone that `put_back` leaves. Where that is none, nothing has changed.
   void begin_again(const std::function<void(DrilledBone&)>& put_back) {
@@ -51,14 +57,14 @@ struct Session::State {
       built.bone.set_living_words(now);
       throw;
     }
-    inputs.clear();
+    begin_motion();
   }
   void end_hole() {
-    DrilledHole hole = hole_of(inputs, setup);
-    // As it is drilled where a record of the next hole is replayed.
+    std::vector<DrilledHole> holes = motion.holes();
+    // As they are drilled where a record of the next hole is replayed.
     begin_again([&](DrilledBone& drilled_bone) {
       drilled_bone.set_living_words(living);
-      drilled_bone.drill(hole, setup);
+      for (const DrilledHole& hole : holes) drilled_bone.drill(hole, setup);
     });
     std::vector<std::uint64_t> left = built.bone.living_words();
     std::vector<TakenWord>& words = taken.emplace_back();
@@ -66,11 +72,11 @@ struct Session::State {
       if (left[n] != living[n]) words.push_back({n, living[n]});
     }
     living = std::move(left);
-    setup.holes.push_back(std::move(hole));
+    std::ranges::move(holes, std::back_inserter(setup.holes));
   }
   /// What this hole was drilled so far, or the last one that is done.
   void take_back() {
-    if (!inputs.empty()) {
+    if (cycles > 0) {
       begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
       return;
     }
@@ -81,7 +87,7 @@ struct Session::State {
       built.session.reset();  // it holds on to the bone
       built = std::move(fresh);
       living = built.bone.living_words();
-      inputs.clear();
+      begin_motion();
     } else {
       for (const TakenWord& word : taken.back()) living[word.place] = word.was;
       taken.pop_back();
@@ -90,7 +96,10 @@ struct Session::State {
     setup.holes.pop_back();
   }
   void note(const Cycle& cycle) {
-    inputs.push_back(cutting_input(cycle, setup.options));
+    const ToolMove move = cutting_move(cycle, setup.options);
+    ++cycles;
+    if (const std::optional<Pose> pose = sound_pose(move.pose, setup.path.bit)) at = pose;
+    motion.add(move);
     if (!record) return;
     record->add_waiting(cycle);
     record->add_events(built.session->events());
@@ -169,8 +178,7 @@ std::span<const SessionEvent> Session::events() const { return state_->built.ses
 bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
 
 void Session::record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames) {
-  if (!state_->inputs.empty())
-    fail("expected a record from the first cycle on, found ", state_->inputs.size(), " done");
+  if (state_->cycles > 0) fail("expected a record from the first cycle on, found ", state_->cycles, " done");
   state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup), false, frames,
                                                   record_parts(state_->setup.path.bit, state_->setup.options));
 }
@@ -184,28 +192,30 @@ void Session::end_record() {
 void Session::end_hole() {
   end_record();
   State& state = *state_;
-  if (state.inputs.empty()) return;
-  for (ShownBone& bone : state.shown) bone.catch_up(state.setup, state.inputs);
+  if (state.cycles == 0) return;
+  for (ShownBone& bone : state.shown) bone.catch_up(state.setup, state.motion);
   state.end_hole();
-  for (ShownBone& bone : state.shown) bone.begin_hole(state.setup);
+  for (ShownBone& bone : state.shown) bone.begin_hole();
 }
 
 bool Session::undo() {
   State& state = *state_;
   if (state.record) fail("expected no record while drilling is taken back; end it first");
-  if (state.inputs.empty() && state.setup.holes.empty()) return false;
-  for (ShownBone& bone : state.shown) bone.undo(state.setup, !state.inputs.empty());
+  if (state.cycles == 0 && state.setup.holes.empty()) return false;
+  for (ShownBone& bone : state.shown) bone.undo(state.cycles > 0);
   state.take_back();
   return true;
 }
 
+double Session::motion_off_mm() const { return state_->motion.max_off_mm(); }
+
 View Session::view(const Camera& camera) {
   State& state = *state_;
   std::optional<RenderedBit> bit;
-  if (const std::optional<Pose> pose = state.bit_pose()) bit = RenderedBit{state.setup.path.bit, *pose};
+  if (state.at) bit = RenderedBit{state.setup.path.bit, *state.at};
   std::optional<View> seen;
   for (ShownBone& bone : state.shown) {
-    View one = view_bone(bone.drilled(state.setup, state.inputs).hole(), camera, bit);
+    View one = view_bone(bone.drilled(state.setup, state.motion).hole(), camera, bit);
     if (!seen) {
       seen = std::move(one);
     } else {
@@ -217,7 +227,7 @@ View Session::view(const Camera& camera) {
 
 View Session::record_view(const Camera& camera) {
   if (!state_->record) fail("expected a record to put a view into; begin one first");
-  if (state_->inputs.empty()) fail("expected a view after the first cycle, found none done");
+  if (state_->cycles == 0) fail("expected a view after the first cycle, found none done");
   View seen = view(camera);
   state_->record->add_frame({last().index, last().time_s, seen});
   return seen;
@@ -226,14 +236,14 @@ View Session::record_view(const Camera& camera) {
 std::vector<SurfaceUpdate> Session::surface_changes(std::size_t bone) {
   State& state = *state_;
   if (bone >= state.shown.size()) fail("expected a bone below ", state.shown.size(), ", found ", bone);
-  return state.shown[bone].surface_changes(state.setup, state.inputs);
+  return state.shown[bone].surface_changes(state.setup, state.motion);
 }
 
-Bone Session::drilled() { return Bone(state_->shown.front().drilled(state_->setup, state_->inputs).bone()); }
+Bone Session::drilled() { return Bone(state_->shown.front().drilled(state_->setup, state_->motion).bone()); }
 
 std::vector<Bone> Session::drilled_bones() {
   std::vector<Bone> drilled;
-  for (ShownBone& bone : state_->shown) drilled.emplace_back(bone.drilled(state_->setup, state_->inputs).bone());
+  for (ShownBone& bone : state_->shown) drilled.emplace_back(bone.drilled(state_->setup, state_->motion).bone());
   return drilled;
 }
 

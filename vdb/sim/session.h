@@ -21,6 +21,12 @@ class VoxelBone;
 /// surface, undo and a record besides. One thread at a time.
 ///
 /// The drilling of one hole is one session: it begins at time 0 and cycle 0. end_hole() begins the next.
+///
+/// Of a hole under way it keeps the poses that cut, in 21 MB that are there from the start and that only long holes
+/// use up; of one that cuts for more than 196,608 cycles (3.3 minutes at 1 kHz) those that its ways need to within
+/// some hundredths of a millimetre: MotionLog says why poses and not voxels, and how. Forces, events, records and what
+/// drilled() and surface_changes() gave before know nothing of that; what they give then, and the hole after
+/// end_hole(), is off by motion_off_mm() at most.
 class Session {
  public:
   /// `setup`: all that decides what a session does; its path and its bones' fingerprints are taken from `bone` and
@@ -37,9 +43,8 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// One cycle: the bit goes straight from where it was to `pose` (patient LPS, mm) in `dt_s`. What it gives holds
-  /// until the next. Poses that make no sense do nothing but leave an event. Memory for what was done grows now and
-  /// then; where nothing may be allocated at all, drill with run_real_time() (core/session/real_time) or a
-  /// DrillSession.
+  /// until the next. Poses that make no sense do nothing but leave an event. Allocates and locks nothing, at any
+  /// length, but for a record's sake.
   const Cycle& step(const Pose& pose, double dt_s = 0.001) { return step_input({pose, true, dt_s}); }
   const Cycle& step_input(const ToolInput& input);
   /// Many cycles, as fast as it goes, whatever the stop rules say: look at is_stopped(). Gives a row for each.
@@ -69,6 +74,8 @@ class Session {
   /// drilled. Throws Error while a record runs: it would not know. What this session drilled is put back in place; for
   /// a hole of its setup all bone is filled again.
   bool undo();
+  /// By how much the hole under way may be off what the tool did, see above; 0 for one of less than 196,608 cycles.
+  double motion_off_mm() const;
 
   /// What a camera sees of the remaining bone, as drilled() would have it, and of the bit where it now is; the bit of a
   /// hole that has no cycle yet is nowhere. See view_bone().

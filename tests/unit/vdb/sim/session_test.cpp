@@ -8,11 +8,14 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/session/operator/motion_log.h"
 #include "core/session/operator/path_motion.h"
 #include "core/session/operator/recorded_motion.h"
 #include "mesh/mesh_quality.h"
 #include "mesh/remaining_mesh.h"
 #include "tests/support/analytic_bodies.h"
+#include "tests/support/count_allocations.h"
+#include "tests/support/memory_used.h"
 #include "tests/support/temporary_folder.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/replay.h"
@@ -136,6 +139,46 @@ TEST(Session, SaysNothingOfAHandInTheAirBesideThePath) {
   Session session(ball(), path(), setup());
   session.run(straight_in(50, 7.0));  // before the entry's depth
   EXPECT_TRUE(session.events().empty());
+}
+
+// A hand at a burr for as long as it takes to fill the memory that a hole has, and longer.
+TEST(Session, StepsAllocateNothingAndMemoryStaysAtAnyLength) {
+  constexpr std::size_t kCycles = 230'000;
+  static_assert(kCycles > MotionLog::kExact);
+  SessionSetup free = setup();
+  free.engine = EngineKind::voxel;
+  free.options.follows_path = false;
+  free.volume.spacing_mm = 0.4;
+  DrillPath burred = path();
+  burred.bit = {3.0, 50.0, 2.0, BitShape::round_burr, 0.0, 2.0};
+  Session session(ball(), burred, free);
+  const Tremor tremor(0.1, 3);
+  const auto input = [&](std::size_t n) {
+    const double time_s = 0.001 * static_cast<double>(n);
+    const Vec3 slow_mm(5.0 * std::sin(0.31 * time_s), 4.0 * std::cos(0.17 * time_s), 4.0 * std::sin(0.05 * time_s));
+    return ToolInput{{kSessionBall.centre_mm + slow_mm + tremor.at_mm(time_s), -Vec3::UnitZ()}, true, 0.001};
+  };
+  const std::size_t alive = session.voxels()->alive_count();
+  const std::size_t memory_bytes = test::resident_bytes(), allocations = test::allocation_count();
+  for (std::size_t n = 0; n < kCycles; ++n) session.step_input(input(n));
+  EXPECT_EQ(test::allocation_count(), allocations);
+#ifndef SPINALTAP_INSTRUMENTED  // sanitizers have memory of their own
+  EXPECT_LT(static_cast<double>(test::resident_bytes()) - static_cast<double>(memory_bytes), 22e6);
+#endif
+  EXPECT_GT(session.motion_off_mm(), 0.0);
+  EXPECT_LT(session.motion_off_mm(), 0.01);
+  const std::size_t left = session.voxels()->alive_count();
+  EXPECT_LT(left, alive);
+
+  // The hole that is kept takes the same voxels, but for those that its ways pass by less than they are off.
+  session.end_hole();
+  EXPECT_NEAR(static_cast<double>(session.voxels()->alive_count()), static_cast<double>(left),
+              0.002 * static_cast<double>(alive - left));
+  EXPECT_EQ(session.motion_off_mm(), 0.0);
+  session.run(std::vector{input(0), input(1)});
+  EXPECT_TRUE(session.undo());
+  EXPECT_TRUE(session.undo());
+  EXPECT_EQ(session.voxels()->alive_count(), alive);
 }
 
 TEST(Session, UndoPutsBackTheHoleSoFarAndThenTheOnesBefore) {
