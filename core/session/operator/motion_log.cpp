@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -12,10 +13,10 @@ namespace spinaltap {
 namespace {
 
 // A pass goes over x poses while x / 11 are added. From three quarters of the memory on that leaves room for three
-// passes of which none helps; the third leaves out whatever it may.
+// passes of which none helps; the third leaves out whatever it can.
 constexpr std::size_t kPosesAMove = 12;
 constexpr std::size_t kMaxWindow = 16;
-constexpr double kCoarser = 4.0;
+constexpr double kCoarser = 2.0, kMuchCoarser = 8.0;  // where the last pass has hardly helped
 
 /// Three places of a tool, which between them say where all of it is: tip, base and, of a plate, a corner of its edge.
 using Places = std::array<Vec3, 3>;
@@ -53,8 +54,9 @@ MotionLog::MotionLog(std::size_t readers, std::size_t most)
 
 Pose MotionLog::pose(std::size_t index) const noexcept {
   const double* const numbers = numbers_.get() + kNumbers * index;
-  return {Vec3(numbers[0], numbers[1], numbers[2]), Vec3(numbers[3], numbers[4], numbers[5]),
-          Vec3(numbers[6], numbers[7], numbers[8])};
+  Pose pose{Vec3(numbers[0], numbers[1], numbers[2]), Vec3(numbers[3], numbers[4], numbers[5])};
+  if (sides_) pose.side = Eigen::Map<const Vec3>(sides_.get() + 3 * index);
+  return pose;
 }
 
 void MotionLog::set_pose(std::size_t index, const Pose& pose) noexcept {
@@ -62,24 +64,34 @@ void MotionLog::set_pose(std::size_t index, const Pose& pose) noexcept {
   for (int n = 0; n < 3; ++n) {
     numbers[n] = pose.tip_mm[n];
     numbers[3 + n] = pose.axis[n];
-    numbers[6 + n] = pose.side[n];
+    if (sides_) sides_[3 * index + static_cast<std::size_t>(n)] = pose.side[n];
   }
 }
 
 void MotionLog::begin(const DrillBit& bit, double max_jump_mm) {
+  make_room_for(bit);
   tools_.assign(1, bit);
   std::ranges::fill(readers_, 0);
   max_jump_mm_ = max_jump_mm;
   is_on_way_ = is_thinning_ = false;
   size_ = write_ = read_ = window_ = thinned_ = 0;
-  tolerance_mm_ = max_off_mm_ = 0.0;
+  tolerance_mm_ = kFinestMm;
+  max_off_mm_ = window_off_mm2_ = 0.0;
 }
 
 void MotionLog::take_tool(const DrillBit& bit) {
   constexpr std::size_t kMostTools = std::numeric_limits<std::uint16_t>::max() / 2;
   if (tools_.size() == kMostTools) fail("tools: expected at most ", kMostTools, " in one hole, found more");
+  make_room_for(bit);
   tools_.push_back(bit);
   is_on_way_ = false;
+}
+
+/// Only plates are turned about their axis.
+void MotionLog::make_room_for(const DrillBit& bit) {
+  if (sides_ || bit.shape != BitShape::plate) return;
+  sides_ = std::make_unique_for_overwrite<double[]>(3 * most_);
+  std::fill_n(sides_.get(), 3 * size_, 0.0);
 }
 
 void MotionLog::add(const ToolMove& move) noexcept {
@@ -97,6 +109,7 @@ void MotionLog::add(const ToolMove& move) noexcept {
     max_off_mm_ = std::numeric_limits<double>::infinity();
     is_on_way_ = is_on_way_ && !begins_way(size_);
     read_ = std::min(read_, size_);
+    pass_end_ = std::min(pass_end_, size_);
   }
   set_pose(size_, *sound);
   marks_[size_] = static_cast<std::uint16_t>((tools_.size() - 1) * 2 + (is_on_way_ ? 0 : 1));
@@ -109,51 +122,79 @@ void MotionLog::add(const ToolMove& move) noexcept {
 void MotionLog::begin_pass() noexcept {
   is_thinning_ = true;
   // What was thinned is left as it is while it takes less than half of the memory.
-  const bool is_whole = tolerance_mm_ == 0.0 || thinned_ > most_ / 2;
-  if (is_whole) tolerance_mm_ = std::max(kFinestMm, kCoarser * tolerance_mm_);
-  write_ = read_ = is_whole ? 0 : thinned_;
+  is_whole_pass_ = thinned_ == 0 || thinned_ > most_ / 2;
+  if (is_whole_pass_ && thinned_ > 0) tolerance_mm_ *= size_ > most_ * 80 / 100 ? kMuchCoarser : kCoarser;
+  write_ = read_ = is_whole_pass_ ? 0 : thinned_;
   window_ = 0;
+  pass_end_ = std::max(read_, size_ - most_ / 16);
   // Ways that no tolerance helps with are no hand's.
-  pass_mm_ = size_ > most_ / 100 * 85 ? std::numeric_limits<double>::infinity() : tolerance_mm_;
-  max_off_mm_ = is_whole ? max_off_mm_ + pass_mm_ : std::max(max_off_mm_, pass_mm_);
+  pass_mm_ = size_ > most_ * 88 / 100 ? std::numeric_limits<double>::infinity() : tolerance_mm_;
+  pass_off_mm2_ = 0.0;
 }
 
-/// Whether all poses of the window are passed on the way from the last that is kept to another.
-bool MotionLog::passes_window(std::size_t to) const noexcept {
+/// How far poses of the window are passed, squared and at most, on the way from the last that is kept to another.
+double MotionLog::window_off_mm2(std::size_t to) const noexcept {
   const DrillBit& bit = tools_[tool_of(to)];
   const Places begin = places_of(pose(write_ - 1), bit), end = places_of(pose(to), bit);
-  for (std::size_t n = read_ - window_; n < read_; ++n) {
-    if (!(off_mm2(begin, end, places_of(pose(n), bit)) <= pass_mm_ * pass_mm_)) return false;
+  double most_mm2 = 0.0;
+  for (std::size_t n = read_ - window_; n < read_ && most_mm2 <= pass_mm_ * pass_mm_; ++n) {
+    most_mm2 = std::max(most_mm2, off_mm2(begin, end, places_of(pose(n), bit)));
   }
-  return true;
+  return most_mm2;
+}
+
+void MotionLog::keep(std::size_t from) noexcept {
+  const std::size_t to = write_++;
+  if (from == to) return;
+  std::memcpy(numbers_.get() + kNumbers * to, numbers_.get() + kNumbers * from, kNumbers * sizeof(double));
+  if (sides_) std::memcpy(sides_.get() + 3 * to, sides_.get() + 3 * from, 3 * sizeof(double));
+  marks_[to] = marks_[from];
 }
 
 /// The last of the window is kept; the others are left out.
 void MotionLog::keep_window() noexcept {
-  if (window_ == 0) return;
-  const std::size_t from = read_ - 1, to = write_++;
+  if (window_ > 0) keep(read_ - 1);
+  pass_off_mm2_ = std::max(pass_off_mm2_, window_off_mm2_);
   window_ = 0;
-  if (from == to) return;
-  std::memcpy(numbers_.get() + kNumbers * to, numbers_.get() + kNumbers * from, kNumbers * sizeof(double));
-  marks_[to] = marks_[from];
+  window_off_mm2_ = 0.0;
 }
 
 void MotionLog::thin(std::size_t poses) noexcept {
   // Who has read up to read_ goes on with what is kept from there on.
   const auto move_readers = [&] { std::ranges::replace(readers_, read_, write_); };
   for (; poses > 0 && read_ < size_; --poses) {
+    if (read_ == pass_end_) end_merging();
+    if (read_ >= pass_end_) {
+      move_readers();
+      keep(read_++);
+      continue;
+    }
     const bool begins = begins_way(read_);
-    if (window_ > 0 && (begins || window_ == kMaxWindow || !passes_window(read_))) keep_window();
+    double off_mm2 = 0.0;
+    if (window_ > 0 && !begins && window_ < kMaxWindow) off_mm2 = window_off_mm2(read_);
+    if (begins || window_ == kMaxWindow || !(off_mm2 <= pass_mm_ * pass_mm_)) {
+      keep_window();
+    } else {
+      window_off_mm2_ = off_mm2;
+    }
     move_readers();
     ++read_;
     ++window_;
     if (begins) keep_window();
   }
   if (read_ < size_) return;
-  keep_window();
+  if (read_ == pass_end_) end_merging();
   move_readers();
-  size_ = read_ = thinned_ = write_;
+  size_ = read_ = write_;
   is_thinning_ = false;
+}
+
+/// The last poses are moved only: a reader that looks in now and then has them as they were.
+void MotionLog::end_merging() noexcept {
+  keep_window();
+  thinned_ = write_;
+  const double off_mm = std::sqrt(pass_off_mm2_);
+  max_off_mm_ = is_whole_pass_ ? max_off_mm_ + off_mm : std::max(max_off_mm_, off_mm);
 }
 
 MotionLog::Run MotionLog::read(std::size_t reader, std::size_t max_poses) {

@@ -143,7 +143,7 @@ TEST(Session, SaysNothingOfAHandInTheAirBesideThePath) {
 
 // A hand at a burr for as long as it takes to fill the memory that a hole has, and longer.
 TEST(Session, StepsAllocateNothingAndMemoryStaysAtAnyLength) {
-  constexpr std::size_t kCycles = 230'000;
+  constexpr std::size_t kCycles = 330'000;
   static_assert(kCycles > MotionLog::kExact);
   SessionSetup free = setup();
   free.engine = EngineKind::voxel;
