@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "core/files/data_files.h"
@@ -23,6 +24,7 @@
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/drilled_bone.h"
 #include "vdb/sim/session.h"
+#include "vdb/sim/spinaltap_c.h"
 
 namespace spinaltap {
 namespace {
@@ -171,6 +173,68 @@ void hour(benchmark::State& state, bool is_live) {
 }
 BENCHMARK_CAPTURE(hour, , false)->Arg(3'600'000)->Iterations(1)->Unit(benchmark::kSecond);
 BENCHMARK_CAPTURE(hour, with_live_surface, true)->Arg(3'600'000)->Iterations(1)->Unit(benchmark::kSecond);
+
+/// What a step costs more through the C interface than through C++: blocks of steps beside the bone, where a cycle is
+/// shortest, in turn.
+void c_interface(benchmark::State& state) {
+  const char* const folder = std::getenv("SPINALTAP_PYTHON_TEST_DATA");
+  if (folder == nullptr) return state.SkipWithError("SPINALTAP_PYTHON_TEST_DATA names no folder");
+  constexpr int kBlocks = 1001, kSteps = 1000;
+  const std::string file = std::filesystem::path(folder) / "ground_truth.vdb";
+  SessionSetup setup;
+  setup.has_clearances = false;
+  setup.volume.spacing_mm = 0.3;
+  Session direct(std::vector{Bone::load(file)}, setup);
+  spinaltap_session_options options{};
+  options.struct_bytes = sizeof options;
+  spinaltap_session_options_default(&options);
+  options.has_clearances = 0;
+  options.spacing_mm = 0.3;
+  spinaltap_bone* bone = nullptr;
+  spinaltap_session* through_c = nullptr;
+  if (spinaltap_bone_load(file.c_str(), &bone, nullptr) != SPINALTAP_OK ||
+      spinaltap_session_new(&bone, 1, nullptr, &options, &through_c, nullptr) != SPINALTAP_OK) {
+    return state.SkipWithError("the C interface makes no session");
+  }
+  const Vec3 away_mm = direct.bone().model().bounds_mm().max() + Vec3::Constant(40.0);
+  for ([[maybe_unused]] const auto _ : state) {
+    std::vector<double> more_ns, direct_ns;
+    spinaltap_input input{};
+    input.struct_bytes = sizeof input;
+    input.spindle_on = 1;
+    input.dt_s = 0.001;
+    input.axis[2] = 1.0;
+    spinaltap_cycle cycle{};
+    cycle.struct_bytes = sizeof cycle;
+    for (int block = 0; block < kBlocks; ++block) {
+      const std::int64_t begin_ns = wall_ns();
+      for (int n = 0; n < kSteps; ++n) {
+        const Cycle* const done =
+            &direct.step_input({{away_mm + 0.001 * n * Vec3::UnitX(), Vec3::UnitZ()}, true, 0.001});
+        benchmark::DoNotOptimize(done);
+      }
+      const std::int64_t between_ns = wall_ns();
+      for (int n = 0; n < kSteps; ++n) {
+        input.tip_mm[0] = away_mm.x() + 0.001 * n;
+        input.tip_mm[1] = away_mm.y();
+        input.tip_mm[2] = away_mm.z();
+        spinaltap_session_step(through_c, &input, &cycle);
+        benchmark::DoNotOptimize(cycle);
+      }
+      direct_ns.push_back(static_cast<double>(between_ns - begin_ns) / kSteps);
+      more_ns.push_back(static_cast<double>(wall_ns() - between_ns) / kSteps - direct_ns.back());
+    }
+    const auto median = [](std::vector<double>& values) {
+      std::nth_element(values.begin(), values.begin() + kBlocks / 2, values.end());
+      return values[kBlocks / 2];
+    };
+    state.counters["direct_ns"] = median(direct_ns);
+    state.counters["more_ns"] = median(more_ns);
+  }
+  spinaltap_session_free(through_c);
+  spinaltap_bone_free(bone);
+}
+BENCHMARK(c_interface)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace spinaltap
