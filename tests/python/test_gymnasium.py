@@ -17,6 +17,7 @@ import numpy as np
 
 import made_bone
 import spinaltap
+import spinaltap.env
 from spinaltap.env import DrillEnv, VectorDrillEnv
 
 IS_STAND_IN = gymnasium.__version__.endswith("stand-in")
@@ -65,30 +66,25 @@ class Gymnasium(unittest.TestCase):
     def test_makes_one_by_its_name(self):
         env = gymnasium.make(NAME, max_episode_steps=5, **options())
         self.assertIsInstance(env.unwrapped, DrillEnv)
+        self.assertEqual(env.unwrapped.spec.id, NAME)
         first, _ = env.reset(seed=7)
-        alone = DrillEnv(**options())
-        np.testing.assert_array_equal(first, alone.reset(seed=7)[0])
+        again = env.unwrapped.spec.make()
+        np.testing.assert_array_equal(again.reset(seed=7)[0], first)
         for n in range(5):
-            step, same = env.step(AHEAD), alone.step(AHEAD)
+            step, same = env.step(AHEAD), again.step(AHEAD)
             np.testing.assert_array_equal(step[0], same[0])
             self.assertEqual(step[1], same[1])
             self.assertEqual(step[3], n == 4)  # TimeLimit's
-        self.assertEqual(env.unwrapped.spec.id, NAME)
-        again = env.unwrapped.spec.make()
-        np.testing.assert_array_equal(again.reset(seed=7)[0], first)
 
-    def test_makes_one_of_files(self):
-        made = gymnasium.make(NAME, bone=str(made_bone.FOLDER / "ground_truth.vdb"), spacing_mm=0.3,
-                              path=str(made_bone.FOLDER / "plan.json"))
-        env = DrillEnv(**options())
-        np.testing.assert_array_equal(made.reset(seed=3)[0], env.reset(seed=3)[0])
-
-    def test_makes_one_of_nothing(self):
-        env = gymnasium.make(NAME)
-        self.assertEqual(env.reset(seed=1)[0].dtype, np.float32)
-        self.assertGreater(env.step(AHEAD)[1], 0.0)
+    def test_takes_files_for_bones_and_paths(self):
+        files = {"bone": str(made_bone.FOLDER / "ground_truth.vdb"), "path": made_bone.FOLDER / "plan.json"}
+        bone, path = spinaltap.env._hole(**files)
+        self.assertEqual(bone.hash, made_bone.bone().hash)
+        np.testing.assert_array_equal(path.target_mm, made_bone.path().target_mm)
         with self.assertRaisesRegex(ValueError, "expected a bone"):
             gymnasium.make(NAME, path=made_bone.path())
+        with self.assertRaisesRegex(ValueError, "expected a path"):
+            gymnasium.make(NAME, bone=made_bone.bone())
 
     def test_makes_many_at_once(self):
         envs = gymnasium.make_vec(NAME, num_envs=3, vectorization_mode="vector_entry_point", **options(max_steps=4))
@@ -112,6 +108,7 @@ class Gymnasium(unittest.TestCase):
         self.assertTrue(envs.unwrapped.closed)
 
     def test_is_not_needed(self):
+        # Nor a bone: this is the phantom.
         code = "import sys; sys.modules['gymnasium'] = None\nfrom spinaltap.env import Box, DrillEnv\n" \
                "env = DrillEnv(spacing_mm=0.4)\nassert isinstance(env.action_space, Box)\nenv.reset(seed=1)\n" \
                "assert env.metadata == {'render_modes': []} and env.unwrapped is env\nenv.close()\nprint('done')"

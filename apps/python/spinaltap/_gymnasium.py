@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -89,11 +90,9 @@ def make_box(low: float, high: float, shape: tuple[int, ...]) -> Box:
 def same_step() -> Any:
     """That an episode begins again in the step in which the last one ends: Gymnasium's word for it, from 1.1 on an enum."""
     if HAS_GYMNASIUM:
-        try:
-            from gymnasium.vector import AutoresetMode  # type: ignore[import-not-found]
-        except ImportError:
-            return "SameStep"
-        return AutoresetMode.SAME_STEP
+        modes = getattr(importlib.import_module("gymnasium.vector"), "AutoresetMode", None)
+        if modes is not None:
+            return modes.SAME_STEP
     return "SameStep"
 
 
@@ -101,7 +100,6 @@ def register(name: str, entry_point: str, vector_entry_point: str) -> None:
     """So that gymnasium.make() and make_vec() find it. Once, however often the module is loaded."""
     if not HAS_GYMNASIUM:
         return
-    import gymnasium  # type: ignore[import-not-found]
-
+    gymnasium = importlib.import_module("gymnasium")
     if name not in gymnasium.registry:
         gymnasium.register(id=name, entry_point=entry_point, vector_entry_point=vector_entry_point)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._core import Bone, Error, Path
+from ._core import Bone, InputError, Path
 from ._gymnasium import Box, Env, VectorEnv, make_box, register, same_step
 
 __all__ = ["ACTIONS", "OBSERVATIONS", "Box", "DrillEnv", "VectorDrillEnv", "make_vector"]
@@ -41,13 +41,13 @@ def _hole(bone: Bone | str | PathLike[str] | None, path: Path | str | PathLike[s
     """Of what a name or a file stands for: the first path of a plan, the phantom's left one without either."""
     if bone is None:
         if path is not None:
-            raise Error("expected a bone for the path, found none")
+            raise InputError("expected a bone for the path, found none")
         made, paths = _phantom()
         return made, paths[0]
     if not isinstance(bone, Bone):
         bone = Bone.load(bone)
     if path is None:
-        raise Error("expected a path through the bone, found none")
+        raise InputError("expected a path through the bone, found none")
     if not isinstance(path, Path):
         path = _core.read_plan(path)[0]
     return bone, path
@@ -56,7 +56,7 @@ def _hole(bone: Bone | str | PathLike[str] | None, path: Path | str | PathLike[s
 def _checked_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
     values = np.asarray(actions, np.float32)
     if values.shape != shape:
-        raise Error(f"expected actions of shape {shape}, found {values.shape}")
+        raise InputError(f"expected actions of shape {shape}, found {values.shape}")
     return values
 
 

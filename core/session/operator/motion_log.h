@@ -21,7 +21,7 @@ namespace spinaltap {
 /// its ways to some hundredths of a millimetre. Whoever reads along, each 20 s or more often, has all exactly.
 class MotionLog {
  public:
-  static constexpr std::size_t kMost = 262'144;         ///< poses that there is memory for: 19 MB where all is used
+  static constexpr std::size_t kMost = 393'216;         ///< poses that there is memory for: 20 MB, 29 MB of plates
   static constexpr std::size_t kExact = kMost / 4 * 3;  ///< 4.9 minutes at 1 kHz
   static constexpr double kFinestMm = 0.002;            ///< what poses are first left out by
 

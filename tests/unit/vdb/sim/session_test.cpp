@@ -514,7 +514,7 @@ TEST(Session, WithoutAPathDrillsVoxelsAnywhere) {
   Session session(std::vector{ball()}, free);
   EXPECT_EQ(session.setup().engine, EngineKind::voxel);
   EXPECT_EQ(session.chosen(), "voxels of 0.1 mm of the whole bone, for no path");
-  EXPECT_EQ(Session(ball(), path(), setup()).chosen(), "points 0.1 mm apart within 2 mm of the path, engine leaf");
+  EXPECT_EQ(Session(ball(), path(), setup()).chosen(), "points 0.1 mm apart within 2 mm of the path, engine ring");
   for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(-Vec3::UnitZ()), Vec3(Vec3(1.0, 1.0, -0.5).normalized())}) {
     std::size_t removed = 0;
     double thrust_n = 0.0;
@@ -560,8 +560,9 @@ TEST(Session, WithoutAPathIsToldByTheBonesSurface) {
   EXPECT_EQ(session.events().size(), 1U);
   session.step({kSessionBall.centre_mm + Vec3(900.0, 0.0, 0.0), axis});
   EXPECT_EQ(session.last().depth_mm, -std::numeric_limits<double>::infinity());
-  session.set_tool(plate_bit(4.0, 0.5, 30.0));
+  EXPECT_THAT([&] { session.set_tool(plate_bit(4.0, 0.5, 30.0)); }, ThrowsMessage<Error>(HasSubstr("no plate")));
   session.end_record();
+  session.set_tool(plate_bit(4.0, 0.5, 30.0));
   EXPECT_TRUE(replay(folder.path() / "free.h5", ball()).is_same());
   session.end_hole();
   EXPECT_GT(session.run(std::vector{ToolInput{{kSessionBall.centre_mm, Vec3::UnitX(), Vec3::UnitY()}, true, 0.001}})
@@ -585,7 +586,7 @@ TEST(Session, WithoutAPathTellsOfBoneOutOfItsRegionBeforeItHasTouchedAny) {
   session.step({beside_mm, -Vec3::UnitY()});
   ASSERT_EQ(session.events().size(), 1U);
   EXPECT_EQ(session.events()[0].kind, EventKind::outside_volume);
-  EXPECT_NEAR(session.events()[0].value, 4.0, 0.1);
+  EXPECT_NEAR(session.events()[0].value, 3.0, 0.1);
 }
 
 TEST(Session, RejectsAPathThatMissesTheBone) {
