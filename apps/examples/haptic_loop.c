@@ -65,7 +65,8 @@ int main(int count, char** arguments) {
       burr.diameter_mm = 3.0;
       must(spinaltap_session_set_tool(session, &burr, &error));
     }
-    for (int k = 0; k < 3; ++k) input.tip_mm[k] = 0.5 * (low_mm[k] + high_mm[k]);
+    input.tip_mm[0] = 0.5 * (low_mm[0] + high_mm[0]);
+    input.tip_mm[1] = 0.75 * low_mm[1] + 0.25 * high_mm[1]; /* above the vertebra's body */
     input.tip_mm[2] = high_mm[2] + 2.0 - 0.004 * n;
     if (spinaltap_session_step(session, &input, &cycle) != SPINALTAP_OK) return 1;
     if (cycle.thrust_n > most_n) most_n = cycle.thrust_n; /* cycle.force_n is what the device gives */

@@ -197,8 +197,9 @@ SessionSetup setup_of(const spinaltap_session_options& options) {
 }
 
 std::vector<Bone> bones_of(const spinaltap_bone* const* bones, std::uint32_t count) {
+  there(bones, "bones");
   std::vector<Bone> all;
-  for (std::uint32_t n = 0; n < count; ++n) all.push_back(there(there(&bones, "bones")[n], "a bone").bone);
+  for (std::uint32_t n = 0; n < count; ++n) all.push_back(there(bones[n], "a bone").bone);
   return all;
 }
 
