@@ -198,8 +198,9 @@ void MotionLog::end_merging() noexcept {
 }
 
 MotionLog::Run MotionLog::read(std::size_t reader, std::size_t max_poses) {
-  if (is_thinning_) thin(size_);
   std::size_t& from = readers_.at(reader);
+  // Who reads along reads beyond what is being looked at, and need not wait for it.
+  if (is_thinning_ && from < read_) thin(size_);
   if (from == size_) return {tools_.size() - 1, {}};
   Run run{tool_of(from), {}};
   const std::size_t end = from + std::min(max_poses, size_ - from);
