@@ -1,5 +1,6 @@
 #include "apps/spinaltap/level_output.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -38,6 +39,12 @@ Json level_figures_json(const LevelFigures& figures) {
           {"cement_mm3", figures.cement_mm3}};
 }
 
+/// The two likeliest.
+std::vector<LevelOdds> likeliest(std::vector<LevelOdds> odds) {
+  odds.resize(std::min<std::size_t>(odds.size(), 2));
+  return odds;
+}
+
 const char* name_of(NameSource source) {
   if (source == NameSource::given) return "given";
   return source == NameSource::hint ? "hint" : "counted";
@@ -59,7 +66,7 @@ CLI::Option* add_level(CLI::App& app, Level& level) {
 }
 
 std::string words_of(NameSource source, std::span<const LevelPoint> given) {
-  if (source == NameSource::hint) return "a hint from the sacrum or the last ribs: check it";
+  if (source == NameSource::hint) return "a hint from the sacrum, the ribs and the bodies' sizes: check it";
   if (source == NameSource::counted) return "counted from the top";
   TextWriter text;
   text << "counted from ";
@@ -81,6 +88,7 @@ void print_levels(std::span<const LevelReport> levels) {
                    {"high", "mm"},
                    {"volume", "cm3"},
                    {"severity", ""},
+                   {"is likely", "", false},
                    {"", "", false}});
   for (const LevelReport& level : levels) {
     const Vec3& at = level.body_centre_mm;
@@ -89,7 +97,7 @@ void print_levels(std::span<const LevelReport> levels) {
     if (level.is_cut || level.reaches_border) note += std::string(note.empty() ? "" : ", ") + "cut by the CT's border";
     table.add_row({level.name, std::to_string(level.label), number(at.x(), 1), number(at.y(), 1), number(at.z(), 1),
                    number(size.x(), 1), number(size.y(), 1), number(size.z(), 1), number(level.volume_mm3 / 1000.0, 2),
-                   number(level.severity, 2), note});
+                   number(level.severity, 2), in_words(likeliest(level.name_odds)), note});
   }
   std::printf("  Middle (patient LPS) and size of the bodies:\n%s", table.aligned().c_str());
   for (const LevelReport& level : levels) {
@@ -115,6 +123,10 @@ Json to_json(const LevelReport& level) {
   }
   Json json{{"label", level.label}, {"name", level.name}, {"level", nullptr}};
   if (level.level != Level::kNone) json["level"] = level_name(level.level);
+  json["name_odds"] = Json::array();
+  for (const LevelOdds& one : level.name_odds) {
+    json["name_odds"].push_back({{"level", level_name(one.level)}, {"probability", one.probability}});
+  }
   json.update({{"name_source", name_of(level.name_source)},
                {"body_centre_mm", to_json(level.body_centre_mm)},
                {"body_size_mm", to_json(level.body_size_mm)},

@@ -34,6 +34,9 @@ void PhantomCommandOptions::add_to(CLI::App& app) {
   app.add_option("--blur", scan.blur_mm, "Standard deviation of the blur in a slice, mm")
       ->capture_default_str()
       ->type_name("MM");
+  app.add_option("--sharpness", scan.sharpness, "Of the kernel: 0 for a soft one, 1 to 3 for bone and lung kernels")
+      ->capture_default_str()
+      ->type_name("SHARPNESS");
   app.add_option("--surroundings", surroundings, "What the bone lies in")
       ->capture_default_str()
       ->check(CLI::IsMember({"tissue", "air"}));
@@ -80,6 +83,7 @@ void add_phantom(CLI::App& program, Command& command) {
       "Make a virtual CT of an L3 vertebra, a spine, or closed meshes, with the ground truth beside it",
       "Examples: spinaltap phantom l3/ --noise 20 --seed 7\n"
       "          spinaltap phantom spine/ --spine T6-L5 --pixel 0.7 --slice-step 1 --soft-tissue\n"
+      "          spinaltap phantom trunk/ --random-trunk 12\n"
       "Writes l3/ct/*.dcm, l3/ground_truth.vdb, l3/ground_truth.json and l3/plan.json; of a spine ct/*.dcm,\n"
       "ground_truth.json and ground_truth_labels.nii.gz.");
   app->add_option("folder", options->folder, "Folder to make")->required()->type_name("FOLDER");
@@ -94,13 +98,19 @@ void add_phantom(CLI::App& program, Command& command) {
     if (options->spine.asked_for()) {
       const std::unique_ptr<Spine> spine = options->spine.make();
       ScanOptions scan = options->phantom.output_options().scan;
-      if (slices->count() == 0) {
+      if (options->spine.trunk_seed) {
+        const TrunkOptions trunk = random_trunk_options(*options->spine.trunk_seed);
+        scan = trunk.scan;
+        print_figure("patient", describe(trunk));
+      }
+      if (slices->count() == 0 && !options->spine.trunk_seed) {
         // Meshes end at their bone: without a margin the CT would cut them.
         const double beyond_mm = options->spine.meshes.empty() ? 0.0 : 30.0;
         scan.slices = static_cast<int>((spine->bounds_mm().sizes().z() + beyond_mm) / scan.slice_step_mm) + 1;
       }
       if (!options->spine.centre_mm.empty()) scan.centre_mm = Vec3(options->spine.centre_mm.data());
-      write_spine_phantom(*spine, options->spine.soft_tissue, scan, options->folder, progress);
+      const std::unique_ptr<Surroundings> surroundings = options->spine.surroundings_of(*spine);
+      write_spine_phantom(*spine, surroundings.get(), scan, options->folder, progress);
       print_figure("seed", static_cast<double>(scan.seed), "", 0);
       print_figure("bodies", static_cast<double>(spine->part_count()), "", 0);
       print_figure("written", options->folder.string());

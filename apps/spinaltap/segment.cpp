@@ -251,6 +251,8 @@ Json segment_all(const CtVolume& ct, const SegmentCommandOptions& options, Stage
   output.commit();
   Json figures = report_found(found.levels, found.bone, options, exit_code);
   exit_code = std::max(exit_code, say_gaps(found.gaps, options.ct.finding.accepts_warnings, figures));
+  if (!found.transitional.empty()) print_figure("names are doubtful", found.transitional);
+  figures["transitional"] = found.transitional.empty() ? Json() : Json(found.transitional);
   figures["levels"] = Json::array();
   for (const LevelReport& level : found.levels) figures["levels"].push_back(to_json(level));
   return figures;
@@ -287,7 +289,9 @@ void add_segment(CLI::App& program, Command& command) {
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 -o spine.seg.nrrd --picture spine.png\n"
       "          spinaltap segment ct/ --all --level T11=-9,222,-638 --include T11=-9,260,-650 --exclude 30,250,-640\n"
       "Points are patient LPS, mm (x to the left, y to the back, z to the head). Without --level, names are a\n"
-      "hint from the sacrum or the last ribs, or V1, V2, ... from the top. A seed takes its vertebra, with --all\n"
+      "hint from the sacrum, the ribs and the bodies' sizes, with its probability, or where none is 0.8 likely V1, "
+      "V2,\n"
+      "... from the top. A seed takes its vertebra, with --all\n"
       "its column. The exit code is 1 where a vertebra is suspect or may be missed, or the CT is doubtful, with all\n"
       "written, unless --accept-warnings.\n"
       "Correct the map in 3D Slicer and go on: spinaltap bake ct/ --labels t11.seg.nrrd -o bone.vdb\n"

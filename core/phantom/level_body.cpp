@@ -15,8 +15,9 @@ double segment_distance_mm(const Vec3& p, const Vec3& start, const Vec3& end) {
   return (p - start - share * along).norm();
 }
 
-LevelBody::LevelBody(std::shared_ptr<const Vertebra> vertebra, std::vector<Pit> pits, std::vector<ScrewRod> screws)
-    : vertebra_(std::move(vertebra)), pits_(std::move(pits)), screws_(std::move(screws)) {}
+LevelBody::LevelBody(std::shared_ptr<const Vertebra> vertebra, std::vector<Pit> pits, std::vector<ScrewRod> screws,
+                     std::vector<CementLump> cement)
+    : vertebra_(std::move(vertebra)), pits_(std::move(pits)), screws_(std::move(screws)), cement_(std::move(cement)) {}
 
 double LevelBody::screw_value_mm(const Vec3& p) const {
   double value = std::numeric_limits<double>::infinity();
@@ -56,7 +57,11 @@ Box3 LevelBody::bounds_mm() const {
 }
 
 double LevelBody::hu(const Vec3& p_patient, double distance_mm, double aperture_mm) const {
-  const double bone = vertebra_->hu(p_patient, distance_mm, aperture_mm);
+  double bone = vertebra_->hu(p_patient, distance_mm, aperture_mm);
+  for (const CementLump& lump : cement_) {
+    const double depth_mm = lump.radius_mm - (p_patient - lump.centre_mm).norm();
+    bone = lerp(bone, kCementHu, shapes::smooth_step(-0.8, 0.8, depth_mm));
+  }
   if (screws_.empty()) return bone;
   const double value = screw_value_mm(p_patient);
   const double metal = aperture_mm > 0.0 ? std::clamp(0.5 - value / aperture_mm, 0.0, 1.0) : (value < 0.0 ? 1.0 : 0.0);

@@ -19,13 +19,22 @@ struct Pit {
   double radius_mm;
 };
 
+/// A lump of bone cement, patient LPS, mm: what of it lies in the bone is cement.
+struct CementLump {
+  Vec3 centre_mm;
+  double radius_mm;
+};
+inline constexpr double kCementHu = 1900.0;
+
 /// CT number of the metal, where most scanners clamp.
 inline constexpr double kMetalHu = 3071.0;
 
-/// A vertebra with pits (Schmorl's nodes) and screws. Screws count as part of the body: what lies in one lies inside.
+/// A vertebra with pits (Schmorl's nodes), screws and cement. Screws count as part of the body: what lies in one lies
+/// inside.
 class LevelBody : public Solid {
  public:
-  LevelBody(std::shared_ptr<const Vertebra> vertebra, std::vector<Pit> pits, std::vector<ScrewRod> screws);
+  LevelBody(std::shared_ptr<const Vertebra> vertebra, std::vector<Pit> pits, std::vector<ScrewRod> screws,
+            std::vector<CementLump> cement = {});
 
   void evaluate(std::span<const Vec3> points_mm, std::span<double> values_mm, std::span<Vec3> gradients) const override;
   Box3 bounds_mm() const override;
@@ -38,6 +47,7 @@ class LevelBody : public Solid {
   std::shared_ptr<const Vertebra> vertebra_;
   std::vector<Pit> pits_;
   std::vector<ScrewRod> screws_;
+  std::vector<CementLump> cement_;
 };
 
 /// Distance of a point from a segment, mm.

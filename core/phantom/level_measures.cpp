@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 
 namespace spinaltap {
 namespace {
@@ -12,11 +13,17 @@ namespace {
 /// which are 2 to 6 mm higher. Pedicles: Zindrick et al. 1987 (Spine 12:160); the widths of the lumbar ones lie amid 13
 /// published series, as Zindrick's 18 mm of L5 are measured obliquely. Wedges: Masharawi et al. 2008 (Eur Spine J
 /// 17:1336). Rise of the transverse processes: McCormack et al. 1995 (Neurosurgery 37:303). Processes, laminae, facets,
-/// discs and the curve are drawn after textbooks.
+/// discs and the curve are drawn after textbooks. C3 to C7: Panjabi et al. 1991 (cervical, Spine 16:861), bodies a
+/// little higher, as CTs have them.
 // clang-format off
-constexpr std::array<LevelMeasures, 17> kMeasures{{
+constexpr std::array<LevelMeasures, 22> kMeasures{{
     // body: w, d, h, wedge; pedicle: w, h, convergence; canal: w, d; transverse: span, back, rise;
-    // spinous: length, drop, tip; lamina; facet: x, inward, upward; disc; flexion; lumbar share
+    // spinous: length, drop, tip; lamina; facet: x, inward, upward; disc; flexion; lumbar share; cervical share
+    {16.5, 15.3, 12.6,  1.0,   5.6,  7.4, 44.0,  22.9, 16.2,  50.3,-70.0, -1.0,  14.0, 14.0,  7.0,  10.5,  20.5,   0.0, 45.0,  5.0,  -4.0, 0.0, 1.0},
+    {17.1, 15.6, 12.3,  1.0,   5.4,  7.4, 44.0,  24.7, 16.9,  49.5,-70.0, -1.0,  13.5, 14.0,  7.0,  10.5,  21.0,   0.0, 45.0,  5.0,   2.0, 0.0, 1.0},
+    {18.4, 16.5, 12.0,  1.5,   5.6,  7.2, 43.0,  24.9, 16.8,  49.5,-70.0, -1.0,  13.5, 14.0,  7.0,  11.0,  21.5,   0.0, 44.0,  5.2,   8.0, 0.0, 1.0},
+    {20.2, 17.3, 12.3,  1.5,   6.0,  7.4, 40.0,  25.8, 16.8,  51.0,-68.0, -1.0,  17.0, 17.0,  7.5,  12.0,  22.0,   0.0, 40.0,  5.2,  15.0, 0.0, 1.0},
+    {22.6, 17.5, 13.6,  1.5,   6.6,  7.8, 35.0,  24.5, 16.5,  66.6,-25.0, -1.0,  29.5, 17.0,  9.0,  15.0,  20.5,   0.0, 38.0,  5.0,  21.0, 0.0, 1.0},
     {26.2, 19.1, 16.0,  2.0,   7.9,  9.9, 26.6,  21.8, 16.4,  75.3, 15.0,  3.5,  33.0, 18.0,  9.0,  19.5,  13.5, -10.0, 25.0,  3.0,  24.0, 0.0},
     {26.2, 20.6, 17.0,  2.5,   7.0, 11.5, 19.1,  19.5, 15.5,  69.8, 24.0,  3.0,  32.0, 28.0,  8.0,  20.5,  12.5, -12.0, 20.0,  3.0,  20.5, 0.0},
     {25.3, 23.0, 17.5,  3.0,   5.6, 12.0, 16.6,  18.1, 15.8,  62.4, 31.0,  2.0,  31.0, 36.0,  7.5,  21.5,  11.5, -12.0, 18.0,  3.0,  17.0, 0.0},
@@ -38,6 +45,35 @@ constexpr std::array<LevelMeasures, 17> kMeasures{{
 // clang-format on
 
 }  // namespace
+
+LevelMeasures mixed(const LevelMeasures& a, const LevelMeasures& b, double share) {
+  LevelMeasures m = a;
+  for (double LevelMeasures::*const value : {&LevelMeasures::body_width_mm,
+                                             &LevelMeasures::body_depth_mm,
+                                             &LevelMeasures::body_height_mm,
+                                             &LevelMeasures::wedge_deg,
+                                             &LevelMeasures::pedicle_width_mm,
+                                             &LevelMeasures::pedicle_height_mm,
+                                             &LevelMeasures::pedicle_convergence_deg,
+                                             &LevelMeasures::canal_width_mm,
+                                             &LevelMeasures::canal_depth_mm,
+                                             &LevelMeasures::transverse_span_mm,
+                                             &LevelMeasures::transverse_back_deg,
+                                             &LevelMeasures::transverse_rise_mm,
+                                             &LevelMeasures::spinous_length_mm,
+                                             &LevelMeasures::spinous_drop_deg,
+                                             &LevelMeasures::spinous_tip_height_mm,
+                                             &LevelMeasures::lamina_height_mm,
+                                             &LevelMeasures::facet_x_mm,
+                                             &LevelMeasures::facet_inward_deg,
+                                             &LevelMeasures::facet_upward_deg,
+                                             &LevelMeasures::disc_below_mm,
+                                             &LevelMeasures::flexion_deg,
+                                             &LevelMeasures::lumbar_share}) {
+    m.*value = lerp(a.*value, b.*value, share);
+  }
+  return m;
+}
 
 const LevelMeasures& level_measures(Level level) {
   const int first = static_cast<int>(kFirstMeasured), last = static_cast<int>(kLastMeasured);

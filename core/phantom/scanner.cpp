@@ -14,6 +14,18 @@
 namespace spinaltap {
 namespace {
 
+/// The kernel at a distance: a Gaussian; for a sharp one more of it, less a wider one. Not normalised.
+double kernel_at(double distance, double sigma, double sharpness) {
+  if (!(sigma > 0.0)) return 1.0;
+  const double narrow = std::exp(-0.5 * std::pow(distance / sigma, 2));
+  if (!(sharpness > 0.0)) return narrow;
+  constexpr double kWider = 2.0;
+  return (1.0 + sharpness) * narrow - sharpness / kWider * std::exp(-0.5 * std::pow(distance / (kWider * sigma), 2));
+}
+
+/// Reach of the kernel in deviations of its Gaussian.
+double kernel_reach(double sharpness) { return sharpness > 0.0 ? 8.0 : 4.0; }
+
 /// The noise of a virtual scan: white noise per pixel, blurred in the slice like the image, of the deviation asked for.
 class ScanNoise {
  public:
@@ -29,11 +41,13 @@ class ScanNoise {
 
 ScanNoise::ScanNoise(const ScanOptions& options) : options_(options) {
   const double sigma = options.blur_mm / options.pixel_mm;  // pixels
-  const int reach = static_cast<int>(std::ceil(4.0 * sigma));
+  const int reach = static_cast<int>(std::ceil(kernel_reach(options.sharpness) * sigma));
   std::vector<double> exact;
   double squares = 0.0;
   for (int n = -reach; n <= reach; ++n) {
-    exact.push_back(sigma > 0.0 ? std::exp(-0.5 * n * n / (sigma * sigma)) : 1.0);
+    exact.push_back(options.sharpness > 0.0 ? kernel_at(n, sigma, options.sharpness)
+                    : sigma > 0.0           ? std::exp(-0.5 * n * n / (sigma * sigma))
+                                            : 1.0);
     squares += exact.back() * exact.back();
   }
   for (const double weight : exact) kernel_.push_back(static_cast<float>(weight / std::sqrt(squares)));
@@ -83,6 +97,7 @@ void check_options(const ScanOptions& options) {
   positive("slice_step_mm", options.slice_step_mm, 20.0);
   positive("slice_width_mm", options.slice_width_mm, 40.0);
   not_negative("blur_mm", options.blur_mm, 10.0);
+  not_negative("sharpness", options.sharpness, 5.0);
   not_negative("noise_hu", options.noise_hu, 1000.0);
   positive("surroundings_hu plus 1025", options.surroundings_hu + 1025.0, 4096.0);
   if (options.centre_mm && !options.centre_mm->allFinite()) fail("scan: centre_mm must be finite");
@@ -115,18 +130,19 @@ std::vector<float> box_weights(double width_mm, double step_mm) {
   return weights;
 }
 
-/// Weights, that sum to 1, of the samples around a pixel's centre along a row or column: a Gaussian out to 4 deviations
-/// beyond the pixel; the pixel's own samples alone, alike, when there is no blur.
+/// Weights, that sum to 1, of the samples around a pixel's centre along a row or column: the kernel, out to 4
+/// deviations beyond the pixel (8 of a sharp one); the pixel's own samples alone, alike, when there is no blur.
 std::vector<float> blur_weights(const ScanOptions& options) {
   const int samples = options.samples_per_pixel;
   const double step = options.pixel_mm / samples;
-  const int reach = options.blur_mm > 0.0 ? static_cast<int>(std::ceil(4.0 * options.blur_mm / step)) : 0;
+  const int reach =
+      options.blur_mm > 0.0 ? static_cast<int>(std::ceil(kernel_reach(options.sharpness) * options.blur_mm / step)) : 0;
   const int count = samples + 2 * reach;
   std::vector<double> exact;
   double sum = 0.0;
   for (int n = 0; n < count; ++n) {
     const double distance = (n - 0.5 * (count - 1)) * step;
-    exact.push_back(options.blur_mm > 0.0 ? std::exp(-0.5 * std::pow(distance / options.blur_mm, 2)) : 1.0);
+    exact.push_back(kernel_at(distance, options.blur_mm, options.sharpness));
     sum += exact.back();
   }
   std::vector<float> weights;

@@ -17,8 +17,11 @@ struct ScanOptions {
   int slices = 95;
   double pixel_mm = 0.352;
   double slice_step_mm = 0.5;
-  double slice_width_mm = 1.1;    ///< width of the box over which a slice averages
-  double blur_mm = 0.35;          ///< standard deviation of the Gaussian blur in the slice; 0: none
+  double slice_width_mm = 1.1;  ///< width of the box over which a slice averages
+  double blur_mm = 0.35;        ///< standard deviation of the Gaussian blur in the slice; 0: none
+  /// Of the kernel: 0 for the Gaussian, a soft one; above it edges are enhanced and overshoot, as a bone or lung kernel
+  /// has them (1 to 3). Noise has the kernel's grain.
+  double sharpness = 0.0;
   double noise_hu = 12.0;         ///< standard deviation of the noise, after it was blurred like the image
   std::uint64_t seed = 1;         ///< of the noise
   double surroundings_hu = 40.0;  ///< soft tissue; -1000 is air

@@ -12,7 +12,7 @@
 namespace spinaltap {
 namespace {
 
-constexpr std::size_t kMaxParts = 64;
+constexpr std::size_t kMaxParts = 96;
 constexpr double kCutEdge = 0.6;    ///< mm over which an edge that a cut leaves is rounded
 constexpr double kSpurBlend = 1.5;  ///< reach of the fillet between a spur and its body, mm
 

@@ -12,7 +12,7 @@
 namespace spinaltap {
 
 /// Numbers of a spine's bodies that are no vertebrae, in label maps. A sacrum has VerSe's number, 26.
-inline constexpr std::uint8_t kRibLabel = 50;
+inline constexpr std::uint8_t kRibLabel = 50, kOtherBoneLabel = 51;
 
 /// A bony spur: a rod with round ends, cut off by a plane. Patient LPS, mm.
 struct Spur {
@@ -30,7 +30,7 @@ struct SpinePart {
     double gap_mm;
   };
 
-  std::uint8_t label = 0;  ///< VerSe's number of its level, or kRibLabel
+  std::uint8_t label = 0;  ///< VerSe's number of its level, kRibLabel or kOtherBoneLabel
   std::shared_ptr<const Solid> solid;
   std::vector<Cut> cuts{};
   std::vector<Spur> spurs{};                   ///< joined to it after the cuts
@@ -44,7 +44,7 @@ struct SpinePart {
 /// from a body only its bounds are looked at.
 class Spine : public Solid {
  public:
-  /// Any bodies, as they stand. Throws Error without any, with over 64, or on a cut that names no other part.
+  /// Any bodies, as they stand. Throws Error without any, with over 96, or on a cut that names no other part.
   explicit Spine(std::vector<SpinePart> parts);
   /// Vertebrae from their measures, along the curve: see SpineOptions. Throws Error on options without sense, and when
   /// a neighbour's gap reaches a pedicle's isthmus.

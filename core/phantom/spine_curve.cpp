@@ -6,14 +6,40 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/phantom/detail/level_anatomy.h"
+#include "core/phantom/detail/upper_neck.h"
 #include "core/phantom/vertebra_ground_truth.h"
 
 namespace spinaltap {
 namespace {
 
 bool is_cervical(Level level) { return static_cast<int>(level) <= static_cast<int>(Level::kC7); }
-bool is_thoracic(Level level) {
-  return !is_cervical(level) && static_cast<int>(level) <= static_cast<int>(Level::kT12);
+bool is_thoracic(Level level) { return !is_cervical(level) && level_rank(level) < level_rank(Level::kL1); }
+
+/// Of a level of a spine with as many as the options say: the usual ones' measures, spread over them.
+LevelMeasures measures_among(Level level, const SpineOptions& options) {
+  if (is_upper_neck(level)) return upper_neck_measures(level);
+  if (is_cervical(level)) return level_measures(level);
+  const bool thoracic = is_thoracic(level);
+  const Level first = thoracic ? Level::kT1 : Level::kL1;
+  const int usual = thoracic ? 12 : 5, count = thoracic ? options.thoracic_levels : options.lumbar_levels;
+  const int place = level == Level::kT13 ? 12 : static_cast<int>(level) - static_cast<int>(first);
+  const double spread = static_cast<double>(place * (usual - 1)) / (count - 1);
+  const int whole = static_cast<int>(spread + 1e-9);
+  const auto row = [&](int n) {
+    return level_measures(static_cast<Level>(static_cast<int>(first) + std::min(n, usual - 1)));
+  };
+  return mixed(row(whole), row(whole + 1), std::max(0.0, spread - whole));
+}
+
+/// Crushes a body. Its arch hangs from the rim behind.
+void crush(LevelMeasures& m, const CrushedLevel& crushed) {
+  const double lean_mm = m.body_depth_mm * std::tan(0.5 * m.wedge_deg * kDegree);
+  const double front_mm = crushed.front_share * (m.body_height_mm - lean_mm);
+  const double back_mm = crushed.back_share * (m.body_height_mm + lean_mm);
+  m.body_height_mm = 0.5 * (front_mm + back_mm);
+  m.back_rise_mm = 0.5 * (back_mm - lean_mm - m.body_height_mm);
+  m.wedge_deg = 2.0 * std::atan(0.5 * (back_mm - front_mm) / m.body_depth_mm) / kDegree;
+  m.crushed = 1.0 - crushed.front_share;
 }
 
 /// Numbers of one level of one seed.
@@ -96,9 +122,13 @@ double side_tilt_deg(double place, const SpineOptions& options) {
 }
 
 double flexion_deg(const LevelMeasures& m, Level level, const SpineOptions& options) {
+  if (is_cervical(level)) {
+    // Above T1, as it leans: the natural curve has 25 degrees from C3 to C7.
+    const double t1_deg = level_measures(Level::kT1).flexion_deg;
+    return t1_deg * options.kyphosis_deg / 40.0 - (t1_deg - m.flexion_deg) * options.cervical_lordosis_deg / 25.0;
+  }
   // The natural curve has 40 degrees from T1 to T12 and 55 from L1 to the sacrum; T9 and L3 hardly lean.
-  return m.flexion_deg *
-         (is_thoracic(level) || is_cervical(level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0);
+  return m.flexion_deg * (is_thoracic(level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0);
 }
 
 /// Upward normal of an endplate, own frame of its vertebra; `side`: 1 for the upper one, -1 for the lower one.
@@ -120,7 +150,11 @@ double own_disc_mm(const PlacedLevel& above, const SpineOptions& options) {
 }
 
 /// Puts `below`, which is turned already, under `above`.
-void stack(const PlacedLevel& above, PlacedLevel& below, double disc_mm) {
+void stack(const PlacedLevel& above, PlacedLevel& below, double disc_mm, double scale) {
+  if (above.level == Level::kC1) {  // around the dens
+    below.position_mm = above.position_mm - below.rotation * (scale * kDensMm);
+    return;
+  }
   const Vec3 upper = above.rotation * endplate_normal(above, -1.0),
              lower = below.rotation * endplate_normal(below, 1.0);
   const Vec3 normal = (upper + lower).normalized();
@@ -147,18 +181,38 @@ double disc_height_mm(const PlacedLevel& above, const PlacedLevel& below) {
 std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
   check_spine_options(options);
   std::vector<PlacedLevel> levels;
-  for (Level level = options.first;; level = level_below(level)) {
-    levels.push_back({.level = level, .measures = level_measures(level)});
+  for (Level level = options.first;; level = level_below(level, options)) {
+    levels.push_back({.level = level, .measures = measures_among(level, options)});
     if (level == options.last) break;
   }
   if (options.sacrum) levels.push_back({.level = Level::kSacrum, .measures = sacrum_measures()});
   const Mat3 patient = rotation_from_degrees(options.tilt_deg);
-  for (PlacedLevel& placed : levels) {
+  std::vector<double> bend_deg(levels.size(), 0.0), flexion(levels.size(), 0.0);
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    PlacedLevel& placed = levels[n];
     const bool sacrum = placed.level == Level::kSacrum;
-    placed.measures.wedge_deg *= is_thoracic(placed.level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0;
-    const double flexion = flexion_deg(placed.measures, placed.level, options);
-    if (options.variation > 0.0 && !sacrum) placed.measures = sound_variation(placed.measures, placed.level, options);
+    if (!is_cervical(placed.level)) {
+      placed.measures.wedge_deg *=
+          is_thoracic(placed.level) ? options.kyphosis_deg / 40.0 : options.lordosis_deg / 55.0;
+    }
+    flexion[n] = flexion_deg(placed.measures, placed.level, options);
+    if (options.variation > 0.0 && !sacrum && !is_upper_neck(placed.level))
+      placed.measures = sound_variation(placed.measures, placed.level, options);
     placed.measures = scaled(placed.measures, options.scale);
+    for (const CrushedLevel& crushed : options.crushed) {
+      if (crushed.level != placed.level) continue;
+      const double wedge_deg = placed.measures.wedge_deg;
+      crush(placed.measures, crushed);
+      // The levels above lean forward by what the body bends, those below backward.
+      const double half_deg = 0.5 * (placed.measures.wedge_deg - wedge_deg);
+      for (PlacedLevel& other : levels) {
+        const int below = level_rank(other.level) - level_rank(placed.level);
+        if (below != 0) bend_deg[static_cast<std::size_t>(&other - levels.data())] += below < 0 ? half_deg : -half_deg;
+      }
+    }
+  }
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    PlacedLevel& placed = levels[n];
     const double place = place_in_curve(placed.level, options);
     const double step = 0.5 / std::max<double>(1.0, static_cast<double>(levels.size()) - 1.0);
     if (place > 1e-9 && place < 1.0 - 1e-9) {
@@ -168,11 +222,13 @@ std::vector<PlacedLevel> place_levels(const SpineOptions& options) {
     const double turn =
         -options.scoliosis_turn * options.scoliosis_deg * std::sin(std::numbers::pi * std::clamp(place, 0.0, 1.0));
     Chances chances(options.seed + 1, placed.level);
-    Vec3 degrees(flexion, side_tilt_deg(place, options), turn);
+    Vec3 degrees(flexion[n] + bend_deg[n], side_tilt_deg(place, options), turn);
     for (int axis = 0; axis < 3; ++axis) degrees[axis] += options.variation * (axis == 2 ? 3.0 : 1.5) * chances.next();
     placed.rotation = patient * rotation_from_degrees(degrees);
   }
-  for (std::size_t n = 1; n < levels.size(); ++n) stack(levels[n - 1], levels[n], own_disc_mm(levels[n - 1], options));
+  for (std::size_t n = 1; n < levels.size(); ++n) {
+    stack(levels[n - 1], levels[n], own_disc_mm(levels[n - 1], options), options.scale);
+  }
   const Vec3 shift = options.position_mm - levels[(levels.size() - 1) / 2].position_mm;
   for (PlacedLevel& placed : levels) placed.position_mm += shift;
   return levels;

@@ -65,7 +65,7 @@ SpineGroundTruth spine_ground_truth(const Spine& spine) {
   const std::vector<PlacedLevel>& placed = spine.placed();
   for (std::size_t n = 0; n < placed.size(); ++n) {
     if (spine.part(n).vertebra) ground_truth.levels.push_back(level_ground_truth(spine, n));
-    if (n == 0) continue;
+    if (n == 0 || placed[n - 1].level == Level::kC1) continue;  // around the dens there is no disc
     const PlacedLevel& upper = placed[n - 1];
     const PlacedLevel& lower = placed[n];
     const Vec3 top = upper.position_mm - 0.5 * upper.measures.body_height_mm * upper.rotation.col(2);

@@ -31,7 +31,7 @@ struct DiscGroundTruth {
 };
 
 struct SpineGroundTruth {
-  std::vector<LevelGroundTruth> levels;  ///< from above, without the sacrum
+  std::vector<LevelGroundTruth> levels;  ///< from above, without C1, C2 and the sacrum
   std::vector<DiscGroundTruth> discs;
 };
 

@@ -22,11 +22,57 @@ void among_the_levels(const char* name, Level level, const SpineOptions& options
   }
 }
 
+/// The last of a region's levels, of as many as there are.
+Level last_thoracic(const SpineOptions& options) {
+  return options.thoracic_levels == 11 ? Level{18} : options.thoracic_levels == 13 ? Level::kT13 : Level::kT12;
+}
+Level last_lumbar(const SpineOptions& options) {
+  return static_cast<Level>(static_cast<int>(Level::kL1) + options.lumbar_levels - 1);
+}
+
+/// An end of the spine must be a level that has measures and that this patient has.
+void check_end(const char* name, Level level, const SpineOptions& options) {
+  const bool is_extra = level == Level::kT13 || level == Level::kL6;
+  if (!is_extra) (void)level_measures(level);
+  const bool lacks =
+      level_rank(level) > level_rank(last_thoracic(options)) && level_rank(level) < level_rank(Level::kL1);
+  if (lacks || level_rank(level) > level_rank(last_lumbar(options))) {
+    fail("spine phantom: ", name, " is ", level_name(level), ", which a spine with ", options.thoracic_levels,
+         " thoracic and ", options.lumbar_levels, " lumbar levels does not have");
+  }
+}
+
+void check_bones_around(const SpineOptions& options) {
+  if (options.sacrum && options.last != last_lumbar(options)) {
+    fail("spine phantom: a sacrum needs ", level_name(last_lumbar(options)), " as the last level, found ",
+         level_name(options.last));
+  }
+  if (options.pelvis && !options.sacrum) fail("spine phantom: a pelvis needs a sacrum");
+  const int t2 = level_rank(Level{9});
+  if (options.shoulders && (level_rank(options.first) > t2 || level_rank(options.last) < t2)) {
+    fail("spine phantom: shoulders need T2 among the levels, found ", level_name(options.first), " to ",
+         level_name(options.last));
+  }
+  if (options.skull && options.first != Level::kC1) {
+    fail("spine phantom: a skull needs C1 as the first level, found ", level_name(options.first));
+  }
+}
+
 }  // namespace
 
+Level level_below(Level level, const SpineOptions& options) {
+  if (level == last_thoracic(options)) return Level::kL1;
+  if (level == last_lumbar(options)) return Level::kSacrum;
+  if (level == Level::kT12) return Level::kT13;
+  if (level == Level::kL5) return Level::kL6;
+  return level_below(level);
+}
+
 void check_spine_options(const SpineOptions& options) {
-  (void)level_measures(options.first);
-  (void)level_measures(options.last);
+  check_within("thoracic_levels", options.thoracic_levels, 11, 13);
+  check_within("lumbar_levels", options.lumbar_levels, 4, 6);
+  if (!is_upper_neck(options.first)) check_end("first", options.first, options);
+  check_end("last", options.last, options);
   if (level_rank(options.first) > level_rank(options.last)) {
     fail("spine phantom: first must lie above last, found ", level_name(options.first), " and ",
          level_name(options.last));
@@ -36,6 +82,7 @@ void check_spine_options(const SpineOptions& options) {
   if (options.thoracic_disc_mm) check_within("thoracic_disc_mm", *options.thoracic_disc_mm, 0.3, 20.0);
   if (options.lumbar_disc_mm) check_within("lumbar_disc_mm", *options.lumbar_disc_mm, 0.3, 25.0);
   check_within("facet_gap_mm", options.facet_gap_mm, 0.0, 4.0);
+  check_within("cervical_lordosis_deg", options.cervical_lordosis_deg, -20.0, 60.0);
   check_within("kyphosis_deg", options.kyphosis_deg, 0.0, 80.0);
   check_within("lordosis_deg", options.lordosis_deg, 0.0, 80.0);
   check_within("scoliosis_deg", options.scoliosis_deg, -70.0, 70.0);
@@ -44,14 +91,19 @@ void check_spine_options(const SpineOptions& options) {
   if (options.scoliosis_last) among_the_levels("scoliosis_last", *options.scoliosis_last, options);
   check_within("rib_gap_mm", options.rib_gap_mm, 0.0, 4.0);
   check_within("rib12_mm", options.rib12_mm, 20.0, 200.0);
-  if (options.sacrum && options.last != Level::kL5) {
-    fail("spine phantom: a sacrum needs L5 as the last level, found ", level_name(options.last));
-  }
+  check_bones_around(options);
   check_within("osteophyte_mm", options.osteophyte_mm, 0.0, 12.0);
   check_within("osteophyte_gap_mm", options.osteophyte_gap_mm, 0.0, 10.0);
   check_within("osteophyte_share", options.osteophyte_share, 0.0, 1.0);
+  check_within("density", options.density, 0.2, 3.0);
   for (const Level level : options.schmorl_nodes) among_the_levels("schmorl_nodes", level, options);
   for (const Level level : options.screws) among_the_levels("screws", level, options);
+  for (const Level level : options.cement) among_the_levels("cement", level, options);
+  for (const CrushedLevel& one : options.crushed) {
+    among_the_levels("crushed", one.level, options);
+    check_within("crushed.front_share", one.front_share, 0.25, 1.0);
+    check_within("crushed.back_share", one.back_share, 0.5, 1.0);
+  }
   check_within("screw_diameter_mm", options.screw_diameter_mm, 2.0, 10.0);
   check_within("variation", options.variation, 0.0, 1.5);
   for (int axis = 0; axis < 3; ++axis) {
@@ -87,7 +139,7 @@ SpineOptions random_spine_options(std::uint64_t seed, const SpineOptions& range)
     options.osteophyte_gap_mm = gap;
   }
   options.osteoporosis = chance(0.3);
-  for (Level level = options.first;; level = level_below(level)) {
+  for (Level level = options.first;; level = level_below(level, options)) {
     if (chance(0.1)) options.schmorl_nodes.push_back(level);
     if (level == options.last) break;
   }

@@ -8,6 +8,7 @@
 #include "core/base/random.h"
 #include "core/phantom/detail/shapes.h"
 #include "core/phantom/detail/texture.h"
+#include "core/phantom/detail/upper_neck.h"
 #include "core/phantom/spine_ground_truth.h"
 
 namespace spinaltap {
@@ -33,11 +34,19 @@ SoftTissue::SoftTissue(const Spine& spine, const SoftTissueOptions& options) : o
     const LevelMeasures& m = placed.measures;
     const double half_depth = 0.5 * m.body_depth_mm;
     const bool thoracic = level_rank(placed.level) <= level_rank(Level::kT12);
+    const bool cervical = level_rank(placed.level) < level_rank(Level::kT1);
     const double low = placed.level == Level::kT12 ? 0.25 : placed.level == Level{18} ? 0.7 : 1.0;
     stations_.push_back({placed.position_mm, placed.rotation, 0.5 * m.body_width_mm, half_depth, 0.5 * m.canal_width_mm,
                          0.5 * m.canal_depth_mm, half_depth + 0.5 * m.canal_depth_mm,
                          half_depth + m.canal_depth_mm + m.spinous_length_mm * std::cos(m.spinous_drop_deg * kDegree),
-                         thoracic ? low : 0.0});
+                         thoracic && !cervical ? low : 0.0, cervical ? 1.0 : 0.0});
+  }
+  const PlacedLevel& top = spine.placed().front();
+  if (top.level == Level::kC1) {
+    const double scale = top.measures.body_width_mm / upper_neck_measures(Level::kC1).body_width_mm;
+    const SkullPlace skull = skull_place(scale);
+    const Vec3 half = skull.half_mm + Vec3::Constant(9.0);
+    head_ = Disc{top.position_mm + top.rotation * skull.centre_mm, top.rotation, half.x(), half.y(), half.z()};
   }
   for (const DiscGroundTruth& disc : spine_ground_truth(spine).discs) {
     // Frame: the disc's normal up, backward as far as that leaves it.
@@ -65,9 +74,45 @@ SoftTissue::Station SoftTissue::at_height(double z_mm) const {
             mix(a.canal_half_depth_mm, b.canal_half_depth_mm),
             mix(a.canal_y_mm, b.canal_y_mm),
             mix(a.back_mm, b.back_mm),
-            mix(a.lung, b.lung)};
+            mix(a.lung, b.lung),
+            mix(a.neck, b.neck)};
   }
   return stations_.back();
+}
+
+/// `hu` as the neck has it: muscle for the aorta, a windpipe, air around an outline that widens to the shoulders.
+double SoftTissue::in_neck_hu(double hu, const Vec3& p, const Station& here) const {
+  constexpr double kAirHu = -1000.0;
+  const double x = p.x() - here.centre_mm.x(), y = p.y() - here.centre_mm.y();
+  const double front = -here.half_depth_mm;
+  double neck = hu;
+  neck = lerp(neck, options_.muscle_hu, inside(ellipse_mm(x, y - front + 16.0, 26.0, 14.0), 2.0));
+  neck = lerp(neck, kAirHu + 30.0, inside(ellipse_mm(x, y - front + 22.0, 9.0, 8.0)));
+  // Great vessels at both sides.
+  for (const double side : {1.0, -1.0}) {
+    neck = lerp(neck, 0.5 * (options_.aorta_hu + options_.muscle_hu),
+                inside(std::hypot(x - side * 27.0, y - front + 14.0) - 4.5));
+  }
+  neck = lerp(hu, neck, shapes::smooth_step(0.0, 1.0, here.neck));
+  // It widens to the shoulders.
+  const double shoulder = 1.0 - here.neck;
+  double outline = ellipse_mm(x, y + 4.0 + 20.0 * shoulder, 63.0 + 130.0 * shoulder, 68.0 + 55.0 * shoulder);
+  if (head_) {
+    const Vec3 q = head_->rotation.transpose() * (p - head_->centre_mm);
+    const Vec3 half(head_->half_width_mm, head_->half_depth_mm, head_->half_height_mm);
+    const double head = (q.cwiseQuotient(half).norm() - 1.0) * half.minCoeff();
+    // A face and jaws below the front of the braincase.
+    const Vec3 f = q - Vec3(0.0, -0.42 * half.y(), -1.0 * half.z());
+    const double face =
+        (f.cwiseQuotient(Vec3(0.82 * half.x(), 0.62 * half.y(), 1.1 * half.z())).norm() - 1.0) * 0.6 * half.x();
+    outline = std::min({outline, head, face});
+    if (p.z() > here.centre_mm.z() + 30.0) outline = std::min(head, face);
+    neck = lerp(neck, options_.muscle_hu - 18.0, inside(head + 11.0));  // the brain
+  }
+  neck = lerp(neck, options_.fat_hu, inside(-outline - 4.0, 1.5));
+  neck = lerp(neck, 30.0, inside(-outline - 1.5));
+  neck = lerp(neck, kAirHu, inside(-outline));
+  return neck;
 }
 
 double SoftTissue::hu(const Vec3& p) const {
@@ -98,9 +143,10 @@ double SoftTissue::hu(const Vec3& p) const {
   constexpr double kAortaMm = 11.5;
   const double aorta = std::hypot(x - 11.0, y + here.half_depth_mm + kAortaMm + 1.5) - kAortaMm;
   hu = lerp(hu, options_.aorta_hu, inside(aorta));
+  if (here.neck > 0.0) hu = in_neck_hu(hu, p, here);
   // Muscle next to the bodies in front of the ribs: ligaments and vessels rather than lung.
   const double cuff = ellipse_mm(x, y, here.half_width_mm + 3.0, here.half_depth_mm + 3.0);
-  if (aorta > 0.0) hu = lerp(hu, 50.0, inside(cuff));
+  if (aorta > 0.0 || here.neck > 0.0) hu = lerp(hu, 50.0, inside(cuff));
   for (const Disc& disc : discs_) {
     if (std::fabs(p.z() - disc.centre_mm.z()) > 40.0) continue;
     const Vec3 q = disc.rotation.transpose() * (p - disc.centre_mm);

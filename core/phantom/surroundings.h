@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/geometry.h"
@@ -29,8 +30,8 @@ struct SoftTissueOptions {
 };
 
 /// Soft tissue around a spine: discs, the canal's contents, muscle with patches and layers of fat, the aorta in front
-/// of the column to its left, lungs beside thoracic bodies, air behind the skin. Drawn after textbooks; borders are as
-/// soft as a scan's.
+/// of the column to its left, lungs beside thoracic bodies, air behind the skin. A neck has its own outline and a
+/// windpipe, and no aorta. Drawn after textbooks; borders are as soft as a scan's.
 class SoftTissue : public Surroundings {
  public:
   /// `spine`: made from SpineOptions; throws Error for any other.
@@ -38,7 +39,6 @@ class SoftTissue : public Surroundings {
 
   double hu(const Vec3& p_patient) const override;
 
- private:
   /// A place along the column: a body's or a disc's middle.
   struct Station {
     Vec3 centre_mm;
@@ -47,18 +47,25 @@ class SoftTissue : public Surroundings {
     double canal_half_width_mm, canal_half_depth_mm, canal_y_mm;  ///< in the station's frame
     double back_mm;                                               ///< y of the spinous processes' tips
     double lung;                                                  ///< 1 beside the lungs, 0 below them
+    double neck;                                                  ///< 1 in the neck, 0 below it
   };
-  /// A disc in its own frame.
+  /// The column's place at a height, between those of the bodies above and below.
+  Station at_height(double z_mm) const;
+  const SoftTissueOptions& options() const { return options_; }
+
+ private:
+  /// A disc in its own frame, or a head.
   struct Disc {
     Vec3 centre_mm;
     Mat3 rotation;
     double half_width_mm, half_depth_mm, half_height_mm;
   };
 
-  Station at_height(double z_mm) const;
+  double in_neck_hu(double hu, const Vec3& p, const Station& here) const;
 
   std::vector<Station> stations_;  ///< from above
   std::vector<Disc> discs_;
+  std::optional<Disc> head_;  ///< the braincase with its scalp
   SoftTissueOptions options_;
 };
 

@@ -69,6 +69,8 @@ LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry) {
     if (!occurs[static_cast<std::size_t>(label)]) continue;
     if (label == kRibLabel) {
       volume.names[label] = {"rib", Level::kNone};
+    } else if (label == kOtherBoneLabel) {
+      volume.names[label] = {"other bone", Level::kNone};
     } else {
       const Level level = level_from_number(label).value_or(Level::kNone);
       volume.names[label] = {level == Level::kNone ? std::string() : level_name(level), level};

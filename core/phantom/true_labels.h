@@ -6,7 +6,8 @@
 namespace spinaltap {
 
 /// The true label map of a grid: each voxel has the label of the body that holds its centre, 0 where none does. Levels
-/// have VerSe's numbers and names, all ribs are kRibLabel, "rib". The same at any number of threads.
+/// have VerSe's numbers and names, all ribs are kRibLabel, "rib", and all
+/// other bones kOtherBoneLabel, "other bone". The same at any number of threads.
 LabelVolume true_labels(const Spine& spine, const GridGeometry& geometry);
 
 /// The voxels whose centres lie in one body.

@@ -98,9 +98,9 @@ Vec3 rotation_in_degrees(const Mat3& r) {
 
 void check_anatomy(const VertebraAnatomy& anatomy) {
   const VertebraAnatomy::Body& body = anatomy.body;
-  in_range("body.width_mm", body.width_mm, 15.0, 90.0);
-  in_range("body.depth_mm", body.depth_mm, 10.0, body.width_mm);
-  in_range("body.height_mm", body.height_mm, 8.0, 60.0);
+  in_range("body.width_mm", body.width_mm, 10.0, 90.0);
+  in_range("body.depth_mm", body.depth_mm, 8.0, body.width_mm);
+  in_range("body.height_mm", body.height_mm, 5.0, 60.0);
   in_range("body.edge_mm", body.edge_mm, 0.1, 0.2 * body.height_mm);
   in_range("body.waist_mm", body.waist_mm, 0.0, 0.25 * body.depth_mm);
   in_range("body.kidney_mm", body.kidney_mm, 0.0, 0.25 * body.depth_mm);

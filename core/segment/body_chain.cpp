@@ -18,8 +18,8 @@ namespace spinaltap {
 namespace {
 
 constexpr double kPlaceStepMm = 0.5;  // between places of endplates
-constexpr double kMinHeightMm = 9.0;
-constexpr double kMinCutMm = 2.5;  // of a body that the CT cuts
+constexpr double kMinHeightMm = 5.0;  // of a crushed body, in slices so thin that they show it
+constexpr double kMinCutMm = 2.5;     // of a body that the CT cuts
 constexpr double kMaxHeightMm = 40.0;
 constexpr double kMinGapMm = 0.5;
 constexpr double kMaxGapMm = 17.0;
@@ -217,11 +217,18 @@ std::vector<double> sums_of(const std::vector<float>& values) {
   return sums;
 }
 
+/// The least height of a whole body: three slices, so that it is told from its endplates, and no more than 9 mm.
+double min_height_mm(double step_mm) {
+  constexpr double kSlices = 3.0, kMostMm = 9.0;
+  return std::clamp(kSlices * step_mm, kMinHeightMm, kMostMm);
+}
+
 class ChainSearch {
  public:
-  ChainSearch(const Profile& profile, const WallLevels& levels)
+  ChainSearch(const Profile& profile, const WallLevels& levels, double step_mm)
       : profile_(profile),
         levels_(levels),
+        min_whole_(static_cast<int>(min_height_mm(step_mm) / kPlaceStepMm)),
         count_(static_cast<int>(profile.rise.size())),
         wall_sums_(sums_of(profile.wall)),
         level_sums_(sums_of(profile.level)) {}
@@ -235,7 +242,6 @@ class ChainSearch {
   std::vector<Body> best_chain() const;
 
  private:
-  static constexpr int kMinWhole = static_cast<int>(kMinHeightMm / kPlaceStepMm);
   static constexpr int kMinHeight = static_cast<int>(kMinCutMm / kPlaceStepMm);
   static constexpr int kMaxHeight = static_cast<int>(kMaxHeightMm / kPlaceStepMm);
   static constexpr int kHeights = kMaxHeight - kMinHeight + 1;
@@ -253,8 +259,8 @@ class ChainSearch {
         2.0 * static_cast<double>(profile_.half_size_mm[static_cast<std::size_t>((lower + upper) / 2)]);
     // A body's height over its size across, the root of width times depth: 0.65 to 0.85 from the neck to L5.
     const double off = std::log(height_mm / (0.74 * size_mm)) / 0.28;
-    // A crushed body may be half as high: that is rare, and no reason to end a row.
-    constexpr double kMaxShort = 1.2;
+    // A crushed body may be half as high and less: that is rare, and no reason to end a row.
+    constexpr double kMaxShort = 1.8;
     const double size_cost = off > 0.0 ? 0.5 * off * off : is_whole ? std::min(0.5 * off * off, kMaxShort) : 0.0;
     constexpr int kRim = 4;  // 2 mm: rims may bridge
     const double wall = mean(wall_sums_, lower + kRim, std::max(lower + kRim + 1, upper - kRim));
@@ -285,6 +291,14 @@ class ChainSearch {
     return 0.6 * soft - 0.8 * std::clamp(wall - 0.15, -0.4, 0.4) - 0.5 * off * off;
   }
 
+  /// Whether a body is so low for its size that it must be crushed, if it is one.
+  bool is_crushed(int upper, int height) const {
+    constexpr double kCrushed = 0.41;  // of its size across; 0.74 is usual
+    const double size_mm =
+        2.0 * static_cast<double>(profile_.half_size_mm[static_cast<std::size_t>(upper - height / 2)]);
+    return kPlaceStepMm * height < kCrushed * size_mm;
+  }
+
   double height_change_cost(int height, int other) const {
     const double off = std::log(static_cast<double>(height) / other) / 0.16;
     return 0.5 * std::min(off * off, 2.2);
@@ -292,6 +306,7 @@ class ChainSearch {
 
   const Profile& profile_;
   const WallLevels& levels_;
+  int min_whole_;  ///< places
   int count_;
   std::vector<double> wall_sums_, level_sums_;
 };
@@ -349,11 +364,12 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
       if (lower < first_lower) return;
       const double rise = lower_cut ? kCutEnd : static_cast<double>(profile_.rise[static_cast<std::size_t>(lower)]);
       if (!lower_cut && (rise < 0.15 || lower < cut_below)) return;
-      if (!lower_cut && !upper_cut && height < kMinWhole) return;
+      if (!lower_cut && !upper_cut && height < min_whole_) return;
       const std::size_t here = state(upper, height);
       const bool is_whole = !lower_cut && !upper_cut;
       own[here] = rise + fall + body_gain(lower, upper, is_whole) - (is_whole ? kMinGain : kMinCutGain);
       double best = 0.0;
+      const bool crushed_here = is_whole && is_crushed(upper, height);
       for (int gap = kMinGap; !lower_cut && gap <= kMaxGap && lower - gap >= first_lower; ++gap) {
         const int below = lower - gap;
         const double gap_here = gap_gain(below, lower);
@@ -361,7 +377,8 @@ std::vector<ChainSearch::Body> ChainSearch::best_chain() const {
           const double before = gain[state(below, other)];
           if (before <= 0.0) continue;
           const bool partial = upper_cut || lower_cut || (below - other <= first_lower && first_lower > 0);
-          const double total = before + gap_here - (partial ? 0.0 : height_change_cost(height, other));
+          const bool is_free = partial || crushed_here || is_crushed(below, other);
+          const double total = before + gap_here - (is_free ? 0.0 : height_change_cost(height, other));
           if (total <= best) continue;
           best = total;
           from[here] = static_cast<int>(state(below, other));
@@ -427,11 +444,11 @@ std::vector<BodySpan> find_body_chain(const FloatGrid& hu, const SpineColumn& co
   std::optional<Profile> banded;
   const double gain = strengthen(profile);
   if (step_mm >= kThickMm) add_bands(banded.emplace(profile), kinds, levels.full_drop_hu, step_mm, gain);
-  std::vector<ChainSearch::Body> row = ChainSearch(profile, levels).best_chain();
+  std::vector<ChainSearch::Body> row = ChainSearch(profile, levels, step_mm).best_chain();
   if (banded) {
     // Where discs are seen, as in most of the lumbar spine, bands would only be endplates.
     constexpr double kClearlyMore = 1.3;
-    std::vector<ChainSearch::Body> more = ChainSearch(*banded, levels).best_chain();
+    std::vector<ChainSearch::Body> more = ChainSearch(*banded, levels, step_mm).best_chain();
     if (places_of(more) > kClearlyMore * places_of(row) && gain_of(more) > kClearlyMore * gain_of(row)) {
       profile = std::move(*banded);
       row = std::move(more);

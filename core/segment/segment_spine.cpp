@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/text_writer.h"
 #include "core/segment/cut_levels.h"
+#include "core/segment/level_names.h"
 #include "core/segment/mask_shape.h"
 #include "core/segment/masked_ct.h"
 #include "core/segment/row_gaps.h"
@@ -102,48 +103,28 @@ SpineBodies bodies_for(const CtVolume& ct, const SegmentOptions& options, const 
 
 /// Names of the bodies of a chain, from below.
 struct Names {
-  std::vector<Level> levels;
+  LevelNames found;
   NameSource source = NameSource::counted;
+
+  const std::vector<Level>& levels() const { return found.levels; }
 };
 
-/// Counts up and down from one body with a known level, over what the row lacks; no further than where it is not clear
-/// how many bodies that are.
-std::vector<Level> counted_from(const SpineBodies& spine, std::size_t index, Level level) {
-  std::vector<Level> levels(spine.bodies.size(), Level::kNone);
-  levels[index] = level;
-  const auto count_on = [&](std::size_t from, std::size_t to, Level (*next)(Level)) {
-    const std::optional<int> missing = bodies_missing_above(spine, std::min(from, to));
-    if (!missing) return;
-    levels[to] = levels[from];
-    for (int step = 0; step <= *missing; ++step) levels[to] = next(levels[to]);
-  };
-  for (std::size_t n = index + 1; n < levels.size(); ++n) count_on(n - 1, n, level_above);
-  for (std::size_t n = index; n-- > 0;) count_on(n + 1, n, level_below);
-  return levels;
-}
-
 Names given_names(const SpineBodies& spine, const std::vector<LevelPoint>& given) {
-  Names names;
-  names.levels.assign(spine.bodies.size(), Level::kNone);
-  for (std::size_t n = 0; n < given.size(); ++n) {
-    const std::size_t index = body_of(spine, level_name(given[n].level), given[n].p_mm);
-    const std::vector<Level> counted = counted_from(spine, index, given[n].level);
+  std::vector<Level> levels(spine.bodies.size(), Level::kNone);
+  for (const LevelPoint& one : given) {
+    const std::size_t index = body_of(spine, level_name(one.level), one.p_mm);
+    const std::vector<Level> counted = levels_counted_from(spine, index, one.level);
     // Beyond a gap of the row each word may know what the other does not.
-    if (names.levels[index] != Level::kNone && names.levels[index] != given[n].level) {
-      fail(level_name(given[n].level), ": expected a point that agrees with ", level_name(given[0].level),
-           "; counted from there it lies in ", level_name(names.levels[index]));
+    if (levels[index] != Level::kNone && levels[index] != one.level) {
+      fail(level_name(one.level), ": expected a point that agrees with ", level_name(given[0].level),
+           "; counted from there it lies in ", level_name(levels[index]));
     }
     for (std::size_t body = 0; body < counted.size(); ++body) {
-      if (counted[body] != Level::kNone) names.levels[body] = counted[body];
+      if (counted[body] != Level::kNone) levels[body] = counted[body];
     }
   }
-  names.source = NameSource::given;
-  return names;
+  return {{std::move(levels), std::vector<std::vector<LevelOdds>>(spine.bodies.size()), {}}, NameSource::given};
 }
-
-/// Where ribs stand at a level. Beside a scoliotic body one of a pair may not be found, and a broken transverse process
-/// may look like one.
-enum class Ribs { none, one_side, both };
 
 Ribs ribs_of(const CutVertebra& cut) {
   constexpr double kMinMm3 = 60.0;
@@ -151,23 +132,14 @@ Ribs ribs_of(const CutVertebra& cut) {
   return sides == 0 ? Ribs::none : sides == 1 ? Ribs::one_side : Ribs::both;
 }
 
-/// From the sacrum, or from the last of the levels with ribs where some without follow. `ribs`: of each level.
-Names hinted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs) {
-  Names names;
-  names.levels.assign(spine.bodies.size(), Level::kNone);
-  if (spine.has_sacrum) {
-    names.levels = counted_from(spine, 0, Level::kSacrum);
-    names.source = NameSource::hint;
-    return names;
-  }
-  // A wrong guess names all wrongly: a pair of ribs, ribs on the next level up too, and none below.
-  const auto lowest = std::find_if(ribs.begin(), ribs.end(), [](Ribs r) { return r != Ribs::none; });
-  const bool is_clear =
-      lowest != ribs.begin() && ribs.end() - lowest >= 2 && *lowest == Ribs::both && *std::next(lowest) != Ribs::none;
-  if (!is_clear) return names;
-  names.levels = counted_from(spine, static_cast<std::size_t>(lowest - ribs.begin()), Level::kT12);
-  names.source = NameSource::hint;
-  return names;
+/// The names that the user gave, or those that the votes of what is seen give. `ribs`: of each body.
+Names names_of(const SpineBodies& spine, const SegmentOptions& options, const std::vector<Ribs>& ribs) {
+  if (!options.names.empty()) return given_names(spine, options.names);
+  return {voted_names(spine, ribs), NameSource::hint};
+}
+
+std::vector<Ribs> unknown_ribs(const SpineBodies& spine) {
+  return std::vector<Ribs>(spine.bodies.size(), Ribs::unknown);
 }
 
 /// The user's corrections as voxels of the CT.
@@ -238,9 +210,12 @@ LevelReport report_of(const CtVolume& ct, const SpineBodies& spine, const CutVer
   return report;
 }
 
-void set_name(LevelReport& report, Level level, NameSource source, std::size_t from_above) {
+void set_name(LevelReport& report, const Names& names, std::size_t index) {
+  const Level level = names.levels()[index];
+  const std::size_t from_above = names.levels().size() - 1 - index;
   report.level = level;
-  report.name_source = level == Level::kNone ? NameSource::counted : source;
+  report.name_source = level == Level::kNone ? NameSource::counted : names.source;
+  report.name_odds = names.found.odds[index];
   report.name = level == Level::kNone ? "V" + std::to_string(from_above + 1) : level_name(level);
   report.label = level == Level::kNone ? kFirstUnnamedLabel + static_cast<int>(from_above) : static_cast<int>(level);
 }
@@ -251,22 +226,21 @@ BoneReport bone_of(const BoneLevels& levels) {
 
 SpineSegmentation spine_of(const CtVolume& ct, const SpineBodies& spine, const SegmentOptions& options,
                            const Progress& progress) {
-  Names names = given_names(spine, options.names);
+  Names names = names_of(spine, options, unknown_ribs(spine));
   if (!options.corrections.empty() && options.names.empty() && !spine.has_sacrum) {
     const bool any_level = std::any_of(options.corrections.begin(), options.corrections.end(),
                                        [](const Correction& c) { return c.level != Level::kNone; });
     if (any_level) fail("corrections of levels: expected a point that names one of them, found none");
   }
-  if (options.names.empty() && spine.has_sacrum) names = hinted_names(spine, {});
   SpineSegmentation result;
   result.bone = bone_of(spine.levels);
   result.gaps = gaps_in_row(spine);
   result.labels.geometry = ct.geometry;
   result.labels.labels.assign(ct.geometry.voxel_count(), 0);
-  std::vector<Ribs> ribs(spine.bodies.size(), Ribs::none);
+  std::vector<Ribs> ribs = unknown_ribs(spine);
   // Labels are indices from below, plus one, until all names are known.
   cut_levels(
-      ct, spine, 0, spine.bodies.size() - 1, marks_of(ct, options.corrections, names.levels),
+      ct, spine, 0, spine.bodies.size() - 1, marks_of(ct, options.corrections, names.levels()),
       [&](CutVertebra&& cut) {
         for_box(ct.geometry, cut.ribs_box, [&](std::size_t to, std::size_t from) {
           if (cut.ribs[from] != 0 && result.labels.labels[to] == 0) result.labels.labels[to] = kRibsLabel;
@@ -279,14 +253,15 @@ SpineSegmentation spine_of(const CtVolume& ct, const SpineBodies& spine, const S
         result.levels.push_back(report_of(ct, spine, cut));
       },
       progress);
-  if (options.names.empty() && !spine.has_sacrum) names = hinted_names(spine, ribs);
+  if (options.names.empty()) names = names_of(spine, options, ribs);
+  result.transitional = names.found.transitional;
   const std::size_t count = result.levels.size();
   std::array<std::uint8_t, 256> renamed{};
   renamed[kRibsLabel] = kRibsLabel;
   for (std::size_t n = 0; n < count; ++n) {
-    set_name(result.levels[n], names.levels[n], names.source, count - 1 - n);
+    set_name(result.levels[n], names, n);
     renamed[kFirstUnnamedLabel + n] = static_cast<std::uint8_t>(result.levels[n].label);
-    result.labels.names[result.levels[n].label] = {result.levels[n].name, names.levels[n]};
+    result.labels.names[result.levels[n].label] = {result.levels[n].name, names.levels()[n]};
   }
   bool any_rib = false;
   for (std::uint8_t& label : result.labels.labels) {
@@ -318,13 +293,12 @@ Segmentation vertebra_of(const CtVolume& ct, const SpineBodies& spine, const Seg
     }
   }
   if (spine.has_sacrum && index == 0) fail("seed: expected a point in a vertebra, found the sacrum");
-  Names names = given_names(spine, options.names);
-  if (options.names.empty() && spine.has_sacrum) names = hinted_names(spine, {});
+  const Names names = names_of(spine, options, unknown_ribs(spine));
   Segmentation result;
   result.bone = bone_of(spine.levels);
   CutVertebra vertebra;
   cut_levels(
-      ct, spine, index, index, marks_of(ct, options.corrections, names.levels),
+      ct, spine, index, index, marks_of(ct, options.corrections, names.levels()),
       [&](CutVertebra&& cut) { vertebra = std::move(cut); }, progress);
   result.report = report_of(ct, spine, vertebra);
   // A name that is counted in a row that lacks vertebrae is another's.
@@ -337,7 +311,7 @@ Segmentation vertebra_of(const CtVolume& ct, const SpineBodies& spine, const Seg
   for_box(ct.geometry, vertebra.box,
           [&](std::size_t to, std::size_t from) { result.mask.inside[to] = vertebra.inside[from]; });
   if (mask_box(result.mask).empty()) fail("found no bone around ", in_words(result.report.body_centre_mm));
-  set_name(result.report, names.levels[index], names.source, spine.bodies.size() - 1 - index);
+  set_name(result.report, names, index);
   result.seed_mm = options.seed_mm ? *options.seed_mm : result.report.body_centre_mm;
   const bool is_asked_for = options.seed_mm || options.names.size() == 1;
   result.choice = joined(result.report.name, " of ", spine.bodies.size() - lowest, " found",
@@ -365,7 +339,7 @@ LevelReport report_of_kept(const MaskedCt& masked) {
   report.warnings = {{"the CT is masked, and no body and canal were seen in the bone that it keeps: taken as it stands",
                       kSuspect, std::nullopt}};
   report.severity = total_severity(report.warnings);
-  set_name(report, Level::kNone, NameSource::counted, 0);
+  set_name(report, {{{Level::kNone}, {{}}, {}}, NameSource::counted}, 0);
   return report;
 }
 

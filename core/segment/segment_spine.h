@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/ct/label_volume.h"
+#include "core/segment/level_names.h"
 #include "core/segment/level_warnings.h"
 #include "core/segment/spine_bodies.h"
 
@@ -36,7 +37,7 @@ struct SegmentOptions {
 /// Where a level's name is from.
 enum class NameSource {
   given,    ///< the user's word for this vertebra or another one, counted on from there
-  hint,     ///< guessed from the last ribs or the sacrum: patients with 11 or 13 pairs of ribs are misnamed
+  hint,     ///< the likeliest by the sacrum, the ribs and the sizes of bodies: voted_names()
   counted,  ///< no name is known: "V1" is the uppermost
 };
 
@@ -46,6 +47,7 @@ struct LevelReport {
   std::string name;  ///< "T11", or "V3" without any word or hint
   Level level = Level::kNone;
   NameSource name_source = NameSource::counted;
+  std::vector<LevelOdds> name_odds{};  ///< what else it may be, the likeliest first; empty where the name was given
   Vec3 body_centre_mm = Vec3::Zero();
   Vec3 body_size_mm = Vec3::Zero();  ///< width, depth and height of the cylinder nearest to the body
   Mat3 body_axes = Mat3::Identity();
@@ -78,6 +80,7 @@ struct SpineSegmentation {
   std::vector<LevelReport> levels;  ///< vertebrae from the head down
   BoneReport bone;
   std::vector<std::string> gaps;  ///< where vertebrae may have been missed, in words: gaps_in_row()
+  std::string transitional;       ///< what speaks for other numbers of vertebrae than most people have, or empty
 };
 
 /// All vertebrae of a CT, each parted from its neighbours, ribs and all other bone; see docs/segmentation.md. The same

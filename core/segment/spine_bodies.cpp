@@ -40,10 +40,10 @@ constexpr double kAlaeShare = 0.5;
 constexpr std::size_t kMaxSacral = 5;
 constexpr double kMinSacrumMm = 32.0;
 
-/// Whether the lowest of a row leans as a sacrum: as no lumbar body does, and more than the one above; is as wide, and
-/// has no wall where alae begin.
-bool leans_as_a_sacrum(const std::vector<std::optional<VertebralBody>>& bodies) {
-  constexpr double kMinLeanDeg = 35.0, kMinKinkDeg = 12.0, kMinWidth = 0.95, kMaxWall = 0.75;
+/// Whether the lowest of a row is as a sacrum, in three of four: it leans as no lumbar body does, and more than the one
+/// above; is wider than any lumbar body beside the next, and has no wall where alae begin.
+bool is_like_a_sacrum(const std::vector<std::optional<VertebralBody>>& bodies) {
+  constexpr double kMinLeanDeg = 35.0, kMinKinkDeg = 12.0, kMinWidth = 1.08, kMaxWall = 0.75;
   if (bodies.size() < 3) return false;
   const BodyCylinder &lowest = bodies[0]->cylinder, &above = bodies[1]->cylinder;
   const auto lean_deg = [](const BodyCylinder& body) {
@@ -52,20 +52,21 @@ bool leans_as_a_sacrum(const std::vector<std::optional<VertebralBody>>& bodies) 
   };
   std::vector<double> walls;
   for (std::size_t n = 1; n < bodies.size(); ++n) walls.push_back(bodies[n]->cylinder.fit);
-  return lean_deg(lowest) >= kMinLeanDeg && lean_deg(lowest) - lean_deg(above) >= kMinKinkDeg &&
-         lowest.half_mm.x() >= kMinWidth * above.half_mm.x() &&
-         lowest.fit <= kMaxWall * detail::upper_median(std::move(walls));
+  const bool signs[] = {lean_deg(lowest) >= kMinLeanDeg, lean_deg(lowest) - lean_deg(above) >= kMinKinkDeg,
+                        lowest.half_mm.x() >= kMinWidth * above.half_mm.x(),
+                        lowest.fit <= kMaxWall * detail::upper_median(std::move(walls))};
+  return std::count(std::begin(signs), std::end(signs), true) >= 3;
 }
 
 /// Whether a body of the row is the sacrum's: by its alae, or where these are thin or light, as the lowest's, by how it
-/// leans too.
+/// leans, its width and its wall too.
 bool is_sacral(const WallProbe& probe, const std::vector<std::optional<VertebralBody>>& bodies, std::size_t n,
                double bone_hu) {
   constexpr double kThinAlaeShare = 0.2;
   const BodyCylinder& body = bodies[n]->cylinder;
   if (2.0 * body.half_mm.x() < kMinSacrumMm) return false;
   const double share = alae_share(probe, body, bone_hu);
-  return share > kAlaeShare || (n == 0 && share >= kThinAlaeShare && leans_as_a_sacrum(bodies));
+  return share > kAlaeShare || (n == 0 && share >= kThinAlaeShare && is_like_a_sacrum(bodies));
 }
 
 /// Mean edge over the middle of a plane across a body.

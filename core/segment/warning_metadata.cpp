@@ -34,7 +34,8 @@ LevelWarnings warnings_of(const LevelReport& report) {
   warnings.severity = report.severity;
   for (const LevelWarning& warning : report.warnings) warnings.warnings.push_back(warning.text);
   if (report.name_source == NameSource::hint) {
-    warnings.warnings.push_back("its name is a hint from the sacrum or the last ribs: check it");
+    warnings.warnings.push_back("its name is a hint from the sacrum, the ribs and the bodies' sizes: check it (" +
+                                in_words(report.name_odds) + ")");
   }
   return warnings;
 }

@@ -42,10 +42,11 @@ PhantomBone phantom_bone(double voxel_mm, const Progress& progress) {
           pedicle_paths(vertebra_ground_truth(vertebra), "")};
 }
 
-void write_spine_phantom(const Spine& spine, bool soft_tissue, const ScanOptions& options,
+void write_spine_phantom(const Spine& spine, const Surroundings* surroundings, const ScanOptions& options,
                          const std::filesystem::path& folder, const Progress& progress) {
   StagedFolder staged(folder, "ground_truth.json");
-  const CtVolume ct = soft_tissue ? scan(spine, SoftTissue(spine), options, progress) : scan(spine, options, progress);
+  const CtVolume ct =
+      surroundings != nullptr ? scan(spine, *surroundings, options, progress) : scan(spine, options, progress);
   write_ct(ct, options.slice_width_mm, staged.temporary() / "ct", progress);
   const std::filesystem::path labels = staged.temporary() / "ground_truth_labels.nii.gz";
   write_whole_file(labels, encode_label_volume(true_labels(spine, ct.geometry), labels));

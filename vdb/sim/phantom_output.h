@@ -9,6 +9,7 @@
 #include "core/phantom/scanner.h"
 #include "core/phantom/solid.h"
 #include "core/phantom/spine.h"
+#include "core/phantom/surroundings.h"
 #include "core/phantom/vertebra_ground_truth.h"
 #include "vdb/sim/bone.h"
 
@@ -35,9 +36,9 @@ PhantomBone phantom_bone(double voxel_mm = 0.5, const Progress& progress = {});
 
 /// Scans a spine and writes, whole or not at all, a folder with ct/ (DICOM), ground_truth_labels.nii.gz (which voxel
 /// belongs to which level, on the CT's grid) and ground_truth.json (how it was scanned; for a spine made from
-/// SpineOptions each level's pedicles, body, endplates and tips, and the discs). `soft_tissue`: around the spine, made
-/// from SpineOptions.
-void write_spine_phantom(const Spine& spine, bool soft_tissue, const ScanOptions& scan,
+/// SpineOptions each level's pedicles, body, endplates and tips, and the discs). `surroundings`: null for the even ones
+/// of `scan`.
+void write_spine_phantom(const Spine& spine, const Surroundings* surroundings, const ScanOptions& scan,
                          const std::filesystem::path& folder, const Progress& progress = {});
 
 }  // namespace spinaltap

@@ -20,8 +20,10 @@ VertebraAnatomy level_anatomy(const LevelMeasures& measures);
 FacetPlace superior_facet(const LevelMeasures& measures);
 
 /// Lets the inferior articular processes end behind a facet of the level below, given in this vertebra's frame, with
-/// their front `overlap_mm` in front of its surface: what Spine cuts away to leave an even gap.
-void aim_inferior_processes(VertebraAnatomy& anatomy, const FacetPlace& facet_below, double overlap_mm);
+/// their front `overlap_mm` in front of its surface: what Spine cuts away to leave an even gap. Those of a cervical
+/// level start from its pillars, others from the lamina.
+void aim_inferior_processes(VertebraAnatomy& anatomy, const FacetPlace& facet_below, double overlap_mm,
+                            double cervical_share);
 
 /// Measures `by` times as large in all directions.
 LevelMeasures scaled(const LevelMeasures& measures, double by);

@@ -5,11 +5,14 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/lerp.h"
 #include "core/base/random.h"
 #include "core/phantom/detail/level_anatomy.h"
 #include "core/phantom/detail/rib.h"
 #include "core/phantom/detail/shape_solid.h"
 #include "core/phantom/detail/shapes.h"
+#include "core/phantom/detail/trunk_bones.h"
+#include "core/phantom/detail/upper_neck.h"
 #include "core/phantom/level_measures.h"
 #include "core/phantom/vertebra_ground_truth.h"
 
@@ -105,10 +108,17 @@ std::shared_ptr<const Vertebra> make_vertebra(const SpineOptions& options, const
   const PlacedLevel& level = placed[n];
   VertebraAnatomy anatomy = level_anatomy(level.measures);
   if (n + 1 < placed.size()) {
-    aim_inferior_processes(anatomy, facet_from_above(level, placed[n + 1]), kShaped - options.facet_gap_mm);
+    aim_inferior_processes(anatomy, facet_from_above(level, placed[n + 1]), kShaped - options.facet_gap_mm,
+                           level.measures.cervical_share);
   }
   anatomy.body.side_wedge_deg = level.side_wedge_deg;
   if (options.osteoporosis) weaken(anatomy);
+  // A neck's is denser.
+  const double density = options.density * lerp(1.0, 1.5, level.measures.cervical_share);
+  for (double* hu : {&anatomy.cancellous.body_hu, &anatomy.cancellous.pedicle_hu, &anatomy.cancellous.posterior_hu}) {
+    *hu *= density;
+  }
+  if (level.measures.crushed > 0.0) anatomy.cancellous.body_hu += 90.0;  // pressed together
   anatomy.cancellous.texture_seed = mix_bits(options.seed) + static_cast<std::uint64_t>(level.level);
   anatomy.placement.position_mm = level.position_mm;
   anatomy.placement.rotation_deg = rotation_in_degrees(level.rotation);
@@ -146,6 +156,22 @@ std::vector<ScrewRod> make_screws(const SpineOptions& options, const PlacedLevel
     screws.push_back({pedicle.entry_mm - kHeadMm * pedicle.axis, pedicle.target_mm, 0.5 * diameter});
   }
   return screws;
+}
+
+/// Three lumps about the middle of the body, by chance.
+std::vector<CementLump> make_cement(const SpineOptions& options, const PlacedLevel& level) {
+  if (std::find(options.cement.begin(), options.cement.end(), level.level) == options.cement.end()) return {};
+  const LevelMeasures& m = level.measures;
+  const Vec3 half = 0.5 * Vec3(m.body_width_mm, m.body_depth_mm, m.body_height_mm);
+  std::vector<CementLump> lumps;
+  for (std::uint64_t n = 0; n < 3; ++n) {
+    const auto chance = [&](std::uint64_t axis) {
+      return 2.0 * random_uniform(options.seed + 11, 16 * static_cast<std::uint64_t>(level.level) + 4 * n + axis) - 1.0;
+    };
+    const Vec3 own = 0.5 * half.cwiseProduct(Vec3(chance(0), chance(1) - 0.3, 0.6 * chance(2)));
+    lumps.push_back({level.rotation * own + level.position_mm, (0.4 + 0.12 * chance(3)) * half.y()});
+  }
+  return lumps;
 }
 
 /// Rims that may have spurs: where they stand, seen from the middle of the body, degrees to the left of its front.
@@ -198,14 +224,23 @@ double rib_length_mm(int number, const SpineOptions& options) {
   return (number == 1 ? 100.0 : 165.0) * options.scale;
 }
 
+/// Which of twelve ribs a level's is most like: the last two float. 0: it has none.
+int rib_number(Level level, int thoracic_levels) {
+  const int number = level == Level::kT13 ? 13 : static_cast<int>(level) - static_cast<int>(Level::kT1) + 1;
+  if (number < 1 || number > thoracic_levels) return 0;
+  return number > thoracic_levels - 2 ? number - thoracic_levels + 12 : std::min(number, 10);
+}
+
 void add_ribs(const SpineOptions& options, const std::vector<PlacedLevel>& placed, std::vector<SpinePart>& parts) {
   constexpr ShellBone kHealthy{0.9, 1000.0, 160.0}, kWeak{0.5, 900.0, 60.0};
   const std::size_t levels = placed.size();
   for (std::size_t n = 0; n < levels; ++n) {
-    const int number = static_cast<int>(placed[n].level) - static_cast<int>(Level::kT1) + 1;
-    if (number < 1 || number > 12) continue;
-    const double disc_mm = n > 0 ? disc_height_mm(placed[n - 1], placed[n])
-                                 : level_measures(placed[n].level).disc_below_mm * options.scale;
+    const int number = rib_number(placed[n].level, options.thoracic_levels);
+    if (number == 0) continue;
+    const double disc_mm =
+        n > 0 ? disc_height_mm(placed[n - 1], placed[n])
+              : level_measures(static_cast<Level>(static_cast<int>(Level::kT1) + number - 1)).disc_below_mm *
+                    options.scale;
     const std::vector<Vec3> axis =
         rib_axis(number, placed[n].measures, parts[n].vertebra->anatomy(), disc_mm, rib_length_mm(number, options));
     const shapes::RibShape shape(axis, number, options.scale);
@@ -233,14 +268,21 @@ std::vector<SpinePart> make_parts(const SpineOptions& options, const std::vector
       part.solid = std::make_shared<const ShapeSolid<shapes::SacrumShape>>(
           shapes::SacrumShape(placed[n].measures), placed[n].rotation, placed[n].position_mm, 1.0,
           options.osteoporosis ? ShellBone{0.5, 900.0, 40.0} : ShellBone{1.0, 1000.0, 140.0});
+    } else if (is_upper_neck(placed[n].level)) {
+      const ShellBone bone = options.osteoporosis ? ShellBone{0.7, 1000.0, 150.0} : ShellBone{1.2, 1200.0, 320.0};
+      part.solid = placed[n].level == Level::kC1 ? make_atlas(placed[n], options.scale, bone)
+                                                 : make_axis(placed[n], placed[n + 1], options.scale, bone);
+      if (n + 1 < placed.size()) part.cuts.push_back({n + 1, options.facet_gap_mm});
     } else {
       part.vertebra = make_vertebra(options, placed, n);
       std::vector<Pit> pits = make_pits(options, placed[n]);
       std::vector<ScrewRod> screws = make_screws(options, placed[n], *part.vertebra);
-      if (pits.empty() && screws.empty()) {
+      std::vector<CementLump> cement = make_cement(options, placed[n]);
+      if (pits.empty() && screws.empty() && cement.empty()) {
         part.solid = part.vertebra;
       } else {
-        part.solid = std::make_shared<const LevelBody>(part.vertebra, std::move(pits), std::move(screws));
+        part.solid =
+            std::make_shared<const LevelBody>(part.vertebra, std::move(pits), std::move(screws), std::move(cement));
       }
       // Long spinous processes pass the next level and may near the one after it.
       for (const std::size_t below : {n + 1, n + 2}) {
@@ -249,10 +291,23 @@ std::vector<SpinePart> make_parts(const SpineOptions& options, const std::vector
       for (const double side : {1.0, -1.0}) {
         for (Spur& spur : make_spurs(options, placed, n, side)) part.spurs.push_back(spur);
       }
+      if (placed[n].measures.cervical_share > 0.5) {
+        for (const Spur& spur : cervical_spurs(placed[n], part.vertebra->anatomy(), n > 0 ? &placed[n - 1] : nullptr)) {
+          part.spurs.push_back(spur);
+        }
+      }
     }
     parts.push_back(std::move(part));
   }
   if (options.ribs) add_ribs(options, placed, parts);
+  if (options.pelvis) add_pelvis(options, placed, parts);
+  if (options.shoulders) add_shoulders(options, placed, parts);
+  if (options.skull) {
+    const ShellBone bone{1.6, 1400.0, 500.0};
+    const SpinePart::Cut atlas{0, options.facet_gap_mm};
+    parts.push_back({.label = kOtherBoneLabel, .solid = make_skull(placed[0], options.scale, bone), .cuts = {atlas}});
+    parts.push_back({.label = kOtherBoneLabel, .solid = make_jaw(placed[0], options.scale), .cuts = {atlas}});
+  }
   return parts;
 }
 

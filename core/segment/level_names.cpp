@@ -1,0 +1,235 @@
+#include "core/segment/level_names.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "core/base/text_writer.h"
+#include "core/segment/row_gaps.h"
+
+namespace spinaltap {
+namespace {
+
+/// A kind of people: its lowest lumbar level, its lowest with ribs, and of 800 how many are of it.
+struct Numbering {
+  Level lowest, last_ribs;
+  double people;
+};
+constexpr std::array<Numbering, 6> kNumberings{{{Level::kL5, Level::kT12, 740.0},
+                                                {Level::kL5, Level::kL1, 19.0},
+                                                {Level::kL6, Level::kT12, 17.0},
+                                                {Level::kL5, Level{18}, 11.0},
+                                                {Level{23}, Level::kT12, 10.0},
+                                                {Level{23}, Level{18}, 2.0}}};
+
+/// The levels of a kind of people from the sacrum up to C3.
+std::vector<Level> levels_of(const Numbering& kind) {
+  std::vector<Level> levels{Level::kSacrum};
+  constexpr int kC3 = 3;
+  for (int n = static_cast<int>(kind.lowest); n >= kC3; --n) levels.push_back(static_cast<Level>(n));
+  return levels;
+}
+
+/// How likely the ribs that were found at a level are. The last pair may be short; of 636 levels of random phantoms
+/// that it named none was misnamed, so that it is seldom missed.
+double ribs_likelihood(Ribs found, bool has_ribs, bool is_last) {
+  if (found == Ribs::unknown) return 1.0;
+  if (!has_ribs) return found == Ribs::none ? 0.96 : found == Ribs::one_side ? 0.03 : 0.01;
+  if (is_last) return found == Ribs::none ? 0.06 : found == Ribs::one_side ? 0.14 : 0.8;
+  return found == Ribs::none ? 0.03 : found == Ribs::one_side ? 0.12 : 0.85;
+}
+
+/// Width of the upper endplate and height behind, mm, C3 to L5 (Panjabi 1991, 1992).
+struct BodyMeasures {
+  double width_mm, height_mm;
+};
+constexpr std::array<BodyMeasures, 22> kMeasures{
+    {{15.8, 11.6}, {17.2, 11.4}, {17.5, 11.4}, {18.5, 10.9}, {21.8, 12.8}, {24.5, 14.1}, {24.9, 15.6}, {24.6, 15.7},
+     {24.5, 16.2}, {24.9, 16.2}, {26.2, 17.4}, {27.8, 18.2}, {29.5, 18.7}, {30.6, 19.3}, {31.9, 20.2}, {34.9, 21.3},
+     {39.0, 22.7}, {41.2, 23.8}, {42.6, 24.3}, {44.1, 23.8}, {46.6, 24.1}, {47.3, 22.9}}};
+
+const BodyMeasures& measures_of(Level level) {
+  constexpr int kC3 = 3;
+  const int row = std::clamp(static_cast<int>(level) - kC3, 0, static_cast<int>(kMeasures.size()) - 1);
+  return kMeasures[static_cast<std::size_t>(row)];
+}
+
+/// Log likelihood of logarithms of sizes over the table's: each off by chance, all by the person's size.
+double log_of_sizes(const std::vector<double>& off) {
+  constexpr double kOne = 0.12, kAll = 0.15;
+  // Neighbours are off together, by what is measured and by the person.
+  constexpr double kTemper = 0.4;
+  const auto count = static_cast<double>(off.size());
+  double sum = 0.0, squares = 0.0;
+  for (const double one : off) {
+    sum += one;
+    squares += one * one;
+  }
+  const double shared = kAll * kAll / (kOne * kOne + count * kAll * kAll);
+  return -0.5 * kTemper * (squares - shared * sum * sum) / (kOne * kOne);
+}
+
+/// Bodies from `first` to `last` with their places above the first, over what the row lacks between them.
+struct Stretch {
+  std::size_t first = 0;
+  std::vector<int> places;
+};
+
+std::vector<Stretch> stretches_of(const SpineBodies& spine) {
+  std::vector<Stretch> all;
+  for (std::size_t n = 0; n < spine.bodies.size(); ++n) {
+    const std::optional<int> missing = n == 0 ? std::nullopt : bodies_missing_above(spine, n - 1);
+    if (missing) {
+      all.back().places.push_back(all.back().places.back() + 1 + *missing);
+    } else {
+      all.push_back({n, {0}});
+    }
+  }
+  return all;
+}
+
+bool is_cut(const BodySpan& span) { return span.lower.is_cut || span.upper.is_cut; }
+
+/// What is known of a body's level in a kind of people whose sacrum lies `place` levels below it.
+struct Vote {
+  const Numbering* kind;
+  int lowest_place;  ///< of the stretch's first body above the sacrum
+  double log_likelihood;
+};
+
+double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, const Stretch& stretch,
+                      const Numbering& kind, const std::vector<Level>& levels, int lowest_place) {
+  double sum = std::log(kind.people);
+  std::vector<double> widths, heights;
+  for (std::size_t m = 0; m < stretch.places.size(); ++m) {
+    const std::size_t n = stretch.first + m;
+    const int place = lowest_place + stretch.places[m];
+    const bool taken_for_sacrum = n == 0 && spine.has_sacrum;
+    if (taken_for_sacrum) {
+      // A lowest lumbar body that has grown into the sacrum, or the sacrum's second body, may be taken for its first.
+      sum += std::log(place == 0 ? 0.95 : place == 1 ? 0.03 : 0.02);
+      continue;
+    }
+    if (place < 0) return -1e9;
+    const Level level = levels[static_cast<std::size_t>(place)];
+    if (level == Level::kSacrum) {
+      sum += std::log(0.05);
+      continue;
+    }
+    const bool has_ribs = static_cast<int>(level) >= static_cast<int>(Level::kT1) &&
+                          static_cast<int>(level) <= static_cast<int>(kind.last_ribs);
+    sum += std::log(ribs_likelihood(ribs[n], has_ribs, level == kind.last_ribs));
+    if (is_cut(spine.chain[n])) continue;
+    const Vec3& half_mm = spine.bodies[n].cylinder.half_mm;
+    const BodyMeasures& measures = measures_of(level);
+    widths.push_back(std::log(2.0 * half_mm.x() / measures.width_mm));
+    heights.push_back(std::log(2.0 * half_mm.z() / measures.height_mm));
+  }
+  return sum + log_of_sizes(widths) + log_of_sizes(heights);
+}
+
+/// All places of a stretch in all kinds of people.
+std::vector<Vote> votes_of(const SpineBodies& spine, const std::vector<Ribs>& ribs, const Stretch& stretch) {
+  std::vector<Vote> votes;
+  for (const Numbering& kind : kNumberings) {
+    const std::vector<Level> levels = levels_of(kind);
+    const int highest = static_cast<int>(levels.size()) - 1 - stretch.places.back();
+    for (int lowest = -1; lowest <= highest; ++lowest) {
+      votes.push_back({&kind, lowest, log_likelihood(spine, ribs, stretch, kind, levels, lowest)});
+    }
+  }
+  return votes;
+}
+
+/// Whether ribs or a sacrum name a stretch: sizes alone do not.
+bool has_witness(const SpineBodies& spine, const std::vector<Ribs>& ribs, const Stretch& stretch) {
+  if (stretch.first == 0 && spine.has_sacrum) return true;
+  const auto at = [&](std::size_t m) { return ribs[stretch.first + m]; };
+  for (std::size_t m = 0; m + 1 < stretch.places.size(); ++m) {
+    const bool lower = at(m) == Ribs::both, upper = at(m + 1) == Ribs::both;
+    if ((lower && at(m + 1) == Ribs::none) || (upper && at(m) == Ribs::none)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t index, Level level) {
+  std::vector<Level> levels(spine.bodies.size(), Level::kNone);
+  levels[index] = level;
+  const auto count_on = [&](std::size_t from, std::size_t to, Level (*next)(Level)) {
+    const std::optional<int> missing = bodies_missing_above(spine, std::min(from, to));
+    if (!missing) return;
+    levels[to] = levels[from];
+    for (int step = 0; step <= *missing; ++step) levels[to] = next(levels[to]);
+  };
+  for (std::size_t n = index + 1; n < levels.size(); ++n) count_on(n - 1, n, level_above);
+  for (std::size_t n = index; n-- > 0;) count_on(n + 1, n, level_below);
+  return levels;
+}
+
+LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs) {
+  constexpr double kNamed = 0.8, kTold = 0.01;
+  constexpr int kUsualBetween = 5;
+  LevelNames names;
+  names.levels.assign(spine.bodies.size(), Level::kNone);
+  names.odds.resize(spine.bodies.size());
+  for (const Stretch& stretch : stretches_of(spine)) {
+    const std::vector<Vote> votes = votes_of(spine, ribs, stretch);
+    const auto likeliest = std::max_element(
+        votes.begin(), votes.end(), [](const Vote& a, const Vote& b) { return a.log_likelihood < b.log_likelihood; });
+    if (likeliest == votes.end()) continue;
+    double whole = 0.0;
+    for (const Vote& vote : votes) whole += std::exp(vote.log_likelihood - likeliest->log_likelihood);
+    const bool is_witnessed = has_witness(spine, ribs, stretch);
+    for (std::size_t m = 0; m < stretch.places.size(); ++m) {
+      const std::size_t n = stretch.first + m;
+      if (n == 0 && spine.has_sacrum) {
+        names.levels[0] = Level::kSacrum;
+        continue;
+      }
+      std::map<Level, double> of_level;
+      for (const Vote& vote : votes) {
+        const int place = vote.lowest_place + stretch.places[m];
+        if (place < 0) continue;
+        of_level[levels_of(*vote.kind)[static_cast<std::size_t>(place)]] +=
+            std::exp(vote.log_likelihood - likeliest->log_likelihood) / whole;
+      }
+      for (const auto& [level, probability] : of_level) {
+        if (probability >= kTold) names.odds[n].push_back({level, probability});
+      }
+      std::stable_sort(names.odds[n].begin(), names.odds[n].end(),
+                       [](const LevelOdds& a, const LevelOdds& b) { return a.probability > b.probability; });
+      const bool is_named = is_witnessed && !names.odds[n].empty() && names.odds[n].front().probability >= kNamed &&
+                            names.odds[n].front().level != Level::kSacrum;
+      if (is_named) names.levels[n] = names.odds[n].front().level;
+    }
+    const int between = static_cast<int>(likeliest->kind->lowest) - static_cast<int>(likeliest->kind->last_ribs);
+    if (is_witnessed && between != kUsualBetween) {
+      names.transitional = joined("a transitional spine: between the last ribs and the sacrum lie likeliest ", between,
+                                  " vertebrae, not ", kUsualBetween, "; names may be off by one");
+    }
+  }
+  // From below upward levels only rise: else one stretch is misnamed, and nothing tells which.
+  Level below = Level::kNone;
+  bool rises = true;
+  for (const Level level : names.levels) {
+    if (level == Level::kNone) continue;
+    rises = rises && (below == Level::kNone || level_rank(level) < level_rank(below));
+    below = level;
+  }
+  for (std::size_t n = spine.has_sacrum ? 1 : 0; !rises && n < names.levels.size(); ++n) names.levels[n] = Level::kNone;
+  return names;
+}
+
+std::string in_words(const std::vector<LevelOdds>& odds) {
+  TextWriter text;
+  for (std::size_t n = 0; n < odds.size(); ++n) {
+    const double rounded = std::round(100.0 * odds[n].probability) / 100.0;
+    text << (n == 0 ? "" : ", ") << level_name(odds[n].level) << ' ' << rounded;
+  }
+  return text.str();
+}
+
+}  // namespace spinaltap
