@@ -70,6 +70,7 @@ function(spinaltap_whole)
     file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${include}/${folder} SYMBOLIC)
   endforeach()
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/mesh/spinaltap.h ${include}/spinaltap.h SYMBOLIC)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/vdb/sim/spinaltap_c.h ${include}/spinaltap_c.h SYMBOLIC)
 
   add_library(spinaltap_all INTERFACE)
   add_library(spinaltap::spinaltap ALIAS spinaltap_all)

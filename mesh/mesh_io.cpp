@@ -55,7 +55,7 @@ void write_mesh(const TriangleMesh& mesh, const fs::path& path) {
   // OpenMesh does not look whether its bytes reach the disk, so it writes to memory.
   TextStream bytes;
   if (!OpenMesh::IO::write_mesh(linked.mesh, bytes, lower_extension(path), options, kDigits)) {
-    fail("cannot write ", path.string());
+    fail_as(ErrorKind::disk, "cannot write ", path.string());
   }
   write_whole_file(path, bytes.str());
 }

@@ -14,6 +14,7 @@
 #include "core/base/text_fields.h"
 #include "vdb/sim/bone.h"
 #include "vdb/sim/bone_path.h"
+#include "vdb/sim/phantom_output.h"
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -185,6 +186,19 @@ void bind_bone(py::module_& module) {
   py::class_<Bone>(module, "Bone", R"(A baked bone and all that planning and drilling ask of it.
 
 Nothing changes it; any number of threads may use it at once. Positions are patient LPS, mm, of shape (n, 3).)")
+      .def_static(
+          "phantom",
+          [](double voxel_mm, const py::object& progress) {
+            PhantomBone made =
+                long_call(progress, [&](const Progress& heard) { return phantom_bone(voxel_mm, heard); });
+            return std::make_pair(std::move(made.bone), std::move(made.paths));
+          },
+          "voxel_mm"_a = 0.5, "progress"_a = py::none(),
+          "A bone to try things on, without a CT, and a path through each of its pedicles: the shipped vertebra by its "
+          "own formula.")
+      .def("__copy__", [](const Bone& self) { return Bone(self); })
+      .def(
+          "__deepcopy__", [](const Bone& self, const py::dict&) { return Bone(self); }, "memo"_a)
       .def_static("from_ct", &bone_from_ct, "ct"_a, py::kw_only(), "seed_mm"_a = py::none(), "labels"_a = "",
                   "label"_a = 1, "level"_a = "", "voxel_mm"_a = 0.25, "series"_a = "", "resample"_a = false,
                   "convention"_a = "automatic", "affine"_a = "automatic", "accept_warnings"_a = false, "cache"_a = "",

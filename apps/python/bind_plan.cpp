@@ -159,6 +159,9 @@ void bind_plan(py::module_& module) {
           "From thread to thread.");
 
   py::class_<DrillPath>(module, "Path", "A planned hole, straight or curved, patient LPS, mm. Nothing changes it.")
+      .def("__copy__", [](const DrillPath& self) { return DrillPath(self); })
+      .def(
+          "__deepcopy__", [](const DrillPath& self, const py::dict&) { return DrillPath(self); }, "memo"_a)
       .def(py::init(&make_path), "entry_mm"_a, "target_mm"_a, "bit"_a = py::none(), "name"_a = "",
            "screw"_a = py::none(), "via_mm"_a = std::vector<Numbers>{},
            "From the entry on the bone's surface to the target inside; 3 numbers each. `via_mm`: places between, which "

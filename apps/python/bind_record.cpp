@@ -43,7 +43,7 @@ void save_csv(const SessionRecord& record, const std::filesystem::path& file, co
   const std::filesystem::path staged = output.stage(file);
   std::ofstream csv(staged, std::ios::binary);
   write(record, csv);
-  if (!csv.flush()) fail(file.string(), ": cannot be written; is the disk full?");
+  if (!csv.flush()) fail_as(ErrorKind::disk, file.string(), ": cannot be written; is the disk full?");
   csv.close();
   output.commit();
 }
@@ -57,7 +57,7 @@ std::optional<EngineKind> engine_of(const std::string& name) {
 void bind_record(py::module_& module) {
   module.attr("CYCLE") = cycle_dtype();
   module.attr("EVENT") = event_dtype();
-  module.attr("EVENT_KINDS") = names_to(EventKind::device_lost);
+  module.attr("EVENT_KINDS") = names_to(EventKind::tool_change);
   module.attr("STATES") = names_to(DrillState::inner_cortical);
 
   py::class_<SessionRecord>(module, "Record", "A record read back; docs/record-file.md.")

@@ -83,7 +83,8 @@ Material material_of(const std::filesystem::path& material, const std::filesyste
   return material.empty() ? model : read_material(material, model.density);
 }
 
-std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& path, double radius_mm, double spacing_mm,
+std::unique_ptr<OwnedSession> make_session(const Bone& bone, const std::optional<DrillPath>& path,
+                                           const std::optional<DrillBit>& bit, double radius_mm, double spacing_mm,
                                            double lead_in_mm, double fine_spacing_mm, const std::string& engine,
                                            const std::optional<Numbers>& region_mm, double rpm, bool clearances,
                                            double stop_thrust_n, double stop_clearance_mm, bool stop_on_breach,
@@ -116,8 +117,11 @@ std::unique_ptr<OwnedSession> make_session(const Bone& bone, const DrillPath& pa
   }
   std::vector<Bone> bones{bone};
   bones.insert(bones.end(), also.begin(), also.end());
-  return std::make_unique<OwnedSession>(
-      long_call(progress, [&](const Progress& heard) { return Session(bones, path, setup, heard); }));
+  if (path && bit) fail("expected the tool of the path, found another besides; set_tool() changes it");
+  if (bit) setup.path.bit = *bit;
+  return std::make_unique<OwnedSession>(long_call(progress, [&](const Progress& heard) {
+    return path ? Session(bones, *path, setup, heard) : Session(bones, setup, heard);
+  }));
 }
 
 py::array run_poses(OwnedSession& self, const Numbers& tips, const py::object& axes, const py::object& dt_s,
@@ -261,13 +265,15 @@ void bind_session(py::module_& module) {
                            R"(A bone being drilled along a path, cycle by cycle. One thread at a time.
 
 The drilling of one hole is one session: it begins at time 0 and cycle 0; end_hole() begins the next.)")
-      .def(py::init(&make_session), "bone"_a, "path"_a, py::kw_only(), "radius_mm"_a = 3.0, "spacing_mm"_a = 0.1,
-           "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0, "engine"_a = "auto", "region_mm"_a = py::none(),
-           "rpm"_a = 1250.0, "clearances"_a = true, "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity,
-           "stop_on_breach"_a = false, "material"_a = "", "density"_a = "", "also"_a = std::vector<Bone>(),
-           "follows_path"_a = true, "heat"_a = false, "irrigation"_a = false, "thermal_bone"_a = "",
-           "other_ct"_a = false, "progress"_a = py::none(),
-           R"(radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
+      .def(py::init(&make_session), "bone"_a, "path"_a = py::none(), py::kw_only(), "bit"_a = py::none(),
+           "radius_mm"_a = 3.0, "spacing_mm"_a = 0.1, "lead_in_mm"_a = 3.0, "fine_spacing_mm"_a = 0.0,
+           "engine"_a = "auto", "region_mm"_a = py::none(), "rpm"_a = 1250.0, "clearances"_a = true,
+           "stop_thrust_n"_a = kInfinity, "stop_clearance_mm"_a = -kInfinity, "stop_on_breach"_a = false,
+           "material"_a = "", "density"_a = "", "also"_a = std::vector<Bone>(), "follows_path"_a = true,
+           "heat"_a = false, "irrigation"_a = false, "thermal_bone"_a = "", "other_ct"_a = false,
+           "progress"_a = py::none(),
+           R"(path: None for any tool anywhere, in voxels: then `bit` is the tool, Bit() where none is said, depths are
+those of its tip below the bone's surface, and clearances the canal's alone. radius_mm, spacing_mm, lead_in_mm: of the cylinder of points around the path; fine_spacing_mm: near the
 surface and the target, 0: the same. engine: "ring", "leaf", "arc" or "reference", with the same results; "voxel", for
 any tool and way: voxels of the whole bone, spacing_mm apart, in place of the points; or "auto": "voxel" of a plate or where
 there is a region, else a fast one of points. region_mm: voxels only in this box, its two corners, (2, 3), patient LPS, as
@@ -299,6 +305,20 @@ sides: of a plate, along its width, (n, 3) or one for all; None: by its width_al
 Ctrl-C cancels; the cycles until then are done.)")
       .def("drill", &run_operator, "operator"_a, "progress"_a = py::none(),
            "An operator until it ends. Gives a row for each cycle, of dtype CYCLE. Ctrl-C cancels.")
+      .def(
+          "set_tool", [](OwnedSession& self, const DrillBit& bit) { self.take()->set_tool(bit); }, "bit"_a,
+          py::call_guard<py::gil_scoped_release>(),
+          "Another tool from the next cycle on, which has come from nowhere: a pedal changes a burr. A record takes "
+          "it. "
+          "Raises Error with heat, and of a plate where there are points.")
+      .def_property_readonly(
+          "tool", [](OwnedSession& self) { return self.take()->tool(); }, "In use.")
+      .def_property_readonly(
+          "chosen", [](OwnedSession& self) { return self.take()->chosen(); },
+          "What it drills, and why: \"voxels of 0.1 mm of the whole bone, for no path\".")
+      .def_property_readonly(
+          "motion_off_mm", [](OwnedSession& self) { return self.take()->motion_off_mm(); },
+          "By how much a hole of more than 294,912 cycles may be off what the tool did; 0 of shorter ones.")
       .def_property_readonly(
           "last", [](OwnedSession& self) { return Cycle(self.take()->last()); }, "Before the first cycle, zeros.")
       .def_property_readonly(

@@ -3,7 +3,9 @@
 #include <tbb/global_control.h>
 
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <string>
 
 #include "apps/python/bindings.h"
 #include "core/base/error.h"
@@ -32,6 +34,24 @@ void set_threads(int threads) {
 void bind_errors(py::module_& module) {
   static const py::handle error = py::exception<Error>(module, "Error", PyExc_RuntimeError).release();
   error.attr("__doc__") = "What was expected, what was found and where, in one line that a person can act on.";
+  error.attr("kind") = "";
+  // A class for each kind, which is also what Python people expect of it.
+  static std::map<ErrorKind, py::handle> kinds;
+  const auto add = [&module](ErrorKind kind, const char* name, PyObject* known_as, const char* doc) {
+    const py::tuple bases = known_as != nullptr ? py::make_tuple(error, py::handle(known_as)) : py::make_tuple(error);
+    const std::string full = std::string("spinaltap._core.") + name;
+    const py::handle made = PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr);
+    if (!made) throw py::error_already_set();
+    made.attr("kind") = std::string(name_of(kind));
+    module.attr(name) = made;
+    kinds[kind] = made;
+  };
+  add(ErrorKind::input, "InputError", PyExc_ValueError, "A value, an option or a file's content is not as expected.");
+  add(ErrorKind::geometry, "GeometryError", PyExc_ValueError, "A place, a path or a tool does not fit the bone.");
+  add(ErrorKind::file, "FileError", PyExc_FileNotFoundError, "A file or folder is missing, or cannot be opened.");
+  add(ErrorKind::disk, "DiskError", PyExc_OSError, "Something cannot be written.");
+  add(ErrorKind::unsupported, "UnsupportedError", PyExc_NotImplementedError, "Understood, but not handled.");
+  add(ErrorKind::internal, "InternalError", nullptr, "A mistake in this library.");
   // pybind11 asks for it by value. NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
@@ -39,7 +59,8 @@ void bind_errors(py::module_& module) {
     } catch (const Cancelled& cancelled) {
       PyErr_SetString(PyExc_KeyboardInterrupt, cancelled.what());
     } catch (const Error& mistake) {
-      PyErr_SetString(error.ptr(), mistake.what());
+      const auto found = kinds.find(mistake.kind());
+      PyErr_SetString((found == kinds.end() ? error : found->second).ptr(), mistake.what());
     }
   });
 }

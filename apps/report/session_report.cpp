@@ -80,6 +80,7 @@ std::string value_text(const SessionEvent& event) {
   switch (event.kind) {
     case EventKind::contact:
     case EventKind::invalid_pose:
+    case EventKind::tool_change:
       return {};
     case EventKind::state:
       return std::string(name_of(state_of(event)));

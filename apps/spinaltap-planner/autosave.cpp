@@ -29,7 +29,7 @@ class WorkLock {
  public:
   explicit WorkLock(const std::filesystem::path& work)
       : file_(work.string() + ".lock"), descriptor_(::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-    if (descriptor_ < 0) fail("cannot write ", file_.string(), ": ", std::strerror(errno));
+    if (descriptor_ < 0) fail_as(ErrorKind::disk, "cannot write ", file_.string(), ": ", std::strerror(errno));
     is_held_ = try_lock(descriptor_, true) == FileLock::held;
   }
   ~WorkLock() { ::close(descriptor_); }
@@ -216,7 +216,7 @@ void Autosave::save() {
   try {
     if (file_.empty()) {
       const QString folder = text_of(work_folder().string());
-      if (!QDir().mkpath(folder)) fail("cannot make the folder ", work_folder().string());
+      if (!QDir().mkpath(folder)) fail_as(ErrorKind::disk, "cannot make the folder ", work_folder().string());
       QFile::setPermissions(folder, QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);
       const auto file = work_folder() / (QUuid::createUuid().toString(QUuid::Id128).toStdString() + ".json");
       lock_ = std::make_shared<WorkLock>(file);

@@ -17,6 +17,7 @@ namespace spinaltap {
 constexpr int kDone = 0;
 constexpr int kAnswerIsNo = 1;       ///< all was done and written: what was asked is not so
 constexpr int kUsageOrInput = 2;     ///< nothing was done: of what is thrown
+constexpr int kInternal = 70;        ///< a mistake of ours, ErrorKind::internal; as EX_SOFTWARE of sysexits.h
 constexpr int kCancelled = 128 + 2;  ///< as shells have it for SIGINT
 
 /// What every subcommand has: --json, --force and --threads, and what main() runs after parsing.

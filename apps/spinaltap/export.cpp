@@ -19,7 +19,7 @@ void write_rows(const SessionRecord& record, const std::filesystem::path& path, 
   std::ofstream csv(path, std::ios::binary);
   write(record, csv);
   csv.close();
-  if (!csv) fail("cannot write ", path.string(), ": is the disk full?");
+  if (!csv) fail_as(ErrorKind::disk, "cannot write ", path.string(), ": is the disk full?");
 }
 
 Json export_record(const ExportOptions& options) {

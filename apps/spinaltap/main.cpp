@@ -134,6 +134,9 @@ int main(int argc, char** argv) {
     return spinaltap::kCancelled;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "spinaltap: not enough memory\n");
+  } catch (const spinaltap::Error& error) {
+    std::fprintf(stderr, "spinaltap: %s\n", spinaltap::with_flags(error.what()).c_str());
+    if (error.kind() == spinaltap::ErrorKind::internal) return spinaltap::kInternal;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "spinaltap: %s\n", spinaltap::with_flags(error.what()).c_str());
   }

@@ -133,8 +133,7 @@ void check_paths(const Options& options, const std::vector<DrillPath>& paths, co
 }
 
 /// Numbered pictures at even times of a record, from its begin to its end.
-Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, const DrillBit& bit,
-                  const Progress& progress) {
+Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, const Progress& progress) {
   constexpr double kMaxFrames = 1e5;
   const double step_s = options.speed / options.frames_per_s;
   const double last = std::ceil(hole.end_s() / step_s);
@@ -144,7 +143,7 @@ Json write_frames(const Options& options, Painter& painter, RecordedHole& hole, 
   for (std::size_t n = 0; n < count; ++n) {
     progress.report("drawing frames", static_cast<double>(n) / static_cast<double>(count));
     hole.go_to(static_cast<double>(n) * step_s);
-    painter.show(bit, hole.pose());
+    painter.show(hole.tool(), hole.pose());
     output.write(options.frames / (padded_number(n + 1, 5) + ".png"), painter.png(hole.drilled(), {}));
   }
   output.list_in(options.frames);
@@ -171,11 +170,10 @@ Json draw(const Options& options, const BoneModel& bone, const Progress& progres
   if (!recorded) check_paths(options, paths, bone);
   Painter painter(options, before, paths);
   if (!recorded) return write_picture(options, painter, bone, progress);
-  const DrillBit& bit = recorded->setup.path.bit;
   RecordedHole hole(bone, recorded->record, recorded->setup);
-  if (!options.frames.empty()) return write_frames(options, painter, hole, bit, progress);
+  if (!options.frames.empty()) return write_frames(options, painter, hole, progress);
   hole.go_to(options.at_s.value_or(hole.end_s()));
-  painter.show(bit, hole.pose());
+  painter.show(hole.tool(), hole.pose());
   return write_picture(options, painter, hole.drilled(), progress);
 }
 

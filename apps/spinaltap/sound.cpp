@@ -37,18 +37,18 @@ class WavFile {
     info.channels = 1;
     info.format = SF_FORMAT_WAV | (bits == 24 ? SF_FORMAT_PCM_24 : SF_FORMAT_PCM_16);
     file_.reset(sf_open(path.c_str(), SFM_WRITE, &info));
-    if (!file_) fail("cannot write ", shown_.string(), ": ", sf_strerror(nullptr));
+    if (!file_) fail_as(ErrorKind::disk, "cannot write ", shown_.string(), ": ", sf_strerror(nullptr));
   }
   void write(std::span<const float> samples) {
     const auto count = static_cast<sf_count_t>(samples.size());
     if (sf_write_float(file_.get(), samples.data(), count) != count) {
-      fail("cannot write ", shown_.string(), ": ", sf_strerror(file_.get()));
+      fail_as(ErrorKind::disk, "cannot write ", shown_.string(), ": ", sf_strerror(file_.get()));
     }
   }
   void close() {
     // Its head goes out with the last bytes.
     const int trouble = sf_close(file_.release());
-    if (trouble != 0) fail("cannot write ", shown_.string(), ": ", sf_error_number(trouble));
+    if (trouble != 0) fail_as(ErrorKind::disk, "cannot write ", shown_.string(), ": ", sf_error_number(trouble));
   }
 
  private:

@@ -27,7 +27,7 @@ void FileReader::Close::operator()(gzFile_s* file) const { gzclose_r(file); }
 FileReader::FileReader(const std::filesystem::path& path) : name_(path.string()) {
   max_bytes_ = regular_file_size(path);
   file_.reset(gzopen(path.c_str(), "rb"));
-  if (!file_) fail("cannot read ", name_);
+  if (!file_) fail_as(ErrorKind::file, "cannot read ", name_);
   gzbuffer(file_.get(), 1U << 17);
   const bool is_packed = gzdirect(file_.get()) == 0;
   if (is_packed != name_.ends_with(".gz")) {
@@ -49,7 +49,7 @@ bool FileReader::fill(std::size_t count) {
   int status = Z_OK;
   gzerror(file_.get(), &status);
   if (got < 0 || (status != Z_OK && status != Z_STREAM_END)) {
-    if (status == Z_ERRNO) fail("cannot read ", name_);
+    if (status == Z_ERRNO) fail_as(ErrorKind::file, "cannot read ", name_);
     fail("expected a whole gzip file, found a damaged one or one cut short: ", name_);
   }
   end_ += static_cast<std::size_t>(got);
@@ -126,7 +126,7 @@ void FileWriter::close() {
 }
 
 void FileWriter::check() const {
-  if (!file_) fail("cannot write ", path_.string(), ": ", std::strerror(errno));
+  if (!file_) fail_as(ErrorKind::disk, "cannot write ", path_.string(), ": ", std::strerror(errno));
 }
 
 }  // namespace spinaltap

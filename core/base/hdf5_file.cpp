@@ -90,7 +90,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   checked(H5Pset_driver(access.get(), hdf5_stopping_driver(), nullptr), "make", path);
   errno = 0;
   Id file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access.get()), H5Fclose);
-  if (file.get() < 0 && errno != 0) fail("cannot make ", path.string(), ": ", std::strerror(errno));
+  if (file.get() < 0 && errno != 0) fail_as(ErrorKind::disk, "cannot make ", path.string(), ": ", std::strerror(errno));
   checked(file.get(), "make", path);
   return Hdf5File(std::make_unique<Handle>(Handle{std::move(file), path}));
 }

@@ -34,7 +34,7 @@ void make_folders(const fs::path& wanted, std::vector<fs::path>& made) {
   }
   for (auto folder = missing.rbegin(); folder != missing.rend(); ++folder) {
     if (!fs::create_directory(*folder, error) && error) {
-      fail("cannot make the folder ", folder->string(), ": ", error.message());
+      fail_as(ErrorKind::disk, "cannot make the folder ", folder->string(), ": ", error.message());
     }
     made.push_back(*folder);
   }
@@ -189,7 +189,7 @@ class FileList {
       if (is_sure) sync_to_disk(temporary);
       std::error_code error;
       fs::rename(temporary, file_, error);
-      if (error) fail("cannot write ", file_.string(), ": ", error.message());
+      if (error) fail_as(ErrorKind::disk, "cannot write ", file_.string(), ": ", error.message());
     } catch (...) {
       std::error_code ignored;
       fs::remove(temporary, ignored);
@@ -226,7 +226,7 @@ fs::path StagedOutput::stage(const fs::path& final_path) {
   if (!fs::exists(folder, error)) {
     remove_leftovers(final_path.parent_path());
     if (!fs::create_directory(folder, error)) {
-      fail("cannot write into ", final_path.parent_path().string(), ": ", error.message());
+      fail_as(ErrorKind::disk, "cannot write into ", final_path.parent_path().string(), ": ", error.message());
     }
     made_folders_.push_back(folder);
     staging_folders_.push_back(folder);
@@ -274,7 +274,7 @@ void StagedOutput::commit() {
     if (const std::error_code failed = move.go()) {
       for (auto done = moves.rbegin(); done != moves.rend(); ++done) done->take_back();
       if (list) list->take_back();
-      fail("cannot write ", entry.final_path.string(), ": ", failed.message());
+      fail_as(ErrorKind::disk, "cannot write ", entry.final_path.string(), ": ", failed.message());
     }
   }
   for (Move& move : moves) move.keep();
@@ -304,7 +304,8 @@ StagedFolder::StagedFolder(fs::path final_path, const fs::path& marker) : final_
   make_folders(final_path_.parent_path(), made_folders_);
   if (!fs::create_directory(temporary_, error)) {
     remove_empty_folders(made_folders_);
-    fail("cannot make the folder ", temporary_.string(), ": ", error ? error.message() : "it exists");
+    fail_as(ErrorKind::disk, "cannot make the folder ", temporary_.string(), ": ",
+            error ? error.message() : "it exists");
   }
 }
 
@@ -332,7 +333,7 @@ void StagedFolder::commit() {
       std::error_code ignored;
       if (error && replaces) fs::rename(old, final_path_, ignored);
     }
-    if (error) fail("cannot write the folder ", final_path_.string(), ": ", error.message());
+    if (error) fail_as(ErrorKind::disk, "cannot write the folder ", final_path_.string(), ": ", error.message());
   }
   std::set<fs::path> folders{folder_of(final_path_)};
   for (const fs::path& folder : made_folders_) folders.insert(folder_of(folder));
@@ -344,7 +345,7 @@ void StagedFolder::commit() {
 
 void sync_to_disk(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) fail("cannot open ", path.string(), ": ", std::strerror(errno));
+  if (descriptor < 0) fail_as(ErrorKind::disk, "cannot open ", path.string(), ": ", std::strerror(errno));
   int status = 0;
   do {
     status = ::fsync(descriptor);
@@ -352,7 +353,7 @@ void sync_to_disk(const fs::path& path) {
   const int error = status != 0 ? errno : 0;
   ::close(descriptor);
   const bool cannot_sync = error == EINVAL || error == EROFS || error == ENOTSUP || error == ENOSYS;
-  if (error != 0 && !cannot_sync) fail("cannot write ", path.string(), ": ", std::strerror(error));
+  if (error != 0 && !cannot_sync) fail_as(ErrorKind::disk, "cannot write ", path.string(), ": ", std::strerror(error));
 }
 
 void write_whole_file(const fs::path& path, std::string_view content) {
@@ -360,15 +361,15 @@ void write_whole_file(const fs::path& path, std::string_view content) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(content.data(), static_cast<std::streamsize>(content.size()));
   file.close();
-  if (!file) fail("cannot write ", path.string(), ": ", std::strerror(errno));
+  if (!file) fail_as(ErrorKind::disk, "cannot write ", path.string(), ": ", std::strerror(errno));
 }
 
 std::uint64_t regular_file_size(const fs::path& path) {
   std::error_code error;
-  if (!fs::exists(path, error)) fail("no such file: ", path.string());
+  if (!fs::exists(path, error)) fail_as(ErrorKind::file, "no such file: ", path.string());
   if (!fs::is_regular_file(path, error)) fail("expected a regular file, found something else: ", path.string());
   const std::uintmax_t size = fs::file_size(path, error);
-  if (error) fail("cannot read ", path.string(), ": ", error.message());
+  if (error) fail_as(ErrorKind::file, "cannot read ", path.string(), ": ", error.message());
   return size;
 }
 
@@ -380,7 +381,7 @@ std::string read_whole_file(const fs::path& path, std::size_t max_bytes) {
   std::ifstream file(path, std::ios::binary);
   std::string content(static_cast<std::size_t>(size), '\0');
   file.read(content.data(), static_cast<std::streamsize>(content.size()));
-  if (!file) fail("cannot read ", path.string());
+  if (!file) fail_as(ErrorKind::file, "cannot read ", path.string());
   return content;
 }
 

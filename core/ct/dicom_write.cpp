@@ -166,7 +166,8 @@ void check_writable(const CtVolume& ct, const std::filesystem::path& folder, con
          in_quotes(options.series_description));
   }
   std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) fail("no such folder to write into: ", folder.string());
+  if (!std::filesystem::is_directory(folder, error))
+    fail_as(ErrorKind::file, "no such folder to write into: ", folder.string());
 }
 
 }  // namespace

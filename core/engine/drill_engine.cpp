@@ -15,7 +15,7 @@ std::string name_of(EngineKind kind) {
   for (const auto& [name, one] : engine_kinds()) {
     if (one == kind) return name;
   }
-  fail("no such drilling engine");
+  fail_as(ErrorKind::internal, "no such drilling engine");
 }
 
 }  // namespace spinaltap

@@ -41,7 +41,7 @@ const std::string& name_of(BitShape shape) {
   for (const auto& [name, known] : bit_shapes()) {
     if (known == shape) return name;
   }
-  fail("no such shape of a bit");
+  fail_as(ErrorKind::internal, "no such shape of a bit");
 }
 
 Json bit_json(const DrillBit& bit) { return to_json(bit); }

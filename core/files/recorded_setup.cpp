@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/version.h"
 #include "core/files/detail/session_json.h"
+#include "core/files/detail/tool_json.h"
 
 namespace spinaltap {
 namespace {
@@ -23,6 +24,14 @@ SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, con
     fail("expected a record of the program's own in ", file.string(), ", found none of its setup");
   }
   return read_session_setup(parse_json(session->second, "the setup in " + file.string()), file);
+}
+
+std::string record_tool(const DrillBit& bit) { return to_json(bit).dump(); }
+
+DrillBit recorded_tool(const RecordedTool& tool, const std::filesystem::path& file) {
+  const DrillBit bit = read_bit(parse_json(tool.tool, "a tool in " + file.string()), file);
+  check_bit(bit);
+  return bit;
 }
 
 }  // namespace spinaltap

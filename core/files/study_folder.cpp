@@ -126,20 +126,20 @@ void read_study_parts(const std::filesystem::path& folder, const StudyIdentity& 
 StudyPart::StudyPart(const std::filesystem::path& folder, const std::string& name, const StudyIdentity& identity)
     : path_(folder / name) {
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0) fail("cannot open ", path_.string(), " to write");
+  if (file_ < 0) fail_as(ErrorKind::disk, "cannot open ", path_.string(), " to write");
   try {
     const FileLock lock = try_lock(file_, true);
     if (lock == FileLock::taken) {
       fail("another process works on ", path_.string(), ": wait for it, or take another shard");
     }
-    if (lock == FileLock::failed) fail("cannot lock ", path_.string(), ": ", std::strerror(errno));
+    if (lock == FileLock::failed) fail_as(ErrorKind::disk, "cannot lock ", path_.string(), ": ", std::strerror(errno));
     if (lock == FileLock::no_locking) open_unlocked();
     const std::string text = read_whole_file(path_);
     const std::size_t last_line = text.rfind('\n');
     const std::size_t whole = last_line == std::string::npos ? 0 : last_line + 1;
     if (whole > 0) check_head(text, identity, path_);
     if (whole < text.size() && ::ftruncate(file_, static_cast<off_t>(whole)) != 0) {
-      fail("cannot take the last row, which was cut short, off ", path_.string());
+      fail_as(ErrorKind::disk, "cannot take the last row, which was cut short, off ", path_.string());
     }
     if (whole == 0) write(head_of(identity));
   } catch (...) {
@@ -165,7 +165,7 @@ void StudyPart::open_unlocked() {
     file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
     if (file_ < 0 && errno != EEXIST) break;
   }
-  if (file_ < 0) fail("cannot open ", path_.string(), " to write: ", std::strerror(errno));
+  if (file_ < 0) fail_as(ErrorKind::disk, "cannot open ", path_.string(), " to write: ", std::strerror(errno));
 }
 
 StudyPart::~StudyPart() {
@@ -182,7 +182,7 @@ void StudyPart::write(const std::string& text) {
     written = ::write(file_, text.data(), text.size());
   } while (written < 0 && errno == EINTR);
   if (written != static_cast<ssize_t>(text.size())) {
-    fail("cannot write ", path_.string(), ": the disk may be full; finished runs are kept");
+    fail_as(ErrorKind::disk, "cannot write ", path_.string(), ": the disk may be full; finished runs are kept");
   }
 }
 

@@ -317,6 +317,7 @@ DrillForces::DrillForces(std::span<const PointVolume> volumes, const DrillBit& b
     : state_(std::make_unique<State>(std::make_unique<BonePoints>(volumes, material), bit, material)) {}
 DrillForces::~DrillForces() = default;
 DrillForces::DrillForces(DrillForces&&) noexcept = default;
+DrillForces& DrillForces::operator=(DrillForces&&) noexcept = default;
 
 void DrillForces::reset() noexcept { state_->reset(); }
 void DrillForces::tell_hold() noexcept { state_->tells_hold = true; }

@@ -54,6 +54,7 @@ class DrillForces {
   DrillForces(std::span<const PointVolume> volumes, const DrillBit& bit, const Material& material);
   ~DrillForces();
   DrillForces(DrillForces&&) noexcept;
+  DrillForces& operator=(DrillForces&&) noexcept;
 
   /// After `step` has moved the bit to `pose` (patient LPS) within `dt_s`. With the spindle off the engine takes no
   /// step: then `result` is empty and the forces are those of contact.

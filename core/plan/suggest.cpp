@@ -491,7 +491,7 @@ const std::string& name_of(Technique technique) {
   for (const auto& [name, known] : techniques()) {
     if (known == technique) return name;
   }
-  fail("no such technique");
+  fail_as(ErrorKind::internal, "no such technique");
 }
 
 const std::map<std::string, SagittalReference>& sagittal_references() {

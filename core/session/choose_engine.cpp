@@ -8,14 +8,19 @@ namespace spinaltap {
 
 // The rule follows `spinaltap bench drill`, whose last table says how far it is from the fastest engine of each row;
 // docs/drilling-benchmarks.md has a run. The numbers here are of points 0.1 mm apart and tools of 3 mm.
+std::string_view why_voxels(const SessionSetup& setup, const ExpectedWay& way) {
+  if (!setup.options.has_path) return "no path";
+  if (setup.path.bit.shape == BitShape::plate) return "a plate";
+  if (setup.region_mm) return "a region";
+  if (setup.options.has_device || way.is_free) return "a hand at a device";
+  if (!way.keeps_to_path || !setup.options.follows_path) return "a way that leaves the path";
+  if (!setup.further_bone_hashes.empty()) return "several bones";
+  return "";
+}
+
 EngineKind chosen_engine(const SessionSetup& setup, const ExpectedWay& way) {
   if (setup.engine != EngineKind::automatic) return setup.engine;
-  // Points fill a cylinder around the session's one path: a region, a way that leaves the path or may, a hand at a
-  // device, and further bones need voxels. Plates cut voxels only.
-  if (setup.path.bit.shape == BitShape::plate || setup.region_mm || !way.keeps_to_path || way.is_free ||
-      setup.options.has_device || !setup.options.follows_path || !setup.further_bone_hashes.empty()) {
-    return EngineKind::voxel;
-  }
+  if (!why_voxels(setup, way).empty()) return EngineKind::voxel;
   // Discs across the path are soon in reach of a bit that leans over; boxes do not care how it lies. `ring` was faster
   // by 2 at 10 degrees, `leaf` by 2 at 20 and by 10 at 60.
   constexpr double kLeavesFromDeg = 15.0;

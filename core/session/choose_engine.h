@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "core/engine/drill_engine.h"
 #include "core/session/session_setup.h"
 
@@ -12,6 +14,9 @@ struct ExpectedWay {
   bool trembles = true;       ///< moves aside as well, as a hand does; else it only goes along its axis
   bool is_free = false;       ///< may leave the path, and the cylinder around it: a hand at a device
 };
+
+/// Why a session needs voxels: "a region", "a plate"; empty where points serve, which fill a cylinder around the path.
+std::string_view why_voxels(const SessionSetup& setup, const ExpectedWay& way = {});
 
 /// The engine of a session: the setup's own, or where that is `automatic`, the fastest of those that serve. What comes
 /// out does not depend on which engine of points it is; voxels are taken only where points cannot serve.

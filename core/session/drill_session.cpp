@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/base/error.h"
@@ -85,6 +86,7 @@ void check_session_options(const SessionOptions& options) {
   if (options.has_device && !options.has_support) {
     fail("session: expected the support of the hole's wall with a device, which a tool is held by, found none");
   }
+  if (!options.has_path && options.follows_path) fail("session: expected a path to follow, found none");
   if (options.heat) {
     check_heat_options(*options.heat);
     if (!options.follows_path) fail("session: expected no heat with a milling: only a hole along the path has it");
@@ -97,7 +99,18 @@ struct DrillSession::Tracking {
     if (options.heat) heat.emplace(path, *options.heat);
     if (options.compliance.is_on) compliant.emplace(path.bit, options.compliance);
   }
+  /// Another tool, from nowhere.
+  void take_tool(const DrillBit& tool, const SessionOptions& options) {
+    bit = tool_body(tool);
+    watch.take_tool(tool);
+    if (options.compliance.is_on) compliant.emplace(tool, options.compliance);
+    met = {};
+    waiting_s = 0.0;
+    is_placed = was_on = false;
+    ++tools;
+  }
 
+  std::size_t tools = 0;  ///< that came after the first
   ToolBody bit;
   PathCurve curve;
   SessionWatch watch;
@@ -120,21 +133,20 @@ DrillSession::DrillSession(const DrillPath& path, std::unique_ptr<const LivingBo
     : path_(path),
       bone_(checked(std::move(bone))),
       engine_(std::move(engine)),
-      forces_(*bone_, path.bit, material),
-      clearances_(clearances),
+      material_(material),
       options_(options),
+      forces_(forces_for(path.bit)),
+      clearances_(clearances),
       states_(options.states) {
   check_path(path);
   check_session_options(options);
   if (options.follows_path) states_ = StateRecogniser(rules_for(path, *bone_, options.states));
   if (!bone_->has_living()) {
-    fail("path ", in_quotes(path.name),
-         ": expected bone around it, found none: it misses the bone, or all is drilled away");
+    fail_as(ErrorKind::geometry, "path ", in_quotes(path.name),
+            ": expected bone around it, found none: it misses the bone, or all is drilled away");
   }
-  bone_->check_within(path);
+  if (options.has_path) bone_->check_within(path);
   if (!engine_) fail("session: expected a drilling engine, found none");
-  if (options.has_device) forces_.tell_hold();
-  if (!options.has_support) forces_.leave_out_support();
   tracking_ = std::make_unique<Tracking>(path, *bone_, options, clearances != nullptr);
   if (tracking_->heat) cycle_.heat = tracking_->heat->begin();
 }
@@ -145,6 +157,31 @@ DrillSession::DrillSession(const DrillPath& path, std::span<PointVolume> volumes
                    options) {}
 
 DrillSession::~DrillSession() = default;
+
+DrillForces DrillSession::forces_for(const DrillBit& bit) const {
+  DrillForces forces(*bone_, bit, material_);
+  if (options_.has_device) forces.tell_hold();
+  if (!options_.has_support) forces.leave_out_support();
+  return forces;
+}
+
+void DrillSession::set_tool(const DrillBit& bit, std::unique_ptr<DrillEngine> engine) {
+  check_bit(bit);
+  if (options_.has_path) {
+    DrillPath path = path_;
+    path.bit = bit;
+    check_path(path);
+  }
+  if (!engine) fail("session: expected a drilling engine for the tool, found none");
+  if (options_.heat) fail("session: expected one tool where heat is worked out, found a change of tools");
+  DrillForces forces = forces_for(bit);
+  tracking_->take_tool(bit, options_);
+  forces_ = std::move(forces);
+  engine_ = std::move(engine);
+  path_.bit = bit;
+  tracking_->log.add({EventKind::tool_change, tracking_->has_begun ? cycle_.index + 1 : 0, cycle_.time_s,
+                      cycle_.depth_mm, tracking_->pose.tip_mm, static_cast<double>(tracking_->tools)});
+}
 
 std::span<const SessionEvent> DrillSession::events() const { return tracking_->log.events(); }
 std::size_t DrillSession::events_lost() const { return tracking_->log.lost(); }
@@ -211,8 +248,16 @@ void DrillSession::place(const Pose& pose, const ToolInput& input) noexcept {
   if (!tracking.compliant) return;
   tracking.met.force = cycle_.force;
   if (clearances_ == nullptr) return;
-  tracking.met.tip = options_.follows_path ? cycle_.tip : clearances_->tip_at(pose);
+  tracking.met.tip = options_.follows_path || !options_.has_path ? cycle_.tip : clearances_->tip_at(pose);
   tracking.met.into_bone = clearances_->into_bone_at(pose.tip_mm);
+}
+
+/// Without a path: by the bone's surface.
+void DrillSession::tell_depth() noexcept {
+  if (clearances_ == nullptr) return;
+  cycle_.tip = clearances_->tip_at(cycle_.pose);
+  cycle_.depth_mm =
+      std::isfinite(cycle_.tip.inside_mm) ? cycle_.tip.inside_mm : -std::numeric_limits<double>::infinity();
 }
 
 /// Where the bit is while its chuck is held for `commanded`.
@@ -243,7 +288,11 @@ const Cycle& DrillSession::step(const ToolInput& input) noexcept {
   const std::optional<Pose> pose = reachable_pose(input, path_.bit, path_.entry_mm);
   if (pose && has_time) {
     cycle_.pose = bent(*pose, input.dt_s);
-    cycle_.depth_mm = tracking.curve.nearest_mm(cycle_.pose.tip_mm);
+    if (options_.has_path) {
+      cycle_.depth_mm = tracking.curve.nearest_mm(cycle_.pose.tip_mm);
+    } else {
+      tell_depth();
+    }
     place(cycle_.pose, input);
   } else {
     if (has_time && tracking.is_placed) tracking.waiting_s += input.dt_s;

@@ -37,6 +37,10 @@ struct SessionOptions {
   /// The tool drills along the path; else, in a milling, neither states nor breakthroughs nor plunges are told: the
   /// depth along the path says nothing of them.
   bool follows_path = true;
+  /// There is a planned path. Without one, depths are those of the tip below the bone's surface, as it was before it
+  /// was drilled; clearances are the canal's alone, since a tool has to come through the outer surface somewhere. Not
+  /// with `follows_path`.
+  bool has_path = true;
   /// How warm the bone beside the hole gets, which a tool has to drill that follows the path; none: it is not worked
   /// out, and costs nothing.
   std::optional<HeatOptions> heat = {};
@@ -52,14 +56,16 @@ void check_session_options(const SessionOptions& options);
 /// What one cycle was and did.
 struct Cycle {
   std::uint64_t index = 0;
-  double time_s = 0.0;    ///< since the first input; the sum of dt_s, rounded once
-  ToolInput input;        ///< as the operator gave it
-  Pose pose;              ///< of the bit: the input's, but for what gives way in a compliant tool
-  double depth_mm = 0.0;  ///< of the tip along the path, straight or curved: 0 at the entry
+  double time_s = 0.0;  ///< since the first input; the sum of dt_s, rounded once
+  ToolInput input;      ///< as the operator gave it
+  Pose pose;            ///< of the bit: the input's, but for what gives way in a compliant tool
+  /// Of the tip along the path, straight or curved: 0 at the entry. Without a path below the bone's surface: negative
+  /// outside, minus infinity far outside, and 0 where there are no clearances to tell.
+  double depth_mm = 0.0;
   StepResult step;
   DrillForce force;
   Clearance clearance;
-  TipPlace tip;  ///< infinite without clearances
+  TipPlace tip;  ///< infinite without clearances, and of a milling with a path
   DrillState state = DrillState::initial;
   CycleHeat heat;
 };
@@ -81,6 +87,13 @@ class DrillSession {
   /// Runs a cycle. Allocates and locks nothing; poses that make no sense do nothing but leave an event.
   const Cycle& step(const ToolInput& input) noexcept;
 
+  /// Another tool from the next cycle on, which has come from nowhere: as a pedal changes it. `engine` drills the same
+  /// bone with it. Time, cycles, states and events go on, and leaves an event. Allocates: not in real time. Throws
+  /// Error on a bad tool, on a session with heat, and without an engine; then nothing has changed.
+  void set_tool(const DrillBit& bit, std::unique_ptr<DrillEngine> engine);
+  /// In use.
+  const DrillBit& tool() const { return path_.bit; }
+
   const Cycle& last() const { return cycle_; }
   /// Notes how an operator ended that is not asked again: one short of its target leaves an event.
   void end(OperatorEnd end) noexcept;
@@ -101,15 +114,18 @@ class DrillSession {
  private:
   struct Tracking;
 
+  DrillForces forces_for(const DrillBit& bit) const;
   Pose bent(const Pose& commanded, double dt_s) noexcept;
   void place(const Pose& pose, const ToolInput& input) noexcept;
+  void tell_depth() noexcept;
 
   DrillPath path_;
   std::unique_ptr<const LivingBone> bone_;
   std::unique_ptr<DrillEngine> engine_;
+  Material material_;
+  SessionOptions options_;
   DrillForces forces_;
   const ClearanceField* clearances_;
-  SessionOptions options_;
   StateRecogniser states_;
   Cycle cycle_;
   std::unique_ptr<Tracking> tracking_;

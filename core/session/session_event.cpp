@@ -40,6 +40,8 @@ std::string_view name_of(EventKind kind) {
       return "gave up";
     case EventKind::stall:
       return "stall";
+    case EventKind::tool_change:
+      return "tool change";
   }
   return "";
 }

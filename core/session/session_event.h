@@ -22,11 +22,12 @@ enum class EventKind : std::uint8_t {
   jump = 10,            ///< the tip moved further than the limit in one cycle; value: how far, mm. The way is not cut
   outside_volume = 11,  ///< the bit is where no points or voxels are and bone may be; value: how far at most, mm
   record_lost = 12,     ///< the record cannot be written any more; value: cycles not recorded
-  touch = 13,       ///< the bit is pressed on bone with the spindle off; value: max contact force until it is free, N
-  gave_up = 14,     ///< the operator ended short of its target, unasked; value: how far short, mm
-  stall = 15,       ///< a compliant tool's motor stands; value: the torque that held it, N·mm
-  heat_limit = 16,  ///< bone beside the hole is hotter than the limit; value: how hot at most until it is cooler, °C
-  device_lost = 17  ///< no pose of the device that moves the tool: it stands; value: for how long in all, s
+  touch = 13,        ///< the bit is pressed on bone with the spindle off; value: max contact force until it is free, N
+  gave_up = 14,      ///< the operator ended short of its target, unasked; value: how far short, mm
+  stall = 15,        ///< a compliant tool's motor stands; value: the torque that held it, N·mm
+  heat_limit = 16,   ///< bone beside the hole is hotter than the limit; value: how hot at most until it is cooler, °C
+  device_lost = 17,  ///< no pose of the device that moves the tool: it stands; value: for how long in all, s
+  tool_change = 18   ///< another tool from this cycle on; value: its number, 1 for the session's second tool
 };
 /// "contact", "state", "outer breach", ...
 std::string_view name_of(EventKind kind);

@@ -420,10 +420,10 @@ ClearanceField::ClearanceField(std::span<const WallDistance* const> walls, const
 std::shared_ptr<const ClearanceField::Lattice> ClearanceField::lattice_of(std::span<const WallDistance* const> walls,
                                                                           const DrillPath& path, double reach_mm,
                                                                           double behind_mm, double beyond_mm,
-                                                                          const Progress& progress) {
+                                                                          const Progress& progress, double spacing_mm) {
   if (walls.empty()) fail("clearances: expected the walls of a bone, found none");
   return std::make_shared<const Lattice>(
-      Lattice{*walls.front(), WallLattice(walls, path, kSpacingMm, reach_mm, behind_mm, beyond_mm, progress)});
+      Lattice{*walls.front(), WallLattice(walls, path, spacing_mm, reach_mm, behind_mm, beyond_mm, progress)});
 }
 
 ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path)
@@ -431,10 +431,43 @@ ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const Dri
       curve_(path),
       entry_end_mm_(spinaltap::entry_end_mm(lattice_->walls, opened_by(path))) {}
 
+namespace {
+
+constexpr double kAroundBonesMm = 3.0;
+
+/// A line through the middle of a box, from one of its faces to the other, as a path.
+DrillPath line_through(const Box3& box_mm) {
+  if (box_mm.isEmpty()) fail("clearances: expected bone in a box, found an empty one");
+  DrillPath line;
+  line.entry_mm = line.target_mm = box_mm.center();
+  line.entry_mm.z() = box_mm.min().z();
+  line.target_mm.z() = box_mm.max().z();
+  return line;
+}
+
+double reach_about(const Box3& box_mm) { return 0.5 * box_mm.sizes().head<2>().norm() + kAroundBonesMm; }
+
+}  // namespace
+
+ClearanceField::ClearanceField(std::span<const WallDistance* const> walls, const Box3& bones_mm,
+                               const Progress& progress)
+    : ClearanceField(lattice_of(walls, line_through(bones_mm), reach_about(bones_mm), kAroundBonesMm, kAroundBonesMm,
+                                progress, kFreeSpacingMm),
+                     PathCurve(line_through(bones_mm))) {}
+
+ClearanceField::ClearanceField(std::shared_ptr<const Lattice> lattice, const PathCurve& line)
+    : lattice_(std::move(lattice)),
+      curve_(line),
+      entry_end_mm_(std::numeric_limits<double>::infinity()),
+      has_path_(false) {}
+
 ClearanceField::~ClearanceField() = default;
 ClearanceField::ClearanceField(ClearanceField&&) noexcept = default;
 
-ClearanceField ClearanceField::with_entry_of(const DrillPath& path) const { return {lattice_, path}; }
+ClearanceField ClearanceField::with_entry_of(const DrillPath& path) const {
+  if (!has_path_) return {lattice_, curve_};
+  return {lattice_, path};
+}
 
 std::size_t ClearanceField::memory_bytes() const { return lattice_->distances.memory_bytes(); }
 
@@ -443,13 +476,20 @@ template <class Find>
 Clearance ClearanceField::found(double length_mm, const Pose& pose, const Find& find) const noexcept {
   Clearance clearance;
   if (!pose.tip_mm.allFinite() || !pose.axis.allFinite()) return clearance;
+  OfWalls<AxisPart> parts;
+  if (!has_path_) {
+    parts[number_of(WallKind::canal)] = {0.0, length_mm};
+    const Least canal = find(parts)[number_of(WallKind::canal)];
+    clearance.canal_mm = canal.mm;
+    clearance.canal_at_mm = pose.tip_mm - canal.back_mm * pose.axis;
+    return clearance;
+  }
   const double tip_depth_mm = curve_.nearest_mm(pose.tip_mm);
   const double axis_along = pose.axis.dot(curve_.direction_at(tip_depth_mm));
   const auto part = [&](double depth_mm) {
     return curve_.is_straight() ? deeper_than(depth_mm, tip_depth_mm, axis_along, length_mm)
                                 : deeper_along(curve_, depth_mm, pose, length_mm);
   };
-  OfWalls<AxisPart> parts;
   parts[number_of(WallKind::outer)] = part(entry_end_mm_);
   parts[number_of(WallKind::canal)] = part(0.0);
   const OfWalls<Least> least = find(parts);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "core/base/geometry.h"
 #include "core/base/progress.h"
 #include "core/plan/wall_distance.h"
 #include "core/tool/bit_profile.h"
@@ -50,6 +51,11 @@ class ClearanceField {
   /// Of several bones together: what lies in one of them is in the bone. The first is the one of the path's entry.
   /// Throws Error where there is none.
   ClearanceField(std::span<const WallDistance* const> walls, const DrillPath& path, const Progress& progress);
+  /// Without a path: everywhere in a box around the bones, every kFreeSpacingMm, and 3 mm around it; to 0.3 mm where
+  /// two walls are equally far. Only the canal has a clearance there, of the whole tool, and tip_at() its place: a tool
+  /// has to come through the outer surface somewhere. Throws Error where there is no bone.
+  ClearanceField(std::span<const WallDistance* const> walls, const Box3& bones_mm, const Progress& progress);
+  static constexpr double kFreeSpacingMm = 1.0;
   ~ClearanceField();
   ClearanceField(ClearanceField&&) noexcept;
 
@@ -69,6 +75,7 @@ class ClearanceField {
   Vec3 into_bone_at(const Vec3& p_mm) const noexcept;
   static constexpr double kAheadMm = 12.0;
 
+  bool has_path() const { return has_path_; }
   /// Depth from which on the outer surface counts, along the path, mm.
   double entry_end_mm() const { return entry_end_mm_; }
   std::size_t memory_bytes() const;
@@ -82,12 +89,15 @@ class ClearanceField {
   Clearance found(double length_mm, const Pose& pose, const Find& find) const noexcept;
   static std::shared_ptr<const Lattice> lattice_of(std::span<const WallDistance* const> walls, const DrillPath& path,
                                                    double reach_mm, double behind_mm, double beyond_mm,
-                                                   const Progress& progress);
+                                                   const Progress& progress, double spacing_mm = kSpacingMm);
   ClearanceField(std::shared_ptr<const Lattice> lattice, const DrillPath& path);
+  /// Without a path.
+  ClearanceField(std::shared_ptr<const Lattice> lattice, const PathCurve& line);
 
   std::shared_ptr<const Lattice> lattice_;
   PathCurve curve_;
   double entry_end_mm_;
+  bool has_path_ = true;
 };
 
 }  // namespace spinaltap

@@ -121,7 +121,7 @@ const std::string& name_of(PointMethod method) {
   for (const auto& [name, known] : point_methods()) {
     if (known == method) return name;
   }
-  fail("no such method for surface points");
+  fail_as(ErrorKind::internal, "no such method for surface points");
 }
 
 void write_points(const SurfaceSamples& samples, const std::filesystem::path& path) {

@@ -15,18 +15,19 @@ void check_screw(const PedicleScrew& screw) {
   try {
     check_bit(screw.outline());
   } catch (const Error& error) {
-    fail("screw ", in_quotes(screw.name), ": ", error.what());
+    fail_as(ErrorKind::geometry, "screw ", in_quotes(screw.name), ": ", error.what());
   }
   if (screw.thread) {
     try {
       check_thread(*screw.thread, screw.diameter_mm);
     } catch (const Error& error) {
-      fail("screw ", in_quotes(screw.name), ": ", error.what());
+      fail_as(ErrorKind::geometry, "screw ", in_quotes(screw.name), ": ", error.what());
     }
   }
   const auto within = [&](double value, double lowest, double highest, const char* what) {
     if (!(value >= lowest && value <= highest)) {
-      fail("screw ", in_quotes(screw.name), ": expected ", what, " from ", lowest, " to ", highest, ", found ", value);
+      fail_as(ErrorKind::geometry, "screw ", in_quotes(screw.name), ": expected ", what, " from ", lowest, " to ",
+              highest, ", found ", value);
     }
   };
   const ScrewHead& head = screw.head;
@@ -86,24 +87,28 @@ void check_curve(const DrillPath& path) {
   const std::string name = in_quotes(path.name);
   constexpr double kLongestMm = 500.0, kAcrossDeg = 90.0;
   if (!(curve.length_mm() <= kLongestMm)) {
-    fail("path ", name, ": expected up to ", kLongestMm, " mm along its curve, found ", curve.length_mm(), " mm");
+    fail_as(ErrorKind::geometry, "path ", name, ": expected up to ", kLongestMm, " mm along its curve, found ",
+            curve.length_mm(), " mm");
   }
   if (!(curve.max_tilt_deg() < kAcrossDeg)) {
-    fail("path ", name, ": expected a curve that goes on from entry to target, found one that turns by ",
-         curve.max_tilt_deg(), " degrees from the line between them");
+    fail_as(ErrorKind::geometry, "path ", name,
+            ": expected a curve that goes on from entry to target, found one that turns by ", curve.max_tilt_deg(),
+            " degrees from the line between them");
   }
-  if (path.screw) fail("path ", name, ": expected no screw on a curved path: screws are straight");
+  if (path.screw)
+    fail_as(ErrorKind::geometry, "path ", name, ": expected no screw on a curved path: screws are straight");
   if (!(curve.min_radius_mm() > path.bit.radius_mm())) {
-    fail("path ", name, ": expected bends wider than the bit's radius of ", path.bit.radius_mm(),
-         " mm, found one with a radius of ", curve.min_radius_mm(), " mm");
+    fail_as(ErrorKind::geometry, "path ", name, ": expected bends wider than the bit's radius of ",
+            path.bit.radius_mm(), " mm, found one with a radius of ", curve.min_radius_mm(), " mm");
   }
   if (path.bit.shape == BitShape::plate)
-    fail("path ", name, ": expected no plate on a curved path: plates are straight");
+    fail_as(ErrorKind::geometry, "path ", name, ": expected no plate on a curved path: plates are straight");
   const double out_mm = stand_out_mm(BitProfile(path.bit), curve.min_radius_mm());
   if (!(out_mm <= kMaxStandOutMm)) {
-    fail("path ", name, ": expected a bit short enough for its bends, found one of ", path.bit.length_mm,
-         " mm that would stand out of its hole by ", out_mm, " mm where the path's radius is ", curve.min_radius_mm(),
-         " mm; ", kMaxStandOutMm, " mm is allowed: a steerable drill has a short head and a flexible shank");
+    fail_as(ErrorKind::geometry, "path ", name, ": expected a bit short enough for its bends, found one of ",
+            path.bit.length_mm, " mm that would stand out of its hole by ", out_mm, " mm where the path's radius is ",
+            curve.min_radius_mm(), " mm; ", kMaxStandOutMm,
+            " mm is allowed: a steerable drill has a short head and a flexible shank");
   }
 }
 
@@ -113,7 +118,8 @@ DrillBit steerable_head() { return {3.0, 3.0, 1.5, BitShape::round_burr}; }
 
 void check_straight(const DrillPath& path, const char* what) {
   if (!path.is_curved()) return;
-  fail("path ", in_quotes(path.name), ": expected a straight path for ", what, ", found a curved one");
+  fail_as(ErrorKind::geometry, "path ", in_quotes(path.name), ": expected a straight path for ", what,
+          ", found a curved one");
 }
 
 namespace {
@@ -132,28 +138,29 @@ void check_path(const DrillPath& path) {
   constexpr double kShortestMm = 0.1;
   constexpr double kLongestMm = 500.0;
   if (!path.entry_mm.allFinite() || !path.target_mm.allFinite()) {
-    fail("path ", in_quotes(path.name), ": entry and target must be finite numbers");
+    fail_as(ErrorKind::geometry, "path ", in_quotes(path.name), ": entry and target must be finite numbers");
   }
   const double length_mm = path.length_mm();
   if (!(length_mm >= kShortestMm && length_mm <= kLongestMm)) {
-    fail("path ", in_quotes(path.name), ": expected ", kShortestMm, " to ", kLongestMm,
-         " mm from entry to target, found ", length_mm, " mm", unit_meant(length_mm));
+    fail_as(ErrorKind::geometry, "path ", in_quotes(path.name), ": expected ", kShortestMm, " to ", kLongestMm,
+            " mm from entry to target, found ", length_mm, " mm", unit_meant(length_mm));
   }
   check_bit(path.bit);
   if (path.screw) check_screw(*path.screw);
   if (path.via_mm.size() > kMaxVias) {
-    fail("path ", in_quotes(path.name), ": expected up to ", kMaxVias, " places between entry and target, found ",
-         path.via_mm.size());
+    fail_as(ErrorKind::geometry, "path ", in_quotes(path.name), ": expected up to ", kMaxVias,
+            " places between entry and target, found ", path.via_mm.size());
   }
   if (path.is_curved()) check_curve(path);
   if (!sound_pose({path.target_mm, path.direction()}, path.bit)) {
-    fail("path ", in_quotes(path.name), ": expected the plate's width to lie across the path, found it along it");
+    fail_as(ErrorKind::geometry, "path ", in_quotes(path.name),
+            ": expected the plate's width to lie across the path, found it along it");
   }
 }
 
 PathFrame::PathFrame(const Vec3& origin_mm, const Vec3& direction) : origin_mm_(origin_mm) {
   if (!(direction.norm() > 0.0) || !direction.allFinite() || !origin_mm.allFinite()) {
-    fail("path frame: expected a finite origin and a direction that is not zero");
+    fail_as(ErrorKind::geometry, "path frame: expected a finite origin and a direction that is not zero");
   }
   const Vec3 z = direction.normalized();
   const Vec3 x = any_perpendicular(z);

@@ -69,13 +69,14 @@ PathCurve::PathCurve(const DrillPath& path)
   std::vector<double> knots{0.0};
   for (std::size_t n = 0; n < places.size(); ++n) {
     if (!places[n].allFinite()) {
-      fail("path ", in_quotes(path.name), ": entry, target and places between must be finite numbers");
+      fail_as(ErrorKind::geometry, "path ", in_quotes(path.name),
+              ": entry, target and places between must be finite numbers");
     }
     if (n == 0) continue;
     const double gap_mm = (places[n] - places[n - 1]).norm();
     if (!(gap_mm >= kNearestMm)) {
-      fail("path ", in_quotes(path.name), ": expected its places ", kNearestMm, " mm apart or more, found ", gap_mm,
-           " mm");
+      fail_as(ErrorKind::geometry, "path ", in_quotes(path.name), ": expected its places ", kNearestMm,
+              " mm apart or more, found ", gap_mm, " mm");
     }
     knots.push_back(knots.back() + gap_mm);
   }

@@ -73,6 +73,29 @@ TEST_F(Examples, BakeAndDrillGivesForcesAtEachStepInFifteenLines) {
   EXPECT_LE(lines_of_code, 15U);
 }
 
+TEST_F(Examples, HapticLoopInCMillsWithoutAPathAndStandsInTheGuide) {
+  const test::ProgramRun run = example("haptic_loop_c", "bone.vdb");
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, HasSubstr("voxels of 0.2 mm of the whole bone, for no path"));
+  double time_s = 0.0, most_n = 0.0;
+  unsigned blocks = 0, events = 0;
+  const std::string figures = run.output.substr(run.output.find('\n') + 1);
+  ASSERT_EQ(std::sscanf(figures.c_str(), "%lf s, %lf N at most, %u blocks of surface drawn, %u", &time_s, &most_n,
+                        &blocks, &events),
+            4);
+  EXPECT_NEAR(time_s, 5.0, 0.01);
+  EXPECT_GT(most_n, 1.0);
+  EXPECT_GE(events, 2U) << "contact and a change of tools";
+  const auto text_of = [](const char* file) {
+    std::ifstream stream(std::string(test::kSourceFolder) + file);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  };
+  EXPECT_THAT(text_of("/docs/c-interface.md"), HasSubstr("```c\n" + text_of("/apps/examples/haptic_loop.c") + "```"));
+  EXPECT_EQ(example("haptic_loop_c", "none.vdb").exit_code, 2);
+}
+
 TEST_F(Examples, HapticLoopDrillsAgainstTheClock) {
   const test::ProgramRun run = example("haptic_loop", "bone.vdb plan.json");
   ASSERT_EQ(run.exit_code, 0) << run.errors;

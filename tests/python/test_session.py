@@ -462,5 +462,51 @@ class Record(unittest.TestCase):
             made_bone.session().record(self.file)
 
 
+
+class ToolsAndPaths(unittest.TestCase):
+    def test_changes_its_tool_and_goes_without_a_path(self):
+        burr = spinaltap.Bit(4.0, 40.0, 2.0, shape="round-burr", shank_diameter_mm=2.0)
+        session = spinaltap.Session(made_bone.bone(), bit=burr, clearances=False, spacing_mm=0.4)
+        self.assertEqual(session.chosen, "voxels of 0.4 mm of the whole bone, for no path")
+        self.assertEqual(session.engine, "voxel")
+        self.assertEqual(session.tool.diameter_mm, 4.0)
+        path = made_bone.path()
+        along = (path.target_mm - path.entry_mm) / np.linalg.norm(path.target_mm - path.entry_mm)
+        tips = path.entry_mm + np.outer(np.linspace(-3.0, 3.0, 300), along)
+        first = session.run(tips, along)
+        self.assertGreater(first["removed_points"].sum(), 100)
+        session.set_tool(spinaltap.Bit(6.0, 40.0, 3.0, shape="round-burr", shank_diameter_mm=2.0))
+        second = session.run(tips, along)
+        self.assertGreater(second["removed_points"].sum(), 100)
+        self.assertEqual(second["cycle"][-1], 599)
+        kinds = [spinaltap.EVENT_KINDS[event["kind"]] for event in session.events]
+        self.assertEqual(kinds.count("tool change"), 1)
+        self.assertEqual(session.motion_off_mm, 0.0)
+        self.assertTrue(session.undo())
+        self.assertFalse(session.undo())
+        with self.assertRaisesRegex(spinaltap.Error, "tool of the path"):
+            spinaltap.Session(made_bone.bone(), path, bit=burr, clearances=False)
+
+
+class Errors(unittest.TestCase):
+    def test_are_what_python_people_expect(self):
+        with self.assertRaises(FileNotFoundError) as missing:
+            spinaltap.Bone.load("no/such/bone.vdb")
+        self.assertIsInstance(missing.exception, spinaltap.FileError)
+        self.assertIsInstance(missing.exception, spinaltap.Error)
+        self.assertEqual(missing.exception.kind, "file")
+        self.assertIn("no such file", str(missing.exception))
+        with self.assertRaises(ValueError) as wrong:
+            spinaltap.Bit(-1.0)
+        self.assertEqual(wrong.exception.kind, "input")
+        aside = spinaltap.Path([900.0, 0.0, 0.0], [900.0, 0.0, 40.0])
+        with self.assertRaises(spinaltap.GeometryError) as beside:
+            spinaltap.Session(made_bone.bone(), aside, clearances=False)
+        self.assertIsInstance(beside.exception, ValueError)
+        self.assertIsInstance(beside.exception, RuntimeError)
+        with self.assertRaises(OSError):
+            made_bone.bone().save("/proc/no/bone.vdb")
+
+
 if __name__ == "__main__":
     unittest.main()

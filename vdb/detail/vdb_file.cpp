@@ -26,7 +26,7 @@ using openvdb::points::PointDataGrid;
 void expect_file(const std::filesystem::path& path) {
   initialize_openvdb();
   std::error_code status;
-  if (!std::filesystem::exists(path, status)) fail("no such file: ", path.string());
+  if (!std::filesystem::exists(path, status)) fail_as(ErrorKind::file, "no such file: ", path.string());
   if (!std::filesystem::is_regular_file(path, status)) {
     fail("expected a .vdb file, found something else: ", path.string());
   }

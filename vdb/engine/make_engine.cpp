@@ -38,7 +38,7 @@ std::unique_ptr<DrillEngine> make_engine(EngineKind kind, PointVolume& volume, c
     case EngineKind::voxel:
       fail("expected an engine for points, found voxel, which mills a bone's voxels");
   }
-  fail("no such drilling engine");
+  fail_as(ErrorKind::internal, "no such drilling engine");
 }
 
 }  // namespace spinaltap

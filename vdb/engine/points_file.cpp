@@ -108,7 +108,7 @@ void write_points(const PointVolume& volume, const DrillPath& path, const std::f
     // OpenVDB does not look whether its last bytes reached the disk; reading them back does.
     detail::VdbFile(staged).read_points(kGridName);
   } catch (const std::exception&) {
-    fail("cannot write ", file.string(), ": is the disk full, or the folder not writable?");
+    fail_as(ErrorKind::disk, "cannot write ", file.string(), ": is the disk full, or the folder not writable?");
   }
   output.commit();
 }

@@ -52,7 +52,8 @@ void write_bone(const BoneModel& bone, const std::filesystem::path& path) {
     read_bone(path);
   } catch (const std::exception&) {
     // What OpenVDB says of its own broken file does not help; the cause is nearly always this one.
-    fail("cannot write ", path.filename().string(), ": is the disk full, or the folder not writable?");
+    fail_as(ErrorKind::disk, "cannot write ", path.filename().string(),
+            ": is the disk full, or the folder not writable?");
   }
 }
 

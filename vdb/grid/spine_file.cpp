@@ -206,7 +206,8 @@ void write_spine(std::span<const SpineBone> bones, const fs::path& path) {
     detail::VdbFile written(path);
     for (const SpineBone* one : sorted) read_level(written, one->level, path);
   } catch (const std::exception&) {
-    fail("cannot write ", path.filename().string(), ": is the disk full, or the folder not writable?");
+    fail_as(ErrorKind::disk, "cannot write ", path.filename().string(),
+            ": is the disk full, or the folder not writable?");
   }
 }
 

@@ -182,6 +182,15 @@ struct HoleCutter::State {
     pending = {{pose}};
     poses = 0;
   }
+  /// Where the bit has come to next: a ToolInput or a ToolMove each.
+  template <class Move>
+  void add_moves(std::span<const Move> moves) {
+    bool goes_on = last.has_value();  // the first way then begins with a pose that is there
+    for (const std::vector<Pose>& way : cutting_ways(moves, bit, max_jump_mm, last)) {
+      for (std::size_t n = goes_on ? 1 : 0; n < way.size(); ++n) add(way[n], n == 0);
+      goes_on = false;
+    }
+  }
   void end_chunk() {
     if (poses > 0) cut_out(pending, *hole, changed);
     pending.clear();
@@ -248,16 +257,8 @@ void HoleCutter::take_bit(const DrillBit& bit, double max_jump_mm) {
   state_->last.reset();
 }
 
-void HoleCutter::add(std::span<const ToolInput> inputs) {
-  State& state = *state_;
-  bool goes_on = state.last.has_value();  // the first way then begins with a pose that is there
-  for (const std::vector<Pose>& way : cutting_ways(inputs, state.bit, state.max_jump_mm, state.last)) {
-    for (std::size_t n = goes_on ? 1 : 0; n < way.size(); ++n) {
-      state.add(way[n], n == 0);
-    }
-    goes_on = false;
-  }
-}
+void HoleCutter::add(std::span<const ToolInput> inputs) { state_->add_moves(inputs); }
+void HoleCutter::add(std::span<const ToolMove> moves) { state_->add_moves(moves); }
 
 void HoleCutter::add(const DrilledHole& hole) {
   Ways ways = hole.ways;

@@ -28,6 +28,7 @@ class HoleCutter {
   void take_bit(const DrillBit& bit, double max_jump_mm);
   /// Where it has come to next: see cutting_ways().
   void add(std::span<const ToolInput> inputs);
+  void add(std::span<const ToolMove> moves);
   /// A whole hole. Throws Error on a bad bit, and on poses that are not sound (see sound_pose).
   void add(const DrilledHole& hole);
 

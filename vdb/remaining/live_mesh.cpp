@@ -1,7 +1,5 @@
 #include "vdb/remaining/live_mesh.h"
 
-#include "core/session/operator/drilled_hole.h"
-
 namespace spinaltap {
 
 LiveMesh::LiveMesh(const BoneModel& bone, const RemainingBoneOptions& options) {
@@ -21,8 +19,12 @@ void LiveMesh::take_bit(const DrillBit& bit, double max_jump_mm) {
   last_.reset();
 }
 
-void LiveMesh::update(std::span<const ToolInput> inputs) {
-  for (const std::vector<Pose>& way : cutting_ways(inputs, bit_, longest_jump_mm_, last_)) {
+void LiveMesh::update(std::span<const ToolInput> inputs) { drill(cutting_ways(inputs, bit_, longest_jump_mm_, last_)); }
+
+void LiveMesh::update(std::span<const ToolMove> moves) { drill(cutting_ways(moves, bit_, longest_jump_mm_, last_)); }
+
+void LiveMesh::drill(const std::vector<std::vector<Pose>>& ways) {
+  for (const std::vector<Pose>& way : ways) {
     one_thread_.execute([&] { bone_->drill(bit_, way); });
   }
   mesh();

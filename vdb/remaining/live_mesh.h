@@ -6,7 +6,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "core/session/operator/operator.h"
+#include "core/session/operator/drilled_hole.h"
 #include "vdb/remaining/remaining_bone.h"
 #include "vdb/remaining/remaining_surface.h"
 
@@ -31,6 +31,7 @@ class LiveMesh {
   void update(const ToolInput& input) { update({&input, 1}); }
   /// From each of them to the next.
   void update(std::span<const ToolInput> inputs);
+  void update(std::span<const ToolMove> moves);
 
   /// Holes, as RemainingBone has them.
   void end_hole() { bone_->end_hole(); }
@@ -45,6 +46,7 @@ class LiveMesh {
 
  private:
   void mesh();
+  void drill(const std::vector<std::vector<Pose>>& ways);
 
   DrillBit bit_;
   double longest_jump_mm_ = 0.0;

@@ -40,7 +40,7 @@ void check_path_meets_bone(const DrillPath& path, const BoneModel& bone) {
   std::string words;
   for (const std::string& fault : check.faults) words += (words.empty() ? "" : "; ") + fault;
   if (!check.likely_cause.empty()) words += "; it fits if " + check.likely_cause;
-  fail("path ", in_quotes(path.name), " ", words.substr(std::string_view("it ").size()));
+  fail_as(ErrorKind::geometry, "path ", in_quotes(path.name), " ", words.substr(std::string_view("it ").size()));
 }
 
 PathCheck check_path_on_bone(const Bone& bone, const DrillPath& path, const PathCheckOptions& options) {

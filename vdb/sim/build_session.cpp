@@ -8,6 +8,37 @@
 #include "vdb/sim/bone_path.h"
 
 namespace spinaltap {
+namespace {
+
+/// What a session without a path knows the walls of: the bones, or where only a region is drilled, what lies within
+/// ClearanceField::kReachMm of that.
+Box3 box_about(std::span<const Bone> bones, const SessionSetup& setup) {
+  Box3 box_mm;
+  for (const Bone& bone : bones) box_mm.extend(bone.model().bounds_mm());
+  if (setup.region_mm) {
+    check_region(*setup.region_mm);
+    const Vec3 around = Vec3::Constant(ClearanceField::kReachMm);
+    box_mm = box_mm.intersection(Box3(setup.region_mm->min() - around, setup.region_mm->max() + around));
+  }
+  if (box_mm.isEmpty()) fail_as(ErrorKind::geometry, "region: expected bone in it, found none within 8 mm");
+  return box_mm;
+}
+
+}  // namespace
+
+DrillPath line_without_path(std::span<const Bone> bones, const SessionSetup& setup) {
+  const Box3 box_mm = box_about(bones, setup);
+  // Across a plate's width.
+  Eigen::Index along = 0;
+  setup.path.bit.width_along.cwiseAbs().minCoeff(&along);
+  DrillPath line;
+  line.name = "no path";
+  line.bit = setup.path.bit;
+  line.entry_mm = line.target_mm = box_mm.center();
+  line.entry_mm[along] = box_mm.min()[along];
+  line.target_mm[along] = box_mm.max()[along];
+  return line;
+}
 
 BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Progress& progress,
                            const ScalarField* exact, const ClearanceField* clearances) {
@@ -32,8 +63,10 @@ BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setu
   if (bones.size() != 1 + setup.further_bone_hashes.size()) {
     fail("expected ", 1 + setup.further_bone_hashes.size(), " bones to drill, found ", bones.size());
   }
-  if (!setup.takes_other_ct && !setup.path.bone.is_empty()) check_path_is_of(setup.path, bones.front().identity());
-  check_path_meets_bone(setup.path, bones.front().model());
+  if (setup.options.has_path) {
+    if (!setup.takes_other_ct && !setup.path.bone.is_empty()) check_path_is_of(setup.path, bones.front().identity());
+    check_path_meets_bone(setup.path, bones.front().model());
+  }
   std::vector<BoneModel> models;
   for (const Bone& bone : bones) models.push_back(bone.model());
   BuiltSession built;
@@ -43,16 +76,24 @@ BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setu
   } else if (setup.has_clearances) {
     std::vector<const WallDistance*> walls;
     for (const Bone& bone : bones) walls.push_back(&bone.walls(progress));
-    built.clearances = std::make_unique<ClearanceField>(walls, setup.path, progress);
+    built.clearances = setup.options.has_path
+                           ? std::make_unique<ClearanceField>(walls, setup.path, progress)
+                           : std::make_unique<ClearanceField>(walls, box_about(bones, setup), progress);
   }
   built.session = built.bone.begin_session(setup, built.clearances.get());
   return built;
 }
 
+ToolMove cutting_move(const Cycle& cycle, const SessionOptions& options) noexcept {
+  return {options.compliance.is_on ? cycle.pose : cycle.input.pose,
+          cycle.input.spindle_on && options.spindle.rpm > 0.0};
+}
+
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options) {
+  const ToolMove move = cutting_move(cycle, options);
   ToolInput input = cycle.input;
-  input.spindle_on = input.spindle_on && options.spindle.rpm > 0.0;
-  if (options.compliance.is_on) input.pose = cycle.pose;
+  input.spindle_on = move.spindle_on;
+  input.pose = move.pose;
   return input;
 }
 

@@ -16,6 +16,9 @@ struct BuiltSession {
   DrilledBone bone;
   std::unique_ptr<ClearanceField> clearances;  ///< null where the setup has none
   std::unique_ptr<DrillSession> session;
+
+  /// Another tool from the next cycle on: DrillSession::set_tool().
+  void set_tool(const SessionSetup& setup, const DrillBit& bit) { session->set_tool(bit, bone.engine_for(setup, bit)); }
 };
 /// Fills what is drilled and makes the session. `exact` decides which points are bone, in place of the bone's grid,
 /// where it is given. `clearances`: another session's of the same bone and path, which saves working them out again.
@@ -26,9 +29,14 @@ BuiltSession build_session(const Bone& bone, const SessionSetup& setup, const Pr
 /// tool takes what it meets of all. Clearances are to the walls of all of them together.
 BuiltSession build_session(std::span<const Bone> bones, const SessionSetup& setup, const Progress& progress = {},
                            const ScalarField* exact = nullptr, const ClearanceField* clearances = nullptr);
+/// What stands for a path in the setup of a session without one: a line through the bones, or the setup's region, which
+/// nothing is told by. Throws Error where there is no bone.
+DrillPath line_without_path(std::span<const Bone> bones, const SessionSetup& setup);
 /// Their fingerprints. Throws Error where there is none, or one is there twice.
 void name_bones(SessionSetup& setup, std::span<const Bone> bones);
 
+/// Where a cycle's tool was, of a compliant one its real pose, and whether it cut: with the spindle off at no speed.
+ToolMove cutting_move(const Cycle& cycle, const SessionOptions& options) noexcept;
 /// What a cycle's input took: with the spindle off at no speed, as a session has it, and where a compliant tool was.
 ToolInput cutting_input(const Cycle& cycle, const SessionOptions& options);
 /// The hole that a session's inputs made.

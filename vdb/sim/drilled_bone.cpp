@@ -23,11 +23,17 @@ void drill_out(DrillEngine& engine, const DrilledHole& hole) {
 
 /// What would have no effect is not taken without a word.
 void check_for_voxels(const SessionSetup& setup, const ScalarField* exact) {
-  const auto reject = [](const char* what) { fail("voxels: expected no ", what, ": only engines of points have it"); };
+  const auto reject = [](const char* what) {
+    fail_as(ErrorKind::unsupported, "voxels: expected no ", what, ": only engines of points have it");
+  };
   if (exact != nullptr) reject("exact surface");
   if (setup.fine_spacing_mm != 0.0) reject("finer spacing near the surface");
   if (setup.volume.jitter != 0.0) reject("jitter");
   if (setup.volume.subdivision != DiscSubdivision::rings) reject("other subdivision of discs");
+}
+
+[[noreturn]] void reject_plate(EngineKind engine) {
+  fail("a plate: expected the engine voxel, found ", name_of(engine), ", whose points only tools that turn can drill");
 }
 
 }  // namespace
@@ -54,10 +60,10 @@ DrilledBone::DrilledBone(std::span<const BoneModel> bones, const SessionSetup& s
     fail("several bones: expected the engine voxel, found ", name_of(engine),
          ", whose points fill a cylinder in one bone");
   }
-  if (setup.path.bit.shape == BitShape::plate) {
-    fail("a plate: expected the engine voxel, found ", name_of(engine),
-         ", whose points only tools that turn can drill");
+  if (!setup.options.has_path) {
+    fail("no path: expected the engine voxel, found ", name_of(engine), ", whose points fill a cylinder along one");
   }
+  if (setup.path.bit.shape == BitShape::plate) reject_plate(engine);
   const BoneModel& bone = bones.front();
   volumes =
       volumes_along(bone, setup.path, setup.volume, {setup.fine_spacing_mm, setup.fine_near_mm, setup.fine_tip_mm});
@@ -108,19 +114,24 @@ void DrilledBone::set_living_words(std::span<const std::uint64_t> words) {
   }
 }
 
-std::unique_ptr<DrillSession> DrilledBone::begin_session(const SessionSetup& setup, const ClearanceField* clearances) {
-  const DrillPath& path = setup.path;
-  if (voxels) {
-    return std::make_unique<DrillSession>(path, make_living_bone(*voxels, setup.material),
-                                          make_voxel_engine(*voxels, path.bit, setup.material), setup.material,
-                                          clearances, setup.options);
-  }
+std::unique_ptr<DrillEngine> DrilledBone::engine_for(const SessionSetup& setup, const DrillBit& bit) {
+  if (voxels) return make_voxel_engine(*voxels, bit, setup.material);
+  if (bit.shape == BitShape::plate) reject_plate(chosen_engine(setup));
   std::vector<std::unique_ptr<DrillEngine>> engines;
   for (PointVolume& volume : volumes) {
-    engines.push_back(make_engine(chosen_engine(setup), volume, path.bit, setup.material));
+    engines.push_back(make_engine(chosen_engine(setup), volume, bit, setup.material));
   }
-  return std::make_unique<DrillSession>(path, volumes, make_joint_engine(std::move(engines)), setup.material,
-                                        clearances, setup.options);
+  return make_joint_engine(std::move(engines));
+}
+
+std::unique_ptr<DrillSession> DrilledBone::begin_session(const SessionSetup& setup, const ClearanceField* clearances) {
+  const DrillPath& path = setup.path;
+  std::unique_ptr<DrillEngine> engine = engine_for(setup, path.bit);
+  if (voxels) {
+    return std::make_unique<DrillSession>(path, make_living_bone(*voxels, setup.material), std::move(engine),
+                                          setup.material, clearances, setup.options);
+  }
+  return std::make_unique<DrillSession>(path, volumes, std::move(engine), setup.material, clearances, setup.options);
 }
 
 std::size_t DrilledBone::alive_count() const {

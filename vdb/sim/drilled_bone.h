@@ -44,6 +44,8 @@ struct DrilledBone {
   std::vector<std::uint64_t> living_words() const;
   /// Puts back what living_words() gave. Throws Error on another number of words, and changes nothing then.
   void set_living_words(std::span<const std::uint64_t> words);
+  /// What drills it in place with a tool; this must outlive it.
+  std::unique_ptr<DrillEngine> engine_for(const SessionSetup& setup, const DrillBit& bit);
   /// A session that drills it; this and `clearances`, which may be null, must outlive it.
   std::unique_ptr<DrillSession> begin_session(const SessionSetup& setup, const ClearanceField* clearances);
 

@@ -61,8 +61,11 @@ ToolInput input_of(const RecordedCycle& row) {
   return input;
 }
 
-Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress) {
+Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress,
+                     const ToolChanger& change_tool) {
   Replay replay;
+  if (!record.tools.empty() && !change_tool) fail("expected a record of one tool, found one that changes its tool");
+  auto next_tool = record.tools.begin();
   ProgressCounter counter(progress, "replaying", record.cycles.size());
   std::uint64_t next = record.cycles.empty() ? 0 : record.cycles.front().cycle;
   for (const RecordedCycle& row : record.cycles) {
@@ -71,6 +74,7 @@ Replay replay_record(DrillSession& session, const SessionRecord& record, const P
                    " are not in the record; those before were compared";
       break;
     }
+    for (; next_tool != record.tools.end() && next_tool->cycle <= row.cycle; ++next_tool) change_tool(*next_tool);
     const std::string difference = spinaltap::difference(row, recorded(session.step(input_of(row))));
     if (!difference.empty()) {
       replay.difference = "cycle " + std::to_string(row.cycle) + ": " + difference;
@@ -112,9 +116,10 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, st
   }
   setup.takes_other_ct = setup.takes_other_ct || takes_other_ct;
   if (engine && *engine != EngineKind::automatic) setup.engine = *engine;
-  const BuiltSession built = build_session(bones, setup, progress);
+  BuiltSession built = build_session(bones, setup, progress);
   const std::int64_t start_ns = wall_ns();
-  Replay result = replay_record(*built.session, record, progress);
+  Replay result = replay_record(*built.session, record, progress,
+                                [&](const RecordedTool& tool) { built.set_tool(setup, recorded_tool(tool, file)); });
   result.seconds = 1e-9 * static_cast<double>(wall_ns() - start_ns);
   return result;
 }
@@ -122,23 +127,31 @@ Replay replay(const SessionRecord& record, const std::filesystem::path& file, st
 RecordedHole::RecordedHole(const BoneModel& bone, const SessionRecord& record, const SessionSetup& setup)
     : bone_(without_holes(bone, setup.holes)),
       record_(record),
-      bit_(setup.path.bit),
+      tools_{setup.path.bit},
       longest_jump_mm_(setup.options.max_jump_mm),
       cutter_(bone_) {
+  for (const RecordedTool& tool : record.tools) tools_.push_back(recorded_tool(tool, "the record"));
   if (record.cycles.empty()) fail("the record holds no cycle: nothing was drilled yet");
   begin();
 }
 
 void RecordedHole::begin() {
   cutter_ = HoleCutter(bone_);
-  cutter_.take_bit(bit_, longest_jump_mm_);
-  cycles_ = 0;
+  cycles_ = tools_taken_ = 0;
   add_to(1);
 }
 
 void RecordedHole::add_to(std::size_t cycles) {
   std::vector<ToolInput> inputs;
-  for (; cycles_ < cycles; ++cycles_) inputs.push_back(input_of(record_.cycles[cycles_]));
+  for (; cycles_ < cycles; ++cycles_) {
+    const RecordedCycle& row = record_.cycles[cycles_];
+    while (tools_taken_ < tools_.size() && (tools_taken_ == 0 || record_.tools[tools_taken_ - 1].cycle <= row.cycle)) {
+      cutter_.add(inputs);
+      inputs.clear();
+      cutter_.take_bit(tools_[tools_taken_++], longest_jump_mm_);
+    }
+    inputs.push_back(input_of(row));
+  }
   cutter_.add(inputs);
 }
 

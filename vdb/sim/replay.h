@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/progress.h"
 #include "core/engine/drill_engine.h"
@@ -32,9 +34,14 @@ struct Replay {
   bool is_same() const { return difference.empty() && gap.empty(); }
 };
 
+/// Gives a session the tool that its record changed to.
+using ToolChanger = std::function<void(const RecordedTool& tool)>;
+
 /// Feeds a new session the record's inputs, and compares every number that comes out, bit for bit, then the events. Of
-/// a record that was cut short, events that were still under way may have grown.
-Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress = {});
+/// a record that was cut short, events that were still under way may have grown. Throws Error on a record that changes
+/// its tool where nothing is there to change it.
+Replay replay_record(DrillSession& session, const SessionRecord& record, const Progress& progress = {},
+                     const ToolChanger& change_tool = {});
 
 /// Runs a record again on the bone that it was drilled in, with another engine where one is given (`automatic`: the
 /// record's own). Throws
@@ -63,6 +70,8 @@ class RecordedHole {
   const BoneModel& drilled() { return cutter_.bone(); }
   /// Of the bit at that moment.
   Pose pose() const;
+  /// The bit then.
+  const DrillBit& tool() const { return tools_[tools_taken_ - 1]; }
 
  private:
   void begin();
@@ -70,10 +79,11 @@ class RecordedHole {
 
   BoneModel bone_;  ///< when the session began
   const SessionRecord& record_;
-  DrillBit bit_;
+  std::vector<DrillBit> tools_;  ///< the setup's, then those of the record
   double longest_jump_mm_;
   HoleCutter cutter_;
-  std::size_t cycles_ = 0;  ///< that were drilled
+  std::size_t cycles_ = 0;       ///< that were drilled
+  std::size_t tools_taken_ = 0;  ///< by the cutter
 };
 
 }  // namespace spinaltap

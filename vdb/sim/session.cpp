@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include "core/base/error.h"
+#include "core/base/text_writer.h"
 #include "core/files/recorded_setup.h"
 #include "core/session/choose_engine.h"
+#include "core/session/operator/motion_log.h"
 #include "vdb/picture/view.h"
 #include "vdb/sim/build_session.h"
 #include "vdb/sim/detail/shown_bone.h"
@@ -17,80 +21,141 @@ namespace spinaltap {
 struct Session::State {
   State(std::vector<Bone> its_bones, const SessionSetup& its_setup, const Progress& progress)
       : bones(std::move(its_bones)),
-        shown(bones.begin(), bones.end()),
         setup(its_setup),
         built(build_session(bones, setup, progress)),
-        living(built.bone.living_words()) {}
+        motion(ShownBone::kReaders * bones.size()),
+        tool(setup.path.bit),
+        living(built.bone.living_words()) {
+    for (const Bone& bone : bones) shown.emplace_back(bone, ShownBone::kReaders * shown.size());
+    begin_motion();
+  }
 
   std::vector<Bone> bones;
   std::vector<ShownBone> shown;  ///< one each
   SessionSetup setup;            ///< its holes: those that are done
   BuiltSession built;
-  std::vector<ToolInput> inputs;      ///< of this hole
+  MotionLog motion;                   ///< of this hole
+  std::size_t cycles = 0;             ///< likewise
+  DrillBit tool;                      ///< in use; the hole's first is setup.path.bit
+  std::optional<Pose> at;             ///< the tool is, in this hole; nothing before the first sound pose
   std::vector<std::uint64_t> living;  ///< DrilledBone::living_words() when this hole began
   struct TakenWord {
     std::size_t place;  ///< in `living`
     std::uint64_t was;
   };
-  std::vector<std::vector<TakenWord>> taken;  ///< by each hole of this session: the last of the setup's
+  /// By each hole of this session: the last of the setup's.
+  struct Taken {
+    std::vector<TakenWord> words;
+    std::size_t holes;  ///< of the setup: one for each tool
+  };
+  std::vector<Taken> taken;
   std::unique_ptr<RecordWriter> record;
-  /// Where the bit is; nothing before the first sound pose.
-  std::optional<Pose> bit_pose() const {
-    for (auto input = inputs.rbegin(); input != inputs.rend(); ++input) {
-      if (std::optional<Pose> pose = sound_pose(input->pose, setup.path.bit)) return pose;
+
+  void begin_motion() {
+    motion.begin(tool, setup.options.max_jump_mm);
+    cycles = 0;
+    at.reset();
+  }
+  DrillPath path_with(const DrillBit& bit) const {
+    SessionSetup with = setup;
+    with.path.bit = bit;
+    return setup.options.has_path ? with.path : line_without_path(bones, with);
+  }
+  /// Those of a hole that begins with another tool than the last one did, as a record of it is replayed: the entry
+  /// opening follows from the tool, and how far aside distances are known from a plate. Null: the same.
+  std::unique_ptr<ClearanceField> clearances_from(const DrillBit& before) const {
+    const DrillBit& now = setup.path.bit;
+    if (!built.clearances || !setup.options.has_path || now == before) return nullptr;
+    if (now.shape != BitShape::plate && before.shape != BitShape::plate) {
+      return std::make_unique<ClearanceField>(built.clearances->with_entry_of(setup.path));
     }
-    return std::nullopt;
+    std::vector<const WallDistance*> walls;
+    for (const Bone& bone : bones) walls.push_back(&bone.walls());
+    return std::make_unique<ClearanceField>(walls, setup.path, Progress());
   }
   /// Begins again at cycle 0, in the bone that `put_back` leaves. Where that is none, nothing has changed.
   void begin_again(const std::function<void(DrilledBone&)>& put_back) {
     const std::vector<std::uint64_t> now = built.bone.living_words();
+    const DrillPath before = setup.path;
     try {
       put_back(built.bone);
-      built.session = built.bone.begin_session(setup, built.clearances.get());
+      setup.path = path_with(tool);
+      std::unique_ptr<ClearanceField> clearances = clearances_from(before.bit);
+      built.session = built.bone.begin_session(setup, clearances ? clearances.get() : built.clearances.get());
+      if (clearances) built.clearances = std::move(clearances);
     } catch (...) {
+      setup.path = before;
       built.bone.set_living_words(now);
       throw;
     }
-    inputs.clear();
+    begin_motion();
   }
   void end_hole() {
-    DrilledHole hole = hole_of(inputs, setup);
-    // As it is drilled where a record of the next hole is replayed.
+    std::vector<DrilledHole> holes = motion.holes();
+    // As they are drilled where a record of the next hole is replayed.
     begin_again([&](DrilledBone& drilled_bone) {
       drilled_bone.set_living_words(living);
-      drilled_bone.drill(hole, setup);
+      for (const DrilledHole& hole : holes) drilled_bone.drill(hole, setup);
     });
     std::vector<std::uint64_t> left = built.bone.living_words();
-    std::vector<TakenWord>& words = taken.emplace_back();
+    Taken& by_this = taken.emplace_back(Taken{{}, holes.size()});
     for (std::size_t n = 0; n < left.size(); ++n) {
-      if (left[n] != living[n]) words.push_back({n, living[n]});
+      if (left[n] != living[n]) by_this.words.push_back({n, living[n]});
     }
     living = std::move(left);
-    setup.holes.push_back(std::move(hole));
+    std::ranges::move(holes, std::back_inserter(setup.holes));
   }
   /// What this hole was drilled so far, or the last one that is done.
   void take_back() {
-    if (!inputs.empty()) {
+    if (cycles > 0) {
       begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
       return;
     }
     if (taken.empty()) {
       SessionSetup before = setup;
       before.holes.pop_back();
+      before.path = path_with(tool);
       BuiltSession fresh = build_session(bones, before, {}, nullptr, built.clearances.get());
       built.session.reset();  // it holds on to the bone
       built = std::move(fresh);
+      setup = std::move(before);
       living = built.bone.living_words();
-      inputs.clear();
+      begin_motion();
     } else {
-      for (const TakenWord& word : taken.back()) living[word.place] = word.was;
+      for (const TakenWord& word : taken.back().words) living[word.place] = word.was;
+      setup.holes.resize(setup.holes.size() - taken.back().holes);
       taken.pop_back();
       begin_again([&](DrilledBone& drilled_bone) { drilled_bone.set_living_words(living); });
     }
-    setup.holes.pop_back();
+  }
+  void set_tool(const DrillBit& bit) {
+    if (record && bit.shape == BitShape::plate && !record_parts(setup.path.bit, setup.options).has_sides) {
+      fail("expected no plate in a record that was begun with a tool that turns: it has no room for a plate's sides");
+    }
+    if (cycles == 0 && !record) {
+      // The hole begins with this tool.
+      const DrillBit before = std::exchange(tool, bit);
+      try {
+        check_bit(bit);
+        begin_again([](DrilledBone&) {});
+      } catch (...) {
+        tool = before;
+        throw;
+      }
+      return;
+    }
+    built.set_tool(setup, bit);
+    motion.take_tool(bit);
+    tool = bit;
+    if (!record) return;
+    record->add_tool({cycles == 0 ? 0 : built.session->last().index + 1, record_tool(bit)});
+    record->add_events(built.session->events());
   }
   void note(const Cycle& cycle) {
-    inputs.push_back(cutting_input(cycle, setup.options));
+    const ToolMove move = cutting_move(cycle, setup.options);
+    ++cycles;
+    if (const std::optional<Pose> pose = sound_pose(move.pose, tool)) at = pose;
+    motion.add(move);
     if (!record) return;
     record->add_waiting(cycle);
     record->add_events(built.session->events());
@@ -122,12 +187,22 @@ SessionSetup complete(std::span<const Bone> bones, const DrillPath& path, Sessio
   return setup;
 }
 
+SessionSetup without_path(std::span<const Bone> bones, SessionSetup setup) {
+  if (bones.empty()) fail("expected a bone to drill, found none");
+  setup.options.has_path = setup.options.follows_path = false;
+  return complete(bones, line_without_path(bones, setup), setup);
+}
+
 }  // namespace
 
 Session::Session(Bone bone, const DrillPath& path, const SessionSetup& setup, const Progress& progress)
     : Session(std::vector{std::move(bone)}, path, setup, progress) {}
 Session::Session(std::vector<Bone> bones, const DrillPath& path, const SessionSetup& setup, const Progress& progress) {
   const SessionSetup whole = complete(bones, path, setup);
+  state_ = std::make_unique<State>(std::move(bones), whole, progress);
+}
+Session::Session(std::vector<Bone> bones, const SessionSetup& setup, const Progress& progress) {
+  const SessionSetup whole = without_path(bones, setup);
   state_ = std::make_unique<State>(std::move(bones), whole, progress);
 }
 Session::~Session() = default;
@@ -163,14 +238,16 @@ void Session::run(Operator& tool, const CycleObserver& observe, const Progress& 
       progress);
 }
 
+void Session::set_tool(const DrillBit& bit) { state_->set_tool(bit); }
+const DrillBit& Session::tool() const { return state_->tool; }
+
 const Cycle& Session::last() const { return state_->built.session->last(); }
 ToolFeedback Session::feedback() const { return state_->built.session->feedback(); }
 std::span<const SessionEvent> Session::events() const { return state_->built.session->events(); }
 bool Session::is_stopped() const { return state_->built.session->is_stopped(); }
 
 void Session::record(const std::filesystem::path& file, const std::optional<FrameFormat>& frames) {
-  if (!state_->inputs.empty())
-    fail("expected a record from the first cycle on, found ", state_->inputs.size(), " done");
+  if (state_->cycles > 0) fail("expected a record from the first cycle on, found ", state_->cycles, " done");
   state_->record = std::make_unique<RecordWriter>(file, record_setup(state_->setup), false, frames,
                                                   record_parts(state_->setup.path.bit, state_->setup.options));
 }
@@ -184,28 +261,30 @@ void Session::end_record() {
 void Session::end_hole() {
   end_record();
   State& state = *state_;
-  if (state.inputs.empty()) return;
-  for (ShownBone& bone : state.shown) bone.catch_up(state.setup, state.inputs);
+  if (state.cycles == 0) return;
+  for (ShownBone& bone : state.shown) bone.catch_up(state.setup, state.motion);
   state.end_hole();
-  for (ShownBone& bone : state.shown) bone.begin_hole(state.setup);
+  for (ShownBone& bone : state.shown) bone.begin_hole();
 }
 
 bool Session::undo() {
   State& state = *state_;
   if (state.record) fail("expected no record while drilling is taken back; end it first");
-  if (state.inputs.empty() && state.setup.holes.empty()) return false;
-  for (ShownBone& bone : state.shown) bone.undo(state.setup, !state.inputs.empty());
+  if (state.cycles == 0 && state.setup.holes.empty()) return false;
+  for (ShownBone& bone : state.shown) bone.undo(state.cycles > 0);
   state.take_back();
   return true;
 }
 
+double Session::motion_off_mm() const { return state_->motion.max_off_mm(); }
+
 View Session::view(const Camera& camera) {
   State& state = *state_;
   std::optional<RenderedBit> bit;
-  if (const std::optional<Pose> pose = state.bit_pose()) bit = RenderedBit{state.setup.path.bit, *pose};
+  if (state.at) bit = RenderedBit{state.tool, *state.at};
   std::optional<View> seen;
   for (ShownBone& bone : state.shown) {
-    View one = view_bone(bone.drilled(state.setup, state.inputs).hole(), camera, bit);
+    View one = view_bone(bone.drilled(state.setup, state.motion).hole(), camera, bit);
     if (!seen) {
       seen = std::move(one);
     } else {
@@ -217,7 +296,7 @@ View Session::view(const Camera& camera) {
 
 View Session::record_view(const Camera& camera) {
   if (!state_->record) fail("expected a record to put a view into; begin one first");
-  if (state_->inputs.empty()) fail("expected a view after the first cycle, found none done");
+  if (state_->cycles == 0) fail("expected a view after the first cycle, found none done");
   View seen = view(camera);
   state_->record->add_frame({last().index, last().time_s, seen});
   return seen;
@@ -226,14 +305,14 @@ View Session::record_view(const Camera& camera) {
 std::vector<SurfaceUpdate> Session::surface_changes(std::size_t bone) {
   State& state = *state_;
   if (bone >= state.shown.size()) fail("expected a bone below ", state.shown.size(), ", found ", bone);
-  return state.shown[bone].surface_changes(state.setup, state.inputs);
+  return state.shown[bone].surface_changes(state.setup, state.motion);
 }
 
-Bone Session::drilled() { return Bone(state_->shown.front().drilled(state_->setup, state_->inputs).bone()); }
+Bone Session::drilled() { return Bone(state_->shown.front().drilled(state_->setup, state_->motion).bone()); }
 
 std::vector<Bone> Session::drilled_bones() {
   std::vector<Bone> drilled;
-  for (ShownBone& bone : state_->shown) drilled.emplace_back(bone.drilled(state_->setup, state_->inputs).bone());
+  for (ShownBone& bone : state_->shown) drilled.emplace_back(bone.drilled(state_->setup, state_->motion).bone());
   return drilled;
 }
 
@@ -241,6 +320,17 @@ const Bone& Session::bone() const { return state_->bones.front(); }
 std::span<const Bone> Session::bones() const { return state_->bones; }
 const VoxelBone* Session::voxels() const { return state_->built.bone.voxels.get(); }
 const DrillPath& Session::path() const { return state_->setup.path; }
+std::string Session::chosen() const {
+  const SessionSetup& setup = state_->setup;
+  const double spacing_mm = setup.volume.spacing_mm;
+  if (setup.engine != EngineKind::voxel) {
+    return joined("points ", spacing_mm, " mm apart within ", setup.volume.radius_mm, " mm of the path, engine ",
+                  name_of(setup.engine));
+  }
+  const std::string_view why = why_voxels(setup);
+  return joined("voxels of ", spacing_mm, " mm of ", setup.region_mm ? "a region" : "the whole bone",
+                why.empty() ? ", as asked" : ", for ", why);
+}
 const SessionSetup& Session::setup() const { return state_->setup; }
 
 }  // namespace spinaltap

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -17,10 +18,16 @@ namespace spinaltap {
 
 class VoxelBone;
 
-/// A bone being drilled along one planned path: owns all it stands on, and is what DrillSession is, with the hole, its
-/// surface, undo and a record besides. One thread at a time.
+/// A bone being drilled, along one planned path or by a free hand: owns all it stands on, and is what DrillSession is,
+/// with the hole, its surface, undo and a record besides. One thread at a time.
 ///
 /// The drilling of one hole is one session: it begins at time 0 and cycle 0. end_hole() begins the next.
+///
+/// Of a hole under way it keeps the poses that cut, in 20 MB that are there from the start and that only long holes
+/// use up; of one that cuts for more than 294,912 cycles (4.9 minutes at 1 kHz) those that its ways need to within
+/// some hundredths of a millimetre: MotionLog says why poses and not voxels, and how. Forces, events, records and what
+/// drilled() and surface_changes() gave before know nothing of that; what they give then, and the hole after
+/// end_hole(), is off by motion_off_mm() at most.
 class Session {
  public:
   /// `setup`: all that decides what a session does; its path and its bones' fingerprints are taken from `bone` and
@@ -30,6 +37,11 @@ class Session {
   /// Throws Error where an engine of points is asked for with more than one.
   Session(std::vector<Bone> bones, const DrillPath& path, const SessionSetup& setup = {},
           const Progress& progress = {});
+  /// Without a planned path, in voxels: any tool anywhere, as a burr in a hand goes. `setup.path.bit`: its first tool;
+  /// the rest of that path counts for nothing. Depths are those of the tip below the bone's surface, clearances the
+  /// canal's, and events those that neither know a path nor states: see SessionOptions::has_path. Throws Error where an
+  /// engine of points is asked for.
+  explicit Session(std::vector<Bone> bones, const SessionSetup& setup = {}, const Progress& progress = {});
   ~Session();
   Session(Session&&) noexcept;
   Session& operator=(Session&&) noexcept;
@@ -37,15 +49,22 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// One cycle: the bit goes straight from where it was to `pose` (patient LPS, mm) in `dt_s`. What it gives holds
-  /// until the next. Poses that make no sense do nothing but leave an event. Memory for what was done grows now and
-  /// then; where nothing may be allocated at all, drill with run_real_time() (core/session/real_time) or a
-  /// DrillSession.
+  /// until the next. Poses that make no sense do nothing but leave an event. Allocates and locks nothing, at any
+  /// length, but for a record's sake.
   const Cycle& step(const Pose& pose, double dt_s = 0.001) { return step_input({pose, true, dt_s}); }
   const Cycle& step_input(const ToolInput& input);
   /// Many cycles, as fast as it goes, whatever the stop rules say: look at is_stopped(). Gives a row for each.
   std::vector<RecordedCycle> run(std::span<const ToolInput> inputs, const Progress& progress = {});
   /// An operator (planned motion, recorded poses, a pushing operator) until it ends.
   void run(Operator& tool, const CycleObserver& observe = {}, const Progress& progress = {});
+
+  /// Another tool from the next cycle on, which has come from nowhere: a pedal changes a burr. At any time; time, cycle
+  /// and events go on, a record takes it, and the next hole begins with it. Allocates: milliseconds, not for a thread
+  /// in real time. Throws Error on a bad tool, on a plate where there are points, or a record that was begun without
+  /// one, and on a session with heat; then nothing has changed.
+  void set_tool(const DrillBit& bit);
+  /// In use.
+  const DrillBit& tool() const;
 
   /// The last cycle; before the first, zeros.
   const Cycle& last() const;
@@ -69,6 +88,8 @@ class Session {
   /// drilled. Throws Error while a record runs: it would not know. What this session drilled is put back in place; for
   /// a hole of its setup all bone is filled again.
   bool undo();
+  /// By how much the hole under way may be off what the tool did, see above; 0 for one of less than 294,912 cycles.
+  double motion_off_mm() const;
 
   /// What a camera sees of the remaining bone, as drilled() would have it, and of the bit where it now is; the bit of a
   /// hole that has no cycle yet is nowhere. See view_bone().
@@ -91,7 +112,11 @@ class Session {
   std::span<const Bone> bones() const;
   /// The voxels as they now are; null where it drills points. They go when the session goes.
   const VoxelBone* voxels() const;
+  /// With the tool that this hole began with. Where there is no planned path (setup().options.has_path) a line through
+  /// the bones, which says nothing.
   const DrillPath& path() const;
+  /// What it drills, and why: "voxels of 0.1 mm of the whole bone, for no path".
+  std::string chosen() const;
   const SessionSetup& setup() const;
 
  private:

@@ -7,7 +7,8 @@
     cycle.force_n
 
 Positions are patient LPS, mm, of shape (n, 3). Long calls leave Python's lock, take progress(stage, fraction), and end
-with KeyboardInterrupt on Ctrl-C. Mistakes raise Error, which says what was expected and what was found.
+with KeyboardInterrupt on Ctrl-C. Mistakes raise Error, which says what was expected and what was found; its subclasses
+say what it is about, and are also what Python people expect: FileNotFoundError, ValueError, OSError.
 docs/python.md is the guide.
 """
 
@@ -25,11 +26,16 @@ from ._core import (
     Bone,
     Camera,
     Cycle,
+    DiskError,
     Error,
+    FileError,
     ForceControlled,
     Frame,
+    GeometryError,
     Grade,
     Hold,
+    InputError,
+    InternalError,
     Operator,
     Path,
     PivotCalibration,
@@ -42,6 +48,7 @@ from ._core import (
     SolvedHeat,
     Study,
     Suggestion,
+    UnsupportedError,
     View,
     __version__,
     calibrate_pivot,
@@ -70,11 +77,16 @@ __all__ = [
     "Bone",
     "Camera",
     "Cycle",
+    "DiskError",
     "Error",
+    "FileError",
     "ForceControlled",
     "Frame",
+    "GeometryError",
     "Grade",
     "Hold",
+    "InputError",
+    "InternalError",
     "Operator",
     "Path",
     "PivotCalibration",
@@ -87,6 +99,7 @@ __all__ = [
     "SolvedHeat",
     "Study",
     "Suggestion",
+    "UnsupportedError",
     "View",
     "__version__",
     "calibrate_pivot",

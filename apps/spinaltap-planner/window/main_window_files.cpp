@@ -153,7 +153,8 @@ void MainWindow::save_picture(const std::filesystem::path& file, const QString& 
   }
   StagedOutput output;
   const std::filesystem::path staged = output.stage(file);
-  if (!picture.save(text_of(staged.string()), "PNG")) fail("cannot write ", file.string(), ": is the disk full?");
+  if (!picture.save(text_of(staged.string()), "PNG"))
+    fail_as(ErrorKind::disk, "cannot write ", file.string(), ": is the disk full?");
   output.commit();
 }
 

@@ -30,7 +30,7 @@ std::string content_of(FILE* file) {
 ProcessResult run_process(const std::vector<std::string>& words) {
   // Files, not pipes: however much it says, it never waits for us.
   const File output(std::tmpfile(), std::fclose), errors(std::tmpfile(), std::fclose);
-  if (!output || !errors) fail("cannot make a temporary file: ", std::strerror(errno));
+  if (!output || !errors) fail_as(ErrorKind::disk, "cannot make a temporary file: ", std::strerror(errno));
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));

@@ -60,7 +60,8 @@ class ScratchFolder {
  public:
   ScratchFolder() {
     std::string name = (fs::temp_directory_path() / "spinaltap-timed-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) fail("cannot make a folder in ", fs::temp_directory_path().string());
+    if (::mkdtemp(name.data()) == nullptr)
+      fail_as(ErrorKind::disk, "cannot make a folder in ", fs::temp_directory_path().string());
     path_ = name;
   }
   ~ScratchFolder() {

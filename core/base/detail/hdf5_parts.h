@@ -77,7 +77,7 @@ Status checked(Status status, const char* what, const std::filesystem::path& pat
 /// Throws Error where the disk has rejected something.
 inline void check_disk(hid_t file, const std::filesystem::path& path) {
   const int error = hdf5_write_error(file);
-  if (error != 0) fail("cannot write ", path.string(), ": ", std::strerror(error));
+  if (error != 0) fail_as(ErrorKind::disk, "cannot write ", path.string(), ": ", std::strerror(error));
 }
 
 inline hid_t in_memory(Hdf5Number number) {
@@ -95,7 +95,7 @@ inline hid_t in_memory(Hdf5Number number) {
     case Hdf5Number::f64:
       return H5T_NATIVE_DOUBLE;
   }
-  fail("no such kind of number");
+  fail_as(ErrorKind::internal, "no such kind of number");
 }
 
 inline hid_t in_file(Hdf5Number number) {
@@ -113,7 +113,7 @@ inline hid_t in_file(Hdf5Number number) {
     case Hdf5Number::f64:
       return H5T_IEEE_F64LE;
   }
-  fail("no such kind of number");
+  fail_as(ErrorKind::internal, "no such kind of number");
 }
 
 /// Of a table with so many rows: one for the rows, and those of a row.

@@ -66,7 +66,9 @@ void check_sign(const DicomHeader& header, const CodestreamSize& found) {
 
 CodestreamSize check_codestream(const DicomHeader& header, std::span<const char> bytes) {
   const std::optional<CodestreamSize> found = codestream_size(bytes);
-  if (!found) fail("cannot decode the compressed pixels, which have no readable header, of ", path_of(header));
+  if (!found)
+    fail_as(ErrorKind::unsupported, "cannot decode the compressed pixels, which have no readable header, of ",
+            path_of(header));
   const int bits_allocated = found->bits <= 8 ? 8 : found->bits <= 16 ? 16 : 32;
   if (found->columns != header.columns || found->rows != header.rows || found->components != 1 ||
       bits_allocated != header.bits_allocated) {
@@ -136,7 +138,7 @@ std::vector<char> decode_with_gdcm(const DicomHeader& header, const std::vector<
   } catch (const std::exception&) {
     decoded = false;  // GDCM throws on some broken pixels
   }
-  if (!decoded) fail("cannot decode the pixels of ", path_of(header));
+  if (!decoded) fail_as(ErrorKind::unsupported, "cannot decode the pixels of ", path_of(header));
   return bytes;
 }
 
@@ -190,7 +192,9 @@ std::vector<char> decompress_frame(const DicomHeader& header) {
   const CodestreamSize codestream = check_codestream(header, whole);
   if (is_jpeg(header.transfer_syntax)) {
     const std::optional<std::vector<char>> plain = plain_jpeg_stream(whole);
-    if (!plain) fail("cannot decode the JPEG pixels, which are broken or of another process, of ", path_of(header));
+    if (!plain)
+      fail_as(ErrorKind::unsupported, "cannot decode the JPEG pixels, which are broken or of another process, of ",
+              path_of(header));
     whole = *plain;
   }
   if (is_jpeg_ls(header.transfer_syntax)) {

@@ -171,7 +171,7 @@ std::vector<ScannedSeries> scan_dicom(const fs::path& path, const Progress& prog
   if (fs::exists(fs::symlink_status(path, error)) && type != fs::file_type::not_found) {
     fail("expected a folder or a file with DICOM images, found something else: ", path.string());
   }
-  fail("no such folder: ", path.string());
+  fail_as(ErrorKind::file, "no such folder: ", path.string());
 }
 
 std::vector<SeriesInfo> list_dicom_series(const fs::path& path, const Progress& progress) {

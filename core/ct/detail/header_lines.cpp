@@ -13,10 +13,10 @@ namespace fs = std::filesystem;
 std::string read_header_bytes(const fs::path& file) {
   constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
   std::error_code error;
-  if (!fs::exists(file, error)) fail("no such file: ", file.string());
+  if (!fs::exists(file, error)) fail_as(ErrorKind::file, "no such file: ", file.string());
   if (!fs::is_regular_file(file, error)) fail("expected a file, found something else: ", file.string());
   std::ifstream stream(file, std::ios::binary);
-  if (!stream.is_open()) fail("cannot open ", file.string());
+  if (!stream.is_open()) fail_as(ErrorKind::file, "cannot open ", file.string());
   std::string bytes(kMaxHeader, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));

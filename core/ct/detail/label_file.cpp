@@ -37,7 +37,7 @@ LabelFile read_volume_labels(const fs::path& file, VolumeFormat format,
 LabelFile read_label_file(const fs::path& file, const GridGeometry& ct, const LabelFileOptions& options,
                           const std::function<void(const LabelFile&)>& begin, const TakeLabels& take) {
   std::error_code error;
-  if (!fs::exists(file, error)) fail("no such file: ", file.string());
+  if (!fs::exists(file, error)) fail_as(ErrorKind::file, "no such file: ", file.string());
   if (!fs::is_regular_file(file, error)) fail("expected a label map, found something else: ", file.string());
   switch (dicom_kind_of(file)) {
     case DicomKind::kSegmentation:

@@ -33,7 +33,7 @@ constexpr std::size_t kHeader2 = 540;  ///< and of a NIfTI-2 header
 /// A plain file or a gzipped one.
 GzFile open_bytes(const fs::path& file) {
   GzFile bytes(::gzopen(file.c_str(), "rb"), ::gzclose);
-  if (!bytes) fail("cannot open ", file.string());
+  if (!bytes) fail_as(ErrorKind::file, "cannot open ", file.string());
   ::gzbuffer(bytes.get(), 1 << 17);
   return bytes;
 }
@@ -104,7 +104,7 @@ NiftiImage open_nifti(const fs::path& file, Vec3& pixdim) {
   }();
   static_cast<void>(silent);
   std::error_code error;
-  if (!fs::exists(file, error)) fail("no such file: ", file.string());
+  if (!fs::exists(file, error)) fail_as(ErrorKind::file, "no such file: ", file.string());
   if (!fs::is_regular_file(file, error)) fail("expected a NIfTI file, found something else: ", file.string());
   // The library takes the format from the name, and complains aloud about other names.
   const std::string name = file.filename().string();

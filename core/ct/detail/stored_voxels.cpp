@@ -32,7 +32,7 @@ class PartBytes {
     std::error_code error;
     // Opening a FIFO would wait for a writer.
     if (fs::is_regular_file(part.file, error)) stream_.open(part.file, std::ios::binary);
-    if (!stream_.is_open()) fail("no such file with the voxels: ", part.file.string());
+    if (!stream_.is_open()) fail_as(ErrorKind::file, "no such file with the voxels: ", part.file.string());
     const std::uint64_t size = fs::file_size(part.file, error);
     if (error) fail_short(part_);
     const bool is_from_end = part.skip_bytes == VoxelPart::kFromEnd;
@@ -200,7 +200,8 @@ void check_surplus(std::uint64_t wanted, std::uint64_t surplus, const VoxelPart&
 
 void check_part(const StoredVoxels& voxels, const VoxelPart& part, std::size_t count) {
   std::error_code error;
-  if (!fs::is_regular_file(part.file, error)) fail("no such file with the voxels: ", part.file.string());
+  if (!fs::is_regular_file(part.file, error))
+    fail_as(ErrorKind::file, "no such file with the voxels: ", part.file.string());
   const std::uint64_t size = fs::file_size(part.file, error);
   const bool is_from_end = part.skip_bytes == VoxelPart::kFromEnd;
   const std::uint64_t there = size - std::min(size, part.at);

@@ -97,6 +97,7 @@ Json json_of(const SessionOptions& options) {
               {"no_cortex_mm", options.states.no_cortex_mm}}},
             {"max_jump_mm", options.max_jump_mm}};
   if (!options.follows_path) json["follows_path"] = false;
+  if (!options.has_path) json["has_path"] = false;
   if (options.has_device) json["has_device"] = true;
   if (!options.has_support) json["has_support"] = false;
   if (options.heat) json["heat"] = json_of(*options.heat);
@@ -169,6 +170,7 @@ SessionOptions read_options_part(const JsonObject& object, const fs::path& file)
   if (object.has("has_device")) options.has_device = object.flag("has_device");
   if (object.has("has_support")) options.has_support = object.flag("has_support");
   if (object.has("follows_path")) options.follows_path = object.flag("follows_path");
+  if (object.has("has_path")) options.has_path = object.flag("has_path");
   if (object.has("heat")) options.heat = read_heat_part(part_of(object, "heat", file), file);
   return options;
 }

@@ -64,6 +64,13 @@ SessionWatch::SessionWatch(const DrillPath& path, const LivingBone& bone, const 
       has_clearances_(has_clearances),
       deepest_mm_(-std::numeric_limits<double>::infinity()) {}
 
+void SessionWatch::take_tool(const DrillBit& bit) {
+  bit_ = tool_body(bit);
+  is_in_air_ = false;
+  tip_is_in_bone_ = false;
+  thrust_n_.reset();
+}
+
 SessionEvent SessionWatch::event_of(const Cycle& cycle, EventKind kind, const Vec3& place_mm, double value) {
   return {kind, cycle.index, cycle.time_s, cycle.depth_mm, place_mm, value};
 }

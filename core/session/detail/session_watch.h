@@ -108,6 +108,9 @@ class SessionWatch {
   /// Before the update of a cycle whose way is not cut.
   void jump(const Cycle& cycle, const Pose& pose, double way_mm, EventLog& log) noexcept;
 
+  /// Another tool, which has come from nowhere.
+  void take_tool(const DrillBit& bit);
+
   bool is_stopped() const { return is_stopped_; }
   /// Bone has been cut.
   bool has_contact() const { return has_contact_; }

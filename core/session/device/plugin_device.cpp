@@ -27,7 +27,7 @@ std::string plugin_loader_words() {
 PluginLibrary load_plugin_library(const std::filesystem::path& file) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(file, none)) {
-    fail("expected a device's plug-in, found no such file: ", file.string());
+    fail_as(ErrorKind::file, "expected a device's plug-in, found no such file: ", file.string());
   }
   // The whole path: else the loader looks in the system's folders.
   void* const library = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -19,14 +19,13 @@ namespace fs = std::filesystem;
 // No compression does better: what claims to has no such rows.
 constexpr std::uint64_t kMaxToOne = 1100;
 
-RecordProgress read_progress(const Hdf5File& file, const fs::path& path) {
-  const Hdf5Table table = file.open_table("/progress", Hdf5Number::u64, RecordProgress::kNumbers);
-  std::array<std::uint64_t, RecordProgress::kNumbers> all{};
-  table.read(0, 1, all.data());
-  if (all.back() != RecordProgress::checksum(all)) {
+RecordProgress read_progress(const Hdf5File& file, bool has_tools, const fs::path& path) {
+  std::vector<std::uint64_t> all(has_tools ? RecordProgress::kNumbers : RecordProgress::kNumbersWithoutTools);
+  file.open_table("/progress", Hdf5Number::u64, all.size()).read(0, 1, all.data());
+  if (all.back() != RecordProgress::checksum(std::span(all).first(all.size() - 1))) {
     fail("cannot read ", path.string(), ": what it says of its own progress is damaged");
   }
-  return {all[0], all[1], all[2], all[3]};
+  return {all[0], all[1], all[2], all[3], has_tools ? all[4] : 0};
 }
 
 /// The first rows of a group's tables, all of which must be there.
@@ -56,7 +55,7 @@ std::vector<Row> read_rows(const Hdf5File& file, const std::string& group, std::
 void check_numbers(const SessionRecord& record, const fs::path& path) {
   constexpr auto kLastStatus = static_cast<int>(DeviceStatus::lost);
   constexpr auto kLastState = static_cast<int>(DrillState::inner_cortical);
-  constexpr auto kLastKind = static_cast<int>(EventKind::device_lost);
+  constexpr auto kLastKind = static_cast<int>(EventKind::tool_change);
   for (const RecordedCycle& row : record.cycles) {
     if (row.state > kLastState) {
       fail("cannot read ", path.string(), ": cycle ", row.cycle, " has a state of number ", int{row.state});
@@ -76,7 +75,12 @@ void check_numbers(const SessionRecord& record, const fs::path& path) {
   }
 }
 
-Hdf5File open_record(const fs::path& path) {
+struct OpenRecord {
+  Hdf5File file;
+  bool has_tools;
+};
+
+OpenRecord open_record(const fs::path& path) {
   Hdf5File file = Hdf5File::open(path);
   const std::map<std::string, std::string> head = file.read_texts("/");
   const auto text = [&](const char* name) {
@@ -84,18 +88,19 @@ Hdf5File open_record(const fs::path& path) {
     return found == head.end() ? std::string() : found->second;
   };
   if (text("format") != kRecordFormat) fail("expected a record of a session, found another HDF5 file: ", path.string());
-  if (text("version") != kRecordVersion) {
+  const bool has_tools = text("version") == kRecordVersion;
+  if (!has_tools && text("version") != kRecordVersionWithoutTools) {
     fail(path.string(), ": this is a version ", text("version").empty() ? "1" : text("version"), " record; version ",
          kRecordVersion, " is expected: drill again");
   }
-  return file;
+  return {std::move(file), has_tools};
 }
 
 SessionRecord read_once(const fs::path& path) {
   const std::uint64_t bytes = regular_file_size(path);
-  const Hdf5File file = open_record(path);
+  const auto [file, has_tools] = open_record(path);
   // Before the tables: they may grow meanwhile, and hold what this counts.
-  const RecordProgress progress = read_progress(file, path);
+  const RecordProgress progress = read_progress(file, has_tools, path);
   SessionRecord record;
   record.setup = file.read_texts("/setup");
   record.parts = {.has_sides = file.has("/cycles/side"),
@@ -103,6 +108,15 @@ SessionRecord read_once(const fs::path& path) {
                   .has_device = file.has("/cycles/device_status")};
   record.cycles = read_rows(file, "/cycles", cycle_columns(record.parts), progress.cycles, bytes, path);
   record.events = read_rows(file, "/events", event_columns(), progress.events, bytes, path);
+  // A tool takes a row of 4 KiB, and they are few.
+  constexpr std::uint64_t kMostTools = 100'000;
+  if (progress.tools > kMostTools) {
+    fail("cannot read ", path.string(), ": expected at most ", kMostTools, " tools, found ", progress.tools);
+  }
+  if (progress.tools > 0) {
+    const ToolTables tools = ToolTables::open(file);
+    for (std::uint64_t row = 0; row < progress.tools; ++row) record.tools.push_back(tools.read(row));
+  }
   record.lost = progress.lost;
   record.is_whole = progress.is_whole != 0;
   if (const std::optional<FrameTables> frames = FrameTables::open(file, path)) record.frame_count = frames->count();
@@ -112,7 +126,7 @@ SessionRecord read_once(const fs::path& path) {
 
 std::vector<RecordedFrame> read_frames_once(const fs::path& path, std::uint64_t first, std::uint64_t count) {
   const std::uint64_t bytes = regular_file_size(path);
-  const Hdf5File file = open_record(path);
+  const Hdf5File file = open_record(path).file;
   const std::optional<FrameTables> tables = FrameTables::open(file, path);
   const std::uint64_t there = tables ? tables->count() : 0;
   if (first >= there) return {};

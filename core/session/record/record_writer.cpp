@@ -36,7 +36,8 @@ Hdf5File new_file(const std::filesystem::path& path, bool may_replace) {
       fail("expected a file to replace by the record, found ", path.string());
     }
     // Not written over: somebody may be reading it.
-    if (!std::filesystem::remove(path, error)) fail("cannot replace ", path.string(), ": ", error.message());
+    if (!std::filesystem::remove(path, error))
+      fail_as(ErrorKind::disk, "cannot replace ", path.string(), ": ", error.message());
   } else if (path.has_parent_path()) {
     std::filesystem::create_directories(path.parent_path(), error);  // what goes wrong, making the file tells
   }
@@ -73,6 +74,7 @@ struct RecordWriter::State {
   void take_events();
   void write_events();
   void write_frames();
+  void write_tools();
   void say_progress(bool is_whole);
 
   std::filesystem::path path;
@@ -81,6 +83,7 @@ struct RecordWriter::State {
   RowTables<RecordedCycle> cycles;
   RowTables<SessionEvent> events;
   std::optional<FrameTables> frames;
+  ToolTables tools;
   Hdf5Table progress;
 
   RingBuffer<RecordedCycle> line{kRoom};
@@ -94,6 +97,7 @@ struct RecordWriter::State {
   std::vector<std::size_t> row_of_slot;  ///< one more than the row; 0: none
   std::size_t first_changed_event = 0;
   std::size_t written_events = 0;
+  std::uint64_t written_tools = 0;
   Clock::time_point oldest_wait, last_flush = Clock::now();
   bool has_unflushed = false;
 
@@ -102,6 +106,7 @@ struct RecordWriter::State {
   bool ends = false;
   std::string trouble;
   std::deque<RecordedFrame> waiting_frames;
+  std::vector<RecordedTool> waiting_tools;
   bool is_closed = false;
   std::thread thread;
 };
@@ -114,6 +119,7 @@ RecordWriter::State::State(const std::filesystem::path& where, const std::map<st
       cycles(file, "/cycles", cycle_columns(parts), kCycleChunk, true),
       events(file, "/events", event_columns(), kEventChunk, false),
       frames(format ? std::optional(FrameTables::make(file, *format)) : std::nullopt),
+      tools(ToolTables::make(file)),
       progress(file.make_row("/progress", Hdf5Number::u64, RecordProgress::kNumbers)) {
   file.write_text("/", "format", kRecordFormat);
   file.write_text("/", "version", kRecordVersion);
@@ -126,7 +132,7 @@ RecordWriter::State::State(const std::filesystem::path& where, const std::map<st
 
 void RecordWriter::State::say_progress(bool is_whole) {
   file.flush();
-  const RecordProgress now{cycles.written(), written_events, rejected.load(), is_whole ? 1U : 0U};
+  const RecordProgress now{cycles.written(), written_events, rejected.load(), is_whole ? 1U : 0U, written_tools};
   progress.write(0, 1, now.numbers().data());
   if (frames) frames->say_progress();
   file.flush();
@@ -172,6 +178,16 @@ void RecordWriter::State::write_frames() {
   }
 }
 
+void RecordWriter::State::write_tools() {
+  std::vector<RecordedTool> taken;
+  {
+    const std::lock_guard lock(mutex);
+    taken.swap(waiting_tools);
+  }
+  for (const RecordedTool& tool : taken) tools.write(written_tools++, tool);
+  if (!taken.empty()) has_unflushed = true;
+}
+
 void RecordWriter::State::write(bool all) {
   constexpr std::size_t kBatch = 4 * kCycleChunk;
   take_events();
@@ -180,6 +196,7 @@ void RecordWriter::State::write(bool all) {
   do {
     if (cycles.waiting() == 0) oldest_wait = Clock::now();
     taken = line.pop(kBatch, [this](const RecordedCycle& row) { cycles.add(row); });
+    write_tools();  // those of the cycles that were taken are there by now
     const bool is_old = cycles.waiting() > 0 && Clock::now() - oldest_wait > kOldest;
     const std::uint64_t rows = all || is_old ? cycles.waiting() : cycles.whole_chunks();
     if (rows > 0) {
@@ -244,6 +261,14 @@ bool RecordWriter::add_waiting(const Cycle& cycle) {
 }
 
 void RecordWriter::add_events(std::span<const SessionEvent> events) noexcept { state_->handover.hand_over(events); }
+
+void RecordWriter::add_tool(RecordedTool tool) {
+  if (tool.tool.size() > RecordedTool::kMaxBytes) {
+    fail("record: expected a tool of at most ", RecordedTool::kMaxBytes, " bytes, found one of ", tool.tool.size());
+  }
+  const std::lock_guard lock(state_->mutex);
+  state_->waiting_tools.push_back(std::move(tool));
+}
 
 bool RecordWriter::add_frame(RecordedFrame frame) {
   State& state = *state_;

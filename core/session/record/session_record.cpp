@@ -127,6 +127,7 @@ std::string hash_of(const SessionRecord& record) {
   for (const SessionEvent& event : record.events) {
     if (event.kind != EventKind::record_lost) add(event_columns(), event);
   }
+  for (const RecordedTool& tool : record.tools) hash.add(tool.tool.data(), tool.tool.size());
   return hash.hex();
 }
 

@@ -55,6 +55,13 @@ struct RecordParts {
 /// Of a session with this tool and these options.
 RecordParts record_parts(const DrillBit& tool, const SessionOptions& options);
 
+/// A tool that a session changed to.
+struct RecordedTool {
+  std::uint64_t cycle = 0;  ///< the first with it
+  std::string tool;         ///< as record_tool() says it: at most kMaxBytes
+  static constexpr std::size_t kMaxBytes = 4096;
+};
+
 /// Writes a session into an HDF5 file while it runs: from a thread of its own, compressed in chunks, flushed more than
 /// once a second, so that others may read along and a killed run leaves all but the last second.
 class RecordWriter {
@@ -81,6 +88,10 @@ class RecordWriter {
   /// the same promises. Cycles that were lost become events of their own, EventKind::record_lost.
   void add_events(std::span<const SessionEvent> events) noexcept;
 
+  /// Hands over a tool, before its first cycle is added. Allocates and locks: not for a thread in real time. Throws
+  /// Error on a text that is too long.
+  void add_tool(RecordedTool tool);
+
   /// Hands over what a camera saw. Allocates, and waits while kFrameRoom frames are still to be written: not for a
   /// thread in real time. False where the disk rejected. Throws Error where the record takes no frames, or of another
   /// size.
@@ -106,14 +117,15 @@ struct SessionRecord {
   std::vector<RecordedCycle> cycles;
   /// In the order in which they began. Of a record that was cut short: those known at its last flush.
   std::vector<SessionEvent> events;
-  bool is_whole = false;  ///< closed in order
+  std::vector<RecordedTool> tools;  ///< after the setup's, in order
+  bool is_whole = false;            ///< closed in order
   RecordParts parts;
   std::uint64_t lost = 0;         ///< cycles that did not get into it
   std::uint64_t frame_count = 0;  ///< of what cameras saw: read_frames()
 };
 
-/// A fingerprint of all cycles and events, to the last bit: of the same drilling the same, whoever recorded it. Frames
-/// follow from them, and do not count. 16 hexadecimal digits.
+/// A fingerprint of all cycles, events and changes of tools, to the last bit: of the same drilling the same, whoever
+/// recorded it. Frames follow from them, and do not count. 16 hexadecimal digits.
 std::string hash_of(const SessionRecord& record);
 
 /// Also while it is being written, and after a kill. Throws Error on a file that is no record, a newer layout, or

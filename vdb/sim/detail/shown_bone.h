@@ -6,9 +6,9 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <span>
 #include <vector>
 
+#include "core/session/operator/motion_log.h"
 #include "core/session/session_setup.h"
 #include "vdb/remaining/hole_cutter.h"
 #include "vdb/remaining/live_mesh.h"
@@ -20,20 +20,24 @@ namespace spinaltap {
 /// when first asked for and then brought up to the last of the hole's inputs.
 class ShownBone {
  public:
-  explicit ShownBone(Bone bone) : bone_(std::move(bone)) {}
+  /// How many readers of a session's MotionLog it is: `first_reader` and those after it.
+  static constexpr std::size_t kReaders = 2;
+
+  ShownBone(Bone bone, std::size_t first_reader)
+      : bone_(std::move(bone)), cutter_reader_(first_reader), mesh_reader_(first_reader + 1) {}
 
   const Bone& bone() const { return bone_; }
-  /// Without the setup's holes and what `inputs` cut; each input is cut out once.
-  HoleCutter& drilled(const SessionSetup& setup, std::span<const ToolInput> inputs);
+  /// Without the setup's holes and what the hole under way, `motion`, cut; each move is cut out once.
+  HoleCutter& drilled(const SessionSetup& setup, MotionLog& motion);
   /// As Session has it.
-  std::vector<SurfaceUpdate> surface_changes(const SessionSetup& setup, std::span<const ToolInput> inputs);
+  std::vector<SurfaceUpdate> surface_changes(const SessionSetup& setup, MotionLog& motion);
 
-  /// What was made takes in all inputs, before they become a hole of the setup.
-  void catch_up(const SessionSetup& setup, std::span<const ToolInput> inputs);
+  /// What was made takes in all moves, before they become a hole of the setup.
+  void catch_up(const SessionSetup& setup, MotionLog& motion);
   /// The hole that was caught up with has become one of the setup.
-  void begin_hole(const SessionSetup& setup);
-  /// Takes out this hole, or where it has no inputs the last of the setup.
-  void undo(const SessionSetup& setup, bool has_inputs);
+  void begin_hole();
+  /// Takes out this hole, or where it has no cycles the last of the setup.
+  void undo(bool has_cycles);
 
  private:
   struct LiveHole {
@@ -41,15 +45,17 @@ class ShownBone {
     bool changes_bone = false;
   };
 
-  void show(const SessionSetup& setup, std::span<const ToolInput> inputs);
-  void undo_in_mesh(const SessionSetup& setup, bool has_inputs);
+  HoleCutter& cutter(const SessionSetup& setup);
+  void show(const SessionSetup& setup, MotionLog& motion);
+  void undo_in_mesh(bool has_cycles);
   void change(const SurfaceUpdate& update);
 
   Bone bone_;
+  std::size_t cutter_reader_, mesh_reader_;
   std::optional<HoleCutter> cutter_;
-  std::size_t cut_ = 0;  ///< of the inputs, in the cutter
+  std::optional<std::size_t> cut_tool_;  ///< of this hole, that the cutter has; none: it has cut nothing of it
   std::unique_ptr<LiveMesh> live_;
-  std::size_t shown_ = 0;                                ///< of the inputs, in the live mesh
+  std::optional<std::size_t> shown_tool_;                ///< that the live mesh has, likewise
   std::vector<LiveHole> live_holes_;                     ///< in the live mesh, this one last
   std::set<std::array<int, 3>> blocks_;                  ///< of the surface, as handed over or waiting
   std::map<std::array<int, 3>, SurfaceUpdate> changes_;  ///< that wait

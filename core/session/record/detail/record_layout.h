@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,7 +15,8 @@ namespace spinaltap {
 // What writer and reader of records share; docs/record-file.md.
 
 inline constexpr const char* kRecordFormat = "spinaltap-record";
-inline constexpr const char* kRecordVersion = "2";
+inline constexpr const char* kRecordVersion = "3";
+inline constexpr const char* kRecordVersionWithoutTools = "2";  ///< read as well
 
 /// A chunk of rows is compressed and written at one go: 256 ms at 1 kHz.
 inline constexpr std::uint64_t kCycleChunk = 256;
@@ -22,23 +25,55 @@ inline constexpr std::uint64_t kEventChunk = 64;
 /// What the file holds for sure: written, in one piece, after all that it counts. A file that was cut short may hold
 /// more rows than that, and not all of their numbers.
 struct RecordProgress {
-  static constexpr std::uint64_t kNumbers = 5;
+  static constexpr std::uint64_t kNumbers = 6;
+  static constexpr std::uint64_t kNumbersWithoutTools = 5;
 
   std::uint64_t cycles = 0;  ///< rows
   std::uint64_t events = 0;  ///< rows
   std::uint64_t lost = 0;    ///< cycles that are not in the file
   std::uint64_t is_whole = 0;
+  std::uint64_t tools = 0;  ///< rows
 
   std::array<std::uint64_t, kNumbers> numbers() const {
-    std::array<std::uint64_t, kNumbers> all{cycles, events, lost, is_whole, 0};
-    all.back() = checksum(all);
+    std::array<std::uint64_t, kNumbers> all{cycles, events, lost, is_whole, tools, 0};
+    all.back() = checksum(std::span(all).first(kNumbers - 1));
     return all;
   }
   /// Of the numbers before it.
-  static std::uint64_t checksum(const std::array<std::uint64_t, kNumbers>& all) {
+  static std::uint64_t checksum(std::span<const std::uint64_t> numbers) {
     WordHash64 hash;
-    hash.add(all.data(), (kNumbers - 1) * sizeof(all[0]));
+    hash.add(numbers.data(), numbers.size_bytes());
     return hash.value();
+  }
+};
+
+/// The tables of the tools that a session changed to.
+struct ToolTables {
+  static constexpr std::uint64_t kToolChunk = 4;
+  Hdf5Table cycle, tool;
+
+  static ToolTables make(Hdf5File& file) {
+    file.make_group("/tools");
+    return {file.make_table("/tools/cycle", Hdf5Number::u64, 1, kToolChunk, false),
+            file.make_table("/tools/tool", Hdf5Number::u8, RecordedTool::kMaxBytes, kToolChunk, true)};
+  }
+  static ToolTables open(const Hdf5File& file) {
+    return {file.open_table("/tools/cycle", Hdf5Number::u64, 1),
+            file.open_table("/tools/tool", Hdf5Number::u8, RecordedTool::kMaxBytes)};
+  }
+  void write(std::uint64_t row, const RecordedTool& of) {
+    std::string text = of.tool;
+    text.resize(RecordedTool::kMaxBytes, '\0');
+    cycle.write(row, 1, &of.cycle);
+    tool.write(row, 1, text.data());
+  }
+  RecordedTool read(std::uint64_t row) const {
+    RecordedTool of;
+    of.tool.resize(RecordedTool::kMaxBytes);
+    cycle.read(row, 1, &of.cycle);
+    tool.read(row, 1, of.tool.data());
+    of.tool.resize(std::min(of.tool.find('\0'), of.tool.size()));
+    return of;
   }
 };
 

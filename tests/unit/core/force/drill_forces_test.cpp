@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "tests/unit/core/engine/count_allocations.h"
+#include "tests/support/count_allocations.h"
 #include "tests/unit/core/force/felt_run.h"
 
 namespace spinaltap {

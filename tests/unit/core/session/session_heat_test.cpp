@@ -19,7 +19,7 @@
 #include "core/session/record/session_record.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/nan.h"
-#include "tests/unit/core/engine/count_allocations.h"
+#include "tests/support/count_allocations.h"
 
 namespace spinaltap {
 namespace {

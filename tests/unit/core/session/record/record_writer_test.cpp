@@ -13,6 +13,8 @@
 #include "core/base/error.h"
 #include "core/base/hdf5_file.h"
 #include "core/base/staged_output.h"
+#include "core/session/record/detail/record_columns.h"
+#include "core/session/record/detail/record_layout.h"
 #include "core/session/record/session_record.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
@@ -434,6 +436,54 @@ TEST(RecordCsv, HasUnitsInItsHeadAndOneRowACycle) {
   EXPECT_EQ(events.str(),
             "kind,cycle,time_s,depth_mm,place_x_mm,place_y_mm,place_z_mm,value\n"
             "canal breach,7,0.007,0.1,1,-2,3.5,0.5\n");
+}
+
+// As a version of before wrote it: without tools.
+TEST(RecordWriter, ReadsRecordsOfVersion2) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "old.h5";
+  {
+    Hdf5File file = Hdf5File::create(path);
+    RowTables<RecordedCycle> cycles(file, "/cycles", cycle_columns({}), kCycleChunk, true);
+    RowTables<SessionEvent> events(file, "/events", event_columns(), kEventChunk, false);
+    Hdf5Table progress = file.make_row("/progress", Hdf5Number::u64, RecordProgress::kNumbersWithoutTools);
+    file.write_text("/", "format", kRecordFormat);
+    file.write_text("/", "version", "2");
+    file.make_group("/setup");
+    file.write_text("/setup", "session", "{}");
+    RecordedCycle row;
+    row.thrust_n = 3.25;
+    cycles.add(row);
+    cycles.write(1);
+    std::array<std::uint64_t, RecordProgress::kNumbersWithoutTools> numbers{1, 0, 0, 1, 0};
+    numbers.back() = RecordProgress::checksum(std::span(numbers).first(4));
+    progress.write(0, 1, numbers.data());
+    file.close();
+  }
+  const SessionRecord record = read_record(path);
+  EXPECT_TRUE(record.is_whole);
+  EXPECT_TRUE(record.tools.empty());
+  ASSERT_EQ(record.cycles.size(), 1U);
+  EXPECT_EQ(record.cycles[0].thrust_n, 3.25);
+}
+
+TEST(RecordWriter, KeepsToolsBesideTheirFirstCycle) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "tools.h5";
+  RecordWriter writer(path, {});
+  Cycle cycle;
+  for (std::uint64_t n = 0; n < 2000; ++n) {
+    if (n % 500 == 0) writer.add_tool({n, "tool of cycle " + std::to_string(n)});
+    cycle.index = n;
+    EXPECT_TRUE(writer.add_waiting(cycle));
+  }
+  EXPECT_THROW(writer.add_tool({2000, std::string(RecordedTool::kMaxBytes + 1, 'x')}), Error);
+  writer.close({});
+  const SessionRecord record = read_record(path);
+  ASSERT_EQ(record.tools.size(), 4U);
+  EXPECT_EQ(record.tools[3].cycle, 1500U);
+  EXPECT_EQ(record.tools[3].tool, "tool of cycle 1500");
+  EXPECT_EQ(record.cycles.size(), 2000U);
 }
 
 }  // namespace
