@@ -125,13 +125,13 @@ double log_likelihood(const SpineBodies& spine, const std::vector<Ribs>& ribs, c
     const bool taken_for_sacrum = n == 0 && spine.has_sacrum;
     if (taken_for_sacrum) {
       // A lowest lumbar body that has grown into the sacrum, or the sacrum's second body, may be taken for its first.
-      sum += std::log(place == 0 ? 0.95 : place == 1 ? 0.03 : 0.02);
+      sum += std::log(place == 0 ? 0.97 : place == 1 ? 0.02 : 0.01);
       continue;
     }
     if (place < 0) return -1e9;
     const Level level = levels[static_cast<std::size_t>(place)];
     if (level == Level::kSacrum) {
-      sum += std::log(0.05);
+      sum += std::log(0.03);
       continue;
     }
     of_ribs += std::log(ribs_likelihood(ribs[n], level, kind.last_ribs));
