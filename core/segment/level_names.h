@@ -33,7 +33,7 @@ std::vector<Level> levels_counted_from(const SpineBodies& spine, std::size_t ind
 
 /// Names by votes: the sacrum below the row, ribs at each of its bodies, and how widths and heights of bodies grow
 /// along a spine (Panjabi 1991, 1992). For each place of the row in each of six kinds of people, with 4 to 6 lumbar
-/// vertebrae and the last ribs at T11 to L1, as often as in 802 CTs (shared table of transitional vertebrae), the votes'
+/// vertebrae and the last ribs at T11 to L1, as often as in 802 CTs (CTSpinoPelvic1K), the votes'
 /// likelihoods give a probability. A body is named from 0.9 on. Stretches that an unclear gap parts vote alone.
 /// `ribs`: of each body.
 LevelNames voted_names(const SpineBodies& spine, const std::vector<Ribs>& ribs);
