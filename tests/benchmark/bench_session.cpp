@@ -209,8 +209,7 @@ void c_interface(benchmark::State& state) {
     for (int block = 0; block < kBlocks; ++block) {
       const std::int64_t begin_ns = wall_ns();
       for (int n = 0; n < kSteps; ++n) {
-        const Cycle* const done =
-            &direct.step_input({{away_mm + 0.001 * n * Vec3::UnitX(), Vec3::UnitZ()}, true, 0.001});
+        const Cycle* done = &direct.step_input({{away_mm + 0.001 * n * Vec3::UnitX(), Vec3::UnitZ()}, true, 0.001});
         benchmark::DoNotOptimize(done);
       }
       const std::int64_t between_ns = wall_ns();
