@@ -29,7 +29,7 @@ SessionSetup recorded_setup(const std::map<std::string, std::string>& setup, con
 std::string record_tool(const DrillBit& bit) { return to_json(bit).dump(); }
 
 DrillBit recorded_tool(const RecordedTool& tool, const std::filesystem::path& file) {
-  const DrillBit bit = read_bit(parse_json(tool.tool, "a tool in " + file.string()), file);
+  DrillBit bit = read_bit(parse_json(tool.tool, "a tool in " + file.string()), file);
   check_bit(bit);
   return bit;
 }

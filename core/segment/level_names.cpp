@@ -49,15 +49,15 @@ double ribs_likelihood(Ribs found, Level level, Level last) {
 struct BodyMeasures {
   double width_mm, height_mm;
 };
-constexpr std::array<BodyMeasures, 22> kMeasures{
+constexpr std::array<BodyMeasures, 22> kBodyMeasures{
     {{15.8, 11.6}, {17.2, 11.4}, {17.5, 11.4}, {18.5, 10.9}, {21.8, 12.8}, {24.5, 14.1}, {24.9, 15.6}, {24.6, 15.7},
      {24.5, 16.2}, {24.9, 16.2}, {26.2, 17.4}, {27.8, 18.2}, {29.5, 18.7}, {30.6, 19.3}, {31.9, 20.2}, {34.9, 21.3},
      {39.0, 22.7}, {41.2, 23.8}, {42.6, 24.3}, {44.1, 23.8}, {46.6, 24.1}, {47.3, 22.9}}};
 
 const BodyMeasures& measures_of(Level level) {
   constexpr int kC3 = 3;
-  const int row = std::clamp(static_cast<int>(level) - kC3, 0, static_cast<int>(kMeasures.size()) - 1);
-  return kMeasures[static_cast<std::size_t>(row)];
+  const int row = std::clamp(static_cast<int>(level) - kC3, 0, static_cast<int>(kBodyMeasures.size()) - 1);
+  return kBodyMeasures[static_cast<std::size_t>(row)];
 }
 
 /// Log likelihood of logarithms of sizes over the table's: each off by chance, all by the person's size.

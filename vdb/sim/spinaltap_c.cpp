@@ -424,8 +424,7 @@ spinaltap_code spinaltap_surface_copy(const spinaltap_surface* surface, uint32_t
   if (!block) return SPINALTAP_OK;
   const auto copy = [](const auto& from, auto* to) {
     if (to == nullptr) return;
-    static_assert(sizeof(from[0]) == 3 * sizeof(*to));
-    std::memcpy(to, from.data(), from.size() * sizeof(from[0]));
+    for (const auto& one : from) to = std::copy_n(one.data(), 3, to);
   };
   copy(block->vertices_mm, vertices_mm);
   copy(block->normals, normals);
