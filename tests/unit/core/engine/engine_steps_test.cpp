@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "tests/support/count_allocations.h"
 #include "tests/support/nan.h"
 #include "tests/unit/core/engine/askew_block.h"
-#include "tests/support/count_allocations.h"
 #include "tests/unit/core/engine/every_engine.h"
 
 namespace spinaltap {

@@ -17,9 +17,9 @@
 #include "core/heat/hole_kernel.h"
 #include "core/session/drill_session.h"
 #include "core/session/record/session_record.h"
+#include "tests/support/count_allocations.h"
 #include "tests/support/drill_block.h"
 #include "tests/support/nan.h"
-#include "tests/support/count_allocations.h"
 
 namespace spinaltap {
 namespace {
